@@ -1,0 +1,9 @@
+# C3DE_SANITIZE=address;undefined or thread, for every own target (presets asan and tsan).
+add_library(c3de_sanitizers INTERFACE)
+if(C3DE_SANITIZE AND NOT MSVC)
+  list(JOIN C3DE_SANITIZE "," _c3de_sanitize)
+  target_compile_options(c3de_sanitizers INTERFACE -fsanitize=${_c3de_sanitize} -fno-omit-frame-pointer -g)
+  target_link_options(c3de_sanitizers INTERFACE -fsanitize=${_c3de_sanitize})
+elseif(C3DE_SANITIZE AND MSVC)
+  target_compile_options(c3de_sanitizers INTERFACE /fsanitize=address)
+endif()

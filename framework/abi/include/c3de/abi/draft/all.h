@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Every service and interface, all of them still drafts. */
+#ifndef C3DE_ABI_DRAFT_ALL_H
+#define C3DE_ABI_DRAFT_ALL_H
+
+#include "../entry.h"
+#include "../object.h"
+#include "collision.h"
+#include "iface/point_sets.h"
+#include "iface/simulator.h"
+#include "jobs.h"
+#include "log.h"
+#include "panels.h"
+#include "params.h"
+#include "registry.h"
+#include "render.h"
+#include "scene.h"
+#include "simulation.h"
+#include "time.h"
+#include "tools.h"
+
+#endif

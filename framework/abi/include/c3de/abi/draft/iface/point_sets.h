@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Phyxels carry the physics of a body, surfels are its visible surface. A set that belongs to a simulator is read between
+ * its steps; a set created alone is a cloud of points with the same fields. Units are SI. */
+#ifndef C3DE_ABI_DRAFT_IFACE_POINT_SETS_H
+#define C3DE_ABI_DRAFT_IFACE_POINT_SETS_H
+
+#include "../../object.h"
+
+#define C3DE_IFACE_PHYXEL_SET_ID "draft/c3de.iface.phyxel_set/0"
+#define C3DE_IFACE_SURFEL_SET_ID "draft/c3de.iface.surfel_set/0"
+
+/* Fields of phyxels. All f64. */
+#define C3DE_FIELD_REFERENCE_POSITION 1u /* comps 3, m */
+#define C3DE_FIELD_POSITION 2u           /* comps 3, m */
+#define C3DE_FIELD_VELOCITY 3u           /* comps 3, m/s */
+#define C3DE_FIELD_MASS 4u               /* comps 1, kg */
+#define C3DE_FIELD_VOLUME 5u             /* comps 1, m³, at rest */
+#define C3DE_FIELD_GRADIENT 6u           /* comps 9, column-major: deformation gradient F */
+#define C3DE_FIELD_STRAIN 7u             /* comps 9: Green strain */
+#define C3DE_FIELD_STRESS 8u             /* comps 9, Pa: second Piola-Kirchhoff */
+/* Fields of surfels beside REFERENCE_POSITION and POSITION. */
+#define C3DE_FIELD_NORMAL 9u /* comps 3, unit */
+
+typedef struct c3de_phyxel_set_v0 {
+  uint32_t size;
+  uint32_t rev;
+  uint64_t(C3DE_CALL *count)(c3de_object *self);
+  /* Copies a field; out must have room for count rows. */
+  c3de_status(C3DE_CALL *read)(c3de_object *self, uint32_t field, c3de_mview out);
+  /* CSR neighbour lists of the rest state: offsets (count + 1) and indices, u32, borrowed from the set. */
+  c3de_status(C3DE_CALL *neighbours)(c3de_object *self, c3de_view *offsets, c3de_view *indices);
+  /* Only for a set created alone: positions (comps 3, f64), rest volumes (comps 1) and a density in kg/m³ make new
+   * phyxels with neighbourhoods of `neighbours` points (12 … 100). C3DE_E_STATE for a set of a simulator. */
+  c3de_status(C3DE_CALL *assign)(c3de_object *self, c3de_view positions, c3de_view volumes, double density,
+                                 uint32_t neighbours);
+  /* Only for a set created alone: moves the points; GRADIENT and STRAIN follow. */
+  c3de_status(C3DE_CALL *move)(c3de_object *self, c3de_view positions);
+} c3de_phyxel_set_v0;
+
+typedef struct c3de_surfel_set_v0 {
+  uint32_t size;
+  uint32_t rev;
+  uint64_t(C3DE_CALL *count)(c3de_object *self);
+  c3de_status(C3DE_CALL *read)(c3de_object *self, uint32_t field, c3de_mview out);
+  /* CSR: the phyxels that move each surfel and their weights (f64, sum 1), borrowed from the set. */
+  c3de_status(C3DE_CALL *owners)(c3de_object *self, c3de_view *offsets, c3de_view *indices, c3de_view *weights);
+  /* Only for a set created alone: binds points with normals to a phyxel set. */
+  c3de_status(C3DE_CALL *assign)(c3de_object *self, c3de_object *phyxels, c3de_view positions, c3de_view normals);
+} c3de_surfel_set_v0;
+
+#endif

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Retained drawing: create a proxy once, update its arrays when they change. Absent when there is no window. */
+#ifndef C3DE_ABI_DRAFT_RENDER_H
+#define C3DE_ABI_DRAFT_RENDER_H
+
+#include "../base.h"
+
+#define C3DE_RENDER_ID "draft/c3de.render/0"
+
+#define C3DE_ATTR_POSITIONS 1u /* comps 3, f32 or f64, node space */
+#define C3DE_ATTR_NORMALS 2u   /* comps 3; absent on a mesh: computed from the triangles at each update */
+#define C3DE_ATTR_COLOURS 3u   /* comps 3 or 4, f32 in 0 … 1, or u8 */
+#define C3DE_ATTR_RADII 4u     /* spheres: comps 1, node space */
+
+typedef struct c3de_material {
+  uint32_t size;
+  uint32_t two_sided;
+  float colour[4]; /* sRGB and opacity, 0 … 1; opacity below 1 blends, correctly ordered */
+} c3de_material;
+
+typedef struct c3de_render_v0 {
+  uint32_t size;
+  uint32_t rev;
+  void *ctx;
+  /* Proxies live under a scene node: its transform and visibility apply. Triangles: comps 3, u32. [main] */
+  c3de_status(C3DE_CALL *create_mesh)(void *ctx, c3de_handle node, c3de_view positions, c3de_view triangles,
+                                      const c3de_material *material, c3de_handle *out);
+  c3de_status(C3DE_CALL *create_spheres)(void *ctx, c3de_handle node, c3de_view centres, double radius,
+                                         const c3de_material *material, c3de_handle *out);
+  /* Pairs of points. width in pixels. [main] */
+  c3de_status(C3DE_CALL *create_lines)(void *ctx, c3de_handle node, c3de_view points, float width_px,
+                                       const c3de_material *material, c3de_handle *out);
+  /* Text at a point of the node's space. [main] */
+  c3de_status(C3DE_CALL *create_label)(void *ctx, c3de_handle node, const double *at3, c3de_str text,
+                                       const c3de_material *material, c3de_handle *out);
+  /* Replaces an array of the proxy; the count may change for spheres and lines, not for meshes. [main] */
+  c3de_status(C3DE_CALL *update)(void *ctx, c3de_handle proxy, uint32_t attribute, c3de_view values);
+  c3de_status(C3DE_CALL *set_label)(void *ctx, c3de_handle proxy, const double *at3, c3de_str text);
+  c3de_status(C3DE_CALL *set_material)(void *ctx, c3de_handle proxy, const c3de_material *material);
+  c3de_status(C3DE_CALL *set_visible)(void *ctx, c3de_handle proxy, uint32_t visible);
+  c3de_status(C3DE_CALL *destroy)(void *ctx, c3de_handle proxy);
+} c3de_render_v0;
+
+#endif

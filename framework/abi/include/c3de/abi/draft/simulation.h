@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The host drives a simulator on a thread of its own; this is how others start, stop and reach it. */
+#ifndef C3DE_ABI_DRAFT_SIMULATION_H
+#define C3DE_ABI_DRAFT_SIMULATION_H
+
+#include "../base.h"
+
+#define C3DE_SIMULATION_ID "draft/c3de.simulation/0"
+
+#define C3DE_SIM_STOPPED 0u /* at the initial state */
+#define C3DE_SIM_PLAYING 1u
+#define C3DE_SIM_PAUSED 2u
+#define C3DE_SIM_FAILED 3u /* the last good state is kept; reset or stop leads out */
+
+#define C3DE_TRANSPORT_PLAY 1u  /* also: continue */
+#define C3DE_TRANSPORT_PAUSE 2u
+#define C3DE_TRANSPORT_STOP 3u  /* ends and goes back to the initial state */
+#define C3DE_TRANSPORT_RESET 4u /* to the initial state, bit for bit; goes on playing if it was */
+#define C3DE_TRANSPORT_STEP 5u  /* one step, then paused */
+
+typedef struct c3de_sim_transport {
+  uint32_t size;
+  uint32_t mode; /* C3DE_SIM_* */
+  uint64_t steps;
+  double time_s;           /* simulated */
+  double target_rate;      /* simulated seconds per second that are aimed at; 1 = real time */
+  double real_time_factor; /* achieved over the last second of playing */
+  double step_ms;          /* wall time of a step, mean of the last second */
+} c3de_sim_transport;
+
+typedef struct c3de_simulation_v0 {
+  uint32_t size;
+  uint32_t rev;
+  void *ctx;
+  /* node: the simulation's scene node, as handed to iface.simulator attach(). Takes effect between two steps. [any] */
+  c3de_status(C3DE_CALL *transport)(void *ctx, c3de_handle node, uint32_t action);
+  c3de_status(C3DE_CALL *set_target_rate)(void *ctx, c3de_handle node, double rate); /* 0: as fast as it goes [any] */
+  c3de_status(C3DE_CALL *state)(void *ctx, c3de_handle node, c3de_sim_transport *out); /* [any] */
+  /* fn(self) runs on the simulation's thread between two steps, soon, also while paused. [any] */
+  c3de_status(C3DE_CALL *post)(void *ctx, c3de_handle node, void *self, void(C3DE_CALL *fn)(void *self));
+} c3de_simulation_v0;
+
+#endif

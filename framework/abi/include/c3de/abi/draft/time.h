@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#ifndef C3DE_ABI_DRAFT_TIME_H
+#define C3DE_ABI_DRAFT_TIME_H
+
+#include "../base.h"
+
+#define C3DE_TIME_ID "draft/c3de.time/0"
+
+typedef struct c3de_time_v0 {
+  uint32_t size;
+  uint32_t rev;
+  void *ctx;
+  uint64_t(C3DE_CALL *now_ns)(void *ctx);      /* monotonic clock [any] */
+  uint64_t(C3DE_CALL *frame_index)(void *ctx); /* frames drawn so far [any] */
+  void(C3DE_CALL *request_redraw)(void *ctx);  /* wakes the window [any] */
+  /* fn(self) runs on the main thread before the next frame. [any] */
+  c3de_status(C3DE_CALL *post_to_main)(void *ctx, void *self, void(C3DE_CALL *fn)(void *self));
+  /* fn(self) runs on the main thread at the start of every frame, before panels and drawing. [main] */
+  c3de_status(C3DE_CALL *add_frame_callback)(void *ctx, void *self, void(C3DE_CALL *fn)(void *self), c3de_handle *out);
+  c3de_status(C3DE_CALL *remove_frame_callback)(void *ctx, c3de_handle callback);
+} c3de_time_v0;
+
+#endif

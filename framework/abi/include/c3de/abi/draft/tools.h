@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Tools: what the left mouse button does in the 3D view. One tool is active at a time. */
+#ifndef C3DE_ABI_DRAFT_TOOLS_H
+#define C3DE_ABI_DRAFT_TOOLS_H
+
+#include "../base.h"
+
+#define C3DE_TOOLS_ID "draft/c3de.tools/0"
+
+#define C3DE_EVENT_PRESS 1u
+#define C3DE_EVENT_MOVE 2u
+#define C3DE_EVENT_RELEASE 3u
+#define C3DE_EVENT_WHEEL 4u
+#define C3DE_EVENT_KEY 5u
+
+#define C3DE_BUTTON_LEFT 1u
+#define C3DE_BUTTON_RIGHT 2u
+#define C3DE_BUTTON_MIDDLE 4u
+
+#define C3DE_MOD_SHIFT 1u
+#define C3DE_MOD_CTRL 2u
+#define C3DE_MOD_ALT 4u
+
+typedef struct c3de_event {
+  uint32_t size;
+  uint32_t type;      /* C3DE_EVENT_* */
+  uint32_t button;    /* the one pressed or released */
+  uint32_t buttons;   /* all that are down */
+  uint32_t modifiers; /* C3DE_MOD_* */
+  uint32_t key;       /* ASCII upper case, or 27 for Escape */
+  double x_px, y_px;  /* from the view's upper left corner */
+  double wheel;
+  double ray_origin_mm[3], ray_direction[3]; /* world; through the pixel, unit direction */
+  double view_direction[3];                  /* world; where the camera looks */
+  double time_s;
+} c3de_event;
+
+typedef struct c3de_tool { /* copied, strings included */
+  uint32_t size;
+  uint32_t rev;
+  c3de_str id, label;
+  c3de_str hint;     /* one line, shown while active */
+  uint32_t shortcut; /* ASCII upper case; 0: none */
+  uint32_t reserved;
+  void *self;
+  c3de_status(C3DE_CALL *activate)(void *self); /* [main] */
+  /* Also on loss of focus and before another tool: must let go of everything. [main] */
+  void(C3DE_CALL *cancel)(void *self);
+  /* *consumed = 1 keeps the event from the camera. [main] */
+  c3de_status(C3DE_CALL *on_event)(void *self, const c3de_event *event, uint32_t *consumed);
+} c3de_tool;
+
+typedef struct c3de_tools_v0 {
+  uint32_t size;
+  uint32_t rev;
+  void *ctx;
+  c3de_status(C3DE_CALL *add)(void *ctx, const c3de_tool *tool, c3de_handle *out); /* [main] */
+  c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle tool);                     /* [main] */
+  c3de_status(C3DE_CALL *activate)(void *ctx, c3de_handle tool);                   /* 0: none [main] */
+  c3de_status(C3DE_CALL *is_active)(void *ctx, c3de_handle tool, uint32_t *active); /* [main] */
+} c3de_tools_v0;
+
+#endif

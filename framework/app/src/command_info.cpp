@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command_info.h"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+
+#include "c3de/core/text.h"
+#include "c3de/geometry/mesh_io.h"
+#include "exit_code.h"
+#include "simulator_access.h"
+
+namespace c3de::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What is said about one file, for people and for programs.
+struct Described {
+  std::string text;
+  Json json;
+};
+
+Expected<Described> describeMesh(const std::filesystem::path &file, const std::string &unitText) {
+  const auto unit = scene::parseLengthUnit(unitText);
+  if (!unit) return fail(ErrorCode::usage, "--unit: " + unit.error().message);
+  const auto loaded = geometry::loadMesh(file, *unit);
+  if (!loaded) return tl::unexpected(loaded.error());
+  Described out;
+  out.json = Json::parse(loaded->report.json(), nullptr, false);
+  if (!out.json.is_object()) out.json = Json::object();
+  out.json["file"] = file.string();
+  out.json["kind"] = "mesh";
+  out.text = loaded->report.text();
+  const auto fillable = geometry::checkFillable(loaded->mesh, loaded->report);
+  out.json["fillable"] = fillable.has_value();
+  if (!fillable) {
+    out.json["not_fillable_because"] = fillable.error().message;
+    out.text += "\nnot fillable: " + fillable.error().message;
+  }
+  return out;
+}
+
+void describeValues(const std::vector<scene::SceneValue> &values, std::ostringstream &text, Json &json) {
+  for (const scene::SceneValue &value : values) {
+    text << "  " << value.value.id << " = " << value.value.display() << "\n";
+    switch (value.value.type) {
+      case C3DE_PARAM_BOOL: json[value.value.id] = value.value.num != 0.0; break;
+      case C3DE_PARAM_I64:
+      case C3DE_PARAM_F64: json[value.value.id] = value.value.num; break;
+      case C3DE_PARAM_VEC3: json[value.value.id] = value.value.vec; break;
+      default: json[value.value.id] = value.value.text;
+    }
+  }
+}
+
+/// Says what the mesh of a body or obstacle is; the error names the line of the scene.
+Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::filesystem::path &mesh,
+                            geometry::LengthUnit unit, bool mustBeFillable, std::ostringstream &text) {
+  const auto loaded = geometry::loadMesh(mesh, unit);
+  if (!loaded) return fail(loaded.error().code, scene.where(line) + ": " + loaded.error().message);
+  const geometry::MeshReport &report = loaded->report;
+  if (mustBeFillable)
+    if (const auto fillable = geometry::checkFillable(loaded->mesh, report); !fillable)
+      return fail(fillable.error().code, scene.where(line) + ": " + fillable.error().message);
+  text << "  mesh " << mesh.string() << " (" << geometry::unitName(unit) << "): " << report.vertices << " vertices, "
+       << report.triangles << " triangles, " << (report.closed ? "closed" : "open") << "\n";
+  for (const std::string &warning : report.warnings) text << "  warning: " << warning << "\n";
+  Json json = Json::parse(report.json(), nullptr, false);
+  if (!json.is_object()) json = Json::object();
+  json["file"] = mesh.string();
+  return json;
+}
+
+Expected<Described> describeScene(Session &session, const std::filesystem::path &file) {
+  const auto scene = scene::loadScene(file, &session.materials());
+  if (!scene) return tl::unexpected(scene.error());
+  Described out;
+  std::ostringstream text;
+  text << "scene \"" << scene->title << "\"\n";
+  out.json["file"] = file.string();
+  out.json["kind"] = "scene";
+  out.json["title"] = scene->title;
+  out.json["world"] = Json::object();
+  describeValues(scene->world, text, out.json["world"]);
+  out.json["bodies"] = Json::array();
+  for (const scene::SceneBody &body : scene->bodies) {
+    text << "body \"" << body.name << "\"\n";
+    const auto mesh = describePart(*scene, body.line, body.mesh, body.meshUnit, true, text);
+    if (!mesh) return tl::unexpected(mesh.error());
+    Json json{{"name", body.name}, {"mesh", *mesh}, {"params", Json::object()}};
+    describeValues(body.params, text, json["params"]);
+    out.json["bodies"].push_back(std::move(json));
+  }
+  out.json["obstacles"] = Json::array();
+  for (const scene::SceneObstacle &obstacle : scene->obstacles) {
+    text << "obstacle \"" << obstacle.name << "\"\n";
+    const auto mesh = describePart(*scene, obstacle.line, obstacle.mesh, obstacle.meshUnit, false, text);
+    if (!mesh) return tl::unexpected(mesh.error());
+    Json json{{"name", obstacle.name}, {"mesh", *mesh}, {"params", Json::object()}};
+    describeValues(obstacle.params, text, json["params"]);
+    out.json["obstacles"].push_back(std::move(json));
+  }
+  out.json["probes"] = Json::array();
+  for (const scene::SceneProbe &probe : scene->probes) {
+    text << "probe \"" << probe.name << "\" of body \"" << probe.body << "\"\n";
+    out.json["probes"].push_back(Json{{"name", probe.name}, {"body", probe.body}, {"at_m", probe.at_m}});
+  }
+
+  // Keys below material, sampling, solver and world are for a simulator to judge.
+  auto created = session.createSimulator();
+  out.json["checked_by_simulator"] = created.has_value();
+  if (created) {
+    const ObjectRef simulator(*created);
+    if (const auto checked = session.checkScene(simulator.get(), *scene); !checked) return tl::unexpected(checked.error());
+    text << "every key is known to the simulator\n";
+  } else {
+    text << "keys of materials, sampling, solver and world are not checked: " << created.error().message << "\n";
+  }
+  out.text = text.str();
+  return out;
+}
+
+}  // namespace
+
+int showInfo(const InfoOptions &options) {
+  std::unique_ptr<Session> session;
+  ExitCode exitCode = kDone;
+  Json list = Json::array();
+  for (const std::filesystem::path &file : options.files) {
+    Expected<Described> described;
+    std::error_code code;
+    if (!std::filesystem::exists(file, code)) {
+      described = fail(ErrorCode::input, file.string() + ": no such file");
+    } else if (std::filesystem::is_directory(file, code)) {
+      described = fail(ErrorCode::input, file.string() + ": is a folder; folders of images are not served yet; this version "
+                                                         "serves meshes and scenes (.toml)");
+    } else if (scene::isScenePath(file)) {
+      // Plugins are loaded for the first scene only: a mesh needs none.
+      if (!session) {
+        auto made = Session::create(options.session);
+        if (!made) return reportError(made.error());
+        session = std::move(*made);
+      }
+      described = describeScene(*session, file);
+    } else {
+      described = describeMesh(file, options.meshUnit);
+    }
+    if (!described) {
+      const ExitCode failed = reportError(described.error());
+      if (exitCode == kDone) exitCode = failed;
+      list.push_back(Json{{"file", file.string()}, {"error", described.error().message}});
+      continue;
+    }
+    list.push_back(std::move(described->json));
+    if (options.json) continue;
+    const std::string &text = described->text;
+    std::printf("%s\n%s%s", file.string().c_str(), text.c_str(), text.empty() || text.back() == '\n' ? "" : "\n");
+  }
+  if (options.json) {
+    const Json &out = options.files.size() == 1 ? list.front() : list;
+    std::printf("%s\n", out.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+  }
+  return exitCode;
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "session.h"
+
+namespace c3de::app {
+
+struct InfoOptions {
+  SessionOptions session;
+  std::vector<std::filesystem::path> files;
+  std::string meshUnit = "mm";  ///< of meshes that do not say theirs
+  bool json = false;            ///< one file: an object; several: a list of objects
+};
+
+/// `c3de info`: what each file contains and what is wrong with it, on stdout; goes on after a file that is refused.
+/// Returns the exit code.
+[[nodiscard]] int showInfo(const InfoOptions &options);
+
+}  // namespace c3de::app

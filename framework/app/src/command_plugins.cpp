@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command_plugins.h"
+
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "c3de/abi/draft/all.h"
+#include "c3de/core/log.h"
+#include "exit_code.h"
+
+namespace c3de::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array kServices{C3DE_COLLISION_ID, C3DE_JOBS_ID,  C3DE_LOG_ID,      C3DE_MESH_ID,
+                               C3DE_PANELS_ID,    C3DE_PARAMS_ID, C3DE_REGISTRY_ID, C3DE_RENDER_ID,
+                               C3DE_SCENE_ID,     C3DE_SIMULATION_ID, C3DE_TIME_ID, C3DE_TOOLS_ID};
+
+std::string dump(const Json &json) { return json.dump(2, ' ', false, Json::error_handler_t::replace); }
+
+Json describe(const plugin_host::PluginInfo &plugin) {
+  const bool loaded = plugin.state == plugin_host::PluginState::loaded;
+  Json json{{"path", plugin.path.string()}, {"state", loaded ? "loaded" : "refused"}};
+  if (!loaded) json["reason"] = plugin.reason;
+  json["id"] = plugin.id;
+  json["version"] = plugin.version;
+  json["name"] = plugin.displayName;
+  json["vendor"] = plugin.vendor;
+  json["license"] = plugin.license;
+  json["classes"] = plugin.classes;
+  return json;
+}
+
+}  // namespace
+
+int listPlugins(const SessionOptions &options, bool json) {
+  // The named ones are loaded here, one by one: a refusal is what this command is to show, not what ends it.
+  SessionOptions withoutNamed = options;
+  withoutNamed.usePlugins = false;
+  auto session = Session::create(withoutNamed);
+  if (!session) return reportError(session.error());
+  plugin_host::PluginHost &host = (*session)->plugins();
+  ExitCode exitCode = kDone;
+  std::vector<std::filesystem::path> folders;
+  if (options.usePlugins) {
+    for (const auto &file : options.pluginFiles)
+      if (const auto loaded = host.load(file); !loaded) exitCode = reportError({ErrorCode::plugin, loaded.error().message});
+    for (const auto &folder : options.pluginFolders) {
+      std::error_code code;
+      if (std::filesystem::is_directory(folder, code))
+        folders.push_back(folder);
+      else
+        exitCode = reportError({ErrorCode::plugin, "--plugin-path " + folder.string() +
+                                                       ": no such folder; accepted: a folder of plugins"});
+    }
+    for (const auto &folder : plugin_host::defaultPluginFolders()) folders.push_back(folder);
+    for (const auto &folder : folders) host.loadFolder(folder);
+    host.start();
+  }
+
+  if (json) {
+    Json out{{"folders", Json::array()}, {"plugins", Json::array()}, {"classes", Json::array()}};
+    for (const auto &folder : folders) out["folders"].push_back(folder.string());
+    for (const auto &plugin : host.plugins()) out["plugins"].push_back(describe(plugin));
+    for (const auto &one : host.classes())
+      out["classes"].push_back(Json{{"id", one.id}, {"label", one.label}, {"doc", one.doc}, {"plugin", one.plugin},
+                                    {"interfaces", one.interfaces}});
+    std::printf("%s\n", dump(out).c_str());
+    return exitCode;
+  }
+  if (!options.usePlugins) std::printf("--no-plugins: nothing was looked for\n");
+  for (const auto &folder : folders) std::printf("looked in %s\n", folder.string().c_str());
+  for (const auto &plugin : host.plugins()) {
+    if (plugin.state == plugin_host::PluginState::refused) {
+      std::printf("refused  %s\n         %s\n", plugin.path.string().c_str(), plugin.reason.c_str());
+      continue;
+    }
+    std::printf("loaded   %s\n         %s %s, %s; %s; %s\n", plugin.path.string().c_str(), plugin.id.c_str(),
+                plugin.version.c_str(), plugin.displayName.c_str(), plugin.vendor.c_str(), plugin.license.c_str());
+    for (const auto &one : plugin.classes) std::printf("         class %s\n", one.c_str());
+  }
+  if (host.plugins().empty()) std::printf("no plugin was found\n");
+  return exitCode;
+}
+
+void printVersion(bool json) {
+  if (!json) {
+    std::printf("c3de %s, plugin ABI %u.%u\n", C3DE_VERSION, C3DE_ABI_MAJOR, C3DE_ABI_MINOR);
+    return;
+  }
+  const Json out{{"product", "c3de"},
+                 {"version", C3DE_VERSION},
+                 {"abi", {{"major", C3DE_ABI_MAJOR}, {"minor", C3DE_ABI_MINOR}}},
+                 {"services", kServices}};
+  std::printf("%s\n", dump(out).c_str());
+}
+
+}  // namespace c3de::app

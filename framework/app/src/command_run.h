@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session.h"
+
+namespace c3de::app {
+
+struct RunOptions {
+  SessionOptions session;
+  std::filesystem::path scene;  ///< a scene, or a mesh as one body
+  std::string meshUnit = "mm";  ///< of a mesh
+  std::optional<double> until_s;
+  std::optional<std::uint64_t> steps;  ///< neither: kDefaultDuration_s
+  std::vector<std::string> overrides;  ///< PATH=VALUE
+  std::filesystem::path report, probes, screenshot;  ///< empty: not wanted
+  std::uint64_t probesEvery = 1;                     ///< steps
+  int width = 1280, height = 720;
+  std::optional<std::uint64_t> seed;
+  bool quiet = false;
+};
+
+inline constexpr double kDefaultDuration_s = 1.0;
+
+/// `c3de run`: simulates without a window. Returns the exit code.
+[[nodiscard]] int runScene(const RunOptions &options);
+
+}  // namespace c3de::app

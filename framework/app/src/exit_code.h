@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "c3de/core/expected.h"
+
+namespace c3de::app {
+
+/// What the program answers to its caller; part of the command line's contract.
+enum ExitCode : int {
+  kDone = 0,
+  kFailed = 1,
+  kUsage = 2,
+  kInput = 3,
+  kPlugin = 4,
+  kDiverged = 5,
+  kGraphics = 6,
+  kOutput = 7,
+  kInterrupted = 130
+};
+
+[[nodiscard]] ExitCode exitCodeOf(ErrorCode code);
+
+/// Prints `c3de: error: MESSAGE` to stderr and gives the exit code that belongs to it.
+ExitCode reportError(const Error &error);
+
+}  // namespace c3de::app

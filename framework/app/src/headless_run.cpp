@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "headless_run.h"
+
+#include <chrono>
+#include <optional>
+
+#include "c3de/core/text.h"
+#include "interrupt.h"
+#include "probe_table.h"
+#include "progress_line.h"
+
+namespace c3de::app {
+
+Expected<std::string> HeadlessRun::simulatorReport() const {
+  std::string text;
+  c3de_sink sink{};
+  sink.self = &text;
+  sink.put = [](void *self, const void *bytes, std::uint64_t n) -> c3de_status {
+    try {
+      static_cast<std::string *>(self)->append(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
+      return C3DE_OK;
+    } catch (...) {
+      return C3DE_E_NOMEM;
+    }
+  };
+  const c3de_status code = table_->report(simulator_, sink);
+  if (code >= 0) return text;
+  const std::string reason = session_.plugins().takeError();
+  return fail(ErrorCode::plugin, "the simulator gives no report: " +
+                                     (reason.empty() ? "status " + std::to_string(code) : reason));
+}
+
+Expected<void> HeadlessRun::readStatus() {
+  c3de_sim_status status{};
+  status.size = sizeof status;
+  if (const c3de_status code = table_->status(simulator_, &status); code < 0)
+    return fail(ErrorCode::plugin, "the simulator does not say its status (" + std::to_string(code) + ")");
+  facts_.steps = status.steps;
+  facts_.time_s = status.time_s;
+  facts_.dt_s = status.dt_s;
+  return {};
+}
+
+bool HeadlessRun::isDone() const {
+  if (options_.steps) return facts_.steps >= *options_.steps;
+  // Many steps add up to a hair below the end; that hair is no step.
+  const double until_s = options_.until_s.value_or(kDefaultDuration_s);
+  return facts_.time_s >= until_s - 1e-6 * facts_.dt_s;
+}
+
+double HeadlessRun::fraction() const {
+  if (options_.steps) return static_cast<double>(facts_.steps) / static_cast<double>(*options_.steps);
+  return facts_.time_s / options_.until_s.value_or(kDefaultDuration_s);
+}
+
+Expected<void> HeadlessRun::run() {
+  using Clock = std::chrono::steady_clock;
+  facts_.threads = session_.pool().threadCount();
+  facts_.seed = options_.seed;
+  if (const auto read = readStatus(); !read) return read;
+
+  std::optional<ProbeTable> table;
+  const auto sample = [&]() -> Expected<void> {
+    const auto json = simulatorReport();
+    if (!json) return tl::unexpected(json.error());
+    const auto probes = probesOf(*json);
+    if (!probes) return tl::unexpected(probes.error());
+    if (!table) {
+      auto created = ProbeTable::create(options_.probes, *probes);
+      if (!created) return tl::unexpected(created.error());
+      table = std::move(*created);
+    }
+    table->add(facts_.time_s, *probes);
+    return {};
+  };
+  const bool wantsProbes = !options_.probes.empty();
+  if (wantsProbes)
+    if (const auto sampled = sample(); !sampled) return sampled;
+
+  ProgressLine progress(options_.quiet);
+  double wall_s = 0.0;
+  facts_.outcome = "done";
+  while (!isDone()) {
+    if (wasInterrupted()) {
+      facts_.outcome = "interrupted";
+      facts_.failure = "interrupted at " + formatNumber(facts_.time_s) + " s";
+      break;
+    }
+    const double timeBefore_s = facts_.time_s;
+    const std::uint64_t stepsBefore = facts_.steps;
+    const Clock::time_point begin = Clock::now();
+    const c3de_status code = table_->step(simulator_);
+    wall_s += std::chrono::duration<double>(Clock::now() - begin).count();
+    facts_.wall_s = wall_s;
+    if (code < 0) {
+      const std::string reason = session_.plugins().takeError();
+      facts_.outcome = code == C3DE_E_DIVERGED ? "diverged" : "failed";
+      facts_.failure = "step " + std::to_string(stepsBefore + 1) + " at " + formatNumber(timeBefore_s) + " s failed: " +
+                       (reason.empty() ? "status " + std::to_string(code) : reason);
+      break;
+    }
+    if (const auto read = readStatus(); !read) return read;
+    if (facts_.steps == stepsBefore && facts_.time_s == timeBefore_s) {
+      facts_.outcome = "failed";
+      facts_.failure = "the simulator answers that it has made a step, but neither step count nor time has grown";
+      break;
+    }
+    if (wantsProbes && (facts_.steps % options_.probesEvery == 0 || isDone()))
+      if (const auto sampled = sample(); !sampled) return sampled;
+    if (progress.isDue())
+      progress.update(fraction(), formatNumber(facts_.time_s) + " s simulated in " + formatNumber(wall_s) + " s, step " +
+                                      std::to_string(facts_.steps));
+  }
+  if (table_->state_hash(simulator_, &facts_.stateHash) < 0)
+    return fail(ErrorCode::plugin, "the simulator gives no state hash");
+  if (table)
+    if (const auto closed = table->close(); !closed) return closed;
+  return {};
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report.h"
+
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "c3de/core/platform.h"
+
+namespace c3de::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Expected<Json> parseSimulatorReport(const std::string &text) {
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded() || !json.is_object())
+    return fail(ErrorCode::plugin, "the simulator's report is not a JSON object; it begins with: " + text.substr(0, 60));
+  return json;
+}
+
+std::string hexadecimal(std::uint64_t value) {
+  std::array<char, 17> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
+  return text.data();
+}
+
+Vec3 vec3Of(const Json &probe, const char *key) {
+  const auto found = probe.find(key);
+  Vec3 out{};
+  if (found == probe.end() || !found->is_array() || found->size() != 3) return out;
+  for (std::size_t i = 0; i < 3; ++i)
+    if ((*found)[i].is_number()) out[i] = (*found)[i].get<double>();
+  return out;
+}
+
+}  // namespace
+
+Expected<std::string> reportJson(const RunFacts &facts, const std::string &simulatorJson) {
+  const auto simulator = parseSimulatorReport(simulatorJson);
+  if (!simulator) return tl::unexpected(simulator.error());
+  Json report;
+  report["format"] = 1;
+  report["scene"] = facts.scene;
+  report["source"] = facts.source;
+  report["version"] = C3DE_VERSION;
+  report["machine"] = Json{{"cpu", cpuName()}, {"threads", facts.threads}};
+  report["outcome"] = facts.outcome;
+  if (!facts.failure.empty()) report["failure"] = facts.failure;
+  report["steps"] = facts.steps;
+  report["time_s"] = facts.time_s;
+  report["wall_s"] = facts.wall_s;
+  report["real_time_factor"] = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
+  report["dt_s"] = facts.dt_s;
+  report["integrator"] = facts.integrator;
+  if (facts.seed) report["seed"] = *facts.seed;
+  // What the simulator says stays as it is; what it does not say is empty rather than absent.
+  for (const char *key : {"bodies", "probes"}) report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
+  report["reactions"] = simulator->contains("reactions") ? simulator->at("reactions") : Json::array();
+  report["stages"] = simulator->contains("stages") ? simulator->at("stages") : Json::object();
+  report["events"] = simulator->contains("events") ? simulator->at("events") : Json::array();
+  report["state_hash"] = hexadecimal(facts.stateHash);
+  return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Expected<std::vector<ProbeSample>> probesOf(const std::string &simulatorJson) {
+  const auto simulator = parseSimulatorReport(simulatorJson);
+  if (!simulator) return tl::unexpected(simulator.error());
+  std::vector<ProbeSample> samples;
+  const auto probes = simulator->find("probes");
+  if (probes == simulator->end() || !probes->is_array()) return samples;
+  for (const Json &probe : *probes) {
+    if (!probe.is_object()) continue;
+    const auto name = probe.find("name");
+    samples.push_back({name != probe.end() && name->is_string() ? name->get<std::string>() : std::string(),
+                       vec3Of(probe, "position_m"), vec3Of(probe, "velocity_m_s")});
+  }
+  return samples;
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/core/vec.h"
+
+namespace c3de::app {
+
+/// What the program knows about a run; the simulator adds bodies, probes, stages and events.
+struct RunFacts {
+  std::string scene;  ///< title
+  std::string source;
+  std::string outcome;  ///< done | diverged | failed | interrupted
+  std::string failure;  ///< why, when it is not done
+  unsigned threads = 1;
+  std::uint64_t steps = 0;
+  double time_s = 0.0, wall_s = 0.0, dt_s = 0.0;
+  std::string integrator;
+  std::uint64_t stateHash = 0;
+  std::optional<std::uint64_t> seed;
+};
+
+/// The report of a run as JSON.
+/// @param simulatorJson  what the simulator reported; the error (ErrorCode::plugin) says why it is of no use
+[[nodiscard]] Expected<std::string> reportJson(const RunFacts &facts, const std::string &simulatorJson);
+
+struct ProbeSample {
+  std::string name;
+  Vec3 position_m{}, velocity_m_s{};
+};
+/// The probes of a simulator's report.
+[[nodiscard]] Expected<std::vector<ProbeSample>> probesOf(const std::string &simulatorJson);
+
+}  // namespace c3de::app

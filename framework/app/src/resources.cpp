@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "resources.h"
+
+#include <array>
+
+#include "c3de/core/platform.h"
+
+namespace c3de::app {
+
+Expected<std::filesystem::path> findResource(const std::filesystem::path &name) {
+  const std::filesystem::path programFolder = executablePath().parent_path();
+  const std::array folders{programFolder / ".." / "share" / "c3de", programFolder / C3DE_SOURCE_RESOURCES};
+  std::string looked;
+  for (const std::filesystem::path &folder : folders) {
+    const std::filesystem::path candidate = (folder / name).lexically_normal();
+    std::error_code code;
+    if (std::filesystem::exists(candidate, code)) return candidate;
+    looked += (looked.empty() ? "" : ", ") + candidate.string();
+  }
+  return fail(ErrorCode::input, "the resource '" + name.generic_string() + "' is missing; looked for: " + looked);
+}
+
+}  // namespace c3de::app

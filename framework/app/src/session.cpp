@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "c3de/core/log.h"
+#include "c3de/core/text.h"
+#include "c3de/geometry/mesh_io.h"
+#include "resources.h"
+#include "simulator_access.h"
+
+namespace c3de::app {
+namespace {
+
+std::string listOf(const std::vector<std::filesystem::path> &paths) {
+  std::string text;
+  for (const auto &path : paths) text += (text.empty() ? "" : ", ") + path.string();
+  return text.empty() ? "none" : text;
+}
+
+/// The values of one table of the scene as the simulator wants them.
+Expected<std::vector<ParameterValue>> fitAll(const scene::SceneFile &scene, const std::vector<scene::SceneValue> &values,
+                                             const std::vector<ParameterDecl> &decls) {
+  std::vector<ParameterValue> fitted;
+  for (const scene::SceneValue &value : values) {
+    auto one = scene::fitToDeclaration(scene, value, decls);
+    if (!one) return tl::unexpected(one.error());
+    fitted.push_back(std::move(*one));
+  }
+  return fitted;
+}
+
+std::vector<c3de_param_value> toAbi(const std::vector<ParameterValue> &values) {
+  std::vector<c3de_param_value> out;
+  for (const ParameterValue &value : values) out.push_back(value.abi());
+  return out;
+}
+
+/// A scene whose every value has been checked.
+struct FittedScene {
+  std::vector<ParameterValue> world;
+  std::vector<std::vector<ParameterValue>> bodies, obstacles;
+};
+
+Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &scene) {
+  const auto world = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
+  if (!world) return tl::unexpected(world.error());
+  const auto body = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_BODY);
+  if (!body) return tl::unexpected(body.error());
+  const auto obstacle = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_OBSTACLE);
+  if (!obstacle) return tl::unexpected(obstacle.error());
+
+  FittedScene fitted;
+  auto values = fitAll(scene, scene.world, *world);
+  if (!values) return tl::unexpected(values.error());
+  fitted.world = std::move(*values);
+  for (const scene::SceneBody &one : scene.bodies) {
+    values = fitAll(scene, one.params, *body);
+    if (!values) return tl::unexpected(values.error());
+    fitted.bodies.push_back(std::move(*values));
+  }
+  for (const scene::SceneObstacle &one : scene.obstacles) {
+    values = fitAll(scene, one.params, *obstacle);
+    if (!values) return tl::unexpected(values.error());
+    fitted.obstacles.push_back(std::move(*values));
+  }
+  return fitted;
+}
+
+/// Shows the progress of one of several parts as a share of the whole, and hands it on through the C boundary.
+class PartProgress {
+ public:
+  PartProgress(const ProgressFn &whole, std::string what, std::size_t index, std::size_t count)
+      : whole_(whole), what_(std::move(what)), index_(static_cast<double>(index)),
+        count_(static_cast<double>(std::max<std::size_t>(count, 1))) {
+    abi_.size = sizeof abi_;
+    abi_.self = this;
+    abi_.update = [](void *self, double fraction, c3de_str text) -> c3de_status {
+      // Nothing may be thrown through the boundary.
+      try {
+        return static_cast<PartProgress *>(self)->update(fraction, std::string(fromAbi(text))) ? C3DE_OK
+                                                                                            : C3DE_E_CANCELLED;
+      } catch (...) {
+        return C3DE_E_EXCEPTION;
+      }
+    };
+  }
+  PartProgress(const PartProgress &) = delete;
+  PartProgress &operator=(const PartProgress &) = delete;
+
+  bool update(double fraction, const std::string &text) const {
+    if (!whole_) return true;
+    const double part = fraction < 0.0 ? 0.0 : std::min(fraction, 1.0);
+    return whole_((index_ + part) / count_, text.empty() ? what_ : what_ + ": " + text);
+  }
+  [[nodiscard]] const c3de_progress *abi() const { return &abi_; }
+
+ private:
+  const ProgressFn &whole_;
+  std::string what_;
+  double index_, count_;
+  c3de_progress abi_{};
+};
+
+/// Keeps a mesh in the store for the duration of a call.
+class MeshLease {
+ public:
+  MeshLease(scene::MeshStore &store, geometry::LoadedMesh mesh) : store_(store), handle_(store.add(std::move(mesh))) {}
+  ~MeshLease() { store_.remove(handle_); }
+  MeshLease(const MeshLease &) = delete;
+  MeshLease &operator=(const MeshLease &) = delete;
+  [[nodiscard]] c3de_handle abi() const { return {handle_.bits()}; }
+
+ private:
+  scene::MeshStore &store_;
+  Handle handle_;
+};
+
+template <class T>
+void place(T &out, const scene::ScenePlacement &placement) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.position_m[axis] = placement.position_m[axis];
+    out.rotation_deg[axis] = placement.rotation_deg[axis];
+  }
+  out.scale = placement.scale;
+}
+
+}  // namespace
+
+struct Session::Impl {
+  explicit Impl(unsigned threads) : pool(threads), jobs(mainQueue) {}
+
+  ThreadPool pool;
+  MainQueue mainQueue;
+  BackgroundJobs jobs;
+  scene::SceneGraph sceneGraph;
+  scene::MeshStore meshes;
+  scene::SimulationDirectory simulations;
+  scene::MaterialLibrary materials;
+  std::vector<std::filesystem::path> folders;
+  std::unique_ptr<plugin_host::PluginHost> host;  ///< after everything that plugins reach
+  std::unique_ptr<scene::Simulation> simulation;
+  Handle node;
+
+  [[nodiscard]] Error lastError(c3de_status code, const std::string &where, const std::string &what) const;
+  void letGo(std::unique_ptr<scene::Simulation> gone, Handle goneNode);
+};
+
+Error Session::Impl::lastError(c3de_status code, const std::string &where, const std::string &what) const {
+  if (code == C3DE_E_CANCELLED) return {ErrorCode::cancelled, what + " was cancelled"};
+  const std::string text = host->takeError();
+  return {ErrorCode::input,
+          where + ": " + (text.empty() ? what + " failed (status " + std::to_string(code) + ")" : text)};
+}
+
+/// Ends a simulation that has been detached from its node.
+void Session::Impl::letGo(std::unique_ptr<scene::Simulation> gone, Handle goneNode) {
+  if (!gone) return;
+  gone->setPublishedListener({});
+  simulations.remove(goneNode);
+  gone.reset();
+  sceneGraph.remove(goneNode);
+}
+
+Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Session::~Session() {
+  // Jobs of ours use simulators; simulators are code of plugins; plugins use everything else.
+  impl_->jobs.finishOwnedBy(kJobOwner);
+  if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
+  impl_->letGo(std::move(impl_->simulation), impl_->node);
+  impl_->host.reset();
+}
+
+Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options) {
+  auto impl = std::make_unique<Impl>(options.threads);
+
+  const auto materialsFile = findResource("materials.toml");
+  auto materials = materialsFile ? scene::MaterialLibrary::load(*materialsFile)
+                                 : Expected<scene::MaterialLibrary>(tl::unexpected(materialsFile.error()));
+  if (materials)
+    impl->materials = std::move(*materials);
+  else
+    log(LogLevel::warn, "no material presets: " + materials.error().message);
+
+  plugin_host::Services services;
+  services.pool = &impl->pool;
+  services.mainQueue = &impl->mainQueue;
+  services.jobs = &impl->jobs;
+  services.sceneGraph = &impl->sceneGraph;
+  services.meshes = &impl->meshes;
+  services.simulations = &impl->simulations;
+  services.renderer = options.renderer;
+  services.panels = options.panels;
+  services.parameters = options.parameters;
+  services.tools = options.tools;
+  impl->host = std::make_unique<plugin_host::PluginHost>(services);
+  std::unique_ptr<Session> session(new Session(std::move(impl)));
+  if (!options.usePlugins) return session;
+
+  // Named plugins first, so that they shadow those of the folders.
+  plugin_host::PluginHost &host = *session->impl_->host;
+  for (const auto &file : options.pluginFiles)
+    if (const auto loaded = host.load(file); !loaded) return fail(ErrorCode::plugin, loaded.error().message);
+  auto &folders = session->impl_->folders;
+  for (const auto &folder : options.pluginFolders) {
+    std::error_code code;
+    if (!std::filesystem::is_directory(folder, code))
+      return fail(ErrorCode::plugin, "--plugin-path " + folder.string() + ": no such folder; accepted: a folder of plugins");
+    folders.push_back(folder);
+  }
+  for (const auto &folder : plugin_host::defaultPluginFolders()) folders.push_back(folder);
+  for (const auto &folder : folders) host.loadFolder(folder);
+  host.start();
+  // A named plugin may load and then fail to start.
+  for (const plugin_host::PluginInfo &plugin : host.plugins())
+    for (const auto &file : options.pluginFiles) {
+      std::error_code code;
+      if (plugin.state == plugin_host::PluginState::refused && std::filesystem::equivalent(file, plugin.path, code))
+        return fail(ErrorCode::plugin, "plugin " + plugin.path.string() + " refused: " + plugin.reason);
+    }
+  return session;
+}
+
+ThreadPool &Session::pool() { return impl_->pool; }
+MainQueue &Session::mainQueue() { return impl_->mainQueue; }
+BackgroundJobs &Session::jobs() { return impl_->jobs; }
+scene::SceneGraph &Session::sceneGraph() { return impl_->sceneGraph; }
+scene::MeshStore &Session::meshes() { return impl_->meshes; }
+plugin_host::PluginHost &Session::plugins() { return *impl_->host; }
+const scene::MaterialLibrary &Session::materials() const { return impl_->materials; }
+const std::vector<std::filesystem::path> &Session::pluginFolders() const { return impl_->folders; }
+scene::Simulation *Session::simulation() { return impl_->simulation.get(); }
+Handle Session::simulationNode() const { return impl_->node; }
+
+Expected<c3de_object *> Session::createSimulator() {
+  const std::vector<std::string> ids = impl_->host->classesWith(C3DE_IFACE_SIMULATOR_ID);
+  if (ids.empty())
+    return fail(ErrorCode::plugin, std::string("no loaded plugin offers a class that answers ") + C3DE_IFACE_SIMULATOR_ID +
+                                       "; folders searched: " + listOf(impl_->folders) +
+                                       "; `c3de plugins` says what was found and why it was refused");
+  return impl_->host->createObject(ids.front());
+}
+
+Expected<void> Session::checkScene(c3de_object *simulator, const scene::SceneFile &scene) {
+  const auto fitted = fitScene(simulator, scene);
+  if (!fitted) return tl::unexpected(fitted.error());
+  return {};
+}
+
+Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress) {
+  const auto tableOrError = simulatorTable(simulator);
+  if (!tableOrError) return tl::unexpected(tableOrError.error());
+  const c3de_simulator_v0 *table = *tableOrError;
+  const auto fitted = fitScene(simulator, scene);
+  if (!fitted) return tl::unexpected(fitted.error());
+
+  const std::vector<c3de_param_value> world = toAbi(fitted->world);
+  if (const c3de_status code = table->set_world(simulator, world.data(), world.size(), sizeof(c3de_param_value)); code < 0)
+    return tl::unexpected(impl_->lastError(code, scene.where(0), "setting the world"));
+
+  const std::size_t parts = scene.obstacles.size() + scene.bodies.size();
+  std::size_t part = 0;
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const scene::SceneObstacle &obstacle = scene.obstacles[i];
+    const PartProgress partProgress(progress, obstacle.name, part++, parts);
+    auto mesh = geometry::loadMesh(obstacle.mesh, obstacle.meshUnit,
+                                   [&](double f, const std::string &what) { return partProgress.update(f, what); });
+    if (!mesh) return fail(mesh.error().code, scene.where(obstacle.line) + ": " + mesh.error().message);
+    const MeshLease lease(impl_->meshes, std::move(*mesh));
+    const std::vector<c3de_param_value> params = toAbi(fitted->obstacles[i]);
+    c3de_sim_obstacle abi{};
+    abi.size = sizeof abi;
+    abi.params_stride = sizeof(c3de_param_value);
+    abi.name = c3de::toAbi(obstacle.name);
+    abi.mesh = lease.abi();
+    place(abi, obstacle.placement);
+    abi.params = params.data();
+    abi.params_n = params.size();
+    c3de_handle added{};
+    if (const c3de_status code = table->add_obstacle(simulator, &abi, &added); code < 0)
+      return tl::unexpected(impl_->lastError(code, scene.where(obstacle.line), "adding obstacle '" + obstacle.name + "'"));
+  }
+
+  std::vector<c3de_handle> bodies;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const scene::SceneBody &body = scene.bodies[i];
+    const PartProgress partProgress(progress, body.name, part++, parts);
+    // Reading is a small share of what building a body takes.
+    auto mesh = geometry::loadMesh(body.mesh, body.meshUnit, [&](double f, const std::string &what) {
+      return partProgress.update(0.1 * std::max(f, 0.0), what);
+    });
+    if (!mesh) return fail(mesh.error().code, scene.where(body.line) + ": " + mesh.error().message);
+    const MeshLease lease(impl_->meshes, std::move(*mesh));
+    const std::vector<c3de_param_value> params = toAbi(fitted->bodies[i]);
+    c3de_sim_body abi{};
+    abi.size = sizeof abi;
+    abi.params_stride = sizeof(c3de_param_value);
+    abi.name = c3de::toAbi(body.name);
+    abi.mesh = lease.abi();
+    place(abi, body.placement);
+    abi.params = params.data();
+    abi.params_n = params.size();
+    abi.progress = partProgress.abi();
+    c3de_handle added{};
+    if (const c3de_status code = table->add_body(simulator, &abi, &added); code < 0)
+      return tl::unexpected(impl_->lastError(code, scene.where(body.line), "building body '" + body.name + "'"));
+    bodies.push_back(added);
+  }
+
+  for (const scene::SceneProbe &probe : scene.probes) {
+    const auto body = std::find_if(scene.bodies.begin(), scene.bodies.end(),
+                                   [&](const scene::SceneBody &candidate) { return candidate.name == probe.body; });
+    const c3de_handle handle = bodies[static_cast<std::size_t>(body - scene.bodies.begin())];
+    if (const c3de_status code = table->add_probe(simulator, c3de::toAbi(probe.name), handle, probe.at_m.data()); code < 0)
+      return tl::unexpected(impl_->lastError(code, scene.where(probe.line), "adding probe '" + probe.name + "'"));
+  }
+  return {};
+}
+
+Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) {
+  plugin_host::PluginHost *host = impl_->host.get();
+  auto created = scene::Simulation::create(simulator, [host] { return host->takeError(); });
+  if (!created) return tl::unexpected(created.error());
+  std::unique_ptr<scene::Simulation> next = std::move(*created);
+  next->setPublishedListener([queue = &impl_->mainQueue] { queue->requestRedraw(); });
+
+  const Handle nextNode = impl_->sceneGraph.add({}, title);
+  Mat4 worldFromSimulation = kIdentity4;
+  for (std::size_t axis = 0; axis < 3; ++axis) worldFromSimulation[5 * axis] = scene::kMillimetresPerMetre;
+  impl_->sceneGraph.find(nextNode)->parentFromNode = worldFromSimulation;
+  impl_->sceneGraph.touch();
+  impl_->simulations.add(nextNode, next.get());
+
+  // The one before lets go of its panels and proxies first, so that there is never a second set of them.
+  if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
+  const c3de_status code = next->table()->attach(simulator, c3de_handle{nextNode.bits()});
+  if (code < 0) {
+    const std::string text = host->takeError();
+    next->table()->attach(simulator, c3de_handle{0});
+    impl_->letGo(std::move(next), nextNode);
+    if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{impl_->node.bits()});
+    return fail(ErrorCode::plugin, "the simulator could not be shown: " +
+                                       (text.empty() ? "status " + std::to_string(code) : text));
+  }
+  impl_->letGo(std::exchange(impl_->simulation, std::move(next)), std::exchange(impl_->node, nextNode));
+  return {};
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation.h"
+
+#include <memory>
+#include <string>
+
+#include "c3de/abi/draft/log.h"
+#include "c3de/core/log.h"
+#include "c3de/render/renderer.h"
+#include "c3de/ui/file_browser.h"
+#include "c3de/ui/panel_registry.h"
+#include "c3de/ui/parameter_registry.h"
+#include "c3de/ui/tool_registry.h"
+#include "c3de/ui/workstation_window.h"
+#include "exit_code.h"
+#include "workstation_loader.h"
+#include "workstation_screenshot.h"
+
+namespace c3de::app {
+namespace {
+
+/// One run of the window. Members are destroyed from the last to the first: the session lets go of its plugins while
+/// registries, renderer and graphics context are still there.
+class Workstation {
+ public:
+  [[nodiscard]] Expected<void> start(const WorkstationOptions &options);
+  void run();
+
+ private:
+  [[nodiscard]] ui::WindowActions actions();
+  [[nodiscard]] ui::AboutText about() const;
+  [[nodiscard]] ui::SimulationView simulationView();
+  void showPluginProblems();
+  void saveScreenshot();
+  void watchForFailure();
+  void whenLoaded();
+  void whenFailed(const std::string &title, const Error &error);
+
+  ui::PanelRegistry panels_;
+  ui::ParameterRegistry parameters_;
+  ui::ToolRegistry tools_;
+  std::unique_ptr<ui::WorkstationWindow> window_;
+  std::unique_ptr<render::Renderer> renderer_;
+  std::unique_ptr<WorkstationLoader> loader_;  ///< used by the session's jobs until they end
+  std::unique_ptr<Session> session_;
+  bool playsWhenLoaded_ = false;
+  bool hasReportedFailure_ = false;
+  double targetRate_ = 1.0;
+};
+
+Expected<void> Workstation::start(const WorkstationOptions &options) {
+  ui::WindowOptions windowOptions;
+  windowOptions.width = options.width;
+  windowOptions.height = options.height;
+  windowOptions.automationState = options.automationState;
+  auto window = ui::WorkstationWindow::create(windowOptions);
+  if (!window) return tl::unexpected(window.error());
+  window_ = std::move(*window);
+  auto renderer = render::createGlRenderer();
+  if (!renderer) return tl::unexpected(renderer.error());
+  renderer_ = std::move(*renderer);
+
+  SessionOptions sessionOptions = options.session;
+  sessionOptions.renderer = renderer_.get();
+  sessionOptions.panels = &panels_;
+  sessionOptions.parameters = &parameters_;
+  sessionOptions.tools = &tools_;
+  auto session = Session::create(sessionOptions);
+  if (!session) return tl::unexpected(session.error());
+  session_ = std::move(*session);
+
+  playsWhenLoaded_ = options.play;
+  loader_ = std::make_unique<WorkstationLoader>(
+      *session_, WorkstationLoader::Events{[this] { whenLoaded(); },
+                                           [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
+  session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
+  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs()}, actions());
+  window_->setAbout(about());
+  showPluginProblems();
+  loader_->open(options.files, options.meshUnit);
+  return {};
+}
+
+void Workstation::run() {
+  while (!window_->closeRequested()) {
+    window_->waitForFrame();
+    session_->mainQueue().runFrame();
+    watchForFailure();
+    window_->drawFrame(*renderer_, simulationView());
+  }
+  window_->writeAutomationState();
+  session_->mainQueue().setWaker({});
+}
+
+ui::WindowActions Workstation::actions() {
+  ui::WindowActions actions;
+  actions.open = [this](const ui::OpenRequest &request) { loader_->open(request.files, request.meshUnit); };
+  actions.reload = [this] { loader_->reload(); };
+  actions.transport = [this](std::uint32_t action) {
+    if (scene::Simulation *simulation = session_->simulation()) simulation->transport(action);
+  };
+  actions.setTargetRate = [this](double rate) {
+    targetRate_ = rate;
+    if (scene::Simulation *simulation = session_->simulation()) simulation->setTargetRate(rate);
+  };
+  actions.screenshot = [this] { saveScreenshot(); };
+  return actions;
+}
+
+ui::AboutText Workstation::about() const {
+  ui::AboutText about;
+  about.version = "C3DE " C3DE_VERSION ", plugin ABI " + std::to_string(C3DE_ABI_MAJOR) + "." + std::to_string(C3DE_ABI_MINOR);
+  about.graphics = renderer_->description();
+  for (const plugin_host::PluginInfo &plugin : session_->plugins().plugins()) {
+    const std::string file = ui::pathText(plugin.path);
+    const std::string name = !plugin.displayName.empty() ? plugin.displayName
+                             : !plugin.id.empty()        ? plugin.id
+                                                         : ui::pathText(plugin.path.filename());
+    const bool isRefused = plugin.state == plugin_host::PluginState::refused;
+    about.plugins.push_back({name, plugin.version, plugin.vendor, plugin.license, file, isRefused ? plugin.reason : ""});
+  }
+  return about;
+}
+
+ui::SimulationView Workstation::simulationView() {
+  ui::SimulationView view;
+  view.transport.size = sizeof view.transport;
+  const scene::Simulation *simulation = session_->simulation();
+  if (!simulation) return view;
+  view.exists = true;
+  view.transport = simulation->state();
+  if (const scene::Node *node = session_->sceneGraph().find(session_->simulationNode())) view.title = node->name;
+  return view;
+}
+
+void Workstation::showPluginProblems() {
+  for (const plugin_host::PluginInfo &plugin : session_->plugins().plugins())
+    if (plugin.state == plugin_host::PluginState::refused)
+      panels_.notify(C3DE_LOG_WARN, "Plugin " + ui::pathText(plugin.path.filename()) + " was refused", plugin.reason);
+}
+
+void Workstation::saveScreenshot() {
+  const auto file = saveViewScreenshot(*renderer_, window_->camera(), window_->viewWidth(), window_->viewHeight());
+  if (file)
+    panels_.notify(C3DE_LOG_INFO, "Screenshot saved", ui::pathText(*file));
+  else
+    whenFailed("The screenshot could not be saved", file.error());
+}
+
+/// A failed simulation says so once, with the way out.
+void Workstation::watchForFailure() {
+  scene::Simulation *simulation = session_->simulation();
+  const bool hasFailed = simulation && simulation->state().mode == C3DE_SIM_FAILED;
+  if (hasFailed && !hasReportedFailure_) {
+    const std::string why = simulation->failure();
+    log(LogLevel::error, "the simulation stopped: " + why);
+    panels_.notify(C3DE_LOG_ERROR, "The simulation stopped",
+                   why + "\nThe last good state is shown. Reset (R) goes back to the initial state.");
+  }
+  hasReportedFailure_ = hasFailed;
+}
+
+void Workstation::whenLoaded() {
+  window_->requestFit();
+  scene::Simulation *simulation = session_->simulation();
+  simulation->setTargetRate(targetRate_);
+  if (std::exchange(playsWhenLoaded_, false)) simulation->transport(C3DE_TRANSPORT_PLAY);
+}
+
+void Workstation::whenFailed(const std::string &title, const Error &error) {
+  const bool isCancelled = error.code == ErrorCode::cancelled;
+  const std::string stays = session_ && session_->simulation() ? "\nWhat was open before stays as it is." : "";
+  if (!isCancelled) log(LogLevel::error, title + ": " + error.message);
+  panels_.notify(isCancelled ? C3DE_LOG_INFO : C3DE_LOG_ERROR, title, error.message + stays);
+}
+
+}  // namespace
+
+int runWorkstation(const WorkstationOptions &options) {
+  Workstation workstation;
+  if (auto started = workstation.start(options); !started) return reportError(started.error());
+  workstation.run();
+  return kDone;
+}
+
+}  // namespace c3de::app

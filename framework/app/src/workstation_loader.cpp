@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation_loader.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "c3de/ui/file_browser.h"
+#include "simulator_access.h"
+
+namespace c3de::app {
+namespace {
+
+std::string namesOf(const std::vector<std::filesystem::path> &files) {
+  std::string text;
+  for (const auto &file : files) text += (text.empty() ? "" : ", ") + ui::pathText(file.filename());
+  return text;
+}
+
+/// Bodies are addressed by name, so two meshes of one name need two.
+std::string uniqueName(const scene::SceneFile &scene, const std::string &wanted) {
+  const auto isTaken = [&](const std::string &name) {
+    return std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                       [&](const scene::SceneBody &body) { return body.name == name; });
+  };
+  std::string name = wanted;
+  for (int i = 2; isTaken(name); ++i) name = wanted + " " + std::to_string(i);
+  return name;
+}
+
+}  // namespace
+
+Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesystem::path> &files,
+                                                   const std::string &meshUnit) const {
+  const auto unit = scene::parseLengthUnit(meshUnit);
+  if (!unit) return tl::unexpected(unit.error());
+  scene::SceneFile result;
+  bool hasResult = false;
+  const auto scenes = std::count_if(files.begin(), files.end(), scene::isScenePath);
+  if (scenes > 1) return fail(ErrorCode::usage, "several scenes at once: " + namesOf(files) + "; accepted: one scene, and meshes to add to it");
+  if (scenes == 1) {
+    auto loaded = scene::loadScene(*std::find_if(files.begin(), files.end(), scene::isScenePath), &session_.materials());
+    if (!loaded) return loaded;
+    result = std::move(*loaded);
+    hasResult = true;
+  }
+  for (const std::filesystem::path &file : files) {
+    if (scene::isScenePath(file)) continue;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error))
+      return fail(ErrorCode::input, ui::pathText(file) + ": not a file; accepted: meshes and scenes (.toml)");
+    scene::SceneFile one = scene::sceneForMesh(file, *unit);
+    if (!hasResult) {
+      result = std::move(one);
+      hasResult = true;
+      continue;
+    }
+    for (scene::SceneBody &body : one.bodies) {
+      body.name = uniqueName(result, body.name);
+      result.bodies.push_back(std::move(body));
+    }
+  }
+  return result;
+}
+
+void WorkstationLoader::open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit) {
+  if (files.empty()) return;
+  const std::string title = "Could not open " + namesOf(files);
+  if (!session_.simulation()) {
+    files_ = files;
+    meshUnit_ = meshUnit;
+  }
+  auto scene = read(files, meshUnit);
+  if (!scene) return events_.failed(title, scene.error());
+  auto created = session_.createSimulator();
+  if (!created) return events_.failed(title, created.error());
+
+  if (!job_.isNull()) session_.jobs().cancel(job_);
+  const std::uint64_t serial = ++serial_;
+  // The job and its end share the simulator; it goes with the last of them.
+  const auto simulator = std::make_shared<ObjectRef>(*created);
+  const auto shared = std::make_shared<const scene::SceneFile>(std::move(*scene));
+  const std::string sceneTitle = shared->title.empty() ? namesOf(files) : shared->title;
+  job_ = session_.jobs().submit(
+      kJobOwner, "Opening " + namesOf(files),
+      [this, simulator, shared](const ProgressFn &progress) { return session_.populate(simulator->get(), *shared, progress); },
+      [this, simulator, sceneTitle, title, files, meshUnit, serial](const Expected<void> &result) {
+        // A later request has taken over.
+        if (serial != serial_) return;
+        job_ = {};
+        if (!result) return events_.failed(title, result.error());
+        if (auto adopted = session_.adopt(simulator->get(), sceneTitle); !adopted)
+          return events_.failed(title, adopted.error());
+        files_ = files;
+        meshUnit_ = meshUnit;
+        events_.loaded();
+      });
+}
+
+void WorkstationLoader::reload() {
+  const auto files = files_;
+  open(files, meshUnit_);
+}
+
+}  // namespace c3de::app

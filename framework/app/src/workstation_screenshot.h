@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "c3de/core/expected.h"
+#include "c3de/render/camera.h"
+
+namespace c3de::render {
+class Renderer;
+}
+
+namespace c3de::app {
+
+/// Writes the 3D view as PNG: `out/c3de-DATE-TIME.png` in the current folder, or the user's data folder where that cannot
+/// be written. Returns the file.
+[[nodiscard]] Expected<std::filesystem::path> saveViewScreenshot(render::Renderer &renderer, const render::Camera &camera,
+                                                                 int width, int height);
+
+}  // namespace c3de::app

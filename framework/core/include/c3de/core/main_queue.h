@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "c3de/core/handle.h"
+
+namespace c3de {
+
+/// What the main thread does once per frame before it draws: functions posted from any thread, and callbacks that stay.
+class MainQueue {
+ public:
+  /// Runs `fn` before the next frame and wakes the window. Any thread.
+  void post(std::function<void()> fn);
+  /// Main thread.
+  Handle addFrameCallback(std::string owner, std::function<void()> fn);
+  bool removeFrameCallback(Handle callback);
+  void removeOwnedBy(const std::string &owner);
+
+  /// Runs what was posted, then the frame callbacks in the order they were added. Main thread.
+  void runFrame();
+  [[nodiscard]] std::uint64_t frameIndex() const;
+
+  /// Called when something was posted or a redraw was asked for; any thread.
+  void setWaker(std::function<void()> waker);
+  void requestRedraw();
+
+ private:
+  struct Callback {
+    std::string owner;
+    std::function<void()> fn;
+  };
+  mutable std::mutex mutex_;
+  std::vector<std::function<void()>> posted_;
+  std::function<void()> waker_;
+  HandleTable<Callback> callbacks_;
+  std::uint64_t frame_ = 0;
+};
+
+}  // namespace c3de

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The only place of this module that calls POSIX or Win32 (src/platform_posix.cpp, src/platform_win32.cpp).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "c3de/core/expected.h"
+
+namespace c3de {
+
+/// A shared library in this process. Never unloaded: unloading is not reliable (thread-local destructors, unique symbols).
+class DynamicLibrary {
+ public:
+  /// @param path  absolute; dependencies are searched beside it
+  [[nodiscard]] static Expected<DynamicLibrary> open(const std::filesystem::path &path);
+  /// Null if there is no such symbol.
+  [[nodiscard]] void *symbol(const char *name) const;
+
+ private:
+  void *handle_ = nullptr;
+};
+
+[[nodiscard]] std::filesystem::path executablePath();
+/// Per-user folders, created by whoever writes: XDG on Linux, AppData on Windows.
+[[nodiscard]] std::filesystem::path userDataDirectory();
+[[nodiscard]] std::filesystem::path userConfigDirectory();
+[[nodiscard]] std::vector<std::filesystem::path> fontDirectories();
+[[nodiscard]] std::string environmentVariable(const char *name);  ///< empty when unset
+[[nodiscard]] char pathListSeparator();                           ///< ':' or ';'
+[[nodiscard]] const char *pluginExtension();                      ///< ".so" or ".dll"
+[[nodiscard]] std::string cpuName();
+[[nodiscard]] bool stdoutIsTerminal();
+[[nodiscard]] bool stderrIsTerminal();
+
+struct ProcessResult {
+  int exitCode = -1;  ///< 128 + signal for a process that was killed
+  std::string output, errorOutput;
+  bool timedOut = false;
+};
+/// Runs a program to its end, or ends it after timeout_s.
+[[nodiscard]] Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s);
+
+/// A program that runs beside this one; ended by the destructor.
+class ChildProcess {
+ public:
+  /// Output goes to the file `log` (both streams).
+  [[nodiscard]] static Expected<ChildProcess> start(const std::vector<std::string> &arguments,
+                                                    const std::filesystem::path &log);
+  ChildProcess(ChildProcess &&other) noexcept;
+  ChildProcess &operator=(ChildProcess &&other) noexcept;
+  ~ChildProcess();
+  [[nodiscard]] bool isRunning();
+  /// Exit code when it ended within timeout_s.
+  [[nodiscard]] Expected<int> wait(double timeout_s);
+  void kill();
+
+ private:
+  ChildProcess() = default;
+  long long id_ = 0;
+  int exitCode_ = -1;
+  bool running_ = false;
+};
+
+}  // namespace c3de

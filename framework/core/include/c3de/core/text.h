@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "c3de/abi/base.h"
+
+namespace c3de {
+
+/// The candidate with the smallest edit distance; empty when none is near (distance above a third of the length).
+[[nodiscard]] std::string nearestName(std::string_view name, std::span<const std::string> candidates);
+
+/// Locale-independent shortest text that reads back to the same number.
+[[nodiscard]] std::string formatNumber(double value);
+
+[[nodiscard]] inline c3de_str toAbi(std::string_view s) { return {s.data(), s.size()}; }
+[[nodiscard]] inline std::string_view fromAbi(c3de_str s) {
+  return s.ptr ? std::string_view(s.ptr, static_cast<std::size_t>(s.len)) : std::string_view();
+}
+
+}  // namespace c3de

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace c3de {
+
+/// Fork-join loops on a fixed set of threads (the caller is one of them). Written on std primitives because the
+/// sanitizers see through them, and because a solver step needs a fork-join of a few microseconds: idle workers spin
+/// briefly before they sleep.
+class ThreadPool {
+ public:
+  /// @param threads  threads that work in parallelFor, the caller included; 0: as many as the machine has
+  explicit ThreadPool(unsigned threads = 0);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool &) = delete;
+  ThreadPool &operator=(const ThreadPool &) = delete;
+
+  /// Calls body(begin, end) for disjoint ranges of about `grain` that cover [0, n); returns when all are done.
+  /// Which thread gets which range is not fixed, so results must not depend on it. A call from inside a body, or while
+  /// another thread uses the pool, runs inline. Bodies must not throw. Any thread.
+  void parallelFor(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body);
+
+  [[nodiscard]] unsigned threadCount() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace c3de

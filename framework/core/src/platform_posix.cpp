@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <thread>
+
+#include "c3de/core/platform.h"
+
+extern char **environ;
+
+namespace c3de {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::filesystem::path homeBased(const char *variable, const char *fallback) {
+  if (const std::string set = environmentVariable(variable); !set.empty()) return std::filesystem::path(set) / "c3de";
+  const std::string home = environmentVariable("HOME");
+  return std::filesystem::path(home.empty() ? "." : home) / fallback / "c3de";
+}
+
+int exitCodeOf(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
+Expected<pid_t> spawn(const std::vector<std::string> &arguments, posix_spawn_file_actions_t *actions) {
+  if (arguments.empty()) return fail(ErrorCode::usage, "no program to run");
+  std::vector<char *> argv;
+  for (const std::string &argument : arguments) argv.push_back(const_cast<char *>(argument.c_str()));
+  argv.push_back(nullptr);
+  pid_t pid = 0;
+  const int error = posix_spawnp(&pid, argv[0], actions, nullptr, argv.data(), environ);
+  if (error != 0)
+    return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + std::strerror(error));
+  return pid;
+}
+
+}  // namespace
+
+Expected<DynamicLibrary> DynamicLibrary::open(const std::filesystem::path &path) {
+  DynamicLibrary library;
+  library.handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!library.handle_) {
+    const char *why = dlerror();
+    return fail(ErrorCode::plugin, why ? why : "unknown reason");
+  }
+  return library;
+}
+
+void *DynamicLibrary::symbol(const char *name) const { return handle_ ? dlsym(handle_, name) : nullptr; }
+
+std::filesystem::path executablePath() {
+  std::error_code error;
+  return std::filesystem::read_symlink("/proc/self/exe", error);
+}
+
+std::filesystem::path userDataDirectory() { return homeBased("XDG_DATA_HOME", ".local/share"); }
+std::filesystem::path userConfigDirectory() { return homeBased("XDG_CONFIG_HOME", ".config"); }
+
+std::vector<std::filesystem::path> fontDirectories() {
+  return {"/usr/share/fonts/truetype/dejavu", "/usr/share/fonts/truetype", "/usr/share/fonts",
+          std::filesystem::path(environmentVariable("HOME")) / ".local/share/fonts"};
+}
+
+std::string environmentVariable(const char *name) {
+  const char *value = std::getenv(name);
+  return value ? value : "";
+}
+
+char pathListSeparator() { return ':'; }
+const char *pluginExtension() { return ".so"; }
+
+std::string cpuName() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.rfind("model name", 0) == 0)
+      if (const auto colon = line.find(": "); colon != std::string::npos) return line.substr(colon + 2);
+  return "unknown";
+}
+
+bool stdoutIsTerminal() { return isatty(STDOUT_FILENO) == 1; }
+bool stderrIsTerminal() { return isatty(STDERR_FILENO) == 1; }
+
+Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {
+  int out[2], err[2];
+  if (pipe2(out, O_CLOEXEC) != 0) return fail(ErrorCode::state, "no pipe");
+  if (pipe2(err, O_CLOEXEC) != 0) {
+    close(out[0]);
+    close(out[1]);
+    return fail(ErrorCode::state, "no pipe");
+  }
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
+  const Expected<pid_t> pid = spawn(arguments, &actions);
+  posix_spawn_file_actions_destroy(&actions);
+  close(out[1]);
+  close(err[1]);
+  if (!pid) {
+    close(out[0]);
+    close(err[0]);
+    return tl::unexpected<Error>(pid.error());
+  }
+
+  ProcessResult result;
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
+  pollfd fds[2] = {{out[0], POLLIN, 0}, {err[0], POLLIN, 0}};
+  std::string *texts[2] = {&result.output, &result.errorOutput};
+  int open = 2;
+  int status = 0;
+  bool exited = false;
+  while (open > 0) {
+    const double left = std::chrono::duration<double>(end - Clock::now()).count();
+    if (left <= 0.0) {
+      result.timedOut = true;
+      ::kill(*pid, SIGKILL);
+      break;
+    }
+    // A grandchild may keep the pipes open after the program has ended, so its end is looked for as well.
+    if (!exited && waitpid(*pid, &status, WNOHANG) == *pid) exited = true;
+    const int ready = poll(fds, 2, exited ? 0 : 20);
+    if (ready == 0 && exited) break;
+    for (int i = 0; i < 2; ++i) {
+      if (fds[i].fd < 0 || fds[i].revents == 0) continue;
+      char buffer[4096];
+      const ssize_t n = read(fds[i].fd, buffer, sizeof buffer);
+      if (n > 0) {
+        texts[i]->append(buffer, static_cast<std::size_t>(n));
+      } else {
+        fds[i].fd = -1;
+        --open;
+      }
+    }
+  }
+  close(out[0]);
+  close(err[0]);
+  while (!exited) {
+    if (waitpid(*pid, &status, WNOHANG) == *pid) break;
+    if (Clock::now() > end && !result.timedOut) {
+      result.timedOut = true;
+      ::kill(*pid, SIGKILL);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  result.exitCode = exitCodeOf(status);
+  return result;
+}
+
+Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &arguments, const std::filesystem::path &log) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  const Expected<pid_t> pid = spawn(arguments, &actions);
+  posix_spawn_file_actions_destroy(&actions);
+  if (!pid) return tl::unexpected<Error>(pid.error());
+  ChildProcess child;
+  child.id_ = *pid;
+  child.running_ = true;
+  return child;
+}
+
+ChildProcess::ChildProcess(ChildProcess &&other) noexcept
+    : id_(other.id_), exitCode_(other.exitCode_), running_(std::exchange(other.running_, false)) {}
+
+ChildProcess &ChildProcess::operator=(ChildProcess &&other) noexcept {
+  if (this != &other) {
+    kill();
+    id_ = other.id_;
+    exitCode_ = other.exitCode_;
+    running_ = std::exchange(other.running_, false);
+  }
+  return *this;
+}
+
+ChildProcess::~ChildProcess() { kill(); }
+
+bool ChildProcess::isRunning() {
+  if (!running_) return false;
+  int status = 0;
+  if (waitpid(static_cast<pid_t>(id_), &status, WNOHANG) == static_cast<pid_t>(id_)) {
+    running_ = false;
+    exitCode_ = exitCodeOf(status);
+  }
+  return running_;
+}
+
+Expected<int> ChildProcess::wait(double timeout_s) {
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
+  while (isRunning()) {
+    if (Clock::now() > end) return fail(ErrorCode::state, "the program is still running");
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return exitCode_;
+}
+
+void ChildProcess::kill() {
+  if (!isRunning()) return;
+  ::kill(static_cast<pid_t>(id_), SIGTERM);
+  if (wait(2.0)) return;
+  ::kill(static_cast<pid_t>(id_), SIGKILL);
+  (void)wait(2.0);
+}
+
+}  // namespace c3de

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <windows.h>
+
+#include <io.h>
+#include <shlobj.h>
+
+#include <chrono>
+#include <thread>
+
+#include "c3de/core/platform.h"
+
+namespace c3de {
+namespace {
+
+std::string utf8(const std::wstring &wide) {
+  const int n = WideCharToMultiByte(CP_UTF8, 0, wide.data(), static_cast<int>(wide.size()), nullptr, 0, nullptr, nullptr);
+  std::string text(static_cast<std::size_t>(n), '\0');
+  WideCharToMultiByte(CP_UTF8, 0, wide.data(), static_cast<int>(wide.size()), text.data(), n, nullptr, nullptr);
+  return text;
+}
+
+std::wstring wide(const std::string &text) {
+  const int n = MultiByteToWideChar(CP_UTF8, 0, text.data(), static_cast<int>(text.size()), nullptr, 0);
+  std::wstring out(static_cast<std::size_t>(n), L'\0');
+  MultiByteToWideChar(CP_UTF8, 0, text.data(), static_cast<int>(text.size()), out.data(), n);
+  return out;
+}
+
+std::string lastErrorText() {
+  const DWORD code = GetLastError();
+  wchar_t *buffer = nullptr;
+  const DWORD n = FormatMessageW(
+      FORMAT_MESSAGE_ALLOCATE_BUFFER | FORMAT_MESSAGE_FROM_SYSTEM | FORMAT_MESSAGE_IGNORE_INSERTS, nullptr, code, 0,
+      reinterpret_cast<wchar_t *>(&buffer), 0, nullptr);
+  std::string text = n ? utf8(std::wstring(buffer, n)) : "error";
+  LocalFree(buffer);
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+  return text + " (" + std::to_string(code) + ")";
+}
+
+std::filesystem::path knownFolder(const KNOWNFOLDERID &id) {
+  wchar_t *path = nullptr;
+  std::filesystem::path out = ".";
+  if (SHGetKnownFolderPath(id, 0, nullptr, &path) == S_OK) out = path;
+  CoTaskMemFree(path);
+  return out;
+}
+
+/// One command line that CommandLineToArgvW splits back into the arguments.
+std::wstring commandLine(const std::vector<std::string> &arguments) {
+  std::wstring line;
+  for (const std::string &argument : arguments) {
+    if (!line.empty()) line += L' ';
+    line += L'"';
+    std::size_t backslashes = 0;
+    for (const wchar_t c : wide(argument)) {
+      if (c == L'\\') {
+        ++backslashes;
+        continue;
+      }
+      line.append(c == L'"' ? 2 * backslashes + 1 : backslashes, L'\\');
+      backslashes = 0;
+      line += c;
+    }
+    line.append(2 * backslashes, L'\\');
+    line += L'"';
+  }
+  return line;
+}
+
+Expected<PROCESS_INFORMATION> spawn(const std::vector<std::string> &arguments, HANDLE out, HANDLE err) {
+  if (arguments.empty()) return fail(ErrorCode::usage, "no program to run");
+  STARTUPINFOW startup{};
+  startup.cb = sizeof startup;
+  startup.dwFlags = STARTF_USESTDHANDLES;
+  startup.hStdOutput = out;
+  startup.hStdError = err;
+  PROCESS_INFORMATION process{};
+  std::wstring line = commandLine(arguments);
+  if (!CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE, CREATE_NO_WINDOW, nullptr, nullptr, &startup,
+                      &process))
+    return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + lastErrorText());
+  CloseHandle(process.hThread);
+  return process;
+}
+
+void readAll(HANDLE pipe, std::string *text) {
+  char buffer[4096];
+  for (DWORD n = 0; ReadFile(pipe, buffer, sizeof buffer, &n, nullptr) && n > 0;) text->append(buffer, n);
+}
+
+}  // namespace
+
+Expected<DynamicLibrary> DynamicLibrary::open(const std::filesystem::path &path) {
+  const UINT mode = SetErrorMode(SEM_FAILCRITICALERRORS);
+  DynamicLibrary library;
+  library.handle_ = LoadLibraryExW(path.c_str(), nullptr,
+                                   LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR | LOAD_LIBRARY_SEARCH_DEFAULT_DIRS);
+  const std::string why = library.handle_ ? "" : lastErrorText();
+  SetErrorMode(mode);
+  if (!library.handle_) return fail(ErrorCode::plugin, why);
+  return library;
+}
+
+void *DynamicLibrary::symbol(const char *name) const {
+  return handle_ ? reinterpret_cast<void *>(GetProcAddress(static_cast<HMODULE>(handle_), name)) : nullptr;
+}
+
+std::filesystem::path executablePath() {
+  std::wstring path(32768, L'\0');
+  path.resize(GetModuleFileNameW(nullptr, path.data(), static_cast<DWORD>(path.size())));
+  return path;
+}
+
+std::filesystem::path userDataDirectory() { return knownFolder(FOLDERID_LocalAppData) / "c3de"; }
+std::filesystem::path userConfigDirectory() { return knownFolder(FOLDERID_RoamingAppData) / "c3de"; }
+std::vector<std::filesystem::path> fontDirectories() { return {knownFolder(FOLDERID_Fonts)}; }
+
+std::string environmentVariable(const char *name) {
+  wchar_t buffer[32767];
+  const DWORD n = GetEnvironmentVariableW(wide(name).c_str(), buffer, 32767);
+  return n ? utf8(std::wstring(buffer, n)) : "";
+}
+
+char pathListSeparator() { return ';'; }
+const char *pluginExtension() { return ".dll"; }
+
+std::string cpuName() {
+  const std::string name = environmentVariable("PROCESSOR_IDENTIFIER");
+  return name.empty() ? "unknown" : name;
+}
+
+bool stdoutIsTerminal() { return _isatty(1) != 0; }
+bool stderrIsTerminal() { return _isatty(2) != 0; }
+
+Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {
+  SECURITY_ATTRIBUTES inherit{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};
+  HANDLE outRead, outWrite, errRead, errWrite;
+  if (!CreatePipe(&outRead, &outWrite, &inherit, 0)) return fail(ErrorCode::state, "no pipe");
+  if (!CreatePipe(&errRead, &errWrite, &inherit, 0)) {
+    CloseHandle(outRead);
+    CloseHandle(outWrite);
+    return fail(ErrorCode::state, "no pipe");
+  }
+  SetHandleInformation(outRead, HANDLE_FLAG_INHERIT, 0);
+  SetHandleInformation(errRead, HANDLE_FLAG_INHERIT, 0);
+  const Expected<PROCESS_INFORMATION> process = spawn(arguments, outWrite, errWrite);
+  CloseHandle(outWrite);
+  CloseHandle(errWrite);
+  ProcessResult result;
+  if (process) {
+    std::thread outReader(readAll, outRead, &result.output), errReader(readAll, errRead, &result.errorOutput);
+    if (WaitForSingleObject(process->hProcess, static_cast<DWORD>(timeout_s * 1000)) == WAIT_TIMEOUT) {
+      result.timedOut = true;
+      TerminateProcess(process->hProcess, 124);
+    }
+    outReader.join();
+    errReader.join();
+    DWORD code = 0;
+    GetExitCodeProcess(process->hProcess, &code);
+    result.exitCode = static_cast<int>(code);
+    CloseHandle(process->hProcess);
+  }
+  CloseHandle(outRead);
+  CloseHandle(errRead);
+  if (!process) return tl::unexpected<Error>(process.error());
+  return result;
+}
+
+Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &arguments, const std::filesystem::path &log) {
+  SECURITY_ATTRIBUTES inherit{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};
+  const HANDLE file = CreateFileW(log.c_str(), GENERIC_WRITE, FILE_SHARE_READ, &inherit, CREATE_ALWAYS, 0, nullptr);
+  const Expected<PROCESS_INFORMATION> process = spawn(arguments, file, file);
+  CloseHandle(file);
+  if (!process) return tl::unexpected<Error>(process.error());
+  ChildProcess child;
+  child.id_ = reinterpret_cast<long long>(process->hProcess);
+  child.running_ = true;
+  return child;
+}
+
+ChildProcess::ChildProcess(ChildProcess &&other) noexcept
+    : id_(other.id_), exitCode_(other.exitCode_), running_(std::exchange(other.running_, false)) {}
+
+ChildProcess &ChildProcess::operator=(ChildProcess &&other) noexcept {
+  if (this != &other) {
+    kill();
+    id_ = other.id_;
+    exitCode_ = other.exitCode_;
+    running_ = std::exchange(other.running_, false);
+  }
+  return *this;
+}
+
+ChildProcess::~ChildProcess() { kill(); }
+
+bool ChildProcess::isRunning() {
+  if (!running_) return false;
+  const HANDLE process = reinterpret_cast<HANDLE>(id_);
+  if (WaitForSingleObject(process, 0) == WAIT_OBJECT_0) {
+    DWORD code = 0;
+    GetExitCodeProcess(process, &code);
+    exitCode_ = static_cast<int>(code);
+    running_ = false;
+    CloseHandle(process);
+  }
+  return running_;
+}
+
+Expected<int> ChildProcess::wait(double timeout_s) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
+  while (isRunning()) {
+    if (std::chrono::steady_clock::now() > end) return fail(ErrorCode::state, "the program is still running");
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return exitCode_;
+}
+
+void ChildProcess::kill() {
+  if (!isRunning()) return;
+  TerminateProcess(reinterpret_cast<HANDLE>(id_), 1);
+  (void)wait(2.0);
+}
+
+}  // namespace c3de

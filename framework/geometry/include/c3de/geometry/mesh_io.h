@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "c3de/core/expected.h"
+#include "c3de/core/progress.h"
+#include "c3de/geometry/mesh_report.h"
+#include "c3de/geometry/triangle_mesh.h"
+
+namespace c3de::geometry {
+
+struct LoadedMesh {
+  TriangleMesh mesh;
+  MeshReport report;
+};
+
+/// Reads OBJ, STL, PLY, legacy VTK polydata and what else assimp reads; polygons become triangles, vertices at equal
+/// positions are welded, degenerate and duplicate triangles dropped, an inside-out surface is turned: each with a line in
+/// the report. Refused with the reason: unreadable or empty files, no faces, indices out of range, coordinates that are
+/// not finite or beyond 1e9 mm.
+/// @param unit  of the numbers in the file; vertices become millimetres
+[[nodiscard]] Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, LengthUnit unit,
+                                            const ProgressFn &progress = {});
+
+/// Extensions that loadMesh() reads, lower case with the dot: ".obj", ".stl", ...
+[[nodiscard]] std::span<const std::string_view> meshExtensions();
+[[nodiscard]] bool isMeshFile(const std::filesystem::path &path);  ///< by its extension alone
+
+/// Writes OBJ in the given unit. @param comment  one line for the head of the file, beside the unit
+[[nodiscard]] Expected<void> saveObj(const std::filesystem::path &path, const TriangleMesh &mesh, LengthUnit unit,
+                                     std::string_view comment = {});
+
+/// The same clean-up for a mesh that was made in memory; its numbers are in the given unit.
+[[nodiscard]] Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit);
+
+}  // namespace c3de::geometry

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+
+#include "file_text.h"
+#include "polygon.h"
+#include "raw_mesh.h"
+
+namespace c3de::geometry {
+namespace {
+
+/// Appends the meshes of a node and of those below it, placed as the file places them. A mesh may stand at several nodes.
+Expected<void> addNode(const std::string &fileName, const aiScene &scene, const aiNode &node, const aiMatrix4x4 &parent,
+                       int depth, RawMesh &raw) {
+  if (depth > 256) return fail(ErrorCode::input, fileName + ": nodes nested more than 256 deep");
+  const aiMatrix4x4 placement = parent * node.mTransformation;
+  const bool mirrored = placement.Determinant() < 0.0f;
+  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+    const aiMesh &mesh = *scene.mMeshes[node.mMeshes[m]];
+    const std::size_t first = raw.vertices.size();
+    if (first + mesh.mNumVertices > 0xfffffffeu) return fail(ErrorCode::input, fileName + ": more than 4294967294 vertices");
+    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+      const aiVector3D p = placement * mesh.mVertices[v];
+      raw.vertices.push_back({p.x, p.y, p.z});
+    }
+    std::vector<unsigned> corners;
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace &face = mesh.mFaces[f];
+      if (face.mNumIndices < 3) continue;  // points and lines
+      if (face.mNumIndices > kMaxFaceCorners)
+        return fail(ErrorCode::input, fmt::format("{}: face {} has {} corners; up to {} are accepted", fileName, f,
+                                                  face.mNumIndices, kMaxFaceCorners));
+      corners.clear();
+      for (unsigned i = 0; i < face.mNumIndices; ++i) {
+        if (face.mIndices[i] >= mesh.mNumVertices)
+          return fail(ErrorCode::input, fmt::format("{}: face {}: vertex index {} is out of range; the mesh has {} vertices, 0 to {} are accepted",
+                                                    fileName, f, face.mIndices[i], mesh.mNumVertices, static_cast<long long>(mesh.mNumVertices) - 1));
+        corners.push_back(static_cast<unsigned>(first) + face.mIndices[i]);
+      }
+      if (mirrored) std::reverse(corners.begin(), corners.end());
+      if (corners.size() > 3) ++raw.polygonsSplit;
+      if (!triangulatePolygon(raw.vertices, corners, raw.triangles))
+        return fail(ErrorCode::input, fmt::format("{}: face {} is a concave polygon with {} corners; up to 4096 are accepted",
+                                                  fileName, f, corners.size()));
+    }
+  }
+  for (unsigned c = 0; c < node.mNumChildren; ++c)
+    if (auto ok = addNode(fileName, scene, *node.mChildren[c], placement, depth + 1, raw); !ok) return ok;
+  return {};
+}
+
+}  // namespace
+
+Expected<RawMesh> readWithAssimp(const std::filesystem::path &path) {
+  const std::string name = displayPath(path);
+  auto text = readWholeFile(path);  // existence, size and readability with our own words
+  if (!text) return tl::unexpected(text.error());
+  const std::string extension = lowerExtension(path);
+  // No post-processing that changes vertices: welding, triangulation and the hunt for bad values are our own clean-up,
+  // which reports what it does (and does not take minutes for a face with 600 000 corners).
+  constexpr unsigned kFlags = aiProcess_ValidateDataStructure;
+  try {
+    Assimp::Importer importer;
+    // From memory, so that paths of any script work on any system; scenes made of several files need the path.
+    const bool severalFiles = extension == ".gltf" || extension == ".dae" || extension == ".3ds";
+    const aiScene *scene = severalFiles ? importer.ReadFile(name, kFlags)
+                                        : importer.ReadFileFromMemory(text->data(), text->size(), kFlags, extension.c_str() + 1);
+    if (!scene) return fail(ErrorCode::input, fmt::format("{}: cannot be read as {}: {}", name, extension.substr(1), importer.GetErrorString()));
+    if (scene->mNumMeshes == 0 || !scene->mRootNode)
+      return fail(ErrorCode::input, fmt::format("{}: no surface in it; is this a {} file?", name, extension.substr(1)));
+    RawMesh raw;
+    if (auto ok = addNode(name, *scene, *scene->mRootNode, aiMatrix4x4(), 0, raw); !ok) return tl::unexpected(ok.error());
+    if (raw.triangles.empty())
+      return fail(ErrorCode::input, fmt::format("{}: {} vertices but no faces; a surface is expected", name, raw.vertices.size()));
+    return raw;
+  } catch (const std::exception &exception) {
+    return fail(ErrorCode::input, fmt::format("{}: cannot be read as {}: {}", name, extension.substr(1), exception.what()));
+  }
+}
+
+}  // namespace c3de::geometry

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/geometry/mesh_io.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+
+#include "c3de/core/text.h"
+#include "clean_up.h"
+#include "file_text.h"
+#include "raw_mesh.h"
+#include "wording.h"
+
+namespace c3de::geometry {
+namespace {
+
+constexpr std::array<std::string_view, 9> kExtensions{".obj", ".stl", ".ply", ".vtk", ".off", ".glb", ".gltf", ".dae", ".3ds"};
+
+tl::unexpected<Error> cancelled(const std::string &what) { return fail(ErrorCode::cancelled, what + ": cancelled"); }
+
+Expected<void> checkNumbers(const TriangleMesh &mesh, LengthUnit unit) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (unsigned v : mesh.triangles[t])
+      if (v >= mesh.vertices.size())
+        return fail(ErrorCode::input, fmt::format("triangle {}: vertex index {} is out of range; there are {} vertices, 0 to {} are accepted",
+                                                  t, v, mesh.vertices.size(), static_cast<long long>(mesh.vertices.size()) - 1));
+  const double limit = kMaxCoordinate_mm / millimetresPer(unit);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double x = mesh.vertices[v][k];
+      if (!std::isfinite(x))
+        return fail(ErrorCode::input, fmt::format("{} coordinate {} of vertex {} is not finite", "xyz"[k], x, v));
+      if (std::abs(x) > limit)
+        return fail(ErrorCode::input, fmt::format("{} coordinate {:g} {} of vertex {} is beyond 1e9 mm; up to {:g} {} is accepted", "xyz"[k], x,
+                                                  unitName(unit), v, limit, unitName(unit)));
+    }
+  return {};
+}
+
+/// @param origin  begins the error messages: a file name or "mesh"
+Expected<LoadedMesh> cleanUp(TriangleMesh mesh, LengthUnit unit, std::vector<std::string> repairs, const std::string &origin,
+                             const ProgressFn &progress) {
+  const auto report = [&](double fraction, const char *what) { return !progress || progress(fraction, what); };
+  if (mesh.triangles.empty()) return fail(ErrorCode::input, origin + ": no faces; a surface is expected");
+  if (auto ok = checkNumbers(mesh, unit); !ok) return fail(ok.error().code, origin + ": " + ok.error().message);
+  const double scale = millimetresPer(unit);
+  for (Vec3 &v : mesh.vertices) v = scale * v;
+
+  // Unused vertices go first: a stray point far away would widen the box, and with it the tolerances.
+  removeUnusedVertices(mesh, repairs);
+  if (!report(0.5, "welding vertices")) return cancelled(origin);
+  weldVertices(mesh, repairs);
+  removeDegenerateTriangles(mesh, repairs);
+  removeDuplicateTriangles(mesh, repairs);
+  std::vector<std::string> silent;  // vertices lose their use in the steps above, which said so
+  removeUnusedVertices(mesh, silent);
+  if (mesh.triangles.size() < 4)
+    return fail(ErrorCode::input, fmt::format("{}: {} triangles with an area are left; a surface around a volume has at least 4{}{}", origin,
+                                              mesh.triangles.size(), repairs.empty() ? "" : ". Cleaning up: ", fmt::join(repairs, "; ")));
+  if (!report(0.7, "turning triangles outwards")) return cancelled(origin);
+  orient(mesh, repairs);
+  if (!report(0.9, "inspecting the mesh")) return cancelled(origin);
+  LoadedMesh loaded;
+  loaded.report = inspect(mesh, unit);
+  loaded.report.repairs = std::move(repairs);
+  loaded.mesh = std::move(mesh);
+  if (!report(1.0, "done")) return cancelled(origin);
+  return loaded;
+}
+
+}  // namespace
+
+std::span<const std::string_view> meshExtensions() { return kExtensions; }
+
+bool isMeshFile(const std::filesystem::path &path) {
+  return std::find(kExtensions.begin(), kExtensions.end(), lowerExtension(path)) != kExtensions.end();
+}
+
+Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, LengthUnit unit, const ProgressFn &progress) {
+  const std::string name = displayPath(path);
+  if (!isMeshFile(path))
+    return fail(ErrorCode::input, fmt::format("{}: meshes with the extension {} cannot be read; {} can", name,
+                                              path.has_extension() ? quotedText(lowerExtension(path)) : "'' (none)", fmt::join(kExtensions, ", ")));
+  if (progress && !progress(0.0, "reading " + displayPath(path.filename()))) return cancelled(name);
+  const std::string extension = lowerExtension(path);
+  Expected<RawMesh> raw = extension == ".obj"   ? readObj(path, millimetresPer(unit))
+                          : extension == ".vtk" ? readVtk(path)
+                                                : readWithAssimp(path);
+  if (!raw) return tl::unexpected(raw.error());
+  std::vector<std::string> repairs = std::move(raw->notes);
+  if (raw->polygonsSplit) repairs.push_back(fmt::format("{} {} split into triangles", counted(raw->polygonsSplit, "polygon", "polygons"), wasOrWere(raw->polygonsSplit)));
+  return cleanUp({std::move(raw->vertices), std::move(raw->triangles)}, unit, std::move(repairs), name, progress);
+}
+
+Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit) { return cleanUp(std::move(raw), unit, {}, "mesh", {}); }
+
+Expected<void> saveObj(const std::filesystem::path &path, const TriangleMesh &mesh, LengthUnit unit, std::string_view comment) {
+  std::string text = comment.empty() ? std::string() : fmt::format("# {}\n", comment);
+  text += fmt::format("# unit: {}\n", unitName(unit));
+  const double perUnit = millimetresPer(unit);
+  for (const Vec3 &v : mesh.vertices)
+    text += fmt::format("v {} {} {}\n", formatNumber(v[0] / perUnit), formatNumber(v[1] / perUnit), formatNumber(v[2] / perUnit));
+  for (const Triangle &t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  std::ofstream out(path, std::ios::binary);
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  out.close();
+  if (!out) return fail(ErrorCode::output, displayPath(path) + ": cannot be written (does the folder exist, may it be written to, is there space?)");
+  return {};
+}
+
+}  // namespace c3de::geometry

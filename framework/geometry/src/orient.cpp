@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "c3de/geometry/winding_number.h"
+#include "clean_up.h"
+#include "mesh_edges.h"
+#include "wording.h"
+
+namespace c3de::geometry {
+namespace {
+
+void flip(Triangle &t) { std::swap(t[1], t[2]); }
+
+double triangleArea(const TriangleMesh &mesh, const Triangle &t) {
+  return 0.5 * norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+}
+
+/// Walks over edges with two triangles; where a patch can be made to face one way, turns its smaller part.
+void makeConsistent(TriangleMesh &mesh, std::vector<std::string> &repairs) {
+  const std::vector<TriangleSide> sides = sortedSides(mesh.triangles);
+  struct Link {
+    unsigned a, b;
+    bool agree;
+  };
+  std::vector<Link> links;
+  bool anyMisoriented = false;
+  forEachEdge(sides, [&](std::span<const TriangleSide> edge) {
+    if (edge.size() != 2 || edge[0].triangle == edge[1].triangle) return;
+    const bool agree = edge[0].forward != edge[1].forward;
+    anyMisoriented |= !agree;
+    links.push_back({edge[0].triangle, edge[1].triangle, agree});
+  });
+  if (!anyMisoriented) return;
+
+  // Neighbours in CSR.
+  const std::size_t n = mesh.triangles.size();
+  std::vector<std::size_t> begin(n + 1, 0);
+  for (const Link &l : links) ++begin[l.a + 1], ++begin[l.b + 1];
+  for (std::size_t i = 0; i < n; ++i) begin[i + 1] += begin[i];
+  std::vector<std::pair<unsigned, bool>> neighbours(begin[n]);
+  std::vector<std::size_t> fill(begin.begin(), begin.end() - 1);
+  for (const Link &l : links) {
+    neighbours[fill[l.a]++] = {l.b, l.agree};
+    neighbours[fill[l.b]++] = {l.a, l.agree};
+  }
+
+  enum : signed char { kUnseen = 0, kKeep = 1, kTurn = -1 };
+  std::vector<signed char> side(n, kUnseen);
+  std::size_t turned = 0, oneSided = 0;
+  std::vector<unsigned> patch;
+  for (unsigned seed = 0; seed < n; ++seed) {
+    if (side[seed] != kUnseen) continue;
+    patch.assign(1, seed);
+    side[seed] = kKeep;
+    bool orientable = true;
+    double keepArea = 0.0, turnArea = 0.0;
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      const unsigned t = patch[i];
+      (side[t] == kKeep ? keepArea : turnArea) += triangleArea(mesh, mesh.triangles[t]);
+      for (std::size_t k = begin[t]; k < begin[t + 1]; ++k) {
+        const auto [other, agree] = neighbours[k];
+        const signed char expected = agree ? side[t] : static_cast<signed char>(-side[t]);
+        if (side[other] == kUnseen) {
+          side[other] = expected;
+          patch.push_back(other);
+        } else if (side[other] != expected) {
+          orientable = false;
+        }
+      }
+    }
+    if (!orientable) {
+      ++oneSided;
+      continue;
+    }
+    const signed char toTurn = turnArea <= keepArea ? kTurn : kKeep;
+    for (unsigned t : patch)
+      if (side[t] == toTurn) {
+        flip(mesh.triangles[t]);
+        ++turned;
+      }
+  }
+  if (turned) repairs.push_back(fmt::format("{} that faced the other way than the neighbours {} turned", counted(turned, "triangle", "triangles"), wasOrWere(turned)));
+  if (oneSided)
+    repairs.push_back(fmt::format("{} with a single side (like a Moebius strip) {} left as found", counted(oneSided, "part", "parts"), wasOrWere(oneSided)));
+}
+
+/// A part of the surface connected by edges.
+struct Part {
+  TriangleMesh mesh;  ///< own triangles on own vertices
+  std::vector<unsigned> triangles;
+  Box box;
+  Vec3 sample{};      ///< a point of the surface
+  double volume_mm3 = 0.0;
+  bool bounds = false;  ///< closed, or nearly so: it has an inside
+  std::optional<WindingNumber> winding;
+};
+
+bool contains(const Box &outer, const Vec3 &p) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (p[k] < outer.min[k] || p[k] > outer.max[k]) return false;
+  return true;
+}
+
+std::vector<Part> splitIntoParts(const TriangleMesh &mesh) {
+  const std::vector<TriangleSide> sides = sortedSides(mesh.triangles);
+  DisjointSets sets(mesh.triangles.size());
+  forEachEdge(sides, [&](std::span<const TriangleSide> edge) {
+    for (const TriangleSide &s : edge.subspan(1)) sets.join(edge.front().triangle, s.triangle);
+  });
+  std::vector<unsigned> group;
+  std::vector<Part> parts(sets.number(group));
+  for (unsigned t = 0; t < mesh.triangles.size(); ++t) parts[group[t]].triangles.push_back(t);
+  std::vector<char> balanced(parts.size(), 1);
+  forEachEdge(sides, [&](std::span<const TriangleSide> edge) {
+    if (!isBalanced(edge)) balanced[group[edge.front().triangle]] = 0;
+  });
+  std::vector<unsigned> slot(mesh.vertices.size(), 0xffffffffu);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    Part &part = parts[p];
+    double largest = -1.0;
+    for (unsigned t : part.triangles) {
+      Triangle own{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        unsigned &s = slot[mesh.triangles[t][k]];
+        if (s == 0xffffffffu) {
+          s = static_cast<unsigned>(part.mesh.vertices.size());
+          part.mesh.vertices.push_back(mesh.vertices[mesh.triangles[t][k]]);
+        }
+        own[k] = s;
+      }
+      part.mesh.triangles.push_back(own);
+      if (const double area = triangleArea(part.mesh, own); area > largest) {
+        largest = area;
+        part.sample = (1.0 / 3.0) * (part.mesh.vertices[own[0]] + part.mesh.vertices[own[1]] + part.mesh.vertices[own[2]]);
+      }
+    }
+    for (unsigned t : part.triangles)
+      for (unsigned v : mesh.triangles[t]) slot[v] = 0xffffffffu;
+    part.box = boundingBox(part.mesh);
+    part.volume_mm3 = signedVolume(part.mesh);
+    part.bounds = balanced[p] != 0;
+    if (!part.bounds) {
+      const auto holes = findHoles(part.mesh, sortedSides(part.mesh.triangles));
+      part.bounds = holeShare(holes, surfaceArea(part.mesh)) <= kMaxHoleShare;
+    }
+  }
+  return parts;
+}
+
+void turnOutwards(TriangleMesh &mesh, std::vector<std::string> &repairs) {
+  std::vector<Part> parts = splitIntoParts(mesh);
+  std::vector<char> outermost(parts.size(), 1), turn(parts.size(), 0);
+  std::vector<std::size_t> bounding;
+  for (std::size_t j = 0; j < parts.size(); ++j)
+    if (parts[j].bounds) bounding.push_back(j);
+  // holders[i]: parts around part i
+  std::vector<std::vector<std::size_t>> holders(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t j : bounding) {
+      if (i == j || !contains(parts[j].box, parts[i].sample)) continue;
+      if (!parts[j].winding) parts[j].winding.emplace(parts[j].mesh);
+      if (std::abs(parts[j].winding->at(parts[i].sample)) > 0.5) {
+        holders[i].push_back(j);
+        outermost[i] = 0;
+      }
+    }
+  for (std::size_t i = 0; i < parts.size(); ++i) turn[i] = outermost[i] && parts[i].bounds && parts[i].volume_mm3 < 0.0;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t j : holders[i])
+      if (outermost[j] && turn[j]) turn[i] = 1;
+  std::size_t turnedParts = 0, turnedTriangles = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!turn[i]) continue;
+    ++turnedParts;
+    turnedTriangles += parts[i].triangles.size();
+    for (unsigned t : parts[i].triangles) flip(mesh.triangles[t]);
+  }
+  if (turnedParts)
+    repairs.push_back(parts.size() == 1 ? "the surface was inside out; all triangles were turned"
+                                        : fmt::format("{} of {} parts of the surface were inside out; their {} triangles were turned",
+                                                      turnedParts, parts.size(), turnedTriangles));
+}
+
+}  // namespace
+
+void orient(TriangleMesh &mesh, std::vector<std::string> &repairs) {
+  makeConsistent(mesh, repairs);
+  turnOutwards(mesh, repairs);
+}
+
+}  // namespace c3de::geometry

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the readers hand to the clean-up: numbers as they stand in the file.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/core/vec.h"
+
+namespace c3de::geometry {
+
+/// More corners than this in one face are refused: no mesh of an organ has them, and triangulation is quadratic.
+inline constexpr std::size_t kMaxFaceCorners = 32767;
+/// |coordinate| in mm (a thousand kilometres); beyond it something else than a length was read.
+inline constexpr double kMaxCoordinate_mm = 1e9;
+
+struct RawMesh {
+  std::vector<Vec3> vertices;                ///< in the unit of the file
+  std::vector<Triangle> triangles;           ///< indices are in range
+  std::size_t polygonsSplit = 0;             ///< faces with more than three corners
+  std::vector<std::string> notes;            ///< what the reader left out, a sentence each
+};
+
+/// Each refuses with "file:line: what, value, what is accepted". @param millimetresPerUnit  for the range check
+[[nodiscard]] Expected<RawMesh> readObj(const std::filesystem::path &path, double millimetresPerUnit);
+[[nodiscard]] Expected<RawMesh> readVtk(const std::filesystem::path &path);
+[[nodiscard]] Expected<RawMesh> readWithAssimp(const std::filesystem::path &path);
+
+}  // namespace c3de::geometry

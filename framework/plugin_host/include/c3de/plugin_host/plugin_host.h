@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "c3de/abi/object.h"
+#include "c3de/core/expected.h"
+
+namespace c3de {
+class BackgroundJobs;
+class MainQueue;
+class ThreadPool;
+namespace render {
+class Renderer;
+}
+namespace scene {
+class MeshStore;
+class SceneGraph;
+class SimulationDirectory;
+}  // namespace scene
+namespace ui {
+class PanelRegistry;
+class ParameterRegistry;
+class ToolRegistry;
+}  // namespace ui
+}  // namespace c3de
+
+namespace c3de::plugin_host {
+
+/// What plugins may reach. Null members are not served in this run, for example `renderer`, `panels` and `tools` without
+/// a window; get_service then answers C3DE_E_UNSUPPORTED. Must outlive the host.
+struct Services {
+  ThreadPool *pool = nullptr;
+  MainQueue *mainQueue = nullptr;
+  BackgroundJobs *jobs = nullptr;
+  scene::SceneGraph *sceneGraph = nullptr;
+  scene::MeshStore *meshes = nullptr;
+  scene::SimulationDirectory *simulations = nullptr;
+  render::Renderer *renderer = nullptr;
+  ui::PanelRegistry *panels = nullptr;
+  ui::ParameterRegistry *parameters = nullptr;
+  ui::ToolRegistry *tools = nullptr;
+};
+
+enum class PluginState { loaded, refused };
+
+struct PluginInfo {
+  std::filesystem::path path;
+  PluginState state = PluginState::refused;
+  std::string reason;  ///< why refused, one line: what, both numbers or names, what to do
+  std::string id, version, displayName, vendor, license;
+  std::vector<std::string> classes;  ///< ids it has registered
+};
+
+struct ClassInfo {
+  std::string id, label, doc, plugin;
+  std::vector<std::string> interfaces;
+};
+
+/// Finds, loads, negotiates with and calls plugins. A plugin that fails on the way leaves nothing registered. Main thread,
+/// except where plugins call services that say otherwise.
+class PluginHost {
+ public:
+  explicit PluginHost(const Services &services);
+  ~PluginHost();  ///< stops and destroys the plugins, last loaded first
+
+  /// Loads one plugin: query, create. The error is one line, also kept in plugins().
+  Expected<void> load(const std::filesystem::path &file);
+  /// Every plugin of a folder in the order of their names; an id that is loaded already is reported as shadowed.
+  void loadFolder(const std::filesystem::path &folder);
+  /// Calls start() of what was loaded since the last call; a plugin that fails here is rolled back, too.
+  void start();
+
+  /// Carries transforms and visibility of scene nodes over to what plugins draw under them, and drops what hangs on
+  /// removed nodes. The main queue does so at the start of every frame; for a picture without a frame.
+  void syncScene();
+
+  [[nodiscard]] const std::vector<PluginInfo> &plugins() const;
+  [[nodiscard]] std::vector<ClassInfo> classes() const;
+  /// Ids of the classes that list an interface.
+  [[nodiscard]] std::vector<std::string> classesWith(const std::string &interfaceId) const;
+  /// A new object with a count of one.
+  [[nodiscard]] Expected<c3de_object *> createObject(const std::string &classId);
+  /// The text that the last failing call on this thread left; empty when none.
+  [[nodiscard]] std::string takeError();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Where plugins are looked for, in order: C3DE_PLUGIN_PATH, the user's folder, beside the program (../lib/c3de/plugins).
+[[nodiscard]] std::vector<std::filesystem::path> defaultPluginFolders();
+
+}  // namespace c3de::plugin_host

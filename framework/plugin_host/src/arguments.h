@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Checked reading of what plugins pass: texts, growable structs, arrays. Each throws Refusal that names the argument, the
+// value and what is accepted.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "c3de/abi/base.h"
+#include "c3de/core/handle.h"
+#include "c3de/core/vec.h"
+#include "refusal.h"
+
+namespace c3de::plugin_host {
+
+using Vec3f = std::array<float, 3>;
+
+inline constexpr std::size_t kLongestText = std::size_t{1} << 20;
+
+[[nodiscard]] bool isUtf8(std::string_view text) noexcept;
+/// A copy; UTF-8 of at most kLongestText bytes.
+[[nodiscard]] std::string textOf(c3de_str text, const char *name);
+/// A copy; 1 to 200 letters, digits and . _ - / characters.
+[[nodiscard]] std::string idOf(c3de_str text, const char *name);
+
+template <class T>
+T *requireNonNull(T *pointer, const char *name) {
+  if (!pointer) throw Refusal(C3DE_E_ARG, std::string(name) + " is null");
+  return pointer;
+}
+
+[[noreturn]] void refuseSize(const char *name, std::uint64_t size, std::size_t needed);
+
+/// The struct as far as both sides know it; members beyond the caller's size are zero.
+/// @param firstSize  of the first published revision
+template <class T>
+[[nodiscard]] T structOf(const T *in, const char *name, std::size_t firstSize = sizeof(T)) {
+  requireNonNull(in, name);
+  std::uint32_t size = 0;
+  std::memcpy(&size, in, sizeof size);
+  if (size < firstSize) refuseSize(name, size, firstSize);
+  T copy{};
+  std::memcpy(&copy, in, std::min<std::size_t>(size, sizeof(T)));
+  return copy;
+}
+
+/// Writes as much as the caller has room for and leaves its size as it is.
+template <class T>
+void writeStruct(T *out, T value, const char *name, std::size_t firstSize = sizeof(T)) {
+  requireNonNull(out, name);
+  const std::uint32_t size = out->size;
+  if (size < firstSize) refuseSize(name, size, firstSize);
+  value.size = size;
+  std::memcpy(out, &value, std::min<std::size_t>(size, sizeof(T)));
+}
+
+inline void writeHandle(c3de_handle *out, Handle handle) { out->v = handle.bits(); }
+[[nodiscard]] inline Handle handleOf(c3de_handle handle) { return Handle::fromBits(handle.v); }
+
+[[nodiscard]] double finiteOf(double value, const char *name);
+[[nodiscard]] Vec3 pointOf(const double *three, const char *name);
+
+/// Rows of a view: dtype among the accepted, comps, data, stride and count are plausible. Returns the bytes of a row step.
+struct RowLayout {
+  const unsigned char *data;
+  std::size_t count;
+  std::size_t stride;
+};
+[[nodiscard]] RowLayout layoutOf(const c3de_view &view, const char *name, std::uint32_t comps,
+                                 std::initializer_list<std::uint32_t> dtypes);
+
+/// f32 or f64, comps 3, finite.
+[[nodiscard]] std::vector<Vec3> positionsOf(const c3de_view &view, const char *name);
+[[nodiscard]] std::vector<Vec3f> floatPositionsOf(const c3de_view &view, const char *name);
+/// u32, comps 3, every index below vertexCount; at least one.
+[[nodiscard]] std::vector<Triangle> trianglesOf(const c3de_view &view, const char *name, std::size_t vertexCount);
+/// f32 or f64, comps 1, not NaN.
+[[nodiscard]] std::vector<double> numbersOf(const c3de_view &view, const char *name);
+
+/// f64 rows of 3 without a copy where they lie tight and aligned.
+class PointRows {
+ public:
+  PointRows(const c3de_view &view, const char *name);
+  [[nodiscard]] std::span<const Vec3> rows() const { return rows_; }
+
+ private:
+  std::vector<Vec3> copy_;
+  std::span<const Vec3> rows_;
+};
+
+/// Where f64 results of one number per row go; count must be `count`.
+[[nodiscard]] RowLayout outputLayoutOf(const c3de_mview &view, const char *name, std::size_t count);
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "c3de/abi/object.h"
+#include "c3de/plugin_host/plugin_host.h"
+
+namespace c3de::plugin_host {
+
+/// The classes that plugins offer. Listing: any thread; the rest: main thread.
+class ClassRegistry {
+ public:
+  struct Entry {
+    ClassInfo info;
+    void *factory = nullptr;
+    c3de_status(C3DE_CALL *create)(void *factory, c3de_object **out) = nullptr;
+  };
+
+  /// False, with the owner's id in `takenBy`, when there is a class of this id.
+  bool add(Entry entry, std::string &takenBy);
+  /// False when the plugin has no such class.
+  bool remove(const std::string &id, const std::string &plugin);
+  void removeOwnedBy(const std::string &plugin);
+  /// Sorted by id; empty interface: all.
+  [[nodiscard]] std::vector<ClassInfo> list(const std::string &interfaceId) const;
+  /// Throws Refusal: C3DE_E_NOT_FOUND names the classes that exist, otherwise what the factory said.
+  [[nodiscard]] c3de_object *create(const std::string &id);
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, Entry> byId_;
+};
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <thread>
+
+#include "c3de/plugin_host/plugin_host.h"
+#include "class_registry.h"
+#include "collision_trees.h"
+#include "scene_proxies.h"
+
+namespace c3de::plugin_host {
+
+/// What the plugins of one host share.
+struct HostState {
+  explicit HostState(const Services &s)
+      : services(s), mainThread(std::this_thread::get_id()), proxies(s.renderer, s.sceneGraph) {}
+
+  Services services;
+  std::thread::id mainThread;
+  ClassRegistry classes;
+  CollisionTrees trees;
+  SceneProxies proxies;
+};
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "negotiation.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "arguments.h"
+#include "c3de/core/text.h"
+#include "last_error.h"
+#include "refusal.h"
+#include "services/catalogue.h"
+
+namespace c3de::plugin_host {
+namespace {
+
+// A descriptor larger than this is not a newer one but rubbish.
+constexpr std::uint32_t kPlausibleSize = 65536;
+constexpr std::uint64_t kMostNeeds = 256;
+
+[[noreturn]] void refuseDescriptor(const std::string &why) { throw Refusal(C3DE_E_ARG, "bad descriptor: " + why); }
+
+std::string majors(const c3de_offer &offer) {
+  return offer.abi_min == offer.abi_max ? fmt::format("{}", offer.abi_min)
+                                        : fmt::format("{} to {}", offer.abi_min, offer.abi_max);
+}
+
+/// Calls the query function; throws Refusal.
+const c3de_plugin *query(c3de_plugin_query_fn queryFn, const c3de_offer &offer) {
+  c3de_answer answer{};
+  answer.size = sizeof answer;
+  c3de_status status = C3DE_E_EXCEPTION;
+  try {
+    status = queryFn(&offer, &answer);
+  } catch (const std::exception &e) {
+    throw Refusal(C3DE_E_EXCEPTION, fmt::format("an exception left {}: {}", C3DE_PLUGIN_QUERY_SYMBOL, e.what()));
+  } catch (...) {
+    throw Refusal(C3DE_E_EXCEPTION, fmt::format("an exception left {}", C3DE_PLUGIN_QUERY_SYMBOL));
+  }
+  answer.why_not[sizeof answer.why_not - 1] = '\0';
+  if (status < 0) {
+    const std::string why(answer.why_not);
+    throw Refusal(status, fmt::format("the plugin declines: {} (this host serves plugin ABI {})",
+                                      why.empty() || !isUtf8(why) ? statusName(status) : why, majors(offer)));
+  }
+  if (answer.abi_major < offer.abi_min || answer.abi_major > offer.abi_max)
+    throw Refusal(C3DE_E_VERSION,
+                  fmt::format("built for plugin ABI {}, this host serves {}: get {}", answer.abi_major, majors(offer),
+                              answer.abi_major > offer.abi_max ? "a newer host or an older build of the plugin"
+                                                               : "a newer build of the plugin"));
+  if (!answer.plugin) refuseDescriptor("the plugin is null");
+  return answer.plugin;
+}
+
+void checkNeeds(const c3de_plugin &plugin, const Services &services) {
+  if (plugin.needs_n > kMostNeeds)
+    refuseDescriptor(fmt::format("needs_n is {}, accepted are at most {}", plugin.needs_n, kMostNeeds));
+  if (plugin.needs_n == 0) return;
+  if (!plugin.needs) refuseDescriptor(fmt::format("needs is null, needs_n is {}", plugin.needs_n));
+  const std::uint64_t stride = plugin.needs_stride == 0 ? sizeof(c3de_service_req) : plugin.needs_stride;
+  if (stride < sizeof(c3de_service_req) || stride > kPlausibleSize || stride % alignof(c3de_service_req) != 0)
+    refuseDescriptor(fmt::format("needs_stride is {}, expected is {}", stride, sizeof(c3de_service_req)));
+  const auto *bytes = reinterpret_cast<const unsigned char *>(plugin.needs);
+  for (std::uint64_t i = 0; i < plugin.needs_n; ++i) {
+    const auto need = structOf(reinterpret_cast<const c3de_service_req *>(bytes + i * stride), "needs entry");
+    const std::string id = idOf(need.id, "needs id");
+    if (need.flags != C3DE_REQUIRED && need.flags != C3DE_OPTIONAL)
+      refuseDescriptor(fmt::format("needs {}: flags is {}, accepted: 1 (required), 2 (optional)", id, need.flags));
+    if (need.flags != C3DE_REQUIRED) continue;
+    try {
+      (void)findService(id, need.min_rev, services);
+    } catch (const Refusal &refusal) {
+      const char *action = refusal.status() == C3DE_E_UNSUPPORTED ? "" : "; get a newer host or an older build of the plugin";
+      throw Refusal(refusal.status(), fmt::format("needs {}{}", refusal.what(), action));
+    }
+  }
+}
+
+Candidate checkDescriptor(const c3de_plugin *descriptor, const Services &services) {
+  std::uint32_t size = 0;
+  std::memcpy(&size, descriptor, sizeof size);
+  if (size < sizeof(c3de_plugin) || size > kPlausibleSize)
+    refuseDescriptor(fmt::format("its member size is {}, expected is {}", size, sizeof(c3de_plugin)));
+  Candidate out;
+  out.plugin = structOf(descriptor, "descriptor");
+  try {
+    out.id = idOf(out.plugin.id, "id");
+    out.version = textOf(out.plugin.version, "version");
+    out.displayName = textOf(out.plugin.display_name, "display_name");
+    out.vendor = textOf(out.plugin.vendor, "vendor");
+    out.license = textOf(out.plugin.license, "license");
+  } catch (const Refusal &refusal) {
+    refuseDescriptor(refusal.what());
+  }
+  if (!out.plugin.create) refuseDescriptor("create is null");
+  if (!out.plugin.start) refuseDescriptor("start is null");
+  if (!out.plugin.stop) refuseDescriptor("stop is null");
+  if (!out.plugin.destroy) refuseDescriptor("destroy is null");
+  checkNeeds(out.plugin, services);
+  return out;
+}
+
+}  // namespace
+
+Expected<Candidate> negotiate(const DynamicLibrary &library, const Services &services) {
+  // void* to a function pointer is what dlsym and GetProcAddress leave us with.
+  const auto queryFn = reinterpret_cast<c3de_plugin_query_fn>(library.symbol(C3DE_PLUGIN_QUERY_SYMBOL));
+  if (!queryFn) return fail(ErrorCode::plugin, fmt::format("not a plugin: no symbol {}", C3DE_PLUGIN_QUERY_SYMBOL));
+  c3de_offer offer{};
+  offer.size = sizeof offer;
+  offer.abi_min = offer.abi_max = C3DE_ABI_MAJOR;
+  offer.abi_minor = C3DE_ABI_MINOR;
+  offer.host_name = toAbi("C3DE");
+  offer.host_version = toAbi(C3DE_VERSION);
+  if (!services.renderer && !services.panels) offer.flags |= C3DE_OFFER_HEADLESS;
+  try {
+    return checkDescriptor(query(queryFn, offer), services);
+  } catch (const std::exception &refusal) {
+    return fail(ErrorCode::plugin, refusal.what());
+  }
+}
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugin_context.h"
+
+#include <fmt/format.h>
+
+#include "arguments.h"
+#include "c3de/core/background_jobs.h"
+#include "c3de/core/log.h"
+#include "c3de/core/main_queue.h"
+#include "c3de/core/text.h"
+#include "c3de/scene/mesh_store.h"
+#include "c3de/scene/scene_graph.h"
+#include "c3de/ui/panel_registry.h"
+#include "c3de/ui/parameter_registry.h"
+#include "c3de/ui/tool_registry.h"
+#include "last_error.h"
+#include "refusal.h"
+#include "services/catalogue.h"
+#include "services/services.h"
+
+namespace c3de::plugin_host {
+namespace {
+
+c3de_status C3DE_CALL getService(void *ctx, c3de_str id, std::uint32_t minRev, const void **table) noexcept {
+  return serve(ctx, "get_service", [&](PluginContext &plugin) {
+    *requireNonNull(table, "table") = nullptr;
+    const std::string name = textOf(id, "id");
+    const ServiceEntry &entry = findService(name, minRev, plugin.services());
+    *table = entry.table(plugin.tables());
+  });
+}
+
+void C3DE_CALL setError(void *, c3de_status status, c3de_str message) noexcept {
+  // From any plugin, also one that is going: its text is what the person will read.
+  const std::string_view text = fromAbi(message);
+  try {
+    if (text.empty() || text.size() > kLongestText || !isUtf8(text))
+      setLastError(statusName(status));
+    else
+      setLastError(text);
+  } catch (...) {
+    setLastError({});
+  }
+}
+
+c3de_status C3DE_CALL takeError(void *, c3de_sink sink) noexcept {
+  try {
+    if (!sink.put) return C3DE_E_ARG;
+    const std::string text = takeLastError();
+    return sink.put(sink.self, text.data(), text.size());
+  } catch (...) {
+    return refuse("take_error");
+  }
+}
+
+}  // namespace
+
+PluginContext::PluginContext(HostState &host, std::string id)
+    : host_(host),
+      id_(std::move(id)),
+      abi_{sizeof(c3de_host), 1, this, &getService, &setError, &takeError},
+      tables_{makeLogTable(this),    makeRegistryTable(this), makeMeshTable(this),   makeSceneTable(this),
+              makeRenderTable(this), makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
+              makeToolsTable(this),  makeJobsTable(this),     makeTimeTable(this),   makeSimulationTable(this)} {}
+
+PluginContext::~PluginContext() = default;
+
+PluginContext &PluginContext::of(void *ctx) {
+  auto *plugin = static_cast<PluginContext *>(requireNonNull(ctx, "ctx"));
+  if (plugin->isClosed()) throw Refusal(C3DE_E_STATE, "the plugin " + plugin->id_ + " has been taken back");
+  return *plugin;
+}
+
+void PluginContext::requireMainThread() const {
+  if (std::this_thread::get_id() != host_.mainThread)
+    throw Refusal(C3DE_E_THREAD, "is for the main thread; post_to_main of draft/c3de.time/0 leads there");
+}
+
+void PluginContext::settle() {
+  if (services().jobs) services().jobs->finishOwnedBy(id_);
+  for (;;) {
+    std::pair<void *, void(C3DE_CALL *)(void *)> next;
+    {
+      const std::lock_guard lock(posted->mutex);
+      if (posted->waiting.empty()) return;
+      next = posted->waiting.front();
+      posted->waiting.pop_front();
+    }
+    callPlugin(*this, "a posted function", [&] { next.second(next.first); });
+  }
+}
+
+void PluginContext::takeBack() {
+  closed_ = true;
+  const Services &s = services();
+  if (s.jobs) s.jobs->finishOwnedBy(id_);
+  if (s.mainQueue) s.mainQueue->removeOwnedBy(id_);
+  {
+    const std::lock_guard lock(posted->mutex);
+    posted->waiting.clear();
+  }
+  // Tools first: one of them may be active, and its callbacks are closed already.
+  if (s.tools) s.tools->removeOwnedBy(id_);
+  if (s.panels) s.panels->removeOwnedBy(id_);
+  if (s.parameters) s.parameters->removeOwnedBy(id_);
+  tools.clear();
+  panels.clear();
+  parameterSets.clear();
+  host_.classes.removeOwnedBy(id_);
+  host_.trees.removeOwnedBy(id_);
+  host_.proxies.removeOwnedBy(id_);
+  if (s.sceneGraph)
+    for (const std::uint64_t node : nodes) s.sceneGraph->remove(Handle::fromBits(node));
+  nodes.clear();
+  if (s.meshes) {
+    const std::lock_guard lock(meshMutex);
+    for (const std::uint64_t mesh : meshes) s.meshes->remove(Handle::fromBits(mesh));
+    meshes.clear();
+  }
+  frameCallbacks.clear();
+  jobs.clear();
+}
+
+void reportMisbehaviour(const std::string &plugin, const char *what) noexcept {
+  try {
+    std::string text = "an exception that is not a std::exception";
+    try {
+      throw;
+    } catch (const std::exception &e) {
+      text = e.what();
+    } catch (...) {
+    }
+    log(LogLevel::error, fmt::format("plugin {}: an exception left {}: {}", plugin, what, text));
+  } catch (...) {
+  }
+}
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+
+#include "c3de/abi/draft/all.h"
+#include "host_state.h"
+
+namespace c3de::plugin_host {
+
+struct PanelCallback;
+struct ToolCallback;
+struct ListenerCallback;
+
+/// Every table that one plugin can get; ctx of each is its PluginContext.
+struct ServiceTables {
+  c3de_log_v0 log;
+  c3de_registry_v0 registry;
+  c3de_mesh_v0 mesh;
+  c3de_scene_v0 scene;
+  c3de_render_v0 render;
+  c3de_collision_v0 collision;
+  c3de_params_v0 params;
+  c3de_panels_v0 panels;
+  c3de_tools_v0 tools;
+  c3de_jobs_v0 jobs;
+  c3de_time_v0 time;
+  c3de_simulation_v0 simulation;
+};
+
+/// Functions that a plugin has posted to the main thread and that have not run yet. Shared with the queue, which may
+/// outlive the plugin.
+struct PostedFunctions {
+  std::mutex mutex;
+  std::deque<std::pair<void *, void(C3DE_CALL *)(void *)>> waiting;
+};
+
+/// The host as one plugin sees it, and everything this plugin has registered, so that it can be taken back.
+/// Stays until the host goes, so that a call that comes too late is answered instead of crashing.
+class PluginContext {
+ public:
+  PluginContext(HostState &host, std::string id);
+  PluginContext(const PluginContext &) = delete;
+  PluginContext &operator=(const PluginContext &) = delete;
+  ~PluginContext();
+
+  /// Throws Refusal when there is no plugin behind it or it was taken back.
+  [[nodiscard]] static PluginContext &of(void *ctx);
+  /// Throws Refusal (C3DE_E_THREAD).
+  void requireMainThread() const;
+
+  [[nodiscard]] const c3de_host *abi() const { return &abi_; }
+  [[nodiscard]] const ServiceTables &tables() const { return tables_; }
+  [[nodiscard]] const std::string &id() const { return id_; }
+  [[nodiscard]] HostState &host() const { return host_; }
+  [[nodiscard]] const Services &services() const { return host_.services; }
+  [[nodiscard]] bool isClosed() const { return closed_.load(); }
+
+  /// Waits for its jobs, runs what it has posted: before destroy. Main thread.
+  void settle();
+  /// From here on the plugin is not called and its calls are refused; takes back all it has registered. Main thread.
+  void takeBack();
+
+  // What it has, for the services; main thread except where a mutex stands before it.
+  std::mutex meshMutex;
+  std::set<std::uint64_t> meshes;
+  std::set<std::uint64_t> nodes, frameCallbacks, jobs;
+  std::map<std::uint64_t, std::shared_ptr<PanelCallback>> panels;
+  std::map<std::uint64_t, std::shared_ptr<ToolCallback>> tools;
+  std::map<std::uint64_t, std::shared_ptr<ListenerCallback>> parameterSets;
+  std::shared_ptr<PostedFunctions> posted = std::make_shared<PostedFunctions>();
+
+ private:
+  HostState &host_;
+  const std::string id_;
+  std::atomic<bool> closed_{false};
+  c3de_host abi_;
+  ServiceTables tables_;
+};
+
+/// A line in the log in the plugin's name.
+void reportMisbehaviour(const std::string &plugin, const char *what) noexcept;
+
+/// Calls into a plugin: an exception that leaves it becomes a line in the log. Best effort only, because a plugin with a
+/// C++ runtime of its own cannot be caught.
+template <class F>
+bool callPlugin(const PluginContext &plugin, const char *what, F &&f) noexcept {
+  if (plugin.isClosed()) return false;
+  try {
+    f();
+    return true;
+  } catch (...) {
+    reportMisbehaviour(plugin.id(), what);
+    return false;
+  }
+}
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "c3de/core/handle.h"
+
+namespace c3de::render {
+class Renderer;
+}
+namespace c3de::scene {
+class SceneGraph;
+}
+
+namespace c3de::plugin_host {
+
+enum class ProxyKind { mesh, spheres, lines, label };
+
+struct SceneProxy {
+  std::string owner;
+  Handle node;
+  Handle drawn;  ///< of the renderer
+  ProxyKind kind = ProxyKind::mesh;
+  std::size_t count = 0;  ///< points
+  float opacity = 1.0f;   ///< of the material
+  bool visible = true;    ///< its own switch; the node's counts as well
+};
+
+/// What plugins have put under scene nodes. The renderer knows no nodes, so transforms and visibility are carried over
+/// here, and a proxy goes with its node. Main thread.
+class SceneProxies {
+ public:
+  SceneProxies(render::Renderer *renderer, scene::SceneGraph *graph) : renderer_(renderer), graph_(graph) {}
+
+  Handle add(SceneProxy proxy);
+  [[nodiscard]] SceneProxy *find(Handle proxy);
+  bool remove(Handle proxy);
+  void removeOwnedBy(const std::string &plugin);
+  /// Carries transforms and visibility over; drops proxies whose node is gone. Once per frame.
+  void sync();
+  [[nodiscard]] std::size_t size() const { return proxies_.size(); }
+
+ private:
+  void place(SceneProxy &proxy);
+
+  render::Renderer *renderer_;
+  scene::SceneGraph *graph_;
+  HandleTable<SceneProxy> proxies_;
+};
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "c3de/core/platform.h"
+#include "c3de/plugin_host/plugin_host.h"
+
+namespace c3de::plugin_host {
+
+std::vector<std::filesystem::path> defaultPluginFolders() {
+  std::vector<std::filesystem::path> folders;
+  const auto add = [&](std::filesystem::path folder) {
+    folder = std::filesystem::absolute(folder).lexically_normal();
+    if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(std::move(folder));
+  };
+  const std::string list = environmentVariable("C3DE_PLUGIN_PATH");
+  for (std::size_t begin = 0; begin < list.size();) {
+    const std::size_t end = std::min(list.find(pathListSeparator(), begin), list.size());
+    if (end > begin) add(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  add(userDataDirectory() / "plugins");
+  add(executablePath().parent_path() / ".." / "lib" / "c3de" / "plugins");
+  return folders;
+}
+
+}  // namespace c3de::plugin_host

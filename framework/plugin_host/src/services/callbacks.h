@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the registries of the ui call instead of the plugin: a plugin that throws or is gone does no harm there.
+#pragma once
+
+#include <memory>
+
+#include "plugin_context.h"
+
+namespace c3de::plugin_host {
+
+/// Each keeps itself while it runs, because the plugin may remove the registration from inside the call.
+struct PanelCallback : std::enable_shared_from_this<PanelCallback> {
+  PanelCallback(PluginContext &p, const c3de_panel &r) : plugin(p), real(r) {}
+  static void C3DE_CALL onUi(void *self, const c3de_ui_v0 *ui) noexcept {
+    const auto keep = static_cast<PanelCallback *>(self)->shared_from_this();
+    callPlugin(keep->plugin, "on_ui of a panel", [&] { keep->real.on_ui(keep->real.self, ui); });
+  }
+  PluginContext &plugin;
+  c3de_panel real;
+};
+
+struct ToolCallback : std::enable_shared_from_this<ToolCallback> {
+  ToolCallback(PluginContext &p, const c3de_tool &r) : plugin(p), real(r) {}
+  static c3de_status C3DE_CALL activate(void *self) noexcept {
+    const auto keep = static_cast<ToolCallback *>(self)->shared_from_this();
+    c3de_status status = C3DE_E_EXCEPTION;
+    callPlugin(keep->plugin, "activate of a tool", [&] { status = keep->real.activate(keep->real.self); });
+    return status;
+  }
+  static void C3DE_CALL cancel(void *self) noexcept {
+    const auto keep = static_cast<ToolCallback *>(self)->shared_from_this();
+    callPlugin(keep->plugin, "cancel of a tool", [&] { keep->real.cancel(keep->real.self); });
+  }
+  static c3de_status C3DE_CALL onEvent(void *self, const c3de_event *event, std::uint32_t *consumed) noexcept {
+    const auto keep = static_cast<ToolCallback *>(self)->shared_from_this();
+    c3de_status status = C3DE_E_EXCEPTION;
+    callPlugin(keep->plugin, "on_event of a tool",
+               [&] { status = keep->real.on_event(keep->real.self, event, consumed); });
+    return status;
+  }
+  PluginContext &plugin;
+  c3de_tool real;
+};
+
+struct ListenerCallback : std::enable_shared_from_this<ListenerCallback> {
+  ListenerCallback(PluginContext &p, const c3de_param_listener &r) : plugin(p), real(r) {}
+  [[nodiscard]] c3de_param_listener trampoline() { return {sizeof(c3de_param_listener), 0, this, &changed}; }
+  static void C3DE_CALL changed(void *self, const c3de_param_value *value) noexcept {
+    const auto keep = static_cast<ListenerCallback *>(self)->shared_from_this();
+    callPlugin(keep->plugin, "changed of a parameter listener", [&] { keep->real.changed(keep->real.self, value); });
+  }
+  PluginContext &plugin;
+  c3de_param_listener real;
+};
+
+}  // namespace c3de::plugin_host

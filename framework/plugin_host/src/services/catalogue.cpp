@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "services/catalogue.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <vector>
+
+#include "c3de/core/text.h"
+#include "plugin_context.h"
+#include "refusal.h"
+#include "services/services.h"
+
+namespace c3de::plugin_host {
+namespace {
+
+bool always(const Services &) { return true; }
+
+template <auto Member>
+bool has(const Services &services) {
+  return services.*Member != nullptr;
+}
+
+template <auto Member>
+const void *member(const ServiceTables &tables) {
+  return &(tables.*Member);
+}
+
+bool hasRender(const Services &s) { return s.renderer && s.sceneGraph; }
+
+constexpr std::array kCatalogue{
+    ServiceEntry{C3DE_LOG_ID, &always, "", &member<&ServiceTables::log>},
+    ServiceEntry{C3DE_REGISTRY_ID, &always, "", &member<&ServiceTables::registry>},
+    ServiceEntry{C3DE_MESH_ID, &has<&Services::meshes>, "meshes", &member<&ServiceTables::mesh>},
+    ServiceEntry{C3DE_SCENE_ID, &has<&Services::sceneGraph>, "a scene", &member<&ServiceTables::scene>},
+    ServiceEntry{C3DE_RENDER_ID, &hasRender, "a window", &member<&ServiceTables::render>},
+    ServiceEntry{C3DE_COLLISION_ID, &always, "", &member<&ServiceTables::collision>},
+    ServiceEntry{C3DE_PARAMS_ID, &has<&Services::parameters>, "a window", &member<&ServiceTables::params>},
+    ServiceEntry{C3DE_PANELS_ID, &has<&Services::panels>, "a window", &member<&ServiceTables::panels>},
+    ServiceEntry{C3DE_TOOLS_ID, &has<&Services::tools>, "a window", &member<&ServiceTables::tools>},
+    ServiceEntry{C3DE_JOBS_ID, &has<&Services::jobs>, "background jobs", &member<&ServiceTables::jobs>},
+    ServiceEntry{C3DE_TIME_ID, &has<&Services::mainQueue>, "a main loop", &member<&ServiceTables::time>},
+    ServiceEntry{C3DE_SIMULATION_ID, &has<&Services::simulations>, "simulations", &member<&ServiceTables::simulation>},
+};
+
+}  // namespace
+
+std::span<const ServiceEntry> serviceCatalogue() { return kCatalogue; }
+
+const ServiceEntry &findService(const std::string &id, std::uint32_t minRev, const Services &services) {
+  for (const ServiceEntry &entry : kCatalogue) {
+    if (id != entry.id) continue;
+    if (minRev > kServiceRevision)
+      throw Refusal(C3DE_E_VERSION, fmt::format("{} rev >= {}, host has {}", id, minRev, kServiceRevision));
+    if (!entry.isServed(services))
+      throw Refusal(C3DE_E_UNSUPPORTED, fmt::format("{}, which is not served in this run (it needs {})", id, entry.needs));
+    return entry;
+  }
+  std::vector<std::string> known;
+  for (const ServiceEntry &entry : kCatalogue) known.emplace_back(entry.id);
+  const std::string nearest = nearestName(id, known);
+  throw Refusal(C3DE_E_NOT_FOUND, fmt::format("{}, which this host does not have{}", id,
+                                              nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+}
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "c3de/plugin_host/plugin_host.h"
+
+namespace c3de::plugin_host {
+
+struct ServiceTables;
+
+/// A service that this host knows.
+struct ServiceEntry {
+  const char *id;
+  bool (*isServed)(const Services &);
+  const char *needs;  ///< what a run must have for it
+  const void *(*table)(const ServiceTables &);
+};
+
+[[nodiscard]] std::span<const ServiceEntry> serviceCatalogue();
+
+/// Throws Refusal: C3DE_E_NOT_FOUND, C3DE_E_UNSUPPORTED, C3DE_E_VERSION with both revisions.
+[[nodiscard]] const ServiceEntry &findService(const std::string &id, std::uint32_t minRev, const Services &services);
+
+}  // namespace c3de::plugin_host

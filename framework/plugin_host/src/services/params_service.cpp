@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+#include "arguments.h"
+#include "c3de/ui/parameter_registry.h"
+#include "services/callbacks.h"
+#include "services/services.h"
+
+namespace c3de::plugin_host {
+namespace {
+
+constexpr std::uint64_t kMostDeclarations = 4096, kMostChoices = 1024;
+constexpr std::uint32_t kKnownFlags = C3DE_PARAM_LOG_SCALE | C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED |
+                                      C3DE_PARAM_MIN_OPEN | C3DE_PARAM_MAX_OPEN | C3DE_PARAM_AUTO;
+
+/// Everything that a later reader of the declaration relies on.
+ParameterDecl declarationOf(const c3de_param_decl *decl) {
+  const c3de_param_decl in = structOf(decl, "declaration");
+  const std::string id = idOf(in.id, "parameter id");
+  if (in.type < C3DE_PARAM_F64 || in.type > C3DE_PARAM_VEC3)
+    throw Refusal(C3DE_E_ARG, fmt::format("{}: type is {}, accepted: 1 to 6", id, in.type));
+  if (in.flags & ~kKnownFlags)
+    throw Refusal(C3DE_E_UNSUPPORTED, fmt::format("{}: flags {:#x} are not known to this host", id, in.flags & ~kKnownFlags));
+  for (const c3de_str text : {in.label, in.unit, in.doc, in.group, in.fallback_text}) (void)textOf(text, id.c_str());
+  if (in.choices_n > kMostChoices)
+    throw Refusal(C3DE_E_ARG, fmt::format("{}: choices_n is {}, accepted are at most {}", id, in.choices_n, kMostChoices));
+  if (in.choices_n > 0) requireNonNull(in.choices, "choices");
+  for (std::uint64_t i = 0; i < in.choices_n; ++i)
+    if (textOf(in.choices[i], "choice").empty()) throw Refusal(C3DE_E_ARG, id + ": a choice is empty");
+  const bool isNumber = in.type == C3DE_PARAM_F64 || in.type == C3DE_PARAM_I64 || in.type == C3DE_PARAM_VEC3;
+  if (isNumber && !(in.min <= in.max))
+    throw Refusal(C3DE_E_ARG, fmt::format("{}: min {} is not below max {}", id, in.min, in.max));
+  if (isNumber && (!std::isfinite(in.soft_min) || !std::isfinite(in.soft_max)))
+    throw Refusal(C3DE_E_ARG, fmt::format("{}: soft_min {} and soft_max {} must be finite", id, in.soft_min, in.soft_max));
+  ParameterDecl out = ParameterDecl::from(in);
+  if (const auto checked = checkParameter(out, out.fallbackValue()); !checked)
+    throw Refusal(C3DE_E_ARG, "the default does not fit: " + checked.error().message);
+  return out;
+}
+
+ui::ParameterSet &find(PluginContext &plugin, c3de_handle set) {
+  ui::ParameterSet *found = plugin.services().parameters->find(handleOf(set));
+  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no parameter set of handle {:#x}", set.v));
+  return *found;
+}
+
+const ParameterDecl &declarationIn(const ui::ParameterSet &set, const std::string &id) {
+  const auto decl = findParameter(set.decls, id);
+  if (!decl) throw Refusal(C3DE_E_NOT_FOUND, decl.error().message);
+  return **decl;
+}
+
+c3de_status C3DE_CALL declare(void *ctx, c3de_str title, const c3de_param_decl *decls, std::uint64_t n,
+                              std::uint64_t stride, const c3de_param_listener *listener, c3de_handle *out) noexcept {
+  return serveOnMain(ctx, "params.declare", [&](PluginContext &plugin) {
+    requireNonNull(out, "out")->v = 0;
+    ui::ParameterSet set;
+    set.owner = plugin.id();
+    set.title = textOf(title, "title");
+    if (n == 0 || n > kMostDeclarations)
+      throw Refusal(C3DE_E_ARG, fmt::format("n is {}, accepted: 1 to {}", n, kMostDeclarations));
+    requireNonNull(decls, "decls");
+    const std::uint64_t step = stride == 0 ? sizeof(c3de_param_decl) : stride;
+    if (step < sizeof(c3de_param_decl) || step % alignof(c3de_param_decl) != 0)
+      throw Refusal(C3DE_E_ARG, fmt::format("stride is {}, accepted: 0 (tight) or a multiple of {} from {} on", stride,
+                                            alignof(c3de_param_decl), sizeof(c3de_param_decl)));
+    std::set<std::string> ids;
+    const auto *bytes = reinterpret_cast<const unsigned char *>(decls);
+    for (std::uint64_t i = 0; i < n; ++i) {
+      set.decls.push_back(declarationOf(reinterpret_cast<const c3de_param_decl *>(bytes + i * step)));
+      if (!ids.insert(set.decls.back().id).second)
+        throw Refusal(C3DE_E_EXISTS, set.decls.back().id + " is declared twice");
+    }
+    std::shared_ptr<ListenerCallback> callback;
+    if (listener) {
+      const c3de_param_listener in = structOf(listener, "listener");
+      requireNonNull(in.changed, "listener changed");
+      callback = std::make_shared<ListenerCallback>(plugin, in);
+      set.listener = callback->trampoline();
+    }
+    const Handle handle = plugin.services().parameters->declare(std::move(set));
+    plugin.parameterSets[handle.bits()] = std::move(callback);
+    writeHandle(out, handle);
+  });
+}
+
+c3de_status C3DE_CALL removeSet(void *ctx, c3de_handle set) noexcept {
+  return serveOnMain(ctx, "params.remove", [&](PluginContext &plugin) {
+    const ui::ParameterSet &found = find(plugin, set);
+    if (found.owner != plugin.id())
+      throw Refusal(C3DE_E_STATE, fmt::format("the set '{}' belongs to plugin {}", found.title, found.owner));
+    plugin.services().parameters->remove(handleOf(set));
+    plugin.parameterSets.erase(set.v);
+  });
+}
+
+c3de_status C3DE_CALL get(void *ctx, c3de_handle set, c3de_str id, c3de_param_value *out) noexcept {
+  return serveOnMain(ctx, "params.get", [&](PluginContext &plugin) {
+    const ui::ParameterSet &found = find(plugin, set);
+    const ParameterDecl &decl = declarationIn(found, textOf(id, "id"));
+    const auto index = static_cast<std::size_t>(&decl - found.decls.data());
+    writeStruct(out, found.values[index].abi(), "out");
+  });
+}
+
+c3de_status C3DE_CALL setValue(void *ctx, c3de_handle set, const c3de_param_value *value) noexcept {
+  return serveOnMain(ctx, "params.set", [&](PluginContext &plugin) {
+    const ui::ParameterSet &found = find(plugin, set);
+    const c3de_param_value in = structOf(value, "value");
+    (void)textOf(in.text, "text");
+    const ParameterDecl &decl = declarationIn(found, textOf(in.id, "id"));
+    const ParameterValue owned = ParameterValue::from(in);
+    if (const auto checked = checkParameter(decl, owned); !checked) throw Refusal(C3DE_E_ARG, checked.error().message);
+    // The owner shows what is; somebody else changes it, and the owner hears of that.
+    const bool tellListener = found.owner != plugin.id();
+    orRefuse(plugin.services().parameters->set(handleOf(set), owned, tellListener));
+  });
+}
+
+}  // namespace
+
+c3de_params_v0 makeParamsTable(PluginContext *plugin) {
+  return {sizeof(c3de_params_v0), kServiceRevision, plugin, &declare, &removeSet, &get, &setValue};
+}
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// One table per service and plugin; each is made in the file of its service. ctx is the PluginContext.
+#pragma once
+
+#include "c3de/abi/draft/all.h"
+
+namespace c3de::plugin_host {
+
+class PluginContext;
+
+/// Revision of every service of this host.
+inline constexpr std::uint32_t kServiceRevision = 1;
+
+[[nodiscard]] c3de_log_v0 makeLogTable(PluginContext *plugin);
+[[nodiscard]] c3de_registry_v0 makeRegistryTable(PluginContext *plugin);
+[[nodiscard]] c3de_mesh_v0 makeMeshTable(PluginContext *plugin);
+[[nodiscard]] c3de_scene_v0 makeSceneTable(PluginContext *plugin);
+[[nodiscard]] c3de_render_v0 makeRenderTable(PluginContext *plugin);
+[[nodiscard]] c3de_collision_v0 makeCollisionTable(PluginContext *plugin);
+[[nodiscard]] c3de_params_v0 makeParamsTable(PluginContext *plugin);
+[[nodiscard]] c3de_panels_v0 makePanelsTable(PluginContext *plugin);
+[[nodiscard]] c3de_tools_v0 makeToolsTable(PluginContext *plugin);
+[[nodiscard]] c3de_jobs_v0 makeJobsTable(PluginContext *plugin);
+[[nodiscard]] c3de_time_v0 makeTimeTable(PluginContext *plugin);
+[[nodiscard]] c3de_simulation_v0 makeSimulationTable(PluginContext *plugin);
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "arguments.h"
+#include "c3de/ui/tool_registry.h"
+#include "last_error.h"
+#include "services/callbacks.h"
+#include "services/services.h"
+
+namespace c3de::plugin_host {
+namespace {
+
+bool isLive(PluginContext &plugin, c3de_handle tool) {
+  for (const ui::ToolRegistry::Entry &entry : plugin.services().tools->tools())
+    if (entry.handle == handleOf(tool)) return true;
+  return false;
+}
+
+void requireLive(PluginContext &plugin, c3de_handle tool) {
+  if (!isLive(plugin, tool)) throw Refusal(C3DE_E_STALE, fmt::format("there is no tool of handle {:#x}", tool.v));
+}
+
+c3de_status C3DE_CALL add(void *ctx, const c3de_tool *tool, c3de_handle *out) noexcept {
+  return serveOnMain(ctx, "tools.add", [&](PluginContext &plugin) {
+    requireNonNull(out, "out")->v = 0;
+    const c3de_tool in = structOf(tool, "tool");
+    ui::Tool made;
+    made.owner = plugin.id();
+    made.id = idOf(in.id, "tool id");
+    made.label = textOf(in.label, "tool label");
+    made.hint = textOf(in.hint, "tool hint");
+    if (made.label.empty()) throw Refusal(C3DE_E_ARG, fmt::format("{}: label is empty", made.id));
+    made.shortcut = in.shortcut;
+    const bool isKey = (in.shortcut >= 'A' && in.shortcut <= 'Z') || (in.shortcut >= '0' && in.shortcut <= '9');
+    if (in.shortcut != 0 && !isKey)
+      throw Refusal(C3DE_E_ARG, fmt::format("{}: shortcut is {}, accepted: 0 (none), 'A' to 'Z', '0' to '9'", made.id,
+                                            in.shortcut));
+    requireNonNull(in.activate, "activate");
+    requireNonNull(in.cancel, "cancel");
+    requireNonNull(in.on_event, "on_event");
+    for (const ui::ToolRegistry::Entry &other : plugin.services().tools->tools())
+      if (other.tool->id == made.id)
+        throw Refusal(C3DE_E_EXISTS, fmt::format("tool {} is registered by plugin {} already", made.id, other.tool->owner));
+    auto callback = std::make_shared<ToolCallback>(plugin, in);
+    made.self = callback.get();
+    made.activate = &ToolCallback::activate;
+    made.cancel = &ToolCallback::cancel;
+    made.onEvent = &ToolCallback::onEvent;
+    const Handle handle = plugin.services().tools->add(std::move(made));
+    plugin.tools[handle.bits()] = std::move(callback);
+    writeHandle(out, handle);
+  });
+}
+
+c3de_status C3DE_CALL removeTool(void *ctx, c3de_handle tool) noexcept {
+  return serveOnMain(ctx, "tools.remove", [&](PluginContext &plugin) {
+    if (!plugin.tools.contains(tool.v))
+      throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no tool of handle {:#x}", plugin.id(), tool.v));
+    plugin.services().tools->remove(handleOf(tool));
+    plugin.tools.erase(tool.v);
+  });
+}
+
+c3de_status C3DE_CALL activate(void *ctx, c3de_handle tool) noexcept {
+  return serveOnMain(ctx, "tools.activate", [&](PluginContext &plugin) {
+    if (tool.v != 0) requireLive(plugin, tool);
+    if (!plugin.services().tools->activate(handleOf(tool))) {
+      const std::string reason = takeLastError();
+      throw Refusal(C3DE_E_STATE, reason.empty() ? "the tool refused to become active" : reason);
+    }
+  });
+}
+
+c3de_status C3DE_CALL isActive(void *ctx, c3de_handle tool, std::uint32_t *active) noexcept {
+  return serveOnMain(ctx, "tools.is_active", [&](PluginContext &plugin) {
+    requireNonNull(active, "active");
+    requireLive(plugin, tool);
+    *active = plugin.services().tools->active() == handleOf(tool) ? 1u : 0u;
+  });
+}
+
+}  // namespace
+
+c3de_tools_v0 makeToolsTable(PluginContext *plugin) {
+  return {sizeof(c3de_tools_v0), kServiceRevision, plugin, &add, &removeTool, &activate, &isActive};
+}
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/core/handle.h"
+#include "c3de/core/vec.h"
+#include "c3de/render/camera.h"
+
+namespace c3de::render {
+
+using Vec3f = std::array<float, 3>;
+using Colour = std::array<float, 4>;  ///< sRGB and opacity, 0 … 1
+
+struct Material {
+  Colour colour{0.8f, 0.8f, 0.8f, 1.0f};  ///< opacity below 1 blends
+  bool twoSided = false;  ///< meshes: false hides triangles seen from behind (clockwise corners)
+};
+
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;  ///< 3 bytes per pixel, top row first
+};
+/// @param path  UTF-8; its folder must exist
+[[nodiscard]] Expected<void> writePng(const std::string &path, const Image &image);
+
+/// Where a frame goes: pixels from the lower left corner of the framebuffer.
+struct Viewport {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// Work of the last frame, and what was made since the renderer was.
+struct RenderStatistics {
+  std::size_t drawCalls = 0;         ///< last frame
+  std::size_t sortedPrimitives = 0;  ///< last frame: triangles, spheres and segments that blend
+  double sort_ms = 0.0;              ///< last frame: their ordering
+  std::size_t vertexArraysMade = 0;  ///< in all; updating a proxy adds none
+  std::size_t programsLinked = 0;    ///< in all; does not grow after the start
+};
+
+/// Retained drawing. A proxy is created once and updated when its arrays change; updating never compiles or relinks.
+/// Positions are in the proxy's own space; `transform` (world from proxy, mm) places it.
+///
+/// What blends (opacity below 1) is ordered by the depth of each triangle, sphere and segment over all proxies, so
+/// opaque things inside show through and the order of creation does not matter; only primitives that cut through each
+/// other, or that are much larger than what they overlap, may blend in the wrong order. Blending is done on the sRGB
+/// values.
+///
+/// One thread, the one that owns the graphics context, which must still be current when the renderer is destroyed.
+class Renderer {
+ public:
+  virtual ~Renderer() = default;
+
+  /// A null handle: an index beyond the positions, an odd number of line ends, a radius or width that is not positive.
+  virtual Handle createMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
+                            const Material &) = 0;
+  virtual Handle createSpheres(std::span<const Vec3f> centres, float radius, const Material &) = 0;
+  virtual Handle createLines(std::span<const Vec3f> pairs, float width_px, const Material &) = 0;
+  /// UTF-8, lines parted by '\n', of constant size on the screen, above the point and on top of everything.
+  virtual Handle createLabel(const Vec3f &at, std::string_view text, const Material &) = 0;
+
+  /// The count may change for spheres and lines, which then lose their colours and radii. Without setNormals, a mesh
+  /// computes normals from its triangles. An empty span given to setNormals, setColours or setRadii returns to the
+  /// default.
+  /// False: stale handle, a kind of proxy that has no such array, or a count that does not fit.
+  virtual bool setPositions(Handle, std::span<const Vec3f> positions) = 0;
+  virtual bool setNormals(Handle, std::span<const Vec3f> normals) = 0;
+  /// Per point; replaces the material's colour. The opacities multiply.
+  virtual bool setColours(Handle, std::span<const Colour> colours) = 0;
+  virtual bool setRadii(Handle, std::span<const float> radii) = 0;
+  virtual bool setLabel(Handle, const Vec3f &at, std::string_view text) = 0;
+  virtual bool setMaterial(Handle, const Material &) = 0;
+  virtual bool setTransform(Handle, const Mat4 &worldFromProxy) = 0;
+  virtual bool setVisible(Handle, bool visible) = 0;
+  virtual bool destroy(Handle) = 0;
+
+  struct Background {
+    Colour top{0.16f, 0.18f, 0.22f, 1.0f}, bottom{0.05f, 0.06f, 0.08f, 1.0f};
+  };
+  virtual void setBackground(const Background &) = 0;
+
+  /// Draws everything visible into the bound framebuffer, which needs a depth buffer; clears that region's depth.
+  /// Leaves depth test, culling, blending and scissor off and nothing bound.
+  virtual void draw(const Camera &camera, const Viewport &viewport) = 0;
+  /// Draws into an image of its own, independent of the window's size, with smoothed edges.
+  [[nodiscard]] virtual Expected<Image> drawToImage(const Camera &camera, int width, int height) = 0;
+
+  [[nodiscard]] virtual std::string description() const = 0;  ///< back end, version, device
+  [[nodiscard]] virtual RenderStatistics statistics() const { return {}; }
+};
+
+/// Needs a current OpenGL 4.3 core context (4.5 is asked for by the window); the error names what was found.
+[[nodiscard]] Expected<std::unique_ptr<Renderer>> createGlRenderer();
+/// Keeps what it is told and draws a flat background: logic can be tested without graphics.
+[[nodiscard]] std::unique_ptr<Renderer> createNullRenderer();
+
+/// An OpenGL context without a window, current on the thread that made it (EGL surfaceless; a hidden window on
+/// Windows). The context of a window must not be current on that thread at the same time.
+class OffscreenContext {
+ public:
+  [[nodiscard]] static Expected<std::unique_ptr<OffscreenContext>> create();
+  virtual ~OffscreenContext() = default;
+};
+
+/// Error when the current context is below 4.3: "OpenGL 4.3 is needed, found …".
+[[nodiscard]] Expected<void> checkGlVersion();
+
+}  // namespace c3de::render

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace c3de::render {
+
+/// Tells the OpenGL function loader that another context may have become current. Needed on Windows only.
+void refreshGlFunctions();
+
+}  // namespace c3de::render

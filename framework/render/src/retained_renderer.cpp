@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "retained_renderer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesh_normals.h"
+
+namespace c3de::render {
+namespace {
+
+Proxy makeProxy(ProxyKind kind, std::span<const Vec3f> positions, const Material &material) {
+  Proxy proxy;
+  proxy.kind = kind;
+  proxy.positions.assign(positions.begin(), positions.end());
+  proxy.material = material;
+  return proxy;
+}
+
+bool isPositive(float value) { return std::isfinite(value) && value > 0.0f; }
+
+}  // namespace
+
+void Proxy::updateNormals() {
+  if (hasOwnNormals || normalsCurrent) return;
+  computeVertexNormals(positions, triangles, normals);
+  normalsCurrent = true;
+  stale.normals = true;
+}
+
+Handle RetainedRenderer::createMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
+                                    const Material &material) {
+  for (const Triangle &t : triangles)
+    if (std::max({t[0], t[1], t[2]}) >= positions.size()) return {};
+  Proxy proxy = makeProxy(ProxyKind::mesh, positions, material);
+  proxy.triangles.assign(triangles.begin(), triangles.end());
+  return proxies_.add(std::move(proxy));
+}
+
+Handle RetainedRenderer::createSpheres(std::span<const Vec3f> centres, float radius, const Material &material) {
+  if (!isPositive(radius)) return {};
+  Proxy proxy = makeProxy(ProxyKind::spheres, centres, material);
+  proxy.radius = radius;
+  return proxies_.add(std::move(proxy));
+}
+
+Handle RetainedRenderer::createLines(std::span<const Vec3f> pairs, float width_px, const Material &material) {
+  if (!isPositive(width_px) || pairs.size() % 2 != 0) return {};
+  Proxy proxy = makeProxy(ProxyKind::lines, pairs, material);
+  proxy.width_px = width_px;
+  return proxies_.add(std::move(proxy));
+}
+
+Handle RetainedRenderer::createLabel(const Vec3f &at, std::string_view text, const Material &material) {
+  Proxy proxy = makeProxy(ProxyKind::label, {&at, 1}, material);
+  proxy.text = text;
+  return proxies_.add(std::move(proxy));
+}
+
+bool RetainedRenderer::setPositions(Handle handle, std::span<const Vec3f> positions) {
+  Proxy *proxy = proxies_.find(handle);
+  if (!proxy || proxy->kind == ProxyKind::label) return false;
+  const bool sameCount = positions.size() == proxy->positions.size();
+  if (proxy->kind == ProxyKind::mesh && !sameCount) return false;
+  if (proxy->kind == ProxyKind::lines && positions.size() % 2 != 0) return false;
+  proxy->positions.assign(positions.begin(), positions.end());
+  proxy->normalsCurrent = false;
+  proxy->stale.positions = true;
+  if (!sameCount) {
+    // Colours and radii belong to points that are no longer the same ones.
+    proxy->colours.clear();
+    proxy->radii.clear();
+    proxy->hasTransparentColour = false;
+    proxy->stale.colours = proxy->stale.radii = true;
+  }
+  return true;
+}
+
+bool RetainedRenderer::setNormals(Handle handle, std::span<const Vec3f> normals) {
+  Proxy *proxy = proxies_.find(handle);
+  if (!proxy || proxy->kind != ProxyKind::mesh) return false;
+  if (!normals.empty() && normals.size() != proxy->positions.size()) return false;
+  proxy->normals.assign(normals.begin(), normals.end());
+  proxy->hasOwnNormals = !normals.empty();
+  proxy->normalsCurrent = false;
+  proxy->stale.normals = true;
+  return true;
+}
+
+bool RetainedRenderer::setColours(Handle handle, std::span<const Colour> colours) {
+  Proxy *proxy = proxies_.find(handle);
+  if (!proxy || proxy->kind == ProxyKind::label) return false;
+  if (!colours.empty() && colours.size() != proxy->positions.size()) return false;
+  proxy->colours.assign(colours.begin(), colours.end());
+  proxy->hasTransparentColour =
+      std::any_of(colours.begin(), colours.end(), [](const Colour &c) { return c[3] < 1.0f; });
+  proxy->stale.colours = true;
+  return true;
+}
+
+bool RetainedRenderer::setRadii(Handle handle, std::span<const float> radii) {
+  Proxy *proxy = proxies_.find(handle);
+  if (!proxy || proxy->kind != ProxyKind::spheres) return false;
+  if (!radii.empty() && radii.size() != proxy->positions.size()) return false;
+  proxy->radii.assign(radii.begin(), radii.end());
+  proxy->stale.radii = true;
+  return true;
+}
+
+bool RetainedRenderer::setLabel(Handle handle, const Vec3f &at, std::string_view text) {
+  Proxy *proxy = proxies_.find(handle);
+  if (!proxy || proxy->kind != ProxyKind::label) return false;
+  proxy->positions.assign(1, at);
+  proxy->text = text;
+  return true;
+}
+
+bool RetainedRenderer::setMaterial(Handle handle, const Material &material) {
+  Proxy *proxy = proxies_.find(handle);
+  if (!proxy) return false;
+  proxy->material = material;
+  return true;
+}
+
+bool RetainedRenderer::setTransform(Handle handle, const Mat4 &worldFromProxy) {
+  Proxy *proxy = proxies_.find(handle);
+  if (!proxy) return false;
+  proxy->transform = worldFromProxy;
+  return true;
+}
+
+bool RetainedRenderer::setVisible(Handle handle, bool visible) {
+  Proxy *proxy = proxies_.find(handle);
+  if (!proxy) return false;
+  proxy->visible = visible;
+  return true;
+}
+
+bool RetainedRenderer::destroy(Handle handle) { return proxies_.remove(handle); }
+
+Expected<void> checkImageSize(int width, int height, int largest) {
+  if (width >= 1 && height >= 1 && width <= largest && height <= largest) return {};
+  return fail(ErrorCode::usage,
+              fmt::format("cannot draw an image of {} x {} pixels; each side must be 1 to {}", width, height, largest));
+}
+
+}  // namespace c3de::render

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every back end shares: it keeps the proxies and accepts or refuses calls. A back end only draws what is kept.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "c3de/render/renderer.h"
+
+namespace c3de::render {
+
+enum class ProxyKind { mesh, spheres, lines, label };
+
+/// What a back end hangs on a proxy (graphics buffers); destroyed with it.
+struct BackEndData {
+  virtual ~BackEndData() = default;
+};
+
+/// Arrays that changed since the back end last took them.
+struct StaleArrays {
+  bool positions = true, normals = true, colours = true, radii = true;
+};
+
+struct Proxy {
+  ProxyKind kind = ProxyKind::mesh;
+  std::vector<Vec3f> positions;
+  std::vector<Triangle> triangles;   ///< meshes
+  std::vector<Vec3f> normals;        ///< meshes; see updateNormals()
+  std::vector<Colour> colours;       ///< empty: the material's
+  std::vector<float> radii;          ///< spheres; empty: `radius`
+  float radius = 1.0f;               ///< spheres
+  float width_px = 1.0f;             ///< lines
+  std::string text;                  ///< labels, UTF-8; positions has one element
+  Material material;
+  Mat4 transform = kIdentity4;
+  bool visible = true;
+  bool hasOwnNormals = false;        ///< given by setNormals
+  bool normalsCurrent = false;
+  bool hasTransparentColour = false; ///< some element of `colours` has an opacity below 1
+  StaleArrays stale;
+  std::unique_ptr<BackEndData> backEnd;
+
+  /// Some part of it blends.
+  [[nodiscard]] bool isTransparent() const { return material.colour[3] < 1.0f || hasTransparentColour; }
+  /// Nothing of it can be seen.
+  [[nodiscard]] bool isHidden() const { return !visible || !(material.colour[3] > 0.0f) || positions.empty(); }
+  /// Computes the normals of a mesh if its positions changed and none were given.
+  void updateNormals();
+};
+
+class RetainedRenderer : public Renderer {
+ public:
+  Handle createMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
+                    const Material &material) override;
+  Handle createSpheres(std::span<const Vec3f> centres, float radius, const Material &material) override;
+  Handle createLines(std::span<const Vec3f> pairs, float width_px, const Material &material) override;
+  Handle createLabel(const Vec3f &at, std::string_view text, const Material &material) override;
+  bool setPositions(Handle proxy, std::span<const Vec3f> positions) override;
+  bool setNormals(Handle proxy, std::span<const Vec3f> normals) override;
+  bool setColours(Handle proxy, std::span<const Colour> colours) override;
+  bool setRadii(Handle proxy, std::span<const float> radii) override;
+  bool setLabel(Handle proxy, const Vec3f &at, std::string_view text) override;
+  bool setMaterial(Handle proxy, const Material &material) override;
+  bool setTransform(Handle proxy, const Mat4 &worldFromProxy) override;
+  bool setVisible(Handle proxy, bool visible) override;
+  bool destroy(Handle proxy) override;
+  void setBackground(const Background &background) override { background_ = background; }
+
+ protected:
+  HandleTable<Proxy> proxies_;
+  Background background_;
+};
+
+/// The error of drawToImage for a size that no image has; `largest` is the limit of the back end.
+[[nodiscard]] Expected<void> checkImageSize(int width, int height, int largest);
+
+}  // namespace c3de::render

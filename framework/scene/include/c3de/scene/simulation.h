@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/draft/simulation.h"
+#include "c3de/core/expected.h"
+#include "c3de/core/handle.h"
+
+namespace c3de::scene {
+
+/// Metres of the simulation to millimetres of the world: the transform of the simulation node, and the only place where
+/// the two units meet.
+inline constexpr double kMillimetresPerMetre = 1000.0;
+
+/// Drives a simulator object on a thread of its own: takes commands between steps, keeps pace with the wall clock, lets
+/// the simulator publish a snapshot when somebody looks. The window never waits for it.
+class Simulation {
+ public:
+  /// @param simulator  a count is taken; must answer iface.simulator
+  /// @param takeError  the text that the last failing call on the calling thread left, for messages; may be empty
+  [[nodiscard]] static Expected<std::unique_ptr<Simulation>> create(c3de_object *simulator,
+                                                                    std::function<std::string()> takeError = {});
+  /// Runs what was posted, joins the thread, lets go of the simulator. Waits for a step that is being computed.
+  ~Simulation();
+
+  /// C3DE_TRANSPORT_*; takes effect between two steps. Ignored: unknown actions, and play, pause and step while it has
+  /// failed. Reset goes on playing if it was, and stands at the initial state (C3DE_SIM_STOPPED) otherwise. Any thread.
+  void transport(std::uint32_t action);
+  /// Simulated seconds per second; 0: as fast as it goes; what is negative or not finite counts as 0. When the simulator
+  /// cannot keep up, simulated time falls behind (real_time_factor says by how much); no step is left out or lengthened.
+  void setTargetRate(double rate);
+  /// Runs the command on the simulation's thread between two steps, soon, also while paused; then a snapshot is
+  /// published. Any thread.
+  void post(std::function<void()> command);
+  /// Runs the command on the simulation's thread and waits for it: for loading and saving, never from a frame.
+  void call(const std::function<void()> &command);
+  [[nodiscard]] c3de_sim_transport state() const;  ///< any thread
+  /// Why it failed; empty while it has not.
+  [[nodiscard]] std::string failure() const;
+  /// Called on the simulation's thread after each published snapshot, for example to wake the window. When this returns,
+  /// the listener before is not running and will not be called again.
+  void setPublishedListener(std::function<void()> listener);
+
+  [[nodiscard]] c3de_object *object() const;
+  [[nodiscard]] const c3de_simulator_v0 *table() const;
+
+ private:
+  struct Impl;
+  explicit Simulation(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace c3de::scene

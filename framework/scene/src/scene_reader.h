@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "c3de/scene/scene_file.h"
+#include "toml_document.h"
+
+namespace c3de::scene {
+
+/// Turns TOML into a SceneFile, for files and for `--set`. Functions answer false after the first error, which is kept.
+class SceneReader {
+ public:
+  SceneReader(SceneFile &scene, const MaterialLibrary *materials) : scene_(scene), materials_(materials) {}
+
+  /// A whole scene.
+  [[nodiscard]] bool readScene(const TomlValue &root);
+  /// One value of `--set path=value`.
+  [[nodiscard]] bool readOverride(const std::string &path, const TomlValue &value);
+  [[nodiscard]] const Error &error() const { return error_; }
+
+ private:
+  bool refuse(int line, const std::string &what);
+  bool refuseKey(int line, const std::string &key, const std::string &place, const std::vector<std::string> &known);
+
+  bool tables(const TomlValue &value, const std::string &key);
+  bool readWorld(const std::string &prefix, const TomlValue &table);
+  bool readBody(const TomlValue &table);
+  bool readObstacle(const TomlValue &table);
+  bool readProbe(const TomlValue &table);
+  bool checkProbes();
+  bool checkBox();
+
+  bool bodyKey(SceneBody &body, const std::string &key, const TomlValue &value);
+  bool obstacleKey(SceneObstacle &obstacle, const std::string &key, const TomlValue &value);
+  bool probeKey(SceneProbe &probe, const std::string &key, const TomlValue &value);
+  bool meshKey(const std::string &key, const TomlValue &value, std::filesystem::path &out);
+  bool unitKey(const std::string &key, const TomlValue &value, geometry::LengthUnit &out);
+  bool placementKey(ScenePlacement &placement, const std::string &key, const TomlValue &value);
+  bool materialKey(SceneBody &body, const TomlValue &value);
+  bool requireUnit(const TomlValue &table, const std::filesystem::path &mesh, geometry::LengthUnit &unit);
+  bool readText(const std::string &key, const TomlValue &value, std::string &out);
+  bool readVec3(const std::string &key, const TomlValue &value, Vec3 &out);
+
+  /// Stores the value, or what is in the table, under ids that begin with id; replaces what has the id.
+  bool store(std::vector<SceneValue> &values, const std::string &id, const TomlValue &value);
+  void put(std::vector<SceneValue> &values, ParameterValue value, int line);
+  bool checkAlternatives(const SceneBody &body);
+
+  bool overrideBody(const std::string &rest, const TomlValue &value);
+  bool overrideObstacle(const std::string &rest, const TomlValue &value);
+  bool overrideProbe(const std::string &rest, const TomlValue &value);
+
+  SceneFile &scene_;
+  const MaterialLibrary *materials_;
+  std::string override_;  ///< path of the override that is being read; empty: a file
+  Error error_;
+};
+
+/// Ids of the scene format that a simulator may or may not serve.
+[[nodiscard]] bool isKnownToTheFormat(std::string_view id);
+
+}  // namespace c3de::scene

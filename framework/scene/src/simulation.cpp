@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/scene/simulation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <future>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "c3de/core/log.h"
+#include "c3de/core/text.h"
+#include "pace.h"
+
+namespace c3de::scene {
+namespace {
+
+/// A snapshot more often than this is not seen by anybody.
+constexpr auto kPublishInterval = std::chrono::milliseconds(8);
+/// Steps that are due within this are computed together: waking up for every step of a fine time step costs more.
+constexpr auto kShortestSleep = std::chrono::milliseconds(2);
+
+double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
+
+}  // namespace
+
+struct Simulation::Impl {
+  c3de_object *object = nullptr;
+  const c3de_simulator_v0 *table = nullptr;
+  std::function<std::string()> takeError;
+
+  std::mutex queueMutex;
+  std::condition_variable wake;
+  std::vector<std::function<void()>> queue;
+  bool stopping = false;
+
+  mutable std::mutex stateMutex;
+  c3de_sim_transport shown{};
+  std::string failureText;
+
+  std::mutex listenerMutex;
+  std::function<void()> listener;
+
+  // What follows belongs to the simulation's thread.
+  std::uint32_t mode = C3DE_SIM_STOPPED;
+  double targetRate = 1.0;
+  c3de_sim_status status{};
+  std::string failure;
+  Pace pace;
+  Meter meter;
+  bool advancing = true;    ///< the last step brought time forward; an empty world may have nothing to do
+  bool unpublished = true;  ///< the state has changed since the last snapshot
+  Clock::time_point publishedAt{};
+
+  std::thread thread;
+
+  ~Impl();
+  void run();
+  void enqueue(std::function<void()> command);
+  bool runCommands(std::vector<std::function<void()>> &commands);
+  void apply(std::uint32_t action);
+  void play();
+  void goToInitialState(bool goOnPlaying);
+  void step();
+  void publish();
+  void readStatus();
+  void show();
+  void failWith(const std::string &what, c3de_status code);
+};
+
+Simulation::Impl::~Impl() {
+  if (thread.joinable()) {
+    {
+      const std::lock_guard lock(queueMutex);
+      stopping = true;
+    }
+    wake.notify_one();
+    thread.join();
+  }
+  if (object != nullptr) object->vt->release(object);
+}
+
+void Simulation::Impl::enqueue(std::function<void()> command) {
+  {
+    const std::lock_guard lock(queueMutex);
+    queue.push_back(std::move(command));
+  }
+  wake.notify_one();
+}
+
+void Simulation::Impl::run() {
+  readStatus();
+  publish();
+  show();
+  std::vector<std::function<void()>> commands;
+  for (;;) {
+    // Commands first: they take effect between two steps.
+    bool stop = false;
+    {
+      std::unique_lock lock(queueMutex);
+      if (mode != C3DE_SIM_PLAYING) {
+        wake.wait(lock, [this] { return stopping || !queue.empty(); });
+      } else {
+        const Clock::time_point now = Clock::now();
+        Clock::time_point due = now;
+        if (!advancing)
+          due = now + kPublishInterval;
+        else if (targetRate > 0.0)
+          due = pace.dueTime(status.time_s + status.dt_s, targetRate, now);
+        if (due > now)
+          wake.wait_until(lock, std::max(due, now + kShortestSleep), [this] { return stopping || !queue.empty(); });
+      }
+      commands.swap(queue);
+      stop = stopping;
+    }
+    const bool commanded = runCommands(commands);
+    if (stop) break;
+
+    // Then the steps that are due, unless a command has come.
+    if (mode == C3DE_SIM_PLAYING) {
+      const Clock::time_point now = Clock::now();
+      if (targetRate <= 0.0 || pace.dueTime(status.time_s + status.dt_s, targetRate, now) <= now) step();
+    }
+    if (unpublished &&
+        (commanded || mode != C3DE_SIM_PLAYING || Clock::now() - publishedAt >= kPublishInterval))
+      publish();
+    show();
+  }
+}
+
+/// True if there were any.
+bool Simulation::Impl::runCommands(std::vector<std::function<void()>> &commands) {
+  if (commands.empty()) return false;
+  const double timeBefore_s = status.time_s;
+  for (const auto &command : commands) {
+    try {
+      command();
+    } catch (const std::exception &error) {
+      log(LogLevel::error, std::string("a command to the simulation failed: ") + error.what());
+    } catch (...) {
+      log(LogLevel::error, "a command to the simulation failed");
+    }
+  }
+  commands.clear();
+  readStatus();
+  // A command may have added a body, which begins again at time 0.
+  if (status.time_s != timeBefore_s) pace.start(Clock::now(), status.time_s);
+  unpublished = true;
+  return true;
+}
+
+void Simulation::Impl::apply(std::uint32_t action) {
+  switch (action) {
+    case C3DE_TRANSPORT_PLAY:
+      if (mode == C3DE_SIM_STOPPED || mode == C3DE_SIM_PAUSED) play();
+      break;
+    case C3DE_TRANSPORT_PAUSE:
+      if (mode != C3DE_SIM_PLAYING) break;
+      mode = C3DE_SIM_PAUSED;
+      meter.pause();
+      break;
+    case C3DE_TRANSPORT_STOP:
+      goToInitialState(false);
+      break;
+    case C3DE_TRANSPORT_RESET:
+      goToInitialState(mode == C3DE_SIM_PLAYING);
+      break;
+    case C3DE_TRANSPORT_STEP:
+      if (mode == C3DE_SIM_FAILED) break;
+      mode = C3DE_SIM_PAUSED;
+      step();
+      meter.pause();
+      break;
+    default:
+      log(LogLevel::warn, "unknown transport action " + std::to_string(action) + " ignored; known: 1 to 5");
+  }
+}
+
+void Simulation::Impl::play() {
+  mode = C3DE_SIM_PLAYING;
+  advancing = true;
+  readStatus();
+  pace.start(Clock::now(), status.time_s);
+}
+
+void Simulation::Impl::goToInitialState(bool goOnPlaying) {
+  const c3de_status code = table->reset(object);
+  unpublished = true;
+  meter.clear();
+  if (code < 0) {
+    failWith("going back to the initial state failed", code);
+    return;
+  }
+  failure.clear();
+  mode = C3DE_SIM_STOPPED;
+  if (goOnPlaying) play();
+}
+
+void Simulation::Impl::step() {
+  const double timeBefore_s = status.time_s;
+  const Clock::time_point begin = Clock::now();
+  const c3de_status code = table->step(object);
+  const Clock::time_point end = Clock::now();
+  unpublished = true;
+  readStatus();
+  if (code < 0) {
+    meter.pause();
+    failWith("step " + std::to_string(status.steps + 1) + " at " + formatNumber(status.time_s) + " s failed", code);
+    return;
+  }
+  // A body that another thread has added meanwhile takes time back to 0.
+  if (status.time_s < timeBefore_s) pace.start(end, status.time_s);
+  advancing = status.time_s != timeBefore_s;
+  meter.add(end, seconds(end - begin), std::max(0.0, status.time_s - timeBefore_s));
+}
+
+void Simulation::Impl::publish() {
+  const c3de_status code = table->publish(object);
+  unpublished = false;
+  publishedAt = Clock::now();
+  if (code < 0 && mode != C3DE_SIM_FAILED) failWith("publishing a snapshot failed", code);
+  const std::lock_guard lock(listenerMutex);
+  if (listener) listener();
+}
+
+void Simulation::Impl::readStatus() {
+  c3de_sim_status now{};
+  now.size = sizeof now;
+  if (table->status(object, &now) >= 0) status = now;
+}
+
+void Simulation::Impl::show() {
+  const std::lock_guard lock(stateMutex);
+  shown.size = sizeof shown;
+  shown.mode = mode;
+  shown.steps = status.steps;
+  shown.time_s = status.time_s;
+  shown.target_rate = targetRate;
+  shown.real_time_factor = meter.realTimeFactor();
+  shown.step_ms = 1e3 * meter.meanStep_s();
+  failureText = failure;
+}
+
+void Simulation::Impl::failWith(const std::string &what, c3de_status code) {
+  const std::string reason = takeError ? takeError() : std::string();
+  mode = C3DE_SIM_FAILED;
+  failure = what + ": " + (reason.empty() ? "the simulator answered status " + std::to_string(code) : reason);
+  log(LogLevel::error, failure);
+}
+
+Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Simulation::~Simulation() = default;
+
+Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
+                                                         std::function<std::string()> takeError) {
+  if (simulator == nullptr) return fail(ErrorCode::internal, "no simulator object was given");
+  const void *table = nullptr;
+  const c3de_status code = simulator->vt->query(simulator, toAbi(C3DE_IFACE_SIMULATOR_ID), 0, &table);
+  if (code < 0 || table == nullptr)
+    return fail(ErrorCode::plugin, std::string("the object does not answer ") + C3DE_IFACE_SIMULATOR_ID + " (status " +
+                                       std::to_string(code) + ")");
+  const auto *simulatorTable = static_cast<const c3de_simulator_v0 *>(table);
+  if (simulatorTable->size < sizeof(c3de_simulator_v0))
+    return fail(ErrorCode::plugin, std::string("the table of ") + C3DE_IFACE_SIMULATOR_ID + " has " +
+                                       std::to_string(simulatorTable->size) + " bytes; needed: " +
+                                       std::to_string(sizeof(c3de_simulator_v0)));
+  auto impl = std::make_unique<Impl>();
+  simulator->vt->retain(simulator);
+  impl->object = simulator;
+  impl->table = simulatorTable;
+  impl->takeError = std::move(takeError);
+  impl->show();
+  impl->thread = std::thread([running = impl.get()] { running->run(); });
+  return std::unique_ptr<Simulation>(new Simulation(std::move(impl)));
+}
+
+void Simulation::transport(std::uint32_t action) {
+  impl_->enqueue([impl = impl_.get(), action] { impl->apply(action); });
+}
+
+void Simulation::setTargetRate(double rate) {
+  const double accepted = std::isfinite(rate) && rate > 0.0 ? rate : 0.0;
+  impl_->enqueue([impl = impl_.get(), accepted] {
+    impl->targetRate = accepted;
+    impl->pace.start(Clock::now(), impl->status.time_s);
+    impl->meter.clear();
+  });
+}
+
+void Simulation::post(std::function<void()> command) {
+  if (command) impl_->enqueue(std::move(command));
+}
+
+void Simulation::call(const std::function<void()> &command) {
+  if (!command) return;
+  if (std::this_thread::get_id() == impl_->thread.get_id()) {
+    command();
+    return;
+  }
+  std::promise<void> done;
+  impl_->enqueue([&command, &done, impl = impl_.get()] {
+    try {
+      command();
+      impl->readStatus();
+      impl->show();
+      done.set_value();
+    } catch (...) {
+      done.set_exception(std::current_exception());
+    }
+  });
+  done.get_future().get();
+}
+
+c3de_sim_transport Simulation::state() const {
+  const std::lock_guard lock(impl_->stateMutex);
+  return impl_->shown;
+}
+
+std::string Simulation::failure() const {
+  const std::lock_guard lock(impl_->stateMutex);
+  return impl_->failureText;
+}
+
+void Simulation::setPublishedListener(std::function<void()> listener) {
+  const std::lock_guard lock(impl_->listenerMutex);
+  impl_->listener = std::move(listener);
+}
+
+c3de_object *Simulation::object() const { return impl_->object; }
+const c3de_simulator_v0 *Simulation::table() const { return impl_->table; }
+
+}  // namespace c3de::scene

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/core/parameter.h"
+
+namespace c3de::scene {
+
+/// A TOML value with its line; own type, so that the parser's header is read in one source file only.
+struct TomlValue {
+  enum class Kind { boolean, integer, number, text, array, table, date };
+  struct Entry;
+
+  Kind kind = Kind::table;
+  int line = 0;
+  double num = 0.0;  ///< boolean (0/1), integer, number
+  std::string text;
+  std::vector<TomlValue> items;
+  std::vector<Entry> entries;  ///< of a table, in the order of the file
+
+  [[nodiscard]] bool isNumber() const { return kind == Kind::integer || kind == Kind::number; }
+  [[nodiscard]] bool isNumbers(std::size_t count) const;  ///< an array of that many numbers
+  [[nodiscard]] const TomlValue *find(std::string_view key) const;
+  [[nodiscard]] std::string kindName() const;  ///< for messages: "a number", "text", …
+};
+
+struct TomlValue::Entry {
+  std::string key;
+  TomlValue value;
+};
+
+/// The root table. The error reads "SOURCE:LINE: what is wrong".
+[[nodiscard]] Expected<TomlValue> parseToml(std::string_view text, const std::string &source);
+
+/// The whole file, if it is of a reasonable size.
+[[nodiscard]] Expected<std::string> readTextFile(const std::filesystem::path &path);
+
+/// Number, text, boolean or [x, y, z] as a parameter; nothing else has one. False: it has none.
+[[nodiscard]] bool toParameter(const TomlValue &toml, const std::string &id, ParameterValue &out);
+
+}  // namespace c3de::scene

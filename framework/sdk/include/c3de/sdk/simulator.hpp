@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tables of the simulation interfaces from classes whose members carry the slots' names in lowerCamelCase.
+#pragma once
+
+#include "c3de/sdk/object.hpp"
+
+namespace c3de::sdk {
+
+/// Static table of iface.simulator for an Object<Derived>; every slot has a member function of Derived (see thunk):
+///
+///   static std::array<Interface, 1> interfaces() { return {interfaceOf(kSimulatorTable<WorldSimulator>)}; }
+template <class D>
+inline constexpr c3de_simulator_v0 kSimulatorTable{sizeof(c3de_simulator_v0),
+                                                   1,
+                                                   thunk<D, &D::attach>,
+                                                   thunk<D, &D::declarations>,
+                                                   thunk<D, &D::setWorld>,
+                                                   thunk<D, &D::addBody>,
+                                                   thunk<D, &D::addObstacle>,
+                                                   thunk<D, &D::addProbe>,
+                                                   thunk<D, &D::setBodyParam>,
+                                                   thunk<D, &D::getBodyParam>,
+                                                   thunk<D, &D::remove>,
+                                                   thunk<D, &D::clear>,
+                                                   thunk<D, &D::step>,
+                                                   thunk<D, &D::reset>,
+                                                   thunk<D, &D::publish>,
+                                                   thunk<D, &D::status>,
+                                                   thunk<D, &D::stateHash>,
+                                                   thunk<D, &D::report>,
+                                                   thunk<D, &D::bodyAt>,
+                                                   thunk<D, &D::bodyInfo>,
+                                                   thunk<D, &D::phyxels>,
+                                                   thunk<D, &D::surfels>};
+
+template <class D>
+inline constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0), 1,
+                                                    thunk<D, &D::count>,        thunk<D, &D::read>,
+                                                    thunk<D, &D::neighbours>,   thunk<D, &D::assign>,
+                                                    thunk<D, &D::move>};
+
+template <class D>
+inline constexpr c3de_surfel_set_v0 kSurfelSetTable{sizeof(c3de_surfel_set_v0), 1,
+                                                    thunk<D, &D::count>,        thunk<D, &D::read>,
+                                                    thunk<D, &D::owners>,       thunk<D, &D::assign>};
+
+}  // namespace c3de::sdk

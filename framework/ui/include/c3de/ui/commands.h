@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace c3de::ui {
+
+enum class Command {
+  none,
+  openMesh,
+  openScene,
+  reload,
+  screenshot,
+  quit,
+  fitView,
+  viewFront,
+  viewBack,
+  viewLeft,
+  viewRight,
+  viewTop,
+  viewBottom,
+  resetLayout,
+  playPause,
+  step,
+  reset,
+  stop,
+  orbitTool,
+  showShortcuts,
+  showAbout
+};
+
+/// Keys without a character; the others are their ASCII upper-case character.
+enum Key : std::uint32_t { keyEscape = 27, keyRight = 0x100, keyF1 = 0x101, keyF5 = 0x105, keyF12 = 0x10c };
+
+/// One row of the table that menus, keyboard and the list of shortcuts share.
+struct CommandInfo {
+  Command command;
+  const char *id;     ///< dotted: menu, then entry
+  const char *label;
+  const char *doc;    ///< one line
+  std::uint32_t key;  ///< 0: none
+  std::uint32_t modifiers;  ///< C3DE_MOD_*
+  std::uint32_t alternativeKey;  ///< without modifiers; 0: none
+};
+
+[[nodiscard]] std::span<const CommandInfo> commands();
+[[nodiscard]] const CommandInfo &commandInfo(Command command);
+/// Command::none when nothing is bound to the key.
+[[nodiscard]] Command commandOfKey(std::uint32_t key, std::uint32_t modifiers);
+/// For example "Ctrl+Q"; empty for key 0.
+[[nodiscard]] std::string keyText(std::uint32_t key, std::uint32_t modifiers);
+/// A tool's shortcut is honoured when no command has it.
+[[nodiscard]] bool isFreeForTools(std::uint32_t key);
+
+}  // namespace c3de::ui

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "c3de/core/expected.h"
+
+namespace c3de::ui {
+
+/// UTF-8 text of a path, and back.
+[[nodiscard]] std::string pathText(const std::filesystem::path &path);
+[[nodiscard]] std::filesystem::path pathFromText(const std::string &text);
+
+/// What a file dialog shows: one folder, its folders first, then its files that match. No drawing. Main thread.
+class FileBrowser {
+ public:
+  /// @param extensions  for example "obj;stl"; empty: every file
+  void setExtensions(const std::string &extensions);
+  [[nodiscard]] const std::vector<std::string> &extensions() const { return extensions_; }
+  /// Shows a folder; the error says why not, and what is shown stays.
+  [[nodiscard]] Expected<void> open(const std::filesystem::path &folder);
+  [[nodiscard]] Expected<void> refresh() { return open(std::filesystem::path(folder_)); }
+  [[nodiscard]] Expected<void> openParent() { return open(folder_.parent_path()); }
+
+  struct Entry {
+    std::string name;  ///< UTF-8
+    bool isFolder = false;
+    std::uintmax_t bytes = 0;
+  };
+  [[nodiscard]] const std::filesystem::path &folder() const { return folder_; }
+  [[nodiscard]] const std::vector<Entry> &entries() const { return entries_; }
+
+  struct Choice {
+    bool isFolder = false;
+    std::filesystem::path path;
+  };
+  /// What a typed text means: absolute or relative to the folder, "~" is the home folder. Errors: nothing there, or a
+  /// file whose extension is not accepted.
+  [[nodiscard]] Expected<Choice> resolve(const std::string &typed) const;
+  [[nodiscard]] bool accepts(const std::filesystem::path &file) const;
+
+ private:
+  std::filesystem::path folder_;
+  std::vector<std::string> extensions_;  ///< lower case, without dot
+  std::vector<Entry> entries_;
+};
+
+/// For example "1.4 MB".
+[[nodiscard]] std::string sizeText(std::uintmax_t bytes);
+
+}  // namespace c3de::ui

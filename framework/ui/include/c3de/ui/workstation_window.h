@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "c3de/abi/draft/simulation.h"
+#include "c3de/core/expected.h"
+#include "c3de/core/handle.h"
+#include "c3de/render/camera.h"
+
+namespace c3de {
+class BackgroundJobs;
+namespace render {
+class Renderer;
+}
+namespace scene {
+class SceneGraph;
+}
+}  // namespace c3de
+
+namespace c3de::ui {
+
+class PanelRegistry;
+class ParameterRegistry;
+class ToolRegistry;
+
+struct WindowOptions {
+  std::string title = "C3DE";
+  int width = 1280, height = 800;
+  /// File that mirrors the window as JSON for scripts and tests (automation_state.h says what is in it); empty: none.
+  std::filesystem::path automationState;
+};
+
+/// Files a person wants to see, through the menu, the dialog or by dropping them on the window.
+struct OpenRequest {
+  std::vector<std::filesystem::path> files;
+  std::string meshUnit = "mm";  ///< of files that do not carry one: mm, cm, m
+};
+
+/// What the window asks the program to do. Called on the main thread, in drawFrame().
+struct WindowActions {
+  std::function<void(const OpenRequest &)> open;
+  std::function<void()> reload;
+  std::function<void(std::uint32_t action)> transport;  ///< C3DE_TRANSPORT_*
+  std::function<void(double rate)> setTargetRate;       ///< 0: as fast as it goes
+  std::function<void()> screenshot;
+};
+
+/// What the window shows; must outlive its last drawFrame(). Null members show nothing.
+struct WindowServices {
+  PanelRegistry *panels = nullptr;
+  ToolRegistry *tools = nullptr;
+  ParameterRegistry *parameters = nullptr;
+  scene::SceneGraph *scene = nullptr;
+  BackgroundJobs *jobs = nullptr;
+};
+
+/// For Help > About.
+struct AboutText {
+  std::string version, graphics;
+  struct Plugin {
+    std::string name, version, vendor, license, file;
+    std::string refused;  ///< why; empty: loaded
+  };
+  std::vector<Plugin> plugins;
+};
+
+/// The state of the present simulation for toolbar and status bar.
+struct SimulationView {
+  bool exists = false;
+  std::string title;
+  c3de_sim_transport transport{};
+};
+
+/// The program's window: an OpenGL context, menus, panels, the 3D view and its input. Main thread, except wake().
+class WorkstationWindow {
+ public:
+  /// OpenGL 4.5 core, or 4.3 where there is no more. ErrorCode::graphics names what was found and what is needed.
+  [[nodiscard]] static Expected<std::unique_ptr<WorkstationWindow>> create(const WindowOptions &options);
+  ~WorkstationWindow();
+
+  void connect(const WindowServices &services, WindowActions actions);
+  void setAbout(AboutText about);
+
+  /// Waits until a frame is due: at once after input, at most 60 times a second while something moves, else never.
+  void waitForFrame();
+  /// Takes input, draws the scene through the renderer and everything around it, shows the frame.
+  void drawFrame(render::Renderer &renderer, const SimulationView &simulation);
+  /// Ends a waitForFrame(). Any thread.
+  void wake();
+
+  [[nodiscard]] bool closeRequested() const;
+  void requestClose();
+
+  [[nodiscard]] render::Camera &camera();
+  /// Pixels of the 3D view in the framebuffer.
+  [[nodiscard]] int viewWidth() const;
+  [[nodiscard]] int viewHeight() const;
+  /// Brings everything visible into the view as soon as the scene has bounds.
+  void requestFit();
+  /// Writes the automation state now (also before the program ends).
+  void writeAutomationState();
+
+ private:
+  struct Impl;
+  explicit WorkstationWindow(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace c3de::ui

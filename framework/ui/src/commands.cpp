@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/commands.h"
+
+#include <array>
+
+#include "c3de/abi/draft/tools.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr std::array kCommands{
+    CommandInfo{Command::none, "", "", "", 0, 0, 0},
+    CommandInfo{Command::openMesh, "file.open_mesh", "Open mesh…", "Show a mesh file as a deformable body", 'M',
+                C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::openScene, "file.open_scene", "Open scene…", "Open a scene file (TOML)", 'O', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::reload, "file.reload", "Reload from file", "Read the opened files again", keyF5, 0, 0},
+    CommandInfo{Command::screenshot, "file.screenshot", "Save screenshot", "Write the 3D view as PNG", keyF12, 0, 0},
+    CommandInfo{Command::quit, "file.quit", "Quit", "Close the program", 'Q', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::fitView, "view.fit", "Fit view", "Bring everything visible into the view", 'F', 0, 0},
+    CommandInfo{Command::viewFront, "view.front", "Front (along −z)", "Look along −z", '1', 0, 0},
+    CommandInfo{Command::viewBack, "view.back", "Back (along +z)", "Look along +z", '2', 0, 0},
+    CommandInfo{Command::viewLeft, "view.left", "Left (along +x)", "Look along +x", '3', 0, 0},
+    CommandInfo{Command::viewRight, "view.right", "Right (along −x)", "Look along −x", '4', 0, 0},
+    CommandInfo{Command::viewTop, "view.top", "Top (along −y)", "Look along −y", '5', 0, 0},
+    CommandInfo{Command::viewBottom, "view.bottom", "Bottom (along +y)", "Look along +y", '6', 0, 0},
+    CommandInfo{Command::resetLayout, "view.reset_layout", "Reset layout", "Side panel and sections as at the start", 0, 0,
+                0},
+    CommandInfo{Command::playPause, "simulation.play", "Play / Pause", "Start, pause or continue", ' ', 0, 0},
+    CommandInfo{Command::step, "simulation.step", "Step", "One step of the solver, then pause", keyRight, 0, 0},
+    CommandInfo{Command::reset, "simulation.reset", "Reset", "Back to the initial state, exactly; goes on playing if it was",
+                'R', 0, 0},
+    CommandInfo{Command::stop, "simulation.stop", "Stop", "End and go back to the initial state", 0, 0, 0},
+    CommandInfo{Command::orbitTool, "tools.orbit", "Orbit", "The left button turns the camera", 'O', 0, 0},
+    CommandInfo{Command::showShortcuts, "help.shortcuts", "Shortcuts", "Keys and mouse", 'H', 0, keyF1},
+    CommandInfo{Command::showAbout, "help.about", "About", "Versions, graphics and plugins", 0, 0, 0},
+};
+
+}  // namespace
+
+std::span<const CommandInfo> commands() { return std::span<const CommandInfo>(kCommands).subspan(1); }
+
+const CommandInfo &commandInfo(Command command) {
+  for (const CommandInfo &info : kCommands)
+    if (info.command == command) return info;
+  return kCommands[0];
+}
+
+Command commandOfKey(std::uint32_t key, std::uint32_t modifiers) {
+  if (key == 0) return Command::none;
+  for (const CommandInfo &info : kCommands) {
+    if (info.key == key && info.modifiers == modifiers) return info.command;
+    if (info.alternativeKey == key && modifiers == 0) return info.command;
+  }
+  return Command::none;
+}
+
+std::string keyText(std::uint32_t key, std::uint32_t modifiers) {
+  if (key == 0) return {};
+  std::string text;
+  if (modifiers & C3DE_MOD_CTRL) text += "Ctrl+";
+  if (modifiers & C3DE_MOD_SHIFT) text += "Shift+";
+  if (modifiers & C3DE_MOD_ALT) text += "Alt+";
+  switch (key) {
+    case ' ': return text + "Space";
+    case keyEscape: return text + "Esc";
+    case keyRight: return text + "Right";
+    case keyF1: return text + "F1";
+    case keyF5: return text + "F5";
+    case keyF12: return text + "F12";
+    default: return text + static_cast<char>(key);
+  }
+}
+
+bool isFreeForTools(std::uint32_t key) { return key != 0 && key != keyEscape && commandOfKey(key, 0) == Command::none; }
+
+}  // namespace c3de::ui

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/file_browser.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "c3de/core/platform.h"
+
+namespace c3de::ui {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lowerCase(std::string text) {
+  for (char &c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+fs::path homeDirectory() {
+  for (const char *name : {"HOME", "USERPROFILE"})
+    if (const std::string home = environmentVariable(name); !home.empty()) return pathFromText(home);
+  return {};
+}
+
+}  // namespace
+
+std::string pathText(const fs::path &path) {
+  const std::u8string text = path.u8string();
+  return {text.begin(), text.end()};
+}
+
+fs::path pathFromText(const std::string &text) { return fs::path(std::u8string(text.begin(), text.end())); }
+
+void FileBrowser::setExtensions(const std::string &extensions) {
+  extensions_.clear();
+  for (std::size_t begin = 0; begin <= extensions.size();) {
+    const std::size_t end = std::min(extensions.find(';', begin), extensions.size());
+    std::string one = lowerCase(extensions.substr(begin, end - begin));
+    one.erase(std::remove_if(one.begin(), one.end(), [](char c) { return c == ' ' || c == '*' || c == '.'; }), one.end());
+    if (!one.empty()) extensions_.push_back(std::move(one));
+    begin = end + 1;
+  }
+}
+
+bool FileBrowser::accepts(const fs::path &file) const {
+  if (extensions_.empty()) return true;
+  const std::string name = lowerCase(pathText(file.filename()));
+  return std::any_of(extensions_.begin(), extensions_.end(),
+                     [&](const std::string &extension) { return name.ends_with("." + extension); });
+}
+
+Expected<void> FileBrowser::open(const fs::path &folder) {
+  std::error_code error;
+  const fs::path shown = fs::weakly_canonical(folder, error);
+  if (error || !fs::is_directory(shown, error))
+    return fail(ErrorCode::input, pathText(folder) + ": not a folder");
+  fs::directory_iterator it(shown, error);
+  if (error) return fail(ErrorCode::input, pathText(shown) + ": cannot be listed: " + error.message());
+
+  std::vector<Entry> entries;
+  for (const fs::directory_iterator end; it != end; it.increment(error)) {
+    if (error) break;
+    Entry entry;
+    entry.name = pathText(it->path().filename());
+    if (entry.name.starts_with(".")) continue;
+    std::error_code ignored;
+    entry.isFolder = it->is_directory(ignored);
+    if (!entry.isFolder) {
+      if (!it->is_regular_file(ignored) || !accepts(it->path())) continue;
+      entry.bytes = it->file_size(ignored);
+    }
+    entries.push_back(std::move(entry));
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry &a, const Entry &b) {
+    if (a.isFolder != b.isFolder) return a.isFolder;
+    const std::string left = lowerCase(a.name), right = lowerCase(b.name);
+    return left != right ? left < right : a.name < b.name;
+  });
+  folder_ = shown;
+  entries_ = std::move(entries);
+  return {};
+}
+
+Expected<FileBrowser::Choice> FileBrowser::resolve(const std::string &typed) const {
+  if (typed.empty()) return fail(ErrorCode::usage, "no file is chosen");
+  fs::path path = pathFromText(typed);
+  if (typed == "~" || typed.starts_with("~/")) path = homeDirectory() / pathFromText(typed.substr(std::min<std::size_t>(2, typed.size())));
+  if (path.is_relative()) path = folder_ / path;
+
+  std::error_code error;
+  path = fs::weakly_canonical(path, error);
+  if (error || !fs::exists(path, error)) return fail(ErrorCode::input, typed + ": there is no such file or folder");
+  if (fs::is_directory(path, error)) return Choice{true, path};
+  if (!accepts(path)) {
+    std::string list;
+    for (const std::string &extension : extensions_) list += (list.empty() ? "." : ", .") + extension;
+    return fail(ErrorCode::input, typed + ": this kind of file is not accepted here; accepted: " + list);
+  }
+  return Choice{false, path};
+}
+
+std::string sizeText(std::uintmax_t bytes) {
+  const char *const units[] = {"B", "kB", "MB", "GB", "TB"};
+  double value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  while (value >= 1000.0 && unit + 1 < std::size(units)) {
+    value /= 1000.0;
+    ++unit;
+  }
+  char text[32];
+  std::snprintf(text, sizeof text, unit == 0 || value >= 100.0 ? "%.0f %s" : "%.1f %s", value, units[unit]);
+  return text;
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "c3de/ui/file_browser.h"
+
+namespace c3de::ui {
+
+struct FrameContext;
+
+/// A dialog inside the window to choose one file. One at a time.
+class FileDialog {
+ public:
+  struct Request {
+    std::string title;
+    std::string extensions;  ///< "obj;stl"
+    bool asksMeshUnit = false;
+    std::function<void(const std::filesystem::path &file, const std::string &unit)> chosen;
+  };
+  /// Shows the folder that was used last for these extensions.
+  void open(Request request);
+  [[nodiscard]] bool isOpen() const { return isOpen_; }
+  void draw(FrameContext &frame);
+
+ private:
+  void choose(const std::string &typed);
+  void drawList(FrameContext &frame);
+  void drawFolders(FrameContext &frame);
+
+  FileBrowser browser_;
+  Request request_;
+  std::map<std::string, std::filesystem::path> recentFolders_;  ///< by extensions
+  std::string error_;
+  char typed_[1024] = "";
+  int unit_ = 0;
+  bool isOpen_ = false, isNew_ = false, isDone_ = false;
+};
+
+}  // namespace c3de::ui

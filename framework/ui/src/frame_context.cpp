@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "frame_context.h"
+
+#include "c3de/ui/tool_registry.h"
+
+namespace c3de::ui {
+
+std::string FrameContext::activeToolId() const {
+  if (services.tools)
+    if (const Tool *tool = services.tools->find(services.tools->active())) return tool->id;
+  return "orbit";
+}
+
+void markItem(const FrameContext &frame, const std::string &area, const std::string &id, bool enabled) {
+  if (!frame.automation.isOn()) return;
+  const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
+  const ImVec2 clipMin = ImGui::GetWindowDrawList()->GetClipRectMin();
+  const ImVec2 clipMax = ImGui::GetWindowDrawList()->GetClipRectMax();
+  frame.automation.widget(area, id, {min.x, min.y, max.x, max.y}, {clipMin.x, clipMin.y, clipMax.x, clipMax.y}, enabled);
+}
+
+void itemTooltip(const FrameContext &frame, const std::string &text) {
+  if (text.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(frame.theme.px(360.0f));
+  ImGui::TextUnformatted(text.data(), text.data() + text.size());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+std::string elided(const std::string &text, float width) {
+  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
+  const std::string dots = "…";
+  std::size_t length = text.size();
+  while (length > 0) {
+    do --length;
+    while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0u) == 0x80u);
+    std::string cut = text.substr(0, length) + dots;
+    if (ImGui::CalcTextSize(cut.c_str()).x <= width) return cut;
+  }
+  return dots;
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the parts of the window share while one frame is drawn.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "automation_state.h"
+#include "c3de/ui/commands.h"
+#include "c3de/ui/workstation_window.h"
+#include "theme.h"
+
+namespace c3de::ui {
+
+class FileDialog;
+
+struct PixelRect {
+  float x = 0, y = 0, w = 0, h = 0;
+  [[nodiscard]] bool contains(double px, double py) const { return px >= x && py >= y && px < x + w && py < y + h; }
+};
+
+/// What a person can arrange; reset by "Reset layout".
+struct Layout {
+  float sideWidth = 360.0f;  ///< logical pixels
+  bool resetSections = false;
+};
+
+/// Lives as long as the window.
+struct WindowState {
+  Layout layout;
+  bool showShortcuts = false, showAbout = false;
+  AboutText about;
+  std::vector<PixelRect> overlays;  ///< over the view, of the last frame: the mouse belongs to them
+};
+
+struct FrameContext {
+  const WindowServices &services;
+  const WindowActions &actions;
+  const SimulationView &simulation;
+  const Theme &theme;
+  AutomationState &automation;
+  WindowState &state;
+  FileDialog &fileDialog;
+  render::Camera &camera;
+  std::vector<Command> commands{};  ///< to be carried out after the frame is described
+  PixelRect view{};
+  std::array<int, 2> windowSize{};
+  std::uint64_t frame = 0;
+  double framesPerSecond = 0.0;
+  double mouseX = 0.0, mouseY = 0.0;
+  std::uint32_t mouseButtons = 0;
+  bool isFocused = true;
+
+  void request(Command command) { commands.push_back(command); }
+  [[nodiscard]] std::string activeToolId() const;
+};
+
+/// Makes the last ImGui item known to the automation state.
+void markItem(const FrameContext &frame, const std::string &area, const std::string &id, bool enabled = true);
+
+/// A tooltip of the last item, wrapped; also where the item is disabled.
+void itemTooltip(const FrameContext &frame, const std::string &text);
+
+/// Text cut with "…" so that it is no wider than `width`.
+[[nodiscard]] std::string elided(const std::string &text, float width);
+
+}  // namespace c3de::ui

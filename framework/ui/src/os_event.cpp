@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "os_event.h"
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+
+namespace c3de::ui {
+
+std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue) {
+  using Kind = OsEvent::Kind;
+  bool hasButton = false, hasWheel = false, hasCharacter = false;
+  std::set<int> keys;
+  const auto wouldBeLost = [&](const OsEvent &event) {
+    switch (event.kind) {
+      case Kind::move: return hasButton || hasWheel || !keys.empty();
+      case Kind::press:
+      case Kind::release: return hasButton || hasWheel || !keys.empty();
+      case Kind::wheel: return hasButton;
+      case Kind::keyDown: return hasButton || hasCharacter || keys.contains(event.rawKey);
+      case Kind::keyUp: return hasButton || keys.contains(event.rawKey);
+      case Kind::character: return hasButton;
+      default: return false;
+    }
+  };
+  auto end = queue.begin();
+  for (; end != queue.end() && !wouldBeLost(*end); ++end) {
+    hasButton = hasButton || end->kind == Kind::press || end->kind == Kind::release;
+    hasWheel = hasWheel || end->kind == Kind::wheel;
+    hasCharacter = hasCharacter || end->kind == Kind::character;
+    if (end->kind == Kind::keyDown || end->kind == Kind::keyUp) keys.insert(end->rawKey);
+  }
+  std::vector<OsEvent> taken(std::make_move_iterator(queue.begin()), std::make_move_iterator(end));
+  queue.erase(queue.begin(), end);
+  return taken;
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace c3de::ui {
+
+/// What came from the operating system. Positions in window pixels.
+struct OsEvent {
+  enum class Kind { press, release, move, wheel, keyDown, keyUp, character, focusLost, focusGained, leave, drop, other };
+  Kind kind = Kind::other;
+  std::uint32_t button = 0, modifiers = 0;  ///< C3DE_BUTTON_*, C3DE_MOD_*
+  std::uint32_t key = 0;                    ///< of keyDown: ASCII upper case or ui::Key; 0: another key
+  bool isRepeat = false;
+  int rawKey = 0, scanCode = 0, rawModifiers = 0;  ///< of GLFW
+  unsigned character = 0;
+  double x = 0.0, y = 0.0, wheelX = 0.0, wheel = 0.0, time_s = 0.0;
+  std::vector<std::filesystem::path> files;
+};
+
+/// Takes from the front what one frame can show without losing any of it: Dear ImGui 1.86 looks at the state of mouse and
+/// keys once per frame, so a key that goes down and up, or a press and the move after it, need a frame each.
+[[nodiscard]] std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue);
+
+}  // namespace c3de::ui

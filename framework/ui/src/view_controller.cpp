@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/view_controller.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace c3de::ui {
+namespace {
+
+constexpr double kPixelsPerZoomStep = 20.0;
+
+}  // namespace
+
+void ViewController::setViewSize(int width, int height) {
+  width_ = std::max(width, 1);
+  height_ = std::max(height, 1);
+}
+
+bool ViewController::tellTool(const ViewInput &input, std::uint32_t type) {
+  c3de_event event{};
+  event.size = sizeof event;
+  event.type = type;
+  event.button = input.button;
+  event.buttons = buttons_;
+  event.modifiers = input.modifiers;
+  event.key = input.key;
+  event.x_px = input.x;
+  event.y_px = input.y;
+  event.wheel = input.wheel;
+  event.time_s = input.time_s;
+  const render::Ray ray = camera_.pickRay(input.x, input.y, width_, height_);
+  const Vec3 forward = camera_.forward();
+  for (std::size_t i = 0; i < 3; ++i) {
+    event.ray_origin_mm[i] = ray.origin[i];
+    event.ray_direction[i] = ray.direction[i];
+    event.view_direction[i] = forward[i];
+  }
+  return tools_.dispatch(event);
+}
+
+ViewController::Drag ViewController::dragOf(const ViewInput &input) {
+  if (input.button == C3DE_BUTTON_MIDDLE) return Drag::pan;
+  if (input.button == C3DE_BUTTON_RIGHT) return Drag::zoom;
+  if (input.modifiers & C3DE_MOD_SHIFT) return Drag::pan;
+  if (input.modifiers & C3DE_MOD_CTRL) return Drag::zoom;
+  return tellTool(input, C3DE_EVENT_PRESS) ? Drag::tool : Drag::orbit;
+}
+
+bool ViewController::handle(const ViewInput &input) {
+  const double dx = input.x - lastX_, dy = input.y - lastY_;
+  lastX_ = input.x;
+  lastY_ = input.y;
+  // A tool that is no longer the active one was cancelled by the registry.
+  if (drag_ == Drag::tool && tools_.active() != dragTool_) drag_ = Drag::none;
+
+  switch (input.kind) {
+    case ViewInput::Kind::press: {
+      const bool isFirst = buttons_ == 0;
+      buttons_ |= input.button;
+      if (!isFirst) return drag_ == Drag::tool && tellTool(input, C3DE_EVENT_PRESS);
+      dragButton_ = input.button;
+      dragTool_ = tools_.active();
+      drag_ = dragOf(input);
+      return true;
+    }
+    case ViewInput::Kind::release: {
+      buttons_ &= ~input.button;
+      const bool isToolsOwn = drag_ == Drag::tool;
+      if (input.button == dragButton_) drag_ = Drag::none;
+      return isToolsOwn && tellTool(input, C3DE_EVENT_RELEASE);
+    }
+    case ViewInput::Kind::move:
+      switch (drag_) {
+        case Drag::tool: return tellTool(input, C3DE_EVENT_MOVE);
+        case Drag::orbit: camera_.orbit(dx, dy, height_); return true;
+        case Drag::pan: camera_.pan(dx, dy, height_); return true;
+        case Drag::zoom: camera_.zoom(-dy / kPixelsPerZoomStep); return true;
+        case Drag::none: return buttons_ == 0 && tellTool(input, C3DE_EVENT_MOVE);
+      }
+      return false;
+    case ViewInput::Kind::wheel:
+      if (!tellTool(input, C3DE_EVENT_WHEEL)) camera_.zoom(input.wheel);
+      return true;
+    case ViewInput::Kind::key: return tellTool(input, C3DE_EVENT_KEY);
+  }
+  return false;
+}
+
+void ViewController::cancel() {
+  tools_.cancelActive();
+  drag_ = Drag::none;
+}
+
+void lookAlong(render::Camera &camera, const Vec3 &direction) {
+  constexpr double kQuarter = std::numbers::pi / 2.0;
+  // The six standard directions are quarter turns; which sign belongs to which is the camera's business.
+  const double limit = 89.9 / 180.0 * std::numbers::pi;
+  double best = -2.0, bestYaw = camera.yaw, bestPitch = camera.pitch;
+  for (const double pitch : {0.0, limit, -limit})
+    for (int turn = 0; turn < 4; ++turn) {
+      render::Camera tried = camera;
+      tried.yaw = turn * kQuarter;
+      tried.pitch = pitch;
+      const double alignment = dot(tried.forward(), direction);
+      if (alignment <= best + 1e-9) continue;
+      best = alignment;
+      bestYaw = tried.yaw;
+      bestPitch = tried.pitch;
+    }
+  camera.yaw = bestYaw;
+  camera.pitch = bestPitch;
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,457 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/workstation_window.h"
+
+#include <epoxy/gl.h>
+#include <imgui.h>
+#ifdef C3DE_IMGUI_FLAT_BACKENDS
+#include <imgui_impl_glfw.h>
+#include <imgui_impl_opengl3.h>
+#else
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#endif
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <optional>
+
+#include "c3de/abi/draft/tools.h"
+#include "c3de/core/background_jobs.h"
+#include "c3de/core/log.h"
+#include "c3de/render/renderer.h"
+#include "c3de/scene/scene_graph.h"
+#include "c3de/ui/panel_registry.h"
+#include "c3de/ui/parameter_registry.h"
+#include "c3de/ui/tool_registry.h"
+#include "c3de/ui/view_controller.h"
+#include "chrome.h"
+#include "file_dialog.h"
+#include "glfw_window.h"
+#include "imgui_panel.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr double kFrameTime_s = 1.0 / 60.0;
+constexpr double kIdleWait_s = 1.0, kCursorBlink_s = 0.25;
+/// Frames after an event until everything that follows from it stands: popups and layout take one more frame each.
+constexpr int kFramesToSettle = 3;
+constexpr const char *kMeshExtensions = "obj;stl;ply;vtk;off;gltf;glb";
+
+/// Dear ImGui with its two back ends, for as long as the window lives.
+class ImGuiSession {
+ public:
+  explicit ImGuiSession(const GlfwWindow &window) {
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    theme = applyTheme(window.contentScale());
+    // Without its callbacks: events are handed on one frame's worth at a time.
+    ImGui_ImplGlfw_InitForOpenGL(window.handle(), false);
+    ImGui_ImplOpenGL3_Init("#version 430 core");
+  }
+  ~ImGuiSession() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+  }
+  ImGuiSession(const ImGuiSession &) = delete;
+  ImGuiSession &operator=(const ImGuiSession &) = delete;
+
+  void take(const GlfwWindow &window, const OsEvent &event);
+  void beginFrame();
+
+  Theme theme;
+
+ private:
+  ImVec2 mouse_{-FLT_MAX, -FLT_MAX};
+  std::uint32_t buttons_ = 0;
+};
+
+void ImGuiSession::take(const GlfwWindow &window, const OsEvent &event) {
+  using Kind = OsEvent::Kind;
+  switch (event.kind) {
+    case Kind::press: buttons_ |= event.button; break;
+    case Kind::release: buttons_ &= ~event.button; break;
+    case Kind::wheel: ImGui_ImplGlfw_ScrollCallback(window.handle(), event.wheelX, event.wheel); break;
+    case Kind::keyDown:
+    case Kind::keyUp:
+      // 1 is GLFW_PRESS, 0 GLFW_RELEASE.
+      ImGui_ImplGlfw_KeyCallback(window.handle(), event.rawKey, event.scanCode, event.kind == Kind::keyDown ? 1 : 0,
+                                 event.rawModifiers);
+      break;
+    case Kind::character: ImGui_ImplGlfw_CharCallback(window.handle(), event.character); break;
+    case Kind::focusLost:
+      buttons_ = 0;
+      ImGui_ImplGlfw_WindowFocusCallback(window.handle(), 0);
+      break;
+    case Kind::focusGained: ImGui_ImplGlfw_WindowFocusCallback(window.handle(), 1); break;
+    default: break;
+  }
+  if (event.kind == Kind::leave && buttons_ == 0)
+    mouse_ = ImVec2(-FLT_MAX, -FLT_MAX);
+  else if (event.kind == Kind::press || event.kind == Kind::release || event.kind == Kind::move || event.kind == Kind::wheel)
+    mouse_ = ImVec2(static_cast<float>(event.x), static_cast<float>(event.y));
+}
+
+void ImGuiSession::beginFrame() {
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  // The back end looks at where the mouse is now; this frame shows where it was when its events came.
+  ImGuiIO &io = ImGui::GetIO();
+  io.MousePos = mouse_;
+  io.MouseDown[0] = (buttons_ & C3DE_BUTTON_LEFT) != 0;
+  io.MouseDown[1] = (buttons_ & C3DE_BUTTON_RIGHT) != 0;
+  io.MouseDown[2] = (buttons_ & C3DE_BUTTON_MIDDLE) != 0;
+  ImGui::NewFrame();
+}
+
+}  // namespace
+
+struct WorkstationWindow::Impl {
+  explicit Impl(const WindowOptions &options) : automation(options.automationState) {}
+
+  std::unique_ptr<GlfwWindow> window;
+  std::unique_ptr<ImGuiSession> imgui;
+  AutomationState automation;
+  WindowServices services;
+  WindowActions actions;
+  WindowState state;
+  FileDialog fileDialog;
+  ImGuiPanels panels;
+  render::Camera camera;
+  ToolRegistry noTools;
+  std::optional<ViewController> viewController;
+
+  PixelRect view;
+  std::uint32_t buttons = 0;
+  bool isViewPressed = false;  ///< the buttons that are down were pressed in the view
+  std::uint64_t frame = 0;
+  double lastFrame_s = 0.0, framesPerSecond = 0.0;
+  int framesToSettle = kFramesToSettle;
+  int framesToFit = 0;
+  bool isMoving = false;  ///< something changes by itself: playing, jobs
+
+  void takeInput(FrameContext &context, const std::vector<OsEvent> &events);
+  void takeMouse(const OsEvent &event);
+  void takeKey(FrameContext &frame, const OsEvent &event);
+  void layOut(FrameContext &frame);
+  void carryOut(FrameContext &frame);
+  void carryOut(FrameContext &frame, Command command);
+  void openDialog(bool isMesh);
+  void fitIfWanted();
+  void measureRate(double now_s);
+  [[nodiscard]] bool isOverView(double x, double y) const;
+  [[nodiscard]] render::Viewport viewport() const;
+};
+
+bool WorkstationWindow::Impl::isOverView(double x, double y) const {
+  if (!view.contains(x, y)) return false;
+  if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) return false;
+  return std::none_of(state.overlays.begin(), state.overlays.end(),
+                      [&](const PixelRect &overlay) { return overlay.contains(x, y); });
+}
+
+void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
+  using Kind = OsEvent::Kind;
+  ViewInput input;
+  input.button = event.button;
+  input.modifiers = event.modifiers;
+  input.x = event.x - view.x;
+  input.y = event.y - view.y;
+  input.wheel = event.wheel;
+  input.time_s = event.time_s;
+  switch (event.kind) {
+    case Kind::press:
+      // Events are told by where they happened, not by where the mouse is when the frame begins.
+      if (buttons == 0) isViewPressed = isOverView(event.x, event.y);
+      buttons |= event.button;
+      input.kind = ViewInput::Kind::press;
+      if (isViewPressed) viewController->handle(input);
+      break;
+    case Kind::release:
+      buttons &= ~event.button;
+      input.kind = ViewInput::Kind::release;
+      if (isViewPressed) viewController->handle(input);
+      break;
+    case Kind::move:
+      input.kind = ViewInput::Kind::move;
+      if (buttons != 0 ? isViewPressed : isOverView(event.x, event.y)) viewController->handle(input);
+      break;
+    case Kind::wheel:
+      input.kind = ViewInput::Kind::wheel;
+      if (isOverView(event.x, event.y)) viewController->handle(input);
+      break;
+    default: break;
+  }
+}
+
+void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &event) {
+  if (event.key == 0) return;
+  const Command command = commandOfKey(event.key, event.modifiers);
+  if (command == Command::quit) return context.request(command);
+  const ImGuiIO &io = ImGui::GetIO();
+  const bool isPopupOpen = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
+  // A button of the mouse that is held over a slider counts as well, but one that drags in the view does not.
+  if (io.WantTextInput || isPopupOpen || (io.WantCaptureKeyboard && !isViewPressed)) return;
+  if (event.key == keyEscape) return viewController->cancel();
+  if (command != Command::none) return context.request(command);
+  if (event.modifiers == 0 && services.tools && isFreeForTools(event.key))
+    for (const ToolRegistry::Entry &entry : services.tools->tools())
+      if (entry.tool->shortcut == event.key) {
+        services.tools->activate(entry.handle);
+        return;
+      }
+  ViewInput input;
+  input.kind = ViewInput::Kind::key;
+  input.key = event.key;
+  input.modifiers = event.modifiers;
+  input.x = event.x - view.x;
+  input.y = event.y - view.y;
+  input.time_s = event.time_s;
+  if (event.key < 0x80) viewController->handle(input);
+}
+
+void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector<OsEvent> &events) {
+  viewController->setViewSize(static_cast<int>(view.w), static_cast<int>(view.h));
+  for (const OsEvent &event : events) {
+    switch (event.kind) {
+      case OsEvent::Kind::focusLost:
+        viewController->cancel();
+        buttons = 0;
+        break;
+      case OsEvent::Kind::drop:
+        if (actions.open && !event.files.empty()) actions.open({event.files, "mm"});
+        break;
+      case OsEvent::Kind::keyDown:
+        if (!event.isRepeat) takeKey(context, event);
+        break;
+      default: takeMouse(event);
+    }
+  }
+}
+
+void WorkstationWindow::Impl::layOut(FrameContext &context) {
+  const auto width = static_cast<float>(context.windowSize[0]), height = static_cast<float>(context.windowSize[1]);
+  const Theme &theme = context.theme;
+  const float menuHeight = drawMenuBar(context);
+  const float toolbarHeight = std::round(ImGui::GetFrameHeight() * 1.15f + theme.px(11.0f));
+  const float statusHeight = std::round(theme.small->FontSize + theme.px(12.0f));
+  const float sideWidth = std::min(std::round(theme.px(state.layout.sideWidth)), std::max(width - theme.px(160.0f), 0.0f));
+  const float grip = std::round(theme.px(5.0f));
+  const float top = menuHeight + toolbarHeight, middle = std::max(height - top - statusHeight, 1.0f);
+  view = {sideWidth + grip, top, std::max(width - sideWidth - grip, 1.0f), middle};
+  context.view = view;
+
+  drawToolbar(context, {0, menuHeight, width, toolbarHeight});
+  drawSidePanel(context, panels, {0, top, sideWidth, middle});
+  drawSplitter(context, {sideWidth, top, grip, middle});
+  drawStatusBar(context, {0, height - statusHeight, width, statusHeight});
+  drawViewDecorations(context);
+  state.overlays.clear();
+  drawNotifications(context);
+  drawJobs(context);
+  fileDialog.draw(context);
+  drawShortcuts(context);
+  drawAbout(context);
+}
+
+void WorkstationWindow::Impl::openDialog(bool isMesh) {
+  FileDialog::Request request;
+  request.title = isMesh ? "Open mesh" : "Open scene";
+  request.extensions = isMesh ? kMeshExtensions : "toml";
+  request.asksMeshUnit = isMesh;
+  request.chosen = [this](const std::filesystem::path &file, const std::string &unit) {
+    if (actions.open) actions.open({{file}, unit});
+  };
+  fileDialog.open(std::move(request));
+}
+
+void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
+  const auto transport = [&](std::uint32_t action) {
+    if (actions.transport && context.simulation.exists) actions.transport(action);
+  };
+  switch (command) {
+    case Command::none: break;
+    case Command::openMesh: openDialog(true); break;
+    case Command::openScene: openDialog(false); break;
+    case Command::reload:
+      if (actions.reload) actions.reload();
+      break;
+    case Command::screenshot:
+      if (actions.screenshot) actions.screenshot();
+      break;
+    case Command::quit: window->requestClose(); break;
+    case Command::fitView: framesToFit = 1; break;
+    case Command::viewFront: lookAlong(camera, {0, 0, -1}); break;
+    case Command::viewBack: lookAlong(camera, {0, 0, 1}); break;
+    case Command::viewLeft: lookAlong(camera, {1, 0, 0}); break;
+    case Command::viewRight: lookAlong(camera, {-1, 0, 0}); break;
+    case Command::viewTop: lookAlong(camera, {0, -1, 0}); break;
+    case Command::viewBottom: lookAlong(camera, {0, 1, 0}); break;
+    case Command::resetLayout:
+      state.layout = {};
+      state.layout.resetSections = true;
+      break;
+    case Command::playPause:
+      transport(context.simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
+      break;
+    case Command::step: transport(C3DE_TRANSPORT_STEP); break;
+    case Command::reset: transport(C3DE_TRANSPORT_RESET); break;
+    case Command::stop: transport(C3DE_TRANSPORT_STOP); break;
+    case Command::orbitTool:
+      if (services.tools) services.tools->activate({});
+      break;
+    case Command::showShortcuts: state.showShortcuts = true; break;
+    case Command::showAbout: state.showAbout = true; break;
+  }
+}
+
+void WorkstationWindow::Impl::carryOut(FrameContext &context) {
+  for (const Command command : std::exchange(context.commands, {})) carryOut(context, command);
+}
+
+void WorkstationWindow::Impl::fitIfWanted() {
+  if (framesToFit <= 0 || !services.scene) return;
+  const auto bounds = services.scene->bounds();
+  if (!bounds) return;
+  camera.fit(bounds->min, bounds->max, view.h > 0.0f ? view.w / view.h : 1.0);
+  --framesToFit;
+  framesToSettle = std::max(framesToSettle, 1);
+}
+
+render::Viewport WorkstationWindow::Impl::viewport() const {
+  const auto size = window->windowSize(), pixels = window->framebufferSize();
+  const double sx = size[0] > 0 ? static_cast<double>(pixels[0]) / size[0] : 1.0;
+  const double sy = size[1] > 0 ? static_cast<double>(pixels[1]) / size[1] : 1.0;
+  render::Viewport port;
+  port.x = static_cast<int>(std::lround(view.x * sx));
+  port.width = std::max(1, static_cast<int>(std::lround(view.w * sx)));
+  port.height = std::max(1, static_cast<int>(std::lround(view.h * sy)));
+  port.y = pixels[1] - static_cast<int>(std::lround((view.y + view.h) * sy));
+  return port;
+}
+
+void WorkstationWindow::Impl::measureRate(double now_s) {
+  const double dt = now_s - lastFrame_s;
+  lastFrame_s = now_s;
+  // After a pause the rate starts anew.
+  const bool isContinuous = isMoving && dt > 0.0 && dt < 1.0;
+  if (!isContinuous)
+    framesPerSecond = 0.0;
+  else
+    framesPerSecond = framesPerSecond <= 0.0 ? 1.0 / dt : 0.9 * framesPerSecond + 0.1 / dt;
+}
+
+Expected<std::unique_ptr<WorkstationWindow>> WorkstationWindow::create(const WindowOptions &options) {
+  auto impl = std::make_unique<Impl>(options);
+  auto window = GlfwWindow::create(options.title, options.width, options.height);
+  if (!window) return tl::unexpected(window.error());
+  impl->window = std::move(*window);
+  if (auto version = render::checkGlVersion(); !version) return tl::unexpected(version.error());
+  impl->imgui = std::make_unique<ImGuiSession>(*impl->window);
+  if (!impl->imgui->theme.note.empty()) log(LogLevel::info, impl->imgui->theme.note);
+  impl->viewController.emplace(impl->noTools, impl->camera);
+  return std::unique_ptr<WorkstationWindow>(new WorkstationWindow(std::move(impl)));
+}
+
+WorkstationWindow::WorkstationWindow(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+WorkstationWindow::~WorkstationWindow() {
+  impl_->imgui.reset();
+  impl_->window.reset();
+}
+
+void WorkstationWindow::connect(const WindowServices &services, WindowActions actions) {
+  impl_->services = services;
+  impl_->actions = std::move(actions);
+  impl_->viewController.emplace(services.tools ? *services.tools : impl_->noTools, impl_->camera);
+}
+
+void WorkstationWindow::setAbout(AboutText about) { impl_->state.about = std::move(about); }
+
+void WorkstationWindow::waitForFrame() {
+  Impl &impl = *impl_;
+  for (;;) {
+    const double now_s = GlfwWindow::now_s();
+    impl.automation.writeIfDue(now_s);
+    const bool isDue = impl.window->hasEvents() || impl.framesToSettle > 0 || impl.isMoving || impl.window->closeRequested();
+    const double sinceFrame_s = now_s - impl.lastFrame_s;
+    if (isDue && sinceFrame_s >= kFrameTime_s) {
+      impl.window->wait(0.0);
+      break;
+    }
+    double wait_s = isDue ? kFrameTime_s - sinceFrame_s : kIdleWait_s;
+    if (!isDue && ImGui::GetIO().WantTextInput) wait_s = kCursorBlink_s;
+    if (const double write_s = impl.automation.secondsUntilWrite(now_s); write_s >= 0.0) wait_s = std::min(wait_s, write_s);
+    impl.window->wait(std::max(wait_s, 1e-4));
+    if (impl.window->takeWake()) impl.framesToSettle = std::max(impl.framesToSettle, 1);
+    // The text cursor blinks.
+    if (!isDue && wait_s == kCursorBlink_s) impl.framesToSettle = std::max(impl.framesToSettle, 1);
+  }
+}
+
+void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationView &simulation) {
+  Impl &impl = *impl_;
+  (void)impl.window->takeWake();
+  impl.isMoving = (simulation.exists && simulation.transport.mode == C3DE_SIM_PLAYING) ||
+                  (impl.services.jobs && !impl.services.jobs->running().empty());
+  impl.measureRate(GlfwWindow::now_s());
+
+  FrameContext context{impl.services, impl.actions, simulation, impl.imgui->theme, impl.automation, impl.state,
+                       impl.fileDialog, impl.camera};
+  context.windowSize = impl.window->windowSize();
+  context.frame = ++impl.frame;
+  context.framesPerSecond = impl.framesPerSecond;
+  context.isFocused = impl.window->isFocused();
+  context.view = impl.view;
+
+  const std::vector<OsEvent> events = impl.window->takeEvents();
+  for (const OsEvent &event : events) impl.imgui->take(*impl.window, event);
+  if (!events.empty())
+    impl.framesToSettle = kFramesToSettle;
+  else if (impl.framesToSettle > 0)
+    --impl.framesToSettle;
+  impl.imgui->beginFrame();
+  impl.automation.beginFrame();
+  context.mouseX = ImGui::GetIO().MousePos.x;
+  context.mouseY = ImGui::GetIO().MousePos.y;
+  impl.takeInput(context, events);
+  impl.carryOut(context);
+  impl.layOut(context);
+  impl.carryOut(context);
+  impl.fitIfWanted();
+  context.mouseButtons = impl.buttons;
+  impl.automation.endFrame(context, GlfwWindow::now_s());
+  ImGui::Render();
+
+  const auto pixels = impl.window->framebufferSize();
+  if (pixels[0] > 0 && pixels[1] > 0) {
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glViewport(0, 0, pixels[0], pixels[1]);
+    glDisable(GL_SCISSOR_TEST);
+    glClearColor(colour::kChrome.x, colour::kChrome.y, colour::kChrome.z, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    renderer.draw(impl.camera, impl.viewport());
+    glViewport(0, 0, pixels[0], pixels[1]);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  }
+  impl.window->swap();
+}
+
+void WorkstationWindow::wake() { impl_->window->wake(); }
+bool WorkstationWindow::closeRequested() const { return impl_->window->closeRequested(); }
+void WorkstationWindow::requestClose() { impl_->window->requestClose(); }
+render::Camera &WorkstationWindow::camera() { return impl_->camera; }
+int WorkstationWindow::viewWidth() const { return impl_->viewport().width; }
+int WorkstationWindow::viewHeight() const { return impl_->viewport().height; }
+
+void WorkstationWindow::requestFit() {
+  // The first bounds may be those of a part of what is loaded.
+  impl_->framesToFit = 3;
+  impl_->window->wake();
+}
+
+void WorkstationWindow::writeAutomationState() { impl_->automation.writeNow(true); }
+
+}  // namespace c3de::ui

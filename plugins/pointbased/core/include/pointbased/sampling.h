@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pointbased/types.h"
+
+namespace pointbased {
+
+/// The body to fill, as questions that can be asked about it; the library reads no meshes.
+struct BodyShape {
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< bounds, m
+  double volume = 0.0;                          ///< m³, > 0
+  /// About 1 for points inside and 0 outside (a winding number); called with many points at once.
+  std::function<void(std::span<const Vec3> points, std::span<double> inside)> inside;
+  /// Distance to the surface, m, >= 0. Empty: contact radii from the volumes.
+  std::function<void(std::span<const Vec3> points, std::span<double> distances)> surfaceDistance;
+};
+
+struct Sampling {
+  double spacing = 0.0;  ///< of the lattice, m; 0: from count
+  std::size_t count = 1000;
+};
+
+/// Phyxels of a body, sorted in space.
+struct PhyxelCloud {
+  double spacing = 0.0;               ///< m
+  std::vector<Vec3> positions;        ///< m
+  std::vector<double> volumes;        ///< m³; their sum is the body's volume
+  std::vector<double> contactRadii;   ///< m: distance to the surface, at most half a spacing
+};
+
+/// False: stop, somebody cancelled.
+using SamplingProgress = std::function<bool(double fraction)>;
+
+inline constexpr std::size_t kMaximumPhyxels = 2'000'000;
+
+/// Phyxels on a regular lattice inside the body, each with the volume of the part of the body that is nearest to it.
+///
+/// The part is measured by counting points of a finer lattice inside the body; those near the surface are asked for, the
+/// rest follows from their cell. Parts that no lattice point reaches (a lobe thinner than the spacing) get a phyxel at
+/// their centroid, so nothing of the body is without mass. Volumes are then scaled to sum to the body's volume exactly.
+///
+/// Errors: spacing or count out of range, more than kMaximumPhyxels, nothing inside, cancelled.
+[[nodiscard]] Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const ParallelFor &parallelFor,
+                                       const SamplingProgress &progress = {});
+
+}  // namespace pointbased

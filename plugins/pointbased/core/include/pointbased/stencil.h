@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pointbased/types.h"
+
+namespace pointbased {
+
+/// Compressed rows: the entries of row i are [offsets[i], offsets[i+1]).
+struct Csr {
+  std::vector<Index> offsets{0};
+  std::vector<Index> indices;
+
+  [[nodiscard]] std::size_t rows() const { return offsets.size() - 1; }
+};
+
+/// Evaluation points with their stencils over the phyxels, from the reference state and const ever after.
+///
+/// Everything the method does at a point q is linear in the displacements of a few phyxels:
+///
+///     F_q = I + Σ_k u_k g_qk^T,   Σ_k g_qk = 0,   Σ_k X_k g_qk^T = I
+///
+/// Here q runs over the phyxels (Müller et al. 2004). Which points exist is a sampling decision: a set of stress points
+/// between the phyxels fills the same arrays. The first entry of a stencil is its anchor: displacements are taken
+/// relative to it, so that a body far from where it was made loses no digits.
+struct StencilSet {
+  Csr phyxels;                    ///< per point: the anchor, then the others
+  std::vector<Vec3> gradients;    ///< per entry: g, 1/m
+  std::vector<double> weights;    ///< per entry: stabilisation weight, 0 for the anchor; sums to 1 over Σ w |X - X_anchor|²/(3 m²)
+  std::vector<double> volumes;    ///< per point: rest volume it stands for, m³
+  std::vector<std::uint8_t> rank; ///< per point: 3 = full; 2 coplanar, 1 collinear, 0 alone: F is completed
+  std::vector<Mat3> frames;       ///< per point of rank < 3, by frameOf: columns t1, t2, n (rank 2) or t, ., . (rank 1)
+  std::vector<Index> frameOf;     ///< per point: index into frames, or kNoFrame
+
+  /// Per phyxel: the entries (of all stencils) it stands in, ascending; the gather of the forces.
+  Csr entriesOfPhyxel;            ///< indices are entry numbers
+  std::vector<Index> pointOfEntry;
+
+  static constexpr Index kNoFrame = 0xffffffffu;
+  [[nodiscard]] std::size_t pointCount() const { return volumes.size(); }
+};
+
+/// Relative cut-off of the truncated inverse of a moment matrix: directions whose singular value is below this part of
+/// the largest count as flat. About a tenth of the support in length, and free of units.
+inline constexpr double kMomentCutOff = 1e-2;
+
+/// g_qj = w_qj A_q^+ (X_j - X_q) for the neighbours of every phyxel, -Σ for q itself.
+///
+/// A_q = Σ_j w_qj (X_j - X_q)(X_j - X_q)^T is inverted once by eigenvalues, truncated at kMomentCutOff.
+/// @param positions      [n] X, m
+/// @param neighbors      symmetric, without i itself
+/// @param supportRadii   [n] h, m; the weight of a pair uses the larger one
+/// @param volumes        [n] m³
+/// @source  Müller et al., Point Based Animation of Elastic, Plastic and Melting Objects, SCA 2004, section 3.2
+[[nodiscard]] StencilSet buildPhyxelStencils(std::span<const Vec3> positions, const Csr &neighbors,
+                                             std::span<const double> supportRadii, std::span<const double> volumes,
+                                             const ParallelFor &parallelFor);
+
+/// Fills entriesOfPhyxel and pointOfEntry from phyxels.
+void buildGather(StencilSet &stencils, std::size_t phyxelCount);
+
+/// Weight of a neighbour at distance r: (1 - (r/h)²)³, 0 from h on. The polynomial of Müller et al. 2003, without its
+/// norm, which cancels in the fit.
+[[nodiscard]] inline double kernelWeight(double r, double h) {
+  const double q = r / h;
+  if (q >= 1.0) return 0.0;
+  const double s = 1.0 - q * q;
+  return s * s * s;
+}
+
+}  // namespace pointbased

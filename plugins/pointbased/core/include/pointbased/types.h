@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <tl/expected.hpp>
+#include <vector>
+
+namespace pointbased {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+using Index = std::uint32_t;
+
+/// Runs body(begin, end) over disjoint ranges that cover [0, n), possibly on several threads. Every loop of this library
+/// writes only what belongs to its range and sums in a fixed order, so results do not depend on who runs what.
+using ParallelFor =
+    std::function<void(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body)>;
+
+[[nodiscard]] inline ParallelFor serialFor() {
+  return [](std::size_t n, std::size_t, const std::function<void(std::size_t, std::size_t)> &body) {
+    if (n > 0) body(0, n);
+  };
+}
+
+/// Text names the quantity, its value and what is accepted.
+template <class T>
+using Result = tl::expected<T, std::string>;
+
+}  // namespace pointbased

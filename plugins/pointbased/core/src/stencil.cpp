@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/stencil.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+namespace pointbased {
+namespace {
+
+// Truncated inverse, its rank, and the frame of what is left: flat directions last.
+struct MomentInverse {
+  Mat3 inverse = Mat3::Zero();
+  Mat3 frame = Mat3::Identity();
+  int rank = 0;
+};
+
+MomentInverse invertMoment(const Mat3 &A) {
+  MomentInverse out;
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(A);
+  const Vec3 values = solver.eigenvalues();  // ascending
+  const double largest = values[2];
+  if (!(largest > 0.0)) return out;
+  for (int k = 2; k >= 0; --k) {
+    if (values[k] < kMomentCutOff * largest) break;
+    const Vec3 e = solver.eigenvectors().col(k);
+    out.inverse += e * e.transpose() / values[k];
+    out.frame.col(out.rank++) = e;
+  }
+  if (out.rank == 2) out.frame.col(2) = out.frame.col(0).cross(out.frame.col(1));
+  if (out.rank == 1) {
+    out.frame.col(1) = out.frame.col(0).unitOrthogonal();
+    out.frame.col(2) = out.frame.col(0).cross(out.frame.col(1));
+  }
+  return out;
+}
+
+}  // namespace
+
+StencilSet buildPhyxelStencils(std::span<const Vec3> positions, const Csr &neighbors,
+                               std::span<const double> supportRadii, std::span<const double> volumes,
+                               const ParallelFor &parallelFor) {
+  const std::size_t n = positions.size();
+  StencilSet s;
+  s.volumes.assign(volumes.begin(), volumes.end());
+  s.rank.assign(n, 3);
+  s.frameOf.assign(n, StencilSet::kNoFrame);
+  s.phyxels.offsets.resize(n + 1);
+  for (std::size_t i = 0; i <= n; ++i) s.phyxels.offsets[i] = neighbors.offsets[i] + static_cast<Index>(i);
+  const std::size_t entries = s.phyxels.offsets[n];
+  s.phyxels.indices.resize(entries);
+  s.gradients.resize(entries);
+  s.weights.resize(entries);
+  std::vector<Mat3> frames(n);
+
+  parallelFor(n, 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t first = s.phyxels.offsets[i];
+      s.phyxels.indices[first] = static_cast<Index>(i);
+
+      Mat3 A = Mat3::Zero();
+      double spread = 0.0;
+      std::size_t e = first + 1;
+      for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k, ++e) {
+        const Index j = neighbors.indices[k];
+        const Vec3 d = positions[j] - positions[i];
+        const double w = kernelWeight(d.norm(), std::max(supportRadii[i], supportRadii[j]));
+        s.phyxels.indices[e] = j;
+        s.weights[e] = w;
+        A += w * d * d.transpose();
+        spread += w * d.squaredNorm();
+      }
+
+      const MomentInverse moment = invertMoment(A);
+      Vec3 sum = Vec3::Zero();
+      e = first + 1;
+      for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k, ++e) {
+        const Vec3 d = positions[neighbors.indices[k]] - positions[i];
+        s.gradients[e] = s.weights[e] * (moment.inverse * d);
+        sum += s.gradients[e];
+        if (spread > 0.0) s.weights[e] *= 3.0 / spread;
+      }
+      s.gradients[first] = -sum;
+      s.weights[first] = 0.0;
+      s.rank[i] = static_cast<std::uint8_t>(moment.rank);
+      frames[i] = moment.frame;
+    }
+  });
+
+  for (std::size_t i = 0; i < n; ++i)
+    if (s.rank[i] < 3) {
+      s.frameOf[i] = static_cast<Index>(s.frames.size());
+      s.frames.push_back(frames[i]);
+    }
+  buildGather(s, n);
+  return s;
+}
+
+void buildGather(StencilSet &s, std::size_t phyxelCount) {
+  const std::size_t entries = s.phyxels.indices.size();
+  s.pointOfEntry.resize(entries);
+  s.entriesOfPhyxel.offsets.assign(phyxelCount + 1, 0);
+  for (const Index j : s.phyxels.indices) ++s.entriesOfPhyxel.offsets[j + 1];
+  for (std::size_t j = 0; j < phyxelCount; ++j) s.entriesOfPhyxel.offsets[j + 1] += s.entriesOfPhyxel.offsets[j];
+  s.entriesOfPhyxel.indices.resize(entries);
+  std::vector<Index> next(s.entriesOfPhyxel.offsets.begin(), s.entriesOfPhyxel.offsets.end() - 1);
+  for (std::size_t q = 0; q < s.pointCount(); ++q)
+    for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e) {
+      s.pointOfEntry[e] = static_cast<Index>(q);
+      s.entriesOfPhyxel.indices[next[s.phyxels.indices[e]]++] = e;
+    }
+}
+
+}  // namespace pointbased

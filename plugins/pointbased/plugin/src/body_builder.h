@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "parameters.h"
+#include "placed_mesh.h"
+
+namespace pointbased {
+
+/// A body made from a mesh of the host.
+struct BuiltBody {
+  std::unique_ptr<Body> body;
+  std::shared_ptr<PlacedMesh> surface;
+};
+
+/// Fills the mesh, binds its vertices as surfels. Errors as sdk::Error: a mesh that bounds no volume, a sampling that does
+/// not fit, cancelled. Any thread.
+[[nodiscard]] BuiltBody buildBody(const Services &services, const std::string &name, c3de_handle mesh,
+                                  const Placement &placement, const ParameterValues &values, const sdk::Progress &progress);
+
+/// The obstacle's questions answered by the host's collision service. Errors as sdk::Error.
+[[nodiscard]] Obstacle buildObstacle(const Services &services, const std::string &name,
+                                     const std::shared_ptr<PlacedMesh> &mesh, double friction);
+
+}  // namespace pointbased

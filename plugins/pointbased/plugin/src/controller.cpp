@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "controller.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+namespace pointbased {
+namespace {
+
+const std::array<std::string, 3> kUnitNames{"mm", "cm", "m"};
+constexpr std::array<std::uint32_t, 3> kUnits{C3DE_UNIT_MM, C3DE_UNIT_CM, C3DE_UNIT_M};
+const std::array<std::string, 3> kStyleNames{"Opaque surface", "Transparent, with phyxels", "Phyxels only"};
+
+std::string fixed(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+std::string significant(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+std::string hexadecimal(std::uint64_t value) {
+  char text[24];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+std::string millimetres(const Vec3 &x) {
+  return fixed(1e3 * x[0], 2) + " " + fixed(1e3 * x[1], 2) + " " + fixed(1e3 * x[2], 2) + " mm";
+}
+
+std::string_view modeName(std::uint32_t mode) {
+  switch (mode) {
+    case C3DE_SIM_PLAYING: return "playing";
+    case C3DE_SIM_PAUSED: return "paused";
+    case C3DE_SIM_FAILED: return "failed: the last good state is kept; reset leads out";
+    default: return "stopped, at the initial state";
+  }
+}
+
+std::string readable(std::string name) {
+  for (char &c : name)
+    if (c == '_') c = ' ';
+  return name;
+}
+
+}  // namespace
+
+Controller::Controller(const Services &services, PinchTool &pinch) : services_(services), pinch_(pinch) {
+  bodyParameters_ = sdk::orThrow(services_.params.declare(
+      "Organ", bodyDeclarations(), [this](const c3de_param_value &value) { bodyParameterChanged(value); }));
+  worldParameters_ = sdk::orThrow(services_.params.declare(
+      "World", worldDeclarations(), [this](const c3de_param_value &value) { worldParameterChanged(value); }));
+}
+
+void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
+  simulator_ = simulator;
+  view_ = view;
+  body_ = 0;
+  if (!simulator_) return;
+  const ParameterValues world = simulator_->worldValues();
+  for (const c3de_param_decl &d : worldDeclarations())
+    if (const auto value = world.get(sdk::text(d.id))) (void)worldParameters_.set(*value);
+}
+
+// The panel's values are those of the body it shows: the first one, until it goes.
+void Controller::followBody(const Snapshot *snapshot) {
+  if (!snapshot || !simulator_) return;
+  if (body_ != 0 && snapshot->body(body_)) return;
+  body_ = snapshot->bodies.empty() ? 0 : snapshot->bodies.front().id;
+  if (body_ == 0) return;
+  const auto values = simulator_->bodyValues(body_);
+  if (!values) return;
+  nextValues_ = *values;
+  for (const c3de_param_decl &d : bodyDeclarations())
+    if (const auto value = values->get(sdk::text(d.id))) (void)bodyParameters_.set(*value);
+}
+
+void Controller::draw(sdk::Ui &ui) {
+  if (!simulator_) {
+    ui.text("No simulation is open.");
+    return;
+  }
+  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  followBody(snapshot.get());
+  drawOrgan(ui, snapshot.get());
+  drawRun(ui, snapshot.get());
+  drawView(ui);
+  drawPinch(ui);
+  drawMaterial(ui);
+  drawWorld(ui);
+}
+
+void Controller::drawOrgan(sdk::Ui &ui, const Snapshot *snapshot) {
+  ui.heading("Organ");
+  (void)ui.fileButton("browse", "Browse…", "obj;stl;ply;vtk", path_);
+  ui.sameLine();
+  (void)ui.inputText("path", "File", path_);
+  ui.tooltip("A closed surface: OBJ, STL, PLY or VTK polydata");
+  (void)ui.choice("unit", "Unit of the file", unit_, kUnitNames);
+  (void)ui.checkbox("replace", "Replace the present organ", replace_);
+  if (job_) {
+    if (const auto state = services_.jobs.progress(*job_)) {
+      ui.progress(state->fraction, state->what);
+      if (ui.button("cancel", "Cancel")) (void)services_.jobs.cancel(*job_);
+    }
+  } else {
+    if (ui.button("load", "Load", !path_.empty())) load();
+    ui.tooltip("Reads the surface and fills it with phyxels as set below; what is there stays when that fails");
+    ui.sameLine();
+    if (ui.button("rebuild", "Rebuild", body_ != 0)) rebuild();
+    ui.tooltip("Fills the present organ again with the sampling below");
+  }
+  const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
+  if (body) {
+    ui.value("Organ", body->name);
+    ui.value("Phyxels", std::to_string(body->phyxels.size()));
+    ui.value("Surfels", std::to_string(body->surfels.size()));
+    ui.value("Spacing", fixed(1e3 * body->rest->spacing, 2) + " mm");
+    ui.value("Neighbours", std::to_string(body->neighbours.min) + " … " + std::to_string(body->neighbours.max) + ", mean " +
+                               fixed(body->neighbours.mean, 1));
+    ui.value("Mass", significant(body->mass, 4) + " kg");
+    ui.value("Volume", significant(1e6 * body->rest->shapeVolume, 4) + " mL");
+  }
+  ui.params(bodyParameters_.handle(), "Sampling");
+}
+
+void Controller::drawMaterial(sdk::Ui &ui) {
+  ui.heading("Material");
+  ui.params(bodyParameters_.handle(), "Material");
+}
+
+void Controller::drawWorld(sdk::Ui &ui) {
+  ui.heading("World");
+  ui.params(worldParameters_.handle(), "World");
+  ui.heading("Solver");
+  ui.params(worldParameters_.handle(), "Solver");
+}
+
+void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
+  ui.heading("Run");
+  const auto state = services_.simulation.state(simulator_->node());
+  const std::uint32_t mode = state ? state->mode : C3DE_SIM_STOPPED;
+  const bool playing = mode == C3DE_SIM_PLAYING;
+  if (playing) {
+    if (ui.button("pause", "Pause")) transport(C3DE_TRANSPORT_PAUSE);
+  } else if (ui.button("play", mode == C3DE_SIM_PAUSED ? "Continue" : "Play", mode != C3DE_SIM_FAILED)) {
+    transport(C3DE_TRANSPORT_PLAY);
+  }
+  ui.sameLine();
+  if (ui.button("step", "Step", !playing && mode != C3DE_SIM_FAILED)) transport(C3DE_TRANSPORT_STEP);
+  ui.sameLine();
+  if (ui.button("stop", "Stop", mode != C3DE_SIM_STOPPED)) transport(C3DE_TRANSPORT_STOP);
+  ui.tooltip("Ends and goes back to the initial state");
+  ui.sameLine();
+  if (ui.button("reset", "Reset")) transport(C3DE_TRANSPORT_RESET);
+  ui.tooltip("Back to the initial state, bit for bit; goes on if it was playing");
+
+  ui.value("State", modeName(mode));
+  if (!snapshot) return;
+  ui.value("Simulated time", fixed(snapshot->time, 3) + " s");
+  ui.value("Steps", std::to_string(snapshot->steps));
+  ui.value("Step size", significant(1e3 * snapshot->dt, 3) + " ms");
+  if (state) ui.value("Real-time factor", playing ? fixed(state->real_time_factor, 2) : std::string("–"));
+  if (const BodySnapshot *body = snapshot->body(body_)) {
+    ui.value("Kinetic energy", significant(body->energy.kinetic, 3) + " J");
+    ui.value("Elastic energy", significant(body->energy.elastic, 3) + " J");
+    const double total = body->energy.elastic + body->energy.stabilisation;
+    ui.value("Stabilisation share", total > 0.0 ? fixed(100.0 * body->energy.stabilisation / total, 1) + " %" : std::string("–"));
+    ui.tooltip("Part of the elastic energy that controls what the sampling cannot resolve; much above 5 %: use a smaller spacing");
+  }
+  ui.value("State hash", hexadecimal(snapshot->hash));
+  drawStages(ui, *snapshot);
+}
+
+void Controller::drawStages(sdk::Ui &ui, const Snapshot &snapshot) {
+  ui.heading("Milliseconds per stage (median, 99 %)");
+  for (const StageClock::Summary &stage : snapshot.stages)
+    ui.value(readable(stage.name), fixed(stage.median_ms, 3) + " ms, " + fixed(stage.p99_ms, 3) + " ms");
+  if (!snapshot.events.empty()) ui.text("Latest event: " + snapshot.events.back().text);
+}
+
+void Controller::drawView(sdk::Ui &ui) {
+  if (!view_) return;
+  ui.heading("View");
+  auto style = static_cast<std::uint32_t>(view_->style());
+  if (ui.choice("surface", "Surface", style, kStyleNames)) view_->setStyle(static_cast<SurfaceStyle>(style));
+}
+
+void Controller::drawPinch(sdk::Ui &ui) {
+  ui.heading("Pinch");
+  if (ui.button("pinch", pinch_.isActive() ? "Pinch is active" : "Take the pinch tool", !pinch_.isActive()))
+    (void)pinch_.select();
+  ui.tooltip("Press on the organ and drag; release or Escape lets go");
+  (void)ui.slider("pinch_hz", "Stiffness", "Hz", pinchHz_, 1.0, 40.0);
+  ui.tooltip("Frequency of the spring on the mass it holds: the same feel for small and large organs");
+  pinch_.setSettings({pinchHz_, 1.0});
+  if (const auto &hold = pinch_.hold()) {
+    ui.value("Held surfel", std::to_string(hold->surfel));
+    ui.value("Pinch force", fixed(hold->force, 3) + " N");
+    ui.value("Held mass", significant(1e3 * hold->mass, 3) + " g");
+    ui.value("Held point", millimetres(hold->surfelPosition));
+    ui.value("Hand", millimetres(hold->target));
+  } else {
+    ui.value("Pinch force", "–");
+  }
+}
+
+void Controller::transport(std::uint32_t action) {
+  if (action == C3DE_TRANSPORT_STOP || action == C3DE_TRANSPORT_RESET) pinch_.cancel();
+  if (const auto done = services_.simulation.transport(simulator_->node(), action); !done)
+    report("Simulation", done.failure().message);
+}
+
+void Controller::bodyParameterChanged(const c3de_param_value &value) {
+  (void)nextValues_.set(value);
+  for (const c3de_param_decl &d : bodyDeclarations())
+    if (sdk::text(d.id) == sdk::text(value.id) && (d.flags & C3DE_PARAM_NEEDS_RESET)) return;
+  if (!simulator_ || body_ == 0) return;
+  // The value is borrowed; what travels to the solver's thread owns its text.
+  const auto copy = std::make_shared<ParameterValues>(bodyDeclarations());
+  if (!copy->set(value)) return;
+  const std::string id(sdk::text(value.id));
+  (void)services_.simulation.post(simulator_->node(),
+                                  [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body = body_, copy, id] {
+                                    const auto owned = sdk::orThrow(copy->get(id));
+                                    sdk::orThrow(simulator->setBodyParam({body}, &owned));
+                                  });
+}
+
+void Controller::worldParameterChanged(const c3de_param_value &value) {
+  if (!simulator_) return;
+  const auto copy = std::make_shared<ParameterValues>(worldDeclarations());
+  if (!copy->set(value)) return;
+  const std::string id(sdk::text(value.id));
+  (void)services_.simulation.post(simulator_->node(), [simulator = sdk::Ref<WorldSimulator>::share(simulator_), copy, id] {
+    const auto owned = sdk::orThrow(copy->get(id));
+    sdk::orThrow(simulator->setWorld(&owned, 1, sizeof owned));
+  });
+}
+
+void Controller::load() {
+  const auto simulator = sdk::Ref<WorldSimulator>::share(simulator_);
+  const std::string path = path_;
+  const std::uint32_t unit = kUnits[unit_];
+  const std::uint64_t before = replace_ ? body_ : 0;
+  const ParameterValues values = nextValues_;
+  auto run = [this, simulator, path, unit, before, values](sdk::Progress progress) -> sdk::Result<void> {
+    auto mesh = services_.meshes.load(path, unit, progress.abi());
+    if (!mesh) return mesh.failure();
+    const std::string name = std::filesystem::path(path).stem().string();
+    std::vector<c3de_param_value> params;
+    for (const c3de_param_decl &d : bodyDeclarations()) params.push_back(sdk::orThrow(values.get(sdk::text(d.id))));
+    c3de_sim_body body{};
+    body.size = sizeof body;
+    body.params_stride = sizeof(c3de_param_value);
+    body.name = sdk::str(name);
+    body.mesh = mesh->handle();
+    // A replacement stands where the one before stood.
+    if (before != 0)
+      if (const auto source = simulator->source(before)) {
+        const Vec3 &p = source->placement.position;
+        for (int i = 0; i < 3; ++i) body.position_m[i] = p[i];
+      }
+    body.scale = 1.0;
+    body.params = params.data();
+    body.params_n = params.size();
+    body.progress = progress.abi();
+    c3de_handle added{};
+    simulator->addBody(&body, &added);
+    if (before != 0) (void)simulator->remove({before});
+    simulator->keepMesh(std::move(*mesh));
+    return {};
+  };
+  const auto job = services_.jobs.submit("Loading " + std::filesystem::path(path).filename().string(), std::move(run),
+                                         [this](const sdk::Result<void> &result) { finish("Load", result); });
+  if (job) {
+    job_ = *job;
+  } else {
+    report("Load", job.failure().message);
+  }
+}
+
+void Controller::rebuild() {
+  const auto simulator = sdk::Ref<WorldSimulator>::share(simulator_);
+  auto run = [simulator, body = body_, values = nextValues_](sdk::Progress progress) -> sdk::Result<void> {
+    simulator->rebuildBody(body, values, progress);
+    return {};
+  };
+  const auto job = services_.jobs.submit("Filling the organ again", std::move(run),
+                                         [this](const sdk::Result<void> &result) { finish("Rebuild", result); });
+  if (job) {
+    job_ = *job;
+  } else {
+    report("Rebuild", job.failure().message);
+  }
+}
+
+void Controller::finish(const char *what, const sdk::Result<void> &result) {
+  job_.reset();
+  if (!result) {
+    if (result.failure().status != C3DE_E_CANCELLED) report(what, result.failure().message);
+    return;
+  }
+  if (simulator_) {
+    // A command makes the solver publish, so that the new body shows up while it is paused.
+    (void)services_.simulation.post(simulator_->node(), [] {});
+  }
+}
+
+void Controller::report(const std::string &title, const std::string &text) {
+  services_.log.error(title + ": " + text);
+  (void)services_.notifier.notify(C3DE_LOG_ERROR, title, text);
+}
+
+}  // namespace pointbased

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "c3de/sdk/panel.hpp"
+#include "pinch_tool.h"
+#include "simulator_view.h"
+#include "world_simulator.h"
+
+namespace pointbased {
+
+/// The plugin's panel: load, sampling, material, world, run, view, pinch. Holds no physics; edits go to the solver as
+/// commands between two steps, numbers come from the latest snapshot. Main thread.
+class Controller : public sdk::Panel {
+ public:
+  Controller(const Services &services, PinchTool &pinch);
+
+  void draw(sdk::Ui &ui) override;
+
+  /// The simulator and view it shows; null: none.
+  void setSimulator(WorldSimulator *simulator, SimulatorView *view);
+
+ private:
+  void drawOrgan(sdk::Ui &ui, const Snapshot *snapshot);
+  void drawMaterial(sdk::Ui &ui);
+  void drawRun(sdk::Ui &ui, const Snapshot *snapshot);
+  void drawStages(sdk::Ui &ui, const Snapshot &snapshot);
+  void drawView(sdk::Ui &ui);
+  void drawPinch(sdk::Ui &ui);
+  void drawWorld(sdk::Ui &ui);
+
+  void load();
+  void rebuild();
+  void finish(const char *what, const sdk::Result<void> &result);
+  void transport(std::uint32_t action);
+  void followBody(const Snapshot *snapshot);
+  void bodyParameterChanged(const c3de_param_value &value);
+  void worldParameterChanged(const c3de_param_value &value);
+  void report(const std::string &title, const std::string &text);
+
+  const Services &services_;
+  PinchTool &pinch_;
+  WorldSimulator *simulator_ = nullptr;
+  SimulatorView *view_ = nullptr;
+  sdk::ParameterSet bodyParameters_, worldParameters_;
+  ParameterValues nextValues_{bodyDeclarations()};  // what the next load or rebuild uses
+  std::uint64_t body_ = 0;                          // the one the parameters belong to
+  std::string path_;
+  std::uint32_t unit_ = 0;                          // index into the unit names
+  bool replace_ = true;
+  std::optional<c3de_handle> job_;
+  double pinchHz_ = PinchSettings{}.frequency_hz;
+};
+
+}  // namespace pointbased

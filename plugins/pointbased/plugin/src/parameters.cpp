@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "parameters.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace pointbased {
+namespace {
+
+using namespace c3de::sdk;
+
+constexpr std::array<c3de_str, 2> kLaws{str("neo_hookean"), str("stvk")};
+constexpr std::array<c3de_str, 1> kIntegrators{str("explicit")};
+constexpr double kFar = 1e6;  // m: beyond it, doubles no longer resolve a micrometre next to a body
+
+constexpr std::array kWorld{
+    vec3Param({"world.gravity", "Gravity", "m/s²", "Acceleration of everything; zero: floating", "World"},
+              {-1000.0, 1000.0, -10.0, 10.0}, {0.0, 0.0, 0.0}),
+    boolParam({"world.box.enabled", "World box", "", "Walls that nothing leaves", "World"}, false),
+    vec3Param({"world.box.min", "Box, lower corner", "m", "Lower corner of the walls", "World"}, {-kFar, kFar, -1.0, 1.0},
+              {-1.0, -1.0, -1.0}),
+    vec3Param({"world.box.max", "Box, upper corner", "m", "Upper corner of the walls", "World"}, {-kFar, kFar, -1.0, 1.0},
+              {1.0, 1.0, 1.0}),
+    numberParam({"world.box.friction", "Wall friction", "", "Coulomb coefficient of the walls; 0: slippery", "World"},
+                {0.0, 10.0, 0.0, 1.0}, 0.3),
+    choiceParam({"solver.integrator", "Integrator", "", "explicit: velocity Verlet, in substeps where stability needs them",
+                 "Solver"},
+                kIntegrators, "explicit"),
+    autoParam({"solver.dt", "Step", "s",
+               "Size of a step. auto: 0.8 of the largest stable one; a larger one is divided into substeps, a smaller one "
+               "costs time",
+               "Solver"},
+              {1e-9, 1.0, 1e-5, 0.02}, C3DE_PARAM_LOG_SCALE),
+    numberParam({"solver.damping", "Damping", "1/s",
+                 "Mass-proportional: velocities, those of a fall too, decay by exp(-damping t); 0: none", "Solver"},
+                {0.0, 1e4, 0.0, 20.0}, 0.0),
+};
+
+constexpr std::array kBody{
+    choiceParam({"material.law", "Law", "",
+                 "neo_hookean: resists collapse and recovers from inversion; stvk: linear in Green strain, softens under "
+                 "compression",
+                 "Material"},
+                kLaws, "neo_hookean"),
+    numberParam({"material.youngs_modulus", "Young's modulus", "Pa",
+                 "Stiffness; the stable step shrinks with its root. Liver about 6 kPa", "Material"},
+                {0.0, 1e12, 100.0, 1e6}, 6000.0, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_MIN_OPEN),
+    numberParam({"material.poisson_ratio", "Poisson's ratio", "",
+                 "Resistance to a change of volume; near 0.5 the stable step becomes very small", "Material"},
+                {-1.0, 0.5, 0.0, 0.49}, 0.45, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_MAX_OPEN),
+    numberParam({"material.density", "Density", "kg/m³", "Mass per volume at rest", "Material"}, {0.0, 1e6, 100.0, 3000.0},
+                1060.0, C3DE_PARAM_MIN_OPEN),
+    numberParam({"material.viscosity", "Viscosity", "Pa s",
+                 "Damps deformation, not rigid motion: viscous stress 2 eta dE/dt. Large values shrink the stable step",
+                 "Material"},
+                {0.0, 1e9, 0.0, 50.0}, 0.0),
+    numberParam({"sampling.spacing", "Spacing", "m", "Distance of the phyxels; 0: chosen by the count", "Sampling"},
+                {0.0, 1e4, 0.0, 0.05}, 0.0, C3DE_PARAM_NEEDS_RESET),
+    integerParam({"sampling.count", "Count", "", "How many phyxels, within some per cent, when the spacing is 0", "Sampling"},
+                 {1.0, static_cast<double>(kMaximumPhyxels), 50.0, 5000.0}, 1000.0,
+                 C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE),
+    integerParam({"sampling.neighbours", "Neighbours", "",
+                  "Neighbours of a phyxel, 3 … 500 (26: a lattice's first shells); 0: chosen by the support. More: softer and "
+                  "slower, not better",
+                  "Sampling"},
+                 {0.0, 500.0, 0.0, 100.0}, 0.0, C3DE_PARAM_NEEDS_RESET),
+    numberParam({"sampling.support", "Support", "spacings", "Radius of the neighbourhood when neighbours is 0", "Sampling"},
+                {1.01, 6.0, 1.5, 3.0}, 1.8, C3DE_PARAM_NEEDS_RESET),
+    numberParam({"sampling.stabilisation", "Stabilisation", "",
+                 "Control of the modes that one evaluation per phyxel cannot see; 0: rattles, above 1: stiff in bending",
+                 "Sampling"},
+                {0.0, 100.0, 0.0, 1.0}, kDefaultStabilisation, C3DE_PARAM_ADVANCED),
+};
+
+constexpr std::array kObstacle{
+    numberParam({"friction", "Friction", "", "Coulomb coefficient; 0: slippery", "Obstacle"}, {0.0, 10.0, 0.0, 1.0}, 0.3),
+};
+
+std::string format(double value) {
+  char buffer[40];
+  std::snprintf(buffer, sizeof buffer, "%g", value);
+  return buffer;
+}
+
+std::string accepted(const c3de_param_decl &d) {
+  std::string out;
+  if (d.type == C3DE_PARAM_CHOICE) {
+    for (std::uint64_t i = 0; i < d.choices_n; ++i) out += (i ? " | " : "") + std::string(text(d.choices[i]));
+    return out;
+  }
+  if (d.type == C3DE_PARAM_BOOL) return "true or false";
+  out = format(d.min) + ((d.flags & C3DE_PARAM_MIN_OPEN) ? " < value " : " <= value ") +
+        ((d.flags & C3DE_PARAM_MAX_OPEN) ? "< " : "<= ") + format(d.max);
+  if (d.unit.len > 0) out += " " + std::string(text(d.unit));
+  if (d.type == C3DE_PARAM_I64) out = "a whole number, " + out;
+  if (d.type == C3DE_PARAM_VEC3) out = "three numbers, each " + out;
+  if (d.flags & C3DE_PARAM_AUTO) out = "\"auto\" or " + out;
+  return out;
+}
+
+bool inRange(const c3de_param_decl &d, double x) {
+  if (!std::isfinite(x)) return false;
+  const bool low = (d.flags & C3DE_PARAM_MIN_OPEN) ? x > d.min : x >= d.min;
+  const bool high = (d.flags & C3DE_PARAM_MAX_OPEN) ? x < d.max : x <= d.max;
+  return low && high;
+}
+
+bool fits(const c3de_param_decl &d, const c3de_param_value &v) {
+  const bool isText = v.type == C3DE_PARAM_TEXT || v.type == C3DE_PARAM_CHOICE;
+  const bool isNumber = v.type == C3DE_PARAM_F64 || v.type == C3DE_PARAM_I64;
+  if ((d.flags & C3DE_PARAM_AUTO) && isText) return text(v.text) == "auto";
+  switch (d.type) {
+    case C3DE_PARAM_F64: return isNumber && inRange(d, v.num);
+    case C3DE_PARAM_I64: return isNumber && inRange(d, v.num) && v.num == std::floor(v.num);
+    case C3DE_PARAM_BOOL: return v.type == C3DE_PARAM_BOOL;
+    case C3DE_PARAM_VEC3:
+      return v.type == C3DE_PARAM_VEC3 && inRange(d, v.vec[0]) && inRange(d, v.vec[1]) && inRange(d, v.vec[2]);
+    case C3DE_PARAM_CHOICE:
+      return isText && std::any_of(d.choices, d.choices + d.choices_n,
+                                   [&](const c3de_str &choice) { return text(choice) == text(v.text); });
+    default: return isText;
+  }
+}
+
+std::string shown(const c3de_param_value &v) {
+  switch (v.type) {
+    case C3DE_PARAM_TEXT:
+    case C3DE_PARAM_CHOICE: return '"' + std::string(text(v.text)) + '"';
+    case C3DE_PARAM_VEC3: return "[" + format(v.vec[0]) + ", " + format(v.vec[1]) + ", " + format(v.vec[2]) + "]";
+    case C3DE_PARAM_BOOL: return v.num != 0.0 ? "true" : "false";
+    default: return format(v.num);
+  }
+}
+
+}  // namespace
+
+std::span<const c3de_param_decl> worldDeclarations() { return kWorld; }
+std::span<const c3de_param_decl> bodyDeclarations() { return kBody; }
+std::span<const c3de_param_decl> obstacleDeclarations() { return kObstacle; }
+
+const c3de_param_decl *ParameterValues::declaration(std::string_view id) const {
+  for (const c3de_param_decl &d : declarations_)
+    if (c3de::sdk::text(d.id) == id) return &d;
+  return nullptr;
+}
+
+sdk::Result<void> ParameterValues::set(const c3de_param_value &value) {
+  const std::string id(c3de::sdk::text(value.id));
+  const c3de_param_decl *d = declaration(id);
+  if (!d) {
+    std::string known;
+    for (const c3de_param_decl &k : declarations_) known += " " + std::string(c3de::sdk::text(k.id));
+    return Failure{C3DE_E_NOT_FOUND, "unknown parameter '" + id + "'; known:" + known};
+  }
+  if (!fits(*d, value))
+    return Failure{C3DE_E_ARG, id + " = " + shown(value) + " is not accepted; accepted: " + accepted(*d)};
+  values_[id] = {value.type, value.num, std::string(c3de::sdk::text(value.text)),
+                 Vec3(value.vec[0], value.vec[1], value.vec[2])};
+  return {};
+}
+
+sdk::Result<void> ParameterValues::set(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride) {
+  for (std::uint64_t i = 0; i < n; ++i)
+    if (auto done = set(strided(values, i, stride)); !done) return done;
+  return {};
+}
+
+double ParameterValues::number(std::string_view id) const {
+  if (const auto found = values_.find(id); found != values_.end()) return found->second.num;
+  return declaration(id)->fallback;
+}
+
+bool ParameterValues::isAuto(std::string_view id) const {
+  if (const auto found = values_.find(id); found != values_.end())
+    return found->second.type == C3DE_PARAM_TEXT || found->second.type == C3DE_PARAM_CHOICE;
+  return c3de::sdk::text(declaration(id)->fallback_text) == "auto";
+}
+
+std::string ParameterValues::text(std::string_view id) const {
+  if (const auto found = values_.find(id); found != values_.end()) return found->second.text;
+  return std::string(c3de::sdk::text(declaration(id)->fallback_text));
+}
+
+Vec3 ParameterValues::vector(std::string_view id) const {
+  if (const auto found = values_.find(id); found != values_.end()) return found->second.vec;
+  const double *v = declaration(id)->fallback_vec;
+  return {v[0], v[1], v[2]};
+}
+
+sdk::Result<c3de_param_value> ParameterValues::get(std::string_view id) const {
+  const c3de_param_decl *d = declaration(id);
+  if (!d) return Failure{C3DE_E_NOT_FOUND, "unknown parameter '" + std::string(id) + "'"};
+  c3de_param_value out{};
+  out.size = sizeof out;
+  out.id = d->id;
+  if (const auto found = values_.find(id); found != values_.end()) {
+    out.type = found->second.type;
+    out.num = found->second.num;
+    out.text = str(found->second.text);
+    for (int i = 0; i < 3; ++i) out.vec[i] = found->second.vec[i];
+    return out;
+  }
+  out.type = isAuto(id) ? C3DE_PARAM_TEXT : d->type;
+  out.num = d->fallback;
+  out.text = d->fallback_text;
+  for (int i = 0; i < 3; ++i) out.vec[i] = d->fallback_vec[i];
+  return out;
+}
+
+WorldSettings worldSettings(const ParameterValues &v) {
+  WorldSettings world;
+  world.gravity = v.vector("world.gravity");
+  world.box.enabled = v.number("world.box.enabled") != 0.0;
+  world.box.min = v.vector("world.box.min");
+  world.box.max = v.vector("world.box.max");
+  world.box.friction = v.number("world.box.friction");
+  world.dt = v.isAuto("solver.dt") ? 0.0 : v.number("solver.dt");
+  world.damping = v.number("solver.damping");
+  return world;
+}
+
+Material materialOf(const ParameterValues &v) {
+  Material m;
+  m.law = v.text("material.law") == "stvk" ? MaterialLaw::stVenantKirchhoff : MaterialLaw::neoHookean;
+  m.youngsModulus = v.number("material.youngs_modulus");
+  m.poissonRatio = v.number("material.poisson_ratio");
+  m.restDensity = v.number("material.density");
+  m.viscosity = v.number("material.viscosity");
+  return m;
+}
+
+double stabilisationOf(const ParameterValues &v) { return v.number("sampling.stabilisation"); }
+
+Sampling samplingOf(const ParameterValues &v) {
+  return {v.number("sampling.spacing"), static_cast<std::size_t>(v.number("sampling.count"))};
+}
+
+NeighborChoice neighborChoiceOf(const ParameterValues &v) {
+  return {static_cast<int>(v.number("sampling.neighbours")), v.number("sampling.support")};
+}
+
+}  // namespace pointbased

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one table of parameters: panel, scene file, command line and checks are fed from it.
+#pragma once
+
+#include <map>
+
+#include "pointbased/body.h"
+#include "pointbased/simulator.h"
+#include "services.h"
+
+namespace pointbased {
+
+[[nodiscard]] std::span<const c3de_param_decl> worldDeclarations();
+[[nodiscard]] std::span<const c3de_param_decl> bodyDeclarations();
+[[nodiscard]] std::span<const c3de_param_decl> obstacleDeclarations();
+
+/// Values by id; what is missing has its default.
+class ParameterValues {
+ public:
+  explicit ParameterValues(std::span<const c3de_param_decl> declarations) : declarations_(declarations) {}
+
+  /// Checks against the declaration: C3DE_E_NOT_FOUND, C3DE_E_ARG with what is accepted.
+  [[nodiscard]] sdk::Result<void> set(const c3de_param_value &value);
+  [[nodiscard]] sdk::Result<void> set(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride);
+
+  [[nodiscard]] double number(std::string_view id) const;
+  [[nodiscard]] bool isAuto(std::string_view id) const;
+  [[nodiscard]] std::string text(std::string_view id) const;
+  [[nodiscard]] Vec3 vector(std::string_view id) const;
+  /// Text is borrowed from this.
+  [[nodiscard]] sdk::Result<c3de_param_value> get(std::string_view id) const;
+  [[nodiscard]] std::span<const c3de_param_decl> declarations() const { return declarations_; }
+
+ private:
+  struct Value {
+    std::uint32_t type;
+    double num;
+    std::string text;
+    Vec3 vec;
+  };
+  [[nodiscard]] const c3de_param_decl *declaration(std::string_view id) const;
+
+  std::span<const c3de_param_decl> declarations_;
+  std::map<std::string, Value, std::less<>> values_;
+};
+
+[[nodiscard]] WorldSettings worldSettings(const ParameterValues &values);
+[[nodiscard]] Material materialOf(const ParameterValues &values);
+[[nodiscard]] double stabilisationOf(const ParameterValues &values);
+[[nodiscard]] Sampling samplingOf(const ParameterValues &values);
+[[nodiscard]] NeighborChoice neighborChoiceOf(const ParameterValues &values);
+
+}  // namespace pointbased

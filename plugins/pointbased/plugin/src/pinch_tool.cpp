@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pinch_tool.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pointbased {
+namespace {
+
+constexpr sdk::Material kMarker{{1.0f, 0.85f, 0.2f, 1.0f}, false};
+constexpr double kMarkerRadius = 0.3;  // of the spacing
+
+sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
+
+std::string newtons(double force) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f N", force);
+  return text;
+}
+
+}  // namespace
+
+PinchTool::PinchTool(const Services &services) : services_(services) {}
+
+void PinchTool::setSimulator(WorldSimulator *simulator) {
+  if (simulator_.get() == simulator) return;
+  release();
+  simulator_ = simulator ? sdk::Ref<WorldSimulator>::share(simulator) : sdk::Ref<WorldSimulator>();
+}
+
+void PinchTool::postToSimulation(std::function<void(WorldSimulator &)> command) const {
+  if (!simulator_) return;
+  (void)services_.simulation.post(simulator_->node(), [simulator = simulator_, command = std::move(command)] {
+    command(*simulator);
+  });
+}
+
+std::optional<PinchTool::NodeRay> PinchTool::rayInNode(const c3de_event &event) const {
+  const auto matrix = services_.scene.worldFromNode(simulator_->node());
+  if (!matrix) return std::nullopt;
+  const Eigen::Matrix4d nodeFromWorld = Eigen::Map<const Eigen::Matrix4d>(matrix->data()).inverse();
+  const Vec3 origin(event.ray_origin_mm), direction(event.ray_direction);
+  return NodeRay{(nodeFromWorld * origin.homogeneous()).head<3>(),
+                 (nodeFromWorld.topLeftCorner<3, 3>() * direction).normalized()};
+}
+
+bool PinchTool::onEvent(const c3de_event &event) {
+  if (event.type == C3DE_EVENT_PRESS && event.button == C3DE_BUTTON_LEFT) return press(event);
+  if (!hold_) return false;
+  if (event.type == C3DE_EVENT_MOVE) {
+    drag(event);
+    return true;
+  }
+  if (event.type == C3DE_EVENT_RELEASE && event.button == C3DE_BUTTON_LEFT) {
+    release();
+    return true;
+  }
+  if (event.type == C3DE_EVENT_KEY && event.key == 27) {
+    release();
+    return true;
+  }
+  return false;
+}
+
+bool PinchTool::press(const c3de_event &event) {
+  if (!simulator_ || hold_) return false;
+  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  const std::optional<NodeRay> ray = rayInNode(event);
+  if (!snapshot || !ray) return false;
+
+  const BodySnapshot *body = nullptr;
+  c3de_ray_hit nearest{};
+  for (const BodySnapshot &candidate : snapshot->bodies) {
+    if (!services_.collision.refit(candidate.surface->tree.handle(), viewOf(candidate.surfels))) continue;
+    const auto hit = services_.collision.ray(candidate.surface->tree.handle(), toArray(ray->origin), toArray(ray->direction));
+    if (!hit || hit->triangle >= candidate.surface->triangles.size()) continue;
+    if (!body || hit->t < nearest.t) {
+      body = &candidate;
+      nearest = *hit;
+    }
+  }
+  if (!body) return false;
+  // What stands in front of the organ cannot be reached through.
+  for (const ObstacleSnapshot &obstacle : snapshot->obstacles) {
+    const auto hit = services_.collision.ray(obstacle.mesh->tree.handle(), toArray(ray->origin), toArray(ray->direction), nearest.t);
+    if (hit && hit->triangle < obstacle.mesh->triangles.size()) return false;
+  }
+
+  const Vec3 under = ray->origin + nearest.t * ray->direction;
+  const auto &corners = body->surface->triangles[nearest.triangle];
+  const std::uint32_t surfel = *std::min_element(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return (body->surfels[a] - under).squaredNorm() < (body->surfels[b] - under).squaredNorm();
+  });
+
+  const SurfelBinding &binding = body->rest->surfels;
+  Grab grab;
+  grab.frequency = 2.0 * EIGEN_PI * settings_.frequency_hz;
+  grab.dampingRatio = settings_.dampingRatio;
+  Vec3 grabbed = Vec3::Zero();
+  for (Index e = binding.phyxels.offsets[surfel]; e < binding.phyxels.offsets[surfel + 1]; ++e) {
+    grab.phyxels.push_back(binding.phyxels.indices[e]);
+    grab.weights.push_back(binding.weights[e]);
+    grabbed += binding.weights[e] * body->phyxels[binding.phyxels.indices[e]];
+  }
+  grab.target = grabbed;
+
+  planePoint_ = under;
+  planeNormal_ = Vec3(event.view_direction);
+  grabOffset_ = grabbed - under;
+  hold_ = Hold{body->id, body->name, surfel, body->surfels[surfel], under, 0.0, 0.0};
+  postToSimulation([id = body->id, grab](WorldSimulator &s) { s.setGrab(id, grab); });
+  showMarker();
+  return true;
+}
+
+// The hand moves in the plane through the point that was pressed, parallel to the screen.
+void PinchTool::drag(const c3de_event &event) {
+  const std::optional<NodeRay> ray = rayInNode(event);
+  if (!ray) return;
+  const double along = ray->direction.dot(planeNormal_);
+  if (std::abs(along) < 1e-9) return;
+  const double t = (planePoint_ - ray->origin).dot(planeNormal_) / along;
+  if (t <= 0.0) return;
+  hold_->target = ray->origin + t * ray->direction;
+  postToSimulation([id = hold_->body, target = Vec3(hold_->target + grabOffset_)](WorldSimulator &s) { s.moveGrab(id, target); });
+}
+
+void PinchTool::release() {
+  if (!hold_) return;
+  postToSimulation([id = hold_->body](WorldSimulator &s) { s.releaseGrab(id); });
+  hold_.reset();
+  hideMarker();
+}
+
+void PinchTool::cancel() { release(); }
+
+void PinchTool::showMarker() {
+  if (!services_.render || !simulator_) return;
+  const BodySnapshot *body = nullptr;
+  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  if (snapshot) body = snapshot->body(hold_->body);
+  if (!body) return;
+  auto node = services_.scene.addNode(simulator_->node(), "Pinch");
+  if (!node) return;
+  markerNode_ = std::move(*node);
+  const std::array<Vec3, 2> points{hold_->surfelPosition, hold_->target};
+  if (auto made = services_.render.createSpheres(markerNode_.handle(), viewOf({points.data(), 1}),
+                                                 kMarkerRadius * body->rest->spacing, kMarker))
+    marker_ = std::move(*made);
+  if (auto made = services_.render.createLines(markerNode_.handle(), viewOf(points), 3.0f, kMarker)) line_ = std::move(*made);
+  if (auto made = services_.render.createLabel(markerNode_.handle(), toArray(hold_->target), newtons(0.0), kMarker))
+    label_ = std::move(*made);
+}
+
+void PinchTool::hideMarker() {
+  marker_.reset();
+  line_.reset();
+  label_.reset();
+  markerNode_.reset();
+}
+
+void PinchTool::update() {
+  if (!hold_ || !simulator_) return;
+  const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
+  const BodySnapshot *body = snapshot ? snapshot->body(hold_->body) : nullptr;
+  if (!body || hold_->surfel >= body->surfels.size()) {
+    release();
+    return;
+  }
+  hold_->surfelPosition = body->surfels[hold_->surfel];
+  hold_->force = body->grab ? body->grab->force.norm() : 0.0;
+  hold_->mass = body->grab ? body->grab->mass : 0.0;
+  if (!marker_) return;
+  const std::array<Vec3, 2> points{hold_->surfelPosition, hold_->target};
+  (void)services_.render.update(marker_.handle(), C3DE_ATTR_POSITIONS, viewOf({points.data(), 1}));
+  (void)services_.render.update(line_.handle(), C3DE_ATTR_POSITIONS, viewOf(points));
+  (void)services_.render.setLabel(label_.handle(), toArray(hold_->target), newtons(hold_->force));
+}
+
+}  // namespace pointbased

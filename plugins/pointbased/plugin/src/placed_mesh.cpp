@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "placed_mesh.h"
+
+#include <cmath>
+
+namespace pointbased {
+
+PlacementTransform::PlacementTransform(const Placement &p) : position_(p.position) {
+  const Vec3 angles = p.rotation_deg * (EIGEN_PI / 180.0);
+  const double scale = p.scale == 0.0 ? 1.0 : p.scale;
+  const Mat3 rotation = (Eigen::AngleAxisd(angles[2], Vec3::UnitZ()) * Eigen::AngleAxisd(angles[1], Vec3::UnitY()) *
+                         Eigen::AngleAxisd(angles[0], Vec3::UnitX()))
+                            .toRotationMatrix();
+  linear_ = scale * rotation;
+  inverse_ = rotation.transpose() / scale;
+}
+
+std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh, const Placement &placement) {
+  if (!placement.position.allFinite() || !placement.rotation_deg.allFinite() || !std::isfinite(placement.scale) ||
+      placement.scale < 0.0)
+    throw sdk::Error(C3DE_E_ARG, "position, rotation and scale must be finite, scale > 0");
+  const auto positions = sdk::orThrow(services.meshes.positions(mesh));
+  const auto triangles = sdk::orThrow(services.meshes.triangles(mesh));
+  const auto info = sdk::orThrow(services.meshes.info(mesh));
+  const PlacementTransform transform(placement);
+
+  auto placed = std::make_shared<PlacedMesh>();
+  placed->positions.reserve(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    placed->positions.push_back(transform.metres(Vec3(positions[i][0], positions[i][1], positions[i][2])));
+  placed->normals.assign(positions.size(), Vec3::Zero());
+  placed->triangles.reserve(triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const std::array<std::uint32_t, 3> corners{triangles[t][0], triangles[t][1], triangles[t][2]};
+    placed->triangles.push_back(corners);
+    const Vec3 &a = placed->positions[corners[0]], &b = placed->positions[corners[1]], &c = placed->positions[corners[2]];
+    const Vec3 area = (b - a).cross(c - a);
+    for (const std::uint32_t v : corners) placed->normals[v] += area;
+  }
+  for (Vec3 &n : placed->normals) {
+    const double length = n.norm();
+    n = length > 0.0 ? Vec3(n / length) : Vec3::UnitZ();
+  }
+  placed->min = Vec3::Constant(1e300);
+  placed->max = Vec3::Constant(-1e300);
+  for (const Vec3 &x : placed->positions) {
+    placed->min = placed->min.cwiseMin(x);
+    placed->max = placed->max.cwiseMax(x);
+  }
+  const double scale = (placement.scale == 0.0 ? 1.0 : placement.scale) * kMetresPerMillimetre;
+  placed->volume = std::abs(info.volume_mm3) * scale * scale * scale;
+  placed->tree = sdk::orThrow(services.collision.create(
+      viewOf(placed->positions), sdk::rows<std::uint32_t, 3>(std::span(placed->triangles))));
+  return placed;
+}
+
+}  // namespace pointbased

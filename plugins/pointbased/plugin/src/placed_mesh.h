@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "services.h"
+
+namespace pointbased {
+
+/// Scale, then rotation about x, y, z, then position.
+struct Placement {
+  Vec3 position = Vec3::Zero();      ///< m
+  Vec3 rotation_deg = Vec3::Zero();
+  double scale = 1.0;
+};
+
+/// A mesh of the host, in metres where the scene puts it, with its tree for distances and picking. Const once made, but
+/// for the tree, which a picking tool may refit.
+struct PlacedMesh {
+  std::vector<Vec3> positions;  ///< m
+  std::vector<Vec3> normals;    ///< unit, area-weighted
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  double volume = 0.0;          ///< m³
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();
+  sdk::CollisionTree tree;
+};
+
+/// Where a mesh stands, and back.
+class PlacementTransform {
+ public:
+  explicit PlacementTransform(const Placement &placement);
+  [[nodiscard]] Vec3 metres(const Vec3 &mesh_mm) const { return linear_ * (kMetresPerMillimetre * mesh_mm) + position_; }
+  [[nodiscard]] Vec3 millimetres(const Vec3 &placed_m) const { return inverse_ * (placed_m - position_) / kMetresPerMillimetre; }
+
+ private:
+  Mat3 linear_, inverse_;
+  Vec3 position_;
+};
+
+/// Errors of the services as sdk::Error. Any thread.
+[[nodiscard]] std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh, const Placement &placement);
+
+}  // namespace pointbased

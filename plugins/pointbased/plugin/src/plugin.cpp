@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/sdk/plugin.hpp"
+
+#include "controller.h"
+#include "pinch_tool.h"
+#include "point_sets.h"
+#include "simulator_view.h"
+#include "world_simulator.h"
+
+namespace pointbased {
+namespace {
+
+/// The point-based plugin: three classes for everybody, and where there is a window, a panel, a tool and a view per
+/// simulator.
+class PointBasedPlugin : public SimulatorListener {
+ public:
+  static constexpr sdk::PluginInfo info{.id = "c3de.pointbased",
+                                        .version = "0.1.0",
+                                        .displayName = "Point-based organs",
+                                        .vendor = "C3DE",
+                                        .license = "Apache-2.0"};
+  static constexpr std::array needs{
+      sdk::required<c3de_log_v0>(),        sdk::required<c3de_registry_v0>(),   sdk::required<c3de_mesh_v0>(),
+      sdk::required<c3de_collision_v0>(),  sdk::required<c3de_jobs_v0>(),       sdk::optional<c3de_scene_v0>(),
+      sdk::optional<c3de_render_v0>(),     sdk::optional<c3de_params_v0>(),     sdk::optional<c3de_panels_v0>(),
+      sdk::optional<c3de_tools_v0>(),      sdk::optional<c3de_time_v0>(),       sdk::optional<c3de_simulation_v0>()};
+
+  explicit PointBasedPlugin(sdk::Host host) : context_{Services(host), this}, pinch_(context_.services) {
+    const sdk::Registry &registry = context_.services.registry;
+    sdk::orThrow(registry.add<WorldSimulator>(
+        kWorldSimulatorClass, "Point-based simulator",
+        "Deformable bodies by the point-based method of Müller et al. 2004; iface.simulator", context_));
+    sdk::orThrow(registry.add<PhyxelSet>(kPhyxelClass, "Phyxels", "Points that carry the physics of a body; iface.phyxel_set",
+                                         context_));
+    sdk::orThrow(
+        registry.add<SurfelSet>(kSurfelClass, "Surfels", "Points of a surface that follow phyxels; iface.surfel_set", context_));
+    if (context_.services.params && context_.services.notifier && context_.services.simulation) {
+      controller_ = std::make_unique<Controller>(context_.services, pinch_);
+      sdk::orThrow(controller_->show(host, "pointbased.controller", "Point-based organ"));
+      sdk::orThrow(pinch_.add(host, {.id = "pointbased.pinch",
+                                     .label = "Pinch",
+                                     .hint = "Press on the organ and drag to pull; release or Escape lets go",
+                                     .shortcut = 'P'}));
+    }
+    if (context_.services.time)
+      frame_ = sdk::orThrow(context_.services.time.addFrameCallback([this] { onFrame(); }));
+  }
+
+  sdk::Result<void> stop() {
+    pinch_.setSimulator(nullptr);
+    if (controller_) controller_->setSimulator(nullptr, nullptr);
+    views_.clear();
+    return {};
+  }
+
+  void attached(WorldSimulator &simulator, c3de_handle node) override {
+    SimulatorView *view = nullptr;
+    if (context_.services.render && context_.services.scene)
+      view = views_.emplace(&simulator, std::make_unique<SimulatorView>(context_.services, simulator, node)).first->second.get();
+    if (view && controller_) view->setStyle(style_);
+    current_ = &simulator;
+    pinch_.setSimulator(&simulator);
+    if (controller_) controller_->setSimulator(&simulator, view);
+  }
+
+  void detached(WorldSimulator &simulator) override {
+    if (const auto found = views_.find(&simulator); found != views_.end()) {
+      style_ = found->second->style();
+      views_.erase(found);
+    }
+    if (current_ != &simulator) return;
+    current_ = nullptr;
+    pinch_.setSimulator(nullptr);
+    if (controller_) controller_->setSimulator(nullptr, nullptr);
+  }
+
+ private:
+  void onFrame() {
+    for (const auto &[simulator, view] : views_) view->update();
+    pinch_.update();
+  }
+
+  PluginContext context_;
+  WorldSimulator *current_ = nullptr;  // the one that was attached last
+  std::map<WorldSimulator *, std::unique_ptr<SimulatorView>> views_;
+  SurfaceStyle style_ = SurfaceStyle::opaque;
+  PinchTool pinch_;
+  std::unique_ptr<Controller> controller_;
+  sdk::FrameCallback frame_;
+};
+
+}  // namespace
+}  // namespace pointbased
+
+C3DE_DEFINE_PLUGIN(pointbased::PointBasedPlugin)

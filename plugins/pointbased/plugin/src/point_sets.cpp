@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "point_sets.h"
+
+#include <cmath>
+
+namespace pointbased {
+namespace {
+
+using sdk::Error;
+
+std::vector<Vec3> readPoints(const c3de_view &view, const char *what) {
+  const auto rows = sdk::orThrow(sdk::readVec3(view, what));
+  std::vector<Vec3> out;
+  out.reserve(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    out.emplace_back(rows[i][0], rows[i][1], rows[i][2]);
+    if (!out.back().allFinite())
+      throw Error(C3DE_E_ARG, std::string(what) + ": row " + std::to_string(i) + " is not finite");
+  }
+  return out;
+}
+
+template <std::uint32_t N>
+sdk::Rows<double, N> room(const c3de_mview &out, std::size_t count) {
+  auto rows = sdk::orThrow(sdk::asMutableRows<double, N>(out, "field"));
+  if (rows.size() < count)
+    throw Error(C3DE_E_ARG, "field: room for " + std::to_string(rows.size()) + " rows, needed " + std::to_string(count));
+  return rows;
+}
+
+template <class Get>
+void writeVectors(const c3de_mview &out, std::size_t count, Get &&get) {
+  const auto rows = room<3>(out, count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 v = get(i);
+    for (int c = 0; c < 3; ++c) rows[i][c] = v[c];
+  }
+}
+
+template <class Get>
+void writeScalars(const c3de_mview &out, std::size_t count, Get &&get) {
+  const auto rows = room<1>(out, count);
+  for (std::size_t i = 0; i < count; ++i) rows[i][0] = get(i);
+}
+
+template <class Get>
+void writeMatrices(const c3de_mview &out, std::size_t count, Get &&get) {
+  const auto rows = room<9>(out, count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Mat3 m = get(i);  // column-major, as the field is
+    for (int c = 0; c < 9; ++c) rows[i][c] = m.data()[c];
+  }
+}
+
+[[noreturn]] void unknownField(std::uint32_t field) {
+  throw Error(C3DE_E_ARG, "field " + std::to_string(field) + " is not one of this set");
+}
+
+c3de_view indexView(const std::vector<Index> &values) { return {values.data(), values.size(), 1, C3DE_U32, 0}; }
+
+}  // namespace
+
+PhyxelSet::PhyxelSet(PluginContext &context) : context_(context) {}
+PhyxelSet::PhyxelSet(PluginContext &context, sdk::Ref<WorldSimulator> simulator, std::uint64_t body)
+    : context_(context), simulator_(std::move(simulator)), body_(body) {}
+
+std::array<sdk::Interface, 1> PhyxelSet::interfaces() { return {sdk::interfaceOf(sdk::kPhyxelSetTable<PhyxelSet>)}; }
+
+void PhyxelSet::withBody(const std::function<void(const Body &)> &read) const {
+  if (simulator_) {
+    if (!simulator_->readBody(body_, read)) throw Error(C3DE_E_STALE, "the body of this phyxel set was removed");
+    return;
+  }
+  if (!own_) throw Error(C3DE_E_STATE, "the phyxel set is empty; assign() gives it points");
+  read(*own_);
+}
+
+std::uint64_t PhyxelSet::count() {
+  std::uint64_t n = 0;
+  if (!simulator_ && !own_) return 0;
+  withBody([&](const Body &body) { n = body.rest().phyxelCount(); });
+  return n;
+}
+
+void PhyxelSet::read(std::uint32_t field, c3de_mview out) {
+  withBody([&](const Body &body) {
+    const RestState &rest = body.rest();
+    const std::size_t n = rest.phyxelCount();
+    switch (field) {
+      case C3DE_FIELD_REFERENCE_POSITION:
+        return writeVectors(out, n, [&](std::size_t i) -> Vec3 { return rest.origin + rest.positions[i]; });
+      case C3DE_FIELD_POSITION:
+        return writeVectors(
+            out, n, [&](std::size_t i) -> Vec3 { return rest.origin + rest.positions[i] + body.state().displacements[i]; });
+      case C3DE_FIELD_VELOCITY: return writeVectors(out, n, [&](std::size_t i) { return body.state().velocities[i]; });
+      case C3DE_FIELD_MASS: return writeScalars(out, n, [&](std::size_t i) { return body.masses()[i]; });
+      case C3DE_FIELD_VOLUME: return writeScalars(out, n, [&](std::size_t i) { return rest.volumes[i]; });
+      case C3DE_FIELD_GRADIENT: return writeMatrices(out, n, [&](std::size_t i) { return body.gradients()[i]; });
+      case C3DE_FIELD_STRAIN: return writeMatrices(out, n, [&](std::size_t i) { return greenStrain(body.gradients()[i]); });
+      case C3DE_FIELD_STRESS:
+        return writeMatrices(out, n, [&](std::size_t i) { return secondPiolaStress(body.material(), body.gradients()[i]); });
+      default: unknownField(field);
+    }
+  });
+}
+
+void PhyxelSet::neighbours(c3de_view *offsets, c3de_view *indices) {
+  withBody([&](const Body &body) {
+    lent_ = body.sharedRest();
+    *offsets = indexView(lent_->neighbors.offsets);
+    *indices = indexView(lent_->neighbors.indices);
+  });
+}
+
+void PhyxelSet::assign(c3de_view positionsView, c3de_view volumesView, double density, std::uint32_t neighbours) {
+  if (simulator_) throw Error(C3DE_E_STATE, "the phyxels of a simulator are not assigned; add a body instead");
+  PhyxelCloud cloud;
+  cloud.positions = readPoints(positionsView, "positions");
+  const auto volumes = sdk::orThrow(sdk::asRows<double, 1>(volumesView, "volumes"));
+  if (volumes.size() != cloud.positions.size())
+    throw Error(C3DE_E_ARG, std::to_string(cloud.positions.size()) + " positions, " + std::to_string(volumes.size()) + " volumes");
+  if (cloud.positions.empty()) throw Error(C3DE_E_ARG, "no positions");
+  if (neighbours < 3 || neighbours > 500)
+    throw Error(C3DE_E_ARG, "neighbours = " + std::to_string(neighbours) + " is not accepted; accepted: 3 … 500");
+  double total = 0.0;
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
+    const double v = volumes[i][0];
+    if (!std::isfinite(v) || v <= 0.0)
+      throw Error(C3DE_E_ARG, "volumes: row " + std::to_string(i) + " is not finite and > 0");
+    cloud.volumes.push_back(v);
+    cloud.contactRadii.push_back(0.5 * std::cbrt(v));
+    total += v;
+  }
+  cloud.spacing = std::cbrt(total / static_cast<double>(volumes.size()));
+  Material material;
+  material.restDensity = density;
+  if (const auto valid = validate(material); !valid) throw Error(C3DE_E_ARG, valid.error());
+  const ParallelFor parallelFor = context_.services.parallelFor();
+  auto rest = buildRestState(cloud, {static_cast<int>(neighbours), 1.8}, total, {}, {}, parallelFor);
+  own_ = std::make_unique<Body>("phyxels", std::move(rest), material, kDefaultStabilisation, parallelFor);
+}
+
+void PhyxelSet::move(c3de_view view) {
+  if (simulator_) throw Error(C3DE_E_STATE, "the phyxels of a simulator move by its steps");
+  if (!own_) throw Error(C3DE_E_STATE, "the phyxel set is empty; assign() gives it points");
+  const std::vector<Vec3> positions = readPoints(view, "positions");
+  const RestState &rest = own_->rest();
+  if (positions.size() != rest.phyxelCount())
+    throw Error(C3DE_E_ARG, std::to_string(positions.size()) + " positions for " + std::to_string(rest.phyxelCount()) + " phyxels");
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    own_->state().displacements[i] = positions[i] - rest.origin - rest.positions[i];
+  own_->computeGradients(context_.services.parallelFor());
+}
+
+SurfelSet::SurfelSet(PluginContext &context) : context_(context) {}
+SurfelSet::SurfelSet(PluginContext &context, sdk::Ref<WorldSimulator> simulator, std::uint64_t body)
+    : context_(context), simulator_(std::move(simulator)), body_(body) {}
+
+std::array<sdk::Interface, 1> SurfelSet::interfaces() { return {sdk::interfaceOf(sdk::kSurfelSetTable<SurfelSet>)}; }
+
+void SurfelSet::with(const std::function<void(const Body &, const SurfelBinding &)> &read) const {
+  if (simulator_) {
+    if (!simulator_->readBody(body_, [&](const Body &body) { read(body, body.rest().surfels); }))
+      throw Error(C3DE_E_STALE, "the body of this surfel set was removed");
+    return;
+  }
+  if (!phyxels_) throw Error(C3DE_E_STATE, "the surfel set is empty; assign() binds points to a phyxel set");
+  phyxels_->withBody([&](const Body &body) { read(body, own_); });
+}
+
+std::uint64_t SurfelSet::count() {
+  if (!simulator_) return own_.count();
+  std::uint64_t n = 0;
+  with([&](const Body &, const SurfelBinding &binding) { n = binding.count(); });
+  return n;
+}
+
+void SurfelSet::read(std::uint32_t field, c3de_mview out) {
+  with([&](const Body &body, const SurfelBinding &binding) {
+    const RestState &rest = body.rest();
+    const std::size_t n = binding.count();
+    if (field == C3DE_FIELD_REFERENCE_POSITION)
+      return writeVectors(out, n, [&](std::size_t s) -> Vec3 { return rest.origin + binding.positions[s]; });
+    if (field != C3DE_FIELD_POSITION && field != C3DE_FIELD_NORMAL) unknownField(field);
+    std::vector<Vec3> positions(n), normals(binding.normals.size());
+    updateSurfels(binding, rest.positions, body.state().displacements, body.gradients(), positions, normals, serialFor());
+    if (field == C3DE_FIELD_POSITION)
+      return writeVectors(out, n, [&](std::size_t s) -> Vec3 { return rest.origin + positions[s]; });
+    if (normals.size() != n) throw Error(C3DE_E_STATE, "these surfels were bound without normals");
+    writeVectors(out, n, [&](std::size_t s) { return normals[s]; });
+  });
+}
+
+void SurfelSet::owners(c3de_view *offsets, c3de_view *indices, c3de_view *weights) {
+  with([&](const Body &body, const SurfelBinding &binding) {
+    if (simulator_) lent_ = body.sharedRest();
+    const SurfelBinding &kept = simulator_ ? lent_->surfels : binding;
+    *offsets = indexView(kept.phyxels.offsets);
+    *indices = indexView(kept.phyxels.indices);
+    *weights = {kept.weights.data(), kept.weights.size(), 1, C3DE_F64, 0};
+  });
+}
+
+void SurfelSet::assign(c3de_object *phyxels, c3de_view positionsView, c3de_view normalsView) {
+  if (simulator_) throw Error(C3DE_E_STATE, "the surfels of a simulator are the vertices of its mesh");
+  // Only sets of this plugin can be bound: what another binary calls a phyxel set has its own layout.
+  const void *table = nullptr;
+  if (!phyxels || phyxels->vt->query(phyxels, sdk::str(C3DE_IFACE_PHYXEL_SET_ID), 1, &table) < 0 ||
+      table != &sdk::kPhyxelSetTable<PhyxelSet>)
+    throw Error(C3DE_E_ARG, "phyxels: not a phyxel set of this plugin");
+  const std::vector<Vec3> world = readPoints(positionsView, "positions");
+  std::vector<Vec3> normals;
+  if (normalsView.count > 0) normals = readPoints(normalsView, "normals");
+  if (!normals.empty() && normals.size() != world.size())
+    throw Error(C3DE_E_ARG, std::to_string(world.size()) + " positions, " + std::to_string(normals.size()) + " normals");
+  auto set = sdk::Ref<PhyxelSet>::share(PhyxelSet::from(phyxels));
+  SurfelBinding binding;
+  set->withBody([&](const Body &body) {
+    std::vector<Vec3> local;
+    local.reserve(world.size());
+    for (const Vec3 &x : world) local.push_back(x - body.rest().origin);
+    binding = bindSurfels(local, normals, body.rest().positions, serialFor());
+  });
+  own_ = std::move(binding);
+  phyxels_ = std::move(set);
+}
+
+}  // namespace pointbased

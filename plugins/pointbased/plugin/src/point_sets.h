@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pointbased/body.h"
+#include "world_simulator.h"
+
+namespace pointbased {
+
+/// The registered class draft/c3de.pointbased.Phyxel/0: the phyxels of a body, or, created alone, a cloud of its own.
+class PhyxelSet : public sdk::Object<PhyxelSet> {
+ public:
+  explicit PhyxelSet(PluginContext &context);
+  PhyxelSet(PluginContext &context, sdk::Ref<WorldSimulator> simulator, std::uint64_t body);
+
+  // iface.phyxel_set
+  std::uint64_t count();
+  void read(std::uint32_t field, c3de_mview out);
+  void neighbours(c3de_view *offsets, c3de_view *indices);
+  void assign(c3de_view positions, c3de_view volumes, double density, std::uint32_t neighbours);
+  void move(c3de_view positions);
+
+  /// The body, own or of the simulator, while the function runs. Throws sdk::Error when there is none.
+  void withBody(const std::function<void(const Body &)> &read) const;
+
+  static std::array<sdk::Interface, 1> interfaces();
+
+ private:
+  PluginContext &context_;
+  sdk::Ref<WorldSimulator> simulator_;
+  std::uint64_t body_ = 0;
+  std::unique_ptr<Body> own_;
+  std::shared_ptr<const RestState> lent_;  // keeps what neighbours() handed out
+};
+
+/// The registered class draft/c3de.pointbased.Surfel/0: the surface of a body, or points bound to a phyxel set.
+class SurfelSet : public sdk::Object<SurfelSet> {
+ public:
+  explicit SurfelSet(PluginContext &context);
+  SurfelSet(PluginContext &context, sdk::Ref<WorldSimulator> simulator, std::uint64_t body);
+
+  // iface.surfel_set
+  std::uint64_t count();
+  void read(std::uint32_t field, c3de_mview out);
+  void owners(c3de_view *offsets, c3de_view *indices, c3de_view *weights);
+  void assign(c3de_object *phyxels, c3de_view positions, c3de_view normals);
+
+  static std::array<sdk::Interface, 1> interfaces();
+
+ private:
+  void with(const std::function<void(const Body &, const SurfelBinding &)> &read) const;
+
+  PluginContext &context_;
+  sdk::Ref<WorldSimulator> simulator_;
+  std::uint64_t body_ = 0;
+  sdk::Ref<PhyxelSet> phyxels_;
+  SurfelBinding own_;
+  std::shared_ptr<const RestState> lent_;
+};
+
+}  // namespace pointbased

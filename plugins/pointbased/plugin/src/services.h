@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "c3de/sdk/panel.hpp"
+#include "c3de/sdk/params.hpp"
+#include "c3de/sdk/services.hpp"
+#include "pointbased/types.h"
+
+namespace pointbased {
+
+namespace sdk = c3de::sdk;
+
+/// What the plugin uses of the host. Scene, render, panels and tools may be absent.
+struct Services {
+  explicit Services(sdk::Host h)
+      : host(h), log(h), registry(h), meshes(h), scene(h), render(h), collision(h), params(h), jobs(h), time(h),
+        simulation(h), notifier(h) {}
+
+  sdk::Host host;
+  sdk::Log log;
+  sdk::Registry registry;
+  sdk::Mesh meshes;
+  sdk::Scene scene;
+  sdk::Render render;
+  sdk::Collision collision;
+  sdk::Params params;
+  sdk::Jobs jobs;
+  sdk::Time time;
+  sdk::Simulation simulation;
+  sdk::Notifier notifier;
+
+  [[nodiscard]] ParallelFor parallelFor() const {
+    return [j = jobs](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body) {
+      j.parallelFor(n, grain, body);
+    };
+  }
+};
+
+/// The mesh service speaks millimetres, the simulation metres: the inverse of the simulation node's transform.
+inline constexpr double kMetresPerMillimetre = 1e-3;
+
+/// Eigen vectors as rows of three doubles.
+[[nodiscard]] inline c3de_view viewOf(std::span<const Vec3> values) {
+  return {values.data(), values.size(), 3, C3DE_F64, static_cast<std::int64_t>(sizeof(Vec3))};
+}
+
+}  // namespace pointbased

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+#include <mutex>
+
+#include "placed_mesh.h"
+#include "pointbased/simulator.h"
+
+namespace pointbased {
+
+struct BodySnapshot {
+  std::uint64_t id = 0;
+  std::string name;
+  std::shared_ptr<const RestState> rest;
+  std::shared_ptr<PlacedMesh> surface;
+  std::vector<Vec3> phyxels, surfels, normals;  ///< world, m
+  double mass = 0.0;                            ///< kg
+  double poissonRatio = 0.0, youngsModulus = 0.0;
+  Simulator::Energy energy;
+  Neighbours neighbours;
+  std::optional<GrabStatus> grab;
+};
+
+struct ObstacleSnapshot {
+  std::uint64_t id = 0;
+  std::string name;
+  std::shared_ptr<PlacedMesh> mesh;
+};
+
+/// What the window sees of the simulation: one moment, complete.
+struct Snapshot {
+  std::uint64_t generation = 0;
+  double time = 0.0, dt = 0.0;
+  std::uint64_t steps = 0, hash = 0;
+  bool failed = false;
+  WorldBox box;
+  std::vector<BodySnapshot> bodies;
+  std::vector<ObstacleSnapshot> obstacles;
+  std::vector<StageClock::Summary> stages;
+  std::vector<SimulationEvent> events;
+
+  [[nodiscard]] const BodySnapshot *body(std::uint64_t id) const {
+    for (const BodySnapshot &b : bodies)
+      if (b.id == id) return &b;
+    return nullptr;
+  }
+};
+
+/// Hands the latest snapshot from the solver to the window; neither waits for the other, and buffers are used again.
+class SnapshotExchange {
+ public:
+  /// A snapshot that nobody reads any more. Solver's thread.
+  [[nodiscard]] std::shared_ptr<Snapshot> writable() {
+    const std::lock_guard lock(mutex_);
+    for (std::shared_ptr<Snapshot> &s : buffers_) {
+      if (s && s != latest_ && s.use_count() == 1) return s;
+      if (!s) return s = std::make_shared<Snapshot>();
+    }
+    return std::make_shared<Snapshot>();
+  }
+  void publish(std::shared_ptr<Snapshot> snapshot) {
+    const std::lock_guard lock(mutex_);
+    latest_ = std::move(snapshot);
+  }
+  /// Null before the first. Any thread.
+  [[nodiscard]] std::shared_ptr<const Snapshot> latest() const {
+    const std::lock_guard lock(mutex_);
+    return latest_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::array<std::shared_ptr<Snapshot>, 3> buffers_;
+  std::shared_ptr<Snapshot> latest_;
+};
+
+}  // namespace pointbased

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "world_simulator.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "point_sets.h"
+#include "report.h"
+
+namespace pointbased {
+namespace {
+
+using sdk::Error;
+using sdk::Failure;
+
+template <class T>
+void writeOut(T *out, const T &value) {
+  const std::uint32_t size = out->size;
+  std::memcpy(out, &value, std::min<std::size_t>(size, sizeof value));
+  out->size = size;
+}
+
+template <class T>
+T readIn(const T *in, const char *what) {
+  if (!in || in->size < sizeof(std::uint32_t)) throw Error(C3DE_E_ARG, std::string(what) + " is null or has no size");
+  T value{};
+  std::memcpy(&value, in, std::min<std::size_t>(in->size, sizeof value));
+  return value;
+}
+
+template <class T>
+Placement placementOf(const T &in) {
+  return {Vec3(in.position_m[0], in.position_m[1], in.position_m[2]),
+          Vec3(in.rotation_deg[0], in.rotation_deg[1], in.rotation_deg[2]), in.scale == 0.0 ? 1.0 : in.scale};
+}
+
+Failure noSuch(const char *what) { return {C3DE_E_STALE, std::string("there is no such ") + what + " in this simulation"}; }
+
+}  // namespace
+
+WorldSimulator::WorldSimulator(PluginContext &context)
+    : context_(context), simulator_(context.services.parallelFor()) {}
+
+WorldSimulator::~WorldSimulator() {
+  if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
+}
+
+std::array<sdk::Interface, 1> WorldSimulator::interfaces() {
+  return {sdk::interfaceOf(sdk::kSimulatorTable<WorldSimulator>)};
+}
+
+void WorldSimulator::attach(c3de_handle node) {
+  if (node_.v == node.v) return;
+  if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
+  node_ = node;
+  if (node_.v != 0 && context_.listener) context_.listener->attached(*this, node_);
+}
+
+c3de_status WorldSimulator::declarations(std::uint32_t scope, const c3de_param_decl **decls, std::uint64_t *n,
+                                         std::uint64_t *stride) {
+  std::span<const c3de_param_decl> found;
+  switch (scope) {
+    case C3DE_SIM_SCOPE_WORLD: found = worldDeclarations(); break;
+    case C3DE_SIM_SCOPE_BODY: found = bodyDeclarations(); break;
+    case C3DE_SIM_SCOPE_OBSTACLE: found = obstacleDeclarations(); break;
+    default: throw Error(C3DE_E_ARG, "scope " + std::to_string(scope) + " is not known; accepted: 1 … 3");
+  }
+  *decls = found.data();
+  *n = found.size();
+  *stride = sizeof(c3de_param_decl);
+  return C3DE_OK;
+}
+
+sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride) {
+  const std::lock_guard lock(mutex_);
+  ParameterValues changed = world_;
+  if (auto done = changed.set(values, n, stride); !done) return done;
+  const WorldSettings settings = worldSettings(changed);
+  if (settings.box.enabled && !((settings.box.max - settings.box.min).minCoeff() > 0.0))
+    return Failure{C3DE_E_ARG, "world.box.max must be above world.box.min on every axis"};
+  world_ = std::move(changed);
+  simulator_.setWorld(settings);
+  return {};
+}
+
+void WorldSimulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
+  const c3de_sim_body in = readIn(body, "body");
+  BodyRecord record;
+  record.name = std::string(sdk::text(in.name));
+  record.source = {in.mesh, placementOf(in)};
+  sdk::orThrow(record.values.set(in.params, in.params_n, in.params_stride));
+  BuiltBody built = buildBody(context_.services, record.name, in.mesh, record.source.placement, record.values,
+                              sdk::Progress(in.progress));
+  record.surface = std::move(built.surface);
+  const std::lock_guard lock(mutex_);
+  record.order = nextOrder_++;
+  simulator_.reset();
+  const std::uint64_t id = simulator_.addBody(std::move(built.body));
+  bodies_.emplace(id, std::move(record));
+  if (out) *out = {id};
+}
+
+void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle *out) {
+  const c3de_sim_obstacle in = readIn(obstacle, "obstacle");
+  ParameterValues values(obstacleDeclarations());
+  sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
+  const std::string name(sdk::text(in.name));
+  auto mesh = placeMesh(context_.services, in.mesh, placementOf(in));
+  Obstacle built = buildObstacle(context_.services, name, mesh, values.number("friction"));
+  const std::lock_guard lock(mutex_);
+  simulator_.reset();
+  const std::uint64_t id = simulator_.addObstacle(std::move(built));
+  obstacles_.emplace(id, ObstacleRecord{name, std::move(mesh)});
+  if (out) *out = {id};
+}
+
+void WorldSimulator::addProbe(c3de_str name, c3de_handle body, const double *at_m3) {
+  const std::lock_guard lock(mutex_);
+  (void)bodyOrThrow(body);
+  const Vec3 at(at_m3[0], at_m3[1], at_m3[2]);
+  if (!at.allFinite()) throw Error(C3DE_E_ARG, "probe '" + std::string(sdk::text(name)) + "': the point is not finite");
+  simulator_.addProbe(std::string(sdk::text(name)), body.v, at);
+}
+
+WorldSimulator::BodyRecord &WorldSimulator::bodyOrThrow(c3de_handle body) {
+  const auto found = bodies_.find(body.v);
+  if (found == bodies_.end()) throw Error(noSuch("body"));
+  return found->second;
+}
+
+sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_param_value *value) {
+  const c3de_param_value in = readIn(value, "value");
+  const std::lock_guard lock(mutex_);
+  BodyRecord &record = bodyOrThrow(body);
+  ParameterValues changed = record.values;
+  if (auto done = changed.set(in); !done) return done;
+  const std::string_view id = sdk::text(in.id);
+  for (const c3de_param_decl &d : bodyDeclarations())
+    if (sdk::text(d.id) == id && (d.flags & C3DE_PARAM_NEEDS_RESET))
+      return Failure{C3DE_E_STATE, std::string(id) + " takes effect when the body is built again"};
+  record.values = std::move(changed);
+  simulator_.setMaterial(body.v, materialOf(record.values), stabilisationOf(record.values));
+  return {};
+}
+
+sdk::Result<void> WorldSimulator::getBodyParam(c3de_handle body, c3de_str id, c3de_param_value *out) {
+  const std::lock_guard lock(mutex_);
+  auto found = bodyOrThrow(body).values.get(sdk::text(id));
+  if (!found) return found.failure();
+  writeOut(out, *found);
+  return {};
+}
+
+sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
+  const std::lock_guard lock(mutex_);
+  if (bodies_.erase(handle.v) > 0) {
+    simulator_.removeBody(handle.v);
+    return {};
+  }
+  if (obstacles_.erase(handle.v) > 0) {
+    simulator_.removeObstacle(handle.v);
+    return {};
+  }
+  return noSuch("body or obstacle");
+}
+
+void WorldSimulator::clear() {
+  const std::lock_guard lock(mutex_);
+  simulator_.clear();
+  bodies_.clear();
+  obstacles_.clear();
+}
+
+sdk::Result<void> WorldSimulator::step() {
+  const std::lock_guard lock(mutex_);
+  if (auto stepped = simulator_.step(); !stepped) return Failure{C3DE_E_DIVERGED, stepped.error().text};
+  return {};
+}
+
+void WorldSimulator::reset() {
+  const std::lock_guard lock(mutex_);
+  simulator_.reset();
+}
+
+void WorldSimulator::publish() {
+  const std::lock_guard lock(mutex_);
+  const std::shared_ptr<Snapshot> s = exchange_.writable();
+  s->generation = ++generation_;
+  s->time = simulator_.time();
+  s->dt = simulator_.stepSize();
+  s->steps = simulator_.steps();
+  s->hash = simulator_.stateHash();
+  s->failed = simulator_.failed();
+  s->box = simulator_.world().box;
+  s->stages = simulator_.stageTimes();
+  s->events = simulator_.events();
+  s->bodies.resize(bodies_.size());
+  std::size_t k = 0;
+  for (const auto &[id, record] : bodies_) {
+    const Body &body = *simulator_.body(id);
+    BodySnapshot &b = s->bodies[k++];
+    if (b.id != id || b.rest != body.sharedRest()) b.neighbours = countNeighbours(body.rest());
+    b.id = id;
+    b.name = record.name;
+    b.rest = body.sharedRest();
+    b.surface = record.surface;
+    b.phyxels.resize(body.rest().phyxelCount());
+    for (std::size_t i = 0; i < b.phyxels.size(); ++i)
+      b.phyxels[i] = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
+    simulator_.surfels(id, b.surfels, b.normals);
+    b.mass = body.totalMass();
+    b.poissonRatio = body.material().poissonRatio;
+    b.youngsModulus = body.material().youngsModulus;
+    b.energy = simulator_.energy(id);
+    b.grab = simulator_.grabStatus(id);
+  }
+  s->obstacles.clear();
+  for (const auto &[id, record] : obstacles_) s->obstacles.push_back({id, record.name, record.mesh});
+  exchange_.publish(s);
+}
+
+void WorldSimulator::status(c3de_sim_status *out) {
+  const std::lock_guard lock(mutex_);
+  c3de_sim_status s{};
+  s.failed = simulator_.failed() ? 1u : 0u;
+  s.steps = simulator_.steps();
+  s.time_s = simulator_.time();
+  s.dt_s = simulator_.stepSize();
+  s.bodies = bodies_.size();
+  s.obstacles = obstacles_.size();
+  writeOut(out, s);
+}
+
+void WorldSimulator::stateHash(std::uint64_t *out) {
+  const std::lock_guard lock(mutex_);
+  *out = simulator_.stateHash();
+}
+
+void WorldSimulator::report(c3de_sink json) {
+  std::string text;
+  {
+    const std::lock_guard lock(mutex_);
+    std::vector<ReportedBody> bodies;
+    for (const auto &[id, record] : bodies_) bodies.push_back({id, record.surface->volume});
+    std::sort(bodies.begin(), bodies.end(),
+              [&](const ReportedBody &a, const ReportedBody &b) { return bodies_.at(a.id).order < bodies_.at(b.id).order; });
+    text = reportJson(simulator_, bodies);
+  }
+  if (const c3de_status status = sdk::put(json, text); status < 0) throw Error(status, "the report was not taken");
+}
+
+sdk::Result<void> WorldSimulator::bodyAt(std::uint64_t index, c3de_handle *out) {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::pair<std::size_t, std::uint64_t>> ordered;
+  for (const auto &[id, record] : bodies_) ordered.push_back({record.order, id});
+  std::sort(ordered.begin(), ordered.end());
+  if (index >= ordered.size()) return noSuch("body");
+  *out = {ordered[static_cast<std::size_t>(index)].second};
+  return {};
+}
+
+sdk::Result<void> WorldSimulator::bodyInfo(c3de_handle handle, c3de_sim_body_info *out) {
+  const std::lock_guard lock(mutex_);
+  const BodyRecord &record = bodyOrThrow(handle);
+  const Body &body = *simulator_.body(handle.v);
+  c3de_sim_body_info info{};
+  info.name = sdk::str(record.name);
+  info.phyxels = body.rest().phyxelCount();
+  info.surfels = body.rest().surfels.count();
+  info.mass_kg = body.totalMass();
+  for (const double v : body.rest().volumes) info.volume_m3 += v;
+  info.mesh_volume_m3 = record.surface->volume;
+  info.spacing_m = body.rest().spacing;
+  info.stable_dt_s = body.stableStepAtRest();
+  writeOut(out, info);
+  return {};
+}
+
+sdk::Result<void> WorldSimulator::phyxels(c3de_handle body, c3de_object **out) {
+  {
+    const std::lock_guard lock(mutex_);
+    (void)bodyOrThrow(body);
+  }
+  *out = sdk::make<PhyxelSet>(context_, sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
+  return {};
+}
+
+sdk::Result<void> WorldSimulator::surfels(c3de_handle body, c3de_object **out) {
+  {
+    const std::lock_guard lock(mutex_);
+    (void)bodyOrThrow(body);
+  }
+  *out = sdk::make<SurfelSet>(context_, sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
+  return {};
+}
+
+void WorldSimulator::setGrab(std::uint64_t body, Grab grab) {
+  const std::lock_guard lock(mutex_);
+  simulator_.setGrab(body, std::move(grab));
+}
+
+void WorldSimulator::moveGrab(std::uint64_t body, const Vec3 &target) {
+  const std::lock_guard lock(mutex_);
+  simulator_.moveGrab(body, target);
+}
+
+void WorldSimulator::releaseGrab(std::uint64_t body) {
+  const std::lock_guard lock(mutex_);
+  simulator_.releaseGrab(body);
+}
+
+ParameterValues WorldSimulator::worldValues() const {
+  const std::lock_guard lock(mutex_);
+  return world_;
+}
+
+std::optional<ParameterValues> WorldSimulator::bodyValues(std::uint64_t body) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = bodies_.find(body);
+  if (found == bodies_.end()) return std::nullopt;
+  return found->second.values;
+}
+
+std::optional<WorldSimulator::Source> WorldSimulator::source(std::uint64_t body) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = bodies_.find(body);
+  if (found == bodies_.end()) return std::nullopt;
+  return found->second.source;
+}
+
+void WorldSimulator::keepMesh(sdk::MeshHandle mesh) {
+  const std::lock_guard lock(mutex_);
+  keptMeshes_.push_back(std::move(mesh));
+}
+
+void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &values, const sdk::Progress &progress) {
+  const auto from = source(body);
+  if (!from) throw Error(noSuch("body"));
+  std::string name;
+  {
+    const std::lock_guard lock(mutex_);
+    name = bodies_.at(body).name;
+  }
+  BuiltBody built = buildBody(context_.services, name, from->mesh, from->placement, values, progress);
+  const std::lock_guard lock(mutex_);
+  const auto found = bodies_.find(body);
+  if (found == bodies_.end()) throw Error(noSuch("body"));
+  BodyRecord record = found->second;
+  record.surface = std::move(built.surface);
+  record.values = values;
+  bodies_.erase(found);
+  simulator_.removeBody(body);
+  simulator_.reset();
+  bodies_.emplace(simulator_.addBody(std::move(built.body)), std::move(record));
+}
+
+bool WorldSimulator::readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const {
+  const std::lock_guard lock(mutex_);
+  const Body *found = simulator_.body(body);
+  if (!found) return false;
+  read(*found);
+  return true;
+}
+
+}  // namespace pointbased

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <mutex>
+
+#include "body_builder.h"
+#include "c3de/sdk/object.hpp"
+#include "c3de/sdk/simulator.hpp"
+#include "parameters.h"
+#include "snapshot.h"
+
+namespace pointbased {
+
+class WorldSimulator;
+
+/// Who wants to know which simulators are attached to a scene node: the controller and the views.
+class SimulatorListener {
+ public:
+  virtual ~SimulatorListener() = default;
+  virtual void attached(WorldSimulator &simulator, c3de_handle node) = 0;  // [main]
+  virtual void detached(WorldSimulator &simulator) = 0;                    // [main]
+};
+
+/// What objects of the plugin share.
+struct PluginContext {
+  Services services;
+  SimulatorListener *listener = nullptr;
+};
+
+/// The registered class draft/c3de.pointbased.WorldSimulator/0: iface.simulator over the physics. A mutex stands between
+/// the solver's step and what others add or read; the window reads snapshots and never takes it.
+class WorldSimulator : public sdk::Object<WorldSimulator> {
+ public:
+  explicit WorldSimulator(PluginContext &context);
+  ~WorldSimulator();
+
+  // iface.simulator
+  void attach(c3de_handle node);
+  c3de_status declarations(std::uint32_t scope, const c3de_param_decl **decls, std::uint64_t *n, std::uint64_t *stride);
+  sdk::Result<void> setWorld(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride);
+  void addBody(const c3de_sim_body *body, c3de_handle *out);
+  void addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle *out);
+  void addProbe(c3de_str name, c3de_handle body, const double *at_m3);
+  sdk::Result<void> setBodyParam(c3de_handle body, const c3de_param_value *value);
+  sdk::Result<void> getBodyParam(c3de_handle body, c3de_str id, c3de_param_value *out);
+  sdk::Result<void> remove(c3de_handle bodyOrObstacle);
+  void clear();
+  sdk::Result<void> step();
+  void reset();
+  void publish();
+  void status(c3de_sim_status *out);
+  void stateHash(std::uint64_t *out);
+  void report(c3de_sink json);
+  sdk::Result<void> bodyAt(std::uint64_t index, c3de_handle *out);
+  sdk::Result<void> bodyInfo(c3de_handle body, c3de_sim_body_info *out);
+  sdk::Result<void> phyxels(c3de_handle body, c3de_object **out);
+  sdk::Result<void> surfels(c3de_handle body, c3de_object **out);
+
+  // For the controller, the view and the pinch of this plugin.
+  [[nodiscard]] std::shared_ptr<const Snapshot> snapshot() const { return exchange_.latest(); }
+  [[nodiscard]] c3de_handle node() const { return node_; }
+  void setGrab(std::uint64_t body, Grab grab);
+  void moveGrab(std::uint64_t body, const Vec3 &target);
+  void releaseGrab(std::uint64_t body);
+  [[nodiscard]] ParameterValues worldValues() const;
+  [[nodiscard]] std::optional<ParameterValues> bodyValues(std::uint64_t body) const;
+  /// The mesh and the place a body was made from; the mesh handle stays the caller's.
+  struct Source {
+    c3de_handle mesh{};
+    Placement placement;
+  };
+  [[nodiscard]] std::optional<Source> source(std::uint64_t body) const;
+  /// Keeps a mesh alive as long as the simulator may build from it again.
+  void keepMesh(sdk::MeshHandle mesh);
+  /// Builds the body again with other values and puts it in the place of the old one; the simulation is reset. The old one
+  /// stays when building fails. Errors as sdk::Error. Any thread.
+  void rebuildBody(std::uint64_t body, const ParameterValues &values, const sdk::Progress &progress);
+  /// Takes a body's points out under the lock; false when the body is gone.
+  bool readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const;
+
+  static std::array<sdk::Interface, 1> interfaces();
+
+ private:
+  struct BodyRecord {
+    std::string name;
+    std::shared_ptr<PlacedMesh> surface;
+    ParameterValues values{bodyDeclarations()};
+    Source source;
+    std::size_t order = 0;
+  };
+  struct ObstacleRecord {
+    std::string name;
+    std::shared_ptr<PlacedMesh> mesh;
+  };
+  [[nodiscard]] BodyRecord &bodyOrThrow(c3de_handle body);
+
+  PluginContext &context_;
+  mutable std::mutex mutex_;
+  Simulator simulator_;
+  ParameterValues world_{worldDeclarations()};
+  std::map<std::uint64_t, BodyRecord> bodies_;
+  std::map<std::uint64_t, ObstacleRecord> obstacles_;
+  std::vector<sdk::MeshHandle> keptMeshes_;
+  std::size_t nextOrder_ = 0;
+  SnapshotExchange exchange_;
+  std::uint64_t generation_ = 0;
+  c3de_handle node_{};
+};
+
+inline constexpr std::string_view kWorldSimulatorClass{"draft/c3de.pointbased.WorldSimulator/0"};
+inline constexpr std::string_view kPhyxelClass{"draft/c3de.pointbased.Phyxel/0"};
+inline constexpr std::string_view kSurfelClass{"draft/c3de.pointbased.Surfel/0"};
+
+}  // namespace pointbased

@@ -1,0 +1,5 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Agrees and then has no descriptor. */
+#include "minimal.h"
+
+ANSWER_WITH(NULL)

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// A plugin in C drives every service with good and bad arguments.
+#include <thread>
+
+#include "c3de/scene/simulation.h"
+#include "counting_simulator.h"
+#include "host_fixture.h"
+#include "service_driver.h"
+
+using namespace c3de;
+using c3de::test::CountingSimulator;
+using c3de::test::HostFixture;
+
+namespace {
+
+/// The fixture with the driver loaded and a simulation behind a node.
+struct DrivenHost : HostFixture {
+  DrivenHost() {
+    REQUIRE(refusalOf(testPlugin("service_driver")).empty());
+    node = sceneGraph.add({}, "simulation");
+    const auto simulator = sdk::make<CountingSimulator>();
+    auto created = scene::Simulation::create(simulator.abi());
+    REQUIRE(created);
+    simulation = std::move(*created);
+    simulations.add(node, simulation.get());
+    auto made = host->createObject(TEST_DRIVER_CLASS);
+    REQUIRE(made);
+    object = *made;
+    const void *table = nullptr;
+    REQUIRE(object->vt->query(object, {TEST_DRIVER_ID, sizeof TEST_DRIVER_ID - 1}, 1, &table) == C3DE_OK);
+    driver = static_cast<const test_driver_v0 *>(table);
+  }
+  ~DrivenHost() { simulations.remove(node); }
+
+  /// Differences between what was answered and what was expected, a line each.
+  std::string run(std::string_view service) {
+    std::string differences;
+    const c3de_sink sink{&differences, [](void *self, const void *bytes, std::uint64_t n) -> c3de_status {
+                           static_cast<std::string *>(self)->append(static_cast<const char *>(bytes), n);
+                           return C3DE_OK;
+                         }};
+    compared = driver->run(object, {service.data(), service.size()}, {node.bits()}, sink);
+    return differences;
+  }
+
+  Handle node;
+  std::unique_ptr<scene::Simulation> simulation;
+  c3de_object *object = nullptr;
+  const test_driver_v0 *driver = nullptr;
+  std::uint64_t compared = 0;
+};
+
+void check(const std::string &service, std::uint64_t atLeast) {
+  DrivenHost f;
+  CHECK(f.run(service) == "");
+  CHECK(f.compared >= atLeast);
+}
+
+}  // namespace
+
+TEST_CASE("get_service and the error text behave as documented") { check("host", 10); }
+TEST_CASE("the registry service answers good and bad arguments") { check("registry", 20); }
+TEST_CASE("the mesh service answers good and bad arguments") { check("mesh", 35); }
+TEST_CASE("the scene service answers good and bad arguments") { check("scene", 20); }
+TEST_CASE("the render service answers good and bad arguments") { check("render", 35); }
+TEST_CASE("the collision service answers good and bad arguments") { check("collision", 35); }
+TEST_CASE("the params service answers good and bad arguments") { check("params", 30); }
+TEST_CASE("the panels service answers good and bad arguments") { check("panels", 10); }
+TEST_CASE("the tools service answers good and bad arguments") { check("tools", 20); }
+TEST_CASE("the simulation service answers good and bad arguments") { check("simulation", 12); }
+
+TEST_CASE("the log service writes one line, with the plugin's id, and shows warnings") {
+  DrivenHost f;
+  CHECK(f.run("log") == "");
+  CHECK(f.linesWith("[test.service_driver] two lines").size() == 1);
+  REQUIRE(f.panels.notifications().size() == 1);
+  CHECK(f.panels.notifications().front().text == "severity beyond the last");
+}
+
+TEST_CASE("the jobs service answers good and bad arguments and hands every job back") {
+  DrivenHost f;
+  CHECK(f.run("jobs") == "");
+  for (int i = 0; i < 500 && !f.jobs.running().empty(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    f.mainQueue.runFrame();
+  }
+  CHECK(f.jobs.running().empty());
+}
+
+TEST_CASE("the time service answers good and bad arguments") {
+  DrivenHost f;
+  CHECK(f.run("time") == "");
+  f.mainQueue.runFrame();
+}
+
+TEST_CASE("functions of the main thread refuse other threads, the others do not") {
+  DrivenHost f;
+  std::string differences;
+  std::thread([&] { differences = f.run("wrong thread"); }).join();
+  CHECK(differences == "");
+  CHECK(f.compared > 25);
+  CHECK(f.panels.notifications().empty());
+  f.mainQueue.runFrame();
+  CHECK(f.panels.notifications().size() == 1);  // the warning came over to the main thread
+}
+
+TEST_CASE("a plugin that calls after it was taken back gets a status instead of a crash") {
+  HostFixture f;
+  // create succeeds, so its class can be used; start fails, and the plugin is taken back with its object still out.
+  REQUIRE(f.host->load(HostFixture::testPlugin("service_driver_that_goes")));
+  const auto object = f.host->createObject(TEST_DRIVER_CLASS);
+  REQUIRE(object);
+  f.host->start();
+  REQUIRE(f.host->classes().empty());
+  const void *table = nullptr;
+  REQUIRE((*object)->vt->query(*object, {TEST_DRIVER_ID, sizeof TEST_DRIVER_ID - 1}, 1, &table) == C3DE_OK);
+  std::string differences;
+  const c3de_sink sink{&differences, [](void *self, const void *bytes, std::uint64_t n) -> c3de_status {
+                         static_cast<std::string *>(self)->append(static_cast<const char *>(bytes), n);
+                         return C3DE_OK;
+                       }};
+  const std::string_view name = "taken back";
+  const auto compared =
+      static_cast<const test_driver_v0 *>(table)->run(*object, {name.data(), name.size()}, {0}, sink);
+  CHECK(differences == "");
+  CHECK(compared == 4);
+}

@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: Apache-2.0
+// The window without any simulator: menus, dialogs, camera, widgets, tools, jobs.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "support/catch.h"
+#include "ui/workstation_driver.h"
+
+using c3de::test::Json;
+using c3de::test::Point;
+using c3de::test::WorkstationDriver;
+
+#define C3DE_WINDOW_OR_SKIP() \
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
+
+namespace {
+
+/// Starts on the gallery plugin and on a file that is no mesh, so that no simulation comes up whatever other plugins are
+/// installed; the message about the file is closed.
+void startGallery(WorkstationDriver &window) {
+  const std::filesystem::path noMesh = std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "no_mesh.obj";
+  std::ofstream(noMesh) << "this is no mesh\n";
+  window.start({noMesh.string(), "--plugin", C3DE_GALLERY_PLUGIN});
+  window.waitUntil("the file is refused", [](const Json &s) { return s["notifications"].size() == 1; });
+  window.click("notification/close.0");
+  window.waitUntil("the message is closed", [](const Json &s) { return s["notifications"].empty(); });
+}
+
+double cameraValue(const WorkstationDriver &window, const char *name) { return window.state()["camera"][name]; }
+
+}  // namespace
+
+TEST_CASE("the window opens with its menus and closes by Ctrl+Q", "[start]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("start");
+  startGallery(window);
+  const Json state = window.state();
+  for (const char *menu : {"file", "view", "simulation", "tools", "help"})
+    CHECK(state["widgets"].contains(std::string("menu/") + menu));
+  CHECK(state["view"]["w"] > 600);
+  CHECK_FALSE(state["transport"]["exists"].get<bool>());
+  window.screenshot("window");
+  window.key("ctrl+q");
+  CHECK(window.waitForExit() == 0);
+  CHECK(window.state()["closing"] == true);
+}
+
+TEST_CASE("menus open, and About names versions, graphics and plugins", "[menu]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("menu");
+  startGallery(window);
+  window.click("menu/file");
+  window.waitUntil("the menu is open", [](const Json &s) { return s["widgets"].contains("menu/file.open_mesh"); });
+  window.screenshot("file");
+  window.click("menu/file");
+  window.click("menu/simulation");
+  const Json open = window.waitUntil("the menu is open", [](const Json &s) { return s["widgets"].contains("menu/simulation.play"); });
+  CHECK(std::count(open["disabled"].begin(), open["disabled"].end(), "menu/simulation.play") == 1);
+  window.click("menu/simulation");
+  window.click("menu/help");
+  window.click("menu/help.about");
+  window.waitUntil("About is open", [](const Json &s) { return s["values"].contains("about/version"); });
+  CHECK_THAT(window.value("about/version"), Contains("C3DE"));
+  CHECK_THAT(window.value("about/graphics"), Contains("OpenGL") || Contains("GL"));
+  CHECK(window.value("about/Gallery") == "1.0.0");
+  window.screenshot("about");
+  window.click("dialog/close");
+  window.key("h");
+  window.waitUntil("the shortcuts are open", [](const Json &s) { return s["widgets"].contains("dialog/close"); });
+  window.screenshot("shortcuts");
+  window.key("Escape");
+  window.waitUntil("they are closed", [](const Json &s) { return !s["widgets"].contains("dialog/close"); });
+}
+
+TEST_CASE("a file that is no mesh leads to a message that says why, and the window goes on", "[bad_file]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("bad_file");
+  startGallery(window);
+  window.key("ctrl+m");
+  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.screenshot("dialog");
+  window.click("dialog/unit");
+  window.click("dialog/unit.option.m");
+  window.waitForValue("dialog/unit", "m");
+  window.click("dialog/path");
+  window.type("/nowhere/liver.obj");
+  window.key("Return");
+  const Json refused = window.waitUntil("the dialog says why", [](const Json &s) { return s["values"].contains("dialog/error"); });
+  CHECK_THAT(refused["values"]["dialog/error"].get<std::string>(), Contains("/nowhere/liver.obj"));
+  window.click("dialog/path");
+  window.key("ctrl+a");
+  window.type((std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "no_mesh.obj").string());
+  window.click("dialog/open");
+  const Json state = window.waitUntil("the file is refused", [](const Json &s) { return s["notifications"].size() == 1; });
+  CHECK(state["notifications"][0]["severity"] == "error");
+  CHECK_THAT(state["notifications"][0]["title"].get<std::string>(), Contains("no_mesh.obj"));
+  CHECK_FALSE(state["notifications"][0]["text"].get<std::string>().empty());
+  CHECK_THAT(window.logText(), Contains("c3de: error:"));
+  CHECK(state["nodes"].size() >= 2);  // the gallery's box is still there
+  window.screenshot("refused");
+  CHECK(window.isRunning());
+}
+
+TEST_CASE("mouse and keys move the camera", "[camera]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("camera");
+  startGallery(window);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+  const Json fitted = window.state()["camera"];
+  CHECK(fitted["focus"][0].get<double>() == Approx(0.0).margin(1e-9));
+  CHECK(fitted["distance"] > 50.0);
+  CHECK(fitted["distance"] < 2000.0);
+  window.screenshot("fitted");
+
+  const double yaw = cameraValue(window, "yaw"), distance = cameraValue(window, "distance");
+  window.drag(window.inView(0.5, 0.5), window.inView(0.6, 0.5), 4);
+  CHECK(std::abs(cameraValue(window, "yaw") - yaw) > 0.1);
+  CHECK(cameraValue(window, "distance") == distance);
+
+  window.drag(window.inView(0.5, 0.5), window.inView(0.6, 0.6), 4, 2);
+  CHECK(std::abs(window.state()["camera"]["focus"][1].get<double>()) > 1.0);
+
+  window.drag(window.inView(0.5, 0.5), window.inView(0.5, 0.7), 4, 3);
+  const double dragged = cameraValue(window, "distance");
+  CHECK(dragged != distance);
+  window.wheel(3);
+  window.waitUntil("the wheel zooms in", [&](const Json &s) { return s["camera"]["distance"] < 0.9 * dragged; });
+
+  window.key("5");
+  window.waitUntil("the view is from above", [](const Json &s) { return s["camera"]["pitch"] > 1.5; });
+  window.key("1");
+  window.waitUntil("the view is from the front", [](const Json &s) { return std::abs(s["camera"]["pitch"].get<double>()) < 1e-6; });
+  // A drag that begins in the panel is not the camera's.
+  const Json before = window.state()["camera"];
+  window.drag({20, 500}, window.inView(0.5, 0.5), 3);
+  CHECK(window.state()["camera"] == before);
+}
+
+TEST_CASE("widgets of a panel do what they say", "[widgets]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("widgets");
+  startGallery(window);
+  window.click("test.gallery/press");
+  window.click("test.gallery/press");
+  window.waitForValue("test.gallery/Presses", "2");
+  window.click("test.gallery/off");
+  CHECK(window.value("test.gallery/Presses") == "2");
+  window.click("test.gallery/check");
+  window.waitForValue("test.gallery/check", "true");
+
+  const Point slider = window.locate("test.gallery/slider");
+  window.drag(slider, {slider.x + 20, slider.y}, 3);
+  CHECK(window.number("test.gallery/Slider") > 2.5);
+  CHECK(window.number("test.gallery/Slider") < 5.0);
+  window.controlClick("test.gallery/slider");
+  window.key("ctrl+a");
+  window.type("3.125 N");
+  window.key("Return");
+  window.waitForValue("test.gallery/Slider", "3.125000");
+
+  window.click("test.gallery/choice");
+  window.click("test.gallery/choice.option.quasistatic");
+  window.waitForValue("test.gallery/choice", "quasistatic");
+  window.click("test.gallery/text");
+  window.key("ctrl+a");
+  window.type("spleen");
+  window.waitForValue("test.gallery/text", "spleen");
+  // What is typed is no shortcut.
+  CHECK(window.state()["tool"] == "orbit");
+  window.key("Escape");
+
+  const std::filesystem::path organ = std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "no_mesh.obj";
+  window.click("test.gallery/file");
+  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.type(organ.string());
+  window.key("Return");
+  window.waitForValue("test.gallery/File", std::filesystem::weakly_canonical(organ).string());
+  window.click("test.gallery/notify");
+  window.waitUntil("the plugin's message is shown", [](const Json &s) {
+    return s["notifications"].size() == 1 && s["notifications"][0]["severity"] == "warn";
+  });
+  window.screenshot("gallery");
+}
+
+TEST_CASE("parameters are edited with range and unit, and refused values say why", "[params]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("params");
+  startGallery(window);
+  CHECK(window.value("test.gallery/youngs") == "5000 Pa");
+  const Point youngs = window.locate("test.gallery/youngs");
+  window.drag(youngs, {youngs.x + 15, youngs.y}, 3);
+  CHECK_THAT(window.value("test.gallery/Changed"), Contains("youngs = "));
+
+  window.controlClick("test.gallery/poisson");
+  window.key("ctrl+a");
+  window.type("0.4501");
+  window.key("Return");
+  window.waitForValue("test.gallery/Changed", "poisson = 0.4501");
+  window.controlClick("test.gallery/poisson");
+  window.key("ctrl+a");
+  window.type("0.5");
+  window.key("Return");
+  window.waitFrames(1);
+  CHECK(window.value("test.gallery/poisson") == "0.4501");
+  CHECK(window.value("test.gallery/Changed") == "poisson = 0.4501");
+  window.screenshot("refused");
+
+  window.click("test.gallery/law");
+  window.click("test.gallery/law.option.neo_hookean");
+  window.waitForValue("test.gallery/Changed", "law = neo_hookean");
+  CHECK(window.value("test.gallery/dt") == "auto");
+  window.click("test.gallery/dt.auto");
+  window.waitForValue("test.gallery/Changed", "dt = 0.001");
+  window.click("test.gallery/dt.auto");
+  window.waitForValue("test.gallery/Changed", "dt = auto");
+  window.click("test.gallery/surface");
+  window.waitForValue("test.gallery/Changed", "surface = 0");
+  window.screenshot("parameters");
+}
+
+TEST_CASE("the active tool gets the left button, and lets go on Escape", "[tool]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("tool");
+  startGallery(window);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("t");
+  window.waitUntil("the tool is active", [](const Json &s) { return s["tool"] == "test.marker"; });
+  const Json camera = window.state()["camera"];
+  window.drag(window.inView(0.4, 0.5), window.inView(0.6, 0.5), 4);
+  CHECK(window.state()["camera"] == camera);
+  // The counts stand far down in the panel, but they are values of every frame.
+  CHECK(window.value("test.gallery/Tool presses") == "1");
+  CHECK(window.value("test.gallery/Tool releases") == "1");
+  CHECK(window.number("test.gallery/Tool moves") >= 4);
+  CHECK(window.value("test.gallery/Tool cancels") == "0");
+  window.screenshot("active");
+
+  window.moveTo(window.inView(0.4, 0.5));
+  window.press();
+  window.key("Escape");
+  window.waitForValue("test.gallery/Tool cancels", "1");
+  window.release();
+  CHECK(window.value("test.gallery/Tool releases") == "1");
+
+  // Shift and the middle button are the camera's even now.
+  window.drag(window.inView(0.4, 0.5), window.inView(0.5, 0.5), 3, 2);
+  CHECK(window.state()["camera"]["focus"] != camera["focus"]);
+  window.click("toolbar/tool.orbit");
+  window.waitUntil("no tool is active", [](const Json &s) { return s["tool"] == "orbit"; });
+  window.drag(window.inView(0.4, 0.5), window.inView(0.5, 0.5), 3);
+  CHECK(window.value("test.gallery/Tool presses") == "2");
+}
+
+TEST_CASE("a long job shows its progress beside a live window and can be cancelled", "[job]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("job");
+  startGallery(window);
+  window.click("test.gallery/job");
+  const Json running = window.waitUntil("the job runs", [](const Json &s) {
+    return s["jobs"].size() == 1 && s["jobs"][0]["fraction"] > 0.0;
+  });
+  CHECK(running["jobs"][0]["title"] == "A long job");
+  window.click("test.gallery/press");
+  window.waitForValue("test.gallery/Presses", "1");
+  window.screenshot("running");
+  window.click("job/cancel.0");
+  window.waitUntil("the job ends", [](const Json &s) { return s["jobs"].empty(); });
+  window.waitForValue("test.gallery/Job", "-12");
+}
+
+TEST_CASE("F12 writes a picture and says where", "[screenshot]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("screenshot");
+  startGallery(window);
+  window.key("F12");
+  const Json state = window.waitUntil("it says where", [](const Json &s) { return s["notifications"].size() == 1; });
+  CHECK(state["notifications"][0]["title"] == "Screenshot saved");
+  const std::filesystem::path file = state["notifications"][0]["text"].get<std::string>();
+  REQUIRE(std::filesystem::is_regular_file(file));
+  CHECK(std::filesystem::file_size(file) > 500);
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("the side panel can be made wider, and the layout reset", "[layout]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("layout");
+  startGallery(window);
+  const double before = window.state()["view"]["x"];
+  const Point grip = window.locate("window/splitter");
+  window.drag(grip, {grip.x + 100, grip.y}, 4);
+  CHECK(window.state()["view"]["x"].get<double>() == Approx(before + 100).margin(4));
+  window.click("menu/view");
+  window.click("menu/view.reset_layout");
+  window.waitUntil("the panel is as wide as before", [&](const Json &s) { return s["view"]["x"] == before; });
+  // A node is hidden and shown by its box.
+  window.click("scene/box");
+  window.waitUntil("the box is hidden", [](const Json &s) { return s["nodes"][1]["visible"] == false; });
+  window.click("scene/box");
+  window.waitUntil("the box is shown", [](const Json &s) { return s["nodes"][1]["visible"] == true; });
+}
+
+TEST_CASE("nothing is drawn while nothing changes", "[idle]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("idle");
+  startGallery(window);
+  window.moveTo(window.inView(0.5, 0.5));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const int before = window.state()["frame"];
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  CHECK(window.state()["frame"] <= before + 1);
+}
+
+TEST_CASE("without OpenGL 4.3 the program says what it found and ends with 6", "[old_gl]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver program("old_gl");
+  const std::filesystem::path noMesh = std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "no_mesh.obj";
+  std::ofstream(noMesh) << "this is no mesh\n";
+  const int code = program.startAndWait({noMesh.string()}, {"LIBGL_ALWAYS_SOFTWARE=1", "MESA_GL_VERSION_OVERRIDE=3.1"});
+  CHECK(code == 6);
+  CHECK_THAT(program.logText(), Contains("4.3") && Contains("3.1"));
+}

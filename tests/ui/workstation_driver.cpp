@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ui/workstation_driver.h"
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+namespace c3de::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+void pause(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); }
+
+double secondsSince(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+std::string readText(const std::filesystem::path &file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::string essentials(const Json &state) {
+  Json shown;
+  for (const char *key : {"frame", "mouse", "transport", "tool", "notifications", "jobs", "camera", "nodes", "values"})
+    if (state.contains(key)) shown[key] = state[key];
+  return shown.dump(1);
+}
+
+}  // namespace
+
+WorkstationDriver::WorkstationDriver(std::string name)
+    : name_(std::move(name)), folder_(std::filesystem::path(C3DE_TEST_OUTPUT) / "ui"),
+      stateFile_(folder_ / (name_ + ".json")), log_(folder_ / (name_ + ".log")) {
+  std::filesystem::create_directories(folder_);
+  std::error_code ignored;
+  std::filesystem::remove(stateFile_, ignored);
+}
+
+WorkstationDriver::~WorkstationDriver() = default;
+
+std::string WorkstationDriver::whyNot() {
+  if (environmentVariable("DISPLAY").empty()) return "no display; these tests run under xvfb-run";
+  for (const char *program : {"xdotool", "import"}) {
+    const auto found = runProcess({program, program == std::string("import") ? "-version" : "version"}, 10.0);
+    if (!found || found->exitCode != 0) return std::string(program) + " is not installed";
+  }
+  return {};
+}
+
+void WorkstationDriver::start(const std::vector<std::string> &arguments) {
+  std::vector<std::string> all{C3DE_PROGRAM, "--automation-state", stateFile_.string()};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  auto started = ChildProcess::start(all, log_);
+  if (!started) throw std::runtime_error(started.error().message);
+  program_ = std::move(*started);
+  // A few frames, so that what opens at the start has opened.
+  waitUntil("the window is drawn", [](const Json &s) { return s["frame"].get<int>() >= 2 && s["focused"].get<bool>(); }, 30.0);
+}
+
+int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments, const std::vector<std::string> &environment) {
+  std::vector<std::string> all;
+  if (!environment.empty()) {
+    all.emplace_back("env");
+    all.insert(all.end(), environment.begin(), environment.end());
+  }
+  all.emplace_back(C3DE_PROGRAM);
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  auto started = ChildProcess::start(all, log_);
+  if (!started) throw std::runtime_error(started.error().message);
+  program_ = std::move(*started);
+  return waitForExit(30.0);
+}
+
+std::string WorkstationDriver::logText() const { return readText(log_); }
+bool WorkstationDriver::isRunning() { return program_ && program_->isRunning(); }
+
+int WorkstationDriver::waitForExit(double timeout_s) {
+  const auto code = program_->wait(timeout_s);
+  if (!code) throw std::runtime_error("the program does not end: " + code.error().message + "\n" + logText());
+  return *code;
+}
+
+Json WorkstationDriver::state() const {
+  // The file is replaced at once, but it may not be there yet.
+  const Json read = Json::parse(readText(stateFile_), nullptr, false);
+  return read.is_discarded() ? Json::object() : read;
+}
+
+Json WorkstationDriver::waitUntil(const std::string &what, const std::function<bool(const Json &)> &predicate,
+                                  double timeout_s) {
+  const Clock::time_point begin = Clock::now();
+  for (;;) {
+    Json now = state();
+    if (now.contains("frame") && predicate(now)) return now;
+    if (program_ && !program_->isRunning())
+      throw std::runtime_error("the program ended while waiting until " + what + "\n" + logText());
+    if (secondsSince(begin) > timeout_s) {
+      screenshot("timeout");
+      throw std::runtime_error("timed out waiting until " + what + "; state: " + essentials(now) + "\nlog: " + logText());
+    }
+    pause(20);
+  }
+}
+
+void WorkstationDriver::waitFrames(int count) {
+  const int first = state().value("frame", 0);
+  waitUntil(std::to_string(count) + " more frames are drawn",
+            [&](const Json &s) { return s["frame"].get<int>() >= first + count; });
+}
+
+void WorkstationDriver::waitForValue(const std::string &key, const std::string &text) {
+  waitUntil("'" + key + "' shows '" + text + "'", [&](const Json &s) { return s["values"].value(key, "") == text; });
+}
+
+std::string WorkstationDriver::value(const std::string &key) const { return state()["values"].value(key, ""); }
+double WorkstationDriver::number(const std::string &key) const { return std::strtod(value(key).c_str(), nullptr); }
+bool WorkstationDriver::has(const std::string &widget) const { return state()["widgets"].contains(widget); }
+
+Point WorkstationDriver::locate(const std::string &widget) {
+  const auto middle = [](const Json &rect) {
+    return Point{0.5 * (rect[0].get<double>() + rect[2].get<double>()), 0.5 * (rect[1].get<double>() + rect[3].get<double>())};
+  };
+  waitUntil("there is a widget '" + widget + "'",
+            [&](const Json &s) { return s["widgets"].contains(widget) || s["scrolled_out"].contains(widget); });
+  for (int tries = 0; tries < 100; ++tries) {
+    const Json now = state();
+    if (now["widgets"].contains(widget)) return middle(now["widgets"][widget]);
+    if (!now["scrolled_out"].contains(widget)) {
+      pause(20);
+      continue;
+    }
+    // Over the panel, towards the widget.
+    const double y = middle(now["scrolled_out"][widget]).y, top = now["view"]["y"], height = now["view"]["h"];
+    moveTo({0.45 * now["view"]["x"].get<double>(), top + 0.5 * height});
+    wheel(y < top + 0.5 * height ? 1 : -1);
+    pause(60);
+  }
+  throw std::runtime_error("'" + widget + "' cannot be scrolled into view");
+}
+
+void WorkstationDriver::xdotool(const std::vector<std::string> &arguments) {
+  std::vector<std::string> all{"xdotool"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  const auto result = runProcess(all, 10.0);
+  if (!result || result->exitCode != 0)
+    throw std::runtime_error("xdotool failed: " + (result ? result->errorOutput : result.error().message));
+}
+
+void WorkstationDriver::moveTo(Point at) {
+  const int x = static_cast<int>(std::lround(at.x)), y = static_cast<int>(std::lround(at.y));
+  xdotool({"mousemove", std::to_string(x), std::to_string(y)});
+  waitUntil("the mouse is at " + std::to_string(x) + ", " + std::to_string(y), [&](const Json &s) {
+    return std::lround(s["mouse"]["x"].get<double>()) == x && std::lround(s["mouse"]["y"].get<double>()) == y;
+  });
+}
+
+void WorkstationDriver::press(int button) {
+  const int first = state().value("frame", 0);
+  xdotool({"mousedown", std::to_string(button)});
+  waitUntil("the button is down", [&](const Json &s) {
+    return s["mouse"]["buttons"].get<int>() != 0 && s["frame"].get<int>() >= first + 2;
+  });
+}
+
+void WorkstationDriver::release(int button) {
+  const int first = state().value("frame", 0);
+  xdotool({"mouseup", std::to_string(button)});
+  waitUntil("the button is up", [&](const Json &s) {
+    return s["mouse"]["buttons"].get<int>() == 0 && s["frame"].get<int>() >= first + 2;
+  });
+}
+
+void WorkstationDriver::clickAt(Point at) {
+  moveTo(at);
+  press();
+  release();
+}
+
+void WorkstationDriver::click(const std::string &widget) { clickAt(locate(widget)); }
+
+void WorkstationDriver::controlClick(const std::string &widget) {
+  moveTo(locate(widget));
+  xdotool({"keydown", "ctrl"});
+  waitFrames(2);
+  press();
+  release();
+  xdotool({"keyup", "ctrl"});
+  waitFrames(2);
+}
+
+void WorkstationDriver::drag(Point from, Point to, int steps, int button) {
+  moveTo(from);
+  press(button);
+  for (int i = 1; i <= steps; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    moveTo({from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)});
+  }
+  release(button);
+}
+
+Point WorkstationDriver::inView(double u, double v) const {
+  const Json view = state()["view"];
+  return {view["x"].get<double>() + u * view["w"].get<double>(), view["y"].get<double>() + v * view["h"].get<double>()};
+}
+
+void WorkstationDriver::wheel(int clicks) {
+  xdotool({"click", "--repeat", std::to_string(std::abs(clicks)), "--delay", "40", clicks > 0 ? "4" : "5"});
+}
+
+void WorkstationDriver::key(const std::string &name) {
+  const int first = state().value("frame", 0);
+  xdotool({"key", name});
+  waitUntil("the key " + name + " is seen",
+            [&](const Json &s) { return s["frame"].get<int>() >= first + 2 || s.value("closing", false); });
+}
+
+void WorkstationDriver::type(const std::string &text) {
+  xdotool({"type", "--delay", "40", text});
+  waitFrames(1);
+}
+
+void WorkstationDriver::screenshot(const std::string &name) {
+  (void)runProcess({"import", "-window", "root", (folder_ / (name_ + "-" + name + ".png")).string()}, 20.0);
+}
+
+}  // namespace c3de::test

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "c3de/core/platform.h"
+
+namespace c3de::test {
+
+using Json = nlohmann::json;
+
+struct Point {
+  double x = 0.0, y = 0.0;
+};
+
+/// Runs the real program on the display of this process and works it with mouse and keyboard (xdotool), looking at the
+/// automation state instead of sleeping. A wait that is not met throws std::runtime_error with the last state's essentials,
+/// which fails the test case.
+class WorkstationDriver {
+ public:
+  /// @param name  of the scenario: names the log, the state file and the screenshots
+  explicit WorkstationDriver(std::string name);
+  ~WorkstationDriver();
+
+  /// Why windows cannot be driven here; empty: they can.
+  [[nodiscard]] static std::string whyNot();
+
+  /// Starts the program and waits until its window is drawn.
+  void start(const std::vector<std::string> &arguments);
+  /// Starts it and waits for its end: for runs that do not get as far as a window. Exit code.
+  [[nodiscard]] int startAndWait(const std::vector<std::string> &arguments,
+                                 const std::vector<std::string> &environment = {});
+  [[nodiscard]] std::string logText() const;
+  [[nodiscard]] bool isRunning();
+  /// Exit code, once it has ended by itself.
+  [[nodiscard]] int waitForExit(double timeout_s = 15.0);
+
+  /// The newest state.
+  [[nodiscard]] Json state() const;
+  Json waitUntil(const std::string &what, const std::function<bool(const Json &)> &predicate, double timeout_s = 20.0);
+  /// Waits for `count` more frames than there are now. Input makes the window draw, so this needs input just before.
+  void waitFrames(int count);
+  /// Waits until a value row shows this text.
+  void waitForValue(const std::string &key, const std::string &text);
+  [[nodiscard]] std::string value(const std::string &key) const;
+  [[nodiscard]] double number(const std::string &key) const;
+  /// Scrolls the side panel until the widget is visible; its middle in window pixels.
+  Point locate(const std::string &widget);
+  [[nodiscard]] bool has(const std::string &widget) const;
+
+  void moveTo(Point at);
+  void press(int button = 1);
+  void release(int button = 1);
+  void click(const std::string &widget);
+  void clickAt(Point at);
+  void controlClick(const std::string &widget);
+  /// Presses at the first point, moves in steps, releases at the last one; each seen by a frame of its own.
+  void drag(Point from, Point to, int steps, int button = 1);
+  /// A point of the 3D view; 0 … 1 from its upper left corner.
+  [[nodiscard]] Point inView(double u, double v) const;
+  void wheel(int clicks);
+  void key(const std::string &name);
+  void type(const std::string &text);
+  /// PNG beside the log.
+  void screenshot(const std::string &name);
+
+ private:
+  void xdotool(const std::vector<std::string> &arguments);
+
+  std::string name_;
+  std::filesystem::path folder_, stateFile_, log_;
+  std::optional<ChildProcess> program_;
+};
+
+}  // namespace c3de::test

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "c3de/geometry/mesh_io.h"
+#include "support/catch.h"
+#include "test_files.h"
+
+using namespace c3de;
+using namespace c3de::geometry;
+
+namespace {
+
+std::string refusal(std::string_view content, const std::string &name) {
+  const auto loaded = loadMesh(test_files::write(name, content), LengthUnit::millimetre);
+  if (loaded) return "was accepted";
+  CHECK(loaded.error().code == ErrorCode::input);
+  CHECK_THAT(loaded.error().message, Contains(name));
+  return loaded.error().message;
+}
+
+void checkTetrahedron(std::string_view content, const std::string &name) {
+  INFO(name);
+  const auto loaded = loadMesh(test_files::write(name, content), LengthUnit::millimetre);
+  if (!loaded) FAIL(loaded.error().message);
+  CHECK(loaded->report.vertices == 4);
+  CHECK(loaded->report.triangles == 4);
+  CHECK(loaded->report.closed);
+  CHECK(loaded->report.oriented);
+  CHECK_THAT(loaded->report.volume_mm3, WithinRel(1000.0 / 6.0, 1e-6));
+}
+
+template <class T>
+std::string bigEndian(std::initializer_list<T> values) {
+  std::string out;
+  for (T value : values) {
+    std::array<unsigned char, sizeof(T)> bytes{};
+    std::memcpy(bytes.data(), &value, sizeof(T));
+    if constexpr (std::endian::native == std::endian::little) std::reverse(bytes.begin(), bytes.end());
+    out.append(reinterpret_cast<const char *>(bytes.data()), sizeof(T));
+  }
+  return out;
+}
+
+const std::string kHead = "# vtk DataFile Version 4.2\ntitle\n";
+const std::string kPoints = "DATASET POLYDATA\nPOINTS 4 float\n0 0 0 10 0 0\n0 10 0\n0 0 10\n";
+
+}  // namespace
+
+TEST_CASE("ASCII VTK in the classic layout is read") {
+  checkTetrahedron(kHead + "ASCII\n" + kPoints + "POLYGONS 4 16\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n", "classic.vtk");
+}
+
+TEST_CASE("ASCII VTK with lines, metadata and point data around the surface is read") {
+  checkTetrahedron(kHead + "ASCII\n" + kPoints + "METADATA\nINFORMATION 0\n\nLINES 1 3\n2 0 1\nPOLYGONS 4 16\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n\n"
+                   "POINT_DATA 4\nSCALARS a float\nLOOKUP_TABLE default\n1 2 3 4\n", "around.vtk");
+}
+
+TEST_CASE("ASCII VTK in the layout of version 5.1 is read") {
+  checkTetrahedron("# vtk DataFile Version 5.1\ntitle\nASCII\n" + kPoints +
+                   "POLYGONS 5 12\nOFFSETS vtktypeint64\n0 3 6 9 12\nCONNECTIVITY vtktypeint64\n0 2 1 0 1 3 0 3 2\n1 2 3\n", "new.vtk");
+}
+
+TEST_CASE("Triangle strips in VTK are read with their alternating sense") {
+  checkTetrahedron(kHead + "ASCII\n" + kPoints + "TRIANGLE_STRIPS 1 7\n6 0 1 3 2 0 1\n", "strips.vtk");
+}
+
+TEST_CASE("Binary VTK is read, float and double, both layouts") {
+  const std::string floats = "DATASET POLYDATA\nPOINTS 4 float\n" + bigEndian<float>({0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10}) + "\n";
+  const std::string doubles = "DATASET POLYDATA\nPOINTS 4 double\n" + bigEndian<double>({0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10}) + "\n";
+  checkTetrahedron(kHead + "BINARY\n" + floats + "POLYGONS 4 16\n" + bigEndian<std::int32_t>({3, 0, 2, 1, 3, 0, 1, 3, 3, 0, 3, 2, 3, 1, 2, 3}) + "\n", "float.vtk");
+  checkTetrahedron("# vtk DataFile Version 5.1\ntitle\nBINARY\n" + doubles + "POLYGONS 5 12\nOFFSETS vtktypeint64\n" +
+                   bigEndian<std::int64_t>({0, 3, 6, 9, 12}) + "\nCONNECTIVITY vtktypeint64\n" +
+                   bigEndian<std::int64_t>({0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}) + "\n", "double.vtk");
+}
+
+TEST_CASE("Broken VTK files are refused with the place and the value") {
+  CHECK_THAT(refusal("hello\n", "bad.vtk"), Contains("bad.vtk:1") && Contains("legacy VTK"));
+  CHECK_THAT(refusal(kHead + "ASCII\nDATASET UNSTRUCTURED_GRID\n", "bad.vtk"), Contains("bad.vtk:4") && Contains("UNSTRUCTURED_GRID") && Contains("POLYDATA"));
+  CHECK_THAT(refusal(kHead + "ASCII\n" + kPoints, "bad.vtk"), Contains("4 points but no faces"));
+  CHECK_THAT(refusal(kHead + "ASCII\n" + kPoints + "POLYGONS 1 4\n3 0 1 4\n", "bad.vtk"), Contains("point index 4") && Contains("0 to 3"));
+  CHECK_THAT(refusal(kHead + "ASCII\n" + kPoints + "POLYGONS 1 4\n3 0 1 -1\n", "bad.vtk"), Contains("point index -1"));
+  CHECK_THAT(refusal(kHead + "ASCII\n" + kPoints + "POLYGONS 1 4\n9 0 1 2\n", "bad.vtk"), Contains("9 corners"));
+  CHECK_THAT(refusal(kHead + "ASCII\n" + kPoints + "POLYGONS 1 4\n3 0 1\n", "bad.vtk"), Contains("ends after"));
+  CHECK_THAT(refusal(kHead + "ASCII\n" + kPoints + "POLYGONS 2 3\nOFFSETS vtktypeint64\n0 9\nCONNECTIVITY vtktypeint64\n0 1 2\n", "bad.vtk"), Contains("offset 9"));
+  CHECK_THAT(refusal(kHead + "ASCII\nDATASET POLYDATA\nPOINTS 4000000000 float\n0 0 0\n", "bad.vtk"), Contains("4000000000"));
+  CHECK_THAT(refusal(kHead + "ASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 nan 0\nPOLYGONS 0 0\n", "bad.vtk"), Contains("bad.vtk:6") && Contains("'nan'"));
+  CHECK_THAT(refusal(kHead + "BINARY\nDATASET POLYDATA\nPOINTS 4 float\n12345", "bad.vtk"), Contains("ends before its 12 coordinates"));
+  const std::string notFinite = "DATASET POLYDATA\nPOINTS 4 float\n" + bigEndian<float>({0, 0, 0, std::nanf(""), 0, 0, 0, 10, 0, 0, 0, 10}) + "\n";
+  CHECK_THAT(refusal(kHead + "BINARY\n" + notFinite + "POLYGONS 1 4\n" + bigEndian<std::int32_t>({3, 0, 1, 2}), "bad.vtk"),
+             Contains("x coordinate nan of vertex 1"));
+}
+
+TEST_CASE("A truncated VTK file is refused wherever it ends") {
+  const std::string whole = kHead + "ASCII\n" + kPoints + "POLYGONS 4 16\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3";
+  for (std::size_t length = 1; length < whole.size(); ++length) {
+    INFO(whole.substr(0, length));
+    CHECK_THAT(refusal(whole.substr(0, length), "cut.vtk"), !Contains("was accepted"));
+  }
+}
+
+TEST_CASE("STL, PLY and OFF are read through assimp and welded") {
+  checkTetrahedron("solid t\nfacet normal 0 0 -1\nouter loop\nvertex 0 0 0\nvertex 0 10 0\nvertex 10 0 0\nendloop\nendfacet\n"
+                   "facet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 10 0 0\nvertex 0 0 10\nendloop\nendfacet\n"
+                   "facet normal -1 0 0\nouter loop\nvertex 0 0 0\nvertex 0 0 10\nvertex 0 10 0\nendloop\nendfacet\n"
+                   "facet normal 1 1 1\nouter loop\nvertex 10 0 0\nvertex 0 10 0\nvertex 0 0 10\nendloop\nendfacet\nendsolid t\n", "ascii.stl");
+  checkTetrahedron("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n"
+                   "property list uchar int vertex_indices\nend_header\n0 0 0\n10 0 0\n0 10 0\n0 0 10\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n", "ascii.ply");
+  checkTetrahedron("OFF\n4 4 6\n0 0 0\n10 0 0\n0 10 0\n0 0 10\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n", "ascii.off");
+}
+
+TEST_CASE("Extensions are recognised in any case") {
+  checkTetrahedron(test_files::kTetrahedronObj, "UPPER.OBJ");
+  CHECK(isMeshFile("liver.STL"));
+  CHECK_FALSE(isMeshFile("liver.nii.gz"));
+}
+
+TEST_CASE("Broken STL and PLY files are refused") {
+  CHECK_THAT(refusal("solid nothing\nendsolid nothing\n", "bad.stl"), !Contains("was accepted"));
+  CHECK_THAT(refusal(std::string(200, '\x55'), "bad.stl"), !Contains("was accepted"));
+  // Binary: one triangle with a coordinate that is not a number.
+  std::string binary(80, ' ');
+  binary += std::string("\x01\0\0\0", 4);
+  for (float value : {0.f, 0.f, 1.f, 0.f, 0.f, 0.f, std::nanf(""), 0.f, 0.f, 0.f, 1.f, 0.f}) {
+    const std::string bytes = bigEndian<float>({value});
+    binary.append(bytes.rbegin(), bytes.rend());
+  }
+  binary += std::string(2, '\0');
+  CHECK_THAT(refusal(binary, "nan.stl"), Contains("x coordinate nan of vertex 1"));
+  const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  CHECK_THAT(refusal(head + "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "bad.ply"), !Contains("was accepted"));
+  CHECK_THAT(refusal(head + "end_header\n0 0 0\n1 0 0\n0 1 0\n", "bad.ply"), !Contains("was accepted"));
+  CHECK_THAT(refusal("ply\n", "bad.ply"), !Contains("was accepted"));
+}

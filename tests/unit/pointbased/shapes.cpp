@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shapes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace shapes {
+
+using namespace pointbased;
+
+BodyShape box(const Vec3 &min, const Vec3 &max) {
+  BodyShape shape;
+  shape.min = min;
+  shape.max = max;
+  shape.volume = (max - min).prod();
+  shape.inside = [=](std::span<const Vec3> points, std::span<double> inside) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      inside[i] = (points[i].array() > min.array()).all() && (points[i].array() < max.array()).all() ? 1.0 : 0.0;
+  };
+  shape.surfaceDistance = [=](std::span<const Vec3> points, std::span<double> distances) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 outside = (min - points[i]).cwiseMax(points[i] - max);
+      distances[i] = outside.maxCoeff() > 0.0 ? outside.cwiseMax(0.0).norm() : -outside.maxCoeff();
+    }
+  };
+  return shape;
+}
+
+BodyShape ball(const Vec3 &centre, double radius) {
+  BodyShape shape;
+  shape.min = centre - Vec3::Constant(radius);
+  shape.max = centre + Vec3::Constant(radius);
+  shape.volume = 4.0 / 3.0 * EIGEN_PI * radius * radius * radius;
+  shape.inside = [=](std::span<const Vec3> points, std::span<double> inside) {
+    for (std::size_t i = 0; i < points.size(); ++i) inside[i] = (points[i] - centre).norm() < radius ? 1.0 : 0.0;
+  };
+  shape.surfaceDistance = [=](std::span<const Vec3> points, std::span<double> distances) {
+    for (std::size_t i = 0; i < points.size(); ++i) distances[i] = std::abs((points[i] - centre).norm() - radius);
+  };
+  return shape;
+}
+
+BodyShape horseshoe() {
+  BodyShape shape;
+  shape.min = Vec3(0, 0, 0);
+  shape.max = Vec3(0.3, 0.2, 0.1);
+  shape.volume = 0.3 * 0.2 * 0.1 - 0.1 * 0.1 * 0.1;
+  shape.inside = [](std::span<const Vec3> points, std::span<double> inside) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 &p = points[i];
+      const bool outer = p.minCoeff() > 0.0 && p[0] < 0.3 && p[1] < 0.2 && p[2] < 0.1;
+      const bool slot = p[0] > 0.1 && p[0] < 0.2 && p[1] > 0.1;
+      inside[i] = outer && !slot ? 1.0 : 0.0;
+    }
+  };
+  return shape;
+}
+
+PhyxelCloud filled(const BodyShape &shape, double spacing) {
+  const auto cloud = fill(shape, {spacing, 0}, serialFor());
+  if (!cloud) throw std::runtime_error(cloud.error());
+  return *cloud;
+}
+
+std::shared_ptr<const RestState> restState(const BodyShape &shape, double spacing, const NeighborChoice &choice) {
+  return buildRestState(filled(shape, spacing), choice, shape.volume, {}, {}, serialFor());
+}
+
+std::shared_ptr<const RestState> restState(const std::vector<Vec3> &points, double spacing, const NeighborChoice &choice) {
+  PhyxelCloud cloud;
+  cloud.spacing = spacing;
+  cloud.positions = points;
+  cloud.volumes.assign(points.size(), spacing * spacing * spacing);
+  cloud.contactRadii.assign(points.size(), 0.5 * spacing);
+  return buildRestState(cloud, choice, static_cast<double>(points.size()) * spacing * spacing * spacing, {}, {}, serialFor());
+}
+
+void evaluate(Body &body) {
+  body.computeGradients(serialFor());
+  body.computeStresses(serialFor());
+  body.computeForces(serialFor());
+}
+
+double forceError(Body &body, double step) {
+  evaluate(body);
+  const std::vector<Vec3> forces(body.forces().begin(), body.forces().end());
+  double largest = 0.0;
+  for (const Vec3 &f : forces) largest = std::max(largest, f.norm());
+  double error = 0.0;
+  const auto energyAt = [&] {
+    body.computeGradients(serialFor());
+    const ElasticEnergy e = body.elasticEnergy();
+    return e.strain + e.stabilisation;
+  };
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      double &u = body.state().displacements[i][c];
+      const double at = u;
+      // Fourth order, so that the truncation error is below the tolerance at a step that does not cancel.
+      u = at + step;
+      const double p1 = energyAt();
+      u = at - step;
+      const double m1 = energyAt();
+      u = at + 2 * step;
+      const double p2 = energyAt();
+      u = at - 2 * step;
+      const double m2 = energyAt();
+      u = at;
+      const double derivative = (8.0 * (p1 - m1) - (p2 - m2)) / (12.0 * step);
+      error = std::max(error, std::abs(derivative + forces[i][c]));
+    }
+  evaluate(body);
+  return error / largest;
+}
+
+}  // namespace shapes

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bodies with known volumes, for tests of the physics without files.
+#pragma once
+
+#include <memory>
+
+#include "pointbased/body.h"
+#include "pointbased/simulator.h"
+
+namespace shapes {
+
+using pointbased::Vec3;
+
+[[nodiscard]] pointbased::BodyShape box(const Vec3 &min, const Vec3 &max);
+[[nodiscard]] pointbased::BodyShape ball(const Vec3 &centre, double radius);
+/// Two lobes joined by a bridge: a U of 0.3 x 0.2 x 0.1 m, with a slot of 0.1 m.
+[[nodiscard]] pointbased::BodyShape horseshoe();
+
+[[nodiscard]] pointbased::PhyxelCloud filled(const pointbased::BodyShape &shape, double spacing);
+[[nodiscard]] std::shared_ptr<const pointbased::RestState> restState(const pointbased::BodyShape &shape, double spacing,
+                                                                     const pointbased::NeighborChoice &choice = {});
+/// A cloud as it is, with equal volumes of spacing³.
+[[nodiscard]] std::shared_ptr<const pointbased::RestState> restState(const std::vector<Vec3> &points, double spacing,
+                                                                     const pointbased::NeighborChoice &choice = {});
+
+/// Reproducible numbers in [-1, 1).
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  double operator()() {
+    state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
+    return static_cast<double>(state_ >> 11) / static_cast<double>(1ull << 52) - 1.0;
+  }
+  Vec3 vector() {
+    const double x = (*this)(), y = (*this)(), z = (*this)();
+    return {x, y, z};
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// F, stress and forces at the body's present displacements.
+void evaluate(pointbased::Body &body);
+
+/// Largest difference of a scalar function's derivative by central differences from -forces, relative to the largest force.
+[[nodiscard]] double forceError(pointbased::Body &body, double step);
+
+}  // namespace shapes

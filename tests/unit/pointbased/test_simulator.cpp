@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "c3de/core/thread_pool.h"
+#include "pointbased/simulator.h"
+#include "shapes.h"
+#include "support/catch.h"
+
+using namespace pointbased;
+
+namespace {
+
+std::unique_ptr<Body> organ(double spacing = 0.02, Material material = {}) {
+  return std::make_unique<Body>("organ", shapes::restState(shapes::horseshoe(), spacing), material, kDefaultStabilisation,
+                                serialFor());
+}
+
+WorldSettings falling() {
+  WorldSettings world;
+  world.gravity = Vec3(0, -9.81, 0);
+  world.box.enabled = true;
+  world.box.min = Vec3(-0.2, -0.1, -0.3);
+  world.box.max = Vec3(0.5, 0.6, 0.4);
+  world.damping = 6.0;
+  return world;
+}
+
+}  // namespace
+
+TEST_CASE("a body at rest stays at rest for 10 000 steps") {
+  Simulator simulator;
+  const std::size_t id = simulator.addBody(organ(0.03));
+  const std::uint64_t before = simulator.stateHash();
+  for (int i = 0; i < 10000; ++i) REQUIRE(simulator.step());
+  CHECK(simulator.stateHash() == before);
+  CHECK(simulator.energy(id).kinetic == 0.0);
+}
+
+TEST_CASE("a free spinning and vibrating body keeps its energy and momenta") {
+  Simulator simulator;
+  const std::size_t id = simulator.addBody(organ(0.025));
+  Body &body = *simulator.body(id);
+  for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) {
+    const Vec3 &X = body.rest().positions[i];
+    body.state().velocities[i] = Vec3(1, 2, 0.5).cross(X) + Vec3(0.1 * std::sin(30.0 * X[0]), 0.2, 0.0);
+  }
+  const auto momenta = [&] {
+    Vec3 p = Vec3::Zero(), l = Vec3::Zero();
+    for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) {
+      const Vec3 mv = body.masses()[i] * body.state().velocities[i];
+      p += mv;
+      l += (body.rest().positions[i] + body.state().displacements[i]).cross(mv);
+    }
+    return std::pair(p, l);
+  };
+  const auto [p0, l0] = momenta();
+  const double e0 = simulator.energy(id).kinetic;
+  double worst = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    REQUIRE(simulator.step());
+    const auto e = simulator.energy(id);
+    worst = std::max(worst, std::abs(e.kinetic + e.elastic + e.stabilisation - e0) / e0);
+  }
+  const auto [p1, l1] = momenta();
+  CHECK((p1 - p0).norm() < 1e-12 * p0.norm());
+  CHECK((l1 - l0).norm() < 1e-11 * l0.norm());
+  // Velocity Verlet oscillates about the true energy by (omega dt)²/8 of the excited modes.
+  CHECK(worst < 0.02);
+}
+
+TEST_CASE("a soft body falls into the box, comes to rest and stays finite") {
+  Simulator simulator;
+  simulator.setWorld(falling());
+  const std::size_t id = simulator.addBody(organ());
+  while (simulator.time() < 3.0) REQUIRE(simulator.step());
+  const Body &body = *simulator.body(id);
+  double fastest = 0.0, lowest = 1.0;
+  for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) {
+    fastest = std::max(fastest, body.state().velocities[i].norm());
+    lowest = std::min(lowest, body.rest().origin[1] + body.rest().positions[i][1] + body.state().displacements[i][1]);
+  }
+  CHECK(fastest < 0.02);
+  CHECK(lowest > -0.1 - 0.5 * body.rest().spacing);
+  CHECK_THAT(body.totalMass(), WithinRel(1060.0 * 0.005, 1e-12));
+}
+
+TEST_CASE("state hash: the same for 1 and 2 threads and from run to run; reset gives the initial one") {
+  std::vector<std::uint64_t> hashes;
+  for (const unsigned threads : {1u, 2u, 2u}) {
+    c3de::ThreadPool pool(threads);
+    Simulator simulator([&pool](std::size_t n, std::size_t grain,
+                                const std::function<void(std::size_t, std::size_t)> &body) { pool.parallelFor(n, grain, body); });
+    simulator.setWorld(falling());
+    simulator.addBody(organ());
+    const std::uint64_t initial = simulator.stateHash();
+    for (int i = 0; i < 300; ++i) REQUIRE(simulator.step());
+    hashes.push_back(simulator.stateHash());
+    CHECK(hashes.back() != initial);
+    simulator.reset();
+    CHECK(simulator.stateHash() == initial);
+    CHECK(simulator.time() == 0.0);
+    for (int i = 0; i < 300; ++i) REQUIRE(simulator.step());
+    CHECK(simulator.stateHash() == hashes.back());
+  }
+  CHECK(hashes[0] == hashes[1]);
+  CHECK(hashes[1] == hashes[2]);
+}
+
+TEST_CASE("a step that is too large is divided, and says so") {
+  Simulator simulator;
+  WorldSettings world = falling();
+  world.dt = 1.0 / 60.0;
+  simulator.setWorld(world);
+  simulator.addBody(organ());
+  for (int i = 0; i < 30; ++i) REQUIRE(simulator.step());
+  CHECK_THAT(simulator.time(), WithinRel(0.5, 1e-9));
+  REQUIRE_FALSE(simulator.events().empty());
+  CHECK(simulator.events().front().kind == "substep");
+}
+
+TEST_CASE("a state that is not finite is refused, the good one is kept, and reset leads out") {
+  Simulator simulator;
+  const std::size_t id = simulator.addBody(organ(0.03));
+  REQUIRE(simulator.step());
+  simulator.body(id)->state().velocities[7][1] = std::nan("");
+  const auto failed = simulator.step();
+  REQUIRE_FALSE(failed);
+  CHECK_THAT(failed.error().text, Contains("organ") && Contains("phyxel"));
+  CHECK(simulator.failed());
+  CHECK_FALSE(simulator.step());
+  simulator.reset();
+  CHECK_FALSE(simulator.failed());
+  CHECK(simulator.step());
+}
+
+TEST_CASE("a grabbed region follows the hand and the force vanishes on release") {
+  Simulator simulator;
+  WorldSettings world;
+  world.damping = 1.0;
+  simulator.setWorld(world);
+  const std::size_t id = simulator.addBody(organ());
+  const Body &body = *simulator.body(id);
+  Grab grab;
+  for (Index i = 0; i < 8; ++i) {
+    grab.phyxels.push_back(i);
+    grab.weights.push_back(1.0 / 8.0);
+  }
+  Vec3 start = Vec3::Zero();
+  for (Index i = 0; i < 8; ++i) start += (body.rest().origin + body.rest().positions[i]) / 8.0;
+  grab.target = start + Vec3(0.05, 0.0, 0.0);
+  simulator.setGrab(id, grab);
+  while (simulator.time() < 0.02) REQUIRE(simulator.step());
+  CHECK(simulator.grabStatus(id)->force[0] > 0.0);
+  while (simulator.time() < 4.0) REQUIRE(simulator.step());
+  CHECK((simulator.grabStatus(id)->point - grab.target).norm() < 0.005);
+  simulator.moveGrab(id, Vec3(1e6, 0, 0));  // a tool that is torn away
+  for (int i = 0; i < 200; ++i) REQUIRE(simulator.step());
+  simulator.releaseGrab(id);
+  CHECK_FALSE(simulator.grabStatus(id));
+  for (int i = 0; i < 200; ++i) REQUIRE(simulator.step());
+}
+
+TEST_CASE("a material that is changed while running changes the step at once") {
+  Simulator simulator;
+  simulator.setWorld(falling());
+  const std::size_t id = simulator.addBody(organ());
+  while (simulator.time() < 0.5) REQUIRE(simulator.step());
+  const double before = simulator.stepSize();
+  Material stiff = simulator.body(id)->material();
+  stiff.youngsModulus *= 100.0;
+  simulator.setMaterial(id, stiff, kDefaultStabilisation);
+  CHECK_THAT(simulator.stepSize(), WithinRel(0.1 * before, 1e-6));
+  while (simulator.time() < 1.0) REQUIRE(simulator.step());
+}
+
+TEST_CASE("a probe reports where its material point is") {
+  Simulator simulator;
+  WorldSettings world;
+  world.gravity = Vec3(0, -10, 0);
+  world.dt = 1e-3;
+  simulator.setWorld(world);
+  const std::size_t id = simulator.addBody(organ(0.03));
+  simulator.addProbe("tip", id, Vec3(0.3, 0.2, 0.1));
+  CHECK((simulator.probeState(simulator.probes()[0]).position - Vec3(0.3, 0.2, 0.1)).norm() < 1e-12);
+  for (int i = 0; i < 100; ++i) REQUIRE(simulator.step());
+  CHECK_THAT(simulator.probeState(simulator.probes()[0]).position[1], WithinAbs(0.2 - 0.05, 1e-9));
+  CHECK_THAT(simulator.probeState(simulator.probes()[0]).velocity[1], WithinAbs(-1.0, 1e-9));
+}

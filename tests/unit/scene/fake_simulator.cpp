@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fake_simulator.h"
+
+#include <string_view>
+#include <thread>
+
+#include "c3de/core/text.h"
+
+FakeSimulator::FakeSimulator() {
+  shared_.object.vt = &vt_;
+  shared_.owner = this;
+}
+
+c3de_object_vt FakeSimulator::makeVt() {
+  c3de_object_vt vt{};
+  vt.size = sizeof vt;
+  vt.retain = [](c3de_object *self) -> std::uint32_t { return static_cast<std::uint32_t>(++of(self).references_); };
+  vt.release = [](c3de_object *self) -> std::uint32_t { return static_cast<std::uint32_t>(--of(self).references_); };
+  vt.query = [](c3de_object *self, c3de_str id, std::uint32_t, const void **table) -> c3de_status {
+    FakeSimulator &fake = of(self);
+    if (!fake.answersInterface || c3de::fromAbi(id) != std::string_view(C3DE_IFACE_SIMULATOR_ID)) return C3DE_E_NOT_FOUND;
+    fake.table_.size = fake.tableSize;
+    *table = &fake.table_;
+    return C3DE_OK;
+  };
+  return vt;
+}
+
+c3de_simulator_v0 FakeSimulator::makeTable() {
+  c3de_simulator_v0 table{};
+  table.size = sizeof table;
+  table.step = [](c3de_object *self) -> c3de_status {
+    FakeSimulator &fake = of(self);
+    if (fake.stepCost_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(fake.stepCost_us));
+    if (fake.steps + 1 == fake.failAtStep) return C3DE_E_DIVERGED;
+    ++fake.totalSteps;
+    if (!fake.standsStill) ++fake.steps;
+    return C3DE_OK;
+  };
+  table.reset = [](c3de_object *self) -> c3de_status {
+    FakeSimulator &fake = of(self);
+    if (fake.resetFails) return C3DE_E_INTERNAL;
+    ++fake.resets;
+    fake.steps = 0;
+    return C3DE_OK;
+  };
+  table.publish = [](c3de_object *self) -> c3de_status {
+    FakeSimulator &fake = of(self);
+    ++fake.publishes;
+    fake.publishedStep = fake.steps.load();
+    return C3DE_OK;
+  };
+  table.status = [](c3de_object *self, c3de_sim_status *out) -> c3de_status {
+    FakeSimulator &fake = of(self);
+    out->steps = fake.steps;
+    out->dt_s = fake.dt_s;
+    out->time_s = static_cast<double>(out->steps) * out->dt_s;
+    return C3DE_OK;
+  };
+  return table;
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+
+#include "c3de/abi/draft/iface/simulator.h"
+
+/// A simulator without physics: counts what is asked of it, for tests of who drives it. The counters may be read from any
+/// thread.
+class FakeSimulator {
+ public:
+  FakeSimulator();
+  FakeSimulator(const FakeSimulator &) = delete;
+  FakeSimulator &operator=(const FakeSimulator &) = delete;
+
+  [[nodiscard]] c3de_object *object() { return &shared_.object; }
+  [[nodiscard]] int references() const { return references_; }
+
+  std::atomic<double> dt_s{1e-3};
+  std::atomic<std::int64_t> stepCost_us{0};      ///< how long a step takes
+  std::atomic<std::uint64_t> failAtStep{0};      ///< 1: the first; 0: never
+  std::atomic<bool> resetFails{false};
+  std::atomic<bool> standsStill{false};          ///< a step changes nothing
+  std::atomic<std::uint64_t> steps{0}, resets{0}, publishes{0}, totalSteps{0};
+  std::atomic<std::uint64_t> publishedStep{0};   ///< the state that the last snapshot shows
+  std::atomic<std::uint32_t> tableSize{sizeof(c3de_simulator_v0)};
+  std::atomic<bool> answersInterface{true};
+
+ private:
+  struct Shared {
+    c3de_object object;
+    FakeSimulator *owner;
+  };
+  static FakeSimulator &of(c3de_object *object) { return *reinterpret_cast<Shared *>(object)->owner; }
+  static c3de_object_vt makeVt();
+  static c3de_simulator_v0 makeTable();
+
+  c3de_object_vt vt_ = makeVt();
+  c3de_simulator_v0 table_ = makeTable();
+  Shared shared_{};
+  std::atomic<int> references_{1};
+};

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene_text.h"
+
+using namespace c3de;
+
+namespace {
+
+scene::SceneFile liverScene() {
+  return parse(R"(format = 1
+[[body]]
+name = "liver"
+mesh = "beam.obj"
+mesh_unit = "m"
+material = "liver"
+sampling = { spacing = 0.01 }
+[[body]]
+name = "liver.left"
+mesh = "beam.obj"
+mesh_unit = "m"
+[[obstacle]]
+name = "floor"
+mesh = "block.obj"
+mesh_unit = "m"
+[[probe]]
+name = "tip"
+body = "liver"
+at = [0, 0, 0]
+)").value();
+}
+
+}  // namespace
+
+TEST_CASE("An override replaces what the scene says, and says where it came from") {
+  scene::SceneFile scene = liverScene();
+  REQUIRE(scene::applyOverride(scene, "body.liver.material.youngs_modulus=8e3", &presets()).has_value());
+  const auto *modulus = findValue(scene.bodies[0].params, "material.youngs_modulus");
+  CHECK(modulus->value.num == 8000.0);
+  CHECK(scene.where(*modulus) == "--set body.liver.material.youngs_modulus");
+
+  REQUIRE(scene::applyOverride(scene, "world.gravity=[0,-9.81,0]", nullptr).has_value());
+  CHECK(findValue(scene.world, "world.gravity")->value.vec == Vec3{0.0, -9.81, 0.0});
+  REQUIRE(scene::applyOverride(scene, "solver.dt=auto", nullptr).has_value());
+  CHECK(findValue(scene.world, "solver.dt")->value.text == "auto");
+  REQUIRE(scene::applyOverride(scene, "solver.dt = 1e-3", nullptr).has_value());
+  CHECK(findValue(scene.world, "solver.dt")->value.num == 1e-3);
+  REQUIRE(scene::applyOverride(scene, "obstacle.floor.friction=.5", nullptr).has_value());
+  CHECK(findValue(scene.obstacles[0].params, "friction")->value.num == 0.5);
+  REQUIRE(scene::applyOverride(scene, "obstacle.0.friction=0.25", nullptr).has_value());
+  CHECK(findValue(scene.obstacles[0].params, "friction")->value.num == 0.25);
+  REQUIRE(scene::applyOverride(scene, "body.liver.position=[0, 1, 0]", nullptr).has_value());
+  CHECK(scene.bodies[0].placement.position_m == Vec3{0, 1, 0});
+  REQUIRE(scene::applyOverride(scene, "body.liver.left.material=fat", &presets()).has_value());
+  CHECK(findValue(scene.bodies[1].params, "material.density")->value.num == 950.0);
+  REQUIRE(scene::applyOverride(scene, "probe.tip.at=[1,2,3]", nullptr).has_value());
+  CHECK(scene.probes[0].at_m == Vec3{1, 2, 3});
+  REQUIRE(scene::applyOverride(scene, "title=Second", nullptr).has_value());
+  CHECK(scene.title == "Second");
+}
+
+TEST_CASE("Overriding one of two ways to say the same thing takes the other away") {
+  scene::SceneFile scene = liverScene();
+  REQUIRE(scene::applyOverride(scene, "body.liver.sampling.count=2000", nullptr).has_value());
+  CHECK(findValue(scene.bodies[0].params, "sampling.count")->value.num == 2000.0);
+  CHECK(findValue(scene.bodies[0].params, "sampling.spacing") == nullptr);
+}
+
+TEST_CASE("An override of something that does not exist is a usage error that names the nearest") {
+  const struct {
+    const char *assignment, *contains;
+  } cases[] = {
+      {"body.livr.material.density=1", "did you mean 'liver'?"},
+      {"wrld.gravity=[0,0,0]", "did you mean 'world.gravity'?"},
+      {"bdy.liver.material.density=1000", "did you mean 'body.liver.material.density'?"},
+      {"body.liver.scael=2", "did you mean 'scale'?"},
+      {"obstacle.flor.friction=1", "did you mean 'floor'?"},
+      {"obstacle.7.friction=1", "no obstacle '7'"},
+      {"obstacle.floor.frction=1", "did you mean 'friction'?"},
+      {"probe.tap.at=[0,0,0]", "did you mean 'tip'?"},
+      {"body.liver.material=livr", "did you mean 'liver'?"},
+      {"body.liver.scale=-1", "above 0"},
+      {"body.liver.position=3", "[x, y, z]"},
+      {"body.liver=3", "no key of body 'liver'"},
+      {"world.box.min=[0,0,0]", "no 'max'"},
+      {"no-equals-sign", "PATH=VALUE"},
+      {"=3", "PATH=VALUE"},
+  };
+  for (const auto &one : cases) {
+    INFO(one.assignment);
+    scene::SceneFile scene = liverScene();
+    const auto applied = scene::applyOverride(scene, one.assignment, &presets());
+    REQUIRE_FALSE(applied.has_value());
+    CHECK(applied.error().code == ErrorCode::usage);
+    CHECK_THAT(applied.error().message, Contains("--set ") && Contains(one.contains));
+    CHECK(scene.bodies[0].params.size() == liverScene().bodies[0].params.size());
+  }
+}
+
+TEST_CASE("A value that the simulator does not know is a usage error when it came from the command line") {
+  scene::SceneFile scene = liverScene();
+  REQUIRE(scene::applyOverride(scene, "solver.dumping=1", nullptr).has_value());
+  ParameterDecl damping;
+  damping.id = "solver.damping";
+  const auto fitted = scene::fitToDeclaration(scene, scene.world.front(), {damping});
+  REQUIRE_FALSE(fitted.has_value());
+  CHECK(fitted.error().code == ErrorCode::usage);
+  CHECK_THAT(fitted.error().message, Contains("--set solver.dumping: ") && Contains("solver.damping"));
+}
+
+TEST_CASE("An override cannot smuggle in a second key") {
+  scene::SceneFile scene = liverScene();
+  REQUIRE(scene::applyOverride(scene, "title=1\nformat = 9", nullptr).has_value());
+  CHECK(scene.title == "1\nformat = 9");
+}

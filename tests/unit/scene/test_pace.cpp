@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pace.h"
+#include "support/catch.h"
+
+using namespace std::chrono_literals;
+using c3de::scene::Clock;
+using c3de::scene::Meter;
+using c3de::scene::Pace;
+
+TEST_CASE("A step is due when the wall clock has come as far as the step's end") {
+  Pace pace;
+  const Clock::time_point begin{1000s};
+  pace.start(begin, 5.0);
+  CHECK(pace.dueTime(5.010, 1.0, begin) == begin + 10ms);
+  CHECK(pace.dueTime(5.010, 0.5, begin) == begin + 20ms);
+  CHECK(pace.dueTime(5.010, 8.0, begin) == begin + 1250us);
+}
+
+TEST_CASE("A little lag is made up for, more than that is given up") {
+  Pace pace;
+  const Clock::time_point begin{1000s};
+  pace.start(begin, 0.0);
+  // 30 ms late: the next step is still due by the old clock.
+  CHECK(pace.dueTime(0.010, 1.0, begin + 40ms) == begin + 10ms);
+  CHECK(pace.dueTime(0.020, 1.0, begin + 40ms) == begin + 20ms);
+  // Ten seconds late: at most 50 ms are hurried after.
+  const Clock::time_point late = begin + 10s;
+  CHECK(pace.dueTime(0.030, 1.0, late) == late - 50ms);
+  CHECK(pace.dueTime(0.130, 1.0, late) == late + 50ms);
+}
+
+TEST_CASE("The meter measures simulated time against the wall over the last second") {
+  Meter meter;
+  CHECK(meter.realTimeFactor() == 0.0);
+  Clock::time_point now{1000s};
+  // Half real time for 2 s, then twice real time for 1.5 s: the window has forgotten the beginning.
+  for (int i = 0; i < 200; ++i) meter.add(now += 10ms, 0.008, 0.005);
+  CHECK_THAT(meter.realTimeFactor(), WithinRel(0.5, 0.02));
+  CHECK_THAT(meter.meanStep_s(), WithinRel(0.008, 1e-9));
+  for (int i = 0; i < 150; ++i) meter.add(now += 10ms, 0.002, 0.020);
+  CHECK_THAT(meter.realTimeFactor(), WithinRel(2.0, 0.02));
+  CHECK_THAT(meter.meanStep_s(), WithinRel(0.002, 1e-9));
+}
+
+TEST_CASE("Time that was spent paused does not count") {
+  Meter meter;
+  Clock::time_point now{1000s};
+  for (int i = 0; i < 20; ++i) meter.add(now += 10ms, 0.010, 0.010);
+  meter.pause();
+  now += 60s;
+  for (int i = 0; i < 20; ++i) meter.add(now += 10ms, 0.010, 0.010);
+  CHECK_THAT(meter.realTimeFactor(), WithinRel(1.0, 1e-6));
+  meter.clear();
+  CHECK(meter.realTimeFactor() == 0.0);
+  CHECK(meter.meanStep_s() == 0.0);
+}

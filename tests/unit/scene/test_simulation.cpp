@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/scene/simulation.h"
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "c3de/core/log.h"
+#include "fake_simulator.h"
+#include "support/catch.h"
+
+using namespace c3de;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+using scene::Simulation;
+
+namespace {
+
+/// Waits until it is so, or for long enough to be sure that it will not be.
+bool eventually(const std::function<bool()> &isSo, std::chrono::milliseconds patience = 5000ms) {
+  const auto end = Clock::now() + patience;
+  while (Clock::now() < end) {
+    if (isSo()) return true;
+    std::this_thread::sleep_for(1ms);
+  }
+  return isSo();
+}
+
+std::unique_ptr<Simulation> start(FakeSimulator &fake) { return Simulation::create(fake.object()).value(); }
+
+/// The state after everything that was asked for so far.
+c3de_sim_transport settled(Simulation &simulation) {
+  simulation.call([] {});
+  return simulation.state();
+}
+
+}  // namespace
+
+TEST_CASE("A new simulation stands at its initial state, shows it, and does nothing") {
+  FakeSimulator fake;
+  {
+    const auto simulation = start(fake);
+    CHECK(fake.references() == 2);
+    CHECK(simulation->object() == fake.object());
+    REQUIRE(eventually([&] { return fake.publishes >= 1; }));
+    std::this_thread::sleep_for(30ms);
+    const c3de_sim_transport state = settled(*simulation);
+    CHECK(state.mode == C3DE_SIM_STOPPED);
+    CHECK(state.steps == 0);
+    CHECK(state.target_rate == 1.0);
+    CHECK(state.real_time_factor == 0.0);
+    CHECK(fake.steps == 0);
+  }
+  CHECK(fake.references() == 1);
+}
+
+TEST_CASE("An object that is no simulator is refused with the name of the interface") {
+  FakeSimulator fake;
+  fake.answersInterface = false;
+  const auto none = Simulation::create(fake.object());
+  REQUIRE_FALSE(none.has_value());
+  CHECK(none.error().code == ErrorCode::plugin);
+  CHECK_THAT(none.error().message, Contains(C3DE_IFACE_SIMULATOR_ID));
+  fake.answersInterface = true;
+  fake.tableSize = 16;
+  const auto tooOld = Simulation::create(fake.object());
+  REQUIRE_FALSE(tooOld.has_value());
+  CHECK_THAT(tooOld.error().message, Contains("16 bytes"));
+  CHECK(fake.references() == 1);
+  CHECK_FALSE(Simulation::create(nullptr).has_value());
+}
+
+TEST_CASE("Step makes one step and pauses") {
+  FakeSimulator fake;
+  const auto simulation = start(fake);
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  c3de_sim_transport state = settled(*simulation);
+  CHECK(state.mode == C3DE_SIM_PAUSED);
+  CHECK(state.steps == 1);
+  CHECK(eventually([&] { return fake.publishedStep == 1; }));
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  state = settled(*simulation);
+  CHECK(state.steps == 3);
+  CHECK_THAT(state.time_s, WithinAbs(3e-3, 1e-12));
+}
+
+TEST_CASE("Play goes on until pause, and the last state is shown") {
+  FakeSimulator fake;
+  const auto simulation = start(fake);
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return simulation->state().steps > 20; }));
+  CHECK(simulation->state().mode == C3DE_SIM_PLAYING);
+  simulation->transport(C3DE_TRANSPORT_PAUSE);
+  const c3de_sim_transport state = settled(*simulation);
+  CHECK(state.mode == C3DE_SIM_PAUSED);
+  CHECK(eventually([&] { return fake.publishedStep == state.steps; }));
+  std::this_thread::sleep_for(30ms);
+  CHECK(fake.steps == state.steps);
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  CHECK(eventually([&] { return simulation->state().steps > state.steps; }));
+}
+
+TEST_CASE("Stop goes back to the initial state and stays there") {
+  FakeSimulator fake;
+  const auto simulation = start(fake);
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return simulation->state().steps > 5; }));
+  simulation->transport(C3DE_TRANSPORT_STOP);
+  const c3de_sim_transport state = settled(*simulation);
+  CHECK(state.mode == C3DE_SIM_STOPPED);
+  CHECK(state.steps == 0);
+  CHECK(state.time_s == 0.0);
+  CHECK(state.real_time_factor == 0.0);
+  CHECK(fake.resets == 1);
+  CHECK(eventually([&] { return fake.publishedStep == 0; }));
+}
+
+TEST_CASE("Reset goes on playing if it was, and stands still if it was paused") {
+  FakeSimulator fake;
+  const auto simulation = start(fake);
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return simulation->state().steps > 5; }));
+  simulation->transport(C3DE_TRANSPORT_RESET);
+  CHECK(settled(*simulation).mode == C3DE_SIM_PLAYING);
+  REQUIRE(eventually([&] { return simulation->state().steps > 0; }));
+  simulation->transport(C3DE_TRANSPORT_PAUSE);
+  simulation->transport(C3DE_TRANSPORT_RESET);
+  const c3de_sim_transport state = settled(*simulation);
+  CHECK(state.mode == C3DE_SIM_STOPPED);
+  CHECK(state.steps == 0);
+  CHECK(fake.resets == 2);
+}
+
+TEST_CASE("A failed step keeps the state, says why, and only stop or reset lead out") {
+  setLogThreshold(LogLevel::error);
+  FakeSimulator fake;
+  fake.failAtStep = 4;
+  const auto simulation = Simulation::create(fake.object(), [] { return std::string("phyxel 12 has no volume left"); }).value();
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return simulation->state().mode == C3DE_SIM_FAILED; }));
+  CHECK(simulation->state().steps == 3);
+  CHECK_THAT(simulation->failure(), Contains("step 4") && Contains("phyxel 12 has no volume left"));
+  CHECK(eventually([&] { return fake.publishedStep == 3; }));
+  for (const std::uint32_t action : {C3DE_TRANSPORT_PLAY, C3DE_TRANSPORT_STEP, C3DE_TRANSPORT_PAUSE}) {
+    simulation->transport(action);
+    CHECK(settled(*simulation).mode == C3DE_SIM_FAILED);
+  }
+  CHECK(fake.steps == 3);
+
+  simulation->transport(C3DE_TRANSPORT_RESET);
+  c3de_sim_transport state = settled(*simulation);
+  CHECK(state.mode == C3DE_SIM_STOPPED);
+  CHECK(state.steps == 0);
+  CHECK(simulation->failure().empty());
+  for (int i = 0; i < 4; ++i) simulation->transport(C3DE_TRANSPORT_STEP);
+  REQUIRE(settled(*simulation).mode == C3DE_SIM_FAILED);
+  simulation->transport(C3DE_TRANSPORT_STOP);
+  CHECK(settled(*simulation).mode == C3DE_SIM_STOPPED);
+  fake.failAtStep = 0;
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  CHECK(settled(*simulation).steps == 1);
+}
+
+TEST_CASE("A reset that fails leaves a failed simulation, not a wrong one") {
+  FakeSimulator fake;
+  fake.resetFails = true;
+  const auto simulation = start(fake);
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  simulation->transport(C3DE_TRANSPORT_STOP);
+  const c3de_sim_transport state = settled(*simulation);
+  CHECK(state.mode == C3DE_SIM_FAILED);
+  CHECK(state.steps == 1);
+  CHECK_THAT(simulation->failure(), Contains("initial state") && Contains("-17"));
+}
+
+TEST_CASE("Posted commands run on the simulation's thread between steps, in order, also while paused") {
+  FakeSimulator fake;
+  const auto simulation = start(fake);
+  std::vector<int> order;
+  std::thread::id first, second;
+  simulation->post([&] { order.push_back(1); first = std::this_thread::get_id(); });
+  simulation->post([&] { order.push_back(2); });
+  simulation->call([&] { order.push_back(3); second = std::this_thread::get_id(); });
+  CHECK(order == std::vector<int>{1, 2, 3});
+  CHECK(first == second);
+  CHECK(first != std::this_thread::get_id());
+  // What a command changes is shown without a step.
+  const std::uint64_t before = fake.publishes;
+  simulation->post([] {});
+  CHECK(eventually([&] { return fake.publishes > before; }));
+  CHECK(fake.steps == 0);
+  // A command that waits for itself must not hang, one that throws must not end the thread.
+  bool nested = false;
+  simulation->call([&] { simulation->call([&] { nested = true; }); });
+  CHECK(nested);
+  setLogThreshold(LogLevel::error);
+  simulation->post([] { throw std::runtime_error("on purpose"); });
+  CHECK(settled(*simulation).mode == C3DE_SIM_STOPPED);
+}
+
+TEST_CASE("Playing in real time keeps to the wall clock") {
+  FakeSimulator fake;
+  fake.dt_s = 2e-3;
+  const auto simulation = start(fake);
+  const auto begin = Clock::now();
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  std::this_thread::sleep_for(600ms);
+  simulation->transport(C3DE_TRANSPORT_PAUSE);
+  const c3de_sim_transport state = settled(*simulation);
+  const double wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  // Never ahead of the clock; behind it by no more than a busy machine explains.
+  CHECK(state.time_s <= wall_s);
+  CHECK(state.time_s > 0.5 * wall_s);
+  CHECK(state.real_time_factor < 1.2);
+  CHECK(state.real_time_factor > 0.5);
+}
+
+TEST_CASE("A target rate slows down and speeds up") {
+  FakeSimulator fake;
+  const auto simulation = start(fake);
+  simulation->setTargetRate(0.1);
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  const auto begin = Clock::now();
+  std::this_thread::sleep_for(400ms);
+  const double slow_s = settled(*simulation).time_s;
+  const double wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  CHECK(slow_s <= 0.1 * wall_s + 2e-3);
+  CHECK(slow_s > 0.03 * wall_s);
+  CHECK(simulation->state().target_rate == 0.1);
+
+  simulation->setTargetRate(0.0);
+  const std::uint64_t before = settled(*simulation).steps;
+  std::this_thread::sleep_for(100ms);
+  // Without a step to wait for, far more than a step per millisecond.
+  CHECK(settled(*simulation).steps > before + 1000);
+  CHECK(simulation->state().real_time_factor > 2.0);
+  simulation->setTargetRate(-3.0);
+  CHECK(settled(*simulation).target_rate == 0.0);
+}
+
+TEST_CASE("A simulator that cannot keep up makes every step and says how slow it is") {
+  FakeSimulator fake;
+  fake.dt_s = 1e-3;
+  fake.stepCost_us = 5000;
+  const auto simulation = start(fake);
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  std::this_thread::sleep_for(500ms);
+  simulation->transport(C3DE_TRANSPORT_PAUSE);
+  const c3de_sim_transport state = settled(*simulation);
+  CHECK(state.real_time_factor > 0.0);
+  CHECK(state.real_time_factor < 0.25);
+  CHECK(state.step_ms >= 5.0);
+  CHECK_THAT(state.time_s, WithinAbs(static_cast<double>(fake.totalSteps) * 1e-3, 1e-9));
+  // No burst afterwards: what was lost is not made up for.
+  fake.stepCost_us = 0;
+  const std::uint64_t before = fake.steps;
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  std::this_thread::sleep_for(100ms);
+  simulation->transport(C3DE_TRANSPORT_PAUSE);
+  CHECK(settled(*simulation).steps < before + 260);
+}
+
+TEST_CASE("The state can be read at once while a step takes long") {
+  FakeSimulator fake;
+  fake.stepCost_us = 400000;
+  const auto simulation = start(fake);
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  std::this_thread::sleep_for(50ms);
+  const auto begin = Clock::now();
+  for (int i = 0; i < 1000; ++i) (void)simulation->state();
+  CHECK(Clock::now() - begin < 100ms);
+  CHECK(fake.steps == 0);  // the step is still being computed
+}
+
+TEST_CASE("Snapshots are published often enough to be smooth and not more") {
+  FakeSimulator fake;
+  const auto simulation = start(fake);
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return simulation->state().steps > 0; }));
+  const std::uint64_t before = fake.publishes;
+  const auto begin = Clock::now();
+  std::this_thread::sleep_for(400ms);
+  const auto published = static_cast<double>(fake.publishes - before);
+  const double wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
+  CHECK(published <= wall_s / 0.008 + 1.0);
+  CHECK(published > 10.0);
+}
+
+TEST_CASE("A world with nothing to compute does not burn the processor") {
+  FakeSimulator fake;
+  fake.standsStill = true;
+  const auto simulation = start(fake);
+  simulation->setTargetRate(0.0);
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  std::this_thread::sleep_for(200ms);
+  CHECK(fake.totalSteps < 60);
+  CHECK(fake.totalSteps > 0);
+}
+
+TEST_CASE("The listener hears every snapshot until it is taken away") {
+  FakeSimulator fake;
+  const auto simulation = start(fake);
+  std::atomic<int> heard{0};
+  simulation->setPublishedListener([&] { ++heard; });
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  CHECK(eventually([&] { return heard > 0; }));
+  simulation->setPublishedListener({});
+  const int before = heard;
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  settled(*simulation);
+  settled(*simulation);
+  CHECK(heard == before);
+}
+
+TEST_CASE("Ending a simulation is quick while it plays, and runs what was posted") {
+  FakeSimulator fake;
+  bool ran = false;
+  auto simulation = start(fake);
+  simulation->setTargetRate(1e-9);  // the next step is due in years
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  settled(*simulation);
+  simulation->post([&] { ran = true; });
+  const auto begin = Clock::now();
+  simulation.reset();
+  CHECK(Clock::now() - begin < 500ms);
+  CHECK(ran);
+  CHECK(fake.references() == 1);
+}
+
+TEST_CASE("Many threads may command and look at once") {
+  FakeSimulator fake;
+  const auto simulation = start(fake);
+  std::vector<std::thread> threads;
+  std::atomic<int> ran{0};
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 100; ++i) {
+        simulation->transport(1u + static_cast<std::uint32_t>((t + i) % 5));
+        simulation->post([&] { ++ran; });
+        (void)simulation->state();
+        (void)simulation->failure();
+        simulation->setTargetRate(i % 3);
+      }
+    });
+  for (std::thread &thread : threads) thread.join();
+  simulation->transport(C3DE_TRANSPORT_STOP);
+  const c3de_sim_transport state = settled(*simulation);
+  CHECK(ran == 400);
+  CHECK(state.mode == C3DE_SIM_STOPPED);
+  CHECK(state.steps == 0);
+}
