@@ -80,7 +80,7 @@ TEST_CASE("The same run gives the same state at any number of threads") {
   CHECK(hashes[0] == hashes[2]);
 }
 
-TEST_CASE("--set changes what is simulated, and a wrong path ends with 2") {
+TEST_CASE("The option --set changes what is simulated, and a wrong path ends with 2") {
   const auto folder = freshFolder("set");
   const auto scene = writeBoxScene(folder).string();
   const auto report = folder / "report.json";
@@ -139,4 +139,18 @@ TEST_CASE("Nothing to do is done: zero steps report the initial state") {
   REQUIRE(runC3de({"run", writeBoxScene(folder).string(), "--steps", "0", "--report", report.string()}).exitCode == 0);
   CHECK(readJson(report).at("steps") == 0);
   CHECK(readJson(report).at("time_s") == 0.0);
+}
+
+TEST_CASE("A simulation that diverges ends with 5, says what helps and reports the last good state") {
+  const auto folder = freshFolder("diverged");
+  const auto report = folder / "report.json";
+  // Steps ten thousand times as long as the material allows.
+  const auto result = runC3de({"run", writeBoxScene(folder).string(), "--steps", "5", "--set", "solver.dt=1", "--set",
+                               "body.box.material.youngs_modulus=1e9", "--report", report.string()});
+  CHECK(result.exitCode == 5);
+  CHECK_THAT(result.errorOutput, Contains("c3de: error: the simulation diverged") && Contains("report.json"));
+  const auto json = readJson(report);
+  CHECK(json.at("outcome") == "diverged");
+  CHECK_FALSE(json.at("failure").get<std::string>().empty());
+  CHECK(json.at("bodies").at(0).at("centre_of_mass_m").at(1).is_number());
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "program.h"
 
-TEST_CASE("--version names product and ABI, as text and as JSON") {
+TEST_CASE("The option --version names product and ABI, as text and as JSON") {
   const auto text = runC3de({"--version"});
   CHECK(text.exitCode == 0);
   CHECK_THAT(text.output, Contains("c3de ") && Contains("ABI"));
@@ -12,7 +12,7 @@ TEST_CASE("--version names product and ABI, as text and as JSON") {
   CHECK(parsed.at("services").size() >= 10);
 }
 
-TEST_CASE("--help explains every sub-command and ends well") {
+TEST_CASE("The option --help explains every sub-command and ends well") {
   const auto help = runC3de({"--help"});
   CHECK(help.exitCode == 0);
   CHECK_THAT(help.output, Contains("run") && Contains("info") && Contains("plugins"));

@@ -95,7 +95,8 @@ TEST_CASE("what a plugin has registered before it fails is taken back, whatever 
   f.mainQueue.runFrame();
   CHECK(f.linesWith("called: frame").empty());
   CHECK(f.linesWith("called: panel").empty());
-  // destroy belongs to a create that succeeded; so do the job's end, the posted function and the tool's cancel.
+  // destroy belongs to a create that succeeded; so do the tool's cancel, the job's end and the posted function.
+  CHECK(f.linesWith("called: cancel").size() == (inStart ? 1u : 0u));
   CHECK(f.linesWith("called: destroy").size() == (inStart ? 1u : 0u));
   CHECK(f.linesWith("called: done").size() == (inStart ? 1u : 0u));
   CHECK(f.linesWith("called: posted").size() == (inStart ? 1u : 0u));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "headless_run.h"
 
+#include <array>
 #include <chrono>
+#include <cstdio>
 #include <optional>
 
 #include "c3de/core/text.h"
@@ -10,6 +12,16 @@
 #include "progress_line.h"
 
 namespace c3de::app {
+namespace {
+
+/// For people: 0.0984 rather than 0.09838074452694451.
+std::string threeDigits(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
+}  // namespace
 
 Expected<std::string> HeadlessRun::simulatorReport() const {
   std::string text;
@@ -108,7 +120,7 @@ Expected<void> HeadlessRun::run() {
     if (wantsProbes && (facts_.steps % options_.probesEvery == 0 || isDone()))
       if (const auto sampled = sample(); !sampled) return sampled;
     if (progress.isDue())
-      progress.update(fraction(), formatNumber(facts_.time_s) + " s simulated in " + formatNumber(wall_s) + " s, step " +
+      progress.update(fraction(), threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) + " s, step " +
                                       std::to_string(facts_.steps));
   }
   if (table_->state_hash(simulator_, &facts_.stateHash) < 0)

@@ -18,10 +18,16 @@
 namespace c3de {
 namespace {
 
-// Some 20 µs on today's machines: longer than the gap between the loops of a step, shorter than a frame.
-constexpr int kSpins = 4000;
+// Some 20 to 50 µs on today's machines: longer than the gap between the loops of a step, shorter than a frame.
+constexpr int kSpins = 500;
 
 thread_local bool insideBody = false;
+
+// The gate of a loop: its number, whether it can still be joined, and how many workers are in it.
+constexpr std::uint64_t kOpen = 1ull << 31;
+constexpr std::uint64_t kJoined = kOpen - 1;
+
+std::uint64_t loopNumber(std::uint64_t gate) { return gate >> 32; }
 
 }  // namespace
 
@@ -29,13 +35,12 @@ struct ThreadPool::Impl {
   std::vector<std::thread> workers;
   std::mutex callerMutex;
 
-  // The present loop; written by the caller before `ticket` grows, read by workers after they have seen it grow.
+  // The present loop; written by the caller while nobody is inside, read by workers after they have joined.
   const std::function<void(std::size_t, std::size_t)> *body = nullptr;
   std::size_t n = 0;
   std::size_t chunk = 1;
   std::atomic<std::size_t> next{0};
-  std::atomic<unsigned> busy{0};
-  std::atomic<std::uint64_t> ticket{0};
+  std::atomic<std::uint64_t> gate{0};
   std::atomic<bool> stopping{false};
 
   std::mutex sleepMutex;
@@ -52,24 +57,38 @@ struct ThreadPool::Impl {
     insideBody = false;
   }
 
+  // A worker that comes late finds the gate closed and is not waited for: on a busy machine the caller does all the work
+  // itself instead of standing still until the other thread is given a processor.
+  bool join(std::uint64_t &seen) {
+    std::uint64_t g = gate.load(std::memory_order_acquire);
+    while (loopNumber(g) != seen && (g & kOpen) != 0)
+      if (gate.compare_exchange_weak(g, g + 1, std::memory_order_acq_rel)) {
+        seen = loopNumber(g);
+        return true;
+      }
+    return false;
+  }
+
   void workerLoop() {
     std::uint64_t seen = 0;
     for (;;) {
       int spins = 0;
-      while (ticket.load(std::memory_order_acquire) == seen && !stopping.load(std::memory_order_relaxed)) {
+      while (!join(seen)) {
+        if (stopping.load(std::memory_order_relaxed)) return;
         if (++spins < kSpins) {
           C3DE_RELAX();
           continue;
         }
         std::unique_lock lock(sleepMutex);
         sleeping.fetch_add(1);
-        wake.wait(lock, [&] { return ticket.load() != seen || stopping.load(); });
+        wake.wait(lock, [&] {
+          const std::uint64_t g = gate.load();
+          return (loopNumber(g) != seen && (g & kOpen) != 0) || stopping.load();
+        });
         sleeping.fetch_sub(1);
       }
-      if (stopping.load(std::memory_order_relaxed)) return;
-      seen = ticket.load(std::memory_order_acquire);
       work();
-      busy.fetch_sub(1, std::memory_order_release);
+      gate.fetch_sub(1, std::memory_order_acq_rel);
     }
   }
 };
@@ -105,15 +124,16 @@ void ThreadPool::parallelFor(std::size_t n, std::size_t grain,
   impl.n = n;
   impl.chunk = std::max(grain, (n + parts - 1) / parts);
   impl.next.store(0, std::memory_order_relaxed);
-  impl.busy.store(static_cast<unsigned>(impl.workers.size()), std::memory_order_relaxed);
-  impl.ticket.fetch_add(1, std::memory_order_seq_cst);
+  const std::uint64_t number = loopNumber(impl.gate.load(std::memory_order_relaxed)) + 1;
+  impl.gate.store((number << 32) | kOpen, std::memory_order_seq_cst);
   if (impl.sleeping.load(std::memory_order_seq_cst) > 0) {
     std::lock_guard lock(impl.sleepMutex);
     impl.wake.notify_all();
   }
   impl.work();
+  impl.gate.fetch_and(~kOpen, std::memory_order_acq_rel);
   int spins = 0;
-  while (impl.busy.load(std::memory_order_acquire) != 0) {
+  while ((impl.gate.load(std::memory_order_acquire) & kJoined) != 0) {
     // More threads than processors: give the missing worker room instead of burning its time slice.
     if (++spins < kSpins) {
       C3DE_RELAX();

@@ -7,6 +7,7 @@
 #include <assimp/Importer.hpp>
 
 #include "file_text.h"
+#include "ply_header.h"
 #include "polygon.h"
 #include "raw_mesh.h"
 
@@ -60,14 +61,16 @@ Expected<RawMesh> readWithAssimp(const std::filesystem::path &path) {
   auto text = readWholeFile(path);  // existence, size and readability with our own words
   if (!text) return tl::unexpected(text.error());
   const std::string extension = lowerExtension(path);
+  if (extension == ".ply")
+    if (auto ok = checkPlyHeader(name, *text); !ok) return tl::unexpected(ok.error());
   // No post-processing that changes vertices: welding, triangulation and the hunt for bad values are our own clean-up,
   // which reports what it does (and does not take minutes for a face with 600 000 corners).
   constexpr unsigned kFlags = aiProcess_ValidateDataStructure;
   try {
     Assimp::Importer importer;
-    // From memory, so that paths of any script work on any system; scenes made of several files need the path.
-    const bool severalFiles = extension == ".gltf" || extension == ".dae" || extension == ".3ds";
-    const aiScene *scene = severalFiles ? importer.ReadFile(name, kFlags)
+    // From memory, so that paths of any script work on any system; a glTF may name others beside it.
+    const bool isInSeveralFiles = extension == ".gltf";
+    const aiScene *scene = isInSeveralFiles ? importer.ReadFile(name, kFlags)
                                         : importer.ReadFileFromMemory(text->data(), text->size(), kFlags, extension.c_str() + 1);
     if (!scene) return fail(ErrorCode::input, fmt::format("{}: cannot be read as {}: {}", name, extension.substr(1), importer.GetErrorString()));
     if (scene->mNumMeshes == 0 || !scene->mRootNode)

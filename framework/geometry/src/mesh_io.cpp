@@ -17,7 +17,7 @@
 namespace c3de::geometry {
 namespace {
 
-constexpr std::array<std::string_view, 9> kExtensions{".obj", ".stl", ".ply", ".vtk", ".off", ".glb", ".gltf", ".dae", ".3ds"};
+constexpr std::array<std::string_view, 7> kExtensions{".obj", ".stl", ".ply", ".vtk", ".off", ".glb", ".gltf"};
 
 tl::unexpected<Error> cancelled(const std::string &what) { return fail(ErrorCode::cancelled, what + ": cancelled"); }
 

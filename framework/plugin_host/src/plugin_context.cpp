@@ -77,6 +77,8 @@ void PluginContext::requireMainThread() const {
 }
 
 void PluginContext::settle() {
+  // While the plugin is whole: afterwards its tool could no longer let go of what it holds.
+  if (services().tools && tools.contains(services().tools->active().bits())) services().tools->activate({});
   if (services().jobs) services().jobs->finishOwnedBy(id_);
   for (;;) {
     std::pair<void *, void(C3DE_CALL *)(void *)> next;

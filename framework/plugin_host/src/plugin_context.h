@@ -62,7 +62,7 @@ class PluginContext {
   [[nodiscard]] const Services &services() const { return host_.services; }
   [[nodiscard]] bool isClosed() const { return closed_.load(); }
 
-  /// Waits for its jobs, runs what it has posted: before destroy. Main thread.
+  /// Cancels its tool, waits for its jobs, runs what it has posted: before destroy. Main thread.
   void settle();
   /// From here on the plugin is not called and its calls are refused; takes back all it has registered. Main thread.
   void takeBack();

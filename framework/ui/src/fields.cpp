@@ -48,6 +48,26 @@ std::string literalFormat(const std::string &text) {
   return format;
 }
 
+/// Draws the slider as a bar behind its number: a grab in front of the number would hide it.
+void pushBar(float fraction) {
+  const ImVec2 min = ImGui::GetCursorScreenPos();
+  const ImVec2 max(min.x + ImGui::CalcItemWidth(), min.y + ImGui::GetFrameHeight());
+  const bool isHovered = ImGui::IsMouseHoveringRect(min, max) && ImGui::IsWindowHovered();
+  ImDrawList *list = ImGui::GetWindowDrawList();
+  const float rounding = ImGui::GetStyle().FrameRounding, edge = min.x + fraction * (max.x - min.x);
+  list->AddRectFilled(min, max, ImGui::GetColorU32(isHovered ? ImGuiCol_FrameBgHovered : ImGuiCol_FrameBg), rounding);
+  if (fraction > 0.0f) {
+    list->PushClipRect(min, ImVec2(edge, max.y), true);
+    list->AddRectFilled(min, max, ImGui::GetColorU32(isHovered ? ImVec4(0.20f, 0.43f, 0.49f, 1.0f) : ImVec4(0.18f, 0.37f, 0.42f, 1.0f)),
+                        rounding);
+    list->PopClipRect();
+    list->AddRectFilled(ImVec2(edge - 2.0f, min.y + 1.0f), ImVec2(edge, max.y - 1.0f), ImGui::GetColorU32(colour::kAccent), 1.0f);
+  }
+  for (const ImGuiCol hidden : {ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive, ImGuiCol_SliderGrab,
+                                ImGuiCol_SliderGrabActive})
+    ImGui::PushStyleColor(hidden, ImVec4(0, 0, 0, 0));
+}
+
 void startTyping(FieldState &state, const std::string &text) {
   state.isTyping = true;
   state.typingFrames = 0;
@@ -134,8 +154,10 @@ std::uint32_t numberField(const FrameContext &frame, const std::string &area, co
     double t = hasRange ? fractionOf(spec, value) : 0.0;
     const double low = 0.0, high = 1.0;
     const std::string format = literalFormat(shown);
+    pushBar(hasRange && spec.isEnabled ? static_cast<float>(t) : 0.0f);
     const bool isMoved = ImGui::SliderScalar("##slider", ImGuiDataType_Double, &t, &low, &high, format.c_str(),
                                              ImGuiSliderFlags_NoInput);
+    ImGui::PopStyleColor(5);
     const bool isTypingAsked = ImGui::IsItemClicked() && (ImGui::GetIO().KeyCtrl || !hasRange);
     if (isTypingAsked) {
       startTyping(state, spec.unit.empty() ? formatNumber(value) : formatNumber(value) + " " + spec.unit);
@@ -164,7 +186,7 @@ std::uint32_t choiceField(const FrameContext &frame, const std::string &area, co
   ImGui::PushID(id.c_str());
   ImGui::BeginDisabled(!isEnabled || names.empty());
   const bool isOpen = ImGui::BeginCombo("##choice", shown.c_str());
-  markItem(frame, area, id, isEnabled && !names.empty());
+  markOpener(frame, area, id, isOpen, isEnabled && !names.empty());
   if (isOpen) {
     for (std::size_t i = 0; i < names.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));

@@ -129,7 +129,7 @@ void FileDialog::draw(FrameContext &frame) {
     ImGui::SameLine();
     ImGui::SetNextItemWidth(frame.theme.px(180.0f));
     const bool isComboOpen = ImGui::BeginCombo("##unit", kUnitLabels[unit_]);
-    markItem(frame, kArea, "unit");
+    markOpener(frame, kArea, "unit", isComboOpen);
     if (isComboOpen) {
       for (int i = 0; i < 3; ++i) {
         if (ImGui::Selectable(kUnitLabels[i], i == unit_)) unit_ = i;

@@ -12,15 +12,33 @@ std::string FrameContext::activeToolId() const {
 }
 
 void markItem(const FrameContext &frame, const std::string &area, const std::string &id, bool enabled) {
+  markOpener(frame, area, id, false, enabled);
+}
+
+void markOpener(const FrameContext &frame, const std::string &area, const std::string &id, bool isOpen, bool enabled) {
   if (!frame.automation.isOn()) return;
-  const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
-  const ImVec2 clipMin = ImGui::GetWindowDrawList()->GetClipRectMin();
-  const ImVec2 clipMax = ImGui::GetWindowDrawList()->GetClipRectMax();
-  frame.automation.widget(area, id, {min.x, min.y, max.x, max.y}, {clipMin.x, clipMin.y, clipMax.x, clipMax.y}, enabled);
+  auto &[rect, clip] = frame.state.openers[area + "/" + id];
+  if (!isOpen) {
+    const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
+    const ImVec2 clipMin = ImGui::GetWindowDrawList()->GetClipRectMin();
+    const ImVec2 clipMax = ImGui::GetWindowDrawList()->GetClipRectMax();
+    rect = {min.x, min.y, max.x, max.y};
+    clip = {clipMin.x, clipMin.y, clipMax.x, clipMax.y};
+  }
+  frame.automation.widget(area, id, rect, clip, enabled);
 }
 
 void itemTooltip(const FrameContext &frame, const std::string &text) {
   if (text.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  TooltipTimer &timer = frame.state.tooltip;
+  const ImVec2 min = ImGui::GetItemRectMin();
+  const std::array<float, 2> item{min.x, min.y};
+  const double now_s = ImGui::GetTime();
+  if (item != timer.item || ImGui::IsAnyMouseDown()) timer.since_s = now_s;
+  timer.item = item;
+  timer.isSeen = true;
+  timer.isWaiting = now_s - timer.since_s < kTooltipDelay_s;
+  if (timer.isWaiting) return;
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(frame.theme.px(360.0f));
   ImGui::TextUnformatted(text.data(), text.data() + text.size());

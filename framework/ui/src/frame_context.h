@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -27,11 +28,21 @@ struct Layout {
   bool resetSections = false;
 };
 
+/// A tooltip comes when the mouse has rested on its item for a while.
+struct TooltipTimer {
+  std::array<float, 2> item{};  ///< upper left corner of the item under the mouse
+  double since_s = 0.0;
+  bool isSeen = false;   ///< in this frame
+  bool isWaiting = false;
+};
+
 /// Lives as long as the window.
 struct WindowState {
+  TooltipTimer tooltip;
   Layout layout;
   bool showShortcuts = false, showAbout = false;
   AboutText about;
+  std::map<std::string, std::array<AutomationState::Rect, 2>> openers;  ///< of closed menus and lists, and their clips
   std::vector<PixelRect> overlays;  ///< over the view, of the last frame: the mouse belongs to them
 };
 
@@ -60,6 +71,11 @@ struct FrameContext {
 /// Makes the last ImGui item known to the automation state.
 void markItem(const FrameContext &frame, const std::string &area, const std::string &id, bool enabled = true);
 
+/// The same for an item that has opened a menu or list: inside it, the last item is another one, so the rectangle of the
+/// last frame in which it was closed is taken.
+void markOpener(const FrameContext &frame, const std::string &area, const std::string &id, bool isOpen, bool enabled = true);
+
+inline constexpr double kTooltipDelay_s = 0.45;
 /// A tooltip of the last item, wrapped; also where the item is disabled.
 void itemTooltip(const FrameContext &frame, const std::string &text);
 

@@ -53,7 +53,7 @@ bool beginRows(const FrameContext &frame, const char *id) {
 
 void drawShortcuts(FrameContext &frame) {
   if (!frame.state.showShortcuts) return;
-  if (!beginHelp(frame, "Shortcuts", "shortcuts", frame.state.showShortcuts, ImVec2(520, 620))) return;
+  if (!beginHelp(frame, "Shortcuts", "shortcuts", frame.state.showShortcuts, ImVec2(640, 620))) return;
   ImGui::BeginChild("rows", ImVec2(0, -ImGui::GetFrameHeightWithSpacing() - frame.theme.px(4.0f)));
   heading(frame, "Mouse in the 3D view");
   if (beginRows(frame, "mouse")) {

@@ -276,7 +276,7 @@ void ImGuiPanels::fillTable() {
     if (of(c).isUsable()) of(c).heading(s);
   };
   t.text = [](void *c, c3de_str s) noexcept {
-    if (!of(c).isUsable()) return;
+    if (!of(c).isUsable() || fromAbi(s).empty()) return;
     of(c).takeSameLine();
     wrappedText(text(s));
   };

@@ -26,7 +26,7 @@ void menuItem(FrameContext &frame, const char *area, const MenuEntry &entry, boo
 
 bool beginMenu(FrameContext &frame, const char *label, const char *id) {
   const bool isOpen = ImGui::BeginMenu(label);
-  markItem(frame, "menu", id);
+  markOpener(frame, "menu", id, isOpen);
   return isOpen;
 }
 
@@ -67,7 +67,7 @@ void rateChoice(FrameContext &frame) {
   ImGui::BeginDisabled(!frame.simulation.exists);
   ImGui::SetNextItemWidth(frame.theme.px(78.0f));
   const bool isOpen = ImGui::BeginCombo("##rate", frame.simulation.exists ? shown.c_str() : "1×");
-  markItem(frame, "toolbar", "rate", frame.simulation.exists);
+  markOpener(frame, "toolbar", "rate", isOpen, frame.simulation.exists);
   if (isOpen) {
     for (std::size_t i = 0; i < std::size(kRates); ++i) {
       if (ImGui::Selectable(kLabels[i], kRates[i] == rate) && frame.actions.setTargetRate)

@@ -9,7 +9,7 @@ namespace c3de::ui {
 
 std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue) {
   using Kind = OsEvent::Kind;
-  bool hasButton = false, hasWheel = false, hasCharacter = false;
+  bool hasButton = false, hasWheel = false, hasCharacter = false, hasKeyDown = false;
   std::set<int> keys;
   const auto wouldBeLost = [&](const OsEvent &event) {
     switch (event.kind) {
@@ -18,7 +18,8 @@ std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue) {
       case Kind::release: return hasButton || hasWheel || !keys.empty();
       case Kind::wheel: return hasButton;
       case Kind::keyDown: return hasButton || hasCharacter || keys.contains(event.rawKey);
-      case Kind::keyUp: return hasButton || keys.contains(event.rawKey);
+      // Also of another key: A of Ctrl+A must be seen while Ctrl is still down.
+      case Kind::keyUp: return hasButton || hasKeyDown;
       case Kind::character: return hasButton;
       default: return false;
     }
@@ -27,6 +28,7 @@ std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue) {
   for (; end != queue.end() && !wouldBeLost(*end); ++end) {
     hasButton = hasButton || end->kind == Kind::press || end->kind == Kind::release;
     hasWheel = hasWheel || end->kind == Kind::wheel;
+    hasKeyDown = hasKeyDown || end->kind == Kind::keyDown;
     hasCharacter = hasCharacter || end->kind == Kind::character;
     if (end->kind == Kind::keyDown || end->kind == Kind::keyUp) keys.insert(end->rawKey);
   }

@@ -76,6 +76,9 @@ void setColours(ImGuiStyle &style) {
   c[ImGuiCol_Separator] = colour::kLine;
   c[ImGuiCol_SeparatorHovered] = accentMid;
   c[ImGuiCol_SeparatorActive] = colour::kAccent;
+  c[ImGuiCol_ResizeGrip] = ImVec4(0.28f, 0.31f, 0.37f, 0.6f);
+  c[ImGuiCol_ResizeGripHovered] = accentMid;
+  c[ImGuiCol_ResizeGripActive] = colour::kAccent;
   c[ImGuiCol_PlotHistogram] = accentMid;
   c[ImGuiCol_TextSelectedBg] = ImVec4(0.20f, 0.42f, 0.48f, 0.8f);
   c[ImGuiCol_ModalWindowDimBg] = ImVec4(0.02f, 0.025f, 0.03f, 0.6f);

@@ -382,12 +382,14 @@ void WorkstationWindow::waitForFrame() {
       break;
     }
     double wait_s = isDue ? kFrameTime_s - sinceFrame_s : kIdleWait_s;
-    if (!isDue && ImGui::GetIO().WantTextInput) wait_s = kCursorBlink_s;
+    // The text cursor blinks, and a tooltip comes late.
+    const bool isTimed = !isDue && (ImGui::GetIO().WantTextInput || impl.state.tooltip.isWaiting);
+    if (isTimed) wait_s = impl.state.tooltip.isWaiting ? kTooltipDelay_s : kCursorBlink_s;
+    const double timedEnd_s = now_s + wait_s;
     if (const double write_s = impl.automation.secondsUntilWrite(now_s); write_s >= 0.0) wait_s = std::min(wait_s, write_s);
     impl.window->wait(std::max(wait_s, 1e-4));
     if (impl.window->takeWake()) impl.framesToSettle = std::max(impl.framesToSettle, 1);
-    // The text cursor blinks.
-    if (!isDue && wait_s == kCursorBlink_s) impl.framesToSettle = std::max(impl.framesToSettle, 1);
+    if (isTimed && GlfwWindow::now_s() >= timedEnd_s - 1e-3) impl.framesToSettle = std::max(impl.framesToSettle, 1);
   }
 }
 
@@ -418,7 +420,9 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   context.mouseY = ImGui::GetIO().MousePos.y;
   impl.takeInput(context, events);
   impl.carryOut(context);
+  impl.state.tooltip.isSeen = false;
   impl.layOut(context);
+  if (!impl.state.tooltip.isSeen) impl.state.tooltip = {};
   impl.carryOut(context);
   impl.fitIfWanted();
   context.mouseButtons = impl.buttons;

@@ -134,5 +134,10 @@ TEST_CASE("Broken STL and PLY files are refused") {
   const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
   CHECK_THAT(refusal(head + "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "bad.ply"), !Contains("was accepted"));
   CHECK_THAT(refusal(head + "end_header\n0 0 0\n1 0 0\n0 1 0\n", "bad.ply"), !Contains("was accepted"));
-  CHECK_THAT(refusal("ply\n", "bad.ply"), !Contains("was accepted"));
+  CHECK_THAT(refusal(head + "end_header\n0 0 0\n1 0 0\n0 1 0\n", "bad.ply"), Contains("bad.ply:7") && Contains("no faces"));
+  // Headers that assimp would read for ever.
+  CHECK_THAT(refusal("ply\n", "bad.ply"), Contains("end_header"));
+  CHECK_THAT(refusal(head + "element face 1\nproperty list uchar int", "bad.ply"), Contains("bad.ply:8"));
+  CHECK_THAT(refusal(head + "element face 1\nproperty list uchar int vertex_indices\nproperty float nd_header\n0 0 0\n", "bad.ply"), Contains("bad.ply:10"));
+  CHECK_THAT(refusal("ply\nformat ascii 1.0\nelement vertex 4000000000\n", "bad.ply"), Contains("4000000000 elements"));
 }

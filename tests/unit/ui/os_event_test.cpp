@@ -34,6 +34,8 @@ TEST_CASE("a key that goes down and up takes two frames, keys pressed together o
         std::vector<std::size_t>{2, 2});
   CHECK(sizesOfFrames({event(Kind::keyDown, 1), event(Kind::character), event(Kind::keyUp, 1)}) ==
         std::vector<std::size_t>{2, 1});
+  CHECK(sizesOfFrames({event(Kind::keyDown, 2), event(Kind::keyUp, 1)}) == std::vector<std::size_t>{1, 1});
+  CHECK(sizesOfFrames({event(Kind::keyUp, 1), event(Kind::keyDown, 2)}) == std::vector<std::size_t>{2});
 }
 
 TEST_CASE("moves and other events without an effect on each other share a frame") {

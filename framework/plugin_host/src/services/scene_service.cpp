@@ -52,6 +52,7 @@ c3de_status C3DE_CALL setVisible(void *ctx, c3de_handle node, std::uint32_t visi
   return serveOnMain(ctx, "scene.set_visible", [&](PluginContext &plugin) {
     find(plugin, node).visible = visible != 0;
     plugin.services().sceneGraph->touch();
+    plugin.host().proxies.sync();
   });
 }
 

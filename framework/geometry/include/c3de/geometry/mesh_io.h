@@ -17,7 +17,7 @@ struct LoadedMesh {
   MeshReport report;
 };
 
-/// Reads OBJ, STL, PLY, legacy VTK polydata and what else assimp reads; polygons become triangles, vertices at equal
+/// Reads OBJ, STL, PLY, legacy VTK polydata, OFF and glTF; polygons become triangles, vertices at equal
 /// positions are welded, degenerate and duplicate triangles dropped, an inside-out surface is turned: each with a line in
 /// the report. Refused with the reason: unreadable or empty files, no faces, indices out of range, coordinates that are
 /// not finite or beyond 1e9 mm.
