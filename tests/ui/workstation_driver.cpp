@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -226,6 +227,15 @@ void WorkstationDriver::type(const std::string &text) {
 
 void WorkstationDriver::screenshot(const std::string &name) {
   (void)runProcess({"import", "-window", "root", (folder_ / (name_ + "-" + name + ".png")).string()}, 20.0);
+}
+
+double WorkstationDriver::differingPixels(const std::string &first, const std::string &second) const {
+  const auto file = [&](const std::string &name) { return (folder_ / (name_ + "-" + name + ".png")).string(); };
+  const auto result = runProcess({"compare", "-metric", "AE", "-fuzz", "3%", file(first), file(second), "null:"}, 30.0);
+  // 0: equal, 1: they differ; the count goes to stderr.
+  if (!result || result->exitCode > 1)
+    throw std::runtime_error("compare failed: " + (result ? result->errorOutput : result.error().message));
+  return std::strtod(result->errorOutput.c_str(), nullptr);
 }
 
 }  // namespace c3de::test

@@ -68,6 +68,8 @@ class WorkstationDriver {
   void type(const std::string &text);
   /// PNG beside the log.
   void screenshot(const std::string &name);
+  /// How many pixels of two screenshots differ visibly.
+  [[nodiscard]] double differingPixels(const std::string &first, const std::string &second) const;
 
  private:
   void xdotool(const std::vector<std::string> &arguments);

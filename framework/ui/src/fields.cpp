@@ -133,7 +133,7 @@ void beginRow(const FrameContext &frame, const std::string &label, const char *b
       ImGui::SameLine(labelWidth);  // from the start of the group
   }
   const float width = ImGui::GetContentRegionAvail().x - reserved;
-  ImGui::SetNextItemWidth(isInline ? frame.theme.px(120.0f) : std::max(width, frame.theme.px(40.0f)));
+  ImGui::SetNextItemWidth(std::max(width, frame.theme.px(isInline ? 80.0f : 40.0f)));
 }
 
 void endRow() { ImGui::EndGroup(); }

@@ -51,7 +51,8 @@ void sceneTree(FrameContext &frame) {
 
 void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &area) {
   beginFixed("##side", area, colour::kPanel, ImVec2(frame.theme.px(10.0f), frame.theme.px(8.0f)));
-  ImGui::BeginChild("scroll");
+  // The scroll bar stands in the padding.
+  ImGui::BeginChild("scroll", ImVec2(ImGui::GetContentRegionAvail().x + frame.theme.px(7.0f), 0.0f));
   if (section(frame, "scene", "Scene", true)) sceneTree(frame);
   if (frame.services.panels) {
     // By handle and by value: a panel may remove itself or others while it is drawn.

@@ -96,7 +96,8 @@ void drawStatusBar(FrameContext &frame, const PixelRect &area) {
     cell(frame, "steps", "step " + std::to_string(t.steps), colour::kDim, 74, "Steps since the initial state");
     const std::string target = t.target_rate > 0.0 ? formatNumber(t.target_rate) + "×" : std::string("max");
     const bool isSlow = t.mode == C3DE_SIM_PLAYING && t.target_rate > 0.0 && t.real_time_factor < 0.9 * t.target_rate;
-    cell(frame, "rate", fixedText(t.real_time_factor, 2) + "× real time (target " + target + ")",
+    const bool hasRate = t.mode == C3DE_SIM_PLAYING;
+    cell(frame, "rate", hasRate ? fixedText(t.real_time_factor, 2) + "× real time (target " + target + ")" : "target " + target,
          isSlow ? colour::kWarn : colour::kText, 190,
          "Simulated seconds per second, achieved over the last second of playing, and aimed at");
     cell(frame, "step_ms", fixedText(t.step_ms, 2) + " ms/step", colour::kText, 88, "Wall time of a step, mean of the last second");

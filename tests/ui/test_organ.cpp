@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a person does with an organ in the window: open it, play, pull, pause, step, reset, look inside.
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "support/catch.h"
+#include "ui/workstation_driver.h"
+
+using c3de::test::Json;
+using c3de::test::Point;
+using c3de::test::WorkstationDriver;
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char *kPanel = "pointbased.controller/";
+
+std::string whyNot() {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) return reason;
+  if (!fs::exists(fs::path(C3DE_TEST_PLUGIN_DIR) / (std::string("pointbased") + c3de::pluginExtension())))
+    return "the point-based plugin is not built";
+  return {};
+}
+
+#define C3DE_ORGAN_OR_SKIP() \
+  if (const std::string reason = whyNot(); !reason.empty()) C3DE_SKIP(reason)
+
+fs::path organMesh() { return fs::path(C3DE_TEST_RESOURCES) / "meshes" / "organ.obj"; }
+
+/// An organ that floats: what moves it is the person.
+fs::path floatingOrgan() {
+  const fs::path scene = fs::path(C3DE_TEST_OUTPUT) / "ui" / "floating.toml";
+  fs::create_directories(scene.parent_path());
+  std::ofstream(scene) << "format = 1\ntitle = \"Floating organ\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n"
+                          "[solver]\ndamping = 5.0\n[[body]]\nname = \"organ\"\nmesh = \""
+                       << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
+                       << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
+                       << "sampling = { count = 400 }\n";
+  return scene;
+}
+
+void startOrgan(WorkstationDriver &window) {
+  window.start({floatingOrgan().string()});
+  window.waitUntil("the organ is there",
+                   [](const Json &s) { return s["transport"]["exists"].get<bool>() && s["jobs"].empty(); }, 60.0);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+}
+
+std::array<double, 3> millimetres(const std::string &text) {
+  std::array<double, 3> at{};
+  std::istringstream in(text);
+  in >> at[0] >> at[1] >> at[2];
+  return at;
+}
+
+double distance(const std::array<double, 3> &a, const std::array<double, 3> &b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+std::string row(const Json &state, const char *name) { return state["values"].value(std::string(kPanel) + name, ""); }
+
+std::string mode(const Json &state) { return state["transport"]["mode"]; }
+
+}  // namespace
+
+TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pinch]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_pinch");
+  startOrgan(window);
+  window.key("p");
+  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  CHECK(row(window.state(), "Pinch force") == "–");
+
+  const Json camera = window.state()["camera"];
+  const Point from = window.inView(0.5, 0.5), to = window.inView(0.62, 0.38);
+  window.moveTo(from);
+  window.press();
+  const Json held = window.waitUntil("a surfel is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
+  const auto start = millimetres(row(held, "Held point"));
+  for (int i = 1; i <= 8; ++i) {
+    const double t = i / 8.0;
+    window.moveTo({from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)});
+  }
+  window.waitUntil("the hand pulls", [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.0; });
+  window.screenshot("pulling");
+  const auto hand = millimetres(row(window.state(), "Hand"));
+  REQUIRE(distance(hand, start) > 10.0);
+  window.waitUntil("the organ follows", [&](const Json &s) {
+    const auto at = millimetres(row(s, "Held point"));
+    return distance(at, start) > 0.3 * distance(hand, start) && distance(at, hand) < distance(start, hand);
+  }, 60.0);
+  window.screenshot("followed");
+  window.release();
+  window.waitUntil("it is let go", [](const Json &s) { return row(s, "Pinch force") == "–"; });
+  CHECK(window.state()["camera"] == camera);
+  CHECK(window.state()["notifications"].empty());
+}
+
+TEST_CASE("play, pause, step and reset do what they say, and reset is exact", "[organ_transport]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_transport");
+  startOrgan(window);
+  const std::string initial = window.waitUntil("the initial state is shown",
+                                               [](const Json &s) { return !row(s, "State hash").empty(); })["values"]
+                                              [std::string(kPanel) + "State hash"];
+  // Something must move it: pull once.
+  window.key("p");
+  window.click("toolbar/play");
+  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  window.drag(window.inView(0.5, 0.5), window.inView(0.6, 0.4), 6);
+  window.click("toolbar/play");
+  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  const auto steps = paused["transport"]["steps"].get<long long>();
+  CHECK(paused["transport"]["time_s"] > 0.0);
+  window.waitUntil("the pulled state is shown", [&](const Json &s) {
+    return row(s, "State hash") != initial && row(s, "Steps") == std::to_string(steps);
+  });
+
+  window.moveTo(window.inView(0.9, 0.9));
+  window.key("Right");
+  window.waitUntil("one step is made", [&](const Json &s) { return s["transport"]["steps"].get<long long>() == steps + 1; });
+  CHECK(mode(window.state()) == "paused");
+  window.screenshot("paused");
+  window.key("r");
+  const Json reset = window.waitUntil("it is reset", [](const Json &s) { return s["transport"]["steps"] == 0; });
+  CHECK(reset["transport"]["time_s"] == 0.0);
+  window.waitUntil("the initial state is back, bit for bit", [&](const Json &s) { return row(s, "State hash") == initial; });
+
+  // The target rate is the one that is chosen.
+  window.click("toolbar/rate");
+  window.click("toolbar/rate.option.1/4×");
+  window.waitUntil("the rate is set", [](const Json &s) { return s["transport"]["target_rate"] == 0.25; });
+  // Stop leads back, too.
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 2; });
+  window.click("toolbar/stop");
+  window.waitUntil("it has stopped", [](const Json &s) { return mode(s) == "stopped" && s["transport"]["steps"] == 0; });
+}
+
+TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves it", "[organ_load]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_load");
+  startOrgan(window);
+  const fs::path copy = fs::path(C3DE_TEST_OUTPUT) / "ui" / "second_organ.obj";
+  fs::copy_file(organMesh(), copy, fs::copy_options::overwrite_existing);
+  const auto choose = [&](const fs::path &file) {
+    window.click("pointbased.controller/browse");
+    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+    window.type(file.string());
+    window.key("Return");
+    window.waitUntil("the file is taken", [&](const Json &s) { return row(s, "browse") == fs::weakly_canonical(file).string(); });
+    window.click("pointbased.controller/load");
+  };
+  choose(copy);
+  window.waitUntil("the new organ is there", [](const Json &s) { return row(s, "Organ") == "second_organ" && s["jobs"].empty(); }, 60.0);
+  CHECK(window.state()["notifications"].empty());
+  window.screenshot("loaded");
+
+  const fs::path bad = fs::path(C3DE_TEST_OUTPUT) / "ui" / "bad_organ.obj";
+  std::ofstream(bad) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
+  choose(bad);
+  const Json refused = window.waitUntil("it is refused", [](const Json &s) { return !s["notifications"].empty(); });
+  CHECK(refused["notifications"][0]["severity"] == "error");
+  CHECK_THAT(refused["notifications"][0]["text"].get<std::string>(), Contains("bad_organ.obj"));
+  CHECK(row(refused, "Organ") == "second_organ");
+  window.screenshot("refused");
+}
+
+TEST_CASE("a file that cannot be opened leaves the simulation that is open", "[organ_keeps]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_keeps");
+  startOrgan(window);
+  const fs::path bad = fs::path(C3DE_TEST_OUTPUT) / "ui" / "bad_scene.toml";
+  std::ofstream(bad) << "format = 1\n[world]\ngravty = [0.0, -9.81, 0.0]\n[[body]]\nname = \"organ\"\nmesh = \""
+                     << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n";
+  window.key("space");
+  window.key("ctrl+o");
+  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.type(bad.string());
+  window.key("Return");
+  const Json state = window.waitUntil("it is refused", [](const Json &s) { return s["notifications"].size() == 1; });
+  const std::string text = state["notifications"][0]["text"];
+  CHECK_THAT(text, Contains("bad_scene.toml:3") && Contains("gravty") && Contains("gravity"));
+  CHECK(state["transport"]["title"] == "Floating organ");
+  const auto steps = state["transport"]["steps"].get<long long>();
+  window.waitUntil("it goes on", [&](const Json &s) { return s["transport"]["steps"].get<long long>() > steps + 5; });
+  window.screenshot("kept");
+}
+
+TEST_CASE("the surface can be made transparent", "[organ_surface]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_surface");
+  startOrgan(window);
+  const auto choose = [&](const std::string &style) {
+    window.click("pointbased.controller/surface");
+    window.click("pointbased.controller/surface.option." + style);
+    window.waitUntil("it is chosen", [&](const Json &s) { return row(s, "surface") == style; });
+    window.moveTo(window.inView(0.95, 0.95));
+    window.waitFrames(1);
+  };
+  choose("Opaque surface");
+  window.screenshot("opaque");
+  choose("Transparent, with phyxels");
+  window.screenshot("transparent");
+  CHECK(window.differingPixels("opaque", "transparent") > 10000);
+  choose("Opaque surface");
+  window.screenshot("again");
+  CHECK(window.differingPixels("opaque", "again") < 500);
+}

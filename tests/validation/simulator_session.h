@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "c3de/abi/draft/all.h"
+#include "c3de/core/vec.h"
+#include "c3de/geometry/mesh_io.h"
+
+namespace c3de::test {
+
+/// The point-based plugin, loaded from disk into a host without a window, and one simulator of it. Everything goes through
+/// the C tables.
+class SimulatorSession {
+ public:
+  explicit SimulatorSession(unsigned threads);
+  ~SimulatorSession();
+
+  struct Placement {
+    Vec3 position_m{};
+    double scale = 1.0;
+  };
+  /// Throws with the text of the plugin when something is refused.
+  void setWorld(const std::vector<c3de_param_value> &values);
+  c3de_handle addBody(geometry::LoadedMesh mesh, const Placement &placement, const std::vector<c3de_param_value> &values);
+  c3de_handle addObstacle(geometry::LoadedMesh mesh, const Placement &placement, double friction);
+  void step();
+  void reset();
+  [[nodiscard]] c3de_sim_status status();
+  [[nodiscard]] std::uint64_t stateHash();
+  [[nodiscard]] c3de_sim_body_info info(c3de_handle body);
+  /// A field of iface.phyxel_set with three components, for example C3DE_FIELD_POSITION.
+  [[nodiscard]] std::vector<Vec3> phyxels(c3de_handle body, std::uint32_t field);
+  [[nodiscard]] std::vector<Vec3> surfels(c3de_handle body, std::uint32_t field);
+
+  [[nodiscard]] static c3de_param_value number(const char *id, double value);
+  [[nodiscard]] static c3de_param_value vector(const char *id, const Vec3 &value);
+
+ private:
+  void check(c3de_status status, const char *what);
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace c3de::test
