@@ -231,7 +231,11 @@ void WorkstationDriver::screenshot(const std::string &name) {
 
 double WorkstationDriver::differingPixels(const std::string &first, const std::string &second) const {
   const auto file = [&](const std::string &name) { return (folder_ / (name_ + "-" + name + ".png")).string(); };
-  const auto result = runProcess({"compare", "-metric", "AE", "-fuzz", "3%", file(first), file(second), "null:"}, 30.0);
+  const Json view = state()["view"];
+  const auto whole = [&](const char *key) { return std::to_string(view[key].get<int>()); };
+  const std::string area = whole("w") + "x" + whole("h") + "+" + whole("x") + "+" + whole("y");
+  const auto result = runProcess(
+      {"compare", "-extract", area, "-metric", "AE", "-fuzz", "3%", file(first), file(second), "null:"}, 30.0);
   // 0: equal, 1: they differ; the count goes to stderr.
   if (!result || result->exitCode > 1)
     throw std::runtime_error("compare failed: " + (result ? result->errorOutput : result.error().message));

@@ -68,7 +68,7 @@ class WorkstationDriver {
   void type(const std::string &text);
   /// PNG beside the log.
   void screenshot(const std::string &name);
-  /// How many pixels of two screenshots differ visibly.
+  /// How many pixels of the 3D view differ visibly between two screenshots.
   [[nodiscard]] double differingPixels(const std::string &first, const std::string &second) const;
 
  private:

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workstation.h"
 
+#include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "c3de/abi/draft/log.h"
 #include "c3de/core/log.h"
+#include "c3de/core/text.h"
 #include "c3de/render/renderer.h"
 #include "c3de/ui/file_browser.h"
 #include "c3de/ui/panel_registry.h"
@@ -18,6 +21,8 @@
 
 namespace c3de::app {
 namespace {
+
+constexpr double kSmallOrgan_mm = 20.0, kLargeOrgan_mm = 5000.0;
 
 /// One run of the window. Members are destroyed from the last to the first: the session lets go of its plugins while
 /// registries, renderer and graphics context are still there.
@@ -33,7 +38,8 @@ class Workstation {
   void showPluginProblems();
   void saveScreenshot();
   void watchForFailure();
-  void whenLoaded();
+  void whenLoaded(const WorkstationLoader::Loaded &loaded);
+  void checkSize();
   void whenFailed(const std::string &title, const Error &error);
 
   ui::PanelRegistry panels_;
@@ -45,6 +51,7 @@ class Workstation {
   std::unique_ptr<Session> session_;
   bool playsWhenLoaded_ = false;
   bool hasReportedFailure_ = false;
+  std::string unitToCheck_;  ///< assumed for what was loaded last, until its size is known
   double targetRate_ = 1.0;
 };
 
@@ -71,8 +78,9 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
 
   playsWhenLoaded_ = options.play;
   loader_ = std::make_unique<WorkstationLoader>(
-      *session_, WorkstationLoader::Events{[this] { whenLoaded(); },
-                                           [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
+      *session_, WorkstationLoader::Events{
+                      [this](const WorkstationLoader::Loaded &loaded) { whenLoaded(loaded); },
+                      [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
   session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs()}, actions());
   window_->setAbout(about());
@@ -86,6 +94,7 @@ void Workstation::run() {
     window_->waitForFrame();
     session_->mainQueue().runFrame();
     watchForFailure();
+    checkSize();
     window_->drawFrame(*renderer_, simulationView());
   }
   window_->writeAutomationState();
@@ -160,8 +169,23 @@ void Workstation::watchForFailure() {
   hasReportedFailure_ = hasFailed;
 }
 
-void Workstation::whenLoaded() {
-  window_->requestFit();
+/// A wrong unit makes an organ of the size of a house or of a grain, and everything after that is wrong.
+void Workstation::checkSize() {
+  if (unitToCheck_.empty()) return;
+  const auto bounds = session_->sceneGraph().bounds();
+  if (!bounds) return;
+  const double size_mm = norm(bounds->max - bounds->min);
+  if (size_mm < kSmallOrgan_mm || size_mm > kLargeOrgan_mm)
+    panels_.notify(C3DE_LOG_WARN, "Is the unit right?",
+                   "The numbers of the file were taken as " + unitToCheck_ + ", which makes what is shown " +
+                       formatNumber(std::round(size_mm * 10.0) / 10.0) +
+                       " mm across. File > Open mesh… asks for another unit; on the command line it is --unit.");
+  unitToCheck_.clear();
+}
+
+void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
+  if (!loaded.isReload) window_->requestFit();
+  unitToCheck_ = loaded.assumedUnit;
   scene::Simulation *simulation = session_->simulation();
   simulation->setTargetRate(targetRate_);
   if (std::exchange(playsWhenLoaded_, false)) simulation->transport(C3DE_TRANSPORT_PLAY);

@@ -62,7 +62,8 @@ Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesy
   return result;
 }
 
-void WorkstationLoader::open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit) {
+void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, const std::string &meshUnit,
+                             bool isReload) {
   if (files.empty()) return;
   const std::string title = "Could not open " + namesOf(files);
   if (!session_.simulation()) {
@@ -83,7 +84,7 @@ void WorkstationLoader::open(const std::vector<std::filesystem::path> &files, co
   job_ = session_.jobs().submit(
       kJobOwner, "Opening " + namesOf(files),
       [this, simulator, shared](const ProgressFn &progress) { return session_.populate(simulator->get(), *shared, progress); },
-      [this, simulator, sceneTitle, title, files, meshUnit, serial](const Expected<void> &result) {
+      [this, simulator, sceneTitle, title, files, meshUnit, isReload, serial](const Expected<void> &result) {
         // A later request has taken over.
         if (serial != serial_) return;
         job_ = {};
@@ -92,13 +93,9 @@ void WorkstationLoader::open(const std::vector<std::filesystem::path> &files, co
           return events_.failed(title, adopted.error());
         files_ = files;
         meshUnit_ = meshUnit;
-        events_.loaded();
+        const bool hasMesh = !std::all_of(files.begin(), files.end(), scene::isScenePath);
+        events_.loaded({isReload, hasMesh ? meshUnit : ""});
       });
-}
-
-void WorkstationLoader::reload() {
-  const auto files = files_;
-  open(files, meshUnit_);
 }
 
 }  // namespace c3de::app

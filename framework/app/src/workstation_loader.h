@@ -14,19 +14,25 @@ namespace c3de::app {
 /// takes the place of what was there. Main thread. Must outlive the session's jobs.
 class WorkstationLoader {
  public:
+  struct Loaded {
+    bool isReload = false;      ///< the same files as before
+    std::string assumedUnit;    ///< of meshes that do not carry one; empty when only a scene was opened
+  };
   struct Events {
-    std::function<void()> loaded;                                            ///< the new simulation is the present one
-    std::function<void(const std::string &title, const Error &error)> failed;  ///< what was there stays
+    /// The new simulation is the present one.
+    std::function<void(const Loaded &)> loaded;
+    /// What was there stays.
+    std::function<void(const std::string &title, const Error &error)> failed;
   };
   WorkstationLoader(Session &session, Events events) : session_(session), events_(std::move(events)) {}
 
   /// Meshes become bodies of one scene; beside a scene they are added to it. Ends a load that is running.
-  void open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit);
+  void open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit) { load(files, meshUnit, false); }
   /// The same files once more, as they are now.
-  void reload();
-  [[nodiscard]] bool hasOpened() const { return !files_.empty(); }
+  void reload() { load(std::vector<std::filesystem::path>(files_), std::string(meshUnit_), true); }
 
  private:
+  void load(const std::vector<std::filesystem::path> &files, const std::string &meshUnit, bool isReload);
   [[nodiscard]] Expected<scene::SceneFile> read(const std::vector<std::filesystem::path> &files,
                                                 const std::string &meshUnit) const;
 

@@ -39,9 +39,10 @@ std::uint32_t C3DE_CALL threadCount(void *ctx) noexcept {
 
 /// A job on its way; run and done are both called through it.
 struct Job {
-  PluginContext *plugin;
-  c3de_job real;
+  PluginContext *plugin = nullptr;
+  c3de_job real{};
   c3de_status status = C3DE_E_CANCELLED;  ///< until run has returned
+  Handle handle;                          ///< main thread
 
   Expected<void> run(const ProgressFn &report) {
     const auto update = [](void *self, double fraction, c3de_str what) noexcept -> c3de_status {
@@ -64,6 +65,7 @@ struct Job {
   }
 
   void done(const Expected<void> &result) {
+    plugin->jobs.erase(handle.bits());
     const std::string text = result ? std::string() : result.error().message;
     callPlugin(*plugin, "the done of a job", [&] { real.done(real.self, status, toAbi(text)); });
   }
@@ -77,11 +79,14 @@ c3de_status C3DE_CALL submit(void *ctx, const c3de_job *job, c3de_handle *out) n
     if (title.empty()) throw Refusal(C3DE_E_ARG, "title is empty");
     requireNonNull(in.run, "run");
     requireNonNull(in.done, "done");
-    auto shared = std::make_shared<Job>(Job{&plugin, in});
+    auto shared = std::make_shared<Job>();
+    shared->plugin = &plugin;
+    shared->real = in;
     shared->real.title = {nullptr, 0};  // borrowed for this call only
     const Handle handle = plugin.services().jobs->submit(
         plugin.id(), title, [shared](const ProgressFn &progress) { return shared->run(progress); },
         [shared](const Expected<void> &result) { shared->done(result); });
+    shared->handle = handle;
     plugin.jobs.insert(handle.bits());
     writeHandle(out, handle);
   });

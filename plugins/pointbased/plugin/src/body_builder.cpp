@@ -43,9 +43,6 @@ BuiltBody buildBody(const Services &services, const std::string &name, c3de_hand
   const Material material = materialOf(values);
   if (const auto valid = validate(material); !valid) throw sdk::Error(C3DE_E_ARG, name + ": " + valid.error());
   const NeighborChoice choice = neighborChoiceOf(values);
-  if (choice.count > 0 && choice.count < 3)
-    throw sdk::Error(C3DE_E_ARG, name + ": sampling.neighbours = " + std::to_string(choice.count) +
-                                     " is not accepted; accepted: 0 or 3 … 500");
   const auto *meshes = services.meshes.table();
   if (const auto fillable = services.host.check(meshes->check_fillable(meshes->ctx, mesh)); !fillable)
     throw sdk::Error(C3DE_E_FORMAT, name + ": " + fillable.failure().message);

@@ -88,18 +88,18 @@ void Controller::draw(sdk::Ui &ui) {
   }
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   followBody(snapshot.get());
-  drawOrgan(ui, snapshot.get());
   drawRun(ui, snapshot.get());
+  drawOrgan(ui, snapshot.get());
   drawView(ui);
   drawPinch(ui);
   drawMaterial(ui);
   drawWorld(ui);
+  if (snapshot) drawStages(ui, *snapshot);
 }
 
 void Controller::drawOrgan(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.heading("Organ");
   (void)ui.fileButton("browse", "Browse…", "obj;stl;ply;vtk", path_);
-  ui.sameLine();
   (void)ui.inputText("path", "File", path_);
   ui.tooltip("A closed surface: OBJ, STL, PLY or VTK polydata");
   (void)ui.choice("unit", "Unit of the file", unit_, kUnitNames);
@@ -175,7 +175,6 @@ void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.tooltip("Part of the elastic energy that controls what the sampling cannot resolve; much above 5 %: use a smaller spacing");
   }
   ui.value("State hash", hexadecimal(snapshot->hash));
-  drawStages(ui, *snapshot);
 }
 
 void Controller::drawStages(sdk::Ui &ui, const Snapshot &snapshot) {

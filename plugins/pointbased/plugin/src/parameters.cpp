@@ -37,6 +37,16 @@ constexpr std::array kWorld{
                 {0.0, 1e4, 0.0, 20.0}, 0.0),
 };
 
+constexpr c3de_param_decl neighboursParam() {
+  c3de_param_decl d = autoParam({"sampling.neighbours", "Neighbours", "",
+                                 "Nearest neighbours of a phyxel (26: a lattice's first shells); auto: all within the support. "
+                                 "More: softer and slower, not better",
+                                 "Sampling"},
+                                {3.0, 500.0, 8.0, 100.0}, C3DE_PARAM_NEEDS_RESET);
+  d.type = C3DE_PARAM_I64;
+  return d;
+}
+
 constexpr std::array kBody{
     choiceParam({"material.law", "Law", "",
                  "neo_hookean: resists collapse and recovers from inversion; stvk: linear in Green strain, softens under "
@@ -55,17 +65,16 @@ constexpr std::array kBody{
                  "Damps deformation, not rigid motion: viscous stress 2 eta dE/dt. Large values shrink the stable step",
                  "Material"},
                 {0.0, 1e9, 0.0, 50.0}, 0.0),
-    numberParam({"sampling.spacing", "Spacing", "m", "Distance of the phyxels; 0: chosen by the count", "Sampling"},
-                {0.0, 1e4, 0.0, 0.05}, 0.0, C3DE_PARAM_NEEDS_RESET),
-    integerParam({"sampling.count", "Count", "", "How many phyxels, within some per cent, when the spacing is 0", "Sampling"},
+    autoParam({"sampling.spacing", "Spacing", "m",
+               "Distance of the phyxels; auto: chosen by the count. Too large: the shape is not resolved; too small: slow, for "
+               "count and step both",
+               "Sampling"},
+              {0.0, 1e4, 0.001, 0.05}, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
+    integerParam({"sampling.count", "Count", "", "How many phyxels, within some per cent, when the spacing is auto", "Sampling"},
                  {1.0, static_cast<double>(kMaximumPhyxels), 50.0, 5000.0}, 1000.0,
                  C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE),
-    integerParam({"sampling.neighbours", "Neighbours", "",
-                  "Neighbours of a phyxel, 3 … 500 (26: a lattice's first shells); 0: chosen by the support. More: softer and "
-                  "slower, not better",
-                  "Sampling"},
-                 {0.0, 500.0, 0.0, 100.0}, 0.0, C3DE_PARAM_NEEDS_RESET),
-    numberParam({"sampling.support", "Support", "spacings", "Radius of the neighbourhood when neighbours is 0", "Sampling"},
+    neighboursParam(),
+    numberParam({"sampling.support", "Support", "spacings", "Radius of the neighbourhood when neighbours is auto", "Sampling"},
                 {1.01, 6.0, 1.5, 3.0}, 1.8, C3DE_PARAM_NEEDS_RESET),
     numberParam({"sampling.stabilisation", "Stabilisation", "",
                  "Control of the modes that one evaluation per phyxel cannot see; 0: rattles, above 1: stiff in bending",
@@ -233,11 +242,12 @@ Material materialOf(const ParameterValues &v) {
 double stabilisationOf(const ParameterValues &v) { return v.number("sampling.stabilisation"); }
 
 Sampling samplingOf(const ParameterValues &v) {
-  return {v.number("sampling.spacing"), static_cast<std::size_t>(v.number("sampling.count"))};
+  return {v.isAuto("sampling.spacing") ? 0.0 : v.number("sampling.spacing"), static_cast<std::size_t>(v.number("sampling.count"))};
 }
 
 NeighborChoice neighborChoiceOf(const ParameterValues &v) {
-  return {static_cast<int>(v.number("sampling.neighbours")), v.number("sampling.support")};
+  const double count = v.isAuto("sampling.neighbours") ? 0.0 : v.number("sampling.neighbours");
+  return {static_cast<int>(count), v.number("sampling.support")};
 }
 
 }  // namespace pointbased
