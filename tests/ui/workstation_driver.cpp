@@ -130,7 +130,14 @@ Point WorkstationDriver::locate(const std::string &widget) {
             [&](const Json &s) { return s["widgets"].contains(widget) || s["scrolled_out"].contains(widget); });
   for (int tries = 0; tries < 100; ++tries) {
     const Json now = state();
-    if (now["widgets"].contains(widget)) return middle(now["widgets"][widget]);
+    if (now["widgets"].contains(widget)) {
+      // It may be about to move: a window that has just opened, a panel that scrolls.
+      pause(80);
+      const Json later = state();
+      if (later["widgets"].contains(widget) && later["widgets"][widget] == now["widgets"][widget])
+        return middle(now["widgets"][widget]);
+      continue;
+    }
     if (!now["scrolled_out"].contains(widget)) {
       pause(20);
       continue;

@@ -16,7 +16,8 @@ void markItem(const FrameContext &frame, const std::string &area, const std::str
 }
 
 void markOpener(const FrameContext &frame, const std::string &area, const std::string &id, bool isOpen, bool enabled) {
-  if (!frame.automation.isOn()) return;
+  // In its first frame a window does not know its size yet, and what is in it will move.
+  if (!frame.automation.isOn() || ImGui::IsWindowAppearing()) return;
   auto &[rect, clip] = frame.state.openers[area + "/" + id];
   if (!isOpen) {
     const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
