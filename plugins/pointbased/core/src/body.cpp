@@ -110,6 +110,18 @@ double Body::totalMass() const {
   return mass;
 }
 
+std::span<const Vec3> Body::worldPositions() {
+  worldPositions_.resize(state_.displacements.size());
+  for (std::size_t i = 0; i < worldPositions_.size(); ++i)
+    worldPositions_[i] = rest_->origin + rest_->positions[i] + state_.displacements[i];
+  return worldPositions_;
+}
+
+void Body::restoreState() {
+  state_ = kept_;
+  contact.clearance.clear();  // what was known of distances may be of the failed step
+}
+
 void Body::reset() {
   std::fill(state_.displacements.begin(), state_.displacements.end(), Vec3::Zero());
   std::fill(state_.velocities.begin(), state_.velocities.end(), Vec3::Zero());

@@ -37,7 +37,6 @@ void resolveContacts(std::span<const Obstacle> obstacles, const WorldBox &box, s
                      ContactMemory &memory, const ParallelFor &parallelFor) {
   const std::size_t n = positions.size();
   memory.active.clear();
-  memory.deepest = 0.0;
   memory.clearance.resize(obstacles.size());
 
   for (std::size_t o = 0; o < obstacles.size(); ++o) {
@@ -46,7 +45,8 @@ void resolveContacts(std::span<const Obstacle> obstacles, const WorldBox &box, s
     const bool first = clearance.size() != n;
     if (first) clearance.assign(n, 0.0);
 
-    std::vector<Index> asking;
+    std::vector<Index> &asking = memory.questions.phyxels;
+    asking.clear();
     for (std::size_t i = 0; i < n; ++i) {
       const double way = velocities[i].norm() * dt;
       // NaN asks as well; the guard finds it later.
@@ -58,9 +58,12 @@ void resolveContacts(std::span<const Obstacle> obstacles, const WorldBox &box, s
     }
     if (asking.empty()) continue;
 
-    std::vector<Vec3> points(asking.size());
-    std::vector<double> ranges(asking.size());
-    std::vector<SurfacePoint> found(asking.size());
+    std::vector<Vec3> &points = memory.questions.points;
+    std::vector<double> &ranges = memory.questions.ranges;
+    std::vector<SurfacePoint> &found = memory.questions.answers;
+    points.resize(asking.size());
+    ranges.resize(asking.size());
+    found.resize(asking.size());
     for (std::size_t k = 0; k < asking.size(); ++k) {
       const Index i = asking[k];
       points[k] = positions[i];
@@ -81,7 +84,7 @@ void resolveContacts(std::span<const Obstacle> obstacles, const WorldBox &box, s
       const double gap = std::min(found[k].distance, ranges[k]) - radii[i];
       clearance[i] = std::max(0.0, gap - way);
       if (gap < way && std::isfinite(found[k].distance)) {
-        memory.deepest = std::max(memory.deepest, -found[k].distance);
+        memory.deepestEver = std::max(memory.deepestEver, -found[k].distance);
         const Vec3 before = v;
         constrain(v, found[k].normal, leastNormalSpeed(gap, spacing, dt), obstacle.friction);
         if (v != before || gap <= 1e-3 * spacing) memory.active.push_back({i, found[k].normal, obstacle.friction});

@@ -3,25 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
+
+#include "point_tree.h"
 
 namespace pointbased {
-namespace {
-
-struct PointCloud {
-  std::span<const Vec3> points;
-
-  [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
-  [[nodiscard]] double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<Eigen::Index>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box &) const {
-    return false;
-  }
-};
-
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>, PointCloud, 3, Index>;
-
-}  // namespace
 
 Neighborhoods findNeighborhoods(std::span<const Vec3> positions, const NeighborChoice &choice, double spacing,
                                 const ParallelFor &parallelFor) {
@@ -29,8 +14,7 @@ Neighborhoods findNeighborhoods(std::span<const Vec3> positions, const NeighborC
   Neighborhoods out;
   out.supportRadii.assign(n, choice.support * spacing);
   if (n == 0) return out;
-  const PointCloud cloud{positions};
-  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const PointTree tree(positions);
 
   if (choice.count > 0) {
     const std::size_t wanted = std::min<std::size_t>(n, static_cast<std::size_t>(choice.count) + 1);
@@ -38,7 +22,7 @@ Neighborhoods findNeighborhoods(std::span<const Vec3> positions, const NeighborC
       std::vector<Index> indices(wanted);
       std::vector<double> squared(wanted);
       for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t found = tree.knnSearch(positions[i].data(), wanted, indices.data(), squared.data());
+        const std::size_t found = tree.nearest(positions[i], wanted, indices.data(), squared.data());
         const double farthest = found > 0 ? std::sqrt(squared[found - 1]) : 0.0;
         out.supportRadii[i] = farthest > 0.0 ? kSupportMargin * farthest : spacing;
       }
@@ -53,8 +37,7 @@ Neighborhoods findNeighborhoods(std::span<const Vec3> positions, const NeighborC
     for (std::size_t i = begin; i < end; ++i) {
       double radius = out.supportRadii[i];
       if (choice.count > 0) radius *= (1.0 + 1e-9) / kSupportMargin;
-      found.clear();
-      tree.radiusSearch(positions[i].data(), radius * radius, found, nanoflann::SearchParams(32, 0.0f, false));
+      tree.within(positions[i], radius, found);
       for (const auto &[j, squared] : found)
         if (j != i) chosen[i].push_back(j);
     }

@@ -182,11 +182,8 @@ void Simulator::substep(double dt) {
     clock_.measure(kIntegrate, kick);
     if (contact)
       clock_.measure(kContact, [&] {
-        std::vector<Vec3> positions(n);
-        for (std::size_t i = 0; i < n; ++i) positions[i] = b.rest().origin + b.rest().positions[i] + state.displacements[i];
-        resolveContacts(obstacles_, world_.box, positions, state.velocities, b.rest().contactRadii, b.rest().spacing, dt,
-                        b.contact, parallelFor_);
-        deepest_ = std::max(deepest_, b.contact.deepest);
+        resolveContacts(obstacles_, world_.box, b.worldPositions(), state.velocities, b.rest().contactRadii, b.rest().spacing,
+                        dt, b.contact, parallelFor_);
       });
     clock_.measure(kIntegrate, [&] {
       parallelFor_(n, 512, [&](std::size_t begin, std::size_t end) {
@@ -224,12 +221,7 @@ std::optional<std::string> Simulator::firstNonFinite() const {
 
 tl::expected<void, StepFailure> Simulator::step() {
   if (failed_) return tl::unexpected<StepFailure>({"the simulation has failed before; reset it to go on"});
-  std::map<std::size_t, State> before;
-  std::map<std::size_t, ContactMemory> contactBefore;
-  for (const auto &[id, body] : bodies_) {
-    before[id] = body->state();
-    contactBefore[id] = body->contact;
-  }
+  for (const auto &[id, body] : bodies_) body->keepState();
   const double timeBefore = time_;
   const double wanted = stepSize();
   double left = wanted;
@@ -254,8 +246,7 @@ tl::expected<void, StepFailure> Simulator::step() {
   }
   if (failure) {
     for (auto &[id, body] : bodies_) {
-      body->state() = before[id];
-      body->contact = contactBefore[id];
+      body->restoreState();
       evaluateForces(*body);
     }
     time_ = timeBefore;
@@ -286,7 +277,6 @@ void Simulator::reset() {
   forcesCurrent_ = false;
   presentDt_ = 0.0;
   mostSubsteps_ = 1;
-  deepest_ = 0.0;
   events_.clear();
 }
 

@@ -3,25 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
+
+#include "point_tree.h"
 
 namespace pointbased {
-namespace {
-
-struct PointCloud {
-  std::span<const Vec3> points;
-
-  [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
-  [[nodiscard]] double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<Eigen::Index>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box &) const {
-    return false;
-  }
-};
-
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>, PointCloud, 3, Index>;
-
-}  // namespace
 
 SurfelBinding bindSurfels(std::span<const Vec3> positions, std::span<const Vec3> normals,
                           std::span<const Vec3> phyxelPositions, const ParallelFor &parallelFor) {
@@ -36,14 +21,13 @@ SurfelBinding bindSurfels(std::span<const Vec3> positions, std::span<const Vec3>
   binding.weights.resize(n * k);
   if (k == 0) return binding;
 
-  const PointCloud cloud{phyxelPositions};
-  const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  const PointTree tree(phyxelPositions);
   parallelFor(n, 64, [&](std::size_t begin, std::size_t end) {
     std::vector<double> squared(k);
     for (std::size_t s = begin; s < end; ++s) {
       Index *indices = &binding.phyxels.indices[s * k];
       double *weights = &binding.weights[s * k];
-      tree.knnSearch(positions[s].data(), k, indices, squared.data());
+      tree.nearest(positions[s], k, indices, squared.data());
       const double support = 1.1 * std::sqrt(squared[k - 1]);
       double sum = 0.0;
       for (std::size_t e = 0; e < k; ++e) {

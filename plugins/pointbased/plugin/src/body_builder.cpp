@@ -45,7 +45,7 @@ BuiltBody buildBody(const Services &services, const std::string &name, c3de_hand
   const NeighborChoice choice = neighborChoiceOf(values);
   const auto *meshes = services.meshes.table();
   if (const auto fillable = services.host.check(meshes->check_fillable(meshes->ctx, mesh)); !fillable)
-    throw sdk::Error(C3DE_E_FORMAT, name + ": " + fillable.failure().message);
+    throw sdk::Error(C3DE_E_FORMAT, fillable.failure().message);
   if (!progress.update(0.0, "placing the surface")) throw sdk::Error(C3DE_E_CANCELLED, "cancelled");
 
   BuiltBody out;

@@ -62,7 +62,8 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
           {"centre_of_mass_m", json(centre)},
           {"min_J", minJ},
           {"max_stretch", maxStretch},
-          {"inverted_phyxels", inverted}};
+          {"inverted_phyxels", inverted},
+          {"deepest_penetration_m", body.contact.deepestEver}};
 }
 
 }  // namespace

@@ -82,6 +82,13 @@ class Body {
   [[nodiscard]] double kineticEnergy() const;
   [[nodiscard]] double totalMass() const;
 
+  /// x of every phyxel in the world, m; valid until the next call.
+  [[nodiscard]] std::span<const Vec3> worldPositions();
+
+  /// The state before a step, kept in case the step fails.
+  void keepState() { kept_ = state_; }
+  void restoreState();
+
   /// To the initial state, bit for bit.
   void reset();
 
@@ -94,9 +101,9 @@ class Body {
   std::shared_ptr<const RestState> rest_;
   Material material_;
   double stabilisation_;
-  State state_;
+  State state_, kept_;
   std::vector<double> masses_;
-  std::vector<Vec3> forces_, entryForces_;
+  std::vector<Vec3> forces_, entryForces_, worldPositions_;
   std::vector<Mat3> gradients_, rates_, stresses_;
   std::vector<double> tangentRatios_;
   double tangentRatio_ = 1.0;

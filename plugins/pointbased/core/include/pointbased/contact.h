@@ -45,7 +45,15 @@ struct ContactMemory {
   /// again. That makes free flight cheap and passing through impossible, whatever the speed.
   std::vector<std::vector<double>> clearance;
   std::vector<ContactConstraint> active;  ///< of the present step, ascending in phyxel
-  double deepest = 0.0;                   ///< m, how far a phyxel was inside at the last query (<= 0: not)
+  double deepestEver = 0.0;               ///< m, how far a phyxel's centre has been inside an obstacle since the start
+
+  /// Who asks an obstacle in this step, and the answers; kept so that a step allocates nothing.
+  struct Questions {
+    std::vector<Index> phyxels;
+    std::vector<Vec3> points;
+    std::vector<double> ranges;
+    std::vector<SurfacePoint> answers;
+  } questions;
 };
 
 /// Corrects velocities so that no phyxel enters an obstacle or leaves the box within dt: the normal part is stopped at the

@@ -115,8 +115,6 @@ class Simulator {
 
   [[nodiscard]] const std::vector<SimulationEvent> &events() const { return events_; }
   [[nodiscard]] std::vector<StageClock::Summary> stageTimes() const { return clock_.summary(); }
-  /// Largest penetration of a phyxel's centre into an obstacle so far, m.
-  [[nodiscard]] double deepestPenetration() const { return deepest_; }
 
  private:
   enum Stage : std::size_t { kGradients, kStresses, kForces, kContact, kIntegrate, kSurfels };
@@ -142,7 +140,6 @@ class Simulator {
   bool forcesCurrent_ = false;
   double presentDt_ = 0.0;
   std::uint64_t mostSubsteps_ = 1;
-  double deepest_ = 0.0;
   std::vector<SimulationEvent> events_;
   StageClock clock_;
 };
