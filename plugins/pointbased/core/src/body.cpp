@@ -59,11 +59,19 @@ Body::Body(std::string name, std::shared_ptr<const RestState> rest, const Materi
 }
 
 void Body::setMaterial(const Material &material, double stabilisation, const ParallelFor &parallelFor) {
+  // All stiffnesses are proportional to E and all masses to the density: only another Poisson's ratio or stabilisation
+  // changes the shape of the problem, and a slider may send many values a second.
+  const bool sameShape = restFrequency_ > 0.0 && material.poissonRatio == material_.poissonRatio &&
+                         stabilisation == stabilisation_;
+  const double scale = sameShape ? std::sqrt(material.youngsModulus / material_.youngsModulus * material_.restDensity /
+                                             material.restDensity)
+                                 : 1.0;
   material_ = material;
   stabilisation_ = stabilisation;
   for (std::size_t i = 0; i < masses_.size(); ++i) masses_[i] = material_.restDensity * rest_->volumes[i];
-  restFrequency_ =
-      largestFrequency(material_, stabilisation_, rest_->stencils, rest_->positions, masses_, parallelFor);
+  restFrequency_ = sameShape ? scale * restFrequency_
+                             : largestFrequency(material_, stabilisation_, rest_->stencils, rest_->positions, masses_,
+                                                parallelFor);
 }
 
 double Body::stableStepFor(double tangentRatio) const {
