@@ -22,7 +22,7 @@ struct DrivenHost : HostFixture {
     auto created = scene::Simulation::create(simulator.abi());
     REQUIRE(created);
     simulation = std::move(*created);
-    simulations.add(node, simulation.get());
+    simulations.add(node, simulation);
     auto made = host->createObject(TEST_DRIVER_CLASS);
     REQUIRE(made);
     object = *made;
@@ -44,7 +44,7 @@ struct DrivenHost : HostFixture {
   }
 
   Handle node;
-  std::unique_ptr<scene::Simulation> simulation;
+  std::shared_ptr<scene::Simulation> simulation;
   c3de_object *object = nullptr;
   const test_driver_v0 *driver = nullptr;
   std::uint64_t compared = 0;

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <cctype>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -11,6 +12,16 @@
 using Catch::Matchers::Contains;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
+
+/// A folder of the present test case's own, so that cases may run beside each other.
+inline std::filesystem::path testOutputFolder() {
+  std::string name = Catch::getResultCapture().getCurrentTestName();
+  for (char &c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  const std::filesystem::path folder = std::filesystem::path(C3DE_TEST_OUTPUT) / name.substr(0, 100);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
 
 /// Ends the test case as skipped, visibly, with the reason.
 #define C3DE_SKIP(reason)                                         \

@@ -140,11 +140,11 @@ struct Session::Impl {
   scene::MaterialLibrary materials;
   std::vector<std::filesystem::path> folders;
   std::unique_ptr<plugin_host::PluginHost> host;  ///< after everything that plugins reach
-  std::unique_ptr<scene::Simulation> simulation;
+  std::shared_ptr<scene::Simulation> simulation;
   Handle node;
 
   [[nodiscard]] Error lastError(c3de_status code, const std::string &where, const std::string &what) const;
-  void letGo(std::unique_ptr<scene::Simulation> gone, Handle goneNode);
+  void letGo(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
 };
 
 Error Session::Impl::lastError(c3de_status code, const std::string &where, const std::string &what) const {
@@ -155,7 +155,7 @@ Error Session::Impl::lastError(c3de_status code, const std::string &where, const
 }
 
 /// Ends a simulation that has been detached from its node.
-void Session::Impl::letGo(std::unique_ptr<scene::Simulation> gone, Handle goneNode) {
+void Session::Impl::letGo(std::shared_ptr<scene::Simulation> gone, Handle goneNode) {
   if (!gone) return;
   gone->setPublishedListener({});
   simulations.remove(goneNode);
@@ -323,7 +323,7 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) 
   plugin_host::PluginHost *host = impl_->host.get();
   auto created = scene::Simulation::create(simulator, [host] { return host->takeError(); });
   if (!created) return tl::unexpected(created.error());
-  std::unique_ptr<scene::Simulation> next = std::move(*created);
+  std::shared_ptr<scene::Simulation> next = std::move(*created);
   next->setPublishedListener([queue = &impl_->mainQueue] { queue->requestRedraw(); });
 
   const Handle nextNode = impl_->sceneGraph.add({}, title);
@@ -331,7 +331,7 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) 
   for (std::size_t axis = 0; axis < 3; ++axis) worldFromSimulation[5 * axis] = scene::kMillimetresPerMetre;
   impl_->sceneGraph.find(nextNode)->parentFromNode = worldFromSimulation;
   impl_->sceneGraph.touch();
-  impl_->simulations.add(nextNode, next.get());
+  impl_->simulations.add(nextNode, next);
 
   // The one before lets go of its panels and proxies first, so that there is never a second set of them.
   if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});

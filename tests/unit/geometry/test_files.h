@@ -10,10 +10,9 @@
 
 namespace test_files {
 
-/// Writes bytes to a file below the test output folder.
+/// Writes bytes to a file in the case's own folder.
 inline std::filesystem::path write(const std::string &name, std::string_view bytes) {
-  const auto folder = std::filesystem::path(C3DE_TEST_OUTPUT) / "geometry";
-  std::filesystem::create_directories(folder);
+  const auto folder = testOutputFolder();
   std::ofstream out(folder / name, std::ios::binary);
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return folder / name;

@@ -10,8 +10,7 @@
 
 /// A folder with meshes that scenes of the tests can name; the parser only looks whether they exist.
 inline std::filesystem::path sceneFolder() {
-  const std::filesystem::path folder = std::filesystem::path(C3DE_TEST_OUTPUT) / "scene";
-  std::filesystem::create_directories(folder);
+  const std::filesystem::path folder = testOutputFolder();
   for (const char *name : {"beam.obj", "block.obj", "model.glb"}) {
     std::ofstream file(folder / name);
     file << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
