@@ -196,7 +196,7 @@ void Controller::drawPinch(sdk::Ui &ui) {
   if (ui.button("pinch", pinch_.isActive() ? "Pinch is active" : "Take the pinch tool", !pinch_.isActive()))
     (void)pinch_.select();
   ui.tooltip("Press on the organ and drag; release or Escape lets go");
-  (void)ui.slider("pinch_hz", "Stiffness", "Hz", pinchHz_, 1.0, 40.0);
+  (void)ui.slider("pinch_hz", "Stiffness", "Hz", pinchHz_, 1.0, 60.0);
   ui.tooltip("Frequency of the spring on the mass it holds: the same feel for small and large organs");
   pinch_.setSettings({pinchHz_, 1.0});
   if (const auto &hold = pinch_.hold()) {

@@ -142,15 +142,13 @@ void PinchTool::showMarker() {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   if (snapshot) body = snapshot->body(hold_->body);
   if (!body) return;
-  auto node = services_.scene.addNode(simulator_->node(), "Pinch");
-  if (!node) return;
-  markerNode_ = std::move(*node);
+  const c3de_handle node = simulator_->node();
   const std::array<Vec3, 2> points{hold_->surfelPosition, hold_->target};
-  if (auto made = services_.render.createSpheres(markerNode_.handle(), viewOf({points.data(), 1}),
+  if (auto made = services_.render.createSpheres(node, viewOf({points.data(), 1}),
                                                  kMarkerRadius * body->rest->spacing, kMarker))
     marker_ = std::move(*made);
-  if (auto made = services_.render.createLines(markerNode_.handle(), viewOf(points), 3.0f, kMarker)) line_ = std::move(*made);
-  if (auto made = services_.render.createLabel(markerNode_.handle(), toArray(hold_->target), newtons(0.0), kMarker))
+  if (auto made = services_.render.createLines(node, viewOf(points), 3.0f, kMarker)) line_ = std::move(*made);
+  if (auto made = services_.render.createLabel(node, toArray(hold_->target), newtons(0.0), kMarker))
     label_ = std::move(*made);
 }
 
@@ -158,7 +156,6 @@ void PinchTool::hideMarker() {
   marker_.reset();
   line_.reset();
   label_.reset();
-  markerNode_.reset();
 }
 
 void PinchTool::update() {

@@ -10,7 +10,7 @@ namespace pointbased {
 
 /// How the pinch holds.
 struct PinchSettings {
-  double frequency_hz = 12.0;  ///< of the spring on the mass it holds
+  double frequency_hz = 25.0;  ///< of the spring on the mass it holds
   double dampingRatio = 1.0;
 };
 
@@ -59,7 +59,6 @@ class PinchTool : public sdk::Tool {
   std::optional<Hold> hold_;
   Vec3 planePoint_ = Vec3::Zero(), planeNormal_ = Vec3::UnitZ();
   Vec3 grabOffset_ = Vec3::Zero();  // grabbed point minus the point under the mouse
-  sdk::SceneNode markerNode_;
   sdk::Proxy marker_, line_, label_;
 };
 
