@@ -46,6 +46,10 @@ void startOrgan(WorkstationDriver &window) {
   window.start({floatingOrgan().string()});
   window.waitUntil("the organ is there",
                    [](const Json &s) { return s["transport"]["exists"].get<bool>() && s["jobs"].empty(); }, 60.0);
+  // Its node and its rows come with the first snapshot and push what stands below them down.
+  window.waitUntil("the organ is shown", [](const Json &s) {
+    return s["nodes"].size() >= 2 && !s["values"].value(std::string(kPanel) + "Surfels", "").empty();
+  }, 60.0);
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
 }

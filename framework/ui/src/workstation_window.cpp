@@ -3,16 +3,8 @@
 
 #include <epoxy/gl.h>
 #include <imgui.h>
-#ifdef C3DE_IMGUI_FLAT_BACKENDS
-#include <imgui_impl_glfw.h>
-#include <imgui_impl_opengl3.h>
-#else
-#include <backends/imgui_impl_glfw.h>
-#include <backends/imgui_impl_opengl3.h>
-#endif
 
 #include <algorithm>
-#include <cfloat>
 #include <cmath>
 #include <optional>
 
@@ -29,6 +21,7 @@
 #include "file_dialog.h"
 #include "glfw_window.h"
 #include "imgui_panel.h"
+#include "imgui_session.h"
 
 namespace c3de::ui {
 namespace {
@@ -38,73 +31,6 @@ constexpr double kIdleWait_s = 1.0, kCursorBlink_s = 0.25;
 /// Frames after an event until everything that follows from it stands: popups and layout take one more frame each.
 constexpr int kFramesToSettle = 3;
 constexpr const char *kMeshExtensions = "obj;stl;ply;vtk;off;gltf;glb";
-
-/// Dear ImGui with its two back ends, for as long as the window lives.
-class ImGuiSession {
- public:
-  explicit ImGuiSession(const GlfwWindow &window) {
-    ImGui::CreateContext();
-    ImGui::GetIO().IniFilename = nullptr;
-    theme = applyTheme(window.contentScale());
-    // Without its callbacks: events are handed on one frame's worth at a time.
-    ImGui_ImplGlfw_InitForOpenGL(window.handle(), false);
-    ImGui_ImplOpenGL3_Init("#version 430 core");
-  }
-  ~ImGuiSession() {
-    ImGui_ImplOpenGL3_Shutdown();
-    ImGui_ImplGlfw_Shutdown();
-    ImGui::DestroyContext();
-  }
-  ImGuiSession(const ImGuiSession &) = delete;
-  ImGuiSession &operator=(const ImGuiSession &) = delete;
-
-  void take(const GlfwWindow &window, const OsEvent &event);
-  void beginFrame();
-
-  Theme theme;
-
- private:
-  ImVec2 mouse_{-FLT_MAX, -FLT_MAX};
-  std::uint32_t buttons_ = 0;
-};
-
-void ImGuiSession::take(const GlfwWindow &window, const OsEvent &event) {
-  using Kind = OsEvent::Kind;
-  switch (event.kind) {
-    case Kind::press: buttons_ |= event.button; break;
-    case Kind::release: buttons_ &= ~event.button; break;
-    case Kind::wheel: ImGui_ImplGlfw_ScrollCallback(window.handle(), event.wheelX, event.wheel); break;
-    case Kind::keyDown:
-    case Kind::keyUp:
-      // 1 is GLFW_PRESS, 0 GLFW_RELEASE.
-      ImGui_ImplGlfw_KeyCallback(window.handle(), event.rawKey, event.scanCode, event.kind == Kind::keyDown ? 1 : 0,
-                                 event.rawModifiers);
-      break;
-    case Kind::character: ImGui_ImplGlfw_CharCallback(window.handle(), event.character); break;
-    case Kind::focusLost:
-      buttons_ = 0;
-      ImGui_ImplGlfw_WindowFocusCallback(window.handle(), 0);
-      break;
-    case Kind::focusGained: ImGui_ImplGlfw_WindowFocusCallback(window.handle(), 1); break;
-    default: break;
-  }
-  if (event.kind == Kind::leave && buttons_ == 0)
-    mouse_ = ImVec2(-FLT_MAX, -FLT_MAX);
-  else if (event.kind == Kind::press || event.kind == Kind::release || event.kind == Kind::move || event.kind == Kind::wheel)
-    mouse_ = ImVec2(static_cast<float>(event.x), static_cast<float>(event.y));
-}
-
-void ImGuiSession::beginFrame() {
-  ImGui_ImplOpenGL3_NewFrame();
-  ImGui_ImplGlfw_NewFrame();
-  // The back end looks at where the mouse is now; this frame shows where it was when its events came.
-  ImGuiIO &io = ImGui::GetIO();
-  io.MousePos = mouse_;
-  io.MouseDown[0] = (buttons_ & C3DE_BUTTON_LEFT) != 0;
-  io.MouseDown[1] = (buttons_ & C3DE_BUTTON_RIGHT) != 0;
-  io.MouseDown[2] = (buttons_ & C3DE_BUTTON_MIDDLE) != 0;
-  ImGui::NewFrame();
-}
 
 }  // namespace
 
@@ -350,7 +276,7 @@ Expected<std::unique_ptr<WorkstationWindow>> WorkstationWindow::create(const Win
   impl->window = std::move(*window);
   if (auto version = render::checkGlVersion(); !version) return tl::unexpected(version.error());
   impl->imgui = std::make_unique<ImGuiSession>(*impl->window);
-  if (!impl->imgui->theme.note.empty()) log(LogLevel::info, impl->imgui->theme.note);
+  if (!impl->imgui->theme().note.empty()) log(LogLevel::info, impl->imgui->theme().note);
   impl->viewController.emplace(impl->noTools, impl->camera);
   return std::unique_ptr<WorkstationWindow>(new WorkstationWindow(std::move(impl)));
 }
@@ -400,7 +326,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
                   (impl.services.jobs && !impl.services.jobs->running().empty());
   impl.measureRate(GlfwWindow::now_s());
 
-  FrameContext context{impl.services, impl.actions, simulation, impl.imgui->theme, impl.automation, impl.state,
+  FrameContext context{impl.services, impl.actions, simulation, impl.imgui->theme(), impl.automation, impl.state,
                        impl.fileDialog, impl.camera};
   context.windowSize = impl.window->windowSize();
   context.frame = ++impl.frame;
@@ -427,7 +353,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   impl.fitIfWanted();
   context.mouseButtons = impl.buttons;
   impl.automation.endFrame(context, GlfwWindow::now_s());
-  ImGui::Render();
+  impl.imgui->endFrame();
 
   const auto pixels = impl.window->framebufferSize();
   if (pixels[0] > 0 && pixels[1] > 0) {
@@ -438,7 +364,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     renderer.draw(impl.camera, impl.viewport());
     glViewport(0, 0, pixels[0], pixels[1]);
-    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    impl.imgui->draw();
   }
   impl.window->swap();
 }
