@@ -80,7 +80,7 @@ TEST_CASE("A screenshot of the end state has the size that was asked for", "[gpu
 TEST_CASE("Ctrl-C ends a run with 130 and still leaves the report") {
   const auto folder = freshFolder("interrupt");
   const auto report = folder / "report.json";
-  const auto result = c3de::runProcess({"timeout", "--preserve-status", "-s", "INT", "3", C3DE_PROGRAM, "run",
+  const auto result = c3de::runProcess({"timeout", "--foreground", "--preserve-status", "-s", "INT", "3", C3DE_PROGRAM, "run",
                                         writeBoxScene(folder).string(), "--until", "1e6", "--report", report.string()},
                                        60.0);
   REQUIRE(result.has_value());

@@ -1,15 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only place that includes Catch2, so that version 3 can follow the packaged version 2.
+// The only place that includes Catch2: version 2 as Debian packages it, version 3 as vcpkg does.
 #pragma once
 
+#if __has_include(<catch2/catch_all.hpp>)
+#include <catch2/catch_all.hpp>
+#else
 #include <catch2/catch.hpp>
+#endif
 
 #include <cctype>
 #include <filesystem>
 #include <iostream>
 #include <string>
 
+#if __has_include(<catch2/catch_all.hpp>)
+inline auto Contains(const std::string &text) { return Catch::Matchers::ContainsSubstring(text); }
+#else
 using Catch::Matchers::Contains;
+#endif
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 

@@ -10,7 +10,7 @@ namespace {
 
 void leaveText(const char *where, const char *what) noexcept {
   try {
-    setLastError(std::string(where) + ": " + what);
+    setLastError(where ? std::string(where) + ": " + what : std::string(what));
   } catch (...) {
     setLastError({});
   }
@@ -58,7 +58,8 @@ c3de_status refuse(const char *where) noexcept {
   try {
     throw;
   } catch (const Refusal &refusal) {
-    leaveText(where, refusal.what());
+    const bool aboutFile = refusal.status() == C3DE_E_FORMAT || refusal.status() == C3DE_E_IO;
+    leaveText(aboutFile ? nullptr : where, refusal.what());
     return refusal.status();
   } catch (const std::bad_alloc &) {
     leaveText(where, "out of memory");

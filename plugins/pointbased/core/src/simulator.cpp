@@ -152,10 +152,8 @@ void Simulator::applyGrab(std::size_t id, Body &target) {
   // The spring of an explicit step stays far below the body's own limit: omega dt <= 0.3.
   const double omega = std::min(grab.frequency, presentDt_ > 0.0 ? 0.3 / presentDt_ : grab.frequency);
   status.force = status.mass * (omega * omega * (grab.target - status.point) - 2.0 * grab.dampingRatio * omega * velocity);
-  // A tool that is torn away must not tear the body apart: at most what brings the held mass over one spacing in 1/30 s.
-  const double most = status.mass * target.rest().spacing * 2.0 * 900.0 * 10.0;
   const double size = status.force.norm();
-  if (size > most) status.force *= most / size;
+  if (size > grab.maxForce) status.force *= grab.maxForce / size;
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) target.forces()[grab.phyxels[k]] += grab.weights[k] * status.force;
   grabStatus_[id] = status;
 }

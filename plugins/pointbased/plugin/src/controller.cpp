@@ -70,15 +70,13 @@ void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
 
 // The panel's values are those of the body it shows: the first one, until it goes.
 void Controller::followBody(const Snapshot *snapshot) {
-  if (!snapshot || !simulator_) return;
+  if (!snapshot) return;
   if (body_ != 0 && snapshot->body(body_)) return;
   body_ = snapshot->bodies.empty() ? 0 : snapshot->bodies.front().id;
   if (body_ == 0) return;
-  const auto values = simulator_->bodyValues(body_);
-  if (!values) return;
-  nextValues_ = *values;
+  nextValues_ = *snapshot->body(body_)->values;
   for (const c3de_param_decl &d : bodyDeclarations())
-    if (const auto value = values->get(sdk::text(d.id))) (void)bodyParameters_.set(*value);
+    if (const auto value = nextValues_.get(sdk::text(d.id))) (void)bodyParameters_.set(*value);
 }
 
 void Controller::draw(sdk::Ui &ui) {
@@ -196,9 +194,11 @@ void Controller::drawPinch(sdk::Ui &ui) {
   if (ui.button("pinch", pinch_.isActive() ? "Pinch is active" : "Take the pinch tool", !pinch_.isActive()))
     (void)pinch_.select();
   ui.tooltip("Press on the organ and drag; release or Escape lets go");
-  (void)ui.slider("pinch_hz", "Stiffness", "Hz", pinchHz_, 1.0, 60.0);
+  (void)ui.slider("pinch_hz", "Stiffness", "Hz", pinchSettings_.frequency_hz, 1.0, 60.0);
   ui.tooltip("Frequency of the spring on the mass it holds: the same feel for small and large organs");
-  pinch_.setSettings({pinchHz_, 1.0});
+  (void)ui.slider("pinch_radius", "Patch radius", "mm", pinchSettings_.radius_mm, 2.0, 60.0);
+  ui.tooltip("Size of the patch that is held, from the next press on; at least two spacings");
+  pinch_.setSettings(pinchSettings_);
   if (const auto &hold = pinch_.hold()) {
     ui.value("Held surfel", std::to_string(hold->surfel));
     ui.value("Pinch force", fixed(hold->force, 3) + " N");
@@ -313,7 +313,7 @@ void Controller::finish(const char *what, const sdk::Result<void> &result) {
 }
 
 void Controller::report(const std::string &title, const std::string &text) {
-  services_.log.error(title + ": " + text);
+  services_.log.info(title + ": " + text);
   (void)services_.notifier.notify(C3DE_LOG_ERROR, title, text);
 }
 

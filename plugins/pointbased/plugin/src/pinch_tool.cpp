@@ -11,8 +11,34 @@ namespace {
 
 constexpr sdk::Material kMarker{{1.0f, 0.85f, 0.2f, 1.0f}, false};
 constexpr double kMarkerRadius = 0.3;  // of the spacing
+constexpr double kLeastRadius = 2.0;   // spacings: a patch of a few phyxels at any sampling
+// The pull is limited to this many times E r²: it strains the held patch by several hundred per cent, and no more however
+// far the hand is torn away.
+constexpr double kStrongestPull = 4.0;
 
 sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
+
+// The phyxels within the radius of a surfel, all measured at rest, weighted towards the middle; the surfel's own ones when
+// none is so near.
+Grab patchAround(const RestState &rest, std::size_t surfel, double radius) {
+  Grab grab;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
+    const double weight = rest.volumes[i] * kernelWeight((rest.positions[i] - rest.surfels.positions[surfel]).norm(), radius);
+    if (weight <= 0.0) continue;
+    grab.phyxels.push_back(static_cast<Index>(i));
+    grab.weights.push_back(weight);
+    sum += weight;
+  }
+  for (double &w : grab.weights) w /= sum;
+  if (!grab.phyxels.empty()) return grab;
+  const SurfelBinding &binding = rest.surfels;
+  for (Index e = binding.phyxels.offsets[surfel]; e < binding.phyxels.offsets[surfel + 1]; ++e) {
+    grab.phyxels.push_back(binding.phyxels.indices[e]);
+    grab.weights.push_back(binding.weights[e]);
+  }
+  return grab;
+}
 
 std::string newtons(double force) {
   char text[32];
@@ -94,16 +120,13 @@ bool PinchTool::press(const c3de_event &event) {
     return (body->surfels[a] - under).squaredNorm() < (body->surfels[b] - under).squaredNorm();
   });
 
-  const SurfelBinding &binding = body->rest->surfels;
-  Grab grab;
+  const double radius = std::max(1e-3 * settings_.radius_mm, kLeastRadius * body->rest->spacing);
+  Grab grab = patchAround(*body->rest, surfel, radius);
   grab.frequency = 2.0 * EIGEN_PI * settings_.frequency_hz;
   grab.dampingRatio = settings_.dampingRatio;
+  grab.maxForce = kStrongestPull * body->youngsModulus * radius * radius;
   Vec3 grabbed = Vec3::Zero();
-  for (Index e = binding.phyxels.offsets[surfel]; e < binding.phyxels.offsets[surfel + 1]; ++e) {
-    grab.phyxels.push_back(binding.phyxels.indices[e]);
-    grab.weights.push_back(binding.weights[e]);
-    grabbed += binding.weights[e] * body->phyxels[binding.phyxels.indices[e]];
-  }
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) grabbed += grab.weights[k] * body->phyxels[grab.phyxels[k]];
   grab.target = grabbed;
 
   planePoint_ = under;

@@ -12,6 +12,7 @@ namespace pointbased {
 struct PinchSettings {
   double frequency_hz = 25.0;  ///< of the spring on the mass it holds
   double dampingRatio = 1.0;
+  double radius_mm = 18.0;  ///< of the patch around the surfel; at least two spacings are taken
 };
 
 /// Press on the surface: the nearest surfel under the mouse is held, through the host's collision service; drag: a damped

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 
+#include "parameters.h"
 #include "placed_mesh.h"
 #include "pointbased/simulator.h"
 
@@ -15,6 +16,7 @@ struct BodySnapshot {
   std::string name;
   std::shared_ptr<const RestState> rest;
   std::shared_ptr<PlacedMesh> surface;
+  std::shared_ptr<const ParameterValues> values;
   std::vector<Vec3> phyxels, surfels, normals;  ///< world, m
   double mass = 0.0;                            ///< kg
   double poissonRatio = 0.0, youngsModulus = 0.0;

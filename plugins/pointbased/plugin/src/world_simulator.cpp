@@ -88,9 +88,11 @@ void WorldSimulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   BodyRecord record;
   record.name = std::string(sdk::text(in.name));
   record.source = {in.mesh, placementOf(in)};
-  sdk::orThrow(record.values.set(in.params, in.params_n, in.params_stride));
-  BuiltBody built = buildBody(context_.services, record.name, in.mesh, record.source.placement, record.values,
-                              sdk::Progress(in.progress));
+  ParameterValues values(bodyDeclarations());
+  sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
+  BuiltBody built =
+      buildBody(context_.services, record.name, in.mesh, record.source.placement, values, sdk::Progress(in.progress));
+  record.values = std::make_shared<const ParameterValues>(std::move(values));
   record.surface = std::move(built.surface);
   const std::lock_guard lock(mutex_);
   record.order = nextOrder_++;
@@ -132,20 +134,20 @@ sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_para
   const c3de_param_value in = readIn(value, "value");
   const std::lock_guard lock(mutex_);
   BodyRecord &record = bodyOrThrow(body);
-  ParameterValues changed = record.values;
+  ParameterValues changed = *record.values;
   if (auto done = changed.set(in); !done) return done;
   const std::string_view id = sdk::text(in.id);
   for (const c3de_param_decl &d : bodyDeclarations())
     if (sdk::text(d.id) == id && (d.flags & C3DE_PARAM_NEEDS_RESET))
       return Failure{C3DE_E_STATE, std::string(id) + " takes effect when the body is built again"};
-  record.values = std::move(changed);
-  simulator_.setMaterial(body.v, materialOf(record.values), stabilisationOf(record.values));
+  record.values = std::make_shared<const ParameterValues>(std::move(changed));
+  simulator_.setMaterial(body.v, materialOf(*record.values), stabilisationOf(*record.values));
   return {};
 }
 
 sdk::Result<void> WorldSimulator::getBodyParam(c3de_handle body, c3de_str id, c3de_param_value *out) {
   const std::lock_guard lock(mutex_);
-  auto found = bodyOrThrow(body).values.get(sdk::text(id));
+  auto found = bodyOrThrow(body).values->get(sdk::text(id));
   if (!found) return found.failure();
   writeOut(out, *found);
   return {};
@@ -204,6 +206,7 @@ void WorldSimulator::publish() {
     b.name = record.name;
     b.rest = body.sharedRest();
     b.surface = record.surface;
+    b.values = record.values;
     b.phyxels.resize(body.rest().phyxelCount());
     for (std::size_t i = 0; i < b.phyxels.size(); ++i)
       b.phyxels[i] = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
@@ -314,13 +317,6 @@ ParameterValues WorldSimulator::worldValues() const {
   return world_;
 }
 
-std::optional<ParameterValues> WorldSimulator::bodyValues(std::uint64_t body) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = bodies_.find(body);
-  if (found == bodies_.end()) return std::nullopt;
-  return found->second.values;
-}
-
 std::optional<WorldSimulator::Source> WorldSimulator::source(std::uint64_t body) const {
   const std::lock_guard lock(mutex_);
   const auto found = bodies_.find(body);
@@ -347,7 +343,7 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   if (found == bodies_.end()) throw Error(noSuch("body"));
   BodyRecord record = found->second;
   record.surface = std::move(built.surface);
-  record.values = values;
+  record.values = std::make_shared<const ParameterValues>(values);
   bodies_.erase(found);
   simulator_.removeBody(body);
   simulator_.reset();

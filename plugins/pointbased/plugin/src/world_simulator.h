@@ -63,7 +63,6 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void moveGrab(std::uint64_t body, const Vec3 &target);
   void releaseGrab(std::uint64_t body);
   [[nodiscard]] ParameterValues worldValues() const;
-  [[nodiscard]] std::optional<ParameterValues> bodyValues(std::uint64_t body) const;
   /// The mesh and the place a body was made from; the mesh handle stays the caller's.
   struct Source {
     c3de_handle mesh{};
@@ -84,7 +83,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   struct BodyRecord {
     std::string name;
     std::shared_ptr<PlacedMesh> surface;
-    ParameterValues values{bodyDeclarations()};
+    std::shared_ptr<const ParameterValues> values;  // replaced, never changed: snapshots share it
     Source source;
     std::size_t order = 0;
   };

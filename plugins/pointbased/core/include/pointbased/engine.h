@@ -23,7 +23,7 @@ inline constexpr double kDefaultStabilisation = 0.1;
 /// @param displacements  [phyxels] u, m
 /// @param gradients      [points] out: F; row = component of x, column = component of X
 /// @threads writes only `gradients`; no allocation
-/// @source  Müller et al. 2004, section 3.2, with displacements instead of their components
+/// @source  Müller et al. 2004, the moving-least-squares fit, for the displacement vector at once
 void deformationGradients(const StencilSet &stencils, std::span<const Vec3> displacements, std::span<Mat3> gradients,
                           const ParallelFor &parallelFor);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -28,6 +29,7 @@ struct Grab {
   Vec3 target = Vec3::Zero();   ///< world, m
   double frequency = 50.0;      ///< rad/s of the mass it holds; lowered where the step would not carry it
   double dampingRatio = 1.0;
+  double maxForce = std::numeric_limits<double>::infinity();  ///< N: a tool that is torn away must not tear the body apart
 };
 
 struct GrabStatus {

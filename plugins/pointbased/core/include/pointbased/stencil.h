@@ -50,7 +50,7 @@ inline constexpr double kMomentCutOff = 1e-2;
 /// @param neighbors      symmetric, without i itself
 /// @param supportRadii   [n] h, m; the weight of a pair uses the larger one
 /// @param volumes        [n] m³
-/// @source  Müller et al., Point Based Animation of Elastic, Plastic and Melting Objects, SCA 2004, section 3.2
+/// @source  Müller et al., Point Based Animation of Elastic, Plastic and Melting Objects, SCA 2004, the moving-least-squares fit of the displacement gradient
 [[nodiscard]] StencilSet buildPhyxelStencils(std::span<const Vec3> positions, const Csr &neighbors,
                                              std::span<const double> supportRadii, std::span<const double> volumes,
                                              const ParallelFor &parallelFor);

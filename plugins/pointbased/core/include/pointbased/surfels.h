@@ -29,7 +29,7 @@ inline constexpr std::size_t kPhyxelsPerSurfel = 16;
 /// @param gradients        [phyxels] F at the phyxels
 /// @param positions        [surfels] out, m
 /// @param normals          [surfels] out, or empty
-/// @source Müller et al. 2004, section 5 (displacements of surfels); normals by Nanson's formula
+/// @source Müller et al. 2004, the displacement of surfels; normals by Nanson's formula
 void updateSurfels(const SurfelBinding &binding, std::span<const Vec3> phyxelPositions, std::span<const Vec3> displacements,
                    std::span<const Mat3> gradients, std::span<Vec3> positions, std::span<Vec3> normals,
                    const ParallelFor &parallelFor);
