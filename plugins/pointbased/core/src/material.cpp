@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace pointbased {
 namespace {
@@ -45,7 +46,10 @@ double largestEigenvalueBound(const Mat3 &m) {
 Result<void> validate(const Material &m) {
   std::string text;
   const auto need = [&](bool ok, const char *name, double value, const char *accepted) {
-    if (!ok) text += (text.empty() ? "" : "; ") + std::string(name) + " = " + std::to_string(value) + " is not accepted: " + accepted;
+    if (ok) return;
+    char shown[40];
+    std::snprintf(shown, sizeof shown, "%.6g", value);
+    text += (text.empty() ? "" : "; ") + std::string(name) + " = " + shown + " is not accepted: " + accepted;
   };
   need(std::isfinite(m.youngsModulus) && m.youngsModulus > 0.0, "Young's modulus", m.youngsModulus, "finite and > 0 Pa");
   need(std::isfinite(m.poissonRatio) && m.poissonRatio > -1.0 && m.poissonRatio < 0.5, "Poisson's ratio", m.poissonRatio,
