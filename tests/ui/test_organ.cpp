@@ -217,3 +217,29 @@ TEST_CASE("the surface can be made transparent", "[organ_surface]") {
   window.screenshot("again");
   CHECK(window.differingPixels("opaque", "again") < 500);
 }
+
+TEST_CASE("a change of the material is undone and redone, and the solver follows", "[organ_undo]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_undo");
+  startOrgan(window);
+  const std::string modulus = std::string(kPanel) + "material.youngs_modulus";
+  const std::string before = window.value(modulus);
+  const double stepBefore = window.number(std::string(kPanel) + "Step size");
+  const Point at = window.locate(modulus);
+  window.drag(at, {at.x + 40, at.y}, 4);
+  const Json dragged = window.waitUntil("the drag has changed it",
+                                        [&](const Json &s) { return row(s, "material.youngs_modulus") != before; });
+  const std::string after = row(dragged, "material.youngs_modulus");
+  window.waitUntil("the step follows", [&](const Json &s) { return std::stod(row(s, "Step size")) < 0.9 * stepBefore; });
+
+  window.click("menu/edit");
+  window.screenshot("menu");
+  window.key("Escape");
+  window.waitUntil("the menu is closed", [](const Json &s) { return !s["widgets"].contains("menu/edit.undo"); });
+  window.moveTo(window.inView(0.5, 0.9));
+  window.key("ctrl+z");
+  window.waitForValue(modulus, before);
+  window.waitUntil("the step is as before", [&](const Json &s) { return std::stod(row(s, "Step size")) == stepBefore; });
+  window.key("ctrl+y");
+  window.waitForValue(modulus, after);
+}

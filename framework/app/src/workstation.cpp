@@ -113,6 +113,7 @@ ui::WindowActions Workstation::actions() {
     if (scene::Simulation *simulation = session_->simulation()) simulation->setTargetRate(rate);
   };
   actions.screenshot = [this] { saveScreenshot(); };
+  actions.beforeDraw = [this] { session_->plugins().syncScene(); };
   return actions;
 }
 

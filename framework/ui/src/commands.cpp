@@ -16,6 +16,8 @@ constexpr std::array kCommands{
     CommandInfo{Command::reload, "file.reload", "Reload from file", "Read the opened files again", keyF5, 0, 0},
     CommandInfo{Command::screenshot, "file.screenshot", "Save screenshot", "Write the 3D view as PNG", keyF12, 0, 0},
     CommandInfo{Command::quit, "file.quit", "Quit", "Close the program", 'Q', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::undo, "edit.undo", "Undo", "Take back the last change of a parameter", 'Z', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::redo, "edit.redo", "Redo", "Make the change again that was taken back", 'Y', C3DE_MOD_CTRL, 0},
     CommandInfo{Command::fitView, "view.fit", "Fit view", "Bring everything visible into the view", 'F', 0, 0},
     CommandInfo{Command::viewFront, "view.front", "Front (along −z)", "Look along −z", '1', 0, 0},
     CommandInfo{Command::viewBack, "view.back", "Back (along +z)", "Look along +z", '2', 0, 0},

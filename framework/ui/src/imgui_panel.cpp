@@ -208,6 +208,7 @@ void ImGuiPanels::progress(double fraction, c3de_str shown) {
 
 void ImGuiPanels::parameterRows(Handle handle, const std::string &group, bool isAdvanced) {
   ParameterRegistry &registry = *frame_->services.parameters;
+  if (!ImGui::IsAnyItemActive()) registry.history().endGesture();
   const ParameterSet *set = registry.find(handle);
   if (!set) return;
   // A copy: a listener may change or remove the set.
@@ -229,7 +230,7 @@ void ImGuiPanels::parameterRows(Handle handle, const std::string &group, bool is
     const ParameterValue value = set->values[i];
     const auto changed = parameterField(*frame_, area_, state, decl, value, false);
     if (!changed) continue;
-    auto done = registry.set(handle, *changed, true);
+    auto done = registry.edit(handle, *changed);
     state.error = done ? std::string() : done.error().message;
   }
 }

@@ -4,6 +4,7 @@
 
 #include "c3de/abi/draft/tools.h"
 #include "c3de/core/text.h"
+#include "c3de/ui/parameter_registry.h"
 #include "c3de/ui/tool_registry.h"
 #include "chrome.h"
 
@@ -22,6 +23,19 @@ void menuItem(FrameContext &frame, const char *area, const MenuEntry &entry, boo
   if (ImGui::MenuItem(info.label, key.empty() ? nullptr : key.c_str(), isChecked, isEnabled)) frame.request(entry.command);
   markItem(frame, area, info.id, isEnabled);
   itemTooltip(frame, isEnabled ? info.doc : std::string(info.doc) + " (nothing is loaded)");
+}
+
+/// "Undo Young's modulus": says what it would change.
+void editItem(FrameContext &frame, Command command) {
+  const CommandInfo &info = commandInfo(command);
+  std::string what;
+  if (const ParameterRegistry *parameters = frame.services.parameters)
+    what = command == Command::undo ? parameters->history().undoLabel() : parameters->history().redoLabel();
+  const std::string label = std::string(info.label) + (what.empty() ? "" : " " + what) + "###" + info.id;
+  const std::string key = keyText(info.key, info.modifiers);
+  if (ImGui::MenuItem(label.c_str(), key.c_str(), false, !what.empty())) frame.request(command);
+  markItem(frame, "menu", info.id, !what.empty());
+  itemTooltip(frame, what.empty() ? std::string(info.doc) + " (there is none)" : info.doc);
 }
 
 bool beginMenu(FrameContext &frame, const char *label, const char *id) {
@@ -150,6 +164,11 @@ float drawMenuBar(FrameContext &frame) {
       menuItem(frame, "menu", {Command::screenshot});
       ImGui::Separator();
       menuItem(frame, "menu", {Command::quit});
+      ImGui::EndMenu();
+    }
+    if (beginMenu(frame, "Edit", "edit")) {
+      editItem(frame, Command::undo);
+      editItem(frame, Command::redo);
       ImGui::EndMenu();
     }
     if (beginMenu(frame, "View", "view")) {

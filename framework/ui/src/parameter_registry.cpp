@@ -39,6 +39,7 @@ Expected<void> ParameterRegistry::set(Handle handle, const ParameterValue &value
 
   const auto index = static_cast<std::size_t>(*decl - set->decls.data());
   set->values[index] = value;
+  if (!tellListener) history_.forget(handle);
   if (tellListener && set->listener.changed) {
     // The listener may remove the set, so it gets a copy that outlives it.
     const c3de_param_listener listener = set->listener;
@@ -47,6 +48,19 @@ Expected<void> ParameterRegistry::set(Handle handle, const ParameterValue &value
     listener.changed(listener.self, &abi);
   }
   return {};
+}
+
+Expected<void> ParameterRegistry::edit(Handle handle, const ParameterValue &value) {
+  const ParameterSet *set = sets_.find(handle);
+  if (!set) return this->set(handle, value, true);
+  const auto decl = findParameter(set->decls, value.id);
+  if (!decl) return tl::unexpected(decl.error());
+  const std::string label = (*decl)->label.empty() ? value.id : (*decl)->label;
+  const ParameterValue before = set->values[static_cast<std::size_t>(*decl - set->decls.data())];
+  auto done = this->set(handle, value, true);
+  // The listener may have removed the set or shown other values, and then there is nothing to go back to.
+  if (done && sets_.find(handle)) history_.record(handle, label, before, value);
+  return done;
 }
 
 }  // namespace c3de::ui

@@ -155,7 +155,7 @@ void TextPanel::Impl::parameter(Handle handle, const ParameterDecl &decl, const 
     } else {
       wanted.num = action->kind == Kind::press ? (value.num == 0.0) : action->flag;
     }
-    if (auto done = parameters->set(handle, wanted, true); !done)
+    if (auto done = parameters->edit(handle, wanted); !done)
       problems.push_back(done.error().message);
     else
       shown = wanted;

@@ -3,6 +3,7 @@
 
 #include <epoxy/gl.h>
 #include <imgui.h>
+#include <imgui_internal.h>  // ClosePopupToLevel
 
 #include <algorithm>
 #include <cmath>
@@ -119,6 +120,8 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
   const ImGuiIO &io = ImGui::GetIO();
   const bool isPopupOpen = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
   // A button of the mouse that is held over a slider counts as well, but one that drags in the view does not.
+  if (event.key == keyEscape && isPopupOpen && !io.WantTextInput && !fileDialog.isOpen())
+    return ImGui::ClosePopupToLevel(0, true);  // menus and lists; ImGui does it only with its own keyboard navigation
   if (io.WantTextInput || isPopupOpen || (io.WantCaptureKeyboard && !isViewPressed)) return;
   if (event.key == keyEscape) return viewController->cancel();
   if (command != Command::none) return context.request(command);
@@ -208,6 +211,12 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
       if (actions.screenshot) actions.screenshot();
       break;
     case Command::quit: window->requestClose(); break;
+    case Command::undo:
+      if (services.parameters) services.parameters->history().undo(*services.parameters);
+      break;
+    case Command::redo:
+      if (services.parameters) services.parameters->history().redo(*services.parameters);
+      break;
     case Command::fitView: framesToFit = 1; break;
     case Command::viewFront: lookAlong(camera, {0, 0, -1}); break;
     case Command::viewBack: lookAlong(camera, {0, 0, 1}); break;
@@ -362,6 +371,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
     glDisable(GL_SCISSOR_TEST);
     glClearColor(colour::kChrome.x, colour::kChrome.y, colour::kChrome.z, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    if (impl.actions.beforeDraw) impl.actions.beforeDraw();
     renderer.draw(impl.camera, impl.viewport());
     glViewport(0, 0, pixels[0], pixels[1]);
     impl.imgui->draw();

@@ -14,6 +14,8 @@ enum class Command {
   reload,
   screenshot,
   quit,
+  undo,
+  redo,
   fitView,
   viewFront,
   viewBack,

@@ -6,6 +6,7 @@
 
 #include "c3de/core/handle.h"
 #include "c3de/core/parameter.h"
+#include "c3de/ui/parameter_history.h"
 
 namespace c3de::ui {
 
@@ -26,10 +27,16 @@ class ParameterRegistry {
   void removeOwnedBy(const std::string &plugin);
   [[nodiscard]] ParameterSet *find(Handle set);
   /// Checks, stores and, if `tellListener`, calls the listener.
+  /// Without telling it is the owner who shows what is: the set's history of edits ends there.
   [[nodiscard]] Expected<void> set(Handle set, const ParameterValue &value, bool tellListener);
+  /// As set() with the listener told, remembered for undo.
+  [[nodiscard]] Expected<void> edit(Handle set, const ParameterValue &value);
+  [[nodiscard]] ParameterHistory &history() { return history_; }
+  [[nodiscard]] const ParameterHistory &history() const { return history_; }
 
  private:
   HandleTable<ParameterSet> sets_;
+  ParameterHistory history_;
 };
 
 }  // namespace c3de::ui

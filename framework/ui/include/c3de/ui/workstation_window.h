@@ -49,6 +49,7 @@ struct WindowActions {
   std::function<void(std::uint32_t action)> transport;  ///< C3DE_TRANSPORT_*
   std::function<void(double rate)> setTargetRate;       ///< 0: as fast as it goes
   std::function<void()> screenshot;
+  std::function<void()> beforeDraw;  ///< panels have been handled, the 3D view is about to be drawn
 };
 
 /// What the window shows; must outlive its last drawFrame(). Null members show nothing.
