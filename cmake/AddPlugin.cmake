@@ -4,7 +4,7 @@
 # Hidden visibility alone still leaks library templates, hence the version script; -fno-gnu-unique keeps it unloadable.
 set(C3DE_CMAKE_DIR "${CMAKE_CURRENT_LIST_DIR}")
 function(c3de_add_plugin name)
-  cmake_parse_arguments(ARG "NO_INSTALL" "OUTPUT_DIRECTORY" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "OUTPUT_DIRECTORY" "SOURCES;LINKS" ${ARGN})
   if(NOT ARG_OUTPUT_DIRECTORY)
     set(ARG_OUTPUT_DIRECTORY "${C3DE_PLUGIN_OUTPUT_DIRECTORY}")
   endif()

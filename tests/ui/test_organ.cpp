@@ -243,3 +243,21 @@ TEST_CASE("a change of the material is undone and redone, and the solver follows
   window.key("ctrl+y");
   window.waitForValue(modulus, after);
 }
+
+TEST_CASE("an organ from a scene can be filled again with another count", "[organ_rebuild]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_rebuild");
+  startOrgan(window);
+  CHECK_THAT(window.number(std::string(kPanel) + "Phyxels"), WithinRel(400.0, 0.1));
+  window.controlClick(std::string(kPanel) + "sampling.count");
+  window.key("ctrl+a");
+  window.type("200");
+  window.key("Return");
+  window.waitForValue(std::string(kPanel) + "sampling.count", "200");
+  window.click(std::string(kPanel) + "rebuild");
+  const Json state = window.waitUntil("it is filled again or refused", [](const Json &s) {
+    return !s["notifications"].empty() || std::stod(row(s, "Phyxels")) < 300.0;
+  });
+  CHECK(state["notifications"].empty());
+  CHECK_THAT(window.number(std::string(kPanel) + "Phyxels"), WithinRel(200.0, 0.1));
+}

@@ -62,7 +62,6 @@ std::filesystem::path executablePath() {
 }
 
 std::filesystem::path userDataDirectory() { return homeBased("XDG_DATA_HOME", ".local/share"); }
-std::filesystem::path userConfigDirectory() { return homeBased("XDG_CONFIG_HOME", ".config"); }
 
 std::vector<std::filesystem::path> fontDirectories() {
   return {"/usr/share/fonts/truetype/dejavu", "/usr/share/fonts/truetype", "/usr/share/fonts",
@@ -85,7 +84,6 @@ std::string cpuName() {
   return "unknown";
 }
 
-bool stdoutIsTerminal() { return isatty(STDOUT_FILENO) == 1; }
 bool stderrIsTerminal() { return isatty(STDERR_FILENO) == 1; }
 
 Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {

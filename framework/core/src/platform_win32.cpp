@@ -113,7 +113,6 @@ std::filesystem::path executablePath() {
 }
 
 std::filesystem::path userDataDirectory() { return knownFolder(FOLDERID_LocalAppData) / "c3de"; }
-std::filesystem::path userConfigDirectory() { return knownFolder(FOLDERID_RoamingAppData) / "c3de"; }
 std::vector<std::filesystem::path> fontDirectories() { return {knownFolder(FOLDERID_Fonts)}; }
 
 std::string environmentVariable(const char *name) {
@@ -130,7 +129,6 @@ std::string cpuName() {
   return name.empty() ? "unknown" : name;
 }
 
-bool stdoutIsTerminal() { return _isatty(1) != 0; }
 bool stderrIsTerminal() { return _isatty(2) != 0; }
 
 Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {

@@ -212,7 +212,6 @@ double largestFrequency(const Material &material, double stabilisation, const St
   const std::size_t n = X.size();
   if (n < 2) return 0.0;
   // At rest the stress is linear in the displacement gradient: P = lambda tr(eps) I + 2 mu eps.
-  Material linear = material;
   std::vector<Vec3> mode(n), force(n), entryForces(s.phyxels.indices.size());
   std::vector<Mat3> gradients(s.pointCount()), pointStresses(s.pointCount());
   std::uint64_t state = 0x9e3779b97f4a7c15ull;
@@ -246,10 +245,10 @@ double largestFrequency(const Material &material, double stabilisation, const St
         const Mat3 G = gradients[q] - Mat3::Identity();
         const Mat3 eps = 0.5 * (G + G.transpose());
         pointStresses[q] =
-            s.volumes[q] * (linear.lambda() * eps.trace() * Mat3::Identity() + 2.0 * linear.mu() * eps);
+            s.volumes[q] * (material.lambda() * eps.trace() * Mat3::Identity() + 2.0 * material.mu() * eps);
       }
     });
-    internalForces(linear, stabilisation, s, X, displacement, gradients, pointStresses, entryForces, force, parallelFor);
+    internalForces(material, stabilisation, s, X, displacement, gradients, pointStresses, entryForces, force, parallelFor);
     // Rayleigh quotient in the mass norm, then the next vector M^-1 K u.
     double top = 0.0, bottom = 0.0;
     for (std::size_t i = 0; i < n; ++i) {

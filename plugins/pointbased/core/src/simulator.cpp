@@ -67,11 +67,6 @@ bool Simulator::removeObstacle(std::size_t id) {
   return true;
 }
 
-void Simulator::setObstacleFriction(std::size_t id, double friction) {
-  const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), id);
-  if (found != obstacleIds_.end()) obstacles_[static_cast<std::size_t>(found - obstacleIds_.begin())].friction = friction;
-}
-
 void Simulator::clear() {
   bodies_.clear();
   obstacles_.clear();

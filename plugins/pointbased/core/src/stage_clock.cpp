@@ -48,8 +48,6 @@ std::vector<StageClock::Summary> StageClock::summary() const {
     s.calls = stage.calls;
     s.median_ms = static_cast<double>(sorted[sorted.size() / 2]);
     s.p99_ms = static_cast<double>(sorted[std::min(sorted.size() - 1, sorted.size() * 99 / 100)]);
-    const std::size_t last = stage.recent_ms.size() < kRecent ? stage.recent_ms.size() - 1 : (stage.calls - 1) % kRecent;
-    s.last_ms = static_cast<double>(stage.recent_ms[last]);
     out.push_back(std::move(s));
   }
   return out;

@@ -63,6 +63,14 @@ BuiltBody buildBody(const Services &services, const std::string &name, c3de_hand
   return out;
 }
 
+sdk::MeshHandle copyMesh(const Services &services, c3de_handle mesh) {
+  const auto *table = services.meshes.table();
+  c3de_view positions{}, triangles{};
+  sdk::orThrow(services.host.check(table->positions(table->ctx, mesh, &positions)));
+  sdk::orThrow(services.host.check(table->triangles(table->ctx, mesh, &triangles)));
+  return sdk::orThrow(services.meshes.create(positions, triangles));
+}
+
 Obstacle buildObstacle(const Services &services, const std::string &name, const std::shared_ptr<PlacedMesh> &mesh,
                        double friction) {
   Obstacle obstacle;

@@ -19,6 +19,9 @@ struct BuiltBody {
 [[nodiscard]] BuiltBody buildBody(const Services &services, const std::string &name, c3de_handle mesh,
                                   const Placement &placement, const ParameterValues &values, const sdk::Progress &progress);
 
+/// A mesh of our own with the same triangles: the caller of add_body may let go of theirs. Errors as sdk::Error.
+[[nodiscard]] sdk::MeshHandle copyMesh(const Services &services, c3de_handle mesh);
+
 /// The obstacle's questions answered by the host's collision service. Errors as sdk::Error.
 [[nodiscard]] Obstacle buildObstacle(const Services &services, const std::string &name,
                                      const std::shared_ptr<PlacedMesh> &mesh, double friction);

@@ -273,7 +273,6 @@ void Controller::load() {
     c3de_handle added{};
     simulator->addBody(&body, &added);
     if (before != 0) (void)simulator->remove({before});
-    simulator->keepMesh(std::move(*mesh));
     return {};
   };
   const auto job = services_.jobs.submit("Loading " + std::filesystem::path(path).filename().string(), std::move(run),

@@ -19,7 +19,7 @@ struct BodySnapshot {
   std::shared_ptr<const ParameterValues> values;
   std::vector<Vec3> phyxels, surfels, normals;  ///< world, m
   double mass = 0.0;                            ///< kg
-  double poissonRatio = 0.0, youngsModulus = 0.0;
+  double youngsModulus = 0.0;                   ///< Pa
   Simulator::Energy energy;
   Neighbours neighbours;
   std::optional<GrabStatus> grab;

@@ -87,13 +87,14 @@ void WorldSimulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   const c3de_sim_body in = readIn(body, "body");
   BodyRecord record;
   record.name = std::string(sdk::text(in.name));
-  record.source = {in.mesh, placementOf(in)};
+  record.source.placement = placementOf(in);
   ParameterValues values(bodyDeclarations());
   sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
   BuiltBody built =
       buildBody(context_.services, record.name, in.mesh, record.source.placement, values, sdk::Progress(in.progress));
   record.values = std::make_shared<const ParameterValues>(std::move(values));
   record.surface = std::move(built.surface);
+  record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
   const std::lock_guard lock(mutex_);
   record.order = nextOrder_++;
   simulator_.reset();
@@ -212,7 +213,6 @@ void WorldSimulator::publish() {
       b.phyxels[i] = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
     simulator_.surfels(id, b.surfels, b.normals);
     b.mass = body.totalMass();
-    b.poissonRatio = body.material().poissonRatio;
     b.youngsModulus = body.material().youngsModulus;
     b.energy = simulator_.energy(id);
     b.grab = simulator_.grabStatus(id);
@@ -324,11 +324,6 @@ std::optional<WorldSimulator::Source> WorldSimulator::source(std::uint64_t body)
   return found->second.source;
 }
 
-void WorldSimulator::keepMesh(sdk::MeshHandle mesh) {
-  const std::lock_guard lock(mutex_);
-  keptMeshes_.push_back(std::move(mesh));
-}
-
 void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &values, const sdk::Progress &progress) {
   const auto from = source(body);
   if (!from) throw Error(noSuch("body"));
@@ -337,7 +332,7 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
     const std::lock_guard lock(mutex_);
     name = bodies_.at(body).name;
   }
-  BuiltBody built = buildBody(context_.services, name, from->mesh, from->placement, values, progress);
+  BuiltBody built = buildBody(context_.services, name, from->mesh->handle(), from->placement, values, progress);
   const std::lock_guard lock(mutex_);
   const auto found = bodies_.find(body);
   if (found == bodies_.end()) throw Error(noSuch("body"));

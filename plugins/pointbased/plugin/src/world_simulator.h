@@ -63,14 +63,12 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void moveGrab(std::uint64_t body, const Vec3 &target);
   void releaseGrab(std::uint64_t body);
   [[nodiscard]] ParameterValues worldValues() const;
-  /// The mesh and the place a body was made from; the mesh handle stays the caller's.
+  /// What a body was made from, and can be made from again.
   struct Source {
-    c3de_handle mesh{};
+    std::shared_ptr<const sdk::MeshHandle> mesh;
     Placement placement;
   };
   [[nodiscard]] std::optional<Source> source(std::uint64_t body) const;
-  /// Keeps a mesh alive as long as the simulator may build from it again.
-  void keepMesh(sdk::MeshHandle mesh);
   /// Builds the body again with other values and puts it in the place of the old one; the simulation is reset. The old one
   /// stays when building fails. Errors as sdk::Error. Any thread.
   void rebuildBody(std::uint64_t body, const ParameterValues &values, const sdk::Progress &progress);
@@ -99,7 +97,6 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   ParameterValues world_{worldDeclarations()};
   std::map<std::uint64_t, BodyRecord> bodies_;
   std::map<std::uint64_t, ObstacleRecord> obstacles_;
-  std::vector<sdk::MeshHandle> keptMeshes_;
   std::size_t nextOrder_ = 0;
   SnapshotExchange exchange_;
   std::uint64_t generation_ = 0;

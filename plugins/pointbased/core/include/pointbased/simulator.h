@@ -47,7 +47,7 @@ struct Probe {
 
 struct SimulationEvent {
   double time = 0.0;  ///< s
-  std::string kind;   ///< substep | penetration | diverged
+  std::string kind;   ///< substep | diverged
   std::string text;
 };
 
@@ -72,12 +72,10 @@ class Simulator {
   std::size_t addObstacle(Obstacle obstacle);
   bool removeBody(std::size_t id);
   bool removeObstacle(std::size_t id);
-  void setObstacleFriction(std::size_t id, double friction);
   void clear();
   [[nodiscard]] Body *body(std::size_t id);
   [[nodiscard]] const Body *body(std::size_t id) const;
   [[nodiscard]] std::vector<std::size_t> bodyIds() const;
-  [[nodiscard]] std::size_t obstacleCount() const { return obstacles_.size(); }
   void addProbe(std::string name, std::size_t body, const Vec3 &reference);
   [[nodiscard]] const std::vector<Probe> &probes() const { return probes_; }
   struct ProbeState {

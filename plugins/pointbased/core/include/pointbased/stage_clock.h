@@ -12,7 +12,7 @@ class StageClock {
  public:
   struct Summary {
     std::string name;
-    double median_ms = 0.0, p99_ms = 0.0, last_ms = 0.0;
+    double median_ms = 0.0, p99_ms = 0.0;
     std::size_t calls = 0;
   };
 
