@@ -118,9 +118,22 @@ c3de_sim_body_info SimulatorSession::info(c3de_handle body) {
   return out;
 }
 
-std::vector<Vec3> SimulatorSession::phyxels(c3de_handle body, std::uint32_t field) {
+c3de_object *SimulatorSession::create(const std::string &classId) {
+  auto created = impl_->host->createObject(classId);
+  if (!created) throw std::runtime_error(created.error().message);
+  return *created;
+}
+
+c3de_object *SimulatorSession::phyxelSet(c3de_handle body) {
   c3de_object *set = nullptr;
   check(impl_->table->phyxels(impl_->simulator, body, &set), "phyxels");
+  return set;
+}
+
+void SimulatorSession::remove(c3de_handle handle) { check(impl_->table->remove(impl_->simulator, handle), "remove"); }
+
+std::vector<Vec3> SimulatorSession::phyxels(c3de_handle body, std::uint32_t field) {
+  c3de_object *set = phyxelSet(body);
   const void *found = nullptr;
   const char *id = C3DE_IFACE_PHYXEL_SET_ID;
   check(set->vt->query(set, {id, std::strlen(id)}, 1, &found), "query");

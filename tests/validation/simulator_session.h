@@ -36,6 +36,12 @@ class SimulatorSession {
   [[nodiscard]] std::vector<Vec3> phyxels(c3de_handle body, std::uint32_t field);
   [[nodiscard]] std::vector<Vec3> surfels(c3de_handle body, std::uint32_t field);
 
+  /// A new object of a registered class, with a count of one.
+  [[nodiscard]] c3de_object *create(const std::string &classId);
+  /// iface.phyxel_set of a body, with a count of one.
+  [[nodiscard]] c3de_object *phyxelSet(c3de_handle body);
+  void remove(c3de_handle bodyOrObstacle);
+
   [[nodiscard]] static c3de_param_value number(const char *id, double value);
   [[nodiscard]] static c3de_param_value vector(const char *id, const Vec3 &value);
 
