@@ -96,8 +96,9 @@ TEST_CASE("The option --set changes what is simulated, and a wrong path ends wit
   } cases[] = {{"body.bxo.scale=2", "did you mean 'box'?"},
                {"body.box.material.yungs_modulus=1", "did you mean 'material.youngs_modulus'?"},
                {"body.box.material.poisson_ratio=0.7", "poisson_ratio"},
-               {"solver.integrator=implicit", "explicit"},
-               {"body.box.material.plastic.yield=0.1", "not served yet"}};
+               {"solver.integrator=implict", "explicit"},
+               {"body.box.material.law=rubber", "neo_hookean"},
+               {"fix.0.displacement=[0, 0, 1]", "the scene has none"}};
   for (const auto &one : cases) {
     INFO(one.assignment);
     const auto refused = runC3de({"run", scene, "--steps", "1", "--set", one.assignment});
@@ -111,7 +112,7 @@ TEST_CASE("A scene with a mistake ends with 3 and names file and line") {
   const auto scene = writeBoxScene(folder, "[[fix]]\nbody = \"box\"\n");
   const auto fix = runC3de({"run", scene.string()});
   CHECK(fix.exitCode == 3);
-  CHECK_THAT(fix.errorOutput, Contains("c3de: error: ") && Contains("box.toml:18: 'fix' is not served yet"));
+  CHECK_THAT(fix.errorOutput, Contains("c3de: error: ") && Contains("box.toml:18: the fix has no 'region'"));
 
   const auto range = writeFile(folder / "range.toml",
                                "format = 1\n[[body]]\nmesh = \"box.obj\"\nmesh_unit = \"m\"\n\n[body.material]\npoisson_ratio = 0.5\n");

@@ -32,7 +32,7 @@ class CountingSimulator : public sdk::Object<CountingSimulator> {
   void publish() {}
   void status(c3de_sim_status *out) const {
     const std::uint32_t size = out->size;
-    *out = {size, 0, steps_, 1e-3 * static_cast<double>(steps_), 1e-3, 0, 0};
+    *out = {size, 0, steps_, 1e-3 * static_cast<double>(steps_), 1e-3, 0, 0, 0, 0};
   }
   void stateHash(std::uint64_t *out) const { *out = steps_; }
   c3de_status report(c3de_sink json) const { return sdk::put(json, "{}"); }

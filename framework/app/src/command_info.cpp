@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command_info.h"
 
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -42,16 +43,80 @@ Expected<Described> describeMesh(const std::filesystem::path &file, const std::s
   return out;
 }
 
+/// Infinity has no number in JSON.
+Json jsonNumber(double x) { return std::isfinite(x) ? Json(x) : Json(formatNumber(x)); }
+
 void describeValues(const std::vector<scene::SceneValue> &values, std::ostringstream &text, Json &json) {
   for (const scene::SceneValue &value : values) {
     text << "  " << value.value.id << " = " << value.value.display() << "\n";
     switch (value.value.type) {
       case C3DE_PARAM_BOOL: json[value.value.id] = value.value.num != 0.0; break;
       case C3DE_PARAM_I64:
-      case C3DE_PARAM_F64: json[value.value.id] = value.value.num; break;
+      case C3DE_PARAM_F64: json[value.value.id] = jsonNumber(value.value.num); break;
       case C3DE_PARAM_VEC3: json[value.value.id] = value.value.vec; break;
       default: json[value.value.id] = value.value.text;
     }
+  }
+}
+
+Json jsonOf(const scene::SceneRegion &region) {
+  switch (region.kind) {
+    case scene::SceneRegion::Kind::box: return {{"box", {{"min", region.a}, {"max", region.b}}}};
+    case scene::SceneRegion::Kind::sphere: return {{"sphere", {{"centre", region.a}, {"radius", region.radius}}}};
+    case scene::SceneRegion::Kind::halfSpace: return {{"half_space", {{"point", region.a}, {"normal", region.b}}}};
+    case scene::SceneRegion::Kind::everywhere: break;
+  }
+  return {{"everywhere", true}};
+}
+
+Json jsonOf(const scene::SceneMotion &motion) {
+  Json json{{"displacement", motion.displacement_m}, {"rotation_deg", motion.rotation_deg}, {"ramp", motion.ramp_s}};
+  if (motion.centre_m) json["centre"] = *motion.centre_m;
+  return json;
+}
+
+/// Materials of regions and finer sampling of a body.
+void describeRegions(const scene::SceneBody &body, std::ostringstream &text, Json &json) {
+  for (const scene::ScenePart &part : body.parts) {
+    text << "  part " << json["parts"].size() << " in " << jsonOf(part.region).dump() << "\n";
+    Json params = Json::object();
+    describeValues(part.params, text, params);
+    json["parts"].push_back(Json{{"region", jsonOf(part.region)}, {"params", std::move(params)}});
+  }
+  for (const scene::SceneRefinement &refinement : body.refinements) {
+    text << "  spacing " << formatNumber(refinement.spacing_m) << " m in " << jsonOf(refinement.region).dump() << "\n";
+    json["refinements"].push_back(Json{{"region", jsonOf(refinement.region)}, {"spacing_m", refinement.spacing_m}});
+  }
+}
+
+/// What holds and loads the bodies.
+void describeSupports(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
+  const auto title = [&](const char *what, std::size_t number, const std::string &name, const std::string &body) {
+    text << what << " " << number << (name.empty() ? "" : " \"" + name + "\"") << " of body \"" << body << "\"\n";
+  };
+  json["fixes"] = Json::array();
+  for (const scene::SceneFix &fix : scene.fixes) {
+    title("fix", json["fixes"].size(), fix.name, fix.body);
+    Json one{{"name", fix.name}, {"body", fix.body}, {"region", jsonOf(fix.region)}, {"motion", jsonOf(fix.motion)}};
+    text << "  region " << one["region"].dump() << "\n";
+    if (fix.motion.displacement_m != Vec3{} || fix.motion.rotation_deg != Vec3{})
+      text << "  motion " << one["motion"].dump() << "\n";
+    json["fixes"].push_back(std::move(one));
+  }
+  json["loads"] = Json::array();
+  for (const scene::SceneLoad &load : scene.loads) {
+    title("load", json["loads"].size(), load.name, load.body);
+    Json one{{"name", load.name}, {"body", load.body}, {"region", jsonOf(load.region)}};
+    if (load.force_N) one["force_N"] = *load.force_N;
+    if (load.pressure_Pa) {
+      one["pressure_Pa"] = *load.pressure_Pa;
+      one["follower"] = load.follower;
+    }
+    one["ramp"] = load.ramp_s;
+    text << "  region " << one["region"].dump() << "\n";
+    if (load.force_N) text << "  force " << one["force_N"].dump() << " N\n";
+    if (load.pressure_Pa) text << "  pressure " << one["pressure_Pa"].dump() << " Pa\n";
+    json["loads"].push_back(std::move(one));
   }
 }
 
@@ -91,8 +156,12 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
     if (!mesh) return tl::unexpected(mesh.error());
     Json json{{"name", body.name}, {"mesh", *mesh}, {"params", Json::object()}};
     describeValues(body.params, text, json["params"]);
+    describeRegions(body, text, json);
+    if (body.velocity_m_s != Vec3{}) json["velocity"] = body.velocity_m_s;
+    if (body.angularVelocity_rad_s != Vec3{}) json["angular_velocity"] = body.angularVelocity_rad_s;
     out.json["bodies"].push_back(std::move(json));
   }
+  describeSupports(*scene, text, out.json);
   out.json["obstacles"] = Json::array();
   for (const scene::SceneObstacle &obstacle : scene->obstacles) {
     text << "obstacle \"" << obstacle.name << "\"\n";
@@ -100,6 +169,10 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
     if (!mesh) return tl::unexpected(mesh.error());
     Json json{{"name", obstacle.name}, {"mesh", *mesh}, {"params", Json::object()}};
     describeValues(obstacle.params, text, json["params"]);
+    if (obstacle.motion) {
+      json["motion"] = jsonOf(*obstacle.motion);
+      text << "  motion " << json["motion"].dump() << "\n";
+    }
     out.json["obstacles"].push_back(std::move(json));
   }
   out.json["probes"] = Json::array();

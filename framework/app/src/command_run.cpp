@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command_run.h"
 
+#include <chrono>
 #include <cstdio>
 #include <utility>
 
@@ -36,23 +37,49 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Mat
   return scene;
 }
 
-/// The integrator that the scene asks for, or the simulator's default.
-std::string integratorOf(const scene::SceneFile &scene, c3de_object *simulator) {
+/// A value of the world as the scene asks for it, or the simulator's default; none where neither says it.
+std::optional<ParameterValue> worldValue(const scene::SceneFile &scene, c3de_object *simulator, const std::string &id) {
   for (const scene::SceneValue &value : scene.world)
-    if (value.value.id == "solver.integrator") return value.value.text;
+    if (value.value.id == id) return value.value;
   if (const auto decls = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD))
-    if (const auto decl = findParameter(*decls, "solver.integrator")) return (*decl)->fallbackText;
-  return {};
+    if (const auto decl = findParameter(*decls, id)) return (*decl)->fallbackValue();
+  return std::nullopt;
+}
+
+RunLimits limitsOf(const scene::SceneFile &scene, c3de_object *simulator, const RunOptions &options,
+                   std::chrono::steady_clock::time_point begin) {
+  RunLimits limits;
+  if (const auto integrator = worldValue(scene, simulator, "solver.integrator")) limits.integrator = integrator->text;
+  if (const auto steps = worldValue(scene, simulator, "solver.load_steps"); steps && steps->num > 0.0)
+    limits.loadSteps = steps->num;
+  if (options.timeLimit_s)
+    limits.deadline = begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                  std::chrono::duration<double>(*options.timeLimit_s));
+  return limits;
 }
 
 void printSummary(const RunFacts &facts) {
+  if (facts.integrator == kQuasistatic) {
+    std::printf("%s: %s, %llu load steps in %.3g s\n", facts.scene.c_str(), facts.outcome.c_str(),
+                static_cast<unsigned long long>(facts.steps), facts.wall_s);
+    return;
+  }
   const double factor = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
   std::printf("%s: %s, %llu steps of %.4g s, %.6g s simulated in %.3g s (%.3g times real time)\n", facts.scene.c_str(),
               facts.outcome.c_str(), static_cast<unsigned long long>(facts.steps), facts.dt_s, facts.time_s, facts.wall_s,
               factor);
 }
 
-Expected<RunFacts> simulate(const RunOptions &options, Session &session, render::Renderer *renderer) {
+/// Where the state at the end of a run that did not reach its end can be found.
+std::string whereKept(const RunOptions &options) {
+  std::string files;
+  for (const auto *file : {&options.report, &options.probes, &options.screenshot})
+    if (!file->empty()) files += (files.empty() ? "" : ", ") + file->string();
+  return files.empty() ? "; --report FILE.json keeps the last good state" : "; the last good state is in " + files;
+}
+
+Expected<RunFacts> simulate(const RunOptions &options, Session &session, render::Renderer *renderer,
+                            std::chrono::steady_clock::time_point begin) {
   auto scene = readScene(options, session.materials());
   if (!scene) return tl::unexpected(scene.error());
   auto created = session.createSimulator();
@@ -70,12 +97,11 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
     if (!populated) return tl::unexpected(populated.error());
   }
 
-  HeadlessRun run(session, simulator.get(), *table, options);
+  HeadlessRun run(session, simulator.get(), *table, options, limitsOf(*scene, simulator.get(), options, begin));
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
   RunFacts facts = run.facts();
   facts.scene = scene->title;
   facts.source = options.scene.string();
-  facts.integrator = integratorOf(*scene, simulator.get());
 
   if (!options.report.empty()) {
     const auto simulatorJson = run.simulatorReport();
@@ -95,6 +121,7 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
 }  // namespace
 
 int runScene(const RunOptions &options) {
+  const auto begin = std::chrono::steady_clock::now();
   watchForInterrupt();
   for (const auto *file : {&options.report, &options.probes, &options.screenshot}) {
     if (file->empty()) continue;
@@ -116,16 +143,17 @@ int runScene(const RunOptions &options) {
   }
   auto session = Session::create(sessionOptions);
   if (!session) return reportError(session.error());
-  const auto facts = simulate(options, **session, renderer.get());
+  const auto facts = simulate(options, **session, renderer.get(), begin);
   if (!facts) return reportError(facts.error());
 
   if (!options.quiet) printSummary(*facts);
   if (facts->outcome == "done") return kDone;
   if (facts->outcome == "diverged")
-    return reportError({ErrorCode::diverged, "the simulation diverged: " + facts->failure +
-                                                 (options.report.empty() ? "; --report FILE.json keeps the last good state"
-                                                                         : "; the last good state is in " +
-                                                                               options.report.string())});
+    return reportError({ErrorCode::diverged, "the simulation diverged: " + facts->failure + whereKept(options)});
+  if (facts->outcome == "time_limit") {
+    reportError({ErrorCode::cancelled, facts->failure + whereKept(options)});
+    return kTimeLimit;
+  }
   if (facts->outcome == "interrupted") return reportError({ErrorCode::cancelled, facts->failure});
   return reportError({ErrorCode::internal, facts->failure});
 }

@@ -16,7 +16,8 @@ struct RunOptions {
   std::filesystem::path scene;  ///< a scene, or a mesh as one body
   std::string meshUnit = "mm";  ///< of a mesh
   std::optional<double> until_s;
-  std::optional<std::uint64_t> steps;  ///< neither: kDefaultDuration_s
+  std::optional<std::uint64_t> steps;  ///< neither: kDefaultDuration_s, or until a quasi-static solution is finished
+  std::optional<double> timeLimit_s;   ///< wall clock, since the command began
   std::vector<std::string> overrides;  ///< PATH=VALUE
   std::filesystem::path report, probes, screenshot;  ///< empty: not wanted
   std::uint64_t probesEvery = 1;                     ///< steps
@@ -26,6 +27,8 @@ struct RunOptions {
 };
 
 inline constexpr double kDefaultDuration_s = 1.0;
+/// The integrator without time: load steps to the full load.
+inline constexpr const char *kQuasistatic = "quasistatic";
 
 /// `c3de run`: simulates without a window. Returns the exit code.
 [[nodiscard]] int runScene(const RunOptions &options);

@@ -15,6 +15,7 @@ enum ExitCode : int {
   kDiverged = 5,
   kGraphics = 6,
   kOutput = 7,
+  kTimeLimit = 124,
   kInterrupted = 130
 };
 

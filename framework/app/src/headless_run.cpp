@@ -2,9 +2,7 @@
 #include "headless_run.h"
 
 #include <array>
-#include <chrono>
 #include <cstdio>
-#include <optional>
 
 #include "c3de/core/text.h"
 #include "interrupt.h"
@@ -50,19 +48,29 @@ Expected<void> HeadlessRun::readStatus() {
   facts_.steps = status.steps;
   facts_.time_s = status.time_s;
   facts_.dt_s = status.dt_s;
+  finished_ = status.finished != 0;
   return {};
 }
 
 bool HeadlessRun::isDone() const {
+  if (finished_) return true;
   if (options_.steps) return facts_.steps >= *options_.steps;
+  if (isQuasistatic()) return false;
   // Many steps add up to a hair below the end; that hair is no step.
   const double until_s = options_.until_s.value_or(kDefaultDuration_s);
   return facts_.time_s >= until_s - 1e-6 * facts_.dt_s;
 }
 
 double HeadlessRun::fraction() const {
-  if (options_.steps) return static_cast<double>(facts_.steps) / static_cast<double>(*options_.steps);
+  const auto steps = static_cast<double>(facts_.steps);
+  if (options_.steps) return steps / static_cast<double>(*options_.steps);
+  if (isQuasistatic()) return limits_.loadSteps ? steps / *limits_.loadSteps : 0.0;
   return facts_.time_s / options_.until_s.value_or(kDefaultDuration_s);
+}
+
+std::string HeadlessRun::position() const {
+  if (isQuasistatic()) return "load step " + std::to_string(facts_.steps);
+  return formatNumber(facts_.time_s) + " s";
 }
 
 Expected<void> HeadlessRun::run() {
@@ -72,7 +80,9 @@ Expected<void> HeadlessRun::run() {
   if (const auto read = readStatus(); !read) return read;
 
   std::optional<ProbeTable> table;
+  std::uint64_t sampledStep = 0;
   const auto sample = [&]() -> Expected<void> {
+    sampledStep = facts_.steps;
     const auto json = simulatorReport();
     if (!json) return tl::unexpected(json.error());
     const auto probes = probesOf(*json);
@@ -95,7 +105,12 @@ Expected<void> HeadlessRun::run() {
   while (!isDone()) {
     if (wasInterrupted()) {
       facts_.outcome = "interrupted";
-      facts_.failure = "interrupted at " + formatNumber(facts_.time_s) + " s";
+      facts_.failure = "interrupted at " + position();
+      break;
+    }
+    if (limits_.deadline && Clock::now() >= *limits_.deadline) {
+      facts_.outcome = "time_limit";
+      facts_.failure = "the time limit of " + formatNumber(*options_.timeLimit_s) + " s was reached at " + position();
       break;
     }
     const double timeBefore_s = facts_.time_s;
@@ -107,22 +122,26 @@ Expected<void> HeadlessRun::run() {
     if (code < 0) {
       const std::string reason = session_.plugins().takeError();
       facts_.outcome = code == C3DE_E_DIVERGED ? "diverged" : "failed";
-      facts_.failure = "step " + std::to_string(stepsBefore + 1) + " at " + formatNumber(timeBefore_s) + " s failed: " +
-                       (reason.empty() ? "status " + std::to_string(code) : reason);
+      const std::string step = "step " + std::to_string(stepsBefore + 1);
+      facts_.failure = (isQuasistatic() ? "load " + step : step + " at " + formatNumber(timeBefore_s) + " s") + " failed: " + (reason.empty() ? "status " + std::to_string(code) : reason);
       break;
     }
     if (const auto read = readStatus(); !read) return read;
-    if (facts_.steps == stepsBefore && facts_.time_s == timeBefore_s) {
+    if (!finished_ && facts_.steps == stepsBefore && facts_.time_s == timeBefore_s) {
       facts_.outcome = "failed";
       facts_.failure = "the simulator answers that it has made a step, but neither step count nor time has grown";
       break;
     }
-    if (wantsProbes && (facts_.steps % options_.probesEvery == 0 || isDone()))
+    if (wantsProbes && facts_.steps % options_.probesEvery == 0)
       if (const auto sampled = sample(); !sampled) return sampled;
     if (progress.isDue())
-      progress.update(fraction(), threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) + " s, step " +
-                                      std::to_string(facts_.steps));
+      progress.update(fraction(), isQuasistatic() ? position() + " in " + threeDigits(wall_s) + " s"
+                                                  : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) +
+                                                        " s, step " + std::to_string(facts_.steps));
   }
+  // The end, whatever brought it about, is the last row.
+  if (wantsProbes && sampledStep != facts_.steps)
+    if (const auto sampled = sample(); !sampled) return sampled;
   if (table_->state_hash(simulator_, &facts_.stateHash) < 0)
     return fail(ErrorCode::plugin, "the simulator gives no state hash");
   if (table)

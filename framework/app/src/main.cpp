@@ -27,7 +27,7 @@ struct Arguments {
   std::vector<std::string> plugins, pluginPaths, files;
   bool noPlugins = false, json = false, version = false, play = false, quiet = false, verbose = false;
   std::string unit = "mm", size, automationState, scene, exportFile;
-  double until_s = -1.0;
+  double until_s = -1.0, timeLimit_s = -1.0;
   long long steps = -1, threads = 0, seed = -1, probesEvery = 1;
   std::vector<std::string> overrides;
   std::string report, probes, screenshot;
@@ -120,6 +120,7 @@ int run(const Arguments &arguments) {
   options.scene = arguments.scene;
   options.meshUnit = arguments.unit;
   if (arguments.until_s >= 0.0) options.until_s = arguments.until_s;
+  if (arguments.timeLimit_s >= 0.0) options.timeLimit_s = arguments.timeLimit_s;
   if (arguments.steps >= 0) options.steps = static_cast<std::uint64_t>(arguments.steps);
   if (arguments.seed >= 0) options.seed = static_cast<std::uint64_t>(arguments.seed);
   options.overrides = arguments.overrides;
@@ -153,10 +154,13 @@ int dispatch(int argc, char **argv) {
 
   CLI::App *runCommand = app.add_subcommand("run", "Simulate without a window");
   runCommand->add_option("SCENE", arguments.scene, "A scene (.toml), or a mesh as one body")->required();
-  CLI::Option *until = runCommand->add_option("--until", arguments.until_s, "Simulated time to reach; default: 1 s")
+  CLI::Option *until = runCommand->add_option("--until", arguments.until_s, "Simulated time to reach; default: 1 s (a quasi-static solution: its full load)")
                            ->check(CLI::Range(0.0, 1e9))->type_name("SECONDS");
   runCommand->add_option("--steps", arguments.steps, "Steps to make, instead of --until")
       ->check(CLI::Range(0LL, 1000000000000LL))->type_name("N")->excludes(until);
+  runCommand->add_option("--time-limit", arguments.timeLimit_s,
+                         "Wall-clock time after which the run stops between two steps, writes its outputs and ends with 124")
+      ->check(CLI::Range(0.0, 1e9))->type_name("SECONDS");
   runCommand->add_option("--set", arguments.overrides,
                          "Replace a value of the scene, for example body.liver.material.youngs_modulus=6e3 (repeatable)")
       ->type_name("PATH=VALUE")->allow_extra_args(false);

@@ -15,7 +15,7 @@ namespace c3de::app {
 struct RunFacts {
   std::string scene;  ///< title
   std::string source;
-  std::string outcome;  ///< done | diverged | failed | interrupted
+  std::string outcome;  ///< done | diverged | failed | interrupted | time_limit
   std::string failure;  ///< why, when it is not done
   unsigned threads = 1;
   std::uint64_t steps = 0;

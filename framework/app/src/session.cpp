@@ -2,12 +2,14 @@
 #include "session.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "resources.h"
+#include "scene_to_abi.h"
 #include "simulator_access.h"
 
 namespace c3de::app {
@@ -31,19 +33,36 @@ Expected<std::vector<ParameterValue>> fitAll(const scene::SceneFile &scene, cons
   return fitted;
 }
 
-std::vector<c3de_param_value> toAbi(const std::vector<ParameterValue> &values) {
-  std::vector<c3de_param_value> out;
-  for (const ParameterValue &value : values) out.push_back(value.abi());
-  return out;
-}
-
 /// A scene whose every value has been checked.
 struct FittedScene {
   std::vector<ParameterValue> world;
   std::vector<std::vector<ParameterValue>> bodies, obstacles;
+  std::vector<std::vector<std::vector<ParameterValue>>> parts;  ///< per body and part
 };
 
+/// The first table of the scene that a simulator of revision 1 would ignore without a word.
+std::optional<std::pair<int, std::string>> firstOfRevision2(const scene::SceneFile &scene) {
+  for (const scene::SceneFix &fix : scene.fixes) return std::pair(fix.line, std::string("fix"));
+  for (const scene::SceneLoad &load : scene.loads) return std::pair(load.line, std::string("load"));
+  for (const scene::SceneBody &body : scene.bodies) {
+    for (const scene::ScenePart &part : body.parts) return std::pair(part.line, std::string("parts"));
+    for (const scene::SceneRefinement &one : body.refinements) return std::pair(one.line, std::string("sampling.refine"));
+    if (body.velocity_m_s != Vec3{}) return std::pair(body.line, std::string("velocity"));
+    if (body.angularVelocity_rad_s != Vec3{}) return std::pair(body.line, std::string("angular_velocity"));
+  }
+  for (const scene::SceneObstacle &obstacle : scene.obstacles)
+    if (obstacle.motion) return std::pair(obstacle.line, std::string("the motion of an obstacle"));
+  return std::nullopt;
+}
+
 Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &scene) {
+  const auto table = simulatorTable(simulator);
+  if (!table) return tl::unexpected(table.error());
+  if ((*table)->rev < 2)
+    if (const auto unserved = firstOfRevision2(scene))
+      return fail(ErrorCode::input, scene.where(unserved->first) + ": '" + unserved->second +
+                                        "' is not served by this simulator, whose interface is of revision " +
+                                        std::to_string((*table)->rev) + "; needed: 2");
   const auto world = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
   if (!world) return tl::unexpected(world.error());
   const auto body = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_BODY);
@@ -59,6 +78,12 @@ Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &s
     values = fitAll(scene, one.params, *body);
     if (!values) return tl::unexpected(values.error());
     fitted.bodies.push_back(std::move(*values));
+    fitted.parts.emplace_back();
+    for (const scene::ScenePart &part : one.parts) {
+      values = fitAll(scene, part.params, *body);
+      if (!values) return tl::unexpected(values.error());
+      fitted.parts.back().push_back(std::move(*values));
+    }
   }
   for (const scene::SceneObstacle &one : scene.obstacles) {
     values = fitAll(scene, one.params, *obstacle);
@@ -117,15 +142,6 @@ class MeshLease {
   Handle handle_;
 };
 
-template <class T>
-void place(T &out, const scene::ScenePlacement &placement) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    out.position_m[axis] = placement.position_m[axis];
-    out.rotation_deg[axis] = placement.rotation_deg[axis];
-  }
-  out.scale = placement.scale;
-}
-
 }  // namespace
 
 struct Session::Impl {
@@ -143,15 +159,20 @@ struct Session::Impl {
   std::shared_ptr<scene::Simulation> simulation;
   Handle node;
 
-  [[nodiscard]] Error lastError(c3de_status code, const std::string &where, const std::string &what) const;
+  /// Why the last call of a simulator failed.
+  /// @param line  of the scene, unless the message speaks of a table of the body
+  [[nodiscard]] Error lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
+                                const scene::SceneBody *body = nullptr) const;
   void letGo(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
 };
 
-Error Session::Impl::lastError(c3de_status code, const std::string &where, const std::string &what) const {
+Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
+                               const scene::SceneBody *body) const {
   if (code == C3DE_E_CANCELLED) return {ErrorCode::cancelled, what + " was cancelled"};
   const std::string text = host->takeError();
+  if (body != nullptr) line = lineSpokenOf(scene, *body, text).value_or(line);
   return {ErrorCode::input,
-          where + ": " + (text.empty() ? what + " failed (status " + std::to_string(code) + ")" : text)};
+          scene.where(line) + ": " + (text.empty() ? what + " failed (status " + std::to_string(code) + ")" : text)};
 }
 
 /// Ends a simulation that has been detached from its node.
@@ -258,7 +279,7 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
 
   const std::vector<c3de_param_value> world = toAbi(fitted->world);
   if (const c3de_status code = table->set_world(simulator, world.data(), world.size(), sizeof(c3de_param_value)); code < 0)
-    return tl::unexpected(impl_->lastError(code, scene.where(0), "setting the world"));
+    return tl::unexpected(impl_->lastError(code, scene, 0, "setting the world"));
 
   const std::size_t parts = scene.obstacles.size() + scene.bodies.size();
   std::size_t part = 0;
@@ -278,9 +299,14 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
     place(abi, obstacle.placement);
     abi.params = params.data();
     abi.params_n = params.size();
+    c3de_sim_motion motion{};
+    if (obstacle.motion) {
+      motion = toAbi(*obstacle.motion);
+      abi.motion = &motion;
+    }
     c3de_handle added{};
     if (const c3de_status code = table->add_obstacle(simulator, &abi, &added); code < 0)
-      return tl::unexpected(impl_->lastError(code, scene.where(obstacle.line), "adding obstacle '" + obstacle.name + "'"));
+      return tl::unexpected(impl_->lastError(code, scene, obstacle.line, "adding obstacle '" + obstacle.name + "'"));
   }
 
   std::vector<c3de_handle> bodies;
@@ -303,9 +329,11 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
     abi.params = params.data();
     abi.params_n = params.size();
     abi.progress = partProgress.abi();
+    const BodyTables tables(scene, body, fitted->parts[i]);
+    tables.fill(abi);
     c3de_handle added{};
     if (const c3de_status code = table->add_body(simulator, &abi, &added); code < 0)
-      return tl::unexpected(impl_->lastError(code, scene.where(body.line), "building body '" + body.name + "'"));
+      return tl::unexpected(impl_->lastError(code, scene, body.line, "building body '" + body.name + "'", &body));
     bodies.push_back(added);
   }
 
@@ -314,7 +342,7 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
                                    [&](const scene::SceneBody &candidate) { return candidate.name == probe.body; });
     const c3de_handle handle = bodies[static_cast<std::size_t>(body - scene.bodies.begin())];
     if (const c3de_status code = table->add_probe(simulator, c3de::toAbi(probe.name), handle, probe.at_m.data()); code < 0)
-      return tl::unexpected(impl_->lastError(code, scene.where(probe.line), "adding probe '" + probe.name + "'"));
+      return tl::unexpected(impl_->lastError(code, scene, probe.line, "adding probe '" + probe.name + "'"));
   }
   return {};
 }

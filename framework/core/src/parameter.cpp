@@ -131,7 +131,8 @@ Expected<void> checkParameter(const ParameterDecl &decl, const ParameterValue &v
   const bool isNumber = value.type == C3DE_PARAM_F64 || value.type == C3DE_PARAM_I64;
   switch (decl.type) {
     case C3DE_PARAM_F64:
-      if (!isNumber || !std::isfinite(value.num) || !inRange(decl, value.num)) return refuse(decl, value);
+      // Infinity where the declared range reaches it; a comparison with NaN is false.
+      if (!isNumber || !inRange(decl, value.num)) return refuse(decl, value);
       return {};
     case C3DE_PARAM_I64:
       if (!isNumber || !std::isfinite(value.num) || value.num != std::floor(value.num) || !inRange(decl, value.num))

@@ -11,6 +11,9 @@
 namespace c3de::scene {
 
 /// Turns TOML into a SceneFile, for files and for `--set`. Functions answer false after the first error, which is kept.
+///
+/// scene_reader.cpp reads tables, scene_reader_values.cpp what stands in them, scene_reader_supports.cpp regions and what
+/// acts there, scene_reader_overrides.cpp one value of the command line.
 class SceneReader {
  public:
   SceneReader(SceneFile &scene, const MaterialLibrary *materials) : scene_(scene), materials_(materials) {}
@@ -30,26 +33,56 @@ class SceneReader {
   bool readBody(const TomlValue &table);
   bool readObstacle(const TomlValue &table);
   bool readProbe(const TomlValue &table);
-  bool checkProbes();
+  bool readFix(const TomlValue &table);
+  bool readLoad(const TomlValue &table);
   bool checkBox();
+  /// Gives probes, fixes and loads without a body the only one; refuses names of no body.
+  bool checkBodyNames();
+  bool checkBodyName(const std::string &what, int line, std::string &body);
 
   bool bodyKey(SceneBody &body, const std::string &key, const TomlValue &value);
   bool obstacleKey(SceneObstacle &obstacle, const std::string &key, const TomlValue &value);
   bool probeKey(SceneProbe &probe, const std::string &key, const TomlValue &value);
+  bool fixKey(SceneFix &fix, const std::string &key, const TomlValue &value);
+  bool loadKey(SceneLoad &load, const std::string &key, const TomlValue &value);
   bool meshKey(const std::string &key, const TomlValue &value, std::filesystem::path &out);
   bool unitKey(const std::string &key, const TomlValue &value, geometry::LengthUnit &out);
   bool placementKey(ScenePlacement &placement, const std::string &key, const TomlValue &value);
-  bool materialKey(SceneBody &body, const TomlValue &value);
+  bool samplingKey(SceneBody &body, const std::string &key, const TomlValue &value);
   bool requireUnit(const TomlValue &table, const std::filesystem::path &mesh, geometry::LengthUnit &unit);
+
+  /// The whole value of `material`.
+  bool readMaterial(std::vector<SceneValue> &params, const TomlValue &value);
+  /// One key of a material: law, plastic, prony, …
+  bool materialKey(std::vector<SceneValue> &params, const std::string &key, const TomlValue &value);
+  bool readProny(std::vector<SceneValue> &params, const TomlValue &value);
+
+  bool readRegion(const TomlValue &value, SceneRegion &out);
+  bool readParts(const TomlValue &value, std::vector<ScenePart> &out);
+  bool readRefinements(const TomlValue &value, std::vector<SceneRefinement> &out);
+  /// A motion has one key or more of displacement, rotation, centre and ramp. @param rotationKey what it is called here
+  bool motionKey(SceneMotion &motion, const std::string &key, const std::string &rotationKey, const TomlValue &value);
+
+  bool readName(const TomlValue &value, std::string &out);
   bool readText(const std::string &key, const TomlValue &value, std::string &out);
   bool readVec3(const std::string &key, const TomlValue &value, Vec3 &out);
+  bool readNumber(const std::string &key, const std::string &accepted, const TomlValue &value, double &out);
+  bool readBool(const std::string &key, const TomlValue &value, bool &out);
+  /// A table (or a list of tables) with these keys, each of them once.
+  bool requireKeys(const std::string &place, const std::string &accepted, const TomlValue &value,
+                   const std::vector<std::string> &keys);
+  bool requireTables(const std::string &place, const std::string &accepted, const TomlValue &value);
 
   /// Stores the value, or what is in the table, under ids that begin with id; replaces what has the id.
   bool store(std::vector<SceneValue> &values, const std::string &id, const TomlValue &value);
   void put(std::vector<SceneValue> &values, ParameterValue value, int line);
   bool checkAlternatives(const SceneBody &body);
 
+  bool refusePath(const std::string &path);
   bool overrideBody(const std::string &rest, const TomlValue &value);
+  bool overridePart(SceneBody &body, const std::string &rest, const TomlValue &value);
+  bool overrideFix(const std::string &rest, const TomlValue &value);
+  bool overrideLoad(const std::string &rest, const TomlValue &value);
   bool overrideObstacle(const std::string &rest, const TomlValue &value);
   bool overrideProbe(const std::string &rest, const TomlValue &value);
 
@@ -58,6 +91,9 @@ class SceneReader {
   std::string override_;  ///< path of the override that is being read; empty: a file
   Error error_;
 };
+
+/// "a, b, c"
+[[nodiscard]] std::string joined(const std::vector<std::string> &names);
 
 /// Ids of the scene format that a simulator may or may not serve.
 [[nodiscard]] bool isKnownToTheFormat(std::string_view id);

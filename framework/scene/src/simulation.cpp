@@ -52,7 +52,7 @@ struct Simulation::Impl {
   std::string failure;
   Pace pace;
   Meter meter;
-  bool advancing = true;    ///< the last step brought time forward; an empty world may have nothing to do
+  bool advancing = true;    ///< the last step changed something; an empty world may have nothing to do
   bool unpublished = true;  ///< the state has changed since the last snapshot
   Clock::time_point publishedAt{};
 
@@ -202,6 +202,7 @@ void Simulation::Impl::goToInitialState(bool goOnPlaying) {
 
 void Simulation::Impl::step() {
   const double timeBefore_s = status.time_s;
+  const std::uint64_t stepsBefore = status.steps;
   const Clock::time_point begin = Clock::now();
   const c3de_status code = table->step(object);
   const Clock::time_point end = Clock::now();
@@ -214,8 +215,13 @@ void Simulation::Impl::step() {
   }
   // A body that another thread has added meanwhile takes time back to 0.
   if (status.time_s < timeBefore_s) pace.start(end, status.time_s);
-  advancing = status.time_s != timeBefore_s;
+  // A quasi-static solution has steps and no time; an empty world may count steps that compute nothing.
+  advancing = status.time_s != timeBefore_s || (status.steps != stepsBefore && status.bodies > 0);
   meter.add(end, seconds(end - begin), std::max(0.0, status.time_s - timeBefore_s));
+  if (status.finished != 0 && mode == C3DE_SIM_PLAYING) {
+    mode = C3DE_SIM_PAUSED;
+    meter.pause();
+  }
 }
 
 void Simulation::Impl::publish() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "c3de/core/parameter.h"
@@ -38,6 +39,20 @@ TEST_CASE("open ends, finiteness and whole numbers are checked") {
   count.max = 10.0;
   CHECK(checkParameter(count, number(3.0)));
   CHECK_FALSE(checkParameter(count, number(3.5)));
+}
+
+TEST_CASE("infinity is accepted where the declared range reaches it and nowhere else") {
+  const double infinity = std::numeric_limits<double>::infinity();
+  ParameterDecl yield = poisson();
+  yield.min = 0.0;
+  CHECK_FALSE(checkParameter(yield, number(infinity)));
+  yield.max = infinity;
+  CHECK_FALSE(checkParameter(yield, number(infinity)));  // an open end
+  yield.flags = 0;
+  CHECK(checkParameter(yield, number(infinity)));
+  CHECK(checkParameter(yield, number(0.1)));
+  CHECK_FALSE(checkParameter(yield, number(-infinity)));
+  CHECK_FALSE(checkParameter(yield, number(std::nan(""))));
 }
 
 TEST_CASE("a refusal names the parameter, the value and what is accepted") {

@@ -34,7 +34,8 @@ c3de_simulator_v0 FakeSimulator::makeTable() {
     if (fake.stepCost_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(fake.stepCost_us));
     if (fake.steps + 1 == fake.failAtStep) return C3DE_E_DIVERGED;
     ++fake.totalSteps;
-    if (!fake.standsStill) ++fake.steps;
+    const bool finished = fake.finishesAtStep > 0 && fake.steps >= fake.finishesAtStep;
+    if (!fake.standsStill && !finished) ++fake.steps;
     return C3DE_OK;
   };
   table.reset = [](c3de_object *self) -> c3de_status {
@@ -55,6 +56,10 @@ c3de_simulator_v0 FakeSimulator::makeTable() {
     out->steps = fake.steps;
     out->dt_s = fake.dt_s;
     out->time_s = static_cast<double>(out->steps) * out->dt_s;
+    out->bodies = 1;
+    if (fake.finishesAtStep == 0) return C3DE_OK;
+    out->dt_s = out->time_s = 0.0;
+    out->finished = out->steps >= fake.finishesAtStep ? 1u : 0u;
     return C3DE_OK;
   };
   return table;

@@ -22,6 +22,7 @@ class FakeSimulator {
   std::atomic<double> dt_s{1e-3};
   std::atomic<std::int64_t> stepCost_us{0};      ///< how long a step takes
   std::atomic<std::uint64_t> failAtStep{0};      ///< 1: the first; 0: never
+  std::atomic<std::uint64_t> finishesAtStep{0};  ///< a quasi-static solution: steps without time; 0: not one
   std::atomic<bool> resetFails{false};
   std::atomic<bool> standsStill{false};          ///< a step changes nothing
   std::atomic<std::uint64_t> steps{0}, resets{0}, publishes{0}, totalSteps{0};

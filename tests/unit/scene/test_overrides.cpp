@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
 #include "scene_text.h"
 
 using namespace c3de;
@@ -17,10 +19,22 @@ sampling = { spacing = 0.01 }
 name = "liver.left"
 mesh = "beam.obj"
 mesh_unit = "m"
+parts = [ { region = { sphere = { centre = [0, 0, 0], radius = 0.1 } }, material = "fat" } ]
 [[obstacle]]
 name = "floor"
 mesh = "block.obj"
 mesh_unit = "m"
+[[fix]]
+name = "root"
+body = "liver"
+region = { everywhere = true }
+[[fix]]
+body = "liver.left"
+region = { everywhere = true }
+[[load]]
+body = "liver"
+region = { everywhere = true }
+force = [0, 0, 1]
 [[probe]]
 name = "tip"
 body = "liver"
@@ -57,6 +71,63 @@ TEST_CASE("An override replaces what the scene says, and says where it came from
   CHECK(scene.title == "Second");
 }
 
+TEST_CASE("Fixes, loads, moving obstacles and parts are overridden by name or number") {
+  scene::SceneFile scene = liverScene();
+  const auto set = [&](const char *assignment) {
+    INFO(assignment);
+    const auto applied = scene::applyOverride(scene, assignment, &presets());
+    INFO((applied ? "" : applied.error().message));
+    CHECK(applied.has_value());
+  };
+  set("fix.root.displacement=[0, 0, 0.01]");
+  CHECK(scene.fixes[0].motion.displacement_m == Vec3{0, 0, 0.01});
+  set("fix.1.rotation_deg=[0, 90, 0]");
+  CHECK(scene.fixes[1].motion.rotation_deg == Vec3{0, 90, 0});
+  set("fix.1.centre=[1, 0, 0]");
+  CHECK(scene.fixes[1].motion.centre_m == Vec3{1, 0, 0});
+  set("fix.0.ramp=0.5");
+  CHECK(scene.fixes[0].motion.ramp_s == 0.5);
+  set("fix.0.region={ sphere = { centre = [0, 0, 0], radius = 0.2 } }");
+  CHECK(scene.fixes[0].region.radius == 0.2);
+  set("load.0.force=[1, 2, 3]");
+  CHECK(scene.loads[0].force_N == Vec3{1, 2, 3});
+  set("load.0.pressure=250");
+  CHECK(scene.loads[0].pressure_Pa == 250.0);
+  CHECK_FALSE(scene.loads[0].force_N.has_value());
+  set("load.0.follower=false");
+  CHECK_FALSE(scene.loads[0].follower);
+  set("load.0.force=[0, 1, 0]");
+  CHECK_FALSE(scene.loads[0].pressure_Pa.has_value());
+  CHECK(scene.loads[0].follower);
+  set("obstacle.floor.displacement=[0, 0.1, 0]");
+  REQUIRE(scene.obstacles[0].motion.has_value());
+  CHECK(scene.obstacles[0].motion->displacement_m == Vec3{0, 0.1, 0});
+  set("body.liver.velocity=[1, 0, 0]");
+  CHECK(scene.bodies[0].velocity_m_s == Vec3{1, 0, 0});
+  set("body.liver.left.parts.0.material.youngs_modulus=9e3");
+  CHECK(findValue(scene.bodies[1].parts[0].params, "material.youngs_modulus")->value.num == 9e3);
+  CHECK(findValue(scene.bodies[1].parts[0].params, "material.density")->value.num == 950.0);
+}
+
+TEST_CASE("Nested values of a material are overridden by their path") {
+  scene::SceneFile scene = liverScene();
+  for (const char *assignment :
+       {"body.liver.material.plastic.yield=0.02", "body.liver.material.plastic.max=inf", "solver.integrator=quasistatic",
+        "body.liver.material.prony=[ { share = 0.4, time = 2 }, { share = 0.1, time = 9 } ]",
+        "body.liver.material.prony2.share=0.2", "body.liver.sampling.refine=[ { region = { everywhere = true }, spacing = 0.01 } ]"})
+    CHECK(scene::applyOverride(scene, assignment, nullptr).has_value());
+  const auto number = [&](const char *id) { return findValue(scene.bodies[0].params, id)->value.num; };
+  CHECK(number("material.plastic.yield") == 0.02);
+  CHECK(std::isinf(number("material.plastic.max")));
+  CHECK(number("material.prony1.time") == 2.0);
+  CHECK(number("material.prony2.share") == 0.2);
+  CHECK(findValue(scene.world, "solver.integrator")->value.text == "quasistatic");
+  CHECK(scene.bodies[0].refinements.size() == 1);
+  // Fewer terms than before leave none of the old ones.
+  REQUIRE(scene::applyOverride(scene, "body.liver.material.prony=[ { share = 0.5, time = 1 } ]", nullptr).has_value());
+  CHECK(findValue(scene.bodies[0].params, "material.prony2.share") == nullptr);
+}
+
 TEST_CASE("Overriding one of two ways to say the same thing takes the other away") {
   scene::SceneFile scene = liverScene();
   REQUIRE(scene::applyOverride(scene, "body.liver.sampling.count=2000", nullptr).has_value());
@@ -81,6 +152,17 @@ TEST_CASE("An override of something that does not exist is a usage error that na
       {"body.liver.position=3", "[x, y, z]"},
       {"body.liver=3", "no key of body 'liver'"},
       {"world.box.min=[0,0,0]", "no 'max'"},
+      {"fix.rot.ramp=1", "did you mean 'root'?"},
+      {"fix.7.ramp=1", "no fix '7'"},
+      {"fix.root.rmp=1", "did you mean 'ramp'?"},
+      {"fix.root.ramp=-1", "at least 0"},
+      {"fix.root.body=livr", "did you mean 'liver'?"},
+      {"fix.root.name=foot", "cannot be changed"},
+      {"load.0.follower=true", "the load has a force"},
+      {"load.0.presure=1", "did you mean 'pressure'?"},
+      {"load.3.pressure=1", "no load '3'"},
+      {"body.liver.parts.0.material.density=1", "has 0"},
+      {"body.liver.left.parts.0.materal=fat", "did you mean 'material'?"},
       {"no-equals-sign", "PATH=VALUE"},
       {"=3", "PATH=VALUE"},
   };

@@ -300,6 +300,26 @@ TEST_CASE("A world with nothing to compute does not burn the processor") {
   CHECK(fake.totalSteps > 0);
 }
 
+TEST_CASE("A quasi-static solution goes through its load steps as fast as it can and then pauses") {
+  FakeSimulator fake;
+  fake.finishesAtStep = 300;
+  const auto simulation = start(fake);
+  const auto begin = Clock::now();
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return settled(*simulation).mode == C3DE_SIM_PAUSED; }));
+  // At one step per frame it would take 2.4 s.
+  CHECK(Clock::now() - begin < 1500ms);
+  CHECK(fake.steps == 300);
+  CHECK(fake.publishedStep == 300);
+  // Play has nothing left to do and does not go on for ever; reset begins again.
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return settled(*simulation).mode == C3DE_SIM_PAUSED; }));
+  CHECK(fake.totalSteps <= 302);
+  simulation->transport(C3DE_TRANSPORT_RESET);
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  CHECK(settled(*simulation).steps == 1);
+}
+
 TEST_CASE("The listener hears every snapshot until it is taken away") {
   FakeSimulator fake;
   const auto simulation = start(fake);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,12 +30,68 @@ struct ScenePlacement {
   double scale = 1.0;
 };
 
+/// A part of space in material coordinates: what of a body lies inside or on the border is meant.
+struct SceneRegion {
+  enum class Kind { everywhere, box, sphere, halfSpace };
+  Kind kind = Kind::everywhere;
+  Vec3 a{};           ///< m: min of a box, centre of a sphere, point of a half-space
+  Vec3 b{};           ///< max of a box, m; normal of a half-space, of any length: the side it points away from
+  double radius = 0;  ///< m
+};
+
+/// A rigid motion that is reached at the end of the ramp and kept: rotation about x, then y, then z, then displacement.
+struct SceneMotion {
+  Vec3 displacement_m{};
+  Vec3 rotation_deg{};
+  std::optional<Vec3> centre_m;  ///< default: for the simulator to choose (centroid of what moves)
+  double ramp_s = 0.0;           ///< >= 0
+};
+
+/// Another material in a region of a body; later ones win.
+struct ScenePart {
+  SceneRegion region;
+  std::vector<SceneValue> params;  ///< ids "material.…"; what is missing is as in the body
+  int line = 0;
+};
+
+/// Finer sampling in a region of a body.
+struct SceneRefinement {
+  SceneRegion region;
+  double spacing_m = 0.0;
+  int line = 0;
+};
+
 struct SceneBody {
   std::string name;
   std::filesystem::path mesh;
   geometry::LengthUnit meshUnit = geometry::LengthUnit::millimetre;
   ScenePlacement placement;
+  Vec3 velocity_m_s{};             ///< at the start
+  Vec3 angularVelocity_rad_s{};    ///< at the start, about the centre of mass
   std::vector<SceneValue> params;  ///< ids such as "material.youngs_modulus", "sampling.spacing"; each at most once
+  std::vector<ScenePart> parts;
+  std::vector<SceneRefinement> refinements;
+  int line = 0;
+};
+
+/// What of a body lies in the region follows the motion; by default it stands still.
+struct SceneFix {
+  std::string name;  ///< may be empty
+  std::string body;  ///< name of a body of this scene
+  SceneRegion region;
+  SceneMotion motion;
+  int line = 0;
+};
+
+/// A force or a pressure on what of a body lies in the region; exactly one of the two is there.
+struct SceneLoad {
+  std::string name;  ///< may be empty
+  std::string body;  ///< name of a body of this scene
+  SceneRegion region;
+  std::optional<Vec3> force_N;        ///< total over the region
+  std::optional<double> pressure_Pa;  ///< pushes into the body
+  bool follower = true;               ///< the pressure turns and grows with the surface
+  double ramp_s = 0.0;                ///< >= 0
   int line = 0;
 };
 
@@ -43,7 +100,8 @@ struct SceneObstacle {
   std::filesystem::path mesh;
   geometry::LengthUnit meshUnit = geometry::LengthUnit::millimetre;
   ScenePlacement placement;
-  std::vector<SceneValue> params;  ///< "friction"
+  std::vector<SceneValue> params;     ///< "friction"
+  std::optional<SceneMotion> motion;  ///< none: it stands still
   int line = 0;
 };
 
@@ -61,6 +119,8 @@ struct SceneFile {
   std::string title;
   std::vector<SceneValue> world;  ///< ids such as "world.gravity", "world.box.min", "solver.dt"; each at most once
   std::vector<SceneBody> bodies;
+  std::vector<SceneFix> fixes;  ///< of all bodies, in the order of the file; so are their numbers in reports
+  std::vector<SceneLoad> loads;
   std::vector<SceneObstacle> obstacles;
   std::vector<SceneProbe> probes;
 
@@ -82,8 +142,8 @@ struct SceneFile {
 [[nodiscard]] SceneFile sceneForMesh(const std::filesystem::path &mesh, geometry::LengthUnit unit);
 
 /// Applies `PATH=VALUE` of the command line, for example "body.liver.material.youngs_modulus=6e3", "solver.dt=auto",
-/// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2" (by name, or by number from 0). Errors (ErrorCode::usage)
-/// name the nearest path.
+/// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2", "fix.0.displacement=[0,0,0.01]", "load.press.pressure=200"
+/// (by name, or by number from 0). Errors (ErrorCode::usage) name the nearest path.
 [[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment, const MaterialLibrary *materials);
 
 /// Finds the declaration of a value and turns the value into the declared type: a whole number into a number, text into a

@@ -6,12 +6,13 @@
 
 namespace c3de::sdk {
 
-/// Static table of iface.simulator for an Object<Derived>; every slot has a member function of Derived (see thunk):
+/// Static table of iface.simulator, revision 2, for an Object<Derived>; every slot has a member function of Derived (see
+/// thunk). addBody() has to serve fixes, loads, parts, refinements and velocities, or refuse them:
 ///
 ///   static std::array<Interface, 1> interfaces() { return {interfaceOf(kSimulatorTable<WorldSimulator>)}; }
 template <class D>
 inline constexpr c3de_simulator_v0 kSimulatorTable{sizeof(c3de_simulator_v0),
-                                                   1,
+                                                   2,
                                                    thunk<D, &D::attach>,
                                                    thunk<D, &D::declarations>,
                                                    thunk<D, &D::setWorld>,

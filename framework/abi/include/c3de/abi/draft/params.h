@@ -29,7 +29,8 @@ typedef struct c3de_param_decl {
   c3de_str unit;  /* SI, for example "Pa"; empty: none */
   c3de_str doc;   /* meaning; effect of too small and too large */
   c3de_str group; /* heading it stands under in a panel */
-  double min, max;           /* accepted values, inclusive unless C3DE_PARAM_*_OPEN */
+  double min, max;           /* accepted values, inclusive unless C3DE_PARAM_*_OPEN; an infinite end that is
+                              * inclusive accepts infinity ("never") */
   double soft_min, soft_max; /* range of the slider */
   double fallback;           /* default of a number, boolean (0/1) */
   c3de_str fallback_text;    /* default of a choice or text; "auto" */

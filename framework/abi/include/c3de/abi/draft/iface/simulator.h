@@ -13,6 +13,67 @@
 #define C3DE_SIM_SCOPE_BODY 2u     /* material, sampling */
 #define C3DE_SIM_SCOPE_OBSTACLE 3u /* friction */
 
+#define C3DE_SIM_REGION_EVERYWHERE 0u
+#define C3DE_SIM_REGION_BOX 1u        /* a: min, b: max */
+#define C3DE_SIM_REGION_SPHERE 2u     /* a: centre, radius */
+#define C3DE_SIM_REGION_HALF_SPACE 3u /* a: point, b: normal; the side the normal points away from */
+
+/* A part of space in material coordinates (the body's placed reference shape), m. */
+typedef struct c3de_sim_region {
+  uint32_t size;
+  uint32_t kind; /* C3DE_SIM_REGION_* */
+  double a[3], b[3], radius;
+} c3de_sim_region;
+
+#define C3DE_SIM_HAS_CENTRE 1u /* centre_m is given; else the centroid of the part */
+
+/* A rigid motion that is reached at the end of the ramp and kept: rotation about x, then y, then z through the centre,
+ * then displacement. Quasi-static: the load factor takes the place of the ramp. */
+typedef struct c3de_sim_motion {
+  uint32_t size;
+  uint32_t flags; /* C3DE_SIM_HAS_CENTRE */
+  double displacement_m[3], rotation_deg[3], centre_m[3];
+  double ramp_s; /* >= 0; 0: at once */
+} c3de_sim_motion;
+
+typedef struct c3de_sim_fix { /* the continuum of the region follows the motion */
+  uint32_t size;
+  uint32_t index; /* its number in reports */
+  c3de_str name;  /* may be empty */
+  c3de_sim_region region;
+  c3de_sim_motion motion;
+} c3de_sim_fix;
+
+#define C3DE_SIM_LOAD_PRESSURE 1u /* pressure_Pa counts, else force_N */
+#define C3DE_SIM_LOAD_DEAD 2u     /* the pressure keeps its direction and reference area; else it follows the surface */
+
+typedef struct c3de_sim_load {
+  uint32_t size;
+  uint32_t flags; /* C3DE_SIM_LOAD_* */
+  uint32_t index; /* its number in messages */
+  uint32_t reserved;
+  c3de_str name; /* may be empty */
+  c3de_sim_region region;
+  double force_N[3];  /* total over the region */
+  double pressure_Pa; /* pushes into the body */
+  double ramp_s;
+} c3de_sim_load;
+
+typedef struct c3de_sim_part { /* another material in a region; later ones win */
+  uint32_t size;
+  uint32_t params_stride;
+  c3de_sim_region region;
+  const c3de_param_value *params; /* ids "material.…" of C3DE_SIM_SCOPE_BODY; what is missing is as in the body */
+  uint64_t params_n;
+} c3de_sim_part;
+
+typedef struct c3de_sim_refinement { /* finer sampling in a region */
+  uint32_t size;
+  uint32_t reserved;
+  c3de_sim_region region;
+  double spacing_m;
+} c3de_sim_refinement;
+
 typedef struct c3de_sim_body {
   uint32_t size;
   uint32_t params_stride;
@@ -22,9 +83,20 @@ typedef struct c3de_sim_body {
   const c3de_param_value *params; /* ids of C3DE_SIM_SCOPE_BODY; what is missing has its default */
   uint64_t params_n;
   const c3de_progress *progress; /* may be null */
+  /* What follows may be absent (by size) or null. Strides are those of the structs as the caller knows them. */
+  const c3de_sim_fix *fixes;
+  uint64_t fixes_n, fixes_stride;
+  const c3de_sim_load *loads;
+  uint64_t loads_n, loads_stride;
+  const c3de_sim_part *parts;
+  uint64_t parts_n, parts_stride;
+  const c3de_sim_refinement *refinements;
+  uint64_t refinements_n, refinements_stride;
+  double velocity_m_s[3];             /* at the start */
+  double angular_velocity_rad_s[3];   /* at the start, about the centre of mass */
 } c3de_sim_body;
 
-typedef struct c3de_sim_obstacle { /* stands still */
+typedef struct c3de_sim_obstacle { /* rigid; stands still or follows a prescribed motion */
   uint32_t size;
   uint32_t params_stride;
   c3de_str name;
@@ -32,6 +104,7 @@ typedef struct c3de_sim_obstacle { /* stands still */
   double position_m[3], rotation_deg[3], scale;
   const c3de_param_value *params; /* ids of C3DE_SIM_SCOPE_OBSTACLE */
   uint64_t params_n;
+  const c3de_sim_motion *motion; /* may be absent or null: stands still; default centre: of its bounds */
 } c3de_sim_obstacle;
 
 typedef struct c3de_sim_body_info {
@@ -48,11 +121,15 @@ typedef struct c3de_sim_status {
   uint64_t steps;
   double time_s, dt_s;
   uint64_t bodies, obstacles;
+  uint32_t finished; /* may be absent (by size). 1: nothing changes any more, a step does nothing: a quasi-static solution
+                      * has reached its full load. Reset, and a body that is added, make it 0 again. */
+  uint32_t reserved;
 } c3de_sim_status;
 
 typedef struct c3de_simulator_v0 {
   uint32_t size;
-  uint32_t rev;
+  uint32_t rev; /* 2: reads what follows `progress` in c3de_sim_body, obstacles' motion, and answers `finished`. A host
+                 * refuses scenes that need it when the simulator is of revision 1, which would ignore it in silence. */
   /* The host hands over the scene node that stands for this simulation (0: detach); what the simulator shows belongs
    * under it. [main] */
   c3de_status(C3DE_CALL *attach)(c3de_object *self, c3de_handle node);
@@ -62,7 +139,9 @@ typedef struct c3de_simulator_v0 {
   /* Checks against the declarations; C3DE_E_ARG or C3DE_E_NOT_FOUND with text, then nothing is changed. [sim] */
   c3de_status(C3DE_CALL *set_world)(c3de_object *self, const c3de_param_value *values, uint64_t n, uint64_t stride);
   /* Builds the body in the calling thread and adds it between two steps; the initial state of the simulation is then
-   * the one that has it, at time 0. [any] */
+   * the one that has it, at time 0. A message about one of its fixes, loads, parts or refinements begins with "fix N: ",
+   * "load N: ", "part N: " or "refinement N: ": the field index of a fix or load, the place in its array of a part or
+   * refinement, from 0. The host then names the line of the scene. [any] */
   c3de_status(C3DE_CALL *add_body)(c3de_object *self, const c3de_sim_body *body, c3de_handle *out);
   c3de_status(C3DE_CALL *add_obstacle)(c3de_object *self, const c3de_sim_obstacle *obstacle, c3de_handle *out);
   /* A material point, given in the body's placed reference shape, reported where it is now. [any] */
@@ -78,7 +157,7 @@ typedef struct c3de_simulator_v0 {
   c3de_status(C3DE_CALL *status)(c3de_object *self, c3de_sim_status *out); /* [sim] */
   /* FNV-1a over positions and velocities of every phyxel. [sim] */
   c3de_status(C3DE_CALL *state_hash)(c3de_object *self, uint64_t *out);
-  /* JSON object with the keys bodies, probes, stages, events of the report. [sim] */
+  /* JSON object with the keys bodies, probes, reactions, stages, events of the report. [sim] */
   c3de_status(C3DE_CALL *report)(c3de_object *self, c3de_sink json);
   /* Bodies in the order they were added. [sim] */
   c3de_status(C3DE_CALL *body_at)(c3de_object *self, uint64_t index, c3de_handle *out);

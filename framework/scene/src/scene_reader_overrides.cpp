@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene_reader.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "c3de/core/text.h"
+
+namespace c3de::scene {
+
+namespace {
+
+template <class T>
+std::string nameOrNumber(const T &element, std::size_t number) {
+  return element.name.empty() ? std::to_string(number) : element.name;
+}
+
+/// What follows the prefix, if the key begins with it.
+std::optional<std::string> keyUnder(std::string_view prefix, const std::string &key) {
+  if (key.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
+  return key.substr(prefix.size());
+}
+
+/// The element that "name.key" or "number.key" speaks of, and the key; names may contain dots.
+template <class T>
+T *findElement(std::vector<T> &elements, const std::string &rest, std::string &key) {
+  T *best = nullptr;
+  std::size_t bestLength = 0;
+  const auto consider = [&](T &element, const std::string &name) {
+    if (rest.size() <= name.size() + 1 || rest.compare(0, name.size(), name) != 0 || rest[name.size()] != '.') return;
+    if (best != nullptr && name.size() <= bestLength) return;
+    best = &element;
+    bestLength = name.size();
+  };
+  for (T &element : elements)
+    if (!element.name.empty()) consider(element, element.name);
+  for (std::size_t i = 0; best == nullptr && i < elements.size(); ++i) consider(elements[i], std::to_string(i));
+  if (best != nullptr) key = rest.substr(bestLength + 1);
+  return best;
+}
+
+template <class T>
+std::string noElement(const std::vector<T> &elements, const std::string &what, const std::string &rest) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < elements.size(); ++i) names.push_back(nameOrNumber(elements[i], i));
+  const std::string name = rest.substr(0, rest.find('.'));
+  if (std::find(names.begin(), names.end(), name) != names.end()) return "says no key of " + what + " '" + name + "'";
+  const std::string nearest = nearestName(name, names);
+  return "there is no " + what + " '" + name + "'; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
+         (names.empty() ? "the scene has none" : "accepted: " + joined(names));
+}
+
+}  // namespace
+
+bool SceneReader::readOverride(const std::string &path, const TomlValue &value) {
+  override_ = path;
+  const std::size_t dot = path.find('.');
+  const std::string first = path.substr(0, dot);
+  const std::string rest = dot == std::string::npos ? std::string() : path.substr(dot + 1);
+  if (path == "title") return readText(path, value, scene_.title);
+  if (rest.empty()) return refusePath(path);
+  if (first == "world" || first == "solver") return store(scene_.world, path, value) && checkBox();
+  if (first == "body") return overrideBody(rest, value);
+  if (first == "fix") return overrideFix(rest, value);
+  if (first == "load") return overrideLoad(rest, value);
+  if (first == "obstacle") return overrideObstacle(rest, value);
+  if (first == "probe") return overrideProbe(rest, value);
+  return refusePath(path);
+}
+
+bool SceneReader::refusePath(const std::string &path) {
+  std::vector<std::string> known{"title",     "world.gravity",  "world.box.min",     "world.box.max",    "solver.integrator",
+                                 "solver.dt", "solver.damping", "solver.load_steps", "solver.tolerance_mm"};
+  std::string list = joined(known);
+  const auto add = [&](const std::string &element, const std::vector<std::string> &keys) {
+    list += ", " + element + "." + (keys.size() == 1 ? keys.front() : "…");
+    for (const std::string &key : keys) known.push_back(element + "." + key);
+  };
+  for (const SceneBody &body : scene_.bodies)
+    add("body." + body.name, {"material.law", "material.density", "material.youngs_modulus", "material.poisson_ratio",
+                              "sampling.spacing", "sampling.count", "position", "rotation_deg", "scale"});
+  for (std::size_t i = 0; i < scene_.fixes.size(); ++i)
+    add("fix." + nameOrNumber(scene_.fixes[i], i), {"displacement", "rotation_deg", "centre", "ramp", "region", "body"});
+  for (std::size_t i = 0; i < scene_.loads.size(); ++i)
+    add("load." + nameOrNumber(scene_.loads[i], i), {"force", "pressure", "follower", "ramp", "region", "body"});
+  for (const SceneObstacle &obstacle : scene_.obstacles)
+    add("obstacle." + obstacle.name, {"friction", "displacement", "ramp", "position", "rotation_deg", "scale"});
+  for (const SceneProbe &probe : scene_.probes) add("probe." + probe.name, {"at"});
+  const std::string nearest = nearestName(path, known);
+  return refuse(0, "there is no such path; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
+                       "accepted: " + list);
+}
+
+bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) {
+  std::string key;
+  SceneBody *body = findElement(scene_.bodies, rest, key);
+  if (body == nullptr) return refuse(0, noElement(scene_.bodies, "body", rest));
+  if (key == "name") return refuse(0, "the name of a body cannot be changed here");
+  if (key == "material.preset") return readMaterial(body->params, value);
+  if (const auto member = keyUnder("material.", key)) return materialKey(body->params, *member, value);
+  if (const auto member = keyUnder("sampling.", key)) return samplingKey(*body, *member, value);
+  if (const auto member = keyUnder("parts.", key)) return overridePart(*body, *member, value);
+  return bodyKey(*body, key, value);
+}
+
+bool SceneReader::overridePart(SceneBody &body, const std::string &rest, const TomlValue &value) {
+  for (std::size_t i = 0; i < body.parts.size(); ++i) {
+    const auto key = keyUnder(std::to_string(i) + ".", rest);
+    if (!key) continue;
+    if (*key == "region") return readRegion(value, body.parts[i].region);
+    if (*key == "material" || *key == "material.preset") return readMaterial(body.parts[i].params, value);
+    if (const auto member = keyUnder("material.", *key)) return materialKey(body.parts[i].params, *member, value);
+    return refuseKey(0, *key, "a part of a body", {"region", "material"});
+  }
+  return refuse(0, "there is no such part; the body '" + body.name + "' has " + std::to_string(body.parts.size()) +
+                       "; accepted: body." + body.name + ".parts.NUMBER.material.…, numbers from 0");
+}
+
+bool SceneReader::overrideFix(const std::string &rest, const TomlValue &value) {
+  std::string key;
+  SceneFix *fix = findElement(scene_.fixes, rest, key);
+  if (fix == nullptr) return refuse(0, noElement(scene_.fixes, "fix", rest));
+  if (key == "name") return refuse(0, "the name of a fix cannot be changed here");
+  return fixKey(*fix, key, value) && checkBodyNames();
+}
+
+bool SceneReader::overrideLoad(const std::string &rest, const TomlValue &value) {
+  std::string key;
+  SceneLoad *load = findElement(scene_.loads, rest, key);
+  if (load == nullptr) return refuse(0, noElement(scene_.loads, "load", rest));
+  if (key == "name") return refuse(0, "the name of a load cannot be changed here");
+  // Of force and pressure, the override is what counts.
+  if (key == "pressure") load->force_N.reset();
+  if (key == "force") {
+    load->pressure_Pa.reset();
+    load->follower = true;
+  }
+  if (key == "follower" && !load->pressure_Pa) return refuse(0, "follower is for a pressure; the load has a force");
+  return loadKey(*load, key, value) && checkBodyNames();
+}
+
+bool SceneReader::overrideObstacle(const std::string &rest, const TomlValue &value) {
+  std::string key;
+  SceneObstacle *obstacle = findElement(scene_.obstacles, rest, key);
+  if (obstacle == nullptr) return refuse(0, noElement(scene_.obstacles, "obstacle", rest));
+  return obstacleKey(*obstacle, key, value);
+}
+
+bool SceneReader::overrideProbe(const std::string &rest, const TomlValue &value) {
+  std::string key;
+  SceneProbe *probe = findElement(scene_.probes, rest, key);
+  if (probe == nullptr) return refuse(0, noElement(scene_.probes, "probe", rest));
+  return probeKey(*probe, key, value) && checkBodyNames();
+}
+
+}  // namespace c3de::scene

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// A simulator without physics that reports what it was given, so that tests of the program can compare it with the scene.
+// It diverges at step 4 when a body begins with a velocity of 13 m/s along x, and finds nothing in a sphere of radius 666.
+#include <array>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "c3de/sdk/sdk.hpp"
+#include "c3de/sdk/simulator.hpp"
+
+namespace {
+
+namespace sdk = c3de::sdk;
+using Json = nlohmann::json;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::array<c3de_str, 2> kIntegrators{sdk::str("explicit"), sdk::str("quasistatic")};
+constexpr std::array kWorld{
+    sdk::choiceParam({.id = "solver.integrator"}, kIntegrators, "explicit"),
+    sdk::integerParam({.id = "solver.load_steps"}, {1.0, 1000.0, 1.0, 10.0}, 4.0),
+};
+constexpr std::array kBody{
+    sdk::numberParam({.id = "material.density"}, {0.0, 1e6, 0.0, 1e4}, 1000.0),
+    sdk::numberParam({.id = "material.plastic.yield"}, {0.0, kInfinity, 0.0, 1.0}, kInfinity),
+    sdk::numberParam({.id = "material.prony1.share"}, {0.0, 1.0, 0.0, 1.0}, 0.0),
+    sdk::numberParam({.id = "material.prony1.time"}, {0.0, 1e6, 0.0, 1.0}, 1.0),
+};
+
+Json vector(const double (&v)[3]) { return Json{v[0], v[1], v[2]}; }
+
+Json json(const c3de_sim_region &r) {
+  return {{"kind", r.kind}, {"a", vector(r.a)}, {"b", vector(r.b)}, {"radius", r.radius}};
+}
+
+Json json(const c3de_sim_motion &m) {
+  return {{"has_centre", (m.flags & C3DE_SIM_HAS_CENTRE) != 0},
+          {"displacement_m", vector(m.displacement_m)},
+          {"rotation_deg", vector(m.rotation_deg)},
+          {"centre_m", vector(m.centre_m)},
+          {"ramp_s", m.ramp_s}};
+}
+
+Json json(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride) {
+  Json out = Json::object();
+  for (std::uint64_t i = 0; i < n; ++i) {
+    const c3de_param_value &value = sdk::strided(values, i, stride);
+    out[std::string(sdk::text(value.id))] = value.num == kInfinity ? Json("inf") : Json(value.num);
+  }
+  return out;
+}
+
+void findSomething(const c3de_sim_region &region, const std::string &what) {
+  if (region.radius == 666.0) throw sdk::Error(C3DE_E_ARG, what + ": the region meets no part of the body");
+}
+
+class Recorder : public sdk::Object<Recorder> {
+ public:
+  template <class Factory>
+  explicit Recorder(Factory &) {}
+  static std::array<sdk::Interface, 1> interfaces();
+
+  void attach(c3de_handle) {}
+  void declarations(std::uint32_t scope, const c3de_param_decl **decls, std::uint64_t *n, std::uint64_t *stride) {
+    *decls = scope == C3DE_SIM_SCOPE_WORLD ? kWorld.data() : kBody.data();
+    *n = scope == C3DE_SIM_SCOPE_WORLD ? kWorld.size() : scope == C3DE_SIM_SCOPE_BODY ? kBody.size() : 0;
+    *stride = sizeof(c3de_param_decl);
+  }
+  void setWorld(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride) {
+    for (std::uint64_t i = 0; i < n; ++i) {
+      const c3de_param_value &value = sdk::strided(values, i, stride);
+      if (sdk::text(value.id) == "solver.integrator") quasistatic_ = sdk::text(value.text) == "quasistatic";
+      if (sdk::text(value.id) == "solver.load_steps") loadSteps_ = static_cast<std::uint64_t>(value.num);
+    }
+  }
+  void addBody(const c3de_sim_body *in, c3de_handle *out) {
+    Json body{{"name", std::string(sdk::text(in->name))},
+              {"velocity", vector(in->velocity_m_s)},
+              {"angular_velocity", vector(in->angular_velocity_rad_s)},
+              {"params", json(in->params, in->params_n, in->params_stride)},
+              {"fixes", Json::array()},
+              {"loads", Json::array()},
+              {"parts", Json::array()},
+              {"refinements", Json::array()}};
+    for (std::uint64_t i = 0; i < in->fixes_n; ++i) {
+      const c3de_sim_fix &fix = sdk::strided(in->fixes, i, in->fixes_stride);
+      findSomething(fix.region, "fix " + std::to_string(fix.index));
+      body["fixes"].push_back({{"index", fix.index},
+                               {"name", std::string(sdk::text(fix.name))},
+                               {"region", json(fix.region)},
+                               {"motion", json(fix.motion)}});
+    }
+    for (std::uint64_t i = 0; i < in->loads_n; ++i) {
+      const c3de_sim_load &load = sdk::strided(in->loads, i, in->loads_stride);
+      findSomething(load.region, "load " + std::to_string(load.index));
+      body["loads"].push_back({{"index", load.index},
+                               {"name", std::string(sdk::text(load.name))},
+                               {"flags", load.flags},
+                               {"region", json(load.region)},
+                               {"force_N", vector(load.force_N)},
+                               {"pressure_Pa", load.pressure_Pa},
+                               {"ramp_s", load.ramp_s}});
+    }
+    for (std::uint64_t i = 0; i < in->parts_n; ++i) {
+      const c3de_sim_part &part = sdk::strided(in->parts, i, in->parts_stride);
+      findSomething(part.region, "part " + std::to_string(i));
+      body["parts"].push_back(
+          {{"region", json(part.region)}, {"params", json(part.params, part.params_n, part.params_stride)}});
+    }
+    for (std::uint64_t i = 0; i < in->refinements_n; ++i) {
+      const c3de_sim_refinement &refinement = sdk::strided(in->refinements, i, in->refinements_stride);
+      findSomething(refinement.region, "refinement " + std::to_string(i));
+      body["refinements"].push_back({{"region", json(refinement.region)}, {"spacing_m", refinement.spacing_m}});
+    }
+    if (in->velocity_m_s[0] == 13.0) failsAt_ = 4;
+    bodies_.push_back(std::move(body));
+    *out = {bodies_.size()};
+  }
+  void addObstacle(const c3de_sim_obstacle *in, c3de_handle *out) {
+    obstacles_.push_back({{"name", std::string(sdk::text(in->name))}, {"motion", in->motion ? json(*in->motion) : Json()}});
+    *out = {1000 + obstacles_.size()};
+  }
+  void addProbe(c3de_str name, c3de_handle, const double *) { probes_.emplace_back(sdk::text(name)); }
+  void setBodyParam(c3de_handle, const c3de_param_value *) {}
+  void getBodyParam(c3de_handle, c3de_str, c3de_param_value *) {}
+  void remove(c3de_handle) {}
+  void clear() {}
+  void step() {
+    if (failsAt_ != 0 && steps_ + 1 == failsAt_) throw sdk::Error(C3DE_E_DIVERGED, "it left the finite numbers");
+    if (!finished()) ++steps_;
+  }
+  void reset() { steps_ = 0; }
+  void publish() {}
+  void status(c3de_sim_status *out) const {
+    const double dt_s = quasistatic_ ? 0.0 : 1e-3;
+    *out = {out->size, 0, steps_, dt_s * static_cast<double>(steps_), dt_s, bodies_.size(), obstacles_.size(),
+            finished() ? 1u : 0u, 0};
+  }
+  void stateHash(std::uint64_t *out) const { *out = steps_ + 1; }
+  c3de_status report(c3de_sink sink) const {
+    Json report{{"bodies", bodies_},
+                {"reactions", {{{"fix", 0}, {"force_N", {0, 3, 0}}, {"torque_Nm", {0, 0, 1}}}}},
+                {"events", {{{"kind", "obstacles"}, {"text", obstacles_.dump()}}}},
+                {"probes", Json::array()}};
+    for (const std::string &name : probes_) report["probes"].push_back({{"name", name}, {"position_m", {steps_, 0, 0}}});
+    return sdk::put(sink, report.dump());
+  }
+  void bodyAt(std::uint64_t, c3de_handle *) {}
+  void bodyInfo(c3de_handle, c3de_sim_body_info *) {}
+  void phyxels(c3de_handle, c3de_object **) {}
+  void surfels(c3de_handle, c3de_object **) {}
+
+ private:
+  [[nodiscard]] bool finished() const { return quasistatic_ && steps_ >= loadSteps_; }
+
+  bool quasistatic_ = false;
+  std::uint64_t loadSteps_ = 4, steps_ = 0, failsAt_ = 0;
+  Json obstacles_ = Json::array();
+  std::vector<Json> bodies_;
+  std::vector<std::string> probes_;
+};
+
+#if defined(RECORDER_OF_REVISION_1)
+constexpr c3de_simulator_v0 ofRevision1() {
+  c3de_simulator_v0 table = sdk::kSimulatorTable<Recorder>;
+  table.rev = 1;
+  return table;
+}
+constexpr c3de_simulator_v0 kTable = ofRevision1();
+#else
+constexpr const c3de_simulator_v0 &kTable = sdk::kSimulatorTable<Recorder>;
+#endif
+
+std::array<sdk::Interface, 1> Recorder::interfaces() { return {sdk::interfaceOf(kTable)}; }
+
+class RecorderPlugin {
+ public:
+  static constexpr sdk::PluginInfo info{
+      .id = "test.recorder", .version = "1.0.0", .displayName = "Recorder", .vendor = "C3DE", .license = "Apache-2.0"};
+  static constexpr std::array needs{sdk::required<c3de_registry_v0>()};
+
+  // The first class of simulators, by name, is the one that runs.
+  explicit RecorderPlugin(sdk::Host host) {
+    sdk::orThrow(sdk::Registry(host).add<Recorder>("a.test.Recorder/0", "Recorder", "Records.", *this));
+  }
+};
+
+}  // namespace
+
+C3DE_DEFINE_PLUGIN(RecorderPlugin)
