@@ -91,7 +91,8 @@ void fallAndRest(const Organ &organ) {
   while (session.status().time_s < 2.0) {
     session.step();
     if (session.status().steps % 50 != 0) continue;
-    for (const Vec3 &x : session.phyxels(body, C3DE_FIELD_POSITION)) {
+    // The skin is what touches; phyxels at the corners of cut cells lie outside of the body.
+    for (const Vec3 &x : session.surfels(body, C3DE_FIELD_POSITION)) {
       REQUIRE((std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2])));
       deepest = std::min(deepest, tree->closest(x, 2.0 * info.spacing_m).distance);
     }

@@ -63,7 +63,7 @@ PhyxelCloud filled(const BodyShape &shape, double spacing) {
 }
 
 std::shared_ptr<const RestState> restState(const BodyShape &shape, double spacing, const NeighborChoice &choice) {
-  return buildRestState(filled(shape, spacing), choice, shape.volume, {}, {}, serialFor());
+  return buildRestState(filled(shape, spacing), choice, shape.volume, Surface{}, {}, serialFor());
 }
 
 std::shared_ptr<const RestState> restState(const std::vector<Vec3> &points, double spacing, const NeighborChoice &choice) {
@@ -72,13 +72,14 @@ std::shared_ptr<const RestState> restState(const std::vector<Vec3> &points, doub
   cloud.positions = points;
   cloud.volumes.assign(points.size(), spacing * spacing * spacing);
   cloud.contactRadii.assign(points.size(), 0.5 * spacing);
-  return buildRestState(cloud, choice, static_cast<double>(points.size()) * spacing * spacing * spacing, {}, {}, serialFor());
+  return buildRestState(cloud, choice, static_cast<double>(points.size()) * spacing * spacing * spacing, Surface{}, {},
+                        serialFor());
 }
 
 void evaluate(Body &body) {
   body.computeGradients(serialFor());
-  body.computeStresses(serialFor());
-  body.computeForces(serialFor());
+  body.computeStresses(0.0, serialFor());
+  body.computeForces(0.0, serialFor());
 }
 
 double forceError(Body &body, double step) {

@@ -88,9 +88,9 @@ TEST_CASE("the tangent ratio is one at rest and grows when a body is crushed") {
 }
 
 TEST_CASE("a material outside what is physical is refused with every reason") {
-  const auto bad = validate({MaterialLaw::neoHookean, -1.0, 0.5, 0.0, -2.0});
+  const auto bad = validate(Material{MaterialLaw::neoHookean, -1.0, 0.5, 0.0, -2.0});
   REQUIRE_FALSE(bad);
   CHECK_THAT(bad.error(), Contains("Young's modulus") && Contains("-1 < nu < 0.5") && Contains("density") && Contains("viscosity"));
-  CHECK_FALSE(validate({MaterialLaw::neoHookean, std::nan(""), 0.3, 1000.0, 0.0}));
-  CHECK(validate({}));
+  CHECK_FALSE(validate(Material{MaterialLaw::neoHookean, std::nan(""), 0.3, 1000.0, 0.0}));
+  CHECK(validate(Material{}));
 }

@@ -7,78 +7,99 @@
 
 namespace pointbased {
 
-std::shared_ptr<const RestState> buildRestState(const PhyxelCloud &cloud, const NeighborChoice &choice, double shapeVolume,
-                                                std::span<const Vec3> surfacePositions, std::span<const Vec3> surfaceNormals,
-                                                const ParallelFor &parallelFor) {
-  auto rest = std::make_shared<RestState>();
-  rest->spacing = cloud.spacing;
-  rest->shapeVolume = shapeVolume;
-  rest->volumes = cloud.volumes;
-  rest->contactRadii = cloud.contactRadii;
-  for (const Vec3 &x : cloud.positions) rest->origin += x / static_cast<double>(cloud.positions.size());
-  rest->positions.reserve(cloud.positions.size());
-  for (const Vec3 &x : cloud.positions) rest->positions.push_back(x - rest->origin);
-  Neighborhoods found = findNeighborhoods(rest->positions, choice, cloud.spacing, parallelFor);
-  rest->stencils = buildPhyxelStencils(rest->positions, found.neighbors, found.supportRadii, rest->volumes, parallelFor);
-  rest->neighbors = std::move(found.neighbors);
-  std::vector<Vec3> surface(surfacePositions.begin(), surfacePositions.end());
-  for (Vec3 &x : surface) x -= rest->origin;
-  rest->surfels = bindSurfels(surface, surfaceNormals, rest->positions, parallelFor);
-  return rest;
-}
-
-Neighbours countNeighbours(const RestState &rest) {
-  Neighbours out;
-  const std::size_t n = rest.neighbors.rows();
-  if (n == 0) return out;
-  out.min = rest.neighbors.indices.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t k = rest.neighbors.offsets[i + 1] - rest.neighbors.offsets[i];
-    out.min = std::min(out.min, k);
-    out.max = std::max(out.max, k);
-  }
-  out.mean = static_cast<double>(rest.neighbors.indices.size()) / static_cast<double>(n);
-  return out;
-}
-
-Body::Body(std::string name, std::shared_ptr<const RestState> rest, const Material &material, double stabilisation,
+Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution constitution,
            const ParallelFor &parallelFor)
-    : name_(std::move(name)), rest_(std::move(rest)), material_(material), stabilisation_(stabilisation) {
-  const std::size_t n = rest_->phyxelCount();
-  const std::size_t points = rest_->stencils.pointCount();
-  state_.displacements.assign(n, Vec3::Zero());
-  state_.velocities.assign(n, Vec3::Zero());
+    : name_(std::move(name)), rest_(std::move(rest)) {
+  const std::size_t n = rest_->phyxelCount(), points = rest_->pointCount();
   masses_.resize(n);
+  inverseMasses_.resize(n);
   forces_.assign(n, Vec3::Zero());
-  entryForces_.assign(rest_->stencils.phyxels.indices.size(), Vec3::Zero());
-  gradients_.assign(points, Mat3::Identity());
-  rates_.assign(points, Mat3::Zero());
-  stresses_.assign(points, Mat3::Zero());
-  tangentRatios_.assign(points, 1.0);
-  setMaterial(material, stabilisation, parallelFor);
+  entryForces_.resize(rest_->stencils.phyxels.indices.size());
+  gradients_.resize(points);
+  stresses_.resize(points);
+  tangentRatios_.resize(points);
+
+  heldMask_.assign(n, 0);
+  const BoundaryConditions &conditions = rest_->conditions;
+  for (std::size_t f = 0; f < conditions.held.size(); ++f) {
+    const HeldPart &part = conditions.held[f];
+    for (const Index i : part.phyxels)
+      if (!heldMask_[i]) {
+        heldMask_[i] = 1;
+        heldPhyxels_.push_back({i, static_cast<Index>(f)});
+      }
+    for (std::size_t p = 0; p < part.rows.rows(); ++p) {
+      Vec3 point = Vec3::Zero();
+      for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e)
+        point += part.weights[e] * rest_->positions[part.rows.indices[e]];
+      patchPoints_.push_back(point);
+      fixOfPatch_.push_back(static_cast<Index>(f));
+    }
+  }
+  patchTargets_.resize(patchPoints_.size());
+  setConstitution(std::move(constitution), parallelFor);
+  reset();
 }
 
-void Body::setMaterial(const Material &material, double stabilisation, const ParallelFor &parallelFor) {
-  // All stiffnesses are proportional to E and all masses to the density: only another Poisson's ratio or stabilisation
-  // changes the shape of the problem, and a slider may send many values a second.
-  const bool sameShape = restFrequency_ > 0.0 && material.poissonRatio == material_.poissonRatio &&
-                         stabilisation == stabilisation_;
-  const double scale = sameShape ? std::sqrt(material.youngsModulus / material_.youngsModulus * material_.restDensity /
-                                             material.restDensity)
-                                 : 1.0;
-  material_ = material;
-  stabilisation_ = stabilisation;
-  for (std::size_t i = 0; i < masses_.size(); ++i) masses_[i] = material_.restDensity * rest_->volumes[i];
-  restFrequency_ = sameShape ? scale * restFrequency_
-                             : largestFrequency(material_, stabilisation_, rest_->stencils, rest_->positions, masses_,
-                                                parallelFor);
+void Body::setConstitution(Constitution constitution, const ParallelFor &parallelFor) {
+  const std::size_t points = rest_->pointCount();
+  const bool remembersFlow = !state_.history.plasticInverse.empty(), remembersStress = !state_.history.prony.empty();
+  const std::vector<Mat3> flow = std::move(state_.history.plasticInverse);
+  const std::vector<PronyPoint> stress = std::move(state_.history.prony);
+  constitution_ = std::move(constitution);
+  state_.history = PointHistory();
+  state_.history.reset(constitution_, points);
+  if (remembersFlow && !state_.history.plasticInverse.empty()) state_.history.plasticInverse = flow;
+  if (remembersStress && !state_.history.prony.empty()) state_.history.prony = stress;
+
+  // A phyxel's mass is shared among the points around it; with several materials by their densities.
+  const StencilSet &s = rest_->stencils;
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    double density = material().restDensity;
+    if (!s.materials.empty()) {
+      double sum = 0.0, volume = 0.0;
+      for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
+        const Index q = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
+        sum += s.volumes[q] * constitution_.materials[s.materials[q]].restDensity;
+        volume += s.volumes[q];
+      }
+      if (volume > 0.0) density = sum / volume;
+    }
+    masses_[i] = density * rest_->volumes[i];
+    inverseMasses_[i] = heldMask_[i] ? 0.0 : 1.0 / masses_[i];
+  }
+
+  Csr rows;
+  std::vector<double> weights, stiffness;
+  for (const HeldPart &part : rest_->conditions.held)
+    for (std::size_t p = 0; p < part.rows.rows(); ++p) {
+      for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e) {
+        rows.indices.push_back(part.rows.indices[e]);
+        weights.push_back(part.weights[e]);
+      }
+      rows.offsets.push_back(static_cast<Index>(rows.indices.size()));
+      double modulus = 0.0;
+      for (const Material &m : constitution_.materials) modulus = std::max(modulus, m.youngsModulus);
+      stiffness.push_back(kPatchStiffness * modulus * part.areas[p] / rest_->spacing);
+    }
+  patches_.set(rows, weights, stiffness, inverseMasses_);
+  restFrequency_ = largestFrequency(constitution_, s, rest_->positions, masses_, {}, parallelFor);
+  forcesCurrent = false;
+}
+
+void Body::setInitialVelocity(const Vec3 &velocity, const Vec3 &angularVelocity) {
+  initialVelocity_ = velocity;
+  initialAngularVelocity_ = angularVelocity;
+  reset();
 }
 
 double Body::stableStepFor(double tangentRatio) const {
   if (!(restFrequency_ > 0.0)) return std::numeric_limits<double>::infinity();
   const double frequency = restFrequency_ * std::sqrt(tangentRatio);
   // Viscous forces are taken at the velocity half a step before: the bound of central differences with lagged damping.
-  const double relaxation = 2.0 * material_.viscosity / (material_.lambda() + 2.0 * material_.mu());
+  double relaxation = 0.0;
+  for (const Material &m : constitution_.materials)
+    relaxation = std::max(relaxation, 2.0 * m.viscosity / m.waveModulus());
   const double xi = 0.5 * relaxation * restFrequency_;
   return 2.0 / frequency * (std::sqrt(1.0 + xi * xi) - xi);
 }
@@ -87,23 +108,129 @@ void Body::computeGradients(const ParallelFor &parallelFor) {
   deformationGradients(rest_->stencils, state_.displacements, gradients_, parallelFor);
 }
 
-void Body::computeStresses(const ParallelFor &parallelFor) {
+std::size_t Body::computeFlow(double dt, const ParallelFor &parallelFor) {
+  return plasticFlow(constitution_, rest_->stencils, gradients_, dt, state_.history, parallelFor);
+}
+
+void Body::stressesInto(double dt, const PointHistory &before, PointHistory *after, bool viscous,
+                        const ParallelFor &parallelFor) {
   std::span<const Mat3> rates;
-  if (material_.viscosity > 0.0) {
+  if (viscous && constitution_.viscous()) {
+    rates_.resize(rest_->pointCount());
     gradientRates(rest_->stencils, state_.velocities, rates_, parallelFor);
     rates = rates_;
   }
-  tangentRatio_ = stresses(material_, rest_->stencils, gradients_, rates, stresses_, tangentRatios_, parallelFor);
+  tangentRatio_ = pointStresses(constitution_, rest_->stencils, gradients_, rates, before, dt, after, stresses_,
+                                tangentRatios_, parallelFor);
 }
 
-void Body::computeForces(const ParallelFor &parallelFor) {
-  internalForces(material_, stabilisation_, rest_->stencils, rest_->positions, state_.displacements, gradients_, stresses_,
+void Body::computeStresses(double dt, const ParallelFor &parallelFor) {
+  stressesInto(dt, state_.history, state_.history.prony.empty() ? nullptr : &state_.history, true, parallelFor);
+}
+
+void Body::computeTrialStresses(double dt, const ParallelFor &parallelFor) {
+  if (state_.history.prony.empty()) return stressesInto(dt, state_.history, nullptr, true, parallelFor);
+  trial_.prony.resize(state_.history.prony.size());
+  stressesInto(dt, state_.history, &trial_, true, parallelFor);
+}
+
+void Body::computeElasticStresses(const ParallelFor &parallelFor) {
+  if (state_.history.prony.empty()) return stressesInto(0.0, state_.history, nullptr, false, parallelFor);
+  // Only bodies that relax pay for this copy.
+  PointHistory elastic;
+  elastic.plasticInverse = state_.history.plasticInverse;
+  stressesInto(0.0, elastic, nullptr, false, parallelFor);
+}
+
+void Body::computeInternalForces(const ParallelFor &parallelFor) {
+  internalForces(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_, stresses_,
                  entryForces_, forces_, parallelFor);
 }
 
-ElasticEnergy Body::elasticEnergy() const {
-  return pointbased::elasticEnergy(material_, stabilisation_, rest_->stencils, rest_->positions, state_.displacements,
-                                   gradients_);
+void Body::computeForces(double t, const ParallelFor &parallelFor) {
+  computeInternalForces(parallelFor);
+  const BoundaryConditions &conditions = rest_->conditions;
+  for (std::size_t l = 0; l < conditions.loads.size(); ++l)
+    addLoadForces(conditions.loads[l], conditions.loaded[l], factor(conditions.loads[l].ramp, t), state_.displacements,
+                  forces_);
+}
+
+double Body::factor(double ramp, double t) const {
+  if (quasiStatic) return std::clamp(t, 0.0, 1.0);
+  return ramp > 0.0 ? std::clamp(t / ramp, 0.0, 1.0) : 1.0;
+}
+
+void Body::placeHeld(double t, bool rates) {
+  const BoundaryConditions &conditions = rest_->conditions;
+  Index present = StencilSet::kNoFrame;
+  RigidMotion motion;
+  for (const HeldPhyxel &held : heldPhyxels_) {
+    const Fix &fix = conditions.fixes[held.fix];
+    const double s = factor(fix.ramp, t);
+    if (held.fix != present) {
+      motion = motionAt(fix, conditions.held[held.fix], rest_->origin, s);
+      present = held.fix;
+    }
+    const Vec3 &X = rest_->positions[held.phyxel];
+    state_.displacements[held.phyxel] = motion.displacementOf(X);
+    if (!rates) continue;
+    const bool moving = fix.ramp > 0.0 && t < fix.ramp && !quasiStatic;
+    state_.velocities[held.phyxel] =
+        moving ? Vec3(motionRate(fix, conditions.held[held.fix], rest_->origin, s, X) / fix.ramp) : Vec3(Vec3::Zero());
+  }
+}
+
+std::span<const Vec3> Body::patchTargets(double t) {
+  const BoundaryConditions &conditions = rest_->conditions;
+  Index present = StencilSet::kNoFrame;
+  RigidMotion motion;
+  for (std::size_t p = 0; p < patchPoints_.size(); ++p) {
+    if (fixOfPatch_[p] != present) {
+      present = fixOfPatch_[p];
+      const Fix &fix = conditions.fixes[present];
+      motion = motionAt(fix, conditions.held[present], rest_->origin, factor(fix.ramp, t));
+    }
+    patchTargets_[p] = motion.displacementOf(patchPoints_[p]);
+  }
+  return patchTargets_;
+}
+
+std::vector<Reaction> Body::reactions(const Vec3 &gravity, double t) const {
+  (void)t;
+  const BoundaryConditions &conditions = rest_->conditions;
+  std::vector<Reaction> out(conditions.fixes.size());
+  for (std::size_t f = 0; f < out.size(); ++f)
+    out[f].centre = conditions.fixes[f].centre.value_or(rest_->origin + conditions.held[f].centroid);
+  const auto add = [&](Index fix, const Vec3 &x, const Vec3 &force) {
+    out[fix].force += force;
+    out[fix].torque += (rest_->origin + x - out[fix].centre).cross(force);
+  };
+  for (const HeldPhyxel &held : heldPhyxels_)
+    add(held.fix, rest_->positions[held.phyxel] + state_.displacements[held.phyxel],
+        -(forces_[held.phyxel] + masses_[held.phyxel] * gravity));
+  const Csr &rows = patches_.phyxels();
+  for (std::size_t p = 0; p < patches_.rows(); ++p) {
+    // A patch's force acts where its phyxels are, which keeps the torque that the body feels.
+    for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) {
+      const Index j = rows.indices[e];
+      add(fixOfPatch_[p], rest_->positions[j] + state_.displacements[j], patches_.weights()[e] * patches_.forces()[p]);
+    }
+  }
+  // What patches pull at a phyxel that another fix holds is carried by that fix.
+  for (std::size_t p = 0; p < patches_.rows(); ++p)
+    for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) {
+      const Index j = rows.indices[e];
+      if (!heldMask_[j]) continue;
+      const auto holder = std::find_if(heldPhyxels_.begin(), heldPhyxels_.end(),
+                                       [j](const HeldPhyxel &h) { return h.phyxel == j; });
+      add(holder->fix, rest_->positions[j] + state_.displacements[j], -(patches_.weights()[e] * patches_.forces()[p]));
+    }
+  return out;
+}
+
+ElasticEnergy Body::elasticEnergy(std::span<Eigen::Vector2d> perPoint) const {
+  return pointbased::elasticEnergy(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_,
+                                   state_.history, perPoint);
 }
 
 double Body::kineticEnergy() const {
@@ -118,25 +245,53 @@ double Body::totalMass() const {
   return mass;
 }
 
-std::span<const Vec3> Body::worldPositions() {
-  worldPositions_.resize(state_.displacements.size());
-  for (std::size_t i = 0; i < worldPositions_.size(); ++i)
-    worldPositions_[i] = rest_->origin + rest_->positions[i] + state_.displacements[i];
-  return worldPositions_;
+std::span<const Vec3> Body::contactPositions(const ParallelFor &parallelFor) {
+  const ContactPoints &points = rest_->contact;
+  contactPositions_.resize(points.count());
+  interpolateDisplacements(points.binding, rest_->positions, state_.displacements, contactPositions_, parallelFor);
+  for (std::size_t p = 0; p < contactPositions_.size(); ++p)
+    contactPositions_[p] += rest_->origin + points.binding.positions[p];
+  return contactPositions_;
+}
+
+std::span<const Vec3> Body::contactVelocities(const ParallelFor &parallelFor) {
+  contactVelocities_.resize(rest_->contact.count());
+  interpolateField(rest_->contact.binding, state_.velocities, contactVelocities_, parallelFor);
+  return contactVelocities_;
 }
 
 void Body::restoreState() {
   state_ = kept_;
   contact.clearance.clear();  // what was known of distances may be of the failed step
+  contact.active.clear();
+  patches_.clearForces();
+  forcesCurrent = false;
 }
 
 void Body::reset() {
-  std::fill(state_.displacements.begin(), state_.displacements.end(), Vec3::Zero());
-  std::fill(state_.velocities.begin(), state_.velocities.end(), Vec3::Zero());
-  std::fill(forces_.begin(), forces_.end(), Vec3::Zero());
+  const std::size_t n = rest_->phyxelCount();
+  state_.displacements.assign(n, Vec3::Zero());
+  state_.velocities.assign(n, initialVelocity_);
+  state_.history = PointHistory();
+  state_.history.reset(constitution_, rest_->pointCount());
+  if (!initialAngularVelocity_.isZero()) {
+    Vec3 centre = Vec3::Zero();
+    for (std::size_t i = 0; i < n; ++i) centre += masses_[i] * rest_->positions[i];
+    centre /= totalMass();
+    for (std::size_t i = 0; i < n; ++i)
+      state_.velocities[i] += initialAngularVelocity_.cross(rest_->positions[i] - centre);
+  }
+  for (const HeldPhyxel &held : heldPhyxels_) state_.velocities[held.phyxel].setZero();
+  forces_.assign(n, Vec3::Zero());
   std::fill(gradients_.begin(), gradients_.end(), Mat3::Identity());
+  std::fill(stresses_.begin(), stresses_.end(), Mat3::Zero());
   tangentRatio_ = 1.0;
+  patches_.clearForces();
   contact = ContactMemory();
+  stopped.clear();
+  grab.reset();
+  grabStatus.reset();
+  forcesCurrent = false;
 }
 
 }  // namespace pointbased

@@ -3,58 +3,73 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
-#include <limits>
 
 namespace pointbased {
 namespace {
 
-// A step that needs more substeps than this has lost its balance; going on would only take longer to fail.
 constexpr double kMostSubsteps = 1000.0;
-constexpr double kStepWithoutBodies = 1e-3;
-constexpr std::size_t kMostEvents = 1000;
+constexpr double kStepWithoutBodies = 1.0 / 60.0;  // s
+constexpr std::size_t kMostEvents = 200;
+constexpr int kMostHalvings = 6;            // smaller steps that are tried before a body stops
+constexpr std::uint64_t kPatience = 256;    // good steps before a larger one is tried again
+constexpr double kStride = 0.25;            // spacings a phyxel may go, relative to its body, in a substep
 
 std::string number(double value) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
+  std::snprintf(text, sizeof text, "%.3g", value);
   return text;
 }
 
-void hashBytes(std::uint64_t &hash, const void *data, std::size_t n) {
+void hashBytes(std::uint64_t &hash, const void *data, std::size_t size) {
   const auto *bytes = static_cast<const unsigned char *>(data);
-  for (std::size_t i = 0; i < n; ++i) hash = (hash ^ bytes[i]) * 1099511628211ull;
+  for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 1099511628211ull;
 }
 
 }  // namespace
 
-Simulator::Simulator(ParallelFor parallelFor)
-    : parallelFor_(std::move(parallelFor)),
-      clock_({"deformation_gradients", "stresses", "internal_forces", "contact", "integrate", "surfels"}) {}
+struct Simulator::Runner {
+  std::unique_ptr<Body> body;
+  NewtonSolver solver;
+  EnergyWatch energy;
+  double scale = 1.0;             // part of the stable step in use, after failures
+  std::uint64_t goodSteps = 0;
+  std::uint64_t mostSubsteps = 1;
+  bool toldSwitch = false;
+};
+
+Simulator::Simulator(ParallelFor parallelFor) : parallelFor_(std::move(parallelFor)), clock_(stageNames()) {}
+Simulator::~Simulator() = default;
 
 void Simulator::setWorld(const WorldSettings &world) {
+  const bool wasStatic = quasiStatic();
   world_ = world;
-  forcesCurrent_ = false;
+  if (wasStatic != quasiStatic()) time_ = wasStatic ? 0.0 : time_;
+  for (auto &[id, runner] : bodies_) {
+    runner->body->quasiStatic = quasiStatic();
+    runner->body->forcesCurrent = false;
+    runner->energy.forget();
+  }
 }
 
 std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
-  const std::size_t id = nextId_++;
-  bodies_.emplace(id, std::move(body));
-  forcesCurrent_ = false;
-  return id;
+  body->quasiStatic = quasiStatic();
+  auto runner = std::make_unique<Runner>();
+  runner->body = std::move(body);
+  bodies_.emplace(nextId_, std::move(runner));
+  return nextId_++;
 }
 
 std::size_t Simulator::addObstacle(Obstacle obstacle) {
-  const std::size_t id = nextId_++;
   obstacles_.push_back(std::move(obstacle));
-  obstacleIds_.push_back(id);
-  for (auto &[bodyId, body] : bodies_) body->contact.clearance.clear();
-  return id;
+  obstacleIds_.push_back(nextId_);
+  for (auto &[id, runner] : bodies_) runner->body->contact = ContactMemory();
+  return nextId_++;
 }
 
 bool Simulator::removeBody(std::size_t id) {
-  grabs_.erase(id);
-  grabStatus_.erase(id);
-  std::erase_if(probes_, [&](const Probe &probe) { return probe.body == id; });
+  std::erase_if(probes_, [id](const Probe &p) { return p.body == id; });
   return bodies_.erase(id) > 0;
 }
 
@@ -63,7 +78,7 @@ bool Simulator::removeObstacle(std::size_t id) {
   if (found == obstacleIds_.end()) return false;
   obstacles_.erase(obstacles_.begin() + (found - obstacleIds_.begin()));
   obstacleIds_.erase(found);
-  for (auto &[bodyId, body] : bodies_) body->contact.clearance.clear();
+  for (auto &[other, runner] : bodies_) runner->body->contact = ContactMemory();
   return true;
 }
 
@@ -77,183 +92,251 @@ void Simulator::clear() {
 
 Body *Simulator::body(std::size_t id) {
   const auto found = bodies_.find(id);
-  return found == bodies_.end() ? nullptr : found->second.get();
+  return found == bodies_.end() ? nullptr : found->second->body.get();
 }
 
 const Body *Simulator::body(std::size_t id) const {
   const auto found = bodies_.find(id);
-  return found == bodies_.end() ? nullptr : found->second.get();
+  return found == bodies_.end() ? nullptr : found->second->body.get();
 }
 
 std::vector<std::size_t> Simulator::bodyIds() const {
   std::vector<std::size_t> ids;
-  for (const auto &[id, body] : bodies_) ids.push_back(id);
+  for (const auto &[id, runner] : bodies_) ids.push_back(id);
   return ids;
+}
+
+RigidMotion Simulator::obstacleMotion(std::size_t id) const {
+  const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), id);
+  if (found == obstacleIds_.end()) return {};
+  const Obstacle &obstacle = obstacles_[static_cast<std::size_t>(found - obstacleIds_.begin())];
+  return obstacle.motion ? obstacle.motion(time_) : RigidMotion{};
 }
 
 void Simulator::addProbe(std::string name, std::size_t id, const Vec3 &reference) {
   const Body *target = body(id);
   if (!target) return;
-  const std::vector<Vec3> point{reference - target->rest().origin};
-  probes_.push_back({std::move(name), id, reference, bindSurfels(point, {}, target->rest().positions, parallelFor_)});
+  const Vec3 local = reference - target->rest().origin;
+  probes_.push_back({std::move(name), id, reference, target->rest().bind(std::span<const Vec3>(&local, 1), {})});
 }
 
 Simulator::ProbeState Simulator::probeState(const Probe &probe) const {
-  const Body &target = *body(probe.body);
-  std::vector<Vec3> position(1);
-  updateSurfels(probe.binding, target.rest().positions, target.state().displacements, target.gradients(), position, {},
-                serialFor());
-  Vec3 velocity = Vec3::Zero();
-  for (std::size_t e = 0; e < probe.binding.weights.size(); ++e)
-    velocity += probe.binding.weights[e] * target.state().velocities[probe.binding.phyxels.indices[e]];
-  return {position[0] + target.rest().origin, velocity};
+  const Body *target = body(probe.body);
+  if (!target) return {probe.reference, Vec3::Zero()};
+  Vec3 u, v;
+  interpolateDisplacements(probe.binding, target->rest().positions, target->state().displacements,
+                           std::span<Vec3>(&u, 1), serialFor());
+  interpolateField(probe.binding, target->state().velocities, std::span<Vec3>(&v, 1), serialFor());
+  return {probe.reference + u, v};
 }
 
-void Simulator::setMaterial(std::size_t id, const Material &material, double stabilisation) {
-  if (Body *target = body(id)) {
-    target->setMaterial(material, stabilisation, parallelFor_);
-    forcesCurrent_ = false;
-  }
+void Simulator::setConstitution(std::size_t id, Constitution constitution) {
+  const auto found = bodies_.find(id);
+  if (found == bodies_.end()) return;
+  found->second->body->setConstitution(std::move(constitution), parallelFor_);
+  found->second->solver.forget();
+  found->second->energy.forget();
+}
+
+Integrator Simulator::integratorOf(const Runner &runner) const {
+  if (world_.integrator == Integrator::explicitVerlet && world_.dt <= 0.0 &&
+      kStepSafety * runner.body->stableStepAtRest() < kSmallestExplicitStep)
+    return Integrator::implicitSdirk;
+  return world_.integrator;
 }
 
 double Simulator::stepSize() const {
+  if (quasiStatic()) return 0.0;
   if (world_.dt > 0.0) return world_.dt;
   double dt = std::numeric_limits<double>::infinity();
-  for (const auto &[id, body] : bodies_) dt = std::min(dt, kStepSafety * body->stableStepAtRest());
+  for (const auto &[id, runner] : bodies_)
+    dt = std::min(dt, integratorOf(*runner) == Integrator::explicitVerlet ? kStepSafety * runner->body->stableStepAtRest()
+                                                                         : kImplicitStep);
   return std::isfinite(dt) ? dt : kStepWithoutBodies;
 }
 
-void Simulator::evaluateForces(Body &target) {
-  clock_.measure(kGradients, [&] { target.computeGradients(parallelFor_); });
-  clock_.measure(kStresses, [&] { target.computeStresses(parallelFor_); });
-  clock_.measure(kForces, [&] { target.computeForces(parallelFor_); });
+Environment Simulator::environment() {
+  Environment env;
+  env.gravity = world_.gravity;
+  env.damping = world_.damping;
+  env.obstacles = obstacles_;
+  env.box = world_.box;
+  env.tolerance = world_.tolerance;
+  env.preconditioner = world_.preconditioner;
+  env.parallelFor = &parallelFor_;
+  env.clock = &clock_;
+  return env;
 }
 
-void Simulator::applyGrab(std::size_t id, Body &target) {
-  const auto found = grabs_.find(id);
-  if (found == grabs_.end()) return;
-  const Grab &grab = found->second;
-  GrabStatus status;
-  Vec3 velocity = Vec3::Zero();
-  double inverseMass = 0.0;
-  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
-    const Index i = grab.phyxels[k];
-    const double w = grab.weights[k];
-    status.point += w * (target.rest().origin + target.rest().positions[i] + target.state().displacements[i]);
-    velocity += w * target.state().velocities[i];
-    inverseMass += w * w / target.masses()[i];
+bool Simulator::driven(const Body &body) const {
+  if (body.grab || !obstacles_.empty()) {
+    if (body.grab) return true;
+    for (const Obstacle &obstacle : obstacles_)
+      if (obstacle.motion) return true;
   }
-  status.mass = 1.0 / inverseMass;
-  // The spring of an explicit step stays far below the body's own limit: omega dt <= 0.3.
-  const double omega = std::min(grab.frequency, presentDt_ > 0.0 ? 0.3 / presentDt_ : grab.frequency);
-  status.force = status.mass * (omega * omega * (grab.target - status.point) - 2.0 * grab.dampingRatio * omega * velocity);
-  const double size = status.force.norm();
-  if (size > grab.maxForce) status.force *= grab.maxForce / size;
-  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) target.forces()[grab.phyxels[k]] += grab.weights[k] * status.force;
-  grabStatus_[id] = status;
+  const BoundaryConditions &conditions = body.rest().conditions;
+  for (const Fix &fix : conditions.fixes)
+    if (fix.ramp > 0.0 && time_ <= 1.5 * fix.ramp) return true;
+  for (const Load &load : conditions.loads)
+    if ((load.ramp > 0.0 && time_ <= 1.5 * load.ramp) || (load.pressure != 0.0 && load.follower)) return true;
+  return body.constitution().relaxing();
 }
 
-// Velocity Verlet: half a kick, contact on the velocities that will move the phyxels, drift, new forces, half a kick.
-void Simulator::substep(double dt) {
-  presentDt_ = dt;
-  const bool contact = world_.box.enabled || !obstacles_.empty();
-  const double decay = world_.damping > 0.0 ? std::exp(-world_.damping * dt) : 1.0;
-  for (auto &[id, body] : bodies_) {
-    Body &b = *body;
-    State &state = b.state();
-    const std::size_t n = b.rest().phyxelCount();
-    if (!forcesCurrent_) {
-      evaluateForces(b);
-      applyGrab(id, b);
-    }
-    const auto kick = [&] {
-      parallelFor_(n, 512, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          state.velocities[i] += 0.5 * dt * (b.forces()[i] / b.masses()[i] + world_.gravity);
-      });
-    };
-    clock_.measure(kIntegrate, kick);
-    if (contact)
-      clock_.measure(kContact, [&] {
-        resolveContacts(obstacles_, world_.box, b.worldPositions(), state.velocities, b.rest().contactRadii, b.rest().spacing,
-                        dt, b.contact, parallelFor_);
-      });
-    clock_.measure(kIntegrate, [&] {
-      parallelFor_(n, 512, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) state.displacements[i] += dt * state.velocities[i];
-      });
-    });
-    evaluateForces(b);
-    applyGrab(id, b);
-    clock_.measure(kIntegrate, [&] {
-      kick();
-      if (decay < 1.0)
-        for (Vec3 &v : state.velocities) v *= decay;
-    });
-    if (contact) clock_.measure(kContact, [&] { settleContacts(b.contact, state.velocities); });
+std::optional<GuardFinding> Simulator::advanceExplicit(Runner &runner, const Environment &env, double dt) {
+  Body &body = *runner.body;
+  double left = dt, time = time_;
+  std::uint64_t substeps = 0;
+  while (left > 1e-12 * dt) {
+    double stable = kStepSafety * runner.scale * body.stableStep();
+    GuardView view;
+    clock_.measure(kGuard, [&] { view = lookAt(body); });
+    if (!view.finite) return firstNonFinite(body);
+    if (view.fastest > 0.0) stable = std::min(stable, kStride * body.rest().spacing / view.fastest);
+    // An impact sets phyxels in motion against each other that had the same velocity before.
+    const double impact = impactSpeed(body, env, time, std::min(left, stable), kStride * body.rest().spacing);
+    if (impact > 0.0) stable = std::min(stable, kStride * body.rest().spacing / impact);
+    // Even pieces of what is left, so that the last one is not a sliver.
+    const double pieces = std::ceil(left / stable * (1.0 - 1e-9));
+    if (!(pieces + static_cast<double>(substeps) <= kMostSubsteps))
+      return GuardFinding{view.fastestPhyxel,
+                          "the stable step has fallen to " + number(stable) + " s, 1/" + number(dt / stable) + " of the step" +
+                              (body.stableStep() < 0.1 * body.stableStepAtRest() ? ": the body is crushed or inverted" : ""),
+                          "solver.integrator = \"implicit\", a smaller solver.dt, or a softer or coarser body"};
+    const double piece = pieces > 1.0 ? left / pieces : left;
+    explicitSubstep(body, env, time, piece);
+    left -= piece;
+    time += piece;
+    ++substeps;
   }
-  forcesCurrent_ = true;
-  time_ += dt;
-}
-
-std::optional<std::string> Simulator::firstNonFinite() const {
-  for (const auto &[id, body] : bodies_) {
-    const State &state = body->state();
-    double sum = 0.0;
-    for (std::size_t i = 0; i < state.velocities.size(); ++i)
-      sum += state.velocities[i].squaredNorm() + state.displacements[i].squaredNorm();
-    if (std::isfinite(sum)) continue;
-    for (std::size_t i = 0; i < state.velocities.size(); ++i)
-      if (!state.velocities[i].allFinite() || !state.displacements[i].allFinite())
-        return "body '" + body->name() + "', phyxel " + std::to_string(i) + ": the " +
-               (state.velocities[i].allFinite() ? "displacement" : "velocity") + " is not finite";
-    return "body '" + body->name() + "': the kinetic energy is not finite";
+  GuardView view;
+  clock_.measure(kGuard, [&] { view = lookAt(body); });
+  if (!view.finite) return firstNonFinite(body);
+  if (substeps > runner.mostSubsteps) {
+    runner.mostSubsteps = substeps;
+    note("substep", "body '" + body.name() + "': a step of " + number(dt) + " s was divided into " +
+                        std::to_string(substeps) + " substeps of " + number(dt / static_cast<double>(substeps)) + " s");
   }
   return std::nullopt;
 }
 
+std::optional<GuardFinding> Simulator::advanceImplicit(Runner &runner, const Environment &env, double dt) {
+  Body &body = *runner.body;
+  const Integrator scheme = integratorOf(runner);
+  const auto pieces = static_cast<int>(std::llround(std::ceil(1.0 / runner.scale)));
+  const double piece = dt / pieces;
+  for (int k = 0; k < pieces; ++k) {
+    const ImplicitResult result = implicitStep(body, runner.solver, env, time_ + k * piece, piece, scheme);
+    if (!result.failure.empty())
+      return GuardFinding{result.newton.worst, result.failure,
+                          "a smaller solver.dt, solver.integrator = \"backward_euler\", or material.law = \"neo_hookean\""};
+    GuardView view;
+    clock_.measure(kGuard, [&] { view = lookAt(body); });
+    if (!view.finite) return firstNonFinite(body);
+  }
+  return std::nullopt;
+}
+
+void Simulator::stop(Runner &runner, const GuardFinding &finding) {
+  Body &body = *runner.body;
+  // Forces and strains of the state that stays, not of the step that failed.
+  body.computeGradients(parallelFor_);
+  body.computeStresses(0.0, parallelFor_);
+  body.computeForces(time_, parallelFor_);
+  body.stopped = "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " + finding.quantity +
+                 "; it stands still in the last good state. Help: " + finding.help;
+  note("stopped", body.stopped);
+}
+
+void Simulator::advance(Runner &runner, const Environment &env, double dt) {
+  Body &body = *runner.body;
+  const Integrator integrator = integratorOf(runner);
+  if (integrator != world_.integrator && !runner.toldSwitch) {
+    runner.toldSwitch = true;
+    note("switched", "body '" + body.name() + "' is so stiff that explicit steps would be " +
+                         number(kStepSafety * body.stableStepAtRest()) +
+                         " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
+  }
+  body.keepState();
+  GuardFinding finding;
+  for (int attempt = 0; attempt <= kMostHalvings; ++attempt) {
+    auto found = integrator == Integrator::explicitVerlet ? advanceExplicit(runner, env, dt) : advanceImplicit(runner, env, dt);
+    if (!found && (steps_ + 1) % EnergyWatch::kEnergyInterval == 0)
+      clock_.measure(kGuard, [&] { found = runner.energy.look(body, world_.gravity, driven(body)); });
+    if (!found) {
+      if (runner.scale < 1.0 && ++runner.goodSteps >= kPatience) {
+        runner.scale = std::min(1.0, 2.0 * runner.scale);
+        runner.goodSteps = 0;
+      }
+      return;
+    }
+    finding = *found;
+    body.restoreState();
+    runner.solver.forget();
+    runner.goodSteps = 0;
+    if (attempt < kMostHalvings) {
+      runner.scale *= 0.5;
+      note("smaller_step", "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " + finding.quantity +
+                               "; back to the state before, with steps " + number(1.0 / runner.scale) + " times smaller");
+    }
+  }
+  stop(runner, finding);
+}
+
+void Simulator::loadIncrement(Runner &runner, const Environment &env, double from, double to) {
+  Body &body = *runner.body;
+  double at = from, size = to - from;
+  int halvings = 0;
+  while (at < to - 1e-12) {
+    const double next = std::min(to, at + size);
+    body.keepState();
+    const ImplicitResult result = quasiStaticStep(body, runner.solver, env, at, next);
+    const bool finite = lookAt(body).finite;
+    if (result.failure.empty() && finite) {
+      at = next;
+      continue;
+    }
+    body.restoreState();
+    runner.solver.forget();
+    const GuardFinding finding{result.newton.worst, result.failure.empty() ? "the state is not finite" : result.failure,
+                               "more solver.load_steps, a smaller load, or solver.integrator = \"implicit\" with damping"};
+    if (++halvings > kMostHalvings) return stop(runner, finding);
+    size *= 0.5;
+    note("smaller_step", "body '" + body.name() + "': " + finding.quantity + "; back to load factor " + number(at) +
+                             ", with increments of " + number(size));
+  }
+}
+
+bool Simulator::finished() const { return quasiStatic() && time_ >= 1.0 - 1e-12; }
+
+std::size_t Simulator::stoppedBodies() const {
+  return static_cast<std::size_t>(
+      std::count_if(bodies_.begin(), bodies_.end(), [](const auto &entry) { return !entry.second->body->stopped.empty(); }));
+}
+
+bool Simulator::failed() const { return !bodies_.empty() && stoppedBodies() == bodies_.size(); }
+
 tl::expected<void, StepFailure> Simulator::step() {
-  if (failed_) return tl::unexpected<StepFailure>({"the simulation has failed before; reset it to go on"});
-  for (const auto &[id, body] : bodies_) body->keepState();
-  const double timeBefore = time_;
-  const double wanted = stepSize();
-  double left = wanted;
-  std::uint64_t substeps = 0;
-  std::optional<std::string> failure;
-  while (left > 1e-12 * wanted) {
-    double stable = std::numeric_limits<double>::infinity();
-    for (const auto &[id, body] : bodies_) stable = std::min(stable, kStepSafety * body->stableStep());
-    // Even pieces of what is left, so that the last one is not a sliver.
-    const double pieces = std::ceil(left / stable * (1.0 - 1e-9));
-    if (!(pieces <= kMostSubsteps)) {
-      failure = "the stable step has fallen to " + number(stable) + " s, a " + number(wanted / stable) +
-                " of the step: the body is crushed or inverted";
-      break;
-    }
-    const double dt = pieces > 1.0 ? left / pieces : left;
-    substep(dt);
-    left -= dt;
-    ++substeps;
-    failure = firstNonFinite();
-    if (failure) break;
-  }
-  if (failure) {
-    for (auto &[id, body] : bodies_) {
-      body->restoreState();
-      evaluateForces(*body);
-    }
-    time_ = timeBefore;
-    forcesCurrent_ = false;
-    failed_ = true;
-    const std::string text = *failure + "; the state before the step is kept. Help: a smaller solver.dt, more " +
-                             "solver.damping or material.viscosity, or a stiffer material";
-    note("diverged", text);
+  const auto refusal = [this] {
+    std::string text;
+    for (const auto &[id, runner] : bodies_) text += (text.empty() ? "" : "; ") + runner->body->stopped;
     return tl::unexpected<StepFailure>({text});
-  }
-  if (substeps > mostSubsteps_) {
-    mostSubsteps_ = substeps;
-    note("substep", "a step of " + number(wanted) + " s was divided into " + std::to_string(substeps) +
-                        " substeps: the stable step of the deformed body is " + number(wanted / static_cast<double>(substeps)) + " s");
+  };
+  if (failed()) return refusal();
+  if (finished()) return {};
+  const Environment env = environment();
+  const double dt = stepSize();
+  if (quasiStatic()) {
+    const int increments = world_.loadSteps > 0 ? world_.loadSteps : 10;
+    const double next = std::min(1.0, time_ + 1.0 / increments);
+    for (auto &[id, runner] : bodies_)
+      if (runner->body->stopped.empty()) loadIncrement(*runner, env, time_, next > 1.0 - 1e-9 ? 1.0 : next);
+    if (failed()) return refusal();
+    time_ = next > 1.0 - 1e-9 ? 1.0 : next;
+  } else {
+    for (auto &[id, runner] : bodies_)
+      if (runner->body->stopped.empty()) advance(*runner, env, dt);
+    if (failed()) return refusal();
+    time_ += dt;
   }
   ++steps_;
   clock_.commit();
@@ -261,37 +344,42 @@ tl::expected<void, StepFailure> Simulator::step() {
 }
 
 void Simulator::reset() {
-  for (auto &[id, body] : bodies_) body->reset();
-  grabs_.clear();
-  grabStatus_.clear();
+  for (auto &[id, runner] : bodies_) {
+    runner->body->reset();
+    runner->solver.forget();
+    runner->energy.forget();
+    runner->scale = 1.0;
+    runner->goodSteps = 0;
+    runner->mostSubsteps = 1;
+    runner->toldSwitch = false;
+  }
   time_ = 0.0;
   steps_ = 0;
-  failed_ = false;
-  forcesCurrent_ = false;
-  presentDt_ = 0.0;
-  mostSubsteps_ = 1;
   events_.clear();
 }
 
 void Simulator::setGrab(std::size_t id, Grab grab) {
-  if (!body(id) || grab.phyxels.empty()) return;
-  grabs_[id] = std::move(grab);
-  forcesCurrent_ = false;
+  Body *target = body(id);
+  if (!target || grab.phyxels.empty()) return;
+  target->grab = std::move(grab);
+  target->forcesCurrent = false;
 }
 
-void Simulator::moveGrab(std::size_t id, const Vec3 &target) {
-  if (const auto found = grabs_.find(id); found != grabs_.end()) found->second.target = target;
+void Simulator::moveGrab(std::size_t id, const Vec3 &position) {
+  if (Body *target = body(id); target && target->grab) target->grab->target = position;
 }
 
 void Simulator::releaseGrab(std::size_t id) {
-  if (grabs_.erase(id) > 0) forcesCurrent_ = false;
-  grabStatus_.erase(id);
+  Body *target = body(id);
+  if (!target) return;
+  if (target->grab) target->forcesCurrent = false;
+  target->grab.reset();
+  target->grabStatus.reset();
 }
 
 std::optional<GrabStatus> Simulator::grabStatus(std::size_t id) const {
-  const auto found = grabStatus_.find(id);
-  if (found == grabStatus_.end()) return std::nullopt;
-  return found->second;
+  const Body *target = body(id);
+  return target ? target->grabStatus : std::nullopt;
 }
 
 void Simulator::surfels(std::size_t id, std::vector<Vec3> &positions, std::vector<Vec3> &normals) {
@@ -299,9 +387,9 @@ void Simulator::surfels(std::size_t id, std::vector<Vec3> &positions, std::vecto
   if (!target) return;
   const RestState &rest = target->rest();
   positions.resize(rest.surfels.count());
-  normals.resize(rest.surfels.normals.size());
+  normals.resize(rest.surfelNormals.size());
   clock_.measure(kSurfels, [&] {
-    updateSurfels(rest.surfels, rest.positions, target->state().displacements, target->gradients(), positions, normals,
+    updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, target->state().displacements, positions, normals,
                   parallelFor_);
     for (Vec3 &x : positions) x += rest.origin;
   });
@@ -320,11 +408,18 @@ Simulator::Energy Simulator::energy(std::size_t id) const {
   return out;
 }
 
+std::vector<Reaction> Simulator::reactions(std::size_t id) const {
+  const Body *target = body(id);
+  return target ? target->reactions(world_.gravity, time_) : std::vector<Reaction>{};
+}
+
 std::uint64_t Simulator::stateHash() const {
   std::uint64_t hash = 14695981039346656037ull;
-  for (const auto &[id, body] : bodies_) {
-    for (const Vec3 &u : body->state().displacements) hashBytes(hash, u.data(), 3 * sizeof(double));
-    for (const Vec3 &v : body->state().velocities) hashBytes(hash, v.data(), 3 * sizeof(double));
+  for (const auto &[id, runner] : bodies_) {
+    const State &state = runner->body->state();
+    for (const Vec3 &u : state.displacements) hashBytes(hash, u.data(), 3 * sizeof(double));
+    for (const Vec3 &v : state.velocities) hashBytes(hash, v.data(), 3 * sizeof(double));
+    for (const Mat3 &F : state.history.plasticInverse) hashBytes(hash, F.data(), 9 * sizeof(double));
   }
   return hash;
 }

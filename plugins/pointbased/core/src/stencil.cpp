@@ -1,40 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/stencil.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "moment.h"
+
 namespace pointbased {
-namespace {
-
-// Truncated inverse, its rank, and the frame of what is left: flat directions last.
-struct MomentInverse {
-  Mat3 inverse = Mat3::Zero();
-  Mat3 frame = Mat3::Identity();
-  int rank = 0;
-};
-
-MomentInverse invertMoment(const Mat3 &A) {
-  MomentInverse out;
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(A);
-  const Vec3 values = solver.eigenvalues();  // ascending
-  const double largest = values[2];
-  if (!(largest > 0.0)) return out;
-  for (int k = 2; k >= 0; --k) {
-    if (values[k] < kMomentCutOff * largest) break;
-    const Vec3 e = solver.eigenvectors().col(k);
-    out.inverse += e * e.transpose() / values[k];
-    out.frame.col(out.rank++) = e;
-  }
-  if (out.rank == 2) out.frame.col(2) = out.frame.col(0).cross(out.frame.col(1));
-  if (out.rank == 1) {
-    out.frame.col(1) = out.frame.col(0).unitOrthogonal();
-    out.frame.col(2) = out.frame.col(0).cross(out.frame.col(1));
-  }
-  return out;
-}
-
-}  // namespace
 
 StencilSet buildPhyxelStencils(std::span<const Vec3> positions, const Csr &neighbors,
                                std::span<const double> supportRadii, std::span<const double> volumes,
@@ -70,7 +41,7 @@ StencilSet buildPhyxelStencils(std::span<const Vec3> positions, const Csr &neigh
         spread += w * d.squaredNorm();
       }
 
-      const MomentInverse moment = invertMoment(A);
+      const detail::MomentInverse moment = detail::invertMoment(A);
       Vec3 sum = Vec3::Zero();
       e = first + 1;
       for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k, ++e) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "body_builder.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace pointbased {
 namespace {
@@ -33,32 +35,77 @@ BodyShape shapeOf(const Services &services, c3de_handle mesh, const Placement &p
                                                    sdk::scalars(std::span<const double>(&everywhere, 1)), found.data())));
     for (std::size_t i = 0; i < points.size(); ++i) distances[i] = std::abs(found[i].distance);
   };
+  shape.crosses = [&services, surface](std::span<const Vec3> from, std::span<const Vec3> to, std::span<std::uint8_t> crosses) {
+    std::vector<c3de_ray_hit> hits(from.size());
+    const auto *table = services.collision.table();
+    mustSucceed(services.host.check(
+        table->segments(table->ctx, surface->tree.handle(), viewOf(from), viewOf(to), hits.data())));
+    for (std::size_t i = 0; i < from.size(); ++i) crosses[i] = hits[i].t >= 0.0 ? 1 : 0;
+  };
+  shape.surface.positions = surface->positions;
+  for (const auto &t : surface->triangles) shape.surface.triangles.push_back({t[0], t[1], t[2]});
   return shape;
 }
 
 }  // namespace
 
-BuiltBody buildBody(const Services &services, const std::string &name, c3de_handle mesh, const Placement &placement,
+// "fix 1: …" of the core counts the body's own; messages use the numbers of the scene.
+std::optional<std::string> renumbered(const std::string &text, const BodySource &source) {
+  const auto replace = [&](const char *word, const std::vector<std::uint32_t> &numbers) -> std::optional<std::string> {
+    const std::string prefix = std::string(word) + " ";
+    if (text.rfind(prefix, 0) != 0) return std::nullopt;
+    const std::size_t colon = text.find(':');
+    const auto own = static_cast<std::size_t>(std::strtoul(text.c_str() + prefix.size(), nullptr, 10));
+    if (colon == std::string::npos || own >= numbers.size()) return std::nullopt;
+    return prefix + std::to_string(numbers[own]) + text.substr(colon);
+  };
+  if (auto fix = replace("fix", source.fixNumbers)) return fix;
+  return replace("load", source.loadNumbers);
+}
+
+Constitution constitutionOf(const std::string &name, const BodySource &source, const ParameterValues &values) {
+  Constitution out;
+  out.materials = {materialOf(values)};
+  if (const auto valid = validate(out.materials.front()); !valid) throw sdk::Error(C3DE_E_ARG, name + ": " + valid.error());
+  for (std::size_t i = 0; i < source.parts.size(); ++i) {
+    out.materials.push_back(materialOf(source.parts[i].values));
+    if (const auto valid = validate(out.materials.back()); !valid)
+      throw sdk::Error(C3DE_E_ARG, "part " + std::to_string(i) + ": " + valid.error());
+  }
+  out.stabilisation = stabilisationOf(values);
+  return out;
+}
+
+BuiltBody buildBody(const Services &services, const std::string &name, c3de_handle mesh, const BodySource &source,
                     const ParameterValues &values, const sdk::Progress &progress) {
-  const Material material = materialOf(values);
-  if (const auto valid = validate(material); !valid) throw sdk::Error(C3DE_E_ARG, name + ": " + valid.error());
-  const NeighborChoice choice = neighborChoiceOf(values);
+  Constitution constitution = constitutionOf(name, source, values);
   const auto *meshes = services.meshes.table();
   if (const auto fillable = services.host.check(meshes->check_fillable(meshes->ctx, mesh)); !fillable)
     throw sdk::Error(C3DE_E_FORMAT, fillable.failure().message);
   if (!progress.update(0.0, "placing the surface")) throw sdk::Error(C3DE_E_CANCELLED, "cancelled");
 
   BuiltBody out;
-  out.surface = placeMesh(services, mesh, placement);
+  out.surface = placeMesh(services, mesh, source.placement);
   const ParallelFor parallelFor = services.parallelFor();
-  const auto cloud = fill(shapeOf(services, mesh, placement, out.surface), samplingOf(values), parallelFor,
-                          [&](double fraction) { return progress.update(0.05 + 0.7 * fraction, "filling with phyxels"); });
-  if (!cloud)
-    throw sdk::Error(cloud.error() == "cancelled" ? C3DE_E_CANCELLED : C3DE_E_ARG, name + ": " + cloud.error());
-  if (!progress.update(0.75, "finding neighbourhoods")) throw sdk::Error(C3DE_E_CANCELLED, "cancelled");
-  auto rest = buildRestState(*cloud, choice, out.surface->volume, out.surface->positions, out.surface->normals, parallelFor);
+  BodyRecipe recipe;
+  recipe.evaluation = evaluationOf(values);
+  recipe.sampling = samplingOf(values);
+  recipe.sampling.refinements = source.refinements;
+  for (std::size_t i = 0; i < source.parts.size(); ++i)
+    recipe.sampling.materials.emplace_back(source.parts[i].region, static_cast<std::uint16_t>(i + 1));
+  recipe.neighbors = neighborChoiceOf(values);
+  recipe.fixes = source.fixes;
+  recipe.loads = source.loads;
+  auto rest = buildRestState(shapeOf(services, mesh, source.placement, out.surface), recipe, out.surface->normals, parallelFor,
+                             [&](double fraction) { return progress.update(0.05 + 0.8 * fraction, "filling with phyxels"); });
+  if (!rest) {
+    if (rest.error() == "cancelled") throw sdk::Error(C3DE_E_CANCELLED, "cancelled");
+    const std::optional<std::string> spoken = renumbered(rest.error(), source);
+    throw sdk::Error(C3DE_E_ARG, spoken ? *spoken : name + ": " + rest.error());
+  }
   if (!progress.update(0.85, "finding the stable step")) throw sdk::Error(C3DE_E_CANCELLED, "cancelled");
-  out.body = std::make_unique<Body>(name, std::move(rest), material, stabilisationOf(values), parallelFor);
+  out.body = std::make_unique<Body>(name, std::move(*rest), std::move(constitution), parallelFor);
+  out.body->setInitialVelocity(source.velocity, source.angularVelocity);
   (void)progress.update(1.0, "done");
   return out;
 }
@@ -72,10 +119,18 @@ sdk::MeshHandle copyMesh(const Services &services, c3de_handle mesh) {
 }
 
 Obstacle buildObstacle(const Services &services, const std::string &name, const std::shared_ptr<PlacedMesh> &mesh,
-                       double friction) {
+                       double friction, const std::optional<Fix> &motion) {
   Obstacle obstacle;
   obstacle.name = name;
   obstacle.friction = friction;
+  if (motion) {
+    HeldPart whole;
+    whole.centroid = 0.5 * (mesh->min + mesh->max);
+    obstacle.motion = [fix = *motion, whole](double t) {
+      const double s = fix.ramp > 0.0 ? std::clamp(t / fix.ramp, 0.0, 1.0) : 1.0;
+      return motionAt(fix, whole, Vec3::Zero(), s);
+    };
+  }
   obstacle.closest = [&services, mesh](std::span<const Vec3> points, std::span<const double> maxDistances,
                                        std::span<SurfacePoint> out) {
     std::vector<c3de_closest> found(points.size());

@@ -4,14 +4,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace pointbased {
 namespace {
 
 using namespace c3de::sdk;
 
-constexpr std::array<c3de_str, 2> kLaws{str("neo_hookean"), str("stvk")};
-constexpr std::array<c3de_str, 1> kIntegrators{str("explicit")};
+constexpr std::array<c3de_str, 4> kLaws{str("neo_hookean"), str("stvk"), str("corotated"), str("linear")};
+constexpr std::array<c3de_str, 5> kIntegrators{str("explicit"), str("implicit"), str("midpoint"), str("backward_euler"),
+                                               str("quasistatic")};
+constexpr std::array<c3de_str, 4> kPreconditioners{str("auto"), str("block_jacobi"), str("incomplete"), str("factorised")};
+constexpr std::array<c3de_str, 3> kEvaluations{str("auto"), str("stress_points"), str("phyxels")};
+constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kFar = 1e6;  // m: beyond it, doubles no longer resolve a micrometre next to a body
 
 constexpr std::array kWorld{
@@ -24,17 +29,31 @@ constexpr std::array kWorld{
               {1.0, 1.0, 1.0}),
     numberParam({"world.box.friction", "Wall friction", "", "Coulomb coefficient of the walls; 0: slippery", "World"},
                 {0.0, 10.0, 0.0, 1.0}, 0.3),
-    choiceParam({"solver.integrator", "Integrator", "", "explicit: velocity Verlet, in substeps where stability needs them",
+    choiceParam({"solver.integrator", "Integrator", "",
+                 "explicit: velocity Verlet, in substeps where stability needs them. implicit: second order, for stiff bodies. "
+                 "midpoint: second order without any damping. backward_euler: first order, damps. quasistatic: equilibrium "
+                 "under loads that grow",
                  "Solver"},
                 kIntegrators, "explicit"),
     autoParam({"solver.dt", "Step", "s",
-               "Size of a step. auto: 0.8 of the largest stable one; a larger one is divided into substeps, a smaller one "
-               "costs time",
+               "Size of a step. auto: explicit 0.8 of the largest stable one, implicit 1/60; a larger explicit one is divided "
+               "into substeps, a smaller one costs time",
                "Solver"},
               {1e-9, 1.0, 1e-5, 0.02}, C3DE_PARAM_LOG_SCALE),
     numberParam({"solver.damping", "Damping", "1/s",
                  "Mass-proportional: velocities, those of a fall too, decay by exp(-damping t); 0: none", "Solver"},
                 {0.0, 1e4, 0.0, 20.0}, 0.0),
+    autoParam({"solver.tolerance_mm", "Tolerance", "mm",
+               "Implicit and quasi-static: converged when a full correction moves no phyxel further. auto: 1e-5 of the "
+               "spacing, quasi-static 1e-6",
+               "Solver"},
+              {1e-12, 1000.0, 1e-6, 1.0}, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_ADVANCED),
+    integerParam({"solver.load_steps", "Load steps", "", "Quasi-static: increments of the load; halved where one fails",
+                  "Solver"},
+                 {1.0, 10000.0, 1.0, 50.0}, 10.0),
+    choiceParam({"solver.preconditioner", "Preconditioner", "", "Of the linear solutions; auto: by size, as measured",
+                 "Solver"},
+                kPreconditioners, "auto"),
 };
 
 constexpr c3de_param_decl neighboursParam() {
@@ -50,7 +69,7 @@ constexpr c3de_param_decl neighboursParam() {
 constexpr std::array kBody{
     choiceParam({"material.law", "Law", "",
                  "neo_hookean: resists collapse and recovers from inversion; stvk: linear in Green strain, softens under "
-                 "compression",
+                 "compression; corotated: linear in the stretch; linear: small strain and small rotation only",
                  "Material"},
                 kLaws, "neo_hookean"),
     numberParam({"material.youngs_modulus", "Young's modulus", "Pa",
@@ -65,6 +84,34 @@ constexpr std::array kBody{
                  "Damps deformation, not rigid motion: viscous stress 2 eta dE/dt. Large values shrink the stable step",
                  "Material"},
                 {0.0, 1e9, 0.0, 50.0}, 0.0),
+    numberParam({"material.volume_stiffness", "Volume stiffness", "Pa",
+                 "Müller's volume conservation: k_v/2 (J - 1)² on top of Poisson's ratio; 0: none", "Material"},
+                {0.0, 1e12, 0.0, 1e6}, 0.0, C3DE_PARAM_ADVANCED),
+    numberParam({"material.plastic.yield", "Yield", "",
+                 "Elastic deviatoric strain (Hencky norm) above which the material flows; inf: never", "Plasticity"},
+                {0.0, kNever, 0.0, 1.0}, kNever),
+    numberParam({"material.plastic.creep", "Creep", "",
+                 "Part of the excess strain that flows within the creep time; 1: at once, 0: elastic", "Plasticity"},
+                {0.0, 1.0, 0.0, 1.0}, 1.0),
+    numberParam({"material.plastic.creep_time", "Creep time", "s", "Time to which creep refers", "Plasticity"},
+                {0.0, 1e9, 0.001, 10.0}, 1.0 / 60.0, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
+    numberParam({"material.plastic.max", "Largest flow", "",
+                 "Cap of the plastic strain (Hencky norm); 0: elastic, inf: the body can melt", "Plasticity"},
+                {0.0, kNever, 0.0, 5.0}, kNever),
+    numberParam({"material.prony1.share", "Relaxation 1, share", "",
+                 "Part of the shear modulus that relaxes with the first time; 0: none", "Relaxation"},
+                {0.0, 1.0, 0.0, 0.9}, 0.0, C3DE_PARAM_MAX_OPEN),
+    numberParam({"material.prony1.time", "Relaxation 1, time", "s", "Relaxation time", "Relaxation"},
+                {0.0, 1e9, 0.01, 100.0}, 1.0, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
+    numberParam({"material.prony2.share", "Relaxation 2, share", "", "The same for a second time", "Relaxation"},
+                {0.0, 1.0, 0.0, 0.9}, 0.0, C3DE_PARAM_MAX_OPEN),
+    numberParam({"material.prony2.time", "Relaxation 2, time", "s", "Relaxation time", "Relaxation"},
+                {0.0, 1e9, 0.01, 100.0}, 10.0, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
+    choiceParam({"sampling.evaluation", "Evaluation", "",
+                 "stress_points: cells of a lattice cut by the body, accurate at any sampling; phyxels: the method of Müller et "
+                 "al. 2004; auto: stress_points",
+                 "Sampling"},
+                kEvaluations, "auto", C3DE_PARAM_NEEDS_RESET),
     autoParam({"sampling.spacing", "Spacing", "m",
                "Distance of the phyxels; auto: chosen by the count. Too large: the shape is not resolved; too small: slow, for "
                "count and step both",
@@ -73,13 +120,21 @@ constexpr std::array kBody{
     integerParam({"sampling.count", "Count", "", "How many phyxels, within some per cent, when the spacing is auto", "Sampling"},
                  {1.0, static_cast<double>(kMaximumPhyxels), 50.0, 5000.0}, 1000.0,
                  C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE),
+    numberParam({"sampling.surface_spacing", "Surface spacing", "m",
+                 "stress_points: cells that the surface cuts are divided until they are at most this; 0: as inside",
+                 "Sampling"},
+                {0.0, 1e4, 0.0, 0.02}, 0.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
+    numberParam({"sampling.jitter", "Jitter", "",
+                 "stress_points: phyxels inside are moved at random by up to this part of the spacing", "Sampling"},
+                {0.0, 0.3, 0.0, 0.3}, 0.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
     neighboursParam(),
     numberParam({"sampling.support", "Support", "spacings", "Radius of the neighbourhood when neighbours is auto", "Sampling"},
                 {1.01, 6.0, 1.5, 3.0}, 1.8, C3DE_PARAM_NEEDS_RESET),
-    numberParam({"sampling.stabilisation", "Stabilisation", "",
-                 "Control of the modes that one evaluation per phyxel cannot see; 0: rattles, above 1: stiff in bending",
-                 "Sampling"},
-                {0.0, 100.0, 0.0, 1.0}, kDefaultStabilisation, C3DE_PARAM_ADVANCED),
+    autoParam({"sampling.stabilisation", "Stabilisation", "",
+               "Control of the modes that one evaluation per point cannot see; auto: 0.92 for stress_points, 0.1 for phyxels; "
+               "0: rattles, above 1: stiff in bending",
+               "Sampling"},
+              {0.0, 100.0, 0.0, 1.0}, C3DE_PARAM_ADVANCED),
 };
 
 constexpr std::array kObstacle{
@@ -109,7 +164,7 @@ std::string accepted(const c3de_param_decl &d) {
 }
 
 bool inRange(const c3de_param_decl &d, double x) {
-  if (!std::isfinite(x)) return false;
+  if (!std::isfinite(x) && x != d.max) return false;
   const bool low = (d.flags & C3DE_PARAM_MIN_OPEN) ? x > d.min : x >= d.min;
   const bool high = (d.flags & C3DE_PARAM_MAX_OPEN) ? x < d.max : x <= d.max;
   return low && high;
@@ -224,25 +279,59 @@ WorldSettings worldSettings(const ParameterValues &v) {
   world.box.min = v.vector("world.box.min");
   world.box.max = v.vector("world.box.max");
   world.box.friction = v.number("world.box.friction");
+  const std::string integrator = v.text("solver.integrator");
+  world.integrator = integrator == "implicit"         ? Integrator::implicitSdirk
+                     : integrator == "midpoint"       ? Integrator::implicitMidpoint
+                     : integrator == "backward_euler" ? Integrator::backwardEuler
+                     : integrator == "quasistatic"    ? Integrator::quasiStatic
+                                                      : Integrator::explicitVerlet;
   world.dt = v.isAuto("solver.dt") ? 0.0 : v.number("solver.dt");
   world.damping = v.number("solver.damping");
+  world.tolerance = v.isAuto("solver.tolerance_mm") ? 0.0 : 1e-3 * v.number("solver.tolerance_mm");
+  world.loadSteps = static_cast<int>(v.number("solver.load_steps"));
+  const std::string preconditioner = v.text("solver.preconditioner");
+  world.preconditioner = preconditioner == "block_jacobi" ? Preconditioner::blockJacobi
+                         : preconditioner == "incomplete" ? Preconditioner::incomplete
+                         : preconditioner == "factorised" ? Preconditioner::factorised
+                                                          : Preconditioner::automatic;
   return world;
 }
 
 Material materialOf(const ParameterValues &v) {
   Material m;
-  m.law = v.text("material.law") == "stvk" ? MaterialLaw::stVenantKirchhoff : MaterialLaw::neoHookean;
+  const std::string law = v.text("material.law");
+  m.law = law == "stvk"        ? MaterialLaw::stVenantKirchhoff
+          : law == "corotated" ? MaterialLaw::corotated
+          : law == "linear"    ? MaterialLaw::linear
+                               : MaterialLaw::neoHookean;
   m.youngsModulus = v.number("material.youngs_modulus");
   m.poissonRatio = v.number("material.poisson_ratio");
   m.restDensity = v.number("material.density");
   m.viscosity = v.number("material.viscosity");
+  m.volumeStiffness = v.number("material.volume_stiffness");
+  m.plastic = {v.number("material.plastic.yield"), v.number("material.plastic.creep"),
+               v.number("material.plastic.creep_time"), v.number("material.plastic.max")};
+  m.prony = {PronyTerm{v.number("material.prony1.share"), v.number("material.prony1.time")},
+             PronyTerm{v.number("material.prony2.share"), v.number("material.prony2.time")}};
   return m;
 }
 
-double stabilisationOf(const ParameterValues &v) { return v.number("sampling.stabilisation"); }
+Evaluation evaluationOf(const ParameterValues &v) {
+  return v.text("sampling.evaluation") == "phyxels" ? Evaluation::phyxels : Evaluation::stressPoints;
+}
 
-Sampling samplingOf(const ParameterValues &v) {
-  return {v.isAuto("sampling.spacing") ? 0.0 : v.number("sampling.spacing"), static_cast<std::size_t>(v.number("sampling.count"))};
+double stabilisationOf(const ParameterValues &v) {
+  if (!v.isAuto("sampling.stabilisation")) return v.number("sampling.stabilisation");
+  return evaluationOf(v) == Evaluation::phyxels ? kCloudStabilisation : kLatticeStabilisation;
+}
+
+LatticeSampling samplingOf(const ParameterValues &v) {
+  LatticeSampling sampling;
+  sampling.spacing = v.isAuto("sampling.spacing") ? 0.0 : v.number("sampling.spacing");
+  sampling.count = static_cast<std::size_t>(v.number("sampling.count"));
+  sampling.surfaceSpacing = v.number("sampling.surface_spacing");
+  sampling.jitter = v.number("sampling.jitter");
+  return sampling;
 }
 
 NeighborChoice neighborChoiceOf(const ParameterValues &v) {

@@ -46,8 +46,10 @@ class ParameterValues {
 
 [[nodiscard]] WorldSettings worldSettings(const ParameterValues &values);
 [[nodiscard]] Material materialOf(const ParameterValues &values);
+[[nodiscard]] Evaluation evaluationOf(const ParameterValues &values);
 [[nodiscard]] double stabilisationOf(const ParameterValues &values);
-[[nodiscard]] Sampling samplingOf(const ParameterValues &values);
+/// Without refinements, held regions and materials.
+[[nodiscard]] LatticeSampling samplingOf(const ParameterValues &values);
 [[nodiscard]] NeighborChoice neighborChoiceOf(const ParameterValues &values);
 
 }  // namespace pointbased

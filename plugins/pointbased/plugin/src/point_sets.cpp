@@ -95,10 +95,16 @@ void PhyxelSet::read(std::uint32_t field, c3de_mview out) {
       case C3DE_FIELD_VELOCITY: return writeVectors(out, n, [&](std::size_t i) { return body.state().velocities[i]; });
       case C3DE_FIELD_MASS: return writeScalars(out, n, [&](std::size_t i) { return body.masses()[i]; });
       case C3DE_FIELD_VOLUME: return writeScalars(out, n, [&](std::size_t i) { return rest.volumes[i]; });
-      case C3DE_FIELD_GRADIENT: return writeMatrices(out, n, [&](std::size_t i) { return body.gradients()[i]; });
-      case C3DE_FIELD_STRAIN: return writeMatrices(out, n, [&](std::size_t i) { return greenStrain(body.gradients()[i]); });
-      case C3DE_FIELD_STRESS:
-        return writeMatrices(out, n, [&](std::size_t i) { return secondPiolaStress(body.material(), body.gradients()[i]); });
+      case C3DE_FIELD_GRADIENT:
+      case C3DE_FIELD_STRAIN:
+      case C3DE_FIELD_STRESS: {
+        std::vector<Mat3> gradients(n);
+        phyxelGradients(rest, body.gradients(), gradients);
+        return writeMatrices(out, n, [&](std::size_t i) -> Mat3 {
+          if (field == C3DE_FIELD_GRADIENT) return gradients[i];
+          return field == C3DE_FIELD_STRAIN ? greenStrain(gradients[i]) : secondPiolaStress(body.material(), gradients[i]);
+        });
+      }
       default: unknownField(field);
     }
   });
@@ -136,8 +142,8 @@ void PhyxelSet::assign(c3de_view positionsView, c3de_view volumesView, double de
   material.restDensity = density;
   if (const auto valid = validate(material); !valid) throw Error(C3DE_E_ARG, valid.error());
   const ParallelFor parallelFor = context_.services.parallelFor();
-  auto rest = buildRestState(cloud, {static_cast<int>(neighbours), 1.8}, total, {}, {}, parallelFor);
-  own_ = std::make_unique<Body>("phyxels", std::move(rest), material, kDefaultStabilisation, parallelFor);
+  auto rest = buildRestState(cloud, {static_cast<int>(neighbours), 1.8}, total, Surface{}, {}, parallelFor);
+  own_ = std::make_unique<Body>("phyxels", std::move(rest), Constitution{{material}, kCloudStabilisation}, parallelFor);
 }
 
 void PhyxelSet::move(c3de_view view) {
@@ -158,32 +164,34 @@ SurfelSet::SurfelSet(PluginContext &context, sdk::Ref<WorldSimulator> simulator,
 
 std::array<sdk::Interface, 1> SurfelSet::interfaces() { return {sdk::interfaceOf(sdk::kSurfelSetTable<SurfelSet>)}; }
 
-void SurfelSet::with(const std::function<void(const Body &, const SurfelBinding &)> &read) const {
+void SurfelSet::with(
+    const std::function<void(const Body &, const Interpolation &, const std::vector<Vec3> &normals)> &read) const {
   if (simulator_) {
-    if (!simulator_->readBody(body_, [&](const Body &body) { read(body, body.rest().surfels); }))
+    if (!simulator_->readBody(body_,
+                              [&](const Body &body) { read(body, body.rest().surfels, body.rest().surfelNormals); }))
       throw Error(C3DE_E_STALE, "the body of this surfel set was removed");
     return;
   }
   if (!phyxels_) throw Error(C3DE_E_STATE, "the surfel set is empty; assign() binds points to a phyxel set");
-  phyxels_->withBody([&](const Body &body) { read(body, own_); });
+  phyxels_->withBody([&](const Body &body) { read(body, own_, ownNormals_); });
 }
 
 std::uint64_t SurfelSet::count() {
   if (!simulator_) return own_.count();
   std::uint64_t n = 0;
-  with([&](const Body &, const SurfelBinding &binding) { n = binding.count(); });
+  with([&](const Body &, const Interpolation &binding, const std::vector<Vec3> &) { n = binding.count(); });
   return n;
 }
 
 void SurfelSet::read(std::uint32_t field, c3de_mview out) {
-  with([&](const Body &body, const SurfelBinding &binding) {
+  with([&](const Body &body, const Interpolation &binding, const std::vector<Vec3> &restNormals) {
     const RestState &rest = body.rest();
     const std::size_t n = binding.count();
     if (field == C3DE_FIELD_REFERENCE_POSITION)
       return writeVectors(out, n, [&](std::size_t s) -> Vec3 { return rest.origin + binding.positions[s]; });
     if (field != C3DE_FIELD_POSITION && field != C3DE_FIELD_NORMAL) unknownField(field);
-    std::vector<Vec3> positions(n), normals(binding.normals.size());
-    updateSurfels(binding, rest.positions, body.state().displacements, body.gradients(), positions, normals, serialFor());
+    std::vector<Vec3> positions(n), normals(restNormals.size());
+    updateSurfels(binding, restNormals, rest.positions, body.state().displacements, positions, normals, serialFor());
     if (field == C3DE_FIELD_POSITION)
       return writeVectors(out, n, [&](std::size_t s) -> Vec3 { return rest.origin + positions[s]; });
     if (normals.size() != n) throw Error(C3DE_E_STATE, "these surfels were bound without normals");
@@ -192,9 +200,9 @@ void SurfelSet::read(std::uint32_t field, c3de_mview out) {
 }
 
 void SurfelSet::owners(c3de_view *offsets, c3de_view *indices, c3de_view *weights) {
-  with([&](const Body &body, const SurfelBinding &binding) {
+  with([&](const Body &body, const Interpolation &binding, const std::vector<Vec3> &) {
     if (simulator_) lent_ = body.sharedRest();
-    const SurfelBinding &kept = simulator_ ? lent_->surfels : binding;
+    const Interpolation &kept = simulator_ ? lent_->surfels : binding;
     *offsets = indexView(kept.phyxels.offsets);
     *indices = indexView(kept.phyxels.indices);
     *weights = {kept.weights.data(), kept.weights.size(), 1, C3DE_F64, 0};
@@ -214,14 +222,15 @@ void SurfelSet::assign(c3de_object *phyxels, c3de_view positionsView, c3de_view 
   if (!normals.empty() && normals.size() != world.size())
     throw Error(C3DE_E_ARG, std::to_string(world.size()) + " positions, " + std::to_string(normals.size()) + " normals");
   auto set = sdk::Ref<PhyxelSet>::share(PhyxelSet::from(phyxels));
-  SurfelBinding binding;
+  Interpolation binding;
   set->withBody([&](const Body &body) {
     std::vector<Vec3> local;
     local.reserve(world.size());
     for (const Vec3 &x : world) local.push_back(x - body.rest().origin);
-    binding = bindSurfels(local, normals, body.rest().positions, serialFor());
+    binding = body.rest().bind(local, normals);
   });
   own_ = std::move(binding);
+  ownNormals_ = std::move(normals);
   phyxels_ = std::move(set);
 }
 

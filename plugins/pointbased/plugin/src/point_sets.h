@@ -47,13 +47,14 @@ class SurfelSet : public sdk::Object<SurfelSet> {
   static std::array<sdk::Interface, 1> interfaces();
 
  private:
-  void with(const std::function<void(const Body &, const SurfelBinding &)> &read) const;
+  void with(const std::function<void(const Body &, const Interpolation &, const std::vector<Vec3> &normals)> &read) const;
 
   PluginContext &context_;
   sdk::Ref<WorldSimulator> simulator_;
   std::uint64_t body_ = 0;
   sdk::Ref<PhyxelSet> phyxels_;
-  SurfelBinding own_;
+  Interpolation own_;
+  std::vector<Vec3> ownNormals_;
   std::shared_ptr<const RestState> lent_;
 };
 

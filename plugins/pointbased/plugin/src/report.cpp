@@ -6,6 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pointbased/plasticity.h"
+
 namespace pointbased {
 namespace {
 
@@ -40,10 +42,16 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
     maxStretch = std::max(maxStretch, std::sqrt(std::max(0.0, eigen.eigenvalues()[2])));
   }
 
+  double plastic = 0.0;
+  for (const Mat3 &inverse : body.state().history.plasticInverse)
+    plastic = std::max(plastic, henckyStrain(inverse).norm());
   const Neighbours neighbours = countNeighbours(rest);
   const Simulator::Energy energy = simulator.energy(reported.id);
   return {{"name", body.name()},
+          {"evaluation", rest.evaluation == Evaluation::stressPoints ? "stress_points" : "phyxels"},
           {"phyxels", rest.phyxelCount()},
+          {"points", rest.pointCount()},
+          {"components", rest.components},
           {"surfels", rest.surfels.count()},
           {"spacing_m", rest.spacing},
           {"mass_kg", mass},
@@ -62,15 +70,30 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
           {"centre_of_mass_m", json(centre)},
           {"min_J", minJ},
           {"max_stretch", maxStretch},
-          {"inverted_phyxels", inverted},
-          {"deepest_penetration_m", body.contact.deepestEver}};
+          {"inverted_points", inverted},
+          {"max_plastic_strain", plastic},
+          {"deepest_penetration_m", body.contact.deepest},
+          {"stopped", body.stopped}};
 }
 
 }  // namespace
 
 std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies) {
-  Json out = {{"bodies", Json::array()}, {"probes", Json::array()}, {"stages", Json::object()}, {"events", Json::array()}};
-  for (const ReportedBody &body : bodies) out["bodies"].push_back(bodyJson(simulator, body));
+  Json out = {{"bodies", Json::array()},     {"probes", Json::array()},  {"reactions", Json::array()},
+              {"stages", Json::object()},    {"events", Json::array()}};
+  for (const ReportedBody &body : bodies) {
+    out["bodies"].push_back(bodyJson(simulator, body));
+    const std::vector<Reaction> reactions = simulator.reactions(body.id);
+    for (std::size_t f = 0; f < reactions.size(); ++f)
+      out["reactions"].push_back({{"fix", f < body.fixNumbers.size() ? body.fixNumbers[f] : f},
+                                  {"body", simulator.body(body.id)->name()},
+                                  {"force_N", json(reactions[f].force)},
+                                  {"torque_Nm", json(reactions[f].torque)},
+                                  {"centre_m", json(reactions[f].centre)}});
+  }
+  std::sort(out["reactions"].begin(), out["reactions"].end(),
+            [](const Json &a, const Json &b) { return a["fix"].get<std::uint64_t>() < b["fix"].get<std::uint64_t>(); });
+  if (simulator.quasiStatic()) out["load_factor"] = simulator.loadFactor();
   for (const Probe &probe : simulator.probes()) {
     const Simulator::ProbeState state = simulator.probeState(probe);
     out["probes"].push_back({{"name", probe.name},

@@ -11,9 +11,10 @@ namespace pointbased {
 struct ReportedBody {
   std::size_t id;
   double meshVolume;  ///< m³
+  std::vector<std::uint32_t> fixNumbers;
 };
 
-/// The keys bodies, probes, stages and events of the run report, as one JSON object.
+/// The keys bodies, probes, reactions, stages and events of the run report, as one JSON object.
 [[nodiscard]] std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies);
 
 }  // namespace pointbased

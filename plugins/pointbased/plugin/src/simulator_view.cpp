@@ -90,8 +90,14 @@ void SimulatorView::update() {
                         [&](const ObstacleSnapshot &o) { return o.id == entry.first; });
   });
 
-  for (const ObstacleSnapshot &obstacle : snapshot->obstacles)
-    if (!obstacles_.contains(obstacle.id)) obstacles_.emplace(obstacle.id, makeObstacle(obstacle));
+  for (const ObstacleSnapshot &obstacle : snapshot->obstacles) {
+    auto found = obstacles_.find(obstacle.id);
+    if (found == obstacles_.end()) found = obstacles_.emplace(obstacle.id, makeObstacle(obstacle)).first;
+    if (!obstacle.moves) continue;
+    std::vector<Vec3> positions = obstacle.mesh->positions;
+    for (Vec3 &x : positions) x += obstacle.motion.displacementOf(x);
+    (void)services_.render.update(found->second.mesh.handle(), C3DE_ATTR_POSITIONS, viewOf(positions));
+  }
   for (const BodySnapshot &body : snapshot->bodies) {
     auto found = bodies_.find(body.id);
     if (found == bodies_.end()) found = bodies_.emplace(body.id, makeBody(body)).first;

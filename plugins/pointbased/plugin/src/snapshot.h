@@ -28,7 +28,9 @@ struct BodySnapshot {
 struct ObstacleSnapshot {
   std::uint64_t id = 0;
   std::string name;
-  std::shared_ptr<PlacedMesh> mesh;
+  std::shared_ptr<PlacedMesh> mesh;  ///< at rest
+  RigidMotion motion;                ///< where it is now
+  bool moves = false;
 };
 
 /// What the window sees of the simulation: one moment, complete.

@@ -87,11 +87,10 @@ void WorldSimulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   const c3de_sim_body in = readIn(body, "body");
   BodyRecord record;
   record.name = std::string(sdk::text(in.name));
-  record.source.placement = placementOf(in);
   ParameterValues values(bodyDeclarations());
   sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
-  BuiltBody built =
-      buildBody(context_.services, record.name, in.mesh, record.source.placement, values, sdk::Progress(in.progress));
+  record.source = readSource(in, values);
+  BuiltBody built = buildBody(context_.services, record.name, in.mesh, record.source, values, sdk::Progress(in.progress));
   record.values = std::make_shared<const ParameterValues>(std::move(values));
   record.surface = std::move(built.surface);
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
@@ -109,11 +108,12 @@ void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle 
   sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
   const std::string name(sdk::text(in.name));
   auto mesh = placeMesh(context_.services, in.mesh, placementOf(in));
-  Obstacle built = buildObstacle(context_.services, name, mesh, values.number("friction"));
+  Obstacle built =
+      buildObstacle(context_.services, name, mesh, values.number("friction"), readMotion(in.motion, "obstacle"));
   const std::lock_guard lock(mutex_);
   simulator_.reset();
   const std::uint64_t id = simulator_.addObstacle(std::move(built));
-  obstacles_.emplace(id, ObstacleRecord{name, std::move(mesh)});
+  obstacles_.emplace(id, ObstacleRecord{name, std::move(mesh), in.motion != nullptr});
   if (out) *out = {id};
 }
 
@@ -141,8 +141,12 @@ sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_para
   for (const c3de_param_decl &d : bodyDeclarations())
     if (sdk::text(d.id) == id && (d.flags & C3DE_PARAM_NEEDS_RESET))
       return Failure{C3DE_E_STATE, std::string(id) + " takes effect when the body is built again"};
+  // Parts keep what they say themselves.
+  for (BodyPart &part : record.source.parts)
+    if (std::find(part.own.begin(), part.own.end(), id) == part.own.end()) sdk::orThrow(part.values.set(in));
+  Constitution constitution = constitutionOf(record.name, record.source, changed);
   record.values = std::make_shared<const ParameterValues>(std::move(changed));
-  simulator_.setMaterial(body.v, materialOf(*record.values), stabilisationOf(*record.values));
+  simulator_.setConstitution(body.v, std::move(constitution));
   return {};
 }
 
@@ -218,7 +222,8 @@ void WorldSimulator::publish() {
     b.grab = simulator_.grabStatus(id);
   }
   s->obstacles.clear();
-  for (const auto &[id, record] : obstacles_) s->obstacles.push_back({id, record.name, record.mesh});
+  for (const auto &[id, record] : obstacles_)
+    s->obstacles.push_back({id, record.name, record.mesh, simulator_.obstacleMotion(id), record.moves});
   exchange_.publish(s);
 }
 
@@ -231,6 +236,7 @@ void WorldSimulator::status(c3de_sim_status *out) {
   s.dt_s = simulator_.stepSize();
   s.bodies = bodies_.size();
   s.obstacles = obstacles_.size();
+  s.finished = simulator_.finished() ? 1u : 0u;
   writeOut(out, s);
 }
 
@@ -244,7 +250,7 @@ void WorldSimulator::report(c3de_sink json) {
   {
     const std::lock_guard lock(mutex_);
     std::vector<ReportedBody> bodies;
-    for (const auto &[id, record] : bodies_) bodies.push_back({id, record.surface->volume});
+    for (const auto &[id, record] : bodies_) bodies.push_back({id, record.surface->volume, record.source.fixNumbers});
     std::sort(bodies.begin(), bodies.end(),
               [&](const ReportedBody &a, const ReportedBody &b) { return bodies_.at(a.id).order < bodies_.at(b.id).order; });
     text = reportJson(simulator_, bodies);
@@ -317,7 +323,7 @@ ParameterValues WorldSimulator::worldValues() const {
   return world_;
 }
 
-std::optional<WorldSimulator::Source> WorldSimulator::source(std::uint64_t body) const {
+std::optional<BodySource> WorldSimulator::source(std::uint64_t body) const {
   const std::lock_guard lock(mutex_);
   const auto found = bodies_.find(body);
   if (found == bodies_.end()) return std::nullopt;
@@ -332,7 +338,7 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
     const std::lock_guard lock(mutex_);
     name = bodies_.at(body).name;
   }
-  BuiltBody built = buildBody(context_.services, name, from->mesh->handle(), from->placement, values, progress);
+  BuiltBody built = buildBody(context_.services, name, from->mesh->handle(), *from, values, progress);
   const std::lock_guard lock(mutex_);
   const auto found = bodies_.find(body);
   if (found == bodies_.end()) throw Error(noSuch("body"));

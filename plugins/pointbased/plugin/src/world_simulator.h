@@ -63,12 +63,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void moveGrab(std::uint64_t body, const Vec3 &target);
   void releaseGrab(std::uint64_t body);
   [[nodiscard]] ParameterValues worldValues() const;
-  /// What a body was made from, and can be made from again.
-  struct Source {
-    std::shared_ptr<const sdk::MeshHandle> mesh;
-    Placement placement;
-  };
-  [[nodiscard]] std::optional<Source> source(std::uint64_t body) const;
+  [[nodiscard]] std::optional<BodySource> source(std::uint64_t body) const;
   /// Builds the body again with other values and puts it in the place of the old one; the simulation is reset. The old one
   /// stays when building fails. Errors as sdk::Error. Any thread.
   void rebuildBody(std::uint64_t body, const ParameterValues &values, const sdk::Progress &progress);
@@ -82,12 +77,13 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
     std::string name;
     std::shared_ptr<PlacedMesh> surface;
     std::shared_ptr<const ParameterValues> values;  // replaced, never changed: snapshots share it
-    Source source;
+    BodySource source;
     std::size_t order = 0;
   };
   struct ObstacleRecord {
     std::string name;
     std::shared_ptr<PlacedMesh> mesh;
+    bool moves = false;
   };
   [[nodiscard]] BodyRecord &bodyOrThrow(c3de_handle body);
 

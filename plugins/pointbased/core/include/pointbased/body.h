@@ -4,106 +4,153 @@
 #include <memory>
 #include <optional>
 
-#include "pointbased/contact.h"
 #include "pointbased/engine.h"
-#include "pointbased/material.h"
-#include "pointbased/neighborhood.h"
-#include "pointbased/sampling.h"
-#include "pointbased/surfels.h"
+#include "pointbased/patch_solver.h"
+#include "pointbased/rest_state.h"
+#include "pointbased/contact.h"
 
 namespace pointbased {
-
-/// What follows from the reference shape; const once it is built. Positions are relative to `origin`, so that a body far
-/// from the world's origin loses no digits.
-struct RestState {
-  Vec3 origin = Vec3::Zero();        ///< world, m
-  double spacing = 0.0;              ///< m
-  double shapeVolume = 0.0;          ///< m³, of the shape that was filled
-  std::vector<Vec3> positions;       ///< [phyxels] X, m
-  std::vector<double> volumes;       ///< [phyxels] m³
-  std::vector<double> contactRadii;  ///< [phyxels] m
-  Csr neighbors;                     ///< [phyxels] symmetric
-  StencilSet stencils;               ///< evaluation points
-  SurfelBinding surfels;
-
-  [[nodiscard]] std::size_t phyxelCount() const { return positions.size(); }
-};
-
-/// @param surfacePositions, surfaceNormals  world, m; the surfels
-[[nodiscard]] std::shared_ptr<const RestState> buildRestState(const PhyxelCloud &cloud, const NeighborChoice &choice,
-                                                              double shapeVolume, std::span<const Vec3> surfacePositions,
-                                                              std::span<const Vec3> surfaceNormals,
-                                                              const ParallelFor &parallelFor);
 
 /// What moves.
 struct State {
   std::vector<Vec3> displacements;  ///< [phyxels] u, m
   std::vector<Vec3> velocities;     ///< [phyxels] m/s
+  PointHistory history;             ///< [points] plastic and viscous memory
 };
 
-struct Neighbours {
-  std::size_t min = 0, max = 0;
-  double mean = 0.0;
+/// What a support exerts on the body.
+struct Reaction {
+  Vec3 force = Vec3::Zero();   ///< N
+  Vec3 torque = Vec3::Zero();  ///< N m, about `centre`
+  Vec3 centre = Vec3::Zero();  ///< world, m
 };
-[[nodiscard]] Neighbours countNeighbours(const RestState &rest);
 
-/// A deformable body: rest state, material, state, and the scratch of its step.
+/// A damped spring between some phyxels and a point that somebody moves: the pinch.
+struct Grab {
+  std::vector<Index> phyxels;
+  std::vector<double> weights;  ///< sum 1; the grabbed point is Σ w x
+  Vec3 target = Vec3::Zero();   ///< world, m
+  double frequency = 50.0;      ///< rad/s of the mass it holds; lowered where the step would not carry it
+  double dampingRatio = 1.0;
+  double maxForce = std::numeric_limits<double>::infinity();  ///< N: a tool that is torn away must not tear the body apart
+};
+
+struct GrabStatus {
+  Vec3 point = Vec3::Zero();  ///< world, m, where the grabbed point is
+  Vec3 force = Vec3::Zero();  ///< N
+  double mass = 0.0;          ///< kg that it holds
+};
+
+/// A deformable body: rest state, constitution, state, and the scratch of its step.
 class Body {
  public:
-  Body(std::string name, std::shared_ptr<const RestState> rest, const Material &material, double stabilisation,
-       const ParallelFor &parallelFor);
+  Body(std::string name, std::shared_ptr<const RestState> rest, Constitution constitution, const ParallelFor &parallelFor);
 
   [[nodiscard]] const std::string &name() const { return name_; }
   [[nodiscard]] const RestState &rest() const { return *rest_; }
   [[nodiscard]] const std::shared_ptr<const RestState> &sharedRest() const { return rest_; }
-  [[nodiscard]] const Material &material() const { return material_; }
-  [[nodiscard]] double stabilisation() const { return stabilisation_; }
+  [[nodiscard]] const Constitution &constitution() const { return constitution_; }
+  [[nodiscard]] const Material &material() const { return constitution_.materials.front(); }
   [[nodiscard]] const State &state() const { return state_; }
   [[nodiscard]] State &state() { return state_; }
   [[nodiscard]] std::span<const double> masses() const { return masses_; }
-  /// F of the last force evaluation; the identity before the first.
+  /// 1/m, 1/kg; 0 for phyxels that are held.
+  [[nodiscard]] std::span<const double> inverseMasses() const { return inverseMasses_; }
+  /// F of the evaluation points at the last evaluation; the identity before the first.
   [[nodiscard]] std::span<const Mat3> gradients() const { return gradients_; }
+  /// v P of the evaluation points, likewise.
+  [[nodiscard]] std::span<const Mat3> stresses() const { return stresses_; }
+  /// Internal forces and loads of the last evaluation, N; without gravity, supports and contact.
   [[nodiscard]] std::span<const Vec3> forces() const { return forces_; }
   [[nodiscard]] std::span<Vec3> forces() { return forces_; }
 
-  /// Takes effect with the next force evaluation; the stable step is found anew.
-  void setMaterial(const Material &material, double stabilisation, const ParallelFor &parallelFor);
+  /// Takes effect with the next force evaluation; the stable step is found anew. History of what a material no longer
+  /// needs is dropped, what it newly needs starts fresh.
+  void setConstitution(Constitution constitution, const ParallelFor &parallelFor);
+
+  /// Initial velocities, m/s and rad/s about the centre of mass: part of the initial state.
+  void setInitialVelocity(const Vec3 &velocity, const Vec3 &angularVelocity);
 
   /// Largest explicit step at rest without margin, s; infinite for a body without internal forces.
   [[nodiscard]] double stableStepAtRest() const { return stableStepFor(1.0); }
   /// The same at the present deformation, from the tangent moduli of the last force evaluation.
   [[nodiscard]] double stableStep() const { return stableStepFor(tangentRatio_); }
+  [[nodiscard]] double restFrequency() const { return restFrequency_; }
 
+  /// Stages of a force evaluation at the present state, in order.
   void computeGradients(const ParallelFor &parallelFor);
-  void computeStresses(const ParallelFor &parallelFor);
-  void computeForces(const ParallelFor &parallelFor);
+  /// @return points that flowed during dt
+  std::size_t computeFlow(double dt, const ParallelFor &parallelFor);
+  /// @param dt  s: Prony terms advance by it; 0: they stay
+  void computeStresses(double dt, const ParallelFor &parallelFor);
+  /// The same without moving on: the Prony terms at the end of dt go to trialHistory().
+  void computeTrialStresses(double dt, const ParallelFor &parallelFor);
+  /// Stresses of the elastic and plastic part alone.
+  void computeElasticStresses(const ParallelFor &parallelFor);
+  [[nodiscard]] const PointHistory &trialHistory() const { return trial_; }
+  /// Internal forces, and loads at time (or load factor) t.
+  void computeForces(double t, const ParallelFor &parallelFor);
+  void computeInternalForces(const ParallelFor &parallelFor);
 
-  [[nodiscard]] ElasticEnergy elasticEnergy() const;
+  /// Load factor of a fix or load with a ramp at time t; `t` itself in a quasi-static solution.
+  bool quasiStatic = false;
+  [[nodiscard]] double factor(double ramp, double t) const;
+
+  /// Puts held phyxels where they belong at time t; rates: their velocities as well.
+  void placeHeld(double t, bool rates);
+  /// Target displacements of the held patches at time t, in the order of their rows.
+  [[nodiscard]] std::span<const Vec3> patchTargets(double t);
+  [[nodiscard]] std::span<const Vec3> lastPatchTargets() const { return patchTargets_; }
+  [[nodiscard]] PatchSolver &patches() { return patches_; }
+  [[nodiscard]] const PatchSolver &patches() const { return patches_; }
+  [[nodiscard]] std::span<const std::uint8_t> heldMask() const { return heldMask_; }
+  [[nodiscard]] bool held() const { return !heldPhyxels_.empty() || patches_.rows() > 0; }
+  /// What the supports exert now: from the forces on held phyxels (internal, loads, gravity) and those of the patches.
+  [[nodiscard]] std::vector<Reaction> reactions(const Vec3 &gravity, double t) const;
+
+  [[nodiscard]] ElasticEnergy elasticEnergy(std::span<Eigen::Vector2d> perPoint = {}) const;
   [[nodiscard]] double kineticEnergy() const;
   [[nodiscard]] double totalMass() const;
 
-  /// x of every phyxel in the world, m; valid until the next call.
-  [[nodiscard]] std::span<const Vec3> worldPositions();
+  /// x and v of the contact points in the world; valid until the next call.
+  std::span<const Vec3> contactPositions(const ParallelFor &parallelFor);
+  std::span<const Vec3> contactVelocities(const ParallelFor &parallelFor);
 
   /// The state before a step, kept in case the step fails.
   void keepState() { kept_ = state_; }
   void restoreState();
-
   /// To the initial state, bit for bit.
   void reset();
 
+  /// Why the body stands still although the simulation goes on; empty: it does not.
+  std::string stopped;
+  std::optional<Grab> grab;
+  std::optional<GrabStatus> grabStatus;
   ContactMemory contact;
+  bool forcesCurrent = false;
 
  private:
+  struct HeldPhyxel {
+    Index phyxel;
+    Index fix;
+  };
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
+  void stressesInto(double dt, const PointHistory &before, PointHistory *after, bool viscous,
+                    const ParallelFor &parallelFor);
 
   std::string name_;
   std::shared_ptr<const RestState> rest_;
-  Material material_;
-  double stabilisation_;
+  Constitution constitution_;
   State state_, kept_;
-  std::vector<double> masses_;
-  std::vector<Vec3> forces_, entryForces_, worldPositions_;
+  PointHistory trial_;
+  Vec3 initialVelocity_ = Vec3::Zero(), initialAngularVelocity_ = Vec3::Zero();
+  std::vector<double> masses_, inverseMasses_;
+  std::vector<HeldPhyxel> heldPhyxels_;
+  std::vector<std::uint8_t> heldMask_;
+  PatchSolver patches_;
+  std::vector<Index> fixOfPatch_;
+  std::vector<Vec3> patchPoints_, patchTargets_;
+  std::vector<Vec3> forces_, entryForces_, contactPositions_, contactVelocities_;
   std::vector<Mat3> gradients_, rates_, stresses_;
   std::vector<double> tangentRatios_;
   double tangentRatio_ = 1.0;

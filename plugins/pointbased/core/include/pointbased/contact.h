@@ -1,75 +1,171 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <limits>
+#include <Eigen/SparseCore>
 
+#include "pointbased/interpolation.h"
+#include "pointbased/obstacle.h"
+#include "pointbased/supports.h"
+#include "pointbased/surface.h"
 #include "pointbased/types.h"
 
 namespace pointbased {
 
-/// Closest point of an obstacle's surface.
-struct SurfacePoint {
-  Vec3 normal = Vec3::Zero();  ///< unit, outwards
-  double distance = std::numeric_limits<double>::infinity();  ///< negative inside; +inf: nothing within range
+/// Points of a body's skin where contact is felt: the vertices of its surface, thinned where they are much denser than
+/// the phyxels, and points between them where triangles are larger. Const.
+struct ContactPoints {
+  Interpolation binding;
+  std::vector<Vec3> normals;   ///< N, unit
+  std::vector<double> areas;   ///< m²; their sum is the area of the surface
+  std::vector<double> radii;   ///< m, kept between a point and an obstacle; empty: 0. Bodies without a surface touch with
+                               ///< their phyxels, which are balls
+
+  [[nodiscard]] std::size_t count() const { return binding.count(); }
 };
 
-/// Something that stands still and is not entered. The library asks; who answers (a tree of boxes, a formula) is not its
-/// business.
-struct Obstacle {
-  std::string name;
-  double friction = 0.3;  ///< Coulomb, >= 0
-  /// Closest surface point of each point within its range. Several threads at once.
-  std::function<void(std::span<const Vec3> points, std::span<const double> maxDistances, std::span<SurfacePoint> out)>
-      closest;
-  /// First crossing of the way from → to: t in [0, 1] and the surface's normal there; t < 0: none. Several threads at once.
-  std::function<double(const Vec3 &from, const Vec3 &to, Vec3 &normal)> crossing;
-};
+/// @param spacing  of the phyxels, m: one point of every cube of half of it that the surface passes, so three or four per
+///                 phyxel of the skin; more make contact slower, not better, because a cell's faces have no other shapes
+[[nodiscard]] SurfacePoints chooseContactPoints(const Surface &surface, double spacing);
 
-/// Walls, m. A phyxel stays inside by its contact radius.
-struct WorldBox {
-  bool enabled = false;
-  Vec3 min = Vec3::Constant(-1.0), max = Vec3::Constant(1.0);
-  double friction = 0.3;
-};
-
-/// One side on which a phyxel may not move further.
-struct ContactConstraint {
-  Index phyxel = 0;
-  Vec3 normal = Vec3::Zero();
-  double friction = 0.0;
+/// One side that a point may not pass within the present step.
+struct Contact {
+  Index point = 0;
+  Vec3 normal = Vec3::UnitZ();          ///< unit, out of the obstacle, at the beginning of the step
+  double gap = 0.0;                     ///< m, at the beginning of the step; negative: inside
+  Vec3 surfaceVelocity = Vec3::Zero();  ///< m/s, of the obstacle there
+  double friction = 0.0;                ///< Coulomb
+  Index obstacle = 0;                   ///< number of the obstacle; kWall for the world box
+  double normalImpulse = 0.0;           ///< N s, of the last solution (warm start)
+  Vec3 frictionImpulse = Vec3::Zero();  ///< N s, likewise
+  double settleImpulse = 0.0;           ///< N s, of the last settling (warm start)
+  Vec3 settleFriction = Vec3::Zero();   ///< N s, likewise
+  // Of implicit and static solutions:
+  double normalForce = 0.0;             ///< N, of the last solution
+  double allowance = 0.0;               ///< m, penetration that it began with and that is not pushed back at once
+  Vec3 shear = Vec3::Zero();            ///< m, elastic tangential way at the beginning of the stage: what friction holds
+  static constexpr Index kWall = 0xffffffffu;
 };
 
 /// What contact remembers of one body between steps.
 struct ContactMemory {
-  /// Per obstacle and phyxel: a way that can be gone without touching; only when it is used up the obstacle is asked
-  /// again. That makes free flight cheap and passing through impossible, whatever the speed.
-  std::vector<std::vector<double>> clearance;
-  std::vector<ContactConstraint> active;  ///< of the present step, ascending in phyxel
-  double deepestEver = 0.0;               ///< m, how far a phyxel's centre has been inside an obstacle since the start
-
-  /// Who asks an obstacle in this step, and the answers; kept so that a step allocates nothing.
+  /// What is known of a point and an obstacle, in the frame of the obstacle at rest. While the point stays within what is
+  /// known nobody is asked: free flight and rest are cheap, and the obstacle's own motion counts like the point's.
+  struct Known {
+    Vec3 at = Vec3::Zero();  ///< m, where it was asked
+    double distance = 0.0;   ///< m, of the surface; +inf: more than reach
+    double reach = -1.0;     ///< m; negative: never asked
+    Vec3 normal = Vec3::Zero();
+    double swept = 0.0;      ///< m: as far ahead it was looked for other sides
+    bool ahead = false;      ///< there is one:
+    Vec3 aheadNormal = Vec3::Zero();
+    double aheadOffset = 0.0;  ///< m, aheadNormal · x on it
+  };
+  std::vector<std::vector<Known>> clearance;  ///< [obstacles][points]
+  /// The last place of a point on the right side of an obstacle. A point that has come to the other side, even of a sheet
+  /// without inside, is known by the crossing on the way from there.
+  struct Side {
+    Vec3 place = Vec3::Zero();  ///< m, in the frame of the obstacle at rest
+    bool known = false;
+  };
+  std::vector<std::vector<Side>> sides;  ///< [obstacles][points]
+  std::vector<Contact> active;           ///< of the present step: by point, then obstacle
+  double deepest = 0.0;                  ///< m, deepest penetration of a point at the beginning of a step since the start
+  double margin = 0.0;                   ///< m, of the last findContacts()
+  // scratch, so that a step allocates nothing
   struct Questions {
-    std::vector<Index> phyxels;
-    std::vector<Vec3> points;
+    std::vector<Index> points, candidates;
+    std::vector<Vec3> positions, ways;
     std::vector<double> ranges;
     std::vector<SurfacePoint> answers;
   } questions;
+  std::vector<Contact> previous;
+  struct Solution {
+    std::vector<double> inverseMasses;   ///< [contacts] 1/kg
+    std::vector<double> impulses, least;
+    std::vector<Vec3> tangential;
+    std::vector<Vec3> change;            ///< [phyxels] m/s
+    std::vector<Vec3> recovery;          ///< [phyxels] m/s, taken back when the step settles; empty: none
+  } solution;
 };
 
-/// Corrects velocities so that no phyxel enters an obstacle or leaves the box within dt: the normal part is stopped at the
-/// surface (no bounce), the tangential part is braked by Coulomb friction; a phyxel that is inside already is led out
-/// gently. Fills memory.active.
+/// Finds the contacts that a step of dt can meet, from the points' world positions and velocities at its beginning. Fills
+/// memory.active, keeping what contacts that go on remember.
 ///
-/// @param positions   [n] x, m (world)
-/// @param velocities  [n] in/out, m/s
-/// @param radii       [n] contact radii, m
-/// @param dt          s
-void resolveContacts(std::span<const Obstacle> obstacles, const WorldBox &box, std::span<const Vec3> positions,
-                     std::span<Vec3> velocities, std::span<const double> radii, double spacing, double dt,
-                     ContactMemory &memory, const ParallelFor &parallelFor);
+/// A point within the margin of a surface has the plane of its closest point. The way of a moving point is followed
+/// besides (segment crossing): what it meets counts with its plane there, and what it passes by does not, however near.
+/// From the last place on the right side a crossing also tells that a point has come through, and where.
+///
+/// @param obstacles  queries in the obstacle's own rest frame; motion gives where it is (Obstacle::motion)
+/// @param time       s, at the beginning of the step
+/// @param margin     m: contacts closer than this count as active even when nothing moves
+/// @param radii      [points] m, taken from the gaps; empty: 0
+void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
+                  std::span<const Vec3> positions, std::span<const Vec3> velocities, std::span<const double> radii,
+                  ContactMemory &memory, const ParallelFor &parallelFor);
 
-/// Takes from the velocities what points into the surfaces of memory.active, with friction: after the second half of a
-/// step, so that a resting body has no velocity.
-void settleContacts(const ContactMemory &memory, std::span<Vec3> velocities);
+/// Largest speed at which a point and an obstacle of memory.active approach each other, m/s: what an impact can change
+/// within a step, and the step has to be as short as that needs.
+[[nodiscard]] double closingSpeed(const ContactMemory &memory, std::span<const Vec3> velocities);
+
+struct ImpulseSettings {
+  int sweeps = 20;             ///< of projected Gauss-Seidel; ends earlier when nothing changes by more than tolerance
+  double tolerance = 1e-3;     ///< of the largest normal speed
+  double recovery = 0.2;       ///< part of a penetration undone per step
+  double recoverySpeed = 0.1;  ///< m/s, most for it: a body that starts inside is led out, not thrown
+};
+
+/// Impulses between the points and the obstacles so that no active contact closes beyond its gap within dt, with Coulomb
+/// friction, on the velocities of the phyxels: projected Gauss-Seidel over memory.active in its order, warm started as
+/// far as that lowers the energy. v_p = Σ φ v_j, an impulse p acts as φ_j p / m_j. A hand on the phyxels, not on the
+/// points: force and torque are those of the contact. Serial, the same bits always.
+///
+/// Penetrations are undone by a velocity that counts for the drift alone: settleContactVelocities() takes it back.
+///
+/// @param inverseMasses  [phyxels] 1/kg; 0 for held ones
+/// @return total impulse on the body, N s (for reports; without that of the recovery)
+/// @source  Jean, The non-smooth contact dynamics method, CMAME 177, 1999 (impulses, Gauss-Seidel); Cline and Pai, Post-stabilization
+///          for rigid body simulation with contact and constraints, ICRA 2003 (positions apart from velocities)
+Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
+                          const ImpulseSettings &settings, ContactMemory &memory, std::span<Vec3> velocities);
+
+/// After the second half of a step: takes from the velocities what led points out of penetrations, and what points into
+/// the surfaces of contacts that are closed, with friction, so that a resting body has no velocity. Never adds kinetic
+/// energy (relative to the obstacles) and never pulls.
+void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
+                             ContactMemory &memory, std::span<Vec3> velocities);
+
+/// Contact as an energy, for implicit and quasi-static steps, over the planes of memory.active, moved by surfaceVelocity · h;
+/// `start` and `now` are displacements of the phyxels at the beginning of the stage and at present:
+///
+///     U = Σ_p  k_p/2 min(0, g_p)²  +  (|s_p| <= r_p ? k_p/2 |s_p|² : μ N_p (|s_p| - r_p/2)),   k_p = k A_p / d
+///
+/// g gap (with what the contact began with, Contact::allowance), s = Contact::shear + tangential way, N the normal force of
+/// the last solution (lagged), r = μ N / k_p. Friction is a spring until it slides, so what holds does not creep.
+struct ContactPenalty {
+  double stiffness = 0.0;  ///< k, Pa: some multiple of Young's modulus
+  double spacing = 0.0;    ///< d, m
+  double h = 0.0;          ///< s, of the stage; quasi-static: of the load factor
+};
+[[nodiscard]] double contactEnergy(const ContactPoints &points, const ContactMemory &memory,
+                                   const ContactPenalty &penalty, std::span<const Vec3> start, std::span<const Vec3> now);
+/// Adds forces (minus the gradient) to the phyxels.
+void addContactForces(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+                      std::span<const Vec3> start, std::span<const Vec3> now, std::span<Vec3> forces);
+/// Adds Hessian · du (positive semi-definite).
+void addContactProduct(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+                       std::span<const Vec3> start, std::span<const Vec3> now, std::span<const Vec3> du,
+                       std::span<Vec3> out);
+/// Adds the Hessian's diagonal blocks; and all of it as triplets.
+void addContactBlocks(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+                      std::span<const Vec3> start, std::span<const Vec3> now, std::span<Mat3> blocks);
+void addContactTriplets(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+                        std::span<const Vec3> start, std::span<const Vec3> now,
+                        std::vector<Eigen::Triplet<double>> &out);
+/// Stores the normal forces of the present state in the contacts: what friction of the next solution uses.
+void updateNormalForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                        std::span<const Vec3> now, ContactMemory &memory);
+/// Once, at the end of a stage: what friction has stored and what is left of allowances goes to the next one.
+void finishContactStage(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                        std::span<const Vec3> now, ContactMemory &memory);
 
 }  // namespace pointbased

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/SparseCore>
+
+#include "pointbased/constitution.h"
 #include "pointbased/material.h"
 #include "pointbased/stencil.h"
 #include "pointbased/types.h"
 
 namespace pointbased {
 
-/// Isotropic control of the modes that one evaluation per phyxel cannot see:
-///
-///     U_q = 1/2 alpha E v_q Σ_k w_qk |r_qk|²,   r_qk = (x_k - x_q) - F_q (X_k - X_q)
-///
-/// what the affine fit misses, with an exact gradient; zero for every affine motion. alpha = 0.1 keeps a body filled on a
-/// lattice free of rattling; larger values stiffen bending.
-inline constexpr double kDefaultStabilisation = 0.1;
+/// Factor of the modal energies of lattices (see modalEnergy in the theory page): 1 would be the energy of an assumed
+/// linear strain in plane stress within each cell; 0.92 makes a cantilever of 3 and 5 layers right to 0.2 %.
+inline constexpr double kLatticeStabilisation = 0.92;
+/// Isotropic control for clouds: U_q = 1/2 alpha E v_q Σ_k w_qk |r_qk|².
+inline constexpr double kCloudStabilisation = 0.1;
 
 /// Deformation gradient of every evaluation point.
 ///
@@ -31,39 +32,81 @@ void deformationGradients(const StencilSet &stencils, std::span<const Vec3> disp
 void gradientRates(const StencilSet &stencils, std::span<const Vec3> velocities, std::span<Mat3> rates,
                    const ParallelFor &parallelFor);
 
-/// v_q P_q, J: first Piola-Kirchhoff stress times the rest volume of the point.
+/// vP of every point, with what the history says: elastic law on F F_p^-1, Prony terms advanced by dt, viscous part.
 ///
-/// @param rates        [points] dF/dt, or empty: no viscous part (S_v = 2 eta dE/dt)
-/// @param stresses     [points] out: v P, Pa m³
-/// @return the largest tangentRatio() of all points: how much stiffer than at rest the body is now
+/// @param rates    [points] dF/dt, or empty: no viscous part (S_v = 2 eta dE/dt)
+/// @param before   history at the beginning of the step; empty vectors: elastic
+/// @param after    [points] null, or where the Prony terms at the end of the step go (may be `before` itself)
+/// @param out      [points] v P, Pa m³
+/// @param ratios   [points] tangentRatio()
+/// @return the largest ratio; NaN if any is
+double pointStresses(const Constitution &constitution, const StencilSet &stencils, std::span<const Mat3> gradients,
+                     std::span<const Mat3> rates, const PointHistory &before, double dt, PointHistory *after,
+                     std::span<Mat3> out, std::span<double> ratios, const ParallelFor &parallelFor);
+
+/// Plastic flow of every point over dt; the number of points that flowed.
+std::size_t plasticFlow(const Constitution &constitution, const StencilSet &stencils, std::span<const Mat3> gradients,
+                        double dt, PointHistory &history, const ParallelFor &parallelFor);
+
+/// f_j = -Σ_q (v_q P_q g_qj + dU_q/dx_j), N: the negative gradient of elastic and stabilisation energy.
+void internalForces(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
+                    std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor);
+
+/// Scratch of the functions below, so that they allocate nothing when called again.
+struct TangentScratch {
+  std::vector<Mat3> differentials;
+  std::vector<Vec3> entries;
+};
+
+/// df = -K du at the present displacements: the exact directional derivative of internalForces (of its elastic, plastic and
+/// Prony part at fixed history), for du of any size.
+/// @param viscousScale  1/s: adds the viscous forces of velocities viscousScale · du (backward Euler 1/dt, midpoint 2/dt); 0: none
+/// @param dt            s, of the Prony terms; 0 with none
+void forceDifferential(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
+                       std::span<const Vec3> displacements, std::span<const Mat3> gradients, const PointHistory &history,
+                       double dt, double viscousScale, std::span<const Vec3> du, TangentScratch &scratch,
+                       std::span<Vec3> df, const ParallelFor &parallelFor);
+
+/// The 3x3 diagonal blocks of K (of the same forces), made positive definite where they are not.
+void stiffnessBlocks(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
+                     std::span<const Vec3> displacements, std::span<const Mat3> gradients, const PointHistory &history,
+                     double dt, double viscousScale, std::span<Mat3> blocks, const ParallelFor &parallelFor);
+
+/// All of K as triplets (row, column in 0 … 3n-1); per point the tangent is made positive semi-definite first, so a
+/// factorisation of the sum is a usable preconditioner at any deformation.
+void stiffnessTriplets(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
+                       std::span<const Vec3> displacements, std::span<const Mat3> gradients, const PointHistory &history,
+                       double dt, double viscousScale, std::vector<Eigen::Triplet<double>> &out);
+
+struct ElasticEnergy {
+  double strain = 0.0;         ///< Σ v_q W(F_q F_p^-1), J
+  double stabilisation = 0.0;  ///< Σ U_q, J
+};
+/// @param perPoint  empty, or [points] out: (strain, stabilisation) of each, J
+[[nodiscard]] ElasticEnergy elasticEnergy(const Constitution &constitution, const StencilSet &stencils,
+                                          std::span<const Vec3> positions, std::span<const Vec3> displacements,
+                                          std::span<const Mat3> gradients, const PointHistory &history,
+                                          std::span<Eigen::Vector2d> perPoint = {});
+
+/// Largest angular frequency at rest, rad/s, by power iteration on the exact tangent over the masses; `extra` adds a
+/// diagonal stiffness (held patches), N/m, or is empty. An estimate from below; the stable step takes a margin.
+[[nodiscard]] double largestFrequency(const Constitution &constitution, const StencilSet &stencils,
+                                      std::span<const Vec3> positions, std::span<const double> masses,
+                                      std::span<const double> extra, const ParallelFor &parallelFor);
+
+// The functions of one material, thin wrappers, until everything calls the ones above.
+inline constexpr double kDefaultStabilisation = kCloudStabilisation;
 double stresses(const Material &material, const StencilSet &stencils, std::span<const Mat3> gradients,
                 std::span<const Mat3> rates, std::span<Mat3> stresses, std::span<double> tangentRatios,
                 const ParallelFor &parallelFor);
-
-/// f_j = -Σ_q (v_q P_q g_qj + dU_q/dx_j), N: the negative gradient of elastic and stabilisation energy.
-///
-/// For an isotropic law the completion of flat stencils adds nothing to the elastic part: S is block-diagonal in the
-/// frame and the added column only turns. Its part in r_qk is carried along exactly.
-///
-/// @param positions     [phyxels] X, m
-/// @param entryForces   [entries] scratch
-/// @param forces        [phyxels] out, N; overwritten
-/// @threads no allocation; summed in the order of the entries, so the same bits for any number of threads
 void internalForces(const Material &material, double stabilisation, const StencilSet &stencils,
                     std::span<const Vec3> positions, std::span<const Vec3> displacements, std::span<const Mat3> gradients,
                     std::span<const Mat3> stresses, std::span<Vec3> entryForces, std::span<Vec3> forces,
                     const ParallelFor &parallelFor);
-
-struct ElasticEnergy {
-  double strain = 0.0;         ///< Σ v_q W(F_q), J
-  double stabilisation = 0.0;  ///< Σ U_q, J
-};
 [[nodiscard]] ElasticEnergy elasticEnergy(const Material &material, double stabilisation, const StencilSet &stencils,
                                           std::span<const Vec3> positions, std::span<const Vec3> displacements,
                                           std::span<const Mat3> gradients);
-
-/// Largest angular frequency of the body at rest, rad/s, by power iteration on the linearised forces over the masses.
-/// An estimate from below; the stable step takes a margin.
 [[nodiscard]] double largestFrequency(const Material &material, double stabilisation, const StencilSet &stencils,
                                       std::span<const Vec3> positions, std::span<const double> masses,
                                       const ParallelFor &parallelFor);

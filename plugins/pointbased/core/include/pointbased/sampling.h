@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "pointbased/surface.h"
 #include "pointbased/types.h"
 
 namespace pointbased {
@@ -13,6 +14,11 @@ struct BodyShape {
   std::function<void(std::span<const Vec3> points, std::span<double> inside)> inside;
   /// Distance to the surface, m, >= 0. Empty: contact radii from the volumes.
   std::function<void(std::span<const Vec3> points, std::span<double> distances)> surfaceDistance;
+  /// Whether the straight way between two points inside crosses the surface (a gap thinner than the points are apart).
+  /// Empty: never.
+  std::function<void(std::span<const Vec3> from, std::span<const Vec3> to, std::span<std::uint8_t> crosses)> crosses;
+  /// The border itself, world, m; empty: supports and loads on surfaces are not possible.
+  Surface surface;
 };
 
 struct Sampling {

@@ -7,51 +7,44 @@
 #include <optional>
 
 #include "pointbased/body.h"
-#include "pointbased/contact.h"
+#include "pointbased/guard.h"
+#include "pointbased/integrators.h"
 #include "pointbased/stage_clock.h"
 
 namespace pointbased {
 
 /// Part of the stable step that is used: room for what changes within a step and for the estimate from below.
 inline constexpr double kStepSafety = 0.8;
+/// A body whose stable step is smaller than this is integrated implicitly when the step may be chosen ("auto").
+inline constexpr double kSmallestExplicitStep = 2e-6;  // s
+/// Implicit steps when the step may be chosen.
+inline constexpr double kImplicitStep = 1.0 / 60.0;  // s
 
 struct WorldSettings {
   Vec3 gravity = Vec3::Zero();  ///< m/s²
   WorldBox box;
-  double dt = 0.0;       ///< s; 0: kStepSafety of the largest stable step. A larger one is divided into substeps
+  Integrator integrator = Integrator::explicitVerlet;
+  double dt = 0.0;       ///< s; 0: kStepSafety of the largest stable step, or kImplicitStep. Explicit: divided into substeps
   double damping = 0.0;  ///< 1/s, mass-proportional: velocities decay by exp(-damping t)
-};
-
-/// A damped spring between some phyxels and a point that somebody moves: the pinch.
-struct Grab {
-  std::vector<Index> phyxels;
-  std::vector<double> weights;  ///< sum 1; the grabbed point is Σ w x
-  Vec3 target = Vec3::Zero();   ///< world, m
-  double frequency = 50.0;      ///< rad/s of the mass it holds; lowered where the step would not carry it
-  double dampingRatio = 1.0;
-  double maxForce = std::numeric_limits<double>::infinity();  ///< N: a tool that is torn away must not tear the body apart
-};
-
-struct GrabStatus {
-  Vec3 point = Vec3::Zero();  ///< world, m, where the grabbed point is
-  Vec3 force = Vec3::Zero();  ///< N
-  double mass = 0.0;          ///< kg that it holds
+  double tolerance = 0.0;   ///< m, of implicit and static solutions; 0: by the spacing
+  int loadSteps = 0;        ///< static: load increments; 0: 10
+  Preconditioner preconditioner = Preconditioner::automatic;
 };
 
 struct Probe {
   std::string name;
   std::size_t body = 0;
   Vec3 reference = Vec3::Zero();  ///< world, m
-  SurfelBinding binding;
+  Interpolation binding;          ///< one point
 };
 
 struct SimulationEvent {
   double time = 0.0;  ///< s
-  std::string kind;   ///< substep | diverged
+  std::string kind;   ///< substep | smaller_step | stopped | switched | note
   std::string text;
 };
 
-/// Why a step was refused.
+/// Why a step was refused: no body is left that could move.
 struct StepFailure {
   std::string text;  ///< body, phyxel, quantity, and the setting that would help
 };
@@ -59,12 +52,18 @@ struct StepFailure {
 /// Bodies, obstacles and the clock. Composes the stages of a step from what the scene has: no viscous stage without
 /// viscosity, no contact without obstacle or box; surfels move when somebody asks.
 ///
+/// The guard checks every body after every step. A body that has left the finite numbers or gained energy goes back to the
+/// state before the step and tries smaller ones; where that does not help it stops there, with an event that names the
+/// phyxel, the quantity and the setting that would help, and the others go on.
+///
 /// One thread at a time. The same bits for any number of threads behind parallelFor.
 class Simulator {
  public:
   explicit Simulator(ParallelFor parallelFor = serialFor());
+  ~Simulator();
 
   [[nodiscard]] const WorldSettings &world() const { return world_; }
+  /// Any time between two steps; positions, velocities and plastic state stay.
   void setWorld(const WorldSettings &world);
 
   /// Ids stay valid until the body is removed; they are not reused.
@@ -76,6 +75,8 @@ class Simulator {
   [[nodiscard]] Body *body(std::size_t id);
   [[nodiscard]] const Body *body(std::size_t id) const;
   [[nodiscard]] std::vector<std::size_t> bodyIds() const;
+  /// Where an obstacle is now: its rigid motion at the present time.
+  [[nodiscard]] RigidMotion obstacleMotion(std::size_t id) const;
   void addProbe(std::string name, std::size_t body, const Vec3 &reference);
   [[nodiscard]] const std::vector<Probe> &probes() const { return probes_; }
   struct ProbeState {
@@ -84,18 +85,24 @@ class Simulator {
   [[nodiscard]] ProbeState probeState(const Probe &probe) const;
 
   /// Material of a body while it runs; forces and the step follow.
-  void setMaterial(std::size_t body, const Material &material, double stabilisation);
+  void setConstitution(std::size_t body, Constitution constitution);
 
-  /// One step of the present step size, in as many substeps as stability needs. On failure the state before the step
-  /// stays, and further steps are refused until reset().
+  /// One step of the present step size: explicit in as many substeps as stability needs. Refused when every body has
+  /// stopped. Quasi-static: one load increment; nothing when finished().
   [[nodiscard]] tl::expected<void, StepFailure> step();
   /// To the initial state of everything, bit for bit; time 0, nothing grabbed.
   void reset();
 
-  [[nodiscard]] double time() const { return time_; }
+  [[nodiscard]] double time() const { return quasiStatic() ? 0.0 : time_; }
+  /// Quasi-static: 0 … 1.
+  [[nodiscard]] double loadFactor() const { return quasiStatic() ? time_ : 1.0; }
+  [[nodiscard]] bool quasiStatic() const { return world_.integrator == Integrator::quasiStatic; }
+  [[nodiscard]] bool finished() const;
   [[nodiscard]] std::uint64_t steps() const { return steps_; }
-  [[nodiscard]] double stepSize() const;  ///< s, of the next step
-  [[nodiscard]] bool failed() const { return failed_; }
+  [[nodiscard]] double stepSize() const;  ///< s, of the next step; 0 quasi-static
+  /// Every body has stopped.
+  [[nodiscard]] bool failed() const;
+  [[nodiscard]] std::size_t stoppedBodies() const;
 
   void setGrab(std::size_t body, Grab grab);
   void moveGrab(std::size_t body, const Vec3 &target);
@@ -109,37 +116,35 @@ class Simulator {
     double kinetic = 0.0, elastic = 0.0, stabilisation = 0.0, gravity = 0.0;  ///< J; gravity relative to the start
   };
   [[nodiscard]] Energy energy(std::size_t body) const;
+  [[nodiscard]] std::vector<Reaction> reactions(std::size_t body) const;
 
-  /// FNV-1a over displacements and velocities of every phyxel, bodies in the order they were added.
+  /// FNV-1a over displacements, velocities and plastic state of every phyxel, bodies in the order they were added.
   [[nodiscard]] std::uint64_t stateHash() const;
 
   [[nodiscard]] const std::vector<SimulationEvent> &events() const { return events_; }
   [[nodiscard]] std::vector<StageClock::Summary> stageTimes() const { return clock_.summary(); }
 
  private:
-  enum Stage : std::size_t { kGradients, kStresses, kForces, kContact, kIntegrate, kSurfels };
-
-  void evaluateForces(Body &body);
-  void substep(double dt);
-  void applyGrab(std::size_t id, Body &body);
-  [[nodiscard]] std::optional<std::string> firstNonFinite() const;
+  struct Runner;  // a body with what its steps need
+  [[nodiscard]] Environment environment();
+  [[nodiscard]] Integrator integratorOf(const Runner &runner) const;
+  void advance(Runner &runner, const Environment &environment, double dt);
+  [[nodiscard]] std::optional<GuardFinding> advanceExplicit(Runner &runner, const Environment &environment, double dt);
+  [[nodiscard]] std::optional<GuardFinding> advanceImplicit(Runner &runner, const Environment &environment, double dt);
+  void loadIncrement(Runner &runner, const Environment &environment, double from, double to);
+  void stop(Runner &runner, const GuardFinding &finding);
+  [[nodiscard]] bool driven(const Body &body) const;
   void note(const std::string &kind, const std::string &text);
 
   ParallelFor parallelFor_;
   WorldSettings world_;
-  std::map<std::size_t, std::unique_ptr<Body>> bodies_;
+  std::map<std::size_t, std::unique_ptr<Runner>> bodies_;
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
   std::vector<Probe> probes_;
-  std::map<std::size_t, Grab> grabs_;
-  std::map<std::size_t, GrabStatus> grabStatus_;
   std::size_t nextId_ = 1;
-  double time_ = 0.0;
+  double time_ = 0.0;  // s, or load factor
   std::uint64_t steps_ = 0;
-  bool failed_ = false;
-  bool forcesCurrent_ = false;
-  double presentDt_ = 0.0;
-  std::uint64_t mostSubsteps_ = 1;
   std::vector<SimulationEvent> events_;
   StageClock clock_;
 };

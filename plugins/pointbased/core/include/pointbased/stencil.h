@@ -19,13 +19,20 @@ struct Csr {
 ///
 ///     F_q = I + Σ_k u_k g_qk^T,   Σ_k g_qk = 0,   Σ_k X_k g_qk^T = I
 ///
-/// Here q runs over the phyxels (Müller et al. 2004). Which points exist is a sampling decision: a set of stress points
-/// between the phyxels fills the same arrays. The first entry of a stencil is its anchor: displacements are taken
+/// In Müller's method q runs over the phyxels; on a lattice over stress points, one per cell and connected part of the body
+/// in it. Which points exist is a sampling decision. The first entry of a stencil is its anchor: displacements are taken
 /// relative to it, so that a body far from where it was made loses no digits.
 struct StencilSet {
   Csr phyxels;                    ///< per point: the anchor, then the others
   std::vector<Vec3> gradients;    ///< per entry: g, 1/m
-  std::vector<double> weights;    ///< per entry: stabilisation weight, 0 for the anchor; sums to 1 over Σ w |X - X_anchor|²/(3 m²)
+  std::vector<double> weights;    ///< per entry, clouds: stabilisation weight, 0 for the anchor; Σ w |X - X_anchor|² = 3 m²; else empty
+  /// Per entry, lattices: rows γ of the four modes (xy, xz, yz, xyz) that the affine fit does not see, in lattice axes:
+  /// a_m = Σ_j γ_mj x_j is the coefficient of ξη, ξζ, ηζ (1/m² · m) and ξηζ (1/m³ · m) in the motion of the cell. Each row is
+  /// zero on affine fields: Σ γ = 0, Σ γ X = 0 (Flanagan and Belytschko's projection). Empty for clouds.
+  std::vector<Eigen::Vector4d> modes;
+  std::vector<Vec3> spreads;      ///< per point, lattices: variance of the part's material along the lattice axes, m²
+  Mat3 axes = Mat3::Identity();   ///< lattice axes, columns; x, y, z of modes and spreads
+  std::vector<std::uint16_t> materials;  ///< per point: which of the body's materials; empty: the first
   std::vector<double> volumes;    ///< per point: rest volume it stands for, m³
   std::vector<std::uint8_t> rank; ///< per point: 3 = full; 2 coplanar, 1 collinear, 0 alone: F is completed
   std::vector<Mat3> frames;       ///< per point of rank < 3, by frameOf: columns t1, t2, n (rank 2) or t, ., . (rank 1)

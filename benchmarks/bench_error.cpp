@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: Apache-2.0
+// Does a body tell the error of its strains truly?
+//
+//   bench_error [--finest CELLS] [--only TEXT] [--json FILE]
+//
+// Static problems, each solved at several spacings by every way to lay the lattice, and by one evaluation per phyxel;
+// and once on a fine lattice (--finest cells over the thickness), which stands for the truth. The strain of a solution
+// is what its energy is made of: on a lattice linear within each cell by its modes, in a cloud constant around each
+// phyxel.
+//
+//   true error = |strain of the solution - strain of the fine one| / |strain of the fine one|   in the energy norm
+//   effectivity = estimate / true error
+//
+// Energies are compared too: the error of the energy is of the order of the square of the true error.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "c3de/core/platform.h"
+#include "pointbased/error_estimate.h"
+#include "pointbased/simulator.h"
+
+namespace {
+
+using namespace pointbased;
+
+double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+BodyShape boxShape(const Vec3 &min, const Vec3 &max) {
+  BodyShape shape;
+  shape.min = min;
+  shape.max = max;
+  shape.volume = (max - min).prod();
+  shape.inside = [=](std::span<const Vec3> points, std::span<double> inside) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      inside[i] = (points[i].array() > min.array()).all() && (points[i].array() < max.array()).all() ? 1.0 : 0.0;
+  };
+  shape.surfaceDistance = [=](std::span<const Vec3> points, std::span<double> distances) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 outside = (min - points[i]).cwiseMax(points[i] - max);
+      distances[i] = outside.maxCoeff() > 0.0 ? outside.cwiseMax(0.0).norm() : -outside.maxCoeff();
+    }
+  };
+  for (int corner = 0; corner < 8; ++corner)
+    shape.surface.positions.emplace_back(corner & 1 ? max[0] : min[0], corner & 2 ? max[1] : min[1],
+                                         corner & 4 ? max[2] : min[2]);
+  using Triangle = std::array<Index, 3>;
+  shape.surface.triangles = {Triangle{0, 4, 6}, Triangle{0, 6, 2}, Triangle{1, 3, 7}, Triangle{1, 7, 5},
+                             Triangle{0, 1, 5}, Triangle{0, 5, 4}, Triangle{2, 6, 7}, Triangle{2, 7, 3},
+                             Triangle{0, 2, 3}, Triangle{0, 3, 1}, Triangle{4, 5, 7}, Triangle{4, 7, 6}};
+  return shape;
+}
+
+/// About the origin, with a net of latitudes and longitudes for its surface.
+BodyShape ballShape(double radius) {
+  BodyShape shape;
+  shape.min = Vec3::Constant(-radius);
+  shape.max = Vec3::Constant(radius);
+  shape.volume = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
+  shape.inside = [=](std::span<const Vec3> points, std::span<double> inside) {
+    for (std::size_t i = 0; i < points.size(); ++i) inside[i] = points[i].norm() < radius ? 1.0 : 0.0;
+  };
+  shape.surfaceDistance = [=](std::span<const Vec3> points, std::span<double> distances) {
+    for (std::size_t i = 0; i < points.size(); ++i) distances[i] = std::abs(points[i].norm() - radius);
+  };
+  constexpr int kRings = 48, kAround = 96;
+  for (int i = 0; i <= kRings; ++i)
+    for (int j = 0; j < kAround; ++j) {
+      const double theta = std::numbers::pi * i / kRings, phi = 2.0 * std::numbers::pi * j / kAround;
+      const double ring = i == 0 || i == kRings ? 0.0 : std::sin(theta);
+      shape.surface.positions.push_back(radius * Vec3(ring * std::cos(phi), ring * std::sin(phi), std::cos(theta)));
+    }
+  const auto at = [](int i, int j) { return static_cast<Index>(i * kAround + j % kAround); };
+  for (int i = 0; i < kRings; ++i)
+    for (int j = 0; j < kAround; ++j) {
+      if (i > 0) shape.surface.triangles.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
+      if (i + 1 < kRings) shape.surface.triangles.push_back({at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)});
+    }
+  return shape;
+}
+
+struct Problem {
+  std::string name;
+  BodyShape shape;
+  double thickness = 0.0;  // m
+  std::vector<Fix> fixes;
+  std::vector<Load> loads;
+  double poissonRatio = 0.3;
+  std::vector<int> layers;
+  int finest = 16;
+};
+
+Fix held(const Region &region, const Vec3 &displacement = Vec3::Zero(), const Vec3 &rotation_deg = Vec3::Zero()) {
+  Fix fix;
+  fix.region = region;
+  fix.displacement = displacement;
+  fix.rotation_deg = rotation_deg;
+  return fix;
+}
+
+std::vector<Problem> problems(int finest) {
+  const BodyShape beam = boxShape(Vec3::Zero(), Vec3(0.2, 0.04, 0.04));
+  const BodyShape cube = boxShape(Vec3::Zero(), Vec3::Constant(0.1));
+  const Region left = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitX()};
+  const Region right = HalfSpaceRegion{Vec3(0.2, 0, 0), -Vec3::UnitX()};
+  const Region bottom = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitZ()};
+  const Region top = HalfSpaceRegion{Vec3(0, 0, 0.1), -Vec3::UnitZ()};
+  Load shear;
+  shear.region = right;
+  shear.force = Vec3(0, 0, -1.6e-3);
+  Fix twisting = held(right, Vec3::Zero(), Vec3(30, 0, 0));
+  twisting.centre = Vec3(0.2, 0.02, 0.02);
+  Load push;  // sideways, on the cap
+  push.region = HalfSpaceRegion{Vec3(0, 0, 0.03), -Vec3::UnitZ()};
+  push.force = Vec3(0, 1.0, 0);
+  const int fine = std::max(4, finest);
+  std::vector<Problem> out;
+  out.push_back({"bending", beam, 0.04, {held(left)}, {shear}, 0.3, {3, 5, 8}, fine});
+  out.push_back({"bending, nu 0.45", beam, 0.04, {held(left)}, {shear}, 0.45, {3, 5}, fine});
+  out.push_back({"twist by 30 degrees", beam, 0.04, {held(left), twisting}, {}, 0.3, {3, 5, 8}, fine});
+  out.push_back({"bonded cube, -10 %", cube, 0.1, {held(bottom), held(top, Vec3(0, 0, -0.01))}, {}, 0.3,
+                 {4, 6, 8}, 2 * fine});
+  out.push_back({"indentation", cube, 0.1,
+                 {held(bottom), held(BoxRegion{Vec3(0.03, 0.03, 0.1), Vec3(0.07, 0.07, 0.1)}, Vec3(0, 0, -0.005))}, {},
+                 0.3, {5, 8, 10}, 2 * fine});
+  out.push_back({"half ball", ballShape(0.05), 0.05, {held(bottom)}, {push}, 0.3, {3, 5, 8}, fine});
+  return out;
+}
+
+struct Layout {
+  std::string name;
+  Evaluation evaluation = Evaluation::stressPoints;
+  double shift = 0.0;  // spacings
+  Mat3 axes = Mat3::Identity();
+};
+
+std::vector<Layout> layouts() {
+  const Mat3 turned =
+      (Eigen::AngleAxisd(0.35, Vec3::UnitX()) * Eigen::AngleAxisd(0.5, Vec3::UnitY())).toRotationMatrix();
+  return {{"aligned"}, {"offset", Evaluation::stressPoints, 0.3}, {"turned", Evaluation::stressPoints, 0.0, turned},
+          {"phyxels", Evaluation::phyxels}};
+}
+
+struct Solution {
+  std::unique_ptr<Simulator> simulator;
+  std::size_t id = 0;
+  bool good = false;
+  double ms = 0.0;
+  [[nodiscard]] const Body &body() const { return *simulator->body(id); }
+  [[nodiscard]] Body &body() { return *simulator->body(id); }
+};
+
+Solution solve(const Problem &problem, const Layout &layout, int layers) {
+  const double spacing = problem.thickness / layers;
+  BodyShape shape = problem.shape;
+  // The lattice lies about the middle of the bounds: wider ones move it.
+  if (layout.shift > 0.0) shape.max += Vec3::Constant(2.0 * layout.shift * spacing);
+  BodyRecipe recipe;
+  recipe.evaluation = layout.evaluation;
+  recipe.sampling.spacing = spacing;
+  recipe.sampling.axes = layout.axes;
+  recipe.fixes = problem.fixes;
+  recipe.loads = problem.loads;
+  const double begin = processor_ms();
+  auto rest = buildRestState(shape, recipe, {}, serialFor());
+  if (!rest) {
+    std::fprintf(stderr, "bench_error: %s\n", rest.error().c_str());
+    return {};
+  }
+  Material material;
+  material.youngsModulus = 1e4;
+  material.poissonRatio = problem.poissonRatio;
+  const double control = layout.evaluation == Evaluation::stressPoints ? kLatticeStabilisation : kCloudStabilisation;
+  Solution out;
+  out.simulator = std::make_unique<Simulator>();
+  WorldSettings world;
+  world.integrator = Integrator::quasiStatic;
+  world.loadSteps = 4;
+  out.simulator->setWorld(world);
+  out.id = out.simulator->addBody(
+      std::make_unique<Body>(problem.name, *rest, Constitution{{material}, control}, serialFor()));
+  out.good = true;
+  while (out.good && !out.simulator->finished()) out.good = out.simulator->step().has_value();
+  out.good = out.good && out.body().stopped.empty();
+  for (const SimulationEvent &event : out.simulator->events())
+    std::printf("%s, %s, %d layers: %s\n", problem.name.c_str(), layout.name.c_str(), layers, event.text.c_str());
+  out.body().computeGradients(serialFor());
+  out.ms = processor_ms() - begin;
+  return out;
+}
+
+double energyOf(const Material &material, const Mat3 &E) {
+  return material.mu() * E.squaredNorm() + 0.5 * material.lambda() * E.trace() * E.trace();
+}
+
+/// Green strains of a solution at material points (world), as its energy sees them.
+std::vector<Mat3> strainsAt(const Body &body, std::vector<Vec3> points) {
+  const RestState &rest = body.rest();
+  const StencilSet &s = rest.stencils;
+  const Material &material = body.material();
+  for (Vec3 &x : points) x -= rest.origin;
+  const Interpolation bound = rest.bind(points, {});
+  std::vector<Mat3> out;
+  out.reserve(points.size());
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Index *first = &bound.phyxels.indices[bound.phyxels.offsets[p]];
+    const Index *last = first + (bound.phyxels.offsets[p + 1] - bound.phyxels.offsets[p]);
+    std::size_t q = 0;
+    if (s.modes.empty()) {
+      q = *std::min_element(first, last, [&](Index a, Index b) {
+        return (rest.positions[a] - points[p]).squaredNorm() < (rest.positions[b] - points[p]).squaredNorm();
+      });
+      out.push_back(greenStrain(body.gradients()[q]));
+      continue;
+    }
+    // The cell that has all the phyxels that move the point; of several the one with the nearest centre.
+    std::size_t most = 0;
+    double nearest = 0.0;
+    for (Index k = s.entriesOfPhyxel.offsets[*first]; k < s.entriesOfPhyxel.offsets[*first + 1]; ++k) {
+      const Index candidate = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
+      const Index *from = &s.phyxels.indices[s.phyxels.offsets[candidate]];
+      const Index *to = from + (s.phyxels.offsets[candidate + 1] - s.phyxels.offsets[candidate]);
+      const auto common = static_cast<std::size_t>(
+          std::count_if(first, last, [&](Index j) { return std::find(from, to, j) != to; }));
+      const double distance = (rest.pointCentres[candidate] - points[p]).norm();
+      if (common > most || (common == most && distance < nearest)) {
+        most = common;
+        nearest = distance;
+        q = candidate;
+      }
+    }
+    const Mat3 &F = body.gradients()[q];
+    Eigen::Matrix<double, 3, 4> a = Eigen::Matrix<double, 3, 4>::Zero();
+    for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e)
+      a += body.state().displacements[s.phyxels.indices[e]] * s.modes[e].transpose();
+    const Mat3 B = (F * s.axes).transpose() * a.leftCols<3>();
+    const Vec3 xi = s.axes.transpose() * (points[p] - rest.pointCentres[q]);
+    const double across = -material.lambda() / (material.lambda() + 2.0 * material.mu());
+    Mat3 E = Mat3::Zero();
+    for (int z = 0; z < 3; ++z) {
+      const int x = (z + 1) % 3, y = (z + 2) % 3;
+      const auto mode = [](int i, int j) { return i + j - 1; };  // xy, xz, yz
+      const double xx = B(x, mode(x, z)), yy = B(y, mode(y, z)), xy = 0.5 * (B(x, mode(y, z)) + B(y, mode(x, z)));
+      E(x, x) += xx * xi[z];
+      E(y, y) += yy * xi[z];
+      E(z, z) += across * (xx + yy) * xi[z];
+      E(x, y) += xy * xi[z];
+      E(y, x) += xy * xi[z];
+    }
+    out.push_back(greenStrain(F) + s.axes * E * s.axes.transpose());
+  }
+  return out;
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  int finest = 16;
+  std::string only, jsonPath;
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (i + 1 < argc && option == "--finest") {
+      finest = std::atoi(argv[++i]);
+    } else if (i + 1 < argc && option == "--only") {
+      only = argv[++i];
+    } else if (i + 1 < argc && option == "--json") {
+      jsonPath = argv[++i];
+    } else {
+      std::fprintf(stderr, "usage: bench_error [--finest CELLS] [--only TEXT] [--json FILE]\n");
+      return 2;
+    }
+  }
+  std::printf("CPU: %s, 1 thread\n\n", c3de::cpuName().c_str());
+  std::printf("%-20s %8s %7s %8s %9s %9s %9s %9s %8s %9s %9s\n", "problem", "lattice", "layers", "phyxels", "energy %",
+              "true %", "estim. %", "effect.", "stab. %", "estim. ms", "force ms");
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const Problem &problem : problems(finest)) {
+    if (problem.name.find(only) == std::string::npos) continue;
+    const Solution fine = solve(problem, layouts()[0], problem.finest);
+    if (!fine.good) return 1;
+    const RestState &truth = fine.body().rest();
+    // Eight points per fine cell, where its linear strain has its own energy.
+    std::vector<Vec3> points;
+    std::vector<double> volumes;
+    for (std::size_t q = 0; q < truth.pointCount(); ++q)
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+        const Vec3 away = truth.stencils.spreads[q].cwiseSqrt().cwiseProduct(sign);
+        points.push_back(truth.origin + truth.pointCentres[q] + truth.stencils.axes * away);
+        volumes.push_back(truth.stencils.volumes[q] / 8.0);
+      }
+    const std::vector<Mat3> strains = strainsAt(fine.body(), points);
+    double total = 0.0;
+    for (std::size_t p = 0; p < points.size(); ++p) total += volumes[p] * energyOf(fine.body().material(), strains[p]);
+    const ElasticEnergy fineEnergy = fine.body().elasticEnergy();
+    std::printf("%-20s %8s %7d %8zu   solved in %.1f s\n", problem.name.c_str(), "truth", problem.finest,
+                truth.phyxelCount(), 1e-3 * fine.ms);
+    for (const Layout &layout : layouts())
+      for (const int layers : problem.layers) {
+        Solution solution = solve(problem, layout, layers);
+        if (!solution.good) {
+          std::printf("%-20s %8s %7d NOT SOLVED\n", problem.name.c_str(), layout.name.c_str(), layers);
+          continue;
+        }
+        Body &body = solution.body();
+        const std::vector<Mat3> here = strainsAt(body, points);
+        double difference = 0.0;
+        for (std::size_t p = 0; p < points.size(); ++p)
+          difference += volumes[p] * energyOf(body.material(), here[p] - strains[p]);
+        const double trueError = std::sqrt(difference / total);
+        ErrorScratch scratch;
+        std::vector<double> perPhyxel;
+        const ErrorEstimate estimate = estimateError(body, &perPhyxel, scratch, serialFor());
+        constexpr int kRepeats = 5;
+        double begin = processor_ms();
+        for (int r = 0; r < kRepeats; ++r) (void)estimateError(body, &perPhyxel, scratch, serialFor());
+        const double estimate_ms = (processor_ms() - begin) / kRepeats;
+        begin = processor_ms();
+        for (int r = 0; r < kRepeats; ++r) {
+          body.computeGradients(serialFor());
+          body.computeStresses(0.0, serialFor());
+          body.computeInternalForces(serialFor());
+        }
+        const double force_ms = (processor_ms() - begin) / kRepeats;
+        const ElasticEnergy energy = body.elasticEnergy();
+        const double energyError =
+            (energy.strain + energy.stabilisation) / (fineEnergy.strain + fineEnergy.stabilisation) - 1.0;
+        std::printf("%-20s %8s %7d %8zu %9.2f %9.2f %9.2f %9.2f %8.2f %9.3f %9.3f\n", problem.name.c_str(),
+                    layout.name.c_str(), layers, body.rest().phyxelCount(), 100.0 * energyError, 100.0 * trueError,
+                    100.0 * estimate.relative, estimate.relative / trueError, 100.0 * estimate.stabilisationShare,
+                    estimate_ms, force_ms);
+        std::fflush(stdout);
+        rows.push_back({{"problem", problem.name},
+                        {"lattice", layout.name},
+                        {"layers", layers},
+                        {"phyxels", body.rest().phyxelCount()},
+                        {"energy_error", energyError},
+                        {"true_error", trueError},
+                        {"estimate", estimate.relative},
+                        {"stabilisation_share", estimate.stabilisationShare},
+                        {"estimate_ms", estimate_ms},
+                        {"force_ms", force_ms}});
+      }
+  }
+  if (!jsonPath.empty()) {
+    const nlohmann::ordered_json json = {
+        {"benchmark", "bench_error"}, {"cpu", c3de::cpuName()}, {"threads", 1}, {"finest", finest}, {"results", rows}};
+    std::ofstream file(jsonPath);
+    file << json.dump(2) << '\n';
+    if (!file) {
+      std::fprintf(stderr, "bench_error: cannot write %s\n", jsonPath.c_str());
+      return 7;
+    }
+  }
+  return 0;
+}

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which preconditioner serves Newton's method best, at which size and stiffness?
+//
+//   bench_newton [--least PHYXELS] [--most PHYXELS] [--json FILE]
+//
+// A cantilever of 0.2 x 0.04 x 0.04 m on an uncut lattice (one evaluation point per cell, neo-Hookean, stabilised), its
+// end held:
+//   static    a force on the other end that bends it down by about a fifth of its length, found in one solve from rest
+//   implicit  steps of backward Euler, dt = 1/60 s, falling under gravity from rest: the first, and the mean of five more
+// The state is solved to 1e-7 m. Times are of the processor, one thread, so what else the machine does counts little.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "c3de/core/platform.h"
+#include "pointbased/engine.h"
+#include "pointbased/newton.h"
+
+namespace {
+
+using namespace pointbased;
+
+double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+struct Beam {
+  std::vector<Vec3> positions;
+  std::vector<double> volumes;
+  std::vector<std::uint8_t> held;
+  std::vector<std::size_t> end;
+  StencilSet stencils;
+};
+
+// Whole cells of a box, so stencils are those of trilinear cells: mean gradients, coefficients of the four modes.
+Beam makeBeam(int layers) {
+  constexpr double kLength = 0.2, kHeight = 0.04;
+  const double h = kHeight / layers;
+  const int nx = static_cast<int>(std::lround(kLength / h)), ny = layers;
+  Beam beam;
+  // Slice after slice along the beam: the order of a sampling that is sorted in space.
+  const auto id = [&](int x, int y, int z) { return static_cast<std::size_t>((x * (ny + 1) + z) * (ny + 1) + y); };
+  const std::size_t n = id(nx, ny, ny) + 1;
+  beam.volumes.assign(n, 0.0);
+  beam.held.assign(n, 0);
+  for (int x = 0; x <= nx; ++x)
+    for (int z = 0; z <= ny; ++z)
+      for (int y = 0; y <= ny; ++y) {
+        beam.positions.push_back(h * Vec3(x, y, z));
+        if (x == 0) beam.held[id(x, y, z)] = 1;
+        if (x == nx) beam.end.push_back(id(x, y, z));
+      }
+  StencilSet &s = beam.stencils;
+  const double volume = h * h * h;
+  for (int x = 0; x < nx; ++x)
+    for (int z = 0; z < ny; ++z)
+      for (int y = 0; y < ny; ++y) {
+        for (int corner = 0; corner < 8; ++corner) {
+          const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
+          const Vec3 sign(2 * i - 1, 2 * j - 1, 2 * k - 1);
+          const std::size_t at = id(x + i, y + j, z + k);
+          s.phyxels.indices.push_back(static_cast<Index>(at));
+          s.gradients.push_back(sign / (4.0 * h));
+          s.modes.push_back(Eigen::Vector4d(sign[0] * sign[1], sign[0] * sign[2], sign[1] * sign[2],
+                                            2.0 / h * sign.prod()) / (2.0 * h * h));
+          beam.volumes[at] += volume / 8.0;
+        }
+        s.phyxels.offsets.push_back(static_cast<Index>(s.phyxels.indices.size()));
+        s.spreads.push_back(Vec3::Constant(h * h / 12.0));
+        s.volumes.push_back(volume);
+        s.rank.push_back(3);
+        s.frameOf.push_back(StencilSet::kNoFrame);
+      }
+  buildGather(s, n);
+  return beam;
+}
+
+// Σ U(u) - f·u + 1/(2 dt²) Σ m |u - target|²; inverseDt = 0: statics.
+class BeamProblem : public Equilibrium {
+ public:
+  BeamProblem(const Beam &beam, const Material &material) : beam_(beam) {
+    constitution_.materials = {material};
+    constitution_.stabilisation = kLatticeStabilisation;
+    const std::size_t n = beam.positions.size(), points = beam.stencils.pointCount();
+    forces.assign(n, Vec3::Zero());
+    target.assign(n, Vec3::Zero());
+    u_.resize(n);
+    gradients_.resize(points);
+    stresses_.resize(points);
+    ratios_.resize(points);
+    entries_.resize(beam.stencils.phyxels.indices.size());
+  }
+  [[nodiscard]] std::size_t phyxels() const override { return u_.size(); }
+  [[nodiscard]] std::span<const std::uint8_t> prescribed() const override { return beam_.held; }
+  [[nodiscard]] bool moveTo(std::span<const Vec3> u) override {
+    std::copy(u.begin(), u.end(), u_.begin());
+    deformationGradients(beam_.stencils, u_, gradients_, serialFor());
+    return true;
+  }
+  [[nodiscard]] double energy() override {
+    const ElasticEnergy elastic = elasticEnergy(constitution_, beam_.stencils, beam_.positions, u_, gradients_, {});
+    double e = elastic.strain + elastic.stabilisation;
+    for (std::size_t i = 0; i < u_.size(); ++i)
+      e += 0.5 * inertia(i) * (u_[i] - target[i]).squaredNorm() - forces[i].dot(u_[i]);
+    return e;
+  }
+  void gradient(std::span<Vec3> out) override {
+    pointStresses(constitution_, beam_.stencils, gradients_, {}, {}, 0.0, nullptr, stresses_, ratios_, serialFor());
+    internalForces(constitution_, beam_.stencils, beam_.positions, u_, gradients_, stresses_, entries_, out, serialFor());
+    for (std::size_t i = 0; i < u_.size(); ++i) out[i] = inertia(i) * (u_[i] - target[i]) - out[i] - forces[i];
+  }
+  void product(std::span<const Vec3> du, std::span<Vec3> out) override {
+    const double begin = processor_ms();
+    forceDifferential(constitution_, beam_.stencils, beam_.positions, u_, gradients_, {}, 0.0, 0.0, du, scratch_, out,
+                      serialFor());
+    for (std::size_t i = 0; i < u_.size(); ++i) out[i] = inertia(i) * du[i] - out[i];
+    productTime += processor_ms() - begin;
+    ++products;
+  }
+  void diagonalBlocks(std::span<Mat3> out) override {
+    const double begin = processor_ms();
+    stiffnessBlocks(constitution_, beam_.stencils, beam_.positions, u_, gradients_, {}, 0.0, 0.0, out, serialFor());
+    for (std::size_t i = 0; i < u_.size(); ++i) out[i].diagonal().array() += inertia(i);
+    blocksTime += processor_ms() - begin;
+  }
+  [[nodiscard]] bool assemble(Eigen::SparseMatrix<double> &out) override {
+    const double begin = processor_ms();
+    stiffnessTriplets(constitution_, beam_.stencils, beam_.positions, u_, gradients_, {}, 0.0, 0.0, triplets_);
+    for (std::size_t i = 0; i < 3 * u_.size(); ++i)
+      triplets_.emplace_back(static_cast<int>(i), static_cast<int>(i), inertia(i / 3));
+    const auto size = static_cast<Eigen::Index>(3 * u_.size());
+    out.resize(size, size);
+    out.setFromTriplets(triplets_.begin(), triplets_.end());
+    assemblyTime += processor_ms() - begin;
+    return true;
+  }
+
+  std::vector<Vec3> forces, target;
+  double inverseDt = 0.0;
+  double productTime = 0.0, assemblyTime = 0.0, blocksTime = 0.0;  // ms
+  int products = 0;
+
+ private:
+  [[nodiscard]] double inertia(std::size_t i) const {
+    return beam_.volumes[i] * constitution_.materials[0].restDensity * inverseDt * inverseDt;
+  }
+
+  const Beam &beam_;
+  Constitution constitution_;
+  std::vector<Vec3> u_, entries_;
+  std::vector<Mat3> gradients_, stresses_;
+  std::vector<double> ratios_;
+  TangentScratch scratch_;
+  std::vector<Eigen::Triplet<double>> triplets_;
+};
+
+struct Cost {
+  NewtonResult result;
+  double ms = 0.0;
+  bool good = true;
+
+  void add(const Cost &other) {
+    result.iterations += other.result.iterations;
+    result.linearIterations += other.result.linearIterations;
+    result.factorisations += other.result.factorisations;
+    ms += other.ms;
+    good = good && other.good;
+  }
+};
+
+Cost timed(NewtonSolver &solver, BeamProblem &problem, std::vector<Vec3> &u, const NewtonSettings &settings) {
+  Cost cost;
+  const double begin = processor_ms();
+  cost.result = solver.solve(problem, u, settings);
+  cost.ms = processor_ms() - begin;
+  cost.good = cost.result.good();
+  return cost;
+}
+
+constexpr std::pair<Preconditioner, const char *> kPreconditioners[] = {{Preconditioner::blockJacobi, "blockJacobi"},
+                                                                        {Preconditioner::incomplete, "incomplete"},
+                                                                        {Preconditioner::factorised, "factorised"},
+                                                                        {Preconditioner::automatic, "automatic"}};
+
+class Report {
+ public:
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+
+  void head() const {
+    std::printf("%8s %9s %8s %5s %12s %7s %7s %7s %10s %10s  %s\n", "phyxels", "case", "E Pa", "nu", "precond.", "newton",
+                "linear", "factor.", "ms", "tip mm", "");
+  }
+  void row(std::size_t phyxels, const char *name, const Material &m, const char *preconditioner, const Cost &cost,
+           double per, double tip) {
+    std::printf("%8zu %9s %8.0f %5.2f %12s %7.1f %7.1f %7.1f %10.2f %10.3f  %s\n", phyxels, name, m.youngsModulus,
+                m.poissonRatio, preconditioner, cost.result.iterations / per, cost.result.linearIterations / per,
+                cost.result.factorisations / per, cost.ms / per, 1e3 * tip, cost.good ? "" : "NOT CONVERGED");
+    std::fflush(stdout);
+    rows.push_back({{"phyxels", phyxels},
+                    {"case", name},
+                    {"youngs_modulus_Pa", m.youngsModulus},
+                    {"poisson_ratio", m.poissonRatio},
+                    {"preconditioner", preconditioner},
+                    {"newton_iterations", cost.result.iterations / per},
+                    {"linear_iterations", cost.result.linearIterations / per},
+                    {"factorisations", cost.result.factorisations / per},
+                    {"processor_ms", cost.ms / per},
+                    {"tip_mm", 1e3 * tip},
+                    {"converged", cost.good}});
+  }
+};
+
+void statics(const Beam &beam, const Material &material, Preconditioner p, const char *name, Report &report) {
+  BeamProblem problem(beam, material);
+  for (const std::size_t i : beam.end)  // -2.03 mm of tip for 1.6 mN at 10 kPa, in proportion
+    problem.forces[i] = Vec3(0, 0, -20 * 1.6e-3 * material.youngsModulus / 1e4 / static_cast<double>(beam.end.size()));
+  NewtonSolver solver;
+  NewtonSettings settings;
+  settings.preconditioner = p;
+  std::vector<Vec3> u(beam.positions.size(), Vec3::Zero());
+  const Cost cost = timed(solver, problem, u, settings);
+  report.row(beam.positions.size(), "static", material, name, cost, 1.0, u[beam.end[0]][2]);
+  std::printf("%60s product %.3f, blocks %.2f, assembly %.2f ms\n", "", problem.productTime / std::max(1, problem.products),
+              problem.blocksTime / std::max(1, cost.result.iterations),
+              problem.assemblyTime / std::max(1, cost.result.factorisations));
+}
+
+void implicit(const Beam &beam, const Material &material, Preconditioner p, const char *name, Report &report) {
+  constexpr double kDt = 1.0 / 60.0;
+  constexpr int kSteps = 5;
+  BeamProblem problem(beam, material);
+  problem.inverseDt = 1.0 / kDt;
+  NewtonSolver solver;
+  NewtonSettings settings;
+  settings.preconditioner = p;
+  const std::size_t n = beam.positions.size();
+  std::vector<Vec3> u(n, Vec3::Zero()), v(n, Vec3::Zero());
+  Cost later;
+  for (int step = 0; step <= kSteps; ++step) {
+    const std::vector<Vec3> before = u;
+    for (std::size_t i = 0; i < n; ++i) problem.target[i] = u[i] + kDt * v[i] + kDt * kDt * Vec3(0, 0, -9.81);
+    const Cost cost = timed(solver, problem, u, settings);
+    for (std::size_t i = 0; i < n; ++i) v[i] = (u[i] - before[i]) / kDt;
+    if (step == 0) {
+      report.row(n, "first", material, name, cost, 1.0, u[beam.end[0]][2]);
+    } else {
+      later.add(cost);
+    }
+  }
+  report.row(n, "step", material, name, later, kSteps, u[beam.end[0]][2]);
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  std::size_t least = 0, most = 11000;
+  std::string jsonPath;
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (i + 1 < argc && option == "--least") {
+      least = std::strtoul(argv[++i], nullptr, 10);
+    } else if (i + 1 < argc && option == "--most") {
+      most = std::strtoul(argv[++i], nullptr, 10);
+    } else if (i + 1 < argc && option == "--json") {
+      jsonPath = argv[++i];
+    } else {
+      std::fprintf(stderr, "usage: bench_newton [--least PHYXELS] [--most PHYXELS] [--json FILE]\n");
+      return 2;
+    }
+  }
+  std::printf("CPU: %s, 1 thread\n\n", c3de::cpuName().c_str());
+  Report report;
+  report.head();
+  for (const int layers : {4, 8, 12}) {
+    const Beam beam = makeBeam(layers);
+    if (beam.positions.size() < least || beam.positions.size() > most) continue;
+    for (const double nu : {0.3, 0.49})
+      for (const auto &[p, name] : kPreconditioners) {
+        Material material{MaterialLaw::neoHookean, 1e4, nu, 1060.0};
+        statics(beam, material, p, name, report);
+        for (const double E : {1e4, 1e6}) {
+          material.youngsModulus = E;
+          implicit(beam, material, p, name, report);
+        }
+      }
+  }
+  if (!jsonPath.empty()) {
+    const nlohmann::ordered_json json = {{"benchmark", "bench_newton"},
+                                         {"cpu", c3de::cpuName()},
+                                         {"threads", 1},
+                                         {"tolerance_m", NewtonSettings{}.toleranceDisplacement},
+                                         {"results", report.rows}};
+    std::ofstream file(jsonPath);
+    file << json.dump(2) << '\n';
+    if (!file) {
+      std::fprintf(stderr, "bench_newton: cannot write %s\n", jsonPath.c_str());
+      return 7;
+    }
+  }
+  return 0;
+}

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pointbased/material.h"
+#include "pointbased/types.h"
+#include "pointbased/viscoelasticity.h"
+
+namespace pointbased {
+
+/// What a body is made of.
+struct Constitution {
+  std::vector<Material> materials{Material{}};  ///< by StencilSet::materials; at least one
+  /// Control of the modes that one evaluation per point cannot see: kLatticeStabilisation on lattices,
+  /// kCloudStabilisation for clouds.
+  double stabilisation = 0.0;
+
+  [[nodiscard]] bool viscous() const;   ///< any viscosity > 0
+  [[nodiscard]] bool relaxing() const;  ///< any Prony term
+  [[nodiscard]] bool plastic() const;   ///< any enabled plasticity
+};
+
+/// What the points of a body remember. A vector is empty where no material needs it, and then its stage does not run.
+struct PointHistory {
+  std::vector<Mat3> plasticInverse;  ///< [points] F_p^-1, det 1
+  std::vector<PronyPoint> prony;     ///< [points]
+
+  /// Fresh and of the right size for a constitution.
+  void reset(const Constitution &constitution, std::size_t points);
+};
+
+}  // namespace pointbased

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "pointbased/body.h"
+
+namespace pointbased {
+
+/// What the guard found wrong with a state.
+struct GuardFinding {
+  Index phyxel = 0;
+  std::string quantity;  ///< what it is, with its value
+  std::string help;      ///< the setting that would help
+};
+
+/// What the guard sees on the way over the phyxels.
+struct GuardView {
+  bool finite = true;
+  double fastest = 0.0;        ///< m/s, largest speed relative to the body's mean velocity
+  Index fastestPhyxel = 0;
+};
+
+/// One pass over the state.
+[[nodiscard]] GuardView lookAt(const Body &body);
+
+/// The first phyxel whose displacement or velocity is not finite.
+[[nodiscard]] std::optional<GuardFinding> firstNonFinite(const Body &body);
+
+/// Watches the energy of a body that nothing drives: it may not grow. Asked every kEnergyInterval steps, because energies
+/// cost about half a force evaluation.
+class EnergyWatch {
+ public:
+  static constexpr std::uint64_t kEnergyInterval = 64;
+  /// Part of the larger of kinetic and elastic energy that the sum may grow by between two looks: velocity Verlet moves it
+  /// by (ω dt)²/4 at most 16 % of the fastest mode's share, contact by what leads out of a penetration.
+  static constexpr double kGrowth = 0.25;
+
+  /// @param driven  loads that change, moving supports or obstacles, a hand: then the energy may grow
+  /// @return what is wrong, if it has grown
+  [[nodiscard]] std::optional<GuardFinding> look(const Body &body, const Vec3 &gravity, bool driven);
+  void forget() { known_ = false; }
+
+ private:
+  bool known_ = false;
+  double total_ = 0.0, scale_ = 0.0;
+};
+
+}  // namespace pointbased

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <memory>
+
+#include "pointbased/types.h"
+
+namespace pointbased {
+
+/// A smooth energy over the positions of phyxels, of which a minimum is sought: a static equilibrium, or the step of an
+/// implicit integrator (incremental potential). Unknowns are displacements, three per phyxel.
+class Equilibrium {
+ public:
+  virtual ~Equilibrium() = default;
+  [[nodiscard]] virtual std::size_t phyxels() const = 0;
+  /// 1 for phyxels whose displacement is prescribed (they stay as they are), 0 else; empty: none.
+  [[nodiscard]] virtual std::span<const std::uint8_t> prescribed() const = 0;
+  /// Moves to u: everything below refers to it. False: u cannot be evaluated (not finite).
+  [[nodiscard]] virtual bool moveTo(std::span<const Vec3> u) = 0;
+  [[nodiscard]] virtual double energy() = 0;                  ///< J
+  virtual void gradient(std::span<Vec3> out) = 0;             ///< dE/du, N
+  virtual void product(std::span<const Vec3> du, std::span<Vec3> out) = 0;  ///< Hessian times du, N; matrix-free
+  virtual void diagonalBlocks(std::span<Mat3> out) = 0;       ///< of the Hessian, positive definite
+  /// All of the Hessian, or something close to it that is positive definite; false: not available.
+  [[nodiscard]] virtual bool assemble(Eigen::SparseMatrix<double> &out) = 0;
+  /// Most that the present search direction may be scaled by (contact: up to the first touch); 1 is the full step.
+  [[nodiscard]] virtual double largestStep(std::span<const Vec3> direction) { (void)direction; return 1.0; }
+};
+
+enum class Preconditioner {
+  automatic,    ///< complete where that is cheap (some 3000 phyxels on a lattice), else incomplete until its iterations have
+                ///< paid for a complete one (at most 30 000 phyxels); blocks where the Hessian cannot be assembled
+  blockJacobi,  ///< 3x3 blocks
+  incomplete,   ///< incomplete Cholesky of the assembled Hessian
+  factorised    ///< complete Cholesky of an assembled Hessian
+};
+
+/// Converged is
+///  - a residual of at most toleranceForce (exactly zero where that is 0), also at the start; or
+///  - a Newton step that was taken whole (not cut by the line search, by largestStep() or by negative curvature), moved no
+///    phyxel by more than toleranceDisplacement, did not raise the residual, and came from a linear solve to 1e-3 or
+///    better; a solve that finds so small a step at a looser tolerance goes on to 1e-3 before it is believed. Where the
+///    residual is all round-off and does rise, two such steps in a row count; or
+///  - no further progress, with a residual below 1e-6 of the first one: round-off is all that is left.
+/// A state of exactly zero residual counts as the minimum; that it may be a saddle (a column pressed exactly along its
+/// axis) is not looked into: disturb the start.
+struct NewtonSettings {
+  double toleranceDisplacement = 1e-7;  ///< m, >= 0
+  double toleranceForce = 0.0;          ///< N, >= 0: largest residual that is good enough without a further step
+  int maxIterations = 50;               ///< Newton steps
+  int maxLinearIterations = 2000;       ///< per Newton step; the direction so far is used then
+  double linearTolerance = 1e-2;        ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)
+  Preconditioner preconditioner = Preconditioner::automatic;
+};
+
+enum class NewtonOutcome {
+  converged,
+  iterationLimit,  ///< out of Newton steps
+  notFinite,       ///< the start cannot be evaluated, or its gradient is not finite; worst: where
+  noDescent,       ///< no step lowers the energy, or six in a row changed neither it nor the residual; worst: where
+  cancelled
+};
+
+struct NewtonResult {
+  NewtonOutcome outcome = NewtonOutcome::converged;
+  int iterations = 0;         ///< Newton steps
+  int linearIterations = 0;   ///< of conjugate gradients, all together
+  int factorisations = 0;     ///< complete or incomplete, in this call; 0: the kept one served
+  double lastStep = 0.0;      ///< m, largest displacement of the last Newton correction
+  double residual = 0.0;      ///< N, largest of a free phyxel; NaN where it cannot be evaluated
+  Index worst = 0;            ///< the phyxel that has it
+  [[nodiscard]] bool good() const { return outcome == NewtonOutcome::converged; }
+};
+
+/// Newton's method with a truncated conjugate-gradient solve (directions of negative curvature are followed, not
+/// suppressed), line search on the energy, and the chosen preconditioner. Keeps its scratch and factorisation between
+/// calls on problems of the same shape; a factorisation is renewed when the iterations it costs have paid for a new one,
+/// counted, not timed. Same bits for any number of threads when the problem's are.
+///
+/// The line search halves where the problem cannot be evaluated; it accepts a sufficient decrease of the energy (Armijo)
+/// or, where the change drowns in round-off, a falling gradient whose slope along the step says so (Hager and Zhang).
+/// @source  Nocedal and Wright, Numerical Optimization, 2nd ed., ch. 7.1; Steihaug 1983; Eisenstat and Walker, SIAM J. Sci.
+///          Comput. 17, 1996, choice 2; Hager and Zhang, SIAM J. Optim. 16, 2005, approximate Wolfe conditions
+class NewtonSolver {
+ public:
+  NewtonSolver();
+  ~NewtonSolver();
+  NewtonSolver(NewtonSolver &&) noexcept;
+  NewtonSolver &operator=(NewtonSolver &&) noexcept;
+
+  /// @param u          in: the start; out: the minimum, or the lowest state that was found. The problem has been moved
+  ///                   there (unless the start cannot be evaluated)
+  /// @param goOn       asked before every Newton step; false: stop (cancelled)
+  [[nodiscard]] NewtonResult solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
+                                   const std::function<bool(const NewtonResult &)> &goOn = {});
+  /// Forgets the factorisation: the problem has changed its shape or stiffness.
+  void forget();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pointbased

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pointbased/material.h"
+
+namespace pointbased {
+
+/// A point flatter than this (det F at or below it) does not flow: its Hencky strain is without bound or does not
+/// exist, and it is on its way through an inversion, which is not the material's doing and must not become its shape.
+inline constexpr double kSmallestFlowRatio = 1e-3;
+
+/// H = ln(F^T F) / 2, the Hencky strain; NaN where det F <= 0.
+[[nodiscard]] Mat3 henckyStrain(const Mat3 &F);
+
+/// Norm (root of the sum of squares) of the deviator of the Hencky strain: what yield and max are compared with. In
+/// pure shear with stretches e^s, e^-s it is sqrt(2) s, in volume-preserving tension to the stretch L it is sqrt(3/2)
+/// ln L.
+[[nodiscard]] double deviatoricHenckyNorm(const Mat3 &F);
+
+struct FlowResult {
+  double elasticStrain = 0.0;  ///< norm of the elastic deviatoric Hencky strain after the flow
+  double plasticStrain = 0.0;  ///< norm of the plastic Hencky strain after the flow
+  double flowed = 0.0;         ///< norm of the plastic increment, before the cap; 0: elastic
+  bool capped = false;         ///< held back by Plasticity::max
+};
+
+/// Lets a point flow for dt and says whether it did.
+///
+/// F = Fe Fp with det Fp = 1. With the elastic deviatoric Hencky strain h of Fe, of norm |h| and direction N = h/|h|,
+///
+///   flow = (|h| - yield) (1 - (1 - creep)^(dt / creepTime)),   Fp^-1 <- Fp^-1 exp(-flow N)
+///
+/// which is exact at constant F, whatever dt is. It dissipates where the axis of larger stretch carries the larger
+/// Kirchhoff stress: neo-Hookean always, corotated and StVK while not crushed (stretches above 0.8 or so). The linear
+/// law takes the rotation of Fe for strain and is no law to flow with. exp of a traceless matrix has determinant one;
+/// round-off is divided out. If the norm of ln(Fp^T Fp)/2 passes `max`, Fp is scaled back to it in logarithm
+/// (projection on a ball).
+///
+/// @param plasticInverse  in and out: Fp^-1; start with the identity
+/// @param result          if wanted: what happened; the strains are filled only if something flowed
+/// @return  false, with plasticInverse untouched bit for bit, where nothing flows: not enabled(), below yield, dt <= 0,
+///          det F <= kSmallestFlowRatio, F not finite
+/// @threads any; a point clearly below yield costs no eigenvalues
+/// @source  Simo, CMAME 99, 1992 (exponential map); O'Brien et al., SIGGRAPH 2002 (yield, creep, max); rate form: own
+bool plasticFlow(const Plasticity &plastic, const Mat3 &F, double dt, Mat3 &plasticInverse,
+                 FlowResult *result = nullptr);
+
+/// P = P_e(F Fp^-1) Fp^-T, Pa: force per rest area.
+[[nodiscard]] Mat3 elastoplasticStress(const Material &material, const Mat3 &F, const Mat3 &plasticInverse);
+
+/// W(F Fp^-1), J/m³ of rest volume: what is stored and can come back.
+[[nodiscard]] double elastoplasticEnergyDensity(const Material &material, const Mat3 &F, const Mat3 &plasticInverse);
+
+/// d/ds elastoplasticStress(F + s dF) at s = 0 with Fp held, Pa: exact where flow follows the step.
+[[nodiscard]] Mat3 elastoplasticStressDifferential(const Material &material, const Mat3 &F, const Mat3 &plasticInverse,
+                                                   const Mat3 &dF);
+
+/// tangentRatio() with Fp held: times the largest stretch of Fp^-1 squared.
+[[nodiscard]] double elastoplasticTangentRatio(const Material &material, const Mat3 &F, const Mat3 &plasticInverse);
+
+}  // namespace pointbased

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <variant>
+
+#include "pointbased/types.h"
+
+namespace pointbased {
+
+struct BoxRegion {
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m
+};
+struct SphereRegion {
+  Vec3 centre = Vec3::Zero();  ///< m
+  double radius = 0.0;         ///< m
+};
+/// The side that the normal points away from.
+struct HalfSpaceRegion {
+  Vec3 point = Vec3::Zero();    ///< m
+  Vec3 normal = Vec3::UnitX();  ///< of any length > 0
+};
+struct EverywhereRegion {};
+
+/// A part of space in material coordinates: what of a body lies inside it is meant. Closed: the border belongs to it.
+using Region = std::variant<EverywhereRegion, BoxRegion, SphereRegion, HalfSpaceRegion>;
+
+/// Signed distance to the border of the region, m, negative inside; -inf for everywhere.
+[[nodiscard]] double signedDistance(const Region &region, const Vec3 &x);
+/// Unit normal, outwards, at the point of the border nearest to x (one of them where several are as near); zero for
+/// everywhere.
+[[nodiscard]] Vec3 borderNormal(const Region &region, const Vec3 &x);
+/// Without tolerance: exactly on the border is inside.
+[[nodiscard]] inline bool contains(const Region &region, const Vec3 &x) { return signedDistance(region, x) <= 0.0; }
+/// The same region in a frame whose origin is at `offset`: its coordinates less the offset.
+[[nodiscard]] Region shifted(const Region &region, const Vec3 &offset);
+/// What is wrong with it (min above max, radius <= 0, normal of no length, not finite), or nothing.
+[[nodiscard]] Result<void> validate(const Region &region);
+
+}  // namespace pointbased

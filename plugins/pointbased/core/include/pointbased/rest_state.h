@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "pointbased/lattice.h"
+#include "pointbased/neighborhood.h"
+#include "pointbased/sampling.h"
+#include "pointbased/supports.h"
+#include "pointbased/contact.h"
+
+namespace pointbased {
+
+enum class Evaluation {
+  stressPoints,  ///< one point per lattice cell that the body cuts: accurate; needs a shape to fill
+  phyxels        ///< one point per phyxel (Müller et al. 2004): any cloud
+};
+
+/// What holds and loads a body, resolved onto its phyxels.
+struct BoundaryConditions {
+  std::vector<Fix> fixes;
+  std::vector<HeldPart> held;  ///< one per fix
+  std::vector<Load> loads;
+  std::vector<LoadedPart> loaded;  ///< one per load
+};
+
+/// What follows from the reference shape; const once it is built. Positions are relative to `origin`, so that a body far
+/// from the world's origin loses no digits.
+struct RestState {
+  Evaluation evaluation = Evaluation::phyxels;
+  Vec3 origin = Vec3::Zero();      ///< world, m
+  double spacing = 0.0;            ///< m
+  double shapeVolume = 0.0;        ///< m³, of the shape that was filled
+  std::vector<Vec3> positions;     ///< [phyxels] X, m
+  std::vector<double> volumes;     ///< [phyxels] m³
+  Csr neighbors;                   ///< [phyxels] those that share an evaluation point; symmetric, without itself
+  StencilSet stencils;             ///< evaluation points
+  std::vector<Vec3> pointCentres;  ///< [points] m
+  Interpolation surfels;           ///< the vertices of the surface
+  std::vector<Vec3> surfelNormals; ///< unit; empty: points without normals
+  ContactPoints contact;
+  Binder bind;                     ///< material points, frame of the phyxels
+  BoundaryConditions conditions;
+  std::size_t components = 1;      ///< connected parts
+
+  [[nodiscard]] std::size_t phyxelCount() const { return positions.size(); }
+  [[nodiscard]] std::size_t pointCount() const { return stencils.pointCount(); }
+};
+
+/// How a shape becomes a body.
+struct BodyRecipe {
+  Evaluation evaluation = Evaluation::stressPoints;
+  LatticeSampling sampling;  ///< `held` is filled from `fixes`
+  NeighborChoice neighbors;  ///< of Evaluation::phyxels
+  std::vector<Fix> fixes;
+  std::vector<Load> loads;
+};
+
+/// Fills a shape and binds everything that belongs to it: surfels at the vertices of shape.surface with the given normals,
+/// contact points, supports and loads.
+///
+/// Errors: those of fillLattice() and fill(); "fix 2: …" and "load 0: …" for regions that meet no part of the body.
+[[nodiscard]] Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, const BodyRecipe &recipe,
+                                                                      std::span<const Vec3> surfelNormals,
+                                                                      const ParallelFor &parallelFor,
+                                                                      const SamplingProgress &progress = {});
+
+/// A cloud of phyxels as it is, evaluated at the phyxels; without a surface it touches with balls of contactRadii.
+/// @param surface  world, m; may be empty
+[[nodiscard]] std::shared_ptr<const RestState> buildRestState(const PhyxelCloud &cloud, const NeighborChoice &choice,
+                                                              double shapeVolume, const Surface &surface,
+                                                              std::span<const Vec3> surfelNormals,
+                                                              const ParallelFor &parallelFor);
+
+struct Neighbours {
+  std::size_t min = 0, max = 0;
+  double mean = 0.0;
+};
+[[nodiscard]] Neighbours countNeighbours(const RestState &rest);
+
+/// F of every phyxel from those of the points: itself for Evaluation::phyxels, else the volume-weighted mean of the points
+/// it belongs to.
+void phyxelGradients(const RestState &rest, std::span<const Mat3> pointGradients, std::span<Mat3> out);
+
+}  // namespace pointbased

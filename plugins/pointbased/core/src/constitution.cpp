@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/constitution.h"
+
+#include <algorithm>
+
+namespace pointbased {
+namespace {
+
+template <class Predicate>
+bool anyOf(const Constitution &constitution, Predicate predicate) {
+  return std::any_of(constitution.materials.begin(), constitution.materials.end(), predicate);
+}
+
+}  // namespace
+
+bool Constitution::viscous() const {
+  return anyOf(*this, [](const Material &m) { return m.viscosity > 0.0; });
+}
+
+bool Constitution::relaxing() const {
+  return anyOf(*this, [](const Material &m) { return m.relaxes(); });
+}
+
+bool Constitution::plastic() const {
+  return anyOf(*this, [](const Material &m) { return m.plastic.enabled(); });
+}
+
+void PointHistory::reset(const Constitution &constitution, std::size_t points) {
+  plasticInverse.assign(constitution.plastic() ? points : 0, Mat3::Identity());
+  prony.assign(constitution.relaxing() ? points : 0, PronyPoint());
+}
+
+}  // namespace pointbased

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "pointbased/contact.h"
+
+namespace pointbased {
+namespace {
+
+// What a body begins inside is led out at this speed.
+constexpr double kRecoverySpeed = 0.1;  // m/s
+
+struct Penalised {
+  double gap = 0.0;          // m
+  Vec3 shear = Vec3::Zero(); // m
+  double k = 0.0;            // N/m
+  double grip = 0.0;         // N, mu N
+  double elastic = 0.0;      // m, shear that friction holds
+};
+
+Penalised penalised(const ContactPoints &points, const ContactPenalty &penalty, const Contact &contact,
+                    std::span<const Vec3> start, std::span<const Vec3> now) {
+  const Interpolation &b = points.binding;
+  Vec3 way = -penalty.h * contact.surfaceVelocity;
+  for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e) {
+    const Index j = b.phyxels.indices[e];
+    way += b.weights[e] * (now[j] - start[j]);
+  }
+  Penalised out;
+  const double normal = way.dot(contact.normal);
+  out.gap = contact.gap + contact.allowance + normal;
+  out.shear = contact.shear + way - normal * contact.normal;
+  out.k = penalty.stiffness * points.areas[contact.point] / penalty.spacing;
+  out.grip = contact.friction * contact.normalForce;
+  out.elastic = out.k > 0.0 ? out.grip / out.k : 0.0;
+  return out;
+}
+
+Vec3 forceOf(const Penalised &s, const Vec3 &normal) {
+  Vec3 force = Vec3::Zero();
+  if (s.gap < 0.0) force -= s.k * s.gap * normal;
+  if (s.grip > 0.0) {
+    const double size = s.shear.norm();
+    force -= (size <= s.elastic ? s.k : s.grip / size) * s.shear;
+  }
+  return force;
+}
+
+Mat3 hessianOf(const Penalised &s, const Vec3 &normal) {
+  Mat3 H = Mat3::Zero();
+  const Mat3 nn = normal * normal.transpose();
+  if (s.gap < 0.0) H += s.k * nn;
+  if (s.grip > 0.0) {
+    const Mat3 T = Mat3::Identity() - nn;
+    const double size = s.shear.norm();
+    if (size <= s.elastic)
+      H += s.k * T;
+    else
+      H += s.grip / size * (T - s.shear * s.shear.transpose() / (size * size));
+  }
+  return H;
+}
+
+bool acts(const Penalised &s) { return s.gap < 0.0 || s.grip > 0.0; }
+
+}  // namespace
+
+double contactEnergy(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+                     std::span<const Vec3> start, std::span<const Vec3> now) {
+  double energy = 0.0;
+  for (const Contact &contact : memory.active) {
+    const Penalised s = penalised(points, penalty, contact, start, now);
+    if (s.gap < 0.0) energy += 0.5 * s.k * s.gap * s.gap;
+    if (s.grip > 0.0) {
+      const double size = s.shear.norm();
+      energy += size <= s.elastic ? 0.5 * s.k * size * size : s.grip * (size - 0.5 * s.elastic);
+    }
+  }
+  return energy;
+}
+
+void addContactForces(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+                      std::span<const Vec3> start, std::span<const Vec3> now, std::span<Vec3> forces) {
+  const Interpolation &b = points.binding;
+  for (const Contact &contact : memory.active) {
+    const Penalised s = penalised(points, penalty, contact, start, now);
+    if (!acts(s)) continue;
+    const Vec3 force = forceOf(s, contact.normal);
+    for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e)
+      forces[b.phyxels.indices[e]] += b.weights[e] * force;
+  }
+}
+
+void addContactProduct(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+                       std::span<const Vec3> start, std::span<const Vec3> now, std::span<const Vec3> du,
+                       std::span<Vec3> out) {
+  const Interpolation &b = points.binding;
+  for (const Contact &contact : memory.active) {
+    const Penalised s = penalised(points, penalty, contact, start, now);
+    if (!acts(s)) continue;
+    Vec3 d = Vec3::Zero();
+    for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e)
+      d += b.weights[e] * du[b.phyxels.indices[e]];
+    const Vec3 force = hessianOf(s, contact.normal) * d;
+    for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e)
+      out[b.phyxels.indices[e]] += b.weights[e] * force;
+  }
+}
+
+void addContactBlocks(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+                      std::span<const Vec3> start, std::span<const Vec3> now, std::span<Mat3> blocks) {
+  const Interpolation &b = points.binding;
+  for (const Contact &contact : memory.active) {
+    const Penalised s = penalised(points, penalty, contact, start, now);
+    if (!acts(s)) continue;
+    const Mat3 H = hessianOf(s, contact.normal);
+    for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e)
+      blocks[b.phyxels.indices[e]] += b.weights[e] * b.weights[e] * H;
+  }
+}
+
+void addContactTriplets(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+                        std::span<const Vec3> start, std::span<const Vec3> now,
+                        std::vector<Eigen::Triplet<double>> &out) {
+  const Interpolation &b = points.binding;
+  for (const Contact &contact : memory.active) {
+    const Penalised s = penalised(points, penalty, contact, start, now);
+    if (!acts(s)) continue;
+    const Mat3 H = hessianOf(s, contact.normal);
+    for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e)
+      for (Index f = b.phyxels.offsets[contact.point]; f < b.phyxels.offsets[contact.point + 1]; ++f)
+        for (int r = 0; r < 3; ++r)
+          for (int c = 0; c < 3; ++c)
+            out.emplace_back(static_cast<int>(3 * b.phyxels.indices[e]) + r,
+                             static_cast<int>(3 * b.phyxels.indices[f]) + c, b.weights[e] * b.weights[f] * H(r, c));
+  }
+}
+
+void updateNormalForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                        std::span<const Vec3> now, ContactMemory &memory) {
+  for (Contact &contact : memory.active) {
+    const Penalised s = penalised(points, penalty, contact, start, now);
+    contact.normalForce = s.gap < 0.0 ? -s.k * s.gap : 0.0;
+    contact.normalImpulse = penalty.h * contact.normalForce;
+  }
+}
+
+void finishContactStage(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                        std::span<const Vec3> now, ContactMemory &memory) {
+  for (Contact &contact : memory.active) {
+    const Penalised s = penalised(points, penalty, contact, start, now);
+    const double size = s.shear.norm();
+    contact.shear = size > s.elastic ? Vec3(s.elastic / size * s.shear) : s.shear;
+    contact.allowance = std::max(0.0, contact.allowance - kRecoverySpeed * penalty.h);
+  }
+}
+
+}  // namespace pointbased

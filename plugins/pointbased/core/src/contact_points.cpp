@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "pointbased/contact.h"
+
+namespace pointbased {
+namespace {
+
+struct VoxelHash {
+  std::size_t operator()(const std::array<std::int64_t, 3> &v) const {
+    return static_cast<std::size_t>(v[0] * 73856093 ^ v[1] * 19349663 ^ v[2] * 83492791);
+  }
+};
+
+}  // namespace
+
+SurfacePoints chooseContactPoints(const Surface &surface, double spacing) {
+  SurfacePoints out;
+  std::unordered_map<std::array<std::int64_t, 3>, std::size_t, VoxelHash> kept;
+  const double voxel = 0.5 * spacing;
+  const auto add = [&](const Vec3 &x, const Vec3 &normal, double area, Index triangle) {
+    const std::array<std::int64_t, 3> key{static_cast<std::int64_t>(std::floor(x[0] / voxel)),
+                                          static_cast<std::int64_t>(std::floor(x[1] / voxel)),
+                                          static_cast<std::int64_t>(std::floor(x[2] / voxel))};
+    const auto [found, isNew] = kept.try_emplace(key, out.positions.size());
+    if (isNew) {
+      out.positions.push_back(x);
+      out.normals.push_back(Vec3::Zero());
+      out.areas.push_back(0.0);
+      out.triangles.push_back(triangle);
+    }
+    out.areas[found->second] += area;
+    out.normals[found->second] += area * normal;
+  };
+  // Vertices first, so that they are what is kept of a voxel: corners and edges are where contact begins.
+  for (const int pass : {0, 1})
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+      const auto &corners = surface.triangles[t];
+      const Vec3 &a = surface.positions[corners[0]], &b = surface.positions[corners[1]], &c = surface.positions[corners[2]];
+      const Vec3 cross = (b - a).cross(c - a);
+      const double doubled = cross.norm();
+      if (!(doubled > 0.0)) continue;
+      const double longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+      const int n = std::max(1, static_cast<int>(std::ceil(longest / (0.5 * spacing) - 1e-9)));
+      const double share = 0.5 * doubled / (0.5 * (n + 1) * (n + 2));
+      for (int i = 0; i <= n; ++i)
+        for (int j = 0; i + j <= n; ++j) {
+          const bool vertex = (i == 0 && j == 0) || i == n || j == n;
+          if (vertex != (pass == 0)) continue;
+          const double s = static_cast<double>(i) / n, r = static_cast<double>(j) / n;
+          add(a + s * (b - a) + r * (c - a), cross / doubled, share, static_cast<Index>(t));
+        }
+    }
+  for (std::size_t p = 0; p < out.count(); ++p) {
+    const double length = out.normals[p].norm();
+    if (length > 1e-12 * out.areas[p]) {
+      out.normals[p] /= length;
+    } else {
+      const auto &corners = surface.triangles[out.triangles[p]];
+      out.normals[p] = (surface.positions[corners[1]] - surface.positions[corners[0]])
+                           .cross(surface.positions[corners[2]] - surface.positions[corners[0]])
+                           .normalized();
+    }
+  }
+  return out;
+}
+
+}  // namespace pointbased

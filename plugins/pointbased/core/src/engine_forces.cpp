@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/engine.h"
+
+#include "entry_forces.h"
+#include "point_response.h"
+
+namespace pointbased {
+
+using namespace detail;
+
+namespace {
+
+// What every point of a run does to the phyxels of its stencil; the anchor takes the opposite of the sum.
+template <Control control>
+void pointForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> X,
+                 std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                 std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
+  const ModalEnergy modal(material, stabilisation);
+  const bool linear = material.law == MaterialLaw::linear;
+  for (std::size_t q = from; q < to; ++q) {
+    if constexpr (control == Control::modal) {
+      const ModalPoint point(modal, s, q, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u));
+      Mat3 stress = stresses[q];
+      if (!linear) stress += point.A * point.QD.transpose();
+      spread(ModalConjugates(stress, point.FQ * point.D, point.twistStiffness * point.twist), s, q, entryForces);
+    } else if constexpr (control == Control::isotropic) {
+      Mat3 stress = stresses[q];
+      const double scale = s.rank[q] > 0 ? residualScale(material, stabilisation, s.volumes[q]) : 0.0;
+      const ResidualPoint residual(s, q, gradients[q]);
+      if (s.rank[q] < 3) stress += scale * residual.stress(X, u);
+      const Index anchor = s.phyxels.indices[s.phyxels.offsets[q]];
+      spread(s, q, entryForces, [&](Index e) -> Vec3 {
+        const Offset offset(X, u, s.phyxels.indices[e], anchor);
+        return stress * s.gradients[e] + scale * s.weights[e] * residual.direction(offset);
+      });
+    } else {
+      spread(s, q, entryForces, [&](Index e) -> Vec3 { return stresses[q] * s.gradients[e]; });
+    }
+  }
+}
+
+}  // namespace
+
+void internalForces(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                    std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor) {
+  const Control control = controlOf(constitution, s);
+  runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
+      const auto run = control == Control::modal       ? pointForces<Control::modal>
+                       : control == Control::isotropic ? pointForces<Control::isotropic>
+                                                       : pointForces<Control::none>;
+      run(material, constitution.stabilisation, s, X, u, gradients, stresses, entryForces, from, to);
+    });
+  });
+  gather<Vec3>(s, entryForces, forces, parallelFor);
+}
+
+}  // namespace pointbased

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a point's stress and modal forces reach the phyxels of its stencil. Private to the core.
+#pragma once
+
+#include "modes.h"
+
+namespace pointbased::detail {
+
+/// Entry e gets -pull(e), the anchor the opposite of the sum.
+template <class Pull>
+void spread(const StencilSet &s, std::size_t q, std::span<Vec3> entries, Pull &&pull) {
+  const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
+  Vec3 sum = Vec3::Zero();
+  for (Index e = first + 1; e < last; ++e) {
+    const Vec3 f = pull(e);
+    entries[e] = -f;
+    sum += f;
+  }
+  entries[first] = sum;
+}
+
+/// What multiplies g and γ of an entry, in columns padded for vector registers.
+struct ModalConjugates {
+  Eigen::Matrix<double, 4, 7> columns;
+
+  ModalConjugates(const Mat3 &stress, const Mat3 &modes, const Vec3 &twist) {
+    for (int c = 0; c < 3; ++c) {
+      columns.col(c) = padded(stress.col(c));
+      columns.col(3 + c) = padded(modes.col(c));
+    }
+    columns.col(6) = padded(twist);
+  }
+};
+
+inline void spread(const ModalConjugates &conjugates, const StencilSet &s, std::size_t q, std::span<Vec3> entries) {
+  const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
+  const auto &C = conjugates.columns;
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  for (Index e = first + 1; e < last; ++e) {
+    const Vec3 &g = s.gradients[e];
+    const Eigen::Vector4d &row = s.modes[e];
+    Eigen::Vector4d f = C.col(0) * g[0] + C.col(1) * g[1] + C.col(2) * g[2];
+    for (int m = 0; m < 4; ++m) f += C.col(3 + m) * row[m];
+    entries[e] = -f.head<3>();
+    sum += f;
+  }
+  entries[first] = sum.head<3>();
+}
+
+}  // namespace pointbased::detail

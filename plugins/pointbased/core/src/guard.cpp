@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pointbased {
+namespace {
+
+std::string number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+// Potential of the dead loads and of gravity, relative to the start, J.
+double potential(const Body &body, const Vec3 &gravity) {
+  double energy = 0.0;
+  for (std::size_t i = 0; i < body.masses().size(); ++i)
+    energy -= body.masses()[i] * gravity.dot(body.state().displacements[i]);
+  const BoundaryConditions &conditions = body.rest().conditions;
+  for (std::size_t l = 0; l < conditions.loads.size(); ++l) {
+    const Interpolation &points = conditions.loaded[l].points;
+    for (std::size_t p = 0; p < points.count(); ++p) {
+      Vec3 u = Vec3::Zero();
+      for (Index e = points.phyxels.offsets[p]; e < points.phyxels.offsets[p + 1]; ++e)
+        u += points.weights[e] * body.state().displacements[points.phyxels.indices[e]];
+      energy -= conditions.loaded[l].shares[p] * conditions.loads[l].force.dot(u) -
+                conditions.loads[l].pressure * conditions.loaded[l].areaVectors[p].dot(u);
+    }
+  }
+  return energy;
+}
+
+}  // namespace
+
+GuardView lookAt(const Body &body) {
+  GuardView view;
+  const State &state = body.state();
+  Vec3 sum = Vec3::Zero();
+  double all = 0.0;
+  for (std::size_t i = 0; i < state.velocities.size(); ++i) {
+    sum += state.velocities[i];
+    all += state.displacements[i].squaredNorm();
+  }
+  view.finite = std::isfinite(all) && sum.allFinite();
+  if (!view.finite || state.velocities.empty()) return view;
+  const Vec3 mean = sum / static_cast<double>(state.velocities.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < state.velocities.size(); ++i) {
+    const double squared = (state.velocities[i] - mean).squaredNorm();
+    if (squared > largest) {
+      largest = squared;
+      view.fastestPhyxel = static_cast<Index>(i);
+    }
+  }
+  view.fastest = std::sqrt(largest);
+  return view;
+}
+
+std::optional<GuardFinding> firstNonFinite(const Body &body) {
+  const State &state = body.state();
+  for (std::size_t i = 0; i < state.velocities.size(); ++i) {
+    const bool velocity = state.velocities[i].allFinite();
+    if (velocity && state.displacements[i].allFinite()) continue;
+    return GuardFinding{static_cast<Index>(i), std::string("the ") + (velocity ? "displacement" : "velocity") + " is not finite",
+                        "a smaller solver.dt, solver.integrator = \"implicit\", more solver.damping or material.viscosity"};
+  }
+  return std::nullopt;
+}
+
+std::optional<GuardFinding> EnergyWatch::look(const Body &body, const Vec3 &gravity, bool driven) {
+  const ElasticEnergy elastic = body.elasticEnergy();
+  const double stored = elastic.strain + elastic.stabilisation, kinetic = body.kineticEnergy();
+  double total = kinetic + stored + potential(body, gravity) +
+                 body.patches().energy(body.lastPatchTargets(), body.state().displacements);
+  const double scale = std::max(kinetic, stored);
+  const bool comparable = known_ && !driven;
+  const double growth = total - total_, allowed = kGrowth * std::max(scale, scale_) + 1e-12;
+  known_ = true;
+  total_ = total;
+  scale_ = scale;
+  if (!comparable || growth <= allowed) return std::nullopt;
+  known_ = false;
+  const GuardView view = lookAt(body);
+  return GuardFinding{view.fastestPhyxel,
+                      "the energy has grown by " + number(growth) + " J with nothing driving it (kinetic " + number(kinetic) +
+                          " J, elastic " + number(stored) + " J)",
+                      "a smaller solver.dt, solver.integrator = \"implicit\" or more material.viscosity"};
+}
+
+}  // namespace pointbased

@@ -1,0 +1,442 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "pointbased/integrators.h"
+
+namespace pointbased {
+namespace {
+
+// Stiffness of contact in units of E A / d: a body of height H presses itself in by rho g H / (kContactStiffness E / d).
+constexpr double kContactStiffness = 30.0;
+constexpr double kContactMargin = 0.02;  // spacings
+constexpr int kContactRounds = 4;        // solutions of a stage until no point meets a surface that was not known
+constexpr int kFlowRounds = 30;          // of a static equilibrium with plastic flow
+
+std::string number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+double largestModulus(const Constitution &constitution) {
+  double modulus = 0.0;
+  for (const Material &m : constitution.materials) modulus = std::max(modulus, m.youngsModulus);
+  return modulus;
+}
+
+// One stage: base position and velocity, the length h, and the end time at which loads and supports count.
+struct ImplicitStage {
+  double h = 0.0;        // s; 0: static
+  double end = 0.0;      // s, or load factor
+  double contactSpan = 0.0;  // s (or load factor) over which contact planes move
+  std::vector<Vec3> p, q;
+  double holding = 0.0;  // 1/s²: static, of the inertia that holds what nothing else does
+};
+
+class StageProblem final : public Equilibrium {
+ public:
+  StageProblem(Body &body, const Environment &env, const ImplicitStage &stage)
+      : body_(body), env_(env), stage_(stage), n_(body.rest().phyxelCount()) {
+    a_ = stage.h > 0.0 ? 1.0 / (stage.h * stage.h) : stage.holding;
+    damping_ = stage.h > 0.0 ? env.damping / stage.h : 0.0;
+    const BoundaryConditions &conditions = body.rest().conditions;
+    dead_.assign(n_, Vec3::Zero());
+    for (std::size_t l = 0; l < conditions.loads.size(); ++l) {
+      const Load &load = conditions.loads[l];
+      if (load.pressure != 0.0 && load.follower)
+        followers_ = true;
+      else
+        addLoadForces(load, conditions.loaded[l], body.factor(load.ramp, stage.end), body.state().displacements, dead_);
+    }
+    for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.masses()[i] * env.gravity;
+    const Constitution &c = body.constitution();
+    dissipative_ = stage.h > 0.0 && (c.viscous() || c.relaxing());
+    work_.assign(n_, Vec3::Zero());
+    contact_ = env.contact() && body.rest().contact.count() > 0;
+    penalty_ = {kContactStiffness * largestModulus(c), body.rest().spacing, stage.contactSpan};
+    start_ = body.state().displacements;
+    (void)body.patchTargets(stage.end);
+  }
+
+  [[nodiscard]] ContactPenalty &penalty() { return penalty_; }
+  [[nodiscard]] std::span<const Vec3> start() const { return start_; }
+
+  [[nodiscard]] std::size_t phyxels() const override { return n_; }
+  [[nodiscard]] std::span<const std::uint8_t> prescribed() const override { return body_.heldMask(); }
+
+  [[nodiscard]] bool moveTo(std::span<const Vec3> u) override {
+    State &state = body_.state();
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      state.displacements[i] = u[i];
+      if (stage_.h > 0.0) state.velocities[i] = (u[i] - stage_.p[i]) / stage_.h;
+      sum += u[i].squaredNorm();
+    }
+    if (!std::isfinite(sum)) return false;
+    body_.computeGradients(*env_.parallelFor);
+    workCurrent_ = false;
+    return true;
+  }
+
+  [[nodiscard]] double energy() override {
+    const State &state = body_.state();
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) {
+      const Vec3 &u = state.displacements[i];
+      const double m = body_.masses()[i];
+      if (stage_.h > 0.0)
+        sum += 0.5 * a_ * m * (u - stage_.p[i] - stage_.h * stage_.q[i]).squaredNorm() +
+               0.5 * damping_ * m * (u - stage_.p[i]).squaredNorm();
+      else if (a_ > 0.0)
+        sum += 0.5 * a_ * m * (u - start_[i]).squaredNorm();
+      sum -= dead_[i].dot(u);
+    }
+    const ElasticEnergy elastic = body_.elasticEnergy();
+    sum += elastic.strain + elastic.stabilisation;
+    if (body_.patches().rows() > 0) sum += body_.patches().energy(targets(), state.displacements);
+    if (contact_) sum += contactEnergy(body_.rest().contact, body_.contact, penalty_, start_, state.displacements);
+    if (followers_ || dissipative_) {
+      computeWork();
+      double work = 0.0;
+      for (std::size_t i = 0; i < n_; ++i)
+        work += 0.5 * (work_[i] + (reference_.empty() ? work_[i] : referenceWork_[i]))
+                          .dot(state.displacements[i] - (reference_.empty() ? start_[i] : reference_[i]));
+      sum += referenceEnergy_ - work;
+    }
+    return sum;
+  }
+
+  void gradient(std::span<Vec3> out) override {
+    State &state = body_.state();
+    if (followers_ || dissipative_) {
+      computeWork();
+      double work = 0.0;
+      for (std::size_t i = 0; i < n_ && !reference_.empty(); ++i)
+        work += 0.5 * (work_[i] + referenceWork_[i]).dot(state.displacements[i] - reference_[i]);
+      referenceEnergy_ -= work;
+      reference_ = state.displacements;
+      referenceWork_ = work_;
+    }
+    body_.computeElasticStresses(*env_.parallelFor);
+    body_.computeInternalForces(*env_.parallelFor);
+    if (body_.patches().rows() > 0) body_.patches().updateForces(targets(), state.displacements);
+    forces_.assign(body_.forces().begin(), body_.forces().end());
+    if (body_.patches().rows() > 0) body_.patches().addForces(forces_);
+    if (contact_) addContactForces(body_.rest().contact, body_.contact, penalty_, start_, state.displacements, forces_);
+    for (std::size_t i = 0; i < n_; ++i) {
+      const double m = body_.masses()[i];
+      Vec3 g = -forces_[i] - dead_[i] - work_[i];
+      if (stage_.h > 0.0)
+        g += a_ * m * (state.displacements[i] - stage_.p[i] - stage_.h * stage_.q[i]) +
+             damping_ * m * (state.displacements[i] - stage_.p[i]);
+      else if (a_ > 0.0)
+        g += a_ * m * (state.displacements[i] - start_[i]);
+      out[i] = g;
+    }
+  }
+
+  void product(std::span<const Vec3> du, std::span<Vec3> out) override {
+    const RestState &rest = body_.rest();
+    forceDifferential(body_.constitution(), rest.stencils, rest.positions, body_.state().displacements, body_.gradients(),
+                      history(), dt(), viscousScale(), du, scratch_, out, *env_.parallelFor);
+    for (std::size_t i = 0; i < n_; ++i) out[i] = (a_ + damping_) * body_.masses()[i] * du[i] - out[i];
+    if (body_.patches().rows() > 0) body_.patches().addProduct(du, out);
+    if (contact_)
+      addContactProduct(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, du, out);
+  }
+
+  void diagonalBlocks(std::span<Mat3> out) override {
+    const RestState &rest = body_.rest();
+    stiffnessBlocks(body_.constitution(), rest.stencils, rest.positions, body_.state().displacements, body_.gradients(),
+                    history(), dt(), viscousScale(), out, *env_.parallelFor);
+    for (std::size_t i = 0; i < n_; ++i) out[i].diagonal().array() += (a_ + damping_) * body_.masses()[i];
+    if (body_.patches().rows() > 0) body_.patches().addDiagonal(out);
+    if (contact_) addContactBlocks(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, out);
+  }
+
+  [[nodiscard]] bool assemble(Eigen::SparseMatrix<double> &out) override {
+    const RestState &rest = body_.rest();
+    triplets_.clear();
+    stiffnessTriplets(body_.constitution(), rest.stencils, rest.positions, body_.state().displacements, body_.gradients(),
+                      history(), dt(), viscousScale(), triplets_);
+    for (std::size_t i = 0; i < n_; ++i)
+      for (int c = 0; c < 3; ++c) {
+        const int row = static_cast<int>(3 * i) + c;
+        triplets_.emplace_back(row, row, (a_ + damping_) * body_.masses()[i]);
+      }
+    if (body_.patches().rows() > 0) body_.patches().addTriplets(triplets_);
+    if (contact_)
+      addContactTriplets(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, triplets_);
+    out.resize(static_cast<Eigen::Index>(3 * n_), static_cast<Eigen::Index>(3 * n_));
+    out.setFromTriplets(triplets_.begin(), triplets_.end());
+    return true;
+  }
+
+ private:
+  [[nodiscard]] std::span<const Vec3> targets() { return body_.patchTargets(stage_.end); }
+  [[nodiscard]] double dt() const { return dissipative_ ? stage_.h : 0.0; }
+  [[nodiscard]] double viscousScale() const { return dissipative_ ? 1.0 / stage_.h : 0.0; }
+  [[nodiscard]] const PointHistory &history() const {
+    return dissipative_ && !body_.state().history.prony.empty() ? trialWithFlow_ : body_.state().history;
+  }
+
+  // Forces that have no potential, at the present displacements: followers; viscous and relaxing stresses as the
+  // difference to the elastic ones.
+  void computeWork() {
+    if (workCurrent_) return;
+    workCurrent_ = true;
+    std::fill(work_.begin(), work_.end(), Vec3::Zero());
+    const BoundaryConditions &conditions = body_.rest().conditions;
+    for (std::size_t l = 0; l < conditions.loads.size(); ++l)
+      if (conditions.loads[l].pressure != 0.0 && conditions.loads[l].follower)
+        addLoadForces(conditions.loads[l], conditions.loaded[l], body_.factor(conditions.loads[l].ramp, stage_.end),
+                      body_.state().displacements, work_);
+    if (!dissipative_) return;
+    const ParallelFor &parallelFor = *env_.parallelFor;
+    body_.computeElasticStresses(parallelFor);
+    body_.computeInternalForces(parallelFor);
+    for (std::size_t i = 0; i < n_; ++i) work_[i] -= body_.forces()[i];
+    body_.computeTrialStresses(stage_.h, parallelFor);
+    body_.computeInternalForces(parallelFor);
+    for (std::size_t i = 0; i < n_; ++i) work_[i] += body_.forces()[i];
+    if (!body_.state().history.prony.empty()) {
+      trialWithFlow_.prony = body_.trialHistory().prony;
+      trialWithFlow_.plasticInverse = body_.state().history.plasticInverse;
+    }
+  }
+
+  Body &body_;
+  const Environment &env_;
+  const ImplicitStage &stage_;
+  std::size_t n_;
+  double a_ = 0.0, damping_ = 0.0;
+  bool followers_ = false, dissipative_ = false, contact_ = false, workCurrent_ = false;
+  std::vector<Vec3> dead_, work_, start_, forces_;
+  std::vector<Vec3> reference_, referenceWork_;
+  double referenceEnergy_ = 0.0;
+  PointHistory trialWithFlow_;
+  ContactPenalty penalty_;
+  TangentScratch scratch_;
+  std::vector<Eigen::Triplet<double>> triplets_;
+};
+
+NewtonSettings settingsOf(const Body &body, const Environment &env, bool isStatic) {
+  NewtonSettings settings;
+  settings.toleranceDisplacement =
+      env.tolerance > 0.0 ? env.tolerance : (isStatic ? 1e-6 : 1e-5) * body.rest().spacing;
+  settings.preconditioner = env.preconditioner;
+  settings.maxIterations = isStatic ? 60 : 30;
+  return settings;
+}
+
+std::string explain(const Body &body, const NewtonResult &result) {
+  switch (result.outcome) {
+    case NewtonOutcome::converged: return {};
+    case NewtonOutcome::cancelled: return "cancelled";
+    default: break;
+  }
+  const char *what = result.outcome == NewtonOutcome::iterationLimit ? "the equilibrium was not found in time"
+                     : result.outcome == NewtonOutcome::notFinite    ? "a quantity is not finite"
+                                                                     : "the energy could not be lowered further";
+  return "body '" + body.name() + "', phyxel " + std::to_string(result.worst) + ": " + what + " (residual " +
+         number(result.residual) + " N after " + std::to_string(result.iterations) + " iterations, last correction " +
+         number(1000.0 * result.lastStep) + " mm)";
+}
+
+// Solves a stage with its contacts; body.state() is the end of it. `from` is the time at which the planes are looked for.
+NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage, double from,
+                        const std::function<bool()> &goOn) {
+  const bool contact = env.contact() && body.rest().contact.count() > 0;
+  const ParallelFor &parallelFor = *env.parallelFor;
+  StageProblem problem(body, env, stage);
+  const NewtonSettings settings = settingsOf(body, env, stage.h <= 0.0);
+  const std::vector<Vec3> start = body.state().displacements, startVelocities = body.state().velocities;
+  std::vector<Vec3> u = start;
+  if (stage.h > 0.0)
+    for (std::size_t i = 0; i < u.size(); ++i) u[i] = stage.p[i] + stage.h * stage.q[i];
+  // Held phyxels and whatever they carry start where they have to be.
+  body.placeHeld(stage.end, false);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    if (!body.heldMask().empty() && body.heldMask()[i]) u[i] = body.state().displacements[i];
+
+  NewtonResult result;
+  const int rounds = contact ? kContactRounds : 1;
+  for (int round = 0; round < rounds; ++round) {
+    if (contact) {
+      // Looked for along the way that the last solution went.
+      body.state().displacements = start;
+      for (std::size_t i = 0; i < u.size(); ++i)
+        body.state().velocities[i] = stage.contactSpan > 0.0 ? Vec3((u[i] - start[i]) / stage.contactSpan) : Vec3(Vec3::Zero());
+      const std::size_t before = body.contact.active.size();
+      findContacts(env.obstacles, env.box, from, stage.contactSpan, kContactMargin * body.rest().spacing,
+                   body.contactPositions(parallelFor), body.contactVelocities(parallelFor), body.rest().contact.radii,
+                   body.contact, parallelFor);
+      if (round > 1 && body.contact.active.size() == before) break;
+    }
+    const auto watch = [&](const NewtonResult &) { return !goOn || goOn(); };
+    env.clock->measure(kSolve, [&] { result = solver.solve(problem, u, settings, watch); });
+    if (!result.good()) break;
+    if (contact) updateNormalForces(body.rest().contact, problem.penalty(), start, u, body.contact);
+  }
+  (void)problem.moveTo(u);
+  if (contact && result.good()) finishContactStage(body.rest().contact, problem.penalty(), start, u, body.contact);
+  return result;
+}
+
+// Points that press on something, ascending.
+std::vector<Index> touching(const ContactMemory &contact) {
+  std::vector<Index> points;
+  for (const Contact &c : contact.active)
+    if (c.normalForce > 0.0 && (points.empty() || points.back() != c.point)) points.push_back(c.point);
+  return points;
+}
+
+// Whether a point passes a surface on the straight way from `start` to the present state.
+bool meets(Body &body, const Environment &env, std::span<const Vec3> start, double time, double dt) {
+  State &state = body.state();
+  const std::vector<Vec3> u = state.displacements, v = state.velocities;
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    state.velocities[i] = (u[i] - start[i]) / dt;
+    state.displacements[i] = start[i];
+  }
+  const std::span<const Vec3> ways = body.contactVelocities(*env.parallelFor);
+  findContacts(env.obstacles, env.box, time, dt, kContactMargin * body.rest().spacing,
+               body.contactPositions(*env.parallelFor), ways, body.rest().contact.radii, body.contact, *env.parallelFor);
+  state.displacements = u;
+  state.velocities = v;
+  return std::any_of(body.contact.active.begin(), body.contact.active.end(), [&](const Contact &c) {
+    return c.gap + dt * (ways[c.point] - c.surfaceVelocity).dot(c.normal) < 0.0;
+  });
+}
+
+}  // namespace
+
+ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment &env, double time, double dt,
+                            Integrator scheme) {
+  State &state = body.state();
+  const std::size_t n = state.displacements.size();
+  const std::vector<Vec3> u0 = state.displacements, v0 = state.velocities;
+  const ParallelFor &parallelFor = *env.parallelFor;
+  const auto run = [&](const ImplicitStage &stage, double from) { return solveStage(body, solver, env, stage, from, {}); };
+  ImplicitResult out;
+  ImplicitStage stage;
+  // Both second-order schemes continue the forces of a first stage beyond it. Those of an impact do not go on, and would
+  // throw the body back with more than its energy: such steps are backward Euler, an inelastic impact.
+  const std::vector<Index> touchedBefore = touching(body.contact);
+  const auto backwardEuler = [&] {
+    state.displacements = u0;
+    state.velocities = v0;
+    stage = {dt, time + dt, dt, u0, v0, 0.0};
+    const int first = out.newton.iterations, firstLinear = out.newton.linearIterations;
+    out.newton = run(stage, time);
+    out.newton.iterations += first;
+    out.newton.linearIterations += firstLinear;
+  };
+  switch (scheme) {
+    case Integrator::implicitMidpoint: {
+      stage = {0.5 * dt, time + 0.5 * dt, 0.5 * dt, u0, v0, 0.0};
+      out.newton = run(stage, time);
+      if (out.newton.good() && !touching(body.contact).empty()) {
+        backwardEuler();
+        break;
+      }
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vec3 middle = state.displacements[i];
+        state.displacements[i] = 2.0 * middle - u0[i];
+        state.velocities[i] = 2.0 * (state.displacements[i] - u0[i]) / dt - v0[i];
+      }
+      // What the second half meets, the middle has not seen.
+      if (out.newton.good() && env.contact() && body.rest().contact.count() > 0 && meets(body, env, u0, time, dt))
+        backwardEuler();
+      break;
+    }
+    case Integrator::implicitSdirk: {
+      const double gamma = 1.0 - std::sqrt(0.5);
+      stage = {gamma * dt, time + gamma * dt, gamma * dt, u0, v0, 0.0};
+      out.newton = run(stage, time);
+      if (!out.newton.good()) break;
+      const std::vector<Index> touched = touching(body.contact);
+      const bool leadsOut = std::any_of(body.contact.active.begin(), body.contact.active.end(),
+                                        [](const Contact &c) { return c.allowance > 0.0; });
+      if (leadsOut || !std::includes(touchedBefore.begin(), touchedBefore.end(), touched.begin(), touched.end())) {
+        backwardEuler();
+        break;
+      }
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vec3 k = state.velocities[i], l = (state.velocities[i] - v0[i]) / (gamma * dt);
+        stage.p[i] = u0[i] + (1.0 - gamma) * dt * k;
+        stage.q[i] = v0[i] + (1.0 - gamma) * dt * l;
+      }
+      stage.end = time + dt;
+      stage.contactSpan = (1.0 - gamma) * dt;
+      const int first = out.newton.iterations, firstLinear = out.newton.linearIterations;
+      out.newton = run(stage, time + gamma * dt);
+      out.newton.iterations += first;
+      out.newton.linearIterations += firstLinear;
+      break;
+    }
+    default:
+      stage = {dt, time + dt, dt, u0, v0, 0.0};
+      out.newton = run(stage, time);
+      break;
+  }
+  if (out.failure = explain(body, out.newton); !out.failure.empty()) return out;
+
+  body.placeHeld(time + dt, true);
+  env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
+  if (!state.history.plasticInverse.empty()) env.clock->measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
+  env.clock->measure(kStresses, [&] { body.computeStresses(dt, parallelFor); });
+  env.clock->measure(kForces, [&] { body.computeForces(time + dt, parallelFor); });
+  body.forcesCurrent = true;
+  return out;
+}
+
+ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environment &env, double from, double to,
+                               const std::function<bool()> &goOn) {
+  State &state = body.state();
+  const ParallelFor &parallelFor = *env.parallelFor;
+  const double tolerance = settingsOf(body, env, true).toleranceDisplacement;
+  ImplicitResult out;
+  // Held bodies are solved as they are; the others lean on their own inertia, less and less, until they lie still.
+  double holding = 0.0;
+  if (!body.held()) {
+    const double frequency = body.restFrequency();
+    holding = 1e-4 * frequency * frequency;
+  }
+  for (int round = 0; round < 200; ++round) {
+    const ImplicitStage stage{0.0, to, to - from, {}, {}, holding};
+    const std::vector<Vec3> before = state.displacements;
+    out.newton = solveStage(body, solver, env, stage, from, goOn);
+    if (out.failure = explain(body, out.newton); !out.failure.empty()) return out;
+    bool flowed = false;
+    if (!state.history.plasticInverse.empty()) {
+      if (round >= kFlowRounds) {
+        out.failure = "body '" + body.name() + "': plastic flow has not come to rest at load factor " + number(to) +
+                      "; the load is more than the body carries";
+        return out;
+      }
+      // Without time all flow that is due takes place.
+      flowed = body.computeFlow(1e6, parallelFor) > 0;
+    }
+    double moved = 0.0;
+    for (std::size_t i = 0; i < before.size(); ++i) moved = std::max(moved, (state.displacements[i] - before[i]).norm());
+    if (holding == 0.0 && !flowed) break;
+    if (moved < tolerance && (holding == 0.0 || !flowed)) break;
+    if (round == 199) {
+      out.failure = "body '" + body.name() + "': nothing holds it against its loads at load factor " + number(to) +
+                    " (it still moves " + number(1000.0 * moved) + " mm); add a [[fix]] or an obstacle below it";
+      return out;
+    }
+    holding *= 0.5;
+  }
+  std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
+  env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
+  env.clock->measure(kStresses, [&] { body.computeStresses(0.0, parallelFor); });
+  env.clock->measure(kForces, [&] { body.computeForces(to, parallelFor); });
+  body.forcesCurrent = true;
+  return out;
+}
+
+}  // namespace pointbased

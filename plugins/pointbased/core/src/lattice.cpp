@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/lattice.h"
+
+#include <Eigen/LU>
+#include <optional>
+
+#include "cell_map.h"
+#include "lattice_held.h"
+#include "lattice_jitter.h"
+
+namespace pointbased {
+
+using namespace lattice;
+
+namespace {
+
+tl::unexpected<std::string> refuse(const std::string &text) { return tl::unexpected<std::string>(text); }
+
+Result<void> validate(const BodyShape &shape, const LatticeSampling &sampling) {
+  if (!(shape.volume > 0.0) || !std::isfinite(shape.volume))
+    return refuse("the body has a volume of " + number(shape.volume) + " m³; a finite volume > 0 is needed");
+  if (!shape.inside) return refuse("the body cannot tell which points are inside");
+  const double extent = (shape.max - shape.min).minCoeff();
+  if (!(extent > 0.0) || !shape.min.allFinite() || !shape.max.allFinite())
+    return refuse("the bounds of the body have an edge of " + number(extent) + " m; finite bounds with edges > 0 are needed");
+  if (!(sampling.spacing >= 0.0) || !std::isfinite(sampling.spacing))
+    return refuse("spacing = " + number(sampling.spacing) + " m is not accepted: finite and > 0, or 0 with a count");
+  if (sampling.spacing == 0.0 && (sampling.count < 1 || sampling.count > kMaximumPhyxels))
+    return refuse("count = " + std::to_string(sampling.count) + " is not accepted: 1 … " + std::to_string(kMaximumPhyxels));
+  if (!(sampling.jitter >= 0.0 && sampling.jitter <= 0.3))
+    return refuse("jitter = " + number(sampling.jitter) + " is not accepted: 0 … 0.3");
+  if (!(sampling.surfaceSpacing >= 0.0) || !std::isfinite(sampling.surfaceSpacing))
+    return refuse("surfaceSpacing = " + number(sampling.surfaceSpacing) + " m is not accepted: finite and >= 0");
+  if (!((sampling.axes.transpose() * sampling.axes - Mat3::Identity()).norm() < 1e-9) || !(sampling.axes.determinant() > 0.0))
+    return refuse("axes are not a rotation");
+  const auto check = [](const char *name, std::size_t i, const Region &region) -> Result<void> {
+    const Result<void> valid = validate(region);
+    return valid ? valid : refuse(std::string(name) + " " + std::to_string(i) + ": " + valid.error());
+  };
+  for (std::size_t i = 0; i < sampling.refinements.size(); ++i) {
+    const Refinement &r = sampling.refinements[i];
+    if (!(r.spacing > 0.0) || !std::isfinite(r.spacing))
+      return refuse("refinement " + std::to_string(i) + ": spacing = " + number(r.spacing) +
+                    " m is not accepted: finite and > 0");
+    if (const auto valid = check("refinement", i, r.region); !valid) return valid;
+  }
+  for (std::size_t i = 0; i < sampling.held.size(); ++i)
+    if (const auto valid = check("held region", i, sampling.held[i]); !valid) return valid;
+  for (std::size_t i = 0; i < sampling.materials.size(); ++i)
+    if (const auto valid = check("material region", i, sampling.materials[i].first); !valid) return valid;
+  return {};
+}
+
+struct Cut {
+  CellSet set;
+  PartSet parts;
+  Corners corners;
+};
+
+Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing, const ParallelFor &parallelFor,
+                     const SamplingProgress &progress) {
+  if (const auto fits = checkSize(shape, sampling.axes, spacing); !fits) return refuse(fits.error());
+  auto set = findCells(shape, sampling, spacing, parallelFor, progress);
+  if (!set) return refuse(set.error());
+  if (set->cells.empty())
+    return refuse("no point of the body was found at a spacing of " + number(spacing) +
+                  " m: the body is thinner than a tenth of it, or not closed; use a smaller spacing");
+  Cut cut;
+  cut.set = std::move(*set);
+  cut.parts = findParts(cut.set, shape, parallelFor);
+  cut.corners = joinCorners(cut.set, cut.parts);
+  if (cut.corners.positions.size() > kMaximumPhyxels)
+    return refuse("a spacing of " + number(spacing) + " m makes " + std::to_string(cut.corners.positions.size()) +
+                  " phyxels; at most " + std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
+  return cut;
+}
+
+// The number of corners falls in jumps as the spacing grows; a few corrections come within some per cent. Those of a cheap
+// estimate first, then of the real thing.
+Result<Cut> cutForCount(const BodyShape &shape, const LatticeSampling &sampling, const ParallelFor &parallelFor,
+                        const SamplingProgress &progress) {
+  constexpr int kEstimates = 16, kAttempts = 4;
+  constexpr double kCloseEnough = 0.03;
+  const auto wanted = static_cast<double>(sampling.count);
+  double target = wanted;
+  double spacing = std::cbrt(shape.volume / wanted);
+  std::optional<Cut> best;
+  double bestMiss = 1e300;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    double closest = spacing, closestMiss = 1e300, closestCount = target;
+    double tooFine = 0.0, tooCoarse = 1e300;
+    for (int i = 0; i < kEstimates; ++i) {
+      if (const auto fits = checkSize(shape, sampling.axes, spacing); !fits) return refuse(fits.error());
+      const auto found = static_cast<double>(estimateCorners(shape, sampling.axes, spacing, parallelFor));
+      const double miss = std::abs(found - target);
+      if (miss < closestMiss) {
+        closestMiss = miss;
+        closest = spacing;
+        closestCount = std::max(found, 1.0);
+      }
+      if (miss <= 0.01 * target) break;
+      (found > target ? tooFine : tooCoarse) = spacing;
+      spacing *= std::cbrt(std::max(found, 1.0) / target);
+      // Between two jumps the corrections would go to and fro.
+      if (spacing <= tooFine || spacing >= tooCoarse) spacing = 0.5 * (tooFine + tooCoarse);
+      if (spacing > 1e299 || tooCoarse - tooFine < 1e-4 * tooFine) break;
+    }
+    spacing = closest;
+    auto cut = cutCells(shape, sampling, spacing, parallelFor, progress);
+    if (!cut) return refuse(cut.error());
+    const auto found = static_cast<double>(cut->corners.positions.size());
+    if (std::abs(found - wanted) < bestMiss) {
+      bestMiss = std::abs(found - wanted);
+      best = std::move(*cut);
+    }
+    if (bestMiss <= kCloseEnough * wanted) break;
+    target = std::max(1.0, closestCount * wanted / found);
+    spacing *= std::cbrt(found / wanted);
+  }
+  return std::move(*best);
+}
+
+std::vector<PartContent> measureParts(const LatticeCellMap &map, const ParallelFor &parallelFor) {
+  std::vector<PartContent> contents(map.parts().size());
+  parallelFor(contents.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p)
+      if (map.parts()[p].kept) contents[p].all = contents[p].free = momentsOf(map.set(), map.parts()[p]);
+  });
+  return contents;
+}
+
+// Three quarters of a part's volume by N_j, a quarter evenly.
+constexpr double kEvenly = 0.25;
+
+void shareVolumes(const LatticeCellMap &map, std::span<const PartContent> contents, LatticeBody &body) {
+  const Corners &corners = map.corners();
+  body.volumes.assign(corners.positions.size(), 0.0);
+  for (std::size_t p = 0; p < contents.size(); ++p) {
+    const Part &part = map.parts()[p];
+    if (!part.kept) continue;
+    const double edge = map.set().edge(map.set().cells[part.cell]);
+    std::array<double, 8> functions = contents[p].all.functions();
+    double volume = contents[p].all.share * edge * edge * edge;
+    if (map.distorted(part.cell)) {
+      const HexahedronMeans means = meansOf(map.hexahedron(static_cast<Index>(p)));
+      functions = means.functions;
+      volume = means.volume;
+    }
+    for (std::size_t j = 0; j < 8; ++j)
+      for (std::uint32_t e = corners.offsets[part.nodes[j]]; e < corners.offsets[part.nodes[j] + 1]; ++e)
+        body.volumes[corners.phyxels[e]] +=
+            corners.weights[e] * volume * ((1.0 - kEvenly) * functions[j] + kEvenly / 8.0);
+  }
+}
+
+// s_mj: products of the signs of corner j.
+Eigen::Vector4d modeSigns(std::size_t corner) {
+  const int c = static_cast<int>(corner);
+  const double x = cornerSign(c, 0), y = cornerSign(c, 1), z = cornerSign(c, 2);
+  return {x * y, x * z, y * z, x * y * z};
+}
+
+struct PointGeometry {
+  double volume = 0.0;            // m³
+  Vec3 centre = Vec3::Zero();     // lattice axes, m
+  Vec3 spread = Vec3::Zero();     // m²
+  std::array<Vec3, 8> gradients;  // lattice axes, 1/m
+  std::array<Eigen::Vector4d, 8> modes;
+};
+
+PointGeometry pointOf(const LatticeCellMap &map, Index p, const PartContent &content) {
+  const Part &part = map.parts()[p];
+  const Cell &cell = map.set().cells[part.cell];
+  const double edge = map.set().edge(cell);
+  PointGeometry point;
+  std::array<Vec3, 8> corners;
+  if (map.distorted(part.cell)) {
+    const HexahedronMeans means = meansOf(corners = map.hexahedron(p));
+    point.volume = means.volume;
+    point.centre = means.centroid;
+    point.spread = means.variance;
+    point.gradients = means.gradients;
+    for (Vec3 &corner : corners) corner -= map.set().centre(cell);
+  } else {
+    point.volume = content.free.share * edge * edge * edge;
+    point.centre = map.set().centre(cell) + edge * content.free.centroid();
+    point.spread = edge * edge * content.free.variance();
+    point.gradients = content.free.gradients();
+    for (Vec3 &g : point.gradients) g /= edge;
+    for (int j = 0; j < 8; ++j)
+      corners[static_cast<std::size_t>(j)] = 0.5 * edge * Vec3(cornerSign(j, 0), cornerSign(j, 1), cornerSign(j, 2));
+  }
+  // Flanagan and Belytschko's projection: s - mean(s) - g · Σ s X sees no affine field.
+  Eigen::Matrix<double, 4, 3> moments = Eigen::Matrix<double, 4, 3>::Zero();
+  for (std::size_t j = 0; j < 8; ++j) moments += modeSigns(j) * corners[j].transpose();
+  const double plane = 0.5 / (edge * edge), space = 1.0 / (edge * edge * edge);
+  const Eigen::Vector4d scale = Eigen::Vector4d(plane, plane, plane, space).cwiseProduct(modeFactors(map.set(), part));
+  for (std::size_t j = 0; j < 8; ++j)
+    point.modes[j] = scale.cwiseProduct(modeSigns(j) - moments * point.gradients[j]);
+  return point;
+}
+
+void buildPoints(const LatticeCellMap &map, std::span<const PartContent> contents, LatticeBody &body) {
+  StencilSet &stencils = body.stencils;
+  const Mat3 &axes = map.set().frame.axes;
+  stencils.axes = axes;
+  Row row;
+  for (std::size_t p = 0; p < contents.size(); ++p) {
+    const Part &part = map.parts()[p];
+    if (!part.kept || !contents[p].isFree()) continue;
+    const PointGeometry point = pointOf(map, static_cast<Index>(p), contents[p]);
+    row.clear();
+    for (std::size_t j = 0; j < 8; ++j)
+      row.add(map.corners(), part.nodes[j], 0.0, axes * point.gradients[j], point.modes[j]);
+    stencils.phyxels.indices.insert(stencils.phyxels.indices.end(), row.phyxels.begin(), row.phyxels.end());
+    stencils.gradients.insert(stencils.gradients.end(), row.gradients.begin(), row.gradients.end());
+    stencils.modes.insert(stencils.modes.end(), row.modes.begin(), row.modes.end());
+    stencils.phyxels.offsets.push_back(static_cast<Index>(stencils.phyxels.indices.size()));
+    stencils.spreads.push_back(point.spread);
+    stencils.volumes.push_back(point.volume);
+    body.pointCentres.push_back(axes * point.centre);
+  }
+  stencils.rank.assign(stencils.volumes.size(), 3);
+  stencils.frameOf.assign(stencils.volumes.size(), StencilSet::kNoFrame);
+  buildGather(stencils, body.positions.size());
+}
+
+Result<void> assignMaterials(const LatticeSampling &sampling, LatticeBody &body) {
+  if (sampling.materials.empty()) return {};
+  body.stencils.materials.assign(body.pointCentres.size(), 0);
+  for (std::size_t i = 0; i < sampling.materials.size(); ++i) {
+    const auto &[region, material] = sampling.materials[i];
+    bool any = false;
+    for (std::size_t p = 0; p < body.pointCentres.size(); ++p)
+      if (contains(region, body.origin + body.pointCentres[p])) {
+        body.stencils.materials[p] = material;
+        any = true;
+      }
+    if (!any)
+      return refuse("material region " + std::to_string(i) +
+                    " holds the middle of no part of the body that can deform: it misses the body or is smaller than the "
+                    "cells");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &sampling, const ParallelFor &parallelFor,
+                                const SamplingProgress &progress) {
+  if (const auto valid = validate(shape, sampling); !valid) return refuse(valid.error());
+  const auto stage = [&](double fraction) { return !progress || progress(0.85 * fraction); };
+  auto cut = sampling.spacing > 0.0 ? cutCells(shape, sampling, sampling.spacing, parallelFor, stage)
+                                    : cutForCount(shape, sampling, parallelFor, stage);
+  if (!cut) return refuse(cut.error());
+
+  const auto map = std::make_shared<LatticeCellMap>(std::move(cut->set), std::move(cut->parts), std::move(cut->corners));
+  std::vector<PartContent> contents = measureParts(*map, parallelFor);
+  if (progress && !progress(0.88)) return refuse("cancelled");
+  const HeldPatches patches = findHeld(shape, sampling, *map, contents, parallelFor);
+  if (sampling.jitter > 0.0) jitterPhyxels(*map, contents, sampling.jitter, sampling.seed);
+  if (progress && !progress(0.92)) return refuse("cancelled");
+
+  LatticeBody body;
+  const Frame &frame = map->set().frame;
+  body.origin = frame.origin;
+  body.spacing = frame.spacing;
+  body.components = map->components();
+  body.positions.reserve(map->corners().positions.size());
+  for (const Vec3 &local : map->corners().positions) body.positions.push_back(frame.axes * local);
+  shareVolumes(*map, contents, body);
+  buildPoints(*map, contents, body);
+
+  // What was counted comes to the volume of the body.
+  double counted = 0.0;
+  for (const double v : body.volumes) counted += v;
+  const double scale = shape.volume / counted;
+  for (double &v : body.volumes) v *= scale;
+  for (double &v : body.stencils.volumes) v *= scale;
+
+  if (const auto assigned = assignMaterials(sampling, body); !assigned) return refuse(assigned.error());
+  auto held = holdLattice(shape, sampling, *map, patches, contents, scale, parallelFor);
+  if (!held) return refuse(held.error());
+  body.held = std::move(*held);
+  map->release();
+  body.cells = map;
+  if (progress && !progress(1.0)) return refuse("cancelled");
+  return body;
+}
+
+}  // namespace pointbased

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/patch_solver.h"
+
+#include <Eigen/SparseCholesky>
+
+namespace pointbased {
+
+struct PatchSolver::Impl {
+  Csr rows;
+  std::vector<double> weights, stiffness, inverseMasses;
+  std::vector<Vec3> forces;
+  Eigen::SparseMatrix<double> coupling;  // C M^-1 C^T
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
+  double factorisedDt = -1.0;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> right, change;
+
+  [[nodiscard]] Vec3 mean(std::size_t p, std::span<const Vec3> field) const {
+    Vec3 sum = Vec3::Zero();
+    for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) sum += weights[e] * field[rows.indices[e]];
+    return sum;
+  }
+};
+
+PatchSolver::PatchSolver() : impl_(std::make_unique<Impl>()) {}
+PatchSolver::~PatchSolver() = default;
+PatchSolver::PatchSolver(PatchSolver &&) noexcept = default;
+PatchSolver &PatchSolver::operator=(PatchSolver &&) noexcept = default;
+
+std::size_t PatchSolver::rows() const { return impl_->rows.rows(); }
+const Csr &PatchSolver::phyxels() const { return impl_->rows; }
+std::span<const double> PatchSolver::weights() const { return impl_->weights; }
+std::span<const double> PatchSolver::stiffness() const { return impl_->stiffness; }
+std::span<const Vec3> PatchSolver::forces() const { return impl_->forces; }
+std::vector<Vec3> &PatchSolver::forces() { return impl_->forces; }
+
+void PatchSolver::clearForces() { impl_->forces.assign(rows(), Vec3::Zero()); }
+
+void PatchSolver::set(const Csr &rows, std::span<const double> weights, std::span<const double> stiffness,
+                      std::span<const double> inverseMasses) {
+  Impl &m = *impl_;
+  m.rows = rows;
+  m.weights.assign(weights.begin(), weights.end());
+  m.stiffness.assign(stiffness.begin(), stiffness.end());
+  m.inverseMasses.assign(inverseMasses.begin(), inverseMasses.end());
+  m.factorisedDt = -1.0;
+  clearForces();
+  const auto n = static_cast<Eigen::Index>(rows.rows());
+  if (n == 0) return;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t p = 0; p < rows.rows(); ++p)
+    for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e)
+      entries.emplace_back(static_cast<int>(p), static_cast<int>(rows.indices[e]), m.weights[e]);
+  Eigen::SparseMatrix<double> C(n, static_cast<Eigen::Index>(inverseMasses.size()));
+  C.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::Map<const Eigen::VectorXd> inverse(m.inverseMasses.data(), static_cast<Eigen::Index>(inverseMasses.size()));
+  m.coupling = C * inverse.asDiagonal() * C.transpose();
+  m.right.resize(n, 3);
+}
+
+void PatchSolver::correct(double dt, std::span<const Vec3> targets, std::span<Vec3> displacements,
+                          std::span<Vec3> velocities) {
+  Impl &m = *impl_;
+  const std::size_t n = rows();
+  if (n == 0) return;
+  if (dt != m.factorisedDt) {
+    Eigen::SparseMatrix<double> A = m.coupling;
+    for (std::size_t p = 0; p < n; ++p)
+      A.coeffRef(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(p)) += 1.0 / (m.stiffness[p] * dt * dt);
+    m.factor.compute(A);
+    m.factorisedDt = dt;
+  }
+  for (std::size_t p = 0; p < n; ++p)
+    m.right.row(static_cast<Eigen::Index>(p)) =
+        ((targets[p] - m.mean(p, displacements) - m.forces[p] / m.stiffness[p]) / (dt * dt)).transpose();
+  m.change = m.factor.solve(m.right);
+  for (std::size_t p = 0; p < n; ++p) {
+    const Vec3 change = m.change.row(static_cast<Eigen::Index>(p)).transpose();
+    m.forces[p] += change;
+    for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e) {
+      const Index j = m.rows.indices[e];
+      const Vec3 kick = dt * m.inverseMasses[j] * m.weights[e] * change;
+      velocities[j] += kick;
+      displacements[j] += dt * kick;
+    }
+  }
+}
+
+void PatchSolver::kick(double h, std::span<Vec3> velocities) const {
+  const Impl &m = *impl_;
+  for (std::size_t p = 0; p < rows(); ++p)
+    for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e) {
+      const Index j = m.rows.indices[e];
+      velocities[j] += h * m.inverseMasses[j] * m.weights[e] * m.forces[p];
+    }
+}
+
+void PatchSolver::addForces(std::span<Vec3> forces) const {
+  const Impl &m = *impl_;
+  for (std::size_t p = 0; p < rows(); ++p)
+    for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e) forces[m.rows.indices[e]] += m.weights[e] * m.forces[p];
+}
+
+double PatchSolver::energy(std::span<const Vec3> targets, std::span<const Vec3> u) const {
+  double sum = 0.0;
+  for (std::size_t p = 0; p < rows(); ++p) sum += 0.5 * impl_->stiffness[p] * (impl_->mean(p, u) - targets[p]).squaredNorm();
+  return sum;
+}
+
+void PatchSolver::updateForces(std::span<const Vec3> targets, std::span<const Vec3> u) {
+  for (std::size_t p = 0; p < rows(); ++p) impl_->forces[p] = impl_->stiffness[p] * (targets[p] - impl_->mean(p, u));
+}
+
+void PatchSolver::addProduct(std::span<const Vec3> du, std::span<Vec3> out) const {
+  const Impl &m = *impl_;
+  for (std::size_t p = 0; p < rows(); ++p) {
+    const Vec3 force = m.stiffness[p] * m.mean(p, du);
+    for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e) out[m.rows.indices[e]] += m.weights[e] * force;
+  }
+}
+
+void PatchSolver::addDiagonal(std::span<Mat3> blocks) const {
+  const Impl &m = *impl_;
+  for (std::size_t p = 0; p < rows(); ++p)
+    for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e)
+      blocks[m.rows.indices[e]].diagonal().array() += m.stiffness[p] * m.weights[e] * m.weights[e];
+}
+
+void PatchSolver::addTriplets(std::vector<Eigen::Triplet<double>> &out) const {
+  const Impl &m = *impl_;
+  for (std::size_t p = 0; p < rows(); ++p)
+    for (Index a = m.rows.offsets[p]; a < m.rows.offsets[p + 1]; ++a)
+      for (Index b = m.rows.offsets[p]; b < m.rows.offsets[p + 1]; ++b)
+        for (int c = 0; c < 3; ++c)
+          out.emplace_back(static_cast<int>(3 * m.rows.indices[a]) + c, static_cast<int>(3 * m.rows.indices[b]) + c,
+                           m.stiffness[p] * m.weights[a] * m.weights[b]);
+}
+
+}  // namespace pointbased

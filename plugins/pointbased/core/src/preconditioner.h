@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands in for the inverse of the Hessian inside conjugate gradients, and when it is worth renewing. Private.
+#pragma once
+
+#include <memory>
+
+#include "pointbased/newton.h"
+
+namespace pointbased::detail {
+
+/// An approximate inverse M^-1 of the Hessian with the rows and columns of prescribed phyxels replaced by the identity.
+///
+/// Blocks are cheap and are made anew for every Newton step. Factorisations are kept, over Newton steps and over calls,
+/// until the iterations that they cost beyond what they cost when they were fresh add up to the price of a new one: at
+/// most twice the work of somebody who knew in advance. The price is counted in operations, not in time, so a repeated
+/// run renews at the same places.
+///
+/// `automatic` factorises completely where that costs no more than some kCheap iterations with an incomplete
+/// factorisation, which it takes else, until the iterations have paid for the complete one.
+class PreconditionerKeeper {
+ public:
+  PreconditionerKeeper();
+  ~PreconditionerKeeper();
+  PreconditionerKeeper(PreconditionerKeeper &&) noexcept;
+  PreconditionerKeeper &operator=(PreconditionerKeeper &&) noexcept;
+
+  /// Makes it ready at the problem's present state; keeps what there is if that still serves.
+  void prepare(Equilibrium &problem, Preconditioner choice);
+  /// out = M^-1 in; zero on prescribed phyxels if `in` is.
+  void apply(std::span<const Vec3> in, std::span<Vec3> out);
+
+  /// Iterations of one solve after which something better would have cost less; `most` if there is nothing better.
+  [[nodiscard]] int patience(double tolerance, int most) const;
+  /// Books the iterations of a solve, or of the part of it that ran out of patience.
+  /// @param complete  it reached its tolerance
+  void book(int iterations, double tolerance, bool complete);
+  /// Factorises at the problem's present state, whatever the books say.
+  void renew(Equilibrium &problem);
+
+  [[nodiscard]] int factorisations() const;  ///< since it was made
+  void forget();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pointbased::detail

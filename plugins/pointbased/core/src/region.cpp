@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/region.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace pointbased {
+namespace {
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
+
+// Per axis how far outside of its slab the point is; the signs are exact, so the border belongs to the box.
+Vec3 excess(const BoxRegion &box, const Vec3 &x) { return (box.min - x).cwiseMax(x - box.max); }
+
+// The axis of the nearest face of a box for a point inside.
+Eigen::Index nearestAxis(const Vec3 &outside) {
+  Eigen::Index axis = 0;
+  outside.maxCoeff(&axis);
+  return axis;
+}
+
+std::string text(double value) {
+  char buffer[40];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
+
+std::string text(const Vec3 &v) {
+  return "[" + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + "]";
+}
+
+}  // namespace
+
+double signedDistance(const Region &region, const Vec3 &x) {
+  return std::visit(Overloaded{
+                        [](const EverywhereRegion &) { return -std::numeric_limits<double>::infinity(); },
+                        [&](const BoxRegion &box) {
+                          const Vec3 outside = excess(box, x);
+                          const double largest = outside.maxCoeff();
+                          return largest > 0.0 ? outside.cwiseMax(0.0).norm() : largest;
+                        },
+                        [&](const SphereRegion &sphere) { return (x - sphere.centre).norm() - sphere.radius; },
+                        [&](const HalfSpaceRegion &half) {
+                          return half.normal.dot(x - half.point) / half.normal.norm();
+                        },
+                    },
+                    region);
+}
+
+Vec3 borderNormal(const Region &region, const Vec3 &x) {
+  return std::visit(Overloaded{
+                        [](const EverywhereRegion &) { return Vec3(Vec3::Zero()); },
+                        [&](const BoxRegion &box) {
+                          const Vec3 outside = excess(box, x);
+                          const Vec3 centre = 0.5 * (box.min + box.max);
+                          Vec3 normal = Vec3::Zero();
+                          if (outside.maxCoeff() > 0.0) {
+                            for (int a = 0; a < 3; ++a)
+                              if (outside[a] > 0.0) normal[a] = x[a] > centre[a] ? outside[a] : -outside[a];
+                            return Vec3(normal.normalized());
+                          }
+                          const Eigen::Index axis = nearestAxis(outside);
+                          normal[axis] = x[axis] >= centre[axis] ? 1.0 : -1.0;
+                          return normal;
+                        },
+                        [&](const SphereRegion &sphere) {
+                          const Vec3 d = x - sphere.centre;
+                          const double length = d.norm();
+                          return length > 0.0 ? Vec3(d / length) : Vec3(Vec3::UnitX());
+                        },
+                        [](const HalfSpaceRegion &half) { return Vec3(half.normal.normalized()); },
+                    },
+                    region);
+}
+
+Region shifted(const Region &region, const Vec3 &offset) {
+  return std::visit(Overloaded{
+                        [](const EverywhereRegion &all) { return Region(all); },
+                        [&](const BoxRegion &box) { return Region(BoxRegion{box.min - offset, box.max - offset}); },
+                        [&](const SphereRegion &sphere) {
+                          return Region(SphereRegion{sphere.centre - offset, sphere.radius});
+                        },
+                        [&](const HalfSpaceRegion &half) {
+                          return Region(HalfSpaceRegion{half.point - offset, half.normal});
+                        },
+                    },
+                    region);
+}
+
+Result<void> validate(const Region &region) {
+  const auto fail = [](std::string message) -> Result<void> { return tl::make_unexpected(std::move(message)); };
+  return std::visit(
+      Overloaded{
+          [](const EverywhereRegion &) -> Result<void> { return {}; },
+          [&](const BoxRegion &box) -> Result<void> {
+            if (!box.min.allFinite() || !box.max.allFinite())
+              return fail("the region's box from " + text(box.min) + " to " + text(box.max) + " m must be finite");
+            if ((box.min.array() > box.max.array()).any())
+              return fail("the region's box from " + text(box.min) + " to " + text(box.max) +
+                          " m is empty; min must not be larger than max");
+            return {};
+          },
+          [&](const SphereRegion &sphere) -> Result<void> {
+            if (!sphere.centre.allFinite())
+              return fail("the centre " + text(sphere.centre) + " m of the region's sphere must be finite");
+            if (!(sphere.radius > 0.0) || !std::isfinite(sphere.radius))
+              return fail("the radius " + text(sphere.radius) + " m of the region's sphere must be above 0");
+            return {};
+          },
+          [&](const HalfSpaceRegion &half) -> Result<void> {
+            if (!half.point.allFinite())
+              return fail("the point " + text(half.point) + " m of the region's half-space must be finite");
+            if (!half.normal.allFinite() || !(half.normal.norm() > 0.0))
+              return fail("the normal " + text(half.normal) + " of the region's half-space must have a length above 0");
+            return {};
+          },
+      },
+      region);
+}
+
+}  // namespace pointbased

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/rest_state.h"
+
+#include <algorithm>
+
+namespace pointbased {
+namespace {
+
+// Phyxels that stand in a common stencil.
+Csr sharedPoints(const StencilSet &stencils, std::size_t phyxels) {
+  Csr out;
+  out.offsets.assign(phyxels + 1, 0);
+  std::vector<Index> row;
+  for (std::size_t i = 0; i < phyxels; ++i) {
+    row.clear();
+    for (Index k = stencils.entriesOfPhyxel.offsets[i]; k < stencils.entriesOfPhyxel.offsets[i + 1]; ++k) {
+      const Index q = stencils.pointOfEntry[stencils.entriesOfPhyxel.indices[k]];
+      for (Index e = stencils.phyxels.offsets[q]; e < stencils.phyxels.offsets[q + 1]; ++e)
+        if (stencils.phyxels.indices[e] != i) row.push_back(stencils.phyxels.indices[e]);
+    }
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    out.indices.insert(out.indices.end(), row.begin(), row.end());
+    out.offsets[i + 1] = static_cast<Index>(out.indices.size());
+  }
+  return out;
+}
+
+std::size_t countComponents(const Csr &neighbors) {
+  std::vector<std::uint8_t> seen(neighbors.rows(), 0);
+  std::vector<Index> open;
+  std::size_t components = 0;
+  for (Index start = 0; start < neighbors.rows(); ++start) {
+    if (seen[start]) continue;
+    ++components;
+    seen[start] = 1;
+    open.push_back(start);
+    while (!open.empty()) {
+      const Index i = open.back();
+      open.pop_back();
+      for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k) {
+        const Index j = neighbors.indices[k];
+        if (!seen[j]) {
+          seen[j] = 1;
+          open.push_back(j);
+        }
+      }
+    }
+  }
+  return components;
+}
+
+// Pairs whose straight way leaves the body do not act on each other: two lobes with a gap between them stay two.
+void dropPairsThatCannotSee(const BodyShape &shape, std::span<const Vec3> world, Csr &neighbors) {
+  if (!shape.crosses) return;
+  std::vector<Vec3> from, to;
+  std::vector<std::uint8_t> crosses;
+  for (Index i = 0; i < neighbors.rows(); ++i)
+    for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k)
+      if (neighbors.indices[k] > i) {
+        from.push_back(world[i]);
+        to.push_back(world[neighbors.indices[k]]);
+      }
+  crosses.resize(from.size());
+  shape.crosses(from, to, crosses);
+  std::vector<std::vector<Index>> kept(neighbors.rows());
+  std::size_t pair = 0;
+  for (Index i = 0; i < neighbors.rows(); ++i)
+    for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k)
+      if (const Index j = neighbors.indices[k]; j > i && !crosses[pair++]) {
+        kept[i].push_back(j);
+        kept[j].push_back(i);
+      }
+  Csr out;
+  for (std::vector<Index> &row : kept) {
+    std::sort(row.begin(), row.end());
+    out.indices.insert(out.indices.end(), row.begin(), row.end());
+    out.offsets.push_back(static_cast<Index>(out.indices.size()));
+  }
+  neighbors = std::move(out);
+}
+
+Surface shiftedSurface(const Surface &surface, const Vec3 &origin) {
+  Surface out = surface;
+  for (Vec3 &x : out.positions) x -= origin;
+  return out;
+}
+
+// Skin, contact and the binder of a cloud; `rest` has positions already.
+void bindCloud(RestState &rest, const PhyxelCloud &cloud, const Surface &local, std::span<const Vec3> normals,
+               const ParallelFor &parallelFor) {
+  rest.bind = [positions = rest.positions, parallelFor](std::span<const Vec3> points, std::span<const Vec3>) {
+    return bindToCloud(points, positions, parallelFor);
+  };
+  rest.surfels = rest.bind(local.positions, normals);
+  rest.surfelNormals.assign(normals.begin(), normals.end());
+  if (!local.triangles.empty()) {
+    SurfacePoints chosen = chooseContactPoints(local, rest.spacing);
+    rest.contact = {rest.bind(chosen.positions, chosen.normals), std::move(chosen.normals), std::move(chosen.areas), {}};
+    return;
+  }
+  // Without a surface a phyxel touches as a ball.
+  const std::size_t n = rest.positions.size();
+  rest.contact.binding.positions = rest.positions;
+  for (std::size_t i = 0; i < n; ++i) {
+    rest.contact.binding.phyxels.indices.push_back(static_cast<Index>(i));
+    rest.contact.binding.phyxels.offsets.push_back(static_cast<Index>(i + 1));
+    const double radius = i < cloud.contactRadii.size() ? cloud.contactRadii[i] : 0.5 * rest.spacing;
+    rest.contact.areas.push_back(radius * radius);
+    rest.contact.radii.push_back(radius);
+  }
+  rest.contact.binding.weights.assign(n, 1.0);
+  rest.contact.binding.gradients.assign(n, Vec3::Zero());
+  rest.contact.normals.assign(n, Vec3::UnitZ());
+}
+
+std::shared_ptr<RestState> restOfCloud(const PhyxelCloud &cloud, const NeighborChoice &choice, double shapeVolume,
+                                       const Surface &surface, std::span<const Vec3> normals, const BodyShape *shape,
+                                       const ParallelFor &parallelFor) {
+  auto rest = std::make_shared<RestState>();
+  rest->evaluation = Evaluation::phyxels;
+  rest->spacing = cloud.spacing;
+  rest->shapeVolume = shapeVolume;
+  rest->volumes = cloud.volumes;
+  if (!cloud.positions.empty()) {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3 &x : cloud.positions) sum += x - cloud.positions[0];
+    rest->origin = cloud.positions[0] + sum / static_cast<double>(cloud.positions.size());
+  }
+  rest->positions.reserve(cloud.positions.size());
+  for (const Vec3 &x : cloud.positions) rest->positions.push_back(x - rest->origin);
+  Neighborhoods found = findNeighborhoods(rest->positions, choice, cloud.spacing, parallelFor);
+  if (shape) dropPairsThatCannotSee(*shape, cloud.positions, found.neighbors);
+  rest->stencils = buildPhyxelStencils(rest->positions, found.neighbors, found.supportRadii, rest->volumes, parallelFor);
+  rest->neighbors = std::move(found.neighbors);
+  rest->pointCentres = rest->positions;
+  rest->components = countComponents(rest->neighbors);
+  bindCloud(*rest, cloud, shiftedSurface(surface, rest->origin), normals, parallelFor);
+  return rest;
+}
+
+std::string numbered(const char *what, std::size_t number, const std::string &text) {
+  return std::string(what) + " " + std::to_string(number) + ": " + text;
+}
+
+}  // namespace
+
+std::shared_ptr<const RestState> buildRestState(const PhyxelCloud &cloud, const NeighborChoice &choice, double shapeVolume,
+                                                const Surface &surface, std::span<const Vec3> surfelNormals,
+                                                const ParallelFor &parallelFor) {
+  return restOfCloud(cloud, choice, shapeVolume, surface, surfelNormals, nullptr, parallelFor);
+}
+
+Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, const BodyRecipe &recipe,
+                                                        std::span<const Vec3> surfelNormals, const ParallelFor &parallelFor,
+                                                        const SamplingProgress &progress) {
+  const auto refuse = [](const std::string &text) { return tl::unexpected<std::string>(text); };
+  const auto part = [&](double from, double to) {
+    return [&progress, from, to](double f) { return !progress || progress(from + (to - from) * f); };
+  };
+  for (std::size_t i = 0; i < recipe.fixes.size(); ++i)
+    if (const auto good = validate(recipe.fixes[i].region); !good) return refuse(numbered("fix", i, good.error()));
+  for (std::size_t i = 0; i < recipe.loads.size(); ++i)
+    if (const auto good = validate(recipe.loads[i].region); !good) return refuse(numbered("load", i, good.error()));
+
+  std::shared_ptr<RestState> rest;
+  BoundaryConditions conditions{recipe.fixes, {}, recipe.loads, {}};
+  if (recipe.evaluation == Evaluation::stressPoints) {
+    LatticeSampling sampling = recipe.sampling;
+    sampling.held.clear();
+    for (const Fix &fix : recipe.fixes) sampling.held.push_back(fix.region);
+    auto filled = fillLattice(shape, sampling, parallelFor, part(0.0, 0.85));
+    if (!filled) return refuse(filled.error());
+    LatticeBody &body = *filled;
+    rest = std::make_shared<RestState>();
+    rest->evaluation = Evaluation::stressPoints;
+    rest->origin = body.origin;
+    rest->spacing = body.spacing;
+    rest->shapeVolume = shape.volume;
+    rest->positions = std::move(body.positions);
+    rest->volumes = std::move(body.volumes);
+    rest->stencils = std::move(body.stencils);
+    rest->pointCentres = std::move(body.pointCentres);
+    rest->components = body.components;
+    rest->neighbors = sharedPoints(rest->stencils, rest->positions.size());
+    conditions.held = std::move(body.held);
+    rest->bind = [cells = body.cells, parallelFor](std::span<const Vec3> points, std::span<const Vec3> normals) {
+      return cells->bind(points, normals, parallelFor);
+    };
+    const Surface local = shiftedSurface(shape.surface, rest->origin);
+    rest->surfels = rest->bind(local.positions, surfelNormals);
+    rest->surfelNormals.assign(surfelNormals.begin(), surfelNormals.end());
+    if (!local.triangles.empty()) {
+      SurfacePoints chosen = chooseContactPoints(local, rest->spacing);
+      rest->contact = {rest->bind(chosen.positions, chosen.normals), std::move(chosen.normals), std::move(chosen.areas), {}};
+    }
+  } else {
+    const auto cloud = fill(shape, {recipe.sampling.spacing, recipe.sampling.count}, parallelFor, part(0.0, 0.7));
+    if (!cloud) return refuse(cloud.error());
+    rest = restOfCloud(*cloud, recipe.neighbors, shape.volume, shape.surface, surfelNormals, &shape, parallelFor);
+    const Surface local = shiftedSurface(shape.surface, rest->origin);
+    if (!recipe.sampling.materials.empty()) {
+      rest->stencils.materials.assign(rest->pointCount(), 0);
+      for (const auto &[region, material] : recipe.sampling.materials) {
+        const Region here = shifted(region, rest->origin);
+        for (std::size_t q = 0; q < rest->pointCount(); ++q)
+          if (contains(here, rest->pointCentres[q])) rest->stencils.materials[q] = material;
+      }
+    }
+    for (std::size_t i = 0; i < recipe.fixes.size(); ++i) {
+      auto held = holdCloud(shifted(recipe.fixes[i].region, rest->origin), rest->positions, rest->volumes, rest->spacing,
+                            local, parallelFor);
+      if (!held) return refuse(numbered("fix", i, held.error()));
+      conditions.held.push_back(std::move(*held));
+    }
+  }
+  if (progress && !progress(0.9)) return refuse("cancelled");
+
+  const Surface local = shiftedSurface(shape.surface, rest->origin);
+  for (std::size_t i = 0; i < recipe.loads.size(); ++i) {
+    Load here = recipe.loads[i];
+    here.region = shifted(here.region, rest->origin);
+    auto loaded = loadedPart(here, local, rest->spacing, rest->bind, rest->pointCentres, rest->stencils.volumes);
+    if (!loaded) return refuse(numbered("load", i, loaded.error()));
+    conditions.loaded.push_back(std::move(*loaded));
+  }
+  rest->conditions = std::move(conditions);
+  if (progress && !progress(1.0)) return refuse("cancelled");
+  return std::shared_ptr<const RestState>(std::move(rest));
+}
+
+Neighbours countNeighbours(const RestState &rest) {
+  Neighbours out;
+  const std::size_t n = rest.neighbors.rows();
+  if (n == 0) return out;
+  out.min = rest.neighbors.indices.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t count = rest.neighbors.offsets[i + 1] - rest.neighbors.offsets[i];
+    out.min = std::min(out.min, count);
+    out.max = std::max(out.max, count);
+  }
+  out.mean = static_cast<double>(rest.neighbors.indices.size()) / static_cast<double>(n);
+  return out;
+}
+
+void phyxelGradients(const RestState &rest, std::span<const Mat3> pointGradients, std::span<Mat3> out) {
+  if (rest.evaluation == Evaluation::phyxels) {
+    std::copy(pointGradients.begin(), pointGradients.end(), out.begin());
+    return;
+  }
+  const StencilSet &s = rest.stencils;
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
+    Mat3 sum = Mat3::Zero();
+    double volume = 0.0;
+    for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
+      const Index q = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
+      sum += s.volumes[q] * pointGradients[q];
+      volume += s.volumes[q];
+    }
+    out[i] = volume > 0.0 ? Mat3(sum / volume) : Mat3(Mat3::Identity());
+  }
+}
+
+}  // namespace pointbased

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "body_source.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace pointbased {
+namespace {
+
+using sdk::Error;
+
+// Structs grow at their end: what the caller does not know stays zero.
+template <class T>
+T element(const T *first, std::uint64_t index, std::uint64_t stride) {
+  const auto *at = reinterpret_cast<const unsigned char *>(first) + index * stride;
+  std::uint32_t size = 0;
+  std::memcpy(&size, at, sizeof size);
+  T value{};
+  std::memcpy(&value, at, std::min<std::size_t>(size, sizeof value));
+  return value;
+}
+
+Vec3 vec(const double *v) { return {v[0], v[1], v[2]}; }
+
+[[noreturn]] void refuse(const std::string &where, const std::string &what) {
+  throw Error(C3DE_E_ARG, where + ": " + what);
+}
+
+Region readRegion(const c3de_sim_region &in, const std::string &where) {
+  Region region;
+  switch (in.kind) {
+    case C3DE_SIM_REGION_EVERYWHERE: region = EverywhereRegion{}; break;
+    case C3DE_SIM_REGION_BOX: region = BoxRegion{vec(in.a), vec(in.b)}; break;
+    case C3DE_SIM_REGION_SPHERE: region = SphereRegion{vec(in.a), in.radius}; break;
+    case C3DE_SIM_REGION_HALF_SPACE: region = HalfSpaceRegion{vec(in.a), vec(in.b)}; break;
+    default: refuse(where, "region kind " + std::to_string(in.kind) + " is not known; accepted: 0 … 3");
+  }
+  if (const auto good = validate(region); !good) refuse(where, good.error());
+  return region;
+}
+
+void setMotion(const c3de_sim_motion &in, Fix &fix, const std::string &where) {
+  fix.displacement = vec(in.displacement_m);
+  fix.rotation_deg = vec(in.rotation_deg);
+  if (in.flags & C3DE_SIM_HAS_CENTRE) fix.centre = vec(in.centre_m);
+  fix.ramp = in.ramp_s;
+  if (!fix.displacement.allFinite() || !fix.rotation_deg.allFinite() || (fix.centre && !fix.centre->allFinite()))
+    refuse(where, "displacement, rotation and centre have to be finite");
+  if (!std::isfinite(fix.ramp) || fix.ramp < 0.0) refuse(where, "ramp is not finite and >= 0 s");
+}
+
+}  // namespace
+
+std::optional<Fix> readMotion(const c3de_sim_motion *motion, const char *what) {
+  if (!motion) return std::nullopt;
+  const c3de_sim_motion in = element(motion, 0, 0);
+  Fix fix;
+  fix.region = EverywhereRegion{};
+  setMotion(in, fix, what);
+  return fix;
+}
+
+BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) {
+  BodySource source;
+  source.placement = {vec(body.position_m), vec(body.rotation_deg), body.scale == 0.0 ? 1.0 : body.scale};
+  for (std::uint64_t i = 0; body.fixes && i < body.fixes_n; ++i) {
+    const c3de_sim_fix in = element(body.fixes, i, body.fixes_stride);
+    const std::string where = "fix " + std::to_string(in.index);
+    Fix fix;
+    fix.region = readRegion(in.region, where);
+    setMotion(in.motion, fix, where);
+    source.fixes.push_back(std::move(fix));
+    source.fixNumbers.push_back(in.index);
+  }
+  for (std::uint64_t i = 0; body.loads && i < body.loads_n; ++i) {
+    const c3de_sim_load in = element(body.loads, i, body.loads_stride);
+    const std::string where = "load " + std::to_string(in.index);
+    Load load;
+    load.region = readRegion(in.region, where);
+    if (in.flags & C3DE_SIM_LOAD_PRESSURE)
+      load.pressure = in.pressure_Pa;
+    else
+      load.force = vec(in.force_N);
+    load.follower = !(in.flags & C3DE_SIM_LOAD_DEAD);
+    load.ramp = in.ramp_s;
+    if (!load.force.allFinite() || !std::isfinite(load.pressure)) refuse(where, "force or pressure is not finite");
+    if (!std::isfinite(load.ramp) || load.ramp < 0.0) refuse(where, "ramp is not finite and >= 0 s");
+    source.loads.push_back(std::move(load));
+    source.loadNumbers.push_back(in.index);
+  }
+  for (std::uint64_t i = 0; body.parts && i < body.parts_n; ++i) {
+    const c3de_sim_part in = element(body.parts, i, body.parts_stride);
+    const std::string where = "part " + std::to_string(i);
+    ParameterValues own = values;
+    if (auto set = own.set(in.params, in.params_n, in.params_stride); !set) refuse(where, set.failure().message);
+    std::vector<std::string> said;
+    for (std::uint64_t k = 0; k < in.params_n; ++k)
+      said.emplace_back(sdk::text(element(in.params, k, in.params_stride).id));
+    source.parts.push_back({readRegion(in.region, where), std::move(own), std::move(said)});
+  }
+  for (std::uint64_t i = 0; body.refinements && i < body.refinements_n; ++i) {
+    const c3de_sim_refinement in = element(body.refinements, i, body.refinements_stride);
+    const std::string where = "refinement " + std::to_string(i);
+    if (!std::isfinite(in.spacing_m) || in.spacing_m <= 0.0) refuse(where, "spacing is not finite and > 0 m");
+    source.refinements.push_back({readRegion(in.region, where), in.spacing_m});
+  }
+  source.velocity = vec(body.velocity_m_s);
+  source.angularVelocity = vec(body.angular_velocity_rad_s);
+  if (!source.velocity.allFinite() || !source.angularVelocity.allFinite())
+    refuse("velocity", "velocity and angular velocity have to be finite");
+  return source;
+}
+
+}  // namespace pointbased

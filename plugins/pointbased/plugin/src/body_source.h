@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "c3de/abi/draft/iface/simulator.h"
+#include "parameters.h"
+#include "placed_mesh.h"
+#include "pointbased/rest_state.h"
+
+namespace pointbased {
+
+/// Another material in a region of a body.
+struct BodyPart {
+  Region region;
+  ParameterValues values;         ///< complete: what the part does not say is as in the body
+  std::vector<std::string> own;   ///< ids that the part says itself
+};
+
+/// What a body was made from, and can be made from again.
+struct BodySource {
+  std::shared_ptr<const sdk::MeshHandle> mesh;
+  Placement placement;
+  std::vector<Fix> fixes;
+  std::vector<std::uint32_t> fixNumbers;  ///< of reports and messages
+  std::vector<Load> loads;
+  std::vector<std::uint32_t> loadNumbers;
+  std::vector<BodyPart> parts;            ///< later ones win
+  std::vector<Refinement> refinements;
+  Vec3 velocity = Vec3::Zero(), angularVelocity = Vec3::Zero();  ///< m/s, rad/s; at the start
+};
+
+/// Reads what add_body was given, without the mesh. Errors as sdk::Error, "fix 2: …" in front.
+/// @param values  of the body: what a part does not say is as there
+[[nodiscard]] BodySource readSource(const c3de_sim_body &body, const ParameterValues &values);
+
+/// A rigid motion as a fix without a region; nothing: stands still. Errors as sdk::Error.
+[[nodiscard]] std::optional<Fix> readMotion(const c3de_sim_motion *motion, const char *what);
+
+}  // namespace pointbased

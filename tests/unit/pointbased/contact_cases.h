@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Obstacles given by formulas, and bodies to throw at them.
+#pragma once
+
+#include "pointbased/simulator.h"
+
+namespace shapes {
+
+/// How often an obstacle was asked.
+struct Asked {
+  std::size_t closest = 0, crossing = 0;
+};
+
+/// All points with (x - point) · normal < 0.
+[[nodiscard]] pointbased::Obstacle halfSpace(const pointbased::Vec3 &point, const pointbased::Vec3 &normal, double friction,
+                                             Asked *asked = nullptr);
+/// A sheet without inside in the plane y = height, |x|, |z| < half: distances are never negative.
+[[nodiscard]] pointbased::Obstacle sheet(double height, double half, double friction);
+/// A solid box with sharp edges.
+[[nodiscard]] pointbased::Obstacle solidBox(const pointbased::Vec3 &min, const pointbased::Vec3 &max, double friction,
+                                            Asked *asked = nullptr);
+
+/// A box filled with a lattice, its skin divided into n x n squares per side.
+[[nodiscard]] std::unique_ptr<pointbased::Body> latticeBox(const pointbased::Vec3 &min, const pointbased::Vec3 &max,
+                                                           double spacing, const pointbased::Material &material, int n = 8);
+[[nodiscard]] pointbased::Material rubber(double youngsModulus, double viscosity = 0.0);
+
+/// Highest and lowest contact point along an axis.
+struct Extent {
+  double low = 0.0, high = 0.0;
+};
+[[nodiscard]] Extent extent(pointbased::Body &body, const pointbased::Vec3 &axis);
+[[nodiscard]] pointbased::Vec3 meanVelocity(const pointbased::Body &body);
+[[nodiscard]] pointbased::Vec3 meanDisplacement(const pointbased::Body &body);
+/// Kinetic, elastic and gravity.
+[[nodiscard]] double totalEnergy(const pointbased::Simulator &simulator, std::size_t id);
+
+}  // namespace shapes

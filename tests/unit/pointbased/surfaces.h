@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surfaces with known areas, for tests of supports and loads.
+#pragma once
+
+#include "pointbased/surface.h"
+
+namespace shapes {
+
+/// Twelve triangles, or each face divided into n x n squares.
+[[nodiscard]] pointbased::Surface boxSurface(const pointbased::Vec3 &min, const pointbased::Vec3 &max, int n = 1);
+/// A latitude and longitude net with 2 n² triangles or so.
+[[nodiscard]] pointbased::Surface ballSurface(const pointbased::Vec3 &centre, double radius, int n);
+
+[[nodiscard]] double areaOf(const pointbased::Surface &surface);
+[[nodiscard]] double sum(const std::vector<double> &values);
+
+}  // namespace shapes

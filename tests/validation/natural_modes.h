@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "pointbased/body.h"
+
+namespace validation {
+
+struct Mode {
+  double frequency = 0.0;  ///< Hz
+  double control = 0.0;    ///< part of its elastic energy in the control of zero-energy modes, 0 … 1
+  /// A motion of single cells against each other, not of the continuum.
+  [[nodiscard]] bool rattles() const { return control > 0.5; }
+};
+
+/// Lowest natural modes of a body at rest, ascending; rigid motions of a free body come out near zero.
+///
+/// K from stiffnessTriplets() and the held patches, M the phyxels' masses; held phyxels are left out. Subspace iteration on
+/// (K + s M)^-1 M with a small shift s > 0, so that a free body can be factorised.
+/// @param count  wanted
+[[nodiscard]] std::vector<Mode> naturalModes(pointbased::Body &body, int count);
+
+}  // namespace validation

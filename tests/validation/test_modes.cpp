@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Natural frequencies of the discretised body against finite elements and series.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "natural_modes.h"
+#include "solid_shapes.h"
+#include "solved_body.h"
+#include "support/catch.h"
+#include "truth_file.h"
+#include "validation_table.h"
+
+using namespace pointbased;
+using namespace validation;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi, kE = 1e4, kDensity = 1000.0;
+
+Problem vibrating(const BodyShape &shape, double spacing) {
+  Problem problem = Problem::rubber(shape, spacing);
+  problem.world.integrator = Integrator::explicitVerlet;
+  return problem;
+}
+
+/// Frequencies of the continuum's modes, Hz: without the rigid motions of a free body and without those that rattle.
+/// `lowest`: of all but the rigid motions.
+std::vector<double> elasticOnes(Body &body, int count, bool isFree, double *lowest = nullptr) {
+  const std::vector<Mode> modes = naturalModes(body, count);
+  std::vector<double> out;
+  for (std::size_t i = isFree ? 6 : 0; i < modes.size(); ++i)
+    if (!modes[i].rattles()) out.push_back(modes[i].frequency);
+  if (lowest) *lowest = modes[isFree ? 6 : 0].frequency;
+  out.resize(std::max<std::size_t>(out.size(), 24), std::nan(""));
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("frequencies of a free cube", "[truth]") {
+  const double a = 0.1, speed = std::sqrt(kE / 2.6 / kDensity);
+  for (const int n : {6, 10}) {
+    SolvedBody body(vibrating(solids::box(Vec3::Zero(), Vec3::Constant(a)), a / n));
+    const Stopwatch watch;
+    double lowest = 0.0;
+    const std::vector<double> f = elasticOnes(body.body(), 48, true, &lowest);
+    judge({.body = "free cube, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
+           .quantity = "lowest of all, Hz",
+           .truth = 2.8562 * speed / a / (2 * kPi),
+           .ours = lowest,
+           .limit = n <= 6 ? 0.03 : 0.015,
+           .milliseconds = watch.milliseconds()});
+    // ω a / c_s; the fourth is Lamé's mode, exact.
+    for (const auto &[i, omega] : {std::pair(0u, 2.8562), std::pair(2u, 3.8460), std::pair(5u, 3.9113),
+                                   std::pair(8u, kPi * std::numbers::sqrt2)})
+      judge({.body = "free cube, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
+             .quantity = "f_" + std::to_string(i) + ", Hz",
+             .truth = omega * speed / a / (2 * kPi),
+             .ours = f[i],
+             .limit = n <= 6 ? 0.03 : 0.015,  // as of the bonded cube
+             .milliseconds = watch.milliseconds()});
+  }
+}
+
+TEST_CASE("frequencies of a free ball", "[truth]") {
+  const double R = 0.05, speed = std::sqrt(kE / 2.6 / kDensity);
+  for (const std::size_t count : {160u, 550u}) {
+    Problem problem = vibrating(solids::ball(Vec3::Zero(), R), 0.0);
+    problem.recipe.sampling.count = count;
+    SolvedBody body(problem);
+    const Stopwatch watch;
+    const std::vector<double> f = elasticOnes(body.body(), 48, true);
+    // Five of each, which a lattice splits: their mean.
+    const auto mean = [&](std::size_t from) { return (f[from] + f[from + 1] + f[from + 2] + f[from + 3] + f[from + 4]) / 5; };
+    for (const auto &[name, from, eta] : {std::tuple("torsional l = 2, Hz", 0u, 2.50113), std::tuple("spheroidal l = 2, Hz", 5u, 2.6462)})
+      judge({.body = "free ball (" + std::to_string(body.rest().phyxelCount()) + ")",
+             .quantity = name,
+             .truth = eta * speed / R / (2 * kPi),
+             .ours = mean(from),
+             .limit = count == 160 ? 0.05 : 0.015,
+             .milliseconds = watch.milliseconds()});
+  }
+}
+
+TEST_CASE("frequencies of a cantilever and a free bar", "[truth]") {
+  const double a = 0.04;
+  const char *names[] = {"f_bending_1", "f_torsion_1", "f_bending_2", "f_axial_1"};
+  const std::size_t at[] = {0, 2, 3, 5};
+  for (const int n : {3, 5}) {
+    Problem problem = vibrating(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(0.2, a / 2, a / 2)), a / n);
+    problem.hold(face(0, 0.0));
+    SolvedBody body(problem);
+    const Stopwatch watch;
+    const std::vector<double> f = elasticOnes(body.body(), 24, false);
+    const std::string name = "cantilever 5 : 1, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")";
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto known = truth(std::string("beam_frequencies.") + names[i]);
+      if (!known) {
+        remark(name, std::string(names[i]) + " has no truth in truths.json");
+        continue;
+      }
+      judge({.body = name, .quantity = std::string(names[i]) + ", Hz", .truth = known->value, .uncertainty = known->uncertainty,
+             .ours = f[at[i]], .limit = n <= 3 ? 0.01 : 0.003, .milliseconds = watch.milliseconds()});
+    }
+  }
+  // A free bar 4 : 1 : 1 of side 1: ω a / c_s of literature's Ritz solution, four digits.
+  const double speed = std::sqrt(kE / 2.6 / kDensity);
+  for (const int n : {3, 5}) {
+    SolvedBody body(vibrating(solids::box(Vec3::Zero(), Vec3(4 * a, a, a)), a / n));
+    const Stopwatch watch;
+    const std::vector<double> f = elasticOnes(body.body(), 32, true);
+    for (const auto &[i, omega] : {std::pair(0u, 0.5471), std::pair(2u, 0.7213), std::pair(3u, 1.2188), std::pair(5u, 1.2603)})
+      judge({.body = "free bar 4 : 1, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
+             .quantity = "f_" + std::to_string(i) + ", Hz",
+             .truth = omega * speed / a / (2 * kPi),
+             .uncertainty = 1e-4 * omega * speed / a / (2 * kPi),
+             .ours = f[i],
+             .limit = n <= 3 ? 0.01 : 0.003,
+             .milliseconds = watch.milliseconds()});
+  }
+}

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// The point-based engine in time: orders of convergence, momenta, reversal, impact, relaxation, flow.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "solid_shapes.h"
+#include "solved_body.h"
+#include "support/catch.h"
+#include "validation_table.h"
+
+using namespace pointbased;
+using namespace validation;
+
+namespace {
+
+constexpr double kE = 1e4, kPi = std::numbers::pi;
+
+Problem moving(const BodyShape &shape, double spacing, Integrator integrator,
+               MaterialLaw law = MaterialLaw::stVenantKirchhoff) {
+  Problem problem = Problem::rubber(shape, spacing, law);
+  problem.world.integrator = integrator;
+  return problem;
+}
+
+/// A small free block that spins, and swings in a smooth mode.
+void setGoing(SolvedBody &solved) {
+  Body &body = solved.body();
+  for (std::size_t i = 0; i < solved.rest().phyxelCount(); ++i) {
+    const Vec3 &X = solved.rest().positions[i];
+    body.state().velocities[i] =
+        Vec3(1, 2, 0.5).cross(X) + Vec3(0.05, 0.1, 0) + 0.05 * Vec3(std::sin(40 * X[0]), 0, std::cos(30 * X[0]));
+  }
+}
+
+BodyShape block() { return solids::box(Vec3::Zero(), Vec3(0.08, 0.04, 0.04)); }
+
+double meanDistance(const std::vector<Vec3> &a, const std::vector<Vec3> &b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+}  // namespace
+
+TEST_CASE("order of convergence in dt: Verlet, midpoint, SDIRK 2, backward Euler 1", "[truth]") {
+  struct Scheme {
+    const char *name;
+    Integrator integrator;
+    double dt, order;
+  };
+  // The slowest modes of the block have periods of some 0.1 s; dt resolves those that move.
+  for (const Scheme &scheme :
+       {Scheme{"velocity Verlet", Integrator::explicitVerlet, 1e-3, 2}, Scheme{"midpoint", Integrator::implicitMidpoint, 1e-3, 2},
+        Scheme{"SDIRK2", Integrator::implicitSdirk, 1e-3, 2}, Scheme{"backward Euler", Integrator::backwardEuler, 1e-4, 1}}) {
+    const Stopwatch watch;
+    const auto after = [&](Integrator integrator, double dt) {
+      Problem problem = moving(block(), 0.02, integrator);
+      problem.world.dt = dt;
+      problem.world.tolerance = 1e-13;
+      SolvedBody body(problem);
+      // One smooth motion alone: what is rough would need smaller steps to show its order.
+      for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
+        body.body().state().velocities[i] = Vec3(0.02 * std::cos(kPi * (body.rest().positions[i][0] + 0.04) / 0.08), 0, 0);
+      const int steps = static_cast<int>(std::lround(0.02 / dt));
+      for (int i = 0; i < steps; ++i)
+        if (const auto done = body.simulator().step(); !done) throw std::runtime_error(done.error().text);
+      return body.body().state().displacements;
+    };
+    const auto exact = after(Integrator::explicitVerlet, 2e-5);
+    const double coarse = meanDistance(after(scheme.integrator, scheme.dt), exact);
+    const double fine = meanDistance(after(scheme.integrator, 0.5 * scheme.dt), exact);
+    judge({.body = std::string("free block, ") + scheme.name,
+           .quantity = "order in dt",
+           .truth = scheme.order,
+           .ours = std::log2(coarse / fine),
+           .limit = 0.1,
+           .milliseconds = watch.milliseconds()});
+  }
+}
+
+TEST_CASE("order of convergence in the spacing: 2 where the solution is smooth", "[truth]") {
+  const Stopwatch watch;
+  // Pure shear of the section by torsion between 30 % and 70 % of a bar: no singular edge takes part.
+  const double a = 0.04, L = 0.2;
+  const auto error = [&](int n) {
+    Problem problem = Problem::rubber(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / n);
+    problem.hold(face(0, 0.0)).turn(face(0, L), Vec3(2, 0, 0), Vec3(L, 0, 0));
+    problem.world.loadSteps = 1;
+    SolvedBody body(problem);
+    const auto turn = [&](double x) { return (body.displacementAt(Vec3(x, a / 2, 0))[2] - body.displacementAt(Vec3(x, -a / 2, 0))[2]) / a; };
+    const double rate = (turn(0.7 * L) - turn(0.3 * L)) / (0.4 * L);
+    return std::abs(body.torqueAboutOrigin(1)[0] / (kE / 2.6 * std::pow(a, 4) * rate) / 0.140577 - 1.0);
+  };
+  const double coarse = error(4), fine = error(8);
+  judge({.body = "square bar, small twist, 4 and 8 layers",
+         .quantity = "order in the spacing",
+         .truth = 2.0,
+         .ours = std::log2(coarse / fine),
+         .limit = 0.25,
+         .milliseconds = watch.milliseconds()});
+}
+
+TEST_CASE("1e5 explicit steps of a free spinning body: momenta and energy", "[truth]") {
+  SolvedBody body(moving(block(), 0.02, Integrator::explicitVerlet, MaterialLaw::neoHookean));
+  setGoing(body);
+  const Vec3 p = body.momentum(), l = body.angularMomentum();
+  const auto energy = [&] {
+    const auto e = body.simulator().energy(body.id());
+    return e.kinetic + e.elastic + e.stabilisation;
+  };
+  const double e0 = energy();
+  double early = 0.0, late = 0.0;
+  const Stopwatch watch;
+  for (int i = 0; i < 100000; ++i) {
+    REQUIRE(body.simulator().step());
+    if (i < 10000)
+      early += energy() / 10000.0;
+    else if (i >= 90000)
+      late += energy() / 10000.0;
+  }
+  const double ms = watch.milliseconds();
+  // Round-off of 1e5 sums.
+  judge({.body = "free block, 1e5 Verlet steps", .quantity = "change of momentum", .ours = (body.momentum() - p).norm(),
+         .limit = 1e-10, .milliseconds = ms, .scale = p.norm()});
+  judge({.body = "free block, 1e5 Verlet steps", .quantity = "change of ang. momentum",
+         .ours = (body.angularMomentum() - l).norm(), .limit = 1e-10, .milliseconds = ms, .scale = l.norm()});
+  // Symplectic: bounded; the fastest modes carry little of it.
+  judge({.body = "free block, 1e5 Verlet steps", .quantity = "drift of mean energy", .ours = late - early, .limit = 1e-3,
+         .milliseconds = ms, .scale = e0});
+  judge({.body = "free block, 1e5 Verlet steps", .quantity = "energy at the end", .ours = energy() - e0, .limit = 0.02,
+         .milliseconds = ms, .scale = e0});
+}
+
+TEST_CASE("time reversal of explicit steps", "[truth]") {
+  SolvedBody body(moving(block(), 0.02, Integrator::explicitVerlet, MaterialLaw::neoHookean));
+  setGoing(body);
+  const std::vector<Vec3> start = body.body().state().displacements;
+  const Stopwatch watch;
+  for (int i = 0; i < 1000; ++i) REQUIRE(body.simulator().step());
+  const double way = meanDistance(body.body().state().displacements, start);
+  for (Vec3 &v : body.body().state().velocities) v = -v;
+  for (int i = 0; i < 1000; ++i) REQUIRE(body.simulator().step());
+  judge({.body = "free block, 1000 steps there and back", .quantity = "distance from start",
+         .ours = meanDistance(body.body().state().displacements, start), .limit = 1e-9, .milliseconds = watch.milliseconds(),
+         .scale = way});
+}
+
+TEST_CASE("free fall and a bar against a wall", "[truth]") {
+  {
+    Problem problem = moving(block(), 0.02, Integrator::explicitVerlet);
+    problem.world.gravity = Vec3(0, 0, -9.81);
+    SolvedBody body(problem);
+    body.run(0.5);
+    const double t = body.simulator().time();
+    judge({.body = "free fall, 0.5 s", .quantity = "way, m", .truth = -0.5 * 9.81 * t * t,
+           .ours = body.displacementAt(Vec3(0.04, 0.02, 0.02))[2], .limit = 1e-10, .milliseconds = body.milliseconds()});
+  }
+  // A bar of nu = 0 meets a wall with its whole end: a plane wave goes to the free end and back.
+  const double L = 0.2, a = 0.02, speed = std::sqrt(kE / 1000.0), v = 0.01 * speed;
+  for (const int n : {20, 80}) {
+    Problem problem = moving(solids::box(Vec3(0, 0, 0), Vec3(L, a, a)), L / n, Integrator::explicitVerlet, MaterialLaw::linear);
+    problem.material.poissonRatio = 0.0;
+    problem.world.box.enabled = true;
+    problem.world.box.min = Vec3(-1e-4, -1, -1);
+    problem.world.box.max = Vec3(1, 1, 1);
+    problem.world.box.friction = 0.0;
+    SolvedBody body(problem);
+    body.body().setInitialVelocity(Vec3(-v, 0, 0), Vec3::Zero());
+    body.simulator().reset();
+    const double start = body.momentum()[0];
+    double down = 0.0, up = 0.0;
+    while (body.simulator().time() < 1e-4 / v + 3.5 * L / speed) {
+      REQUIRE(body.simulator().step());
+      const double p = body.momentum()[0] / start;  // 1 … -1, straight while the wave is on its way
+      if (down == 0.0 && p < 0.8) down = body.simulator().time();
+      if (up == 0.0 && p < -0.8) up = body.simulator().time();
+    }
+    const std::string name = "bar against a wall, " + std::to_string(n) + " cells long";
+    judge({.body = name, .quantity = "time of contact, s", .truth = 2 * L / speed, .ours = up > 0.0 ? (up - down) / 0.8 : 0.0,
+           .limit = n == 20 ? 0.05 : 0.02, .milliseconds = body.milliseconds()});
+    judge({.body = name, .quantity = "speed afterwards / before", .truth = 1.0, .ours = -body.momentum()[0] / start,
+           .limit = n == 20 ? 0.05 : 0.02, .milliseconds = body.milliseconds()});
+  }
+}
+
+TEST_CASE("Prony relaxation of a bar that is held twisted", "[truth]") {
+  // Torsion strains nothing but shear, so the torque falls as the shear modulus; ten times faster than the wave's way is
+  // slow enough to leave inertia out.
+  const double a = 0.02, L = 0.04, share = 0.6, tau = 1.0;
+  Problem problem = moving(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / 4, Integrator::implicitSdirk);
+  problem.material.prony[0] = {share, tau};
+  problem.world.dt = 0.02 * tau;
+  problem.hold(face(0, 0.0)).turn(face(0, L), Vec3(2, 0, 0), Vec3(L, 0, 0));
+  Problem instant = problem;
+  instant.material.prony[0] = {};
+  instant.world.integrator = Integrator::quasiStatic;
+  SolvedBody elastic(instant);
+  const double initial = elastic.torqueAboutOrigin(1)[0];
+  SolvedBody body(problem);
+  for (const double at : {0.5, 1.0, 3.0}) {
+    body.run(at * tau - 1e-9);
+    const double t = body.simulator().time();
+    judge({.body = "twisted bar, share 0.6 relaxes in 1 s",
+           .quantity = "torque / initial, " + std::to_string(at).substr(0, 3) + " s",
+           .truth = 1 - share * (1 - std::exp(-t / tau)),
+           .ours = body.torqueAboutOrigin(1)[0] / initial,
+           .limit = 0.005,
+           .milliseconds = body.milliseconds()});
+  }
+}
+
+TEST_CASE("plastic loop of a stretched bar", "[truth]") {
+  // Volume-preserving stretch of every phyxel along a path; flow at once beyond the yield strain Y. In Hencky strain this is
+  // perfect plasticity: the elastic part follows the path and stops at sqrt(2/3) Y.
+  Problem problem = moving(block(), 0.02, Integrator::explicitVerlet, MaterialLaw::neoHookean);
+  const double yield = 0.05;
+  problem.material.plastic.yield = yield;
+  problem.material.plastic.creep = 1.0;
+  SolvedBody solved(problem);
+  Body &body = solved.body();
+  const double mu = kE / 2.6, most = std::sqrt(2.0 / 3.0) * yield;
+  double elastic = 0.0, strain = 0.0;
+  const Stopwatch watch;
+  const auto go = [&](double to) {
+    const int steps = 200;
+    const double from = strain;
+    for (int i = 1; i <= steps; ++i) {
+      const double next = from + (to - from) * i / steps;
+      elastic = std::clamp(elastic + next - strain, -most, most);
+      strain = next;
+      const Mat3 F = Vec3(std::exp(strain), std::exp(-strain / 2), std::exp(-strain / 2)).asDiagonal();
+      for (std::size_t p = 0; p < solved.rest().phyxelCount(); ++p)
+        body.state().displacements[p] = (F - Mat3::Identity()) * solved.rest().positions[p];
+      body.computeGradients(serialFor());
+      (void)body.computeFlow(1e-3, serialFor());
+      body.computeStresses(1e-3, serialFor());
+    }
+    Mat3 P = Mat3::Zero();
+    for (const Mat3 &vP : body.stresses()) P += vP / problem.shape.volume;
+    // Kirchhoff stress difference of the neo-Hookean law: mu (b_axial - b_lateral) of the elastic part.
+    const double ours = P(0, 0) * std::exp(strain) - P(1, 1) * std::exp(-strain / 2);
+    judge({.body = "bar of yield strain 0.05, on the way 0, 0.2, -0.1, 0.05",
+           .quantity = "stress at " + std::to_string(to).substr(0, 5) + ", Pa",
+           .truth = mu * (std::exp(2 * elastic) - std::exp(-elastic)),
+           .ours = ours,
+           .limit = 1e-6,
+           .milliseconds = watch.milliseconds()});
+  };
+  for (const double to : {0.02, 0.2, 0.15, -0.1, 0.05}) go(to);
+}

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+// The point-based engine against finite elements: truths/truths.json.
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <tuple>
+
+#include "solid_shapes.h"
+#include "solved_body.h"
+#include "support/catch.h"
+#include "truth_file.h"
+#include "validation_table.h"
+
+using namespace pointbased;
+using namespace validation;
+
+namespace {
+
+using enum MaterialLaw;
+
+constexpr double kWidth = 0.04, kLength = 0.2;  // of the beams, m
+
+const char *nameOf(MaterialLaw law) {
+  return law == stVenantKirchhoff ? "stvk" : law == corotated ? "corotated" : law == neoHookean ? "neo_hookean" : "linear";
+}
+
+BodyShape beam(double length = kLength) {
+  return solids::box(Vec3(0, -0.5 * kWidth, -0.5 * kWidth), Vec3(length, 0.5 * kWidth, 0.5 * kWidth));
+}
+BodyShape cube() { return solids::box(Vec3(-0.05, -0.05, 0), Vec3(0.05, 0.05, 0.1)); }
+
+Problem cantilever(double spacing, MaterialLaw law, double shear, double length = kLength) {
+  Problem problem = Problem::rubber(beam(length), spacing, law);
+  problem.hold(face(0, 0.0));
+  if (shear != 0.0) problem.pull(face(0, length), Vec3(0, 0, shear));
+  return problem;
+}
+
+std::string layers(int n) { return ", " + std::to_string(n) + " layers"; }
+
+/// What a solution gives for a truth, by the last part of its name.
+double quantityOf(SolvedBody &body, const std::string &quantity, double length) {
+  if (quantity == "tip_mean_u_z") return body.meanOver(face(0, length))[2];
+  if (quantity == "tip_mean_u_x") return body.meanOver(face(0, length))[0];
+  if (quantity == "torque") return body.torqueAboutOrigin(1)[0];
+  if (quantity == "axial_force") return body.reaction(1).force[0];
+  if (quantity == "force_x") return body.reaction(1).force[0];
+  if (quantity == "force_z") return body.reaction(1).force[2];
+  if (quantity == "bulge") return body.meanOver(Region(BoxRegion{Vec3(0.049, -0.06, 0.0499), Vec3(0.051, 0.06, 0.0501)}))[0];
+  throw std::runtime_error("no such quantity: " + quantity);
+}
+
+struct Limit {
+  std::optional<double> value;
+  const char *knownMiss = "";
+};
+
+/// One row: the named truth against `ours`; nothing where the file lacks the truth.
+void compare(const std::string &truthName, const std::string &sampling, double ours, double milliseconds, const Limit &limit) {
+  const auto known = truth(truthName);
+  if (!known) return remark(truthName + sampling, "has no truth in truths.json");
+  const std::size_t dot = truthName.rfind('.');
+  judge({.body = truthName.substr(0, dot) + sampling,
+         .quantity = truthName.substr(dot + 1) + ", " + known->unit,
+         .truth = known->value,
+         .uncertainty = known->uncertainty,
+         .ours = ours,
+         .limit = limit.value,
+         .milliseconds = milliseconds,
+         .knownMiss = limit.knownMiss});
+}
+
+using Measure = std::function<double(SolvedBody &)>;
+using Quantities = std::vector<std::tuple<std::string, Measure, Limit>>;
+
+/// Solves and compares; a problem without a solution is a row of plain words and a failed test.
+void solveAndCompare(const Problem &problem, const std::string &truthCase, const Quantities &quantities,
+                     const std::string &sampling) {
+  bool asked = false;
+  for (const auto &[name, measure, limit] : quantities) asked = asked || (limit.value && !*limit.knownMiss);
+  try {
+    SolvedBody body(problem);
+    const std::string size = sampling + " (" + std::to_string(body.rest().phyxelCount()) + ")";
+    for (const auto &[name, measure, limit] : quantities)
+      compare(truthCase + "." + name, size, measure(body), body.milliseconds(), limit);
+  } catch (const std::runtime_error &failure) {
+    remark(truthCase + sampling, std::string("MISSED: no solution: ") + failure.what());
+    if (asked) FAIL_CHECK(truthCase << sampling << ": " << failure.what());
+  }
+}
+void solveAndCompare(const Problem &problem, const std::string &truthCase, const std::vector<std::string> &quantities,
+                     const std::string &sampling, const Limit &limit, double length = kLength) {
+  Quantities all;
+  for (const std::string &name : quantities)
+    all.emplace_back(name, [=](SolvedBody &body) { return quantityOf(body, name, length); }, limit);
+  solveAndCompare(problem, truthCase, all, sampling);
+}
+
+Problem twisted(double spacing, MaterialLaw law) {
+  Problem problem = Problem::rubber(beam(), spacing, law);
+  return problem.hold(face(0, 0.0)).turn(face(0, kLength), Vec3(90, 0, 0), Vec3(kLength, 0, 0));
+}
+
+Problem sagging(double spacing, MaterialLaw law, double gravity) {
+  Problem problem = cantilever(spacing, law, 0.0);
+  problem.world.gravity = Vec3(0, 0, -gravity);
+  return problem;
+}
+
+Problem bondedCube(double spacing, MaterialLaw law, const Vec3 &move, double nu = 0.3) {
+  Problem problem = Problem::rubber(cube(), spacing, law);
+  problem.material.poissonRatio = nu;
+  return problem.hold(face(2, 0.0)).move(face(2, 0.1), move);
+}
+
+double beamLimit(int n) { return n <= 3 ? 0.01 : 0.003; }
+double cubeLimit(int n) { return n <= 6 ? 0.03 : 0.015; }
+
+}  // namespace
+
+TEST_CASE("solid shapes: the surface encloses the volume, outwards", "[truth]") {
+  const auto volumeOf = [](const Surface &s) {
+    double sum = 0.0;
+    for (const auto &t : s.triangles) sum += s.positions[t[0]].dot(s.positions[t[1]].cross(s.positions[t[2]])) / 6.0;
+    return sum;
+  };
+  // 96 sides about a circle enclose 0.07 % less.
+  for (const BodyShape &shape : {beam(), solids::ball(Vec3(1, 2, 3), 0.05), solids::halfBall(0.05),
+                                 solids::ellipsoid(Vec3(0.06, 0.04, 0.03)), solids::ringQuarter(0.1, 0.04),
+                                 solids::cylinder(0.02, 0.1)})
+    CHECK_THAT(volumeOf(shape.surface), WithinRel(shape.volume, 2e-3));
+}
+
+TEST_CASE("beams: 1 % with three layers, 0.3 % with five", "[truth]") {
+  for (const MaterialLaw law : {stVenantKirchhoff, neoHookean})
+    for (const int n : {3, 5}) {
+      const double spacing = kWidth / n;
+      const Limit limit{beamLimit(n)};
+      const std::string of = std::string(".") + nameOf(law);
+      solveAndCompare(cantilever(spacing, law, -1.6e-3), "beam_shear" + of, {"tip_mean_u_z"}, layers(n), limit);
+      solveAndCompare(cantilever(spacing, law, -0.055), "beam_large_shear" + of, {"tip_mean_u_z", "tip_mean_u_x"}, layers(n),
+                      limit);
+      solveAndCompare(twisted(spacing, law), "beam_twist" + of, {"torque"}, layers(n), limit);
+      solveAndCompare(sagging(spacing, law, 0.4), "beam_sag_g0.4" + of, {"tip_mean_u_z"}, layers(n), limit);
+      solveAndCompare(cantilever(spacing, law, -1.6e-3, 0.4), "slender_beam_shear" + of, {"tip_mean_u_z"}, layers(n), limit,
+                      0.4);
+    }
+  for (const char *g : {"1", "2"})
+    solveAndCompare(sagging(kWidth / 5, neoHookean, std::atof(g)), std::string("beam_sag_g") + g + ".neo_hookean",
+                    {"tip_mean_u_z"}, layers(5), {beamLimit(5)});
+}
+
+TEST_CASE("beams at the phyxels, after Müller: for the record", "[truth]") {
+  for (const int n : {3, 5}) {
+    solveAndCompare(cantilever(kWidth / n, stVenantKirchhoff, -1.6e-3).atPhyxels(), "beam_shear.stvk", {"tip_mean_u_z"},
+                    layers(n) + ", phyxels", {});
+    solveAndCompare(twisted(kWidth / n, stVenantKirchhoff).atPhyxels(), "beam_twist.stvk", {"torque"},
+                    layers(n) + ", phyxels", {});
+  }
+  solveAndCompare(bondedCube(0.1 / 6, neoHookean, Vec3(0, 0, -0.02)).atPhyxels(), "cube_compressed_20.neo_hookean",
+                  {"force_z"}, layers(6) + ", phyxels", {});
+}
+
+TEST_CASE("bonded cube: 3 % with six layers, 1.5 % with ten", "[truth]") {
+  for (const MaterialLaw law : {stVenantKirchhoff, neoHookean, corotated})
+    for (const int n : {6, 10}) {
+      const std::string of = std::string(".") + nameOf(law);
+      const Limit limit{cubeLimit(n)};
+      solveAndCompare(bondedCube(0.1 / n, law, Vec3(0, 0, -0.02)), "cube_compressed_20" + of, {"force_z", "bulge"}, layers(n),
+                      limit);
+      solveAndCompare(bondedCube(0.1 / n, law, Vec3(0, 0, 0.02)), "cube_stretched_20" + of, {"force_z", "bulge"}, layers(n),
+                      limit);
+      solveAndCompare(bondedCube(0.1 / n, law, Vec3(0.02, 0, 0)), "cube_sheared_20" + of, {"force_x"}, layers(n), limit);
+    }
+}
+
+TEST_CASE("near incompressible cube: within twice the error at nu = 0.3", "[truth]") {
+  const int n = 6;
+  for (const auto &[name, move, quantity] :
+       {std::tuple("cube_compressed_10", Vec3(0, 0, -0.01), "force_z"), std::tuple("cube_sheared_10", Vec3(0.01, 0, 0), "force_x")}) {
+    const auto truthName = [&, name = name, quantity = quantity](const char *nu) {
+      return std::string(name) + "_nu" + nu + ".neo_hookean." + quantity;
+    };
+    const auto reference = truth(truthName("0.3"));
+    if (!reference) {
+      remark(name, "has no truth in truths.json");
+      continue;
+    }
+    double twice = 0.0;
+    for (const char *nu : {"0.3", "0.45", "0.49", "0.4999"}) {
+      SolvedBody body(bondedCube(0.1 / n, neoHookean, move, std::atof(nu)));
+      const double ours = quantityOf(body, quantity, kLength);
+      Limit limit{cubeLimit(n)};
+      if (twice == 0.0)
+        twice = 2.0 * std::abs(ours / reference->value - 1.0);
+      else
+        limit.value = twice;
+      compare(truthName(nu), layers(n), ours, body.milliseconds(), limit);
+    }
+  }
+}
+
+TEST_CASE("curved bodies: 5 % with 160 phyxels, 1.5 % with 550", "[truth]") {
+  for (const MaterialLaw law : {stVenantKirchhoff, neoHookean})
+    for (const std::size_t count : {160u, 550u}) {
+      const Limit limit{count == 160 ? 0.05 : 0.015};
+      const std::string of = std::string(".") + nameOf(law), sampling = ", " + std::to_string(count) + " phyxels";
+      const auto counted = [&](const BodyShape &shape) {
+        Problem problem = Problem::rubber(shape, 0.0, law);
+        problem.recipe.sampling.count = count;
+        return problem;
+      };
+      Problem ball = counted(solids::halfBall(0.05)).hold(face(2, 0.0));
+      ball.world.gravity = Vec3(18, 0, 0);
+      const double s = 0.05 * std::numbers::sqrt2 / 2;
+      solveAndCompare(ball, "half_ball" + of,
+                      {{"top_u_x", [](SolvedBody &b) { return b.displacementAt(Vec3(0, 0, 0.05))[0]; }, limit},
+                       {"mean_u_x", [](SolvedBody &b) { return b.meanWithin(Region())[0]; }, limit},
+                       // A sum of parts of either sign, a quarter of the sideways motion there.
+                       {"side_u_z", [=](SolvedBody &b) { return b.displacementAt(Vec3(s, 0, s))[2]; }, {}}},
+                      sampling);
+      const auto ring = [&](const Vec3 &force) {
+        return counted(solids::ringQuarter(0.1, 0.04)).hold(face(1, 0.0)).pull(face(0, 0.0), force);
+      };
+      const auto tip = [](int axis) { return [axis](SolvedBody &b) { return b.meanOver(face(0, 0.0))[axis]; }; };
+      solveAndCompare(ring(Vec3(0, 0, -0.02)), "ring_transverse" + of, {{"tip_mean_u_z", tip(2), limit}}, sampling);
+      solveAndCompare(ring(Vec3(0, -0.03, 0)), "ring_in_plane" + of,
+                      {{"tip_mean_u_y", tip(1), limit}, {"tip_mean_u_x", tip(0), limit}}, sampling);
+      Problem hanging = counted(solids::ellipsoid(Vec3(0.06, 0.04, 0.03))).hold(slab(2, 0.024, 1.0));
+      hanging.world.gravity = Vec3(0, 0, -20);
+      solveAndCompare(hanging, "ellipsoid" + of,
+                      {{"bottom_u_z", [](SolvedBody &b) { return b.displacementAt(Vec3(0, 0, -0.03))[2]; }, limit},
+                       {"mean_u_z", [](SolvedBody &b) { return b.meanWithin(slab(2, -1.0, 0.024))[2]; }, limit}},
+                      sampling);
+    }
+}
+
+TEST_CASE("indentation by a bonded patch: 5 % with ten layers", "[truth]") {
+  const Region patch = BoxRegion{Vec3(-0.015, -0.015, 0.05 - 1e-7), Vec3(0.015, 0.015, 0.05 + 1e-7)};
+  for (const char *name : {"indentation_2mm_nu0.3.stvk", "indentation_2mm_nu0.45.stvk", "indentation_2mm_nu0.3.neo_hookean",
+                           "indentation_2mm_nu0.45.neo_hookean", "indentation_5mm_nu0.3.neo_hookean"}) {
+    const std::string of = name;
+    Problem problem = Problem::rubber(solids::box(Vec3(-0.05, -0.05, 0), Vec3(0.05, 0.05, 0.05)), 0.005,
+                                      of.ends_with("stvk") ? stVenantKirchhoff : neoHookean);
+    problem.material.poissonRatio = of.find("0.45") != std::string::npos ? 0.45 : 0.3;
+    problem.hold(face(2, 0.0)).move(patch, Vec3(0, 0, of.find("5mm") != std::string::npos ? -0.005 : -0.002));
+    solveAndCompare(problem, of, {"force_z"}, layers(10), {0.05});
+  }
+}
+
+TEST_CASE("pressure that follows its face, and two materials", "[truth]") {
+  for (const bool follows : {true, false}) {
+    Problem problem = Problem::rubber(solids::box(Vec3(0, -0.02, -0.01), Vec3(0.2, 0.02, 0.01)), 0.02 / 5, neoHookean);
+    problem.hold(face(0, 0.0));
+    Load load;
+    load.region = face(2, 0.01);
+    if (follows)
+      load.pressure = 5.0;
+    else
+      load.force = Vec3(0, 0, -5.0 * 0.2 * 0.04);
+    problem.recipe.loads.push_back(load);
+    solveAndCompare(problem, follows ? "pressure_follower.neo_hookean" : "pressure_dead.neo_hookean",
+                    {"tip_mean_u_z", "tip_mean_u_x"}, layers(5), {beamLimit(5)});
+  }
+}
+
+TEST_CASE("the lattice need not fit the beam: offset, jittered, turned", "[truth]") {
+  const auto compared = [](Problem problem, const std::string &sampling, double limit) {
+    solveAndCompare(problem, "beam_shear.stvk", {"tip_mean_u_z"}, sampling, {limit});
+  };
+  // Spacings that divide neither width nor length.
+  for (const char *layers : {"3.1", "3.3", "3.4", "3.7", "4.1", "4.7", "5.3"})
+    compared(cantilever(kWidth / std::atof(layers), stVenantKirchhoff, -1.6e-3), std::string(", ") + layers + " layers", 0.01);
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    Problem problem = cantilever(kWidth / 5, stVenantKirchhoff, -1.6e-3);
+    problem.recipe.sampling.jitter = 0.2;
+    problem.recipe.sampling.seed = seed;
+    compared(problem, layers(5) + ", jitter 0.2, seed " + std::to_string(seed), 0.01);
+  }
+  const std::pair<const char *, Vec3> axes[] = {
+      {"x", Vec3::UnitX()}, {"y", Vec3::UnitY()}, {"z", Vec3::UnitZ()}, {"(1,1,1)", Vec3(1, 1, 1).normalized()}};
+  for (const auto &[name, axis] : axes) {
+    Problem problem = cantilever(kWidth / 5, stVenantKirchhoff, -1.6e-3);
+    problem.recipe.sampling.axes = Eigen::AngleAxisd(std::numbers::pi / 6, axis).toRotationMatrix();
+    compared(problem, layers(5) + ", turned 30° about " + name, 0.02);
+    Problem twist = twisted(kWidth / 5, stVenantKirchhoff);
+    twist.recipe.sampling.axes = problem.recipe.sampling.axes;
+    solveAndCompare(twist, "beam_twist.stvk", {"torque"}, layers(5) + ", turned 30° about " + name, {0.02});
+  }
+}

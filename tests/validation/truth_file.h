@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace validation {
+
+struct Truth {
+  double value = 0.0, uncertainty = 0.0;
+  std::string unit;
+};
+/// A value of truths/truths.json by its name; nothing where the file does not have it.
+[[nodiscard]] std::optional<Truth> truth(const std::string &name);
+
+}  // namespace validation

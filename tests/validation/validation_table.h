@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table that the validation suite prints: what is true, what comes out, and what was asked for.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+namespace validation {
+
+struct Row {
+  std::string body{};      ///< what is computed and how it is sampled
+  std::string quantity{};  ///< with its unit
+  double truth = 0.0, uncertainty = 0.0;
+  double ours = 0.0;
+  std::optional<double> limit{};  ///< of |error|; empty: for the record
+  double milliseconds = 0.0;    ///< wall time of building and solving
+  double scale = 0.0;           ///< error = (ours - truth) / scale; 0: ours / truth - 1
+  /// Not empty: the limit is known to be missed, for this reason. The row then says MISSED and the test goes on.
+  std::string knownMiss{};
+
+  [[nodiscard]] double error() const;
+};
+
+/// Adds a line to the table and checks the limit.
+void judge(const Row &row);
+
+/// A line of plain words: what could not be computed and why.
+void remark(const std::string &body, const std::string &words);
+
+class Stopwatch {
+ public:
+  [[nodiscard]] double milliseconds() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace validation
