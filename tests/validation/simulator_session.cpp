@@ -145,6 +145,19 @@ std::vector<Vec3> SimulatorSession::phyxels(c3de_handle body, std::uint32_t fiel
   return out;
 }
 
+std::vector<double> SimulatorSession::phyxelMasses(c3de_handle body) {
+  c3de_object *set = phyxelSet(body);
+  const void *found = nullptr;
+  const char *id = C3DE_IFACE_PHYXEL_SET_ID;
+  check(set->vt->query(set, {id, std::strlen(id)}, 1, &found), "query");
+  const auto *table = static_cast<const c3de_phyxel_set_v0 *>(found);
+  std::vector<double> out(static_cast<std::size_t>(table->count(set)));
+  const c3de_status status = table->read(set, C3DE_FIELD_MASS, {out.data(), out.size(), 1, C3DE_F64, sizeof(double)});
+  set->vt->release(set);
+  check(status, "read");
+  return out;
+}
+
 std::vector<Vec3> SimulatorSession::surfels(c3de_handle body, std::uint32_t field) {
   c3de_object *set = nullptr;
   check(impl_->table->surfels(impl_->simulator, body, &set), "surfels");

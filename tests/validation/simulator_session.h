@@ -34,6 +34,7 @@ class SimulatorSession {
   [[nodiscard]] c3de_sim_body_info info(c3de_handle body);
   /// A field of iface.phyxel_set with three components, for example C3DE_FIELD_POSITION.
   [[nodiscard]] std::vector<Vec3> phyxels(c3de_handle body, std::uint32_t field);
+  [[nodiscard]] std::vector<double> phyxelMasses(c3de_handle body);
   [[nodiscard]] std::vector<Vec3> surfels(c3de_handle body, std::uint32_t field);
 
   /// A new object of a registered class, with a count of one.

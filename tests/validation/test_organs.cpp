@@ -97,13 +97,16 @@ void fallAndRest(const Organ &organ) {
       deepest = std::min(deepest, tree->closest(x, 2.0 * info.spacing_m).distance);
     }
   }
-  double fastest = 0.0, squares = 0.0;
+  // By mass: corners of cells that the body only touches carry next to nothing.
+  double fastest = 0.0, squares = 0.0, total = 0.0;
+  const std::vector<double> masses = session.phyxelMasses(body);
   const std::vector<Vec3> velocities = session.phyxels(body, C3DE_FIELD_VELOCITY);
-  for (const Vec3 &v : velocities) {
-    fastest = std::max(fastest, norm(v));
-    squares += dot(v, v);
+  for (std::size_t i = 0; i < velocities.size(); ++i) {
+    fastest = std::max(fastest, norm(velocities[i]));
+    squares += masses[i] * dot(velocities[i], velocities[i]);
+    total += masses[i];
   }
-  const double rms = std::sqrt(squares / static_cast<double>(velocities.size()));
+  const double rms = std::sqrt(squares / total);
   WARN(organ.file << ": " << info.phyxels << " phyxels, spacing " << 1e3 * info.spacing_m << " mm, deepest " << 1e3 * deepest
                   << " mm, speed rms " << rms << " m/s, largest " << fastest << " m/s, " << session.status().steps << " steps");
   CHECK(deepest > -0.5 * info.spacing_m);

@@ -37,6 +37,12 @@ Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution
     }
   }
   patchTargets_.resize(patchPoints_.size());
+  if (!rest_->heldVolumes.empty()) {
+    carriedMasses_.assign(n, 0.0);
+    carrier_.assign(n, 0);
+    for (std::size_t f = conditions.held.size(); f-- > 0;)
+      for (const Index i : conditions.held[f].rows.indices) carrier_[i] = static_cast<Index>(f);
+  }
   setConstitution(std::move(constitution), parallelFor);
   reset();
 }
@@ -66,6 +72,11 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
       if (volume > 0.0) density = sum / volume;
     }
     masses_[i] = density * rest_->volumes[i];
+    if (!rest_->heldVolumes.empty() && !heldMask_[i]) {
+      // Not all of it: what deforms nothing still has to have an inertia.
+      carriedMasses_[i] = std::min(density * std::max(0.0, rest_->heldVolumes[i]), (1.0 - 1e-6) * masses_[i]);
+      masses_[i] -= carriedMasses_[i];
+    }
     inverseMasses_[i] = heldMask_[i] ? 0.0 : 1.0 / masses_[i];
   }
 
@@ -208,6 +219,9 @@ std::vector<Reaction> Body::reactions(const Vec3 &gravity, double t) const {
   for (const HeldPhyxel &held : heldPhyxels_)
     add(held.fix, rest_->positions[held.phyxel] + state_.displacements[held.phyxel],
         -(forces_[held.phyxel] + masses_[held.phyxel] * gravity));
+  for (std::size_t i = 0; i < carriedMasses_.size(); ++i)
+    if (carriedMasses_[i] > 0.0)
+      add(carrier_[i], rest_->positions[i] + state_.displacements[i], -carriedMasses_[i] * gravity);
   const Csr &rows = patches_.phyxels();
   for (std::size_t p = 0; p < patches_.rows(); ++p) {
     // A patch's force acts where its phyxels are, which keeps the torque that the body feels.
@@ -242,6 +256,7 @@ double Body::kineticEnergy() const {
 double Body::totalMass() const {
   double mass = 0.0;
   for (const double m : masses_) mass += m;
+  for (const double m : carriedMasses_) mass += m;
   return mass;
 }
 

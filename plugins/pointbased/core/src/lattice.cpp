@@ -146,10 +146,19 @@ void shareVolumes(const LatticeCellMap &map, std::span<const PartContent> conten
       functions = means.functions;
       volume = means.volume;
     }
+    const Moments &loose = contents[p].free;
+    const double freeVolume = loose.share * edge * edge * edge;
+    const bool held = contents[p].all.share - loose.share > 1e-12;
+    const std::array<double, 8> freeFunctions = held ? loose.functions() : functions;
     for (std::size_t j = 0; j < 8; ++j)
-      for (std::uint32_t e = corners.offsets[part.nodes[j]]; e < corners.offsets[part.nodes[j] + 1]; ++e)
-        body.volumes[corners.phyxels[e]] +=
-            corners.weights[e] * volume * ((1.0 - kEvenly) * functions[j] + kEvenly / 8.0);
+      for (std::uint32_t e = corners.offsets[part.nodes[j]]; e < corners.offsets[part.nodes[j] + 1]; ++e) {
+        const double all = volume * ((1.0 - kEvenly) * functions[j] + kEvenly / 8.0);
+        body.volumes[corners.phyxels[e]] += corners.weights[e] * all;
+        if (!held) continue;
+        body.heldVolumes.resize(body.volumes.size(), 0.0);
+        const double kept = freeVolume > 0.0 ? freeVolume * ((1.0 - kEvenly) * freeFunctions[j] + kEvenly / 8.0) : 0.0;
+        body.heldVolumes[corners.phyxels[e]] += corners.weights[e] * (all - kept);
+      }
   }
 }
 
@@ -276,6 +285,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &s
   for (const double v : body.volumes) counted += v;
   const double scale = shape.volume / counted;
   for (double &v : body.volumes) v *= scale;
+  for (double &v : body.heldVolumes) v *= scale;
   for (double &v : body.stencils.volumes) v *= scale;
 
   if (const auto assigned = assignMaterials(sampling, body); !assigned) return refuse(assigned.error());

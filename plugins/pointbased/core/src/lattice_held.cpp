@@ -203,7 +203,10 @@ class Holder {
       sum += cube * (patch.held.share * centre + edge * patch.held.first);
     }
     const Mat3 &axes = map_.set().frame.axes;
-    if (thick > 0.0) result_.centroid = axes * (sum / thick);
+    // Slivers of volume beside a held face say nothing of where it is.
+    const double cell = map_.set().frame.spacing * map_.set().frame.spacing * map_.set().frame.spacing;
+    const bool hasVolume = thick > 1e-3 * cell && (result_.area <= 0.0 || thick > 1e-3 * result_.area * map_.set().frame.spacing);
+    if (hasVolume) result_.centroid = axes * (sum / thick);
     else if (result_.area > 0.0) result_.centroid = axes * (surface / result_.area);
   }
 

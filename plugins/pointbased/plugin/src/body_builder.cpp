@@ -137,8 +137,16 @@ Obstacle buildObstacle(const Services &services, const std::string &name, const 
     const auto *table = services.collision.table();
     mustSucceed(services.host.check(table->closest(table->ctx, mesh->tree.handle(), viewOf(points),
                                                    sdk::scalars(maxDistances), found.data())));
-    for (std::size_t i = 0; i < points.size(); ++i)
-      out[i] = {Vec3(found[i].normal[0], found[i].normal[1], found[i].normal[2]), found[i].distance};
+    const double resolved = 1e-9 * (mesh->max - mesh->min).norm();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      // The plane of contact is across the way to the surface; the normal of an edge or corner leans away from it.
+      Vec3 normal(found[i].normal[0], found[i].normal[1], found[i].normal[2]);
+      if (std::isfinite(found[i].distance)) {
+        const Vec3 way = points[i] - Vec3(found[i].point[0], found[i].point[1], found[i].point[2]);
+        if (const double length = way.norm(); length > resolved) normal = (found[i].distance < 0.0 ? -1.0 : 1.0) / length * way;
+      }
+      out[i] = {normal, found[i].distance};
+    }
   };
   obstacle.crossing = [&services, mesh](const Vec3 &from, const Vec3 &to, Vec3 &normal) {
     c3de_ray_hit hit{};

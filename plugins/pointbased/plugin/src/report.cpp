@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pointbased/error_estimate.h"
 #include "pointbased/plasticity.h"
 
 namespace pointbased {
@@ -21,7 +22,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero(), centre = Vec3::Zero();
   double mass = 0.0, volume = 0.0;
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
-    const double m = body.masses()[i];
+    const double m = body.masses()[i] + (body.carriedMasses().empty() ? 0.0 : body.carriedMasses()[i]);
     const Vec3 x = rest.origin + rest.positions[i] + body.state().displacements[i];
     const Vec3 &v = body.state().velocities[i];
     momentum += m * v;
@@ -45,6 +46,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
   double plastic = 0.0;
   for (const Mat3 &inverse : body.state().history.plasticInverse)
     plastic = std::max(plastic, henckyStrain(inverse).norm());
+  const ErrorEstimate error = estimateError(body);
   const Neighbours neighbours = countNeighbours(rest);
   const Simulator::Energy energy = simulator.energy(reported.id);
   return {{"name", body.name()},
@@ -70,6 +72,8 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
           {"centre_of_mass_m", json(centre)},
           {"min_J", minJ},
           {"max_stretch", maxStretch},
+          {"error_estimate", error.relative},
+          {"stabilisation_share", error.stabilisationShare},
           {"inverted_points", inverted},
           {"max_plastic_strain", plastic},
           {"deepest_penetration_m", body.contact.deepest},

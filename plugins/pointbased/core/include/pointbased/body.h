@@ -54,6 +54,8 @@ class Body {
   [[nodiscard]] const State &state() const { return state_; }
   [[nodiscard]] State &state() { return state_; }
   [[nodiscard]] std::span<const double> masses() const { return masses_; }
+  /// Mass around a phyxel that moves with a support and takes no part in the motion of the others, kg; empty: none.
+  [[nodiscard]] std::span<const double> carriedMasses() const { return carriedMasses_; }
   /// 1/m, 1/kg; 0 for phyxels that are held.
   [[nodiscard]] std::span<const double> inverseMasses() const { return inverseMasses_; }
   /// F of the evaluation points at the last evaluation; the identity before the first.
@@ -110,7 +112,7 @@ class Body {
 
   [[nodiscard]] ElasticEnergy elasticEnergy(std::span<Eigen::Vector2d> perPoint = {}) const;
   [[nodiscard]] double kineticEnergy() const;
-  [[nodiscard]] double totalMass() const;
+  [[nodiscard]] double totalMass() const;  ///< with what supports carry, kg
 
   /// x and v of the contact points in the world; valid until the next call.
   std::span<const Vec3> contactPositions(const ParallelFor &parallelFor);
@@ -144,7 +146,8 @@ class Body {
   State state_, kept_;
   PointHistory trial_;
   Vec3 initialVelocity_ = Vec3::Zero(), initialAngularVelocity_ = Vec3::Zero();
-  std::vector<double> masses_, inverseMasses_;
+  std::vector<double> masses_, inverseMasses_, carriedMasses_;
+  std::vector<Index> carrier_;  // fix that carries it
   std::vector<HeldPhyxel> heldPhyxels_;
   std::vector<std::uint8_t> heldMask_;
   PatchSolver patches_;

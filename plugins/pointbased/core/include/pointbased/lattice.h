@@ -48,6 +48,7 @@ struct LatticeBody {
   double spacing = 0.0;            ///< m, of the coarsest cells
   std::vector<Vec3> positions;     ///< [phyxels] X, m, sorted in space; some lie outside of the body
   std::vector<double> volumes;     ///< [phyxels] m³, > 0; sum: the body's volume (density times it is the mass)
+  std::vector<double> heldVolumes; ///< [phyxels] m³: the part of `volumes` that moves with a support; empty: nothing is held
   StencilSet stencils;
   std::shared_ptr<const CellMap> cells;
   std::vector<HeldPart> held;      ///< one per LatticeSampling::held
