@@ -49,6 +49,7 @@ Expected<void> HeadlessRun::readStatus() {
   facts_.time_s = status.time_s;
   facts_.dt_s = status.dt_s;
   finished_ = status.finished != 0;
+  stopped_ = status.stopped;
   return {};
 }
 
@@ -138,6 +139,11 @@ Expected<void> HeadlessRun::run() {
       progress.update(fraction(), isQuasistatic() ? position() + " in " + threeDigits(wall_s) + " s"
                                                   : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) +
                                                         " s, step " + std::to_string(facts_.steps));
+  }
+  if (facts_.outcome == "done" && stopped_ > 0) {
+    facts_.outcome = "diverged";
+    facts_.failure = std::to_string(stopped_) + (stopped_ == 1 ? " body" : " bodies") +
+                     " stopped on the way; \"events\" of the report say which, where and what would help";
   }
   // The end, whatever brought it about, is the last row.
   if (wantsProbes && sampledStep != facts_.steps)

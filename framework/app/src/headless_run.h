@@ -49,6 +49,7 @@ class HeadlessRun {
   RunLimits limits_;
   RunFacts facts_;
   bool finished_ = false;
+  std::uint32_t stopped_ = 0;
 };
 
 }  // namespace c3de::app

@@ -56,6 +56,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   if (facts.seed) report["seed"] = *facts.seed;
   // What the simulator says stays as it is; what it does not say is empty rather than absent.
   for (const char *key : {"bodies", "probes"}) report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
+  if (simulator->contains("load_factor")) report["load_factor"] = simulator->at("load_factor");
   report["reactions"] = simulator->contains("reactions") ? simulator->at("reactions") : Json::array();
   report["stages"] = simulator->contains("stages") ? simulator->at("stages") : Json::object();
   report["events"] = simulator->contains("events") ? simulator->at("events") : Json::array();

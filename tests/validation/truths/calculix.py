@@ -68,7 +68,8 @@ def _run(text, folder, name):
     """Printed results of the deck; those of an earlier run of the very same deck in this folder are taken as they are."""
     folder = pathlib.Path(folder)
     source, log, printed = (folder / f'{name}.{ending}' for ending in ('inp', 'log', 'dat'))
-    if all(p.exists() for p in (source, log, printed)) and source.read_text() == text and 'Job finished' in log.read_text():
+    known = all(p.exists() for p in (source, log, printed))
+    if known and source.read_text() == text and 'Job finished' in log.read_text():
         return printed.read_text()
     for stale in (log, printed):
         stale.unlink(missing_ok=True)

@@ -46,7 +46,8 @@ def add_bodies():
              Quantity('side_u_z', 'u_z of the point at 45 degrees (0.05, 0, 0.05)/sqrt(2)', 'm',
                       lambda r: r.at((BALL * math.sqrt(0.5), 0.0, BALL * math.sqrt(0.5)), 2))],
             {'body': {'shape': 'half_ball', 'centre': [0, 0, 0], 'radius': BALL, 'part': 'z >= 0'}, **properties(),
-             'fix': [{'region': plane(2, 0.0)}], 'gravity': [BALL_GRAVITY, 0, 0]}, check=check)
+             'fix': [{'region': plane(2, 0.0)}], 'gravity': [BALL_GRAVITY, 0, 0]}, check=check,
+            check_levels=(2, 3, 4))
         end = on(0, 0.0)
         for name, force in (('transverse', [0.0, 0.0, -0.02]), ('in_plane', [0.0, -0.03, 0.0])):
             add(f'ring_{name}.{law}', law, lambda level, order, law, force=force: ring(level, order, law, force),
@@ -57,13 +58,15 @@ def add_bodies():
                           'from_deg': 0, 'to_deg': 90, 'note': 'angle from x towards y'}, **properties(),
                  'fix': [{'region': plane(1, 0.0)}],
                  'load': [{'region': plane(0, 0.0), 'force': force}],
-                 'load_kind': 'dead traction, uniform over the end face'}, check=check, levels=(1, 2, 3))
+                 'load_kind': 'dead traction, uniform over the end face'}, check=check, levels=(1, 2, 3),
+                check_levels=(1, 2, 3))
         add(f'ellipsoid.{law}', law, ellipsoid,
             [Quantity('bottom_u_z', 'u_z of the lowest point (0, 0, -0.03)', 'm', lambda r: r.at((0.0, 0.0, -AXES[2]), 2)),
              Quantity('mean_u_z', 'mean u_z over the volume below the held cap (z < 0.024)', 'm',
                       lambda r: r.volume_mean(2))],
             {'body': {'shape': 'ellipsoid', 'centre': [0, 0, 0], 'semi_axes': list(AXES)}, **properties(),
-             'fix': [{'region': slab(2, CUT * AXES[2], EVERYWHERE)}], 'gravity': [0, 0, -9.81]}, check=check)
+             'fix': [{'region': slab(2, CUT * AXES[2], EVERYWHERE)}], 'gravity': [0, 0, -9.81]}, check=check,
+            check_levels=(2, 3, 4))
 
 
 def twisted_cylinder(level, order, law, angle):

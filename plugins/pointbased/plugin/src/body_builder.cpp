@@ -94,6 +94,10 @@ BuiltBody buildBody(const Services &services, const std::string &name, c3de_hand
   for (std::size_t i = 0; i < source.parts.size(); ++i)
     recipe.sampling.materials.emplace_back(source.parts[i].region, static_cast<std::uint16_t>(i + 1));
   recipe.neighbors = neighborChoiceOf(values);
+  if (recipe.evaluation == Evaluation::phyxels &&
+      (!source.refinements.empty() || recipe.sampling.surfaceSpacing > 0.0 || recipe.sampling.jitter > 0.0))
+    throw sdk::Error(C3DE_E_ARG, name + ": sampling.refine, surface_spacing and jitter belong to sampling.evaluation = " +
+                                     "\"stress_points\"; with \"phyxels\" choose spacing or count");
   recipe.fixes = source.fixes;
   recipe.loads = source.loads;
   auto rest = buildRestState(shapeOf(services, mesh, source.placement, out.surface), recipe, out.surface->normals, parallelFor,

@@ -131,6 +131,10 @@ void Controller::drawOrgan(sdk::Ui &ui, const Snapshot *snapshot) {
 void Controller::drawMaterial(sdk::Ui &ui) {
   ui.heading("Material");
   ui.params(bodyParameters_.handle(), "Material");
+  ui.heading("Plasticity");
+  ui.params(bodyParameters_.handle(), "Plasticity");
+  ui.heading("Relaxation");
+  ui.params(bodyParameters_.handle(), "Relaxation");
 }
 
 void Controller::drawWorld(sdk::Ui &ui) {

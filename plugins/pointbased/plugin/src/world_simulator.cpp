@@ -237,6 +237,7 @@ void WorldSimulator::status(c3de_sim_status *out) {
   s.bodies = bodies_.size();
   s.obstacles = obstacles_.size();
   s.finished = simulator_.finished() ? 1u : 0u;
+  s.stopped = static_cast<std::uint32_t>(simulator_.stoppedBodies());
   writeOut(out, s);
 }
 

@@ -123,7 +123,8 @@ typedef struct c3de_sim_status {
   uint64_t bodies, obstacles;
   uint32_t finished; /* may be absent (by size). 1: nothing changes any more, a step does nothing: a quasi-static solution
                       * has reached its full load. Reset, and a body that is added, make it 0 again. */
-  uint32_t reserved;
+  uint32_t stopped;  /* may be absent. Bodies that stand still in their last good state while the others go on; events of
+                      * the report say why. step() fails when none is left. */
 } c3de_sim_status;
 
 typedef struct c3de_simulator_v0 {
