@@ -133,7 +133,11 @@ TEST_CASE("1e5 explicit steps of a free spinning body: momenta and energy", "[tr
 }
 
 TEST_CASE("time reversal of explicit steps", "[truth]") {
-  SolvedBody body(moving(block(), 0.02, Integrator::explicitVerlet, MaterialLaw::neoHookean));
+  // A given step: the automatic one follows the stiffness of the present state, and so is not the same on the way back.
+  Problem problem = moving(block(), 0.02, Integrator::explicitVerlet, MaterialLaw::neoHookean);
+  problem.world.dt = 5e-4;
+  SolvedBody body(problem);
+  REQUIRE(body.body().stableStepAtRest() > 4 * problem.world.dt);
   setGoing(body);
   const std::vector<Vec3> start = body.body().state().displacements;
   const Stopwatch watch;
@@ -185,28 +189,51 @@ TEST_CASE("free fall and a bar against a wall", "[truth]") {
 }
 
 TEST_CASE("Prony relaxation of a bar that is held twisted", "[truth]") {
-  // Torsion strains nothing but shear, so the torque falls as the shear modulus; ten times faster than the wave's way is
-  // slow enough to leave inertia out.
-  const double a = 0.02, L = 0.04, share = 0.6, tau = 1.0;
-  Problem problem = moving(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / 4, Integrator::implicitSdirk);
-  problem.material.prony[0] = {share, tau};
-  problem.world.dt = 0.02 * tau;
+  // Torsion strains nothing but shear, so the torque falls as the shear modulus. Mass damping takes what rings.
+  const double a = 0.02, L = 0.04, share = 0.6, tau = 1.0, ramp = 0.2;
+  Problem problem = moving(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / 3, Integrator::explicitVerlet);
   problem.hold(face(0, 0.0)).turn(face(0, L), Vec3(2, 0, 0), Vec3(L, 0, 0));
-  Problem instant = problem;
-  instant.material.prony[0] = {};
-  instant.world.integrator = Integrator::quasiStatic;
-  SolvedBody elastic(instant);
-  const double initial = elastic.torqueAboutOrigin(1)[0];
-  SolvedBody body(problem);
-  for (const double at : {0.5, 1.0, 3.0}) {
-    body.run(at * tau - 1e-9);
-    const double t = body.simulator().time();
-    judge({.body = "twisted bar, share 0.6 relaxes in 1 s",
-           .quantity = "torque / initial, " + std::to_string(at).substr(0, 3) + " s",
-           .truth = 1 - share * (1 - std::exp(-t / tau)),
-           .ours = body.torqueAboutOrigin(1)[0] / initial,
-           .limit = 0.005,
-           .milliseconds = body.milliseconds()});
+  Problem elastic = problem;
+  elastic.world.integrator = Integrator::quasiStatic;
+  SolvedBody atOnce(elastic);
+  const double initial = atOnce.torqueAboutOrigin(1)[0];
+  problem.material.prony[0] = {share, tau};
+  problem.recipe.fixes[1].ramp = ramp;
+  problem.world.damping = 20.0;
+  // Of a strain that grows along the ramp and stays.
+  const auto truthAt = [&](double t) {
+    return 1 - share + share * tau / ramp * (std::exp(ramp / tau) - 1) * std::exp(-t / tau);
+  };
+  struct Scheme {
+    const char *name;
+    Integrator integrator;
+    double dt, end;
+  };
+  for (const Scheme &scheme : {Scheme{"Verlet", Integrator::explicitVerlet, 0.0, 3.0},
+                               Scheme{"midpoint", Integrator::implicitMidpoint, 0.02, 3.0},
+                               Scheme{"SDIRK2", Integrator::implicitSdirk, 0.02, 1.0},
+                               Scheme{"backward Euler", Integrator::backwardEuler, 0.02, 3.0}}) {
+    problem.world.integrator = scheme.integrator;
+    problem.world.dt = scheme.dt;
+    const std::string name = std::string("twisted bar, share 0.6 relaxes in 1 s, ") + scheme.name;
+    try {
+      SolvedBody body(problem);
+      for (const double at : {0.5, 1.0, 3.0}) {
+        if (at > scheme.end) break;
+        body.run(at - 1e-9);
+        judge({.body = name,
+               .quantity = "torque / elastic, " + std::to_string(at).substr(0, 3) + " s",
+               .truth = truthAt(body.simulator().time()),
+               .ours = body.torqueAboutOrigin(1)[0] / initial,
+               .limit = 0.01,
+               .milliseconds = body.milliseconds()});
+      }
+      std::size_t divided = 0;
+      for (const SimulationEvent &event : body.simulator().events()) divided += event.kind == "smaller_step" ? 1 : 0;
+      if (divided > 0) remark(name, "note: " + std::to_string(divided) + " steps had to be repeated with smaller ones");
+    } catch (const std::runtime_error &failure) {
+      noSolution(name, failure.what());
+    }
   }
 }
 

@@ -50,10 +50,7 @@ double quantityOf(SolvedBody &body, const std::string &quantity, double length) 
   throw std::runtime_error("no such quantity: " + quantity);
 }
 
-struct Limit {
-  std::optional<double> value;
-  const char *knownMiss = "";
-};
+using Limit = std::optional<double>;
 
 /// One row: the named truth against `ours`; nothing where the file lacks the truth.
 void compare(const std::string &truthName, const std::string &sampling, double ours, double milliseconds, const Limit &limit) {
@@ -65,9 +62,8 @@ void compare(const std::string &truthName, const std::string &sampling, double o
          .truth = known->value,
          .uncertainty = known->uncertainty,
          .ours = ours,
-         .limit = limit.value,
-         .milliseconds = milliseconds,
-         .knownMiss = limit.knownMiss});
+         .limit = limit,
+         .milliseconds = milliseconds});
 }
 
 using Measure = std::function<double(SolvedBody &)>;
@@ -77,15 +73,14 @@ using Quantities = std::vector<std::tuple<std::string, Measure, Limit>>;
 void solveAndCompare(const Problem &problem, const std::string &truthCase, const Quantities &quantities,
                      const std::string &sampling) {
   bool asked = false;
-  for (const auto &[name, measure, limit] : quantities) asked = asked || (limit.value && !*limit.knownMiss);
+  for (const auto &[name, measure, limit] : quantities) asked = asked || limit.has_value();
   try {
     SolvedBody body(problem);
     const std::string size = sampling + " (" + std::to_string(body.rest().phyxelCount()) + ")";
     for (const auto &[name, measure, limit] : quantities)
       compare(truthCase + "." + name, size, measure(body), body.milliseconds(), limit);
   } catch (const std::runtime_error &failure) {
-    remark(truthCase + sampling, std::string("MISSED: no solution: ") + failure.what());
-    if (asked) FAIL_CHECK(truthCase << sampling << ": " << failure.what());
+    noSolution(truthCase + sampling, failure.what(), asked);
   }
 }
 void solveAndCompare(const Problem &problem, const std::string &truthCase, const std::vector<std::string> &quantities,
@@ -175,29 +170,24 @@ TEST_CASE("bonded cube: 3 % with six layers, 1.5 % with ten", "[truth]") {
 }
 
 TEST_CASE("near incompressible cube: within twice the error at nu = 0.3", "[truth]") {
+  // The larger error of the two loads counts: one of them alone may be small by chance.
+  struct Loading {
+    const char *name, *quantity;
+    Vec3 move;
+  };
+  const Loading loadings[] = {{"cube_compressed_10", "force_z", Vec3(0, 0, -0.01)}, {"cube_sheared_10", "force_x", Vec3(0.01, 0, 0)}};
   const int n = 6;
-  for (const auto &[name, move, quantity] :
-       {std::tuple("cube_compressed_10", Vec3(0, 0, -0.01), "force_z"), std::tuple("cube_sheared_10", Vec3(0.01, 0, 0), "force_x")}) {
-    const auto truthName = [&, name = name, quantity = quantity](const char *nu) {
-      return std::string(name) + "_nu" + nu + ".neo_hookean." + quantity;
-    };
-    const auto reference = truth(truthName("0.3"));
-    if (!reference) {
-      remark(name, "has no truth in truths.json");
-      continue;
+  double largest = 0.0;
+  for (const char *nu : {"0.3", "0.45", "0.49", "0.4999"})
+    for (const Loading &loading : loadings) {
+      const std::string name = std::string(loading.name) + "_nu" + nu + ".neo_hookean";
+      const auto known = truth(name + "." + loading.quantity);
+      SolvedBody body(bondedCube(0.1 / n, neoHookean, loading.move, std::atof(nu)));
+      const double ours = quantityOf(body, loading.quantity, kLength);
+      const bool first = std::string(nu) == "0.3";
+      if (first && known) largest = std::max(largest, std::abs(ours / known->value - 1.0));
+      compare(name + "." + loading.quantity, layers(n), ours, body.milliseconds(), {first ? cubeLimit(n) : 2.0 * largest});
     }
-    double twice = 0.0;
-    for (const char *nu : {"0.3", "0.45", "0.49", "0.4999"}) {
-      SolvedBody body(bondedCube(0.1 / n, neoHookean, move, std::atof(nu)));
-      const double ours = quantityOf(body, quantity, kLength);
-      Limit limit{cubeLimit(n)};
-      if (twice == 0.0)
-        twice = 2.0 * std::abs(ours / reference->value - 1.0);
-      else
-        limit.value = twice;
-      compare(truthName(nu), layers(n), ours, body.milliseconds(), limit);
-    }
-  }
 }
 
 TEST_CASE("curved bodies: 5 % with 160 phyxels, 1.5 % with 550", "[truth]") {
@@ -227,7 +217,8 @@ TEST_CASE("curved bodies: 5 % with 160 phyxels, 1.5 % with 550", "[truth]") {
       solveAndCompare(ring(Vec3(0, -0.03, 0)), "ring_in_plane" + of,
                       {{"tip_mean_u_y", tip(1), limit}, {"tip_mean_u_x", tip(0), limit}}, sampling);
       Problem hanging = counted(solids::ellipsoid(Vec3(0.06, 0.04, 0.03))).hold(slab(2, 0.024, 1.0));
-      hanging.world.gravity = Vec3(0, 0, -20);
+      const auto sag = truth("ellipsoid" + of + ".bottom_u_z");
+      hanging.world.gravity = Vec3(0, 0, sag ? sag->gravity[2] : -9.81);
       solveAndCompare(hanging, "ellipsoid" + of,
                       {{"bottom_u_z", [](SolvedBody &b) { return b.displacementAt(Vec3(0, 0, -0.03))[2]; }, limit},
                        {"mean_u_z", [](SolvedBody &b) { return b.meanWithin(slab(2, -1.0, 0.024))[2]; }, limit}},

@@ -13,7 +13,8 @@ std::optional<Truth> truth(const std::string &name) {
   if (!cases.is_array()) throw std::runtime_error("cannot read " C3DE_TRUTHS);
   for (const auto &entry : cases)
     if (entry.value("name", "") == name)
-      return Truth{entry.at("value").get<double>(), entry.at("uncertainty").get<double>(), entry.value("unit", "")};
+      return Truth{entry.at("value").get<double>(), entry.at("uncertainty").get<double>(), entry.value("unit", ""),
+                   entry.at("parameters").value("gravity", std::array<double, 3>{})};
   return std::nullopt;
 }
 

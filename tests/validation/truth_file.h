@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -9,6 +10,7 @@ namespace validation {
 struct Truth {
   double value = 0.0, uncertainty = 0.0;
   std::string unit;
+  std::array<double, 3> gravity{};  ///< of the case, m/s²; 0 where it has none
 };
 /// A value of truths/truths.json by its name; nothing where the file does not have it.
 [[nodiscard]] std::optional<Truth> truth(const std::string &name);

@@ -16,17 +16,20 @@ struct Row {
   std::optional<double> limit{};  ///< of |error|; empty: for the record
   double milliseconds = 0.0;    ///< wall time of building and solving
   double scale = 0.0;           ///< error = (ours - truth) / scale; 0: ours / truth - 1
-  /// Not empty: the limit is known to be missed, for this reason. The row then says MISSED and the test goes on.
-  std::string knownMiss{};
 
   [[nodiscard]] double error() const;
 };
 
-/// Adds a line to the table and checks the limit.
+/// Adds a line to the table and checks the limit. Where known_misses.h has the row, a missed limit is printed as MISSED with
+/// its reason, and the test goes on.
 void judge(const Row &row);
 
 /// A line of plain words: what could not be computed and why.
 void remark(const std::string &body, const std::string &words);
+
+/// A row without a value: the engine refused or found no solution. A failure unless it is a known miss.
+/// @param asked  false: for the record
+void noSolution(const std::string &body, const std::string &why, bool asked = true);
 
 class Stopwatch {
  public:

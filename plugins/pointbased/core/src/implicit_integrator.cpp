@@ -33,6 +33,7 @@ struct ImplicitStage {
   double contactSpan = 0.0;  // s (or load factor) over which contact planes move
   std::vector<Vec3> p, q;
   double holding = 0.0;  // 1/s²: static, of the inertia that holds what nothing else does
+  double elapsed = 0.0;  // s since the beginning of the step: what relaxes has relaxed for so long
 };
 
 class StageProblem final : public Equilibrium {
@@ -176,11 +177,10 @@ class StageProblem final : public Equilibrium {
 
  private:
   [[nodiscard]] std::span<const Vec3> targets() { return body_.patchTargets(stage_.end); }
-  [[nodiscard]] double dt() const { return dissipative_ ? stage_.h : 0.0; }
+  [[nodiscard]] double dt() const { return dissipative_ ? stage_.elapsed : 0.0; }
   [[nodiscard]] double viscousScale() const { return dissipative_ ? 1.0 / stage_.h : 0.0; }
-  [[nodiscard]] const PointHistory &history() const {
-    return dissipative_ && !body_.state().history.prony.empty() ? trialWithFlow_ : body_.state().history;
-  }
+  // At the beginning of the step: what relaxes is advanced from there by dt().
+  [[nodiscard]] const PointHistory &history() const { return body_.state().history; }
 
   // Forces that have no potential, at the present displacements: followers; viscous and relaxing stresses as the
   // difference to the elastic ones.
@@ -198,13 +198,9 @@ class StageProblem final : public Equilibrium {
     body_.computeElasticStresses(parallelFor);
     body_.computeInternalForces(parallelFor);
     for (std::size_t i = 0; i < n_; ++i) work_[i] -= body_.forces()[i];
-    body_.computeTrialStresses(stage_.h, parallelFor);
+    body_.computeTrialStresses(stage_.elapsed, parallelFor);
     body_.computeInternalForces(parallelFor);
     for (std::size_t i = 0; i < n_; ++i) work_[i] += body_.forces()[i];
-    if (!body_.state().history.prony.empty()) {
-      trialWithFlow_.prony = body_.trialHistory().prony;
-      trialWithFlow_.plasticInverse = body_.state().history.plasticInverse;
-    }
   }
 
   Body &body_;
@@ -216,7 +212,6 @@ class StageProblem final : public Equilibrium {
   std::vector<Vec3> dead_, work_, start_, forces_;
   std::vector<Vec3> reference_, referenceWork_;
   double referenceEnergy_ = 0.0;
-  PointHistory trialWithFlow_;
   ContactPenalty penalty_;
   TangentScratch scratch_;
   std::vector<Eigen::Triplet<double>> triplets_;
@@ -315,6 +310,8 @@ bool meets(Body &body, const Environment &env, std::span<const Vec3> start, doub
 
 ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment &env, double time, double dt,
                             Integrator scheme) {
+  // Without damping of its own the midpoint rule does not settle what relaxes.
+  if (scheme == Integrator::implicitMidpoint && body.constitution().relaxing()) scheme = Integrator::implicitSdirk;
   State &state = body.state();
   const std::size_t n = state.displacements.size();
   const std::vector<Vec3> u0 = state.displacements, v0 = state.velocities;
@@ -328,7 +325,7 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
   const auto backwardEuler = [&] {
     state.displacements = u0;
     state.velocities = v0;
-    stage = {dt, time + dt, dt, u0, v0, 0.0};
+    stage = {dt, time + dt, dt, u0, v0, 0.0, dt};
     const int first = out.newton.iterations, firstLinear = out.newton.linearIterations;
     out.newton = run(stage, time);
     out.newton.iterations += first;
@@ -336,7 +333,7 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
   };
   switch (scheme) {
     case Integrator::implicitMidpoint: {
-      stage = {0.5 * dt, time + 0.5 * dt, 0.5 * dt, u0, v0, 0.0};
+      stage = {0.5 * dt, time + 0.5 * dt, 0.5 * dt, u0, v0, 0.0, 0.5 * dt};
       out.newton = run(stage, time);
       if (out.newton.good() && !touching(body.contact).empty()) {
         backwardEuler();
@@ -354,7 +351,7 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
     }
     case Integrator::implicitSdirk: {
       const double gamma = 1.0 - std::sqrt(0.5);
-      stage = {gamma * dt, time + gamma * dt, gamma * dt, u0, v0, 0.0};
+      stage = {gamma * dt, time + gamma * dt, gamma * dt, u0, v0, 0.0, gamma * dt};
       out.newton = run(stage, time);
       if (!out.newton.good()) break;
       const std::vector<Index> touched = touching(body.contact);
@@ -370,6 +367,7 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
         stage.q[i] = v0[i] + (1.0 - gamma) * dt * l;
       }
       stage.end = time + dt;
+      stage.elapsed = dt;
       stage.contactSpan = (1.0 - gamma) * dt;
       const int first = out.newton.iterations, firstLinear = out.newton.linearIterations;
       out.newton = run(stage, time + gamma * dt);
@@ -378,7 +376,7 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
       break;
     }
     default:
-      stage = {dt, time + dt, dt, u0, v0, 0.0};
+      stage = {dt, time + dt, dt, u0, v0, 0.0, dt};
       out.newton = run(stage, time);
       break;
   }
@@ -406,7 +404,7 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
     holding = 1e-4 * frequency * frequency;
   }
   for (int round = 0; round < 200; ++round) {
-    const ImplicitStage stage{0.0, to, to - from, {}, {}, holding};
+    const ImplicitStage stage{0.0, to, to - from, {}, {}, holding, 0.0};
     const std::vector<Vec3> before = state.displacements;
     out.newton = solveStage(body, solver, env, stage, from, goOn);
     if (out.failure = explain(body, out.newton); !out.failure.empty()) return out;

@@ -62,6 +62,12 @@ Divided divide(const SampleContent &content, const Vec3 &middle, const RegionCut
   return result;
 }
 
+// A box thinner than what acts as a surface holds no volume, wherever in a cell it lies.
+bool isSheet(const Region &region, double edge) {
+  const auto *box = std::get_if<BoxRegion>(&region);
+  return box != nullptr && (box->max - box->min).minCoeff() < kThin * edge;
+}
+
 // Whether a region can hold a part of a cell (> 0), all of it (< 0), or must be looked at (0).
 int sideOf(const CellSet &set, const Region &region, const Cell &cell) {
   const double distance = signedDistance(region, set.frame.world(set.centre(cell)));
@@ -287,7 +293,8 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
     std::vector<HeldPatch> measured(map.parts().size());
     parallelFor(measured.size(), 64, [&](std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p)
-        if (map.parts()[p].kept) measured[p] = measureVolume(set, map.parts()[p], contents[p].all, region);
+        if (map.parts()[p].kept && !isSheet(region, set.edge(set.cells[map.parts()[p].cell])))
+          measured[p] = measureVolume(set, map.parts()[p], contents[p].all, region);
     });
     std::vector<Index> slots(map.parts().size(), kNone);
     for (std::size_t p = 0; p < measured.size(); ++p) {

@@ -7,7 +7,8 @@
 
 namespace pointbased::detail {
 
-/// Share of E in the energy of the mode xyz, which strains nothing to first order and only rattles.
+/// Share of E in the energy of the mode xyz. 0.3 lifts the rattling of single cells above the lowest modes of a free body, but
+/// makes a sheared cube of six layers 1 % stiffer and an indentation 1.5 %.
 inline constexpr double kTwistStiffness = 0.1;
 
 /// Part of the shear of a twisted cell that warping leaves: of a square bar under torsion in 3 and 5 cells across, 0.48 gives

@@ -192,7 +192,12 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
     rest->surfels = rest->bind(local.positions, surfelNormals);
     rest->surfelNormals.assign(surfelNormals.begin(), surfelNormals.end());
     if (!local.triangles.empty()) {
-      SurfacePoints chosen = chooseContactPoints(local, rest->spacing);
+      // As fine as the finest cells: a refined place is refined to be touched.
+      double finest = rest->spacing;
+      for (const Refinement &refinement : sampling.refinements)
+        while (finest > refinement.spacing * (1.0 + 1e-9)) finest *= 0.5;
+      while (sampling.surfaceSpacing > 0.0 && finest > sampling.surfaceSpacing * (1.0 + 1e-9)) finest *= 0.5;
+      SurfacePoints chosen = chooseContactPoints(local, finest);
       rest->contact = {rest->bind(chosen.positions, chosen.normals), std::move(chosen.normals), std::move(chosen.areas), {}};
     }
   } else {
