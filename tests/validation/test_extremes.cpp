@@ -205,7 +205,7 @@ TEST_CASE("steps that are far too large are divided, and beyond that the body st
   row("dt huge", result);
 }
 
-TEST_CASE("an infinite step is refused or chosen by the program", "[!shouldfail]") {
+TEST_CASE("an infinite step is refused or chosen by the program") {
   std::string result;
   for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk}) {
     Simulator simulator;
@@ -216,7 +216,7 @@ TEST_CASE("an infinite step is refused or chosen by the program", "[!shouldfail]
     result += std::string(integrator == Integrator::explicitVerlet ? "explicit" : "; implicit") + ": " +
               (good ? "step done" : "stopped with a report") + ", time " + text(simulator.time()) + " s";
   }
-  row("dt infinite", "not met: " + result);
+  row("dt infinite", result);
 }
 
 // Verlet is symplectic at one step size only: with sizes in turn it can resonate, and setWorld() makes the guard forget.
@@ -244,7 +244,7 @@ TEST_CASE("a step size that changes at every step keeps the energy", "[!shouldfa
 }
 
 // As the body swings, a step just below the automatic one is now whole, now halved.
-TEST_CASE("steps just below the stable one keep the energy", "[!shouldfail]") {
+TEST_CASE("steps just below the stable one keep the energy") {
   double worst = 1.0, at = 0.0;
   for (const double part : {0.8, 0.85, 0.9, 0.92, 0.94, 0.9465, 0.95, 0.96, 0.98, 1.0}) {
     Simulator simulator;
@@ -268,7 +268,7 @@ TEST_CASE("steps just below the stable one keep the energy", "[!shouldfail]") {
     }
   }
   row("dt 0.8 … 1 of the automatic one, 1 s of free swinging",
-      "not met: energy grows to " + text(worst) + " of the first, at " + text(at) + " of the automatic step");
+      "energy at most " + text(worst) + " of the first, at " + text(at) + " of the automatic step");
 }
 
 TEST_CASE("neighbours with a million times the stiffness or mass: momenta are kept, the interface stays closed") {

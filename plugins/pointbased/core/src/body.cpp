@@ -276,7 +276,7 @@ std::span<const Vec3> Body::contactVelocities(const ParallelFor &parallelFor) {
 }
 
 void Body::restoreState() {
-  state_ = kept_;
+  if (!kept_.displacements.empty()) state_ = kept_;
   contact.clearance.clear();  // what was known of distances may be of the failed step
   contact.active.clear();
   patches_.clearForces();

@@ -77,11 +77,12 @@ std::optional<GuardFinding> EnergyWatch::look(const Body &body, const Vec3 &grav
                  body.patches().energy(body.lastPatchTargets(), body.state().displacements);
   const double scale = std::max(kinetic, stored);
   const bool comparable = known_ && !driven;
-  const double growth = total - total_, allowed = kGrowth * std::max(scale, scale_) + 1e-12;
+  const double before = total_;
+  const double growth = total - total_, allowed = kGrowth * std::max(scale, scale_);
   known_ = true;
   total_ = total;
   scale_ = scale;
-  if (!comparable || growth <= allowed) return std::nullopt;
+  if (!comparable || growth <= allowed || growth <= 1e-12 * (std::abs(total) + std::abs(before))) return std::nullopt;
   known_ = false;
   const GuardView view = lookAt(body);
   return GuardFinding{view.fastestPhyxel,

@@ -52,6 +52,13 @@ class StageProblem final : public Equilibrium {
         addLoadForces(load, conditions.loaded[l], body.factor(load.ramp, stage.end), body.state().displacements, dead_);
     }
     for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.masses()[i] * env.gravity;
+    if (body.grab && stage.h > 0.0) {
+      // The hand's spring is taken at the beginning of the stage, soft enough not to be thrown by its own delay.
+      std::fill(body.forces().begin(), body.forces().end(), Vec3::Zero());
+      applyGrab(body, 0.3 / stage.h);
+      for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.forces()[i];
+      body.forcesCurrent = false;
+    }
     const Constitution &c = body.constitution();
     dissipative_ = stage.h > 0.0 && (c.viscous() || c.relaxing());
     work_.assign(n_, Vec3::Zero());

@@ -36,6 +36,8 @@ struct Simulator::Runner {
   double scale = 1.0;             // part of the stable step in use, after failures
   std::uint64_t goodSteps = 0;
   std::uint64_t mostSubsteps = 1;
+  double pieces = 1.0;            // of a step at present: changing them to and fro would pump energy into what swings
+  std::uint64_t fewerWouldDo = 0; // steps in a row
   bool toldSwitch = false;
 };
 
@@ -147,7 +149,7 @@ Integrator Simulator::integratorOf(const Runner &runner) const {
 
 double Simulator::stepSize() const {
   if (quasiStatic()) return 0.0;
-  if (world_.dt > 0.0) return world_.dt;
+  if (world_.dt > 0.0 && std::isfinite(world_.dt)) return world_.dt;
   double dt = std::numeric_limits<double>::infinity();
   for (const auto &[id, runner] : bodies_)
     dt = std::min(dt, integratorOf(*runner) == Integrator::explicitVerlet ? kStepSafety * runner->body->stableStepAtRest()
@@ -184,7 +186,7 @@ bool Simulator::driven(const Body &body) const {
 
 std::optional<GuardFinding> Simulator::advanceExplicit(Runner &runner, const Environment &env, double dt) {
   Body &body = *runner.body;
-  double left = dt, time = time_;
+  double left = dt, time = time_, mostNeeded = 1.0;
   std::uint64_t substeps = 0;
   while (left > 1e-12 * dt) {
     double stable = kStepSafety * runner.scale * body.stableStep();
@@ -196,7 +198,9 @@ std::optional<GuardFinding> Simulator::advanceExplicit(Runner &runner, const Env
     const double impact = impactSpeed(body, env, time, std::min(left, stable), kStride * body.rest().spacing);
     if (impact > 0.0) stable = std::min(stable, kStride * body.rest().spacing / impact);
     // Even pieces of what is left, so that the last one is not a sliver.
-    const double pieces = std::ceil(left / stable * (1.0 - 1e-9));
+    const double needed = std::ceil(left / stable * (1.0 - 1e-9));
+    mostNeeded = std::max(mostNeeded, std::ceil(dt / stable * (1.0 - 1e-9)));
+    const double pieces = std::max(needed, std::ceil(left * runner.pieces / dt * (1.0 - 1e-9)));
     if (!(pieces + static_cast<double>(substeps) <= kMostSubsteps))
       return GuardFinding{view.fastestPhyxel,
                           "the stable step has fallen to " + number(stable) + " s, 1/" + number(dt / stable) + " of the step" +
@@ -211,6 +215,13 @@ std::optional<GuardFinding> Simulator::advanceExplicit(Runner &runner, const Env
   GuardView view;
   clock_.measure(kGuard, [&] { view = lookAt(body); });
   if (!view.finite) return firstNonFinite(body);
+  if (mostNeeded >= runner.pieces) {
+    runner.pieces = mostNeeded;
+    runner.fewerWouldDo = 0;
+  } else if (++runner.fewerWouldDo >= kPatience) {
+    runner.pieces = mostNeeded;
+    runner.fewerWouldDo = 0;
+  }
   if (substeps > runner.mostSubsteps) {
     runner.mostSubsteps = substeps;
     note("substep", "body '" + body.name() + "': a step of " + number(dt) + " s was divided into " +
@@ -256,6 +267,12 @@ void Simulator::advance(Runner &runner, const Environment &env, double dt) {
                          number(kStepSafety * body.stableStepAtRest()) +
                          " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
   }
+  // What somebody has put in from outside is caught before it becomes the state to go back to.
+  if (!lookAt(body).finite) {
+    const auto poisoned = firstNonFinite(body);
+    body.restoreState();
+    return stop(runner, poisoned ? *poisoned : GuardFinding{0, "the state is not finite", "a reset"});
+  }
   body.keepState();
   GuardFinding finding;
   for (int attempt = 0; attempt <= kMostHalvings; ++attempt) {
@@ -271,6 +288,8 @@ void Simulator::advance(Runner &runner, const Environment &env, double dt) {
     }
     finding = *found;
     body.restoreState();
+    body.computeGradients(parallelFor_);
+    body.computeStresses(0.0, parallelFor_);
     runner.solver.forget();
     runner.goodSteps = 0;
     if (attempt < kMostHalvings) {
@@ -351,6 +370,8 @@ void Simulator::reset() {
     runner->scale = 1.0;
     runner->goodSteps = 0;
     runner->mostSubsteps = 1;
+    runner->pieces = 1.0;
+    runner->fewerWouldDo = 0;
     runner->toldSwitch = false;
   }
   time_ = 0.0;
