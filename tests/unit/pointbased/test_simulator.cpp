@@ -239,3 +239,35 @@ TEST_CASE("a block on a slippery floor sinks under its own weight as the bar for
     CHECK_THAT(sunk, WithinRel(formula, 0.06));
   }
 }
+
+TEST_CASE("another integrator goes on from the same positions, velocities and plastic state") {
+  Material clay;
+  clay.plastic = {0.02, 1.0, 1.0 / 60.0, Plasticity::kNever};
+  Simulator simulator;
+  WorldSettings world = falling();
+  simulator.setWorld(world);
+  const std::size_t id = simulator.addBody(organ(0.03, clay));
+  while (simulator.time() < 0.4) REQUIRE(simulator.step());
+  REQUIRE_FALSE(simulator.body(id)->state().history.plasticInverse.empty());
+  double flowed = 0.0;
+  for (const Mat3 &F : simulator.body(id)->state().history.plasticInverse) flowed += (F - Mat3::Identity()).norm();
+  CHECK(flowed > 0.0);
+  for (const Integrator next : {Integrator::implicitSdirk, Integrator::implicitMidpoint, Integrator::backwardEuler,
+                                Integrator::quasiStatic, Integrator::explicitVerlet}) {
+    const std::uint64_t before = simulator.stateHash();
+    const double time = simulator.time();
+    world.integrator = next;
+    simulator.setWorld(world);
+    CHECK(simulator.stateHash() == before);
+    if (next == Integrator::quasiStatic) {
+      // A solution of its own, however long the motion before it has been.
+      CHECK(simulator.loadFactor() == 0.0);
+      CHECK_FALSE(simulator.finished());
+      continue;
+    }
+    CHECK(simulator.time() >= time);
+    for (int i = 0; i < 3; ++i) REQUIRE(simulator.step());
+    CHECK(simulator.stateHash() != before);
+    CHECK(std::isfinite(simulator.energy(id).elastic));
+  }
+}

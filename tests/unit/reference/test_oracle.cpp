@@ -53,11 +53,12 @@ double engineAgainstReference(const std::vector<Vec3> &points, double amplitude)
   std::vector<double> ratios(points.size());
   std::vector<Vec3> entryForces(stencils.phyxels.indices.size()), forces(points.size());
   pointbased::deformationGradients(stencils, body.u, F, serial);
-  pointbased::stresses(material, stencils, F, {}, vP, ratios, serial);
-  pointbased::internalForces(material, 0.0, stencils, points, body.u, F, vP, entryForces, forces, serial);
+  const pointbased::Constitution constitution{{material}, 0.0};
+  pointbased::pointStresses(constitution, stencils, F, {}, {}, 0.0, nullptr, vP, ratios, serial);
+  pointbased::internalForces(constitution, stencils, points, body.u, F, vP, entryForces, forces, serial);
   for (std::size_t i = 0; i < points.size(); ++i) CHECK((F[i] - body.J[i]).norm() < 1e-11);
 
-  const double energy = pointbased::elasticEnergy(material, 0.0, stencils, points, body.u, F).strain;
+  const double energy = pointbased::elasticEnergy(constitution, stencils, points, body.u, F, {}).strain;
   CHECK_THAT(reference::elasticEnergy(body), WithinRel(energy, 1e-11));
   return difference(forces, body.force);
 }

@@ -206,8 +206,7 @@ std::span<const Vec3> Body::patchTargets(double t) {
   return patchTargets_;
 }
 
-std::vector<Reaction> Body::reactions(const Vec3 &gravity, double t) const {
-  (void)t;
+std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
   const BoundaryConditions &conditions = rest_->conditions;
   std::vector<Reaction> out(conditions.fixes.size());
   for (std::size_t f = 0; f < out.size(); ++f)
@@ -276,7 +275,7 @@ std::span<const Vec3> Body::contactVelocities(const ParallelFor &parallelFor) {
 }
 
 void Body::restoreState() {
-  if (!kept_.displacements.empty()) state_ = kept_;
+  state_ = kept_;
   contact.clearance.clear();  // what was known of distances may be of the failed step
   contact.active.clear();
   patches_.clearForces();
@@ -307,6 +306,7 @@ void Body::reset() {
   grab.reset();
   grabStatus.reset();
   forcesCurrent = false;
+  keepState();
 }
 
 }  // namespace pointbased

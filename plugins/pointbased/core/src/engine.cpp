@@ -18,8 +18,6 @@ Mat3 fittedGradient(const StencilSet &s, std::size_t q, std::span<const Vec3> fi
   return G;
 }
 
-Constitution single(const Material &material, double stabilisation) { return {{material}, stabilisation}; }
-
 }  // namespace
 
 void deformationGradients(const StencilSet &s, std::span<const Vec3> displacements, std::span<Mat3> gradients,
@@ -38,27 +36,6 @@ void gradientRates(const StencilSet &s, std::span<const Vec3> velocities, std::s
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t q = begin; q < end; ++q) rates[q] = fittedGradient(s, q, velocities);
   });
-}
-
-double stresses(const Material &material, const StencilSet &s, std::span<const Mat3> gradients, std::span<const Mat3> rates,
-                std::span<Mat3> out, std::span<double> tangentRatios, const ParallelFor &parallelFor) {
-  return pointStresses(single(material, 0.0), s, gradients, rates, {}, 0.0, nullptr, out, tangentRatios, parallelFor);
-}
-
-void internalForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> X,
-                    std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> pointStresses,
-                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor) {
-  internalForces(single(material, stabilisation), s, X, u, gradients, pointStresses, entryForces, forces, parallelFor);
-}
-
-ElasticEnergy elasticEnergy(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> X,
-                            std::span<const Vec3> u, std::span<const Mat3> gradients) {
-  return elasticEnergy(single(material, stabilisation), s, X, u, gradients, PointHistory());
-}
-
-double largestFrequency(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> X,
-                        std::span<const double> masses, const ParallelFor &parallelFor) {
-  return largestFrequency(single(material, stabilisation), s, X, masses, {}, parallelFor);
 }
 
 }  // namespace pointbased

@@ -42,7 +42,7 @@ GuardView lookAt(const Body &body) {
   double all = 0.0;
   for (std::size_t i = 0; i < state.velocities.size(); ++i) {
     sum += state.velocities[i];
-    all += state.displacements[i].squaredNorm();
+    all += state.displacements[i].squaredNorm() + state.velocities[i].squaredNorm();
   }
   view.finite = std::isfinite(all) && sum.allFinite();
   if (!view.finite || state.velocities.empty()) return view;
@@ -62,8 +62,9 @@ GuardView lookAt(const Body &body) {
 std::optional<GuardFinding> firstNonFinite(const Body &body) {
   const State &state = body.state();
   for (std::size_t i = 0; i < state.velocities.size(); ++i) {
-    const bool velocity = state.velocities[i].allFinite();
-    if (velocity && state.displacements[i].allFinite()) continue;
+    // Squares, because energies are made of them: 1e300 m/s is as good as infinite.
+    const bool velocity = std::isfinite(state.velocities[i].squaredNorm());
+    if (velocity && std::isfinite(state.displacements[i].squaredNorm())) continue;
     return GuardFinding{static_cast<Index>(i), std::string("the ") + (velocity ? "displacement" : "velocity") + " is not finite",
                         "a smaller solver.dt, solver.integrator = \"implicit\", more solver.damping or material.viscosity"};
   }

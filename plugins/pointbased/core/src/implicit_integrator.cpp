@@ -317,8 +317,6 @@ bool meets(Body &body, const Environment &env, std::span<const Vec3> start, doub
 
 ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment &env, double time, double dt,
                             Integrator scheme) {
-  // Without damping of its own the midpoint rule does not settle what relaxes.
-  if (scheme == Integrator::implicitMidpoint && body.constitution().relaxing()) scheme = Integrator::implicitSdirk;
   State &state = body.state();
   const std::size_t n = state.displacements.size();
   const std::vector<Vec3> u0 = state.displacements, v0 = state.velocities;
@@ -408,7 +406,8 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
   double holding = 0.0;
   if (!body.held()) {
     const double frequency = body.restFrequency();
-    holding = 1e-4 * frequency * frequency;
+    // What has no stiffness at all (a phyxel alone) is let down by a spacing at a time.
+    holding = frequency > 0.0 ? 1e-4 * frequency * frequency : env.gravity.norm() / body.rest().spacing;
   }
   for (int round = 0; round < 200; ++round) {
     const ImplicitStage stage{0.0, to, to - from, {}, {}, holding, 0.0};

@@ -47,7 +47,13 @@ Simulator::~Simulator() = default;
 void Simulator::setWorld(const WorldSettings &world) {
   const bool wasStatic = quasiStatic();
   world_ = world;
-  if (wasStatic != quasiStatic()) time_ = wasStatic ? 0.0 : time_;
+  if (!wasStatic && quasiStatic()) loadFactor_ = 0.0;
+  if (wasStatic && !quasiStatic())
+    for (const auto &[id, runner] : bodies_) {
+      const BoundaryConditions &conditions = runner->body->rest().conditions;
+      for (const Fix &fix : conditions.fixes) time_ = std::max(time_, loadFactor_ * fix.ramp);
+      for (const Load &load : conditions.loads) time_ = std::max(time_, loadFactor_ * load.ramp);
+    }
   for (auto &[id, runner] : bodies_) {
     runner->body->quasiStatic = quasiStatic();
     runner->body->forcesCurrent = false;
@@ -112,7 +118,7 @@ RigidMotion Simulator::obstacleMotion(std::size_t id) const {
   const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), id);
   if (found == obstacleIds_.end()) return {};
   const Obstacle &obstacle = obstacles_[static_cast<std::size_t>(found - obstacleIds_.begin())];
-  return obstacle.motion ? obstacle.motion(time_) : RigidMotion{};
+  return obstacle.motion ? obstacle.motion(clockOfRamps()) : RigidMotion{};
 }
 
 void Simulator::addProbe(std::string name, std::size_t id, const Vec3 &reference) {
@@ -143,6 +149,9 @@ void Simulator::setConstitution(std::size_t id, Constitution constitution) {
 Integrator Simulator::integratorOf(const Runner &runner) const {
   if (world_.integrator == Integrator::explicitVerlet && world_.dt <= 0.0 &&
       kStepSafety * runner.body->stableStepAtRest() < kSmallestExplicitStep)
+    return Integrator::implicitSdirk;
+  // Without damping of its own the midpoint rule does not settle what relaxes.
+  if (world_.integrator == Integrator::implicitMidpoint && runner.body->constitution().relaxing())
     return Integrator::implicitSdirk;
   return world_.integrator;
 }
@@ -252,7 +261,7 @@ void Simulator::stop(Runner &runner, const GuardFinding &finding) {
   // Forces and strains of the state that stays, not of the step that failed.
   body.computeGradients(parallelFor_);
   body.computeStresses(0.0, parallelFor_);
-  body.computeForces(time_, parallelFor_);
+  body.computeForces(clockOfRamps(), parallelFor_);
   body.stopped = "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " + finding.quantity +
                  "; it stands still in the last good state. Help: " + finding.help;
   note("stopped", body.stopped);
@@ -263,15 +272,21 @@ void Simulator::advance(Runner &runner, const Environment &env, double dt) {
   const Integrator integrator = integratorOf(runner);
   if (integrator != world_.integrator && !runner.toldSwitch) {
     runner.toldSwitch = true;
-    note("switched", "body '" + body.name() + "' is so stiff that explicit steps would be " +
-                         number(kStepSafety * body.stableStepAtRest()) +
-                         " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
+    note("switched", world_.integrator == Integrator::implicitMidpoint
+                         ? "body '" + body.name() + "' relaxes, which the midpoint rule does not settle; it is given \"implicit\""
+                         : "body '" + body.name() + "' is so stiff that explicit steps would be " +
+                               number(kStepSafety * body.stableStepAtRest()) +
+                               " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
   }
   // What somebody has put in from outside is caught before it becomes the state to go back to.
   if (!lookAt(body).finite) {
     const auto poisoned = firstNonFinite(body);
     body.restoreState();
     return stop(runner, poisoned ? *poisoned : GuardFinding{0, "the state is not finite", "a reset"});
+  }
+  if (body.grab && !body.grab->target.allFinite()) {
+    const Index held = body.grab->phyxels.front();
+    return stop(runner, {held, "the hand that holds it is at no finite place", "to let go and reset"});
   }
   body.keepState();
   GuardFinding finding;
@@ -325,7 +340,7 @@ void Simulator::loadIncrement(Runner &runner, const Environment &env, double fro
   }
 }
 
-bool Simulator::finished() const { return quasiStatic() && time_ >= 1.0 - 1e-12; }
+bool Simulator::finished() const { return quasiStatic() && loadFactor_ >= 1.0 - 1e-12; }
 
 std::size_t Simulator::stoppedBodies() const {
   return static_cast<std::size_t>(
@@ -346,11 +361,12 @@ tl::expected<void, StepFailure> Simulator::step() {
   const double dt = stepSize();
   if (quasiStatic()) {
     const int increments = world_.loadSteps > 0 ? world_.loadSteps : 10;
-    const double next = std::min(1.0, time_ + 1.0 / increments);
+    double next = std::min(1.0, loadFactor_ + 1.0 / increments);
+    if (next > 1.0 - 1e-9) next = 1.0;
     for (auto &[id, runner] : bodies_)
-      if (runner->body->stopped.empty()) loadIncrement(*runner, env, time_, next > 1.0 - 1e-9 ? 1.0 : next);
+      if (runner->body->stopped.empty()) loadIncrement(*runner, env, loadFactor_, next);
     if (failed()) return refusal();
-    time_ = next > 1.0 - 1e-9 ? 1.0 : next;
+    loadFactor_ = next;
   } else {
     for (auto &[id, runner] : bodies_)
       if (runner->body->stopped.empty()) advance(*runner, env, dt);
@@ -375,6 +391,7 @@ void Simulator::reset() {
     runner->toldSwitch = false;
   }
   time_ = 0.0;
+  loadFactor_ = 0.0;
   steps_ = 0;
   events_.clear();
 }
@@ -431,7 +448,7 @@ Simulator::Energy Simulator::energy(std::size_t id) const {
 
 std::vector<Reaction> Simulator::reactions(std::size_t id) const {
   const Body *target = body(id);
-  return target ? target->reactions(world_.gravity, time_) : std::vector<Reaction>{};
+  return target ? target->reactions(world_.gravity) : std::vector<Reaction>{};
 }
 
 std::uint64_t Simulator::stateHash() const {
@@ -446,7 +463,7 @@ std::uint64_t Simulator::stateHash() const {
 }
 
 void Simulator::note(const std::string &kind, const std::string &text) {
-  if (events_.size() < kMostEvents) events_.push_back({time_, kind, text});
+  if (events_.size() < kMostEvents) events_.push_back({time(), kind, text});
 }
 
 }  // namespace pointbased

@@ -85,11 +85,10 @@ class Body {
   std::size_t computeFlow(double dt, const ParallelFor &parallelFor);
   /// @param dt  s: Prony terms advance by it; 0: they stay
   void computeStresses(double dt, const ParallelFor &parallelFor);
-  /// The same without moving on: the Prony terms at the end of dt go to trialHistory().
+  /// The same without moving on: the memory of the Prony terms stays.
   void computeTrialStresses(double dt, const ParallelFor &parallelFor);
   /// Stresses of the elastic and plastic part alone.
   void computeElasticStresses(const ParallelFor &parallelFor);
-  [[nodiscard]] const PointHistory &trialHistory() const { return trial_; }
   /// Internal forces, and loads at time (or load factor) t.
   void computeForces(double t, const ParallelFor &parallelFor);
   void computeInternalForces(const ParallelFor &parallelFor);
@@ -108,7 +107,7 @@ class Body {
   [[nodiscard]] std::span<const std::uint8_t> heldMask() const { return heldMask_; }
   [[nodiscard]] bool held() const { return !heldPhyxels_.empty() || patches_.rows() > 0; }
   /// What the supports exert now: from the forces on held phyxels (internal, loads, gravity) and those of the patches.
-  [[nodiscard]] std::vector<Reaction> reactions(const Vec3 &gravity, double t) const;
+  [[nodiscard]] std::vector<Reaction> reactions(const Vec3 &gravity) const;
 
   [[nodiscard]] ElasticEnergy elasticEnergy(std::span<Eigen::Vector2d> perPoint = {}) const;
   [[nodiscard]] double kineticEnergy() const;

@@ -53,9 +53,8 @@ void internalForces(const Constitution &constitution, const StencilSet &stencils
                     std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
                     std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor);
 
-/// Scratch of the functions below, so that they allocate nothing when called again.
+/// Scratch of forceDifferential(), so that it allocates nothing when called again.
 struct TangentScratch {
-  std::vector<Mat3> differentials;
   std::vector<Vec3> entries;
 };
 
@@ -94,21 +93,5 @@ struct ElasticEnergy {
 [[nodiscard]] double largestFrequency(const Constitution &constitution, const StencilSet &stencils,
                                       std::span<const Vec3> positions, std::span<const double> masses,
                                       std::span<const double> extra, const ParallelFor &parallelFor);
-
-// The functions of one material, thin wrappers, until everything calls the ones above.
-inline constexpr double kDefaultStabilisation = kCloudStabilisation;
-double stresses(const Material &material, const StencilSet &stencils, std::span<const Mat3> gradients,
-                std::span<const Mat3> rates, std::span<Mat3> stresses, std::span<double> tangentRatios,
-                const ParallelFor &parallelFor);
-void internalForces(const Material &material, double stabilisation, const StencilSet &stencils,
-                    std::span<const Vec3> positions, std::span<const Vec3> displacements, std::span<const Mat3> gradients,
-                    std::span<const Mat3> stresses, std::span<Vec3> entryForces, std::span<Vec3> forces,
-                    const ParallelFor &parallelFor);
-[[nodiscard]] ElasticEnergy elasticEnergy(const Material &material, double stabilisation, const StencilSet &stencils,
-                                          std::span<const Vec3> positions, std::span<const Vec3> displacements,
-                                          std::span<const Mat3> gradients);
-[[nodiscard]] double largestFrequency(const Material &material, double stabilisation, const StencilSet &stencils,
-                                      std::span<const Vec3> positions, std::span<const double> masses,
-                                      const ParallelFor &parallelFor);
 
 }  // namespace pointbased

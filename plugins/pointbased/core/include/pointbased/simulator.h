@@ -63,7 +63,8 @@ class Simulator {
   ~Simulator();
 
   [[nodiscard]] const WorldSettings &world() const { return world_; }
-  /// Any time between two steps; positions, velocities and plastic state stay.
+  /// Any time between two steps; positions, velocities and plastic state stay. A change to a quasi-static solution begins at
+  /// load factor 0; a change from one goes on at the time at which every ramp is over that the load factor had passed.
   void setWorld(const WorldSettings &world);
 
   /// Ids stay valid until the body is removed; they are not reused.
@@ -95,7 +96,7 @@ class Simulator {
 
   [[nodiscard]] double time() const { return quasiStatic() ? 0.0 : time_; }
   /// Quasi-static: 0 … 1.
-  [[nodiscard]] double loadFactor() const { return quasiStatic() ? time_ : 1.0; }
+  [[nodiscard]] double loadFactor() const { return quasiStatic() ? loadFactor_ : 1.0; }
   [[nodiscard]] bool quasiStatic() const { return world_.integrator == Integrator::quasiStatic; }
   [[nodiscard]] bool finished() const;
   [[nodiscard]] std::uint64_t steps() const { return steps_; }
@@ -127,7 +128,10 @@ class Simulator {
  private:
   struct Runner;  // a body with what its steps need
   [[nodiscard]] Environment environment();
+  /// The integrator of a body: the world's, or another where that would not do (noted once as an event).
   [[nodiscard]] Integrator integratorOf(const Runner &runner) const;
+  /// Time, or load factor: what ramps count by.
+  [[nodiscard]] double clockOfRamps() const { return quasiStatic() ? loadFactor_ : time_; }
   void advance(Runner &runner, const Environment &environment, double dt);
   [[nodiscard]] std::optional<GuardFinding> advanceExplicit(Runner &runner, const Environment &environment, double dt);
   [[nodiscard]] std::optional<GuardFinding> advanceImplicit(Runner &runner, const Environment &environment, double dt);
@@ -143,7 +147,8 @@ class Simulator {
   std::vector<std::size_t> obstacleIds_;
   std::vector<Probe> probes_;
   std::size_t nextId_ = 1;
-  double time_ = 0.0;  // s, or load factor
+  double time_ = 0.0;        // s
+  double loadFactor_ = 0.0;  // of a quasi-static solution
   std::uint64_t steps_ = 0;
   std::vector<SimulationEvent> events_;
   StageClock clock_;
