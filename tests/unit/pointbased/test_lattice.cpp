@@ -67,11 +67,46 @@ TEST_CASE("volumes of phyxels and of points sum to the volume of the body") {
 }
 
 TEST_CASE("the mass of a body on a lattice lies where the body does") {
-  // A quarter of the mass is spread evenly over the corners of a cell, which pulls it outwards by some hundredths.
   CHECK((centreOfMass(filled(beam(), withSpacing(0.01))) - Vec3(0.1, 0, 0)).norm() < 1e-12);
+  // Slivers share evenly, which pulls outwards by some thousandths of the spacing.
   const BodyShape beside = shifted(beam(), 0.01, Vec3(0.37, 0.21, 0.43));
-  CHECK((centreOfMass(filled(beside, withSpacing(0.01))) - Vec3(0.1, 0, 0)).norm() < 5e-4);
+  CHECK((centreOfMass(filled(beside, withSpacing(0.01))) - Vec3(0.1, 0, 0)).norm() < 1e-4);
   CHECK((centreOfMass(filled(ball(Vec3(0.1, 0.2, 0.3), 0.05), withSpacing(0.0125))) - Vec3(0.1, 0.2, 0.3)).norm() < 1e-12);
+}
+
+TEST_CASE("weights are the means of the functions, with the volume and centre of the body") {
+  for (const Case &c : cases()) {
+    INFO(c.name);
+    const LatticeBody body = filled(c.shape, c.sampling);
+    CHECK_THAT(sum(body.weightVolumes), WithinRel(c.shape.volume, 1e-12));
+    CHECK(*std::min_element(body.weightVolumes.begin(), body.weightVolumes.end()) > 0.0);
+  }
+}
+
+TEST_CASE("inside of a body every phyxel has the mass of a cell") {
+  const double d = 0.01;
+  const LatticeBody body = filled(shapes::box(Vec3::Constant(-0.05), Vec3::Constant(0.05)), withSpacing(d));
+  for (std::size_t i = 0; i < body.positions.size(); ++i)
+    if (body.positions[i].cwiseAbs().maxCoeff() < 0.02 + 1e-9) CHECK_THAT(body.volumes[i], WithinRel(d * d * d, 1e-9));
+}
+
+TEST_CASE("bars of few cells have their inertia, by the weights of end-corrected quadratures") {
+  const double a = 0.04;
+  for (const int n : {2, 3, 5, 8}) {
+    INFO(n << " cells across");
+    const LatticeBody body = filled(shapes::box(Vec3(0, -a / 2, -a / 2), Vec3(0.4, a / 2, a / 2)), withSpacing(a / n));
+    double ours = 0.0, uncorrected = 0.0;
+    for (std::size_t i = 0; i < body.positions.size(); ++i) {
+      const Vec3 X = body.positions[i] + body.origin;
+      ours += body.volumes[i] * (X[1] * X[1] + X[2] * X[2]);
+      uncorrected += body.weightVolumes[i] * (X[1] * X[1] + X[2] * X[2]);
+    }
+    const double truth = 0.4 * a * a * (a * a + a * a) / 12.0;
+    CHECK_THAT(uncorrected / truth, WithinRel(1.0 + 2.0 / (n * n), 1e-9));
+    // The edges of the bar give away no more than 0.45 of their mass, which leaves a quarter of the surplus at two cells.
+    CHECK(ours / truth > 1.0 - 1e-9);
+    CHECK(ours / truth < 1.0 + 0.5 / (n * n));
+  }
 }
 
 TEST_CASE("a constant stress is in balance with its tractions on the surface") {
@@ -153,9 +188,9 @@ TEST_CASE("the bending of a beam is the one of the study however the lattice lie
       const double tip = solveLinear(body, shape, HalfSpaceRegion{Vec3(0.2, 0, 0), -Vec3::UnitX()}, Vec3(0, 0, -1.6e-3)).tip;
       const double error = 100.0 * (tip / 2.033e-3 - 1.0);
       WARN("beam " << e.name << ", " << 3 + 2 * i << " layers, " << body.positions.size() << " phyxels: " << error << " %");
-      // 4³ points, and other patches at the clamp, change the last half per cent. At three layers turned about y the
+      // 4³ points, and patches at the clamp that are held twice as stiffly, change the last half per cent. At three layers turned about y the
       // other program gives -4.5 or -3.0 as slivers of one or two hundredths of a cell are dropped; this one -4.8 with both.
-      CHECK_THAT(error, WithinAbs(e.error[i], i == 0 ? 0.6 : 0.35));
+      CHECK_THAT(error, WithinAbs(e.error[i], i == 0 ? 1.0 : 0.4));
     }
 }
 

@@ -7,6 +7,34 @@
 
 namespace pointbased {
 
+namespace {
+
+// With several materials a phyxel has the mean density of the points around it, scaled so that the whole has the mass of the
+// points.
+std::vector<double> phyxelDensities(const Constitution &constitution, const RestState &rest) {
+  const StencilSet &s = rest.stencils;
+  std::vector<double> densities(rest.phyxelCount(), constitution.materials.front().restDensity);
+  if (s.materials.empty()) return densities;
+  const std::vector<double> &volumes = rest.weightVolumes.empty() ? rest.volumes : rest.weightVolumes;
+  double mass = 0.0, shared = 0.0;
+  for (std::size_t q = 0; q < s.pointCount(); ++q) mass += s.volumes[q] * constitution.materials[s.materials[q]].restDensity;
+  for (std::size_t i = 0; i < densities.size(); ++i) {
+    double sum = 0.0, volume = 0.0;
+    for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
+      const Index q = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
+      sum += s.volumes[q] * constitution.materials[s.materials[q]].restDensity;
+      volume += s.volumes[q];
+    }
+    if (volume > 0.0) densities[i] = sum / volume;
+    shared += densities[i] * (volumes[i] - (rest.heldVolumes.empty() ? 0.0 : rest.heldVolumes[i]));
+  }
+  if (shared > 0.0)
+    for (double &density : densities) density *= mass / shared;
+  return densities;
+}
+
+}  // namespace
+
 Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution constitution,
            const ParallelFor &parallelFor)
     : name_(std::move(name)), rest_(std::move(rest)) {
@@ -43,6 +71,8 @@ Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution
     for (std::size_t f = conditions.held.size(); f-- > 0;)
       for (const Index i : conditions.held[f].rows.indices) carrier_[i] = static_cast<Index>(f);
   }
+  if (!conditions.held.empty() && !rest_->weightVolumes.empty())
+    for (auto *values : {&weights_, &carriedWeights_, &gravityShares_}) values->assign(n, 0.0);
   setConstitution(std::move(constitution), parallelFor);
   reset();
 }
@@ -58,25 +88,21 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
   if (remembersFlow && !state_.history.plasticInverse.empty()) state_.history.plasticInverse = flow;
   if (remembersStress && !state_.history.prony.empty()) state_.history.prony = stress;
 
-  // A phyxel's mass is shared among the points around it; with several materials by their densities.
   const StencilSet &s = rest_->stencils;
+  const std::vector<double> densities = phyxelDensities(constitution_, *rest_);
   for (std::size_t i = 0; i < masses_.size(); ++i) {
-    double density = material().restDensity;
-    if (!s.materials.empty()) {
-      double sum = 0.0, volume = 0.0;
-      for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
-        const Index q = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
-        sum += s.volumes[q] * constitution_.materials[s.materials[q]].restDensity;
-        volume += s.volumes[q];
-      }
-      if (volume > 0.0) density = sum / volume;
-    }
+    const double density = densities[i];
     masses_[i] = density * rest_->volumes[i];
+    if (!weights_.empty()) weights_[i] = density * rest_->weightVolumes[i];
     if (!rest_->heldVolumes.empty() && !heldMask_[i]) {
       // Not all of it: what deforms nothing still has to have an inertia.
-      carriedMasses_[i] = std::min(density * std::max(0.0, rest_->heldVolumes[i]), (1.0 - 1e-6) * masses_[i]);
+      const double carried = std::clamp(rest_->heldVolumes[i] / rest_->weightVolumes[i], 0.0, 1.0 - 1e-6);
+      carriedMasses_[i] = carried * masses_[i];
       masses_[i] -= carriedMasses_[i];
+      carriedWeights_[i] = carried * weights_[i];
+      weights_[i] -= carriedWeights_[i];
     }
+    if (!weights_.empty()) gravityShares_[i] = weights_[i] / masses_[i];
     inverseMasses_[i] = heldMask_[i] ? 0.0 : 1.0 / masses_[i];
   }
 
@@ -217,10 +243,10 @@ std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
   };
   for (const HeldPhyxel &held : heldPhyxels_)
     add(held.fix, rest_->positions[held.phyxel] + state_.displacements[held.phyxel],
-        -(forces_[held.phyxel] + masses_[held.phyxel] * gravity));
-  for (std::size_t i = 0; i < carriedMasses_.size(); ++i)
-    if (carriedMasses_[i] > 0.0)
-      add(carrier_[i], rest_->positions[i] + state_.displacements[i], -carriedMasses_[i] * gravity);
+        -(forces_[held.phyxel] + weights()[held.phyxel] * gravity));
+  for (std::size_t i = 0; i < carriedWeights_.size(); ++i)
+    if (carriedWeights_[i] > 0.0)
+      add(carrier_[i], rest_->positions[i] + state_.displacements[i], -carriedWeights_[i] * gravity);
   const Csr &rows = patches_.phyxels();
   for (std::size_t p = 0; p < patches_.rows(); ++p) {
     // A patch's force acts where its phyxels are, which keeps the torque that the body feels.

@@ -28,6 +28,8 @@ class LatticeCellMap : public CellMap {
 
   [[nodiscard]] const CellSet &set() const { return set_; }
   [[nodiscard]] std::span<const Part> parts() const { return parts_.parts; }
+  /// Until release().
+  [[nodiscard]] std::span<const Link> links() const { return parts_.links; }
   [[nodiscard]] std::size_t components() const { return parts_.components; }
   [[nodiscard]] const Corners &corners() const { return corners_; }
 

@@ -83,9 +83,11 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
   }
 
   const auto kick = [&](double h) {
+    const std::span<const double> shares = body.gravityShares();
     parallelFor(n, 512, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        if (inverse[i] > 0.0) state.velocities[i] += h * (inverse[i] * body.forces()[i] + env.gravity);
+        if (inverse[i] > 0.0)
+          state.velocities[i] += h * (inverse[i] * body.forces()[i] + (shares.empty() ? 1.0 : shares[i]) * env.gravity);
     });
     if (patches) body.patches().kick(h, state.velocities);
   };

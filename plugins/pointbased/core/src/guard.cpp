@@ -18,7 +18,7 @@ std::string number(double value) {
 double potential(const Body &body, const Vec3 &gravity) {
   double energy = 0.0;
   for (std::size_t i = 0; i < body.masses().size(); ++i)
-    energy -= body.masses()[i] * gravity.dot(body.state().displacements[i]);
+    energy -= body.weights()[i] * gravity.dot(body.state().displacements[i]);
   const BoundaryConditions &conditions = body.rest().conditions;
   for (std::size_t l = 0; l < conditions.loads.size(); ++l) {
     const Interpolation &points = conditions.loaded[l].points;

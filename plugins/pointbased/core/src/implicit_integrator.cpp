@@ -51,7 +51,7 @@ class StageProblem final : public Equilibrium {
       else
         addLoadForces(load, conditions.loaded[l], body.factor(load.ramp, stage.end), body.state().displacements, dead_);
     }
-    for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.masses()[i] * env.gravity;
+    for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.weights()[i] * env.gravity;
     if (body.grab && stage.h > 0.0) {
       // The hand's spring is taken at the beginning of the stage, soft enough not to be thrown by its own delay.
       std::fill(body.forces().begin(), body.forces().end(), Vec3::Zero());

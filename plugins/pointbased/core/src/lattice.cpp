@@ -7,6 +7,7 @@
 #include "cell_map.h"
 #include "lattice_held.h"
 #include "lattice_jitter.h"
+#include "lattice_masses.h"
 
 namespace pointbased {
 
@@ -129,39 +130,6 @@ std::vector<PartContent> measureParts(const LatticeCellMap &map, const ParallelF
   return contents;
 }
 
-// Three quarters of a part's volume by N_j, a quarter evenly.
-constexpr double kEvenly = 0.25;
-
-void shareVolumes(const LatticeCellMap &map, std::span<const PartContent> contents, LatticeBody &body) {
-  const Corners &corners = map.corners();
-  body.volumes.assign(corners.positions.size(), 0.0);
-  for (std::size_t p = 0; p < contents.size(); ++p) {
-    const Part &part = map.parts()[p];
-    if (!part.kept) continue;
-    const double edge = map.set().edge(map.set().cells[part.cell]);
-    std::array<double, 8> functions = contents[p].all.functions();
-    double volume = contents[p].all.share * edge * edge * edge;
-    if (map.distorted(part.cell)) {
-      const HexahedronMeans means = meansOf(map.hexahedron(static_cast<Index>(p)));
-      functions = means.functions;
-      volume = means.volume;
-    }
-    const Moments &loose = contents[p].free;
-    const double freeVolume = loose.share * edge * edge * edge;
-    const bool held = contents[p].all.share - loose.share > 1e-12;
-    const std::array<double, 8> freeFunctions = held ? loose.functions() : functions;
-    for (std::size_t j = 0; j < 8; ++j)
-      for (std::uint32_t e = corners.offsets[part.nodes[j]]; e < corners.offsets[part.nodes[j] + 1]; ++e) {
-        const double all = volume * ((1.0 - kEvenly) * functions[j] + kEvenly / 8.0);
-        body.volumes[corners.phyxels[e]] += corners.weights[e] * all;
-        if (!held) continue;
-        body.heldVolumes.resize(body.volumes.size(), 0.0);
-        const double kept = freeVolume > 0.0 ? freeVolume * ((1.0 - kEvenly) * freeFunctions[j] + kEvenly / 8.0) : 0.0;
-        body.heldVolumes[corners.phyxels[e]] += corners.weights[e] * (all - kept);
-      }
-  }
-}
-
 // s_mj: products of the signs of corner j.
 Eigen::Vector4d modeSigns(std::size_t corner) {
   const int c = static_cast<int>(corner);
@@ -203,7 +171,9 @@ PointGeometry pointOf(const LatticeCellMap &map, Index p, const PartContent &con
   Eigen::Matrix<double, 4, 3> moments = Eigen::Matrix<double, 4, 3>::Zero();
   for (std::size_t j = 0; j < 8; ++j) moments += modeSigns(j) * corners[j].transpose();
   const double plane = 0.5 / (edge * edge), space = 1.0 / (edge * edge * edge);
-  const Eigen::Vector4d scale = Eigen::Vector4d(plane, plane, plane, space).cwiseProduct(modeFactors(map.set(), part));
+  Eigen::Vector4d scale = Eigen::Vector4d(plane, plane, plane, space).cwiseProduct(modeFactors(map.set(), part));
+  // The mode xyz of a cut part is held as that of a whole cell: its spread would let corners outside of the body rattle.
+  scale[3] *= edge * edge / 12.0 / std::max(point.spread.mean(), 1e-3 * edge * edge);
   for (std::size_t j = 0; j < 8; ++j)
     point.modes[j] = scale.cwiseProduct(modeSigns(j) - moments * point.gradients[j]);
   return point;
@@ -277,15 +247,18 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &s
   body.components = map->components();
   body.positions.reserve(map->corners().positions.size());
   for (const Vec3 &local : map->corners().positions) body.positions.push_back(frame.axes * local);
-  shareVolumes(*map, contents, body);
+  PhyxelVolumes shared = shareVolumes(*map, contents);
+  body.volumes = std::move(shared.inertial);
+  body.weightVolumes = std::move(shared.weights);
+  body.heldVolumes = std::move(shared.held);
   buildPoints(*map, contents, body);
 
   // What was counted comes to the volume of the body.
   double counted = 0.0;
   for (const double v : body.volumes) counted += v;
   const double scale = shape.volume / counted;
-  for (double &v : body.volumes) v *= scale;
-  for (double &v : body.heldVolumes) v *= scale;
+  for (auto *volumes : {&body.volumes, &body.weightVolumes, &body.heldVolumes})
+    for (double &v : *volumes) v *= scale;
   for (double &v : body.stencils.volumes) v *= scale;
 
   if (const auto assigned = assignMaterials(sampling, body); !assigned) return refuse(assigned.error());

@@ -179,6 +179,7 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
     rest->shapeVolume = shape.volume;
     rest->positions = std::move(body.positions);
     rest->volumes = std::move(body.volumes);
+    rest->weightVolumes = std::move(body.weightVolumes);
     rest->heldVolumes = std::move(body.heldVolumes);
     rest->stencils = std::move(body.stencils);
     rest->pointCentres = std::move(body.pointCentres);

@@ -442,7 +442,7 @@ Simulator::Energy Simulator::energy(std::size_t id) const {
   out.stabilisation = elastic.stabilisation;
   out.kinetic = target->kineticEnergy();
   for (std::size_t i = 0; i < target->masses().size(); ++i)
-    out.gravity -= target->masses()[i] * world_.gravity.dot(target->state().displacements[i]);
+    out.gravity -= target->weights()[i] * world_.gravity.dot(target->state().displacements[i]);
   return out;
 }
 

@@ -56,6 +56,11 @@ class Body {
   [[nodiscard]] std::span<const double> masses() const { return masses_; }
   /// Mass around a phyxel that moves with a support and takes no part in the motion of the others, kg; empty: none.
   [[nodiscard]] std::span<const double> carriedMasses() const { return carriedMasses_; }
+  /// kg: gravity pulls with weights()[i] g. Of a free body its masses, so that it falls without a strain; of a held one
+  /// ρ ∫N_j, the load that is right for statics.
+  [[nodiscard]] std::span<const double> weights() const { return weights_.empty() ? masses_ : weights_; }
+  /// weights / masses; empty: ones.
+  [[nodiscard]] std::span<const double> gravityShares() const { return gravityShares_; }
   /// 1/m, 1/kg; 0 for phyxels that are held.
   [[nodiscard]] std::span<const double> inverseMasses() const { return inverseMasses_; }
   /// F of the evaluation points at the last evaluation; the identity before the first.
@@ -146,6 +151,7 @@ class Body {
   PointHistory trial_;
   Vec3 initialVelocity_ = Vec3::Zero(), initialAngularVelocity_ = Vec3::Zero();
   std::vector<double> masses_, inverseMasses_, carriedMasses_;
+  std::vector<double> weights_, carriedWeights_, gravityShares_;
   std::vector<Index> carrier_;  // fix that carries it
   std::vector<HeldPhyxel> heldPhyxels_;
   std::vector<std::uint8_t> heldMask_;

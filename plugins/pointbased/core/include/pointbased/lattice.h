@@ -48,7 +48,8 @@ struct LatticeBody {
   double spacing = 0.0;            ///< m, of the coarsest cells
   std::vector<Vec3> positions;     ///< [phyxels] X, m, sorted in space; some lie outside of the body
   std::vector<double> volumes;     ///< [phyxels] m³, > 0; sum: the body's volume (density times it is the mass)
-  std::vector<double> heldVolumes; ///< [phyxels] m³: the part of `volumes` that moves with a support; empty: nothing is held
+  std::vector<double> weightVolumes; ///< [phyxels] m³, ∫N_j: what a uniform load on the material gives each; same sum
+  std::vector<double> heldVolumes; ///< [phyxels] m³: the part of `weightVolumes` that moves with a support; empty: nothing is held
   StencilSet stencils;
   std::shared_ptr<const CellMap> cells;
   std::vector<HeldPart> held;      ///< one per LatticeSampling::held
@@ -72,8 +73,8 @@ struct LatticeBody {
 /// Parts of less than a fiftieth of their cell are dropped where the body goes on beside them; what is left is scaled to the
 /// volume of the body. Without BodyShape::crosses gaps of half a spacing separate, with it thinner ones too.
 ///
-/// Mode rows: see StencilSet::modes. Masses: three quarters by N_j, a quarter evenly, so a cell of which the body only
-/// fills a corner does not shrink the stable step. Material inside `held` takes no part in v_q and g_qj (it moves
+/// Mode rows: see StencilSet::modes. Masses have the second moments of the body, not only its centre, as far as a reasonable
+/// explicit step allows; see LatticeBody::volumes and weightVolumes. Material inside `held` takes no part in v_q and g_qj (it moves
 /// rigidly) but keeps its mass; a held layer thinner than a quarter of the spacing acts as its surface.
 ///
 /// Errors: spacing, count, jitter or a region out of range, more than kMaximumPhyxels, nothing inside, a held region or a

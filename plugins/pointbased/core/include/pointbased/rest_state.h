@@ -33,7 +33,8 @@ struct RestState {
   double shapeVolume = 0.0;        ///< m³, of the shape that was filled
   std::vector<Vec3> positions;     ///< [phyxels] X, m
   std::vector<double> volumes;     ///< [phyxels] m³
-  std::vector<double> heldVolumes; ///< [phyxels] m³, part of `volumes` that supports carry; empty: none
+  std::vector<double> weightVolumes; ///< [phyxels] m³, shares of a load on the material of a held body; empty: `volumes`
+  std::vector<double> heldVolumes; ///< [phyxels] m³, part of `weightVolumes` that supports carry; empty: none
   Csr neighbors;                   ///< [phyxels] those that share an evaluation point; symmetric, without itself
   StencilSet stencils;             ///< evaluation points
   std::vector<Vec3> pointCentres;  ///< [points] m

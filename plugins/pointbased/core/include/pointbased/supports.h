@@ -46,9 +46,9 @@ struct HeldPart {
   [[nodiscard]] bool empty() const { return phyxels.empty() && areas.empty(); }
 };
 
-/// The stiffness of a held patch in units of E A / d: 30 adds about 0.1 % of compliance to a beam of five layers and does
-/// not lock (measured over 10 … 500).
-inline constexpr double kPatchStiffness = 30.0;
+/// The stiffness of a held patch in units of E A / d: what hangs on it with the stress σ goes with it by σ d/(60 E). Stiffer
+/// ones make bodies that are held across their cells too stiff (beams and ellipsoids; measured over 10 … 1000).
+inline constexpr double kPatchStiffness = 60.0;
 
 /// The continuum of a load, on the phyxels.
 struct LoadedPart {
