@@ -72,6 +72,27 @@ TEST_CASE("every phyxel is held, follows a row or belongs to something that defo
   for (const std::uint8_t k : known) CHECK(k != 0);
 }
 
+TEST_CASE("borders of held regions lie in the middle of cells, held faces on corners") {
+  // 20 cells of 0.0104 m do not fit 0.2 m; without supports the lattice is symmetric.
+  const auto placesAlongX = [](const LatticeBody &body) {
+    double least = 1e9;
+    for (const Vec3 &X : body.positions) least = std::min(least, (body.origin + X)[0]);
+    return least;
+  };
+  const auto offset = [&](double at, const LatticeBody &body) {
+    const double cells = (at - placesAlongX(body)) / body.spacing;
+    return cells - std::floor(cells + 1e-9);
+  };
+  LatticeSampling sampling = withSpacing(0.0104);
+  CHECK_THAT(offset(0.1, filled(beam(), sampling)), WithinAbs(0.0, 1e-9) || WithinAbs(0.5, 1e-9));
+  sampling.held = {HalfSpaceRegion{Vec3::Zero(), Vec3::UnitX()}};
+  CHECK_THAT(offset(0.0, filled(beam(), sampling)), WithinAbs(0.0, 1e-6));
+  sampling.held = {BoxRegion{Vec3(-1, -1, -1), Vec3(0.037, 1, 1)}};
+  CHECK_THAT(offset(0.037, filled(beam(), sampling)), WithinAbs(0.5, 1e-6));
+  sampling.held = {BoxRegion{Vec3(0.083 - 1e-6, -1, -1), Vec3(0.083 + 1e-6, 1, 1)}};
+  CHECK_THAT(offset(0.083, filled(beam(), sampling)), WithinAbs(0.0, 1e-6));
+}
+
 TEST_CASE("a face that is held has its phyxels held, where there are some on it") {
   for (const Region &region : {leftOf(0.0), leftOf(1e-4), Region(BoxRegion{Vec3(-1, -1, -1), Vec3(1e-4, 1, 1)})}) {
     const LatticeBody body = filled(beam(), holding(0.01, region));

@@ -60,7 +60,7 @@ struct Cut {
 
 Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing, const ParallelFor &parallelFor,
                      const SamplingProgress &progress) {
-  if (const auto fits = checkSize(shape, sampling.axes, spacing); !fits) return refuse(fits.error());
+  if (const auto fits = checkSize(shape, sampling, spacing); !fits) return refuse(fits.error());
   auto set = findCells(shape, sampling, spacing, parallelFor, progress);
   if (!set) return refuse(set.error());
   if (set->cells.empty())
@@ -91,8 +91,8 @@ Result<Cut> cutForCount(const BodyShape &shape, const LatticeSampling &sampling,
     double closest = spacing, closestMiss = 1e300, closestCount = target;
     double tooFine = 0.0, tooCoarse = 1e300;
     for (int i = 0; i < kEstimates; ++i) {
-      if (const auto fits = checkSize(shape, sampling.axes, spacing); !fits) return refuse(fits.error());
-      const auto found = static_cast<double>(estimateCorners(shape, sampling.axes, spacing, parallelFor));
+      if (const auto fits = checkSize(shape, sampling, spacing); !fits) return refuse(fits.error());
+      const auto found = static_cast<double>(estimateCorners(shape, sampling, spacing, parallelFor));
       const double miss = std::abs(found - target);
       if (miss < closestMiss) {
         closestMiss = miss;

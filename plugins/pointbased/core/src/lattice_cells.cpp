@@ -268,7 +268,7 @@ std::string tooMany() {
 Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing,
                           const ParallelFor &parallelFor, const SamplingProgress &progress) {
   CellSet set;
-  set.frame = frameOver(shape, sampling.axes, spacing);
+  set.frame = frameOver(shape, sampling, spacing);
   set.frame.levels = levelsNeeded(sampling, spacing);
   const Frame &frame = set.frame;
   const std::int32_t most = std::max({frame.n[0], frame.n[1], frame.n[2]});
@@ -356,8 +356,8 @@ Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &samplin
   return set;
 }
 
-std::size_t estimateCorners(const BodyShape &shape, const Mat3 &axes, double spacing, const ParallelFor &parallelFor) {
-  const Frame frame = frameOver(shape, axes, spacing);
+std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampling, double spacing, const ParallelFor &parallelFor) {
+  const Frame frame = frameOver(shape, sampling, spacing);
   const Questions ask(shape, frame);
   const auto states = scan(ask, frame, parallelFor, {});
   // Of a cut cell, eight points tell whether it holds a hundredth of the body.

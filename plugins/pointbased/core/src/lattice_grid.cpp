@@ -2,6 +2,7 @@
 #include "lattice_grid.h"
 
 #include <cstdio>
+#include <optional>
 
 namespace pointbased::lattice {
 
@@ -90,7 +91,72 @@ void Questions::inside(std::span<const Vec3> local, std::span<std::uint8_t> out)
   });
 }
 
-Frame frameOver(const BodyShape &shape, const Mat3 &axes, double spacing) {
+namespace {
+
+// A place along a lattice axis where corners should be, lattice axes, m.
+struct Wish {
+  double at = 0.0;
+  bool sheet = false;
+};
+
+// Where a region ends across a lattice axis; of a sheet its middle across, and nothing along it.
+std::vector<Wish> endsOf(const Region &region, const Frame &frame, int axis) {
+  const Vec3 direction = frame.axes.col(axis);
+  const auto along = [&](double length) { return std::abs(length) > 1.0 - 1e-9; };
+  if (const auto *half = std::get_if<HalfSpaceRegion>(&region)) {
+    if (along(direction.dot(half->normal.normalized()))) return {{direction.dot(half->point - frame.origin), false}};
+    return {};
+  }
+  const auto *box = std::get_if<BoxRegion>(&region);
+  if (box == nullptr) return {};
+  const Vec3 extent = box->max - box->min;
+  const bool sheet = extent.minCoeff() < kThinLayer * frame.spacing;
+  for (int a = 0; a < 3; ++a) {
+    if (!along(direction[a])) continue;
+    const auto place = [&](double x) { return direction[a] * (x - frame.origin[a]); };
+    if (extent[a] < kThinLayer * frame.spacing) return {{place(0.5 * (box->min[a] + box->max[a])), true}};
+    if (!sheet) return {{place(box->min[a]), false}, {place(box->max[a]), false}};
+  }
+  return {};
+}
+
+// The first border of a held region that crosses the body along this axis: corners on what is held as a surface, and a border
+// through the body in the middle of cells.
+std::optional<double> wantedCorner(const LatticeSampling &sampling, const Frame &frame, int axis, double min, double max) {
+  const double slack = 0.1 * frame.spacing;
+  for (const Region &region : sampling.held)
+    for (const Wish &end : endsOf(region, frame, axis)) {
+      if (end.at < min - slack || end.at > max + slack) continue;
+      if (end.at < min + slack) return min;
+      if (end.at > max - slack) return max;
+      return end.sheet ? end.at : end.at + 0.5 * frame.spacing;
+    }
+  return std::nullopt;
+}
+
+// Moves the lattice by up to half a spacing, and adds cells where it no longer covers the body.
+void alignTo(double corner, double min, double max, int axis, Frame &frame) {
+  const double cells = (corner - frame.low[axis]) / frame.spacing;
+  frame.low[axis] += frame.spacing * (cells - std::round(cells));
+  auto &n = frame.n[static_cast<std::size_t>(axis)];
+  const double slack = 1e-6 * frame.spacing;
+  if (frame.low[axis] > min + slack) {
+    frame.low[axis] -= frame.spacing;
+    ++n;
+  }
+  if (frame.low[axis] + n * frame.spacing < max - slack) ++n;
+  // What had a cell to spare at one end has it no more.
+  if (n > 1 && frame.low[axis] + frame.spacing < min + slack) {
+    frame.low[axis] += frame.spacing;
+    --n;
+  }
+  if (n > 1 && frame.low[axis] + (n - 1) * frame.spacing > max - slack) --n;
+}
+
+}  // namespace
+
+Frame frameOver(const BodyShape &shape, const LatticeSampling &sampling, double spacing) {
+  const Mat3 &axes = sampling.axes;
   Frame frame;
   frame.origin = 0.5 * (shape.min + shape.max);
   frame.axes = axes;
@@ -111,12 +177,13 @@ Frame frameOver(const BodyShape &shape, const Mat3 &axes, double spacing) {
     const double cells = std::max(1.0, std::ceil((max[a] - min[a]) / spacing - 1e-6));
     frame.n[static_cast<std::size_t>(a)] = static_cast<std::int32_t>(std::min(cells, 1e9));
     frame.low[a] = 0.5 * (min[a] + max[a]) - 0.5 * spacing * cells;
+    if (const auto at = wantedCorner(sampling, frame, a, min[a], max[a])) alignTo(*at, min[a], max[a], a, frame);
   }
   return frame;
 }
 
-Result<void> checkSize(const BodyShape &shape, const Mat3 &axes, double spacing) {
-  const Frame frame = frameOver(shape, axes, spacing);
+Result<void> checkSize(const BodyShape &shape, const LatticeSampling &sampling, double spacing) {
+  const Frame frame = frameOver(shape, sampling, spacing);
   const double cells = static_cast<double>(frame.n[0]) * frame.n[1] * frame.n[2];
   const double phyxels = shape.volume / (spacing * spacing * spacing);
   const std::int32_t most = std::max({frame.n[0], frame.n[1], frame.n[2]});

@@ -5,8 +5,6 @@ namespace pointbased::lattice {
 namespace {
 
 constexpr double kSmall = 1.0 / kSamplesPerAxis;
-// A layer held with less than this part of the edge acts as its surface.
-constexpr double kThin = 0.25;
 // Rows with less weight than this on phyxels that are not held themselves say nothing new.
 constexpr double kLoose = 0.05;
 
@@ -65,7 +63,7 @@ Divided divide(const SampleContent &content, const Vec3 &middle, const RegionCut
 // A box thinner than what acts as a surface holds no volume, wherever in a cell it lies.
 bool isSheet(const Region &region, double edge) {
   const auto *box = std::get_if<BoxRegion>(&region);
-  return box != nullptr && (box->max - box->min).minCoeff() < kThin * edge;
+  return box != nullptr && (box->max - box->min).minCoeff() < kThinLayer * edge;
 }
 
 // Whether a region can hold a part of a cell (> 0), all of it (< 0), or must be looked at (0).
@@ -112,7 +110,7 @@ HeldPatch measureVolume(const CellSet &set, const Part &part, const Moments &all
 bool isThin(const HeldPatch &patch, const Moments &all, double edge) {
   if (!(patch.borderArea > 0.0)) return patch.surfaceArea > 0.0 && patch.held.share < 1e-3 * all.share;
   return patch.facingArea > 0.5 * patch.borderArea &&
-         patch.held.share * edge * edge * edge < kThin * edge * patch.facingArea;
+         patch.held.share * edge * edge * edge < kThinLayer * edge * patch.facingArea;
 }
 
 Moments freeMoments(const CellSet &set, const Part &part, std::span<const Region *const> regions) {
