@@ -107,11 +107,8 @@ class StageProblem final : public Equilibrium {
     if (contact_) sum += contactEnergy(body_.rest().contact, body_.contact, penalty_, start_, state.displacements);
     if (followers_ || dissipative_) {
       computeWork();
-      double work = 0.0;
-      for (std::size_t i = 0; i < n_; ++i)
-        work += 0.5 * (work_[i] + (reference_.empty() ? work_[i] : referenceWork_[i]))
-                          .dot(state.displacements[i] - (reference_.empty() ? start_[i] : reference_[i]));
-      sum += referenceEnergy_ - work;
+      if (reference_.empty()) setReference();
+      sum += referenceEnergy_ - workSinceReference();
     }
     return sum;
   }
@@ -120,12 +117,8 @@ class StageProblem final : public Equilibrium {
     State &state = body_.state();
     if (followers_ || dissipative_) {
       computeWork();
-      double work = 0.0;
-      for (std::size_t i = 0; i < n_ && !reference_.empty(); ++i)
-        work += 0.5 * (work_[i] + referenceWork_[i]).dot(state.displacements[i] - reference_[i]);
-      referenceEnergy_ -= work;
-      reference_ = state.displacements;
-      referenceWork_ = work_;
+      if (!reference_.empty()) referenceEnergy_ -= workSinceReference();
+      setReference();
     }
     body_.computeElasticStresses(*env_.parallelFor);
     body_.computeInternalForces(*env_.parallelFor);
@@ -208,6 +201,19 @@ class StageProblem final : public Equilibrium {
     body_.computeTrialStresses(stage_.elapsed, parallelFor);
     body_.computeInternalForces(parallelFor);
     for (std::size_t i = 0; i < n_; ++i) work_[i] += body_.forces()[i];
+  }
+
+  // All energies of a solution are told from its first state on: another origin for one of them alone would be a step in
+  // the merit as large as the work itself.
+  void setReference() {
+    reference_ = body_.state().displacements;
+    referenceWork_ = work_;
+  }
+  [[nodiscard]] double workSinceReference() const {
+    double work = 0.0;
+    for (std::size_t i = 0; i < n_; ++i)
+      work += 0.5 * (work_[i] + referenceWork_[i]).dot(body_.state().displacements[i] - reference_[i]);
+    return work;
   }
 
   Body &body_;
