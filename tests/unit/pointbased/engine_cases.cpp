@@ -182,7 +182,11 @@ Evaluated evaluate(const EngineCase &c, const Constitution &constitution, std::s
   }
   out.ratio = pointStresses(constitution, c.stencils, out.gradients, rates, history, dt, nullptr, out.stresses, out.ratios,
                             parallelFor);
-  internalForces(constitution, c.stencils, c.positions, u, out.gradients, out.stresses, entries, out.forces, parallelFor);
+  std::vector<ModalStrain> relaxed(history.modes.size());
+  if (!history.modes.empty())
+    relaxModes(constitution, c.stencils, u, out.gradients, history, dt, nullptr, relaxed, parallelFor);
+  internalForces(constitution, c.stencils, c.positions, u, out.gradients, out.stresses, entries, out.forces, parallelFor,
+                 relaxed);
   return out;
 }
 

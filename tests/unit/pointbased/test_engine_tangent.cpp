@@ -106,7 +106,7 @@ TEST_CASE("engine: the differential is exact at fixed history of plastic and rel
     constitution.materials[0].plastic.creep = 0.5;
     constitution.materials[0].prony[0] = {0.4, 0.2};
     PointHistory history;
-    history.reset(constitution, c.stencils.pointCount());
+    history.reset(constitution, c.stencils.pointCount(), !c.stencils.modes.empty());
     // A past: flowed and relaxed in another state.
     const std::vector<Vec3> past = plus(displaced(c, Vec3(1.25, 1.25, 0.7).asDiagonal(), Vec3::Zero()), 0.05 * c.spacing,
                                         noise(c, 1.0, 77));
@@ -115,6 +115,11 @@ TEST_CASE("engine: the differential is exact at fixed history of plastic and rel
     std::vector<double> ratios(c.stencils.pointCount());
     REQUIRE(plasticFlow(constitution, c.stencils, then.gradients, 0.02, history, serialFor()) > 0);
     pointStresses(constitution, c.stencils, then.gradients, {}, history, 0.05, &history, stresses, ratios, serialFor());
+    if (!history.modes.empty()) {
+      std::vector<ModalStrain> relaxed(c.stencils.pointCount());
+      relaxModes(constitution, c.stencils, past, then.gradients, history, 0.05, &history, relaxed, serialFor());
+      REQUIRE(history.modes[0].relaxed[0].norm() > 0.0);
+    }
     CHECK(differentialError(c, constitution, generalState(c), history, 0.03) < 1e-7);
   }
 }

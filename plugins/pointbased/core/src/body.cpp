@@ -82,11 +82,13 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
   const bool remembersFlow = !state_.history.plasticInverse.empty(), remembersStress = !state_.history.prony.empty();
   const std::vector<Mat3> flow = std::move(state_.history.plasticInverse);
   const std::vector<PronyPoint> stress = std::move(state_.history.prony);
+  const std::vector<ModalMemory> modes = std::move(state_.history.modes);
   constitution_ = std::move(constitution);
   state_.history = PointHistory();
-  state_.history.reset(constitution_, points);
+  state_.history.reset(constitution_, points, !rest_->stencils.modes.empty());
   if (remembersFlow && !state_.history.plasticInverse.empty()) state_.history.plasticInverse = flow;
   if (remembersStress && !state_.history.prony.empty()) state_.history.prony = stress;
+  if (!modes.empty() && !state_.history.modes.empty()) state_.history.modes = modes;
 
   const StencilSet &s = rest_->stencils;
   const std::vector<double> densities = phyxelDensities(constitution_, *rest_);
@@ -159,6 +161,10 @@ void Body::stressesInto(double dt, const PointHistory &before, PointHistory *aft
   }
   tangentRatio_ = pointStresses(constitution_, rest_->stencils, gradients_, rates, before, dt, after, stresses_,
                                 tangentRatios_, parallelFor);
+  relaxedModes_.resize(before.modes.size());
+  if (!before.modes.empty())
+    relaxModes(constitution_, rest_->stencils, state_.displacements, gradients_, before, dt, after, relaxedModes_,
+               parallelFor);
 }
 
 void Body::computeStresses(double dt, const ParallelFor &parallelFor) {
@@ -168,6 +174,7 @@ void Body::computeStresses(double dt, const ParallelFor &parallelFor) {
 void Body::computeTrialStresses(double dt, const ParallelFor &parallelFor) {
   if (state_.history.prony.empty()) return stressesInto(dt, state_.history, nullptr, true, parallelFor);
   trial_.prony.resize(state_.history.prony.size());
+  trial_.modes.resize(state_.history.modes.size());
   stressesInto(dt, state_.history, &trial_, true, parallelFor);
 }
 
@@ -181,7 +188,7 @@ void Body::computeElasticStresses(const ParallelFor &parallelFor) {
 
 void Body::computeInternalForces(const ParallelFor &parallelFor) {
   internalForces(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_, stresses_,
-                 entryForces_, forces_, parallelFor);
+                 entryForces_, forces_, parallelFor, relaxedModes_);
 }
 
 void Body::computeForces(double t, const ParallelFor &parallelFor) {
@@ -313,7 +320,8 @@ void Body::reset() {
   state_.displacements.assign(n, Vec3::Zero());
   state_.velocities.assign(n, initialVelocity_);
   state_.history = PointHistory();
-  state_.history.reset(constitution_, rest_->pointCount());
+  state_.history.reset(constitution_, rest_->pointCount(), !rest_->stencils.modes.empty());
+  relaxedModes_.clear();
   if (!initialAngularVelocity_.isZero()) {
     Vec3 centre = Vec3::Zero();
     for (std::size_t i = 0; i < n; ++i) centre += masses_[i] * rest_->positions[i];

@@ -25,9 +25,10 @@ bool Constitution::plastic() const {
   return anyOf(*this, [](const Material &m) { return m.plastic.enabled(); });
 }
 
-void PointHistory::reset(const Constitution &constitution, std::size_t points) {
+void PointHistory::reset(const Constitution &constitution, std::size_t points, bool modal) {
   plasticInverse.assign(constitution.plastic() ? points : 0, Mat3::Identity());
   prony.assign(constitution.relaxing() ? points : 0, PronyPoint());
+  modes.assign(constitution.relaxing() && modal ? points : 0, ModalMemory());
 }
 
 }  // namespace pointbased

@@ -3,6 +3,7 @@
 
 #include "entry_forces.h"
 #include "point_response.h"
+#include "relaxing_modes.h"
 
 namespace pointbased {
 
@@ -39,14 +40,34 @@ void pointForces(const Material &material, double stabilisation, const StencilSe
   }
 }
 
+// The same of lattice cells whose modes relax.
+void relaxingForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> u,
+                    std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                    std::span<const ModalStrain> relaxed, std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
+  const RelaxingModes modes(material, stabilisation, 0.0);
+  const bool linear = material.law == MaterialLaw::linear;
+  for (std::size_t q = from; q < to; ++q) {
+    const RelaxingModalPoint point(modes, s, q, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u),
+                                   relaxed.empty() ? ModalStrain(ModalStrain::Zero()) : relaxed[q]);
+    Mat3 stress = stresses[q];
+    if (!linear) stress += point.A * point.QD.transpose();
+    const ModalStrain pull = point.FQ * point.D;
+    spread(ModalConjugates(stress, pull.leftCols<3>(), pull.col(3)), s, q, entryForces);
+  }
+}
+
 }  // namespace
 
 void internalForces(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                     std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor) {
+                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor,
+                    std::span<const ModalStrain> relaxed) {
   const Control control = controlOf(constitution, s);
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
+      if (control == Control::modal && material.relaxes())
+        return relaxingForces(material, constitution.stabilisation, s, u, gradients, stresses, relaxed, entryForces, from,
+                              to);
       const auto run = control == Control::modal       ? pointForces<Control::modal>
                        : control == Control::isotropic ? pointForces<Control::isotropic>
                                                        : pointForces<Control::none>;

@@ -97,7 +97,12 @@ ElasticEnergy elasticEnergy(const Constitution &constitution, const StencilSet &
         s.volumes[q] *
         (plastic ? elastoplasticEnergyDensity(material, F, history.plasticInverse[q]) : energyDensity(material, F));
     double stabilisation = 0.0;
-    if (control == Control::modal) {
+    if (control == Control::modal && material.relaxes()) {
+      const RelaxingModalPoint point(RelaxingModes(material, constitution.stabilisation, 0.0), s, q,
+                                     linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u),
+                                     ModalStrain(ModalStrain::Zero()));
+      stabilisation = 0.5 * point.strain.cwiseProduct(point.D).sum();
+    } else if (control == Control::modal) {
       stabilisation = ModalPoint(ModalEnergy(material, constitution.stabilisation), s, q,
                                  linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u))
                           .energy;

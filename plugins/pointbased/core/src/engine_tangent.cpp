@@ -3,6 +3,7 @@
 
 #include "entry_forces.h"
 #include "point_response.h"
+#include "relaxing_modes.h"
 
 namespace pointbased {
 
@@ -106,6 +107,35 @@ void runChange(const Material &material, double stabilisation, const StencilSet 
   }
 }
 
+// The same of lattice cells whose modes relax.
+void runRelaxingChange(const Material &material, double stabilisation, const StencilSet &s, const Field &field,
+                       const PointHistory &history, double dt, double viscousScale, std::span<Vec3> entries,
+                       std::size_t from, std::size_t to) {
+  const PointResponse response(material, s, history, dt, viscousScale > 0.0);
+  const PronyStep step = response.modalStep();
+  const RelaxingModes modes(material, stabilisation, step.freshSum);
+  const bool linear = material.law == MaterialLaw::linear;
+  for (std::size_t q = from; q < to; ++q) {
+    Mat3 dFit;
+    Amplitudes dA;
+    fittedChange<Control::modal>(s, q, field.change, dFit, dA);
+    const Mat3 &F = field.gradients[q];
+    const RelaxingModalPoint point(modes, s, q, linear ? Mat3(Mat3::Identity()) : F, amplitudes(s, q, field.displacements),
+                                   response.modalPast(q));
+    const ModalStrain dModes = dA.topRows<3>();
+    ModalStrain dStrain = point.FQ.transpose() * dModes;
+    if (!linear) dStrain += (dFit * s.axes).transpose() * point.A;
+    const ModalStrain dD = modes.conjugate(dStrain, s.volumes[q], s.spreads[q]);
+    ModalStrain dC = point.FQ * dD;
+    Mat3 dP = s.volumes[q] * response.differential(q, F, dFit, viscousScale);
+    if (!linear) {
+      dC += dFit * point.QD;
+      dP += dModes * point.QD.transpose() + point.A * (s.axes * dD).transpose();
+    }
+    spread(ModalConjugates(dP, dC.leftCols<3>(), dC.col(3)), s, q, entries);
+  }
+}
+
 }  // namespace
 
 void forceDifferential(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
@@ -117,6 +147,9 @@ void forceDifferential(const Constitution &constitution, const StencilSet &s, st
   const Control control = controlOf(constitution, s);
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
+      if (control == Control::modal && material.relaxes())
+        return runRelaxingChange(material, constitution.stabilisation, s, field, history, dt, viscousScale,
+                                 scratch.entries, from, to);
       const auto run = control == Control::modal       ? runChange<Control::modal>
                        : control == Control::isotropic ? runChange<Control::isotropic>
                                                        : runChange<Control::none>;

@@ -35,6 +35,10 @@ class ModalEnergy {
     lambda_ = stabilisation * 2.0 * lambda * material.mu() / (lambda + 2.0 * material.mu());
     twist_ = stabilisation * kTwistStiffness * material.youngsModulus;
   }
+  /// Of given moduli, Pa: μ, λ*, and what multiplies |a_xyz|².
+  ModalEnergy(double mu, double lambda, double twist) : mu_(mu), lambda_(lambda), twist_(twist) {}
+
+  [[nodiscard]] double twistModulus() const { return twist_; }
 
   /// dU/dB, linear in B. U = B : dU/dB / 2.
   /// @param vs  volume times spreads, m⁵

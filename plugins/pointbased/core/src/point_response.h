@@ -6,6 +6,7 @@
 #include "modes.h"
 #include "pointbased/plasticity.h"
 #include "point_loops.h"
+#include "relaxing_modes.h"
 #include "residual.h"
 
 namespace pointbased::detail {
@@ -73,6 +74,12 @@ struct PointResponse {
   }
 
   [[nodiscard]] bool elastic() const { return !plastic && !relaxing && !viscous; }
+
+  /// Of the modes, which relax where there is a memory of them.
+  [[nodiscard]] PronyStep modalStep() const { return before.modes.empty() ? PronyStep() : step; }
+  [[nodiscard]] ModalStrain modalPast(std::size_t q) const {
+    return before.modes.empty() ? ModalStrain(ModalStrain::Zero()) : pastOf(step, before.modes[q]);
+  }
 
   /// P with history, Pa.
   /// @param rate   dF/dt of the fit; only with `viscous`

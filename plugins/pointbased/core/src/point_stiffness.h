@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <optional>
 
 #include "point_response.h"
 
@@ -32,6 +33,7 @@ class PointStiffness {
     Columns stress;     ///< d(v P) by displacements of the entry
     Columns modes;      ///< dB by displacements of the entry
     Columns conjugate;  ///< dD = H dB
+    Mat3 twist = Mat3::Zero();  ///< only where modes relax: change of Q^T F^T a_xyz
   };
 
   PointStiffness(const Constitution &constitution, const StencilSet &s, std::size_t q, std::span<const Vec3> X,
@@ -43,6 +45,14 @@ class PointStiffness {
         point_(modal_, s, q, linear_ ? Mat3(Mat3::Identity()) : gradients[q],
                control_ == Control::modal ? amplitudes(s, q, u) : Amplitudes(Amplitudes::Zero()),
                control_ == Control::modal ? s.spreads[q] : Vec3(Vec3::Zero())) {
+    if (control_ == Control::modal && response.material.relaxes()) {
+      relaxing_.emplace(response.material, constitution.stabilisation, response.modalStep().freshSum);
+      const RelaxingModalPoint point(*relaxing_, s, q, linear_ ? Mat3(Mat3::Identity()) : gradients[q],
+                                     amplitudes(s, q, u), response.modalPast(q));
+      point_.QD = point.QD.leftCols<3>();
+      twistQD_ = point.QD.col(3);
+      point_.twistStiffness = relaxing_->present().twist(s.volumes[q], s.spreads[q]);
+    }
     const bool flat = s.rank[q] < 3;
     const Mat3 seen = flat ? seenDirections(s.rank[q], frameOfPoint(s, q)) : Mat3(Mat3::Identity());
     for (int c = 0; c < 9; ++c) {
@@ -79,9 +89,13 @@ class PointStiffness {
     for (int i = 0; i < 3; ++i) {
       Mat3 dB = point_.FQ.row(i).transpose() * row.transpose();
       if (!linear_) dB += turned * point_.A.row(i);
-      const Mat3 dD = modal_.conjugate(dB, point_.vs);
+      const Mat3 dD = (relaxing_ ? relaxing_->present() : modal_).conjugate(dB, point_.vs);
       out.modes.col(i) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(dB.data());
       out.conjugate.col(i) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(dD.data());
+      if (relaxing_) {
+        out.twist.col(i) = s_.modes[e][3] * point_.FQ.row(i).transpose();
+        if (!linear_) out.twist.col(i) += point_.twist[i] * turned;
+      }
     }
     return out;
   }
@@ -94,7 +108,10 @@ class PointStiffness {
     if (control_ == Control::modal) {
       // Eigen takes its product of large matrices from this size on, which costs ten times as much here.
       K += ofJ.modes.transpose().lazyProduct(ofL.conjugate);
-      K.diagonal().array() += point_.twistStiffness * s_.modes[j][3] * s_.modes[l][3];
+      if (relaxing_)
+        K += point_.twistStiffness * ofJ.twist.transpose().lazyProduct(ofL.twist);
+      else
+        K.diagonal().array() += point_.twistStiffness * s_.modes[j][3] * s_.modes[l][3];
     } else if (scale_ > 0.0) {
       K += scale_ * residualCoefficient(j, l) * visible_;
     }
@@ -104,7 +121,9 @@ class PointStiffness {
   /// What the second derivative of B adds to the diagonal block of an entry.
   [[nodiscard]] double curvature(Index e) const {
     if (control_ != Control::modal || linear_) return 0.0;
-    return 2.0 * s_.gradients[e].dot(point_.QD * s_.modes[e].head<3>());
+    double sum = 2.0 * s_.gradients[e].dot(point_.QD * s_.modes[e].head<3>());
+    if (relaxing_) sum += 2.0 * s_.modes[e][3] * s_.gradients[e].dot(twistQD_);
+    return sum;
   }
 
   [[nodiscard]] Index first() const { return s_.phyxels.offsets[q_]; }
@@ -131,6 +150,8 @@ class PointStiffness {
   ModalEnergy modal_;
   bool linear_;
   ModalPoint point_;
+  std::optional<RelaxingModes> relaxing_;
+  Vec3 twistQD_ = Vec3::Zero();
   Matrix9 elastic_;
   double scale_ = 0.0, weight_ = 0.0;
   Mat3 visible_ = Mat3::Identity(), moment_ = Mat3::Zero();

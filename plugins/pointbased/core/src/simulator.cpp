@@ -458,6 +458,14 @@ std::uint64_t Simulator::stateHash() const {
     for (const Vec3 &u : state.displacements) hashBytes(hash, u.data(), 3 * sizeof(double));
     for (const Vec3 &v : state.velocities) hashBytes(hash, v.data(), 3 * sizeof(double));
     for (const Mat3 &F : state.history.plasticInverse) hashBytes(hash, F.data(), 9 * sizeof(double));
+    for (const PronyPoint &point : state.history.prony) {
+      hashBytes(hash, point.previous.data(), 9 * sizeof(double));
+      for (const Mat3 &Q : point.internal) hashBytes(hash, Q.data(), 9 * sizeof(double));
+    }
+    for (const ModalMemory &modes : state.history.modes) {
+      hashBytes(hash, modes.previous.data(), 12 * sizeof(double));
+      for (const ModalStrain &relaxed : modes.relaxed) hashBytes(hash, relaxed.data(), 12 * sizeof(double));
+    }
   }
   return hash;
 }

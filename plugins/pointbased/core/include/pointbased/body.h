@@ -160,6 +160,7 @@ class Body {
   std::vector<Vec3> patchPoints_, patchTargets_;
   std::vector<Vec3> forces_, entryForces_, contactPositions_, contactVelocities_;
   std::vector<Mat3> gradients_, rates_, stresses_;
+  std::vector<ModalStrain> relaxedModes_;  // of the last evaluation of stresses; empty: nothing
   std::vector<double> tangentRatios_;
   double tangentRatio_ = 1.0;
   double restFrequency_ = 0.0;  // rad/s

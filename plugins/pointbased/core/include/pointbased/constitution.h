@@ -23,9 +23,11 @@ struct Constitution {
 struct PointHistory {
   std::vector<Mat3> plasticInverse;  ///< [points] F_p^-1, det 1
   std::vector<PronyPoint> prony;     ///< [points]
+  std::vector<ModalMemory> modes;    ///< [points] of lattices; empty: modes do not relax
 
   /// Fresh and of the right size for a constitution.
-  void reset(const Constitution &constitution, std::size_t points);
+  /// @param modal  whether the points have modes (StencilSet::modes)
+  void reset(const Constitution &constitution, std::size_t points, bool modal = false);
 };
 
 }  // namespace pointbased

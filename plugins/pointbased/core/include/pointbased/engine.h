@@ -48,10 +48,24 @@ double pointStresses(const Constitution &constitution, const StencilSet &stencil
 std::size_t plasticFlow(const Constitution &constitution, const StencilSet &stencils, std::span<const Mat3> gradients,
                         double dt, PointHistory &history, const ParallelFor &parallelFor);
 
+/// What the modes of lattice cells have relaxed by the end of a step, as pointStresses() does for the stress of the points.
+/// Strain dev e of a mode by linear viscoelasticity of the shear modulus in plane stress, with the recursion of
+/// pronyStress(): dβ_k/dt = (g_k dev e - β_k)/τ_k. Change of volume does not relax.
+///
+/// @param gradients  [points] F at `displacements`
+/// @param before     with `modes` of all points
+/// @param after      null, or where the memory at the end of the step goes (may be `before` itself)
+/// @param relaxed    [points] out: Σ_k β_k at the end of the step, for internalForces()
+void relaxModes(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> displacements,
+                std::span<const Mat3> gradients, const PointHistory &before, double dt, PointHistory *after,
+                std::span<ModalStrain> relaxed, const ParallelFor &parallelFor);
+
 /// f_j = -Σ_q (v_q P_q g_qj + dU_q/dx_j), N: the negative gradient of elastic and stabilisation energy.
+/// @param relaxed  [points] of relaxModes(): that part of the modal strain pulls no longer; empty: nothing has relaxed
 void internalForces(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                     std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor);
+                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor,
+                    std::span<const ModalStrain> relaxed = {});
 
 /// Scratch of forceDifferential(), so that it allocates nothing when called again.
 struct TangentScratch {

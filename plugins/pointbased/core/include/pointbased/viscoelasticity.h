@@ -11,6 +11,16 @@ struct PronyPoint {
   std::array<Mat3, 2> internal{Mat3::Zero(), Mat3::Zero()};  ///< Q: stress each term has relaxed so far, Pa
 };
 
+/// Strain of the modes of a lattice cell (see the theory page of the lattice) in the frame of X, 1/m: Q^T F^T (a_xy, a_xz,
+/// a_yz), and Q^T F^T a_xyz, 1/m².
+using ModalStrain = Eigen::Matrix<double, 3, 4>;
+
+/// What the modes of a cell remember. All zero: never strained.
+struct ModalMemory {
+  ModalStrain previous = ModalStrain::Zero();  ///< deviatoric modal strain at the end of the last step
+  std::array<ModalStrain, 2> relaxed{ModalStrain::Zero(), ModalStrain::Zero()};  ///< β: strain each term has relaxed so far
+};
+
 /// Factors of one step, the same for all points; compute once per step.
 struct PronyStep {
   std::array<double, 2> keep{1.0, 1.0}, fresh{}, old{};
