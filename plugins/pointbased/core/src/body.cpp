@@ -307,6 +307,17 @@ std::span<const Vec3> Body::contactVelocities(const ParallelFor &parallelFor) {
   return contactVelocities_;
 }
 
+void Body::keepState() {
+  // As plain numbers: vectors of Eigen's types are copied one by one, which every step would pay for.
+  const auto copy = [](const std::vector<Vec3> &from, std::vector<Vec3> &to) {
+    to.resize(from.size());
+    if (!from.empty()) std::copy_n(from.front().data(), 3 * from.size(), to.front().data());
+  };
+  copy(state_.displacements, kept_.displacements);
+  copy(state_.velocities, kept_.velocities);
+  kept_.history = state_.history;
+}
+
 void Body::restoreState() {
   state_ = kept_;
   contact.clearance.clear();  // what was known of distances may be of the failed step

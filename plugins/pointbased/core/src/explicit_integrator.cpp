@@ -82,12 +82,20 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
     applyGrab(body, springLimit);
   }
 
+  // Copies of what the loops read: through references it would be loaded again for every phyxel.
   const auto kick = [&](double h) {
-    const std::span<const double> shares = body.gravityShares();
-    parallelFor(n, 512, [&](std::size_t begin, std::size_t end) {
+    parallelFor(n, 512, [&, h](std::size_t begin, std::size_t end) {
+      const std::span<Vec3> velocities = state.velocities;
+      const std::span<const Vec3> forces = body.forces();
+      const Vec3 gravity = env.gravity;
+      if (!body.held()) {
+        for (std::size_t i = begin; i < end; ++i) velocities[i] += h * (inverse[i] * forces[i] + gravity);
+        return;
+      }
+      const std::span<const double> shares = body.gravityShares();
       for (std::size_t i = begin; i < end; ++i)
         if (inverse[i] > 0.0)
-          state.velocities[i] += h * (inverse[i] * body.forces()[i] + (shares.empty() ? 1.0 : shares[i]) * env.gravity);
+          velocities[i] += h * (inverse[i] * forces[i] + (shares.empty() ? 1.0 : shares[i]) * gravity);
     });
     if (patches) body.patches().kick(h, state.velocities);
   };
@@ -100,8 +108,11 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
     });
   clock.measure(kIntegrate, [&] {
     parallelFor(n, 512, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        if (inverse[i] > 0.0) state.displacements[i] += dt * state.velocities[i];
+      // As plain numbers, all of them: those that are held are put in their places below.
+      using Numbers = Eigen::VectorXd;
+      const auto size = static_cast<Eigen::Index>(3 * (end - begin));
+      Eigen::Map<Numbers>(state.displacements[begin].data(), size) +=
+          dt * Eigen::Map<const Numbers>(state.velocities[begin].data(), size);
     });
   });
   if (body.held())

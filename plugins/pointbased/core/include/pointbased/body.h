@@ -123,7 +123,7 @@ class Body {
   std::span<const Vec3> contactVelocities(const ParallelFor &parallelFor);
 
   /// The state before a step, kept in case the step fails.
-  void keepState() { kept_ = state_; }
+  void keepState();
   void restoreState();
   /// To the initial state, bit for bit.
   void reset();

@@ -133,7 +133,9 @@ class Simulator {
   /// Time, or load factor: what ramps count by.
   [[nodiscard]] double clockOfRamps() const { return quasiStatic() ? loadFactor_ : time_; }
   void advance(Runner &runner, const Environment &environment, double dt);
-  [[nodiscard]] std::optional<GuardFinding> advanceExplicit(Runner &runner, const Environment &environment, double dt);
+  /// @param glance  at the state now
+  [[nodiscard]] std::optional<GuardFinding> advanceExplicit(Runner &runner, const Environment &environment, double dt,
+                                                            GuardGlance glance);
   [[nodiscard]] std::optional<GuardFinding> advanceImplicit(Runner &runner, const Environment &environment, double dt);
   void loadIncrement(Runner &runner, const Environment &environment, double from, double to);
   void stop(Runner &runner, const GuardFinding &finding);
