@@ -111,6 +111,16 @@ std::uint64_t SimulatorSession::stateHash() {
   return hash;
 }
 
+std::string SimulatorSession::report() {
+  std::string text;
+  const auto put = [](void *self, const void *bytes, std::uint64_t n) -> c3de_status {
+    static_cast<std::string *>(self)->append(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
+    return C3DE_OK;
+  };
+  check(impl_->table->report(impl_->simulator, {&text, put}), "report");
+  return text;
+}
+
 c3de_sim_body_info SimulatorSession::info(c3de_handle body) {
   c3de_sim_body_info out{};
   out.size = sizeof out;

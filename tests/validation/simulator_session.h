@@ -31,6 +31,7 @@ class SimulatorSession {
   void reset();
   [[nodiscard]] c3de_sim_status status();
   [[nodiscard]] std::uint64_t stateHash();
+  [[nodiscard]] std::string report();  ///< JSON
   [[nodiscard]] c3de_sim_body_info info(c3de_handle body);
   /// A field of iface.phyxel_set with three components, for example C3DE_FIELD_POSITION.
   [[nodiscard]] std::vector<Vec3> phyxels(c3de_handle body, std::uint32_t field);
