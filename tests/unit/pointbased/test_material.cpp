@@ -66,6 +66,40 @@ TEST_CASE("a small uniaxial stretch with free sides answers with Young's modulus
   }
 }
 
+TEST_CASE("the neo-Hookean law of a negative Poisson's ratio has the moduli it says and resists any compression") {
+  for (const double poisson : {-0.3, -0.9, -0.99}) {
+    CAPTURE(poisson);
+    const Material material{MaterialLaw::neoHookean, 5000.0, poisson, 1000.0, 0.0};
+    // Small strain: lambda and mu, by a stretch along one axis and by one along all.
+    const double e = 1e-6;
+    const Mat3 along = Vec3(1.0 + e, 1, 1).asDiagonal(), all = (1.0 + e) * Mat3::Identity();
+    CHECK_THAT(firstPiolaStress(material, along)(0, 0) / e, WithinRel(material.waveModulus(), 1e-4));
+    CHECK_THAT(firstPiolaStress(material, along)(1, 1) / e, WithinRel(material.lambda(), 1e-4));
+    CHECK_THAT(firstPiolaStress(material, all)(0, 0) / e, WithinRel(3.0 * material.bulkModulus(), 1e-3));
+    // With lambda/2 (ln J)² the pressure of a ball at nu = -0.9 would be largest at 4 % and negative from 8 % on.
+    double before = 0.0;
+    for (const double s : {0.99, 0.95, 0.9, 0.8, 0.7, 0.65, 0.5, 0.2, 0.05}) {
+      const double pressure = -cauchyStress(material, s * Mat3::Identity())(0, 0);
+      CHECK(pressure > before);
+      before = pressure;
+    }
+    // The stress and the tangent are derivatives.
+    shapes::Random random(4);
+    for (int sample = 0; sample < 40; ++sample) {
+      const Mat3 F = randomGradient(random, sample % 2 ? 0.4 : 1.5);
+      if (std::abs(F.determinant() - kNeoHookeanSwitch) < 1e-3) continue;
+      const Mat3 dF = randomGradient(random, 1.0), P = firstPiolaStress(material, F);
+      const double h = 1e-5;
+      const double slope = (energyDensity(material, F + h * dF) - energyDensity(material, F - h * dF)) / (2.0 * h);
+      CHECK_THAT(P.cwiseProduct(dF).sum(), WithinAbs(slope, 1e-5 * (P.norm() + material.youngsModulus)));
+    }
+  }
+  // It is the other one at nu = 0.
+  const Mat3 F = Vec3(0.7, 1.2, 0.9).asDiagonal();
+  const Material zero{MaterialLaw::neoHookean, 5000.0, 0.0, 1000.0, 0.0}, below{MaterialLaw::neoHookean, 5000.0, -1e-9, 1000.0, 0.0};
+  CHECK((firstPiolaStress(zero, F) - firstPiolaStress(below, F)).norm() < 1e-5);
+}
+
 TEST_CASE("the neo-Hookean law resists collapse and pushes an inverted point back") {
   const Material material{MaterialLaw::neoHookean, 5000.0, 0.45, 1000.0, 0.0};
   double before = 0.0;

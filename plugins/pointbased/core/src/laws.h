@@ -49,22 +49,30 @@ struct VolumeTerm {
 };
 
 /// The volumetric part g(J) = -mu ln J + lambda/2 (ln J)^2 + k_v/2 (J - 1)^2 of the neo-Hookean energy, and
-/// derivatives.
+/// derivatives. Where lambda < 0 the square of the logarithm pulls together what is compressed: at nu = -0.9 a pressure
+/// of 0.3 % of E ends in a point. There it is mu/beta (J^-beta - 1) with beta = lambda/mu > -2/3, which has the same
+/// moduli at rest, is the same at lambda = 0, and is convex.
+/// @source  Storakers 1986, On material representation and constitutive branching in finite compressible elasticity,
+///          with one term of exponent 2
 struct Volumetric {
   double g, g1, g2;
 };
 
-inline Volumetric logVolumetric(double lambda, double mu, double J) {
+inline Volumetric restVolumetric(double lambda, double mu, double J) {
   const double l = std::log(J);
+  if (lambda < 0.0) {
+    const double beta = lambda / mu, p = std::exp(-beta * l);
+    return {mu * std::expm1(-beta * l) / beta, -mu * p / J, mu * (1.0 + beta) * p / (J * J)};
+  }
   return {-mu * l + 0.5 * lambda * l * l, (lambda * l - mu) / J, (lambda + mu - lambda * l) / (J * J)};
 }
 
 inline Volumetric volumetric(const Moduli &m, double J) {
   Volumetric v;
   if (J >= kNeoHookeanSwitch) {
-    v = logVolumetric(m.lambda, m.mu, J);
+    v = restVolumetric(m.lambda, m.mu, J);
   } else {
-    v = logVolumetric(m.lambda, m.mu, kNeoHookeanSwitch);
+    v = restVolumetric(m.lambda, m.mu, kNeoHookeanSwitch);
     const double d = J - kNeoHookeanSwitch;
     v = {v.g + v.g1 * d + 0.5 * v.g2 * d * d, v.g1 + v.g2 * d, v.g2};
   }

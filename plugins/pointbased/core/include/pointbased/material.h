@@ -75,7 +75,7 @@ inline constexpr double kCorotatedFloor = 1e-4;
 ///
 /// linear: eps = sym(F) - I, W = lambda/2 tr(eps)^2 + mu eps:eps.  StVK: the same with E instead of eps.
 /// corotated: W = mu |F - R|^2 + lambda/2 (tr(R^T F) - 3)^2, R the proper rotation next to F (also for det F <= 0).
-/// neo-Hookean: W = mu/2 (tr(F^T F) - 3) - mu ln J + lambda/2 (ln J)^2.
+/// neo-Hookean: W = mu/2 (tr(F^T F) - 3) + g(J), g = -mu ln J + lambda/2 (ln J)^2; nu < 0: mu/b (J^-b - 1), b = lambda/mu.
 /// @source  Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2nd ed., ch. 6.4; k_v: Müller et
 ///          al., Point Based Animation of Elastic, Plastic and Melting Objects, SCA 2004, with J for |J|
 [[nodiscard]] double energyDensity(const Material &material, const Mat3 &F);
