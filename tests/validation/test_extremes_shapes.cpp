@@ -138,7 +138,7 @@ TEST_CASE("flat, straight and single clouds: turning them costs nothing, stretch
   row("collinear, coplanar, fewer than four", "turned: no force; stretched: λ + 2μ; " + result);
 }
 
-TEST_CASE("a flat cloud bends freely, its stabilisation included", "[!shouldfail]") {
+TEST_CASE("a flat cloud bends freely, its stabilisation included") {
   auto body = cloud(gridPoints(5, 5, 1, kSpacing), kSpacing, rubber(1e4));
   body->state().displacements[12] = Vec3(0, 0, 1e-4);
   shapes::evaluate(*body);
@@ -147,7 +147,29 @@ TEST_CASE("a flat cloud bends freely, its stabilisation included", "[!shouldfail
   shapes::evaluate(*body);
   const double along = largest(body->forces());
   CHECK(across < 0.02 * along);
-  row("coplanar, with the control of modes", "not met: one phyxel out of plane is held with " + text(across / along) + " of in plane");
+  row("coplanar, with the control of modes", "one phyxel out of plane is held with " + text(across / along) + " of in plane");
+}
+
+TEST_CASE("a sheet that is rolled up, not stretched, has no energy in its control") {
+  // Rolled on a cylinder, and bent as much within its plane, as measure.
+  const double radius = 20.0 * kSpacing;
+  auto body = cloud(gridPoints(9, 5, 1, kSpacing), kSpacing, rubber(1e4));
+  const auto bent = [&](bool rolled) {
+    for (std::size_t i = 0; i < body->rest().phyxelCount(); ++i) {
+      const Vec3 &X = body->rest().positions[i];
+      const double a = X[0] / radius;
+      body->state().displacements[i] =
+          rolled ? Vec3(radius * std::sin(a) - X[0], 0, radius * (1.0 - std::cos(a))) : Vec3(0, 0.5 * a * X[0], 0);
+    }
+    body->forcesCurrent = false;
+    body->computeGradients(serialFor());
+    return body->elasticEnergy().stabilisation;
+  };
+  const double within = bent(false), rolled = bent(true);
+  // What is left is the shortening along the plane, of the next order in the spacing over the radius.
+  CHECK(within > 0.0);
+  CHECK(rolled < 0.01 * within);
+  row("a sheet rolled up", "energy of its control " + text(rolled / within) + " of that of the same bend within its plane");
 }
 
 TEST_CASE("bodies of none, one and two phyxels fall, lie and are looked at") {

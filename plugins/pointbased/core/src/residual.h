@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Isotropic control for clouds: what the affine fit of a point misses at its phyxels. Private to the core.
+// Isotropic control for clouds: what the affine fit of a point misses at its phyxels, in the directions that its stencil
+// spans: across a plane and a line phyxels are free. Private to the core.
 #pragma once
 
 #include "completion.h"
@@ -19,17 +20,21 @@ struct Offset {
       : rest(X[k] - X[anchor]), now(rest + (u[k] - u[anchor])) {}
 };
 
-/// r_k and its change, U_q = scale/2 Σ w_k |r_k|²; a line sees only the component along itself.
+/// r_k and its change, U_q = scale/2 Σ w_k |r_k|². Of a plane r is projected onto the deformed plane, of a line onto the
+/// deformed line: a sheet bends freely and does not shear when it is bent.
 class ResidualPoint {
  public:
   ResidualPoint(const StencilSet &s, std::size_t q, const Mat3 &F)
       : s_(s), rank_(s.rank[q]), frame_(frameOfPoint(s, q)), F_(F), first_(s.phyxels.offsets[q]),
         last_(s.phyxels.offsets[q + 1]), anchor_(s.phyxels.indices[first_]), a_(F * frame_.col(0)), length_(a_.norm()),
-        axis_(length_ > 0.0 ? Vec3(a_ / length_) : Vec3(Vec3::Zero())) {}
+        axis_(length_ > 0.0 ? Vec3(a_ / length_) : Vec3(Vec3::Zero())) {
+    if (rank_ == 2) axis_ = PlaneNormal(a_, F * frame_.col(1), frame_.col(2)).m;
+  }
 
   /// dU/dx_k = scale w_k direction, U = scale/2 Σ w_k |direction|².
   [[nodiscard]] Vec3 direction(const Offset &o) const {
     if (rank_ == 1) return along(o) * axis_;
+    if (rank_ == 2) return inPlane(missed(o));
     return o.now - F_ * o.rest;
   }
 
@@ -39,25 +44,29 @@ class ResidualPoint {
       const LineChange c = lineChange(dF);
       return alongDifferential(o, dnow, c) * axis_ + along(o) * c.axis;
     }
+    if (rank_ == 2) {
+      const Vec3 r = missed(o), dr = missedDifferential(o, dnow, dF), dm = normalDifferential(dF);
+      return inPlane(dr) - dm * axis_.dot(r) - axis_ * dm.dot(r);
+    }
     return dnow - dF * o.rest;
   }
 
   /// Projector on what of a displacement changes r.
   [[nodiscard]] Mat3 visibleDirections() const {
-    return rank_ == 1 ? Mat3(axis_ * axis_.transpose()) : Mat3(Mat3::Identity());
+    if (rank_ == 1) return axis_ * axis_.transpose();
+    if (rank_ == 2) return Mat3::Identity() - axis_ * axis_.transpose();
+    return Mat3::Identity();
   }
 
-  /// dU_q/dF over scale: zero for a full stencil, whose fit is orthogonal to what it misses; for a flat one the completed
-  /// column and the axis turn with F.
+  /// dU_q/dF over scale: zero for a full stencil, whose fit is orthogonal to what it misses, and along the seen directions
+  /// of a flat one; its normal or axis turns with F.
   [[nodiscard]] Mat3 stress(std::span<const Vec3> X, std::span<const Vec3> u) const {
     if (rank_ == 1) return length_ > 0.0 ? Mat3(lineSum(X, u) * frame_.col(0).transpose()) : Mat3(Mat3::Zero());
     if (rank_ != 2) return Mat3::Zero();
     const Vec3 b = F_ * frame_.col(1);
     const PlaneNormal normal(a_, b, frame_.col(2));
     if (!(normal.length > 0.0)) return Mat3::Zero();
-    Vec3 y = moment(X, u);
-    y -= normal.m * normal.m.dot(y);
-    return planeStress(b, y, normal.length);
+    return planeStress(b, inPlane(normalPull(X, u)), normal.length);
   }
 
   /// @param du  change of the displacements, which dF is the change of F for
@@ -70,15 +79,16 @@ class ResidualPoint {
     if (!(normal.length > 0.0)) return Mat3::Zero();
     const Vec3 turned = da.cross(b) + a_.cross(db);
     const Vec3 dm = normal.differential(turned);
-    const Vec3 y = moment(X, u);
+    const Vec3 y = normalPull(X, u);
     Vec3 dy = Vec3::Zero();
     for (Index e = first_ + 1; e < last_; ++e) {
       const Index k = s_.phyxels.indices[e];
-      const Vec3 rest = X[k] - X[anchor_];
-      dy -= s_.weights[e] * rest.dot(frame_.col(2)) * (du[k] - du[anchor_] - dF * rest);
+      const Offset o(X, u, k, anchor_);
+      const Vec3 r = missed(o), dr = missedDifferential(o, du[k] - du[anchor_], dF);
+      dy -= s_.weights[e] * ((dm.dot(r) + axis_.dot(dr)) * r + axis_.dot(r) * dr);
     }
     const Vec3 &m = normal.m;
-    const Vec3 across = y - m * m.dot(y);
+    const Vec3 across = inPlane(y);
     const Vec3 dAcross = dy - dm * m.dot(y) - m * (dm.dot(y) + m.dot(dy));
     return planeStress(b, dAcross, normal.length) +
            (db.cross(across) * frame_.col(0).transpose() + across.cross(da) * frame_.col(1).transpose()) / normal.length -
@@ -128,12 +138,24 @@ class ResidualPoint {
     }
     return sum * frame_.col(0).transpose();
   }
-  /// -Σ w (n·rest) r: what the completed column does not reach.
-  [[nodiscard]] Vec3 moment(std::span<const Vec3> X, std::span<const Vec3> u) const {
+  [[nodiscard]] Vec3 inPlane(const Vec3 &v) const { return v - axis_ * axis_.dot(v); }
+  /// Of a plane: what its two directions miss; the completed third one is across it and counts for nothing.
+  [[nodiscard]] Vec3 missed(const Offset &o) const {
+    return o.now - F_ * (o.rest - frame_.col(2) * frame_.col(2).dot(o.rest));
+  }
+  [[nodiscard]] Vec3 missedDifferential(const Offset &o, const Vec3 &dnow, const Mat3 &dF) const {
+    return dnow - dF * (o.rest - frame_.col(2) * frame_.col(2).dot(o.rest));
+  }
+  [[nodiscard]] Vec3 normalDifferential(const Mat3 &dF) const {
+    const Vec3 b = F_ * frame_.col(1);
+    return PlaneNormal(a_, b, frame_.col(2)).differential((dF * frame_.col(0)).cross(b) + a_.cross(dF * frame_.col(1)));
+  }
+  /// dU/dm over scale, m the normal: -Σ w (m·r) r.
+  [[nodiscard]] Vec3 normalPull(std::span<const Vec3> X, std::span<const Vec3> u) const {
     Vec3 y = Vec3::Zero();
     for (Index e = first_ + 1; e < last_; ++e) {
-      const Offset o(X, u, s_.phyxels.indices[e], anchor_);
-      y -= s_.weights[e] * o.rest.dot(frame_.col(2)) * (o.now - F_ * o.rest);
+      const Vec3 r = missed(Offset(X, u, s_.phyxels.indices[e], anchor_));
+      y -= s_.weights[e] * axis_.dot(r) * r;
     }
     return y;
   }
@@ -148,7 +170,7 @@ class ResidualPoint {
   Index first_, last_, anchor_;
   Vec3 a_;
   double length_;
-  Vec3 axis_;
+  Vec3 axis_;  // of a line along it, of a plane its normal
 };
 
 }  // namespace pointbased::detail
