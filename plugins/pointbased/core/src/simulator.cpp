@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <functional>
+
+#include "flush_denormals.h"
 
 namespace pointbased {
 namespace {
@@ -20,6 +23,18 @@ std::string number(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%.3g", value);
   return text;
+}
+
+// The same loop with denormals flushed on every thread that takes a part of it.
+ParallelFor flushing(ParallelFor parallelFor) {
+  return [inner = std::move(parallelFor)](std::size_t n, std::size_t grain,
+                                          const std::function<void(std::size_t, std::size_t)> &loop) {
+    const auto part = [&loop](std::size_t begin, std::size_t end) {
+      const detail::FlushDenormals flush;
+      loop(begin, end);
+    };
+    inner(n, grain, std::cref(part));
+  };
 }
 
 void hashBytes(std::uint64_t &hash, const void *data, std::size_t size) {
@@ -41,7 +56,7 @@ struct Simulator::Runner {
   bool toldSwitch = false;
 };
 
-Simulator::Simulator(ParallelFor parallelFor) : parallelFor_(std::move(parallelFor)), clock_(stageNames()) {}
+Simulator::Simulator(ParallelFor parallelFor) : parallelFor_(flushing(std::move(parallelFor))), clock_(stageNames()) {}
 Simulator::~Simulator() = default;
 
 void Simulator::setWorld(const WorldSettings &world) {
@@ -368,6 +383,7 @@ tl::expected<void, StepFailure> Simulator::step() {
   };
   if (failed()) return refusal();
   if (finished()) return {};
+  const detail::FlushDenormals flush;
   const Environment env = environment();
   const double dt = stepSize();
   if (quasiStatic()) {
