@@ -360,7 +360,7 @@ TEST_CASE("a hand at no number: the phyxel it holds is named, with every integra
 
 namespace {
 
-void impact(std::initializer_list<double> speeds, double dt, bool goesOn, const std::string &name) {
+void impact(std::initializer_list<double> speeds, double dt, const std::string &name) {
   std::string result;
   bool all = true;
   for (const double speed : speeds) {
@@ -382,30 +382,24 @@ void impact(std::initializer_list<double> speeds, double dt, bool goesOn, const 
     }
     CHECK(good == simulator.body(id)->stopped.empty());
     CHECK(finite(*simulator.body(id)));
-    if (goesOn) CHECK(good);
+    CHECK(good);
     CHECK(lowest > -0.1 * 0.01);  // a tenth of a spacing
     CHECK(most < 1.01);
     all = all && good;
     result += (result.empty() ? "" : "; ") + text(speed) + " m/s: lowest point " + text(1e3 * lowest) + " mm, energy " +
               text(most) + (good ? "" : ", stopped");
   }
-  row(name, (all || !goesOn ? "" : "not met: ") + result + " (more obstacles and integrators: `test_pointbased`)");
+  row(name, (all ? "" : "not met: ") + result + " (more obstacles and integrators: `test_pointbased`)");
 }
 
 }  // namespace
 
-TEST_CASE("impacts of 1, 10 and 100 m/s: no tunnelling, no energy from nowhere, finite or stopped with a report") {
-  impact({1.0, 10.0, 100.0}, 0.0, false, "impact at 1, 10, 100 m/s, c_p = 3.7 m/s");
+// 100 m/s is 27 times the speed of sound: the stable step falls to a thousandth of that at rest.
+TEST_CASE("impacts of 1, 10 and 100 m/s go on: no tunnelling, no energy from nowhere") {
+  impact({1.0, 10.0, 100.0}, 0.0, "impact at 1, 10, 100 m/s, c_p = 3.7 m/s");
 }
-TEST_CASE("impacts of 1 and 10 m/s go on") { impact({1.0, 10.0}, 0.0, true, "impact at 1, 10 m/s goes on"); }
-TEST_CASE("impacts of 1 and 10 m/s in frames of 1/60 s go on") {
-  impact({1.0, 10.0}, 1.0 / 60.0, true, "impact at 1, 10 m/s, frames of 1/60 s");
-}
-// 27 times the speed of sound crushes the first layer; whether a cell stays crushed is a matter of round-off.
-TEST_CASE("an impact of 100 m/s goes on", "[!mayfail]") { impact({100.0}, 0.0, true, "impact at 100 m/s goes on"); }
-// 1100 substeps would do; 1000 are the limit.
-TEST_CASE("an impact of 100 m/s in frames of 1/60 s goes on", "[!shouldfail]") {
-  impact({100.0}, 1.0 / 60.0, true, "impact at 100 m/s, frames of 1/60 s, goes on");
+TEST_CASE("impacts of 1, 10 and 100 m/s in frames of 1/60 s go on") {
+  impact({1.0, 10.0, 100.0}, 1.0 / 60.0, "impact at 1, 10, 100 m/s, frames of 1/60 s");
 }
 
 namespace {

@@ -12,10 +12,15 @@
 namespace pointbased {
 namespace {
 
-constexpr double kMostSubsteps = 1000.0;
+constexpr std::uint64_t kMostSubsteps = 10'000, kLeastSubsteps = 1'000;  // of a step, before it ends early
+constexpr double kMostWork = 2e7;           // evaluations of points in a step: some seconds, so that a run can be interrupted
+constexpr double kCrushed = 3e-4;           // of the stable step at rest: below it a body stops (an impact at Mach 27: 1e-3)
+constexpr double kRestless = 0.25;          // of the step in use while somebody changes the size of the steps to and fro
 constexpr double kStepWithoutBodies = 1.0 / 60.0;  // s
 constexpr std::size_t kMostEvents = 200;
-constexpr int kMostHalvings = 6;            // smaller steps that are tried before a body stops
+constexpr int kMostHalvings = 6;            // of the increments of a load that are tried before a body stops
+constexpr double kSmallestScale = 1.0 / 64; // of the steps that are tried before a body stops
+constexpr double kCrushedScale = 1.0 / 4;   // likewise where it is crushed, which smaller steps seldom change
 constexpr std::uint64_t kPatience = 256;    // good steps before a larger one is tried again
 constexpr double kStride = 0.25;            // spacings a phyxel may go, relative to its body, in a substep
 
@@ -53,7 +58,32 @@ struct Simulator::Runner {
   std::uint64_t mostSubsteps = 1;
   double pieces = 1.0;            // of a step at present: changing them to and fro would pump energy into what swings
   std::uint64_t fewerWouldDo = 0; // steps in a row
-  bool toldSwitch = false;
+  bool crushed = false;           // why the last step has failed
+  double advanced = 0.0;          // s, that the last step has gone
+  bool limited = true;            // in the substeps of a step
+  double lastStep = 0.0;          // s
+  std::uint64_t sinceChange = kPatience, restless = 0;  // steps since their size has changed, and left to be careful
+  bool toldSwitch = false, toldSlow = false;
+  std::string warning;            // about its cloud
+
+  [[nodiscard]] std::uint64_t substepLimit() const {
+    if (!limited) return std::numeric_limits<std::uint64_t>::max();
+    const double points = static_cast<double>(std::max<std::size_t>(1, body->rest().pointCount()));
+    return static_cast<std::uint64_t>(
+        std::clamp(kMostWork / points, static_cast<double>(kLeastSubsteps), static_cast<double>(kMostSubsteps)));
+  }
+  // Each size of step keeps an energy of its own, (ω dt)²/4 of the exact one off in the fastest modes. One change moves the
+  // energy once, changes in turn can pump it: then dt is taken so small that these energies are the same to 4 %.
+  void noticeStep(double dt) {
+    if (lastStep > 0.0 && std::abs(dt - lastStep) > 1e-9 * lastStep) {
+      if (sinceChange < kPatience) restless = kPatience;
+      sinceChange = 0;
+    } else {
+      ++sinceChange;
+      if (restless > 0) --restless;
+    }
+    lastStep = dt;
+  }
 };
 
 Simulator::Simulator(ParallelFor parallelFor) : parallelFor_(flushing(std::move(parallelFor))), clock_(stageNames()) {}
@@ -61,6 +91,9 @@ Simulator::~Simulator() = default;
 
 void Simulator::setWorld(const WorldSettings &world) {
   const bool wasStatic = quasiStatic();
+  const bool otherEnergy = world.integrator != world_.integrator || world.gravity != world_.gravity ||
+                           world.box.enabled != world_.box.enabled || world.box.min != world_.box.min ||
+                           world.box.max != world_.box.max;
   world_ = world;
   if (!wasStatic && quasiStatic()) loadFactor_ = 0.0;
   if (wasStatic && !quasiStatic())
@@ -72,7 +105,7 @@ void Simulator::setWorld(const WorldSettings &world) {
   for (auto &[id, runner] : bodies_) {
     runner->body->quasiStatic = quasiStatic();
     runner->body->forcesCurrent = false;
-    runner->energy.forget();
+    if (otherEnergy) runner->energy.forget();
   }
 }
 
@@ -211,33 +244,41 @@ bool Simulator::driven(const Body &body) const {
 std::optional<GuardFinding> Simulator::advanceExplicit(Runner &runner, const Environment &env, double dt,
                                                        GuardGlance glance) {
   Body &body = *runner.body;
+  const double rest = body.stableStepAtRest(), careful = runner.restless > 0 ? kRestless : 1.0;
+  const std::uint64_t most = runner.substepLimit();
   double left = dt, time = time_, mostNeeded = 1.0;
   std::uint64_t substeps = 0;
-  while (left > 1e-12 * dt) {
-    double stable = kStepSafety * runner.scale * body.stableStep();
+  while (left > 1e-12 * dt && substeps < most) {
+    double stable = body.stableStep();
     GuardView view;
     clock_.measure(kGuard, [&] {
       if (substeps > 0) glance = glanceAt(body);
       if (!glance.finite || glance.speedBound * stable > kStride * body.rest().spacing) view = lookAt(body);
     });
     if (!view.finite) return firstNonFinite(body);
+    const bool stiff = !(stable > kCrushed * rest);
+    const double part = kStepSafety * runner.scale * careful;
+    stable *= part;
     if (view.fastest > 0.0) stable = std::min(stable, kStride * body.rest().spacing / view.fastest);
     // An impact sets phyxels in motion against each other that had the same velocity before.
     const double impact = impactSpeed(body, env, time, std::min(left, stable), kStride * body.rest().spacing);
     if (impact > 0.0) stable = std::min(stable, kStride * body.rest().spacing / impact);
+    runner.crushed = std::isfinite(rest) && !(stable > part * kCrushed * rest);
+    if (runner.crushed) {
+      view = lookAt(body);
+      if (!view.finite) return firstNonFinite(body);
+      return GuardFinding{view.fastestPhyxel,
+                          "the stable step has fallen to " + number(stable / part) + " s, 1/" + number(rest / stable * part) +
+                              " of that at rest: " +
+                              (stiff ? "the body is crushed or inverted"
+                                       : "it moves " + number(std::max(view.fastest, impact)) + " m/s"),
+                          "solver.integrator = \"implicit\", a smaller solver.dt, or a softer or coarser body"};
+    }
     // Even pieces of what is left, so that the last one is not a sliver.
     const double needed = std::ceil(left / stable * (1.0 - 1e-9));
     mostNeeded = std::max(mostNeeded, std::ceil(dt / stable * (1.0 - 1e-9)));
     const double pieces = std::max(needed, std::ceil(left * runner.pieces / dt * (1.0 - 1e-9)));
-    if (!(pieces + static_cast<double>(substeps) <= kMostSubsteps)) {
-      view = lookAt(body);
-      if (!view.finite) return firstNonFinite(body);
-      return GuardFinding{view.fastestPhyxel,
-                          "the stable step has fallen to " + number(stable) + " s, 1/" + number(dt / stable) + " of the step" +
-                              (body.stableStep() < 0.1 * body.stableStepAtRest() ? ": the body is crushed or inverted" : ""),
-                          "solver.integrator = \"implicit\", a smaller solver.dt, or a softer or coarser body"};
-    }
-    const double piece = pieces > 1.0 ? left / pieces : left;
+    const double piece = pieces > 1.0 ? (pieces < 1e15 ? left / pieces : stable) : left;
     explicitSubstep(body, env, time, piece);
     left -= piece;
     time += piece;
@@ -247,6 +288,8 @@ std::optional<GuardFinding> Simulator::advanceExplicit(Runner &runner, const Env
   bool finite = true;
   clock_.measure(kGuard, [&] { finite = isFinite(body.state().velocities); });
   if (!finite) return firstNonFinite(body);
+  const bool whole = !(left > 1e-12 * dt);
+  runner.advanced = whole ? dt : time - time_;
   if (mostNeeded >= runner.pieces) {
     runner.pieces = mostNeeded;
     runner.fewerWouldDo = 0;
@@ -257,7 +300,13 @@ std::optional<GuardFinding> Simulator::advanceExplicit(Runner &runner, const Env
   if (substeps > runner.mostSubsteps) {
     runner.mostSubsteps = substeps;
     note("substep", "body '" + body.name() + "': a step of " + number(dt) + " s was divided into " +
-                        std::to_string(substeps) + " substeps of " + number(dt / static_cast<double>(substeps)) + " s");
+                        (whole ? std::to_string(substeps) : number(mostNeeded)) + " substeps of " +
+                        number(runner.advanced / static_cast<double>(substeps)) + " s");
+  }
+  if (!whole && !runner.toldSlow) {
+    runner.toldSlow = true;
+    note("slowed", "body '" + body.name() + "': a step ended after " + std::to_string(substeps) + " substeps at " +
+                       number(runner.advanced) + " s of " + number(dt) + " s; time goes on by what is done in a step");
   }
   return std::nullopt;
 }
@@ -292,6 +341,7 @@ void Simulator::stop(Runner &runner, const GuardFinding &finding) {
 
 void Simulator::advance(Runner &runner, const Environment &env, double dt) {
   Body &body = *runner.body;
+  runner.advanced = dt;
   const Integrator integrator = integratorOf(runner);
   if (integrator != world_.integrator && !runner.toldSwitch) {
     runner.toldSwitch = true;
@@ -315,9 +365,10 @@ void Simulator::advance(Runner &runner, const Environment &env, double dt) {
   }
   body.keepState();
   GuardFinding finding;
-  for (int attempt = 0; attempt <= kMostHalvings; ++attempt) {
+  for (bool again = true; again;) {
+    runner.crushed = false;
     auto found = integrator == Integrator::explicitVerlet ? advanceExplicit(runner, env, dt, glance)
-                                                              : advanceImplicit(runner, env, dt);
+                                                          : advanceImplicit(runner, env, dt);
     if (!found && (steps_ + 1) % EnergyWatch::kEnergyInterval == 0)
       clock_.measure(kGuard, [&] { found = runner.energy.look(body, world_.gravity, driven(body)); });
     if (!found) {
@@ -333,12 +384,14 @@ void Simulator::advance(Runner &runner, const Environment &env, double dt) {
     body.computeStresses(0.0, parallelFor_);
     runner.solver.forget();
     runner.goodSteps = 0;
-    if (attempt < kMostHalvings) {
+    again = runner.scale > (runner.crushed ? kCrushedScale : kSmallestScale);
+    if (again) {
       runner.scale *= 0.5;
       note("smaller_step", "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " + finding.quantity +
                                "; back to the state before, with steps " + number(1.0 / runner.scale) + " times smaller");
     }
   }
+  runner.advanced = dt;
   stop(runner, finding);
 }
 
@@ -395,10 +448,27 @@ tl::expected<void, StepFailure> Simulator::step() {
     if (failed()) return refusal();
     loadFactor_ = next;
   } else {
-    for (auto &[id, runner] : bodies_)
-      if (runner->body->stopped.empty()) advance(*runner, env, dt);
+    double span = dt;
+    std::vector<Runner *> ahead;
+    for (auto &[id, runner] : bodies_) {
+      if (!runner->body->stopped.empty()) continue;
+      runner->noticeStep(dt);
+      advance(*runner, env, span);
+      if (runner->advanced < span) {
+        // Those before it have gone too far.
+        span = runner->advanced;
+        for (Runner *other : ahead) {
+          if (!other->body->stopped.empty()) continue;
+          other->body->restoreState();
+          other->limited = false;
+          advance(*other, env, span);
+          other->limited = true;
+        }
+      }
+      ahead.push_back(runner.get());
+    }
     if (failed()) return refusal();
-    time_ += dt;
+    time_ += span;
   }
   ++steps_;
   clock_.commit();
@@ -416,6 +486,10 @@ void Simulator::reset() {
     runner->pieces = 1.0;
     runner->fewerWouldDo = 0;
     runner->toldSwitch = false;
+    runner->toldSlow = false;
+    runner->lastStep = 0.0;
+    runner->sinceChange = kPatience;
+    runner->restless = 0;
   }
   time_ = 0.0;
   loadFactor_ = 0.0;

@@ -40,7 +40,7 @@ struct Probe {
 
 struct SimulationEvent {
   double time = 0.0;  ///< s
-  std::string kind;   ///< substep | smaller_step | stopped | switched | note
+  std::string kind;   ///< substep | slowed | smaller_step | stopped | switched | warning
   std::string text;
 };
 
@@ -88,8 +88,8 @@ class Simulator {
   /// Material of a body while it runs; forces and the step follow.
   void setConstitution(std::size_t body, Constitution constitution);
 
-  /// One step of the present step size: explicit in as many substeps as stability needs. Refused when every body has
-  /// stopped. Quasi-static: one load increment; nothing when finished().
+  /// One step of the present size: explicit in the substeps that stability needs, up to 10 000 (then time goes on by what is
+  /// done). Refused when every body has stopped. Quasi-static: one load increment; nothing when finished().
   [[nodiscard]] tl::expected<void, StepFailure> step();
   /// To the initial state of everything, bit for bit; time 0, nothing grabbed.
   void reset();
