@@ -62,7 +62,9 @@ void put(Body &body, Start start) {
 
 namespace {
 
-// neo-Hookean under implicit steps from a point is a case of its own.
+// neo-Hookean under implicit steps from a point is a case of its own: all of it is at one place, so that which way it opens
+// is a matter of round-off. It may come out folded over itself with every det F > 0, a local minimum of the energy that no
+// law with one evaluation per cell excludes: then it lies still there with a small part of the energy.
 void recovers(bool fromPointImplicitly) {
   std::string result;
   for (const MaterialLaw law : {MaterialLaw::neoHookean, MaterialLaw::corotated})
@@ -89,7 +91,8 @@ void recovers(bool fromPointImplicitly) {
         CHECK(std::isfinite(elastic(body)));
         CHECK(good);
         CHECK(invertedPart(body) == 0.0);
-        CHECK(elastic(body) < 1e-6 * before);
+        CHECK(elastic(body) < (fromPointImplicitly ? 0.1 : 1e-6) * before);
+        CHECK(simulator.energy(id).kinetic < 1e-6 * before);
         if (!recovered || (law == MaterialLaw::neoHookean && integrator == Integrator::explicitVerlet)) {
           static const char *const names[] = {"flat", "a point", "mirrored", "scrambled"};
           result += (result.empty() ? "" : "; ") +
@@ -108,9 +111,9 @@ void recovers(bool fromPointImplicitly) {
 }  // namespace
 
 TEST_CASE("flattened, shrunk to a point, mirrored and scrambled bodies recover to their shape") { recovers(false); }
-// Which way it opens is a matter of round-off: it may come out folded over itself, every det F > 0, and rest in that local
-// minimum (seen with 0.1 instead of 0.3 as the stiffness of the twisting mode).
-TEST_CASE("a neo-Hookean body shrunk to a point recovers under implicit steps", "[!mayfail]") { recovers(true); }
+TEST_CASE("a neo-Hookean body shrunk to a point opens under implicit steps, or rests folded, nothing inverted") {
+  recovers(true);
+}
 
 TEST_CASE("a mirrored St. Venant-Kirchhoff body stays mirrored, finite, and counts as inverted") {
   Simulator simulator;
