@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "extreme_cases.h"
+#include "pointbased/cloud_quality.h"
 #include "support/catch.h"
 
 using namespace extremes;
@@ -67,7 +68,7 @@ double coupling(Body &body) {
 }  // namespace
 
 TEST_CASE("coincident points make no nought over nought") {
-  std::string result;
+  std::string result, said;
   std::vector<Vec3> doubled = gridPoints(3, 3, 3, kSpacing);
   doubled.push_back(doubled[13]);
   doubled.push_back(doubled[13]);
@@ -87,13 +88,23 @@ TEST_CASE("coincident points make no nought over nought") {
     Body &body = *simulator.body(id);
     simulator.addObstacle(shapes::halfSpace(Vec3(0, -0.02, 0), Vec3::UnitY(), 0.3));
     for (const Vec3 &g : body.rest().stencils.gradients) REQUIRE(g.allFinite());
+    // Indices of phyxels belong to whoever made the cloud, so that nothing is merged; it is told instead.
+    const std::size_t expected = points.size() == 30 ? 3 : points.size() == 8 ? 7 : 27;
+    CHECK(inspectCloud(body.rest()).coincident == expected);
+    REQUIRE(!simulator.events().empty());
+    CHECK(simulator.events().front().kind == "warning");
+    CHECK_THAT(simulator.events().front().text,
+               Contains(std::to_string(expected) + " of " + std::to_string(points.size()) + " phyxels have the place of another one"));
+    said = simulator.events().front().text;
+    simulator.reset();
+    CHECK(simulator.events().front().text == said);
     bool good = true;
     for (int i = 0; i < 300 && good; ++i) good = simulator.step().has_value();
     CHECK(good);
     CHECK(finite(body));
     result += (result.empty() ? "" : ", ") + std::to_string(points.size()) + " points: " + (good ? "finite" : "stopped");
   }
-  row("coincident points", "not merged; 300 steps with contact, " + result);
+  row("coincident points", "counted in a warning, kept with their mass; 300 steps with contact, " + result);
 }
 
 TEST_CASE("flat, straight and single clouds: turning them costs nothing, stretching them does, out of plane they are free") {
@@ -356,7 +367,8 @@ TEST_CASE("the guard sees the energy grow in bodies from a metre to a millimetre
 TEST_CASE("the guard sees the energy grow in a body of a micrometre") { watched({1e-6}); }
 
 TEST_CASE("three to five hundred neighbours, supports of 1.01 to 6 spacings: no crash, and never in silence") {
-  std::string result;
+  std::string result, warned;
+  double worst = 1.0;
   const auto run = [&](const NeighborChoice &choice, const std::string &name) {
     CAPTURE(name);
     Simulator simulator;
@@ -374,11 +386,27 @@ TEST_CASE("three to five hundred neighbours, supports of 1.01 to 6 spacings: no 
     CHECK(good);
     CHECK(finite(body));
     CHECK(counted.max < body.rest().phyxelCount());
+    const CloudQuality quality = inspectCloud(body.rest());
+    const double part = kUnusualPart * static_cast<double>(body.rest().phyxelCount());
+    const bool unusual = static_cast<double>(quality.few) > part || static_cast<double>(quality.many) > part;
+    CHECK(told(simulator, "warning") == unusual);
+    CHECK((quality.few > 0) == (counted.min < kFewNeighbours));
+    CHECK((quality.many > 0) == (counted.max > kManyNeighbours));
+    CHECK(quality.condition >= 1.0);
+    CHECK(quality.condition <= 1.0 / kMomentCutOff);
+    warned += (unusual ? (warned.empty() ? "" : ", ") + name : "");
+    worst = std::max(worst, quality.condition);
     result += (result.empty() ? "" : "; ") + name + ": " + std::to_string(counted.min) + " … " + std::to_string(counted.max);
   };
   for (const int count : {3, 6, 12, 26, 100, 500}) run({count, 1.8}, "N = " + std::to_string(count));
   for (const double support : {1.01, 1.5, 1.8, 3.0, 6.0}) run({0, support}, "r = " + text(support) + " d");
-  row("neighbours 3 … 500, support 1.01 … 6 spacings", "finite; neighbours " + result);
+  // A lattice with its axes only: in the middle of a face two neighbours lie along it for one across.
+  CHECK_THAT(inspectCloud(cloud(gridPoints(3, 3, 3, kSpacing), kSpacing, rubber(1e4), {0, 1.01})->rest()).condition,
+             WithinRel(2.0, 1e-9));
+  CHECK_THAT(warned, Contains("N = 3") && Contains("N = 6") && Contains("r = 1.01 d") && Contains("N = 500") && Contains("r = 6 d"));
+  CHECK_THAT(warned, !Contains("N = 26") && !Contains("r = 1.8 d"));
+  row("neighbours 3 … 500, support 1.01 … 6 spacings", "finite; warned: " + warned + "; condition of the moments at most " +
+                                                           text(worst) + "; neighbours " + result);
 }
 
 TEST_CASE("surfels outside of every support follow the affine map of the nearest phyxels") {

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "flush_denormals.h"
+#include "pointbased/cloud_quality.h"
 
 namespace pointbased {
 namespace {
@@ -113,6 +114,10 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
   body->quasiStatic = quasiStatic();
   auto runner = std::make_unique<Runner>();
   runner->body = std::move(body);
+  if (std::string unusual = inspectCloud(runner->body->rest()).warning(); !unusual.empty()) {
+    runner->warning = "body '" + runner->body->name() + "': " + unusual + "; sampling.neighbours and the spacing change it";
+    note("warning", runner->warning);
+  }
   bodies_.emplace(nextId_, std::move(runner));
   return nextId_++;
 }
@@ -495,6 +500,8 @@ void Simulator::reset() {
   loadFactor_ = 0.0;
   steps_ = 0;
   events_.clear();
+  for (const auto &[id, runner] : bodies_)
+    if (!runner->warning.empty()) note("warning", runner->warning);
 }
 
 void Simulator::setGrab(std::size_t id, Grab grab) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pointbased/cloud_quality.h"
 #include "pointbased/error_estimate.h"
 #include "pointbased/plasticity.h"
 
@@ -48,6 +49,15 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
     plastic = std::max(plastic, henckyStrain(inverse).norm());
   const ErrorEstimate error = estimateError(body);
   const Neighbours neighbours = countNeighbours(rest);
+  Json near = {{"min", neighbours.min}, {"mean", neighbours.mean}, {"max", neighbours.max}};
+  if (rest.evaluation == Evaluation::phyxels) {
+    const CloudQuality quality = inspectCloud(rest);
+    near["few"] = quality.few;
+    near["many"] = quality.many;
+    near["flat"] = quality.flat;
+    near["coincident"] = quality.coincident;
+    near["moment_condition"] = quality.condition;
+  }
   const Simulator::Energy energy = simulator.energy(reported.id);
   return {{"name", body.name()},
           {"evaluation", rest.evaluation == Evaluation::stressPoints ? "stress_points" : "phyxels"},
@@ -59,7 +69,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
           {"mass_kg", mass},
           {"volume_m3", volume},
           {"mesh_volume_m3", reported.meshVolume},
-          {"neighbours", {{"min", neighbours.min}, {"mean", neighbours.mean}, {"max", neighbours.max}}},
+          {"neighbours", near},
           {"stable_dt_s", body.stableStepAtRest()},
           {"energy_J",
            {{"kinetic", energy.kinetic},
