@@ -428,6 +428,32 @@ TEST_CASE("surfels outside of every support follow the affine map of the nearest
   row("surfels outside of every support", "affine maps are followed to " + text(worst) + " m, up to 1 m away");
 }
 
+TEST_CASE("a surface that encloses another volume than is found inside is told of") {
+  std::string result;
+  for (const Evaluation evaluation : {Evaluation::stressPoints, Evaluation::phyxels})
+    for (const double part : {1.0, 0.97, 1.2, 0.8}) {
+      CAPTURE(part, static_cast<int>(evaluation));
+      BodyRecipe recipe;
+      recipe.evaluation = evaluation;
+      recipe.sampling.spacing = 0.005;
+      BodyShape shape = shapes::box(Vec3::Zero(), Vec3::Constant(kEdge));
+      shape.volume *= part;  // as the divergence theorem says of an open surface, or of parts that overlap
+      const auto rest = buildRestState(shape, recipe, {}, serialFor());
+      REQUIRE(rest);
+      CHECK_THAT((*rest)->countedVolume, WithinRel(kEdge * kEdge * kEdge, 0.01));
+      Simulator simulator;
+      const bool lattice = evaluation == Evaluation::stressPoints;
+      const std::size_t id = simulator.addBody(std::make_unique<Body>(
+          "box", *rest, Constitution{{rubber(1e4)}, lattice ? kLatticeStabilisation : kCloudStabilisation}, serialFor()));
+      CHECK_THAT(simulator.body(id)->totalMass(), WithinRel(1000.0 * shape.volume, 1e-9));
+      const bool off = std::abs(1.0 / part - 1.0) > kVolumeMismatch;
+      REQUIRE(told(simulator, "warning") == off);
+      if (off) CHECK_THAT(simulator.events().front().text, Contains("encloses " + text(1e6 * shape.volume) + " mL"));
+      if (off && lattice) result += (result.empty() ? "" : "; ") + simulator.events().front().text;
+    }
+  row("volume of the surface and of what is found inside differ", "from 5 % on a warning: " + result);
+}
+
 TEST_CASE("a body whose faces lie in the planes of the lattice and of its bounds is filled wholly") {
   std::string result;
   for (const double spacing : {0.04, 0.02, 0.01, 0.0131}) {

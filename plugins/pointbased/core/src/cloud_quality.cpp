@@ -3,6 +3,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 namespace pointbased {
 
@@ -51,6 +53,16 @@ CloudQuality inspectCloud(const RestState &rest) {
     out.condition = std::max(out.condition, values[2] / values[3 - rank]);
   }
   return out;
+}
+
+std::string volumeWarning(const RestState &rest) {
+  if (!(rest.countedVolume > 0.0) || std::abs(rest.countedVolume / rest.shapeVolume - 1.0) <= kVolumeMismatch) return {};
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "its surface encloses %.4g mL, but %.4g mL were found inside: it is open or goes through itself; the mass is "
+                "that of the former",
+                1e6 * rest.shapeVolume, 1e6 * rest.countedVolume);
+  return text;
 }
 
 }  // namespace pointbased

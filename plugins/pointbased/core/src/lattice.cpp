@@ -256,6 +256,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &s
   // What was counted comes to the volume of the body.
   double counted = 0.0;
   for (const double v : body.volumes) counted += v;
+  body.countedVolume = counted;
   const double scale = shape.volume / counted;
   for (auto *volumes : {&body.volumes, &body.weightVolumes, &body.heldVolumes})
     for (double &v : *volumes) v *= scale;

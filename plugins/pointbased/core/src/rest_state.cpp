@@ -121,6 +121,7 @@ std::shared_ptr<RestState> restOfCloud(const PhyxelCloud &cloud, const NeighborC
   rest->evaluation = Evaluation::phyxels;
   rest->spacing = cloud.spacing;
   rest->shapeVolume = shapeVolume;
+  rest->countedVolume = cloud.countedVolume;
   rest->volumes = cloud.volumes;
   if (!cloud.positions.empty()) {
     Vec3 sum = Vec3::Zero();
@@ -177,6 +178,7 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
     rest->origin = body.origin;
     rest->spacing = body.spacing;
     rest->shapeVolume = shape.volume;
+    rest->countedVolume = body.countedVolume;
     rest->positions = std::move(body.positions);
     rest->volumes = std::move(body.volumes);
     rest->weightVolumes = std::move(body.weightVolumes);

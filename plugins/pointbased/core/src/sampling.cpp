@@ -228,6 +228,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
   PhyxelCloud sorted;
   sorted.spacing = spacing;
+  sorted.countedVolume = total;
   for (const std::size_t i : order) {
     sorted.positions.push_back(cloud.positions[i]);
     sorted.volumes.push_back(cloud.volumes[i]);

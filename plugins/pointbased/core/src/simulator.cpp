@@ -65,7 +65,7 @@ struct Simulator::Runner {
   double lastStep = 0.0;          // s
   std::uint64_t sinceChange = kPatience, restless = 0;  // steps since their size has changed, and left to be careful
   bool toldSwitch = false, toldSlow = false;
-  std::string warning;            // about its cloud
+  std::vector<std::string> warnings;  // about its shape and sampling
 
   [[nodiscard]] std::uint64_t substepLimit() const {
     if (!limited) return std::numeric_limits<std::uint64_t>::max();
@@ -114,10 +114,14 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
   body->quasiStatic = quasiStatic();
   auto runner = std::make_unique<Runner>();
   runner->body = std::move(body);
-  if (std::string unusual = inspectCloud(runner->body->rest()).warning(); !unusual.empty()) {
-    runner->warning = "body '" + runner->body->name() + "': " + unusual + "; sampling.neighbours and the spacing change it";
-    note("warning", runner->warning);
-  }
+  const RestState &rest = runner->body->rest();
+  std::string cloud = inspectCloud(rest).warning();
+  if (!cloud.empty()) cloud += "; sampling.neighbours and the spacing change it";
+  for (const std::string &unusual : {volumeWarning(rest), cloud})
+    if (!unusual.empty()) {
+      runner->warnings.push_back("body '" + runner->body->name() + "': " + unusual);
+      note("warning", runner->warnings.back());
+    }
   bodies_.emplace(nextId_, std::move(runner));
   return nextId_++;
 }
@@ -501,7 +505,7 @@ void Simulator::reset() {
   steps_ = 0;
   events_.clear();
   for (const auto &[id, runner] : bodies_)
-    if (!runner->warning.empty()) note("warning", runner->warning);
+    for (const std::string &warning : runner->warnings) note("warning", warning);
 }
 
 void Simulator::setGrab(std::size_t id, Grab grab) {

@@ -69,6 +69,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
           {"mass_kg", mass},
           {"volume_m3", volume},
           {"mesh_volume_m3", reported.meshVolume},
+          {"counted_volume_m3", rest.countedVolume},
           {"neighbours", near},
           {"stable_dt_s", body.stableStepAtRest()},
           {"energy_J",

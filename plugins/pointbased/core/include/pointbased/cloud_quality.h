@@ -31,4 +31,12 @@ struct CloudQuality {
 /// One pass over all pairs. Any thread.
 [[nodiscard]] CloudQuality inspectCloud(const RestState &rest);
 
+/// Part by which the volume that a surface encloses and the one that is found inside may differ without a warning: coarse
+/// samplings of thin parts come to 2 %.
+inline constexpr double kVolumeMismatch = 0.05;
+
+/// One sentence where the two volumes differ by more: a surface that is open or goes through itself. Masses are those of the
+/// surface's volume. Empty: nothing to tell.
+[[nodiscard]] std::string volumeWarning(const RestState &rest);
+
 }  // namespace pointbased

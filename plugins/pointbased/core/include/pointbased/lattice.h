@@ -55,6 +55,7 @@ struct LatticeBody {
   std::vector<HeldPart> held;      ///< one per LatticeSampling::held
   std::vector<Vec3> pointCentres;  ///< [points] centroid of the part of the body that each stands for, m
   std::size_t components = 0;      ///< connected parts of the body
+  double countedVolume = 0.0;      ///< m³, of what was found inside, before it was scaled to the volume of the body
 };
 
 /// Cells of a lattice cut by a body.

@@ -30,7 +30,8 @@ struct RestState {
   Evaluation evaluation = Evaluation::phyxels;
   Vec3 origin = Vec3::Zero();      ///< world, m
   double spacing = 0.0;            ///< m
-  double shapeVolume = 0.0;        ///< m³, of the shape that was filled
+  double shapeVolume = 0.0;        ///< m³, of the shape that was filled: what its surface encloses
+  double countedVolume = 0.0;      ///< m³, that the sampling has found inside of it; 0: nobody has counted
   std::vector<Vec3> positions;     ///< [phyxels] X, m
   std::vector<double> volumes;     ///< [phyxels] m³
   std::vector<double> weightVolumes; ///< [phyxels] m³, shares of a load on the material of a held body; empty: `volumes`

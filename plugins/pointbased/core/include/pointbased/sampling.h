@@ -32,6 +32,7 @@ struct PhyxelCloud {
   std::vector<Vec3> positions;        ///< m
   std::vector<double> volumes;        ///< m³; their sum is the body's volume
   std::vector<double> contactRadii;   ///< m: distance to the surface, at most half a spacing
+  double countedVolume = 0.0;         ///< m³, of what was found inside, before it was scaled; 0: nobody has counted
 };
 
 /// False: stop, somebody cancelled.
