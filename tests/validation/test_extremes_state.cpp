@@ -353,6 +353,33 @@ TEST_CASE("numbers that are none in x and v leave the body in its last good stat
            kBoth, true, "NaN and infinity put into x and v between steps: last good state, phyxel named");
 }
 
+// Forces follow from the state, so that the step can be done again: implicit ones compute them anew in any case.
+TEST_CASE("a force that is none is caught in one step, which is done again without it") {
+  std::string result;
+  for (const Integrator integrator : kBoth)
+    for (const double value : {kNaN, kInfinity}) {
+      CAPTURE(value, static_cast<int>(integrator));
+      Simulator simulator;
+      WorldSettings world;
+      world.integrator = integrator;
+      world.dt = 1e-3;
+      world.gravity = Vec3(0, -9.81, 0);
+      simulator.setWorld(world);
+      const std::size_t id = simulator.addBody(cube(rubber(1e4)));
+      Body &body = *simulator.body(id);
+      for (int i = 0; i < 5; ++i) REQUIRE(simulator.step());
+      body.forces()[kVictim][0] = value;
+      for (int i = 0; i < 5; ++i) REQUIRE(simulator.step());
+      CHECK(body.stopped.empty());
+      CHECK(finite(body));
+      CHECK(told(simulator, "smaller_step") == (integrator == Integrator::explicitVerlet));
+      // A free fall as if nothing had been, but for the order of the steps: implicit ones of order 2, explicit ones exact.
+      for (const Vec3 &u : body.state().displacements) CHECK((u - Vec3(0, -0.5 * 9.81 * 1e-4, 0)).norm() < 1e-9);
+      result += (result.empty() ? "" : ", ") + std::string(integrator == Integrator::explicitVerlet ? "" : "implicit ") + "f = " + text(value);
+    }
+  row("NaN and infinity put into the forces: caught in one step, which is done again", result);
+}
+
 TEST_CASE("a hand at no number stops the body it holds in one step, others go on") {
   poisoned({{"hand at NaN", grabAtNowhere, true}}, {Integrator::explicitVerlet}, false, "a hand at NaN, explicit");
 }
