@@ -351,6 +351,11 @@ static void drive_scene(void) {
 static void drive_render(void) {
   const c3de_render_v0 *render = service(C3DE_RENDER_ID);
   const c3de_scene_v0 *scene = service(C3DE_SCENE_ID);
+  const void *table = NULL;
+  GIVES(C3DE_OK, host->get_service(host->ctx, text(C3DE_RENDER_ID), 2, &table));
+  HOLDS(table == (const void *)render && render->rev == 2 && C3DE_HAS(c3de_render_v0, render, set_legend));
+  GIVES(C3DE_E_VERSION, host->get_service(host->ctx, text(C3DE_RENDER_ID), 3, &table));
+  SAYS("rev >= 3, host has 2");
   c3de_handle node, mesh, spheres, lines, label, none;
   c3de_material material = {sizeof material, 0, {0.5f, 0.5f, 0.5f, 1.0f}};
   const double at[] = {1, 2, 3}, nowhere[] = {NAN, 0, 0};
@@ -397,6 +402,36 @@ static void drive_render(void) {
   GIVES(C3DE_E_ARG, render->update(render->ctx, label, C3DE_ATTR_POSITIONS, corners()));
   GIVES(C3DE_E_STALE, render->update(render->ctx, kNoSuch, C3DE_ATTR_POSITIONS, corners()));
 
+  const c3de_view no_colours = {NULL, 0, 3, C3DE_U8, 0};
+  GIVES(C3DE_OK, render->update(render->ctx, mesh, C3DE_ATTR_COLOURS, no_colours)); /* back to the material's */
+
+  c3de_handle legend;
+  c3de_legend meaning = {sizeof meaning, 0, text("Stress"), text("kPa"), text(""), 0.0, 2.5, {bytes, 4, 3, C3DE_U8, 0}};
+  GIVES(C3DE_OK, render->create_legend(render->ctx, node, &meaning, &legend));
+  GIVES(C3DE_E_STALE, render->create_legend(render->ctx, kNone, &meaning, &none));
+  GIVES(C3DE_E_ARG, render->create_legend(render->ctx, node, NULL, &none));
+  GIVES(C3DE_E_ARG, render->create_legend(render->ctx, node, &meaning, NULL));
+  GIVES(C3DE_E_ARG, render->update(render->ctx, legend, C3DE_ATTR_POSITIONS, corners()));
+  GIVES(C3DE_E_ARG, render->set_label(render->ctx, legend, at, text("end")));
+  GIVES(C3DE_E_ARG, render->set_legend(render->ctx, mesh, &meaning));
+  meaning.low = 2.5;
+  GIVES(C3DE_E_ARG, render->set_legend(render->ctx, legend, &meaning));
+  SAYS("low is 2.5, high is 2.5");
+  meaning.low = NAN;
+  GIVES(C3DE_E_ARG, render->set_legend(render->ctx, legend, &meaning));
+  meaning.low = -2.5;
+  meaning.colours.count = 1;
+  GIVES(C3DE_E_ARG, render->set_legend(render->ctx, legend, &meaning));
+  SAYS("accepted: 2 to 1024");
+  meaning.colours = bright;
+  GIVES(C3DE_E_ARG, render->set_legend(render->ctx, legend, &meaning));
+  meaning.colours = colours;
+  GIVES(C3DE_OK, render->set_legend(render->ctx, legend, &meaning));
+  GIVES(C3DE_OK, render->set_visible(render->ctx, legend, 0));
+  meaning.size = 0;
+  GIVES(C3DE_E_ARG, render->set_legend(render->ctx, legend, &meaning));
+  GIVES(C3DE_E_STALE, render->set_legend(render->ctx, kNoSuch, &meaning));
+
   GIVES(C3DE_OK, render->set_label(render->ctx, label, at, text("end")));
   GIVES(C3DE_E_ARG, render->set_label(render->ctx, mesh, at, text("end")));
   GIVES(C3DE_OK, render->set_visible(render->ctx, mesh, 0));
@@ -404,6 +439,7 @@ static void drive_render(void) {
   GIVES(C3DE_E_STALE, render->destroy(render->ctx, mesh));
   GIVES(C3DE_OK, scene->remove_node(scene->ctx, node));
   GIVES(C3DE_E_STALE, render->set_visible(render->ctx, spheres, 1)); /* gone with its node */
+  GIVES(C3DE_E_STALE, render->destroy(render->ctx, legend));
 }
 
 /* ---- collision ---- */

@@ -14,7 +14,7 @@ class SceneGraph;
 
 namespace c3de::plugin_host {
 
-enum class ProxyKind { mesh, spheres, lines, label };
+enum class ProxyKind { mesh, spheres, lines, label, legend };
 
 struct SceneProxy {
   std::string owner;

@@ -19,6 +19,12 @@ Proxy makeProxy(ProxyKind kind, std::span<const Vec3f> positions, const Material
   return proxy;
 }
 
+bool isUsable(const Legend &legend) {
+  return legend.colours.size() >= 2 && std::isfinite(legend.low) && std::isfinite(legend.high) && legend.low < legend.high;
+}
+
+bool hasNoArrays(const Proxy &proxy) { return proxy.kind == ProxyKind::label || proxy.kind == ProxyKind::legend; }
+
 bool isPositive(float value) { return std::isfinite(value) && value > 0.0f; }
 
 }  // namespace
@@ -59,9 +65,16 @@ Handle RetainedRenderer::createLabel(const Vec3f &at, std::string_view text, con
   return proxies_.add(std::move(proxy));
 }
 
+Handle RetainedRenderer::createLegend(const Legend &legend) {
+  if (!isUsable(legend)) return {};
+  Proxy proxy = makeProxy(ProxyKind::legend, {}, {});
+  proxy.legend = legend;
+  return proxies_.add(std::move(proxy));
+}
+
 bool RetainedRenderer::setPositions(Handle handle, std::span<const Vec3f> positions) {
   Proxy *proxy = proxies_.find(handle);
-  if (!proxy || proxy->kind == ProxyKind::label) return false;
+  if (!proxy || hasNoArrays(*proxy)) return false;
   const bool sameCount = positions.size() == proxy->positions.size();
   if (proxy->kind == ProxyKind::mesh && !sameCount) return false;
   if (proxy->kind == ProxyKind::lines && positions.size() % 2 != 0) return false;
@@ -91,7 +104,7 @@ bool RetainedRenderer::setNormals(Handle handle, std::span<const Vec3f> normals)
 
 bool RetainedRenderer::setColours(Handle handle, std::span<const Colour> colours) {
   Proxy *proxy = proxies_.find(handle);
-  if (!proxy || proxy->kind == ProxyKind::label) return false;
+  if (!proxy || hasNoArrays(*proxy)) return false;
   if (!colours.empty() && colours.size() != proxy->positions.size()) return false;
   proxy->colours.assign(colours.begin(), colours.end());
   proxy->hasTransparentColour =
@@ -114,6 +127,13 @@ bool RetainedRenderer::setLabel(Handle handle, const Vec3f &at, std::string_view
   if (!proxy || proxy->kind != ProxyKind::label) return false;
   proxy->positions.assign(1, at);
   proxy->text = text;
+  return true;
+}
+
+bool RetainedRenderer::setLegend(Handle handle, const Legend &legend) {
+  Proxy *proxy = proxies_.find(handle);
+  if (!proxy || proxy->kind != ProxyKind::legend || !isUsable(legend)) return false;
+  proxy->legend = legend;
   return true;
 }
 

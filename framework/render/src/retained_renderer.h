@@ -11,7 +11,7 @@
 
 namespace c3de::render {
 
-enum class ProxyKind { mesh, spheres, lines, label };
+enum class ProxyKind { mesh, spheres, lines, label, legend };
 
 /// What a back end hangs on a proxy (graphics buffers); destroyed with it.
 struct BackEndData {
@@ -32,6 +32,7 @@ struct Proxy {
   std::vector<float> radii;          ///< spheres; empty: `radius`
   float radius = 1.0f;               ///< spheres
   float width_px = 1.0f;             ///< lines
+  Legend legend;                     ///< legends; positions is empty
   std::string text;                  ///< labels, UTF-8; positions has one element
   Material material;
   Mat4 transform = kIdentity4;
@@ -45,7 +46,9 @@ struct Proxy {
   /// Some part of it blends.
   [[nodiscard]] bool isTransparent() const { return material.colour[3] < 1.0f || hasTransparentColour; }
   /// Nothing of it can be seen.
-  [[nodiscard]] bool isHidden() const { return !visible || !(material.colour[3] > 0.0f) || positions.empty(); }
+  [[nodiscard]] bool isHidden() const {
+    return !visible || !(material.colour[3] > 0.0f) || (positions.empty() && kind != ProxyKind::legend);
+  }
   /// Computes the normals of a mesh if its positions changed and none were given.
   void updateNormals();
 };
@@ -57,11 +60,13 @@ class RetainedRenderer : public Renderer {
   Handle createSpheres(std::span<const Vec3f> centres, float radius, const Material &material) override;
   Handle createLines(std::span<const Vec3f> pairs, float width_px, const Material &material) override;
   Handle createLabel(const Vec3f &at, std::string_view text, const Material &material) override;
+  Handle createLegend(const Legend &legend) override;
   bool setPositions(Handle proxy, std::span<const Vec3f> positions) override;
   bool setNormals(Handle proxy, std::span<const Vec3f> normals) override;
   bool setColours(Handle proxy, std::span<const Colour> colours) override;
   bool setRadii(Handle proxy, std::span<const float> radii) override;
   bool setLabel(Handle proxy, const Vec3f &at, std::string_view text) override;
+  bool setLegend(Handle proxy, const Legend &legend) override;
   bool setMaterial(Handle proxy, const Material &material) override;
   bool setTransform(Handle proxy, const Mat4 &worldFromProxy) override;
   bool setVisible(Handle proxy, bool visible) override;

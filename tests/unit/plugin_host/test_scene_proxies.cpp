@@ -34,11 +34,13 @@ class RecordingRenderer : public render::Renderer {
   Handle createSpheres(std::span<const render::Vec3f>, float, const render::Material &) override { return add(); }
   Handle createLines(std::span<const render::Vec3f>, float, const render::Material &) override { return add(); }
   Handle createLabel(const render::Vec3f &, std::string_view, const render::Material &) override { return add(); }
+  Handle createLegend(const render::Legend &) override { return add(); }
   bool setPositions(Handle, std::span<const render::Vec3f>) override { return true; }
   bool setNormals(Handle, std::span<const render::Vec3f>) override { return true; }
   bool setColours(Handle, std::span<const render::Colour>) override { return true; }
   bool setRadii(Handle, std::span<const float>) override { return true; }
   bool setLabel(Handle, const render::Vec3f &, std::string_view) override { return true; }
+  bool setLegend(Handle, const render::Legend &) override { return true; }
   bool setMaterial(Handle, const render::Material &) override { return true; }
   bool setTransform(Handle h, const Mat4 &worldFromProxy) override {
     placed.at(h.bits()).transform = worldFromProxy;

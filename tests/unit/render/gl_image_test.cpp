@@ -300,3 +300,83 @@ TEST_CASE("What is hidden, without opacity, empty or not finite leaves no trace"
   REQUIRE(r.setVisible(h, true));
   CHECK((drawn(r, frontCamera()).rgb != empty.rgb));
 }
+
+namespace {
+
+Legend redToBlue() { return {"Height", "mm", "", 0.0, 8.0, {{1, 0, 0, 1}, {0, 0, 1, 1}}}; }
+
+/// Rows, from the top, whose pixel in some column is of the colour, within a small difference.
+std::vector<int> rowsOf(const Image &image, const Rgb &colour) {
+  std::vector<int> rows;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      if (difference(pixel(image, x, y), colour) <= 12) {
+        rows.push_back(y);
+        break;
+      }
+  return rows;
+}
+
+int columnsDrawn(const Image &image, const Image &without) {
+  int leftmost = image.width;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      if (difference(pixel(image, x, y), pixel(without, x, y)) > 8) leftmost = std::min(leftmost, x);
+  return image.width - leftmost;
+}
+
+}  // namespace
+
+TEST_CASE("A legend stands at the right edge, its first colour below, its last above") {
+  C3DE_GL_OR_SKIP(gl);
+  setBlackBackground(*gl.renderer);
+  const Image empty = drawn(*gl.renderer, frontCamera(), 400, 320);
+  const Handle legend = gl.renderer->createLegend(redToBlue());
+  REQUIRE(!legend.isNull());
+  const Image image = drawn(*gl.renderer, frontCamera(), 400, 320);
+  const auto red = rowsOf(image, {255, 0, 0}), blue = rowsOf(image, {0, 0, 255}), between = rowsOf(image, {128, 0, 128});
+  REQUIRE((!red.empty() && !blue.empty() && !between.empty()));
+  CHECK(blue.back() < between.front());
+  CHECK(between.back() < red.front());
+  CHECK(red.back() - blue.front() > 120);  // a bar to read numbers off
+  CHECK(columnsDrawn(image, empty) < 160);
+  CHECK(columnsDrawn(image, empty) > 40);
+
+  // Hidden, or gone, nothing is left of it.
+  gl.renderer->setVisible(legend, false);
+  CHECK(drawn(*gl.renderer, frontCamera(), 400, 320).rgb == empty.rgb);
+  gl.renderer->setVisible(legend, true);
+  CHECK(drawn(*gl.renderer, frontCamera(), 400, 320).rgb == image.rgb);
+  gl.renderer->destroy(legend);
+  CHECK(drawn(*gl.renderer, frontCamera(), 400, 320).rgb == empty.rgb);
+}
+
+TEST_CASE("Two legends stand below each other, and a picture too small for one has none") {
+  C3DE_GL_OR_SKIP(gl);
+  setBlackBackground(*gl.renderer);
+  const Image small = drawn(*gl.renderer, frontCamera(), 90, 60);
+  gl.renderer->createLegend(redToBlue());
+  Legend green = redToBlue();
+  green.colours = {{0, 1, 0, 1}, {1, 1, 0, 1}};
+  gl.renderer->createLegend(green);
+  const Image image = drawn(*gl.renderer, frontCamera(), 400, 480);
+  REQUIRE(!rowsOf(image, {0, 255, 0}).empty());
+  CHECK(rowsOf(image, {255, 0, 0}).back() < rowsOf(image, {255, 255, 0}).front());
+  CHECK(drawn(*gl.renderer, frontCamera(), 90, 60).rgb == small.rgb);
+}
+
+TEST_CASE("A legend without two colours or with a range that does not grow is refused") {
+  const auto renderer = createNullRenderer();
+  Legend legend = redToBlue();
+  const Handle made = renderer->createLegend(legend);
+  CHECK(!made.isNull());
+  CHECK(renderer->setLegend(made, legend));
+  legend.high = legend.low;
+  CHECK(renderer->createLegend(legend).isNull());
+  CHECK(!renderer->setLegend(made, legend));
+  legend = redToBlue();
+  legend.colours.resize(1);
+  CHECK(renderer->createLegend(legend).isNull());
+  CHECK(!renderer->setColours(made, std::vector<Colour>{{1, 0, 0, 1}}));
+  CHECK(!renderer->setLegend(renderer->createSpheres(std::vector<Vec3f>{{0, 0, 0}}, 1.0f, {}), redToBlue()));
+}

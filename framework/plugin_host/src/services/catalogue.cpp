@@ -33,7 +33,7 @@ constexpr std::array kCatalogue{
     ServiceEntry{C3DE_REGISTRY_ID, &always, "", &member<&ServiceTables::registry>},
     ServiceEntry{C3DE_MESH_ID, &has<&Services::meshes>, "meshes", &member<&ServiceTables::mesh>},
     ServiceEntry{C3DE_SCENE_ID, &has<&Services::sceneGraph>, "a scene", &member<&ServiceTables::scene>},
-    ServiceEntry{C3DE_RENDER_ID, &hasRender, "a window", &member<&ServiceTables::render>},
+    ServiceEntry{C3DE_RENDER_ID, &hasRender, "a window", &member<&ServiceTables::render>, kRenderRevision},
     ServiceEntry{C3DE_COLLISION_ID, &always, "", &member<&ServiceTables::collision>},
     ServiceEntry{C3DE_PARAMS_ID, &has<&Services::parameters>, "a window", &member<&ServiceTables::params>},
     ServiceEntry{C3DE_PANELS_ID, &has<&Services::panels>, "a window", &member<&ServiceTables::panels>},
@@ -50,8 +50,8 @@ std::span<const ServiceEntry> serviceCatalogue() { return kCatalogue; }
 const ServiceEntry &findService(const std::string &id, std::uint32_t minRev, const Services &services) {
   for (const ServiceEntry &entry : kCatalogue) {
     if (id != entry.id) continue;
-    if (minRev > kServiceRevision)
-      throw Refusal(C3DE_E_VERSION, fmt::format("{} rev >= {}, host has {}", id, minRev, kServiceRevision));
+    if (minRev > entry.revision)
+      throw Refusal(C3DE_E_VERSION, fmt::format("{} rev >= {}, host has {}", id, minRev, entry.revision));
     if (!entry.isServed(services))
       throw Refusal(C3DE_E_UNSUPPORTED, fmt::format("{}, which is not served in this run (it needs {})", id, entry.needs));
     return entry;

@@ -9,6 +9,11 @@
 
 namespace c3de::plugin_host {
 
+/// Revision of the services of this host that have not grown.
+inline constexpr std::uint32_t kServiceRevision = 1;
+/// 2: legends.
+inline constexpr std::uint32_t kRenderRevision = 2;
+
 struct ServiceTables;
 
 /// A service that this host knows.
@@ -17,6 +22,7 @@ struct ServiceEntry {
   bool (*isServed)(const Services &);
   const char *needs;  ///< what a run must have for it
   const void *(*table)(const ServiceTables &);
+  std::uint32_t revision = kServiceRevision;
 };
 
 [[nodiscard]] std::span<const ServiceEntry> serviceCatalogue();

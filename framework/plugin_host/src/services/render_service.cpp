@@ -127,6 +127,41 @@ std::vector<render::Colour> coloursOf(const c3de_view &view, float opacity) {
   return out;
 }
 
+constexpr std::size_t kMostLegendColours = 1024;
+
+render::Legend legendOf(const c3de_legend *legend) {
+  const c3de_legend in = structOf(legend, "legend");
+  render::Legend out;
+  out.title = textOf(in.title, "title");
+  out.unit = textOf(in.unit, "unit");
+  out.note = textOf(in.note, "note");
+  out.low = finiteOf(in.low, "low");
+  out.high = finiteOf(in.high, "high");
+  if (!(out.low < out.high))
+    throw Refusal(C3DE_E_ARG, fmt::format("low is {}, high is {}, accepted: low below high", out.low, out.high));
+  if (in.colours.count < 2 || in.colours.count > kMostLegendColours)
+    throw Refusal(C3DE_E_ARG, fmt::format("colours: {} rows, accepted: 2 to {}", in.colours.count, kMostLegendColours));
+  out.colours = coloursOf(in.colours, 1.0f);
+  return out;
+}
+
+c3de_status C3DE_CALL createLegend(void *ctx, c3de_handle node, const c3de_legend *legend, c3de_handle *out) noexcept {
+  return serveOnMain(ctx, "render.create_legend", [&](PluginContext &plugin) {
+    requireNonNull(out, "out")->v = 0;
+    requireNode(plugin, node);
+    const render::Legend made = legendOf(legend);
+    keep(plugin, node, renderer(plugin).createLegend(made), ProxyKind::legend, 0, {}, out);
+  });
+}
+
+c3de_status C3DE_CALL setLegend(void *ctx, c3de_handle proxy, const c3de_legend *legend) noexcept {
+  return serveOnMain(ctx, "render.set_legend", [&](PluginContext &plugin) {
+    const SceneProxy &p = find(plugin, proxy);
+    if (p.kind != ProxyKind::legend) throw Refusal(C3DE_E_ARG, "the proxy is not a legend");
+    renderer(plugin).setLegend(p.drawn, legendOf(legend));
+  });
+}
+
 void requireCount(const char *name, std::size_t count, std::size_t wanted) {
   if (count != wanted) throw Refusal(C3DE_E_ARG, fmt::format("{}: {} rows, the proxy has {} points", name, count, wanted));
 }
@@ -135,6 +170,7 @@ c3de_status C3DE_CALL update(void *ctx, c3de_handle proxy, std::uint32_t attribu
   return serveOnMain(ctx, "render.update", [&](PluginContext &plugin) {
     SceneProxy &p = find(plugin, proxy);
     if (p.kind == ProxyKind::label) throw Refusal(C3DE_E_ARG, "the proxy is a label, which has set_label only");
+    if (p.kind == ProxyKind::legend) throw Refusal(C3DE_E_ARG, "the proxy is a legend, which has set_legend only");
     bool done = false;
     switch (attribute) {
       case C3DE_ATTR_POSITIONS: {
@@ -153,6 +189,10 @@ c3de_status C3DE_CALL update(void *ctx, c3de_handle proxy, std::uint32_t attribu
         break;
       }
       case C3DE_ATTR_COLOURS: {
+        if (values.count == 0) {
+          done = renderer(plugin).setColours(p.drawn, {});
+          break;
+        }
         const auto colours = coloursOf(values, p.opacity);
         requireCount("colours", colours.size(), p.count);
         done = renderer(plugin).setColours(p.drawn, colours);
@@ -215,8 +255,8 @@ c3de_status C3DE_CALL destroy(void *ctx, c3de_handle proxy) noexcept {
 }  // namespace
 
 c3de_render_v0 makeRenderTable(PluginContext *plugin) {
-  return {sizeof(c3de_render_v0), kServiceRevision, plugin,    &createMesh,  &createSpheres, &createLines,
-          &createLabel,           &update,          &setLabel, &setMaterial, &setVisible,    &destroy};
+  return {sizeof(c3de_render_v0), kRenderRevision, plugin,    &createMesh,  &createSpheres, &createLines, &createLabel,
+          &update,                &setLabel,       &setMaterial, &setVisible, &destroy,     &createLegend, &setLegend};
 }
 
 }  // namespace c3de::plugin_host

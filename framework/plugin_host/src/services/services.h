@@ -3,13 +3,11 @@
 #pragma once
 
 #include "c3de/abi/draft/all.h"
+#include "services/catalogue.h"
 
 namespace c3de::plugin_host {
 
 class PluginContext;
-
-/// Revision of every service of this host.
-inline constexpr std::uint32_t kServiceRevision = 1;
 
 [[nodiscard]] c3de_log_v0 makeLogTable(PluginContext *plugin);
 [[nodiscard]] c3de_registry_v0 makeRegistryTable(PluginContext *plugin);

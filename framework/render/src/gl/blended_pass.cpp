@@ -70,7 +70,8 @@ void BlendedPass::add(Proxy &proxy, const Frame &frame) {
     case ProxyKind::mesh: addMesh(proxy, frame); break;
     case ProxyKind::spheres: addSpheres(proxy, frame); break;
     case ProxyKind::lines: addLines(proxy, frame); break;
-    case ProxyKind::label: break;
+    case ProxyKind::label:
+    case ProxyKind::legend: break;
   }
 }
 

@@ -54,6 +54,8 @@ class GlRenderer final : public RetainedRenderer {
       if (proxy.isHidden()) return;
       if (proxy.kind == ProxyKind::label)
         labels_.add(proxy, frame);
+      else if (proxy.kind == ProxyKind::legend)
+        labels_.addLegend(proxy.legend);
       else if (proxy.isTransparent())
         blended_.add(proxy, frame);
       else

@@ -26,6 +26,7 @@ LabelPass::LabelPass() : array_(VertexArray::create()), buffer_(Buffer::create()
 
 void LabelPass::begin() {
   labels_.clear();
+  legends_.clear();
   vertices_.clear();
 }
 
@@ -57,6 +58,29 @@ void LabelPass::buildAtlas() {
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
 }
 
+float LabelPass::widthOf(std::u32string_view line) const {
+  float width = 0.0f;
+  for (const char32_t character : line) width += atlas_->glyph(character).advance;
+  return width;
+}
+
+void LabelPass::addLine(std::u32string_view line, float x, float baseLine, Rgba8 colour) {
+  float pen = x;
+  for (const char32_t character : line) {
+    const Glyph &glyph = atlas_->glyph(character);
+    // Whole pixels keep the strokes sharp.
+    const float x0 = std::round(pen) + glyph.left, y1 = std::round(baseLine) - glyph.top;
+    const float x1 = x0 + static_cast<float>(glyph.width), y0 = y1 - static_cast<float>(glyph.height);
+    const auto u0 = static_cast<float>(glyph.x), v0 = static_cast<float>(glyph.y);
+    const float u1 = u0 + static_cast<float>(glyph.width), v1 = v0 + static_cast<float>(glyph.height);
+    pen += glyph.advance;
+    if (glyph.width == 0) continue;
+    const Vertex a{x0, y0, u0, v1, colour}, b{x1, y0, u1, v1, colour};
+    const Vertex c{x1, y1, u1, v0, colour}, d{x0, y1, u0, v0, colour};
+    vertices_.insert(vertices_.end(), {a, b, c, a, c, d});
+  }
+}
+
 void LabelPass::layOut(const Placed &label) {
   const std::u32string text = decodeUtf8(label.proxy->text);
   const Rgba8 colour = toRgba8(label.proxy->material.colour);
@@ -65,34 +89,21 @@ void LabelPass::layOut(const Placed &label) {
   float baseLine = label.y + kGap_px + (static_cast<float>(lines) * atlas_->lineHeight - atlas_->ascent);
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(U'\n', begin), text.size());
-    float width = 0.0f;
-    for (std::size_t i = begin; i < end; ++i) width += atlas_->glyph(text[i]).advance;
-    float pen = label.x - 0.5f * width;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Glyph &glyph = atlas_->glyph(text[i]);
-      // Whole pixels keep the strokes sharp.
-      const float x0 = std::round(pen) + glyph.left, y1 = std::round(baseLine) - glyph.top;
-      const float x1 = x0 + static_cast<float>(glyph.width), y0 = y1 - static_cast<float>(glyph.height);
-      const auto u0 = static_cast<float>(glyph.x), v0 = static_cast<float>(glyph.y);
-      const float u1 = u0 + static_cast<float>(glyph.width), v1 = v0 + static_cast<float>(glyph.height);
-      pen += glyph.advance;
-      if (glyph.width == 0) continue;
-      const Vertex a{x0, y0, u0, v1, colour}, b{x1, y0, u1, v1, colour};
-      const Vertex c{x1, y1, u1, v0, colour}, d{x0, y1, u0, v0, colour};
-      vertices_.insert(vertices_.end(), {a, b, c, a, c, d});
-    }
+    const std::u32string_view line = std::u32string_view(text).substr(begin, end - begin);
+    addLine(line, label.x - 0.5f * widthOf(line), baseLine, colour);
     baseLine -= atlas_->lineHeight;
     begin = end + 1;
   }
 }
 
 void LabelPass::draw(const Frame &frame, const Programs &programs, RenderStatistics &statistics) {
-  if (labels_.empty()) return;
+  if (labels_.empty() && legends_.empty()) return;
   glActiveTexture(GL_TEXTURE0);
   if (!atlas_) buildAtlas();
   // Nearer labels cover farther ones.
   std::stable_sort(labels_.begin(), labels_.end(), [](const Placed &a, const Placed &b) { return a.depth > b.depth; });
   for (const Placed &label : labels_) layOut(label);
+  layOutLegends(frame.width, frame.height);
   if (vertices_.empty()) return;
 
   glUseProgram(programs.label.name());

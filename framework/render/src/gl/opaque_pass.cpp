@@ -55,7 +55,8 @@ ProxyBuffers &buffersOf(Proxy &proxy, RenderStatistics &statistics) {
       case ProxyKind::mesh: describeMesh(proxy, *made); break;
       case ProxyKind::spheres: describeSpheres(*made); break;
       case ProxyKind::lines: describeLines(*made); break;
-      case ProxyKind::label: break;
+      case ProxyKind::label:
+      case ProxyKind::legend: break;
     }
     proxy.backEnd = std::move(made);
     ++statistics.vertexArraysMade;
@@ -141,7 +142,8 @@ void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, Rend
       glUniform1f(shaders::kNear, frame.nearPlane);
       glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(proxy.positions.size() / 2));
       break;
-    case ProxyKind::label: break;
+    case ProxyKind::label:
+    case ProxyKind::legend: break;
   }
   ++statistics.drawCalls;
 }

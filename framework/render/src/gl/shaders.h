@@ -248,7 +248,7 @@ in vec2 vTexture;
 in vec4 vColour;
 out vec4 oColour;
 void main() {
-  vec2 cover = texture(uAtlas, vTexture).rg;
+  vec2 cover = vTexture.x < 0.0 ? vec2(1.0) : texture(uAtlas, vTexture).rg;  // below 0: a plain area
   // The outline is dark under light text and light under dark text.
   float lightness = dot(vColour.rgb, vec3(0.30, 0.59, 0.11));
   vec3 outline = lightness > 0.35 ? vec3(0.03) : vec3(0.95);

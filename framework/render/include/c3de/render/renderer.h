@@ -23,6 +23,14 @@ struct Material {
   bool twoSided = false;  ///< meshes: false hides triangles seen from behind (clockwise corners)
 };
 
+/// What colours mean. Drawn as a bar with numbers at the right edge of the picture, several below each other.
+struct Legend {
+  std::string title, unit;      ///< UTF-8
+  std::string note;             ///< below the bar, lines parted by '\n'
+  double low = 0.0, high = 1.0; ///< values of the first and the last colour
+  std::vector<Colour> colours;  ///< at even distances, the one of `low` first; 2 at least
+};
+
 struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;  ///< 3 bytes per pixel, top row first
@@ -65,6 +73,10 @@ class Renderer {
   /// UTF-8, lines parted by '\n', of constant size on the screen, above the point and on top of everything.
   virtual Handle createLabel(const Vec3f &at, std::string_view text, const Material &) = 0;
 
+  /// Of constant size, on top of everything; left out of pictures too small for it. A null handle: fewer than 2
+  /// colours, or a range that is not finite or not increasing.
+  virtual Handle createLegend(const Legend &) = 0;
+
   /// The count may change for spheres and lines, which then lose their colours and radii. Without setNormals, a mesh
   /// computes normals from its triangles. An empty span given to setNormals, setColours or setRadii returns to the
   /// default.
@@ -75,6 +87,7 @@ class Renderer {
   virtual bool setColours(Handle, std::span<const Colour> colours) = 0;
   virtual bool setRadii(Handle, std::span<const float> radii) = 0;
   virtual bool setLabel(Handle, const Vec3f &at, std::string_view text) = 0;
+  virtual bool setLegend(Handle, const Legend &) = 0;
   virtual bool setMaterial(Handle, const Material &) = 0;
   virtual bool setTransform(Handle, const Mat4 &worldFromProxy) = 0;
   virtual bool setVisible(Handle, bool visible) = 0;

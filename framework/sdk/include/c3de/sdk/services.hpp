@@ -187,6 +187,16 @@ struct Material {
 
 using Proxy = Owned<c3de_render_v0, &c3de_render_v0::destroy>;
 
+/// What colours mean; the colours are borrowed.
+struct Legend {
+  std::string title, unit, note;
+  double low = 0.0, high = 1.0;
+  c3de_view colours{};  ///< comps 3 or 4, 2 rows at least, the one of `low` first
+  [[nodiscard]] c3de_legend abi() const {
+    return {sizeof(c3de_legend), 0, str(title), str(unit), str(note), low, high, colours};
+  }
+};
+
 class Render : public Service<c3de_render_v0> {
  public:
   using Service::Service;
@@ -220,6 +230,21 @@ class Render : public Service<c3de_render_v0> {
   Result<void> setVisible(c3de_handle proxy, bool visible) const {
     return call<&c3de_render_v0::set_visible>(proxy, visible ? 1u : 0u);
   }
+  /// False with a host of revision 1: nothing below is called then.
+  [[nodiscard]] bool hasLegends() const noexcept { return table_ && table_->rev >= 2; }
+  Result<Proxy> createLegend(c3de_handle node, const Legend &legend) const {
+    if (!hasLegends()) return noLegends();
+    const c3de_legend l = legend.abi();
+    return own<&c3de_render_v0::create_legend, Proxy>(node, &l);
+  }
+  Result<void> setLegend(c3de_handle proxy, const Legend &legend) const {
+    if (!hasLegends()) return noLegends();
+    const c3de_legend l = legend.abi();
+    return call<&c3de_render_v0::set_legend>(proxy, &l);
+  }
+
+ private:
+  static Failure noLegends() { return {C3DE_E_UNSUPPORTED, "this host has no legends"}; }
 };
 
 using CollisionTree = Owned<c3de_collision_v0, &c3de_collision_v0::destroy>;

@@ -9,7 +9,7 @@
 
 #define C3DE_ATTR_POSITIONS 1u /* comps 3, f32 or f64, node space */
 #define C3DE_ATTR_NORMALS 2u   /* comps 3; absent on a mesh: computed from the triangles at each update */
-#define C3DE_ATTR_COLOURS 3u   /* comps 3 or 4, f32 in 0 … 1, or u8 */
+#define C3DE_ATTR_COLOURS 3u   /* comps 3 or 4, f32 in 0 … 1, or u8; since revision 2, count 0: back to the material's */
 #define C3DE_ATTR_RADII 4u     /* spheres: comps 1, node space */
 
 typedef struct c3de_material {
@@ -18,6 +18,18 @@ typedef struct c3de_material {
   float colour[4]; /* sRGB and opacity, 0 … 1; opacity below 1 blends, correctly ordered */
 } c3de_material;
 
+/* What colours mean: a bar with numbers at the right edge of the picture, the next one below it. */
+typedef struct c3de_legend {
+  uint32_t size;
+  uint32_t reserved;
+  c3de_str title;    /* for example "Displacement" */
+  c3de_str unit;     /* for example "mm"; empty: none */
+  c3de_str note;     /* lines below the bar; empty: none */
+  double low, high;  /* values of the first and the last colour, finite, low < high */
+  c3de_view colours; /* comps 3 or 4, f32 in 0 … 1, or u8; 2 to 1024 at even distances, the one of `low` first */
+} c3de_legend;
+
+/* Revision 2: create_legend, set_legend. */
 typedef struct c3de_render_v0 {
   uint32_t size;
   uint32_t rev;
@@ -39,6 +51,9 @@ typedef struct c3de_render_v0 {
   c3de_status(C3DE_CALL *set_material)(void *ctx, c3de_handle proxy, const c3de_material *material);
   c3de_status(C3DE_CALL *set_visible)(void *ctx, c3de_handle proxy, uint32_t visible);
   c3de_status(C3DE_CALL *destroy)(void *ctx, c3de_handle proxy);
+  /* Since revision 2. Shown while the node is visible, in pictures as well. [main] */
+  c3de_status(C3DE_CALL *create_legend)(void *ctx, c3de_handle node, const c3de_legend *legend, c3de_handle *out);
+  c3de_status(C3DE_CALL *set_legend)(void *ctx, c3de_handle proxy, const c3de_legend *legend); /* since revision 2 */
 } c3de_render_v0;
 
 #endif
