@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "pointbased/fields.h"
+
 namespace pointbased {
 namespace {
 
@@ -96,14 +98,19 @@ void PhyxelSet::read(std::uint32_t field, c3de_mview out) {
       case C3DE_FIELD_MASS: return writeScalars(out, n, [&](std::size_t i) { return body.masses()[i]; });
       case C3DE_FIELD_VOLUME: return writeScalars(out, n, [&](std::size_t i) { return rest.volumes[i]; });
       case C3DE_FIELD_GRADIENT:
-      case C3DE_FIELD_STRAIN:
-      case C3DE_FIELD_STRESS: {
+      case C3DE_FIELD_STRAIN: {
         std::vector<Mat3> gradients(n);
         phyxelGradients(rest, body.gradients(), gradients);
         return writeMatrices(out, n, [&](std::size_t i) -> Mat3 {
-          if (field == C3DE_FIELD_GRADIENT) return gradients[i];
-          return field == C3DE_FIELD_STRAIN ? greenStrain(gradients[i]) : secondPiolaStress(body.material(), gradients[i]);
+          return field == C3DE_FIELD_GRADIENT ? gradients[i] : greenStrain(gradients[i]);
         });
+      }
+      case C3DE_FIELD_STRESS: {
+        StressScratch scratch;
+        std::vector<Mat3> points(rest.pointCount()), means(n);
+        secondPiolaStresses(body, points, scratch, serialFor());
+        phyxelMeans(rest, points, means);
+        return writeMatrices(out, n, [&](std::size_t i) { return means[i]; });
       }
       default: unknownField(field);
     }
