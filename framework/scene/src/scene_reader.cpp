@@ -14,7 +14,7 @@ const std::vector<std::string> kBodyKeys{"name",  "mesh",     "mesh_unit", "posi
 const std::vector<std::string> kObstacleKeys{"name",  "mesh",     "mesh_unit",    "position",            "rotation_deg",
                                              "scale", "friction", "displacement", "motion_rotation_deg", "centre", "ramp"};
 const std::vector<std::string> kProbeKeys{"name", "body", "at"};
-const std::vector<std::string> kRootKeys{"format", "title", "world", "solver", "body", "fix", "load", "obstacle", "probe"};
+const std::vector<std::string> kRootKeys{"format", "title", "world", "solver", "view", "body", "fix", "load", "obstacle", "probe"};
 const char *const kMotionRotation = "motion_rotation_deg";
 
 bool hasControlCharacter(const std::string &text) {
@@ -64,7 +64,7 @@ bool SceneReader::readScene(const TomlValue &root) {
     if (key == "format") continue;
     if (key == "title") {
       if (!readText(key, value, scene_.title)) return false;
-    } else if (key == "world" || key == "solver") {
+    } else if (key == "world" || key == "solver" || key == "view") {
       if (value.kind != TomlValue::Kind::table)
         return refuse(value.line, "'" + key + "' is " + value.kindName() + "; accepted: a table, [" + key + "]");
       if (!readWorld(key, value)) return false;

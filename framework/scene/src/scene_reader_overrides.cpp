@@ -59,7 +59,7 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value) 
   const std::string rest = dot == std::string::npos ? std::string() : path.substr(dot + 1);
   if (path == "title") return readText(path, value, scene_.title);
   if (rest.empty()) return refusePath(path);
-  if (first == "world" || first == "solver") return store(scene_.world, path, value) && checkBox();
+  if (first == "world" || first == "solver" || first == "view") return store(scene_.world, path, value) && checkBox();
   if (first == "body") return overrideBody(rest, value);
   if (first == "fix") return overrideFix(rest, value);
   if (first == "load") return overrideLoad(rest, value);
@@ -70,7 +70,8 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value) 
 
 bool SceneReader::refusePath(const std::string &path) {
   std::vector<std::string> known{"title",     "world.gravity",  "world.box.min",     "world.box.max",    "solver.integrator",
-                                 "solver.dt", "solver.damping", "solver.load_steps", "solver.tolerance_mm"};
+                                 "solver.dt", "solver.damping", "solver.load_steps", "solver.tolerance_mm",
+                                 "view.surface", "view.points",   "view.colour",       "view.range"};
   std::string list = joined(known);
   const auto add = [&](const std::string &element, const std::vector<std::string> &keys) {
     list += ", " + element + "." + (keys.size() == 1 ? keys.front() : "…");

@@ -166,3 +166,13 @@ TEST_CASE("A key that the format knows and the simulator does not is refused as 
   CHECK_THAT(fitted.error().message,
              Contains("test.toml:5: ") && Contains("'material.plastic.yield' is not served yet") && Contains("material.density"));
 }
+
+TEST_CASE("What is to be seen stands in a scene like what is to be solved") {
+  const auto scene = parse("format = 1\n[view]\nsurface = \"transparent\"\ncolour = \"von_mises\"\nrange = 2.5\n" +
+                           kMinimal.substr(kMinimal.find('\n') + 1));
+  REQUIRE(scene.has_value());
+  CHECK(findValue(scene->world, "view.surface")->value.text == "transparent");
+  CHECK(findValue(scene->world, "view.colour")->value.text == "von_mises");
+  CHECK(findValue(scene->world, "view.colour")->line == 4);
+  CHECK(findValue(scene->world, "view.range")->value.num == 2.5);
+}

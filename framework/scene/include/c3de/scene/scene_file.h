@@ -112,7 +112,7 @@ struct SceneProbe {
   int line = 0;
 };
 
-/// A scene as it was written. Structure is checked; what stands under world, solver, material, sampling and friction is
+/// A scene as it was written. Structure is checked; what stands under world, solver, view, material, sampling and friction is
 /// for the simulator's declarations to check.
 struct SceneFile {
   std::filesystem::path source;  ///< empty when it was made in memory
