@@ -231,3 +231,37 @@ TEST_CASE("A body that cannot go on stops in its last good state, the other goes
   CHECK_THAT(component(json.at("bodies").at(0).at("centre_of_mass_m"), 1), WithinAbs(0.0, 1e-12));
   CHECK_THAT(component(json.at("bodies").at(1).at("centre_of_mass_m"), 1), WithinAbs(1.0 - 0.5 * 9.81 * 0.01, 1e-6));
 }
+
+TEST_CASE("What is shown of a scene does not change its result, and wrong wishes are refused") {
+  const auto folder = freshFolder("view");
+  const std::string more = "velocity = [0, 0, 0]\n[[fix]]\n" + kLeft + "[[load]]\nforce = [0, 0, -1.6e-3]\n" + kRight;
+  const auto scene = writeBeam(folder, kQuasistatic, kSoft, more, "spacing = 0.02");
+  const auto plain = runScene(scene);
+  const auto coloured = runScene(scene, {"--set", "view.colour=error", "--set", "view.surface=transparent", "--set",
+                                         "view.range=20"});
+  CHECK(plain["state_hash"] == coloured["state_hash"]);
+  const auto refused = runC3de({"run", scene.string(), "--set", "view.colour=rainbow"});
+  CHECK(refused.exitCode == 2);
+  CHECK_THAT(refused.errorOutput, Contains("view.colour") && Contains("rainbow") && Contains("von_mises"));
+}
+
+TEST_CASE("A picture shows the colours that the scene asks for, and the result stays", "[gpu]") {
+  const auto folder = freshFolder("coloured");
+  const std::string more = "[[fix]]\n" + kLeft + "[[load]]\nforce = [0, 0, -1.6e-3]\n" + kRight;
+  const auto scene = writeBeam(folder, kQuasistatic, kSoft, more, "spacing = 0.02").string();
+  std::vector<std::string> pictures, hashes;
+  for (const std::string colour : {"material", "error", "von_mises"}) {
+    const auto picture = folder / (colour + ".png"), report = folder / (colour + ".json");
+    const auto result = runWithoutDisplay({"run", scene, "-q", "--report", report.string(), "--screenshot", picture.string(),
+                                           "--size", "640x480", "--set", "view.colour=" + colour});
+    INFO(result.errorOutput);
+    if (result.exitCode == 6) C3DE_SKIP("no OpenGL here: " + result.errorOutput);
+    REQUIRE(result.exitCode == 0);
+    pictures.push_back(readFile(picture));
+    hashes.push_back(readJson(report)["state_hash"].dump());
+  }
+  CHECK(hashes[1] == hashes[0]);
+  CHECK(hashes[2] == hashes[0]);
+  CHECK(pictures[1] != pictures[0]);
+  CHECK(pictures[2] != pictures[1]);
+}

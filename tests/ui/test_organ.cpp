@@ -197,25 +197,95 @@ TEST_CASE("a file that cannot be opened leaves the simulation that is open", "[o
   window.screenshot("kept");
 }
 
-TEST_CASE("the surface can be made transparent", "[organ_surface]") {
+/// Chooses an item of a list in the panel and looks at the picture once it is drawn.
+void choose(WorkstationDriver &window, const std::string &parameter, const std::string &item) {
+  window.click(kPanel + parameter);
+  window.click(kPanel + parameter + ".option." + item);
+  window.waitUntil(parameter + " is " + item, [&](const Json &s) { return row(s, parameter.c_str()) == item; });
+  window.moveTo(window.inView(0.95, 0.95));
+  window.waitFrames(1);
+}
+
+TEST_CASE("the surface can be made transparent, with evaluation points or phyxels inside", "[organ_surface]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_surface");
   startOrgan(window);
-  const auto choose = [&](const std::string &style) {
-    window.click("pointbased.controller/surface");
-    window.click("pointbased.controller/surface.option." + style);
-    window.waitUntil("it is chosen", [&](const Json &s) { return row(s, "surface") == style; });
-    window.moveTo(window.inView(0.95, 0.95));
-    window.waitFrames(1);
-  };
-  choose("Opaque surface");
+  choose(window, "view.surface", "opaque");
   window.screenshot("opaque");
-  choose("Transparent, with phyxels");
+  choose(window, "view.surface", "transparent");
   window.screenshot("transparent");
+  CHECK(window.value(std::string(kPanel) + "view.points") == "evaluation_points");
   CHECK(window.differingPixels("opaque", "transparent") > 10000);
-  choose("Opaque surface");
+  choose(window, "view.points", "phyxels");
+  window.screenshot("phyxels");
+  CHECK(window.differingPixels("transparent", "phyxels") > 3000);
+  choose(window, "view.surface", "hidden");
+  window.screenshot("points_only");
+  CHECK(window.differingPixels("phyxels", "points_only") > 10000);
+  choose(window, "view.surface", "opaque");
   window.screenshot("again");
   CHECK(window.differingPixels("opaque", "again") < 500);
+}
+
+TEST_CASE("an organ is coloured by its stress and its error with a legend, and plain again", "[organ_colours]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_colours");
+  startOrgan(window);
+  window.key("p");
+  window.click("toolbar/play");
+  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  window.moveTo(window.inView(0.5, 0.5));
+  window.press();
+  window.waitUntil("a surfel is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
+  for (int i = 1; i <= 6; ++i) window.moveTo(window.inView(0.5 + 0.02 * i, 0.5 - 0.02 * i));
+  window.waitUntil("the hand pulls", [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2; });
+  window.key("space");
+  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  window.release();
+  window.waitUntil("it is let go", [](const Json &s) { return row(s, "Pinch force") == "–"; });
+  const std::string hash = row(window.state(), "State hash");
+  choose(window, "view.colour", "material");
+  window.screenshot("plain");
+  CHECK(row(window.state(), "Colours").empty());
+
+  choose(window, "view.colour", "von_mises");
+  const Json stressed = window.waitUntil("the legend says kPa", [](const Json &s) {
+    return row(s, "Colours").find("kPa") != std::string::npos;
+  });
+  CHECK_THAT(row(stressed, "Colours"), Contains("von Mises") && Contains("0 … "));
+  CHECK_THAT(row(stressed, "Shown"), Contains("largest"));
+  window.screenshot("von_mises");
+  CHECK(window.differingPixels("plain", "von_mises") > 20000);
+
+  choose(window, "view.colour", "error");
+  window.waitUntil("the legend says %", [](const Json &s) {
+    return row(s, "Colours").find("error") != std::string::npos && row(s, "Shown").find("whole body") != std::string::npos;
+  });
+  window.screenshot("error");
+  CHECK(window.differingPixels("von_mises", "error") > 5000);
+
+  // A fixed range: the legend ends where it was told to.
+  window.click(std::string(kPanel) + "view.range.auto");
+  window.waitUntil("a number stands there", [](const Json &s) { return row(s, "view.range") != "auto"; });
+  window.controlClick(std::string(kPanel) + "view.range");
+  window.key("ctrl+a");
+  window.type("7");
+  window.key("Return");
+  window.waitUntil("the range is fixed",
+                   [](const Json &s) { return row(s, "Colours").find("0 … 7 %") != std::string::npos; });
+  window.screenshot("error_fixed");
+
+  window.moveTo(window.inView(0.5, 0.9));
+  window.key("ctrl+z");
+  window.key("ctrl+z");
+  window.waitUntil("the range is as before", [](const Json &s) { return row(s, "view.range") == "auto"; });
+  choose(window, "view.colour", "material");
+  window.waitUntil("there is no legend", [](const Json &s) { return row(s, "Colours").empty(); });
+  window.screenshot("again");
+  CHECK(window.differingPixels("plain", "again") < 500);
+  // Looking changes nothing.
+  CHECK(row(window.state(), "State hash") == hash);
+  CHECK(window.state()["transport"]["steps"] == paused["transport"]["steps"]);
 }
 
 TEST_CASE("a change of the material is undone and redone, and the solver follows", "[organ_undo]") {

@@ -10,7 +10,6 @@ namespace {
 
 const std::array<std::string, 3> kUnitNames{"mm", "cm", "m"};
 constexpr std::array<std::uint32_t, 3> kUnits{C3DE_UNIT_MM, C3DE_UNIT_CM, C3DE_UNIT_M};
-const std::array<std::string, 3> kStyleNames{"Opaque surface", "Transparent, with phyxels", "Phyxels only"};
 
 std::string fixed(double value, int digits) {
   char text[64];
@@ -88,7 +87,7 @@ void Controller::draw(sdk::Ui &ui) {
   followBody(snapshot.get());
   drawRun(ui, snapshot.get());
   drawOrgan(ui, snapshot.get());
-  drawView(ui);
+  drawView(ui, snapshot.get());
   drawPinch(ui);
   drawMaterial(ui);
   drawWorld(ui);
@@ -186,11 +185,16 @@ void Controller::drawStages(sdk::Ui &ui, const Snapshot &snapshot) {
   if (!snapshot.events.empty()) ui.text("Latest event: " + snapshot.events.back().text);
 }
 
-void Controller::drawView(sdk::Ui &ui) {
+void Controller::drawView(sdk::Ui &ui, const Snapshot *snapshot) {
   if (!view_) return;
   ui.heading("View");
-  auto style = static_cast<std::uint32_t>(view_->style());
-  if (ui.choice("surface", "Surface", style, kStyleNames)) view_->setStyle(static_cast<SurfaceStyle>(style));
+  ui.params(worldParameters_.handle(), "View");
+  if (!snapshot || !snapshot->colours) return;
+  const ColourScale &scale = *snapshot->colours;
+  ui.value("Colours", scale.title + ", " + significant(scale.low, 4) + " … " + significant(scale.high, 4) + " " + scale.unit);
+  std::string note = scale.note;
+  for (std::size_t at; (at = note.find('\n')) != std::string::npos;) note.replace(at, 1, "; ");
+  ui.value("Shown", note);
 }
 
 void Controller::drawPinch(sdk::Ui &ui) {

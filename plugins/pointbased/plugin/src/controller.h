@@ -24,7 +24,7 @@ class Controller : public sdk::Panel {
   void drawMaterial(sdk::Ui &ui);
   void drawRun(sdk::Ui &ui, const Snapshot *snapshot);
   void drawStages(sdk::Ui &ui, const Snapshot &snapshot);
-  void drawView(sdk::Ui &ui);
+  void drawView(sdk::Ui &ui, const Snapshot *snapshot);
   void drawPinch(sdk::Ui &ui);
   void drawWorld(sdk::Ui &ui);
 

@@ -16,6 +16,10 @@ constexpr std::array<c3de_str, 5> kIntegrators{str("explicit"), str("implicit"),
                                                str("quasistatic")};
 constexpr std::array<c3de_str, 4> kPreconditioners{str("auto"), str("block_jacobi"), str("incomplete"), str("factorised")};
 constexpr std::array<c3de_str, 3> kEvaluations{str("auto"), str("stress_points"), str("phyxels")};
+constexpr std::array<c3de_str, 3> kSurfaces{str("opaque"), str("transparent"), str("hidden")};
+constexpr std::array<c3de_str, 3> kPoints{str("evaluation_points"), str("phyxels"), str("none")};
+constexpr std::array<c3de_str, 5> kColourings{str("material"), str("displacement"), str("von_mises"), str("error"),
+                                              str("stabilisation")};
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kFar = 1e6;  // m: beyond it, doubles no longer resolve a micrometre next to a body
 
@@ -54,6 +58,23 @@ constexpr std::array kWorld{
     choiceParam({"solver.preconditioner", "Preconditioner", "", "Of the linear solutions; auto: by size, as measured",
                  "Solver"},
                 kPreconditioners, "auto"),
+    choiceParam({"view.surface", "Surface", "", "What is seen of the skin; where it is not opaque, the points inside show", "View"},
+                kSurfaces, "opaque"),
+    choiceParam({"view.points", "Points inside", "",
+                 "evaluation_points: where strain and stress are evaluated, inside the body; phyxels: what carries mass and "
+                 "moves, on a lattice the corners of its cells, some of them outside of the body",
+                 "View"},
+                kPoints, "evaluation_points"),
+    choiceParam({"view.colour", "Colour by", "",
+                 "material: plain. displacement: from the rest position, mm. von_mises: Cauchy stress, kPa. error: how far off "
+                 "the strains are by estimate, % of the body's mean. stabilisation: energy that the cells cannot resolve, %",
+                 "View"},
+                kColourings, "material"),
+    autoParam({"view.range", "Colour range", "",
+               "Value of the last colour, in the unit of the legend; what is larger has the last colour too. auto: above "
+               "nearly all values, a round number",
+               "View"},
+              {0.0, 1e15, 0.1, 1000.0}, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_MIN_OPEN),
 };
 
 constexpr c3de_param_decl neighboursParam() {
@@ -296,6 +317,26 @@ WorldSettings worldSettings(const ParameterValues &v) {
                                                           : Preconditioner::automatic;
   return world;
 }
+
+ViewSettings viewSettings(const ParameterValues &v) {
+  ViewSettings view;
+  const std::string surface = v.text("view.surface"), points = v.text("view.points"), colour = v.text("view.colour");
+  view.surface = surface == "transparent" ? SurfaceShown::transparent
+                 : surface == "hidden"    ? SurfaceShown::hidden
+                                          : SurfaceShown::opaque;
+  view.points = points == "phyxels" ? PointsShown::phyxels
+                : points == "none"  ? PointsShown::none
+                                    : PointsShown::evaluationPoints;
+  view.colourBy = colour == "displacement"    ? ColourBy::displacement
+                  : colour == "von_mises"     ? ColourBy::vonMises
+                  : colour == "error"         ? ColourBy::error
+                  : colour == "stabilisation" ? ColourBy::stabilisation
+                                              : ColourBy::material;
+  if (!v.isAuto("view.range")) view.range = v.number("view.range");
+  return view;
+}
+
+bool isOfTheView(std::string_view id) { return id.rfind("view.", 0) == 0; }
 
 Material materialOf(const ParameterValues &v) {
   Material m;

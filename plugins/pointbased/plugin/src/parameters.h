@@ -7,6 +7,7 @@
 #include "pointbased/body.h"
 #include "pointbased/simulator.h"
 #include "services.h"
+#include "view_settings.h"
 
 namespace pointbased {
 
@@ -45,6 +46,9 @@ class ParameterValues {
 };
 
 [[nodiscard]] WorldSettings worldSettings(const ParameterValues &values);
+[[nodiscard]] ViewSettings viewSettings(const ParameterValues &values);
+/// Whether a parameter of the world says only what is shown.
+[[nodiscard]] bool isOfTheView(std::string_view id);
 [[nodiscard]] Material materialOf(const ParameterValues &values);
 [[nodiscard]] Evaluation evaluationOf(const ParameterValues &values);
 [[nodiscard]] double stabilisationOf(const ParameterValues &values);

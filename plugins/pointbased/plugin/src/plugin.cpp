@@ -57,17 +57,13 @@ class PointBasedPlugin : public SimulatorListener {
     SimulatorView *view = nullptr;
     if (context_.services.render && context_.services.scene)
       view = views_.emplace(&simulator, std::make_unique<SimulatorView>(context_.services, simulator, node)).first->second.get();
-    if (view && controller_) view->setStyle(style_);
     current_ = &simulator;
     pinch_.setSimulator(&simulator);
     if (controller_) controller_->setSimulator(&simulator, view);
   }
 
   void detached(WorldSimulator &simulator) override {
-    if (const auto found = views_.find(&simulator); found != views_.end()) {
-      style_ = found->second->style();
-      views_.erase(found);
-    }
+    views_.erase(&simulator);
     if (current_ != &simulator) return;
     current_ = nullptr;
     pinch_.setSimulator(nullptr);
@@ -83,7 +79,6 @@ class PointBasedPlugin : public SimulatorListener {
   PluginContext context_;
   WorldSimulator *current_ = nullptr;  // the one that was attached last
   std::map<WorldSimulator *, std::unique_ptr<SimulatorView>> views_;
-  SurfaceStyle style_ = SurfaceStyle::opaque;
   PinchTool pinch_;
   std::unique_ptr<Controller> controller_;
   sdk::FrameCallback frame_;

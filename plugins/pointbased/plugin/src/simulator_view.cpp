@@ -2,46 +2,98 @@
 #include "simulator_view.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pointbased {
 namespace {
 
 constexpr sdk::Material kOrgan{{0.66f, 0.27f, 0.22f, 1.0f}, false};
 constexpr sdk::Material kOrganTransparent{{0.72f, 0.34f, 0.28f, 0.32f}, true};
-constexpr sdk::Material kPhyxels{{0.95f, 0.78f, 0.42f, 1.0f}, false};
+constexpr sdk::Material kPoints{{0.95f, 0.78f, 0.42f, 1.0f}, false};
 constexpr sdk::Material kObstacle{{0.55f, 0.60f, 0.66f, 1.0f}, false};
 constexpr sdk::Material kBox{{0.45f, 0.52f, 0.62f, 1.0f}, false};
-constexpr double kPhyxelRadius = 0.22;  // of the spacing: dense enough to read the shape, open enough to see through
+constexpr double kPointRadius = 0.22;  // of the spacing: dense enough to read the shape, open enough to see through
+constexpr double kLeastRadius = 0.06;  // of the spacing: a point of a cell that is hardly cut can still be seen
 
 sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
+
+c3de_view coloursView(std::span<const Rgba8> colours) { return {colours.data(), colours.size(), 4, C3DE_U8, 0}; }
+
+/// As large as the volume they stand for; phyxels all alike.
+std::vector<double> radiiOf(const RestState &rest, PointsShown points) {
+  if (points == PointsShown::phyxels) return std::vector<double>(rest.phyxelCount(), kPointRadius * rest.spacing);
+  std::vector<double> radii;
+  for (const double volume : rest.stencils.volumes)
+    radii.push_back(std::max(kPointRadius * std::cbrt(volume), kLeastRadius * rest.spacing));
+  return radii;
+}
 
 }  // namespace
 
 SimulatorView::SimulatorView(const Services &services, WorldSimulator &simulator, c3de_handle node)
     : services_(services), simulator_(simulator), node_(node) {}
 
-void SimulatorView::setStyle(SurfaceStyle style) {
-  style_ = style;
-  shown_ = 0;  // what was hidden has missed updates
-  for (const auto &[id, view] : bodies_) applyStyle(view);
-}
-
-void SimulatorView::applyStyle(const BodyView &view) const {
-  (void)services_.render.setMaterial(view.surface.handle(), style_ == SurfaceStyle::opaque ? kOrgan : kOrganTransparent);
-  (void)services_.render.setVisible(view.surface.handle(), style_ != SurfaceStyle::phyxelsOnly);
-  (void)services_.render.setVisible(view.phyxels.handle(), style_ != SurfaceStyle::opaque);
-}
-
 SimulatorView::BodyView SimulatorView::makeBody(const BodySnapshot &body) const {
   BodyView view;
   view.node = sdk::orThrow(services_.scene.addNode(node_, body.name));
   view.surface = sdk::orThrow(services_.render.createMesh(
       view.node.handle(), viewOf(body.surfels), sdk::rows<std::uint32_t, 3>(std::span(body.surface->triangles)), kOrgan));
-  view.phyxels = sdk::orThrow(services_.render.createSpheres(view.node.handle(), viewOf(body.phyxels),
-                                                             kPhyxelRadius * body.rest->spacing, kPhyxels));
   view.rest = body.rest.get();
-  applyStyle(view);
   return view;
+}
+
+void SimulatorView::updateBody(BodyView &view, const BodySnapshot &body, const ViewSettings &settings) const {
+  const c3de_handle surface = view.surface.handle();
+  (void)services_.render.setVisible(surface, settings.surface != SurfaceShown::hidden);
+  if (settings.surface != SurfaceShown::hidden) {
+    (void)services_.render.setMaterial(surface, settings.surface == SurfaceShown::opaque ? kOrgan : kOrganTransparent);
+    (void)services_.render.update(surface, C3DE_ATTR_POSITIONS, viewOf(body.surfels));
+    (void)services_.render.update(surface, C3DE_ATTR_NORMALS, viewOf(body.normals));
+    const bool coloured = body.surfelColours.size() == body.surfels.size();
+    if (coloured || view.surfaceColoured)
+      (void)services_.render.update(surface, C3DE_ATTR_COLOURS, coloured ? coloursView(body.surfelColours) : coloursView({}));
+    view.surfaceColoured = coloured;
+  }
+  updatePoints(view, body, settings);
+}
+
+void SimulatorView::updatePoints(BodyView &view, const BodySnapshot &body, const ViewSettings &settings) const {
+  if (body.points.empty()) {
+    view.points.reset();
+    view.pointCount = 0;
+    return;
+  }
+  const bool coloured = body.pointColours.size() == body.points.size();
+  // Made anew where others are shown, or colours went; else only moved.
+  if (view.pointCount != body.points.size() || view.pointsShown != settings.points || view.pointsColoured != coloured) {
+    auto made = services_.render.createSpheres(view.node.handle(), viewOf(body.points),
+                                               kPointRadius * body.rest->spacing, kPoints);
+    if (!made) return;
+    view.points = std::move(*made);
+    view.pointCount = body.points.size();
+    view.pointsShown = settings.points;
+    view.pointsColoured = coloured;
+    const std::vector<double> radii = radiiOf(*body.rest, settings.points);
+    (void)services_.render.update(view.points.handle(), C3DE_ATTR_RADII, sdk::scalars(std::span<const double>(radii)));
+  } else {
+    (void)services_.render.update(view.points.handle(), C3DE_ATTR_POSITIONS, viewOf(body.points));
+  }
+  if (coloured) (void)services_.render.update(view.points.handle(), C3DE_ATTR_COLOURS, coloursView(body.pointColours));
+}
+
+void SimulatorView::updateLegend(const Snapshot &snapshot) {
+  if (!snapshot.colours) {
+    legend_.reset();
+    return;
+  }
+  if (!services_.render.hasLegends()) return;
+  const ColourScale &scale = *snapshot.colours;
+  const sdk::Legend legend{scale.title, scale.unit, scale.note, scale.low, scale.high, coloursView(colourMap())};
+  if (legend_) {
+    (void)services_.render.setLegend(legend_.handle(), legend);
+  } else if (auto made = services_.render.createLegend(node_, legend)) {
+    legend_ = std::move(*made);
+  }
 }
 
 SimulatorView::ObstacleView SimulatorView::makeObstacle(const ObstacleSnapshot &obstacle) const {
@@ -101,21 +153,20 @@ void SimulatorView::update() {
   for (const BodySnapshot &body : snapshot->bodies) {
     auto found = bodies_.find(body.id);
     if (found == bodies_.end()) found = bodies_.emplace(body.id, makeBody(body)).first;
-    const BodyView &view = found->second;
-    if (style_ != SurfaceStyle::phyxelsOnly) {
-      (void)services_.render.update(view.surface.handle(), C3DE_ATTR_POSITIONS, viewOf(body.surfels));
-      (void)services_.render.update(view.surface.handle(), C3DE_ATTR_NORMALS, viewOf(body.normals));
-    }
-    if (style_ != SurfaceStyle::opaque)
-      (void)services_.render.update(view.phyxels.handle(), C3DE_ATTR_POSITIONS, viewOf(body.phyxels));
+    updateBody(found->second, body, snapshot->view);
     Vec3 min = Vec3::Constant(1e300), max = Vec3::Constant(-1e300);
     for (const Vec3 &x : body.surfels) {
       min = min.cwiseMin(x);
       max = max.cwiseMax(x);
     }
-    if (!body.surfels.empty()) (void)services_.scene.setBounds(view.node.handle(), toArray(min), toArray(max));
+    if (!body.surfels.empty()) (void)services_.scene.setBounds(found->second.node.handle(), toArray(min), toArray(max));
   }
   updateBox(snapshot->box);
+  updateLegend(*snapshot);
+  // While it plays, a newer snapshot comes by itself.
+  if (snapshot->coloursOld && services_.simulation)
+    if (const auto state = services_.simulation.state(node_); state && state->mode != C3DE_SIM_PLAYING)
+      (void)services_.simulation.post(node_, [] {});
 }
 
 }  // namespace pointbased

@@ -7,23 +7,22 @@
 
 namespace pointbased {
 
-enum class SurfaceStyle : std::uint32_t { opaque, transparentWithPhyxels, phyxelsOnly };
-
-/// What one simulator shows under its scene node: surfaces, phyxels, obstacles, the world box. Reads snapshots; main
-/// thread. Present only when there is something to draw with.
+/// What one simulator shows under its scene node: surfaces, points inside, obstacles, the world box, the legend of its
+/// colours. Reads snapshots, which say how (view.…); main thread. Present only when there is something to draw with.
 class SimulatorView {
  public:
   SimulatorView(const Services &services, WorldSimulator &simulator, c3de_handle node);
 
-  void setStyle(SurfaceStyle style);
-  [[nodiscard]] SurfaceStyle style() const { return style_; }
   /// Takes the latest snapshot to the screen; does nothing when it is the one that is shown.
   void update();
 
  private:
   struct BodyView {
     sdk::SceneNode node;
-    sdk::Proxy surface, phyxels;
+    sdk::Proxy surface, points;
+    std::size_t pointCount = 0;
+    PointsShown pointsShown = PointsShown::none;
+    bool surfaceColoured = false, pointsColoured = false;
     const RestState *rest = nullptr;
   };
   struct ObstacleView {
@@ -31,19 +30,20 @@ class SimulatorView {
     sdk::Proxy mesh;
   };
   [[nodiscard]] BodyView makeBody(const BodySnapshot &body) const;
+  void updateBody(BodyView &view, const BodySnapshot &body, const ViewSettings &settings) const;
+  void updatePoints(BodyView &view, const BodySnapshot &body, const ViewSettings &settings) const;
+  void updateLegend(const Snapshot &snapshot);
   [[nodiscard]] ObstacleView makeObstacle(const ObstacleSnapshot &obstacle) const;
   void updateBox(const WorldBox &box);
-  void applyStyle(const BodyView &view) const;
 
   const Services &services_;
   WorldSimulator &simulator_;
   c3de_handle node_;
-  SurfaceStyle style_ = SurfaceStyle::opaque;
   std::uint64_t shown_ = 0;
   std::map<std::uint64_t, BodyView> bodies_;
   std::map<std::uint64_t, ObstacleView> obstacles_;
   sdk::SceneNode boxNode_;
-  sdk::Proxy box_;
+  sdk::Proxy box_, legend_;
   WorldBox shownBox_;
 };
 

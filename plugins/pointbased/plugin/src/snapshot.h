@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 
+#include "colouring.h"
 #include "parameters.h"
 #include "placed_mesh.h"
 #include "pointbased/simulator.h"
@@ -18,6 +19,8 @@ struct BodySnapshot {
   std::shared_ptr<PlacedMesh> surface;
   std::shared_ptr<const ParameterValues> values;
   std::vector<Vec3> phyxels, surfels, normals;  ///< world, m
+  std::vector<Vec3> points;                     ///< world, m: what view.points shows of the inside; empty: nothing
+  std::vector<Rgba8> surfelColours, pointColours;  ///< empty: by the material
   double mass = 0.0;                            ///< kg
   double youngsModulus = 0.0;                   ///< Pa
   Simulator::Energy energy;
@@ -40,6 +43,9 @@ struct Snapshot {
   std::uint64_t steps = 0, hash = 0;
   bool failed = false;
   WorldBox box;
+  ViewSettings view;
+  std::optional<ColourScale> colours;  ///< none: by the material
+  bool coloursOld = false;             ///< they are those of an earlier state, because finding them takes long
   std::vector<BodySnapshot> bodies;
   std::vector<ObstacleSnapshot> obstacles;
   std::vector<StageClock::Summary> stages;

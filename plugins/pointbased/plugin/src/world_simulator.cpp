@@ -79,7 +79,11 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
   if (settings.box.enabled && !((settings.box.max - settings.box.min).minCoeff() > 0.0))
     return Failure{C3DE_E_ARG, "world.box.max must be above world.box.min on every axis"};
   world_ = std::move(changed);
-  simulator_.setWorld(settings);
+  // What only concerns the view leaves the solver as it is.
+  bool isForTheSolver = n == 0;
+  for (std::uint64_t i = 0; i < n && !isForTheSolver; ++i)
+    isForTheSolver = !isOfTheView(sdk::text(sdk::strided(values, i, stride).id));
+  if (isForTheSolver) simulator_.setWorld(settings);
   return {};
 }
 
@@ -224,7 +228,41 @@ void WorldSimulator::publish() {
   s->obstacles.clear();
   for (const auto &[id, record] : obstacles_)
     s->obstacles.push_back({id, record.name, record.mesh, simulator_.obstacleMotion(id), record.moves});
+  takeView(*s);
   exchange_.publish(s);
+}
+
+/// Points of the inside and colours, where they are shown.
+void WorldSimulator::takeView(Snapshot &s) {
+  s.view = viewSettings(world_);
+  Colouring::Bodies bodies;
+  for (const auto &[id, record] : bodies_) bodies.emplace(id, simulator_.body(id));
+  const ParallelFor parallelFor = context_.services.parallelFor();
+  s.coloursOld = !colouring_.update(bodies, s.view, parallelFor);
+  s.colours = colouring_.scale();
+  const bool showsEvaluationPoints = s.view.showsPoints() && s.view.points == PointsShown::evaluationPoints;
+  std::erase_if(points_, [&](const auto &entry) { return !showsEvaluationPoints || !bodies.contains(entry.first); });
+  for (BodySnapshot &b : s.bodies) {
+    const Body &body = *bodies.at(b.id);
+    b.points.clear();
+    if (s.view.showsPoints()) {
+      if (s.view.points == PointsShown::phyxels) {
+        b.points = b.phyxels;
+      } else {
+        BoundPoints &points = points_[b.id];
+        if (points.rest != &body.rest()) points = {&body.rest(), bindPoints(body.rest())};
+        b.points.resize(points.binding.count());
+        interpolateDisplacements(points.binding, body.rest().positions, body.state().displacements, b.points, parallelFor);
+        for (std::size_t q = 0; q < b.points.size(); ++q) b.points[q] += body.rest().origin + points.binding.positions[q];
+      }
+    }
+    b.surfelColours.clear();
+    b.pointColours.clear();
+    if (const Colouring::Colours *colours = colouring_.of(b.id)) {
+      b.surfelColours = colours->surfels;
+      b.pointColours = colours->points;
+    }
+  }
 }
 
 void WorldSimulator::status(c3de_sim_status *out) {

@@ -86,6 +86,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
     bool moves = false;
   };
   [[nodiscard]] BodyRecord &bodyOrThrow(c3de_handle body);
+  void takeView(Snapshot &snapshot);
 
   PluginContext &context_;
   mutable std::mutex mutex_;
@@ -95,6 +96,12 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   std::map<std::uint64_t, ObstacleRecord> obstacles_;
   std::size_t nextOrder_ = 0;
   SnapshotExchange exchange_;
+  Colouring colouring_;
+  struct BoundPoints {
+    const RestState *rest = nullptr;
+    Interpolation binding;
+  };
+  std::map<std::uint64_t, BoundPoints> points_;  // while evaluation points are shown
   std::uint64_t generation_ = 0;
   c3de_handle node_{};
 };

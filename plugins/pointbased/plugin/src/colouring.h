@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "colour_map.h"
+#include "pointbased/error_estimate.h"
+#include "pointbased/fields.h"
+#include "view_settings.h"
+
+namespace pointbased {
+
+/// What the colours mean now.
+struct ColourScale {
+  ColourBy by = ColourBy::displacement;
+  double low = 0.0, high = 1.0;  ///< in `unit`
+  std::string title, unit, note;
+};
+
+/// Values of one body in the unit of the legend: mm, kPa or %.
+struct BodyValues {
+  std::vector<double> surfels, points;  ///< points: what view.points shows; empty when nothing is shown
+  double whole = 0.0;                   ///< of the body, %; error and stabilisation only
+};
+
+/// Takes values off a body, with memory that is used again.
+class ValueReader {
+ public:
+  void read(const Body &body, const ViewSettings &view, const ParallelFor &parallelFor, BodyValues &out);
+
+ private:
+  std::vector<double> perPhyxel_;
+  std::vector<Mat3> pointStresses_, phyxelStresses_;
+  StressScratch stress_;
+  ErrorScratch error_;
+};
+
+/// Upper end of a range that is found by itself: a round number that 98 % of the values stay below. It grows at once and
+/// shrinks only when the values have become much smaller, so that the legend stands still.
+class AutoRange {
+ public:
+  /// @param least  smallest range that means something
+  double update(std::vector<double> values, double least);
+  void forget() { high_ = 0.0; }
+
+ private:
+  double high_ = 0.0;
+};
+
+/// 1, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten, not below x > 0.
+[[nodiscard]] double roundedUp(double x);
+
+/// The colours of all bodies of a simulation. Does nothing while they are coloured by their material, and takes at most a
+/// fifth of the time else: what is too expensive for every snapshot comes less often.
+class Colouring {
+ public:
+  struct Colours {
+    const RestState *rest = nullptr;      ///< to which they belong
+    std::vector<Rgba8> surfels, points;
+  };
+  using Bodies = std::map<std::uint64_t, const Body *>;
+  using Clock = std::chrono::steady_clock;
+
+  /// True when the colours are those of the present state. Solver's thread.
+  bool update(const Bodies &bodies, const ViewSettings &view, const ParallelFor &parallelFor,
+              Clock::time_point now = Clock::now());
+  /// Null: by its material.
+  [[nodiscard]] const Colours *of(std::uint64_t body) const;
+  [[nodiscard]] const std::optional<ColourScale> &scale() const { return scale_; }
+  /// The next update finds everything anew.
+  void forget();
+
+ private:
+  struct Entry {
+    ValueReader reader;
+    BodyValues values;
+    Colours colours;
+  };
+  [[nodiscard]] bool isDue(const Bodies &bodies, const ViewSettings &view, Clock::time_point now) const;
+  [[nodiscard]] ColourScale scaleOf(const Bodies &bodies, const ViewSettings &view);
+
+  std::map<std::uint64_t, Entry> entries_;
+  ViewSettings view_;
+  std::optional<ColourScale> scale_;
+  AutoRange range_;
+  Clock::time_point updated_{};
+  Clock::duration cost_{};
+};
+
+}  // namespace pointbased
