@@ -16,15 +16,15 @@ constexpr double kQuantile = 0.98;      // single values at clamps and edges do 
 constexpr double kShrinkBelow = 0.4;    // part of the range
 
 struct Meaning {
-  const char *title, *unit, *largest;
+  const char *title, *unit, *of;
 };
 
 Meaning meaningOf(ColourBy by) {
   switch (by) {
-    case ColourBy::vonMises: return {"Stress (von Mises)", "kPa", "kPa"};
-    case ColourBy::error: return {"Strain error, estimated", "% of the body's mean", "%"};
-    case ColourBy::stabilisation: return {"Stabilisation share", "% of the energy", "%"};
-    default: return {"Displacement", "mm", "mm"};
+    case ColourBy::vonMises: return {"Stress (von Mises)", "kPa", ""};
+    case ColourBy::error: return {"Strain error", "%", "of the mean strain\n"};
+    case ColourBy::stabilisation: return {"Stabilisation", "%", "of the elastic energy\n"};
+    default: return {"Displacement", "mm", ""};
   }
 }
 
@@ -169,7 +169,7 @@ ColourScale Colouring::scaleOf(const Bodies &bodies, const ViewSettings &view) {
     whole = std::max(whole, entry.values.whole);
   }
   scale.high = view.range ? *view.range : range_.update(std::move(all), leastRange(view.colourBy, bodies));
-  scale.note = "largest " + significant(largest) + " " + meaning.largest;
+  scale.note = meaning.of + ("largest " + significant(largest) + " ") + meaning.unit;
   if (view.colourBy == ColourBy::error || view.colourBy == ColourBy::stabilisation)
     scale.note += std::string(bodies.size() > 1 ? "\nworst body " : "\nwhole body ") + significant(whole) + " %";
   return scale;

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Takes the pictures of docs/user/images from the program. Not a test of ctest:
+//   xvfb-run -a -s "-screen 0 1280x800x24" build/release/bin/test_ui "[guide]"
+// leaves guide-NAME.png under test-output/ui; look at them and copy those that show what the page says.
+#include <filesystem>
+
+#include "support/catch.h"
+#include "ui/workstation_driver.h"
+
+using c3de::test::Json;
+using c3de::test::WorkstationDriver;
+
+namespace {
+
+const std::string kPanel = "pointbased.controller/";
+
+void choose(WorkstationDriver &window, const std::string &parameter, const std::string &item) {
+  window.click(kPanel + parameter);
+  window.click(kPanel + parameter + ".option." + item);
+  window.waitForValue(kPanel + parameter, item);
+}
+
+/// Pulls the neck of the organ upwards, takes the picture, lets go.
+void pull(WorkstationDriver &window, const std::string &picture) {
+  window.moveTo(window.inView(0.50, 0.41));
+  window.press();
+  window.waitUntil("a surfel is held", [](const Json &s) { return s["values"].contains(kPanel + "Held surfel"); });
+  for (int i = 1; i <= 10; ++i) window.moveTo(window.inView(0.50 + 0.004 * i, 0.41 - 0.025 * i));
+  const double from = window.state()["transport"]["time_s"];
+  window.waitUntil("it has followed", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 0.8; }, 60.0);
+  window.screenshot(picture);
+  window.release();
+}
+
+}  // namespace
+
+TEST_CASE("Pictures of the user guide", "[.guide]") {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  WorkstationDriver window("guide");
+  window.start({"--play", (std::filesystem::path(C3DE_TEST_RESOURCES) / "scenes" / "first_light.toml").string()});
+  const auto rest = [&](double seconds) {
+    const double from = window.state()["transport"]["time_s"];
+    window.waitUntil("it rests", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; }, 180.0);
+  };
+  // Each picture begins where the organ has come to rest after its fall.
+  const auto fallAgain = [&] {
+    window.moveTo(window.inView(0.9, 0.1));
+    window.key("r");
+    window.waitUntil("it is reset", [](const Json &s) { return s["transport"]["time_s"].get<double>() < 1.0; });
+    rest(3.0);
+  };
+  window.waitUntil("the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); }, 60.0);
+  window.moveTo(window.inView(0.9, 0.1));
+  window.key("f");
+  // Room for the legend.
+  window.drag(window.inView(0.9, 0.9), window.inView(0.85, 0.91), 3, 2);
+  fallAgain();
+  window.key("p");
+  pull(window, "window");
+  fallAgain();
+  choose(window, "view.surface", "transparent");
+  pull(window, "pinch_transparent");
+  fallAgain();
+  choose(window, "view.colour", "error");
+  window.moveTo(window.inView(0.9, 0.1));
+  rest(0.3);
+  window.screenshot("error");
+  choose(window, "view.surface", "opaque");
+  choose(window, "view.colour", "von_mises");
+  pull(window, "stress");
+  CHECK(window.state()["notifications"].empty());
+}
