@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "lattice_cases.h"
 #include "pointbased/fields.h"
@@ -158,9 +158,13 @@ TEST_CASE("Interpolated scalars follow affine fields and never leave the values 
   for (std::size_t j = 0; j < field.size(); ++j) field[j] = 3.0 + 20.0 * rest->positions[j][0];
   interpolateScalars(binding, field, out, serialFor());
   for (std::size_t p = 0; p < out.size(); ++p) CHECK_THAT(out[p], WithinAbs(3.0 + 20.0 * points[p][0], 1e-10));
-  // One spike among zeros: negative weights would make negative values.
+  // Beyond the cells some weights are negative, and a spike there would make a negative value.
+  for (Vec3 &x : points) x[1] += 0.02;
+  const Interpolation beyond = rest->bind(points, normals);
+  const auto least = std::min_element(beyond.weights.begin(), beyond.weights.end());
+  REQUIRE(*least < -0.1);
   std::fill(field.begin(), field.end(), 0.0);
-  field[field.size() / 2] = 1.0;
-  interpolateScalars(binding, field, out, serialFor());
+  field[beyond.phyxels.indices[static_cast<std::size_t>(least - beyond.weights.begin())]] = 1.0;
+  interpolateScalars(beyond, field, out, serialFor());
   for (const double value : out) CHECK((value >= 0.0 && value <= 1.0));
 }
