@@ -40,7 +40,7 @@ struct GuardGlance {
 /// cost about half a force evaluation.
 class EnergyWatch {
  public:
-  static constexpr std::uint64_t kEnergyInterval = 64;
+  static constexpr std::uint64_t kEnergyInterval = 128;
   /// Part of the larger of kinetic and elastic energy that the sum may grow by between two looks: velocity Verlet moves it
   /// by (ω dt)²/4 at most 16 % of the fastest mode's share, contact by what leads out of a penetration.
   static constexpr double kGrowth = 0.25;
