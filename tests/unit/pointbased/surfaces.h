@@ -2,7 +2,7 @@
 // Surfaces with known areas, for tests of supports and loads.
 #pragma once
 
-#include "pointbased/surface.h"
+#include "pointbased/sampling.h"
 
 namespace shapes {
 
@@ -11,6 +11,10 @@ namespace shapes {
 /// A latitude and longitude net with 2 n² triangles or so.
 [[nodiscard]] pointbased::Surface ballSurface(const pointbased::Vec3 &centre, double radius, int n);
 
+/// The body inside a closed surface, by its solid angle and the distance of its triangles: slow, for small ones.
+[[nodiscard]] pointbased::BodyShape inside(const pointbased::Surface &surface);
+
+[[nodiscard]] double volumeOf(const pointbased::Surface &surface);
 [[nodiscard]] double areaOf(const pointbased::Surface &surface);
 [[nodiscard]] double sum(const std::vector<double> &values);
 

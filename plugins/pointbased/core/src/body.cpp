@@ -14,6 +14,15 @@ namespace {
 std::vector<double> phyxelDensities(const Constitution &constitution, const RestState &rest) {
   const StencilSet &s = rest.stencils;
   std::vector<double> densities(rest.phyxelCount(), constitution.materials.front().restDensity);
+  if (!rest.materialShares.empty()) {
+    const std::size_t kinds = constitution.materials.size();
+    for (std::size_t i = 0; i < densities.size(); ++i) {
+      densities[i] = 0.0;
+      for (std::size_t m = 0; m < kinds; ++m)
+        densities[i] += rest.materialShares[i * kinds + m] * constitution.materials[m].restDensity;
+    }
+    return densities;
+  }
   if (s.materials.empty()) return densities;
   const std::vector<double> &volumes = rest.weightVolumes.empty() ? rest.volumes : rest.weightVolumes;
   double mass = 0.0, shared = 0.0;
@@ -37,7 +46,19 @@ std::vector<double> phyxelDensities(const Constitution &constitution, const Rest
 
 Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution constitution,
            const ParallelFor &parallelFor)
-    : name_(std::move(name)), rest_(std::move(rest)) {
+    : name_(std::move(name)), rest_(std::move(rest)), first_(rest_) {
+  layOut();
+  setConstitution(std::move(constitution), parallelFor);
+  reset();
+}
+
+Vec3 Body::firstReference(Index phyxel) const {
+  const Vec3 &X = rest_->positions[phyxel];
+  return rest_->carried.empty() ? X : Vec3(X - rest_->carried[phyxel]);
+}
+
+// Everything whose size or meaning follows from the rest state.
+void Body::layOut() {
   const std::size_t n = rest_->phyxelCount(), points = rest_->pointCount();
   masses_.resize(n);
   inverseMasses_.resize(n);
@@ -46,6 +67,12 @@ Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution
   gradients_.resize(points);
   stresses_.resize(points);
   tangentRatios_.resize(points);
+  heldPhyxels_.clear();
+  patchPoints_.clear();
+  patchShifts_.clear();
+  fixOfPatch_.clear();
+  carriedMasses_.clear();
+  carrier_.clear();
 
   heldMask_.assign(n, 0);
   const BoundaryConditions &conditions = rest_->conditions;
@@ -57,10 +84,14 @@ Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution
         heldPhyxels_.push_back({i, static_cast<Index>(f)});
       }
     for (std::size_t p = 0; p < part.rows.rows(); ++p) {
-      Vec3 point = Vec3::Zero();
-      for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e)
-        point += part.weights[e] * rest_->positions[part.rows.indices[e]];
+      Vec3 point = Vec3::Zero(), shift = Vec3::Zero();
+      for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e) {
+        const Index j = part.rows.indices[e];
+        point += part.weights[e] * firstReference(j);
+        if (!rest_->carried.empty()) shift += part.weights[e] * rest_->carried[j];
+      }
       patchPoints_.push_back(point);
+      patchShifts_.push_back(shift);
       fixOfPatch_.push_back(static_cast<Index>(f));
     }
   }
@@ -71,22 +102,24 @@ Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution
     for (std::size_t f = conditions.held.size(); f-- > 0;)
       for (const Index i : conditions.held[f].rows.indices) carrier_[i] = static_cast<Index>(f);
   }
-  if (!conditions.held.empty() && !rest_->weightVolumes.empty())
-    for (auto *values : {&weights_, &carriedWeights_, &gravityShares_}) values->assign(n, 0.0);
-  setConstitution(std::move(constitution), parallelFor);
-  reset();
+  const bool weighs = !conditions.held.empty() && !rest_->weightVolumes.empty();
+  for (auto *values : {&weights_, &carriedWeights_, &gravityShares_}) values->assign(weighs ? n : 0, 0.0);
 }
 
 void Body::setConstitution(Constitution constitution, const ParallelFor &parallelFor) {
   const std::size_t points = rest_->pointCount();
   const bool remembersFlow = !state_.history.plasticInverse.empty(), remembersStress = !state_.history.prony.empty();
-  const std::vector<Mat3> flow = std::move(state_.history.plasticInverse);
+  const std::vector<Mat3> flow = std::move(state_.history.plasticInverse),
+                          flowBefore = std::move(state_.history.plasticBefore);
   const std::vector<PronyPoint> stress = std::move(state_.history.prony);
   const std::vector<ModalMemory> modes = std::move(state_.history.modes);
   constitution_ = std::move(constitution);
   state_.history = PointHistory();
   state_.history.reset(constitution_, points, !rest_->stencils.modes.empty());
-  if (remembersFlow && !state_.history.plasticInverse.empty()) state_.history.plasticInverse = flow;
+  if (remembersFlow && !state_.history.plasticInverse.empty()) {
+    state_.history.plasticInverse = flow;
+    state_.history.plasticBefore = flowBefore;
+  }
   if (remembersStress && !state_.history.prony.empty()) state_.history.prony = stress;
   if (!modes.empty() && !state_.history.modes.empty()) state_.history.modes = modes;
 
@@ -215,8 +248,8 @@ void Body::placeHeld(double t, bool rates) {
       motion = motionAt(fix, conditions.held[held.fix], rest_->origin, s);
       present = held.fix;
     }
-    const Vec3 &X = rest_->positions[held.phyxel];
-    state_.displacements[held.phyxel] = motion.displacementOf(X);
+    const Vec3 X = firstReference(held.phyxel);
+    state_.displacements[held.phyxel] = motion.displacementOf(X) - (rest_->positions[held.phyxel] - X);
     if (!rates) continue;
     const bool moving = fix.ramp > 0.0 && t < fix.ramp && !quasiStatic;
     state_.velocities[held.phyxel] =
@@ -234,7 +267,7 @@ std::span<const Vec3> Body::patchTargets(double t) {
       const Fix &fix = conditions.fixes[present];
       motion = motionAt(fix, conditions.held[present], rest_->origin, factor(fix.ramp, t));
     }
-    patchTargets_[p] = motion.displacementOf(patchPoints_[p]);
+    patchTargets_[p] = motion.displacementOf(patchPoints_[p]) - patchShifts_[p];
   }
   return patchTargets_;
 }
@@ -318,6 +351,36 @@ void Body::keepState() {
   kept_.history = state_.history;
 }
 
+void Body::renew(std::shared_ptr<const RestState> rest, State state, const ParallelFor &parallelFor) {
+  const auto moment = [this](std::span<const Vec3> u) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < masses_.size(); ++i)
+      sum += masses_[i] * (rest_->origin - first_->origin + rest_->positions[i] + u[i]);
+    return sum;
+  };
+  Vec3 way = carriedMoment_;
+  for (std::size_t i = 0; i < masses_.size(); ++i) way += masses_[i] * state_.displacements[i];
+  const Vec3 before = moment(state_.displacements);
+  const double deepest = contact.deepest;
+  rest_ = std::move(rest);
+  state_ = std::move(state);
+  layOut();
+  setConstitution(constitution_, parallelFor);
+  // What gravity has done goes on; a centre of mass that the new phyxels miss would show.
+  carriedMoment_ = way + moment(state_.displacements) - before;
+  ++renewals_;
+  contact = ContactMemory();
+  contact.deepest = deepest;
+  forces_.assign(rest_->phyxelCount(), Vec3::Zero());
+  if (rest_->evaluation == Evaluation::stressPoints) {  // they are others
+    grab.reset();
+    grabStatus.reset();
+  }
+  computeGradients(parallelFor);
+  computeElasticStresses(parallelFor);
+  keepState();
+}
+
 void Body::restoreState() {
   state_ = kept_;
   contact.clearance.clear();  // what was known of distances may be of the failed step
@@ -327,6 +390,14 @@ void Body::restoreState() {
 }
 
 void Body::reset() {
+  if (rest_ != first_) {
+    rest_ = first_;
+    state_.history = PointHistory();
+    layOut();
+    setConstitution(constitution_, serialFor());
+  }
+  renewals_ = 0;
+  carriedMoment_.setZero();
   const std::size_t n = rest_->phyxelCount();
   state_.displacements.assign(n, Vec3::Zero());
   state_.velocities.assign(n, initialVelocity_);

@@ -27,6 +27,7 @@ bool Constitution::plastic() const {
 
 void PointHistory::reset(const Constitution &constitution, std::size_t points, bool modal) {
   plasticInverse.assign(constitution.plastic() ? points : 0, Mat3::Identity());
+  plasticBefore.clear();
   prony.assign(constitution.relaxing() ? points : 0, PronyPoint());
   modes.assign(constitution.relaxing() && modal ? points : 0, ModalMemory());
 }

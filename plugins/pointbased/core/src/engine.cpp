@@ -24,7 +24,7 @@ void deformationGradients(const StencilSet &s, std::span<const Vec3> displacemen
                           const ParallelFor &parallelFor) {
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t q = begin; q < end; ++q) {
-      Mat3 F = fittedGradient(s, q, displacements) + Mat3::Identity();
+      Mat3 F = fittedGradient(s, q, displacements) + (s.reference.empty() ? Mat3(Mat3::Identity()) : s.reference[q]);
       if (s.rank[q] < 3) F = completed(F, s.rank[q], frameOfPoint(s, q));
       gradients[q] = F;
     }

@@ -31,7 +31,7 @@ void pointForces(const Material &material, double stabilisation, const StencilSe
       if (s.rank[q] < 3) stress += scale * residual.stress(X, u);
       const Index anchor = s.phyxels.indices[s.phyxels.offsets[q]];
       spread(s, q, entryForces, [&](Index e) -> Vec3 {
-        const Offset offset(X, u, s.phyxels.indices[e], anchor);
+        const Offset offset(s, q, X, u, s.phyxels.indices[e], anchor);
         return stress * s.gradients[e] + scale * s.weights[e] * residual.direction(offset);
       });
     } else {

@@ -76,7 +76,10 @@ std::size_t plasticFlow(const Constitution &constitution, const StencilSet &s, s
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
       if (!material.plastic.enabled()) return;
       for (std::size_t q = from; q < to; ++q)
-        here += plasticFlow(material.plastic, gradients[q], dt, history.plasticInverse[q]) ? 1 : 0;
+        here += plasticFlow(material.plastic, gradients[q], dt, history.plasticInverse[q], nullptr,
+                            history.plasticBefore.empty() ? nullptr : &history.plasticBefore[q])
+                    ? 1
+                    : 0;
     });
     flowed += here;
   });
@@ -111,7 +114,7 @@ ElasticEnergy elasticEnergy(const Constitution &constitution, const StencilSet &
       const Index first = s.phyxels.offsets[q], anchor = s.phyxels.indices[first];
       double sum = 0.0;
       for (Index e = first + 1; e < s.phyxels.offsets[q + 1]; ++e)
-        sum += s.weights[e] * residual.direction(Offset(X, u, s.phyxels.indices[e], anchor)).squaredNorm();
+        sum += s.weights[e] * residual.direction(Offset(s, q, X, u, s.phyxels.indices[e], anchor)).squaredNorm();
       stabilisation = 0.5 * residualScale(material, constitution.stabilisation, s.volumes[q]) * sum;
     }
     energy.strain += strain;

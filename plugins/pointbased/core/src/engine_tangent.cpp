@@ -47,7 +47,7 @@ void spreadChange(const Material &material, double stabilisation, const ModalEne
     const Index anchor = s.phyxels.indices[s.phyxels.offsets[q]];
     spread(s, q, entries, [&](Index e) -> Vec3 {
       const Index k = s.phyxels.indices[e];
-      const Offset offset(field.positions, field.displacements, k, anchor);
+      const Offset offset(s, q, field.positions, field.displacements, k, anchor);
       const Vec3 dnow = field.change[k] - field.change[anchor];
       return dP * s.gradients[e] + scale * s.weights[e] * residual.directionDifferential(offset, dnow, dF);
     });

@@ -61,24 +61,6 @@ double vonMises(const Mat3 &stress) {
   return std::sqrt(1.5) * deviator.norm();
 }
 
-void phyxelMeans(const RestState &rest, std::span<const Mat3> perPoint, std::span<Mat3> out) {
-  if (rest.evaluation == Evaluation::phyxels) {
-    std::copy(perPoint.begin(), perPoint.end(), out.begin());
-    return;
-  }
-  const StencilSet &s = rest.stencils;
-  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
-    Mat3 sum = Mat3::Zero();
-    double volume = 0.0;
-    for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
-      const Index q = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
-      sum += s.volumes[q] * perPoint[q];
-      volume += s.volumes[q];
-    }
-    out[i] = volume > 0.0 ? Mat3(sum / volume) : Mat3(Mat3::Zero());
-  }
-}
-
 Interpolation bindPoints(const RestState &rest) { return rest.bind(rest.pointCentres, {}); }
 
 void interpolateScalars(const Interpolation &binding, std::span<const double> field, std::span<double> out,

@@ -35,7 +35,8 @@ double deviatoricHenckyNorm(const Mat3 &F) {
   return deviator(halfLog(eigen.eigenvalues())).norm();
 }
 
-bool plasticFlow(const Plasticity &plastic, const Mat3 &F, double dt, Mat3 &plasticInverse, FlowResult *result) {
+bool plasticFlow(const Plasticity &plastic, const Mat3 &F, double dt, Mat3 &plasticInverse, FlowResult *result,
+                 const Mat3 *before) {
   if (result) *result = FlowResult();
   if (!plastic.enabled() || !(dt > 0.0) || !(F.determinant() > kSmallestFlowRatio)) return false;
   const Mat3 Fe = F * plasticInverse;
@@ -59,11 +60,13 @@ bool plasticFlow(const Plasticity &plastic, const Mat3 &F, double dt, Mat3 &plas
   bool capped = false;
   double plasticStrain = 0.0;
   if (plastic.max < Plasticity::kNever || result) {
-    const Eigen3 ofPlastic(Mat3(next * next.transpose()));
+    const Mat3 all = before ? Mat3(*before * next) : next;
+    const Eigen3 ofPlastic(Mat3(all * all.transpose()));
     const Vec3 hencky = deviator(halfLog(ofPlastic.eigenvalues()));
     plasticStrain = hencky.norm();
     if (plasticStrain > plastic.max) {
-      next = scaledInLogarithm(ofPlastic, hencky, plastic.max / plasticStrain, next);
+      next = scaledInLogarithm(ofPlastic, hencky, plastic.max / plasticStrain, all);
+      if (before) next = before->inverse() * next;
       next /= std::cbrt(next.determinant());
       plasticStrain = plastic.max;
       capped = true;

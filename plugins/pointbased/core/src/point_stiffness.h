@@ -70,7 +70,7 @@ class PointStiffness {
       visible_ = residual.visibleDirections();
       const Index anchor = s.phyxels.indices[first()];
       for (Index e = first() + 1; e < last(); ++e) {
-        const Vec3 d = X[s.phyxels.indices[e]] - X[anchor];
+        const Vec3 d = s.unstrained(q, X[s.phyxels.indices[e]] - X[anchor]);
         moment_ += s.weights[e] * d * d.transpose();
         firstMoment_ += s.weights[e] * d;
         weight_ += s.weights[e];
@@ -141,7 +141,9 @@ class PointStiffness {
     if (j == l && j != anchor) sum += s_.weights[j];
     return sum;
   }
-  [[nodiscard]] Vec3 offset(Index e) const { return X_[s_.phyxels.indices[e]] - X_[s_.phyxels.indices[first()]]; }
+  [[nodiscard]] Vec3 offset(Index e) const {
+    return s_.unstrained(q_, X_[s_.phyxels.indices[e]] - X_[s_.phyxels.indices[first()]]);
+  }
 
   const StencilSet &s_;
   std::size_t q_;

@@ -13,11 +13,14 @@ inline double residualScale(const Material &material, double stabilisation, doub
   return stabilisation * material.youngsModulus * volume;
 }
 
-/// One entry relative to the anchor.
+/// One entry of a point relative to the anchor.
 struct Offset {
-  Vec3 rest, now;
-  Offset(std::span<const Vec3> X, std::span<const Vec3> u, Index k, Index anchor)
-      : rest(X[k] - X[anchor]), now(rest + (u[k] - u[anchor])) {}
+  Vec3 rest;  ///< without strain
+  Vec3 now;
+  Offset(const StencilSet &s, std::size_t q, std::span<const Vec3> X, std::span<const Vec3> u, Index k, Index anchor)
+      : rest(X[k] - X[anchor]), now(rest + (u[k] - u[anchor])) {
+    rest = s.unstrained(q, rest);
+  }
 };
 
 /// r_k and its change, U_q = scale/2 Σ w_k |r_k|². Of a plane r is projected onto the deformed plane, of a line onto the
@@ -25,7 +28,7 @@ struct Offset {
 class ResidualPoint {
  public:
   ResidualPoint(const StencilSet &s, std::size_t q, const Mat3 &F)
-      : s_(s), rank_(s.rank[q]), frame_(frameOfPoint(s, q)), F_(F), first_(s.phyxels.offsets[q]),
+      : s_(s), q_(q), rank_(s.rank[q]), frame_(frameOfPoint(s, q)), F_(F), first_(s.phyxels.offsets[q]),
         last_(s.phyxels.offsets[q + 1]), anchor_(s.phyxels.indices[first_]), a_(F * frame_.col(0)), length_(a_.norm()),
         axis_(length_ > 0.0 ? Vec3(a_ / length_) : Vec3(Vec3::Zero())) {
     if (rank_ == 2) axis_ = PlaneNormal(a_, F * frame_.col(1), frame_.col(2)).m;
@@ -83,7 +86,7 @@ class ResidualPoint {
     Vec3 dy = Vec3::Zero();
     for (Index e = first_ + 1; e < last_; ++e) {
       const Index k = s_.phyxels.indices[e];
-      const Offset o(X, u, k, anchor_);
+      const Offset o(s_, q_, X, u, k, anchor_);
       const Vec3 r = missed(o), dr = missedDifferential(o, du[k] - du[anchor_], dF);
       dy -= s_.weights[e] * ((dm.dot(r) + axis_.dot(dr)) * r + axis_.dot(r) * dr);
     }
@@ -118,7 +121,7 @@ class ResidualPoint {
   [[nodiscard]] Vec3 lineSum(std::span<const Vec3> X, std::span<const Vec3> u) const {
     Vec3 sum = Vec3::Zero();
     for (Index e = first_ + 1; e < last_; ++e) {
-      const Offset o(X, u, s_.phyxels.indices[e], anchor_);
+      const Offset o(s_, q_, X, u, s_.phyxels.indices[e], anchor_);
       sum += s_.weights[e] * along(o) * slope(o);
     }
     return sum;
@@ -129,7 +132,7 @@ class ResidualPoint {
     Vec3 sum = Vec3::Zero();
     for (Index e = first_ + 1; e < last_; ++e) {
       const Index k = s_.phyxels.indices[e];
-      const Offset o(X, u, k, anchor_);
+      const Offset o(s_, q_, X, u, k, anchor_);
       const Vec3 dnow = du[k] - du[anchor_];
       const Vec3 across = o.now - axis_ * axis_.dot(o.now);
       const Vec3 dAcross = dnow - c.axis * axis_.dot(o.now) - axis_ * (c.axis.dot(o.now) + axis_.dot(dnow));
@@ -154,7 +157,7 @@ class ResidualPoint {
   [[nodiscard]] Vec3 normalPull(std::span<const Vec3> X, std::span<const Vec3> u) const {
     Vec3 y = Vec3::Zero();
     for (Index e = first_ + 1; e < last_; ++e) {
-      const Vec3 r = missed(Offset(X, u, s_.phyxels.indices[e], anchor_));
+      const Vec3 r = missed(Offset(s_, q_, X, u, s_.phyxels.indices[e], anchor_));
       y -= s_.weights[e] * axis_.dot(r) * r;
     }
     return y;
@@ -164,6 +167,7 @@ class ResidualPoint {
   }
 
   const StencilSet &s_;
+  std::size_t q_;
   int rank_;
   const Mat3 &frame_;
   const Mat3 &F_;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "rest_parts.h"
+
 namespace pointbased {
 namespace {
 
@@ -26,7 +28,9 @@ Csr sharedPoints(const StencilSet &stencils, std::size_t phyxels) {
   return out;
 }
 
-std::size_t countComponents(const Csr &neighbors) {
+}  // namespace
+
+std::size_t detail::countComponents(const Csr &neighbors) {
   std::vector<std::uint8_t> seen(neighbors.rows(), 0);
   std::vector<Index> open;
   std::size_t components = 0;
@@ -49,6 +53,8 @@ std::size_t countComponents(const Csr &neighbors) {
   }
   return components;
 }
+
+namespace {
 
 // Pairs whose straight way leaves the body do not act on each other: two lobes with a gap between them stay two.
 void dropPairsThatCannotSee(const BodyShape &shape, std::span<const Vec3> world, Csr &neighbors) {
@@ -86,19 +92,28 @@ Surface shiftedSurface(const Surface &surface, const Vec3 &origin) {
   return out;
 }
 
-// Skin, contact and the binder of a cloud; `rest` has positions already.
-void bindCloud(RestState &rest, const PhyxelCloud &cloud, const Surface &local, std::span<const Vec3> normals,
-               const ParallelFor &parallelFor) {
+}  // namespace
+
+void detail::bindSkinToCloud(RestState &rest, const Surface &local, std::span<const Vec3> normals,
+                             const ParallelFor &parallelFor) {
   rest.bind = [positions = rest.positions, parallelFor](std::span<const Vec3> points, std::span<const Vec3>) {
     return bindToCloud(points, positions, parallelFor);
   };
   rest.surfels = rest.bind(local.positions, normals);
   rest.surfelNormals.assign(normals.begin(), normals.end());
-  if (!local.triangles.empty()) {
-    SurfacePoints chosen = chooseContactPoints(local, rest.spacing);
-    rest.contact = {rest.bind(chosen.positions, chosen.normals), std::move(chosen.normals), std::move(chosen.areas), {}};
-    return;
-  }
+  rest.skin = local.triangles;
+  if (local.triangles.empty()) return;
+  SurfacePoints chosen = chooseContactPoints(local, rest.spacing);
+  rest.contact = {rest.bind(chosen.positions, chosen.normals), std::move(chosen.normals), std::move(chosen.areas), {}};
+}
+
+namespace {
+
+// Skin, contact and the binder of a cloud; `rest` has positions already.
+void bindCloud(RestState &rest, const PhyxelCloud &cloud, const Surface &local, std::span<const Vec3> normals,
+               const ParallelFor &parallelFor) {
+  detail::bindSkinToCloud(rest, local, normals, parallelFor);
+  if (!local.triangles.empty()) return;
   // Without a surface a phyxel touches as a ball.
   const std::size_t n = rest.positions.size();
   rest.contact.binding.positions = rest.positions;
@@ -123,6 +138,7 @@ std::shared_ptr<RestState> restOfCloud(const PhyxelCloud &cloud, const NeighborC
   rest->shapeVolume = shapeVolume;
   rest->countedVolume = cloud.countedVolume;
   rest->volumes = cloud.volumes;
+  rest->neighborChoice = choice;
   if (!cloud.positions.empty()) {
     Vec3 sum = Vec3::Zero();
     for (const Vec3 &x : cloud.positions) sum += x - cloud.positions[0];
@@ -135,7 +151,7 @@ std::shared_ptr<RestState> restOfCloud(const PhyxelCloud &cloud, const NeighborC
   rest->stencils = buildPhyxelStencils(rest->positions, found.neighbors, found.supportRadii, rest->volumes, parallelFor);
   rest->neighbors = std::move(found.neighbors);
   rest->pointCentres = rest->positions;
-  rest->components = countComponents(rest->neighbors);
+  rest->components = detail::countComponents(rest->neighbors);
   bindCloud(*rest, cloud, shiftedSurface(surface, rest->origin), normals, parallelFor);
   return rest;
 }
@@ -177,6 +193,8 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
     rest->evaluation = Evaluation::stressPoints;
     rest->origin = body.origin;
     rest->spacing = body.spacing;
+    rest->sampling = recipe.sampling;
+    rest->reshape = recipe.reshape;
     rest->shapeVolume = shape.volume;
     rest->countedVolume = body.countedVolume;
     rest->positions = std::move(body.positions);
@@ -194,6 +212,7 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
     const Surface local = shiftedSurface(shape.surface, rest->origin);
     rest->surfels = rest->bind(local.positions, surfelNormals);
     rest->surfelNormals.assign(surfelNormals.begin(), surfelNormals.end());
+    rest->skin = local.triangles;
     if (!local.triangles.empty()) {
       // As fine as the finest cells: a refined place is refined to be touched.
       double finest = rest->spacing;
@@ -252,9 +271,9 @@ Neighbours countNeighbours(const RestState &rest) {
   return out;
 }
 
-void phyxelGradients(const RestState &rest, std::span<const Mat3> pointGradients, std::span<Mat3> out) {
+void phyxelMeans(const RestState &rest, std::span<const Mat3> pointValues, std::span<Mat3> out) {
   if (rest.evaluation == Evaluation::phyxels) {
-    std::copy(pointGradients.begin(), pointGradients.end(), out.begin());
+    std::copy(pointValues.begin(), pointValues.end(), out.begin());
     return;
   }
   const StencilSet &s = rest.stencils;
@@ -263,11 +282,19 @@ void phyxelGradients(const RestState &rest, std::span<const Mat3> pointGradients
     double volume = 0.0;
     for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
       const Index q = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
-      sum += s.volumes[q] * pointGradients[q];
+      sum += s.volumes[q] * pointValues[q];
       volume += s.volumes[q];
     }
-    out[i] = volume > 0.0 ? Mat3(sum / volume) : Mat3(Mat3::Identity());
+    out[i] = volume > 0.0 ? Mat3(sum / volume) : Mat3(Mat3::Zero());
   }
+}
+
+void phyxelGradients(const RestState &rest, std::span<const Mat3> pointGradients, std::span<Mat3> out) {
+  phyxelMeans(rest, pointGradients, out);
+  const Csr &entries = rest.stencils.entriesOfPhyxel;
+  if (rest.evaluation == Evaluation::phyxels) return;
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
+    if (entries.offsets[i] == entries.offsets[i + 1]) out[i] = Mat3::Identity();
 }
 
 }  // namespace pointbased

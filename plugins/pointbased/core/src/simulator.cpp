@@ -182,7 +182,8 @@ void Simulator::addProbe(std::string name, std::size_t id, const Vec3 &reference
   const Body *target = body(id);
   if (!target) return;
   const Vec3 local = reference - target->rest().origin;
-  probes_.push_back({std::move(name), id, reference, target->rest().bind(std::span<const Vec3>(&local, 1), {})});
+  probes_.push_back(
+      {std::move(name), id, reference, target->rest().bind(std::span<const Vec3>(&local, 1), {}), Vec3::Zero()});
 }
 
 Simulator::ProbeState Simulator::probeState(const Probe &probe) const {
@@ -192,7 +193,7 @@ Simulator::ProbeState Simulator::probeState(const Probe &probe) const {
   interpolateDisplacements(probe.binding, target->rest().positions, target->state().displacements,
                            std::span<Vec3>(&u, 1), serialFor());
   interpolateField(probe.binding, target->state().velocities, std::span<Vec3>(&v, 1), serialFor());
-  return {probe.reference + u, v};
+  return {probe.reference + probe.carried + u, v};
 }
 
 void Simulator::setConstitution(std::size_t id, Constitution constitution) {
@@ -476,6 +477,11 @@ tl::expected<void, StepFailure> Simulator::step() {
       }
       ahead.push_back(runner.get());
     }
+    for (auto &[id, runner] : bodies_) {
+      if (!renewIfDue(id)) continue;
+      runner->solver.forget();
+      runner->energy.forget();
+    }
     if (failed()) return refusal();
     time_ += span;
   }
@@ -486,7 +492,9 @@ tl::expected<void, StepFailure> Simulator::step() {
 
 void Simulator::reset() {
   for (auto &[id, runner] : bodies_) {
+    const bool renewed = runner->body->renewals() > 0;
     runner->body->reset();
+    if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
     runner->solver.forget();
     runner->energy.forget();
     runner->scale = 1.0;
@@ -506,6 +514,7 @@ void Simulator::reset() {
   events_.clear();
   for (const auto &[id, runner] : bodies_)
     for (const std::string &warning : runner->warnings) note("warning", warning);
+  notRenewed_.clear();
 }
 
 void Simulator::setGrab(std::size_t id, Grab grab) {
@@ -555,6 +564,7 @@ Simulator::Energy Simulator::energy(std::size_t id) const {
   out.kinetic = target->kineticEnergy();
   for (std::size_t i = 0; i < target->masses().size(); ++i)
     out.gravity -= target->weights()[i] * world_.gravity.dot(target->state().displacements[i]);
+  out.gravity -= world_.gravity.dot(target->carriedMoment());
   return out;
 }
 
@@ -578,6 +588,9 @@ std::uint64_t Simulator::stateHash() const {
       hashBytes(hash, modes.previous.data(), 12 * sizeof(double));
       for (const ModalStrain &relaxed : modes.relaxed) hashBytes(hash, relaxed.data(), 12 * sizeof(double));
     }
+    if (runner->body->renewals() == 0) continue;
+    for (const Vec3 &X : runner->body->rest().positions) hashBytes(hash, X.data(), 3 * sizeof(double));
+    for (const Mat3 &S : runner->body->rest().stencils.reference) hashBytes(hash, S.data(), 9 * sizeof(double));
   }
   return hash;
 }

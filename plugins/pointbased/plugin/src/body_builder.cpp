@@ -47,6 +47,29 @@ BodyShape shapeOf(const Services &services, c3de_handle mesh, const Placement &p
   return shape;
 }
 
+// The body inside a deformed skin, for references that are renewed while the body flows. Runs in a step of the solver.
+Reshape reshapeOf(const Services &services) {
+  return [&services](const Surface &skin) -> Result<BodyShape> {
+    std::vector<Vec3> mm;
+    mm.reserve(skin.positions.size());
+    for (const Vec3 &x : skin.positions) mm.push_back(x / kMetresPerMillimetre);
+    auto mesh = services.meshes.create(viewOf(mm), sdk::rows<std::uint32_t, 3>(std::span(skin.triangles)));
+    if (!mesh) return tl::unexpected<std::string>(mesh.failure().message);
+    try {
+      const auto placed = placeMesh(services, mesh->handle(), Placement{});
+      BodyShape shape = shapeOf(services, mesh->handle(), Placement{}, placed);
+      // The shape asks the mesh.
+      const auto kept = std::make_shared<const sdk::MeshHandle>(std::move(*mesh));
+      shape.inside = [kept, ask = std::move(shape.inside)](std::span<const Vec3> points, std::span<double> inside) {
+        ask(points, inside);
+      };
+      return shape;
+    } catch (const sdk::Error &error) {
+      return tl::unexpected<std::string>(error.what());
+    }
+  };
+}
+
 }  // namespace
 
 // "fix 1: …" of the core counts the body's own; messages use the numbers of the scene.
@@ -100,6 +123,7 @@ BuiltBody buildBody(const Services &services, const std::string &name, c3de_hand
                                      "\"stress_points\"; with \"phyxels\" choose spacing or count");
   recipe.fixes = source.fixes;
   recipe.loads = source.loads;
+  recipe.reshape = reshapeOf(services);
   auto rest = buildRestState(shapeOf(services, mesh, source.placement, out.surface), recipe, out.surface->normals, parallelFor,
                              [&](double fraction) { return progress.update(0.05 + 0.8 * fraction, "filling with phyxels"); });
   if (!rest) {

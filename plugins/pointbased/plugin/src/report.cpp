@@ -45,8 +45,9 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
   }
 
   double plastic = 0.0;
-  for (const Mat3 &inverse : body.state().history.plasticInverse)
-    plastic = std::max(plastic, henckyStrain(inverse).norm());
+  const PointHistory &history = body.state().history;
+  for (std::size_t q = 0; q < history.plasticInverse.size(); ++q)
+    plastic = std::max(plastic, henckyStrain(history.allFlow(q)).norm());
   const ErrorEstimate error = estimateError(body);
   const Neighbours neighbours = countNeighbours(rest);
   Json near = {{"min", neighbours.min}, {"mean", neighbours.mean}, {"max", neighbours.max}};

@@ -122,6 +122,14 @@ class Body {
   std::span<const Vec3> contactPositions(const ParallelFor &parallelFor);
   std::span<const Vec3> contactVelocities(const ParallelFor &parallelFor);
 
+  /// Goes on from another reference with the same shape, velocities, elastic strain and mass (renewal.h). What was kept
+  /// is then the new state; contact is looked for anew; a grab goes on where the phyxels stay the same ones.
+  void renew(std::shared_ptr<const RestState> rest, State state, const ParallelFor &parallelFor);
+  /// How often since the start.
+  [[nodiscard]] std::size_t renewals() const { return renewals_; }
+  /// Σ m (way of the references from the first one to the present one), kg m.
+  [[nodiscard]] const Vec3 &carriedMoment() const { return carriedMoment_; }
+
   /// The state before a step, kept in case the step fails.
   void keepState();
   void restoreState();
@@ -140,12 +148,16 @@ class Body {
     Index phyxel;
     Index fix;
   };
+  void layOut();
+  [[nodiscard]] Vec3 firstReference(Index phyxel) const;
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
   void stressesInto(double dt, const PointHistory &before, PointHistory *after, bool viscous,
                     const ParallelFor &parallelFor);
 
   std::string name_;
-  std::shared_ptr<const RestState> rest_;
+  std::shared_ptr<const RestState> rest_, first_;
+  std::size_t renewals_ = 0;
+  Vec3 carriedMoment_ = Vec3::Zero();
   Constitution constitution_;
   State state_, kept_;
   PointHistory trial_;
@@ -157,7 +169,7 @@ class Body {
   std::vector<std::uint8_t> heldMask_;
   PatchSolver patches_;
   std::vector<Index> fixOfPatch_;
-  std::vector<Vec3> patchPoints_, patchTargets_;
+  std::vector<Vec3> patchPoints_, patchShifts_, patchTargets_;
   std::vector<Vec3> forces_, entryForces_, contactPositions_, contactVelocities_;
   std::vector<Mat3> gradients_, rates_, stresses_;
   std::vector<ModalStrain> relaxedModes_;  // of the last evaluation of stresses; empty: nothing

@@ -21,13 +21,19 @@ struct Constitution {
 
 /// What the points of a body remember. A vector is empty where no material needs it, and then its stage does not run.
 struct PointHistory {
-  std::vector<Mat3> plasticInverse;  ///< [points] F_p^-1, det 1
+  std::vector<Mat3> plasticInverse;  ///< [points] F_p^-1, det 1, since the reference was made
+  std::vector<Mat3> plasticBefore;   ///< [points] F_p^-1 of the flow before that; empty: the reference is the first one
   std::vector<PronyPoint> prony;     ///< [points]
   std::vector<ModalMemory> modes;    ///< [points] of lattices; empty: modes do not relax
 
   /// Fresh and of the right size for a constitution.
   /// @param modal  whether the points have modes (StencilSet::modes)
   void reset(const Constitution &constitution, std::size_t points, bool modal = false);
+
+  /// F_p^-1 of all flow; with plasticity only.
+  [[nodiscard]] Mat3 allFlow(std::size_t q) const {
+    return plasticBefore.empty() ? plasticInverse[q] : Mat3(plasticBefore[q] * plasticInverse[q]);
+  }
 };
 
 }  // namespace pointbased

@@ -26,9 +26,6 @@ void cauchyStresses(const Body &body, std::span<Mat3> out, StressScratch &scratc
 /// sqrt(3/2 s : s), s the deviator of a symmetric stress: the stress of a bar that is stretched.
 [[nodiscard]] double vonMises(const Mat3 &stress);
 
-/// Of every phyxel, the mean by volume over the points it belongs to; with Evaluation::phyxels its own.
-void phyxelMeans(const RestState &rest, std::span<const Mat3> perPoint, std::span<Mat3> out);
-
 /// The evaluation points as points of the body, at the centroids of what they stand for.
 [[nodiscard]] Interpolation bindPoints(const RestState &rest);
 

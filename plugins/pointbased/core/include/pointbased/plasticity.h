@@ -38,12 +38,15 @@ struct FlowResult {
 ///
 /// @param plasticInverse  in and out: Fp^-1; start with the identity
 /// @param result          if wanted: what happened; the strains are filled only if something flowed
+/// @param before          if given: F_p^-1 of the flow before the reference was renewed (renewal.h); `max` and
+///                        plasticStrain are
+///                        of all of it, F_p F_p,before
 /// @return  false, with plasticInverse untouched bit for bit, where nothing flows: not enabled(), below yield, dt <= 0,
 ///          det F <= kSmallestFlowRatio, F not finite
 /// @threads any; a point clearly below yield costs no eigenvalues
 /// @source  Simo, CMAME 99, 1992 (exponential map); O'Brien et al., SIGGRAPH 2002 (yield, creep, max); rate form: own
 bool plasticFlow(const Plasticity &plastic, const Mat3 &F, double dt, Mat3 &plasticInverse,
-                 FlowResult *result = nullptr);
+                 FlowResult *result = nullptr, const Mat3 *before = nullptr);
 
 /// P = P_e(F Fp^-1) Fp^-T, Pa: force per rest area.
 [[nodiscard]] Mat3 elastoplasticStress(const Material &material, const Mat3 &F, const Mat3 &plasticInverse);

@@ -24,6 +24,9 @@ struct BoundaryConditions {
   std::vector<LoadedPart> loaded;  ///< one per load
 };
 
+/// The body inside a closed surface, world, m: how a deformed skin becomes a shape to fill. Errors: why it is none.
+using Reshape = std::function<Result<BodyShape>(const Surface &skin)>;
+
 /// What follows from the reference shape; const once it is built. Positions are relative to `origin`, so that a body far
 /// from the world's origin loses no digits.
 struct RestState {
@@ -39,12 +42,19 @@ struct RestState {
   Csr neighbors;                   ///< [phyxels] those that share an evaluation point; symmetric, without itself
   StencilSet stencils;             ///< evaluation points
   std::vector<Vec3> pointCentres;  ///< [points] m
+  NeighborChoice neighborChoice;   ///< of Evaluation::phyxels
+  LatticeSampling sampling;        ///< of Evaluation::stressPoints, as asked for
+  Reshape reshape;                 ///< empty: a lattice cannot be renewed
   Interpolation surfels;           ///< the vertices of the surface
+  std::vector<std::array<Index, 3>> skin;  ///< triangles between surfels; may be empty
   std::vector<Vec3> surfelNormals; ///< unit; empty: points without normals
   ContactPoints contact;
   Binder bind;                     ///< material points, frame of the phyxels
   BoundaryConditions conditions;
   std::size_t components = 1;      ///< connected parts
+  // Of a reference that has been renewed (renewal.h); empty in the first one:
+  std::vector<Vec3> carried;  ///< [phyxels] way from the first reference to this one, m: supports move what was there
+  std::vector<double> materialShares;  ///< [phyxels][materials] of the mass; empty: by the points around
 
   [[nodiscard]] std::size_t phyxelCount() const { return positions.size(); }
   [[nodiscard]] std::size_t pointCount() const { return stencils.pointCount(); }
@@ -57,6 +67,7 @@ struct BodyRecipe {
   NeighborChoice neighbors;  ///< of Evaluation::phyxels
   std::vector<Fix> fixes;
   std::vector<Load> loads;
+  Reshape reshape;           ///< lattices: for renewed references (renewal.h); may be empty
 };
 
 /// Fills a shape and binds everything that belongs to it: surfels at the vertices of shape.surface with the given normals,
@@ -84,5 +95,8 @@ struct Neighbours {
 /// F of every phyxel from those of the points: itself for Evaluation::phyxels, else the volume-weighted mean of the points
 /// it belongs to.
 void phyxelGradients(const RestState &rest, std::span<const Mat3> pointGradients, std::span<Mat3> out);
+/// The same mean of any quantity of the points. Stress is averaged as such: near incompressibility that of a mean F is
+/// far off, and the mean over the cells around a phyxel holds no checkerboard.
+void phyxelMeans(const RestState &rest, std::span<const Mat3> pointValues, std::span<Mat3> out);
 
 }  // namespace pointbased

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "pointbased/body.h"
 #include "pointbased/guard.h"
@@ -29,6 +30,7 @@ struct WorldSettings {
   double tolerance = 0.0;   ///< m, of implicit and static solutions; 0: by the spacing
   int loadSteps = 0;        ///< static: load increments; 0: 10
   Preconditioner preconditioner = Preconditioner::automatic;
+  bool renewReferences = true;  ///< of clouds that have flowed far (renewal.h); false: to compare
 };
 
 struct Probe {
@@ -36,11 +38,12 @@ struct Probe {
   std::size_t body = 0;
   Vec3 reference = Vec3::Zero();  ///< world, m
   Interpolation binding;          ///< one point
+  Vec3 carried = Vec3::Zero();    ///< m, way of the point from `reference` to where it is bound (renewal.h)
 };
 
 struct SimulationEvent {
   double time = 0.0;  ///< s
-  std::string kind;   ///< substep | slowed | smaller_step | stopped | switched | warning
+  std::string kind;   ///< substep | slowed | smaller_step | stopped | switched | renewed | note | warning
   std::string text;
 };
 
@@ -138,6 +141,9 @@ class Simulator {
                                                             GuardGlance glance);
   [[nodiscard]] std::optional<GuardFinding> advanceImplicit(Runner &runner, const Environment &environment, double dt);
   void loadIncrement(Runner &runner, const Environment &environment, double from, double to);
+  /// The present shape as the reference of a body that has flowed far (renewal.h); false: not due, or not possible.
+  bool renewIfDue(std::size_t body);
+  void bindProbes(std::size_t body, std::span<const Vec3> ways);
   void stop(Runner &runner, const GuardFinding &finding);
   [[nodiscard]] bool driven(const Body &body) const;
   void note(const std::string &kind, const std::string &text);
@@ -153,6 +159,7 @@ class Simulator {
   double loadFactor_ = 0.0;  // of a quasi-static solution
   std::uint64_t steps_ = 0;
   std::vector<SimulationEvent> events_;
+  std::set<std::size_t> notRenewed_;  // bodies whose reference could not be
   StageClock clock_;
 };
 

@@ -34,6 +34,11 @@ struct StencilSet {
   Mat3 axes = Mat3::Identity();   ///< lattice axes, columns; x, y, z of modes and spreads
   std::vector<std::uint16_t> materials;  ///< per point: which of the body's materials; empty: the first
   std::vector<double> volumes;    ///< per point: rest volume it stands for, m³
+  /// Per point: F of the reference shape itself, symmetric; empty: the identity everywhere. A body whose reference has
+  /// been renewed (renewal.h) is strained in it: F_q = S_q + Σ_k u_k g_qk^T, and g_qk is S_q times the gradient of the
+  /// fit, so that Σ_k X_k g_qk^T = S_q and forces, energies and tangents need not know.
+  std::vector<Mat3> reference;
+  std::vector<Mat3> referenceInverse;  ///< per point: S^-1; empty where `reference` is
   std::vector<std::uint8_t> rank; ///< per point: 3 = full; 2 coplanar, 1 collinear, 0 alone: F is completed
   std::vector<Mat3> frames;       ///< per point of rank < 3, by frameOf: columns t1, t2, n (rank 2) or t, ., . (rank 1)
   std::vector<Index> frameOf;     ///< per point: index into frames, or kNoFrame
@@ -44,6 +49,10 @@ struct StencilSet {
 
   static constexpr Index kNoFrame = 0xffffffffu;
   [[nodiscard]] std::size_t pointCount() const { return volumes.size(); }
+  /// A way in the reference shape, as it would be without strain.
+  [[nodiscard]] Vec3 unstrained(std::size_t q, const Vec3 &way) const {
+    return referenceInverse.empty() ? way : Vec3(referenceInverse[q] * way);
+  }
 };
 
 /// Relative cut-off of the truncated inverse of a moment matrix: directions whose singular value is below this part of
