@@ -179,19 +179,27 @@ std::uint32_t numberField(const FrameContext &frame, const std::string &area, co
   return result;
 }
 
+namespace {
+// Choices are shown as words; files and scripts go on with the name.
+std::string readable(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+}  // namespace
+
 std::uint32_t choiceField(const FrameContext &frame, const std::string &area, const std::string &id,
                           const std::vector<std::string> &names, std::uint32_t &index, bool isEnabled) {
   std::uint32_t result = 0;
   const std::string shown = index < names.size() ? names[index] : std::string("–");
   ImGui::PushID(id.c_str());
   ImGui::BeginDisabled(!isEnabled || names.empty());
-  const bool isOpen = ImGui::BeginCombo("##choice", shown.c_str());
+  const bool isOpen = ImGui::BeginCombo("##choice", readable(shown).c_str());
   markOpener(frame, area, id, isOpen, isEnabled && !names.empty());
   if (isOpen) {
     for (std::size_t i = 0; i < names.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
       const bool isSelected = i == index;
-      if (ImGui::Selectable(names[i].empty() ? " " : names[i].c_str(), isSelected) && !isSelected) {
+      if (ImGui::Selectable(names[i].empty() ? " " : readable(names[i]).c_str(), isSelected) && !isSelected) {
         index = static_cast<std::uint32_t>(i);
         result = C3DE_UI_CHANGED | C3DE_UI_COMMITTED;
       }
