@@ -8,10 +8,12 @@
 #include "lattice_held.h"
 #include "lattice_jitter.h"
 #include "lattice_masses.h"
+#include "number_text.h"
 
 namespace pointbased {
 
 using namespace lattice;
+using detail::number;
 
 namespace {
 
@@ -19,19 +21,20 @@ tl::unexpected<std::string> refuse(const std::string &text) { return tl::unexpec
 
 Result<void> validate(const BodyShape &shape, const LatticeSampling &sampling) {
   if (!(shape.volume > 0.0) || !std::isfinite(shape.volume))
-    return refuse("the body has a volume of " + number(shape.volume) + " m³; a finite volume > 0 is needed");
+    return refuse("the body has a volume of " + number(shape.volume, 4) + " m³; a finite volume > 0 is needed");
   if (!shape.inside) return refuse("the body cannot tell which points are inside");
   const double extent = (shape.max - shape.min).minCoeff();
   if (!(extent > 0.0) || !shape.min.allFinite() || !shape.max.allFinite())
-    return refuse("the bounds of the body have an edge of " + number(extent) + " m; finite bounds with edges > 0 are needed");
+    return refuse("the bounds of the body have an edge of " + number(extent, 4) +
+                  " m; finite bounds with edges > 0 are needed");
   if (!(sampling.spacing >= 0.0) || !std::isfinite(sampling.spacing))
-    return refuse("spacing = " + number(sampling.spacing) + " m is not accepted: finite and > 0, or 0 with a count");
+    return refuse("spacing = " + number(sampling.spacing, 4) + " m is not accepted: finite and > 0, or 0 with a count");
   if (sampling.spacing == 0.0 && (sampling.count < 1 || sampling.count > kMaximumPhyxels))
     return refuse("count = " + std::to_string(sampling.count) + " is not accepted: 1 … " + std::to_string(kMaximumPhyxels));
   if (!(sampling.jitter >= 0.0 && sampling.jitter <= 0.3))
-    return refuse("jitter = " + number(sampling.jitter) + " is not accepted: 0 … 0.3");
+    return refuse("jitter = " + number(sampling.jitter, 4) + " is not accepted: 0 … 0.3");
   if (!(sampling.surfaceSpacing >= 0.0) || !std::isfinite(sampling.surfaceSpacing))
-    return refuse("surfaceSpacing = " + number(sampling.surfaceSpacing) + " m is not accepted: finite and >= 0");
+    return refuse("surfaceSpacing = " + number(sampling.surfaceSpacing, 4) + " m is not accepted: finite and >= 0");
   if (!((sampling.axes.transpose() * sampling.axes - Mat3::Identity()).norm() < 1e-9) || !(sampling.axes.determinant() > 0.0))
     return refuse("axes are not a rotation");
   const auto check = [](const char *name, std::size_t i, const Region &region) -> Result<void> {
@@ -41,7 +44,7 @@ Result<void> validate(const BodyShape &shape, const LatticeSampling &sampling) {
   for (std::size_t i = 0; i < sampling.refinements.size(); ++i) {
     const Refinement &r = sampling.refinements[i];
     if (!(r.spacing > 0.0) || !std::isfinite(r.spacing))
-      return refuse("refinement " + std::to_string(i) + ": spacing = " + number(r.spacing) +
+      return refuse("refinement " + std::to_string(i) + ": spacing = " + number(r.spacing, 4) +
                     " m is not accepted: finite and > 0");
     if (const auto valid = check("refinement", i, r.region); !valid) return valid;
   }
@@ -64,14 +67,14 @@ Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, do
   auto set = findCells(shape, sampling, spacing, parallelFor, progress);
   if (!set) return refuse(set.error());
   if (set->cells.empty())
-    return refuse("no point of the body was found at a spacing of " + number(spacing) +
+    return refuse("no point of the body was found at a spacing of " + number(spacing, 4) +
                   " m: the body is thinner than a tenth of it, or not closed; use a smaller spacing");
   Cut cut;
   cut.set = std::move(*set);
   cut.parts = findParts(cut.set, shape, parallelFor);
   cut.corners = joinCorners(cut.set, cut.parts);
   if (cut.corners.positions.size() > kMaximumPhyxels)
-    return refuse("a spacing of " + number(spacing) + " m makes " + std::to_string(cut.corners.positions.size()) +
+    return refuse("a spacing of " + number(spacing, 4) + " m makes " + std::to_string(cut.corners.positions.size()) +
                   " phyxels; at most " + std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
   return cut;
 }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice_grid.h"
 
-#include <cstdio>
 #include <optional>
 
+#include "number_text.h"
+
 namespace pointbased::lattice {
+
+using detail::number;
 
 void CellIndex::build(std::span<const Cell> cells, const Frame &frame) {
   levels_ = frame.levels;
@@ -54,12 +57,6 @@ std::uint64_t mortonCode(const Cell3 &at) {
     return x;
   };
   return spread(at[0]) | spread(at[1]) << 1 | spread(at[2]) << 2;
-}
-
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
 }
 
 namespace {
@@ -188,7 +185,7 @@ Result<void> checkSize(const BodyShape &shape, const LatticeSampling &sampling, 
   const double phyxels = shape.volume / (spacing * spacing * spacing);
   const std::int32_t most = std::max({frame.n[0], frame.n[1], frame.n[2]});
   if (phyxels > static_cast<double>(kMaximumPhyxels) || cells > 5e7 || most > 500'000)
-    return tl::unexpected<std::string>("a spacing of " + number(spacing) + " m makes about " + number(phyxels) +
+    return tl::unexpected<std::string>("a spacing of " + number(spacing, 4) + " m makes about " + number(phyxels, 4) +
                                        " phyxels; at most " + std::to_string(kMaximumPhyxels) +
                                        " are accepted: use a larger spacing");
   return {};

@@ -100,9 +100,6 @@ struct CellSet {
 /// Order along a Z curve; 20 bits per axis.
 [[nodiscard]] std::uint64_t mortonCode(const Cell3 &at);
 
-/// Number for a message.
-[[nodiscard]] std::string number(double value);
-
 /// Questions about the shape at points in lattice axes, in batches.
 class Questions {
  public:

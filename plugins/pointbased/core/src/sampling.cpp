@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
+
+#include "number_text.h"
 
 namespace pointbased {
 namespace {
+
+using detail::number;
 
 // Points per axis of the finer lattice inside a cell that the surface cuts: 5³ = 125 give each part's volume to about one
 // per cent; the sum is exact in any case.
@@ -56,12 +59,6 @@ std::vector<std::uint8_t> insideFlags(const BodyShape &shape, std::span<const Ve
   return flags;
 }
 
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
 std::size_t countInside(const BodyShape &shape, double spacing, const ParallelFor &parallelFor) {
   const Lattice lattice = latticeOver(shape, spacing);
   std::vector<Vec3> centres(lattice.cells());
@@ -95,9 +92,9 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   const auto refuse = [](const std::string &text) { return tl::unexpected<std::string>(text); };
   const auto goOn = [&](double fraction) { return !progress || progress(fraction); };
   if (!(shape.volume > 0.0) || !std::isfinite(shape.volume))
-    return refuse("the body has a volume of " + number(shape.volume) + " m³; a finite volume > 0 is needed");
+    return refuse("the body has a volume of " + number(shape.volume, 4) + " m³; a finite volume > 0 is needed");
   if (!(sampling.spacing >= 0.0) || !std::isfinite(sampling.spacing))
-    return refuse("spacing = " + number(sampling.spacing) + " m is not accepted: finite and > 0, or 0 with a count");
+    return refuse("spacing = " + number(sampling.spacing, 4) + " m is not accepted: finite and > 0, or 0 with a count");
   if (sampling.spacing == 0.0 && (sampling.count < 1 || sampling.count > kMaximumPhyxels))
     return refuse("count = " + std::to_string(sampling.count) + " is not accepted: 1 … " + std::to_string(kMaximumPhyxels));
 
@@ -106,8 +103,8 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   const Vec3 extent = shape.max - shape.min;
   const double cellsWanted = (extent[0] / spacing + 1.0) * (extent[1] / spacing + 1.0) * (extent[2] / spacing + 1.0);
   if (shape.volume / (spacing * spacing * spacing) > static_cast<double>(kMaximumPhyxels) || cellsWanted > 5e7)
-    return refuse("a spacing of " + number(spacing) + " m makes about " +
-                  number(shape.volume / (spacing * spacing * spacing)) +
+    return refuse("a spacing of " + number(spacing, 4) + " m makes about " +
+                  number(shape.volume / (spacing * spacing * spacing), 4) +
                   " phyxels; at most " + std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
   if (!goOn(0.05)) return refuse("cancelled");
 
@@ -209,7 +206,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
       cloud.volumes.push_back(orphan.count * partVolume);
     }
   if (cloud.positions.empty())
-    return refuse("no point of the body was found at a spacing of " + number(spacing) +
+    return refuse("no point of the body was found at a spacing of " + number(spacing, 4) +
                   " m: the body is thinner than a fifth of it, or not closed; use a smaller spacing");
 
   // A phyxel that sits right under the surface can end up without any point of the finer lattice.
