@@ -42,6 +42,24 @@ TEST_CASE("the guard's glance finds a number that is none at every place, whatev
   }
 }
 
+TEST_CASE("what the guard's glance refuses is found at its phyxel, also where the squares of one are still numbers") {
+  Body body = bodyOf(9);
+  State &state = body.state();
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), -1e300, 1e152}) {
+    CAPTURE(bad);
+    state.velocities[5][1] = bad;
+    REQUIRE_FALSE(glanceAt(body).finite);
+    CHECK(firstNonFinite(body).phyxel == 5);
+    CHECK(firstNonFinite(body).quantity == "the velocity is not finite");
+    state.velocities[5].setZero();
+  }
+  // Their sum is no number.
+  for (const std::size_t i : {3, 4, 5}) state.displacements[i] = Vec3(1.3e154, 0, 0);
+  REQUIRE_FALSE(glanceAt(body).finite);
+  CHECK(firstNonFinite(body).phyxel == 3);
+  CHECK(firstNonFinite(body).quantity == "the displacement is not finite");
+}
+
 TEST_CASE("no phyxel is faster relative to its body than the guard's bound, which is at most four times too large") {
   shapes::Random random(7);
   for (const std::size_t phyxels : {1, 2, 3, 4, 5, 8, 27, 30}) {

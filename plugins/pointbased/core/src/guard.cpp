@@ -3,16 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "number_text.h"
 
 namespace pointbased {
 namespace {
 
-std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+using detail::number;
 
 // Beyond this squares, and energies made of them, are no numbers any more.
 constexpr double kHuge = 1e150;
@@ -61,7 +58,8 @@ GuardGlance glanceAt(const Body &body) {
   Two highXY = lowXY, highZX = lowZX, highYZ = lowYZ;
   for (std::size_t i = 0; i + 1 < v.size(); i += 2) {
     const double *numbers = v[i].data();
-    const Two xy = Eigen::Map<const Two>(numbers), zx = Eigen::Map<const Two>(numbers + 2), yz = Eigen::Map<const Two>(numbers + 4);
+    const Two xy = Eigen::Map<const Two>(numbers), zx = Eigen::Map<const Two>(numbers + 2),
+              yz = Eigen::Map<const Two>(numbers + 4);
     sum += xy;  // of a number that is none, none
     sum += zx;
     sum += yz;
@@ -99,16 +97,21 @@ GuardView lookAt(const Body &body) {
   return view;
 }
 
-std::optional<GuardFinding> firstNonFinite(const Body &body) {
+GuardFinding firstNonFinite(const Body &body) {
   const State &state = body.state();
+  // The bound of the glance. Where only a sum of squares has run over, one of them is beyond it, too.
+  const auto finite = [](const Vec3 &x) { return (x.array().abs() < kHuge).all(); };
+  GuardFinding finding;
+  finding.quantity = "the state is not finite";
+  finding.help = "a smaller solver.dt, solver.integrator = \"implicit\", more solver.damping or material.viscosity";
   for (std::size_t i = 0; i < state.velocities.size(); ++i) {
-    // Squares, because energies are made of them: 1e300 m/s is as good as infinite.
-    const bool velocity = std::isfinite(state.velocities[i].squaredNorm());
-    if (velocity && std::isfinite(state.displacements[i].squaredNorm())) continue;
-    return GuardFinding{static_cast<Index>(i), std::string("the ") + (velocity ? "displacement" : "velocity") + " is not finite",
-                        "a smaller solver.dt, solver.integrator = \"implicit\", more solver.damping or material.viscosity"};
+    const bool velocity = finite(state.velocities[i]);
+    if (velocity && finite(state.displacements[i])) continue;
+    finding.phyxel = static_cast<Index>(i);
+    finding.quantity = std::string("the ") + (velocity ? "displacement" : "velocity") + " is not finite";
+    break;
   }
-  return std::nullopt;
+  return finding;
 }
 
 std::optional<GuardFinding> EnergyWatch::look(const Body &body, const Vec3 &gravity, bool driven) {
@@ -127,8 +130,8 @@ std::optional<GuardFinding> EnergyWatch::look(const Body &body, const Vec3 &grav
   known_ = false;
   const GuardView view = lookAt(body);
   return GuardFinding{view.fastestPhyxel,
-                      "the energy has grown by " + number(growth) + " J with nothing driving it (kinetic " + number(kinetic) +
-                          " J, elastic " + number(stored) + " J)",
+                      "the energy has grown by " + number(growth) + " J with nothing driving it (kinetic " +
+                          number(kinetic) + " J, elastic " + number(stored) + " J)",
                       "a smaller solver.dt, solver.integrator = \"implicit\" or more material.viscosity"};
 }
 

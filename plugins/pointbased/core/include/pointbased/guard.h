@@ -33,8 +33,8 @@ struct GuardGlance {
 /// Of one field, likewise with its squares.
 [[nodiscard]] bool isFinite(std::span<const Vec3> field);
 
-/// The first phyxel whose displacement or velocity is not finite.
-[[nodiscard]] std::optional<GuardFinding> firstNonFinite(const Body &body);
+/// Of a state that is not finite, in the sense of GuardGlance: the first phyxel whose displacement or velocity is not.
+[[nodiscard]] GuardFinding firstNonFinite(const Body &body);
 
 /// Watches the energy of a body that nothing drives: it may not grow. Asked every kEnergyInterval steps, because energies
 /// cost about half a force evaluation.

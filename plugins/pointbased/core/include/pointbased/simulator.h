@@ -1,37 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
 
 #include "pointbased/body.h"
-#include "pointbased/guard.h"
-#include "pointbased/integrators.h"
 #include "pointbased/stage_clock.h"
+#include "pointbased/world_settings.h"
 
 namespace pointbased {
 
-/// Part of the stable step that is used: room for what changes within a step and for the estimate from below.
-inline constexpr double kStepSafety = 0.8;
-/// A body whose stable step is smaller than this is integrated implicitly when the step may be chosen ("auto").
-inline constexpr double kSmallestExplicitStep = 2e-6;  // s
-/// Implicit steps when the step may be chosen.
-inline constexpr double kImplicitStep = 1.0 / 60.0;  // s
-
-struct WorldSettings {
-  Vec3 gravity = Vec3::Zero();  ///< m/s²
-  WorldBox box;
-  Integrator integrator = Integrator::explicitVerlet;
-  double dt = 0.0;       ///< s; 0: kStepSafety of the largest stable step, or kImplicitStep. Explicit: divided into substeps
-  double damping = 0.0;  ///< 1/s, mass-proportional: velocities decay by exp(-damping t)
-  double tolerance = 0.0;   ///< m, of implicit and static solutions; 0: by the spacing
-  int loadSteps = 0;        ///< static: load increments; 0: 10
-  Preconditioner preconditioner = Preconditioner::automatic;
-  bool renewReferences = true;  ///< of clouds that have flowed far (renewal.h); false: to compare
-};
+namespace detail {
+class BodyRunner;
+struct StepOrder;
+}
 
 struct Probe {
   std::string name;
@@ -129,28 +113,21 @@ class Simulator {
   [[nodiscard]] std::vector<StageClock::Summary> stageTimes() const { return clock_.summary(); }
 
  private:
-  struct Runner;  // a body with what its steps need
-  [[nodiscard]] Environment environment();
-  /// The integrator of a body: the world's, or another where that would not do (noted once as an event).
-  [[nodiscard]] Integrator integratorOf(const Runner &runner) const;
+  [[nodiscard]] detail::StepOrder order();
+  /// Everybody on by dt. @return s that all have gone; less where a body's substeps were not enough
+  double advanceBodies(const detail::StepOrder &order);
+  void increaseLoad(const detail::StepOrder &order);
   /// Time, or load factor: what ramps count by.
   [[nodiscard]] double clockOfRamps() const { return quasiStatic() ? loadFactor_ : time_; }
-  void advance(Runner &runner, const Environment &environment, double dt);
-  /// @param glance  at the state now
-  [[nodiscard]] std::optional<GuardFinding> advanceExplicit(Runner &runner, const Environment &environment, double dt,
-                                                            GuardGlance glance);
-  [[nodiscard]] std::optional<GuardFinding> advanceImplicit(Runner &runner, const Environment &environment, double dt);
-  void loadIncrement(Runner &runner, const Environment &environment, double from, double to);
   /// The present shape as the reference of a body that has flowed far (renewal.h); false: not due, or not possible.
   bool renewIfDue(std::size_t body);
   void bindProbes(std::size_t body, std::span<const Vec3> ways);
-  void stop(Runner &runner, const GuardFinding &finding);
-  [[nodiscard]] bool driven(const Body &body) const;
   void note(const std::string &kind, const std::string &text);
 
   ParallelFor parallelFor_;
   WorldSettings world_;
-  std::map<std::size_t, std::unique_ptr<Runner>> bodies_;
+  std::map<std::size_t, std::unique_ptr<detail::BodyRunner>> bodies_;
+  std::map<std::size_t, std::vector<std::string>> warnings_;  // about shape and sampling, by body
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
   std::vector<Probe> probes_;
