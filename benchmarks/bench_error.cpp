@@ -13,20 +13,20 @@
 //
 // Energies are compared too: the error of the energy is of the order of the square of the true error.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "c3de/core/platform.h"
 #include "pointbased/error_estimate.h"
 #include "pointbased/simulator.h"
+#include "shapes.h"
+#include "surfaces.h"
 
 namespace {
 
@@ -35,55 +35,15 @@ using namespace pointbased;
 double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 BodyShape boxShape(const Vec3 &min, const Vec3 &max) {
-  BodyShape shape;
-  shape.min = min;
-  shape.max = max;
-  shape.volume = (max - min).prod();
-  shape.inside = [=](std::span<const Vec3> points, std::span<double> inside) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-      inside[i] = (points[i].array() > min.array()).all() && (points[i].array() < max.array()).all() ? 1.0 : 0.0;
-  };
-  shape.surfaceDistance = [=](std::span<const Vec3> points, std::span<double> distances) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3 outside = (min - points[i]).cwiseMax(points[i] - max);
-      distances[i] = outside.maxCoeff() > 0.0 ? outside.cwiseMax(0.0).norm() : -outside.maxCoeff();
-    }
-  };
-  for (int corner = 0; corner < 8; ++corner)
-    shape.surface.positions.emplace_back(corner & 1 ? max[0] : min[0], corner & 2 ? max[1] : min[1],
-                                         corner & 4 ? max[2] : min[2]);
-  using Triangle = std::array<Index, 3>;
-  shape.surface.triangles = {Triangle{0, 4, 6}, Triangle{0, 6, 2}, Triangle{1, 3, 7}, Triangle{1, 7, 5},
-                             Triangle{0, 1, 5}, Triangle{0, 5, 4}, Triangle{2, 6, 7}, Triangle{2, 7, 3},
-                             Triangle{0, 2, 3}, Triangle{0, 3, 1}, Triangle{4, 5, 7}, Triangle{4, 7, 6}};
+  BodyShape shape = shapes::box(min, max);
+  shape.surface = shapes::boxSurface(min, max);
   return shape;
 }
 
 /// About the origin, with a net of latitudes and longitudes for its surface.
 BodyShape ballShape(double radius) {
-  BodyShape shape;
-  shape.min = Vec3::Constant(-radius);
-  shape.max = Vec3::Constant(radius);
-  shape.volume = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
-  shape.inside = [=](std::span<const Vec3> points, std::span<double> inside) {
-    for (std::size_t i = 0; i < points.size(); ++i) inside[i] = points[i].norm() < radius ? 1.0 : 0.0;
-  };
-  shape.surfaceDistance = [=](std::span<const Vec3> points, std::span<double> distances) {
-    for (std::size_t i = 0; i < points.size(); ++i) distances[i] = std::abs(points[i].norm() - radius);
-  };
-  constexpr int kRings = 48, kAround = 96;
-  for (int i = 0; i <= kRings; ++i)
-    for (int j = 0; j < kAround; ++j) {
-      const double theta = std::numbers::pi * i / kRings, phi = 2.0 * std::numbers::pi * j / kAround;
-      const double ring = i == 0 || i == kRings ? 0.0 : std::sin(theta);
-      shape.surface.positions.push_back(radius * Vec3(ring * std::cos(phi), ring * std::sin(phi), std::cos(theta)));
-    }
-  const auto at = [](int i, int j) { return static_cast<Index>(i * kAround + j % kAround); };
-  for (int i = 0; i < kRings; ++i)
-    for (int j = 0; j < kAround; ++j) {
-      if (i > 0) shape.surface.triangles.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
-      if (i + 1 < kRings) shape.surface.triangles.push_back({at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)});
-    }
+  BodyShape shape = shapes::ball(Vec3::Zero(), radius);
+  shape.surface = shapes::ballSurface(Vec3::Zero(), radius, 48);
   return shape;
 }
 

@@ -66,7 +66,8 @@ std::shared_ptr<const RestState> restState(const BodyShape &shape, double spacin
   return buildRestState(filled(shape, spacing), choice, shape.volume, Surface{}, {}, serialFor());
 }
 
-std::shared_ptr<const RestState> restState(const std::vector<Vec3> &points, double spacing, const NeighborChoice &choice) {
+std::shared_ptr<const RestState> restState(const std::vector<Vec3> &points, double spacing,
+                                           const NeighborChoice &choice) {
   PhyxelCloud cloud;
   cloud.spacing = spacing;
   cloud.positions = points;

@@ -6,10 +6,12 @@
 
 #include "pointbased/body.h"
 #include "pointbased/simulator.h"
+#include "support/random.h"
 
 namespace shapes {
 
 using pointbased::Vec3;
+using support::Random;
 
 [[nodiscard]] pointbased::BodyShape box(const Vec3 &min, const Vec3 &max);
 [[nodiscard]] pointbased::BodyShape ball(const Vec3 &centre, double radius);
@@ -22,23 +24,6 @@ using pointbased::Vec3;
 /// A cloud as it is, with equal volumes of spacing³.
 [[nodiscard]] std::shared_ptr<const pointbased::RestState> restState(const std::vector<Vec3> &points, double spacing,
                                                                      const pointbased::NeighborChoice &choice = {});
-
-/// Reproducible numbers in [-1, 1).
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double operator()() {
-    state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
-    return static_cast<double>(state_ >> 11) / static_cast<double>(1ull << 52) - 1.0;
-  }
-  Vec3 vector() {
-    const double x = (*this)(), y = (*this)(), z = (*this)();
-    return {x, y, z};
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 /// F, stress and forces at the body's present displacements.
 void evaluate(pointbased::Body &body);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small clouds, and numbers, for the tests of the reference.
+// Small clouds for the tests of the reference.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 
 #include "reference/body.h"
+#include "support/random.h"
 
 namespace clouds {
 
@@ -13,6 +13,7 @@ using reference::Body;
 using reference::Errata;
 using reference::Mat3;
 using reference::Vec3;
+using support::Random;
 
 /// A block of nx x ny x nz cell centres, x outermost; jitter is a part of the spacing.
 [[nodiscard]] std::vector<Vec3> block(int nx, int ny, int nz, double spacing, double jitter = 0.0);
@@ -29,22 +30,5 @@ void deform(Body &body, const std::function<Vec3(const Vec3 &)> &to);
 [[nodiscard]] double largest(const std::vector<Vec3> &vectors);
 /// Largest |a - b| over the largest |b|.
 [[nodiscard]] double difference(const std::vector<Vec3> &a, const std::vector<Vec3> &b);
-
-/// Reproducible numbers in [-1, 1).
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double operator()() {
-    state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
-    return static_cast<double>(state_ >> 11) / static_cast<double>(1ull << 52) - 1.0;
-  }
-  Vec3 vector() {
-    const double x = (*this)(), y = (*this)(), z = (*this)();
-    return {x, y, z};
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 }  // namespace clouds
