@@ -6,11 +6,10 @@
 #include <limits>
 
 namespace pointbased {
-
 namespace {
 
-// With several materials a phyxel has the mean density of the points around it, scaled so that the whole has the mass of the
-// points.
+// With several materials a phyxel has the mean density of the points around it, scaled so that the whole has the mass of
+// the points.
 std::vector<double> phyxelDensities(const Constitution &constitution, const RestState &rest) {
   const StencilSet &s = rest.stencils;
   std::vector<double> densities(rest.phyxelCount(), constitution.materials.front().restDensity);
@@ -26,7 +25,8 @@ std::vector<double> phyxelDensities(const Constitution &constitution, const Rest
   if (s.materials.empty()) return densities;
   const std::vector<double> &volumes = rest.weightVolumes.empty() ? rest.volumes : rest.weightVolumes;
   double mass = 0.0, shared = 0.0;
-  for (std::size_t q = 0; q < s.pointCount(); ++q) mass += s.volumes[q] * constitution.materials[s.materials[q]].restDensity;
+  for (std::size_t q = 0; q < s.pointCount(); ++q)
+    mass += s.volumes[q] * constitution.materials[s.materials[q]].restDensity;
   for (std::size_t i = 0; i < densities.size(); ++i) {
     double sum = 0.0, volume = 0.0;
     for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
@@ -159,12 +159,6 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
   forcesCurrent = false;
 }
 
-void Body::setInitialVelocity(const Vec3 &velocity, const Vec3 &angularVelocity) {
-  initialVelocity_ = velocity;
-  initialAngularVelocity_ = angularVelocity;
-  reset();
-}
-
 double Body::stableStepFor(double tangentRatio) const {
   if (!(restFrequency_ > 0.0)) return std::numeric_limits<double>::infinity();
   const double frequency = restFrequency_ * std::sqrt(tangentRatio);
@@ -237,76 +231,6 @@ double Body::factor(double ramp, double t) const {
   return ramp > 0.0 ? std::clamp(t / ramp, 0.0, 1.0) : 1.0;
 }
 
-void Body::placeHeld(double t, bool rates) {
-  const BoundaryConditions &conditions = rest_->conditions;
-  Index present = StencilSet::kNoFrame;
-  RigidMotion motion;
-  for (const HeldPhyxel &held : heldPhyxels_) {
-    const Fix &fix = conditions.fixes[held.fix];
-    const double s = factor(fix.ramp, t);
-    if (held.fix != present) {
-      motion = motionAt(fix, conditions.held[held.fix], rest_->origin, s);
-      present = held.fix;
-    }
-    const Vec3 X = firstReference(held.phyxel);
-    state_.displacements[held.phyxel] = motion.displacementOf(X) - (rest_->positions[held.phyxel] - X);
-    if (!rates) continue;
-    const bool moving = fix.ramp > 0.0 && t < fix.ramp && !quasiStatic;
-    state_.velocities[held.phyxel] =
-        moving ? Vec3(motionRate(fix, conditions.held[held.fix], rest_->origin, s, X) / fix.ramp) : Vec3(Vec3::Zero());
-  }
-}
-
-std::span<const Vec3> Body::patchTargets(double t) {
-  const BoundaryConditions &conditions = rest_->conditions;
-  Index present = StencilSet::kNoFrame;
-  RigidMotion motion;
-  for (std::size_t p = 0; p < patchPoints_.size(); ++p) {
-    if (fixOfPatch_[p] != present) {
-      present = fixOfPatch_[p];
-      const Fix &fix = conditions.fixes[present];
-      motion = motionAt(fix, conditions.held[present], rest_->origin, factor(fix.ramp, t));
-    }
-    patchTargets_[p] = motion.displacementOf(patchPoints_[p]) - patchShifts_[p];
-  }
-  return patchTargets_;
-}
-
-std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
-  const BoundaryConditions &conditions = rest_->conditions;
-  std::vector<Reaction> out(conditions.fixes.size());
-  for (std::size_t f = 0; f < out.size(); ++f)
-    out[f].centre = conditions.fixes[f].centre.value_or(rest_->origin + conditions.held[f].centroid);
-  const auto add = [&](Index fix, const Vec3 &x, const Vec3 &force) {
-    out[fix].force += force;
-    out[fix].torque += (rest_->origin + x - out[fix].centre).cross(force);
-  };
-  for (const HeldPhyxel &held : heldPhyxels_)
-    add(held.fix, rest_->positions[held.phyxel] + state_.displacements[held.phyxel],
-        -(forces_[held.phyxel] + weights()[held.phyxel] * gravity));
-  for (std::size_t i = 0; i < carriedWeights_.size(); ++i)
-    if (carriedWeights_[i] > 0.0)
-      add(carrier_[i], rest_->positions[i] + state_.displacements[i], -carriedWeights_[i] * gravity);
-  const Csr &rows = patches_.phyxels();
-  for (std::size_t p = 0; p < patches_.rows(); ++p) {
-    // A patch's force acts where its phyxels are, which keeps the torque that the body feels.
-    for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) {
-      const Index j = rows.indices[e];
-      add(fixOfPatch_[p], rest_->positions[j] + state_.displacements[j], patches_.weights()[e] * patches_.forces()[p]);
-    }
-  }
-  // What patches pull at a phyxel that another fix holds is carried by that fix.
-  for (std::size_t p = 0; p < patches_.rows(); ++p)
-    for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) {
-      const Index j = rows.indices[e];
-      if (!heldMask_[j]) continue;
-      const auto holder = std::find_if(heldPhyxels_.begin(), heldPhyxels_.end(),
-                                       [j](const HeldPhyxel &h) { return h.phyxel == j; });
-      add(holder->fix, rest_->positions[j] + state_.displacements[j], -(patches_.weights()[e] * patches_.forces()[p]));
-    }
-  return out;
-}
-
 ElasticEnergy Body::elasticEnergy(std::span<Eigen::Vector2d> perPoint) const {
   return pointbased::elasticEnergy(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_,
                                    state_.history, perPoint);
@@ -338,91 +262,6 @@ std::span<const Vec3> Body::contactVelocities(const ParallelFor &parallelFor) {
   contactVelocities_.resize(rest_->contact.count());
   interpolateField(rest_->contact.binding, state_.velocities, contactVelocities_, parallelFor);
   return contactVelocities_;
-}
-
-void Body::keepState() {
-  // As plain numbers: vectors of Eigen's types are copied one by one, which every step would pay for.
-  const auto copy = [](const std::vector<Vec3> &from, std::vector<Vec3> &to) {
-    to.resize(from.size());
-    if (!from.empty()) std::copy_n(from.front().data(), 3 * from.size(), to.front().data());
-  };
-  copy(state_.displacements, kept_.displacements);
-  copy(state_.velocities, kept_.velocities);
-  kept_.history = state_.history;
-}
-
-void Body::renew(std::shared_ptr<const RestState> rest, State state, const ParallelFor &parallelFor) {
-  const auto moment = [this](std::span<const Vec3> u) {
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t i = 0; i < masses_.size(); ++i)
-      sum += masses_[i] * (rest_->origin - first_->origin + rest_->positions[i] + u[i]);
-    return sum;
-  };
-  Vec3 way = carriedMoment_;
-  for (std::size_t i = 0; i < masses_.size(); ++i) way += masses_[i] * state_.displacements[i];
-  const Vec3 before = moment(state_.displacements);
-  const double deepest = contact.deepest;
-  rest_ = std::move(rest);
-  state_ = std::move(state);
-  layOut();
-  setConstitution(constitution_, parallelFor);
-  // What gravity has done goes on; a centre of mass that the new phyxels miss would show.
-  carriedMoment_ = way + moment(state_.displacements) - before;
-  ++renewals_;
-  contact = ContactMemory();
-  contact.deepest = deepest;
-  forces_.assign(rest_->phyxelCount(), Vec3::Zero());
-  if (rest_->evaluation == Evaluation::stressPoints) {  // they are others
-    grab.reset();
-    grabStatus.reset();
-  }
-  computeGradients(parallelFor);
-  computeElasticStresses(parallelFor);
-  keepState();
-}
-
-void Body::restoreState() {
-  state_ = kept_;
-  contact.clearance.clear();  // what was known of distances may be of the failed step
-  contact.active.clear();
-  patches_.clearForces();
-  forcesCurrent = false;
-}
-
-void Body::reset() {
-  if (rest_ != first_) {
-    rest_ = first_;
-    state_.history = PointHistory();
-    layOut();
-    setConstitution(constitution_, serialFor());
-  }
-  renewals_ = 0;
-  carriedMoment_.setZero();
-  const std::size_t n = rest_->phyxelCount();
-  state_.displacements.assign(n, Vec3::Zero());
-  state_.velocities.assign(n, initialVelocity_);
-  state_.history = PointHistory();
-  state_.history.reset(constitution_, rest_->pointCount(), !rest_->stencils.modes.empty());
-  relaxedModes_.clear();
-  if (!initialAngularVelocity_.isZero()) {
-    Vec3 centre = Vec3::Zero();
-    for (std::size_t i = 0; i < n; ++i) centre += masses_[i] * rest_->positions[i];
-    centre /= totalMass();
-    for (std::size_t i = 0; i < n; ++i)
-      state_.velocities[i] += initialAngularVelocity_.cross(rest_->positions[i] - centre);
-  }
-  for (const HeldPhyxel &held : heldPhyxels_) state_.velocities[held.phyxel].setZero();
-  forces_.assign(n, Vec3::Zero());
-  std::fill(gradients_.begin(), gradients_.end(), Mat3::Identity());
-  std::fill(stresses_.begin(), stresses_.end(), Mat3::Zero());
-  tangentRatio_ = 1.0;
-  patches_.clearForces();
-  contact = ContactMemory();
-  stopped.clear();
-  grab.reset();
-  grabStatus.reset();
-  forcesCurrent = false;
-  keepState();
 }
 
 }  // namespace pointbased

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a body comes from: its initial state, the state before a step, a renewed reference.
+#include <algorithm>
+
+#include "pointbased/body.h"
+
+namespace pointbased {
+
+void Body::setInitialVelocity(const Vec3 &velocity, const Vec3 &angularVelocity) {
+  initialVelocity_ = velocity;
+  initialAngularVelocity_ = angularVelocity;
+  reset();
+}
+
+void Body::keepState() {
+  // As plain numbers: vectors of Eigen's types are copied one by one, which every step would pay for.
+  const auto copy = [](const std::vector<Vec3> &from, std::vector<Vec3> &to) {
+    to.resize(from.size());
+    if (!from.empty()) std::copy_n(from.front().data(), 3 * from.size(), to.front().data());
+  };
+  copy(state_.displacements, kept_.displacements);
+  copy(state_.velocities, kept_.velocities);
+  kept_.history = state_.history;
+}
+
+void Body::renew(std::shared_ptr<const RestState> rest, State state, const ParallelFor &parallelFor) {
+  const auto moment = [this](std::span<const Vec3> u) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < masses_.size(); ++i)
+      sum += masses_[i] * (rest_->origin - first_->origin + rest_->positions[i] + u[i]);
+    return sum;
+  };
+  Vec3 way = carriedMoment_;
+  for (std::size_t i = 0; i < masses_.size(); ++i) way += masses_[i] * state_.displacements[i];
+  const Vec3 before = moment(state_.displacements);
+  const double deepest = contact.deepest;
+  rest_ = std::move(rest);
+  state_ = std::move(state);
+  layOut();
+  setConstitution(constitution_, parallelFor);
+  // What gravity has done goes on; a centre of mass that the new phyxels miss would show.
+  carriedMoment_ = way + moment(state_.displacements) - before;
+  ++renewals_;
+  contact = ContactMemory();
+  contact.deepest = deepest;
+  forces_.assign(rest_->phyxelCount(), Vec3::Zero());
+  if (rest_->evaluation == Evaluation::stressPoints) {  // they are others
+    grab.reset();
+    grabStatus.reset();
+  }
+  computeGradients(parallelFor);
+  computeElasticStresses(parallelFor);
+  keepState();
+}
+
+void Body::restoreState() {
+  state_ = kept_;
+  contact.clearance.clear();  // what was known of distances may be of the failed step
+  contact.active.clear();
+  patches_.clearForces();
+  forcesCurrent = false;
+}
+
+void Body::reset() {
+  if (rest_ != first_) {
+    rest_ = first_;
+    state_.history = PointHistory();
+    layOut();
+    setConstitution(constitution_, serialFor());
+  }
+  renewals_ = 0;
+  carriedMoment_.setZero();
+  const std::size_t n = rest_->phyxelCount();
+  state_.displacements.assign(n, Vec3::Zero());
+  state_.velocities.assign(n, initialVelocity_);
+  state_.history = PointHistory();
+  state_.history.reset(constitution_, rest_->pointCount(), !rest_->stencils.modes.empty());
+  relaxedModes_.clear();
+  if (!initialAngularVelocity_.isZero()) {
+    Vec3 centre = Vec3::Zero();
+    for (std::size_t i = 0; i < n; ++i) centre += masses_[i] * rest_->positions[i];
+    centre /= totalMass();
+    for (std::size_t i = 0; i < n; ++i)
+      state_.velocities[i] += initialAngularVelocity_.cross(rest_->positions[i] - centre);
+  }
+  for (const HeldPhyxel &held : heldPhyxels_) state_.velocities[held.phyxel].setZero();
+  forces_.assign(n, Vec3::Zero());
+  std::fill(gradients_.begin(), gradients_.end(), Mat3::Identity());
+  std::fill(stresses_.begin(), stresses_.end(), Mat3::Zero());
+  tangentRatio_ = 1.0;
+  patches_.clearForces();
+  contact = ContactMemory();
+  stopped.clear();
+  grab.reset();
+  grabStatus.reset();
+  forcesCurrent = false;
+  keepState();
+}
+
+}  // namespace pointbased

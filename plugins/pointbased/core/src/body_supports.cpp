@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What holds a body: where its supports lead, and what they exert.
+#include <algorithm>
+
+#include "pointbased/body.h"
+
+namespace pointbased {
+
+void Body::placeHeld(double t, bool rates) {
+  const BoundaryConditions &conditions = rest_->conditions;
+  Index present = StencilSet::kNoFrame;
+  RigidMotion motion;
+  for (const HeldPhyxel &held : heldPhyxels_) {
+    const Fix &fix = conditions.fixes[held.fix];
+    const double s = factor(fix.ramp, t);
+    if (held.fix != present) {
+      motion = motionAt(fix, conditions.held[held.fix], rest_->origin, s);
+      present = held.fix;
+    }
+    const Vec3 X = firstReference(held.phyxel);
+    state_.displacements[held.phyxel] = motion.displacementOf(X) - (rest_->positions[held.phyxel] - X);
+    if (!rates) continue;
+    const bool moving = fix.ramp > 0.0 && t < fix.ramp && !quasiStatic;
+    state_.velocities[held.phyxel] =
+        moving ? Vec3(motionRate(fix, conditions.held[held.fix], rest_->origin, s, X) / fix.ramp) : Vec3(Vec3::Zero());
+  }
+}
+
+std::span<const Vec3> Body::patchTargets(double t) {
+  const BoundaryConditions &conditions = rest_->conditions;
+  Index present = StencilSet::kNoFrame;
+  RigidMotion motion;
+  for (std::size_t p = 0; p < patchPoints_.size(); ++p) {
+    if (fixOfPatch_[p] != present) {
+      present = fixOfPatch_[p];
+      const Fix &fix = conditions.fixes[present];
+      motion = motionAt(fix, conditions.held[present], rest_->origin, factor(fix.ramp, t));
+    }
+    patchTargets_[p] = motion.displacementOf(patchPoints_[p]) - patchShifts_[p];
+  }
+  return patchTargets_;
+}
+
+std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
+  const BoundaryConditions &conditions = rest_->conditions;
+  std::vector<Reaction> out(conditions.fixes.size());
+  for (std::size_t f = 0; f < out.size(); ++f)
+    out[f].centre = conditions.fixes[f].centre.value_or(rest_->origin + conditions.held[f].centroid);
+  const auto add = [&](Index fix, const Vec3 &x, const Vec3 &force) {
+    out[fix].force += force;
+    out[fix].torque += (rest_->origin + x - out[fix].centre).cross(force);
+  };
+  for (const HeldPhyxel &held : heldPhyxels_)
+    add(held.fix, rest_->positions[held.phyxel] + state_.displacements[held.phyxel],
+        -(forces_[held.phyxel] + weights()[held.phyxel] * gravity));
+  for (std::size_t i = 0; i < carriedWeights_.size(); ++i)
+    if (carriedWeights_[i] > 0.0)
+      add(carrier_[i], rest_->positions[i] + state_.displacements[i], -carriedWeights_[i] * gravity);
+  const Csr &rows = patches_.phyxels();
+  for (std::size_t p = 0; p < patches_.rows(); ++p) {
+    // A patch's force acts where its phyxels are, which keeps the torque that the body feels.
+    for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) {
+      const Index j = rows.indices[e];
+      add(fixOfPatch_[p], rest_->positions[j] + state_.displacements[j], patches_.weights()[e] * patches_.forces()[p]);
+    }
+  }
+  // What patches pull at a phyxel that another fix holds is carried by that fix.
+  for (std::size_t p = 0; p < patches_.rows(); ++p)
+    for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) {
+      const Index j = rows.indices[e];
+      if (!heldMask_[j]) continue;
+      const auto holder = std::find_if(heldPhyxels_.begin(), heldPhyxels_.end(),
+                                       [j](const HeldPhyxel &h) { return h.phyxel == j; });
+      add(holder->fix, rest_->positions[j] + state_.displacements[j], -(patches_.weights()[e] * patches_.forces()[p]));
+    }
+  return out;
+}
+
+}  // namespace pointbased
