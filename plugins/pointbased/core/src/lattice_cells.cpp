@@ -2,7 +2,7 @@
 // Which cells of the lattice hold something of the body, and how they are refined.
 #include <numbers>
 
-#include "lattice_grid.h"
+#include "lattice_samples.h"
 
 namespace pointbased::lattice {
 namespace {
@@ -174,81 +174,9 @@ bool meets(const Region &region, const Frame &frame, const Vec3 &centre, double 
   for (int x = -2; x <= 2; ++x)
     for (int y = -2; y <= 2; ++y)
       for (int z = -2; z <= 2; ++z)
-        if (signedDistance(region, frame.world(centre + 0.25 * (1.0 - 1e-6) * edge * Vec3(x, y, z))) <= 0.0) return true;
+        if (signedDistance(region, frame.world(centre + 0.25 * (1.0 - 1e-6) * edge * Vec3(x, y, z))) <= 0.0)
+          return true;
   return false;
-}
-
-// Signed distances of the samples. Two neighbours whose distances sum to more than the way between them lie on the same
-// side, so one question per group of them decides.
-void sampleCells(const Questions &ask, const CellSet &set, std::span<const Cell> cells, std::span<Samples> out,
-                 const ParallelFor &parallelFor) {
-  constexpr std::size_t kCellsPerBatch = 64;
-  parallelFor(cells.size(), kCellsPerBatch, [&](std::size_t begin, std::size_t end) {
-    std::vector<Vec3> points, representatives;
-    std::vector<double> distances;
-    std::vector<std::uint8_t> group, answers;
-    for (std::size_t first = begin; first < end; first += kCellsPerBatch) {
-      const std::size_t count = std::min(kCellsPerBatch, end - first);
-      points.resize(count * kSamples);
-      for (std::size_t i = 0; i < count; ++i) {
-        const Vec3 centre = set.centre(cells[first + i]);
-        const double edge = set.edge(cells[first + i]);
-        for (int s = 0; s < kSamples; ++s)
-          points[i * kSamples + static_cast<std::size_t>(s)] = centre + edge * sampleOffset(s);
-      }
-      if (!ask.measures()) {
-        answers.resize(points.size());
-        ask.inside(points, answers);
-        for (std::size_t i = 0; i < count; ++i) {
-          const double edge = set.edge(cells[first + i]);
-          for (std::size_t s = 0; s < kSamples; ++s) out[first + i][s] = answers[i * kSamples + s] != 0 ? -edge : edge;
-        }
-        continue;
-      }
-      distances.resize(points.size());
-      ask.distances(points, distances);
-      representatives.clear();
-      group.assign(points.size(), 255);
-      std::vector<std::size_t> firstGroup(count + 1, 0);
-      for (std::size_t i = 0; i < count; ++i) {
-        const double reach = 1.001 * set.edge(cells[first + i]) / kSamplesPerAxis;
-        const double *d = distances.data() + i * kSamples;
-        std::uint8_t *g = group.data() + i * kSamples;
-        std::uint8_t groups = 0;
-        firstGroup[i] = representatives.size();
-        for (int seed = 0; seed < kSamples; ++seed) {
-          if (g[seed] != 255) continue;
-          int best = seed;
-          std::array<int, kSamples> stack{};
-          int top = 0;
-          stack[static_cast<std::size_t>(top++)] = seed;
-          g[seed] = groups;
-          while (top > 0) {
-            const int s = stack[static_cast<std::size_t>(--top)];
-            if (d[s] > d[best]) best = s;
-            for (int axis = 0; axis < 3; ++axis)
-              for (int sign = -1; sign <= 1; sign += 2) {
-                const int to = sampleCoordinate(s, axis) + sign;
-                if (to < 0 || to >= kSamplesPerAxis) continue;
-                const int t = s + sign * (1 << (2 * axis));
-                if (g[t] != 255 || d[s] + d[t] <= reach) continue;
-                g[t] = groups;
-                stack[static_cast<std::size_t>(top++)] = t;
-              }
-          }
-          representatives.push_back(points[i * kSamples + static_cast<std::size_t>(best)]);
-          ++groups;
-        }
-      }
-      answers.resize(representatives.size());
-      ask.inside(representatives, answers);
-      for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t s = 0; s < kSamples; ++s) {
-          const double d = distances[i * kSamples + s];
-          out[first + i][s] = answers[firstGroup[i] + group[i * kSamples + s]] != 0 ? -d : d;
-        }
-    }
-  });
 }
 
 int levelsNeeded(const LatticeSampling &sampling, double spacing) {
@@ -272,7 +200,8 @@ Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &samplin
   set.frame.levels = levelsNeeded(sampling, spacing);
   const Frame &frame = set.frame;
   const std::int32_t most = std::max({frame.n[0], frame.n[1], frame.n[2]});
-  if (frame.levels > 15 || (static_cast<std::int64_t>(most) << frame.levels) >= (1 << 20)) return tl::unexpected(tooMany());
+  if (frame.levels > 15 || (static_cast<std::int64_t>(most) << frame.levels) >= (1 << 20))
+    return tl::unexpected(tooMany());
   const Questions ask(shape, frame);
   set.measured = ask.measures();
 
@@ -297,7 +226,8 @@ Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &samplin
       std::vector<Cell3> split;
       for (const auto &[key, state] : tree.level(l)) {
         const double edge = tree.edge(l);
-        bool wanted = state == State::kCut && sampling.surfaceSpacing > 0.0 && edge > sampling.surfaceSpacing * (1.0 + 1e-6);
+        bool wanted = state == State::kCut && sampling.surfaceSpacing > 0.0 &&
+                      edge > sampling.surfaceSpacing * (1.0 + 1e-6);
         for (const Refinement &r : sampling.refinements) {
           if (wanted) break;
           wanted = edge > r.spacing * (1.0 + 1e-6) && meets(r.region, frame, tree.centre(l, Tree::place(key)), edge);
@@ -356,7 +286,8 @@ Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &samplin
   return set;
 }
 
-std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampling, double spacing, const ParallelFor &parallelFor) {
+std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampling, double spacing,
+                            const ParallelFor &parallelFor) {
   const Frame frame = frameOver(shape, sampling, spacing);
   const Questions ask(shape, frame);
   const auto states = scan(ask, frame, parallelFor, {});
@@ -384,8 +315,9 @@ std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampl
   for (std::size_t i = 0; i < cut.size(); ++i) {
     double share = 0.0;
     for (std::size_t c = 8 * i; c < 8 * i + 8; ++c)
-      share += ask.measures() ? std::clamp(0.5 + (inside[c] != 0 ? distances[c] : -distances[c]) / (0.5 * spacing), 0.0, 1.0)
-                              : static_cast<double>(inside[c]);
+      share += ask.measures()
+                   ? std::clamp(0.5 + (inside[c] != 0 ? distances[c] : -distances[c]) / (0.5 * spacing), 0.0, 1.0)
+                   : static_cast<double>(inside[c]);
     holds[cut[i]] = share > 0.08 ? 1 : 0;
   }
   const std::size_t cx = nx + 1, cy = ny + 1;

@@ -2,70 +2,13 @@
 #include "lattice_parts.h"
 
 #include <bit>
+#include <tuple>
 
 #include "disjoint_sets.h"
+#include "lattice_samples.h"
 
 namespace pointbased::lattice {
 namespace {
-
-constexpr int kNoSample = -1;
-
-struct Place {
-  Index cell = kNone;
-  int sample = kNoSample;
-  [[nodiscard]] bool found() const { return sample != kNoSample; }
-};
-
-// Ways through the body that only the shape can decide, asked together.
-class CrossingQuestions {
- public:
-  CrossingQuestions(const BodyShape &shape, const CellSet &set) : shape_(shape), set_(set) {}
-  void add(const Place &from, const Place &to) {
-    from_.push_back(world(from));
-    to_.push_back(world(to));
-  }
-  [[nodiscard]] std::vector<std::uint8_t> ask(const ParallelFor &parallelFor) const {
-    std::vector<std::uint8_t> crosses(from_.size());
-    parallelFor(from_.size(), 1024, [&](std::size_t begin, std::size_t end) {
-      shape_.crosses(std::span<const Vec3>(from_).subspan(begin, end - begin),
-                     std::span<const Vec3>(to_).subspan(begin, end - begin),
-                     std::span<std::uint8_t>(crosses).subspan(begin, end - begin));
-    });
-    return crosses;
-  }
-
- private:
-  [[nodiscard]] Vec3 world(const Place &place) const {
-    const Cell &c = set_.cells[place.cell];
-    return set_.frame.world(set_.centre(c) + set_.edge(c) * sampleOffset(place.sample));
-  }
-  const BodyShape &shape_;
-  const CellSet &set_;
-  std::vector<Vec3> from_, to_;
-};
-
-// What the samples of one cell know.
-struct View {
-  const Samples *distances = nullptr;  // none: full
-  double edge = 0.0;
-  bool measured = true;
-
-  [[nodiscard]] double share(int s) const {
-    return distances == nullptr ? 1.0 : shareOf((*distances)[static_cast<std::size_t>(s)], edge / kSamplesPerAxis);
-  }
-  [[nodiscard]] bool connects(int s) const { return share(s) > kConnectingShare; }
-  [[nodiscard]] bool inside(int s) const { return distances == nullptr || (*distances)[static_cast<std::size_t>(s)] < 0.0; }
-  // How far the surface is at least from a sample inside.
-  [[nodiscard]] double depth(int s) const {
-    if (distances == nullptr) return std::max(0.0, edge * (0.5 * std::sqrt(3.0) - sampleOffset(s).norm()));
-    return measured ? std::max(0.0, -(*distances)[static_cast<std::size_t>(s)]) : 0.0;
-  }
-};
-
-View viewOf(const CellSet &set, std::size_t cell) {
-  const Cell &c = set.cells[cell];
-  return {c.samples == kNone ? nullptr : &set.samples[c.samples], set.edge(c), set.measured};
-}
 
 // Groups of samples in one cell.
 struct Groups {
@@ -80,50 +23,6 @@ struct Groups {
     of[static_cast<std::size_t>(std::max(a, b))] = static_cast<std::int8_t>(std::min(a, b));
   }
 };
-
-// The sample next to one, in its own cell or in the one behind the face.
-Place neighbourOf(const CellSet &set, const Place &place, int axis, int sign) {
-  const int to = sampleCoordinate(place.sample, axis) + sign;
-  if (to >= 0 && to < kSamplesPerAxis) return {place.cell, place.sample + sign * (1 << (2 * axis))};
-  const Cell &cell = set.cells[place.cell];
-  // In eighths of the finest cells, the middle of the small cell behind the face.
-  Cell3 at{};
-  for (int a = 0; a < 3; ++a)
-    at[static_cast<std::size_t>(a)] = 8 * cell.at[static_cast<std::size_t>(a)] +
-                                      (2 * sampleCoordinate(place.sample, a) + 1 + (a == axis ? 2 * sign : 0)) * cell.size;
-  const auto floored = [](std::int32_t value) { return value < 0 ? -1 : value / 8; };
-  const Index other = set.index.holding({floored(at[0]), floored(at[1]), floored(at[2])});
-  if (other == kNone) return {};
-  const Cell &behind = set.cells[other];
-  int sample = 0;
-  for (int a = 0; a < 3; ++a) {
-    const std::int32_t within = at[static_cast<std::size_t>(a)] - 8 * behind.at[static_cast<std::size_t>(a)];
-    sample |= std::clamp(within / (2 * behind.size), 0, kSamplesPerAxis - 1) << (2 * a);
-  }
-  return {other, sample};
-}
-
-// The sample inside that a sample outside leads down to; not found: it ends outside.
-Place rootOf(const CellSet &set, Place place) {
-  for (View view = viewOf(set, place.cell); !view.inside(place.sample); view = viewOf(set, place.cell)) {
-    Place deepest = place;
-    double least = (*view.distances)[static_cast<std::size_t>(place.sample)];
-    for (int axis = 0; axis < 3; ++axis)
-      for (int sign = -1; sign <= 1; sign += 2) {
-        const Place next = neighbourOf(set, place, axis, sign);
-        if (!next.found()) continue;
-        const View there = viewOf(set, next.cell);
-        const double distance =
-            there.distances == nullptr ? -there.edge : (*there.distances)[static_cast<std::size_t>(next.sample)];
-        if (distance >= least || !there.connects(next.sample)) continue;
-        least = distance;
-        deepest = next;
-      }
-    if (deepest.cell == place.cell && deepest.sample == place.sample) return {};
-    place = deepest;
-  }
-  return place;
-}
 
 struct OpenPair {
   Index cell;
@@ -145,7 +44,8 @@ void forOpenPairs(const View &view, const Groups &groups, bool bothInside, const
   }
 }
 
-void groupSamples(const CellSet &set, const BodyShape &shape, std::vector<Groups> &groups, const ParallelFor &parallelFor) {
+void groupSamples(const CellSet &set, const BodyShape &shape, std::vector<Groups> &groups,
+                  const ParallelFor &parallelFor) {
   const bool asks = static_cast<bool>(shape.crosses);
   std::vector<Index> cut;
   for (std::size_t c = 0; c < set.cells.size(); ++c)
@@ -259,7 +159,8 @@ FacingSamples facing(const CellSet &set, const Cell &a, const Cell &b, int face)
       const int sample = ((up != 0 ? kSamplesPerAxis - 1 : 0) << (2 * axis)) | p << (2 * u) | q << (2 * v);
       const auto other = [&](int along, int at) {
         if (same) return at;
-        const std::int32_t shift = (a.at[static_cast<std::size_t>(along)] - b.at[static_cast<std::size_t>(along)]) / a.size;
+        const std::int32_t shift =
+            (a.at[static_cast<std::size_t>(along)] - b.at[static_cast<std::size_t>(along)]) / a.size;
         return (shift * kSamplesPerAxis + at) / 2;
       };
       const int opposite =
@@ -339,7 +240,9 @@ void linkParts(const CellSet &set, const BodyShape &shape, PartSet &result, cons
   std::vector<Link> clear;
   for (std::size_t i = 0; i < open.size(); ++i)
     if (crosses[i] == 0) clear.push_back(open[i]);
-  const auto order = [](const Link &a, const Link &b) { return std::tie(a.a, a.b, a.face) < std::tie(b.a, b.b, b.face); };
+  const auto order = [](const Link &a, const Link &b) {
+    return std::tie(a.a, a.b, a.face) < std::tie(b.a, b.b, b.face);
+  };
   std::sort(clear.begin(), clear.end(), order);
   const auto same = [&](const Link &a, const Link &b) { return !order(a, b) && !order(b, a); };
   clear.erase(std::unique(clear.begin(), clear.end(), same), clear.end());
