@@ -36,13 +36,13 @@ struct GuardGlance {
 /// Of a state that is not finite, in the sense of GuardGlance: the first phyxel whose displacement or velocity is not.
 [[nodiscard]] GuardFinding firstNonFinite(const Body &body);
 
-/// Watches the energy of a body that nothing drives: it may not grow. Asked every kEnergyInterval steps, because energies
-/// cost about half a force evaluation.
+/// Watches the energy of a body that nothing drives: it may not grow. Asked every kEnergyInterval steps, because
+/// energies cost about half a force evaluation.
 class EnergyWatch {
  public:
   static constexpr std::uint64_t kEnergyInterval = 128;
-  /// Part of the larger of kinetic and elastic energy that the sum may grow by between two looks: velocity Verlet moves it
-  /// by (ω dt)²/4 at most 16 % of the fastest mode's share, contact by what leads out of a penetration.
+  /// Part of the larger of kinetic and elastic energy that the sum may grow by between two looks: velocity Verlet moves
+  /// it by (ω dt)²/4 at most 16 % of the fastest mode's share, contact by what leads out of a penetration.
   static constexpr double kGrowth = 0.25;
 
   /// @param driven  loads that change, moving supports or obstacles, a hand: then the energy may grow

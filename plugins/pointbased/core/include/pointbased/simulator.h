@@ -39,9 +39,9 @@ struct StepFailure {
 /// Bodies, obstacles and the clock. Composes the stages of a step from what the scene has: no viscous stage without
 /// viscosity, no contact without obstacle or box; surfels move when somebody asks.
 ///
-/// The guard checks every body after every step. A body that has left the finite numbers or gained energy goes back to the
-/// state before the step and tries smaller ones; where that does not help it stops there, with an event that names the
-/// phyxel, the quantity and the setting that would help, and the others go on.
+/// The guard checks every body after every step. A body that has left the finite numbers or gained energy goes back to
+/// the state before the step and tries smaller ones; where that does not help it stops there, with an event that names
+/// the phyxel, the quantity and the setting that would help, and the others go on.
 ///
 /// One thread at a time. The same bits for any number of threads behind parallelFor.
 class Simulator {
@@ -50,8 +50,9 @@ class Simulator {
   ~Simulator();
 
   [[nodiscard]] const WorldSettings &world() const { return world_; }
-  /// Any time between two steps; positions, velocities and plastic state stay. A change to a quasi-static solution begins at
-  /// load factor 0; a change from one goes on at the time at which every ramp is over that the load factor had passed.
+  /// Any time between two steps; positions, velocities and plastic state stay. A change to a quasi-static solution
+  /// begins at load factor 0; a change from one goes on at the time at which every ramp is over that the load factor
+  /// had passed.
   void setWorld(const WorldSettings &world);
 
   /// Ids stay valid until the body is removed; they are not reused.
@@ -75,8 +76,8 @@ class Simulator {
   /// Material of a body while it runs; forces and the step follow.
   void setConstitution(std::size_t body, Constitution constitution);
 
-  /// One step of the present size: explicit in the substeps that stability needs, up to 10 000 (then time goes on by what is
-  /// done). Refused when every body has stopped. Quasi-static: one load increment; nothing when finished().
+  /// One step of the present size: explicit in the substeps that stability needs, up to 10 000 (then time goes on by
+  /// what is done). Refused when every body has stopped. Quasi-static: one load increment; nothing when finished().
   [[nodiscard]] tl::expected<void, StepFailure> step();
   /// To the initial state of everything, bit for bit; time 0, nothing grabbed.
   void reset();
