@@ -42,7 +42,6 @@ constexpr Known kKnown[] = {
     {"turned 30° about y", "tip_mean_u_z", "cut cells oblique to the bending"},
     {"round bar, small twist, 6 layers", "torque", kTwist},
     {"square bar, small twist, 4 and 8 layers", "order", "of errors of 0.3 and 0.1 %"},
-    {"1.25 mm at the contact", "force", "points of contact on a mesh finer than the cells"},
     {"free cube, 6 layers", "Lamé", kSquare},
     {"free ball", "inertia", kCoarseBall},
     {"free ball", "torsional", kCoarseBall},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pointbased/contact.h"
 
@@ -9,6 +10,7 @@ namespace {
 
 // What a body begins inside is led out at this speed.
 constexpr double kRecoverySpeed = 0.1;  // m/s
+constexpr double kTrace = 1e-6;          // spacings
 
 struct Penalised {
   double gap = 0.0;          // m
@@ -30,7 +32,8 @@ Penalised penalised(const ContactPoints &points, const ContactPenalty &penalty, 
   const double normal = way.dot(contact.normal);
   out.gap = contact.gap + contact.allowance + normal;
   out.shear = contact.shear + way - normal * contact.normal;
-  out.k = penalty.stiffness * points.areas[contact.point] / penalty.spacing;
+  const double spacing = points.spacings.empty() ? penalty.spacing : points.spacings[contact.point];
+  out.k = penalty.stiffness * points.areas[contact.point] / spacing;
   out.grip = contact.friction * contact.normalForce;
   out.elastic = out.k > 0.0 ? out.grip / out.k : 0.0;
   return out;
@@ -136,6 +139,37 @@ void addContactTriplets(const ContactPoints &points, const ContactMemory &memory
   }
 }
 
+namespace {
+
+// Force on every point; returns the sum of what presses.
+double forcesOnPoints(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                      std::span<const Vec3> now, const ContactMemory &memory, std::vector<Vec3> &out) {
+  out.assign(points.count(), Vec3::Zero());
+  double pressing = 0.0;
+  for (const Contact &contact : memory.active) {
+    const Penalised s = penalised(points, penalty, contact, start, now);
+    out[contact.point] += forceOf(s, contact.normal);
+    pressing += s.k * std::max(0.0, -s.gap);
+  }
+  return pressing;
+}
+
+}  // namespace
+
+void ContactForces::tell(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                         std::span<const Vec3> now, const ContactMemory &memory) {
+  (void)forcesOnPoints(points, penalty, start, now, memory, then_);
+}
+
+double ContactForces::changeTo(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                               std::span<const Vec3> now, const ContactMemory &memory) {
+  const double pressing = forcesOnPoints(points, penalty, start, now, memory, now_);
+  double change = 0.0;
+  for (std::size_t p = 0; p < now_.size(); ++p) change += (now_[p] - then_[p]).norm();
+  if (change == 0.0) return 0.0;
+  return pressing > 0.0 ? change / pressing : std::numeric_limits<double>::infinity();
+}
+
 void updateNormalForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                         std::span<const Vec3> now, ContactMemory &memory) {
   for (Contact &contact : memory.active) {
@@ -151,7 +185,9 @@ void finishContactStage(const ContactPoints &points, const ContactPenalty &penal
     const Penalised s = penalised(points, penalty, contact, start, now);
     const double size = s.shear.norm();
     contact.shear = size > s.elastic ? Vec3(s.elastic / size * s.shear) : s.shear;
-    contact.allowance = std::max(0.0, contact.allowance - kRecoverySpeed * penalty.h);
+    // A trace is left, so that the step which leads it out of the last of it knows that it does.
+    const double left = contact.allowance - kRecoverySpeed * penalty.h, trace = kTrace * penalty.spacing;
+    contact.allowance = left > trace ? left : contact.allowance > trace ? trace : 0.0;
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 #include "pointbased/contact.h"
@@ -63,6 +64,21 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing) {
                            .cross(surface.positions[corners[2]] - surface.positions[corners[0]])
                            .normalized();
     }
+  }
+  return out;
+}
+
+ContactPoints carriedContact(SurfacePoints chosen, Interpolation binding, std::span<const Vec3> phyxels, double spacing) {
+  ContactPoints out{std::move(binding), std::move(chosen.normals), std::move(chosen.areas), {}};
+  out.spacings.assign(out.count(), spacing);
+  for (std::size_t p = 0; p < out.count(); ++p) {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (Index e = out.binding.phyxels.offsets[p]; e < out.binding.phyxels.offsets[p + 1]; ++e) {
+      low = low.cwiseMin(phyxels[out.binding.phyxels.indices[e]]);
+      high = high.cwiseMax(phyxels[out.binding.phyxels.indices[e]]);
+    }
+    const double size = (high - low).maxCoeff();
+    if (size > 0.0 && size < spacing) out.spacings[p] = spacing * std::exp2(-std::round(std::log2(spacing / size)));
   }
   return out;
 }

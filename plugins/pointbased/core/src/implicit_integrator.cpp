@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "pointbased/integrators.h"
 
@@ -12,7 +13,13 @@ namespace {
 constexpr double kContactStiffness = 30.0;
 constexpr double kContactMargin = 0.02;  // spacings
 constexpr int kContactRounds = 4;        // solutions of a stage until no point meets a surface that was not known
+constexpr double kRough = 100.0;        // tolerances within which a solution already tells what the contacts are
+constexpr double kSettled = 1e-2;        // change of the contact forces that is left to the next stage, of all that presses
 constexpr int kFlowRounds = 30;          // of a static equilibrium with plastic flow
+constexpr int kHoldingRounds = 200;       // of a static equilibrium of what only contact holds
+constexpr double kStride = 0.5;          // spacings that it may move in one of them
+constexpr double kHoldMore = 8.0;        // times the inertia after one that went too far or was not solved
+constexpr double kLeaning = 1e-3;        // part of the loads that may still lean on inertia
 
 std::string number(double value) {
   char text[40];
@@ -65,6 +72,10 @@ class StageProblem final : public Equilibrium {
     contact_ = env.contact() && body.rest().contact.count() > 0;
     penalty_ = {kContactStiffness * largestModulus(c), body.rest().spacing, stage.contactSpan};
     start_ = body.state().displacements;
+    double volume = 0.0, modulus = 0.0;
+    for (const double v : body.rest().volumes) volume += v;
+    for (const Material &m : c.materials) modulus = std::max(modulus, m.waveModulus());
+    roundOff_ = std::numeric_limits<double>::epsilon() * modulus * volume;
     (void)body.patchTargets(stage.end);
   }
 
@@ -112,6 +123,9 @@ class StageProblem final : public Equilibrium {
     }
     return sum;
   }
+
+  // Laws tell the energy by terms of the size of their moduli, however small the strain.
+  [[nodiscard]] double roundOff() const override { return roundOff_; }
 
   void gradient(std::span<Vec3> out) override {
     State &state = body_.state();
@@ -224,7 +238,7 @@ class StageProblem final : public Equilibrium {
   bool followers_ = false, dissipative_ = false, contact_ = false, workCurrent_ = false;
   std::vector<Vec3> dead_, work_, start_, forces_;
   std::vector<Vec3> reference_, referenceWork_;
-  double referenceEnergy_ = 0.0;
+  double referenceEnergy_ = 0.0, roundOff_ = 0.0;
   ContactPenalty penalty_;
   TangentScratch scratch_;
   std::vector<Eigen::Triplet<double>> triplets_;
@@ -253,44 +267,12 @@ std::string explain(const Body &body, const NewtonResult &result) {
          number(1000.0 * result.lastStep) + " mm)";
 }
 
-// Solves a stage with its contacts; body.state() is the end of it. `from` is the time at which the planes are looked for.
-NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage, double from,
-                        const std::function<bool()> &goOn) {
-  const bool contact = env.contact() && body.rest().contact.count() > 0;
-  const ParallelFor &parallelFor = *env.parallelFor;
-  StageProblem problem(body, env, stage);
-  const NewtonSettings settings = settingsOf(body, env, stage.h <= 0.0);
-  const std::vector<Vec3> start = body.state().displacements, startVelocities = body.state().velocities;
-  std::vector<Vec3> u = start;
-  if (stage.h > 0.0)
-    for (std::size_t i = 0; i < u.size(); ++i) u[i] = stage.p[i] + stage.h * stage.q[i];
-  // Held phyxels and whatever they carry start where they have to be.
-  body.placeHeld(stage.end, false);
-  for (std::size_t i = 0; i < u.size(); ++i)
-    if (!body.heldMask().empty() && body.heldMask()[i]) u[i] = body.state().displacements[i];
-
-  NewtonResult result;
-  const int rounds = contact ? kContactRounds : 1;
-  for (int round = 0; round < rounds; ++round) {
-    if (contact) {
-      // Looked for along the way that the last solution went.
-      body.state().displacements = start;
-      for (std::size_t i = 0; i < u.size(); ++i)
-        body.state().velocities[i] = stage.contactSpan > 0.0 ? Vec3((u[i] - start[i]) / stage.contactSpan) : Vec3(Vec3::Zero());
-      const std::size_t before = body.contact.active.size();
-      findContacts(env.obstacles, env.box, from, stage.contactSpan, kContactMargin * body.rest().spacing,
-                   body.contactPositions(parallelFor), body.contactVelocities(parallelFor), body.rest().contact.radii,
-                   body.contact, parallelFor);
-      if (round > 1 && body.contact.active.size() == before) break;
-    }
-    const auto watch = [&](const NewtonResult &) { return !goOn || goOn(); };
-    env.clock->measure(kSolve, [&] { result = solver.solve(problem, u, settings, watch); });
-    if (!result.good()) break;
-    if (contact) updateNormalForces(body.rest().contact, problem.penalty(), start, u, body.contact);
-  }
-  (void)problem.moveTo(u);
-  if (contact && result.good()) finishContactStage(body.rest().contact, problem.penalty(), start, u, body.contact);
-  return result;
+void addWork(const NewtonResult &solved, NewtonResult &sum) {
+  const int iterations = sum.iterations, linear = sum.linearIterations, factorisations = sum.factorisations;
+  sum = solved;
+  sum.iterations += iterations;
+  sum.linearIterations += linear;
+  sum.factorisations += factorisations;
 }
 
 // Points that press on something, ascending.
@@ -299,6 +281,125 @@ std::vector<Index> touching(const ContactMemory &contact) {
   for (const Contact &c : contact.active)
     if (c.normalForce > 0.0 && (points.empty() || points.back() != c.point)) points.push_back(c.point);
   return points;
+}
+
+// Where a solution of the stage begins: of the free way and of what else is offered the state of lowest energy. A free way
+// that goes deep into an obstacle is a bad beginning.
+std::vector<Vec3> beginningOf(StageProblem &problem, const std::vector<std::vector<Vec3>> &offers) {
+  std::size_t best = 0;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < offers.size() && offers.size() > 1; ++k) {
+    const double energy = problem.moveTo(offers[k]) ? problem.energy() : std::numeric_limits<double>::infinity();
+    if (!(energy < lowest)) continue;
+    lowest = energy;
+    best = k;
+  }
+  return offers[best];
+}
+
+// Solves a stage with its contacts; body.state() is the end of it. `from` is the time at which the planes are looked for.
+// `goesOn`: asked when the contacts are about known; false: the stage is given up unfinished.
+NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage, double from,
+                        const std::function<bool()> &goOn, std::span<const Vec3> offer = {},
+                        const std::function<bool()> &goesOn = {}) {
+  const bool contact = env.contact() && body.rest().contact.count() > 0;
+  const ParallelFor &parallelFor = *env.parallelFor;
+  StageProblem problem(body, env, stage);
+  const NewtonSettings settings = settingsOf(body, env, stage.h <= 0.0);
+  const std::vector<Vec3> start = body.state().displacements;
+  std::vector<Vec3> u = start;
+  if (stage.h > 0.0)
+    for (std::size_t i = 0; i < u.size(); ++i) u[i] = stage.p[i] + stage.h * stage.q[i];
+  // Held phyxels and whatever they carry start where they have to be.
+  body.placeHeld(stage.end, false);
+  const std::vector<Vec3> placed = body.state().displacements;
+  const auto hold = [&](std::vector<Vec3> &at) {
+    for (std::size_t i = 0; i < at.size(); ++i)
+      if (!body.heldMask().empty() && body.heldMask()[i]) at[i] = placed[i];
+  };
+  hold(u);
+
+  const auto lookAlongTheWay = [&] {
+    body.state().displacements = start;
+    for (std::size_t i = 0; i < u.size(); ++i)
+      body.state().velocities[i] = stage.contactSpan > 0.0 ? Vec3((u[i] - start[i]) / stage.contactSpan) : Vec3(Vec3::Zero());
+    findContacts(env.obstacles, env.box, from, stage.contactSpan, kContactMargin * body.rest().spacing,
+                 body.contactPositions(parallelFor), body.contactVelocities(parallelFor), body.rest().contact.radii,
+                 body.contact, parallelFor);
+  };
+  NewtonResult result;
+  const auto solve = [&](const std::function<bool(const NewtonResult &)> &watch) {
+    env.clock->measure(kSolve, [&] { addWork(solver.solve(problem, u, settings, watch), result); });
+    return result.good();
+  };
+  const auto wanted = [&](const NewtonResult &) { return !goOn || goOn(); };
+  if (!contact) {
+    (void)solve(wanted);
+    (void)problem.moveTo(u);
+    return result;
+  }
+
+  const std::vector<Vec3> freeWay = u;
+  lookAlongTheWay();
+  if (stage.h > 0.0 && !body.contact.active.empty()) {
+    std::vector<std::vector<Vec3>> offers{u, start};
+    if (!offer.empty()) offers.emplace_back(offer.begin(), offer.end());
+    for (std::vector<Vec3> &at : offers) hold(at);
+    u = beginningOf(problem, offers);
+  }
+  const ContactPoints &points = body.rest().contact;
+  ContactMemory &memory = body.contact;
+  std::vector<Contact> kept;
+  ContactForces forces;
+  const auto change = [&] { return forces.changeTo(points, problem.penalty(), start, u, memory); };
+  std::vector<Vec3> solution;  // the last one
+  bool plain = false;
+  for (int round = 0; round < kContactRounds; ++round) {
+    // Half way it is looked whether friction of what presses now is another, or the stage is not to go on: then it is not
+    // worth to go on to the end.
+    bool asked = plain || round > 0, enough = false;
+    const auto look = [&](const NewtonResult &r) {
+      if (!wanted(r)) return false;
+      if (asked || r.iterations == 0 || r.lastStep > kRough * settings.toleranceDisplacement) return true;
+      asked = true;
+      kept = memory.active;
+      forces.tell(points, problem.penalty(), start, u, memory);
+      updateNormalForces(points, problem.penalty(), start, u, memory);
+      enough = (goesOn && !goesOn()) || change() > kSettled;
+      if (!enough) memory.active.swap(kept);
+      return !enough;
+    };
+    const std::size_t before = memory.active.size();
+    if (!solve(look) && !enough) {
+      if (result.outcome == NewtonOutcome::cancelled || result.outcome == NewtonOutcome::notFinite) break;
+      if (!solution.empty()) {
+        // Friction stays that of the solution before.
+        u = solution;
+        result.outcome = NewtonOutcome::converged;
+        break;
+      }
+      if (plain || stage.h <= 0.0) break;
+      // Once more from the free way, to the end.
+      plain = true;
+      u = freeWay;
+      round = -1;
+      continue;
+    }
+    if (!enough) solution = u;
+    result.outcome = NewtonOutcome::converged;
+    // Told anew, with the planes that the solution meets and friction of its normal forces, the forces of contact are
+    // those it was found with, or it is solved again with what they are now.
+    if (!enough) forces.tell(points, problem.penalty(), start, u, memory);
+    updateNormalForces(points, problem.penalty(), start, u, memory);
+    lookAlongTheWay();
+    updateNormalForces(points, problem.penalty(), start, u, memory);
+    if (goesOn && !goesOn()) return result;
+    if (enough) continue;
+    if (change() <= kSettled || (round > 0 && memory.active.size() == before)) break;
+  }
+  (void)problem.moveTo(u);
+  if (result.good()) finishContactStage(body.rest().contact, problem.penalty(), start, u, body.contact);
+  return result;
 }
 
 // Whether a point passes a surface on the straight way from `start` to the present state.
@@ -327,26 +428,32 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
   const std::size_t n = state.displacements.size();
   const std::vector<Vec3> u0 = state.displacements, v0 = state.velocities;
   const ParallelFor &parallelFor = *env.parallelFor;
-  const auto run = [&](const ImplicitStage &stage, double from) { return solveStage(body, solver, env, stage, from, {}); };
   ImplicitResult out;
   ImplicitStage stage;
+  const auto run = [&](double from, const std::function<bool()> &goesOn = {}) {
+    return solveStage(body, solver, env, stage, from, {}, {}, goesOn);
+  };
   // Both second-order schemes continue the forces of a first stage beyond it. Those of an impact do not go on, and would
   // throw the body back with more than its energy: such steps are backward Euler, an inelastic impact.
   const std::vector<Index> touchedBefore = touching(body.contact);
+  const std::vector<Contact> contactsBefore = body.contact.active;
+  bool impact = false;
   const auto backwardEuler = [&] {
+    const std::vector<Vec3> reached = state.displacements;
     state.displacements = u0;
     state.velocities = v0;
+    body.contact.active = contactsBefore;
     stage = {dt, time + dt, dt, u0, v0, 0.0, dt};
     const int first = out.newton.iterations, firstLinear = out.newton.linearIterations;
-    out.newton = run(stage, time);
+    out.newton = solveStage(body, solver, env, stage, time, {}, reached);
     out.newton.iterations += first;
     out.newton.linearIterations += firstLinear;
   };
   switch (scheme) {
     case Integrator::implicitMidpoint: {
       stage = {0.5 * dt, time + 0.5 * dt, 0.5 * dt, u0, v0, 0.0, 0.5 * dt};
-      out.newton = run(stage, time);
-      if (out.newton.good() && !touching(body.contact).empty()) {
+      out.newton = run(time, [&] { return !(impact = !touching(body.contact).empty()); });
+      if (out.newton.good() && impact) {
         backwardEuler();
         break;
       }
@@ -363,12 +470,15 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
     case Integrator::implicitSdirk: {
       const double gamma = 1.0 - std::sqrt(0.5);
       stage = {gamma * dt, time + gamma * dt, gamma * dt, u0, v0, 0.0, gamma * dt};
-      out.newton = run(stage, time);
+      out.newton = run(time, [&] {
+        const std::vector<Index> touched = touching(body.contact);
+        const bool leadsOut = std::any_of(body.contact.active.begin(), body.contact.active.end(),
+                                          [](const Contact &c) { return c.allowance > 0.0; });
+        impact = leadsOut || !std::includes(touchedBefore.begin(), touchedBefore.end(), touched.begin(), touched.end());
+        return !impact;
+      });
       if (!out.newton.good()) break;
-      const std::vector<Index> touched = touching(body.contact);
-      const bool leadsOut = std::any_of(body.contact.active.begin(), body.contact.active.end(),
-                                        [](const Contact &c) { return c.allowance > 0.0; });
-      if (leadsOut || !std::includes(touchedBefore.begin(), touchedBefore.end(), touched.begin(), touched.end())) {
+      if (impact) {
         backwardEuler();
         break;
       }
@@ -381,14 +491,14 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
       stage.elapsed = dt;
       stage.contactSpan = (1.0 - gamma) * dt;
       const int first = out.newton.iterations, firstLinear = out.newton.linearIterations;
-      out.newton = run(stage, time + gamma * dt);
+      out.newton = run(time + gamma * dt);
       out.newton.iterations += first;
       out.newton.linearIterations += firstLinear;
       break;
     }
     default:
       stage = {dt, time + dt, dt, u0, v0, 0.0, dt};
-      out.newton = run(stage, time);
+      out.newton = run(time);
       break;
   }
   if (out.failure = explain(body, out.newton); !out.failure.empty()) return out;
@@ -401,6 +511,23 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
   body.forcesCurrent = true;
   return out;
 }
+
+namespace {
+
+// Σ of what pulls at phyxels at load factor `at`, N.
+double loadsOf(Body &body, const Environment &env, double at) {
+  std::vector<Vec3> forces(body.rest().phyxelCount());
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] = body.weights()[i] * env.gravity;
+  const BoundaryConditions &conditions = body.rest().conditions;
+  for (std::size_t l = 0; l < conditions.loads.size(); ++l)
+    addLoadForces(conditions.loads[l], conditions.loaded[l], body.factor(conditions.loads[l].ramp, at),
+                  body.state().displacements, forces);
+  double sum = 0.0;
+  for (const Vec3 &f : forces) sum += f.norm();
+  return sum;
+}
+
+}  // namespace
 
 ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environment &env, double from, double to,
                                const std::function<bool()> &goOn) {
@@ -415,14 +542,33 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
     // What has no stiffness at all (a phyxel alone) is let down by a spacing at a time.
     holding = frequency > 0.0 ? 1e-4 * frequency * frequency : env.gravity.norm() / body.rest().spacing;
   }
-  for (int round = 0; round < 200; ++round) {
+  const double stride = kStride * body.rest().spacing;
+  const double loads = body.held() ? 0.0 : loadsOf(body, env, to);
+  int flows = 0;
+  for (int round = 0;; ++round) {
     const ImplicitStage stage{0.0, to, to - from, {}, {}, holding, 0.0};
     const std::vector<Vec3> before = state.displacements;
+    const std::vector<Contact> contactsBefore = body.contact.active;
     out.newton = solveStage(body, solver, env, stage, from, goOn);
+    double moved = 0.0, leaning = 0.0;  // m, N
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const double way = (state.displacements[i] - before[i]).norm();
+      moved = std::max(moved, way);
+      leaning += body.masses()[i] * holding * way;
+    }
+    const bool last = round + 1 >= kHoldingRounds;
+    if (holding > 0.0 && !last && out.newton.outcome != NewtonOutcome::cancelled &&
+        (!out.newton.good() || !(moved <= stride))) {
+      // Too far at once: contacts are known along a way of a spacing or so.
+      state.displacements = before;
+      body.contact.active = contactsBefore;
+      holding *= kHoldMore;
+      continue;
+    }
     if (out.failure = explain(body, out.newton); !out.failure.empty()) return out;
     bool flowed = false;
     if (!state.history.plasticInverse.empty()) {
-      if (round >= kFlowRounds) {
+      if (flows++ >= kFlowRounds) {
         out.failure = "body '" + body.name() + "': plastic flow has not come to rest at load factor " + number(to) +
                       "; the load is more than the body carries";
         return out;
@@ -430,16 +576,13 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
       // Without time all flow that is due takes place.
       flowed = body.computeFlow(1e6, parallelFor) > 0;
     }
-    double moved = 0.0;
-    for (std::size_t i = 0; i < before.size(); ++i) moved = std::max(moved, (state.displacements[i] - before[i]).norm());
-    if (holding == 0.0 && !flowed) break;
-    if (moved < tolerance && (holding == 0.0 || !flowed)) break;
-    if (round == 199) {
+    if (!flowed && (holding == 0.0 || (moved < tolerance && leaning <= kLeaning * loads))) break;
+    if (last) {
       out.failure = "body '" + body.name() + "': nothing holds it against its loads at load factor " + number(to) +
                     " (it still moves " + number(1000.0 * moved) + " mm); add a [[fix]] or an obstacle below it";
       return out;
     }
-    holding *= 0.5;
+    if (moved < 0.5 * stride) holding *= moved < 0.01 * stride ? 0.125 : 0.5;
   }
   std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
   env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });

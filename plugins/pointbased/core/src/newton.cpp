@@ -67,7 +67,9 @@ NewtonResult NewtonSolver::solve(Equilibrium &problem, std::span<Vec3> u, const 
 namespace {
 
 // Change of the energy that may be nothing but round-off.
-double noise(double a, double b) { return kRounding * (std::abs(a) + std::abs(b)); }
+double noise(const Equilibrium &problem, double a, double b) {
+  return kRounding * (std::abs(a) + std::abs(b)) + problem.roundOff();
+}
 
 void clearPrescribed(std::span<const std::uint8_t> prescribed, std::span<Vec3> v) {
   for (std::size_t i = 0; i < prescribed.size(); ++i)
@@ -180,7 +182,7 @@ double NewtonSolver::Impl::search(Equilibrium &problem, std::span<Vec3> u, const
     }
     // Below round-off of the energy the gradients decide: the slope along the step says that the energy fell, and the
     // gradient falls as well, except on the way off a saddle.
-    found = std::abs(change) <= noise(at.energy, next.energy) && gradientHere(problem, trialGradient, next) &&
+    found = std::abs(change) <= noise(problem, at.energy, next.energy) && gradientHere(problem, trialGradient, next) &&
             (grow || next.norm < at.norm) && dot(trialGradient, direction) <= (2.0 * kArmijo - 1.0) * slope;
     if (found) continue;
     // The lowest point of the parabola through what is known.
@@ -197,7 +199,7 @@ double NewtonSolver::Impl::search(Equilibrium &problem, std::span<Vec3> u, const
     for (int k = 0; k < kDoublings; ++k) {
       for (Vec3 &d : direction) d *= 2.0;
       bool lower = problem.largestStep(direction) >= 1.0 && tryAt(problem, u, 1.0, longer.energy);
-      if (lower && std::abs(longer.energy - next.energy) <= noise(longer.energy, next.energy)) {
+      if (lower && std::abs(longer.energy - next.energy) <= noise(problem, longer.energy, next.energy)) {
         lower = gradientHere(problem, trialGradient, longer) && dot(trialGradient, direction) < 0.0;
       } else {
         lower = lower && longer.energy < next.energy;
@@ -298,7 +300,7 @@ NewtonResult NewtonSolver::Impl::solve(Equilibrium &problem, std::span<Vec3> u, 
     }
 
     // Nothing gained, in energy or in balance, several times: it will not come.
-    const bool lower = before.energy - at.energy > noise(before.energy, at.energy);
+    const bool lower = before.energy - at.energy > noise(problem, before.energy, at.energy);
     idle = lower || at.residual.value < 0.9 * bestResidual ? 0 : idle + 1;
     bestResidual = std::min(bestResidual, at.residual.value);
     if (idle >= kPatience) return end(fallen() ? NewtonOutcome::converged : NewtonOutcome::noDescent);

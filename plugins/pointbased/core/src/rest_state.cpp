@@ -104,7 +104,8 @@ void detail::bindSkinToCloud(RestState &rest, const Surface &local, std::span<co
   rest.skin = local.triangles;
   if (local.triangles.empty()) return;
   SurfacePoints chosen = chooseContactPoints(local, rest.spacing);
-  rest.contact = {rest.bind(chosen.positions, chosen.normals), std::move(chosen.normals), std::move(chosen.areas), {}};
+  Interpolation binding = rest.bind(chosen.positions, chosen.normals);
+  rest.contact = carriedContact(std::move(chosen), std::move(binding), rest.positions, rest.spacing);
 }
 
 namespace {
@@ -220,7 +221,8 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
         while (finest > refinement.spacing * (1.0 + 1e-9)) finest *= 0.5;
       while (sampling.surfaceSpacing > 0.0 && finest > sampling.surfaceSpacing * (1.0 + 1e-9)) finest *= 0.5;
       SurfacePoints chosen = chooseContactPoints(local, finest);
-      rest->contact = {rest->bind(chosen.positions, chosen.normals), std::move(chosen.normals), std::move(chosen.areas), {}};
+      Interpolation binding = rest->bind(chosen.positions, chosen.normals);
+      rest->contact = carriedContact(std::move(chosen), std::move(binding), rest->positions, rest->spacing);
     }
   } else {
     const auto cloud = fill(shape, {recipe.sampling.spacing, recipe.sampling.count}, parallelFor, part(0.0, 0.7));

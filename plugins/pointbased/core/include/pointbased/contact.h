@@ -19,6 +19,7 @@ struct ContactPoints {
   std::vector<double> areas;   ///< m²; their sum is the area of the surface
   std::vector<double> radii;   ///< m, kept between a point and an obstacle; empty: 0. Bodies without a surface touch with
                                ///< their phyxels, which are balls
+  std::vector<double> spacings = {};  ///< m, of the cells that carry a point; empty: all are ContactPenalty::spacing
 
   [[nodiscard]] std::size_t count() const { return binding.count(); }
 };
@@ -26,6 +27,11 @@ struct ContactPoints {
 /// @param spacing  of the phyxels, m: one point of every cube of half of it that the surface passes, so three or four per
 ///                 phyxel of the skin; more make contact slower, not better, because a cell's faces have no other shapes
 [[nodiscard]] SurfacePoints chooseContactPoints(const Surface &surface, double spacing);
+/// Chosen points as `binding` carries them. The spacing of a point is that of its phyxels, in halvings of the body's.
+/// @param phyxels  m, at rest
+/// @param spacing  m, of the body
+[[nodiscard]] ContactPoints carriedContact(SurfacePoints chosen, Interpolation binding, std::span<const Vec3> phyxels,
+                                           double spacing);
 
 /// One side that a point may not pass within the present step.
 struct Contact {
@@ -137,13 +143,13 @@ void settleContactVelocities(const Interpolation &binding, std::span<const doubl
 /// Contact as an energy, for implicit and quasi-static steps, over the planes of memory.active, moved by surfaceVelocity · h;
 /// `start` and `now` are displacements of the phyxels at the beginning of the stage and at present:
 ///
-///     U = Σ_p  k_p/2 min(0, g_p)²  +  (|s_p| <= r_p ? k_p/2 |s_p|² : μ N_p (|s_p| - r_p/2)),   k_p = k A_p / d
+///     U = Σ_p  k_p/2 min(0, g_p)²  +  (|s_p| <= r_p ? k_p/2 |s_p|² : μ N_p (|s_p| - r_p/2)),   k_p = k A_p / d_p
 ///
 /// g gap (with what the contact began with, Contact::allowance), s = Contact::shear + tangential way, N the normal force of
 /// the last solution (lagged), r = μ N / k_p. Friction is a spring until it slides, so what holds does not creep.
 struct ContactPenalty {
   double stiffness = 0.0;  ///< k, Pa: some multiple of Young's modulus
-  double spacing = 0.0;    ///< d, m
+  double spacing = 0.0;    ///< d, m, where ContactPoints::spacings does not say
   double h = 0.0;          ///< s, of the stage; quasi-static: of the load factor
 };
 [[nodiscard]] double contactEnergy(const ContactPoints &points, const ContactMemory &memory,
@@ -161,6 +167,19 @@ void addContactBlocks(const ContactPoints &points, const ContactMemory &memory, 
 void addContactTriplets(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
                         std::span<const Vec3> start, std::span<const Vec3> now,
                         std::vector<Eigen::Triplet<double>> &out);
+/// What contact does at every point of a skin, to be compared.
+class ContactForces {
+ public:
+  /// Remembers the forces on the points, N, as they are now.
+  void tell(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+            std::span<const Vec3> now, const ContactMemory &memory);
+  /// Σ_p |change of the force on p since tell()| over Σ_p of all that presses now; 0 where nothing presses and nothing did.
+  [[nodiscard]] double changeTo(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                                std::span<const Vec3> now, const ContactMemory &memory);
+
+ private:
+  std::vector<Vec3> then_, now_;  // [points] N
+};
 /// Stores the normal forces of the present state in the contacts: what friction of the next solution uses.
 void updateNormalForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                         std::span<const Vec3> now, ContactMemory &memory);

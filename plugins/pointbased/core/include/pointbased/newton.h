@@ -19,6 +19,8 @@ class Equilibrium {
   /// Moves to u: everything below refers to it. False: u cannot be evaluated (not finite).
   [[nodiscard]] virtual bool moveTo(std::span<const Vec3> u) = 0;
   [[nodiscard]] virtual double energy() = 0;                  ///< J
+  /// Round-off of energy() that its size does not show, J: of a sum of parts that cancel.
+  [[nodiscard]] virtual double roundOff() const { return 0.0; }
   virtual void gradient(std::span<Vec3> out) = 0;             ///< dE/du, N
   virtual void product(std::span<const Vec3> du, std::span<Vec3> out) = 0;  ///< Hessian times du, N; matrix-free
   virtual void diagonalBlocks(std::span<Mat3> out) = 0;       ///< of the Hessian, positive definite
