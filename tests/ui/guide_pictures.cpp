@@ -22,10 +22,10 @@ void choose(WorkstationDriver &window, const std::string &parameter, const std::
 
 /// Pulls the neck of the organ upwards, takes the picture, lets go.
 void pull(WorkstationDriver &window, const std::string &picture) {
-  window.moveTo(window.inView(0.50, 0.41));
+  window.moveTo(window.inView(0.46, 0.43));
   window.press();
   window.waitUntil("a surfel is held", [](const Json &s) { return s["values"].contains(kPanel + "Held surfel"); });
-  for (int i = 1; i <= 10; ++i) window.moveTo(window.inView(0.50 + 0.004 * i, 0.41 - 0.025 * i));
+  for (int i = 1; i <= 10; ++i) window.moveTo(window.inView(0.46 + 0.004 * i, 0.43 - 0.025 * i));
   const double from = window.state()["transport"]["time_s"];
   window.waitUntil("it has followed", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 0.8; }, 60.0);
   window.screenshot(picture);

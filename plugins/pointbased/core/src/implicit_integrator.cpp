@@ -253,7 +253,7 @@ NewtonSettings settingsOf(const Body &body, const Environment &env, bool isStati
   return settings;
 }
 
-std::string explain(const Body &body, const NewtonResult &result) {
+std::string explain(const NewtonResult &result) {
   switch (result.outcome) {
     case NewtonOutcome::converged: return {};
     case NewtonOutcome::cancelled: return "cancelled";
@@ -262,9 +262,8 @@ std::string explain(const Body &body, const NewtonResult &result) {
   const char *what = result.outcome == NewtonOutcome::iterationLimit ? "the equilibrium was not found in time"
                      : result.outcome == NewtonOutcome::notFinite    ? "a quantity is not finite"
                                                                      : "the energy could not be lowered further";
-  return "body '" + body.name() + "', phyxel " + std::to_string(result.worst) + ": " + what + " (residual " +
-         number(result.residual) + " N after " + std::to_string(result.iterations) + " iterations, last correction " +
-         number(1000.0 * result.lastStep) + " mm)";
+  return std::string(what) + " (residual " + number(result.residual) + " N after " + std::to_string(result.iterations) +
+         " iterations, last correction " + number(1000.0 * result.lastStep) + " mm)";
 }
 
 void addWork(const NewtonResult &solved, NewtonResult &sum) {
@@ -501,7 +500,7 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
       out.newton = run(time);
       break;
   }
-  if (out.failure = explain(body, out.newton); !out.failure.empty()) return out;
+  if (out.failure = explain(out.newton); !out.failure.empty()) return out;
 
   body.placeHeld(time + dt, true);
   env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
@@ -565,11 +564,11 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
       holding *= kHoldMore;
       continue;
     }
-    if (out.failure = explain(body, out.newton); !out.failure.empty()) return out;
+    if (out.failure = explain(out.newton); !out.failure.empty()) return out;
     bool flowed = false;
     if (!state.history.plasticInverse.empty()) {
       if (flows++ >= kFlowRounds) {
-        out.failure = "body '" + body.name() + "': plastic flow has not come to rest at load factor " + number(to) +
+        out.failure = "plastic flow has not come to rest at load factor " + number(to) +
                       "; the load is more than the body carries";
         return out;
       }
@@ -578,7 +577,7 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
     }
     if (!flowed && (holding == 0.0 || (moved < tolerance && leaning <= kLeaning * loads))) break;
     if (last) {
-      out.failure = "body '" + body.name() + "': nothing holds it against its loads at load factor " + number(to) +
+      out.failure = "nothing holds it against its loads at load factor " + number(to) +
                     " (it still moves " + number(1000.0 * moved) + " mm); add a [[fix]] or an obstacle below it";
       return out;
     }

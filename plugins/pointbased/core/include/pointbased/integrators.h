@@ -49,7 +49,7 @@ void explicitSubstep(Body &body, const Environment &environment, double time, do
 
 struct ImplicitResult {
   NewtonResult newton;
-  std::string failure;  ///< empty: good; else what did not work, with the phyxel
+  std::string failure;  ///< empty: good; else what did not work; newton.worst is the phyxel
 };
 
 /// One implicit step from time to time + dt. On failure the body is left as it came out: the caller restores it.
