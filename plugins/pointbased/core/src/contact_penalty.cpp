@@ -64,7 +64,15 @@ Mat3 hessianOf(const Penalised &s, const Vec3 &normal) {
   return H;
 }
 
-bool acts(const Penalised &s) { return s.gap < 0.0 || s.grip > 0.0; }
+// visit(contact, penalised) for every contact that presses or grips.
+template <class Visit>
+void forActing(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+               std::span<const Vec3> start, std::span<const Vec3> now, const Visit &visit) {
+  for (const Contact &contact : memory.active) {
+    const Penalised s = penalised(points, penalty, contact, start, now);
+    if (s.gap < 0.0 || s.grip > 0.0) visit(contact, s);
+  }
+}
 
 }  // namespace
 
@@ -85,50 +93,42 @@ double contactEnergy(const ContactPoints &points, const ContactMemory &memory, c
 void addContactForces(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
                       std::span<const Vec3> start, std::span<const Vec3> now, std::span<Vec3> forces) {
   const Interpolation &b = points.binding;
-  for (const Contact &contact : memory.active) {
-    const Penalised s = penalised(points, penalty, contact, start, now);
-    if (!acts(s)) continue;
+  forActing(points, memory, penalty, start, now, [&](const Contact &contact, const Penalised &s) {
     const Vec3 force = forceOf(s, contact.normal);
     for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e)
       forces[b.phyxels.indices[e]] += b.weights[e] * force;
-  }
+  });
 }
 
 void addContactProduct(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
                        std::span<const Vec3> start, std::span<const Vec3> now, std::span<const Vec3> du,
                        std::span<Vec3> out) {
   const Interpolation &b = points.binding;
-  for (const Contact &contact : memory.active) {
-    const Penalised s = penalised(points, penalty, contact, start, now);
-    if (!acts(s)) continue;
+  forActing(points, memory, penalty, start, now, [&](const Contact &contact, const Penalised &s) {
     Vec3 d = Vec3::Zero();
     for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e)
       d += b.weights[e] * du[b.phyxels.indices[e]];
     const Vec3 force = hessianOf(s, contact.normal) * d;
     for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e)
       out[b.phyxels.indices[e]] += b.weights[e] * force;
-  }
+  });
 }
 
 void addContactBlocks(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
                       std::span<const Vec3> start, std::span<const Vec3> now, std::span<Mat3> blocks) {
   const Interpolation &b = points.binding;
-  for (const Contact &contact : memory.active) {
-    const Penalised s = penalised(points, penalty, contact, start, now);
-    if (!acts(s)) continue;
+  forActing(points, memory, penalty, start, now, [&](const Contact &contact, const Penalised &s) {
     const Mat3 H = hessianOf(s, contact.normal);
     for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e)
       blocks[b.phyxels.indices[e]] += b.weights[e] * b.weights[e] * H;
-  }
+  });
 }
 
 void addContactTriplets(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
                         std::span<const Vec3> start, std::span<const Vec3> now,
                         std::vector<Eigen::Triplet<double>> &out) {
   const Interpolation &b = points.binding;
-  for (const Contact &contact : memory.active) {
-    const Penalised s = penalised(points, penalty, contact, start, now);
-    if (!acts(s)) continue;
+  forActing(points, memory, penalty, start, now, [&](const Contact &contact, const Penalised &s) {
     const Mat3 H = hessianOf(s, contact.normal);
     for (Index e = b.phyxels.offsets[contact.point]; e < b.phyxels.offsets[contact.point + 1]; ++e)
       for (Index f = b.phyxels.offsets[contact.point]; f < b.phyxels.offsets[contact.point + 1]; ++f)
@@ -136,7 +136,7 @@ void addContactTriplets(const ContactPoints &points, const ContactMemory &memory
           for (int c = 0; c < 3; ++c)
             out.emplace_back(static_cast<int>(3 * b.phyxels.indices[e]) + r,
                              static_cast<int>(3 * b.phyxels.indices[f]) + c, b.weights[e] * b.weights[f] * H(r, c));
-  }
+  });
 }
 
 namespace {

@@ -392,7 +392,11 @@ NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env
     updateNormalForces(points, problem.penalty(), start, u, memory);
     lookAlongTheWay();
     updateNormalForces(points, problem.penalty(), start, u, memory);
-    if (goesOn && !goesOn()) return result;
+    if (goesOn && !goesOn()) {
+      // Whoever solves it in another way may begin where this one has got to.
+      (void)problem.moveTo(u);
+      return result;
+    }
     if (enough) continue;
     if (change() <= kSettled || (round > 0 && memory.active.size() == before)) break;
   }
