@@ -6,6 +6,7 @@
 #include "contact_cases.h"
 #include "shapes.h"
 #include "support/catch.h"
+#include "surfaces.h"
 
 using namespace pointbased;
 using namespace shapes;
@@ -275,4 +276,42 @@ TEST_CASE("an obstacle that comes near uses up the free way of a body that stand
   while (simulator.time() < 0.2) REQUIRE(simulator.step());
   CHECK(extent(*simulator.body(id), Vec3::UnitY()).low > -1.0 + 10.0 * simulator.time() - 1e-4);
   CHECK(meanVelocity(*simulator.body(id))[1] > 10.0);
+}
+
+TEST_CASE("a free body that is put down quasi-statically lies on the floor, soft or stiff") {
+  // 6 cm of 1000 kg/m³ press with 590 Pa; 20 GPa moves less than the tolerance while it still falls.
+  const double youngs = GENERATE(1e4, 1e6, 2e10);
+  CAPTURE(youngs);
+  Simulator simulator;
+  WorldSettings world = worldOf(Integrator::quasiStatic, kDown);
+  world.loadSteps = 2;
+  simulator.setWorld(world);
+  const std::size_t id = simulator.addBody(latticeBox(Vec3(-0.03, 0.01, -0.03), Vec3(0.03, 0.07, 0.03), 0.02, rubber(youngs)));
+  simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
+  while (!simulator.finished()) REQUIRE(simulator.step());
+  CHECK(simulator.body(id)->stopped.empty());
+  // Down to what the penalty lets in, ρ g H d/(30 E), four times that at the edges, and the tolerance of the solution.
+  const Extent lies = extent(*simulator.body(id), Vec3::UnitY());
+  CHECK_THAT(lies.low, WithinAbs(0.0, 4.0 * 590.0 * 0.02 / (30.0 * youngs) + 1e-5));
+  // ρ g H²/(2 E) shorter, within a fifth for the sides that swell.
+  CHECK_THAT(lies.high - lies.low, WithinAbs(0.06 - 590.0 * 0.06 / (2.0 * youngs), 0.2 * 590.0 * 0.06 / youngs + 2e-5));
+}
+
+TEST_CASE("points of contact know the spacing of the cells that carry them") {
+  BodyShape shape = box(Vec3(0, 0, 0), Vec3(0.08, 0.04, 0.04));
+  shape.surface = boxSurface(shape.min, shape.max, 16);
+  BodyRecipe recipe;
+  recipe.sampling.spacing = 0.01;
+  recipe.sampling.refinements = {{BoxRegion{Vec3(0, 0, 0), Vec3(0.02, 0.04, 0.04)}, 0.005}};
+  const auto rest = buildRestState(shape, recipe, {}, serialFor());
+  REQUIRE(rest);
+  const ContactPoints &points = (*rest)->contact;
+  REQUIRE(points.spacings.size() == points.count());
+  std::vector<Vec3> places(points.count());
+  interpolateField(points.binding, (*rest)->positions, places, serialFor());
+  for (std::size_t p = 0; p < points.count(); ++p) {
+    const double x = (places[p] + (*rest)->origin)[0];
+    if (x < 0.014) CHECK_THAT(points.spacings[p], WithinRel(0.005, 1e-9));
+    if (x > 0.045) CHECK_THAT(points.spacings[p], WithinRel(0.01, 1e-9));
+  }
 }
