@@ -84,29 +84,16 @@ std::uint64_t bySimulator(const std::shared_ptr<const RestState> &rest, double d
   return hashOf(body.state().displacements, body.state().velocities);
 }
 
-/// Nothing but: half a kick, drift, F, stress, forces, half a kick; and the bound of the step, which Verlet needs.
+/// Nothing but: half a kick, drift, forces, half a kick; and the bound of the step, which Verlet needs.
 std::uint64_t byHand(const std::shared_ptr<const RestState> &rest, double dt, int steps) {
-  const Constitution elastic = constitution();
-  const ParallelFor parallelFor = serialFor();
-  // For the masses and the bound of the step at rest.
-  const Body prepared("body", rest, elastic, parallelFor);
-  const std::span<const double> inverse = prepared.inverseMasses();
-  const double restStep = prepared.stableStepAtRest();
-  const StencilSet &stencils = rest->stencils;
-  const std::size_t n = rest->phyxelCount(), points = rest->pointCount();
-  const PointHistory noHistory;
-  std::vector<Vec3> u(n, Vec3::Zero()), v(n), forces(n), entryForces(stencils.phyxels.indices.size());
-  std::vector<Mat3> gradients(points), stresses(points);
-  std::vector<double> ratios(points);
+  Body body("body", rest, constitution(), serialFor());
+  const std::span<const double> inverse = body.inverseMasses();
+  const std::size_t n = rest->phyxelCount();
+  std::vector<Vec3> &u = body.state().displacements, &v = body.state().velocities;
   for (std::size_t i = 0; i < n; ++i) v[i] = velocityAt(rest->positions[i]);
-  double ratio = 1.0;
-  const auto evaluate = [&] {
-    deformationGradients(stencils, u, gradients, parallelFor);
-    ratio = pointStresses(elastic, stencils, gradients, {}, noHistory, dt, nullptr, stresses, ratios, parallelFor);
-    internalForces(elastic, stencils, rest->positions, u, gradients, stresses, entryForces, forces, parallelFor);
-  };
+  const auto evaluate = [&] { body.evaluate(0.0, dt, serialFor()); };
   const auto kick = [&] {
-    for (std::size_t i = 0; i < n; ++i) v[i] += 0.5 * dt * (inverse[i] * forces[i] + kGravity);
+    for (std::size_t i = 0; i < n; ++i) v[i] += 0.5 * dt * (inverse[i] * body.forces()[i] + kGravity);
   };
   const auto drift = [&] {
     const auto numbers = static_cast<Eigen::Index>(3 * n);
@@ -114,7 +101,7 @@ std::uint64_t byHand(const std::shared_ptr<const RestState> &rest, double dt, in
   };
   evaluate();
   for (int step = 0; step < steps; ++step) {
-    if (!(dt <= kStepSafety * restStep / std::sqrt(ratio))) {
+    if (!(dt <= kStepSafety * body.stableStep())) {
       std::fprintf(stderr, "bench_idle_cost: step %d is not stable\n", step);
       std::exit(1);
     }

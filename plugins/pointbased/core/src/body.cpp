@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "vector_forces.h"
+
 namespace pointbased {
 namespace {
 
@@ -52,6 +54,10 @@ Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution
   reset();
 }
 
+Body::~Body() = default;
+Body::Body(Body &&) noexcept = default;
+Body &Body::operator=(Body &&) noexcept = default;
+
 Vec3 Body::firstReference(Index phyxel) const {
   const Vec3 &X = rest_->positions[phyxel];
   return rest_->carried.empty() ? X : Vec3(X - rest_->carried[phyxel]);
@@ -63,10 +69,9 @@ void Body::layOut() {
   masses_.resize(n);
   inverseMasses_.resize(n);
   forces_.assign(n, Vec3::Zero());
-  entryForces_.resize(rest_->stencils.phyxels.indices.size());
-  gradients_.resize(points);
-  stresses_.resize(points);
-  tangentRatios_.resize(points);
+  gradients_.assign(points, Mat3::Identity());
+  stresses_.assign(points, Mat3::Zero());
+  gradientsOld_ = stressesOld_ = false;
   heldPhyxels_.clear();
   patchPoints_.clear();
   patchShifts_.clear();
@@ -155,6 +160,7 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
       stiffness.push_back(kPatchStiffness * modulus * part.areas[p] / rest_->spacing);
     }
   patches_.set(rows, weights, stiffness, inverseMasses_);
+  vectorise();
   restFrequency_ = largestFrequency(constitution_, s, rest_->positions, masses_, {}, parallelFor);
   forcesCurrent = false;
 }
@@ -170,7 +176,51 @@ double Body::stableStepFor(double tangentRatio) const {
   return 2.0 / frequency * (std::sqrt(1.0 + xi * xi) - xi);
 }
 
+void Body::setPrecision(Precision precision) {
+  if (precision == precision_) return;
+  precision_ = precision;
+  vectorise();
+  forcesCurrent = false;
+}
+
+void Body::vectorise() {
+  vectorForces_ = detail::vectorForces(rest_->stencils, rest_->positions, constitution_, precision_);
+}
+
+void Body::evaluate(double t, double dt, const ParallelFor &parallelFor) {
+  if (!vectorForces_) {
+    computeGradients(parallelFor);
+    if (!state_.history.plasticInverse.empty() && dt > 0.0) computeFlow(dt, parallelFor);
+    computeStresses(dt, parallelFor);
+    computeForces(t, parallelFor);
+    return;
+  }
+  tangentRatio_ = vectorForces_->evaluate(state_.displacements, forces_, parallelFor);
+  gradientsOld_ = stressesOld_ = true;
+  addLoads(t);
+}
+
+std::span<const Mat3> Body::gradients() const {
+  if (gradientsOld_) {
+    deformationGradients(rest_->stencils, state_.displacements, gradients_, serialFor());
+    gradientsOld_ = false;
+  }
+  return gradients_;
+}
+
+std::span<const Mat3> Body::stresses() const {
+  if (stressesOld_) {
+    // Only of bodies without a history: others are not vectorised.
+    tangentRatios_.resize(rest_->pointCount());
+    (void)pointStresses(constitution_, rest_->stencils, gradients(), {}, state_.history, 0.0, nullptr, stresses_,
+                        tangentRatios_, serialFor());
+    stressesOld_ = false;
+  }
+  return stresses_;
+}
+
 void Body::computeGradients(const ParallelFor &parallelFor) {
+  gradientsOld_ = false;
   deformationGradients(rest_->stencils, state_.displacements, gradients_, parallelFor);
 }
 
@@ -186,6 +236,8 @@ void Body::stressesInto(double dt, const PointHistory &before, PointHistory *aft
     gradientRates(rest_->stencils, state_.velocities, rates_, parallelFor);
     rates = rates_;
   }
+  tangentRatios_.resize(rest_->pointCount());
+  stressesOld_ = false;
   tangentRatio_ = pointStresses(constitution_, rest_->stencils, gradients_, rates, before, dt, after, stresses_,
                                 tangentRatios_, parallelFor);
   relaxedModes_.resize(before.modes.size());
@@ -214,12 +266,17 @@ void Body::computeElasticStresses(const ParallelFor &parallelFor) {
 }
 
 void Body::computeInternalForces(const ParallelFor &parallelFor) {
+  entryForces_.resize(rest_->stencils.phyxels.indices.size());
   internalForces(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_, stresses_,
                  entryForces_, forces_, parallelFor, relaxedModes_);
 }
 
 void Body::computeForces(double t, const ParallelFor &parallelFor) {
   computeInternalForces(parallelFor);
+  addLoads(t);
+}
+
+void Body::addLoads(double t) {
   const BoundaryConditions &conditions = rest_->conditions;
   for (std::size_t l = 0; l < conditions.loads.size(); ++l)
     addLoadForces(conditions.loads[l], conditions.loaded[l], factor(conditions.loads[l].ramp, t), state_.displacements,
@@ -232,7 +289,7 @@ double Body::factor(double ramp, double t) const {
 }
 
 ElasticEnergy Body::elasticEnergy(std::span<Eigen::Vector2d> perPoint) const {
-  return pointbased::elasticEnergy(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_,
+  return pointbased::elasticEnergy(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients(),
                                    state_.history, perPoint);
 }
 

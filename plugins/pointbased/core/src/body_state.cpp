@@ -87,6 +87,7 @@ void Body::reset() {
   forces_.assign(n, Vec3::Zero());
   std::fill(gradients_.begin(), gradients_.end(), Mat3::Identity());
   std::fill(stresses_.begin(), stresses_.end(), Mat3::Zero());
+  gradientsOld_ = stressesOld_ = false;
   tangentRatio_ = 1.0;
   patches_.clearForces();
   contact = ContactMemory();

@@ -58,10 +58,11 @@ void relaxingForces(const Material &material, double stabilisation, const Stenci
 
 }  // namespace
 
-void internalForces(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
-                    std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor,
-                    std::span<const ModalStrain> relaxed) {
+namespace detail {
+
+void entryForcesOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                   std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                   std::span<const ModalStrain> relaxed, std::span<Vec3> entryForces, const ParallelFor &parallelFor) {
   const Control control = controlOf(constitution, s);
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
@@ -74,6 +75,15 @@ void internalForces(const Constitution &constitution, const StencilSet &s, std::
       run(material, constitution.stabilisation, s, X, u, gradients, stresses, entryForces, from, to);
     });
   });
+}
+
+}  // namespace detail
+
+void internalForces(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                    std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor,
+                    std::span<const ModalStrain> relaxed) {
+  entryForcesOf(constitution, s, X, u, gradients, stresses, relaxed, entryForces, parallelFor);
   gather<Vec3>(s, entryForces, forces, parallelFor);
 }
 

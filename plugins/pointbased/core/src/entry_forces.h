@@ -3,8 +3,14 @@
 #pragma once
 
 #include "modes.h"
+#include "pointbased/constitution.h"
 
 namespace pointbased::detail {
+
+/// The part of internalForces() up to the entries, for the points that parallelFor runs over.
+void entryForcesOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
+                   std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                   std::span<const ModalStrain> relaxed, std::span<Vec3> entryForces, const ParallelFor &parallelFor);
 
 /// Entry e gets -pull(e), the anchor the opposite of the sum.
 template <class Pull>

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
+#include "kernels/field_kernel.h"
 #include "pointbased/integrators.h"
 
 namespace pointbased {
 namespace {
+
+constexpr std::size_t kPhyxelGrain = 1024;  // of loops that do little for each
 
 // Room in front of a surface within which a contact counts even when nothing moves, in spacings.
 constexpr double kContactMargin = 0.02;
@@ -12,6 +16,10 @@ constexpr double kContactMargin = 0.02;
 void evaluate(Body &body, const Environment &env, double time, double dt) {
   const ParallelFor &parallelFor = *env.parallelFor;
   StageClock &clock = *env.clock;
+  if (body.vectorised()) {
+    clock.measure(kForces, [&] { body.evaluate(time, dt, parallelFor); });
+    return;
+  }
   clock.measure(kGradients, [&] { body.computeGradients(parallelFor); });
   if (!body.state().history.plasticInverse.empty() && dt > 0.0)
     clock.measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
@@ -82,21 +90,15 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
     applyGrab(body, springLimit);
   }
 
-  // Copies of what the loops read: through references it would be loaded again for every phyxel.
   const auto kick = [&](double h) {
-    parallelFor(n, 512, [&, h](std::size_t begin, std::size_t end) {
-      const std::span<Vec3> velocities = state.velocities;
-      const std::span<const Vec3> forces = body.forces();
-      const Vec3 gravity = env.gravity;
-      if (!body.held()) {
-        for (std::size_t i = begin; i < end; ++i) velocities[i] += h * (inverse[i] * forces[i] + gravity);
-        return;
-      }
-      const std::span<const double> shares = body.gravityShares();
-      for (std::size_t i = begin; i < end; ++i)
-        if (inverse[i] > 0.0)
-          velocities[i] += h * (inverse[i] * forces[i] + (shares.empty() ? 1.0 : shares[i]) * gravity);
-    });
+    kernels::Kick all;
+    all.h = h;
+    all.inverseMasses = inverse.data();
+    all.gravityShares = body.held() && !body.gravityShares().empty() ? body.gravityShares().data() : nullptr;
+    std::copy_n(env.gravity.data(), 3, all.gravity);
+    all.forces = body.forces().front().data();
+    all.velocities = state.velocities.front().data();
+    parallelFor(n, kPhyxelGrain, [&all](std::size_t begin, std::size_t end) { kernels::kick(all, begin, end); });
     if (patches) body.patches().kick(h, state.velocities);
   };
   clock.measure(kIntegrate, [&] { kick(0.5 * dt); });
@@ -107,12 +109,9 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
       solveContactImpulses(rest.contact.binding, inverse, dt, ImpulseSettings{}, body.contact, state.velocities);
     });
   clock.measure(kIntegrate, [&] {
-    parallelFor(n, 512, [&](std::size_t begin, std::size_t end) {
-      // As plain numbers, all of them: those that are held are put in their places below.
-      using Numbers = Eigen::VectorXd;
-      const auto size = static_cast<Eigen::Index>(3 * (end - begin));
-      Eigen::Map<Numbers>(state.displacements[begin].data(), size) +=
-          dt * Eigen::Map<const Numbers>(state.velocities[begin].data(), size);
+    // All of them: those that are held are put in their places below.
+    parallelFor(n, kPhyxelGrain, [&](std::size_t begin, std::size_t end) {
+      kernels::addScaled(dt, state.velocities[begin].data(), state.displacements[begin].data(), 3 * (end - begin));
     });
   });
   if (body.held())

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/field_kernel.h"
 #include "number_text.h"
 
 namespace pointbased {
@@ -14,15 +15,8 @@ using detail::number;
 // Beyond this squares, and energies made of them, are no numbers any more.
 constexpr double kHuge = 1e150;
 
-// Over plain numbers, in registers of two: every step asks.
 double sumOfSquares(std::span<const Vec3> field) {
-  using Four = Eigen::Array<double, 12, 1>;
-  Four sum = Four::Zero();
-  std::size_t i = 0;
-  for (; i + 3 < field.size(); i += 4) sum += Eigen::Map<const Four>(field[i].data()).square();
-  double all = sum.sum();
-  for (; i < field.size(); ++i) all += field[i].squaredNorm();
-  return all;
+  return field.empty() ? 0.0 : kernels::roughSumOfSquares(field.front().data(), 3 * field.size());
 }
 
 // Potential of the dead loads and of gravity, relative to the start, J.
@@ -51,29 +45,10 @@ bool isFinite(std::span<const Vec3> field) { return std::isfinite(sumOfSquares(f
 GuardGlance glanceAt(const Body &body) {
   const std::span<const Vec3> v = body.state().velocities;
   if (v.empty()) return {};
-  // x and y, z and the next x, y and z: single vectors stay in registers.
-  using Two = Eigen::Array2d;
-  const Vec3 &last = v.back();
-  Two sum = Two::Constant(last.sum()), lowXY(last[0], last[1]), lowZX(last[2], last[0]), lowYZ(last[1], last[2]);
-  Two highXY = lowXY, highZX = lowZX, highYZ = lowYZ;
-  for (std::size_t i = 0; i + 1 < v.size(); i += 2) {
-    const double *numbers = v[i].data();
-    const Two xy = Eigen::Map<const Two>(numbers), zx = Eigen::Map<const Two>(numbers + 2),
-              yz = Eigen::Map<const Two>(numbers + 4);
-    sum += xy;  // of a number that is none, none
-    sum += zx;
-    sum += yz;
-    lowXY = xy.min(lowXY);
-    lowZX = zx.min(lowZX);
-    lowYZ = yz.min(lowYZ);
-    highXY = xy.max(highXY);
-    highZX = zx.max(highZX);
-    highYZ = yz.max(highYZ);
-  }
+  const kernels::FieldBounds bounds = kernels::boundsOf(v.front().data(), v.size());
   // The mean lies within the bounds of all.
-  const Vec3 low(std::min(lowXY[0], lowZX[1]), std::min(lowXY[1], lowYZ[0]), std::min(lowZX[0], lowYZ[1]));
-  const Vec3 high(std::max(highXY[0], highZX[1]), std::max(highXY[1], highYZ[0]), std::max(highZX[0], highYZ[1]));
-  const bool finite = std::isfinite(sum.sum()) && high.maxCoeff() < kHuge && low.minCoeff() > -kHuge;
+  const Vec3 low(bounds.low), high(bounds.high);
+  const bool finite = std::isfinite(bounds.sum) && high.maxCoeff() < kHuge && low.minCoeff() > -kHuge;
   return {finite && std::isfinite(sumOfSquares(body.state().displacements)), (high - low).norm()};
 }
 

@@ -38,6 +38,8 @@ class ModalEnergy {
   /// Of given moduli, Pa: μ, λ*, and what multiplies |a_xyz|².
   ModalEnergy(double mu, double lambda, double twist) : mu_(mu), lambda_(lambda), twist_(twist) {}
 
+  [[nodiscard]] double mu() const { return mu_; }
+  [[nodiscard]] double lambda() const { return lambda_; }
   [[nodiscard]] double twistModulus() const { return twist_; }
 
   /// dU/dB, linear in B. U = B : dU/dB / 2.

@@ -11,6 +11,10 @@
 
 namespace pointbased {
 
+namespace detail {
+class VectorForces;
+}
+
 /// What moves.
 struct State {
   std::vector<Vec3> displacements;  ///< [phyxels] u, m
@@ -45,6 +49,9 @@ struct GrabStatus {
 class Body {
  public:
   Body(std::string name, std::shared_ptr<const RestState> rest, Constitution constitution, const ParallelFor &parallelFor);
+  ~Body();
+  Body(Body &&) noexcept;
+  Body &operator=(Body &&) noexcept;
 
   [[nodiscard]] const std::string &name() const { return name_; }
   [[nodiscard]] const RestState &rest() const { return *rest_; }
@@ -64,9 +71,10 @@ class Body {
   /// 1/m, 1/kg; 0 for phyxels that are held.
   [[nodiscard]] std::span<const double> inverseMasses() const { return inverseMasses_; }
   /// F of the evaluation points at the last evaluation; the identity before the first.
-  [[nodiscard]] std::span<const Mat3> gradients() const { return gradients_; }
+  /// After evaluate() they are worked out when somebody asks.
+  [[nodiscard]] std::span<const Mat3> gradients() const;
   /// v P of the evaluation points, likewise.
-  [[nodiscard]] std::span<const Mat3> stresses() const { return stresses_; }
+  [[nodiscard]] std::span<const Mat3> stresses() const;
   /// Internal forces and loads of the last evaluation, N; without gravity, supports and contact.
   [[nodiscard]] std::span<const Vec3> forces() const { return forces_; }
   [[nodiscard]] std::span<Vec3> forces() { return forces_; }
@@ -84,6 +92,15 @@ class Body {
   [[nodiscard]] double stableStep() const { return stableStepFor(tangentRatio_); }
   [[nodiscard]] double restFrequency() const { return restFrequency_; }
 
+  /// Of what the force kernels compute with; takes effect with the next evaluation.
+  void setPrecision(Precision precision);
+  [[nodiscard]] Precision precision() const { return precision_; }
+  /// Whether evaluate() runs vector kernels: not with materials that flow, relax or are viscous, nor on a renewed lattice.
+  [[nodiscard]] bool vectorised() const { return vectorForces_ != nullptr; }
+
+  /// forces() and tangentRatio() of the present state, loads at time (or load factor) t: all that an explicit step needs.
+  /// Fused where the body is vectorised(), else the stages below, with plastic flow and Prony terms over dt.
+  void evaluate(double t, double dt, const ParallelFor &parallelFor);
   /// Stages of a force evaluation at the present state, in order.
   void computeGradients(const ParallelFor &parallelFor);
   /// @return points that flowed during dt
@@ -151,6 +168,8 @@ class Body {
   void layOut();
   [[nodiscard]] Vec3 firstReference(Index phyxel) const;
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
+  void vectorise();
+  void addLoads(double t);
   void stressesInto(double dt, const PointHistory &before, PointHistory *after, bool viscous,
                     const ParallelFor &parallelFor);
 
@@ -171,9 +190,14 @@ class Body {
   std::vector<Index> fixOfPatch_;
   std::vector<Vec3> patchPoints_, patchShifts_, patchTargets_;
   std::vector<Vec3> forces_, entryForces_, contactPositions_, contactVelocities_;
-  std::vector<Mat3> gradients_, rates_, stresses_;
+  // Of the points; old after evaluate() by vector kernels, until somebody asks for them.
+  mutable std::vector<Mat3> gradients_, stresses_;
+  mutable std::vector<double> tangentRatios_;
+  mutable bool gradientsOld_ = false, stressesOld_ = false;
+  std::vector<Mat3> rates_;
+  std::unique_ptr<detail::VectorForces> vectorForces_;
+  Precision precision_ = Precision::doublePrecision;
   std::vector<ModalStrain> relaxedModes_;  // of the last evaluation of stresses; empty: nothing
-  std::vector<double> tangentRatios_;
   double tangentRatio_ = 1.0;
   double restFrequency_ = 0.0;  // rad/s
 };

@@ -22,6 +22,12 @@ using Index = std::uint32_t;
 using ParallelFor =
     std::function<void(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body)>;
 
+/// Of what the force kernels compute with. The state, masses, supports and contact are double always.
+enum class Precision {
+  doublePrecision,
+  singlePrecision  ///< about half the time; forces to about 1e-6 of E times the area of a cell
+};
+
 [[nodiscard]] inline ParallelFor serialFor() {
   return [](std::size_t n, std::size_t, const std::function<void(std::size_t, std::size_t)> &body) {
     if (n > 0) body(0, n);

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The forces of a body by vector kernels. Private to the core.
+#pragma once
+
+#include <memory>
+
+#include "pointbased/constitution.h"
+#include "pointbased/stencil.h"
+
+namespace pointbased::detail {
+
+/// One evaluation of all internal forces of a body, fused: fit, law, control of the modes and the way back to the phyxels in
+/// one pass over cells, then one over phyxels. Points that no kernel takes (see cell_layout.h) are answered by the scalar
+/// engine within the same evaluation.
+///
+/// The same bits for any number of threads. On instruction sets with a fused multiply-add also the same bits everywhere;
+/// SSE4 and older ones round twice, and so differ in the last digits.
+class VectorForces {
+ public:
+  virtual ~VectorForces() = default;
+  /// @param displacements  [phyxels] u, m
+  /// @param forces         [phyxels] out: N
+  /// @return largest tangentRatio() (and stretch of modes) of all points; NaN if any is
+  /// @threads writes only `forces` and its own scratch; no allocation, no lock
+  virtual double evaluate(std::span<const Vec3> displacements, std::span<Vec3> forces, const ParallelFor &parallelFor) = 0;
+  /// Bytes it holds.
+  [[nodiscard]] virtual std::size_t memory() const = 0;
+};
+
+/// Null where no kernel would take at least half of the points: materials that flow, relax or are viscous.
+[[nodiscard]] std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span<const Vec3> positions,
+                                                         const Constitution &constitution, Precision precision);
+
+}  // namespace pointbased::detail
