@@ -21,6 +21,7 @@ StencilSet buildPhyxelStencils(std::span<const Vec3> positions, const Csr &neigh
   s.phyxels.indices.resize(entries);
   s.gradients.resize(entries);
   s.weights.resize(entries);
+  s.weightFactors.assign(n, 1.0);
   std::vector<Mat3> frames(n);
 
   parallelFor(n, 64, [&](std::size_t begin, std::size_t end) {
@@ -41,6 +42,7 @@ StencilSet buildPhyxelStencils(std::span<const Vec3> positions, const Csr &neigh
         spread += w * d.squaredNorm();
       }
 
+      if (spread > 0.0) s.weightFactors[i] = 3.0 / spread;
       const detail::MomentInverse moment = detail::invertMoment(A);
       Vec3 sum = Vec3::Zero();
       e = first + 1;
@@ -48,7 +50,7 @@ StencilSet buildPhyxelStencils(std::span<const Vec3> positions, const Csr &neigh
         const Vec3 d = positions[neighbors.indices[k]] - positions[i];
         s.gradients[e] = s.weights[e] * (moment.inverse * d);
         sum += s.gradients[e];
-        if (spread > 0.0) s.weights[e] *= 3.0 / spread;
+        s.weights[e] *= s.weightFactors[i];
       }
       s.gradients[first] = -sum;
       s.weights[first] = 0.0;

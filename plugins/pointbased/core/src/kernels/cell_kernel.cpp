@@ -4,8 +4,6 @@
 #include <limits>
 #include <type_traits>
 
-#include "pointbased/material.h"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/cell_kernel.cpp"
 // Vectors of a length that is known only at run time cannot be members.
@@ -14,8 +12,8 @@
 #include <hwy/highway.h>
 
 #include "kernels/corners-inl.h"
-#include "kernels/laws-inl.h"
 #include "kernels/modes-inl.h"
+#include "kernels/stress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
@@ -88,72 +86,6 @@ struct CellRun {
   }
 };
 
-template <class D, class V = hn::Vec<D>>
-HWY_NOINLINE void answerStrays(D d, hn::Mask<D> stray, const Strain<D> &s, StrayLaw law, const void *context,
-                               std::size_t material, Mat3Lanes<V> &stress, V &ratio) {
-  using T = Real<D>;
-  constexpr std::size_t kMost = hn::MaxLanes(D());
-  HWY_ALIGN T G[9][kMost];
-  HWY_ALIGN T P[9][kMost];
-  HWY_ALIGN T ratios[kMost];
-  HWY_ALIGN T flags[kMost];
-  const auto store = [&](const Mat3Lanes<V> &m, T(&to)[9][kMost]) HWY_ATTR {
-    hn::Store(m.c0.x, d, to[0]);
-    hn::Store(m.c0.y, d, to[1]);
-    hn::Store(m.c0.z, d, to[2]);
-    hn::Store(m.c1.x, d, to[3]);
-    hn::Store(m.c1.y, d, to[4]);
-    hn::Store(m.c1.z, d, to[5]);
-    hn::Store(m.c2.x, d, to[6]);
-    hn::Store(m.c2.y, d, to[7]);
-    hn::Store(m.c2.z, d, to[8]);
-  };
-  store(s.G, G);
-  store(stress, P);
-  hn::Store(ratio, d, ratios);
-  hn::Store(hn::IfThenElseZero(stray, hn::Set(d, T(1))), d, flags);
-  for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
-    if (flags[i] == T(0)) continue;
-    double F[9], answer[9];
-    for (int k = 0; k < 9; ++k) F[k] = static_cast<double>(G[k][i]) + (k % 4 == 0 ? 1.0 : 0.0);
-    ratios[i] = static_cast<T>(law(context, material, F, answer));
-    for (int k = 0; k < 9; ++k) P[k][i] = static_cast<T>(answer[k]);
-  }
-  stress = {{hn::Load(d, P[0]), hn::Load(d, P[1]), hn::Load(d, P[2])},
-            {hn::Load(d, P[3]), hn::Load(d, P[4]), hn::Load(d, P[5])},
-            {hn::Load(d, P[6]), hn::Load(d, P[7]), hn::Load(d, P[8])}};
-  ratio = hn::Load(d, ratios);
-}
-
-// P and how much stiffer the point is than at rest, as tangentRatio(): at least 1, NaN where something is none.
-template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
-HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, V stretch2, StrayLaw strayLaw,
-                                 const void *context, std::size_t material, V &ratio) {
-  using T = Real<D>;
-  Answer<V> a;
-  hn::Mask<D> stray = hn::Lt(hn::Zero(d), hn::Zero(d));
-  if constexpr (kLaw == MaterialLaw::linear) {
-    a = linear(d, m, s, stretch2);
-  } else if constexpr (kLaw == MaterialLaw::stVenantKirchhoff) {
-    a = stVenantKirchhoff(d, m, s, stretch2);
-  } else if constexpr (kLaw == MaterialLaw::corotated) {
-    a = corotated(d, m, s, stretch2, stray);
-  } else {
-    a = neoHookean(d, m, s, stretch2);
-  }
-  const V J = hn::Add(s.growth, hn::Set(d, T(1)));
-  // The bounds of what depends on J are written for J > 0.
-  if (kLaw == MaterialLaw::neoHookean || m.volume > 0)
-    stray = hn::Or(stray, hn::Lt(J, hn::Set(d, kLaw == MaterialLaw::neoHookean ? T(kNeoHookeanSwitch) : T(1e-9))));
-  const V one = hn::Set(d, T(1));
-  const V larger = hn::Max(hn::Mul(a.wave, hn::Set(d, 1 / m.waveAtRest)), hn::Mul(a.all, hn::Set(d, 1 / m.allAtRest)));
-  ratio = hn::Max(larger, one);
-  if (HWY_UNLIKELY(!hn::AllFalse(d, stray))) answerStrays(d, stray, s, strayLaw, context, material, a.stress, ratio);
-  // What is no number must not get lost in a maximum.
-  ratio = hn::Add(ratio, hn::Mul(hn::Zero(d), s.growth));
-  return a.stress;
-}
-
 template <MaterialLaw kLaw, bool kModal, class D>
 HWY_INLINE hn::Vec<D> forcesOfLanes(const CellRun<D> &run, StrayLaw stray, const void *context) {
   using V = hn::Vec<D>;
@@ -177,7 +109,7 @@ HWY_INLINE hn::Vec<D> forcesOfLanes(const CellRun<D> &run, StrayLaw stray, const
                 run.unfit(S.c0.z, S.c1.z, S.c2.z, zero, zero, zero, zero));
     return ratio;
   } else {
-    const V kxy = run.number(kModeXY), kxz = run.number(kModeXZ), kyz = run.number(kModeYZ), kxyz = run.number(kModeXYZ);
+    const V kxy = run.number(kModeXY), kxz = run.number(kModeXZ), kyz = run.number(kModeYZ);
     const Mat3Lanes<V> A = {{hn::Mul(kxy, x.xy), hn::Mul(kxy, y.xy), hn::Mul(kxy, z.xy)},
                             {hn::Mul(kxz, x.xz), hn::Mul(kxz, y.xz), hn::Mul(kxz, z.xz)},
                             {hn::Mul(kyz, x.yz), hn::Mul(kyz, y.yz), hn::Mul(kyz, z.yz)}};
@@ -191,7 +123,7 @@ HWY_INLINE hn::Vec<D> forcesOfLanes(const CellRun<D> &run, StrayLaw stray, const
       S = S + times(A, transposed(D3));
       pull = D3 + times(G, D3);
     }
-    const V twist = hn::Mul(hn::Mul(hn::Set(d, run.law.modalTwist), run.number(kTwist)), hn::Mul(kxyz, kxyz));
+    const V twist = hn::Mul(hn::Set(d, run.law.modalTwist), run.number(kTwist));
     run.scatter(run.unfit(S.c0.x, S.c1.x, S.c2.x, hn::Mul(kxy, pull.c0.x), hn::Mul(kxz, pull.c1.x), hn::Mul(kyz, pull.c2.x),
                           hn::Mul(twist, x.xyz)),
                 run.unfit(S.c0.y, S.c1.y, S.c2.y, hn::Mul(kxy, pull.c0.y), hn::Mul(kxz, pull.c1.y), hn::Mul(kyz, pull.c2.y),
@@ -207,37 +139,24 @@ HWY_NOINLINE void forcesOfSlice(const CellJob<T> &job, StrayLaw stray, const voi
   using D = hn::CappedTag<T, kLanes<T>>;
   const D d;
   const std::size_t step = hn::Lanes(d);
-  auto largest = hn::Set(d, T(1));
+  LargestRatio<D> largest(d);
   for (std::size_t lane = 0; lane < kLanes<T>; lane += step) {
     const CellRun<D> run(d, job, slice, lane);
-    const auto ratio = forcesOfLanes<kLaw, kModal>(run, stray, context);
-    // Of NaN and a number the sum is NaN, whatever the maximum of an instruction set makes of it.
-    largest = hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(largest, ratio), hn::Add(largest, ratio));
+    largest.add(forcesOfLanes<kLaw, kModal>(run, stray, context));
   }
-  job.ratios[slice] = hn::GetLane(hn::MaxOfLanes(d, largest));
-  if (!hn::AllTrue(d, hn::Eq(largest, largest))) job.ratios[slice] = std::numeric_limits<T>::quiet_NaN();
+  job.ratios[slice] = largest.value(d);
 }
 
 template <class T>
 void forcesOf(const CellJob<T> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end) {
-  for (std::size_t slice = begin; slice < end; ++slice) {
-    const auto with = [&](auto modal) HWY_ATTR {
-      constexpr bool kModal = decltype(modal)::value;
-      switch (static_cast<MaterialLaw>(job.laws[job.cells->materials[slice]].law)) {
-        case MaterialLaw::linear: return forcesOfSlice<MaterialLaw::linear, kModal>(job, stray, context, slice);
-        case MaterialLaw::stVenantKirchhoff:
-          return forcesOfSlice<MaterialLaw::stVenantKirchhoff, kModal>(job, stray, context, slice);
-        case MaterialLaw::corotated: return forcesOfSlice<MaterialLaw::corotated, kModal>(job, stray, context, slice);
-        case MaterialLaw::neoHookean: break;
+  for (std::size_t slice = begin; slice < end; ++slice)
+    withLaw(job.laws[job.cells->materials[slice]].law, [&](auto law) HWY_ATTR {
+      if (job.modal) {
+        forcesOfSlice<decltype(law)::value, true>(job, stray, context, slice);
+      } else {
+        forcesOfSlice<decltype(law)::value, false>(job, stray, context, slice);
       }
-      forcesOfSlice<MaterialLaw::neoHookean, kModal>(job, stray, context, slice);
-    };
-    if (job.modal) {
-      with(std::true_type());
-    } else {
-      with(std::false_type());
-    }
-  }
+    });
 }
 
 void CellForcesFloat(const CellJob<float> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end) {

@@ -6,12 +6,6 @@
 
 namespace pointbased::kernels {
 
-/// Where a lane has to be answered by the scalar law: collapsed or turned beyond what the kernel's formulas hold.
-/// @param F       column after column, lattice axes
-/// @param stress  out: P likewise, Pa
-/// @return tangentRatio() of the law
-using StrayLaw = double (*)(const void *context, std::size_t material, const double *F, double *stress);
-
 /// Forces of the slices [begin, end) on their corners.
 ///
 /// F by Hadamard's transform of the corners, the law and its bound of the tangent, the energy of the modes, and the transposed

@@ -46,12 +46,14 @@ std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s,
   n[kMixedX] = mean([&](std::size_t j) { return modeSign(j, 3) * g[j].x(); });
   n[kMixedY] = mean([&](std::size_t j) { return modeSign(j, 3) * g[j].y(); });
   n[kMixedZ] = mean([&](std::size_t j) { return modeSign(j, 3) * g[j].z(); });
+  std::array<double, 4> modes{};
   for (int m = 0; m < 4; ++m)
-    n[static_cast<std::size_t>(kModeXY + m)] = mean([&](std::size_t j) { return modeSign(j, m) * s.modes[first + j][m]; });
+    modes[static_cast<std::size_t>(m)] = mean([&](std::size_t j) { return modeSign(j, m) * s.modes[first + j][m]; });
+  for (std::size_t m = 0; m < 3; ++m) n[kModeXY + m] = modes[m];
   for (std::size_t j = 0; j < kCorners; ++j) {
     if (!((gradientAt(n, j) - g[j]).cwiseAbs().maxCoeff() <= kSame * n[kGradient])) return {};
     for (int m = 0; m < 4; ++m) {
-      const double k = n[static_cast<std::size_t>(kModeXY + m)];
+      const double k = modes[static_cast<std::size_t>(m)];
       if (!(std::abs(k * modeSign(j, m) - s.modes[first + j][m]) <= kSame * std::abs(k))) return {};
     }
   }
@@ -61,7 +63,7 @@ std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s,
   n[kRootX] = root[0];
   n[kRootY] = root[1];
   n[kRootZ] = root[2];
-  n[kTwist] = s.volumes[q] * spread * spread;
+  n[kTwist] = s.volumes[q] * spread * spread * modes[3] * modes[3];
   return n;
 }
 

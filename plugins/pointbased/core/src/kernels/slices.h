@@ -22,15 +22,15 @@ inline constexpr std::size_t kCorners = 8;
 /// h the edge and <·> means over the part of the body in the cell, in edges from its centre:
 ///
 ///     G_x = C_x/(4h) + C_xy <η>/(2h) + C_xz <ζ>/(2h) + C_xyz <ηζ>/h   (G = F - I; y and z alike)
-///     a_m = k_m C_m,   m = xy, xz, yz, xyz
+///     a_m = k_m C_m,   m = xy, xz, yz;   |a_xyz|² v s̄² = t |C_xyz|²
 enum CellNumber : std::size_t {
   kGradient,                  ///< 1/(4h), 1/m
   kFirstX, kFirstY, kFirstZ,  ///< <ξ>/(2h), …, 1/m
   kMixedX, kMixedY, kMixedZ,  ///< <ηζ>/h, <ξζ>/h, <ξη>/h, 1/m
-  kModeXY, kModeXZ, kModeYZ, kModeXYZ,  ///< k_m, 1/m² and 1/m³
+  kModeXY, kModeXZ, kModeYZ,  ///< k_m, 1/m²
   kVolume,                    ///< v, m³; 0 in lanes that stand for nothing
   kRootX, kRootY, kRootZ,     ///< √(v s), s the spreads, m^2.5
-  kTwist,                     ///< v s̄², m⁷
+  kTwist,                     ///< t, m
   kCellNumbers
 };
 
@@ -53,6 +53,12 @@ struct LawNumbers {
   T waveAtRest{}, allAtRest{};         ///< Pa: what tangentRatio() divides by
 };
 
+/// Where a lane has to be answered by the scalar law: collapsed or turned beyond what the kernel's formulas hold.
+/// @param F       column after column, lattice axes
+/// @param stress  out: P likewise, Pa
+/// @return tangentRatio() of the law
+using StrayLaw = double (*)(const void *context, std::size_t material, const double *F, double *stress);
+
 /// One evaluation of cells. Vectors of phyxels and entries are padded to four numbers.
 template <class T>
 struct CellJob {
@@ -62,6 +68,40 @@ struct CellJob {
   const T *displacements = nullptr;      ///< [phyxels][4], lattice axes, m
   T *entries = nullptr;                  ///< [slices][kCorners][lanes][4] out: force on the corner, N
   T *ratios = nullptr;                   ///< [slices] out: largest tangentRatio() of the slice; NaN if any is
+};
+
+/// What a point of a cloud needs beside its pairs, in this order. With w the symmetric weights and d the ways to the
+/// neighbours at rest:
+///
+///     N = Σ w Δu dᵀ,  G = N A^-1,  A = Σ w d dᵀ
+///     f_j = M_j Σ_k w d_jk + Σ_k w M_k d_jk + Σ_k w (a_j + a_k)(u_k - u_j),   M = v P A^-1 - a G
+///
+/// which is the sum over both stencils of every pair: the weights are symmetric, and what a fit misses is
+/// u_k - u_j + d - F d.
+enum CloudNumber : std::size_t {
+  kInverseXX, kInverseYY, kInverseZZ, kInverseXY, kInverseXZ, kInverseYZ,  ///< A^-1, 1/m²
+  kRestX, kRestY, kRestZ,  ///< Σ w d, m
+  kCloudVolume,            ///< v, m³; 0 in lanes that stand for nothing
+  kControl,                ///< a, N/m: stiffness of the control over the norm of the weights
+  kCloudNumbers
+};
+
+inline constexpr Index kNoPoint = 0xffffffffu;
+
+/// One evaluation of a cloud. Records of phyxels are padded, so that each begins on a boundary of a register.
+template <class T>
+struct CloudJob {
+  std::span<const Index> offsets, neighbours;  ///< rows of pairs, without the phyxel itself
+  const T *weights = nullptr;                  ///< [pairs] w
+  const T *places = nullptr;                   ///< [phyxels][4] X, m, and a
+  std::span<const Index> points;               ///< [slices][lanes] phyxels; kNoPoint: nothing
+  std::span<const std::uint16_t> materials;    ///< [slices]
+  const T *numbers = nullptr;                  ///< [slices][kCloudNumbers][lanes]
+  std::span<const LawNumbers<T>> laws;         ///< [materials]
+  const T *displacements = nullptr;            ///< [phyxels][4] m
+  T *tensors = nullptr;                        ///< [phyxels][16] out: columns of M, padded, and zeros
+  T *own = nullptr;                            ///< [phyxels][4] out: the part of the force that needs no M of others, N
+  T *ratios = nullptr;                         ///< [slices] out, as in CellJob
 };
 
 }  // namespace pointbased::kernels

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Forces of clouds that are evaluated at their phyxels (Müller et al. 2004). Private to the core.
+#pragma once
+
+#include "slices.h"
+
+namespace pointbased::kernels {
+
+/// M and the own part of the force of the slices [begin, end): sums over pairs with the columns of N side by side in a
+/// register, the law with one point per lane.
+/// @threads any, disjoint ranges; no allocation; bits as cellForces()
+void cloudTensors(const CloudJob<float> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end);
+void cloudTensors(const CloudJob<double> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end);
+
+/// Forces of the phyxels [begin, end) from the M of their neighbours, after all cloudTensors().
+/// @param forces  [phyxels][3] out: N
+void cloudForces(const CloudJob<float> &job, double *forces, std::size_t begin, std::size_t end);
+void cloudForces(const CloudJob<double> &job, double *forces, std::size_t begin, std::size_t end);
+
+}  // namespace pointbased::kernels
