@@ -61,9 +61,10 @@ TEST_CASE("a body does not pass a block, a thin sheet or a wall at 1, 10 and 100
   // Explicit: velocity Verlet moves the energy by up to (omega dt)²/4 of what its fastest modes hold.
   CHECK(most <= before * (1.0 + (integrator == Integrator::explicitVerlet ? 0.01 : 1e-6)));
   // Explicit: what the sweeps leave, a quarter of the margin of contact. Implicit: the penalty gives by rho H (v / dt) d / (30 E)
-  // where the pressure is even; twice that at the edges, and twice that again in a step that had to be halved.
+  // where the pressure is even; twice that at the edges, and twice that again in each step that had to be halved: twice at
+  // 100 m/s, where what becomes of it hangs on nanometres (150 beginnings: 18 mm at most).
   const double give = integrator == Integrator::explicitVerlet ? 0.25 * 0.02 * 0.02
-                                                               : 4.0 * 1060.0 * 0.06 * speed / kFrame * 0.02 / (30.0 * 1e5);
+                                                               : (speed < 100.0 ? 4.0 : 8.0) * 1060.0 * 0.06 * speed / kFrame * 0.02 / (30.0 * 1e5);
   CHECK(lowest > -give);
   CHECK(meanVelocity(body)[1] > -0.05 * speed);
 }

@@ -185,6 +185,28 @@ void Body::setPrecision(Precision precision) {
 
 void Body::vectorise() {
   vectorForces_ = detail::vectorForces(rest_->stencils, rest_->positions, constitution_, precision_);
+  exactForces_.reset();
+}
+
+detail::VectorForces &Body::exactForces() const {
+  if (precision_ == Precision::doublePrecision) return *vectorForces_;
+  if (!exactForces_)
+    exactForces_ = detail::vectorForces(rest_->stencils, rest_->positions, constitution_, Precision::doublePrecision);
+  return *exactForces_;
+}
+
+void Body::evaluateInternal(bool viscous, const ParallelFor &parallelFor) {
+  const std::span<const Vec3> velocities =
+      viscous && constitution_.viscous() ? state_.velocities : std::span<const Vec3>();
+  tangentRatio_ = exactForces().evaluate(state_.displacements, velocities, forces_, parallelFor);
+  gradientsOld_ = stressesOld_ = true;
+}
+
+void Body::linearise(const ParallelFor &parallelFor) { exactForces().linearise(state_.displacements, parallelFor); }
+
+void Body::forceDifferential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
+                             const ParallelFor &parallelFor) {
+  exactForces().differential(du, viscousScale, df, parallelFor);
 }
 
 void Body::evaluate(double t, double dt, const ParallelFor &parallelFor) {
@@ -195,7 +217,8 @@ void Body::evaluate(double t, double dt, const ParallelFor &parallelFor) {
     computeForces(t, parallelFor);
     return;
   }
-  tangentRatio_ = vectorForces_->evaluate(state_.displacements, forces_, parallelFor);
+  const std::span<const Vec3> velocities = constitution_.viscous() ? state_.velocities : std::span<const Vec3>();
+  tangentRatio_ = vectorForces_->evaluate(state_.displacements, velocities, forces_, parallelFor);
   gradientsOld_ = stressesOld_ = true;
   addLoads(t);
 }
@@ -212,7 +235,12 @@ std::span<const Mat3> Body::stresses() const {
   if (stressesOld_) {
     // Only of bodies without a history: others are not vectorised.
     tangentRatios_.resize(rest_->pointCount());
-    (void)pointStresses(constitution_, rest_->stencils, gradients(), {}, state_.history, 0.0, nullptr, stresses_,
+    std::vector<Mat3> rates;
+    if (constitution_.viscous()) {
+      rates.resize(rest_->pointCount());
+      gradientRates(rest_->stencils, state_.velocities, rates, serialFor());
+    }
+    (void)pointStresses(constitution_, rest_->stencils, gradients(), rates, state_.history, 0.0, nullptr, stresses_,
                         tangentRatios_, serialFor());
     stressesOld_ = false;
   }
@@ -286,6 +314,10 @@ void Body::addLoads(double t) {
 double Body::factor(double ramp, double t) const {
   if (quasiStatic) return std::clamp(t, 0.0, 1.0);
   return ramp > 0.0 ? std::clamp(t / ramp, 0.0, 1.0) : 1.0;
+}
+
+ElasticEnergy Body::elasticEnergy(const ParallelFor &parallelFor) const {
+  return vectorised() ? exactForces().energy(state_.displacements, parallelFor) : elasticEnergy();
 }
 
 ElasticEnergy Body::elasticEnergy(std::span<Eigen::Vector2d> perPoint) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kernels/cell_kernel.h"
+#include "kernels/cell_tangent_kernel.h"
 #include "vector_forces_parts.h"
 
 namespace pointbased::detail {
@@ -17,7 +18,6 @@ class CellForces final : public VectorForces {
       : stencils_(stencils), constitution_(constitution), cells_(sliceCells<T>(stencils, plan)),
         laws_(lawsOf<T>(constitution)), others_(stencils, positions, constitution_, plan.others) {
     const std::size_t n = positions.size(), own = cells_.count() * kCorners * kLanes<T>;
-    displacements_.resize(4 * n);
     ratios_.resize(cells_.count());
     layEntries(plan, n, own);
     for (int r = 0; r < 3; ++r)
@@ -25,25 +25,80 @@ class CellForces final : public VectorForces {
     turned_ = stencils.axes != Mat3::Identity();
   }
 
-  double evaluate(std::span<const Vec3> u, std::span<Vec3> forces, const ParallelFor &parallelFor) override {
-    pack(u, parallelFor);
-    const CellJob<T> job{&cells_, laws_, controlOf(constitution_, stencils_) == Control::modal, displacements_.data(),
-                         entries_.data(), ratios_.data()};
+  double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, std::span<Vec3> forces,
+                  const ParallelFor &parallelFor) override {
+    pack(u, displacements_, parallelFor);
+    if (!v.empty()) pack(v, velocities_, parallelFor);
+    CellJob<T> job = this->job();
+    if (!v.empty()) job.velocities = velocities_.data();
+    const ScalarLaw scalar = scalarLaw(constitution_);
     runLoop(parallelFor, cells_.count(), kSliceGrain, [&](std::size_t begin, std::size_t end) {
-      cellForces(job, &strayAnswer, &constitution_, begin, end);
+      cellForces(job, scalar, begin, end);
     });
-    const double others = others_.empty() ? 1.0 : evaluateOthers(u, parallelFor);
+    const double others = others_.empty() ? 1.0 : evaluateOthers(u, v, parallelFor);
     const double ratio = largestRatio<T>(ratios_, others);
     collect(forces, parallelFor);
     return ratio;
   }
 
+  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
+    pack(u, displacements_, parallelFor);
+    energies_.resize(2 * cells_.count());
+    const CellJob<T> job = this->job();
+    const ScalarLaw scalar = scalarLaw(constitution_);
+    runLoop(parallelFor, cells_.count(), kSliceGrain,
+            [&](std::size_t begin, std::size_t end) { cellEnergies(job, scalar, begin, end); });
+    ElasticEnergy sum = others_.empty() ? ElasticEnergy() : others_.energy(u);
+    for (std::size_t slice = 0; slice < cells_.count(); ++slice) {
+      sum.strain += energies_[2 * slice];
+      sum.stabilisation += energies_[2 * slice + 1];
+    }
+    return sum;
+  }
+
+  void linearise(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
+    pack(u, displacements_, parallelFor);
+    tangents_.resize(cells_.count() * kTangentNumbers * kLanes<T>);
+    const CellJob<T> job = this->job();
+    runLoop(parallelFor, cells_.count(), kSliceGrain,
+            [&](std::size_t begin, std::size_t end) { cellTangents(job, begin, end); });
+    if (!others_.empty()) others_.linearise(u, parallelFor);
+  }
+
+  void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
+                    const ParallelFor &parallelFor) override {
+    pack(du, displacements_, parallelFor);
+    CellJob<T> job = this->job();
+    job.viscousScale = static_cast<T>(viscousScale);
+    const ScalarLaw scalar = scalarLaw(constitution_);
+    runLoop(parallelFor, cells_.count(), kSliceGrain,
+            [&](std::size_t begin, std::size_t end) { cellProducts(job, scalar, begin, end); });
+    if (!others_.empty()) {
+      others_.differential(du, viscousScale, parallelFor);
+      takeOthers();
+    }
+    collect(df, parallelFor);
+  }
+
   [[nodiscard]] std::size_t memory() const override {
-    return bytesOf(cells_.corners) + bytesOf(cells_.numbers) + bytesOf(cells_.materials) + bytesOf(displacements_) +
-           bytesOf(entries_) + bytesOf(ratios_) + bytesOf(rows_.offsets) + bytesOf(rows_.indices) + others_.memory();
+    return bytesOf(cells_.corners) + bytesOf(cells_.numbers) + bytesOf(cells_.materials) + bytesOf(displacements_) + bytesOf(velocities_) +
+           bytesOf(entries_) + bytesOf(ratios_) + bytesOf(tangents_) + bytesOf(energies_) + bytesOf(rows_.offsets) + bytesOf(rows_.indices) + others_.memory();
   }
 
  private:
+  [[nodiscard]] CellJob<T> job() {
+    CellJob<T> job;
+    job.cells = &cells_;
+    job.laws = laws_;
+    job.modal = controlOf(constitution_, stencils_) == Control::modal;
+    job.displacements = displacements_.data();
+    job.entries = entries_.data();
+    job.ratios = ratios_.data();
+    job.tangents = tangents_.data();
+    job.energies = energies_.data();
+    return job;
+  }
+
   // Where the force of every entry goes, and which entries every phyxel sums, ascending.
   void layEntries(const CellPlan &plan, std::size_t phyxels, std::size_t own) {
     std::vector<std::pair<Index, Index>> all;  // phyxel, place
@@ -67,10 +122,11 @@ class CellForces final : public VectorForces {
   }
 
   // Relative to the first phyxel, so that a body far from where it was made loses no digits; in lattice axes.
-  void pack(std::span<const Vec3> u, const ParallelFor &parallelFor) {
+  void pack(std::span<const Vec3> u, AlignedVector<T> &packed, const ParallelFor &parallelFor) const {
+    packed.resize(4 * u.size());
     const Vec3 base = u.front();
     runLoop(parallelFor, u.size(), kPhyxelGrain, [&](std::size_t begin, std::size_t end) {
-      T *out = displacements_.data();
+      T *out = packed.data();
       for (std::size_t i = begin; i < end; ++i) {
         const double x = u[i][0] - base[0], y = u[i][1] - base[1], z = u[i][2] - base[2];
         if (!turned_) {
@@ -85,14 +141,19 @@ class CellForces final : public VectorForces {
     });
   }
 
-  double evaluateOthers(std::span<const Vec3> u, const ParallelFor &parallelFor) {
-    const double ratio = others_.evaluate(u, parallelFor);
+  double evaluateOthers(std::span<const Vec3> u, std::span<const Vec3> v, const ParallelFor &parallelFor) {
+    const double ratio = others_.evaluate(u, v, parallelFor);
+    takeOthers();
+    return ratio;
+  }
+
+  // Forces of the other points into their entries.
+  void takeOthers() {
     T *out = entries_.data() + entries_.size() - 4 * others_.entries().size();
     for (std::size_t k = 0; k < others_.entries().size(); ++k) {
       const Vec3 f = stencils_.axes.transpose() * others_.force(k);
       for (int c = 0; c < 3; ++c) out[4 * k + static_cast<std::size_t>(c)] = static_cast<T>(f[c]);
     }
-    return ratio;
   }
 
   void collect(std::span<Vec3> forces, const ParallelFor &parallelFor) {
@@ -121,9 +182,11 @@ class CellForces final : public VectorForces {
   std::vector<LawNumbers<T>> laws_;
   OtherPoints others_;
   Csr rows_;                          // [phyxels] places in entries_
-  AlignedVector<T> displacements_;    // [phyxels][4]
+  AlignedVector<T> displacements_, velocities_;  // [phyxels][4]
   AlignedVector<T> entries_;          // [places][4]
   AlignedVector<T> ratios_;           // [slices]
+  AlignedVector<T> tangents_;         // of differential(); empty before
+  std::vector<double> energies_;      // [slices][2]
   double axes_[3][3];
   bool turned_ = false;
 };

@@ -39,12 +39,11 @@ class CloudForces final : public VectorForces {
  public:
   CloudForces(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
               const CloudPlan &plan)
-      : constitution_(constitution), points_(plan.points), materials_(plan.materials), laws_(lawsOf<T>(constitution)),
+      : stencils_(stencils), positions_(positions), constitution_(constitution), points_(plan.points), materials_(plan.materials), laws_(lawsOf<T>(constitution)),
         others_(stencils, positions, constitution_, plan.others) {
     const std::size_t n = positions.size();
     layPairs(stencils, positions, plan.full);
     layPoints(stencils, positions, plan.full);
-    displacements_.resize(4 * n);
     tensors_.assign(16 * n, T(0));
     own_.assign(4 * n, T(0));
     ratios_.resize(materials_.size());
@@ -52,37 +51,95 @@ class CloudForces final : public VectorForces {
       phyxelOfOther_.push_back(stencils.phyxels.indices[others_.entries()[k]]);
   }
 
-  double evaluate(std::span<const Vec3> u, std::span<Vec3> forces, const ParallelFor &parallelFor) override {
-    // Relative to the first phyxel, so that a body far from where it was made loses no digits.
-    const Vec3 base = u.front();
-    runLoop(parallelFor, u.size(), kPhyxelGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-          displacements_[4 * i + c] = static_cast<T>(u[i][static_cast<int>(c)] - base[static_cast<int>(c)]);
-    });
-    const CloudJob<T> job{offsets_, neighbours_, weights_.data(), places_.data(), points_, materials_, numbers_.data(),
-                          laws_, displacements_.data(), tensors_.data(), own_.data(), ratios_.data()};
-    runLoop(parallelFor, materials_.size(), 1, [&](std::size_t begin, std::size_t end) {
-      cloudTensors(job, &strayAnswer, &constitution_, begin, end);
-    });
-    runLoop(parallelFor, forces.size(), 16, [&](std::size_t begin, std::size_t end) {
-      cloudForces(job, forces.front().data(), begin, end);
-    });
-    double others = 1.0;
-    if (!others_.empty()) {
-      others = others_.evaluate(u, parallelFor);
-      for (std::size_t k = 0; k < phyxelOfOther_.size(); ++k) forces[phyxelOfOther_[k]] += others_.force(k);
-    }
+  double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, std::span<Vec3> forces,
+                  const ParallelFor &parallelFor) override {
+    pack(u, displacements_, parallelFor);
+    if (!v.empty()) pack(v, velocities_, parallelFor);
+    CloudJob<T> job = this->job();
+    if (!v.empty()) job.velocities = velocities_.data();
+    const ScalarLaw scalar = scalarLaw(constitution_);
+    runLoop(parallelFor, materials_.size(), 1,
+            [&](std::size_t begin, std::size_t end) { cloudTensors(job, scalar, begin, end); });
+    collect(job, forces, parallelFor);
+    const double others = others_.empty() ? 1.0 : others_.evaluate(u, v, parallelFor);
+    addOthers(forces);
     return largestRatio<T>(ratios_, others);
+  }
+
+  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
+    gradients_.resize(stencils_.pointCount());
+    deformationGradients(stencils_, u, gradients_, parallelFor);
+    return elasticEnergy(constitution_, stencils_, positions_, u, gradients_, PointHistory());
+  }
+
+  void linearise(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
+    pack(u, displacements_, parallelFor);
+    tangents_.resize(materials_.size() * kTangentNumbers * kLanes<T>);
+    const CloudJob<T> job = this->job();
+    const ScalarLaw scalar = scalarLaw(constitution_);
+    runLoop(parallelFor, materials_.size(), 1,
+            [&](std::size_t begin, std::size_t end) { cloudTangents(job, scalar, begin, end); });
+    if (!others_.empty()) others_.linearise(u, parallelFor);
+  }
+
+  void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
+                    const ParallelFor &parallelFor) override {
+    pack(du, displacements_, parallelFor);
+    CloudJob<T> job = this->job();
+    job.viscousScale = static_cast<T>(viscousScale);
+    const ScalarLaw scalar = scalarLaw(constitution_);
+    runLoop(parallelFor, materials_.size(), 1,
+            [&](std::size_t begin, std::size_t end) { cloudProducts(job, scalar, begin, end); });
+    collect(job, df, parallelFor);
+    if (!others_.empty()) others_.differential(du, viscousScale, parallelFor);
+    addOthers(df);
   }
 
   [[nodiscard]] std::size_t memory() const override {
     return bytesOf(offsets_) + bytesOf(neighbours_) + bytesOf(weights_) + bytesOf(places_) + bytesOf(points_) +
-           bytesOf(materials_) + bytesOf(numbers_) + bytesOf(displacements_) + bytesOf(tensors_) + bytesOf(own_) +
-           bytesOf(ratios_) + bytesOf(phyxelOfOther_) + others_.memory();
+           bytesOf(materials_) + bytesOf(numbers_) + bytesOf(displacements_) + bytesOf(velocities_) + bytesOf(tensors_) + bytesOf(own_) +
+           bytesOf(ratios_) + bytesOf(tangents_) + bytesOf(gradients_) + bytesOf(phyxelOfOther_) + others_.memory();
   }
 
  private:
+  [[nodiscard]] CloudJob<T> job() {
+    CloudJob<T> job;
+    job.offsets = offsets_;
+    job.neighbours = neighbours_;
+    job.weights = weights_.data();
+    job.places = places_.data();
+    job.points = points_;
+    job.materials = materials_;
+    job.numbers = numbers_.data();
+    job.laws = laws_;
+    job.displacements = displacements_.data();
+    job.tensors = tensors_.data();
+    job.own = own_.data();
+    job.ratios = ratios_.data();
+    job.tangents = tangents_.data();
+    return job;
+  }
+
+  // Relative to the first phyxel, so that a body far from where it was made loses no digits.
+  void pack(std::span<const Vec3> u, AlignedVector<T> &packed, const ParallelFor &parallelFor) const {
+    packed.resize(4 * u.size());
+    const Vec3 base = u.front();
+    runLoop(parallelFor, u.size(), kPhyxelGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+          packed[4 * i + c] = static_cast<T>(u[i][static_cast<int>(c)] - base[static_cast<int>(c)]);
+    });
+  }
+
+  void collect(const CloudJob<T> &job, std::span<Vec3> forces, const ParallelFor &parallelFor) {
+    runLoop(parallelFor, forces.size(), 16,
+            [&](std::size_t begin, std::size_t end) { cloudForces(job, forces.front().data(), begin, end); });
+  }
+
+  void addOthers(std::span<Vec3> forces) {
+    for (std::size_t k = 0; k < phyxelOfOther_.size(); ++k) forces[phyxelOfOther_[k]] += others_.force(k);
+  }
+
   // The stiffness of the control of a point over the factor of its weights; of other points the kernel does nothing.
   double controlOfPoint(const StencilSet &s, std::size_t q, bool full) const {
     if (!full || detail::controlOf(constitution_, s) != Control::isotropic) return 0.0;
@@ -137,6 +194,8 @@ class CloudForces final : public VectorForces {
     }
   }
 
+  const StencilSet &stencils_;
+  std::span<const Vec3> positions_;
   const Constitution constitution_;
   std::vector<Index> offsets_, neighbours_;
   AlignedVector<T> weights_, places_;
@@ -146,7 +205,8 @@ class CloudForces final : public VectorForces {
   std::vector<LawNumbers<T>> laws_;
   OtherPoints others_;
   std::vector<Index> phyxelOfOther_;  // [entries of other points]
-  AlignedVector<T> displacements_, tensors_, own_, ratios_;
+  AlignedVector<T> displacements_, velocities_, tensors_, own_, ratios_, tangents_;
+  std::vector<Mat3> gradients_;  // of energy(); empty before
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "pointbased/engine.h"
 
+#include "entry_forces.h"
 #include "point_response.h"
 
 namespace pointbased {
@@ -89,9 +90,16 @@ std::size_t plasticFlow(const Constitution &constitution, const StencilSet &s, s
 ElasticEnergy elasticEnergy(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                             std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history,
                             std::span<Eigen::Vector2d> perPoint) {
+  return elasticEnergyOf(constitution, s, X, u, gradients, history, perPoint, 0, s.pointCount());
+}
+
+ElasticEnergy detail::elasticEnergyOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                                      std::span<const Vec3> u, std::span<const Mat3> gradients,
+                                      const PointHistory &history, std::span<Eigen::Vector2d> perPoint, std::size_t begin,
+                                      std::size_t end) {
   ElasticEnergy energy;
   const Control control = controlOf(constitution, s);
-  for (std::size_t q = 0; q < s.pointCount(); ++q) {
+  for (std::size_t q = begin; q < end; ++q) {
     const Material &material = materialOfPoint(constitution, s, q);
     const bool linear = material.law == MaterialLaw::linear;
     const bool plastic = !history.plasticInverse.empty() && material.plastic.enabled();

@@ -138,24 +138,35 @@ void runRelaxingChange(const Material &material, double stabilisation, const Ste
 
 }  // namespace
 
-void forceDifferential(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
-                       std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history, double dt,
-                       double viscousScale, std::span<const Vec3> du, TangentScratch &scratch, std::span<Vec3> df,
-                       const ParallelFor &parallelFor) {
-  scratch.entries.resize(s.phyxels.indices.size());
+namespace detail {
+
+void entryDifferentialsOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                          std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history, double dt,
+                          double viscousScale, std::span<const Vec3> du, std::span<Vec3> entries,
+                          const ParallelFor &parallelFor) {
   const Field field{X, u, gradients, du};
   const Control control = controlOf(constitution, s);
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
       if (control == Control::modal && material.relaxes())
-        return runRelaxingChange(material, constitution.stabilisation, s, field, history, dt, viscousScale,
-                                 scratch.entries, from, to);
+        return runRelaxingChange(material, constitution.stabilisation, s, field, history, dt, viscousScale, entries, from,
+                                 to);
       const auto run = control == Control::modal       ? runChange<Control::modal>
                        : control == Control::isotropic ? runChange<Control::isotropic>
                                                        : runChange<Control::none>;
-      run(material, constitution.stabilisation, s, field, history, dt, viscousScale, scratch.entries, from, to);
+      run(material, constitution.stabilisation, s, field, history, dt, viscousScale, entries, from, to);
     });
   });
+}
+
+}  // namespace detail
+
+void forceDifferential(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                       std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history, double dt,
+                       double viscousScale, std::span<const Vec3> du, TangentScratch &scratch, std::span<Vec3> df,
+                       const ParallelFor &parallelFor) {
+  scratch.entries.resize(s.phyxels.indices.size());
+  entryDifferentialsOf(constitution, s, X, u, gradients, history, dt, viscousScale, du, scratch.entries, parallelFor);
   gather<Vec3>(s, scratch.entries, df, parallelFor);
 }
 

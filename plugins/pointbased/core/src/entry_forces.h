@@ -3,7 +3,7 @@
 #pragma once
 
 #include "modes.h"
-#include "pointbased/constitution.h"
+#include "pointbased/engine.h"
 
 namespace pointbased::detail {
 
@@ -11,6 +11,18 @@ namespace pointbased::detail {
 void entryForcesOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                    std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
                    std::span<const ModalStrain> relaxed, std::span<Vec3> entryForces, const ParallelFor &parallelFor);
+
+/// The part of forceDifferential() up to the entries, likewise.
+void entryDifferentialsOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
+                          std::span<const Vec3> displacements, std::span<const Mat3> gradients, const PointHistory &history,
+                          double dt, double viscousScale, std::span<const Vec3> du, std::span<Vec3> entries,
+                          const ParallelFor &parallelFor);
+
+/// elasticEnergy() of the points [begin, end).
+[[nodiscard]] ElasticEnergy elasticEnergyOf(const Constitution &constitution, const StencilSet &stencils,
+                                            std::span<const Vec3> positions, std::span<const Vec3> displacements,
+                                            std::span<const Mat3> gradients, const PointHistory &history,
+                                            std::span<Eigen::Vector2d> perPoint, std::size_t begin, std::size_t end);
 
 /// Entry e gets -pull(e), the anchor the opposite of the sum.
 template <class Pull>

@@ -107,14 +107,14 @@ constexpr double kMixed = -1.0;
 class Recovery {
  public:
   Recovery(const Body &body, ErrorScratch &scratch)
-      : body_(body), s_(body.rest().stencils), scratch_(scratch), lattice_(!s_.modes.empty()) {}
+      : body_(body), gradients_(body.gradients()), s_(body.rest().stencils), scratch_(scratch), lattice_(!s_.modes.empty()) {}
 
   void strains(std::size_t begin, std::size_t end) {
     const auto &plastic = body_.state().history.plasticInverse;
     const Mat3 &Q = s_.axes;
     for (std::size_t q = begin; q < end; ++q) {
       const Material &material = materialOfPoint(body_.constitution(), s_, q);
-      Mat3 F = body_.gradients()[q];
+      Mat3 F = gradients_[q];
       if (!plastic.empty() && material.plastic.enabled()) F = F * plastic[q];
       const Mat3 E = material.law == MaterialLaw::linear ? Mat3(F - Mat3::Identity()) : greenStrain(F);
       scratch_.strains[q] = packed(Q.transpose() * E * Q);
@@ -175,7 +175,7 @@ class Recovery {
     }
     Slopes own = Slopes::Zero();
     if (controlOf(body_.constitution(), s_) == Control::modal)
-      own = modalSlopes(material, s_, q, body_.gradients()[q], body_.state().displacements);
+      own = modalSlopes(material, s_, q, gradients_[q], body_.state().displacements);
     const double size = std::cbrt(s_.volumes[q]);
     const Fit better = fit(around, own, size);
     const Vec3 spreads = lattice_ ? s_.spreads[q] : Vec3(Vec3::Constant(size * size / 12.0));
@@ -186,6 +186,7 @@ class Recovery {
   }
 
   const Body &body_;
+  std::span<const Mat3> gradients_;
   const StencilSet &s_;
   ErrorScratch &scratch_;
   bool lattice_;

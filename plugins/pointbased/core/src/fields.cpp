@@ -30,9 +30,10 @@ void stressesInto(const Body &body, std::span<Mat3> out, StressScratch &scratch,
                   const StressOf &stressOf) {
   firstPiolaStresses(body, scratch, parallelFor);
   const StencilSet &s = body.rest().stencils;
+  const std::span<const Mat3> gradients = body.gradients();
   runLoop(parallelFor, out.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t q = begin; q < end; ++q) {
-      const Mat3 &F = body.gradients()[q];
+      const Mat3 &F = gradients[q];
       const Mat3 P = scratch.firstPiola[q] / s.volumes[q];
       if (materialOfPoint(body.constitution(), s, q).law == MaterialLaw::linear) {
         out[q] = symmetric(P);

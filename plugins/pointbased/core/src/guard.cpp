@@ -90,7 +90,7 @@ GuardFinding firstNonFinite(const Body &body) {
 }
 
 std::optional<GuardFinding> EnergyWatch::look(const Body &body, const Vec3 &gravity, bool driven) {
-  const ElasticEnergy elastic = body.elasticEnergy();
+  const ElasticEnergy elastic = body.elasticEnergy(serialFor());
   const double stored = elastic.strain + elastic.stabilisation, kinetic = body.kineticEnergy();
   double total = kinetic + stored + potential(body, gravity) +
                  body.patches().energy(body.lastPatchTargets(), body.state().displacements);

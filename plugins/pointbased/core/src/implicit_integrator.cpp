@@ -68,6 +68,7 @@ class StageProblem final : public Equilibrium {
     }
     const Constitution &c = body.constitution();
     dissipative_ = stage.h > 0.0 && (c.viscous() || c.relaxing());
+    vectorised_ = body.vectorised();
     work_.assign(n_, Vec3::Zero());
     contact_ = env.contact() && body.rest().contact.count() > 0;
     penalty_ = {kContactStiffness * largestModulus(c), body.rest().spacing, stage.contactSpan};
@@ -94,8 +95,12 @@ class StageProblem final : public Equilibrium {
       sum += u[i].squaredNorm();
     }
     if (!std::isfinite(sum)) return false;
-    body_.computeGradients(*env_.parallelFor);
-    workCurrent_ = false;
+    if (vectorised_) {
+      body_.forgetPoints();
+    } else {
+      body_.computeGradients(*env_.parallelFor);
+    }
+    workCurrent_ = linearised_ = false;
     return true;
   }
 
@@ -112,7 +117,7 @@ class StageProblem final : public Equilibrium {
         sum += 0.5 * a_ * m * (u - start_[i]).squaredNorm();
       sum -= dead_[i].dot(u);
     }
-    const ElasticEnergy elastic = body_.elasticEnergy();
+    const ElasticEnergy elastic = body_.elasticEnergy(*env_.parallelFor);
     sum += elastic.strain + elastic.stabilisation;
     if (body_.patches().rows() > 0) sum += body_.patches().energy(targets(), state.displacements);
     if (contact_) sum += contactEnergy(body_.rest().contact, body_.contact, penalty_, start_, state.displacements);
@@ -134,8 +139,12 @@ class StageProblem final : public Equilibrium {
       if (!reference_.empty()) referenceEnergy_ -= workSinceReference();
       setReference();
     }
-    body_.computeElasticStresses(*env_.parallelFor);
-    body_.computeInternalForces(*env_.parallelFor);
+    if (vectorised_) {
+      body_.evaluateInternal(false, *env_.parallelFor);
+    } else {
+      body_.computeElasticStresses(*env_.parallelFor);
+      body_.computeInternalForces(*env_.parallelFor);
+    }
     if (body_.patches().rows() > 0) body_.patches().updateForces(targets(), state.displacements);
     forces_.assign(body_.forces().begin(), body_.forces().end());
     if (body_.patches().rows() > 0) body_.patches().addForces(forces_);
@@ -154,8 +163,14 @@ class StageProblem final : public Equilibrium {
 
   void product(std::span<const Vec3> du, std::span<Vec3> out) override {
     const RestState &rest = body_.rest();
-    forceDifferential(body_.constitution(), rest.stencils, rest.positions, body_.state().displacements, body_.gradients(),
-                      history(), dt(), viscousScale(), du, scratch_, out, *env_.parallelFor);
+    if (vectorised_) {
+      if (!linearised_) body_.linearise(*env_.parallelFor);
+      linearised_ = true;
+      body_.forceDifferential(du, viscousScale(), out, *env_.parallelFor);
+    } else {
+      forceDifferential(body_.constitution(), rest.stencils, rest.positions, body_.state().displacements,
+                        body_.gradients(), history(), dt(), viscousScale(), du, scratch_, out, *env_.parallelFor);
+    }
     for (std::size_t i = 0; i < n_; ++i) out[i] = (a_ + damping_) * body_.masses()[i] * du[i] - out[i];
     if (body_.patches().rows() > 0) body_.patches().addProduct(du, out);
     if (contact_)
@@ -209,11 +224,18 @@ class StageProblem final : public Equilibrium {
                       body_.state().displacements, work_);
     if (!dissipative_) return;
     const ParallelFor &parallelFor = *env_.parallelFor;
-    body_.computeElasticStresses(parallelFor);
-    body_.computeInternalForces(parallelFor);
+    const auto forcesWith = [&](bool history) {
+      if (vectorised_) return body_.evaluateInternal(history, parallelFor);
+      if (history) {
+        body_.computeTrialStresses(stage_.elapsed, parallelFor);
+      } else {
+        body_.computeElasticStresses(parallelFor);
+      }
+      body_.computeInternalForces(parallelFor);
+    };
+    forcesWith(false);
     for (std::size_t i = 0; i < n_; ++i) work_[i] -= body_.forces()[i];
-    body_.computeTrialStresses(stage_.elapsed, parallelFor);
-    body_.computeInternalForces(parallelFor);
+    forcesWith(true);
     for (std::size_t i = 0; i < n_; ++i) work_[i] += body_.forces()[i];
   }
 
@@ -236,6 +258,7 @@ class StageProblem final : public Equilibrium {
   std::size_t n_;
   double a_ = 0.0, damping_ = 0.0;
   bool followers_ = false, dissipative_ = false, contact_ = false, workCurrent_ = false;
+  bool vectorised_ = false, linearised_ = false;
   std::vector<Vec3> dead_, work_, start_, forces_;
   std::vector<Vec3> reference_, referenceWork_;
   double referenceEnergy_ = 0.0, roundOff_ = 0.0;
@@ -507,6 +530,11 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
   if (out.failure = explain(out.newton); !out.failure.empty()) return out;
 
   body.placeHeld(time + dt, true);
+  if (body.vectorised()) {
+    env.clock->measure(kForces, [&] { body.evaluate(time + dt, dt, parallelFor); });
+    body.forcesCurrent = true;
+    return out;
+  }
   env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
   if (!state.history.plasticInverse.empty()) env.clock->measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
   env.clock->measure(kStresses, [&] { body.computeStresses(dt, parallelFor); });

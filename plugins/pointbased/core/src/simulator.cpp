@@ -288,7 +288,7 @@ Simulator::Energy Simulator::energy(std::size_t id) const {
   Energy out;
   const Body *target = body(id);
   if (!target) return out;
-  const ElasticEnergy elastic = target->elasticEnergy();
+  const ElasticEnergy elastic = target->elasticEnergy(parallelFor_);
   out.elastic = elastic.strain;
   out.stabilisation = elastic.stabilisation;
   out.kinetic = target->kineticEnergy();

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "pointbased/constitution.h"
+#include "pointbased/engine.h"
 #include "pointbased/stencil.h"
 
 namespace pointbased::detail {
@@ -19,15 +20,24 @@ class VectorForces {
  public:
   virtual ~VectorForces() = default;
   /// @param displacements  [phyxels] u, m
+  /// @param velocities     [phyxels] m/s, or empty: without viscous stress
   /// @param forces         [phyxels] out: N
   /// @return largest tangentRatio() (and stretch of modes) of all points; NaN if any is
   /// @threads writes only `forces` and its own scratch; no allocation, no lock
-  virtual double evaluate(std::span<const Vec3> displacements, std::span<Vec3> forces, const ParallelFor &parallelFor) = 0;
+  virtual double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities, std::span<Vec3> forces,
+                          const ParallelFor &parallelFor) = 0;
+  /// The energies of the same, J; of clouds by the scalar engine.
+  [[nodiscard]] virtual ElasticEnergy energy(std::span<const Vec3> displacements, const ParallelFor &parallelFor) = 0;
+  /// Keeps the tangent at these displacements for differential().
+  virtual void linearise(std::span<const Vec3> displacements, const ParallelFor &parallelFor) = 0;
+  /// df = -K du, as forceDifferential(), with the viscous forces of velocities viscousScale du.
+  virtual void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
+                            const ParallelFor &parallelFor) = 0;
   /// Bytes it holds.
   [[nodiscard]] virtual std::size_t memory() const = 0;
 };
 
-/// Null where no kernel would take at least half of the points: materials that flow, relax or are viscous.
+/// Null where no kernel would take at least half of the points: materials that flow or relax.
 [[nodiscard]] std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span<const Vec3> positions,
                                                          const Constitution &constitution, Precision precision);
 

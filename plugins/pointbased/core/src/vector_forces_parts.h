@@ -19,8 +19,8 @@ inline constexpr std::size_t kPhyxelGrain = 256, kSliceGrain = 8;
 [[nodiscard]] std::unique_ptr<VectorForces> cloudForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
                                                           const Constitution &constitution, Precision precision);
 
-/// kernels::StrayLaw of a Constitution.
-[[nodiscard]] double strayAnswer(const void *constitution, std::size_t material, const double *F, double *stress);
+/// The laws of a constitution, which has to outlive it.
+[[nodiscard]] kernels::ScalarLaw scalarLaw(const Constitution &constitution);
 
 template <class T>
 [[nodiscard]] std::size_t bytesOf(const T &vector) {
@@ -53,19 +53,26 @@ class OtherPoints {
   /// Their entries, in the order of forces().
   [[nodiscard]] std::span<const Index> entries() const { return entries_; }
   /// @return largest ratio
-  double evaluate(std::span<const Vec3> displacements, const ParallelFor &parallelFor);
+  double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities, const ParallelFor &parallelFor);
+  void linearise(std::span<const Vec3> displacements, const ParallelFor &parallelFor);
+  /// Changes of their forces, in force().
+  void differential(std::span<const Vec3> du, double viscousScale, const ParallelFor &parallelFor);
+  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> displacements) const;
   [[nodiscard]] const Vec3 &force(std::size_t entry) const { return entryForces_[entries_[entry]]; }
   [[nodiscard]] std::size_t memory() const;
 
  private:
+  [[nodiscard]] ParallelFor loop(const ParallelFor &parallelFor) const;
+
   const StencilSet &stencils_;
   std::span<const Vec3> positions_;
   const Constitution &constitution_;
   std::vector<std::pair<Index, Index>> runs_;  // short ones, for the loops of the scalar engine
   std::vector<Index> entries_;
   std::vector<Vec3> entryForces_;
-  std::vector<Mat3> gradients_, stresses_;
+  std::vector<Mat3> gradients_, rates_, stresses_;
   std::vector<double> ratios_;
+  std::vector<Vec3> linearisedAt_;  // [phyxels] m
 };
 
 }  // namespace pointbased::detail

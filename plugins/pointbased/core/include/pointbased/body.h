@@ -71,7 +71,7 @@ class Body {
   /// 1/m, 1/kg; 0 for phyxels that are held.
   [[nodiscard]] std::span<const double> inverseMasses() const { return inverseMasses_; }
   /// F of the evaluation points at the last evaluation; the identity before the first.
-  /// After evaluate() they are worked out when somebody asks.
+  /// After evaluate() they are worked out when somebody asks, by the thread that asks: once before a parallel loop.
   [[nodiscard]] std::span<const Mat3> gradients() const;
   /// v P of the evaluation points, likewise.
   [[nodiscard]] std::span<const Mat3> stresses() const;
@@ -95,12 +95,20 @@ class Body {
   /// Of what the force kernels compute with; takes effect with the next evaluation.
   void setPrecision(Precision precision);
   [[nodiscard]] Precision precision() const { return precision_; }
-  /// Whether evaluate() runs vector kernels: not with materials that flow, relax or are viscous, nor on a renewed lattice.
+  /// Whether evaluate() runs vector kernels: not with materials that flow or relax, nor on a renewed reference.
   [[nodiscard]] bool vectorised() const { return vectorForces_ != nullptr; }
 
   /// forces() and tangentRatio() of the present state, loads at time (or load factor) t: all that an explicit step needs.
   /// Fused where the body is vectorised(), else the stages below, with plastic flow and Prony terms over dt.
   void evaluate(double t, double dt, const ParallelFor &parallelFor);
+  /// Of a body that is vectorised(), in double precision whatever precision() is: forces() without loads (and without viscous
+  /// ones, if asked); the tangent there, and its products df = -K du, with viscous forces of velocities viscousScale du.
+  void evaluateInternal(bool viscous, const ParallelFor &parallelFor);
+  /// Displacements have been changed from outside: what is known of the points is old.
+  void forgetPoints() { gradientsOld_ = stressesOld_ = vectorised(); }
+  void linearise(const ParallelFor &parallelFor);
+  void forceDifferential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df, const ParallelFor &parallelFor);
+
   /// Stages of a force evaluation at the present state, in order.
   void computeGradients(const ParallelFor &parallelFor);
   /// @return points that flowed during dt
@@ -131,7 +139,9 @@ class Body {
   /// What the supports exert now: from the forces on held phyxels (internal, loads, gravity) and those of the patches.
   [[nodiscard]] std::vector<Reaction> reactions(const Vec3 &gravity) const;
 
+  /// In double precision.
   [[nodiscard]] ElasticEnergy elasticEnergy(std::span<Eigen::Vector2d> perPoint = {}) const;
+  [[nodiscard]] ElasticEnergy elasticEnergy(const ParallelFor &parallelFor) const;
   [[nodiscard]] double kineticEnergy() const;
   [[nodiscard]] double totalMass() const;  ///< with what supports carry, kg
 
@@ -169,6 +179,7 @@ class Body {
   [[nodiscard]] Vec3 firstReference(Index phyxel) const;
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
   void vectorise();
+  [[nodiscard]] detail::VectorForces &exactForces() const;
   void addLoads(double t);
   void stressesInto(double dt, const PointHistory &before, PointHistory *after, bool viscous,
                     const ParallelFor &parallelFor);
@@ -196,6 +207,7 @@ class Body {
   mutable bool gradientsOld_ = false, stressesOld_ = false;
   std::vector<Mat3> rates_;
   std::unique_ptr<detail::VectorForces> vectorForces_;
+  mutable std::unique_ptr<detail::VectorForces> exactForces_;  // of a body in single precision, once somebody needs them
   Precision precision_ = Precision::doublePrecision;
   std::vector<ModalStrain> relaxedModes_;  // of the last evaluation of stresses; empty: nothing
   double tangentRatio_ = 1.0;

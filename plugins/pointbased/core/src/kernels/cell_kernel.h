@@ -12,8 +12,8 @@ namespace pointbased::kernels {
 /// transform back to the corners, all in registers. Lanes do not meet: the same bits with any number of threads, and on all
 /// instruction sets that have a fused multiply-add.
 /// @threads any, disjoint ranges; no allocation
-void cellForces(const CellJob<float> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end);
-void cellForces(const CellJob<double> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end);
+void cellForces(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
+void cellForces(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 
 /// Of the instruction set that is used now: "AVX3", "AVX2", …
 [[nodiscard]] const char *kernelTarget();

@@ -123,6 +123,7 @@ LawNumbers<T> lawNumbers(const Material &m, double stabilisation) {
   n.modalMu = static_cast<T>(modal.mu());
   n.modalLambda = static_cast<T>(modal.lambda());
   n.modalTwist = static_cast<T>(modal.twistModulus());
+  n.twoEta = static_cast<T>(2.0 * m.viscosity);
   n.waveAtRest = static_cast<T>(lambda + 2.0 * m.mu());
   n.allAtRest = static_cast<T>(std::max(3.0 * lambda, 0.0) + 2.0 * m.mu());
   return n;

@@ -7,7 +7,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "kernels/stress-inl.h"
+#include "kernels/tangent-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
@@ -149,58 +149,90 @@ HWY_INLINE void forPairs(std::size_t begin, std::size_t end, const Pair &pair) {
   if (p < end) pair(p, 2);
 }
 
-template <MaterialLaw kLaw, class T>
-HWY_NOINLINE void tensorsOfSlice(const CloudJob<T> &job, StrayLaw stray, const void *context, std::size_t slice) {
-  constexpr std::size_t kSlice = kLanes<T>;
-  HWY_ALIGN T fitted[12][kSlice];  // columns of N, and Σ w (a_j + a_k) Δu
-  HWY_ALIGN T answers[12][kSlice];
+// What is asked of a slice.
+enum class Task {
+  kForces,    // M and ratios at the displacements
+  kTangents,  // what products need, at the displacements
+  kProducts   // dM for changes of the displacements
+};
+
+// Columns of N and Σ w (a_j + a_k) Δu of every lane.
+template <class T>
+HWY_INLINE void fitLanes(const CloudJob<T> &job, const T *field, const Index *points, T (&fitted)[12][kLanes<T>]) {
   HWY_ALIGN T sixteen[16];
-  const Index *points = job.points.data() + slice * kSlice;
   Blocks<T> sum;
-  for (std::size_t lane = 0; lane < kSlice; ++lane) {
+  for (std::size_t lane = 0; lane < kLanes<T>; ++lane) {
     const Index j = points[lane];
     if (j == kNoPoint) {
       for (auto &row : fitted) row[lane] = T(0);
       continue;
     }
     sum.clear();
-    const auto here = sum.load(job.displacements + 4 * std::size_t{j});
+    const auto here = sum.load(field + 4 * std::size_t{j});
     const auto from = sum.turned(job.places + 4 * std::size_t{j});
     forPairs(job.offsets[j], job.offsets[j + 1], [&](std::size_t p, std::size_t chain) HWY_ATTR {
       const std::size_t k = job.neighbours[p];
       sum.addOuter(chain, sum.pair(job.weights[p], job.places + 4 * k, from),
-                   sum.less(sum.load(job.displacements + 4 * k), here));
+                   sum.less(sum.load(field + 4 * k), here));
     });
     sum.store(sixteen);
     for (std::size_t b = 0; b < 4; ++b)
       for (std::size_t c = 0; c < 3; ++c) fitted[3 * b + c][lane] = sixteen[4 * b + c];
   }
+}
+
+template <MaterialLaw kLaw, Task kTask, class T>
+HWY_NOINLINE void solveSlice(const CloudJob<T> &job, const ScalarLaw &scalar, std::size_t slice) {
+  constexpr std::size_t kSlice = kLanes<T>;
+  HWY_ALIGN T fitted[12][kSlice];
+  HWY_ALIGN T answers[12][kSlice];
+  const Index *points = job.points.data() + slice * kSlice;
+  fitLanes(job, job.displacements, points, fitted);
+  HWY_ALIGN T rates[12][kSlice];
+  const bool viscous = kTask == Task::kForces && job.velocities;
+  if (viscous) fitLanes(job, job.velocities, points, rates);
 
   using D = hn::CappedTag<T, kSlice>;
   using V = hn::Vec<D>;
   const D d;
   const std::size_t step = hn::Lanes(d);
+  const std::size_t material = job.materials[slice];
+  const LawNumbers<T> &law = job.laws[material];
   LargestRatio<D> largest(d);
   for (std::size_t lane = 0; lane < kSlice; lane += step) {
     const T *numbers = job.numbers + slice * kCloudNumbers * kSlice + lane;
     const auto number = [&](CloudNumber which) HWY_ATTR { return hn::Load(d, numbers + which * kSlice); };
-    const auto column = [&](std::size_t b) HWY_ATTR {
-      return Vec3Lanes<V>{hn::Load(d, fitted[3 * b] + lane), hn::Load(d, fitted[3 * b + 1] + lane),
-                          hn::Load(d, fitted[3 * b + 2] + lane)};
+    const auto column = [&](const T(&from)[12][kSlice], std::size_t b) HWY_ATTR {
+      return Vec3Lanes<V>{hn::Load(d, from[3 * b] + lane), hn::Load(d, from[3 * b + 1] + lane),
+                          hn::Load(d, from[3 * b + 2] + lane)};
     };
+    const auto columns3 = [&](const T(&from)[12][kSlice]) HWY_ATTR {
+      return Mat3Lanes<V>{column(from, 0), column(from, 1), column(from, 2)};
+    };
+    const TangentRows<D> tangent{d, job.tangents + slice * kTangentNumbers * kSlice + lane};
     const Sym3Lanes<V> inverse = {number(kInverseXX), number(kInverseYY), number(kInverseZZ),
                                   number(kInverseXY), number(kInverseXZ), number(kInverseYZ)};
     const Mat3Lanes<V> inverseMoment = full(inverse);
-    const Mat3Lanes<V> G = times(Mat3Lanes<V>{column(0), column(1), column(2)}, inverseMoment);
-    const Strain<D> strain(d, G);
-    const V stretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E));
-    const std::size_t material = job.materials[slice];
-    V ratio;
-    const Mat3Lanes<V> P = stressOf<kLaw>(d, job.laws[material], strain, stretch2, stray, context, material, ratio);
-    largest.add(ratio);
+    const Mat3Lanes<V> G = times(columns3(fitted), inverseMoment);
+    Mat3Lanes<V> P;
+    if constexpr (kTask == Task::kTangents) {
+      prepareTangent<kLaw>(d, law, Strain<D>(d, G), tangent);
+      continue;
+    } else if constexpr (kTask == Task::kProducts) {
+      P = stressChange<kLaw>(d, law, tangent, G, scalar, material);
+      if (job.viscousScale > 0)
+        P = P + viscousStress(d, hn::Set(d, law.twoEta * job.viscousScale), tangent.getMatrix(kTangentG), G);
+    } else {
+      const Strain<D> strain(d, G);
+      const V stretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E));
+      V ratio;
+      P = stressOf<kLaw>(d, law, strain, stretch2, scalar, material, ratio);
+      largest.add(ratio);
+      if (viscous) P = P + viscousStress(d, hn::Set(d, law.twoEta), G, times(columns3(rates), inverseMoment));
+    }
     const Mat3Lanes<V> M =
         mulAdd(hn::Neg(number(kControl)), G, times(scaled(number(kCloudVolume), P), inverseMoment));
-    const Vec3Lanes<V> own = column(3) + times(M, Vec3Lanes<V>{number(kRestX), number(kRestY), number(kRestZ)});
+    const Vec3Lanes<V> own = column(fitted, 3) + times(M, Vec3Lanes<V>{number(kRestX), number(kRestY), number(kRestZ)});
     const Vec3Lanes<V> columns[4] = {M.c0, M.c1, M.c2, own};
     for (std::size_t b = 0; b < 4; ++b) {
       hn::Store(columns[b].x, d, answers[3 * b] + lane);
@@ -208,7 +240,8 @@ HWY_NOINLINE void tensorsOfSlice(const CloudJob<T> &job, StrayLaw stray, const v
       hn::Store(columns[b].z, d, answers[3 * b + 2] + lane);
     }
   }
-  job.ratios[slice] = largest.value(d);
+  if constexpr (kTask == Task::kTangents) return;
+  if constexpr (kTask == Task::kForces) job.ratios[slice] = largest.value(d);
   for (std::size_t lane = 0; lane < kSlice; ++lane) {
     if (points[lane] == kNoPoint) continue;
     const std::size_t j = points[lane];
@@ -218,11 +251,11 @@ HWY_NOINLINE void tensorsOfSlice(const CloudJob<T> &job, StrayLaw stray, const v
   }
 }
 
-template <class T>
-void tensorsOf(const CloudJob<T> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end) {
+template <Task kTask, class T>
+void solve(const CloudJob<T> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
   for (std::size_t slice = begin; slice < end; ++slice)
     withLaw(job.laws[job.materials[slice]].law,
-            [&](auto law) HWY_ATTR { tensorsOfSlice<decltype(law)::value>(job, stray, context, slice); });
+            [&](auto law) HWY_ATTR { solveSlice<decltype(law)::value, kTask>(job, scalar, slice); });
 }
 
 template <class T>
@@ -242,11 +275,23 @@ void forcesFromTensors(const CloudJob<T> &job, double *forces, std::size_t begin
   }
 }
 
-void CloudTensorsFloat(const CloudJob<float> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end) {
-  tensorsOf(job, stray, context, begin, end);
+void CloudTensorsFloat(const CloudJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  solve<Task::kForces>(job, scalar, begin, end);
 }
-void CloudTensorsDouble(const CloudJob<double> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end) {
-  tensorsOf(job, stray, context, begin, end);
+void CloudTangentsFloat(const CloudJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  solve<Task::kTangents>(job, scalar, begin, end);
+}
+void CloudProductsFloat(const CloudJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  solve<Task::kProducts>(job, scalar, begin, end);
+}
+void CloudTensorsDouble(const CloudJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  solve<Task::kForces>(job, scalar, begin, end);
+}
+void CloudTangentsDouble(const CloudJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  solve<Task::kTangents>(job, scalar, begin, end);
+}
+void CloudProductsDouble(const CloudJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  solve<Task::kProducts>(job, scalar, begin, end);
 }
 void CloudForcesFloat(const CloudJob<float> &job, double *forces, std::size_t begin, std::size_t end) {
   forcesFromTensors(job, forces, begin, end);
@@ -263,14 +308,30 @@ namespace pointbased::kernels {
 
 HWY_EXPORT(CloudTensorsFloat);
 HWY_EXPORT(CloudTensorsDouble);
+HWY_EXPORT(CloudTangentsFloat);
+HWY_EXPORT(CloudTangentsDouble);
+HWY_EXPORT(CloudProductsFloat);
+HWY_EXPORT(CloudProductsDouble);
 HWY_EXPORT(CloudForcesFloat);
 HWY_EXPORT(CloudForcesDouble);
 
-void cloudTensors(const CloudJob<float> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end) {
-  HWY_DYNAMIC_DISPATCH(CloudTensorsFloat)(job, stray, context, begin, end);
+void cloudTensors(const CloudJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(CloudTensorsFloat)(job, scalar, begin, end);
 }
-void cloudTensors(const CloudJob<double> &job, StrayLaw stray, const void *context, std::size_t begin, std::size_t end) {
-  HWY_DYNAMIC_DISPATCH(CloudTensorsDouble)(job, stray, context, begin, end);
+void cloudTensors(const CloudJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(CloudTensorsDouble)(job, scalar, begin, end);
+}
+void cloudTangents(const CloudJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(CloudTangentsFloat)(job, scalar, begin, end);
+}
+void cloudTangents(const CloudJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(CloudTangentsDouble)(job, scalar, begin, end);
+}
+void cloudProducts(const CloudJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(CloudProductsFloat)(job, scalar, begin, end);
+}
+void cloudProducts(const CloudJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(CloudProductsDouble)(job, scalar, begin, end);
 }
 void cloudForces(const CloudJob<float> &job, double *forces, std::size_t begin, std::size_t end) {
   HWY_DYNAMIC_DISPATCH(CloudForcesFloat)(job, forces, begin, end);

@@ -18,9 +18,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
-template <class D>
-using Real = hn::TFromD<D>;
-
 /// What several laws and the bounds of the tangent need of one G.
 template <class D, class V = hn::Vec<D>>
 struct Strain {
@@ -217,6 +214,16 @@ HWY_INLINE Answer<V> stVenantKirchhoff(D d, const LawNumbers<Real<D>> &m, const 
   a.all = hn::Add(stress, hn::MulAdd(hn::Set(d, HWY_MAX(m.lambda, T(0))), trC, hn::Mul(hn::Set(d, 2 * m.mu), stretch2)));
   addVolumeTerm(d, m, s, stretch2, a);
   return a;
+}
+
+/// F S_v, S_v = 2 η dE/dt, of a rate of F.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Mat3Lanes<V> viscousStress(D d, V twoEta, const Mat3Lanes<V> &G, const Mat3Lanes<V> &rate) {
+  const Sym3Lanes<V> e = smallStrain(d, rate + transposeTimes(G, rate));
+  const Sym3Lanes<V> s = {hn::Mul(twoEta, e.xx), hn::Mul(twoEta, e.yy), hn::Mul(twoEta, e.zz),
+                          hn::Mul(twoEta, e.xy), hn::Mul(twoEta, e.xz), hn::Mul(twoEta, e.yz)};
+  const Mat3Lanes<V> S = full(s);
+  return S + times(G, S);
 }
 
 /// tr(RᵀF) and R of F = R U, as polar(); `found` is false where two roots meet, which is left to the decomposition.

@@ -51,13 +51,30 @@ struct LawNumbers {
   T lambda{}, mu{}, volume{};          ///< Pa
   T modalMu{}, modalLambda{}, modalTwist{};  ///< Pa; stabilisation × μ, λ*, kTwistStiffness E
   T waveAtRest{}, allAtRest{};         ///< Pa: what tangentRatio() divides by
+  T twoEta{};                          ///< Pa s: twice the viscosity
 };
 
-/// Where a lane has to be answered by the scalar law: collapsed or turned beyond what the kernel's formulas hold.
-/// @param F       column after column, lattice axes
-/// @param stress  out: P likewise, Pa
-/// @return tangentRatio() of the law
-using StrayLaw = double (*)(const void *context, std::size_t material, const double *F, double *stress);
+/// Answers where a lane is collapsed or turned beyond what the formulas of the kernels hold. F, P and their changes column
+/// after column, in lattice axes.
+struct ScalarLaw {
+  const void *context = nullptr;
+  /// @return tangentRatio() of the law
+  double (*stress)(const void *context, std::size_t material, const double *F, double *P) = nullptr;
+  void (*differential)(const void *context, std::size_t material, const double *F, const double *dF, double *dP) = nullptr;
+  double (*energy)(const void *context, std::size_t material, const double *F) = nullptr;
+};
+
+/// What a product with the tangent needs of a point, in this order; the last ones of the corotated law alone.
+enum TangentNumber : std::size_t {
+  kTangentG,                       ///< 9: G
+  kTangentA = kTangentG + 9,       ///< 9: amplitudes of the modes xy, xz, yz, 1/m
+  kTangentFirst = kTangentA + 9,   ///< dW/dJ; corotated: 2 μ - λ (tr U - 3)
+  kTangentSecond,                  ///< d²W/dJ²
+  kTangentStray,                   ///< 1 where the scalar law has to answer, else 0
+  kTangentR,                       ///< 9: R
+  kTangentTurn = kTangentR + 9,    ///< 6: (tr(U) 1 - U)^-1, xx yy zz xy xz yz
+  kTangentNumbers = kTangentTurn + 6
+};
 
 /// One evaluation of cells. Vectors of phyxels and entries are padded to four numbers.
 template <class T>
@@ -66,8 +83,12 @@ struct CellJob {
   std::span<const LawNumbers<T>> laws;   ///< [materials]
   bool modal = false;                    ///< with the energy of the modes
   const T *displacements = nullptr;      ///< [phyxels][4], lattice axes, m
+  const T *velocities = nullptr;         ///< likewise, m/s; null: no viscous stress
+  T viscousScale{};                      ///< 1/s, of cellProducts(): adds the viscous forces of that times the displacements
   T *entries = nullptr;                  ///< [slices][kCorners][lanes][4] out: force on the corner, N
   T *ratios = nullptr;                   ///< [slices] out: largest tangentRatio() of the slice; NaN if any is
+  T *tangents = nullptr;                 ///< [slices][kTangentNumbers][lanes] of cellTangents()
+  double *energies = nullptr;            ///< [slices][2] out of cellEnergies(): strain and modes, J
 };
 
 /// What a point of a cloud needs beside its pairs, in this order. With w the symmetric weights and d the ways to the
@@ -99,9 +120,12 @@ struct CloudJob {
   const T *numbers = nullptr;                  ///< [slices][kCloudNumbers][lanes]
   std::span<const LawNumbers<T>> laws;         ///< [materials]
   const T *displacements = nullptr;            ///< [phyxels][4] m
+  const T *velocities = nullptr;               ///< [phyxels][4] m/s; null: no viscous stress
+  T viscousScale{};                            ///< 1/s, of cloudProducts(), as in CellJob
   T *tensors = nullptr;                        ///< [phyxels][16] out: columns of M, padded, and zeros
   T *own = nullptr;                            ///< [phyxels][4] out: the part of the force that needs no M of others, N
   T *ratios = nullptr;                         ///< [slices] out, as in CellJob
+  T *tangents = nullptr;                       ///< [slices][kTangentNumbers][lanes] of cloudTangents()
 };
 
 }  // namespace pointbased::kernels

@@ -15,8 +15,28 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
+/// Nine rows, column after column of the matrix.
+template <class D, std::size_t kRow, class V = hn::Vec<D>>
+HWY_INLINE void storeNine(D d, const Mat3Lanes<V> &m, Real<D> (&to)[9][kRow]) {
+  hn::Store(m.c0.x, d, to[0]);
+  hn::Store(m.c0.y, d, to[1]);
+  hn::Store(m.c0.z, d, to[2]);
+  hn::Store(m.c1.x, d, to[3]);
+  hn::Store(m.c1.y, d, to[4]);
+  hn::Store(m.c1.z, d, to[5]);
+  hn::Store(m.c2.x, d, to[6]);
+  hn::Store(m.c2.y, d, to[7]);
+  hn::Store(m.c2.z, d, to[8]);
+}
+template <class D, std::size_t kRow>
+HWY_INLINE Mat3Lanes<hn::Vec<D>> loadNine(D d, const Real<D> (&from)[9][kRow]) {
+  return {{hn::Load(d, from[0]), hn::Load(d, from[1]), hn::Load(d, from[2])},
+          {hn::Load(d, from[3]), hn::Load(d, from[4]), hn::Load(d, from[5])},
+          {hn::Load(d, from[6]), hn::Load(d, from[7]), hn::Load(d, from[8])}};
+}
+
 template <class D, class V = hn::Vec<D>>
-HWY_NOINLINE void answerStrays(D d, hn::Mask<D> stray, const Strain<D> &s, StrayLaw law, const void *context,
+HWY_NOINLINE void answerStrays(D d, hn::Mask<D> stray, const Strain<D> &s, const ScalarLaw &scalar,
                                std::size_t material, Mat3Lanes<V> &stress, V &ratio) {
   using T = Real<D>;
   constexpr std::size_t kMost = hn::MaxLanes(D());
@@ -24,38 +44,25 @@ HWY_NOINLINE void answerStrays(D d, hn::Mask<D> stray, const Strain<D> &s, Stray
   HWY_ALIGN T P[9][kMost];
   HWY_ALIGN T ratios[kMost];
   HWY_ALIGN T flags[kMost];
-  const auto store = [&](const Mat3Lanes<V> &m, T(&to)[9][kMost]) HWY_ATTR {
-    hn::Store(m.c0.x, d, to[0]);
-    hn::Store(m.c0.y, d, to[1]);
-    hn::Store(m.c0.z, d, to[2]);
-    hn::Store(m.c1.x, d, to[3]);
-    hn::Store(m.c1.y, d, to[4]);
-    hn::Store(m.c1.z, d, to[5]);
-    hn::Store(m.c2.x, d, to[6]);
-    hn::Store(m.c2.y, d, to[7]);
-    hn::Store(m.c2.z, d, to[8]);
-  };
-  store(s.G, G);
-  store(stress, P);
+  storeNine(d, s.G, G);
+  storeNine(d, stress, P);
   hn::Store(ratio, d, ratios);
   hn::Store(hn::IfThenElseZero(stray, hn::Set(d, T(1))), d, flags);
   for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
     if (flags[i] == T(0)) continue;
     double F[9], answer[9];
     for (int k = 0; k < 9; ++k) F[k] = static_cast<double>(G[k][i]) + (k % 4 == 0 ? 1.0 : 0.0);
-    ratios[i] = static_cast<T>(law(context, material, F, answer));
+    ratios[i] = static_cast<T>(scalar.stress(scalar.context, material, F, answer));
     for (int k = 0; k < 9; ++k) P[k][i] = static_cast<T>(answer[k]);
   }
-  stress = {{hn::Load(d, P[0]), hn::Load(d, P[1]), hn::Load(d, P[2])},
-            {hn::Load(d, P[3]), hn::Load(d, P[4]), hn::Load(d, P[5])},
-            {hn::Load(d, P[6]), hn::Load(d, P[7]), hn::Load(d, P[8])}};
+  stress = loadNine(d, P);
   ratio = hn::Load(d, ratios);
 }
 
 // P and how much stiffer the point is than at rest, as tangentRatio(): at least 1, NaN where something is none.
 template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
-HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, V stretch2, StrayLaw strayLaw,
-                                 const void *context, std::size_t material, V &ratio) {
+HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, V stretch2, const ScalarLaw &scalar,
+                                 std::size_t material, V &ratio) {
   using T = Real<D>;
   Answer<V> a;
   hn::Mask<D> stray = hn::Lt(hn::Zero(d), hn::Zero(d));
@@ -75,7 +82,7 @@ HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain
   const V one = hn::Set(d, T(1));
   const V larger = hn::Max(hn::Mul(a.wave, hn::Set(d, 1 / m.waveAtRest)), hn::Mul(a.all, hn::Set(d, 1 / m.allAtRest)));
   ratio = hn::Max(larger, one);
-  if (HWY_UNLIKELY(!hn::AllFalse(d, stray))) answerStrays(d, stray, s, strayLaw, context, material, a.stress, ratio);
+  if (HWY_UNLIKELY(!hn::AllFalse(d, stray))) answerStrays(d, stray, s, scalar, material, a.stress, ratio);
   // What is no number must not get lost in a maximum.
   ratio = hn::Add(ratio, hn::Mul(hn::Zero(d), s.growth));
   return a.stress;

@@ -13,6 +13,9 @@ HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+template <class D>
+using Real = hn::TFromD<D>;
+
 template <class V>
 struct Vec3Lanes {
   V x, y, z;

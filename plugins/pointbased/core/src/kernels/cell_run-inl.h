@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// Some lanes of a slice of cells: from the corners to G and back. Private to the kernels.
+#if defined(POINTBASED_KERNELS_CELL_RUN_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef POINTBASED_KERNELS_CELL_RUN_INL_H_
+#undef POINTBASED_KERNELS_CELL_RUN_INL_H_
+#else
+#define POINTBASED_KERNELS_CELL_RUN_INL_H_
+#endif
+
+#include "kernels/corners-inl.h"
+#include "kernels/slices.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pointbased::kernels::HWY_NAMESPACE {
+
+template <class D>
+struct CellRun {
+  using T = Real<D>;
+  using V = hn::Vec<D>;
+  static constexpr std::size_t kSlice = kLanes<T>;
+
+  D d;
+  const CellJob<T> &job;
+  const LawNumbers<T> &law;
+  std::size_t slice, lane;
+  const T *numbers;
+
+  HWY_INLINE CellRun(D tag, const CellJob<T> &of, std::size_t s, std::size_t l)
+      : d(tag), job(of), law(of.laws[of.cells->materials[s]]), slice(s), lane(l),
+        numbers(of.cells->numbers.data() + s * kCellNumbers * kSlice + l) {}
+
+  HWY_INLINE V number(CellNumber which) const { return hn::Load(d, numbers + which * kSlice); }
+
+  [[nodiscard]] HWY_INLINE std::size_t material() const { return job.cells->materials[slice]; }
+
+  HWY_INLINE void gatherCorners(const T *field, SignSums<V> &x, SignSums<V> &y, SignSums<V> &z) const {
+    const Index *corners = job.cells->corners.data() + slice * kCorners * kSlice + lane;
+    V ux[kCorners], uy[kCorners], uz[kCorners];
+    for (std::size_t j = 0; j < kCorners; ++j) {
+      const Vec3Lanes<V> u = loadVectors(d, field, corners + j * kSlice);
+      ux[j] = u.x;
+      uy[j] = u.y;
+      uz[j] = u.z;
+    }
+    x = signSums(ux);
+    y = signSums(uy);
+    z = signSums(uz);
+  }
+
+  // One row of G (and of the amplitudes) per component.
+  HWY_INLINE void fit(const SignSums<V> &c, V &gx, V &gy, V &gz) const {
+    const V g = number(kGradient);
+    const V px = number(kFirstX), py = number(kFirstY), pz = number(kFirstZ);
+    gx = hn::MulAdd(g, c.x, hn::MulAdd(py, c.xy, hn::MulAdd(pz, c.xz, hn::Mul(number(kMixedX), c.xyz))));
+    gy = hn::MulAdd(g, c.y, hn::MulAdd(px, c.xy, hn::MulAdd(pz, c.yz, hn::Mul(number(kMixedY), c.xyz))));
+    gz = hn::MulAdd(g, c.z, hn::MulAdd(px, c.xz, hn::MulAdd(py, c.yz, hn::Mul(number(kMixedZ), c.xyz))));
+  }
+
+  // What one component of the stress and of the pulls of the modes does to the signs.
+  HWY_INLINE SignSums<V> unfit(V sx, V sy, V sz, V mxy, V mxz, V myz, V mxyz) const {
+    const V g = number(kGradient);
+    const V px = number(kFirstX), py = number(kFirstY), pz = number(kFirstZ);
+    SignSums<V> t;
+    t.x = hn::Mul(g, sx);
+    t.y = hn::Mul(g, sy);
+    t.z = hn::Mul(g, sz);
+    t.xy = hn::MulAdd(py, sx, hn::MulAdd(px, sy, mxy));
+    t.xz = hn::MulAdd(pz, sx, hn::MulAdd(px, sz, mxz));
+    t.yz = hn::MulAdd(pz, sy, hn::MulAdd(py, sz, myz));
+    t.xyz = hn::MulAdd(number(kMixedX), sx, hn::MulAdd(number(kMixedY), sy, hn::MulAdd(number(kMixedZ), sz, mxyz)));
+    return t;
+  }
+
+  HWY_INLINE void scatter(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
+    V fx[kCorners], fy[kCorners], fz[kCorners];
+    spreadSigns(x, fx);
+    spreadSigns(y, fy);
+    spreadSigns(z, fz);
+    T *out = job.entries + 4 * (slice * kCorners * kSlice + lane);
+    const V zero = hn::Zero(d);
+    for (std::size_t j = 0; j < kCorners; ++j)
+      hn::StoreInterleaved4(fx[j], fy[j], fz[j], zero, d, out + 4 * j * kSlice);
+  }
+
+  HWY_INLINE Mat3Lanes<V> gradient(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
+    Mat3Lanes<V> G;
+    fit(x, G.c0.x, G.c1.x, G.c2.x);
+    fit(y, G.c0.y, G.c1.y, G.c2.y);
+    fit(z, G.c0.z, G.c1.z, G.c2.z);
+    return G;
+  }
+  HWY_INLINE Mat3Lanes<V> amplitudes(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
+    const V kxy = number(kModeXY), kxz = number(kModeXZ), kyz = number(kModeYZ);
+    return {{hn::Mul(kxy, x.xy), hn::Mul(kxy, y.xy), hn::Mul(kxy, z.xy)},
+            {hn::Mul(kxz, x.xz), hn::Mul(kxz, y.xz), hn::Mul(kxz, z.xz)},
+            {hn::Mul(kyz, x.yz), hn::Mul(kyz, y.yz), hn::Mul(kyz, z.yz)}};
+  }
+  HWY_INLINE Vec3Lanes<V> roots() const { return {number(kRootX), number(kRootY), number(kRootZ)}; }
+  HWY_INLINE V twist() const { return hn::Mul(hn::Set(d, law.modalTwist), number(kTwist)); }
+
+  /// v P, what pulls the modes and what pulls xyz, back to the corners.
+  HWY_INLINE void scatterStress(const Mat3Lanes<V> &S) const {
+    const V zero = hn::Zero(d);
+    scatter(unfit(S.c0.x, S.c1.x, S.c2.x, zero, zero, zero, zero), unfit(S.c0.y, S.c1.y, S.c2.y, zero, zero, zero, zero),
+            unfit(S.c0.z, S.c1.z, S.c2.z, zero, zero, zero, zero));
+  }
+  HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const Mat3Lanes<V> &pull, const Vec3Lanes<V> &twisted) const {
+    const V kxy = number(kModeXY), kxz = number(kModeXZ), kyz = number(kModeYZ);
+    scatter(unfit(S.c0.x, S.c1.x, S.c2.x, hn::Mul(kxy, pull.c0.x), hn::Mul(kxz, pull.c1.x), hn::Mul(kyz, pull.c2.x), twisted.x),
+            unfit(S.c0.y, S.c1.y, S.c2.y, hn::Mul(kxy, pull.c0.y), hn::Mul(kxz, pull.c1.y), hn::Mul(kyz, pull.c2.y), twisted.y),
+            unfit(S.c0.z, S.c1.z, S.c2.z, hn::Mul(kxy, pull.c0.z), hn::Mul(kxz, pull.c1.z), hn::Mul(kyz, pull.c2.z), twisted.z));
+  }
+};
+
+}  // namespace pointbased::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

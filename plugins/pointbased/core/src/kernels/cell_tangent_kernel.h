@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Energies of lattice cells and products with their tangent. Private to the core.
+#pragma once
+
+#include "slices.h"
+
+namespace pointbased::kernels {
+
+/// job.tangents at job.displacements, for cellProducts().
+/// @threads any, disjoint ranges of slices; no allocation; bits as cellForces()
+void cellTangents(const CellJob<float> &job, std::size_t begin, std::size_t end);
+void cellTangents(const CellJob<double> &job, std::size_t begin, std::size_t end);
+
+/// Change of the forces on the corners (job.entries) for changes of the displacements (job.displacements).
+void cellProducts(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
+void cellProducts(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
+
+/// job.energies, each summed lane by lane.
+void cellEnergies(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
+void cellEnergies(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
+
+}  // namespace pointbased::kernels
