@@ -51,7 +51,7 @@ BodyRunner::Gone BodyRunner::advanceExplicit(const StepOrder &order, double span
   while (left > 1e-12 * span && substeps < mostSubsteps) {
     const Gone stable = substep(order, time, left, substeps == 0 ? &glance : nullptr);
     if (!stable) return stable;
-    needed = std::max(needed, StepRhythm::piecesOf(span, *stable));
+    needed = std::max(needed, rhythm_.needed(span, *stable));
     const double piece = rhythm_.piece(left, span, *stable);
     explicitSubstep(body, order.environment, time, piece);
     left -= piece;

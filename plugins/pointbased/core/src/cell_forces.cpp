@@ -11,43 +11,42 @@ namespace {
 
 using namespace kernels;
 
+PhyxelField fieldOf(std::span<const Vec3> field) {
+  return {field.empty() ? nullptr : field.front().data(), field.size()};
+}
+
 template <class T>
 class CellForces final : public VectorForces {
  public:
   CellForces(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution, const CellPlan &plan)
       : stencils_(stencils), constitution_(constitution), cells_(sliceCells<T>(stencils, plan)),
-        laws_(lawsOf<T>(constitution)), others_(stencils, positions, constitution_, plan.others) {
-    const std::size_t n = positions.size(), own = cells_.count() * kCorners * kLanes<T>;
+        laws_(lawsOf<T>(constitution)), others_(stencils, positions, constitution_, plan.others),
+        turned_(stencils.axes != Mat3::Identity()) {
     ratios_.resize(cells_.count());
-    layEntries(plan, n, own);
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) axes_[r][c] = stencils.axes(r, c);
-    turned_ = stencils.axes != Mat3::Identity();
+    layRows(positions.size());
   }
 
   double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, std::span<Vec3> forces,
                   const ParallelFor &parallelFor) override {
-    pack(u, displacements_, parallelFor);
-    if (!v.empty()) pack(v, velocities_, parallelFor);
-    CellJob<T> job = this->job();
-    if (!v.empty()) job.velocities = velocities_.data();
+    CellJob<T> job = this->job(u);
+    job.velocities = fieldOf(v);
     const ScalarLaw scalar = scalarLaw(constitution_);
-    runLoop(parallelFor, cells_.count(), kSliceGrain, [&](std::size_t begin, std::size_t end) {
-      cellForces(job, scalar, begin, end);
-    });
-    const double others = others_.empty() ? 1.0 : evaluateOthers(u, v, parallelFor);
-    const double ratio = largestRatio<T>(ratios_, others);
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellForces(job, scalar, begin, end); });
+    double ratio = 1.0;
+    if (!others_.empty()) {
+      ratio = others_.evaluate(u, v, parallelFor);
+      takeOthers();
+    }
+    ratio = largestRatio<T>(ratios_, ratio);
     collect(forces, parallelFor);
     return ratio;
   }
 
   [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
-    pack(u, displacements_, parallelFor);
     energies_.resize(2 * cells_.count());
-    const CellJob<T> job = this->job();
+    const CellJob<T> job = this->job(u);
     const ScalarLaw scalar = scalarLaw(constitution_);
-    runLoop(parallelFor, cells_.count(), kSliceGrain,
-            [&](std::size_t begin, std::size_t end) { cellEnergies(job, scalar, begin, end); });
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellEnergies(job, scalar, begin, end); });
     ElasticEnergy sum = others_.empty() ? ElasticEnergy() : others_.energy(u);
     for (std::size_t slice = 0; slice < cells_.count(); ++slice) {
       sum.strain += energies_[2 * slice];
@@ -57,22 +56,18 @@ class CellForces final : public VectorForces {
   }
 
   void linearise(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
-    pack(u, displacements_, parallelFor);
     tangents_.resize(cells_.count() * kTangentNumbers * kLanes<T>);
-    const CellJob<T> job = this->job();
-    runLoop(parallelFor, cells_.count(), kSliceGrain,
-            [&](std::size_t begin, std::size_t end) { cellTangents(job, begin, end); });
+    const CellJob<T> job = this->job(u);
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellTangents(job, begin, end); });
     if (!others_.empty()) others_.linearise(u, parallelFor);
   }
 
   void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
                     const ParallelFor &parallelFor) override {
-    pack(du, displacements_, parallelFor);
-    CellJob<T> job = this->job();
+    CellJob<T> job = this->job(du);
     job.viscousScale = static_cast<T>(viscousScale);
     const ScalarLaw scalar = scalarLaw(constitution_);
-    runLoop(parallelFor, cells_.count(), kSliceGrain,
-            [&](std::size_t begin, std::size_t end) { cellProducts(job, scalar, begin, end); });
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellProducts(job, scalar, begin, end); });
     if (!others_.empty()) {
       others_.differential(du, viscousScale, parallelFor);
       takeOthers();
@@ -81,75 +76,56 @@ class CellForces final : public VectorForces {
   }
 
   [[nodiscard]] std::size_t memory() const override {
-    return bytesOf(cells_.corners) + bytesOf(cells_.numbers) + bytesOf(cells_.materials) + bytesOf(displacements_) + bytesOf(velocities_) +
-           bytesOf(entries_) + bytesOf(ratios_) + bytesOf(tangents_) + bytesOf(energies_) + bytesOf(rows_.offsets) + bytesOf(rows_.indices) + others_.memory();
+    return bytesOf(cells_.materials) + bytesOf(cells_.corners) + bytesOf(cells_.numbers) + bytesOf(cells_.blocks) +
+           bytesOf(cells_.firstLocals) + bytesOf(cells_.phyxels) + bytesOf(rows_.offsets) + bytesOf(rows_.indices) +
+           bytesOf(partials_) + bytesOf(ratios_) + bytesOf(tangents_) + bytesOf(energies_) + others_.memory();
   }
 
  private:
-  [[nodiscard]] CellJob<T> job() {
+  [[nodiscard]] CellJob<T> job(std::span<const Vec3> u) {
     CellJob<T> job;
     job.cells = &cells_;
     job.laws = laws_;
     job.modal = controlOf(constitution_, stencils_) == Control::modal;
-    job.displacements = displacements_.data();
-    job.entries = entries_.data();
+    setAxes(job);
+    job.displacements = fieldOf(u);
+    job.partials = partials_.data();
     job.ratios = ratios_.data();
     job.tangents = tangents_.data();
     job.energies = energies_.data();
     return job;
   }
 
-  // Where the force of every entry goes, and which entries every phyxel sums, ascending.
-  void layEntries(const CellPlan &plan, std::size_t phyxels, std::size_t own) {
-    std::vector<std::pair<Index, Index>> all;  // phyxel, place
-    for (std::size_t slice = 0; slice < cells_.count(); ++slice)
-      for (std::size_t j = 0; j < kCorners; ++j)
-        for (std::size_t lane = 0; lane < plan.used[slice]; ++lane) {
-          const std::size_t place = (slice * kCorners + j) * kLanes<T> + lane;
-          all.emplace_back(cells_.corners[place], static_cast<Index>(place));
-        }
-    for (std::size_t k = 0; k < others_.entries().size(); ++k)
-      all.emplace_back(stencils_.phyxels.indices[others_.entries()[k]], static_cast<Index>(own + k));
-    std::sort(all.begin(), all.end());
+  template <class Job>
+  void setAxes(Job &job) const {
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) job.axes[r][c] = stencils_.axes(r, c);
+    job.turned = turned_;
+  }
+
+  template <class Body>
+  void forChunks(const ParallelFor &parallelFor, const Body &body) const {
+    runLoop(parallelFor, cells_.chunks(), 1, body);
+  }
+
+  // Which partials every phyxel sums, ascending: those of chunks, then entries of other points.
+  void layRows(std::size_t phyxels) {
+    const std::size_t own = cells_.phyxels.size(), all = own + others_.entries().size();
+    const auto phyxelOf = [&](std::size_t place) {
+      return place < own ? cells_.phyxels[place] : stencils_.phyxels.indices[others_.entries()[place - own]];
+    };
     rows_.offsets.assign(phyxels + 1, 0);
-    rows_.indices.reserve(all.size());
-    for (const auto &[phyxel, place] : all) {
-      ++rows_.offsets[phyxel + 1];
-      rows_.indices.push_back(place);
-    }
+    for (std::size_t place = 0; place < all; ++place) ++rows_.offsets[phyxelOf(place) + 1];
     for (std::size_t i = 0; i < phyxels; ++i) rows_.offsets[i + 1] += rows_.offsets[i];
-    entries_.assign(4 * (own + others_.entries().size()), T(0));
+    rows_.indices.resize(all);
+    std::vector<Index> next(rows_.offsets.begin(), rows_.offsets.end() - 1);
+    for (std::size_t place = 0; place < all; ++place) rows_.indices[next[phyxelOf(place)]++] = static_cast<Index>(place);
+    partials_.assign(4 * all, T(0));
   }
 
-  // Relative to the first phyxel, so that a body far from where it was made loses no digits; in lattice axes.
-  void pack(std::span<const Vec3> u, AlignedVector<T> &packed, const ParallelFor &parallelFor) const {
-    packed.resize(4 * u.size());
-    const Vec3 base = u.front();
-    runLoop(parallelFor, u.size(), kPhyxelGrain, [&](std::size_t begin, std::size_t end) {
-      T *out = packed.data();
-      for (std::size_t i = begin; i < end; ++i) {
-        const double x = u[i][0] - base[0], y = u[i][1] - base[1], z = u[i][2] - base[2];
-        if (!turned_) {
-          out[4 * i] = static_cast<T>(x);
-          out[4 * i + 1] = static_cast<T>(y);
-          out[4 * i + 2] = static_cast<T>(z);
-          continue;
-        }
-        for (int c = 0; c < 3; ++c)
-          out[4 * i + static_cast<std::size_t>(c)] = static_cast<T>(axes_[0][c] * x + axes_[1][c] * y + axes_[2][c] * z);
-      }
-    });
-  }
-
-  double evaluateOthers(std::span<const Vec3> u, std::span<const Vec3> v, const ParallelFor &parallelFor) {
-    const double ratio = others_.evaluate(u, v, parallelFor);
-    takeOthers();
-    return ratio;
-  }
-
-  // Forces of the other points into their entries.
+  // Forces of the other points into their places.
   void takeOthers() {
-    T *out = entries_.data() + entries_.size() - 4 * others_.entries().size();
+    T *out = partials_.data() + 4 * cells_.phyxels.size();
     for (std::size_t k = 0; k < others_.entries().size(); ++k) {
       const Vec3 f = stencils_.axes.transpose() * others_.force(k);
       for (int c = 0; c < 3; ++c) out[4 * k + static_cast<std::size_t>(c)] = static_cast<T>(f[c]);
@@ -157,23 +133,14 @@ class CellForces final : public VectorForces {
   }
 
   void collect(std::span<Vec3> forces, const ParallelFor &parallelFor) {
-    runLoop(parallelFor, forces.size(), kPhyxelGrain, [&](std::size_t begin, std::size_t end) {
-      const T *entries = entries_.data();
-      const Index *indices = rows_.indices.data(), *offsets = rows_.offsets.data();
-      for (std::size_t i = begin; i < end; ++i) {
-        T sum[4] = {};
-        for (Index k = offsets[i]; k < offsets[i + 1]; ++k) {
-          const T *entry = entries + 4 * std::size_t{indices[k]};
-          for (int c = 0; c < 4; ++c) sum[c] += entry[c];
-        }
-        const double x = sum[0], y = sum[1], z = sum[2];
-        if (!turned_) {
-          forces[i] = Vec3(x, y, z);
-          continue;
-        }
-        for (int r = 0; r < 3; ++r) forces[i][r] = axes_[r][0] * x + axes_[r][1] * y + axes_[r][2] * z;
-      }
-    });
+    CollectJob<T> job;
+    job.offsets = rows_.offsets;
+    job.places = rows_.indices;
+    job.partials = partials_.data();
+    setAxes(job);
+    job.forces = forces.front().data();
+    runLoop(parallelFor, forces.size(), kPhyxelGrain,
+            [&](std::size_t begin, std::size_t end) { collectForces(job, begin, end); });
   }
 
   const StencilSet &stencils_;
@@ -181,14 +148,12 @@ class CellForces final : public VectorForces {
   CellSlices<T> cells_;
   std::vector<LawNumbers<T>> laws_;
   OtherPoints others_;
-  Csr rows_;                          // [phyxels] places in entries_
-  AlignedVector<T> displacements_, velocities_;  // [phyxels][4]
-  AlignedVector<T> entries_;          // [places][4]
-  AlignedVector<T> ratios_;           // [slices]
-  AlignedVector<T> tangents_;         // of differential(); empty before
-  std::vector<double> energies_;      // [slices][2]
-  double axes_[3][3];
-  bool turned_ = false;
+  bool turned_;
+  Csr rows_;                      // [phyxels] places in partials_
+  AlignedVector<T> partials_;     // [places][4]
+  AlignedVector<T> ratios_;       // [slices]
+  AlignedVector<T> tangents_;     // of differential(); empty before
+  std::vector<double> energies_;  // [slices][2]; empty before
 };
 
 }  // namespace

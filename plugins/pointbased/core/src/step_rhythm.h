@@ -37,9 +37,16 @@ class StepRhythm {
   /// Next substep, s, where `left` of a step of dt is left: an even piece of it, so that the last one is not a sliver.
   /// @param stable  s, no more than this
   [[nodiscard]] double piece(double left, double dt, double stable) const {
-    const double pieces = std::max(piecesOf(left, stable), std::ceil(left * pieces_ / dt * kRound));
+    const double present = std::ceil(left * pieces_ / dt * kRound);
+    const double pieces = piecesOf(left, kRoom * stable) <= present ? present : std::max(piecesOf(left, stable), present);
     if (!(pieces > 1.0)) return left;
     return pieces < 1e15 ? left / pieces : stable;
+  }
+
+  /// Pieces of a step of dt that `stable` asks for: as many as before while they do.
+  [[nodiscard]] double needed(double dt, double stable) const {
+    const double usual = piecesOf(dt, stable);
+    return usual > pieces_ && piecesOf(dt, kRoom * stable) <= pieces_ ? pieces_ : usual;
   }
 
   /// Even pieces of no more than `stable` that a step makes.
@@ -54,6 +61,9 @@ class StepRhythm {
 
  private:
   static constexpr double kRestless = 0.25;
+  // Pieces may be that much longer than usual before there are more of them: 0.92 of what is stable instead of 0.8. A step
+  // that is right at rest would be halved by every strain that stiffens the body by a per cent.
+  static constexpr double kRoom = 1.15;
   static constexpr double kRound = 1.0 - 1e-9;  // what rounding adds is no further piece
 
   double pieces_ = 1.0;             // of a step at present

@@ -12,7 +12,7 @@
 
 namespace pointbased::detail {
 
-inline constexpr std::size_t kPhyxelGrain = 256, kSliceGrain = 8;
+inline constexpr std::size_t kPhyxelGrain = 256;
 
 [[nodiscard]] std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
                                                          const Constitution &constitution, Precision precision);

@@ -23,15 +23,15 @@ HWY_INLINE hn::Vec<D> forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scal
   using V = hn::Vec<D>;
   const D d = run.d;
   SignSums<V> x, y, z;
-  run.gatherCorners(run.job.displacements, x, y, z);
+  run.gatherCorners(run.fields.displacements, x, y, z);
   const Mat3Lanes<V> G = run.gradient(x, y, z);
   const Strain<D> strain(d, G);
   const V stretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E));
   V ratio;
   Mat3Lanes<V> S = stressOf<kLaw>(d, run.law, strain, stretch2, scalar, run.material(), ratio);
-  if (run.job.velocities) {
+  if (run.fields.velocities) {
     SignSums<V> vx, vy, vz;
-    run.gatherCorners(run.job.velocities, vx, vy, vz);
+    run.gatherCorners(run.fields.velocities, vx, vy, vz);
     S = S + viscousStress(d, hn::Set(d, run.law.twoEta), G, run.gradient(vx, vy, vz));
   }
   S = scaled(run.number(kVolume), S);
@@ -55,30 +55,52 @@ HWY_INLINE hn::Vec<D> forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scal
 }
 
 template <MaterialLaw kLaw, bool kModal, class T>
-HWY_NOINLINE void forcesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t slice) {
+HWY_NOINLINE void forcesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, const ChunkFields<T> &fields,
+                                std::size_t slice) {
   using D = hn::CappedTag<T, kLanes<T>>;
   const D d;
-  const std::size_t step = hn::Lanes(d);
   LargestRatio<D> largest(d);
-  for (std::size_t lane = 0; lane < kLanes<T>; lane += step) {
-    const CellRun<D> run(d, job, slice, lane);
-    largest.add(forcesOfLanes<kLaw, kModal>(run, scalar));
-  }
+  for (std::size_t lane = 0; lane < kLanes<T>; lane += hn::Lanes(d))
+    largest.add(forcesOfLanes<kLaw, kModal>(CellRun<D>(d, job, fields, slice, lane), scalar));
   job.ratios[slice] = largest.value(d);
 }
 
 template <class T>
 void forcesOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
-  for (std::size_t slice = begin; slice < end; ++slice)
-    withLaw(job.laws[job.cells->materials[slice]].law, [&](auto law) HWY_ATTR {
-      if (job.modal) {
-        forcesOfSlice<decltype(law)::value, true>(job, scalar, slice);
-      } else {
-        forcesOfSlice<decltype(law)::value, false>(job, scalar, slice);
-      }
+  for (std::size_t chunk = begin; chunk < end; ++chunk)
+    forChunk<Sums::perPhyxel>(job, chunk, [&](std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+      withLaw(job.laws[job.cells->materials[slice]].law, [&](auto law) HWY_ATTR {
+        if (job.modal) {
+          forcesOfSlice<decltype(law)::value, true>(job, scalar, fields, slice);
+        } else {
+          forcesOfSlice<decltype(law)::value, false>(job, scalar, fields, slice);
+        }
+      });
     });
 }
 
+// Sums of the partials of the phyxels.
+template <class T>
+void collectOf(const CollectJob<T> &job, std::size_t begin, std::size_t end) {
+  HWY_ALIGN T sum[4];
+  for (std::size_t i = begin; i < end; ++i) {
+    const Index *place = job.places.data() + job.offsets[i], *last = job.places.data() + job.offsets[i + 1];
+    for (T &s : sum) s = T(0);
+    for (; place != last; ++place) Records<T>::add(job.partials + 4 * std::size_t{*place}, sum);
+    const double x = sum[0], y = sum[1], z = sum[2];
+    double *out = job.forces + 3 * i;
+    if (job.turned) {
+      for (int r = 0; r < 3; ++r) out[r] = job.axes[r][0] * x + job.axes[r][1] * y + job.axes[r][2] * z;
+    } else {
+      out[0] = x;
+      out[1] = y;
+      out[2] = z;
+    }
+  }
+}
+
+void CollectFloat(const CollectJob<float> &job, std::size_t begin, std::size_t end) { collectOf(job, begin, end); }
+void CollectDouble(const CollectJob<double> &job, std::size_t begin, std::size_t end) { collectOf(job, begin, end); }
 void CellForcesFloat(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
   forcesOf(job, scalar, begin, end);
 }
@@ -95,6 +117,8 @@ namespace pointbased::kernels {
 
 HWY_EXPORT(CellForcesFloat);
 HWY_EXPORT(CellForcesDouble);
+HWY_EXPORT(CollectFloat);
+HWY_EXPORT(CollectDouble);
 HWY_EXPORT(TargetName);
 
 void cellForces(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
@@ -102,6 +126,12 @@ void cellForces(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t 
 }
 void cellForces(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
   HWY_DYNAMIC_DISPATCH(CellForcesDouble)(job, scalar, begin, end);
+}
+void collectForces(const CollectJob<float> &job, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(CollectFloat)(job, begin, end);
+}
+void collectForces(const CollectJob<double> &job, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(CollectDouble)(job, begin, end);
 }
 const char *kernelTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
 

@@ -6,7 +6,7 @@
 
 namespace pointbased::kernels {
 
-/// Forces of the slices [begin, end) on their corners.
+/// Forces of the chunks [begin, end) on their phyxels: job.partials, job.ratios.
 ///
 /// F by Hadamard's transform of the corners, the law and its bound of the tangent, the energy of the modes, and the transposed
 /// transform back to the corners, all in registers. Lanes do not meet: the same bits with any number of threads, and on all
@@ -14,6 +14,11 @@ namespace pointbased::kernels {
 /// @threads any, disjoint ranges; no allocation
 void cellForces(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 void cellForces(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
+
+/// Forces of the phyxels [begin, end), after all chunks.
+/// @threads any, disjoint ranges
+void collectForces(const CollectJob<float> &job, std::size_t begin, std::size_t end);
+void collectForces(const CollectJob<double> &job, std::size_t begin, std::size_t end);
 
 /// Of the instruction set that is used now: "AVX3", "AVX2", …
 [[nodiscard]] const char *kernelTarget();

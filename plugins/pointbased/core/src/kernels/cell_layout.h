@@ -23,7 +23,8 @@ struct CellPlan {
   std::vector<Index> others;              ///< points that are no cells, ascending
 };
 
-/// Cells in the order of the points, which follows a space-filling curve, by material.
+/// Cells in the order of the points, which follows a space-filling curve, by material; within a chunk whole cells first, which
+/// are all alike.
 /// @param suits  per material: whether the kernels know its response
 [[nodiscard]] CellPlan planCells(const StencilSet &stencils, std::size_t lanes, std::span<const std::uint8_t> suits);
 

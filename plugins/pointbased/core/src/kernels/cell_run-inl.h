@@ -13,6 +13,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
+/// What belongs to the phyxels of the chunk at hand, and the forces of the slice at hand.
+template <class T>
+struct ChunkFields {
+  const T *displacements = nullptr, *velocities = nullptr;  ///< [locals][4]
+  T *entries = nullptr;                                     ///< [kCorners][lanes][4] out
+};
+
 template <class D>
 struct CellRun {
   using T = Real<D>;
@@ -22,19 +29,20 @@ struct CellRun {
   D d;
   const CellJob<T> &job;
   const LawNumbers<T> &law;
+  const ChunkFields<T> &fields;
   std::size_t slice, lane;
   const T *numbers;
 
-  HWY_INLINE CellRun(D tag, const CellJob<T> &of, std::size_t s, std::size_t l)
-      : d(tag), job(of), law(of.laws[of.cells->materials[s]]), slice(s), lane(l),
-        numbers(of.cells->numbers.data() + s * kCellNumbers * kSlice + l) {}
+  HWY_INLINE CellRun(D tag, const CellJob<T> &of, const ChunkFields<T> &chunk, std::size_t s, std::size_t l)
+      : d(tag), job(of), law(of.laws[of.cells->materials[s]]), fields(chunk), slice(s), lane(l),
+        numbers(of.cells->numbers.data() + of.cells->blocks[s] * kCellNumbers * kSlice + l) {}
 
   HWY_INLINE V number(CellNumber which) const { return hn::Load(d, numbers + which * kSlice); }
 
   [[nodiscard]] HWY_INLINE std::size_t material() const { return job.cells->materials[slice]; }
 
   HWY_INLINE void gatherCorners(const T *field, SignSums<V> &x, SignSums<V> &y, SignSums<V> &z) const {
-    const Index *corners = job.cells->corners.data() + slice * kCorners * kSlice + lane;
+    const std::uint16_t *corners = job.cells->corners.data() + slice * kCorners * kSlice + lane;
     V ux[kCorners], uy[kCorners], uz[kCorners];
     for (std::size_t j = 0; j < kCorners; ++j) {
       const Vec3Lanes<V> u = loadVectors(d, field, corners + j * kSlice);
@@ -76,7 +84,7 @@ struct CellRun {
     spreadSigns(x, fx);
     spreadSigns(y, fy);
     spreadSigns(z, fz);
-    T *out = job.entries + 4 * (slice * kCorners * kSlice + lane);
+    T *out = fields.entries + 4 * lane;
     const V zero = hn::Zero(d);
     for (std::size_t j = 0; j < kCorners; ++j)
       hn::StoreInterleaved4(fx[j], fy[j], fz[j], zero, d, out + 4 * j * kSlice);
@@ -111,6 +119,38 @@ struct CellRun {
             unfit(S.c0.z, S.c1.z, S.c2.z, hn::Mul(kxy, pull.c0.z), hn::Mul(kxz, pull.c1.z), hn::Mul(kyz, pull.c2.z), twisted.z));
   }
 };
+
+enum class Sums : bool { none, perPhyxel };
+
+/// ofSlice(slice, fields) for the slices of a chunk; with Sums::perPhyxel what it leaves in fields.entries is summed for every
+/// phyxel of the chunk, slice by slice, corner by corner, lane by lane.
+template <Sums kSums, class T, class OfSlice>
+HWY_INLINE void forChunk(const CellJob<T> &job, std::size_t chunk, const OfSlice &ofSlice) {
+  const CellSlices<T> &cells = *job.cells;
+  HWY_ALIGN_MAX T displacements[4 * kMostLocals];
+  HWY_ALIGN_MAX T velocities[4 * kMostLocals];
+  HWY_ALIGN_MAX T entries[4 * kCorners * kLanes<T>];
+  const std::size_t first = cells.firstLocals[chunk], count = cells.firstLocals[chunk + 1] - first;
+  const Index *phyxels = cells.phyxels.data() + first;
+  Records<T>::load(job.displacements, job.axes, job.turned, phyxels, count, displacements);
+  ChunkFields<T> fields{displacements, nullptr, entries};
+  if (job.velocities.at) {
+    Records<T>::load(job.velocities, job.axes, job.turned, phyxels, count, velocities);
+    fields.velocities = velocities;
+  }
+  T *sums = job.partials + 4 * first;
+  if constexpr (kSums == Sums::perPhyxel)
+    for (std::size_t k = 0; k < 4 * count; ++k) sums[k] = T(0);
+  const std::size_t end = HWY_MIN(cells.count(), (chunk + 1) * kChunkSlices<T>);
+  for (std::size_t slice = chunk * kChunkSlices<T>; slice < end; ++slice) {
+    ofSlice(slice, fields);
+    if constexpr (kSums == Sums::perPhyxel) {
+      const std::uint16_t *corners = cells.corners.data() + slice * kCorners * kLanes<T>;
+      for (std::size_t k = 0; k < kCorners * kLanes<T>; ++k)
+        Records<T>::add(entries + 4 * k, sums + 4 * std::size_t{corners[k]});
+    }
+  }
+}
 
 }  // namespace pointbased::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

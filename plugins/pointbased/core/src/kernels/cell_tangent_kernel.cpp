@@ -23,7 +23,7 @@ template <MaterialLaw kLaw, class D>
 HWY_INLINE void tangentOfLanes(const CellRun<D> &run) {
   using V = hn::Vec<D>;
   SignSums<V> x, y, z;
-  run.gatherCorners(run.job.displacements, x, y, z);
+  run.gatherCorners(run.fields.displacements, x, y, z);
   prepareTangent<kLaw>(run.d, run.law, Strain<D>(run.d, run.gradient(x, y, z)), rowsOf(run));
   rowsOf(run).setMatrix(kTangentA, run.amplitudes(x, y, z));
 }
@@ -34,7 +34,7 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   const D d = run.d;
   const TangentRows<D> at = rowsOf(run);
   SignSums<V> x, y, z;
-  run.gatherCorners(run.job.displacements, x, y, z);
+  run.gatherCorners(run.fields.displacements, x, y, z);
   const Mat3Lanes<V> dG = run.gradient(x, y, z);
   Mat3Lanes<V> dS = stressChange<kLaw>(d, run.law, at, dG, scalar, run.material());
   if (run.job.viscousScale > 0)
@@ -65,7 +65,7 @@ template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
 HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, V &strainEnergy, V &modalEnergy) {
   const D d = run.d;
   SignSums<V> x, y, z;
-  run.gatherCorners(run.job.displacements, x, y, z);
+  run.gatherCorners(run.fields.displacements, x, y, z);
   const Mat3Lanes<V> G = run.gradient(x, y, z);
   strainEnergy = hn::Mul(run.number(kVolume), energyOf<kLaw>(d, run.law, Strain<D>(d, G), scalar, run.material()));
   modalEnergy = hn::Zero(d);
@@ -78,27 +78,29 @@ HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, 
                         hn::MulAdd(run.twist(), twisted, product(B, modalConjugate(d, run.law, B, run.roots()))));
 }
 
-// step(run) for all lanes of the slices.
+// step(run) for all lanes of a slice.
 template <class T, class Step>
-HWY_INLINE void forLanes(const CellJob<T> &job, std::size_t slice, const Step &step) {
+HWY_INLINE void forLanes(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice, const Step &step) {
   using D = hn::CappedTag<T, kLanes<T>>;
   const D d;
-  for (std::size_t lane = 0; lane < kLanes<T>; lane += hn::Lanes(d)) step(CellRun<D>(d, job, slice, lane));
+  for (std::size_t lane = 0; lane < kLanes<T>; lane += hn::Lanes(d)) step(CellRun<D>(d, job, fields, slice, lane));
 }
 
 template <MaterialLaw kLaw, class T>
-HWY_NOINLINE void tangentsOfSlice(const CellJob<T> &job, std::size_t slice) {
-  forLanes(job, slice, [&](const auto &run) HWY_ATTR { tangentOfLanes<kLaw>(run); });
+HWY_NOINLINE void tangentsOfSlice(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice) {
+  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { tangentOfLanes<kLaw>(run); });
 }
 template <MaterialLaw kLaw, class T>
-HWY_NOINLINE void productsOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t slice) {
-  forLanes(job, slice, [&](const auto &run) HWY_ATTR { productOfLanes<kLaw>(run, scalar); });
+HWY_NOINLINE void productsOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, const ChunkFields<T> &fields,
+                                  std::size_t slice) {
+  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { productOfLanes<kLaw>(run, scalar); });
 }
 template <MaterialLaw kLaw, class T>
-HWY_NOINLINE void energiesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t slice) {
+HWY_NOINLINE void energiesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, const ChunkFields<T> &fields,
+                                  std::size_t slice) {
   HWY_ALIGN T strain[kLanes<T>];
   HWY_ALIGN T modes[kLanes<T>];
-  forLanes(job, slice, [&](const auto &run) HWY_ATTR {
+  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR {
     hn::Vec<std::remove_const_t<decltype(run.d)>> strainEnergy, modalEnergy;
     energiesOfLanes<kLaw>(run, scalar, strainEnergy, modalEnergy);
     hn::Store(strainEnergy, run.d, strain + run.lane);
@@ -114,26 +116,32 @@ HWY_NOINLINE void energiesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar
   job.energies[2 * slice + 1] = modalSum;
 }
 
-template <class T, class Of>
+// of(law, slice, fields) for the slices of some chunks.
+template <Sums kSums, class T, class Of>
 HWY_INLINE void forSlices(const CellJob<T> &job, std::size_t begin, std::size_t end, const Of &of) {
-  for (std::size_t slice = begin; slice < end; ++slice)
-    withLaw(job.laws[job.cells->materials[slice]].law, [&](auto law) HWY_ATTR { of(law, slice); });
+  for (std::size_t chunk = begin; chunk < end; ++chunk)
+    forChunk<kSums>(job, chunk, [&](std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+      withLaw(job.laws[job.cells->materials[slice]].law, [&](auto law) HWY_ATTR { of(law, slice, fields); });
+    });
 }
 
 template <class T>
 void tangentsOf(const CellJob<T> &job, std::size_t begin, std::size_t end) {
-  forSlices(job, begin, end,
-            [&](auto law, std::size_t slice) HWY_ATTR { tangentsOfSlice<decltype(law)::value>(job, slice); });
+  forSlices<Sums::none>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+    tangentsOfSlice<decltype(law)::value>(job, fields, slice);
+  });
 }
 template <class T>
 void productsOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
-  forSlices(job, begin, end,
-            [&](auto law, std::size_t slice) HWY_ATTR { productsOfSlice<decltype(law)::value>(job, scalar, slice); });
+  forSlices<Sums::perPhyxel>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+    productsOfSlice<decltype(law)::value>(job, scalar, fields, slice);
+  });
 }
 template <class T>
 void energiesOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
-  forSlices(job, begin, end,
-            [&](auto law, std::size_t slice) HWY_ATTR { energiesOfSlice<decltype(law)::value>(job, scalar, slice); });
+  forSlices<Sums::none>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+    energiesOfSlice<decltype(law)::value>(job, scalar, fields, slice);
+  });
 }
 
 void TangentsFloat(const CellJob<float> &job, std::size_t begin, std::size_t end) { tangentsOf(job, begin, end); }

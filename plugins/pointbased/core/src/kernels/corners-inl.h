@@ -7,6 +7,7 @@
 #define POINTBASED_KERNELS_CORNERS_INL_H_
 #endif
 
+#include "kernels/slices.h"
 #include "kernels/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -15,7 +16,7 @@ namespace pointbased::kernels::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 
 template <class D, class T = hn::TFromD<D>>
-HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const T *base, const Index *indices) {
+HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const T *base, const std::uint16_t *indices) {
   const T *at = base + 4 * std::size_t{indices[0]};
   return {hn::Set(d, at[0]), hn::Set(d, at[1]), hn::Set(d, at[2])};
 }
@@ -41,7 +42,7 @@ HWY_INLINE hn::Vec<D> fromBlocks(D d, const Block &block) {
 /// instructions take two to three times as long on some processors.
 template <class D>
   requires(sizeof(hn::TFromD<D>) == 4)
-HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const float *base, const Index *indices) {
+HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const float *base, const std::uint16_t *indices) {
   const hn::FixedTag<float, 4> d4;
   const hn::Repartition<double, D> wide;
   const auto column = [&](std::size_t k) HWY_ATTR {
@@ -56,7 +57,7 @@ HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const float *base, const Index
 
 template <class D>
   requires(sizeof(hn::TFromD<D>) == 8)
-HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const double *base, const Index *indices) {
+HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const double *base, const std::uint16_t *indices) {
   const hn::FixedTag<double, 2> d2;
   const auto column = [&](std::size_t k, std::size_t part) HWY_ATTR {
     return fromBlocks(
@@ -67,6 +68,71 @@ HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const double *base, const Inde
 }
 
 #endif
+
+/// Records of four numbers, one after the other: what belongs to the phyxels of a chunk.
+template <class T>
+class Records {
+#if HWY_TARGET != HWY_SCALAR
+  static constexpr bool kWhole = hn::MaxLanes(hn::CappedTag<T, 4>()) == 4;
+  static constexpr bool kWholeDouble = hn::MaxLanes(hn::CappedTag<double, 4>()) == 4;
+#else
+  static constexpr bool kWhole = false, kWholeDouble = false;
+#endif
+
+ public:
+  /// to += from
+  static HWY_INLINE void add(const T *from, T *to) {
+    if constexpr (kWhole) {
+      const hn::CappedTag<T, 4> d;
+      hn::Store(hn::Add(hn::Load(d, to), hn::Load(d, from)), d, to);
+    } else {
+      for (int c = 0; c < 4; ++c) to[c] += from[c];
+    }
+  }
+
+  /// Vectors of phyxels less the first of all, in lattice axes; products and sums rounded one by one on every machine.
+  static HWY_INLINE void load(const PhyxelField &field, const double (&axes)[3][3], bool turned, const Index *phyxels,
+                              std::size_t count, T *out) {
+    if constexpr (kWholeDouble) {
+      using D4 = hn::CappedTag<double, 4>;
+      const D4 d;
+      HWY_ALIGN double rows[4][4] = {};
+      for (int c = 0; c < 3; ++c) {
+        rows[3][c] = field.at[c];
+        for (int r = 0; r < 3; ++r) rows[r][c] = axes[r][c];
+      }
+      const auto base = hn::Load(d, rows[3]);
+      const auto r0 = hn::Load(d, rows[0]), r1 = hn::Load(d, rows[1]), r2 = hn::Load(d, rows[2]);
+      HWY_ALIGN double last[4] = {};
+      for (int c = 0; c < 3; ++c) last[c] = field.at[3 * (field.count - 1) + static_cast<std::size_t>(c)];
+      for (std::size_t l = 0; l < count; ++l, out += 4) {
+        // Four are read where three are meant: behind the last vector there may be nothing.
+        const double *from = phyxels[l] + std::size_t{1} == field.count ? last : field.at + 3 * std::size_t{phyxels[l]};
+        auto x = hn::Sub(hn::LoadU(d, from), base);
+        if (turned) {
+          HWY_ALIGN double three[4];
+          hn::Store(x, d, three);
+          x = hn::Add(hn::Add(hn::Mul(hn::Set(d, three[0]), r0), hn::Mul(hn::Set(d, three[1]), r1)),
+                      hn::Mul(hn::Set(d, three[2]), r2));
+        }
+        if constexpr (sizeof(T) == 8) {
+          hn::Store(x, d, out);
+        } else {
+          const hn::Rebind<float, D4> narrow;
+          hn::Store(hn::DemoteTo(narrow, x), narrow, out);
+        }
+      }
+    } else {
+      for (std::size_t l = 0; l < count; ++l, out += 4) {
+        double x[3], turnedTo[3];
+        for (int c = 0; c < 3; ++c) x[c] = field.at[3 * std::size_t{phyxels[l]} + static_cast<std::size_t>(c)] - field.at[c];
+        for (int c = 0; c < 3; ++c) turnedTo[c] = (x[0] * axes[0][c] + x[1] * axes[1][c]) + x[2] * axes[2][c];
+        for (int c = 0; c < 3; ++c) out[c] = static_cast<T>(turned ? turnedTo[c] : x[c]);
+        out[3] = T(0);
+      }
+    }
+  }
+};
 
 /// C_s = Σ_j s_j u_j of the products of signs s; the mean itself is not needed.
 template <class V>

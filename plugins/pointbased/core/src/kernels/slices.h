@@ -34,14 +34,25 @@ enum CellNumber : std::size_t {
   kCellNumbers
 };
 
-/// Cells of a lattice, kLanes of one material to a slice.
+/// Cells that are taken together: their phyxels stay in the first cache, and what they do to a phyxel is summed there before
+/// it goes on.
+inline constexpr std::size_t kChunkCells = 64;
+template <class T>
+inline constexpr std::size_t kChunkSlices = kChunkCells / kLanes<T>;
+inline constexpr std::size_t kMostLocals = kChunkCells * kCorners;  ///< phyxels of a chunk
+
+/// Cells of a lattice: kLanes of one material to a slice, kChunkSlices slices to a chunk.
 template <class T>
 struct CellSlices {
-  AlignedVector<Index> corners;            ///< [slices][kCorners][lanes] phyxels
-  AlignedVector<T> numbers;                ///< [slices][kCellNumbers][lanes]
   std::vector<std::uint16_t> materials;    ///< [slices]
+  AlignedVector<std::uint16_t> corners;    ///< [slices][kCorners][lanes] into the phyxels of the chunk
+  AlignedVector<T> numbers;                ///< [blocks][kCellNumbers][lanes]; slices of whole cells share a block
+  std::vector<Index> blocks;               ///< [slices] which
+  std::vector<Index> firstLocals{0};       ///< [chunks + 1] into phyxels
+  std::vector<Index> phyxels;              ///< [chunks][those of its cells, ascending]
 
   [[nodiscard]] std::size_t count() const { return materials.size(); }
+  [[nodiscard]] std::size_t chunks() const { return firstLocals.size() - 1; }
 };
 
 /// Numbers of a law, once per material.
@@ -76,19 +87,38 @@ enum TangentNumber : std::size_t {
   kTangentNumbers = kTangentTurn + 6
 };
 
-/// One evaluation of cells. Vectors of phyxels and entries are padded to four numbers.
+/// A field of phyxels, as the body has it: [phyxels][3], world axes. The kernels take it relative to its first vector, so that
+/// a body far from where it was made loses no digits, and in lattice axes.
+struct PhyxelField {
+  const double *at = nullptr;  ///< null: there is none
+  std::size_t count = 0;       ///< phyxels
+};
+
+/// One evaluation of cells. Records of four numbers are vectors, padded.
 template <class T>
 struct CellJob {
   const CellSlices<T> *cells = nullptr;
   std::span<const LawNumbers<T>> laws;   ///< [materials]
   bool modal = false;                    ///< with the energy of the modes
-  const T *displacements = nullptr;      ///< [phyxels][4], lattice axes, m
-  const T *velocities = nullptr;         ///< likewise, m/s; null: no viscous stress
-  T viscousScale{};                      ///< 1/s, of cellProducts(): adds the viscous forces of that times the displacements
-  T *entries = nullptr;                  ///< [slices][kCorners][lanes][4] out: force on the corner, N
+  double axes[3][3] = {};                ///< of the lattice, columns
+  bool turned = false;                   ///< axes are not those of the world
+  PhyxelField displacements;             ///< m; of products: their changes
+  PhyxelField velocities;                ///< m/s; without them no viscous stress
+  T viscousScale{};                      ///< 1/s, of products: adds the viscous forces of that times the displacements
+  T *partials = nullptr;                 ///< [locals of all chunks][4] out: what the chunk does to the phyxel, N, lattice axes
   T *ratios = nullptr;                   ///< [slices] out: largest tangentRatio() of the slice; NaN if any is
   T *tangents = nullptr;                 ///< [slices][kTangentNumbers][lanes] of cellTangents()
   double *energies = nullptr;            ///< [slices][2] out of cellEnergies(): strain and modes, J
+};
+
+/// Sums of partials: rows of phyxels, places in ascending order.
+template <class T>
+struct CollectJob {
+  std::span<const Index> offsets, places;
+  const T *partials = nullptr;           ///< [places][4]
+  double axes[3][3] = {};
+  bool turned = false;
+  double *forces = nullptr;              ///< [phyxels][3] out: N, world axes
 };
 
 /// What a point of a cloud needs beside its pairs, in this order. With w the symmetric weights and d the ways to the
