@@ -52,7 +52,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["wall_s"] = facts.wall_s;
   report["real_time_factor"] = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
   report["dt_s"] = facts.dt_s;
-  report["integrator"] = facts.integrator;
+  report["integrator"] = simulator->contains("integrator") ? simulator->at("integrator") : Json(facts.integrator);
   if (facts.seed) report["seed"] = *facts.seed;
   // What the simulator says stays as it is; what it does not say is empty rather than absent.
   for (const char *key : {"bodies", "probes"}) report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();

@@ -33,6 +33,7 @@ bool isKnownToTheFormat(std::string_view id) {
                                    "solver.tolerance_mm",
                                    "solver.load_steps",
                                    "solver.preconditioner",
+                                   "solver.precision",
                                    "view.surface",
                                    "view.points",
                                    "view.colour",

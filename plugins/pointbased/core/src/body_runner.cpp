@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "number_text.h"
+#include "step_cost.h"
 
 namespace pointbased::detail {
 namespace {
@@ -35,6 +36,8 @@ bool driven(const Body &body, std::span<const Obstacle> obstacles, double time) 
 }  // namespace
 
 Integrator BodyRunner::integratorIn(const WorldSettings &world) const {
+  if (world.integrator == Integrator::automatic)
+    return predictCost(*body_, world.dt).implicitIsCheaper() ? Integrator::implicitSdirk : Integrator::explicitVerlet;
   if (world.integrator == Integrator::explicitVerlet && world.dt <= 0.0 &&
       kStepSafety * body_->stableStepAtRest() < kSmallestExplicitStep)
     return Integrator::implicitSdirk;
@@ -142,7 +145,13 @@ void BodyRunner::tellSwitch(const StepOrder &order) {
   if (toldSwitch_) return;
   toldSwitch_ = true;
   const std::string body = "body '" + body_->name() + "' ";
-  if (order.world.integrator == Integrator::implicitMidpoint)
+  if (order.world.integrator == Integrator::automatic) {
+    if (integratorIn(order.world) != Integrator::implicitSdirk) return;
+    const StepCost cost = predictCost(*body_, order.world.dt);
+    order.note("chosen", body + "is integrated implicitly: predicted to cost " + number(cost.implicitEvaluations) +
+                             " force evaluations per simulated second instead of " + number(cost.explicitEvaluations) +
+                             "; solver.integrator = \"explicit\" resolves its vibrations");
+  } else if (order.world.integrator == Integrator::implicitMidpoint)
     order.note("switched", body + "relaxes, which the midpoint rule does not settle; it is given \"implicit\"");
   else
     order.note("switched", body + "is so stiff that explicit steps would be " +

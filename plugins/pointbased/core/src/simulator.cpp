@@ -10,6 +10,7 @@
 #include "flush_denormals.h"
 #include "pointbased/cloud_quality.h"
 #include "state_hash.h"
+#include "step_cost.h"
 
 namespace pointbased {
 namespace {
@@ -50,6 +51,7 @@ void Simulator::setWorld(const WorldSettings &world) {
     }
   for (auto &[id, runner] : bodies_) {
     runner->body().quasiStatic = quasiStatic();
+    runner->body().setPrecision(world.precision);
     runner->body().forcesCurrent = false;
     if (otherEnergy) runner->forgetEnergy();
   }
@@ -57,6 +59,7 @@ void Simulator::setWorld(const WorldSettings &world) {
 
 std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
   body->quasiStatic = quasiStatic();
+  body->setPrecision(world_.precision);
   std::string cloud = inspectCloud(body->rest()).warning();
   if (!cloud.empty()) cloud += "; sampling.neighbours and the spacing change it";
   for (const std::string &unusual : {volumeWarning(body->rest()), cloud}) {
@@ -113,6 +116,18 @@ std::vector<std::size_t> Simulator::bodyIds() const {
   std::vector<std::size_t> ids;
   for (const auto &[id, runner] : bodies_) ids.push_back(id);
   return ids;
+}
+
+Integrator Simulator::integratorOf(std::size_t id) const {
+  const auto found = bodies_.find(id);
+  return found == bodies_.end() ? world_.integrator : found->second->integratorIn(world_);
+}
+
+std::pair<double, double> Simulator::predictedCost(std::size_t id) const {
+  const Body *target = body(id);
+  if (!target) return {0.0, 0.0};
+  const detail::StepCost cost = detail::predictCost(*target, world_.dt);
+  return {cost.explicitEvaluations, cost.implicitEvaluations};
 }
 
 RigidMotion Simulator::obstacleMotion(std::size_t id) const {

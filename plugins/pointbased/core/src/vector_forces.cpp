@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vector_forces.h"
 
+#include "kernels/cell_kernel.h"
 #include "vector_forces_parts.h"
 
 namespace pointbased::detail {
@@ -115,3 +116,5 @@ std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span
 }
 
 }  // namespace pointbased::detail
+
+std::string pointbased::kernelTarget() { return kernels::kernelTarget(); }

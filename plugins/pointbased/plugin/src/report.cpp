@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <set>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -16,6 +17,18 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json json(const Vec3 &v) { return {v[0], v[1], v[2]}; }
+
+const char *nameOf(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::automatic: return "auto";
+    case Integrator::explicitVerlet: return "explicit";
+    case Integrator::implicitSdirk: return "implicit";
+    case Integrator::implicitMidpoint: return "midpoint";
+    case Integrator::backwardEuler: return "backward_euler";
+    case Integrator::quasiStatic: return "quasistatic";
+  }
+  return "";
+}
 
 Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
   const Body &body = *simulator.body(reported.id);
@@ -73,6 +86,10 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
           {"counted_volume_m3", rest.countedVolume},
           {"neighbours", near},
           {"stable_dt_s", body.stableStepAtRest()},
+          {"integrator", nameOf(simulator.integratorOf(reported.id))},
+          {"predicted_evaluations_per_s",
+           {{"explicit", simulator.predictedCost(reported.id).first}, {"implicit", simulator.predictedCost(reported.id).second}}},
+          {"kernels", body.vectorised() ? kernelTarget() : "by stages"},
           {"energy_J",
            {{"kinetic", energy.kinetic},
             {"elastic", energy.elastic},
@@ -109,6 +126,10 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
   }
   std::sort(out["reactions"].begin(), out["reactions"].end(),
             [](const Json &a, const Json &b) { return a["fix"].get<std::uint64_t>() < b["fix"].get<std::uint64_t>(); });
+  // What the bodies are integrated by; with more than one of them, what the scene asks for.
+  std::set<std::string> integrators;
+  for (const ReportedBody &body : bodies) integrators.insert(nameOf(simulator.integratorOf(body.id)));
+  out["integrator"] = integrators.size() == 1 ? *integrators.begin() : nameOf(simulator.world().integrator);
   if (simulator.quasiStatic()) out["load_factor"] = simulator.loadFactor();
   for (const Probe &probe : simulator.probes()) {
     const Simulator::ProbeState state = simulator.probeState(probe);

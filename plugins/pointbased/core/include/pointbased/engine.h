@@ -108,4 +108,7 @@ struct ElasticEnergy {
                                       std::span<const Vec3> positions, std::span<const double> masses,
                                       std::span<const double> extra, const ParallelFor &parallelFor);
 
+/// Of the vector kernels now in use: "AVX3" (AVX-512), "AVX2", "SSE4", "NEON", …
+[[nodiscard]] std::string kernelTarget();
+
 }  // namespace pointbased

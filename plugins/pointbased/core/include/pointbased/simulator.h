@@ -64,6 +64,10 @@ class Simulator {
   [[nodiscard]] Body *body(std::size_t id);
   [[nodiscard]] const Body *body(std::size_t id) const;
   [[nodiscard]] std::vector<std::size_t> bodyIds() const;
+  /// What integrates a body: the world's integrator, or what is chosen in its place.
+  [[nodiscard]] Integrator integratorOf(std::size_t body) const;
+  /// Force evaluations per simulated second: (explicit, implicit). What Integrator::automatic decides by.
+  [[nodiscard]] std::pair<double, double> predictedCost(std::size_t body) const;
   /// Where an obstacle is now: its rigid motion at the present time.
   [[nodiscard]] RigidMotion obstacleMotion(std::size_t id) const;
   void addProbe(std::string name, std::size_t body, const Vec3 &reference);

@@ -22,6 +22,7 @@ struct WorldSettings {
   double tolerance = 0.0;  ///< m, of implicit and static solutions; 0: by the spacing
   int loadSteps = 0;       ///< static: load increments; 0: 10
   Preconditioner preconditioner = Preconditioner::automatic;
+  Precision precision = Precision::doublePrecision;  ///< of the forces of explicit steps; implicit and static ones are double
   bool renewReferences = true;  ///< of clouds that have flowed far (renewal.h); false: to compare
 };
 
