@@ -44,8 +44,8 @@ class GlRenderer final : public RetainedRenderer {
   void draw(const Camera &camera, const Viewport &viewport) override {
     if (viewport.width <= 0 || viewport.height <= 0) return;
     const Frame frame = makeFrame(camera, viewport);
-    statistics_.drawCalls = statistics_.sortedPrimitives = 0;
-    statistics_.sort_ms = 0.0;
+    statistics_.drawCalls = statistics_.sortedPrimitives = statistics_.uploadedBytes = 0;
+    statistics_.sort_ms = statistics_.upload_ms = 0.0;
     enterState(viewport);
     drawBackground();
     blended_.begin();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gl/opaque_pass.h"
 
+#include <chrono>
+
 #include "gl/shaders.h"
 
 namespace c3de::render {
@@ -72,20 +74,28 @@ void useArray(GLuint location, bool present) {
     glDisableVertexAttribArray(location);
 }
 
-void upload(Proxy &proxy, ProxyBuffers &buffers) {
+template <class T>
+void replace(const Buffer &buffer, std::span<const T> values, RenderStatistics &statistics) {
+  uploadBuffer(GL_ARRAY_BUFFER, buffer, values);
+  statistics.uploadedBytes += values.size_bytes();
+}
+
+void upload(Proxy &proxy, ProxyBuffers &buffers, RenderStatistics &statistics) {
+  const auto begin = std::chrono::steady_clock::now();
   if (proxy.kind == ProxyKind::mesh) proxy.updateNormals();
-  if (proxy.stale.positions) uploadBuffer(GL_ARRAY_BUFFER, buffers.positions, std::span<const Vec3f>(proxy.positions));
+  if (proxy.stale.positions) replace(buffers.positions, std::span<const Vec3f>(proxy.positions), statistics);
   if (proxy.stale.normals && proxy.kind == ProxyKind::mesh)
-    uploadBuffer(GL_ARRAY_BUFFER, buffers.normals, std::span<const Vec3f>(proxy.normals));
+    replace(buffers.normals, std::span<const Vec3f>(proxy.normals), statistics);
   if (proxy.stale.radii && proxy.kind == ProxyKind::spheres)
-    uploadBuffer(GL_ARRAY_BUFFER, buffers.radii, std::span<const float>(proxy.radii));
+    replace(buffers.radii, std::span<const float>(proxy.radii), statistics);
   if (proxy.stale.colours) {
     std::vector<Rgba8> bytes;
     bytes.reserve(proxy.colours.size());
     for (const Colour &c : proxy.colours) bytes.push_back(toRgba8(c));
-    uploadBuffer(GL_ARRAY_BUFFER, buffers.colours, std::span<const Rgba8>(bytes));
+    replace(buffers.colours, std::span<const Rgba8>(bytes), statistics);
   }
   proxy.stale = {false, false, false, false};
+  statistics.upload_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
 }  // namespace
@@ -93,7 +103,7 @@ void upload(Proxy &proxy, ProxyBuffers &buffers) {
 void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, RenderStatistics &statistics) {
   ProxyBuffers &buffers = buffersOf(proxy, statistics);
   glBindVertexArray(buffers.array.name());
-  upload(proxy, buffers);
+  upload(proxy, buffers, statistics);
 
   const Mat4 viewFromProxy = multiply(frame.view, proxy.transform);
   const Mat4f viewFromProxyF = toFloat(viewFromProxy);

@@ -48,6 +48,8 @@ struct RenderStatistics {
   std::size_t drawCalls = 0;         ///< last frame
   std::size_t sortedPrimitives = 0;  ///< last frame: triangles, spheres and segments that blend
   double sort_ms = 0.0;              ///< last frame: their ordering
+  std::size_t uploadedBytes = 0;     ///< last frame: array contents handed to the graphics memory
+  double upload_ms = 0.0;            ///< last frame: that, and the normals that had to be found for it
   std::size_t vertexArraysMade = 0;  ///< in all; updating a proxy adds none
   std::size_t programsLinked = 0;    ///< in all; does not grow after the start
 };
