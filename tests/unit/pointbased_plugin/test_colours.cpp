@@ -95,7 +95,7 @@ TEST_CASE("The values of a stretched bar are its displacement in mm and its stre
   const RestState &rest = body->rest();
   REQUIRE(moved.surfels.size() == rest.surfels.count());
   for (std::size_t p = 0; p < moved.surfels.size(); ++p)
-    CHECK_THAT(moved.surfels[p], WithinAbs(50.0 * (rest.origin + rest.surfels.positions[p])[0], 1e-9));
+    CHECK_THAT(moved.surfels[p], WithinAbs(50.0 * (rest.origin + rest.surfels.position(p, rest.positions))[0], 1e-9));
 
   const BodyValues stressed = valuesOf(*body, coloured(ColourBy::vonMises));
   REQUIRE(stressed.points.size() == rest.pointCount());

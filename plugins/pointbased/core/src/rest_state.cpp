@@ -99,7 +99,7 @@ void detail::bindSkinToCloud(RestState &rest, const Surface &local, std::span<co
   rest.bind = [positions = rest.positions, parallelFor](std::span<const Vec3> points, std::span<const Vec3>) {
     return bindToCloud(points, positions, parallelFor);
   };
-  rest.surfels = rest.bind(local.positions, normals);
+  rest.surfels = Surfels(rest.bind(local.positions, normals));
   rest.surfelNormals.assign(normals.begin(), normals.end());
   rest.skin = local.triangles;
   if (local.triangles.empty()) return;
@@ -211,7 +211,7 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
       return cells->bind(points, normals, parallelFor);
     };
     const Surface local = shiftedSurface(shape.surface, rest->origin);
-    rest->surfels = rest->bind(local.positions, surfelNormals);
+    rest->surfels = Surfels(rest->bind(local.positions, surfelNormals));
     rest->surfelNormals.assign(surfelNormals.begin(), surfelNormals.end());
     rest->skin = local.triangles;
     if (!local.triangles.empty()) {

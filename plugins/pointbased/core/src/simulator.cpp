@@ -320,6 +320,18 @@ std::vector<Reaction> Simulator::reactions(std::size_t id) const {
 
 std::uint64_t Simulator::stateHash() const {
   std::uint64_t hash = detail::kHashStart;
+void Simulator::surfels(std::size_t id, std::vector<Vec3f> &positions, std::vector<Vec3f> &normals) {
+  const Body *target = body(id);
+  if (!target) return;
+  const RestState &rest = target->rest();
+  positions.resize(rest.surfels.count());
+  normals.resize(rest.surfelNormals.size());
+  clock_.measure(kSurfels, [&] {
+    updateSurfels(rest.surfels, rest.surfelNormals, rest.origin, rest.positions, target->state().displacements,
+                  screenPhyxels_, positions, normals, parallelFor_);
+  });
+}
+
   for (const auto &[id, runner] : bodies_) hash = detail::hashOf(runner->body(), hash);
   return hash;
 }

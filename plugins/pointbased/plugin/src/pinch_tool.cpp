@@ -23,12 +23,14 @@ sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
 Grab patchAround(const RestState &rest, std::size_t surfel, double radius) {
   Grab grab;
   double sum = 0.0;
+  const Interpolation binding = rest.surfels.expanded(surfel, rest.positions);
+  const Vec3 &at = binding.positions.front();
   std::vector<std::uint8_t> held(rest.phyxelCount(), 0);
   for (const HeldPart &part : rest.conditions.held)
     for (const Index i : part.phyxels) held[i] = 1;
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
     if (held[i]) continue;
-    const double weight = rest.volumes[i] * kernelWeight((rest.positions[i] - rest.surfels.positions[surfel]).norm(), radius);
+    const double weight = rest.volumes[i] * kernelWeight((rest.positions[i] - at).norm(), radius);
     if (weight <= 0.0) continue;
     grab.phyxels.push_back(static_cast<Index>(i));
     grab.weights.push_back(weight);
@@ -36,11 +38,8 @@ Grab patchAround(const RestState &rest, std::size_t surfel, double radius) {
   }
   for (double &w : grab.weights) w /= sum;
   if (!grab.phyxels.empty()) return grab;
-  const Interpolation &binding = rest.surfels;
-  for (Index e = binding.phyxels.offsets[surfel]; e < binding.phyxels.offsets[surfel + 1]; ++e) {
-    grab.phyxels.push_back(binding.phyxels.indices[e]);
-    grab.weights.push_back(binding.weights[e]);
-  }
+  grab.phyxels = binding.phyxels.indices;
+  grab.weights = binding.weights;
   return grab;
 }
 

@@ -171,34 +171,40 @@ SurfelSet::SurfelSet(PluginContext &context, sdk::Ref<WorldSimulator> simulator,
 
 std::array<sdk::Interface, 1> SurfelSet::interfaces() { return {sdk::interfaceOf(sdk::kSurfelSetTable<SurfelSet>)}; }
 
-void SurfelSet::with(
-    const std::function<void(const Body &, const Interpolation &, const std::vector<Vec3> &normals)> &read) const {
+void SurfelSet::withBody(const std::function<void(const Body &)> &read) const {
   if (simulator_) {
-    if (!simulator_->readBody(body_,
-                              [&](const Body &body) { read(body, body.rest().surfels, body.rest().surfelNormals); }))
-      throw Error(C3DE_E_STALE, "the body of this surfel set was removed");
+    if (!simulator_->readBody(body_, read)) throw Error(C3DE_E_STALE, "the body of this surfel set was removed");
     return;
   }
   if (!phyxels_) throw Error(C3DE_E_STATE, "the surfel set is empty; assign() binds points to a phyxel set");
-  phyxels_->withBody([&](const Body &body) { read(body, own_, ownNormals_); });
+  phyxels_->withBody(read);
 }
 
 std::uint64_t SurfelSet::count() {
   if (!simulator_) return own_.count();
   std::uint64_t n = 0;
-  with([&](const Body &, const Interpolation &binding, const std::vector<Vec3> &) { n = binding.count(); });
+  withBody([&](const Body &body) { n = body.rest().surfels.count(); });
   return n;
 }
 
 void SurfelSet::read(std::uint32_t field, c3de_mview out) {
-  with([&](const Body &body, const Interpolation &binding, const std::vector<Vec3> &restNormals) {
+  withBody([&](const Body &body) {
     const RestState &rest = body.rest();
-    const std::size_t n = binding.count();
+    const std::size_t n = simulator_ ? rest.surfels.count() : own_.count();
+    const std::vector<Vec3> &restNormals = simulator_ ? rest.surfelNormals : ownNormals_;
     if (field == C3DE_FIELD_REFERENCE_POSITION)
-      return writeVectors(out, n, [&](std::size_t s) -> Vec3 { return rest.origin + binding.positions[s]; });
+      return writeVectors(out, n, [&](std::size_t s) -> Vec3 {
+        return rest.origin + (simulator_ ? rest.surfels.position(s, rest.positions) : own_.positions[s]);
+      });
     if (field != C3DE_FIELD_POSITION && field != C3DE_FIELD_NORMAL) unknownField(field);
     std::vector<Vec3> positions(n), normals(restNormals.size());
-    updateSurfels(binding, restNormals, rest.positions, body.state().displacements, positions, normals, serialFor());
+    const auto move = [&](const auto &points) {
+      updateSurfels(points, restNormals, rest.positions, body.state().displacements, positions, normals, serialFor());
+    };
+    if (simulator_)
+      move(rest.surfels);
+    else
+      move(own_);
     if (field == C3DE_FIELD_POSITION)
       return writeVectors(out, n, [&](std::size_t s) -> Vec3 { return rest.origin + positions[s]; });
     if (normals.size() != n) throw Error(C3DE_E_STATE, "these surfels were bound without normals");
@@ -207,9 +213,12 @@ void SurfelSet::read(std::uint32_t field, c3de_mview out) {
 }
 
 void SurfelSet::owners(c3de_view *offsets, c3de_view *indices, c3de_view *weights) {
-  with([&](const Body &body, const Interpolation &binding, const std::vector<Vec3> &) {
-    if (simulator_) lent_ = body.sharedRest();
-    const Interpolation &kept = simulator_ ? lent_->surfels : binding;
+  withBody([&](const Body &body) {
+    if (simulator_ && lent_ != body.sharedRest()) {
+      lent_ = body.sharedRest();
+      owners_ = lent_->surfels.expanded(lent_->positions);
+    }
+    const Interpolation &kept = simulator_ ? owners_ : own_;
     *offsets = indexView(kept.phyxels.offsets);
     *indices = indexView(kept.phyxels.indices);
     *weights = {kept.weights.data(), kept.weights.size(), 1, C3DE_F64, 0};

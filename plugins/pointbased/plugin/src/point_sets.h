@@ -47,7 +47,7 @@ class SurfelSet : public sdk::Object<SurfelSet> {
   static std::array<sdk::Interface, 1> interfaces();
 
  private:
-  void with(const std::function<void(const Body &, const Interpolation &, const std::vector<Vec3> &normals)> &read) const;
+  void withBody(const std::function<void(const Body &)> &read) const;
 
   PluginContext &context_;
   sdk::Ref<WorldSimulator> simulator_;
@@ -55,7 +55,8 @@ class SurfelSet : public sdk::Object<SurfelSet> {
   sdk::Ref<PhyxelSet> phyxels_;
   Interpolation own_;
   std::vector<Vec3> ownNormals_;
-  std::shared_ptr<const RestState> lent_;
+  std::shared_ptr<const RestState> lent_;  // whose owners() are out
+  Interpolation owners_;
 };
 
 }  // namespace pointbased

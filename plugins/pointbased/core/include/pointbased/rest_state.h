@@ -7,6 +7,7 @@
 #include "pointbased/neighborhood.h"
 #include "pointbased/sampling.h"
 #include "pointbased/supports.h"
+#include "pointbased/surfels.h"
 #include "pointbased/contact.h"
 
 namespace pointbased {
@@ -45,7 +46,7 @@ struct RestState {
   NeighborChoice neighborChoice;   ///< of Evaluation::phyxels
   LatticeSampling sampling;        ///< of Evaluation::stressPoints, as asked for
   Reshape reshape;                 ///< empty: a lattice cannot be renewed
-  Interpolation surfels;           ///< the vertices of the surface
+  Surfels surfels;                 ///< the vertices of the surface
   std::vector<std::array<Index, 3>> skin;  ///< triangles between surfels; may be empty
   std::vector<Vec3> surfelNormals; ///< unit; empty: points without normals
   ContactPoints contact;

@@ -102,7 +102,7 @@ class Simulator {
   void releaseGrab(std::size_t body);
   [[nodiscard]] std::optional<GrabStatus> grabStatus(std::size_t body) const;
 
-  /// World positions and normals of a body's surfels.
+  /// World positions and normals of a body's surfels; in single precision for a screen.
   void surfels(std::size_t body, std::vector<Vec3> &positions, std::vector<Vec3> &normals);
 
   struct Energy {
@@ -111,6 +111,7 @@ class Simulator {
   [[nodiscard]] Energy energy(std::size_t body) const;
   [[nodiscard]] std::vector<Reaction> reactions(std::size_t body) const;
 
+  void surfels(std::size_t body, std::vector<Vec3f> &positions, std::vector<Vec3f> &normals);
   /// FNV-1a over displacements, velocities and plastic state of every phyxel, bodies in the order they were added.
   [[nodiscard]] std::uint64_t stateHash() const;
 
@@ -146,3 +147,4 @@ class Simulator {
 };
 
 }  // namespace pointbased
+  ScreenPhyxels screenPhyxels_;
