@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "interpolation_at.h"
+#include "kernels/contact_kernel.h"
 #include "pointbased/contact.h"
 
 namespace pointbased {
@@ -28,20 +30,13 @@ struct Hand {
       v += binding.weights[e] * velocities[binding.phyxels.indices[e]];
     return v;
   }
-  void push(Index p, const Vec3 &impulse) const {
-    for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e) {
-      const Index j = binding.phyxels.indices[e];
-      velocities[j] += binding.weights[e] * inverseMasses[j] * impulse;
-    }
-  }
 };
 
 // Pushes by a part of the impulses in the solution, as large as lowers  T + Σ λ (-least)  most: the energy that the
 // projected Gauss-Seidel steps lower too, so however few of them follow, nothing is added.
 void warmStart(const Hand &body, std::span<const Contact> active, ContactMemory::Solution &solution) {
-  std::vector<Vec3> &change = solution.change;
-  change.assign(body.velocities.size(), Vec3::Zero());
-  const Hand trial{body.binding, body.inverseMasses, change};
+  std::vector<Vec3> &change = solution.change;  // of those that are touched
+  change.assign(solution.touched.size(), Vec3::Zero());
   double slope = 0.0, curvature = 0.0;
   for (std::size_t c = 0; c < active.size(); ++c) {
     const double impulse = solution.impulses[c];
@@ -49,51 +44,94 @@ void warmStart(const Hand &body, std::span<const Contact> active, ContactMemory:
     const Vec3 v = body.velocity(active[c].point) - active[c].surfaceVelocity;
     const Vec3 whole = impulse * active[c].normal + solution.tangential[c];
     slope += whole.dot(v) - impulse * solution.least[c];
-    trial.push(active[c].point, whole);
+    for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e) change[solution.slots[e]] += solution.pushes[e] * whole;
   }
-  for (std::size_t j = 0; j < change.size(); ++j)
-    if (body.inverseMasses[j] > 0.0) curvature += change[j].squaredNorm() / body.inverseMasses[j];
+  for (std::size_t s = 0; s < change.size(); ++s)
+    if (const double inverse = body.inverseMasses[solution.touched[s]]; inverse > 0.0)
+      curvature += change[s].squaredNorm() / inverse;
   const double part = curvature > 0.0 && slope < 0.0 ? std::min(1.0, -slope / curvature) : 0.0;
   for (double &impulse : solution.impulses) impulse *= part;
   for (Vec3 &impulse : solution.tangential) impulse *= part;
   if (part > 0.0)
-    for (std::size_t j = 0; j < change.size(); ++j) body.velocities[j] += part * change[j];
+    for (std::size_t s = 0; s < change.size(); ++s) body.velocities[solution.touched[s]] += part * change[s];
 }
 
-// Sweeps until nothing changes by more than the tolerance; impulses start as they are and have been applied.
-void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSettings &settings, bool friction,
+// The contacts and the velocities of the phyxels that they touch, side by side. Sweeps go to and fro over these.
+void layOut(const Hand &body, std::span<const Contact> active, ContactMemory::Solution &solution) {
+  constexpr Index kNowhere = 0xffffffffu;
+  const Csr &phyxels = body.binding.phyxels;
+  if (solution.slotOf.size() != body.inverseMasses.size()) solution.slotOf.assign(body.inverseMasses.size(), kNowhere);
+  for (const Index j : solution.touched) solution.slotOf[j] = kNowhere;
+  solution.touched.clear();
+  solution.rows.assign(1, 0);
+  solution.slots.clear();
+  solution.shares.clear();
+  solution.pushes.clear();
+  solution.sides.assign(kernels::kContactNumbers * active.size(), 0.0);
+  for (std::size_t c = 0; c < active.size(); ++c) {
+    const Index p = active[c].point;
+    for (Index e = phyxels.offsets[p]; e < phyxels.offsets[p + 1]; ++e) {
+      const Index j = phyxels.indices[e];
+      Index &slot = solution.slotOf[j];
+      if (slot == kNowhere) {
+        slot = static_cast<Index>(solution.touched.size());
+        solution.touched.push_back(j);
+      }
+      solution.slots.push_back(slot);
+      solution.shares.push_back(body.binding.weights[e]);
+      solution.pushes.push_back(body.binding.weights[e] * body.inverseMasses[j]);
+    }
+    solution.rows.push_back(static_cast<Index>(solution.slots.size()));
+    for (std::size_t a = 0; a < 3; ++a)
+      solution.sides[kernels::kContactNumbers * c + kernels::kNormalOfContact + a] = active[c].normal[static_cast<Eigen::Index>(a)];
+  }
+  solution.velocities.resize(4 * solution.touched.size());
+}
+
+// Sweeps until nothing changes by more than the tolerance; impulses start as they are and have been applied. After layOut()
+// of the same contacts.
+// @param still  the obstacles count as if they did not move, and nothing is held by friction
+void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSettings &settings, bool still,
            ContactMemory::Solution &solution) {
+  using kernels::kContactNumbers;
   const std::size_t count = active.size();
+  solution.friction.resize(count);
+  for (std::size_t c = 0; c < count; ++c) {
+    double *side = solution.sides.data() + kContactNumbers * c;
+    solution.friction[c] = active[c].friction;
+    side[kernels::kMass] = 1.0 / solution.inverseMasses[c];
+    for (int a = 0; a < 3; ++a) {
+      side[kernels::kSurfaceVelocity + static_cast<std::size_t>(a)] = still ? 0.0 : active[c].surfaceVelocity[a];
+      side[kernels::kTangentialImpulse + static_cast<std::size_t>(a)] = solution.tangential[c][a];
+    }
+  }
+  for (std::size_t s = 0; s < solution.touched.size(); ++s) {
+    const Vec3 &v = body.velocities[solution.touched[s]];
+    for (int a = 0; a < 3; ++a) solution.velocities[4 * s + static_cast<std::size_t>(a)] = v[a];
+    solution.velocities[4 * s + 3] = 0.0;
+  }
+  kernels::SweepJob job;
+  job.count = count;
+  job.rows = solution.rows.data();
+  job.slots = solution.slots.data();
+  job.shares = solution.shares.data();
+  job.pushes = solution.pushes.data();
+  job.velocities = solution.velocities.data();
+  job.sides = solution.sides.data();
+  job.inverseMasses = solution.inverseMasses.data();
+  job.least = solution.least.data();
+  job.friction = still ? nullptr : solution.friction.data();
+  job.impulses = solution.impulses.data();
   double speed = 0.0;
   for (int k = 0; k < settings.sweeps; ++k) {
-    double change = 0.0;
-    for (std::size_t at = 0; at < count; ++at) {
-      const std::size_t c = k % 2 == 0 ? at : count - 1 - at;  // to and fro: the last one is not always the same
-      const Contact &contact = active[c];
-      const double w = solution.inverseMasses[c];
-      if (!(w > 0.0)) continue;
-      double &held = solution.impulses[c];
-      Vec3 &tangential = solution.tangential[c];
-      const Vec3 v = body.velocity(contact.point) - contact.surfaceVelocity;
-      const double normal = v.dot(contact.normal);
-      if (k == 0) speed = std::max(speed, w * held + std::abs(std::min(0.0, normal - solution.least[c])));
-      const double wanted = held + (solution.least[c] - normal) / w;
-      const double next = wanted < 0.0 ? 0.0 : wanted;  // what is not a number goes on, so that the guard finds it
-      if (next == 0.0 && held == 0.0) continue;
-      Vec3 impulse = (next - held) * contact.normal;
-      held = next;
-      if (friction && contact.friction > 0.0) {
-        Vec3 t = tangential - (v - normal * contact.normal) / w;
-        const double grip = contact.friction * held, size = t.norm();
-        if (size > grip) t *= grip / size;
-        impulse += t - tangential;
-        tangential = t;
-      }
-      body.push(contact.point, impulse);
-      change = std::max(change, w * impulse.norm());
-    }
-    if (change <= settings.tolerance * speed) break;
+    const kernels::SweepResult result = kernels::sweepContacts(job, k % 2 != 0);  // to and fro: the last is not always the same
+    if (k == 0) speed = result.speed;
+    if (result.change <= settings.tolerance * speed) break;
   }
+  for (std::size_t s = 0; s < solution.touched.size(); ++s)
+    body.velocities[solution.touched[s]] = Eigen::Map<const Vec3>(solution.velocities.data() + 4 * s);
+  for (std::size_t c = 0; c < count; ++c)
+    solution.tangential[c] = Eigen::Map<const Vec3>(solution.sides.data() + kContactNumbers * c + kernels::kTangentialImpulse);
 }
 
 void prepare(const Hand &body, std::span<const Contact> active, ContactMemory::Solution &solution) {
@@ -102,14 +140,15 @@ void prepare(const Hand &body, std::span<const Contact> active, ContactMemory::S
   solution.impulses.assign(active.size(), 0.0);
   solution.tangential.assign(active.size(), Vec3::Zero());
   solution.least.assign(active.size(), 0.0);
+  layOut(body, active, solution);
 }
 
 }  // namespace
 
-double closingSpeed(const ContactMemory &memory, std::span<const Vec3> velocities) {
+double closingSpeed(const ContactMemory &memory, const Interpolation &binding, std::span<const Vec3> velocities) {
   double speed = 0.0;
   for (const Contact &contact : memory.active)
-    speed = std::max(speed, (contact.surfaceVelocity - velocities[contact.point]).dot(contact.normal));
+    speed = std::max(speed, (contact.surfaceVelocity - detail::fieldAt(binding, contact.point, velocities)).dot(contact.normal));
   return speed;
 }
 
@@ -129,7 +168,7 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
     deepest = std::max(deepest, -active[c].gap);
   }
   warmStart(body, active, solution);
-  sweep(body, active, settings, true, solution);
+  sweep(body, active, settings, false, solution);
   Vec3 total = Vec3::Zero();
   for (std::size_t c = 0; c < active.size(); ++c) {
     active[c].normalImpulse = solution.impulses[c];
@@ -149,10 +188,7 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
     solution.impulses[c] = 0.0;
     solution.tangential[c].setZero();
   }
-  std::vector<Contact> &still = memory.previous;
-  still = active;
-  for (Contact &contact : still) contact.surfaceVelocity.setZero();
-  sweep(lead, still, settings, false, solution);
+  sweep(lead, active, settings, true, solution);
   for (std::size_t j = 0; j < velocities.size(); ++j) velocities[j] += solution.recovery[j];
   return total;
 }
@@ -178,7 +214,7 @@ void settleContactVelocities(const Interpolation &binding, std::span<const doubl
     solution.tangential[c] = closed[c].settleFriction;
   }
   warmStart(body, closed, solution);
-  sweep(body, closed, ImpulseSettings{}, true, solution);
+  sweep(body, closed, ImpulseSettings{}, false, solution);
   std::size_t c = 0;
   for (Contact &contact : memory.active) {
     const bool closes = contact.normalImpulse > 0.0;

@@ -66,11 +66,11 @@ double impactSpeed(Body &body, const Environment &env, double time, double dt, d
     for (std::size_t i = 0; i < body.state().velocities.size() && !fast; ++i)
       fast = body.state().velocities[i].squaredNorm() > limit;
     if (!fast) return;
-    const std::span<const Vec3> velocities = body.contactVelocities(*env.parallelFor);
-    findContacts(env.obstacles, env.box, time, dt, kContactMargin * body.rest().spacing,
-                 body.contactPositions(*env.parallelFor), velocities, body.rest().contact.radii, body.contact,
+    const CarriedPoints points{body.rest().contact, body.rest().origin, body.state().displacements,
+                               body.state().velocities};
+    findContacts(env.obstacles, env.box, time, dt, kContactMargin * body.rest().spacing, points, body.contact,
                  *env.parallelFor);
-    closing = closingSpeed(body.contact, velocities);
+    closing = closingSpeed(body.contact, points.points.binding, points.velocities);
   });
   return closing * dt > stride ? closing : 0.0;
 }
@@ -104,8 +104,8 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
   clock.measure(kIntegrate, [&] { kick(0.5 * dt); });
   if (contact)
     clock.measure(kContact, [&] {
-      findContacts(env.obstacles, env.box, time, dt, kContactMargin * rest.spacing, body.contactPositions(parallelFor),
-                   body.contactVelocities(parallelFor), rest.contact.radii, body.contact, parallelFor);
+      findContacts(env.obstacles, env.box, time, dt, kContactMargin * rest.spacing,
+                   {rest.contact, rest.origin, state.displacements, state.velocities}, body.contact, parallelFor);
       solveContactImpulses(rest.contact.binding, inverse, dt, ImpulseSettings{}, body.contact, state.velocities);
     });
   clock.measure(kIntegrate, [&] {

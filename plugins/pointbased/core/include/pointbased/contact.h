@@ -85,12 +85,31 @@ struct ContactMemory {
     std::vector<SurfacePoint> answers;
   } questions;
   std::vector<Contact> previous;
+  /// Points that follow each other are looked at together, and not before the body can have come near anything.
+  struct Blocks {
+    std::vector<double> until;        ///< [blocks] m of `gone`: up to here none of them meets anything
+    double gone = 0.0;                ///< m, the farthest a point can have gone since the first search, step by step
+    double gain = 0.0;                ///< of a way of the phyxels to one of a point: the largest Σ |φ|; 0: not known yet
+    double margin = 0.0;
+    WorldBox box;
+    std::vector<Vec3> before;         ///< [phyxels] m, displacements at the last search
+    std::vector<RigidMotion> motions; ///< [obstacles] at the last search; only of those that move
+    double size = 0.0;                ///< m, of the points at rest around the first
+    std::vector<Index> near, points;  ///< [blocks], [points] that were looked at last
+    std::vector<Vec3> positions, velocities;  ///< [points]
+  } blocks;
   struct Solution {
     std::vector<double> inverseMasses;   ///< [contacts] 1/kg
-    std::vector<double> impulses, least;
+    std::vector<double> impulses, least, friction;
     std::vector<Vec3> tangential;
-    std::vector<Vec3> change;            ///< [phyxels] m/s
+    std::vector<Vec3> change;            ///< [slots] m/s
     std::vector<Vec3> recovery;          ///< [phyxels] m/s, taken back when the step settles; empty: none
+    // The contacts over the phyxels that they touch, side by side in memory (kernels/contact_kernel.h):
+    std::vector<Index> rows, slots;      ///< [contacts + 1], [entries]
+    std::vector<double> shares, pushes;  ///< [entries] φ, φ/m
+    std::vector<Index> touched, slotOf;  ///< [slots] phyxel, [phyxels] slot
+    std::vector<double> velocities;      ///< [slots][4] m/s
+    std::vector<double> sides;           ///< [contacts][16]: normal, velocity of the surface, tangential impulse, 1/w
   } solution;
 };
 
@@ -109,9 +128,23 @@ void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, doub
                   std::span<const Vec3> positions, std::span<const Vec3> velocities, std::span<const double> radii,
                   ContactMemory &memory, const ParallelFor &parallelFor);
 
+/// Points of a body as its phyxels carry them now.
+struct CarriedPoints {
+  const ContactPoints &points;
+  Vec3 origin = Vec3::Zero();  ///< world, m, of the frame of the phyxels
+  std::span<const Vec3> displacements, velocities;  ///< [phyxels] m, m/s
+};
+
+/// The same contacts, without looking at points that cannot meet anything: blocks of points wait until the body and the
+/// obstacles have gone as far as the nearest of them was away. A body in free flight costs one look at its phyxels.
+void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
+                  const CarriedPoints &body, ContactMemory &memory, const ParallelFor &parallelFor);
+
 /// Largest speed at which a point and an obstacle of memory.active approach each other, m/s: what an impact can change
 /// within a step, and the step has to be as short as that needs.
-[[nodiscard]] double closingSpeed(const ContactMemory &memory, std::span<const Vec3> velocities);
+/// @param velocities  [phyxels] m/s
+[[nodiscard]] double closingSpeed(const ContactMemory &memory, const Interpolation &binding,
+                                  std::span<const Vec3> velocities);
 
 struct ImpulseSettings {
   int sweeps = 20;             ///< of projected Gauss-Seidel; ends earlier when nothing changes by more than tolerance
