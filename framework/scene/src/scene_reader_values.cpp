@@ -34,6 +34,7 @@ bool isKnownToTheFormat(std::string_view id) {
                                    "solver.load_steps",
                                    "solver.preconditioner",
                                    "solver.precision",
+                                   "solver.sleep",
                                    "view.surface",
                                    "view.points",
                                    "view.colour",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "body_runner.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "number_text.h"
@@ -47,7 +48,40 @@ Integrator BodyRunner::integratorIn(const WorldSettings &world) const {
   return world.integrator;
 }
 
+void BodyRunner::wake() {
+  asleep_ = false;
+  watch_.forget();
+  body_->forcesCurrent = false;
+  energy_.forget();
+}
+
+bool BodyRunner::sleepsOn(const StepOrder &order, double span) {
+  if (!asleep_) return false;
+  const Body &body = *body_;
+  // Whoever has pushed it from outside has given it a velocity.
+  const bool pushed = std::any_of(body.state().velocities.begin(), body.state().velocities.end(),
+                                  [](const Vec3 &v) { return !v.isZero(0.0); });
+  if (!pushed && order.world.sleep && !isDriven(body, order.environment.obstacles, order.time, span)) return true;
+  wake();
+  return false;
+}
+
+void BodyRunner::fallAsleepIfStill(const StepOrder &order, double span) {
+  if (!order.world.sleep || stopped() || isDriven(*body_, order.environment.obstacles, order.time, span)) {
+    watch_.forget();
+    return;
+  }
+  const double tolerance =
+      order.world.tolerance > 0.0 ? order.world.tolerance : RestWatch::kTolerance * body_->rest().spacing;
+  if (!watch_.look(*body_, tolerance, span)) return;
+  asleep_ = true;
+  std::fill(body_->state().velocities.begin(), body_->state().velocities.end(), Vec3(Vec3::Zero()));
+  body_->keepState();
+}
+
 void BodyRunner::forget() {
+  wake();
+  ++changes_;
   solver_.forget();
   energy_.forget();
 }
@@ -65,10 +99,15 @@ void BodyRunner::reset() {
 
 double BodyRunner::advance(const StepOrder &order, double span) {
   rhythm_.begin(order.dt);
-  return tryToAdvance(order, span, substepLimit(*body_));
+  if (sleepsOn(order, span)) return span;
+  ++changes_;
+  const double gone = tryToAdvance(order, span, substepLimit(*body_));
+  fallAsleepIfStill(order, gone);
+  return gone;
 }
 
 void BodyRunner::advanceAgain(const StepOrder &order, double span) {
+  if (asleep_) return;  // the state is the same at every time
   body_->restoreState();
   (void)tryToAdvance(order, span, std::numeric_limits<std::uint64_t>::max());
 }

@@ -10,6 +10,7 @@
 
 #include "pointbased/guard.h"
 #include "pointbased/world_settings.h"
+#include "rest_watch.h"
 #include "step_rhythm.h"
 
 namespace pointbased::detail {
@@ -48,6 +49,13 @@ class BodyRunner {
   /// Quasi-static: from order.loadFactor on, in smaller increments where this one is too large.
   void loadUpTo(const StepOrder &order, double factor);
 
+  /// It rests, and steps leave it as it is: no stage runs. Only where WorldSettings::sleep allows.
+  [[nodiscard]] bool asleep() const { return asleep_; }
+  /// Something around it or of it has changed.
+  void wake();
+  /// Grows with every step that may have changed the state.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
+
   /// The body is not what it was: another material, another reference.
   void forget();
   /// Its energy may change from outside.
@@ -65,6 +73,8 @@ class BodyRunner {
     return tl::unexpected<Refusal>(Refusal{std::move(finding), crushed});
   }
 
+  [[nodiscard]] bool sleepsOn(const StepOrder &order, double span);
+  void fallAsleepIfStill(const StepOrder &order, double span);
   [[nodiscard]] double tryToAdvance(const StepOrder &order, double span, std::uint64_t mostSubsteps);
   [[nodiscard]] Gone advanceExplicit(const StepOrder &order, double span, std::uint64_t mostSubsteps,
                                      const GuardGlance &glance);
@@ -79,6 +89,9 @@ class BodyRunner {
   NewtonSolver solver_;
   EnergyWatch energy_;
   StepRhythm rhythm_;
+  RestWatch watch_;
+  bool asleep_ = false;
+  std::uint64_t changes_ = 0;
   double scale_ = 1.0;  // part of the usual step in use, after failures
   std::uint64_t goodSteps_ = 0;
   std::uint64_t mostSubsteps_ = 1;  // that have been told

@@ -14,6 +14,7 @@ constexpr int kMostHalvings = 6;  // of an increment, before a body stops
 
 void BodyRunner::loadUpTo(const StepOrder &order, double factor) {
   Body &body = *body_;
+  ++changes_;
   double at = order.loadFactor, size = factor - at;
   int halvings = 0;
   while (at < factor - 1e-12) {

@@ -53,6 +53,7 @@ void Simulator::setWorld(const WorldSettings &world) {
     runner->body().quasiStatic = quasiStatic();
     runner->body().setPrecision(world.precision);
     runner->body().forcesCurrent = false;
+    runner->wake();
     if (otherEnergy) runner->forgetEnergy();
   }
 }
@@ -74,7 +75,10 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
 std::size_t Simulator::addObstacle(Obstacle obstacle) {
   obstacles_.push_back(std::move(obstacle));
   obstacleIds_.push_back(nextId_);
-  for (auto &[id, runner] : bodies_) runner->body().contact = ContactMemory();
+  for (auto &[id, runner] : bodies_) {
+    runner->body().contact = ContactMemory();
+    runner->wake();
+  }
   return nextId_++;
 }
 
@@ -89,7 +93,10 @@ bool Simulator::removeObstacle(std::size_t id) {
   if (found == obstacleIds_.end()) return false;
   obstacles_.erase(obstacles_.begin() + (found - obstacleIds_.begin()));
   obstacleIds_.erase(found);
-  for (auto &[other, runner] : bodies_) runner->body().contact = ContactMemory();
+  for (auto &[other, runner] : bodies_) {
+    runner->body().contact = ContactMemory();
+    runner->wake();
+  }
   return true;
 }
 
@@ -194,6 +201,20 @@ std::size_t Simulator::stoppedBodies() const {
       std::count_if(bodies_.begin(), bodies_.end(), [](const auto &entry) { return entry.second->stopped(); }));
 }
 
+bool Simulator::asleep(std::size_t id) const {
+  const auto found = bodies_.find(id);
+  return found != bodies_.end() && found->second->asleep();
+}
+
+void Simulator::wake(std::size_t id) {
+  if (const auto found = bodies_.find(id); found != bodies_.end()) found->second->wake();
+}
+
+std::uint64_t Simulator::changes(std::size_t id) const {
+  const auto found = bodies_.find(id);
+  return found == bodies_.end() ? 0 : found->second->changes();
+}
+
 bool Simulator::failed() const { return !bodies_.empty() && stoppedBodies() == bodies_.size(); }
 
 tl::expected<void, StepFailure> Simulator::step() {
@@ -212,7 +233,7 @@ tl::expected<void, StepFailure> Simulator::step() {
   } else {
     const double gone = advanceBodies(order);
     for (auto &[id, runner] : bodies_)
-      if (renewIfDue(id)) runner->forget();
+      if (!runner->asleep() && renewIfDue(id)) runner->forget();
     if (failed()) return refusal();
     time_ += gone;
   }
@@ -299,6 +320,18 @@ void Simulator::surfels(std::size_t id, std::vector<Vec3> &positions, std::vecto
   });
 }
 
+void Simulator::surfels(std::size_t id, std::vector<Vec3f> &positions, std::vector<Vec3f> &normals) {
+  const Body *target = body(id);
+  if (!target) return;
+  const RestState &rest = target->rest();
+  positions.resize(rest.surfels.count());
+  normals.resize(rest.surfelNormals.size());
+  clock_.measure(kSurfels, [&] {
+    updateSurfels(rest.surfels, rest.surfelNormals, rest.origin, rest.positions, target->state().displacements,
+                  screenPhyxels_, positions, normals, parallelFor_);
+  });
+}
+
 Simulator::Energy Simulator::energy(std::size_t id) const {
   Energy out;
   const Body *target = body(id);
@@ -320,18 +353,6 @@ std::vector<Reaction> Simulator::reactions(std::size_t id) const {
 
 std::uint64_t Simulator::stateHash() const {
   std::uint64_t hash = detail::kHashStart;
-void Simulator::surfels(std::size_t id, std::vector<Vec3f> &positions, std::vector<Vec3f> &normals) {
-  const Body *target = body(id);
-  if (!target) return;
-  const RestState &rest = target->rest();
-  positions.resize(rest.surfels.count());
-  normals.resize(rest.surfelNormals.size());
-  clock_.measure(kSurfels, [&] {
-    updateSurfels(rest.surfels, rest.surfelNormals, rest.origin, rest.positions, target->state().displacements,
-                  screenPhyxels_, positions, normals, parallelFor_);
-  });
-}
-
   for (const auto &[id, runner] : bodies_) hash = detail::hashOf(runner->body(), hash);
   return hash;
 }

@@ -56,6 +56,9 @@ constexpr std::array kWorld{
     integerParam({"solver.load_steps", "Load steps", "", "Quasi-static: increments of the load; halved where one fails",
                   "Solver"},
                  {1.0, 10000.0, 1.0, 50.0}, 10.0),
+    boolParam({"solver.sleep", "Sleep", "",
+               "Bodies that have come to rest cost nothing until something touches or changes them", "Solver"},
+              true),
     choiceParam({"solver.preconditioner", "Preconditioner", "", "Of the linear solutions; auto: by size, as measured",
                  "Solver"},
                 kPreconditioners, "auto"),
@@ -318,6 +321,7 @@ WorldSettings worldSettings(const ParameterValues &v) {
   world.tolerance = v.isAuto("solver.tolerance_mm") ? 0.0 : 1e-3 * v.number("solver.tolerance_mm");
   world.loadSteps = static_cast<int>(v.number("solver.load_steps"));
   world.precision = v.text("solver.precision") == "single" ? Precision::singlePrecision : Precision::doublePrecision;
+  world.sleep = v.number("solver.sleep") != 0.0;
   const std::string preconditioner = v.text("solver.preconditioner");
   world.preconditioner = preconditioner == "block_jacobi" ? Preconditioner::blockJacobi
                          : preconditioner == "incomplete" ? Preconditioner::incomplete

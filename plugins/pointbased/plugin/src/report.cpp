@@ -106,6 +106,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
           {"inverted_points", inverted},
           {"max_plastic_strain", plastic},
           {"deepest_penetration_m", body.contact.deepest},
+          {"asleep", simulator.asleep(reported.id)},
           {"stopped", body.stopped}};
 }
 

@@ -96,6 +96,13 @@ class Simulator {
   /// Every body has stopped.
   [[nodiscard]] bool failed() const;
   [[nodiscard]] std::size_t stoppedBodies() const;
+  /// The body has come to rest and costs nothing (WorldSettings::sleep): no stage runs, its state stays bit for bit, its
+  /// velocities are 0. A hand, an obstacle that moves, another material, world or scene wakes it.
+  [[nodiscard]] bool asleep(std::size_t body) const;
+  /// For who has changed the state of a body from outside; velocities that are not 0 wake it without.
+  void wake(std::size_t body);
+  /// Grows whenever the state of a body may have changed: who has seen a number need not look again.
+  [[nodiscard]] std::uint64_t changes(std::size_t body) const;
 
   void setGrab(std::size_t body, Grab grab);
   void moveGrab(std::size_t body, const Vec3 &target);
@@ -104,6 +111,7 @@ class Simulator {
 
   /// World positions and normals of a body's surfels; in single precision for a screen.
   void surfels(std::size_t body, std::vector<Vec3> &positions, std::vector<Vec3> &normals);
+  void surfels(std::size_t body, std::vector<Vec3f> &positions, std::vector<Vec3f> &normals);
 
   struct Energy {
     double kinetic = 0.0, elastic = 0.0, stabilisation = 0.0, gravity = 0.0;  ///< J; gravity relative to the start
@@ -111,7 +119,6 @@ class Simulator {
   [[nodiscard]] Energy energy(std::size_t body) const;
   [[nodiscard]] std::vector<Reaction> reactions(std::size_t body) const;
 
-  void surfels(std::size_t body, std::vector<Vec3f> &positions, std::vector<Vec3f> &normals);
   /// FNV-1a over displacements, velocities and plastic state of every phyxel, bodies in the order they were added.
   [[nodiscard]] std::uint64_t stateHash() const;
 
@@ -144,7 +151,7 @@ class Simulator {
   std::vector<SimulationEvent> events_;
   std::set<std::size_t> notRenewed_;  // bodies whose reference could not be
   StageClock clock_;
+  ScreenPhyxels screenPhyxels_;
 };
 
 }  // namespace pointbased
-  ScreenPhyxels screenPhyxels_;
