@@ -152,6 +152,7 @@ bool Colouring::update(const Bodies &bodies, const ViewSettings &view, const Par
     coloursOf(entry.values.points, *scale_, entry.colours.points);
   }
   updated_ = now;
+  ++generation_;
   cost_ = Clock::now() - begin;
   return true;
 }

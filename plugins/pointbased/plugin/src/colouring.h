@@ -70,6 +70,8 @@ class Colouring {
   /// Null: by its material.
   [[nodiscard]] const Colours *of(std::uint64_t body) const;
   [[nodiscard]] const std::optional<ColourScale> &scale() const { return scale_; }
+  /// Grows with every update that has found colours.
+  [[nodiscard]] std::uint64_t generation() const { return generation_; }
   /// The next update finds everything anew.
   void forget();
 
@@ -86,6 +88,7 @@ class Colouring {
   ViewSettings view_;
   std::optional<ColourScale> scale_;
   AutoRange range_;
+  std::uint64_t generation_ = 0;
   Clock::time_point updated_{};
   Clock::duration cost_{};
 };

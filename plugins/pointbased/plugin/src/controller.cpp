@@ -122,6 +122,7 @@ void Controller::drawOrgan(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.value("Neighbours", std::to_string(body->neighbours.min) + " … " + std::to_string(body->neighbours.max) + ", mean " +
                                fixed(body->neighbours.mean, 1));
     ui.value("Mass", significant(body->mass, 4) + " kg");
+    ui.value("Asleep", body->asleep ? "yes: at rest, costs nothing until touched" : "no");
     ui.value("Volume", significant(1e6 * body->rest->shapeVolume, 4) + " mL");
   }
   ui.params(bodyParameters_.handle(), "Sampling");

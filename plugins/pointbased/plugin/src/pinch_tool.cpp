@@ -43,6 +43,8 @@ Grab patchAround(const RestState &rest, std::size_t surfel, double radius) {
   return grab;
 }
 
+Vec3 vectorOf(const Vec3f &x) { return {x[0], x[1], x[2]}; }
+
 std::string newtons(double force) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f N", force);
@@ -120,7 +122,7 @@ bool PinchTool::press(const c3de_event &event) {
   const Vec3 under = ray->origin + nearest.t * ray->direction;
   const auto &corners = body->surface->triangles[nearest.triangle];
   const std::uint32_t surfel = *std::min_element(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return (body->surfels[a] - under).squaredNorm() < (body->surfels[b] - under).squaredNorm();
+    return (vectorOf(body->surfels[a]) - under).squaredNorm() < (vectorOf(body->surfels[b]) - under).squaredNorm();
   });
 
   const double radius = std::max(1e-3 * settings_.radius_mm, kLeastRadius * body->rest->spacing);
@@ -135,7 +137,7 @@ bool PinchTool::press(const c3de_event &event) {
   planePoint_ = under;
   planeNormal_ = Vec3(event.view_direction);
   grabOffset_ = grabbed - under;
-  hold_ = Hold{body->id, body->name, surfel, body->surfels[surfel], under, 0.0, 0.0};
+  hold_ = Hold{body->id, body->name, surfel, vectorOf(body->surfels[surfel]), under, 0.0, 0.0};
   postToSimulation([id = body->id, grab](WorldSimulator &s) { s.setGrab(id, grab); });
   showMarker();
   return true;
@@ -192,7 +194,7 @@ void PinchTool::update() {
     release();
     return;
   }
-  hold_->surfelPosition = body->surfels[hold_->surfel];
+  hold_->surfelPosition = vectorOf(body->surfels[hold_->surfel]);
   hold_->force = body->grab ? body->grab->force.norm() : 0.0;
   hold_->mass = body->grab ? body->grab->mass : 0.0;
   if (!marker_) return;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include "c3de/sdk/panel.hpp"
 #include "c3de/sdk/params.hpp"
 #include "c3de/sdk/services.hpp"
@@ -42,6 +44,11 @@ inline constexpr double kMetresPerMillimetre = 1e-3;
 /// Eigen vectors as rows of three doubles.
 [[nodiscard]] inline c3de_view viewOf(std::span<const Vec3> values) {
   return {values.data(), values.size(), 3, C3DE_F64, static_cast<std::int64_t>(sizeof(Vec3))};
+}
+
+/// Rows of three floats.
+[[nodiscard]] inline c3de_view viewOf(std::span<const std::array<float, 3>> values) {
+  return {values.data(), values.size(), 3, C3DE_F32, static_cast<std::int64_t>(sizeof(std::array<float, 3>))};
 }
 
 }  // namespace pointbased

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pointbased {
 namespace {
@@ -47,12 +48,16 @@ void SimulatorView::updateBody(BodyView &view, const BodySnapshot &body, const V
   (void)services_.render.setVisible(surface, settings.surface != SurfaceShown::hidden);
   if (settings.surface != SurfaceShown::hidden) {
     (void)services_.render.setMaterial(surface, settings.surface == SurfaceShown::opaque ? kOrgan : kOrganTransparent);
-    (void)services_.render.update(surface, C3DE_ATTR_POSITIONS, viewOf(body.surfels));
-    (void)services_.render.update(surface, C3DE_ATTR_NORMALS, viewOf(body.normals));
+    if (!view.changes || *view.changes != body.changes) {
+      (void)services_.render.update(surface, C3DE_ATTR_POSITIONS, viewOf(body.surfels));
+      (void)services_.render.update(surface, C3DE_ATTR_NORMALS, viewOf(body.normals));
+      view.changes = body.changes;
+    }
     const bool coloured = body.surfelColours.size() == body.surfels.size();
-    if (coloured || view.surfaceColoured)
+    if (coloured != view.surfaceColoured || (coloured && view.colours != body.colours))
       (void)services_.render.update(surface, C3DE_ATTR_COLOURS, coloured ? coloursView(body.surfelColours) : coloursView({}));
     view.surfaceColoured = coloured;
+    view.colours = body.colours;
   }
   updatePoints(view, body, settings);
 }
@@ -153,12 +158,18 @@ void SimulatorView::update() {
   for (const BodySnapshot &body : snapshot->bodies) {
     auto found = bodies_.find(body.id);
     if (found == bodies_.end()) found = bodies_.emplace(body.id, makeBody(body)).first;
+    const bool moved = found->second.changes != body.changes;
     updateBody(found->second, body, snapshot->view);
-    Vec3 min = Vec3::Constant(1e300), max = Vec3::Constant(-1e300);
-    for (const Vec3 &x : body.surfels) {
-      min = min.cwiseMin(x);
-      max = max.cwiseMax(x);
-    }
+    if (!moved) continue;
+    Vec3f low, high;
+    low.fill(std::numeric_limits<float>::infinity());
+    high.fill(-low[0]);
+    for (const Vec3f &x : body.surfels)
+      for (std::size_t a = 0; a < 3; ++a) {
+        low[a] = std::min(low[a], x[a]);
+        high[a] = std::max(high[a], x[a]);
+      }
+    const Vec3 min(low[0], low[1], low[2]), max(high[0], high[1], high[2]);
     if (!body.surfels.empty()) (void)services_.scene.setBounds(found->second.node.handle(), toArray(min), toArray(max));
   }
   updateBox(snapshot->box);

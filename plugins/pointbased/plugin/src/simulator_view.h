@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 
 #include "world_simulator.h"
 
@@ -24,6 +25,7 @@ class SimulatorView {
     PointsShown pointsShown = PointsShown::none;
     bool surfaceColoured = false, pointsColoured = false;
     const RestState *rest = nullptr;
+    std::optional<std::uint64_t> changes, colours;  // of the snapshots that are shown
   };
   struct ObstacleView {
     sdk::SceneNode node;

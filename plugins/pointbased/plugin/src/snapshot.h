@@ -18,9 +18,13 @@ struct BodySnapshot {
   std::shared_ptr<const RestState> rest;
   std::shared_ptr<PlacedMesh> surface;
   std::shared_ptr<const ParameterValues> values;
-  std::vector<Vec3> phyxels, surfels, normals;  ///< world, m
+  std::uint64_t changes = 0;            ///< of the simulator: the same number, the same places
+  bool asleep = false;
+  std::vector<Vec3> phyxels;            ///< world, m
+  std::vector<Vec3f> surfels, normals;  ///< world, m; single precision, as a screen takes it
   std::vector<Vec3> points;                     ///< world, m: what view.points shows of the inside; empty: nothing
   std::vector<Rgba8> surfelColours, pointColours;  ///< empty: by the material
+  std::uint64_t colours = 0;                    ///< the same number, the same colours
   double mass = 0.0;                            ///< kg
   double youngsModulus = 0.0;                   ///< Pa
   Simulator::Energy energy;

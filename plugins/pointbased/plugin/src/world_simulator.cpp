@@ -210,16 +210,23 @@ void WorldSimulator::publish() {
   for (const auto &[id, record] : bodies_) {
     const Body &body = *simulator_.body(id);
     BodySnapshot &b = s->bodies[k++];
-    if (b.id != id || b.rest != body.sharedRest()) b.neighbours = countNeighbours(body.rest());
+    const bool sameBody = b.id == id && b.rest == body.sharedRest();
+    if (!sameBody) b.neighbours = countNeighbours(body.rest());
+    const std::uint64_t changes = simulator_.changes(id);
+    const bool samePlaces = sameBody && b.changes == changes;
+    b.changes = changes;
+    b.asleep = simulator_.asleep(id);
     b.id = id;
     b.name = record.name;
     b.rest = body.sharedRest();
     b.surface = record.surface;
     b.values = record.values;
-    b.phyxels.resize(body.rest().phyxelCount());
-    for (std::size_t i = 0; i < b.phyxels.size(); ++i)
-      b.phyxels[i] = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
-    simulator_.surfels(id, b.surfels, b.normals);
+    if (!samePlaces) {
+      b.phyxels.resize(body.rest().phyxelCount());
+      for (std::size_t i = 0; i < b.phyxels.size(); ++i)
+        b.phyxels[i] = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
+      simulator_.surfels(id, b.surfels, b.normals);
+    }
     b.mass = body.totalMass();
     b.youngsModulus = body.material().youngsModulus;
     b.energy = simulator_.energy(id);
@@ -256,11 +263,15 @@ void WorldSimulator::takeView(Snapshot &s) {
         for (std::size_t q = 0; q < b.points.size(); ++q) b.points[q] += body.rest().origin + points.binding.positions[q];
       }
     }
-    b.surfelColours.clear();
-    b.pointColours.clear();
-    if (const Colouring::Colours *colours = colouring_.of(b.id)) {
+    const Colouring::Colours *colours = colouring_.of(b.id);
+    if (!colours) {
+      b.surfelColours.clear();
+      b.pointColours.clear();
+      b.colours = 0;
+    } else if (b.colours != colouring_.generation() || b.surfelColours.size() != colours->surfels.size()) {
       b.surfelColours = colours->surfels;
       b.pointColours = colours->points;
+      b.colours = colouring_.generation();
     }
   }
 }
