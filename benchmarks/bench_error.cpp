@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Does a body tell the error of its strains truly?
 //
-//   bench_error [--finest CELLS] [--only TEXT] [--json FILE]
+//   bench_error [--finest CELLS] [--only TEXT] [--csv FILE] [--json FILE]
 //
 // Static problems, each solved at several spacings by every way to lay the lattice, and by one evaluation per phyxel;
 // and once on a fine lattice (--finest cells over the thickness), which stands for the truth. The strain of a solution
@@ -16,13 +16,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "c3de/core/platform.h"
+#include "bench/bodies.h"
+#include "bench/report.h"
+#include "bench/timing.h"
 #include "pointbased/error_estimate.h"
 #include "pointbased/simulator.h"
 #include "shapes.h"
@@ -32,7 +31,7 @@ namespace {
 
 using namespace pointbased;
 
-double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+using bench::processor_ms;
 
 BodyShape boxShape(const Vec3 &min, const Vec3 &max) {
   BodyShape shape = shapes::box(min, max);
@@ -224,24 +223,24 @@ std::vector<Mat3> strainsAt(const Body &body, std::vector<Vec3> points) {
 
 int main(int argc, char **argv) {
   int finest = 16;
-  std::string only, jsonPath;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (i + 1 < argc && option == "--finest") {
-      finest = std::atoi(argv[++i]);
-    } else if (i + 1 < argc && option == "--only") {
-      only = argv[++i];
-    } else if (i + 1 < argc && option == "--json") {
-      jsonPath = argv[++i];
-    } else {
-      std::fprintf(stderr, "usage: bench_error [--finest CELLS] [--only TEXT] [--json FILE]\n");
-      return 2;
-    }
-  }
-  std::printf("CPU: %s, 1 thread\n\n", c3de::cpuName().c_str());
-  std::printf("%-20s %8s %7s %8s %9s %9s %9s %9s %8s %9s %9s\n", "problem", "lattice", "layers", "phyxels", "energy %",
-              "true %", "estim. %", "effect.", "stab. %", "estim. ms", "force ms");
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  std::string only;
+  bench::CommandLine line("bench_error");
+  line.add("--finest", "CELLS", [&](const std::string &text) { finest = std::atoi(text.c_str()); });
+  line.add("--only", "TEXT", [&](const std::string &text) { only = text; });
+  if (const auto exit = line.parse(argc, argv)) return *exit;
+  bench::Report report(line.name(), line.options());
+  report.fact("finest", finest);
+  report.table("errors", {{"problem", "problem             "},
+                          {"lattice", "lattice"},
+                          {"layers", "layers"},
+                          {"phyxels", "phyxels"},
+                          {"energy_error_percent", "energy %", 2},
+                          {"true_error_percent", "true %", 2},
+                          {"estimate_percent", "estim. %", 2},
+                          {"effectivity", "effect.", 2},
+                          {"stabilisation_share_percent", "stab. %", 2},
+                          {"estimate_ms", "estim. ms"},
+                          {"force_ms", "force ms"}});
   for (const Problem &problem : problems(finest)) {
     if (problem.name.find(only) == std::string::npos) continue;
     const Solution fine = solve(problem, layouts()[0], problem.finest);
@@ -261,13 +260,14 @@ int main(int argc, char **argv) {
     double total = 0.0;
     for (std::size_t p = 0; p < points.size(); ++p) total += volumes[p] * energyOf(fine.body().material(), strains[p]);
     const ElasticEnergy fineEnergy = fine.body().elasticEnergy();
-    std::printf("%-20s %8s %7d %8zu   solved in %.1f s\n", problem.name.c_str(), "truth", problem.finest,
-                truth.phyxelCount(), 1e-3 * fine.ms);
+    report.note(problem.name + ": the truth, " + std::to_string(problem.finest) + " layers, " +
+                std::to_string(truth.phyxelCount()) + " phyxels, solved in " +
+                std::to_string(std::lround(1e-3 * fine.ms)) + " s");
     for (const Layout &layout : layouts())
       for (const int layers : problem.layers) {
         Solution solution = solve(problem, layout, layers);
         if (!solution.good) {
-          std::printf("%-20s %8s %7d NOT SOLVED\n", problem.name.c_str(), layout.name.c_str(), layers);
+          report.note(problem.name + ", " + layout.name + ", " + std::to_string(layers) + " layers: NOT SOLVED");
           continue;
         }
         Body &body = solution.body();
@@ -284,41 +284,15 @@ int main(int argc, char **argv) {
         for (int r = 0; r < kRepeats; ++r) (void)estimateError(body, &perPhyxel, scratch, serialFor());
         const double estimate_ms = (processor_ms() - begin) / kRepeats;
         begin = processor_ms();
-        for (int r = 0; r < kRepeats; ++r) {
-          body.computeGradients(serialFor());
-          body.computeStresses(0.0, serialFor());
-          body.computeInternalForces(serialFor());
-        }
+        for (int r = 0; r < kRepeats; ++r) bench::evaluateForces(body, serialFor());
         const double force_ms = (processor_ms() - begin) / kRepeats;
         const ElasticEnergy energy = body.elasticEnergy();
         const double energyError =
             (energy.strain + energy.stabilisation) / (fineEnergy.strain + fineEnergy.stabilisation) - 1.0;
-        std::printf("%-20s %8s %7d %8zu %9.2f %9.2f %9.2f %9.2f %8.2f %9.3f %9.3f\n", problem.name.c_str(),
-                    layout.name.c_str(), layers, body.rest().phyxelCount(), 100.0 * energyError, 100.0 * trueError,
-                    100.0 * estimate.relative, estimate.relative / trueError, 100.0 * estimate.stabilisationShare,
-                    estimate_ms, force_ms);
-        std::fflush(stdout);
-        rows.push_back({{"problem", problem.name},
-                        {"lattice", layout.name},
-                        {"layers", layers},
-                        {"phyxels", body.rest().phyxelCount()},
-                        {"energy_error", energyError},
-                        {"true_error", trueError},
-                        {"estimate", estimate.relative},
-                        {"stabilisation_share", estimate.stabilisationShare},
-                        {"estimate_ms", estimate_ms},
-                        {"force_ms", force_ms}});
+        report.row({problem.name, layout.name, layers, body.rest().phyxelCount(), 100.0 * energyError,
+                    100.0 * trueError, 100.0 * estimate.relative, estimate.relative / trueError,
+                    100.0 * estimate.stabilisationShare, estimate_ms, force_ms});
       }
   }
-  if (!jsonPath.empty()) {
-    const nlohmann::ordered_json json = {
-        {"benchmark", "bench_error"}, {"cpu", c3de::cpuName()}, {"threads", 1}, {"finest", finest}, {"results", rows}};
-    std::ofstream file(jsonPath);
-    file << json.dump(2) << '\n';
-    if (!file) {
-      std::fprintf(stderr, "bench_error: cannot write %s\n", jsonPath.c_str());
-      return 7;
-    }
-  }
-  return 0;
+  return report.write();
 }

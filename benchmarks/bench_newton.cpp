@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which preconditioner serves Newton's method best, at which size and stiffness?
 //
-//   bench_newton [--least PHYXELS] [--most PHYXELS] [--json FILE]
+//   bench_newton [--least PHYXELS] [--most PHYXELS] [--csv FILE] [--json FILE]
 //
 // A cantilever of 0.2 x 0.04 x 0.04 m on an uncut lattice (one evaluation point per cell, neo-Hookean, stabilised), its
 // end held:
@@ -12,13 +12,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "c3de/core/platform.h"
+#include "bench/report.h"
+#include "bench/timing.h"
 #include "pointbased/engine.h"
 #include "pointbased/newton.h"
 
@@ -26,7 +24,7 @@ namespace {
 
 using namespace pointbased;
 
-double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+using bench::processor_ms;
 
 struct Beam {
   std::vector<Vec3> positions;
@@ -126,6 +124,7 @@ class BeamProblem : public Equilibrium {
     stiffnessBlocks(constitution_, beam_.stencils, beam_.positions, u_, gradients_, {}, 0.0, 0.0, out, serialFor());
     for (std::size_t i = 0; i < u_.size(); ++i) out[i].diagonal().array() += inertia(i);
     blocksTime += processor_ms() - begin;
+    ++blocks;
   }
   [[nodiscard]] bool assemble(Eigen::SparseMatrix<double> &out) override {
     const double begin = processor_ms();
@@ -136,13 +135,14 @@ class BeamProblem : public Equilibrium {
     out.resize(size, size);
     out.setFromTriplets(triplets_.begin(), triplets_.end());
     assemblyTime += processor_ms() - begin;
+    ++assemblies;
     return true;
   }
 
   std::vector<Vec3> forces, target;
   double inverseDt = 0.0;
   double productTime = 0.0, assemblyTime = 0.0, blocksTime = 0.0;  // ms
-  int products = 0;
+  int products = 0, blocks = 0, assemblies = 0;
 
  private:
   [[nodiscard]] double inertia(std::size_t i) const {
@@ -186,35 +186,40 @@ constexpr std::pair<Preconditioner, const char *> kPreconditioners[] = {{Precond
                                                                         {Preconditioner::factorised, "factorised"},
                                                                         {Preconditioner::automatic, "automatic"}};
 
-class Report {
+class Rows {
  public:
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-
-  void head() const {
-    std::printf("%8s %9s %8s %5s %12s %7s %7s %7s %10s %10s  %s\n", "phyxels", "case", "E Pa", "nu", "precond.", "newton",
-                "linear", "factor.", "ms", "tip mm", "");
+  explicit Rows(bench::Report &report) : report_(report) {
+    report_.table("solves", {{"phyxels", "phyxels"},
+                             {"case", "case"},
+                             {"youngs_modulus_Pa", "E Pa", 0},
+                             {"poisson_ratio", "nu", 2},
+                             {"preconditioner", "precond.   "},
+                             {"newton_iterations", "newton", 1},
+                             {"linear_iterations", "linear", 1},
+                             {"factorisations", "factor.", 1},
+                             {"processor_ms", "ms", 2},
+                             {"tip_mm", "tip mm"},
+                             {"product_ms", "product ms"},
+                             {"blocks_ms", "blocks ms", 2},
+                             {"assembly_ms", "assembly ms", 2},
+                             {"converged", "converged"}});
   }
-  void row(std::size_t phyxels, const char *name, const Material &m, const char *preconditioner, const Cost &cost,
+  void row(const BeamProblem &problem, const char *name, const Material &m, const char *preconditioner, const Cost &cost,
            double per, double tip) {
-    std::printf("%8zu %9s %8.0f %5.2f %12s %7.1f %7.1f %7.1f %10.2f %10.3f  %s\n", phyxels, name, m.youngsModulus,
-                m.poissonRatio, preconditioner, cost.result.iterations / per, cost.result.linearIterations / per,
-                cost.result.factorisations / per, cost.ms / per, 1e3 * tip, cost.good ? "" : "NOT CONVERGED");
-    std::fflush(stdout);
-    rows.push_back({{"phyxels", phyxels},
-                    {"case", name},
-                    {"youngs_modulus_Pa", m.youngsModulus},
-                    {"poisson_ratio", m.poissonRatio},
-                    {"preconditioner", preconditioner},
-                    {"newton_iterations", cost.result.iterations / per},
-                    {"linear_iterations", cost.result.linearIterations / per},
-                    {"factorisations", cost.result.factorisations / per},
-                    {"processor_ms", cost.ms / per},
-                    {"tip_mm", 1e3 * tip},
-                    {"converged", cost.good}});
+    report_.row({problem.phyxels(), name, m.youngsModulus, m.poissonRatio, preconditioner, cost.result.iterations / per,
+                 cost.result.linearIterations / per, cost.result.factorisations / per, cost.ms / per, 1e3 * tip,
+                 mean(problem.productTime, problem.products), mean(problem.blocksTime, problem.blocks),
+                 mean(problem.assemblyTime, problem.assemblies), cost.good});
   }
+
+ private:
+  static bench::Report::Cell mean(double sum, int count) {
+    return count > 0 ? bench::Report::Cell(sum / count) : bench::Report::Cell();
+  }
+  bench::Report &report_;
 };
 
-void statics(const Beam &beam, const Material &material, Preconditioner p, const char *name, Report &report) {
+void statics(const Beam &beam, const Material &material, Preconditioner p, const char *name, Rows &rows) {
   BeamProblem problem(beam, material);
   for (const std::size_t i : beam.end)  // -2.03 mm of tip for 1.6 mN at 10 kPa, in proportion
     problem.forces[i] = Vec3(0, 0, -20 * 1.6e-3 * material.youngsModulus / 1e4 / static_cast<double>(beam.end.size()));
@@ -223,13 +228,10 @@ void statics(const Beam &beam, const Material &material, Preconditioner p, const
   settings.preconditioner = p;
   std::vector<Vec3> u(beam.positions.size(), Vec3::Zero());
   const Cost cost = timed(solver, problem, u, settings);
-  report.row(beam.positions.size(), "static", material, name, cost, 1.0, u[beam.end[0]][2]);
-  std::printf("%60s product %.3f, blocks %.2f, assembly %.2f ms\n", "", problem.productTime / std::max(1, problem.products),
-              problem.blocksTime / std::max(1, cost.result.iterations),
-              problem.assemblyTime / std::max(1, cost.result.factorisations));
+  rows.row(problem, "static", material, name, cost, 1.0, u[beam.end[0]][2]);
 }
 
-void implicit(const Beam &beam, const Material &material, Preconditioner p, const char *name, Report &report) {
+void implicit(const Beam &beam, const Material &material, Preconditioner p, const char *name, Rows &rows) {
   constexpr double kDt = 1.0 / 60.0;
   constexpr int kSteps = 5;
   BeamProblem problem(beam, material);
@@ -246,60 +248,37 @@ void implicit(const Beam &beam, const Material &material, Preconditioner p, cons
     const Cost cost = timed(solver, problem, u, settings);
     for (std::size_t i = 0; i < n; ++i) v[i] = (u[i] - before[i]) / kDt;
     if (step == 0) {
-      report.row(n, "first", material, name, cost, 1.0, u[beam.end[0]][2]);
+      rows.row(problem, "first", material, name, cost, 1.0, u[beam.end[0]][2]);
     } else {
       later.add(cost);
     }
   }
-  report.row(n, "step", material, name, later, kSteps, u[beam.end[0]][2]);
+  rows.row(problem, "step", material, name, later, kSteps, u[beam.end[0]][2]);
 }
 
 }  // namespace
 
 int main(int argc, char **argv) {
   std::size_t least = 0, most = 11000;
-  std::string jsonPath;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (i + 1 < argc && option == "--least") {
-      least = std::strtoul(argv[++i], nullptr, 10);
-    } else if (i + 1 < argc && option == "--most") {
-      most = std::strtoul(argv[++i], nullptr, 10);
-    } else if (i + 1 < argc && option == "--json") {
-      jsonPath = argv[++i];
-    } else {
-      std::fprintf(stderr, "usage: bench_newton [--least PHYXELS] [--most PHYXELS] [--json FILE]\n");
-      return 2;
-    }
-  }
-  std::printf("CPU: %s, 1 thread\n\n", c3de::cpuName().c_str());
-  Report report;
-  report.head();
+  bench::CommandLine line("bench_newton");
+  line.add("--least", "PHYXELS", [&](const std::string &text) { least = std::strtoul(text.c_str(), nullptr, 10); });
+  line.add("--most", "PHYXELS", [&](const std::string &text) { most = std::strtoul(text.c_str(), nullptr, 10); });
+  if (const auto exit = line.parse(argc, argv)) return *exit;
+  bench::Report report(line.name(), line.options());
+  report.fact("tolerance_m", NewtonSettings{}.toleranceDisplacement);
+  Rows rows(report);
   for (const int layers : {4, 8, 12}) {
     const Beam beam = makeBeam(layers);
     if (beam.positions.size() < least || beam.positions.size() > most) continue;
     for (const double nu : {0.3, 0.49})
       for (const auto &[p, name] : kPreconditioners) {
         Material material{MaterialLaw::neoHookean, 1e4, nu, 1060.0};
-        statics(beam, material, p, name, report);
+        statics(beam, material, p, name, rows);
         for (const double E : {1e4, 1e6}) {
           material.youngsModulus = E;
-          implicit(beam, material, p, name, report);
+          implicit(beam, material, p, name, rows);
         }
       }
   }
-  if (!jsonPath.empty()) {
-    const nlohmann::ordered_json json = {{"benchmark", "bench_newton"},
-                                         {"cpu", c3de::cpuName()},
-                                         {"threads", 1},
-                                         {"tolerance_m", NewtonSettings{}.toleranceDisplacement},
-                                         {"results", report.rows}};
-    std::ofstream file(jsonPath);
-    file << json.dump(2) << '\n';
-    if (!file) {
-      std::fprintf(stderr, "bench_newton: cannot write %s\n", jsonPath.c_str());
-      return 7;
-    }
-  }
-  return 0;
+  return report.write();
 }
