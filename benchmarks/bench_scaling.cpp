@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Does a phyxel cost the same in a small body and in a large one, and how many bytes is it?
+//
+//   bench_scaling [--least PHYXELS] [--most PHYXELS] [--surfels N] [--threads N] [--seconds S] [--csv FILE] [--json FILE]
+//
+// Balls of 56 to 200 000 phyxels, on a lattice (stress points) and as clouds (phyxels), neo-Hookean with stabilisation:
+//   forces   one evaluation of the internal forces
+//   substep  one explicit step of Simulator: forces, integration and the guard, without contact
+// in turns, medians. A small ball has more surface, so fewer cells per phyxel: costs per evaluation point stand beside.
+//
+// Memory: what operator new has given out for the rest state and for the body, by counting; "of these" the vectors that
+// can be seen from outside, by their sizes. Surfels: what a rest state with them has more.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bench/bodies.h"
+#include "bench/heap.h"
+#include "bench/report.h"
+#include "bench/timing.h"
+#include "pointbased/simulator.h"
+
+namespace {
+
+using namespace pointbased;
+using bench::Timing;
+
+constexpr std::size_t kSizes[] = {56, 200, 1000, 3000, 10000, 30000, 100000, 200000};
+constexpr std::size_t kSpreadFrom = 900;  // phyxels: lattices have only about as many as asked for
+
+template <class T>
+double bytes(const std::vector<T> &v) { return static_cast<double>(v.size() * sizeof(T)); }
+double bytes(const Csr &csr) { return bytes(csr.offsets) + bytes(csr.indices); }
+double bytes(const Interpolation &binding) {
+  return bytes(binding.positions) + bytes(binding.phyxels) + bytes(binding.weights) + bytes(binding.gradients) +
+         bytes(binding.rank) + bytes(binding.frames) + bytes(binding.frameOf) + bytes(binding.offsets);
+}
+double bytes(const StencilSet &s) {
+  return bytes(s.phyxels) + bytes(s.gradients) + bytes(s.weights) + bytes(s.modes) + bytes(s.spreads) +
+         bytes(s.materials) + bytes(s.volumes) + bytes(s.reference) + bytes(s.referenceInverse) + bytes(s.rank) +
+         bytes(s.frames) + bytes(s.frameOf) + bytes(s.entriesOfPhyxel) + bytes(s.pointOfEntry);
+}
+
+struct Built {
+  std::shared_ptr<const RestState> rest;
+  std::unique_ptr<Body> body;
+  double restBytes = 0.0, bodyBytes = 0.0;
+};
+
+Built build(bool lattice, std::size_t phyxels, std::size_t surfels, const ParallelFor &parallelFor) {
+  Built out;
+  const std::size_t before = bench::heapBytes();
+  out.rest = lattice ? bench::latticeBall(phyxels, surfels, parallelFor) : bench::cloudBall(phyxels, surfels, parallelFor);
+  const std::size_t between = bench::heapBytes();
+  out.body = std::make_unique<Body>("ball", out.rest, bench::constitutionFor(*out.rest), parallelFor);
+  bench::evaluateForces(*out.body, parallelFor);  // what is laid out by the first one counts
+  out.restBytes = static_cast<double>(between - before);
+  out.bodyBytes = static_cast<double>(bench::heapBytes() - between);
+  return out;
+}
+
+void memoryRow(bench::Report &report, const char *evaluation, const Built &built) {
+  const RestState &rest = *built.rest;
+  const Body &body = *built.body;
+  const auto n = static_cast<double>(rest.phyxelCount());
+  const double state = bytes(body.state().displacements) + bytes(body.state().velocities) +
+                       static_cast<double>(body.masses().size_bytes() + body.weights().size_bytes() +
+                                           body.inverseMasses().size_bytes() + body.forces().size_bytes() +
+                                           body.gradients().size_bytes() + body.stresses().size_bytes());
+  report.row({evaluation, rest.phyxelCount(), rest.pointCount(), (built.restBytes + built.bodyBytes) / n,
+              built.restBytes / n, bytes(rest.stencils) / n, bytes(rest.neighbors) / n,
+              (bytes(rest.contact.binding) + bytes(rest.contact.normals) + bytes(rest.contact.areas)) / n,
+              built.bodyBytes / n, state / n});
+}
+
+void surfelMemory(bench::Report &report, std::size_t surfels, const ParallelFor &parallelFor) {
+  report.table("bytes per surfel", {{"evaluation", "evaluation"},
+                                    {"surfels", "surfels"},
+                                    {"phyxels", "phyxels"},
+                                    {"bytes_per_surfel", "surfel", 1},
+                                    {"binding_bytes_per_surfel", "binding", 1},
+                                    {"update_ns", "update ns", 1}});
+  constexpr std::size_t kPhyxels = 10000;
+  for (const bool lattice : {true, false}) {
+    const Built built = build(lattice, kPhyxels, surfels, parallelFor);
+    const RestState &rest = *built.rest;
+    // Contact points belong to the surface too, but not to the surfels.
+    const auto count = static_cast<double>(surfels);
+    const double counted = bytes(rest.surfels) + bytes(rest.surfelNormals) + bytes(rest.skin);
+    std::vector<Vec3> x(surfels), normals(surfels);
+    const Timing t = bench::measure(0.3, [&] {
+      updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, built.body->state().displacements, x, normals,
+                    parallelFor);
+    });
+    report.row({lattice ? "stress points" : "phyxels", surfels, rest.phyxelCount(), counted / count,
+                bytes(rest.surfels) / count, 1e6 * t.median_ms / count});
+  }
+}
+
+struct Spread {
+  double least = 1e300, most = 0.0;
+  void add(double value) {
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+};
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  std::size_t least = 0, most = 200000, surfels = 50000;
+  bench::CommandLine line("bench_scaling");
+  const auto count = [](std::size_t &into) {
+    return [&into](const std::string &text) { into = std::strtoul(text.c_str(), nullptr, 10); };
+  };
+  line.add("--least", "PHYXELS", count(least));
+  line.add("--most", "PHYXELS", count(most));
+  line.add("--surfels", "N", count(surfels));
+  if (const auto exit = line.parse(argc, argv)) return *exit;
+  const bench::Options &options = line.options();
+  c3de::ThreadPool pool(options.threads);
+  const ParallelFor parallelFor = bench::parallelForOf(pool);
+  bench::Report report(line.name(), options);
+
+  std::map<std::string, std::map<std::string, Spread>> spreads;
+  for (const bool lattice : {true, false}) {
+    const char *evaluation = lattice ? "stress points" : "phyxels";
+    report.table("cost, " + std::string(evaluation), {{"evaluation", ""},
+                                                      {"phyxels", "phyxels"},
+                                                      {"points", "points"},
+                                                      {"forces_median_ms", "forces ms", 4},
+                                                      {"forces_p99_ms", "99 % ms", 4},
+                                                      {"forces_ns_per_phyxel", "ns/phyxel", 1},
+                                                      {"forces_ns_per_point", "ns/point", 1},
+                                                      {"substep_median_ms", "substep ms", 4},
+                                                      {"substep_p99_ms", "99 % ms", 4},
+                                                      {"substep_ns_per_phyxel", "ns/phyxel", 1},
+                                                      {"substep_ns_per_point", "ns/point", 1}});
+    for (const std::size_t size : kSizes) {
+      if (size < least || size > most) continue;
+      Built built = build(lattice, size, 0, parallelFor);
+      bench::deform(*built.body);
+      Simulator simulator(parallelFor);
+      WorldSettings world;
+      world.gravity = Vec3(0, -9.81, 0);
+      world.dt = 0.5 * built.body->stableStepAtRest();  // one substep, also where the body is strained
+      simulator.setWorld(world);
+      const std::size_t id = simulator.addBody(
+          std::make_unique<Body>("ball", built.rest, bench::constitutionFor(*built.rest), parallelFor));
+      bench::deform(*simulator.body(id));
+      bool failed = false;
+      const std::vector<Timing> times = bench::measureInTurns(
+          options.seconds, {[&] { bench::evaluateForces(*built.body, parallelFor); },
+                            [&] { failed = failed || !simulator.step().has_value(); }});
+      if (failed || simulator.stoppedBodies() > 0) {
+        std::fprintf(stderr, "bench_scaling: a step of %zu phyxels failed\n", size);
+        return 1;
+      }
+      const auto n = static_cast<double>(built.rest->phyxelCount()), points = static_cast<double>(built.rest->pointCount());
+      const double forces_ns = 1e6 * times[0].median_ms, substep_ns = 1e6 * times[1].median_ms;
+      report.row({evaluation, built.rest->phyxelCount(), built.rest->pointCount(), times[0].median_ms, times[0].p99_ms,
+                  forces_ns / n, forces_ns / points, times[1].median_ms, times[1].p99_ms, substep_ns / n,
+                  substep_ns / points});
+      if (built.rest->phyxelCount() < kSpreadFrom) continue;
+      auto &of = spreads[evaluation];
+      of["forces_per_phyxel"].add(forces_ns / n);
+      of["forces_per_point"].add(forces_ns / points);
+      of["substep_per_phyxel"].add(substep_ns / n);
+      of["substep_per_point"].add(substep_ns / points);
+    }
+  }
+  report.note("\nspread: largest cost over least, from 1 000 phyxels on");
+  for (const auto &[evaluation, of] : spreads)
+    for (const auto &[quantity, spread] : of) {
+      char text[160];
+      std::snprintf(text, sizeof text, "  %-13s  %-18s  %.2f", evaluation.c_str(), quantity.c_str(), spread.most / spread.least);
+      report.note(text);
+      report.fact("spread_" + quantity + (evaluation == "phyxels" ? "_phyxels" : "_stress_points"), spread.most / spread.least);
+    }
+
+  report.table("bytes per phyxel", {{"evaluation", "evaluation"},
+                                    {"phyxels", "phyxels"},
+                                    {"points", "points"},
+                                    {"bytes_per_phyxel", "all", 0},
+                                    {"rest_bytes_per_phyxel", "rest state", 0},
+                                    {"stencil_bytes_per_phyxel", "stencils", 0},
+                                    {"neighbour_bytes_per_phyxel", "neighbours", 0},
+                                    {"contact_bytes_per_phyxel", "contact", 0},
+                                    {"body_bytes_per_phyxel", "body", 0},
+                                    {"state_bytes_per_phyxel", "state", 0}});
+  for (const bool lattice : {true, false})
+    for (const std::size_t size : {3000u, 30000u}) {
+      if (size > most) continue;
+      memoryRow(report, lattice ? "stress points" : "phyxels", build(lattice, size, 0, parallelFor));
+    }
+  surfelMemory(report, surfels, parallelFor);
+  return report.write();
+}
