@@ -9,7 +9,7 @@
 namespace bench {
 namespace {
 
-constexpr int kTurns = 5;
+constexpr int kTurns = 10;
 constexpr std::size_t kLeastRuns = 21;
 
 // Runs without a sample until caches and clock rate have settled, but slow functions not often.
@@ -38,7 +38,7 @@ Timing summaryOf(std::vector<double> samples) {
   if (samples.empty()) return {};
   std::sort(samples.begin(), samples.end());
   const auto at = [&](std::size_t percent) { return samples[std::min(samples.size() - 1, samples.size() * percent / 100)]; };
-  return {at(50), at(95), at(99), samples.front(), samples.size()};
+  return {at(50), at(1), at(95), at(99), samples.front(), samples.size()};
 }
 
 Timing measure(double seconds, const std::function<void()> &f) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -18,8 +19,17 @@
 namespace c3de {
 namespace {
 
-// Some 20 to 50 µs on today's machines: longer than the gap between the loops of a step, shorter than a frame.
-constexpr int kSpins = 500;
+// An idle worker looks for the next loop this long before it sleeps: longer than what a step does between two loops, much
+// shorter than a frame. Waking it costs the caller a system call, and the worker is there only some 50 µs later.
+constexpr auto kPatience = std::chrono::microseconds(100);
+constexpr int kLooksPerTime = 64;  // looks for a loop between two looks at the clock
+// Looks of the caller for workers that still work before it leaves them its processor; some 10 µs.
+constexpr int kCallerLooks = 500;
+
+// Each thread takes its range in so many parts; what is left of it is there for others to take.
+constexpr std::size_t kParts = 4;
+
+constexpr std::size_t kCacheLine = 64;
 
 thread_local bool insideBody = false;
 
@@ -29,30 +39,47 @@ constexpr std::uint64_t kJoined = kOpen - 1;
 
 std::uint64_t loopNumber(std::uint64_t gate) { return gate >> 32; }
 
+// What is left of the part of a loop that belongs to one thread.
+struct alignas(kCacheLine) Range {
+  std::atomic<std::size_t> next{0};
+  std::size_t end = 0;  // written while nobody is inside, as the rest of the loop
+};
+
 }  // namespace
 
 struct ThreadPool::Impl {
+  explicit Impl(unsigned threads) : ranges(threads) {}
+
   std::vector<std::thread> workers;
   std::mutex callerMutex;
 
   // The present loop; written by the caller while nobody is inside, read by workers after they have joined.
-  const std::function<void(std::size_t, std::size_t)> *body = nullptr;
-  std::size_t n = 0;
+  alignas(kCacheLine) const std::function<void(std::size_t, std::size_t)> *body = nullptr;
   std::size_t chunk = 1;
-  std::atomic<std::size_t> next{0};
-  std::atomic<std::uint64_t> gate{0};
-  std::atomic<bool> stopping{false};
+  std::vector<Range> ranges;  // [threads], the caller's first
 
+  // On a line of its own: idle workers look at it all the time.
+  alignas(kCacheLine) std::atomic<std::uint64_t> gate{0};
+
+  alignas(kCacheLine) std::atomic<bool> stopping{false};
+  std::atomic<unsigned> sleeping{0};
   std::mutex sleepMutex;
   std::condition_variable wake;
-  std::atomic<unsigned> sleeping{0};
 
-  void work() {
+  // First the thread's own range, which is the same part of the data in every loop of that length, then what others have
+  // not got to.
+  void work(std::size_t self) {
     insideBody = true;
-    for (;;) {
-      const std::size_t begin = next.fetch_add(chunk, std::memory_order_relaxed);
-      if (begin >= n) break;
-      (*body)(begin, std::min(n, begin + chunk));
+    const std::size_t threads = ranges.size();
+    for (std::size_t i = 0; i < threads; ++i) {
+      Range &range = ranges[self + i < threads ? self + i : self + i - threads];
+      const std::size_t end = range.end;
+      // Looking first keeps the line where it is when there is nothing left.
+      while (range.next.load(std::memory_order_relaxed) < end) {
+        const std::size_t begin = range.next.fetch_add(chunk, std::memory_order_relaxed);
+        if (begin >= end) break;
+        (*body)(begin, std::min(end, begin + chunk));
+      }
     }
     insideBody = false;
   }
@@ -69,33 +96,50 @@ struct ThreadPool::Impl {
     return false;
   }
 
-  void workerLoop() {
-    std::uint64_t seen = 0;
-    for (;;) {
-      int spins = 0;
-      while (!join(seen)) {
-        if (stopping.load(std::memory_order_relaxed)) return;
-        if (++spins < kSpins) {
-          C3DE_RELAX();
-          continue;
-        }
-        std::unique_lock lock(sleepMutex);
-        sleeping.fetch_add(1);
-        wake.wait(lock, [&] {
-          const std::uint64_t g = gate.load();
-          return (loopNumber(g) != seen && (g & kOpen) != 0) || stopping.load();
-        });
-        sleeping.fetch_sub(1);
+  // Until there is a loop to join. @return false: the pool ends
+  bool waitForLoop(std::uint64_t &seen) {
+    const auto begin = std::chrono::steady_clock::now();
+    for (int looks = 1;; ++looks) {
+      if (join(seen)) return true;
+      if (stopping.load(std::memory_order_relaxed)) return false;
+      if (looks % kLooksPerTime != 0 || std::chrono::steady_clock::now() - begin < kPatience) {
+        C3DE_RELAX();
+        continue;
       }
-      work();
+      std::unique_lock lock(sleepMutex);
+      sleeping.fetch_add(1);
+      wake.wait(lock, [&] {
+        const std::uint64_t g = gate.load();
+        return (loopNumber(g) != seen && (g & kOpen) != 0) || stopping.load();
+      });
+      sleeping.fetch_sub(1);
+    }
+  }
+
+  void workerLoop(std::size_t self) {
+    std::uint64_t seen = 0;
+    while (waitForLoop(seen)) {
+      work(self);
       gate.fetch_sub(1, std::memory_order_acq_rel);
+    }
+  }
+
+  void layOut(std::size_t n, std::size_t grain) {
+    const std::size_t threads = ranges.size();
+    // No part smaller than the grain, and one that is not needed stays empty.
+    const std::size_t share = std::max(grain, (n + threads - 1) / threads);
+    chunk = std::max(grain, (share + kParts - 1) / kParts);
+    for (std::size_t i = 0; i < threads; ++i) {
+      ranges[i].next.store(std::min(n, i * share), std::memory_order_relaxed);
+      ranges[i].end = std::min(n, (i + 1) * share);
     }
   }
 };
 
-ThreadPool::ThreadPool(unsigned threads) : impl_(std::make_unique<Impl>()) {
+ThreadPool::ThreadPool(unsigned threads) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  for (unsigned i = 1; i < threads; ++i) impl_->workers.emplace_back([impl = impl_.get()] { impl->workerLoop(); });
+  impl_ = std::make_unique<Impl>(threads);
+  for (unsigned i = 1; i < threads; ++i) impl_->workers.emplace_back([impl = impl_.get(), i] { impl->workerLoop(i); });
 }
 
 ThreadPool::~ThreadPool() {
@@ -118,24 +162,20 @@ void ThreadPool::parallelFor(std::size_t n, std::size_t grain,
   }
   std::lock_guard callerLock(impl.callerMutex, std::adopt_lock);
 
-  // Four ranges per thread even out uneven work without many atomics.
-  const std::size_t parts = 4 * (impl.workers.size() + 1);
   impl.body = &body;
-  impl.n = n;
-  impl.chunk = std::max(grain, (n + parts - 1) / parts);
-  impl.next.store(0, std::memory_order_relaxed);
+  impl.layOut(n, grain);
   const std::uint64_t number = loopNumber(impl.gate.load(std::memory_order_relaxed)) + 1;
   impl.gate.store((number << 32) | kOpen, std::memory_order_seq_cst);
   if (impl.sleeping.load(std::memory_order_seq_cst) > 0) {
     std::lock_guard lock(impl.sleepMutex);
     impl.wake.notify_all();
   }
-  impl.work();
+  impl.work(0);
   impl.gate.fetch_and(~kOpen, std::memory_order_acq_rel);
-  int spins = 0;
+  int looks = 0;
   while ((impl.gate.load(std::memory_order_acquire) & kJoined) != 0) {
     // More threads than processors: give the missing worker room instead of burning its time slice.
-    if (++spins < kSpins) {
+    if (++looks < kCallerLooks) {
       C3DE_RELAX();
     } else {
       std::this_thread::yield();

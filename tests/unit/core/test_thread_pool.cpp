@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <functional>
 #include <numeric>
 #include <thread>
 #include <vector>
@@ -8,6 +11,20 @@
 #include "support/catch.h"
 
 using c3de::ThreadPool;
+
+namespace {
+
+// Long enough for a thread to be given a processor on a busy machine.
+bool comesTrue(const std::function<bool()> &condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+}  // namespace
 
 TEST_CASE("a parallel loop covers every index once, whatever the threads and the grain") {
   for (const unsigned threads : {1u, 2u, 5u})
@@ -55,4 +72,47 @@ TEST_CASE("two threads may use one pool at the same time") {
   use();
   other.join();
   CHECK(sum == 2L * 500L * 100L);
+}
+
+TEST_CASE("what a thread does not get to is done by the others") {
+  ThreadPool pool(2);
+  constexpr std::size_t kItems = 1000;
+  for (const std::size_t slow : {std::size_t{0}, kItems / 2}) {  // the first item of either thread's own half
+    std::atomic<std::size_t> done{0}, slowOnes{0};
+    std::atomic<bool> othersDidTheRest{false};
+    pool.parallelFor(kItems, 1, [&](std::size_t begin, std::size_t end) {
+      if (begin <= slow && slow < end) {
+        slowOnes = end - begin;
+        othersDidTheRest = comesTrue([&] { return done == kItems - (end - begin); });
+      } else {
+        done += end - begin;
+      }
+    });
+    CHECK(othersDidTheRest);
+    CHECK(done + slowOnes == kItems);
+  }
+}
+
+TEST_CASE("a worker that has gone to sleep is woken by the next loop") {
+  ThreadPool pool(2);
+  for (int round = 0; round < 20; ++round) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(round % 4));
+    std::atomic<int> inside{0}, together{0};
+    pool.parallelFor(2, 1, [&](std::size_t begin, std::size_t end) {
+      if (end - begin != 1) return;
+      ++inside;
+      if (comesTrue([&] { return inside == 2; })) ++together;
+    });
+    REQUIRE(together == 2);
+  }
+}
+
+TEST_CASE("many more threads than processors end their loops") {
+  ThreadPool pool(24);
+  std::vector<int> values(4096, 0);
+  for (int round = 0; round < 200; ++round)
+    pool.parallelFor(values.size(), 8, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) ++values[i];
+    });
+  CHECK(std::count(values.begin(), values.end(), 200) == 4096);
 }

@@ -9,7 +9,7 @@ namespace bench {
 
 /// Wall time of many runs of one function.
 struct Timing {
-  double median_ms = 0.0, p95_ms = 0.0, p99_ms = 0.0, least_ms = 0.0;
+  double median_ms = 0.0, p01_ms = 0.0, p95_ms = 0.0, p99_ms = 0.0, least_ms = 0.0;
   std::size_t runs = 0;
 };
 [[nodiscard]] Timing summaryOf(std::vector<double> samples_ms);
@@ -17,7 +17,7 @@ struct Timing {
 /// Warms up, then runs f for about `seconds`, at least 21 times.
 [[nodiscard]] Timing measure(double seconds, const std::function<void()> &f);
 
-/// Several functions in turns, five each, so that what else the machine does meets all of them: for ratios.
+/// Several functions in turns, ten each, so that what else the machine does meets all of them: for ratios.
 /// @param seconds  each
 [[nodiscard]] std::vector<Timing> measureInTurns(double seconds, const std::vector<std::function<void()>> &functions);
 

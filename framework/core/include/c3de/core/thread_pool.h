@@ -9,7 +9,7 @@ namespace c3de {
 
 /// Fork-join loops on a fixed set of threads (the caller is one of them). Written on std primitives because the
 /// sanitizers see through them, and because a solver step needs a fork-join of a few microseconds: idle workers spin
-/// briefly before they sleep.
+/// for some 100 µs before they sleep.
 class ThreadPool {
  public:
   /// @param threads  threads that work in parallelFor, the caller included; 0: as many as the machine has
@@ -19,7 +19,8 @@ class ThreadPool {
   ThreadPool &operator=(const ThreadPool &) = delete;
 
   /// Calls body(begin, end) for disjoint ranges of about `grain` that cover [0, n); returns when all are done.
-  /// Which thread gets which range is not fixed, so results must not depend on it. A call from inside a body, or while
+  /// Each thread begins with its own part, the same one in every loop of that length, so that data stay in its cache;
+  /// what it does not get to others take, so results must not depend on who did what. A call from inside a body, or while
   /// another thread uses the pool, runs inline. Bodies must not throw. Any thread.
   void parallelFor(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body);
 
