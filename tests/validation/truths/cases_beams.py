@@ -72,6 +72,11 @@ def add_beams():
             lambda level, order, law: cantilever(level, order, law, length=0.4, shear=-1.6e-3, increment=0.5,
                                                  slenderness=2),
             tip_quantities(0.4), beam_parameters(0.4, **tip_load(0.4, [0, 0, -1.6e-3])))
+    # 9.81 m/s^2 at E = 1 MPa, scaled to the usual E: what benchmarks compare with.
+    for law in ('neo_hookean', 'corotated'):
+        add(f'beam_sag_g0.0981.{law}', law,
+            lambda level, order, law: cantilever(level, order, law, gravity=-0.0981, increment=0.5),
+            tip_quantities(0.2), beam_parameters(0.2, gravity=[0, 0, -0.0981]))
     add('beam_frequencies', 'linear', vibrating_beam,
         [Quantity(f'f_{kind}', f'natural frequency, {text}', 'Hz', lambda f, i=i: f[i])
          for i, kind, text in ((0, 'bending_1', 'first bending (a pair)'), (2, 'torsion_1', 'first torsion'),
