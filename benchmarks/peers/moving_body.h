@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "pointbased/types.h"
+
+namespace peers {
+
+using pointbased::Vec3;
+
+struct Solid {
+  double youngsModulus = 1e4;  ///< Pa
+  double poissonRatio = 0.3;
+  double density = 1000.0;  ///< kg/m³
+};
+
+inline const Vec3 kGravity(0.0, 0.0, -9.81);  // m/s²
+
+/// A body that falls from rest under gravity, held somewhere, with a fixed step: what every engine is asked for.
+class MovingBody {
+ public:
+  virtual ~MovingBody() = default;
+  /// One step. @return s of simulated time; 0: the engine itself has given up
+  virtual double step() = 0;
+  /// kinetic energy less what gravity has given since the start, J: never above 0 but for errors of the integration.
+  /// Not finite where the state is not.
+  [[nodiscard]] virtual double surplus() const = 0;
+  /// The measured displacement (mean over a part of the body), m.
+  [[nodiscard]] virtual Vec3 displacement() const = 0;
+  /// m: largest displacement of a node.
+  [[nodiscard]] virtual double largestDisplacement() const = 0;
+  /// Stops all motion; the shape stays.
+  virtual void stop() = 0;
+  [[nodiscard]] virtual double kineticEnergy() const = 0;
+};
+
+}  // namespace peers
