@@ -68,8 +68,7 @@ void memoryRow(bench::Report &report, const char *evaluation, const Built &built
   const auto n = static_cast<double>(rest.phyxelCount());
   const double state = bytes(body.state().displacements) + bytes(body.state().velocities) +
                        static_cast<double>(body.masses().size_bytes() + body.weights().size_bytes() +
-                                           body.inverseMasses().size_bytes() + body.forces().size_bytes() +
-                                           body.gradients().size_bytes() + body.stresses().size_bytes());
+                                           body.inverseMasses().size_bytes() + body.forces().size_bytes());
   report.row({evaluation, rest.phyxelCount(), rest.pointCount(), (built.restBytes + built.bodyBytes) / n,
               built.restBytes / n, bytes(rest.stencils) / n, bytes(rest.neighbors) / n,
               (bytes(rest.contact.binding) + bytes(rest.contact.normals) + bytes(rest.contact.areas)) / n,
@@ -89,14 +88,14 @@ void surfelMemory(bench::Report &report, std::size_t surfels, const ParallelFor 
     const RestState &rest = *built.rest;
     // Contact points belong to the surface too, but not to the surfels.
     const auto count = static_cast<double>(surfels);
-    const double counted = bytes(rest.surfels) + bytes(rest.surfelNormals) + bytes(rest.skin);
+    const double counted = static_cast<double>(rest.surfels.bytes()) + bytes(rest.surfelNormals) + bytes(rest.skin);
     std::vector<Vec3> x(surfels), normals(surfels);
     const Timing t = bench::measure(0.3, [&] {
       updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, built.body->state().displacements, x, normals,
                     parallelFor);
     });
     report.row({lattice ? "stress points" : "phyxels", surfels, rest.phyxelCount(), counted / count,
-                bytes(rest.surfels) / count, 1e6 * t.median_ms / count});
+                static_cast<double>(rest.surfels.bytes()) / count, 1e6 * t.median_ms / count});
   }
 }
 

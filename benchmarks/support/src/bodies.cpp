@@ -122,9 +122,7 @@ void deform(Body &body) {
 }
 
 void evaluateForces(Body &body, const ParallelFor &parallelFor) {
-  body.computeGradients(parallelFor);
-  body.computeStresses(0.0, parallelFor);
-  body.computeForces(0.0, parallelFor);
+  body.evaluate(0.0, 0.0, parallelFor);
 }
 
 }  // namespace bench
