@@ -3,7 +3,8 @@
 //
 //   bench_scaling [--least PHYXELS] [--most PHYXELS] [--surfels N] [--threads N] [--seconds S] [--csv FILE] [--json FILE]
 //
-// Balls of 56 to 200 000 phyxels, on a lattice (stress points) and as clouds (phyxels), neo-Hookean with stabilisation:
+// Balls of 56 to 200 000 phyxels, on a lattice (stress points, in double and single precision) and as clouds (phyxels),
+// neo-Hookean with stabilisation:
 //   forces   one evaluation of the internal forces
 //   substep  one explicit step of Simulator: forces, integration and the guard, without contact
 // in turns, medians. A small ball has more surface, so fewer cells per phyxel: costs per evaluation point stand beside.
@@ -50,26 +51,34 @@ struct Built {
   double restBytes = 0.0, bodyBytes = 0.0;
 };
 
-Built build(bool lattice, std::size_t phyxels, std::size_t surfels, const ParallelFor &parallelFor) {
+struct Kind {
+  bool lattice = true;
+  Precision precision = Precision::doublePrecision;
+};
+constexpr Kind kKinds[] = {{true, Precision::doublePrecision}, {true, Precision::singlePrecision}, {false, Precision::doublePrecision}};
+
+Built build(const Kind &kind, std::size_t phyxels, std::size_t surfels, const ParallelFor &parallelFor) {
   Built out;
   const std::size_t before = bench::heapBytes();
-  out.rest = lattice ? bench::latticeBall(phyxels, surfels, parallelFor) : bench::cloudBall(phyxels, surfels, parallelFor);
+  out.rest = kind.lattice ? bench::latticeBall(phyxels, surfels, parallelFor)
+                          : bench::cloudBall(phyxels, surfels, parallelFor);
   const std::size_t between = bench::heapBytes();
   out.body = std::make_unique<Body>("ball", out.rest, bench::constitutionFor(*out.rest), parallelFor);
+  out.body->setPrecision(kind.precision);
   bench::evaluateForces(*out.body, parallelFor);  // what is laid out by the first one counts
   out.restBytes = static_cast<double>(between - before);
   out.bodyBytes = static_cast<double>(bench::heapBytes() - between);
   return out;
 }
 
-void memoryRow(bench::Report &report, const char *evaluation, const Built &built) {
+void memoryRow(bench::Report &report, const Built &built) {
   const RestState &rest = *built.rest;
   const Body &body = *built.body;
   const auto n = static_cast<double>(rest.phyxelCount());
   const double state = bytes(body.state().displacements) + bytes(body.state().velocities) +
                        static_cast<double>(body.masses().size_bytes() + body.weights().size_bytes() +
                                            body.inverseMasses().size_bytes() + body.forces().size_bytes());
-  report.row({evaluation, rest.phyxelCount(), rest.pointCount(), (built.restBytes + built.bodyBytes) / n,
+  report.row({bench::evaluationName(body), rest.phyxelCount(), rest.pointCount(), (built.restBytes + built.bodyBytes) / n,
               built.restBytes / n, bytes(rest.stencils) / n, bytes(rest.neighbors) / n,
               (bytes(rest.contact.binding) + bytes(rest.contact.normals) + bytes(rest.contact.areas)) / n,
               built.bodyBytes / n, state / n});
@@ -84,7 +93,7 @@ void surfelMemory(bench::Report &report, std::size_t surfels, const ParallelFor 
                                     {"update_ns", "update ns", 1}});
   constexpr std::size_t kPhyxels = 10000;
   for (const bool lattice : {true, false}) {
-    const Built built = build(lattice, kPhyxels, surfels, parallelFor);
+    const Built built = build({lattice}, kPhyxels, surfels, parallelFor);
     const RestState &rest = *built.rest;
     // Contact points belong to the surface too, but not to the surfels.
     const auto count = static_cast<double>(surfels);
@@ -125,9 +134,9 @@ int main(int argc, char **argv) {
   bench::Report report(line.name(), options);
 
   std::map<std::string, std::map<std::string, Spread>> spreads;
-  for (const bool lattice : {true, false}) {
-    const char *evaluation = lattice ? "stress points" : "phyxels";
-    report.table("cost, " + std::string(evaluation), {{"evaluation", ""},
+  for (const Kind &kind : kKinds) {
+    std::string evaluation = bench::evaluationName(*build(kind, kSizes[0], 0, parallelFor).body);
+    report.table("cost, " + evaluation, {{"evaluation", ""},
                                                       {"phyxels", "phyxels"},
                                                       {"points", "points"},
                                                       {"forces_median_ms", "forces ms", 4},
@@ -140,7 +149,7 @@ int main(int argc, char **argv) {
                                                       {"substep_ns_per_point", "ns/point", 1}});
     for (const std::size_t size : kSizes) {
       if (size < least || size > most) continue;
-      Built built = build(lattice, size, 0, parallelFor);
+      Built built = build(kind, size, 0, parallelFor);
       bench::deform(*built.body);
       Simulator simulator(parallelFor);
       WorldSettings world;
@@ -149,6 +158,7 @@ int main(int argc, char **argv) {
       simulator.setWorld(world);
       const std::size_t id = simulator.addBody(
           std::make_unique<Body>("ball", built.rest, bench::constitutionFor(*built.rest), parallelFor));
+      simulator.body(id)->setPrecision(kind.precision);
       bench::deform(*simulator.body(id));
       bool failed = false;
       const std::vector<Timing> times = bench::measureInTurns(
@@ -175,12 +185,12 @@ int main(int argc, char **argv) {
   for (const auto &[evaluation, of] : spreads)
     for (const auto &[quantity, spread] : of) {
       char text[160];
-      std::snprintf(text, sizeof text, "  %-13s  %-18s  %.2f", evaluation.c_str(), quantity.c_str(), spread.most / spread.least);
+      std::snprintf(text, sizeof text, "  %-20s  %-18s  %.2f", evaluation.c_str(), quantity.c_str(), spread.most / spread.least);
       report.note(text);
-      report.fact("spread_" + quantity + (evaluation == "phyxels" ? "_phyxels" : "_stress_points"), spread.most / spread.least);
+      report.fact("spread_" + quantity + ", " + evaluation, spread.most / spread.least);
     }
 
-  report.table("bytes per phyxel", {{"evaluation", "evaluation"},
+  report.table("bytes per phyxel", {{"evaluation", "evaluation          "},
                                     {"phyxels", "phyxels"},
                                     {"points", "points"},
                                     {"bytes_per_phyxel", "all", 0},
@@ -190,11 +200,9 @@ int main(int argc, char **argv) {
                                     {"contact_bytes_per_phyxel", "contact", 0},
                                     {"body_bytes_per_phyxel", "body", 0},
                                     {"state_bytes_per_phyxel", "state", 0}});
-  for (const bool lattice : {true, false})
-    for (const std::size_t size : {3000u, 30000u}) {
-      if (size > most) continue;
-      memoryRow(report, lattice ? "stress points" : "phyxels", build(lattice, size, 0, parallelFor));
-    }
+  for (const Kind &kind : kKinds)
+    for (const std::size_t size : {3000u, 30000u})
+      if (size <= most) memoryRow(report, build(kind, size, 0, parallelFor));
   surfelMemory(report, surfels, parallelFor);
   return report.write();
 }

@@ -62,11 +62,12 @@ reference::Body referenceBody(const RestState &rest, const NeighborChoice &choic
                               reference::Errata::literal());
 }
 
-std::string hashAfter(int steps, std::shared_ptr<const RestState> rest, const ParallelFor &parallelFor) {
+std::string hashAfter(int steps, const Body &like, const ParallelFor &parallelFor) {
   Simulator simulator(parallelFor);
-  const Constitution constitution = bench::constitutionFor(*rest);
-  const std::size_t id = simulator.addBody(std::make_unique<Body>("ball", std::move(rest), constitution, parallelFor));
-  bench::deform(*simulator.body(id));
+  Body &body = *simulator.body(
+      simulator.addBody(std::make_unique<Body>("ball", like.sharedRest(), like.constitution(), parallelFor)));
+  body.setPrecision(like.precision());
+  bench::deform(body);
   for (int i = 0; i < steps; ++i)
     if (const auto done = simulator.step(); !done) return done.error().text;
   char hash[17];
@@ -75,12 +76,12 @@ std::string hashAfter(int steps, std::shared_ptr<const RestState> rest, const Pa
 }
 
 struct Largest {
-  double cloud_ms = 0.0, lattice_ms = 0.0;  // forces of the largest size
+  double cloud_ms = 0.0, lattice_ms = 0.0, single_ms = 0.0;  // of the largest size
   double thesis_ms = 0.0;
 };
 
 Largest forces(bench::Report &report, double seconds, const ParallelFor &parallelFor) {
-  report.table("forces", {{"evaluation", "evaluation"},
+  report.table("forces", {{"evaluation", "evaluation          "},
                           {"phyxels", "phyxels"},
                           {"points", "points"},
                           {"neighbours_mean", "neighb.", 1},
@@ -103,32 +104,36 @@ Largest forces(bench::Report &report, double seconds, const ParallelFor &paralle
     Body lattice("lattice", latticeRest, bench::constitutionFor(*latticeRest), parallelFor);
     Constitution plainLaw = bench::constitutionFor(*cloudRest, MaterialLaw::stVenantKirchhoff);
     plainLaw.stabilisation = 0.0;
+    Body single("lattice", latticeRest, bench::constitutionFor(*latticeRest), parallelFor);
+    single.setPrecision(Precision::singlePrecision);
     Body alike("alike", cloudRest, plainLaw, parallelFor);
-    for (Body *body : {&cloud, &lattice, &alike}) bench::deform(*body);
+    for (Body *body : {&cloud, &lattice, &single, &alike}) bench::deform(*body);
     reference::Body plain = referenceBody(*cloudRest, bench::kNeighbours, cloud.material(), parallelFor);
     plain.u = cloud.state().displacements;
     const std::vector<Timing> times = bench::measureInTurns(
         seconds, {[&] { bench::evaluateForces(cloud, parallelFor); }, [&] { bench::evaluateForces(lattice, parallelFor); },
-                  [&] { reference::computeForces(plain); }, [&] { bench::evaluateForces(alike, parallelFor); }});
+                  [&] { reference::computeForces(plain); }, [&] { bench::evaluateForces(alike, parallelFor); },
+                  [&] { bench::evaluateForces(single, parallelFor); }});
     const double plain_ms = times[2].median_ms;
-    const auto row = [&](const char *evaluation, const Body &body, const Timing &t, bench::Report::Cell alikeRatio) {
+    const auto row = [&](const Body &body, const Timing &t, bench::Report::Cell alikeRatio) {
       const auto n = static_cast<double>(body.rest().phyxelCount());
       const double share = n / static_cast<double>(size.phyxels);
-      report.row({evaluation, body.rest().phyxelCount(), body.rest().pointCount(), countNeighbours(body.rest()).mean,
+      report.row({bench::evaluationName(body), body.rest().phyxelCount(), body.rest().pointCount(), countNeighbours(body.rest()).mean,
                   t.median_ms, t.p95_ms, t.p99_ms, 1e6 * t.median_ms / n, share * plain_ms, share * plain_ms / t.median_ms,
                   std::move(alikeRatio), size.thesisForces_ms, share * size.thesisForces_ms / t.median_ms,
-                  hashAfter(kSteps, body.sharedRest(), parallelFor)});
+                  hashAfter(kSteps, body, parallelFor)});
     };
-    row("phyxels", cloud, times[0], plain_ms / times[3].median_ms);
-    row("stress points", lattice, times[1], nullptr);
-    largest = {times[0].median_ms, times[1].median_ms, size.thesisForces_ms};
+    row(cloud, times[0], plain_ms / times[3].median_ms);
+    row(lattice, times[1], nullptr);
+    row(single, times[4], nullptr);
+    largest = {times[0].median_ms, times[1].median_ms, times[4].median_ms, size.thesisForces_ms};
   }
   return largest;
 }
 
 // Of the largest size: median of the update, ms, cloud and lattice.
 Largest surfels(bench::Report &report, double seconds, const ParallelFor &parallelFor) {
-  report.table("surfels", {{"evaluation", "evaluation"},
+  report.table("surfels", {{"evaluation", "evaluation          "},
                            {"surfels", "surfels"},
                            {"phyxels", "phyxels"},
                            {"update_median_ms", "update ms", 4},
@@ -153,6 +158,7 @@ Largest surfels(bench::Report &report, double seconds, const ParallelFor &parall
                     t.p99_ms, 1e6 * t.median_ms / static_cast<double>(size.surfels), size.thesisUpdate_ms,
                     size.thesisUpdate_ms / t.median_ms});
         (onLattice ? largest.lattice_ms : largest.cloud_ms) = t.median_ms;
+        if (onLattice) largest.single_ms = t.median_ms;
         largest.thesis_ms = size.thesisUpdate_ms;
       }
   return largest;
@@ -170,15 +176,16 @@ int main(int argc, char **argv) {
   const Largest force = forces(report, options.seconds, parallelFor);
   const Largest surfel = surfels(report, options.seconds, parallelFor);
   const double thesis_ms = force.thesis_ms + surfel.thesis_ms;
-  const double cloud = thesis_ms / (force.cloud_ms + surfel.cloud_ms);
-  const double lattice = thesis_ms / (force.lattice_ms + surfel.lattice_ms);
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "\nforces + surfels of the largest size: thesis %.3f ms; phyxels %.3f ms, %.1f times faster; "
-                "stress points %.3f ms, %.1f times", thesis_ms, force.cloud_ms + surfel.cloud_ms, cloud,
-                force.lattice_ms + surfel.lattice_ms, lattice);
-  report.note(text);
-  report.fact("thesis_over_engine_frame_phyxels", cloud);
-  report.fact("thesis_over_engine_frame_stress_points", lattice);
+  report.note("\nforces + surfels of the largest size, beside the thesis's own " + std::to_string(thesis_ms) + " ms:");
+  const auto frame = [&](const char *name, double forces_ms, double surfels_ms) {
+    char text[160];
+    std::snprintf(text, sizeof text, "  %-20s  %.3f ms, %.1f times faster", name, forces_ms + surfels_ms,
+                  thesis_ms / (forces_ms + surfels_ms));
+    report.note(text);
+    report.fact("thesis_over_engine_frame, " + std::string(name), thesis_ms / (forces_ms + surfels_ms));
+  };
+  frame("phyxels", force.cloud_ms, surfel.cloud_ms);
+  frame("stress points", force.lattice_ms, surfel.lattice_ms);
+  frame("stress points, float", force.single_ms, surfel.single_ms);
   return report.write();
 }

@@ -112,16 +112,19 @@ void forkJoin(bench::Report &report, const std::vector<Way> &ways, unsigned thre
 }
 
 struct Stepping {
-  Stepping(const std::shared_ptr<const RestState> &rest, const ParallelFor &loops)
+  Stepping(const std::shared_ptr<const RestState> &rest, Precision precision, const ParallelFor &loops)
       : parallelFor(loops), simulator(loops) {
     const Constitution constitution = bench::constitutionFor(*rest);
     forces = std::make_unique<Body>("ball", rest, constitution, parallelFor);
+    forces->setPrecision(precision);
     bench::deform(*forces);
     WorldSettings world;
     world.gravity = Vec3(0, -9.81, 0);
     world.dt = 0.5 * forces->stableStepAtRest();
     simulator.setWorld(world);
-    bench::deform(*simulator.body(simulator.addBody(std::make_unique<Body>("ball", rest, constitution, parallelFor))));
+    Body &body = *simulator.body(simulator.addBody(std::make_unique<Body>("ball", rest, constitution, parallelFor)));
+    body.setPrecision(precision);
+    bench::deform(body);
   }
   ParallelFor parallelFor;
   std::unique_ptr<Body> forces;
@@ -130,7 +133,7 @@ struct Stepping {
 };
 
 bool steps(bench::Report &report, std::size_t phyxels, c3de::ThreadPool &pool, double seconds) {
-  report.table("steps", {{"evaluation", "evaluation"},
+  report.table("steps", {{"evaluation", "evaluation          "},
                          {"phyxels", "phyxels"},
                          {"what", "what   "},
                          {"serial_median_us", "1 thread us", 1},
@@ -139,9 +142,10 @@ bool steps(bench::Report &report, std::size_t phyxels, c3de::ThreadPool &pool, d
                          {"parallel_p01_us", "parallel 1 %", 1},
                          {"speedup_median", "speed-up", 2},
                          {"speedup_p01", "1 %", 2}});
-  for (const bool lattice : {true, false}) {
+  const auto single = Precision::singlePrecision, twofold = Precision::doublePrecision;
+  for (const auto &[lattice, precision] : {std::pair{true, twofold}, std::pair{true, single}, std::pair{false, twofold}}) {
     const auto rest = lattice ? bench::latticeBall(phyxels, 0, serialFor()) : bench::cloudBall(phyxels, 0, serialFor());
-    Stepping serial(rest, serialFor()), parallel(rest, bench::parallelForOf(pool));
+    Stepping serial(rest, precision, serialFor()), parallel(rest, precision, bench::parallelForOf(pool));
     const auto step = [](Stepping &s) { s.failed = s.failed || !s.simulator.step().has_value(); };
     const std::vector<Timing> times = bench::measureInTurns(
         seconds, {[&] { bench::evaluateForces(*serial.forces, serial.parallelFor); },
@@ -150,10 +154,10 @@ bool steps(bench::Report &report, std::size_t phyxels, c3de::ThreadPool &pool, d
     if (serial.failed || parallel.failed) return false;
     for (const std::size_t i : {0u, 2u}) {
       const Timing &one = times[i], &many = times[i + 1];
-      report.row({lattice ? "stress points" : "phyxels", rest->phyxelCount(), i == 0 ? "forces" : "substep",
+      report.row({bench::evaluationName(*serial.forces), rest->phyxelCount(), i == 0 ? "forces" : "substep",
                   1e3 * one.median_ms, 1e3 * many.median_ms, 1e3 * one.p01_ms, 1e3 * many.p01_ms,
                   one.median_ms / many.median_ms, one.p01_ms / many.p01_ms});
-      report.fact(std::string("speedup_p01_") + (i == 0 ? "forces" : "substep") + (lattice ? "_stress_points" : "_phyxels"),
+      report.fact(std::string("speedup_p01_") + (i == 0 ? "forces, " : "substep, ") + bench::evaluationName(*serial.forces),
                   one.p01_ms / many.p01_ms);
     }
   }

@@ -111,6 +111,12 @@ Constitution constitutionFor(const RestState &rest, MaterialLaw law) {
   return {{material}, rest.evaluation == Evaluation::stressPoints ? kLatticeStabilisation : kCloudStabilisation};
 }
 
+std::string evaluationName(const Body &body) {
+  const bool lattice = body.rest().evaluation == Evaluation::stressPoints;
+  return std::string(lattice ? "stress points" : "phyxels") +
+         (body.precision() == Precision::singlePrecision ? ", float" : "");
+}
+
 void deform(Body &body) {
   const RestState &rest = body.rest();
   const double turn = 0.4 / ballRadius(rest.phyxelCount());  // 1/m

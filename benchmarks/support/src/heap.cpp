@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Operators new and delete that count: each block carries its size in front.
+// Operators new and delete that count: each block carries its size in front. Aligned ones too.
 #include "bench/heap.h"
 
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
@@ -13,21 +15,27 @@ std::atomic<std::size_t> &total() {
   return bytes;
 }
 
-constexpr std::size_t kFront = alignof(std::max_align_t) > sizeof(std::size_t) ? alignof(std::max_align_t) : sizeof(std::size_t);
+// In front of what is given out.
+struct Front {
+  void *block;
+  std::size_t size;
+};
 
-void *take(std::size_t size) {
-  void *block = std::malloc(size + kFront);
+void *take(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) {
+  void *block = std::malloc(size + sizeof(Front) + alignment);
   if (!block) return nullptr;
-  *static_cast<std::size_t *>(block) = size;
+  const auto first = reinterpret_cast<std::uintptr_t>(block) + sizeof(Front);
+  const std::uintptr_t aligned = (first + alignment - 1) / alignment * alignment;
+  *reinterpret_cast<Front *>(aligned - sizeof(Front)) = {block, size};
   total().fetch_add(size, std::memory_order_relaxed);
-  return static_cast<char *>(block) + kFront;
+  return reinterpret_cast<void *>(aligned);
 }
 
 void give(void *pointer) {
   if (!pointer) return;
-  void *block = static_cast<char *>(pointer) - kFront;
-  total().fetch_sub(*static_cast<std::size_t *>(block), std::memory_order_relaxed);
-  std::free(block);
+  const Front front = *reinterpret_cast<Front *>(reinterpret_cast<std::uintptr_t>(pointer) - sizeof(Front));
+  total().fetch_sub(front.size, std::memory_order_relaxed);
+  std::free(front.block);
 }
 
 }  // namespace
@@ -51,3 +59,13 @@ void operator delete(void *pointer, std::size_t) noexcept { give(pointer); }
 void operator delete[](void *pointer, std::size_t) noexcept { give(pointer); }
 void operator delete(void *pointer, const std::nothrow_t &) noexcept { give(pointer); }
 void operator delete[](void *pointer, const std::nothrow_t &) noexcept { give(pointer); }
+
+void *operator new(std::size_t size, std::align_val_t alignment) {
+  if (void *pointer = take(size, static_cast<std::size_t>(alignment))) return pointer;
+  throw std::bad_alloc();
+}
+void *operator new[](std::size_t size, std::align_val_t alignment) { return operator new(size, alignment); }
+void operator delete(void *pointer, std::align_val_t) noexcept { give(pointer); }
+void operator delete[](void *pointer, std::align_val_t) noexcept { give(pointer); }
+void operator delete(void *pointer, std::size_t, std::align_val_t) noexcept { give(pointer); }
+void operator delete[](void *pointer, std::size_t, std::align_val_t) noexcept { give(pointer); }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "c3de/core/thread_pool.h"
 #include "pointbased/body.h"
@@ -31,6 +32,8 @@ inline constexpr pointbased::NeighborChoice kNeighbours{26, 1.8};
 /// Neo-Hookean liver (E = 6 kPa, nu = 0.45) with the stabilisation that fits the evaluation.
 [[nodiscard]] pointbased::Constitution constitutionFor(const pointbased::RestState &rest,
                                                        pointbased::MaterialLaw law = pointbased::MaterialLaw::neoHookean);
+/// "stress points", "phyxels", with ", float" where the kernels compute so.
+[[nodiscard]] std::string evaluationName(const pointbased::Body &body);
 /// Stretched, squeezed and bent by a few percent, differently everywhere.
 void deform(pointbased::Body &body);
 
