@@ -2,6 +2,7 @@
 #include "automation_state.h"
 
 #include <algorithm>
+#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -95,6 +96,7 @@ void AutomationState::endFrame(const FrameContext &frame, double now_s) {
   Json &s = impl_->state;
   s["format"] = 1;
   s["frame"] = frame.frame;
+  s["processor_s"] = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
   s["window"] = frame.windowSize;
   s["view"] = {{"x", frame.view.x}, {"y", frame.view.y}, {"w", frame.view.w}, {"h", frame.view.h}};
   s["mouse"] = {{"x", frame.mouseX}, {"y", frame.mouseY}, {"buttons", frame.mouseButtons}};

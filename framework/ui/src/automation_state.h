@@ -3,6 +3,7 @@
 // the screen can read it out. Written atomically (a file beside it is renamed), at most 20 times a second.
 //
 //   frame          number of frames drawn
+//   processor_s    processor time of the program until then, all threads, s
 //   window         [width, height] in window pixels
 //   view           {x, y, w, h}: the 3D view in window pixels
 //   mouse          {x, y, buttons}: as the last frame saw it; buttons as in C3DE_BUTTON_*
