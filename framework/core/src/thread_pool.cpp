@@ -27,7 +27,7 @@ constexpr int kLooksPerTime = 64;  // looks for a loop between two looks at the 
 constexpr int kCallerLooks = 500;
 
 // Each thread takes its range in so many parts; what is left of it is there for others to take.
-constexpr std::size_t kParts = 4;
+constexpr std::size_t kParts = 8;
 
 constexpr std::size_t kCacheLine = 64;
 
@@ -62,7 +62,7 @@ struct ThreadPool::Impl {
   alignas(kCacheLine) std::atomic<std::uint64_t> gate{0};
 
   alignas(kCacheLine) std::atomic<bool> stopping{false};
-  std::atomic<unsigned> sleeping{0};
+  std::atomic<bool> sleeping{false};  // somebody may be, and has not been called
   std::mutex sleepMutex;
   std::condition_variable wake;
 
@@ -98,7 +98,7 @@ struct ThreadPool::Impl {
 
   // Until there is a loop to join. @return false: the pool ends
   bool waitForLoop(std::uint64_t &seen) {
-    const auto begin = std::chrono::steady_clock::now();
+    auto begin = std::chrono::steady_clock::now();
     for (int looks = 1;; ++looks) {
       if (join(seen)) return true;
       if (stopping.load(std::memory_order_relaxed)) return false;
@@ -106,14 +106,25 @@ struct ThreadPool::Impl {
         C3DE_RELAX();
         continue;
       }
-      std::unique_lock lock(sleepMutex);
-      sleeping.fetch_add(1);
-      wake.wait(lock, [&] {
-        const std::uint64_t g = gate.load();
-        return (loopNumber(g) != seen && (g & kOpen) != 0) || stopping.load();
-      });
-      sleeping.fetch_sub(1);
+      sleep(seen);
+      // Who was woken too late for that loop is there for the next one of the step.
+      begin = std::chrono::steady_clock::now();
     }
+  }
+
+  void sleep(std::uint64_t seen) {
+    std::unique_lock lock(sleepMutex);
+    // Said before the last look, so that whoever opens a loop after that look sees a sleeper.
+    sleeping.store(true);
+    const std::uint64_t g = gate.load();
+    if ((loopNumber(g) == seen || (g & kOpen) == 0) && !stopping.load()) wake.wait(lock);
+  }
+
+  // Once per sleep: a worker that has been woken and waits for a processor is not called again by every loop.
+  void wakeSleepers() {
+    std::lock_guard lock(sleepMutex);
+    sleeping.store(false);
+    wake.notify_all();
   }
 
   void workerLoop(std::size_t self) {
@@ -166,10 +177,7 @@ void ThreadPool::parallelFor(std::size_t n, std::size_t grain,
   impl.layOut(n, grain);
   const std::uint64_t number = loopNumber(impl.gate.load(std::memory_order_relaxed)) + 1;
   impl.gate.store((number << 32) | kOpen, std::memory_order_seq_cst);
-  if (impl.sleeping.load(std::memory_order_seq_cst) > 0) {
-    std::lock_guard lock(impl.sleepMutex);
-    impl.wake.notify_all();
-  }
+  if (impl.sleeping.load(std::memory_order_seq_cst)) impl.wakeSleepers();
   impl.work(0);
   impl.gate.fetch_and(~kOpen, std::memory_order_acq_rel);
   int looks = 0;
