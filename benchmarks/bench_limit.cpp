@@ -84,9 +84,8 @@ class CellKernel {
     slices_ = kernels::sliceCells<T>(rest.stencils, plan);
     law_ = kernels::lawNumbers<T>(body.material(), body.constitution().stabilisation);
     for (const std::size_t used : plan.used) cells_ += used;
-    for (const Vec3 &u : body.state().displacements)
-      for (const double x : {u[0], u[1], u[2], 0.0}) displacements_.push_back(static_cast<T>(x));
-    entries_.resize(slices_.count() * kernels::kCorners * kernels::kLanes<T> * 4);
+    displacements_ = body.state().displacements;
+    partials_.resize(4 * slices_.phyxels.size());
     ratios_.resize(slices_.count());
   }
   void run() {
@@ -94,21 +93,25 @@ class CellKernel {
     job.cells = &slices_;
     job.laws = {&law_, 1};
     job.modal = true;
-    job.displacements = displacements_.data();
-    job.entries = entries_.data();
+    job.displacements = {displacements_.front().data(), displacements_.size()};
+    job.partials = partials_.data();
     job.ratios = ratios_.data();
     kernels::ScalarLaw scalar;
     scalar.stress = &noStress;
-    kernels::cellForces(job, scalar, 0, slices_.count());
+    kernels::cellForces(job, scalar, 0, slices_.chunks());
   }
   [[nodiscard]] std::size_t cells() const { return cells_; }
+  /// Phyxels of all chunks: those between two chunks count in both.
+  [[nodiscard]] std::size_t locals() const { return slices_.phyxels.size(); }
+  [[nodiscard]] std::size_t numbers() const { return slices_.numbers.size(); }
   /// With the lanes that stand for nothing: the price of slices that are not full.
   [[nodiscard]] std::size_t lanes() const { return slices_.count() * kernels::kLanes<T>; }
 
  private:
   kernels::CellSlices<T> slices_;
   kernels::LawNumbers<T> law_;
-  kernels::AlignedVector<T> displacements_, entries_, ratios_;
+  std::vector<Vec3> displacements_;
+  kernels::AlignedVector<T> partials_, ratios_;
   std::size_t cells_ = 0;
 };
 
@@ -125,8 +128,10 @@ void forces(bench::Report &report, const Limits &limit, double seconds, std::siz
       seconds, {[&] { kernel.run(); }, [&] { bench::evaluateForces(body, serialFor()); }, chains<T>(peakOperations)});
   const double peak = perSecond(peakOperations, t[2]);
   const auto cells = static_cast<double>(kernel.cells()), n = static_cast<double>(rest->phyxelCount());
-  const double kernelBytes = cells * counts::cellBytes(sizeof(T)) + n * 4 * sizeof(T);
-  const double allBytes = cells * (counts::cellBytes(sizeof(T)) + counts::gatherBytes(sizeof(T))) + n * counts::phyxelBytes(sizeof(T));
+  const auto locals = static_cast<double>(kernel.locals());
+  const double kernelBytes = cells * counts::kCellBytes + sizeof(T) * static_cast<double>(kernel.numbers()) +
+                             locals * counts::localBytes(sizeof(T)) + n * counts::kFieldBytes;
+  const double allBytes = kernelBytes + locals * counts::collectBytes(sizeof(T)) + n * counts::kForceBytes;
   const auto row = [&](const char *what, const Timing &time, double operations, double bytes) {
     // By where what streams through stays from one evaluation to the next.
     const double triad = bytes < 2e6 ? limit.cache : bytes < 24.0 * kLastCacheTriad ? limit.lastCache : limit.memory;
@@ -136,7 +141,7 @@ void forces(bench::Report &report, const Limits &limit, double seconds, std::siz
                 bytes / cells, 1e-9 * perSecond(bytes, time), 100.0 * perSecond(bytes, time) / triad});
   };
   row("kernel of cells", t[0], cells * counts::kCellOperations, kernelBytes);
-  row("evaluation", t[1], cells * (counts::kCellOperations + counts::kGatherOperations) + n * counts::kPhyxelOperations, allBytes);
+  row("evaluation", t[1], cells * counts::kCellOperations + locals * counts::kCollectOperations, allBytes);
   report.fact("percent_of_peak, " + std::string(kSingle ? "float" : "double") + ", " + std::to_string(rest->phyxelCount()),
               100.0 * perSecond(cells * counts::kCellOperations, t[0]) / peak);
 }

@@ -30,22 +30,25 @@ inline constexpr double kModes = 9                         // A
                                  + 54                      // B = A + GᵀA
                                  + 6 + 3 + 12 + 6 + 3 + 21 // dU/dB: shears, common, s, p, squares, entries
                                  + 54 + 54                 // S += A Dᵀ, D + G D
-                                 + 3 + 12;                 // twist, products with the k
+                                 + 1 + 3 + 9;              // twist, products with the k
 inline constexpr double kUnfit = 3 * (3 + 3 * 4 + 6);      // three components: x y z; xy xz yz; xyz
 inline constexpr double kSpreadSigns = 3 * 22;             // 6 + 8 + 8 sums
+inline constexpr double kCornerSums = 8 * 3;                // a corner's force is added to its phyxel
 /// In the kernel of cells.
-inline constexpr double kCellOperations =
-    kSignSums + kFit + kStrain + kStretch + kLaw + kTangentBound + kScale + kModes + kUnfit + kSpreadSigns;
-/// Beside it: a corner's force is added to its phyxel.
-inline constexpr double kGatherOperations = 8 * 3;
-/// Per phyxel: relative to the first one.
-inline constexpr double kPhyxelOperations = 3;
+inline constexpr double kCellOperations = kSignSums + kFit + kStrain + kStretch + kLaw + kTangentBound + kScale + kModes +
+                                          kUnfit + kSpreadSigns + kCornerSums;
+/// Beside it, per phyxel of a chunk: its part is added to the force.
+inline constexpr double kCollectOperations = 3;
 
-/// Bytes that must go through, each once, however often the caches see them: per cell 16 numbers, 8 corners, 8 forces out.
-constexpr double cellBytes(std::size_t number) { return 16.0 * static_cast<double>(number) + 8 * 4 + 8 * 4 * static_cast<double>(number); }
-/// Per cell beside the kernel: 8 places and the 8 forces, in.
-constexpr double gatherBytes(std::size_t number) { return 8 * 4 + 8 * 4 * static_cast<double>(number); }
-/// Per phyxel: u in, four numbers out and in again, a row's offset, the force out.
-constexpr double phyxelBytes(std::size_t number) { return 24 + 2 * 4 * static_cast<double>(number) + 4 + 24; }
+/// Bytes that must go through, each once, however often the caches see them. Per cell: 8 corners; its numbers are counted
+/// where they lie, since whole cells share theirs.
+inline constexpr double kCellBytes = 8 * 2;
+/// Per phyxel of a chunk: which it is, four numbers out (zeroed first, in the first cache).
+constexpr double localBytes(std::size_t number) { return 4 + 4 * static_cast<double>(number); }
+/// Per phyxel: u.
+inline constexpr double kFieldBytes = 24;
+/// Beside the kernel: per phyxel of a chunk its place and four numbers in, per phyxel a row's offset and the force out.
+constexpr double collectBytes(std::size_t number) { return 4 + 4 * static_cast<double>(number); }
+inline constexpr double kForceBytes = 4 + 24;
 
 }  // namespace counts
