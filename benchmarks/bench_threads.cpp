@@ -30,6 +30,7 @@
 #include "bench/report.h"
 #include "bench/timing.h"
 #include "pointbased/simulator.h"
+#include "limit_kernels.h"
 
 namespace {
 
@@ -164,6 +165,32 @@ bool steps(bench::Report &report, std::size_t phyxels, c3de::ThreadPool &pool, d
   return true;
 }
 
+// What the processors give when all of them multiply and add in registers alone: those that share the units of one core give
+// together what one gives, and no program of this kind can gain from the second.
+void processors(bench::Report &report, c3de::ThreadPool &pool, unsigned threads, double seconds) {
+  report.table("processors", {{"what", "what                "}, {"one_gflops", "1 thread GFLOP/s", 1}, {"all_gflops", "all GFLOP/s", 1},
+                              {"speedup", "speed-up", 2}});
+  constexpr std::size_t kRounds = 200000;
+  double operations = 0.0;
+  const auto chain = [&] {
+    float out{};
+    operations = limits::multiplyAdds(0.5f, kRounds, out);
+    bench::keep(static_cast<double>(out));
+  };
+  const std::vector<bench::Timing> t = bench::measureInTurns(
+      seconds, {chain, [&] {
+                  pool.parallelFor(threads, 1, [](std::size_t begin, std::size_t end) {
+                    for (std::size_t i = begin; i < end; ++i) {
+                      float out{};
+                      bench::keep(limits::multiplyAdds(0.5f, kRounds, out) + static_cast<double>(out));
+                    }
+                  });
+                }});
+  const double one = operations / t[0].median_ms, all = threads * operations / t[1].median_ms;
+  report.row({"multiply-add, float", 1e-6 * one, 1e-6 * all, all / one});
+  report.fact("speedup_of_multiply_add", all / one);
+}
+
 }  // namespace
 
 int main(int argc, char **argv) {
@@ -189,6 +216,7 @@ int main(int argc, char **argv) {
 #else
   report.note("built without oneTBB: no comparison");
 #endif
+  processors(report, pool, options.threads, options.seconds);
   if (only != "steps") forkJoin(report, ways, options.threads, options.seconds);
   if (only != "fork-join" && !steps(report, phyxels, pool, options.seconds)) {
     std::fprintf(stderr, "bench_threads: a step failed\n");

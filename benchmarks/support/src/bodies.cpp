@@ -55,9 +55,15 @@ PhyxelCloud ballCloud(std::size_t count) {
   std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
                    [&](const Vec3 &a, const Vec3 &b) { return (a - centre).squaredNorm() < (b - centre).squaredNorm(); });
   points.resize(count);
-  std::sort(points.begin(), points.end(), [](const Vec3 &a, const Vec3 &b) {
-    return std::array{a[2], a[1], a[0]} < std::array{b[2], b[1], b[0]};
-  });
+  // Along Morton's curve, as fill() gives them.
+  const auto code = [half](const Vec3 &p) {
+    std::uint64_t bits = 0;
+    for (int b = 0; b < 20; ++b)
+      for (int c = 0; c < 3; ++c)
+        bits |= (static_cast<std::uint64_t>(std::lround(p[c]) + half) >> b & 1u) << (3 * b + c);
+    return bits;
+  };
+  std::sort(points.begin(), points.end(), [&](const Vec3 &a, const Vec3 &b) { return code(a) < code(b); });
   PhyxelCloud cloud;
   cloud.spacing = kSpacing;
   for (const Vec3 &p : points) cloud.positions.push_back(kSpacing * p);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "lattice_grid.h"
 #include "number_text.h"
 
 namespace pointbased {
@@ -215,14 +216,18 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   for (const double v : cloud.volumes) total += v;
   for (double &v : cloud.volumes) v *= shape.volume / total;
 
-  // Sorted in space: lattice order is already, appended orphans are not.
-  std::vector<std::size_t> order(cloud.positions.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  const auto key = [&](std::size_t i) {
+  // Along a space-filling curve, so that neighbours are near in memory.
+  std::vector<std::pair<std::uint64_t, std::size_t>> curve;
+  for (std::size_t i = 0; i < cloud.positions.size(); ++i) {
     const Vec3 q = (cloud.positions[i] - lattice.origin) / spacing;
-    return std::array<std::int64_t, 3>{std::llround(q[2]), std::llround(q[1]), std::llround(q[0])};
-  };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+    lattice::Cell3 at;
+    for (std::size_t c = 0; c < 3; ++c)
+      at[c] = static_cast<std::int32_t>(std::clamp(std::round(q[static_cast<int>(c)]) + 1.0, 0.0, 1048575.0));
+    curve.emplace_back(lattice::mortonCode(at), i);
+  }
+  std::sort(curve.begin(), curve.end());
+  std::vector<std::size_t> order;
+  for (const auto &[code, i] : curve) order.push_back(i);
   PhyxelCloud sorted;
   sorted.spacing = spacing;
   sorted.countedVolume = total;
