@@ -98,10 +98,11 @@ void surfelMemory(bench::Report &report, std::size_t surfels, const ParallelFor 
     // Contact points belong to the surface too, but not to the surfels.
     const auto count = static_cast<double>(surfels);
     const double counted = static_cast<double>(rest.surfels.bytes()) + bytes(rest.surfelNormals) + bytes(rest.skin);
-    std::vector<Vec3> x(surfels), normals(surfels);
+    std::vector<Vec3f> x(surfels), normals(surfels);
+    ScreenPhyxels scratch;
     const Timing t = bench::measure(0.3, [&] {
-      updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, built.body->state().displacements, x, normals,
-                    parallelFor);
+      updateSurfels(rest.surfels, rest.surfelNormals, rest.origin, rest.positions, built.body->state().displacements, scratch,
+                    x, normals, parallelFor);
     });
     report.row({lattice ? "stress points" : "phyxels", surfels, rest.phyxelCount(), counted / count,
                 static_cast<double>(rest.surfels.bytes()) / count, 1e6 * t.median_ms / count});

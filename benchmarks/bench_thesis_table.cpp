@@ -10,6 +10,7 @@
 // without stabilisation. A lattice has no loop of the thesis: its rows are compared, per phyxel, with the
 // plain loop on the cloud of that size.
 //
+// Surfels are updated as a screen is given them, positions and normals in single precision.
 // The clouds are the N lattice points nearest to a centre, the surfels a Fibonacci sphere around them, so the sizes are
 // exact; lattices have about as many phyxels. The thesis used a 3.2 GHz quad core of 2012; here a phyxel chooses 26
 // neighbours, and ties and symmetry make it 31 to 35. Its figures are times of another method, machine and compiler.
@@ -150,9 +151,11 @@ Largest surfels(bench::Report &report, double seconds, const ParallelFor &parall
                                     : bench::cloudBall(phyxels, size.surfels, parallelFor);
         Body body("ball", rest, bench::constitutionFor(*rest), parallelFor);
         bench::deform(body);
-        std::vector<Vec3> x(size.surfels), n(size.surfels);
+        std::vector<Vec3f> x(size.surfels), n(size.surfels);
+        ScreenPhyxels scratch;
         const Timing t = bench::measure(seconds, [&] {
-          updateSurfels(rest->surfels, rest->surfelNormals, rest->positions, body.state().displacements, x, n, parallelFor);
+          updateSurfels(rest->surfels, rest->surfelNormals, rest->origin, rest->positions, body.state().displacements, scratch, x, n,
+                        parallelFor);
         });
         report.row({onLattice ? "stress points" : "phyxels", size.surfels, rest->phyxelCount(), t.median_ms, t.p95_ms,
                     t.p99_ms, 1e6 * t.median_ms / static_cast<double>(size.surfels), size.thesisUpdate_ms,
