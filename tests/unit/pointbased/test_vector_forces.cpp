@@ -2,6 +2,7 @@
 // The vector kernels against the scalar engine, which stays as the slower, plainer way to the same forces.
 #include <algorithm>
 #include <cmath>
+#include <hwy/targets.h>
 #include <limits>
 
 #include "pointbased/lattice.h"
@@ -262,6 +263,47 @@ TEST_CASE("evaluation by kernels gives the same bits however its loops are cut",
       CHECK(body.stableStep() == step);
       CHECK(std::equal(whole.begin(), whole.end(), body.forces().begin()));
     }
+}
+
+TEST_CASE("evaluation by kernels gives the same bits on every instruction set with a fused multiply-add", "[kernels]") {
+  struct Restore {
+    ~Restore() {
+      hwy::SetSupportedTargetsForTest(0);
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    }
+  } restore;
+  std::vector<std::int64_t> targets;
+  for (const std::int64_t target : {HWY_AVX3, HWY_AVX2})
+    if ((hwy::SupportedTargets() & target) != 0) targets.push_back(target);
+  if (targets.size() < 2) {
+    WARN("[C3DE-SKIPPED] this machine has one such instruction set only");
+    return;
+  }
+  for (const bool lattice : {true, false})
+    for (const Precision precision : {Precision::doublePrecision, Precision::singlePrecision})
+      for (const MaterialLaw law : kLaws) {
+        const Case c = lattice ? bodies()[1] : clouds()[0];
+        Material m = materialOf(law);
+        m.viscosity = 10.0;
+        Body body("b", c.rest, Constitution{{m}, 0.5}, serialFor());
+        body.setPrecision(precision);
+        deform(body, 0.3, 0.1, 3);
+        std::vector<std::vector<Vec3>> forces;
+        std::vector<double> steps, energies;
+        for (const std::int64_t target : targets) {
+          hwy::SetSupportedTargetsForTest(target);
+          hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+          CHECK(kernelTarget() == hwy::TargetName(target));
+          body.evaluate(0.0, 0.0, serialFor());
+          forces.emplace_back(body.forces().begin(), body.forces().end());
+          steps.push_back(body.stableStep());
+          energies.push_back(body.elasticEnergy(serialFor()).strain);
+        }
+        INFO(c.name << ", law " << static_cast<int>(law) << ", precision " << static_cast<int>(precision));
+        CHECK(forces[0] == forces[1]);
+        CHECK(steps[0] == steps[1]);
+        CHECK(energies[0] == energies[1]);
+      }
 }
 
 TEST_CASE("bodies that flow or relax go by stages", "[kernels]") {

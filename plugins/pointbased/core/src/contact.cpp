@@ -264,9 +264,12 @@ void search(std::span<const Obstacle> obstacles, const WorldBox &box, double tim
   }
   if (box.enabled) addWalls(box, dt, margin, looked, memory.active);
 
-  std::stable_sort(memory.active.begin(), memory.active.end(), [](const Contact &a, const Contact &b) {
+  const auto before = [](const Contact &a, const Contact &b) {
     return a.point != b.point ? a.point < b.point : a.obstacle < b.obstacle;
-  });
+  };
+  // A stable sort takes memory, and with one obstacle there is nothing to sort.
+  if (!std::is_sorted(memory.active.begin(), memory.active.end(), before))
+    std::stable_sort(memory.active.begin(), memory.active.end(), before);
   for (const Contact &contact : memory.active) memory.deepest = std::max(memory.deepest, -contact.gap);
   keepMemories(memory);
 }

@@ -62,7 +62,8 @@ void PatchSolver::correct(double dt, std::span<const Vec3> targets, std::span<Ve
   Impl &m = *impl_;
   const std::size_t n = rows();
   if (n == 0) return;
-  if (dt != m.factorisedDt) {
+  // Parts of a step differ in their last digits.
+  if (!(std::abs(dt - m.factorisedDt) <= 1e-9 * dt)) {
     Eigen::SparseMatrix<double> A = m.coupling;
     for (std::size_t p = 0; p < n; ++p)
       A.coeffRef(static_cast<Eigen::Index>(p), static_cast<Eigen::Index>(p)) += 1.0 / (m.stiffness[p] * dt * dt);

@@ -253,7 +253,8 @@ void Simulator::increaseLoad(const detail::StepOrder &order) {
 
 double Simulator::advanceBodies(const detail::StepOrder &order) {
   double span = order.dt;
-  std::vector<detail::BodyRunner *> ahead;
+  std::vector<detail::BodyRunner *> &ahead = ahead_;
+  ahead.clear();
   for (auto &[id, runner] : bodies_) {
     if (runner->stopped()) continue;
     const double gone = runner->advance(order, span);

@@ -141,6 +141,7 @@ class Simulator {
   WorldSettings world_;
   std::map<std::size_t, std::unique_ptr<detail::BodyRunner>> bodies_;
   std::map<std::size_t, std::vector<std::string>> warnings_;  // about shape and sampling, by body
+  std::vector<detail::BodyRunner *> ahead_;  // scratch of a step: those that have been advanced
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
   std::vector<Probe> probes_;

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// A program of its own, because it replaces operator new: a step of a body that has come into its rhythm takes no memory.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "contact_cases.h"
+#include "pointbased/lattice.h"
+#include "shapes.h"
+#include "support/catch.h"
+
+namespace {
+
+std::atomic<std::size_t> taken{0};
+
+void *counted(std::size_t size, std::size_t alignment) {
+  ++taken;
+  // aligned_alloc wants a whole number of alignments.
+  void *p = alignment > alignof(std::max_align_t) ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
+                                                  : std::malloc(size);
+  if (!p) throw std::bad_alloc();
+  return p;
+}
+
+}  // namespace
+
+void *operator new(std::size_t size) { return counted(size, 1); }
+void *operator new(std::size_t size, std::align_val_t alignment) { return counted(size, static_cast<std::size_t>(alignment)); }
+void operator delete(void *p) noexcept { std::free(p); }
+void operator delete(void *p, std::size_t) noexcept { std::free(p); }
+void operator delete(void *p, std::align_val_t) noexcept { std::free(p); }
+
+using namespace pointbased;
+using namespace shapes;
+
+TEST_CASE("explicit steps take no memory, free and in contact, on lattices and in clouds, in both precisions") {
+  for (const Evaluation evaluation : {Evaluation::stressPoints, Evaluation::phyxels})
+    for (const Precision precision : {Precision::doublePrecision, Precision::singlePrecision}) {
+      Simulator simulator;
+      WorldSettings world;
+      world.gravity = Vec3(0, -9.81, 0);
+      world.damping = 20.0;
+      world.precision = precision;
+      world.box.enabled = true;
+      world.box.min = Vec3(-1, 0, -1);
+      world.box.max = Vec3(1, 1, 1);
+      simulator.setWorld(world);
+      const Vec3 low(0.0, 0.01, 0.0), high(0.2, 0.05, 0.04);
+      const Material material = rubber(1e4, 1.0);
+      auto body = evaluation == Evaluation::phyxels
+                      ? std::make_unique<Body>("box", shapes::restState(shapes::box(low, high), 0.01),
+                                               Constitution{{material}, kCloudStabilisation}, serialFor())
+                      : latticeBox(low, high, 0.01, material);
+      const std::size_t id = simulator.addBody(std::move(body));
+      REQUIRE(simulator.body(id)->vectorised());
+      // It falls, meets the ground and has been in contact for a while.
+      for (int i = 0; i < 400; ++i) REQUIRE(simulator.step());
+      REQUIRE_FALSE(simulator.body(id)->contact.active.empty());
+      const std::size_t before = taken;
+      bool gone = true;
+      for (int i = 0; i < 100; ++i) gone = gone && simulator.step().has_value();
+      const std::size_t after = taken;
+      CHECK(gone);
+      INFO((evaluation == Evaluation::phyxels ? "cloud" : "lattice"));
+      CHECK(after == before);
+    }
+}
