@@ -271,3 +271,28 @@ TEST_CASE("another integrator goes on from the same positions, velocities and pl
     CHECK(std::isfinite(simulator.energy(id).elastic));
   }
 }
+
+TEST_CASE("the cheaper integrator is chosen by the stiffness of the body, and another may be asked for") {
+  const auto integratorFor = [](double youngsModulus, Integrator asked) {
+    Simulator simulator;
+    WorldSettings world;
+    world.integrator = asked;
+    simulator.setWorld(world);
+    Material material;
+    material.youngsModulus = youngsModulus;
+    const std::size_t id = simulator.addBody(std::make_unique<Body>(
+        "ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01), Constitution{{material}, kCloudStabilisation}, serialFor()));
+    const auto [explicitCost, implicitCost] = simulator.predictedCost(id);
+    CHECK(explicitCost > 0.0);
+    CHECK(implicitCost > 0.0);
+    if (asked == Integrator::automatic)
+      CHECK((simulator.integratorOf(id) == Integrator::implicitSdirk) == (implicitCost < explicitCost));
+    // The step that goes with it.
+    CHECK((simulator.stepSize() == kImplicitStep) == (simulator.integratorOf(id) == Integrator::implicitSdirk));
+    return simulator.integratorOf(id);
+  };
+  CHECK(integratorFor(6e3, Integrator::automatic) == Integrator::explicitVerlet);
+  CHECK(integratorFor(1e9, Integrator::automatic) == Integrator::implicitSdirk);
+  CHECK(integratorFor(6e3, Integrator::implicitSdirk) == Integrator::implicitSdirk);
+  CHECK(integratorFor(1e8, Integrator::explicitVerlet) == Integrator::explicitVerlet);
+}
