@@ -86,7 +86,7 @@ class CellKernel {
     for (const std::size_t used : plan.used) cells_ += used;
     displacements_ = body.state().displacements;
     partials_.resize(4 * slices_.phyxels.size());
-    ratios_.resize(slices_.count());
+
   }
   void run() {
     kernels::CellJob<T> job;
@@ -95,7 +95,6 @@ class CellKernel {
     job.modal = true;
     job.displacements = {displacements_.front().data(), displacements_.size()};
     job.partials = partials_.data();
-    job.ratios = ratios_.data();
     kernels::ScalarLaw scalar;
     scalar.stress = &noStress;
     kernels::cellForces(job, scalar, 0, slices_.chunks());
@@ -111,7 +110,7 @@ class CellKernel {
   kernels::CellSlices<T> slices_;
   kernels::LawNumbers<T> law_;
   std::vector<Vec3> displacements_;
-  kernels::AlignedVector<T> partials_, ratios_;
+  kernels::AlignedVector<T> partials_;
   std::size_t cells_ = 0;
 };
 

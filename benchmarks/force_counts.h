@@ -33,7 +33,7 @@ inline constexpr double kModes = 9                         // A
                                  + 1 + 3 + 9;              // twist, products with the k
 inline constexpr double kUnfit = 3 * (3 + 3 * 4 + 6);      // three components: x y z; xy xz yz; xyz
 inline constexpr double kSpreadSigns = 3 * 22;             // 6 + 8 + 8 sums
-inline constexpr double kCornerSums = 8 * 3;                // a corner's force is added to its phyxel
+inline constexpr double kCornerSums = 8 * 4;                // a corner's force and stiffness are added to its phyxel
 /// In the kernel of cells.
 inline constexpr double kCellOperations = kSignSums + kFit + kStrain + kStretch + kLaw + kTangentBound + kScale + kModes +
                                           kUnfit + kSpreadSigns + kCornerSums;

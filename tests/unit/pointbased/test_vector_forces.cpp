@@ -77,7 +77,7 @@ double largest(std::span<const Vec3> field) {
   return most;
 }
 
-// Largest difference of the two ways, over the largest force; and of the stable step.
+// Largest difference of the two ways, over the largest force; and how much longer the stable step is.
 struct Difference {
   double forces, step;
 };
@@ -89,7 +89,7 @@ Difference difference(Body &body) {
   shapes::evaluate(body);
   std::vector<Vec3> off;
   for (std::size_t i = 0; i < fast.size(); ++i) off.push_back(fast[i] - body.forces()[i]);
-  return {largest(off) / largest(body.forces()), std::abs(step - body.stableStep()) / body.stableStep()};
+  return {largest(off) / largest(body.forces()), step / body.stableStep() - 1.0};
 }
 
 constexpr MaterialLaw kLaws[] = {MaterialLaw::linear, MaterialLaw::stVenantKirchhoff, MaterialLaw::corotated,
@@ -113,7 +113,9 @@ TEST_CASE("vector kernels give the forces of the scalar engine in double precisi
               const Difference d = difference(body);
               // Round-off of displacements of centimetres over strains of 1e-6 (the smallest case), and of sums.
               CHECK(d.forces < (size < 1e-3 ? 1e-8 : 1e-11));
-              CHECK(d.step < 0.01);  // both are safe bounds, which the kernel takes in another way
+              // Of the largest ratio of all points clouds take the root; lattices weigh what it does to a phyxel's mass.
+              CHECK(d.step > -0.01);
+              if (!lattice) CHECK(d.step < 0.01);
             }
 }
 
@@ -162,8 +164,52 @@ TEST_CASE("collapsed and mirrored cells are answered as by the scalar engine", "
       INFO("law " << static_cast<int>(law) << (lattice ? ", lattice" : ", cloud"));
       const Difference d = difference(body);
       CHECK(d.forces < 1e-9);  // near a singular F the rotation of the corotated law is found to fewer digits
-      CHECK(d.step < 0.05);
+      CHECK(d.step > -0.05);
+      if (!lattice) CHECK(d.step < 0.05);
     }
+}
+
+TEST_CASE("the stable step of strained lattices is stable, and little shorter than it has to be", "[kernels]") {
+  for (const Case &c : bodies())
+    for (const MaterialLaw law : {MaterialLaw::neoHookean, MaterialLaw::stVenantKirchhoff})
+      for (const double crushed : {0.0, 0.3, 0.6}) {
+        const Constitution constitution{{materialOf(law)}, kLatticeStabilisation};
+        Body body("b", c.rest, constitution, serialFor());
+        // Pressed together towards one end, more and more; bulging or not across.
+        const Vec3 low = c.rest->positions.front();
+        support::Random random(21);
+        for (std::size_t i = 0; i < c.rest->phyxelCount(); ++i) {
+          const Vec3 X = c.rest->positions[i] - low;
+          body.state().displacements[i] =
+              Vec3(0.2 * crushed * X.x(), -crushed * X.y() * std::exp(-std::abs(X.y()) / 0.02), 0.0) +
+              0.02 * crushed * c.rest->spacing * random.vector();
+        }
+        body.evaluate(0.0, 0.0, serialFor());
+        const double step = body.stableStep();
+        body.computeGradients(serialFor());
+        // The largest frequency there, by power iteration.
+        std::vector<Vec3> mode(c.rest->phyxelCount()), force(mode.size());
+        for (Vec3 &x : mode) x = random.vector();
+        TangentScratch scratch;
+        double squared = 0.0;
+        for (int k = 0; k < 200; ++k) {
+          forceDifferential(constitution, c.rest->stencils, c.rest->positions, body.state().displacements, body.gradients(),
+                            PointHistory(), 0.0, 0.0, mode, scratch, force, serialFor());
+          double top = 0.0, bottom = 0.0, most = 0.0;
+          for (std::size_t i = 0; i < mode.size(); ++i) {
+            top -= mode[i].dot(force[i]);
+            bottom += body.masses()[i] * mode[i].squaredNorm();
+            force[i] /= -body.masses()[i];
+            most = std::max(most, force[i].norm());
+          }
+          squared = top / bottom;
+          for (std::size_t i = 0; i < mode.size(); ++i) mode[i] = force[i] / most;
+        }
+        INFO(c.name << ", law " << static_cast<int>(law) << ", crushed " << crushed << ": " << step * std::sqrt(squared) / 2.0);
+        // Steps take up to 0.92 of it: 8 % are left for what the weighing does not see.
+        CHECK(step * std::sqrt(squared) / 2.0 < 1.07);
+        CHECK(step * std::sqrt(squared) / 2.0 > 0.5);
+      }
 }
 
 TEST_CASE("a number that is none reaches the bound of the step", "[kernels]") {

@@ -184,14 +184,14 @@ void Body::setPrecision(Precision precision) {
 }
 
 void Body::vectorise() {
-  vectorForces_ = detail::vectorForces(rest_->stencils, rest_->positions, constitution_, precision_);
+  vectorForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, precision_);
   exactForces_.reset();
 }
 
 detail::VectorForces &Body::exactForces() const {
   if (precision_ == Precision::doublePrecision) return *vectorForces_;
   if (!exactForces_)
-    exactForces_ = detail::vectorForces(rest_->stencils, rest_->positions, constitution_, Precision::doublePrecision);
+    exactForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, Precision::doublePrecision);
   return *exactForces_;
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vector forces of lattices.
 #include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
 
 #include "kernels/cell_kernel.h"
 #include "kernels/cell_tangent_kernel.h"
@@ -18,12 +21,13 @@ PhyxelField fieldOf(std::span<const Vec3> field) {
 template <class T>
 class CellForces final : public VectorForces {
  public:
-  CellForces(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution, const CellPlan &plan)
-      : stencils_(stencils), constitution_(constitution), cells_(sliceCells<T>(stencils, plan)),
+  CellForces(const StencilSet &stencils, std::span<const Vec3> positions, std::span<const double> masses,
+             const Constitution &constitution, const CellPlan &plan)
+      : stencils_(stencils), masses_(masses), constitution_(constitution), cells_(sliceCells<T>(stencils, plan)),
         laws_(lawsOf<T>(constitution)), others_(stencils, positions, constitution_, plan.others),
         turned_(stencils.axes != Mat3::Identity()) {
-    ratios_.resize(cells_.count());
     layRows(positions.size());
+    stiffnessAtRest_ = largestStiffnessAtRest();
   }
 
   double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, std::span<Vec3> forces,
@@ -32,14 +36,13 @@ class CellForces final : public VectorForces {
     job.velocities = fieldOf(v);
     const ScalarLaw scalar = scalarLaw(constitution_);
     forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellForces(job, scalar, begin, end); });
-    double ratio = 1.0;
     if (!others_.empty()) {
-      ratio = others_.evaluate(u, v, parallelFor);
-      takeOthers();
+      (void)others_.evaluate(u, v, parallelFor);
+      takeOthers(true);
     }
-    ratio = largestRatio<T>(ratios_, ratio);
-    collect(forces, parallelFor);
-    return ratio;
+    const double stiffness = collect(masses_, forces, parallelFor);
+    // Round-off makes no body softer than at rest.
+    return stiffness <= stiffnessAtRest_ ? 1.0 : stiffness / stiffnessAtRest_;
   }
 
   [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
@@ -70,15 +73,15 @@ class CellForces final : public VectorForces {
     forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellProducts(job, scalar, begin, end); });
     if (!others_.empty()) {
       others_.differential(du, viscousScale, parallelFor);
-      takeOthers();
+      takeOthers(false);
     }
-    collect(df, parallelFor);
+    (void)collect({}, df, parallelFor);
   }
 
   [[nodiscard]] std::size_t memory() const override {
     return bytesOf(cells_.materials) + bytesOf(cells_.corners) + bytesOf(cells_.numbers) + bytesOf(cells_.blocks) +
            bytesOf(cells_.firstLocals) + bytesOf(cells_.phyxels) + bytesOf(rows_.offsets) + bytesOf(rows_.indices) +
-           bytesOf(partials_) + bytesOf(ratios_) + bytesOf(tangents_) + bytesOf(energies_) + others_.memory();
+           bytesOf(partials_) + bytesOf(tangents_) + bytesOf(energies_) + others_.memory();
   }
 
  private:
@@ -90,7 +93,6 @@ class CellForces final : public VectorForces {
     setAxes(job);
     job.displacements = fieldOf(u);
     job.partials = partials_.data();
-    job.ratios = ratios_.data();
     job.tangents = tangents_.data();
     job.energies = energies_.data();
     return job;
@@ -123,27 +125,55 @@ class CellForces final : public VectorForces {
     partials_.assign(4 * all, T(0));
   }
 
-  // Forces of the other points into their places.
-  void takeOthers() {
+  // Stiffness that an entry of a point gives its phyxel at rest, N/m.
+  [[nodiscard]] double stiffnessOf(std::size_t q, Index entry) const {
+    return stencils_.volumes[q] * materialOfPoint(constitution_, stencils_, q).waveModulus() *
+           stencils_.gradients[entry].squaredNorm();
+  }
+
+  [[nodiscard]] double largestStiffnessAtRest() const {
+    std::vector<double> sums(masses_.size(), 0.0);
+    for (std::size_t q = 0; q < stencils_.pointCount(); ++q)
+      for (Index e = stencils_.phyxels.offsets[q]; e < stencils_.phyxels.offsets[q + 1]; ++e)
+        sums[stencils_.phyxels.indices[e]] += stiffnessOf(q, e);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < sums.size(); ++i) largest = std::max(largest, sums[i] / masses_[i]);
+    return largest;
+  }
+
+  // Forces of the other points into their places, and their stiffness.
+  void takeOthers(bool stiffness) {
     T *out = partials_.data() + 4 * cells_.phyxels.size();
     for (std::size_t k = 0; k < others_.entries().size(); ++k) {
       const Vec3 f = stencils_.axes.transpose() * others_.force(k);
       for (int c = 0; c < 3; ++c) out[4 * k + static_cast<std::size_t>(c)] = static_cast<T>(f[c]);
+      const Index entry = others_.entries()[k], q = stencils_.pointOfEntry[entry];
+      out[4 * k + 3] = stiffness ? static_cast<T>(others_.ratio(q) * stiffnessOf(q, entry)) : T(0);
     }
   }
 
-  void collect(std::span<Vec3> forces, const ParallelFor &parallelFor) {
+  // @return largest stiffness over mass, 1/s²
+  double collect(std::span<const double> masses, std::span<Vec3> forces, const ParallelFor &parallelFor) {
     CollectJob<T> job;
     job.offsets = rows_.offsets;
     job.places = rows_.indices;
     job.partials = partials_.data();
     setAxes(job);
     job.forces = forces.front().data();
-    runLoop(parallelFor, forces.size(), kPhyxelGrain,
-            [&](std::size_t begin, std::size_t end) { collectForces(job, begin, end); });
+    job.masses = masses.empty() ? nullptr : masses.data();
+    // The bits of numbers that are not negative are in their order, and those of NaN come last: a maximum without a lock.
+    std::atomic<std::uint64_t> largest{0};
+    runLoop(parallelFor, forces.size(), kPhyxelGrain, [&](std::size_t begin, std::size_t end) {
+      const auto here = std::bit_cast<std::uint64_t>(std::abs(collectForces(job, begin, end)));
+      std::uint64_t known = largest.load(std::memory_order_relaxed);
+      while (here > known && !largest.compare_exchange_weak(known, here, std::memory_order_relaxed)) {
+      }
+    });
+    return std::bit_cast<double>(largest.load());
   }
 
   const StencilSet &stencils_;
+  std::span<const double> masses_;
   const Constitution constitution_;
   CellSlices<T> cells_;
   std::vector<LawNumbers<T>> laws_;
@@ -151,7 +181,7 @@ class CellForces final : public VectorForces {
   bool turned_;
   Csr rows_;                      // [phyxels] places in partials_
   AlignedVector<T> partials_;     // [places][4]
-  AlignedVector<T> ratios_;       // [slices]
+  double stiffnessAtRest_ = 0.0;  // largest of all phyxels over their mass, 1/s²
   AlignedVector<T> tangents_;     // of differential(); empty before
   std::vector<double> energies_;  // [slices][2]; empty before
 };
@@ -159,7 +189,8 @@ class CellForces final : public VectorForces {
 }  // namespace
 
 std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
-                                           const Constitution &constitution, Precision precision) {
+                                           std::span<const double> masses, const Constitution &constitution,
+                                           Precision precision) {
   std::vector<std::uint8_t> suits;
   // The kernel's neo-Hookean law is the one with the square of the logarithm.
   for (const Material &m : constitution.materials)
@@ -167,8 +198,8 @@ std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span
   const bool single = precision == Precision::singlePrecision;
   const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;
-  if (single) return std::make_unique<CellForces<float>>(stencils, positions, constitution, plan);
-  return std::make_unique<CellForces<double>>(stencils, positions, constitution, plan);
+  if (single) return std::make_unique<CellForces<float>>(stencils, positions, masses, constitution, plan);
+  return std::make_unique<CellForces<double>>(stencils, positions, masses, constitution, plan);
 }
 
 }  // namespace pointbased::detail

@@ -106,13 +106,14 @@ std::size_t OtherPoints::memory() const {
 }
 
 std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span<const Vec3> positions,
-                                           const Constitution &constitution, Precision precision) {
+                                           std::span<const double> masses, const Constitution &constitution,
+                                           Precision precision) {
   if ( positions.empty() || !stencils.reference.empty()) return nullptr;
   // The kernels know no history.
   for (const Material &m : constitution.materials)
     if (m.relaxes() || m.plastic.enabled()) return nullptr;
   return stencils.modes.empty() ? cloudForcesOf(stencils, positions, constitution, precision)
-                                : cellForcesOf(stencils, positions, constitution, precision);
+                                : cellForcesOf(stencils, positions, masses, constitution, precision);
 }
 
 }  // namespace pointbased::detail

@@ -22,7 +22,9 @@ class VectorForces {
   /// @param displacements  [phyxels] u, m
   /// @param velocities     [phyxels] m/s, or empty: without viscous stress
   /// @param forces         [phyxels] out: N
-  /// @return largest tangentRatio() (and stretch of modes) of all points; NaN if any is
+  /// @return how much the square of the largest frequency may have grown against rest, >= 1; NaN if anything is. Lattices:
+  ///         largest Σ_q τ_q v_q (λ + 2 μ) |g_qj|² / m_j of the phyxels over that at rest, τ_q the tangentRatio() (and stretch
+  ///         of modes) of a cell; clouds: largest τ_q
   /// @threads writes only `forces` and its own scratch; no allocation, no lock
   virtual double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities, std::span<Vec3> forces,
                           const ParallelFor &parallelFor) = 0;
@@ -38,7 +40,9 @@ class VectorForces {
 };
 
 /// Null where no kernel would take at least half of the points: materials that flow or relax.
+/// @param masses  [phyxels] kg; has to live as long
 [[nodiscard]] std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span<const Vec3> positions,
-                                                         const Constitution &constitution, Precision precision);
+                                                         std::span<const double> masses, const Constitution &constitution,
+                                                         Precision precision);
 
 }  // namespace pointbased::detail

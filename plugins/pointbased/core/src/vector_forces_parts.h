@@ -15,7 +15,8 @@ namespace pointbased::detail {
 inline constexpr std::size_t kPhyxelGrain = 256;
 
 [[nodiscard]] std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
-                                                         const Constitution &constitution, Precision precision);
+                                                         std::span<const double> masses, const Constitution &constitution,
+                                                         Precision precision);
 [[nodiscard]] std::unique_ptr<VectorForces> cloudForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
                                                           const Constitution &constitution, Precision precision);
 
@@ -59,6 +60,8 @@ class OtherPoints {
   void differential(std::span<const Vec3> du, double viscousScale, const ParallelFor &parallelFor);
   [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> displacements) const;
   [[nodiscard]] const Vec3 &force(std::size_t entry) const { return entryForces_[entries_[entry]]; }
+  /// Of a point, at the last evaluate().
+  [[nodiscard]] double ratio(std::size_t point) const { return ratios_[point]; }
   [[nodiscard]] std::size_t memory() const;
 
  private:

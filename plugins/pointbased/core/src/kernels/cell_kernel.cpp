@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
 template <MaterialLaw kLaw, bool kModal, class D>
-HWY_INLINE hn::Vec<D> forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
+HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   using V = hn::Vec<D>;
   const D d = run.d;
   SignSums<V> x, y, z;
@@ -35,9 +35,10 @@ HWY_INLINE hn::Vec<D> forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scal
     S = S + viscousStress(d, hn::Set(d, run.law.twoEta), G, run.gradient(vx, vy, vz));
   }
   S = scaled(run.number(kVolume), S);
+  V k[kCorners];
   if constexpr (!kModal) {
-    run.scatterStress(S);
-    return ratio;
+    run.stiffnesses(ratio, k);
+    run.scatterStress(S, k);
   } else {
     const Mat3Lanes<V> A = run.amplitudes(x, y, z);
     Mat3Lanes<V> pull;
@@ -49,8 +50,9 @@ HWY_INLINE hn::Vec<D> forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scal
       S = S + times(A, transposed(D3));
       pull = D3 + times(G, D3);
     }
-    run.scatterStress(S, pull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}));
-    return hn::Max(ratio, stretch2);
+    // Of NaN and a number the maximum may be the number.
+    run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio), k);
+    run.scatterStress(S, pull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), k);
   }
 }
 
@@ -59,10 +61,8 @@ HWY_NOINLINE void forcesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, 
                                 std::size_t slice) {
   using D = hn::CappedTag<T, kLanes<T>>;
   const D d;
-  LargestRatio<D> largest(d);
   for (std::size_t lane = 0; lane < kLanes<T>; lane += hn::Lanes(d))
-    largest.add(forcesOfLanes<kLaw, kModal>(CellRun<D>(d, job, fields, slice, lane), scalar));
-  job.ratios[slice] = largest.value(d);
+    forcesOfLanes<kLaw, kModal>(CellRun<D>(d, job, fields, slice, lane), scalar);
 }
 
 template <class T>
@@ -81,13 +81,18 @@ void forcesOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin,
 
 // Sums of the partials of the phyxels.
 template <class T>
-void collectOf(const CollectJob<T> &job, std::size_t begin, std::size_t end) {
+double collectOf(const CollectJob<T> &job, std::size_t begin, std::size_t end) {
   HWY_ALIGN T sum[4];
+  double largest = 0.0;
   for (std::size_t i = begin; i < end; ++i) {
     const Index *place = job.places.data() + job.offsets[i], *last = job.places.data() + job.offsets[i + 1];
     for (T &s : sum) s = T(0);
     for (; place != last; ++place) Records<T>::add(job.partials + 4 * std::size_t{*place}, sum);
     const double x = sum[0], y = sum[1], z = sum[2];
+    if (job.masses) {
+      const double stiffness = static_cast<double>(sum[3]) / job.masses[i];
+      if (!(stiffness <= largest) && largest == largest) largest = stiffness;
+    }
     double *out = job.forces + 3 * i;
     if (job.turned) {
       for (int r = 0; r < 3; ++r) out[r] = job.axes[r][0] * x + job.axes[r][1] * y + job.axes[r][2] * z;
@@ -97,10 +102,11 @@ void collectOf(const CollectJob<T> &job, std::size_t begin, std::size_t end) {
       out[2] = z;
     }
   }
+  return largest;
 }
 
-void CollectFloat(const CollectJob<float> &job, std::size_t begin, std::size_t end) { collectOf(job, begin, end); }
-void CollectDouble(const CollectJob<double> &job, std::size_t begin, std::size_t end) { collectOf(job, begin, end); }
+double CollectFloat(const CollectJob<float> &job, std::size_t begin, std::size_t end) { return collectOf(job, begin, end); }
+double CollectDouble(const CollectJob<double> &job, std::size_t begin, std::size_t end) { return collectOf(job, begin, end); }
 void CellForcesFloat(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
   forcesOf(job, scalar, begin, end);
 }
@@ -127,11 +133,11 @@ void cellForces(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t 
 void cellForces(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
   HWY_DYNAMIC_DISPATCH(CellForcesDouble)(job, scalar, begin, end);
 }
-void collectForces(const CollectJob<float> &job, std::size_t begin, std::size_t end) {
-  HWY_DYNAMIC_DISPATCH(CollectFloat)(job, begin, end);
+double collectForces(const CollectJob<float> &job, std::size_t begin, std::size_t end) {
+  return HWY_DYNAMIC_DISPATCH(CollectFloat)(job, begin, end);
 }
-void collectForces(const CollectJob<double> &job, std::size_t begin, std::size_t end) {
-  HWY_DYNAMIC_DISPATCH(CollectDouble)(job, begin, end);
+double collectForces(const CollectJob<double> &job, std::size_t begin, std::size_t end) {
+  return HWY_DYNAMIC_DISPATCH(CollectDouble)(job, begin, end);
 }
 const char *kernelTarget() { return HWY_DYNAMIC_DISPATCH(TargetName)(); }
 

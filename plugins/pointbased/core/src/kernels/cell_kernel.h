@@ -6,7 +6,7 @@
 
 namespace pointbased::kernels {
 
-/// Forces of the chunks [begin, end) on their phyxels: job.partials, job.ratios.
+/// Forces of the chunks [begin, end) on their phyxels: job.partials.
 ///
 /// F by Hadamard's transform of the corners, the law and its bound of the tangent, the energy of the modes, and the transposed
 /// transform back to the corners, all in registers. Lanes do not meet: the same bits with any number of threads, and on all
@@ -16,9 +16,10 @@ void cellForces(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t 
 void cellForces(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 
 /// Forces of the phyxels [begin, end), after all chunks.
+/// @return largest stiffness over mass, 1/s²; NaN if any is; 0 without masses
 /// @threads any, disjoint ranges
-void collectForces(const CollectJob<float> &job, std::size_t begin, std::size_t end);
-void collectForces(const CollectJob<double> &job, std::size_t begin, std::size_t end);
+double collectForces(const CollectJob<float> &job, std::size_t begin, std::size_t end);
+double collectForces(const CollectJob<double> &job, std::size_t begin, std::size_t end);
 
 /// Of the instruction set that is used now: "AVX3", "AVX2", …
 [[nodiscard]] const char *kernelTarget();

@@ -55,10 +55,16 @@ class Blocks {
         key.push_back(std::llround(n[k] / unit[k] * 1e12));
       }
     }
+    bool whole = used == kLanes<T>;
+    for (const Index q : points) whole = whole && isWhole(*cellNumbers(s, q));
     const auto [found, fresh] = known_.emplace(std::move(key), static_cast<Index>(known_.size()));
-    if (fresh) numbers_.insert(numbers_.end(), block.begin(), block.end());
+    if (fresh) {
+      numbers_.insert(numbers_.end(), block.begin(), block.end());
+      whole_.push_back(whole ? 1 : 0);
+    }
     return found->second;
   }
+  [[nodiscard]] std::vector<std::uint8_t> whole() { return std::move(whole_); }
   [[nodiscard]] AlignedVector<T> take() {
     numbers_.shrink_to_fit();
     return std::move(numbers_);
@@ -73,6 +79,7 @@ class Blocks {
   double first_ = 0.0;
   std::map<std::vector<std::int64_t>, Index> known_;
   AlignedVector<T> numbers_;
+  std::vector<std::uint8_t> whole_;
 };
 
 }  // namespace
@@ -178,6 +185,7 @@ CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan) {
   }
   out.phyxels.shrink_to_fit();
   out.numbers = blocks.take();
+  out.whole = blocks.whole();
   return out;
 }
 

@@ -79,15 +79,31 @@ struct CellRun {
     return t;
   }
 
-  HWY_INLINE void scatter(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
+  /// τ v (λ + 2 μ) |g_j|² of the corners.
+  HWY_INLINE void stiffnesses(V ratio, V (&k)[kCorners]) const {
+    const V g = number(kGradient);
+    const V scale = hn::Mul(hn::Mul(ratio, number(kVolume)), hn::Set(d, law.waveAtRest));
+    if (job.cells->whole[job.cells->blocks[slice]] != 0) {
+      const V all = hn::Mul(scale, hn::Mul(hn::Set(d, T(3)), hn::Mul(g, g)));
+      for (V &at : k) at = all;
+      return;
+    }
+    const V px = number(kFirstX), py = number(kFirstY), pz = number(kFirstZ), zero = hn::Zero(d);
+    V gx[kCorners], gy[kCorners], gz[kCorners];  // less than nothing: only squares count
+    spreadSigns(SignSums<V>{g, zero, zero, py, pz, zero, number(kMixedX)}, gx);
+    spreadSigns(SignSums<V>{zero, g, zero, px, zero, pz, number(kMixedY)}, gy);
+    spreadSigns(SignSums<V>{zero, zero, g, zero, px, py, number(kMixedZ)}, gz);
+    for (std::size_t j = 0; j < kCorners; ++j)
+      k[j] = hn::Mul(scale, hn::MulAdd(gx[j], gx[j], hn::MulAdd(gy[j], gy[j], hn::Mul(gz[j], gz[j]))));
+  }
+
+  HWY_INLINE void scatter(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z, const V (&k)[kCorners]) const {
     V fx[kCorners], fy[kCorners], fz[kCorners];
     spreadSigns(x, fx);
     spreadSigns(y, fy);
     spreadSigns(z, fz);
     T *out = fields.entries + 4 * lane;
-    const V zero = hn::Zero(d);
-    for (std::size_t j = 0; j < kCorners; ++j)
-      hn::StoreInterleaved4(fx[j], fy[j], fz[j], zero, d, out + 4 * j * kSlice);
+    for (std::size_t j = 0; j < kCorners; ++j) hn::StoreInterleaved4(fx[j], fy[j], fz[j], k[j], d, out + 4 * j * kSlice);
   }
 
   HWY_INLINE Mat3Lanes<V> gradient(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
@@ -107,16 +123,19 @@ struct CellRun {
   HWY_INLINE V twist() const { return hn::Mul(hn::Set(d, law.modalTwist), number(kTwist)); }
 
   /// v P, what pulls the modes and what pulls xyz, back to the corners.
-  HWY_INLINE void scatterStress(const Mat3Lanes<V> &S) const {
+  /// @param k  goes with the forces
+  HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const V (&k)[kCorners]) const {
     const V zero = hn::Zero(d);
     scatter(unfit(S.c0.x, S.c1.x, S.c2.x, zero, zero, zero, zero), unfit(S.c0.y, S.c1.y, S.c2.y, zero, zero, zero, zero),
-            unfit(S.c0.z, S.c1.z, S.c2.z, zero, zero, zero, zero));
+            unfit(S.c0.z, S.c1.z, S.c2.z, zero, zero, zero, zero), k);
   }
-  HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const Mat3Lanes<V> &pull, const Vec3Lanes<V> &twisted) const {
+  HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const Mat3Lanes<V> &pull, const Vec3Lanes<V> &twisted,
+                                const V (&k)[kCorners]) const {
     const V kxy = number(kModeXY), kxz = number(kModeXZ), kyz = number(kModeYZ);
     scatter(unfit(S.c0.x, S.c1.x, S.c2.x, hn::Mul(kxy, pull.c0.x), hn::Mul(kxz, pull.c1.x), hn::Mul(kyz, pull.c2.x), twisted.x),
             unfit(S.c0.y, S.c1.y, S.c2.y, hn::Mul(kxy, pull.c0.y), hn::Mul(kxz, pull.c1.y), hn::Mul(kyz, pull.c2.y), twisted.y),
-            unfit(S.c0.z, S.c1.z, S.c2.z, hn::Mul(kxy, pull.c0.z), hn::Mul(kxz, pull.c1.z), hn::Mul(kyz, pull.c2.z), twisted.z));
+            unfit(S.c0.z, S.c1.z, S.c2.z, hn::Mul(kxy, pull.c0.z), hn::Mul(kxz, pull.c1.z), hn::Mul(kyz, pull.c2.z), twisted.z),
+            k);
   }
 };
 

@@ -40,8 +40,10 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   if (run.job.viscousScale > 0)
     dS = dS + viscousStress(d, hn::Set(d, run.law.twoEta * run.job.viscousScale), at.getMatrix(kTangentG), dG);
   dS = scaled(run.number(kVolume), dS);
+  const V nothing[kCorners] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
+                               hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   if (!run.job.modal) {
-    run.scatterStress(dS);
+    run.scatterStress(dS, nothing);
     return;
   }
   const Mat3Lanes<V> dA = run.amplitudes(x, y, z);
@@ -57,7 +59,7 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
     dS = dS + times(dA, transposed(D3)) + times(A, transposed(dD));
     dPull = dD + times(G, dD) + times(dG, D3);
   }
-  run.scatterStress(dS, dPull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}));
+  run.scatterStress(dS, dPull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), nothing);
 }
 
 // Strain and modes of some lanes, J.

@@ -48,6 +48,7 @@ struct CellSlices {
   AlignedVector<std::uint16_t> corners;    ///< [slices][kCorners][lanes] into the phyxels of the chunk
   AlignedVector<T> numbers;                ///< [blocks][kCellNumbers][lanes]; slices of whole cells share a block
   std::vector<Index> blocks;               ///< [slices] which
+  std::vector<std::uint8_t> whole;         ///< [blocks] 1: all cells are, so that |g_j|² = 3 kGradient²
   std::vector<Index> firstLocals{0};       ///< [chunks + 1] into phyxels
   std::vector<Index> phyxels;              ///< [chunks][those of its cells, ascending]
 
@@ -105,8 +106,9 @@ struct CellJob {
   PhyxelField displacements;             ///< m; of products: their changes
   PhyxelField velocities;                ///< m/s; without them no viscous stress
   T viscousScale{};                      ///< 1/s, of products: adds the viscous forces of that times the displacements
-  T *partials = nullptr;                 ///< [locals of all chunks][4] out: what the chunk does to the phyxel, N, lattice axes
-  T *ratios = nullptr;                   ///< [slices] out: largest tangentRatio() of the slice; NaN if any is
+  /// [locals of all chunks][4] out: what the chunk does to the phyxel, N, lattice axes; and its stiffness there, N/m:
+  /// Σ τ v (λ + 2 μ) |g_j|², τ the tangentRatio() (and stretch of modes) of a cell; NaN where something is none.
+  T *partials = nullptr;
   T *tangents = nullptr;                 ///< [slices][kTangentNumbers][lanes] of cellTangents()
   double *energies = nullptr;            ///< [slices][2] out of cellEnergies(): strain and modes, J
 };
@@ -119,6 +121,7 @@ struct CollectJob {
   double axes[3][3] = {};
   bool turned = false;
   double *forces = nullptr;              ///< [phyxels][3] out: N, world axes
+  const double *masses = nullptr;        ///< [phyxels] kg; null: stiffness over mass is not asked for
 };
 
 /// What a point of a cloud needs beside its pairs, in this order. With w the symmetric weights and d the ways to the
