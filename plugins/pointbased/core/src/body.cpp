@@ -65,12 +65,12 @@ Vec3 Body::firstReference(Index phyxel) const {
 
 // Everything whose size or meaning follows from the rest state.
 void Body::layOut() {
-  const std::size_t n = rest_->phyxelCount(), points = rest_->pointCount();
+  const std::size_t n = rest_->phyxelCount();
   masses_.resize(n);
   inverseMasses_.resize(n);
   forces_.assign(n, Vec3::Zero());
-  gradients_.assign(points, Mat3::Identity());
-  stresses_.assign(points, Mat3::Zero());
+  std::vector<Mat3>().swap(gradients_);
+  std::vector<Mat3>().swap(stresses_);
   gradientsOld_ = stressesOld_ = false;
   heldPhyxels_.clear();
   patchPoints_.clear();
@@ -186,6 +186,14 @@ void Body::setPrecision(Precision precision) {
 void Body::vectorise() {
   vectorForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, precision_);
   exactForces_.reset();
+  if (!vectorForces_) makePoints();
+}
+
+// At rest as long as nothing has been evaluated.
+void Body::makePoints() const {
+  const std::size_t points = rest_->pointCount();
+  if (gradients_.size() != points) gradients_.assign(points, Mat3::Identity());
+  if (stresses_.size() != points) stresses_.assign(points, Mat3::Zero());
 }
 
 detail::VectorForces &Body::exactForces() const {
@@ -224,6 +232,7 @@ void Body::evaluate(double t, double dt, const ParallelFor &parallelFor) {
 }
 
 std::span<const Mat3> Body::gradients() const {
+  makePoints();
   if (gradientsOld_) {
     deformationGradients(rest_->stencils, state_.displacements, gradients_, serialFor());
     gradientsOld_ = false;
@@ -232,6 +241,7 @@ std::span<const Mat3> Body::gradients() const {
 }
 
 std::span<const Mat3> Body::stresses() const {
+  makePoints();
   if (stressesOld_) {
     // Only of bodies without a history: others are not vectorised.
     tangentRatios_.resize(rest_->pointCount());
@@ -248,6 +258,7 @@ std::span<const Mat3> Body::stresses() const {
 }
 
 void Body::computeGradients(const ParallelFor &parallelFor) {
+  makePoints();
   gradientsOld_ = false;
   deformationGradients(rest_->stencils, state_.displacements, gradients_, parallelFor);
 }
@@ -265,6 +276,7 @@ void Body::stressesInto(double dt, const PointHistory &before, PointHistory *aft
     rates = rates_;
   }
   tangentRatios_.resize(rest_->pointCount());
+  makePoints();
   stressesOld_ = false;
   tangentRatio_ = pointStresses(constitution_, rest_->stencils, gradients_, rates, before, dt, after, stresses_,
                                 tangentRatios_, parallelFor);

@@ -179,6 +179,7 @@ class Body {
   [[nodiscard]] Vec3 firstReference(Index phyxel) const;
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
   void vectorise();
+  void makePoints() const;
   [[nodiscard]] detail::VectorForces &exactForces() const;
   void addLoads(double t);
   void stressesInto(double dt, const PointHistory &before, PointHistory *after, bool viscous,
@@ -201,7 +202,7 @@ class Body {
   std::vector<Index> fixOfPatch_;
   std::vector<Vec3> patchPoints_, patchShifts_, patchTargets_;
   std::vector<Vec3> forces_, entryForces_, contactPositions_, contactVelocities_;
-  // Of the points; old after evaluate() by vector kernels, until somebody asks for them.
+  // Of the points; old after evaluate() by vector kernels, until somebody asks for them; empty until they are needed.
   mutable std::vector<Mat3> gradients_, stresses_;
   mutable std::vector<double> tangentRatios_;
   mutable bool gradientsOld_ = false, stressesOld_ = false;
