@@ -63,9 +63,7 @@ void Row::clear() {
 }
 
 void Row::add(const Corners &corners, Index node, double weight, const Vec3 &gradient, const Eigen::Vector4d &mode) {
-  for (std::uint32_t e = corners.offsets[node]; e < corners.offsets[node + 1]; ++e) {
-    const Index phyxel = corners.phyxels[e];
-    const double part = corners.weights[e];
+  corners.visit(node, [&](Index phyxel, double part) {
     std::size_t at = 0;
     while (at < phyxels.size() && phyxels[at] != phyxel) ++at;
     if (at == phyxels.size()) {
@@ -78,20 +76,20 @@ void Row::add(const Corners &corners, Index node, double weight, const Vec3 &gra
       gradients[at] += part * gradient;
       modes[at] += part * mode;
     }
-  }
+  });
 }
 
 LatticeCellMap::LatticeCellMap(CellSet &&set, PartSet &&parts, Corners &&corners)
-    : set_(std::move(set)), parts_(std::move(parts)), corners_(std::move(corners)) {
-  codes_.reserve(set_.cells.size());
-  for (const Cell &cell : set_.cells) codes_.push_back(mortonCode(cell.at));
-}
+    : set_(std::move(set)), parts_(std::move(parts)), corners_(std::move(corners)) {}
 
 void LatticeCellMap::release() {
   set_.samples.clear();
   set_.samples.shrink_to_fit();
+  set_.cells.shrink_to_fit();
   parts_.links.clear();
   parts_.links.shrink_to_fit();
+  parts_.parts.shrink_to_fit();
+  if (distorted_.empty()) corners_.compact();
 }
 
 void LatticeCellMap::move(std::vector<Vec3> positions, std::vector<std::uint8_t> distorted) {
@@ -164,9 +162,10 @@ Index LatticeCellMap::nearestPart(const Target &target) const {
       if (k[a] < 0 || k[a] >= frame.n[a]) return;
     const std::int32_t finest = frame.finest();
     const std::uint64_t code = mortonCode({k[0] * finest, k[1] * finest, k[2] * finest});
-    const auto begin = std::lower_bound(codes_.begin(), codes_.end(), code);
-    const auto end = std::lower_bound(begin, codes_.end(), code + codesPerCell);
-    nearestIn(static_cast<std::size_t>(begin - codes_.begin()), static_cast<std::size_t>(end - codes_.begin()), target, best,
+    const std::span<const std::uint64_t> codes = set_.index.codes();
+    const auto begin = std::lower_bound(codes.begin(), codes.end(), code);
+    const auto end = std::lower_bound(begin, codes.end(), code + codesPerCell);
+    nearestIn(static_cast<std::size_t>(begin - codes.begin()), static_cast<std::size_t>(end - codes.begin()), target, best,
               part);
   };
   const int rings = std::min(most, kMaximumRings);

@@ -63,7 +63,6 @@ class LatticeCellMap : public CellMap {
   CellSet set_;
   PartSet parts_;
   Corners corners_;
-  std::vector<std::uint64_t> codes_;      // of the first corner of every cell, ascending
   std::vector<std::uint8_t> distorted_;   // per cell, or empty
 };
 

@@ -202,6 +202,13 @@ void buildPoints(const LatticeCellMap &map, std::span<const PartContent> content
     stencils.volumes.push_back(point.volume);
     body.pointCentres.push_back(axes * point.centre);
   }
+  stencils.phyxels.indices.shrink_to_fit();
+  stencils.phyxels.offsets.shrink_to_fit();
+  stencils.gradients.shrink_to_fit();
+  stencils.modes.shrink_to_fit();
+  stencils.spreads.shrink_to_fit();
+  stencils.volumes.shrink_to_fit();
+  body.pointCentres.shrink_to_fit();
   stencils.rank.assign(stencils.volumes.size(), 3);
   stencils.frameOf.assign(stencils.volumes.size(), StencilSet::kNoFrame);
   buildGather(stencils, body.positions.size());

@@ -146,4 +146,14 @@ Corners joinCorners(const CellSet &set, PartSet &parts) {
   return corners;
 }
 
+void Corners::compact() {
+  positions.clear();
+  positions.shrink_to_fit();
+  for (std::size_t row = 0; row + 1 < offsets.size(); ++row)
+    if (offsets[row + 1] != row + 1 || phyxels[row] != row) return;
+  std::vector<std::uint32_t>().swap(offsets);
+  std::vector<Index>().swap(phyxels);
+  std::vector<double>().swap(weights);
+}
+
 }  // namespace pointbased::lattice

@@ -12,12 +12,13 @@ using detail::number;
 void CellIndex::build(std::span<const Cell> cells, const Frame &frame) {
   levels_ = frame.levels;
   for (std::size_t a = 0; a < 3; ++a) end_[a] = frame.n[a] * frame.finest();
-  cells_.clear();
-  cells_.reserve(cells.size());
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Cell &cell = cells[i];
-    const Cell3 k{cell.at[0] / cell.size, cell.at[1] / cell.size, cell.at[2] / cell.size};
-    cells_.emplace(key(levelOf(cell, frame), k), static_cast<Index>(i));
+  codes_.clear();
+  codes_.reserve(cells.size());
+  cellLevels_.clear();
+  cellLevels_.reserve(cells.size());
+  for (const Cell &cell : cells) {
+    codes_.push_back(mortonCode(cell.at));
+    cellLevels_.push_back(static_cast<std::uint8_t>(levelOf(cell, frame)));
   }
 }
 
@@ -31,19 +32,22 @@ Index CellIndex::find(int level, const Cell3 &k) const {
   const std::int32_t size = std::int32_t{1} << (levels_ - level);
   for (std::size_t a = 0; a < 3; ++a)
     if (k[a] < 0 || k[a] * size >= end_[a]) return kNone;
-  const auto found = cells_.find(key(level, k));
-  return found == cells_.end() ? kNone : found->second;
+  const std::uint64_t code = mortonCode({k[0] * size, k[1] * size, k[2] * size});
+  const auto found = std::lower_bound(codes_.begin(), codes_.end(), code);
+  if (found == codes_.end() || *found != code) return kNone;
+  const auto cell = static_cast<Index>(found - codes_.begin());
+  return cellLevels_[cell] == level ? cell : kNone;
 }
 
 Index CellIndex::holding(const Cell3 &at) const {
   for (std::size_t a = 0; a < 3; ++a)
     if (at[a] < 0 || at[a] >= end_[a]) return kNone;
-  for (int level = levels_; level >= 0; --level) {
-    const int shift = levels_ - level;
-    const Index cell = find(level, {at[0] >> shift, at[1] >> shift, at[2] >> shift});
-    if (cell != kNone) return cell;
-  }
-  return kNone;
+  // What a cell covers is a range of codes, and no other cell starts in it.
+  const std::uint64_t code = mortonCode(at);
+  const auto next = std::upper_bound(codes_.begin(), codes_.end(), code);
+  if (next == codes_.begin()) return kNone;
+  const auto cell = static_cast<Index>(next - codes_.begin() - 1);
+  return (code - codes_[cell]) >> (3 * (levels_ - cellLevels_[cell])) == 0 ? cell : kNone;
 }
 
 std::uint64_t mortonCode(const Cell3 &at) {

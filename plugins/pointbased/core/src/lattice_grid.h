@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
 
 #include "pointbased/lattice.h"
 
@@ -56,14 +55,17 @@ struct Cell {
   Index samples = kNone;    ///< into CellSet::samples; kNone: wholly inside
 };
 
-/// The cell that starts at `at`, by level: level and first corner divided by the edge make the key.
+/// Finds cells by their place: a search among the codes of their first corners.
 class CellIndex {
  public:
+  /// @param cells  in Morton order
   void build(std::span<const Cell> cells, const Frame &frame);
   /// Cell `k` of level `level`, or kNone.
   [[nodiscard]] Index find(int level, const Cell3 &k) const;
   /// The cell that holds a place in units of the finest cells, or kNone.
   [[nodiscard]] Index holding(const Cell3 &at) const;
+  /// mortonCode() of the first corner of every cell, ascending.
+  [[nodiscard]] std::span<const std::uint64_t> codes() const { return codes_; }
   [[nodiscard]] static int levelOf(const Cell &cell, const Frame &frame);
   [[nodiscard]] static std::uint64_t key(int level, const Cell3 &k) {
     return static_cast<std::uint64_t>(level) << 60 | static_cast<std::uint64_t>(k[0]) << 40 |
@@ -71,7 +73,8 @@ class CellIndex {
   }
 
  private:
-  std::unordered_map<std::uint64_t, Index> cells_;
+  std::vector<std::uint64_t> codes_;
+  std::vector<std::uint8_t> cellLevels_;
   Cell3 end_{};  // units of the finest cells
   int levels_ = 0;
 };

@@ -7,11 +7,11 @@ namespace pointbased::lattice {
 
 /// A connected part of (cell ∩ body).
 struct Part {
-  Index cell = 0;
   std::uint64_t samples = 0;      ///< bit per sample that belongs to it
   double share = 0.0;             ///< of the cell
-  bool kept = true;               ///< false: too small to stand for anything
   std::array<Index, 8> nodes{};   ///< corners: rows of Corners
+  Index cell = 0;
+  bool kept = true;               ///< false: too small to stand for anything
 };
 
 /// The body goes on from part a through face `face` (2 axis + (1 if upwards)) of its cell into part b, whose cell is of the
@@ -35,13 +35,20 @@ struct PartSet {
 [[nodiscard]] PartSet findParts(const CellSet &set, const BodyShape &shape, const ParallelFor &parallelFor);
 
 /// Rows of every (part, corner): the phyxels it stands for with their weights; one of weight 1, or those of the edge or face
-/// of the larger cell that it hangs on.
+/// of the larger cell that it hangs on. Where nothing hangs, rows are phyxels, and after compact() only they are left.
 struct Corners {
-  std::vector<std::uint32_t> offsets{0};
+  std::vector<std::uint32_t> offsets{0};   ///< empty: row i is phyxel i
   std::vector<Index> phyxels;
   std::vector<double> weights;
   std::vector<Vec3> positions;   ///< [phyxels] lattice axes, m, sorted along a Z curve
-  [[nodiscard]] std::size_t rows() const { return offsets.size() - 1; }
+  /// Calls visit(phyxel, weight) for what a row stands for.
+  template <class Visit>
+  void visit(Index row, const Visit &visit) const {
+    if (offsets.empty()) return visit(row, 1.0);
+    for (std::uint32_t e = offsets[row]; e < offsets[row + 1]; ++e) visit(phyxels[e], weights[e]);
+  }
+  /// Frees positions, and rows that are phyxels.
+  void compact();
 };
 
 /// Joins the corners of linked parts and numbers the phyxels; fills Part::nodes.
