@@ -184,7 +184,7 @@ std::vector<Mat3> strainsAt(const Body &body, std::vector<Vec3> points) {
     std::size_t most = 0;
     double nearest = 0.0;
     for (Index k = s.entriesOfPhyxel.offsets[*first]; k < s.entriesOfPhyxel.offsets[*first + 1]; ++k) {
-      const Index candidate = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
+      const Index candidate = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
       const Index *from = &s.phyxels.indices[s.phyxels.offsets[candidate]];
       const Index *to = from + (s.phyxels.offsets[candidate + 1] - s.phyxels.offsets[candidate]);
       const auto common = static_cast<std::size_t>(

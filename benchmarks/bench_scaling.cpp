@@ -42,7 +42,7 @@ double bytes(const Interpolation &binding) {
 double bytes(const StencilSet &s) {
   return bytes(s.phyxels) + bytes(s.gradients) + bytes(s.weights) + bytes(s.modes) + bytes(s.spreads) +
          bytes(s.materials) + bytes(s.volumes) + bytes(s.reference) + bytes(s.referenceInverse) + bytes(s.rank) +
-         bytes(s.frames) + bytes(s.frameOf) + bytes(s.entriesOfPhyxel) + bytes(s.pointOfEntry);
+         bytes(s.frames) + bytes(s.frameOf) + bytes(s.entriesOfPhyxel);
 }
 
 struct Built {

@@ -32,7 +32,7 @@ std::vector<double> phyxelDensities(const Constitution &constitution, const Rest
   for (std::size_t i = 0; i < densities.size(); ++i) {
     double sum = 0.0, volume = 0.0;
     for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
-      const Index q = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
+      const Index q = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
       sum += s.volumes[q] * constitution.materials[s.materials[q]].restDensity;
       volume += s.volumes[q];
     }

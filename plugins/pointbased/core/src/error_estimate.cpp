@@ -128,10 +128,10 @@ class Recovery {
       m = Moments();
       const Index first = s_.entriesOfPhyxel.offsets[j], last = s_.entriesOfPhyxel.offsets[j + 1];
       if (first == last) continue;
-      const std::uint16_t material = materialIndex(s_.pointOfEntry[s_.entriesOfPhyxel.indices[first]]);
+      const std::uint16_t material = materialIndex(s_.pointOfEntry(s_.entriesOfPhyxel.indices[first]));
       bool mixed = false;
       for (Index k = first + 1; k < last && !mixed; ++k)
-        mixed = materialIndex(s_.pointOfEntry[s_.entriesOfPhyxel.indices[k]]) != material;
+        mixed = materialIndex(s_.pointOfEntry(s_.entriesOfPhyxel.indices[k])) != material;
       if (mixed) {
         m.volume = kMixed;
       } else {
@@ -154,7 +154,7 @@ class Recovery {
   }
   void addAround(Moments &m, std::size_t j, std::uint16_t material, const Vec3 &about) const {
     for (Index k = s_.entriesOfPhyxel.offsets[j]; k < s_.entriesOfPhyxel.offsets[j + 1]; ++k)
-      addPoint(m, s_.pointOfEntry[s_.entriesOfPhyxel.indices[k]], material, about);
+      addPoint(m, s_.pointOfEntry(s_.entriesOfPhyxel.indices[k]), material, about);
   }
 
   [[nodiscard]] double errorOf(std::size_t q) const {
@@ -197,7 +197,7 @@ template <class Body>
 void forShares(const StencilSet &s, std::size_t j, Body &&body) {
   if (s.modes.empty()) return body(j, 1.0);
   for (Index k = s.entriesOfPhyxel.offsets[j]; k < s.entriesOfPhyxel.offsets[j + 1]; ++k) {
-    const Index q = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
+    const Index q = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
     body(q, 1.0 / (s.phyxels.offsets[q + 1] - s.phyxels.offsets[q]));
   }
 }

@@ -205,7 +205,7 @@ Result<Renewal> renewedReference(const Body &body, const ParallelFor &parallelFo
       for (std::size_t i = 0; i < n; ++i) {
         double volume = 0.0;
         for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
-          const Index q = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
+          const Index q = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
           rest->materialShares[i * kinds + s.materials[q]] += s.volumes[q];
           volume += s.volumes[q];
         }

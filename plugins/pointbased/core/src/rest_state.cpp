@@ -8,25 +8,41 @@
 namespace pointbased {
 namespace {
 
-// Phyxels that stand in a common stencil.
-Csr sharedPoints(const StencilSet &stencils, std::size_t phyxels) {
-  Csr out;
-  out.offsets.assign(phyxels + 1, 0);
+// Calls visit(row) for every phyxel with those that stand in a common stencil, ascending.
+template <class Visit>
+void forNeighbours(const StencilSet &stencils, std::size_t phyxels, const Visit &visit) {
   std::vector<Index> row;
   for (std::size_t i = 0; i < phyxels; ++i) {
     row.clear();
     for (Index k = stencils.entriesOfPhyxel.offsets[i]; k < stencils.entriesOfPhyxel.offsets[i + 1]; ++k) {
-      const Index q = stencils.pointOfEntry[stencils.entriesOfPhyxel.indices[k]];
+      const Index q = stencils.pointOfEntry(stencils.entriesOfPhyxel.indices[k]);
       for (Index e = stencils.phyxels.offsets[q]; e < stencils.phyxels.offsets[q + 1]; ++e)
         if (stencils.phyxels.indices[e] != i) row.push_back(stencils.phyxels.indices[e]);
     }
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());
-    out.indices.insert(out.indices.end(), row.begin(), row.end());
-    out.offsets[i + 1] = static_cast<Index>(out.indices.size());
+    visit(row);
   }
-  return out;
 }
+
+class NeighbourCounter {
+ public:
+  void add(std::size_t count) {
+    counted_.min = rows_ == 0 ? count : std::min(counted_.min, count);
+    counted_.max = std::max(counted_.max, count);
+    sum_ += count;
+    ++rows_;
+  }
+  [[nodiscard]] Neighbours counted() const {
+    Neighbours out = counted_;
+    if (rows_ > 0) out.mean = static_cast<double>(sum_) / static_cast<double>(rows_);
+    return out;
+  }
+
+ private:
+  Neighbours counted_;
+  std::size_t rows_ = 0, sum_ = 0;
+};
 
 }  // namespace
 
@@ -205,7 +221,9 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
     rest->stencils = std::move(body.stencils);
     rest->pointCentres = std::move(body.pointCentres);
     rest->components = body.components;
-    rest->neighbors = sharedPoints(rest->stencils, rest->positions.size());
+    NeighbourCounter counter;
+    forNeighbours(rest->stencils, rest->positions.size(), [&](std::span<const Index> row) { counter.add(row.size()); });
+    rest->latticeNeighbours = counter.counted();
     conditions.held = std::move(body.held);
     rest->bind = [cells = body.cells, parallelFor](std::span<const Vec3> points, std::span<const Vec3> normals) {
       return cells->bind(points, normals, parallelFor);
@@ -259,18 +277,23 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
   return std::shared_ptr<const RestState>(std::move(rest));
 }
 
-Neighbours countNeighbours(const RestState &rest) {
-  Neighbours out;
-  const std::size_t n = rest.neighbors.rows();
-  if (n == 0) return out;
-  out.min = rest.neighbors.indices.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t count = rest.neighbors.offsets[i + 1] - rest.neighbors.offsets[i];
-    out.min = std::min(out.min, count);
-    out.max = std::max(out.max, count);
-  }
-  out.mean = static_cast<double>(rest.neighbors.indices.size()) / static_cast<double>(n);
+Csr neighboursOf(const RestState &rest) {
+  if (rest.evaluation == Evaluation::phyxels) return rest.neighbors;
+  Csr out;
+  out.offsets.reserve(rest.phyxelCount() + 1);
+  forNeighbours(rest.stencils, rest.phyxelCount(), [&](std::span<const Index> row) {
+    out.indices.insert(out.indices.end(), row.begin(), row.end());
+    out.offsets.push_back(static_cast<Index>(out.indices.size()));
+  });
   return out;
+}
+
+Neighbours countNeighbours(const RestState &rest) {
+  if (rest.evaluation == Evaluation::stressPoints) return rest.latticeNeighbours;
+  NeighbourCounter counter;
+  for (std::size_t i = 0; i < rest.neighbors.rows(); ++i)
+    counter.add(rest.neighbors.offsets[i + 1] - rest.neighbors.offsets[i]);
+  return counter.counted();
 }
 
 void phyxelMeans(const RestState &rest, std::span<const Mat3> pointValues, std::span<Mat3> out) {
@@ -283,7 +306,7 @@ void phyxelMeans(const RestState &rest, std::span<const Mat3> pointValues, std::
     Mat3 sum = Mat3::Zero();
     double volume = 0.0;
     for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
-      const Index q = s.pointOfEntry[s.entriesOfPhyxel.indices[k]];
+      const Index q = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
       sum += s.volumes[q] * pointValues[q];
       volume += s.volumes[q];
     }

@@ -70,17 +70,14 @@ StencilSet buildPhyxelStencils(std::span<const Vec3> positions, const Csr &neigh
 
 void buildGather(StencilSet &s, std::size_t phyxelCount) {
   const std::size_t entries = s.phyxels.indices.size();
-  s.pointOfEntry.resize(entries);
   s.entriesOfPhyxel.offsets.assign(phyxelCount + 1, 0);
   for (const Index j : s.phyxels.indices) ++s.entriesOfPhyxel.offsets[j + 1];
   for (std::size_t j = 0; j < phyxelCount; ++j) s.entriesOfPhyxel.offsets[j + 1] += s.entriesOfPhyxel.offsets[j];
   s.entriesOfPhyxel.indices.resize(entries);
   std::vector<Index> next(s.entriesOfPhyxel.offsets.begin(), s.entriesOfPhyxel.offsets.end() - 1);
   for (std::size_t q = 0; q < s.pointCount(); ++q)
-    for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e) {
-      s.pointOfEntry[e] = static_cast<Index>(q);
+    for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e)
       s.entriesOfPhyxel.indices[next[s.phyxels.indices[e]]++] = e;
-    }
 }
 
 }  // namespace pointbased

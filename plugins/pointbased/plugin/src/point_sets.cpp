@@ -119,9 +119,12 @@ void PhyxelSet::read(std::uint32_t field, c3de_mview out) {
 
 void PhyxelSet::neighbours(c3de_view *offsets, c3de_view *indices) {
   withBody([&](const Body &body) {
-    lent_ = body.sharedRest();
-    *offsets = indexView(lent_->neighbors.offsets);
-    *indices = indexView(lent_->neighbors.indices);
+    if (lent_ != body.sharedRest()) {
+      lent_ = body.sharedRest();
+      lentNeighbours_ = neighboursOf(*lent_);
+    }
+    *offsets = indexView(lentNeighbours_.offsets);
+    *indices = indexView(lentNeighbours_.indices);
   });
 }
 

@@ -29,7 +29,8 @@ class PhyxelSet : public sdk::Object<PhyxelSet> {
   sdk::Ref<WorldSimulator> simulator_;
   std::uint64_t body_ = 0;
   std::unique_ptr<Body> own_;
-  std::shared_ptr<const RestState> lent_;  // keeps what neighbours() handed out
+  std::shared_ptr<const RestState> lent_;  // whose neighbours are out
+  Csr lentNeighbours_;
 };
 
 /// The registered class draft/c3de.pointbased.Surfel/0: the surface of a body, or points bound to a phyxel set.

@@ -28,6 +28,12 @@ struct BoundaryConditions {
 /// The body inside a closed surface, world, m: how a deformed skin becomes a shape to fill. Errors: why it is none.
 using Reshape = std::function<Result<BodyShape>(const Surface &skin)>;
 
+/// How many neighbours phyxels have.
+struct Neighbours {
+  std::size_t min = 0, max = 0;
+  double mean = 0.0;
+};
+
 /// What follows from the reference shape; const once it is built. Positions are relative to `origin`, so that a body far
 /// from the world's origin loses no digits.
 struct RestState {
@@ -40,7 +46,8 @@ struct RestState {
   std::vector<double> volumes;     ///< [phyxels] m³
   std::vector<double> weightVolumes; ///< [phyxels] m³, shares of a load on the material of a held body; empty: `volumes`
   std::vector<double> heldVolumes; ///< [phyxels] m³, part of `weightVolumes` that supports carry; empty: none
-  Csr neighbors;                   ///< [phyxels] those that share an evaluation point; symmetric, without itself
+  Csr neighbors;                   ///< of clouds: [phyxels] those of their stencils; symmetric, without itself; see neighboursOf()
+  Neighbours latticeNeighbours;    ///< of lattices: countNeighbours()
   StencilSet stencils;             ///< evaluation points
   std::vector<Vec3> pointCentres;  ///< [points] m
   NeighborChoice neighborChoice;   ///< of Evaluation::phyxels
@@ -87,10 +94,9 @@ struct BodyRecipe {
                                                               std::span<const Vec3> surfelNormals,
                                                               const ParallelFor &parallelFor);
 
-struct Neighbours {
-  std::size_t min = 0, max = 0;
-  double mean = 0.0;
-};
+/// [phyxels] those that share an evaluation point, ascending; symmetric, without itself. Of lattices worked out anew.
+[[nodiscard]] Csr neighboursOf(const RestState &rest);
+
 [[nodiscard]] Neighbours countNeighbours(const RestState &rest);
 
 /// F of every phyxel from those of the points: itself for Evaluation::phyxels, else the volume-weighted mean of the points

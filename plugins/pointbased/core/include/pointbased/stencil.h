@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include "pointbased/types.h"
 
 namespace pointbased {
@@ -46,10 +48,17 @@ struct StencilSet {
 
   /// Per phyxel: the entries (of all stencils) it stands in, ascending; the gather of the forces.
   Csr entriesOfPhyxel;            ///< indices are entry numbers
-  std::vector<Index> pointOfEntry;
 
   static constexpr Index kNoFrame = 0xffffffffu;
   [[nodiscard]] std::size_t pointCount() const { return volumes.size(); }
+  /// The point that an entry belongs to, by search.
+  [[nodiscard]] Index pointOfEntry(Index entry) const {
+    // Where stencils are of one length, the first guess is right.
+    const auto guess = static_cast<std::size_t>(std::uint64_t{entry} * pointCount() / phyxels.indices.size());
+    if (phyxels.offsets[guess] <= entry && entry < phyxels.offsets[guess + 1]) return static_cast<Index>(guess);
+    const auto next = std::upper_bound(phyxels.offsets.begin(), phyxels.offsets.end(), entry);
+    return static_cast<Index>(next - phyxels.offsets.begin() - 1);
+  }
   /// A way in the reference shape, as it would be without strain.
   [[nodiscard]] Vec3 unstrained(std::size_t q, const Vec3 &way) const {
     return referenceInverse.empty() ? way : Vec3(referenceInverse[q] * way);
@@ -72,7 +81,7 @@ inline constexpr double kMomentCutOff = 1e-2;
                                              std::span<const double> supportRadii, std::span<const double> volumes,
                                              const ParallelFor &parallelFor);
 
-/// Fills entriesOfPhyxel and pointOfEntry from phyxels.
+/// Fills entriesOfPhyxel from phyxels.
 void buildGather(StencilSet &stencils, std::size_t phyxelCount);
 
 /// Weight of a neighbour at distance r: (1 - (r/h)²)³, 0 from h on. The polynomial of Müller et al. 2003, without its
