@@ -173,7 +173,7 @@ std::vector<Mat3> strainsAt(const Body &body, std::vector<Vec3> points) {
     const Index *first = &bound.phyxels.indices[bound.phyxels.offsets[p]];
     const Index *last = first + (bound.phyxels.offsets[p + 1] - bound.phyxels.offsets[p]);
     std::size_t q = 0;
-    if (s.modes.empty()) {
+    if (!s.isLattice()) {
       q = *std::min_element(first, last, [&](Index a, Index b) {
         return (rest.positions[a] - points[p]).squaredNorm() < (rest.positions[b] - points[p]).squaredNorm();
       });
@@ -198,8 +198,9 @@ std::vector<Mat3> strainsAt(const Body &body, std::vector<Vec3> points) {
     }
     const Mat3 &F = body.gradients()[q];
     Eigen::Matrix<double, 3, 4> a = Eigen::Matrix<double, 3, 4>::Zero();
+    const ModeRows modes(s, q);
     for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e)
-      a += body.state().displacements[s.phyxels.indices[e]] * s.modes[e].transpose();
+      a += body.state().displacements[s.phyxels.indices[e]] * modes[e].transpose();
     const Mat3 B = (F * s.axes).transpose() * a.leftCols<3>();
     const Vec3 xi = s.axes.transpose() * (points[p] - rest.pointCentres[q]);
     const double across = -material.lambda() / (material.lambda() + 2.0 * material.mu());

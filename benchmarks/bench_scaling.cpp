@@ -40,7 +40,7 @@ double bytes(const Interpolation &binding) {
          bytes(binding.rank) + bytes(binding.frames) + bytes(binding.frameOf) + bytes(binding.offsets);
 }
 double bytes(const StencilSet &s) {
-  return bytes(s.phyxels) + bytes(s.gradients) + bytes(s.weights) + bytes(s.modes) + bytes(s.spreads) +
+  return bytes(s.phyxels) + bytes(s.gradients) + bytes(s.shapes) + bytes(s.rowsOf) + bytes(s.weights) + bytes(s.modes) + bytes(s.spreads) +
          bytes(s.materials) + bytes(s.volumes) + bytes(s.reference) + bytes(s.referenceInverse) + bytes(s.rank) +
          bytes(s.frames) + bytes(s.frameOf) + bytes(s.entriesOfPhyxel);
 }

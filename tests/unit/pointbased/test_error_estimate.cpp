@@ -62,7 +62,7 @@ double rootMeanSquare(const Body &body, const std::vector<double> &perPhyxel) {
   const StencilSet &s = body.rest().stencils;
   double sum = 0.0, volume = 0.0;
   for (std::size_t q = 0; q < s.pointCount(); ++q) {
-    const bool lattice = !s.modes.empty();
+    const bool lattice = s.isLattice();
     const Index first = s.phyxels.offsets[q], last = lattice ? s.phyxels.offsets[q + 1] : first + 1;
     for (Index e = first; e < last; ++e) {
       const double value = perPhyxel[s.phyxels.indices[e]], share = s.volumes[q] / (last - first);

@@ -120,7 +120,7 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
   const std::vector<ModalMemory> modes = std::move(state_.history.modes);
   constitution_ = std::move(constitution);
   state_.history = PointHistory();
-  state_.history.reset(constitution_, points, !rest_->stencils.modes.empty());
+  state_.history.reset(constitution_, points, rest_->stencils.isLattice());
   if (remembersFlow && !state_.history.plasticInverse.empty()) {
     state_.history.plasticInverse = flow;
     state_.history.plasticBefore = flowBefore;

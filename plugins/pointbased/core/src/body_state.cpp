@@ -74,7 +74,7 @@ void Body::reset() {
   state_.displacements.assign(n, Vec3::Zero());
   state_.velocities.assign(n, initialVelocity_);
   state_.history = PointHistory();
-  state_.history.reset(constitution_, rest_->pointCount(), !rest_->stencils.modes.empty());
+  state_.history.reset(constitution_, rest_->pointCount(), rest_->stencils.isLattice());
   relaxedModes_.clear();
   if (!initialAngularVelocity_.isZero()) {
     Vec3 centre = Vec3::Zero();

@@ -126,16 +126,18 @@ class CellForces final : public VectorForces {
   }
 
   // Stiffness that an entry of a point gives its phyxel at rest, N/m.
-  [[nodiscard]] double stiffnessOf(std::size_t q, Index entry) const {
+  [[nodiscard]] double stiffnessOf(std::size_t q, const GradientRows &gradients, Index entry) const {
     return stencils_.volumes[q] * materialOfPoint(constitution_, stencils_, q).waveModulus() *
-           stencils_.gradients[entry].squaredNorm();
+           gradients[entry].squaredNorm();
   }
 
   [[nodiscard]] double largestStiffnessAtRest() const {
     std::vector<double> sums(masses_.size(), 0.0);
-    for (std::size_t q = 0; q < stencils_.pointCount(); ++q)
+    for (std::size_t q = 0; q < stencils_.pointCount(); ++q) {
+      const GradientRows gradients(stencils_, q);
       for (Index e = stencils_.phyxels.offsets[q]; e < stencils_.phyxels.offsets[q + 1]; ++e)
-        sums[stencils_.phyxels.indices[e]] += stiffnessOf(q, e);
+        sums[stencils_.phyxels.indices[e]] += stiffnessOf(q, gradients, e);
+    }
     double largest = 0.0;
     for (std::size_t i = 0; i < sums.size(); ++i) largest = std::max(largest, sums[i] / masses_[i]);
     return largest;
@@ -147,8 +149,8 @@ class CellForces final : public VectorForces {
     for (std::size_t k = 0; k < others_.entries().size(); ++k) {
       const Vec3 f = stencils_.axes.transpose() * others_.force(k);
       for (int c = 0; c < 3; ++c) out[4 * k + static_cast<std::size_t>(c)] = static_cast<T>(f[c]);
-      const Index entry = others_.entries()[k], q = stencils_.pointOfEntry[entry];
-      out[4 * k + 3] = stiffness ? static_cast<T>(others_.ratio(q) * stiffnessOf(q, entry)) : T(0);
+      const Index entry = others_.entries()[k], q = stencils_.pointOfEntry(entry);
+      out[4 * k + 3] = stiffness ? static_cast<T>(others_.ratio(q) * stiffnessOf(q, GradientRows(stencils_, q), entry)) : T(0);
     }
   }
 

@@ -13,8 +13,9 @@ namespace {
 Mat3 fittedGradient(const StencilSet &s, std::size_t q, std::span<const Vec3> field) {
   const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
   const Vec3 anchor = field[s.phyxels.indices[first]];
+  const GradientRows gradients(s, q);
   Mat3 G = Mat3::Zero();
-  for (Index e = first + 1; e < last; ++e) G += (field[s.phyxels.indices[e]] - anchor) * s.gradients[e].transpose();
+  for (Index e = first + 1; e < last; ++e) G += (field[s.phyxels.indices[e]] - anchor) * gradients[e].transpose();
   return G;
 }
 

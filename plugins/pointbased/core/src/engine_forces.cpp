@@ -35,7 +35,8 @@ void pointForces(const Material &material, double stabilisation, const StencilSe
         return stress * s.gradients[e] + scale * s.weights[e] * residual.direction(offset);
       });
     } else {
-      spread(s, q, entryForces, [&](Index e) -> Vec3 { return stresses[q] * s.gradients[e]; });
+      const GradientRows rows(s, q);
+      spread(s, q, entryForces, [&](Index e) -> Vec3 { return stresses[q] * rows[e]; });
     }
   }
 }

@@ -52,7 +52,8 @@ void spreadChange(const Material &material, double stabilisation, const ModalEne
       return dP * s.gradients[e] + scale * s.weights[e] * residual.directionDifferential(offset, dnow, dF);
     });
   } else {
-    spread(s, q, entries, [&](Index e) -> Vec3 { return dP * s.gradients[e]; });
+    const GradientRows rows(s, q);
+    spread(s, q, entries, [&](Index e) -> Vec3 { return dP * rows[e]; });
   }
 }
 
@@ -60,19 +61,21 @@ template <Control control>
 void fittedChange(const StencilSet &s, std::size_t q, std::span<const Vec3> du, Mat3 &dFit, Amplitudes &dA) {
   const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
   const Vec3 anchor = du[s.phyxels.indices[first]];
+  const GradientRows gradients(s, q);
   if constexpr (control == Control::modal) {
+    const ModeRows modes(s, q);
     Eigen::Matrix<double, 4, 7> all = Eigen::Matrix<double, 4, 7>::Zero();
     for (Index e = first + 1; e < last; ++e) {
       const Eigen::Vector4d d = padded(du[s.phyxels.indices[e]] - anchor);
-      for (int c = 0; c < 3; ++c) all.col(c) += s.gradients[e][c] * d;
-      for (int m = 0; m < 4; ++m) all.col(3 + m) += s.modes[e][m] * d;
+      for (int c = 0; c < 3; ++c) all.col(c) += gradients[e][c] * d;
+      for (int m = 0; m < 4; ++m) all.col(3 + m) += modes[e][m] * d;
     }
     dFit = all.topLeftCorner<3, 3>();
     dA = all.rightCols<4>();
   } else {
     dFit.setZero();
     for (Index e = first + 1; e < last; ++e)
-      dFit += (du[s.phyxels.indices[e]] - anchor) * s.gradients[e].transpose();
+      dFit += (du[s.phyxels.indices[e]] - anchor) * gradients[e].transpose();
   }
 }
 

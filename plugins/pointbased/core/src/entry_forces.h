@@ -53,10 +53,12 @@ struct ModalConjugates {
 inline void spread(const ModalConjugates &conjugates, const StencilSet &s, std::size_t q, std::span<Vec3> entries) {
   const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
   const auto &C = conjugates.columns;
+  const GradientRows gradients(s, q);
+  const ModeRows modes(s, q);
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   for (Index e = first + 1; e < last; ++e) {
-    const Vec3 &g = s.gradients[e];
-    const Eigen::Vector4d &row = s.modes[e];
+    const Vec3 &g = gradients[e];
+    const Eigen::Vector4d &row = modes[e];
     Eigen::Vector4d f = C.col(0) * g[0] + C.col(1) * g[1] + C.col(2) * g[2];
     for (int m = 0; m < 4; ++m) f += C.col(3 + m) * row[m];
     entries[e] = -f.head<3>();

@@ -107,7 +107,7 @@ constexpr double kMixed = -1.0;
 class Recovery {
  public:
   Recovery(const Body &body, ErrorScratch &scratch)
-      : body_(body), gradients_(body.gradients()), s_(body.rest().stencils), scratch_(scratch), lattice_(!s_.modes.empty()) {}
+      : body_(body), gradients_(body.gradients()), s_(body.rest().stencils), scratch_(scratch), lattice_(s_.isLattice()) {}
 
   void strains(std::size_t begin, std::size_t end) {
     const auto &plastic = body_.state().history.plasticInverse;
@@ -195,7 +195,7 @@ class Recovery {
 /// body(q, share) for the points that phyxel j has a share in: evenly among the phyxels of a cell; in a cloud its own.
 template <class Body>
 void forShares(const StencilSet &s, std::size_t j, Body &&body) {
-  if (s.modes.empty()) return body(j, 1.0);
+  if (!s.isLattice()) return body(j, 1.0);
   for (Index k = s.entriesOfPhyxel.offsets[j]; k < s.entriesOfPhyxel.offsets[j + 1]; ++k) {
     const Index q = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
     body(q, 1.0 / (s.phyxels.offsets[q + 1] - s.phyxels.offsets[q]));
@@ -216,7 +216,7 @@ ErrorEstimate estimateError(const Body &body, std::vector<double> *perPhyxel, Er
   const RestState &rest = body.rest();
   const StencilSet &s = rest.stencils;
   const std::size_t points = rest.pointCount(), phyxels = rest.phyxelCount();
-  const bool lattice = !s.modes.empty();
+  const bool lattice = s.isLattice();
   if (perPhyxel) perPhyxel->assign(phyxels, 0.0);
   ErrorEstimate out;
   scratch.strains.resize(points);

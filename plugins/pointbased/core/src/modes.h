@@ -80,10 +80,11 @@ inline Eigen::Vector4d padded(const Vec3 &v) { return {v[0], v[1], v[2], 0.0}; }
 inline Amplitudes amplitudes(const StencilSet &s, std::size_t q, std::span<const Vec3> field) {
   const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
   const Vec3 anchor = field[s.phyxels.indices[first]];
+  const ModeRows modes(s, q);
   Amplitudes A = Amplitudes::Zero();
   for (Index e = first + 1; e < last; ++e) {
     const Eigen::Vector4d d = padded(field[s.phyxels.indices[e]] - anchor);
-    const Eigen::Vector4d &row = s.modes[e];
+    const Eigen::Vector4d &row = modes[e];
     for (int m = 0; m < 4; ++m) A.col(m) += row[m] * d;
   }
   return A;

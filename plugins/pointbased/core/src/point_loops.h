@@ -54,7 +54,7 @@ enum class Control { none, modal, isotropic };
 
 inline Control controlOf(const Constitution &constitution, const StencilSet &s) {
   if (!(constitution.stabilisation > 0.0)) return Control::none;
-  if (!s.modes.empty()) return Control::modal;
+  if (s.isLattice()) return Control::modal;
   return s.weights.empty() ? Control::none : Control::isotropic;
 }
 

@@ -39,7 +39,7 @@ class PointStiffness {
   PointStiffness(const Constitution &constitution, const StencilSet &s, std::size_t q, std::span<const Vec3> X,
                  std::span<const Vec3> u, std::span<const Mat3> gradients, const PointResponse &response,
                  double viscousScale)
-      : s_(s), q_(q), X_(X), control_(controlOf(constitution, s)),
+      : s_(s), q_(q), gradientRows_(s, q), modeRows_(s, q), X_(X), control_(controlOf(constitution, s)),
         modal_(response.material, constitution.stabilisation),
         linear_(response.material.law == MaterialLaw::linear),
         point_(modal_, s, q, linear_ ? Mat3(Mat3::Identity()) : gradients[q],
@@ -82,10 +82,10 @@ class PointStiffness {
 
   [[nodiscard]] Entry entry(Index e) const {
     Entry out;
-    const Vec3 &g = s_.gradients[e];
+    const Vec3 &g = gradientRows_[e];
     out.stress = g[0] * elastic_.leftCols<3>() + g[1] * elastic_.middleCols<3>(3) + g[2] * elastic_.rightCols<3>();
     if (control_ != Control::modal) return out;
-    const Vec3 row = s_.modes[e].head<3>(), turned = s_.axes.transpose() * g;
+    const Vec3 row = modeRows_[e].head<3>(), turned = s_.axes.transpose() * g;
     for (int i = 0; i < 3; ++i) {
       Mat3 dB = point_.FQ.row(i).transpose() * row.transpose();
       if (!linear_) dB += turned * point_.A.row(i);
@@ -93,7 +93,7 @@ class PointStiffness {
       out.modes.col(i) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(dB.data());
       out.conjugate.col(i) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(dD.data());
       if (relaxing_) {
-        out.twist.col(i) = s_.modes[e][3] * point_.FQ.row(i).transpose();
+        out.twist.col(i) = modeRows_[e][3] * point_.FQ.row(i).transpose();
         if (!linear_) out.twist.col(i) += point_.twist[i] * turned;
       }
     }
@@ -103,7 +103,7 @@ class PointStiffness {
   /// Block of two entries without second derivatives of B: the blocks of a point together are positive semi-definite if
   /// its tangent is.
   [[nodiscard]] Mat3 block(Index j, const Entry &ofJ, Index l, const Entry &ofL) const {
-    const Vec3 &g = s_.gradients[j];
+    const Vec3 &g = gradientRows_[j];
     Mat3 K = g[0] * ofL.stress.topRows<3>() + g[1] * ofL.stress.middleRows<3>(3) + g[2] * ofL.stress.bottomRows<3>();
     if (control_ == Control::modal) {
       // Eigen takes its product of large matrices from this size on, which costs ten times as much here.
@@ -111,7 +111,7 @@ class PointStiffness {
       if (relaxing_)
         K += point_.twistStiffness * ofJ.twist.transpose().lazyProduct(ofL.twist);
       else
-        K.diagonal().array() += point_.twistStiffness * s_.modes[j][3] * s_.modes[l][3];
+        K.diagonal().array() += point_.twistStiffness * modeRows_[j][3] * modeRows_[l][3];
     } else if (scale_ > 0.0) {
       K += scale_ * residualCoefficient(j, l) * visible_;
     }
@@ -121,8 +121,8 @@ class PointStiffness {
   /// What the second derivative of B adds to the diagonal block of an entry.
   [[nodiscard]] double curvature(Index e) const {
     if (control_ != Control::modal || linear_) return 0.0;
-    double sum = 2.0 * s_.gradients[e].dot(point_.QD * s_.modes[e].head<3>());
-    if (relaxing_) sum += 2.0 * s_.modes[e][3] * s_.gradients[e].dot(twistQD_);
+    double sum = 2.0 * gradientRows_[e].dot(point_.QD * modeRows_[e].head<3>());
+    if (relaxing_) sum += 2.0 * modeRows_[e][3] * gradientRows_[e].dot(twistQD_);
     return sum;
   }
 
@@ -133,7 +133,7 @@ class PointStiffness {
   // Σ_k w_k c_kj c_kl, with D_k = X_k - X_a and c_k = δ_kj - δ_aj - g_j·D_k.
   [[nodiscard]] double residualCoefficient(Index j, Index l) const {
     const Index anchor = first();
-    const Vec3 &gj = s_.gradients[j], &gl = s_.gradients[l];
+    const Vec3 &gj = gradientRows_[j], &gl = gradientRows_[l];
     const double aj = j == anchor ? 1.0 : 0.0, al = l == anchor ? 1.0 : 0.0;
     double sum = aj * al * weight_ + gj.dot(moment_ * gl) + aj * gl.dot(firstMoment_) + al * gj.dot(firstMoment_);
     if (j != anchor) sum -= s_.weights[j] * (al + gl.dot(offset(j)));
@@ -147,6 +147,8 @@ class PointStiffness {
 
   const StencilSet &s_;
   std::size_t q_;
+  GradientRows gradientRows_;
+  ModeRows modeRows_;
   std::span<const Vec3> X_;
   Control control_;
   ModalEnergy modal_;

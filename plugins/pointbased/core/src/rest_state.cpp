@@ -224,6 +224,7 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
     NeighbourCounter counter;
     forNeighbours(rest->stencils, rest->positions.size(), [&](std::span<const Index> row) { counter.add(row.size()); });
     rest->latticeNeighbours = counter.counted();
+    compactRows(rest->stencils);
     conditions.held = std::move(body.held);
     rest->bind = [cells = body.cells, parallelFor](std::span<const Vec3> points, std::span<const Vec3> normals) {
       return cells->bind(points, normals, parallelFor);

@@ -112,8 +112,8 @@ std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span
   // The kernels know no history.
   for (const Material &m : constitution.materials)
     if (m.relaxes() || m.plastic.enabled()) return nullptr;
-  return stencils.modes.empty() ? cloudForcesOf(stencils, positions, constitution, precision)
-                                : cellForcesOf(stencils, positions, masses, constitution, precision);
+  return stencils.isLattice() ? cellForcesOf(stencils, positions, masses, constitution, precision)
+                              : cloudForcesOf(stencils, positions, constitution, precision);
 }
 
 }  // namespace pointbased::detail

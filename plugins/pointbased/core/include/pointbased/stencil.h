@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <optional>
 
 #include "pointbased/types.h"
 
@@ -15,6 +17,18 @@ struct Csr {
   [[nodiscard]] std::size_t rows() const { return offsets.size() - 1; }
 };
 
+/// The rows of a stencil over the eight corners of a cell, where they are means of the trilinear functions over a part of
+/// it, as the numbers they follow from. With the signs of corner j, s_x = ±1 and so on, in lattice axes:
+///
+///     g_x = g s_x + first_y s_x s_y + first_z s_x s_z + mixed_x s_x s_y s_z   (y and z alike)
+///     γ_m = modes_m s_m,   s_m the products of the signs
+struct CellShape {
+  double gradient = 0.0;   ///< 1/(4h), 1/m
+  Vec3 first, mixed;       ///< means of place and of its products over the part: see CellNumber in src/kernels/slices.h, 1/m
+  Eigen::Vector4d modes;   ///< 1/m², of xyz 1/m³
+  bool operator==(const CellShape &) const = default;
+};
+
 /// Evaluation points with their stencils over the phyxels, from the reference state and const ever after.
 ///
 /// Everything the method does at a point q is linear in the displacements of a few phyxels:
@@ -26,13 +40,17 @@ struct Csr {
 /// relative to it, so that a body far from where it was made loses no digits.
 struct StencilSet {
   Csr phyxels;                    ///< per point: the anchor, then the others
-  std::vector<Vec3> gradients;    ///< per entry: g, 1/m
+  std::vector<Vec3> gradients;    ///< per entry: g, 1/m; of compact sets only where `rowsOf` points
   std::vector<double> weights;    ///< per entry, clouds: stabilisation weight, 0 for the anchor; Σ w |X - X_anchor|² = 3 m²; else empty
   std::vector<double> weightFactors;  ///< per point, clouds: weights over those of kernelWeight(), which are symmetric; else empty
   /// Per entry, lattices: rows γ of the four modes (xy, xz, yz, xyz) that the affine fit does not see, in lattice axes:
   /// a_m = Σ_j γ_mj x_j is the coefficient of ξη, ξζ, ηζ (1/m² · m) and ξηζ (1/m³ · m) in the motion of the cell. Each row is
   /// zero on affine fields: Σ γ = 0, Σ γ X = 0 (Flanagan and Belytschko's projection). Empty for clouds.
   std::vector<Eigen::Vector4d> modes;
+  /// Of compact sets (compactRows()): the distinct shapes of cells, and per point its shape, or the number of shapes plus
+  /// where its rows begin in `gradients` and `modes`. Empty: entry e has gradients[e] and modes[e]. See GradientRows.
+  std::vector<CellShape> shapes;
+  std::vector<Index> rowsOf;
   std::vector<Vec3> spreads;      ///< per point, lattices: variance of the part's material along the lattice axes, m²
   Mat3 axes = Mat3::Identity();   ///< lattice axes, columns; x, y, z of modes and spreads
   std::vector<std::uint16_t> materials;  ///< per point: which of the body's materials; empty: the first
@@ -51,6 +69,15 @@ struct StencilSet {
 
   static constexpr Index kNoFrame = 0xffffffffu;
   [[nodiscard]] std::size_t pointCount() const { return volumes.size(); }
+  [[nodiscard]] bool isLattice() const { return !spreads.empty(); }
+  /// The shape of a point of a compact set, or null.
+  [[nodiscard]] const CellShape *shapeOf(std::size_t q) const {
+    return !rowsOf.empty() && rowsOf[q] < shapes.size() ? &shapes[rowsOf[q]] : nullptr;
+  }
+  /// Where the rows of a point begin that has no shape.
+  [[nodiscard]] std::size_t firstRow(std::size_t q) const {
+    return rowsOf.empty() ? phyxels.offsets[q] : rowsOf[q] - shapes.size();
+  }
   /// The point that an entry belongs to, by search.
   [[nodiscard]] Index pointOfEntry(Index entry) const {
     // Where stencils are of one length, the first guess is right.
@@ -64,6 +91,64 @@ struct StencilSet {
     return referenceInverse.empty() ? way : Vec3(referenceInverse[q] * way);
   }
 };
+
+/// g of all corners of a cell; the columns of `axes` are those of the lattice.
+void cellGradients(const CellShape &shape, const Mat3 &axes, std::array<Vec3, 8> &out);
+/// γ likewise.
+void cellModes(const CellShape &shape, std::array<Eigen::Vector4d, 8> &out);
+
+/// Gradients of the entries of one point, by their numbers; of any lattice or cloud, compact or not.
+class GradientRows {
+ public:
+  GradientRows(const StencilSet &s, std::size_t q) : first_(s.phyxels.offsets[q]) {
+    if (const CellShape *shape = s.shapeOf(q)) {
+      cellGradients(*shape, s.axes, own_);
+      rows_ = own_.data();
+    } else {
+      rows_ = s.gradients.data() + s.firstRow(q);
+    }
+  }
+  GradientRows(const GradientRows &) = delete;
+  GradientRows &operator=(const GradientRows &) = delete;
+  [[nodiscard]] const Vec3 &operator[](Index entry) const { return rows_[entry - first_]; }
+
+ private:
+  Index first_;
+  const Vec3 *rows_;
+  std::array<Vec3, 8> own_;
+};
+
+/// Mode rows likewise, of lattices; of clouds there are none to ask for.
+class ModeRows {
+ public:
+  ModeRows(const StencilSet &s, std::size_t q) : first_(s.phyxels.offsets[q]) {
+    if (const CellShape *shape = s.shapeOf(q)) {
+      cellModes(*shape, own_);
+      rows_ = own_.data();
+    } else {
+      rows_ = s.modes.empty() ? nullptr : s.modes.data() + s.firstRow(q);
+    }
+  }
+  ModeRows(const ModeRows &) = delete;
+  ModeRows &operator=(const ModeRows &) = delete;
+  [[nodiscard]] const Eigen::Vector4d &operator[](Index entry) const { return rows_[entry - first_]; }
+
+ private:
+  Index first_;
+  const Eigen::Vector4d *rows_;
+  std::array<Eigen::Vector4d, 8> own_;
+};
+
+/// The shape that reproduces the rows of a point up to round-off (kSameRows), or nothing: corners that hang on a larger cell,
+/// jittered cells, a renewed reference, flat stencils, clouds.
+[[nodiscard]] std::optional<CellShape> findShape(const StencilSet &stencils, std::size_t q);
+/// Keeps shapes in place of rows wherever a point has one; equal shapes once.
+void compactRows(StencilSet &stencils);
+/// The opposite: rows of all entries, so that they can be changed.
+void expandRows(StencilSet &stencils);
+
+/// Relative to the gradient: rows carry the round-off of their making.
+inline constexpr double kSameRows = 1e-11;
 
 /// Relative cut-off of the truncated inverse of a moment matrix: directions whose singular value is below this part of
 /// the largest count as flat. About a tenth of the support in length, and free of units.

@@ -10,23 +10,6 @@
 namespace pointbased::kernels {
 namespace {
 
-double sign(std::size_t corner, std::size_t axis) { return (corner >> axis & 1) != 0 ? 1.0 : -1.0; }
-
-double modeSign(std::size_t corner, int mode) {
-  const double x = sign(corner, 0), y = sign(corner, 1), z = sign(corner, 2);
-  return mode == 0 ? x * y : mode == 1 ? x * z : mode == 2 ? y * z : x * y * z;
-}
-
-// What the stencil of a cell with these numbers has at corner j.
-Vec3 gradientAt(const std::array<double, kCellNumbers> &n, std::size_t j) {
-  const double xy = modeSign(j, 0), xz = modeSign(j, 1), yz = modeSign(j, 2), xyz = modeSign(j, 3);
-  return {n[kGradient] * sign(j, 0) + n[kFirstY] * xy + n[kFirstZ] * xz + n[kMixedX] * xyz,
-          n[kGradient] * sign(j, 1) + n[kFirstX] * xy + n[kFirstZ] * yz + n[kMixedY] * xyz,
-          n[kGradient] * sign(j, 2) + n[kFirstX] * xz + n[kFirstY] * yz + n[kMixedZ] * xyz};
-}
-
-constexpr double kSame = 1e-11;  // relative: stencils carry the round-off of their making
-
 bool isWhole(const std::array<double, kCellNumbers> &n) {
   const double edge = 0.25 / n[kGradient];
   for (const CellNumber k : {kFirstX, kFirstY, kFirstZ, kMixedX, kMixedY, kMixedZ})
@@ -85,33 +68,15 @@ class Blocks {
 }  // namespace
 
 std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s, std::size_t q) {
-  const Index first = s.phyxels.offsets[q];
-  if (s.modes.empty() || !s.reference.empty() || s.rank[q] != 3 || s.phyxels.offsets[q + 1] - first != kCorners) return {};
-  std::array<Vec3, kCorners> g;
-  for (std::size_t j = 0; j < kCorners; ++j) g[j] = s.axes.transpose() * s.gradients[first + j];
-  const auto mean = [&](auto &&value) {
-    double sum = 0.0;
-    for (std::size_t j = 0; j < kCorners; ++j) sum += value(j);
-    return sum / static_cast<double>(kCorners);
-  };
+  const auto shape = findShape(s, q);
+  if (!shape) return {};
   std::array<double, kCellNumbers> n{};
-  n[kGradient] = mean([&](std::size_t j) { return sign(j, 0) * g[j].x(); });
-  n[kFirstX] = mean([&](std::size_t j) { return modeSign(j, 0) * g[j].y(); });
-  n[kFirstY] = mean([&](std::size_t j) { return modeSign(j, 0) * g[j].x(); });
-  n[kFirstZ] = mean([&](std::size_t j) { return modeSign(j, 1) * g[j].x(); });
-  n[kMixedX] = mean([&](std::size_t j) { return modeSign(j, 3) * g[j].x(); });
-  n[kMixedY] = mean([&](std::size_t j) { return modeSign(j, 3) * g[j].y(); });
-  n[kMixedZ] = mean([&](std::size_t j) { return modeSign(j, 3) * g[j].z(); });
-  std::array<double, 4> modes{};
-  for (int m = 0; m < 4; ++m)
-    modes[static_cast<std::size_t>(m)] = mean([&](std::size_t j) { return modeSign(j, m) * s.modes[first + j][m]; });
-  for (std::size_t m = 0; m < 3; ++m) n[kModeXY + m] = modes[m];
-  for (std::size_t j = 0; j < kCorners; ++j) {
-    if (!((gradientAt(n, j) - g[j]).cwiseAbs().maxCoeff() <= kSame * n[kGradient])) return {};
-    for (int m = 0; m < 4; ++m) {
-      const double k = modes[static_cast<std::size_t>(m)];
-      if (!(std::abs(k * modeSign(j, m) - s.modes[first + j][m]) <= kSame * std::abs(k))) return {};
-    }
+  n[kGradient] = shape->gradient;
+  for (int c = 0; c < 3; ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    n[kFirstX + k] = shape->first[c];
+    n[kMixedX + k] = shape->mixed[c];
+    n[kModeXY + k] = shape->modes[c];
   }
   const Vec3 root = (s.volumes[q] * s.spreads[q]).cwiseSqrt();
   const double spread = s.spreads[q].mean();
@@ -119,7 +84,7 @@ std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s,
   n[kRootX] = root[0];
   n[kRootY] = root[1];
   n[kRootZ] = root[2];
-  n[kTwist] = s.volumes[q] * spread * spread * modes[3] * modes[3];
+  n[kTwist] = s.volumes[q] * spread * spread * shape->modes[3] * shape->modes[3];
   return n;
 }
 

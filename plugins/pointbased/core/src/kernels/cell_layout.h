@@ -11,8 +11,8 @@
 namespace pointbased::kernels {
 
 /// The numbers of one point, in the order of CellNumber, where its stencil is that of eight corners of a cell: gradients are
-/// means of those of the trilinear functions, mode rows are multiples of the products of signs. Nothing where it is not:
-/// corners that hang on a larger cell, jittered cells, a renewed reference, flat stencils.
+/// means of those of the trilinear functions, mode rows are multiples of the products of signs. Nothing where findShape()
+/// finds none.
 [[nodiscard]] std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &stencils, std::size_t q);
 
 /// Points by slices.
