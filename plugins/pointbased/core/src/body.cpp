@@ -136,10 +136,10 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
     if (!weights_.empty()) weights_[i] = density * rest_->weightVolumes[i];
     if (!rest_->heldVolumes.empty() && !heldMask_[i]) {
       // Not all of it: what deforms nothing still has to have an inertia.
-      const double carried = std::clamp(rest_->heldVolumes[i] / rest_->weightVolumes[i], 0.0, 1.0 - 1e-6);
-      carriedMasses_[i] = carried * masses_[i];
+      constexpr double kMostCarried = 1.0 - 1e-6;
+      carriedMasses_[i] = std::clamp(rest_->carriedVolumes[i] / rest_->volumes[i], 0.0, kMostCarried) * masses_[i];
       masses_[i] -= carriedMasses_[i];
-      carriedWeights_[i] = carried * weights_[i];
+      carriedWeights_[i] = std::clamp(rest_->heldVolumes[i] / rest_->weightVolumes[i], 0.0, kMostCarried) * weights_[i];
       weights_[i] -= carriedWeights_[i];
     }
     if (!weights_.empty()) gravityShares_[i] = weights_[i] / masses_[i];

@@ -261,6 +261,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &s
   body.volumes = std::move(shared.inertial);
   body.weightVolumes = std::move(shared.weights);
   body.heldVolumes = std::move(shared.held);
+  body.carriedVolumes = std::move(shared.carried);
   buildPoints(*map, contents, body);
 
   // What was counted comes to the volume of the body.
@@ -268,7 +269,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &s
   for (const double v : body.volumes) counted += v;
   body.countedVolume = counted;
   const double scale = shape.volume / counted;
-  for (auto *volumes : {&body.volumes, &body.weightVolumes, &body.heldVolumes})
+  for (auto *volumes : {&body.volumes, &body.weightVolumes, &body.heldVolumes, &body.carriedVolumes})
     for (double &v : *volumes) v *= scale;
   for (double &v : body.stencils.volumes) v *= scale;
 

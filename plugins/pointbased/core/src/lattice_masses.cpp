@@ -12,6 +12,13 @@ constexpr double kLeastMass = 0.55;
 // else corners that only a sliver reaches have hardly a mass, and their stiffness sets the explicit step.
 constexpr double kEvenInSlivers = 0.5, kWellFilled = 5.0 / 6.0;
 
+// The most that Σ v |g|² d² over the mass of a phyxel may be, d the finest edge: what corners of whole cells have after the
+// correction (2.73 at the corner of a box). Phyxels of cut cells that had up to 6 set the explicit step of their body.
+// Beside held material more mass costs nothing: it hardly moves.
+constexpr double kMostStiffness = 2.8, kMostBesideHeld = 2.0;
+
+double evenPart(double share) { return kEvenInSlivers * std::max(0.0, 1.0 - share / kWellFilled); }
+
 // Three corners in a row along an axis, and what of a second difference goes over them, m³.
 struct Row3 {
   std::array<Index, 3> nodes;
@@ -77,8 +84,40 @@ std::vector<Row3> secondDifferences(const Sharing &sharing) {
   return rows;
 }
 
+// What the stiffness of its cells asks of the mass of every phyxel: Σ v |g|² d²/most, m³.
+class Least {
+ public:
+  Least(const LatticeCellMap &map, double most) : map_(map), volumes_(map.corners().positions.size(), 0.0) {
+    std::int32_t finest = map.set().frame.finest();
+    for (const Cell &cell : map.set().cells) finest = std::min(finest, cell.size);
+    const double edge = map.set().frame.unit() * finest;
+    scale_ = edge * edge / most;
+  }
+  /// @param gradients  1/m
+  void add(const Part &part, double volume, const std::array<Vec3, 8> &gradients) {
+    row_.clear();
+    for (std::size_t j = 0; j < 8; ++j) row_.add(map_.corners(), part.nodes[j], 0.0, gradients[j]);
+    for (std::size_t e = 0; e < row_.phyxels.size(); ++e)
+      volumes_[row_.phyxels[e]] += scale_ * volume * row_.gradients[e].squaredNorm();
+  }
+  double operator[](std::size_t i) const { return volumes_[i]; }
+
+ private:
+  const LatticeCellMap &map_;
+  std::vector<double> volumes_;
+  double scale_ = 0.0;
+  Row row_;
+};
+
+std::array<Vec3, 8> gradientsOf(const Moments &moments, double edge) {
+  std::array<Vec3, 8> gradients = moments.gradients();
+  for (Vec3 &g : gradients) g /= edge;
+  return gradients;
+}
+
 // Takes the rows off, each as far as its ends can bear it.
-void correctSecondMoments(const Corners &corners, std::span<const Row3> rows, std::vector<double> &volumes) {
+void correctSecondMoments(const Corners &corners, std::span<const Row3> rows, const Least &least,
+                          std::vector<double> &volumes) {
   std::vector<double> changed, allowed(volumes.size(), 1.0);
   for (bool settled = false; !settled;) {
     changed = volumes;
@@ -93,12 +132,44 @@ void correctSecondMoments(const Corners &corners, std::span<const Row3> rows, st
     }
     settled = true;
     for (std::size_t i = 0; i < changed.size(); ++i)
-      if (changed[i] < kLeastMass * volumes[i] * (1.0 - 1e-9)) {
+      if (changed[i] < std::min(volumes[i], std::max(kLeastMass * volumes[i], least[i])) * (1.0 - 1e-9)) {
         settled = false;
         allowed[i] = allowed[i] < 0.05 ? 0.0 : 0.8 * allowed[i];
       }
   }
   volumes = std::move(changed);
+}
+
+// Gives phyxels that are still too light what they lack, from the middles of rows that they end: the same second
+// differences the other way round, so that volume and centre stay.
+void giveToLight(const Corners &corners, std::span<const Row3> rows, const Least &least, std::vector<double> &volumes) {
+  const auto phyxelOf = [&](Index node) {
+    return corners.offsets[node + 1] - corners.offsets[node] == 1 ? corners.phyxels[corners.offsets[node]] : kNone;
+  };
+  std::vector<std::vector<std::array<Index, 2>>> others(volumes.size());  // middle and far end
+  for (const Row3 &row : rows) {
+    const std::array<Index, 3> at{phyxelOf(row.nodes[0]), phyxelOf(row.nodes[1]), phyxelOf(row.nodes[2])};
+    if (at[0] == kNone || at[1] == kNone || at[2] == kNone) continue;
+    for (const std::size_t end : {0u, 2u})
+      if (volumes[at[end]] < least[at[end]]) others[at[end]].push_back({at[1], at[2 - end]});
+  }
+  const auto spare = [&](Index i) { return volumes[i] - least[i]; };
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    std::vector<std::array<Index, 2>> &candidates = others[i];
+    std::sort(candidates.begin(), candidates.end());
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+    while (volumes[i] < least[i] && !candidates.empty()) {
+      const auto best = std::max_element(candidates.begin(), candidates.end(),
+                                         [&](const auto &a, const auto &b) { return spare(a[0]) < spare(b[0]); });
+      // Half of what the middle can spare.
+      const double given = std::min(least[i] - volumes[i], 0.25 * spare((*best)[0]));
+      if (!(given > 0.0)) break;
+      volumes[i] += given;
+      volumes[(*best)[0]] -= 2.0 * given;
+      volumes[(*best)[1]] += given;
+      candidates.erase(best);
+    }
+  }
 }
 
 }  // namespace
@@ -109,31 +180,51 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   out.weights.assign(corners.positions.size(), 0.0);
   out.inertial.assign(corners.positions.size(), 0.0);
   const Sharing sharing{map, contents};
+  Least least(map, kMostStiffness), leastFree(map, kMostBesideHeld);
+  std::vector<double> evenFree;  // m³, by phyxel
   for (std::size_t p = 0; p < contents.size(); ++p) {
     const Part &part = map.parts()[p];
     if (!part.kept) continue;
     const double edge = sharing.edge(p);
     std::array<double, 8> functions = contents[p].all.functions();
+    std::array<Vec3, 8> gradients = gradientsOf(contents[p].all, edge);
     double volume = sharing.volume(p);
     if (map.distorted(part.cell)) {
       const HexahedronMeans means = meansOf(map.hexahedron(static_cast<Index>(p)));
       functions = means.functions;
+      gradients = means.gradients;
       volume = means.volume;
     }
     const Moments &loose = contents[p].free;
     const double freeVolume = loose.share * edge * edge * edge;
     const bool holds = contents[p].all.share - loose.share > 1e-12;
     const std::array<double, 8> freeFunctions = holds && freeVolume > 0.0 ? loose.functions() : functions;
-    if (holds) out.held.resize(out.weights.size(), 0.0);
-    const double even = kEvenInSlivers * std::max(0.0, 1.0 - contents[p].all.share / kWellFilled);
+    if (holds) {
+      out.held.resize(out.weights.size(), 0.0);
+      evenFree.resize(out.weights.size(), 0.0);
+    }
+    least.add(part, volume, gradients);
+    if (!holds) leastFree.add(part, volume, gradients);
+    else if (contents[p].isFree()) leastFree.add(part, freeVolume, gradientsOf(loose, edge));
+    const double even = evenPart(contents[p].all.share), evenOfFree = evenPart(loose.share);
     for (std::size_t j = 0; j < 8; ++j)
       forPhyxels(corners, part.nodes[j], [&](Index i, double weight) {
         out.weights[i] += weight * volume * functions[j];
         out.inertial[i] += weight * volume * ((1.0 - even) * functions[j] + even / 8.0);
-        if (holds) out.held[i] += weight * (volume * functions[j] - freeVolume * freeFunctions[j]);
+        if (!holds) return;
+        out.held[i] += weight * (volume * functions[j] - freeVolume * freeFunctions[j]);
+        evenFree[i] += weight * freeVolume * evenOfFree / 8.0;
       });
   }
-  correctSecondMoments(corners, secondDifferences(sharing), out.inertial);
+  const std::vector<Row3> rows = secondDifferences(sharing);
+  correctSecondMoments(corners, rows, least, out.inertial);
+  giveToLight(corners, rows, least, out.inertial);
+  if (out.held.empty()) return out;
+  out.carried.resize(out.held.size());
+  for (std::size_t i = 0; i < out.held.size(); ++i) {
+    const double carried = std::clamp(out.held[i] / out.weights[i], 0.0, 1.0) * out.inertial[i];
+    out.carried[i] = std::max(0.0, std::min(carried, out.inertial[i] - std::max(leastFree[i], evenFree[i])));
+  }
   return out;
 }
 

@@ -9,6 +9,7 @@ namespace pointbased::lattice {
 struct PhyxelVolumes {
   std::vector<double> inertial;  ///< > 0; density times it is the mass
   std::vector<double> weights;   ///< ∫N_j: what a uniform load on the material gives each; same sum
+  std::vector<double> carried;   ///< part of `inertial` that moves with a support; empty: nothing is held
   std::vector<double> held;      ///< part of `weights` that moves with a support; empty: nothing is held
 };
 
@@ -22,7 +23,10 @@ struct PhyxelVolumes {
 /// are. Inside the body neighbours cancel; at its ends the weights become those of an end-corrected quadrature (3/8, 9/8,
 /// 9/8, 3/8 for three cells across: Simpson's three-eighths rule). Without them a bar of n cells has 1 + 2/n² times its
 /// inertia about its axis. Where a phyxel would be left with too little for a reasonable explicit step, the correction is
-/// partial; a body one cell thick has no three corners in a row across.
+/// partial or goes the other way; a body one cell thick has no three corners in a row across.
+///
+/// What moves beside held material is the free material's, but never less than its stiffness asks for: the support then
+/// carries less (`carried`), and the whole stays.
 /// @source  Gregory's end corrections (Davis and Rabinowitz, Methods of Numerical Integration, 2.9); for cut cells: own
 [[nodiscard]] PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartContent> contents);
 

@@ -218,6 +218,7 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
     rest->volumes = std::move(body.volumes);
     rest->weightVolumes = std::move(body.weightVolumes);
     rest->heldVolumes = std::move(body.heldVolumes);
+    rest->carriedVolumes = std::move(body.carriedVolumes);
     rest->stencils = std::move(body.stencils);
     rest->pointCentres = std::move(body.pointCentres);
     rest->components = body.components;

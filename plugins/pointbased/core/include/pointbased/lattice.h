@@ -50,6 +50,7 @@ struct LatticeBody {
   std::vector<double> volumes;     ///< [phyxels] m³, > 0; sum: the body's volume (density times it is the mass)
   std::vector<double> weightVolumes; ///< [phyxels] m³, ∫N_j: what a uniform load on the material gives each; same sum
   std::vector<double> heldVolumes; ///< [phyxels] m³: the part of `weightVolumes` that moves with a support; empty: nothing is held
+  std::vector<double> carriedVolumes; ///< [phyxels] m³: the part of `volumes`, of the mass, that moves with a support; likewise
   StencilSet stencils;
   std::shared_ptr<const CellMap> cells;
   std::vector<HeldPart> held;      ///< one per LatticeSampling::held

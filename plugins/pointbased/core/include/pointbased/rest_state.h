@@ -46,6 +46,7 @@ struct RestState {
   std::vector<double> volumes;     ///< [phyxels] m³
   std::vector<double> weightVolumes; ///< [phyxels] m³, shares of a load on the material of a held body; empty: `volumes`
   std::vector<double> heldVolumes; ///< [phyxels] m³, part of `weightVolumes` that supports carry; empty: none
+  std::vector<double> carriedVolumes; ///< [phyxels] m³, part of `volumes`, of the mass, that supports carry; empty: none
   Csr neighbors;                   ///< of clouds: [phyxels] those of their stencils; symmetric, without itself; see neighboursOf()
   Neighbours latticeNeighbours;    ///< of lattices: countNeighbours()
   StencilSet stencils;             ///< evaluation points
