@@ -15,7 +15,7 @@ inline constexpr std::uint64_t kPatience = 256;
 ///
 /// Each size of step keeps an energy of its own, (ω dt)²/4 of the exact one off in the fastest modes. One change moves the
 /// energy once, changes in turn can pump it into what swings. A step is therefore divided no coarser than those before it
-/// until fewer pieces would have done for kPatience steps; and where somebody changes the steps themselves, care() makes
+/// until fewer pieces would have done for kPatience steps (half as many: an eighth of that); and where somebody changes the steps themselves, care() makes
 /// them so small that these energies are the same to 4 %.
 class StepRhythm {
  public:
@@ -54,7 +54,8 @@ class StepRhythm {
 
   /// @param pieces  of dt that would have done for the step that ends
   void end(double pieces) {
-    if (pieces < pieces_ && ++fewerWouldDo_ < kPatience) return;
+    // Twice as long steps are worth a change sooner.
+    if (pieces < pieces_ && ++fewerWouldDo_ < (2.0 * pieces <= pieces_ ? kPatience / 8 : kPatience)) return;
     pieces_ = pieces;
     fewerWouldDo_ = 0;
   }
