@@ -123,6 +123,8 @@ void Controller::drawOrgan(sdk::Ui &ui, const Snapshot *snapshot) {
                                fixed(body->neighbours.mean, 1));
     ui.value("Mass", significant(body->mass, 4) + " kg");
     ui.value("Asleep", body->asleep ? "yes: at rest, costs nothing until touched" : "no");
+    ui.value("Computed", body->computed);
+    ui.tooltip("What integrates the body (solver.integrator), and what its forces are computed with");
     ui.value("Volume", significant(1e6 * body->rest->shapeVolume, 4) + " mL");
   }
   ui.params(bodyParameters_.handle(), "Sampling");

@@ -112,6 +112,14 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
 
 }  // namespace
 
+std::string howComputed(const Simulator &simulator, std::size_t id) {
+  const Body &body = *simulator.body(id);
+  const Integrator integrator = simulator.integratorOf(id);
+  const bool single = integrator == Integrator::explicitVerlet && body.precision() == Precision::singlePrecision;
+  if (!body.vectorised()) return std::string(nameOf(integrator)) + ", by stages";
+  return std::string(nameOf(integrator)) + (single ? ", single" : ", double") + " precision, " + kernelTarget();
+}
+
 std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies) {
   Json out = {{"bodies", Json::array()},     {"probes", Json::array()},  {"reactions", Json::array()},
               {"stages", Json::object()},    {"events", Json::array()}};

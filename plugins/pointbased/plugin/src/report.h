@@ -14,6 +14,9 @@ struct ReportedBody {
   std::vector<std::uint32_t> fixNumbers;
 };
 
+/// What integrates a body and what computes its forces, for people: "explicit, double precision, AVX3".
+[[nodiscard]] std::string howComputed(const Simulator &simulator, std::size_t body);
+
 /// The keys bodies, probes, reactions, stages and events of the run report, as one JSON object.
 [[nodiscard]] std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies);
 

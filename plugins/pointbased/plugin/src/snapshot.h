@@ -20,6 +20,7 @@ struct BodySnapshot {
   std::shared_ptr<const ParameterValues> values;
   std::uint64_t changes = 0;            ///< of the simulator: the same number, the same places
   bool asleep = false;
+  std::string computed;                 ///< how: "explicit, double precision, AVX3"
   std::vector<Vec3> phyxels;            ///< world, m
   std::vector<Vec3f> surfels, normals;  ///< world, m; single precision, as a screen takes it
   std::vector<Vec3> points;                     ///< world, m: what view.points shows of the inside; empty: nothing

@@ -216,6 +216,7 @@ void WorldSimulator::publish() {
     const bool samePlaces = sameBody && b.changes == changes;
     b.changes = changes;
     b.asleep = simulator_.asleep(id);
+    b.computed = howComputed(simulator_, id);
     b.id = id;
     b.name = record.name;
     b.rest = body.sharedRest();
