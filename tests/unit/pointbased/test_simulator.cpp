@@ -296,3 +296,24 @@ TEST_CASE("the cheaper integrator is chosen by the stiffness of the body, and an
   CHECK(integratorFor(6e3, Integrator::implicitSdirk) == Integrator::implicitSdirk);
   CHECK(integratorFor(1e8, Integrator::explicitVerlet) == Integrator::explicitVerlet);
 }
+
+TEST_CASE("an automatic step is not divided by a strain of two per cent, and is by a large one") {
+  const auto dividedAt = [](double stretch) {
+    Simulator simulator;
+    Material material;
+    material.youngsModulus = 1e4;
+    const std::size_t id = simulator.addBody(std::make_unique<Body>(
+        "ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01), Constitution{{material}, kCloudStabilisation}, serialFor()));
+    Body &body = *simulator.body(id);
+    for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
+      body.state().displacements[i] = stretch * body.rest().positions[i];
+    // The bound of the step is that of the forces, which are first known in the first step.
+    REQUIRE(simulator.step());
+    CHECK(body.stableStep() < body.stableStepAtRest());
+    REQUIRE(simulator.step());
+    return std::any_of(simulator.events().begin(), simulator.events().end(),
+                       [](const SimulationEvent &event) { return event.kind == "substep"; });
+  };
+  CHECK_FALSE(dividedAt(-0.02));
+  CHECK(dividedAt(-0.4));
+}

@@ -78,12 +78,6 @@ class CellForces final : public VectorForces {
     (void)collect({}, df, parallelFor);
   }
 
-  [[nodiscard]] std::size_t memory() const override {
-    return bytesOf(cells_.materials) + bytesOf(cells_.corners) + bytesOf(cells_.numbers) + bytesOf(cells_.blocks) +
-           bytesOf(cells_.firstLocals) + bytesOf(cells_.phyxels) + bytesOf(rows_.offsets) + bytesOf(rows_.indices) +
-           bytesOf(partials_) + bytesOf(tangents_) + bytesOf(energies_) + others_.memory();
-  }
-
  private:
   [[nodiscard]] CellJob<T> job(std::span<const Vec3> u) {
     CellJob<T> job;

@@ -95,12 +95,6 @@ class CloudForces final : public VectorForces {
     addOthers(df);
   }
 
-  [[nodiscard]] std::size_t memory() const override {
-    return bytesOf(offsets_) + bytesOf(neighbours_) + bytesOf(weights_) + bytesOf(places_) + bytesOf(points_) +
-           bytesOf(materials_) + bytesOf(numbers_) + bytesOf(displacements_) + bytesOf(velocities_) + bytesOf(tensors_) + bytesOf(own_) +
-           bytesOf(ratios_) + bytesOf(tangents_) + bytesOf(gradients_) + bytesOf(phyxelOfOther_) + others_.memory();
-  }
-
  private:
   [[nodiscard]] CloudJob<T> job() {
     CloudJob<T> job;

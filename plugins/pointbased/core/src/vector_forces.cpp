@@ -100,11 +100,6 @@ ElasticEnergy OtherPoints::energy(std::span<const Vec3> u) const {
   return sum;
 }
 
-std::size_t OtherPoints::memory() const {
-  return bytesOf(runs_) + bytesOf(entries_) + bytesOf(entryForces_) + bytesOf(gradients_) + bytesOf(rates_) + bytesOf(stresses_) +
-         bytesOf(ratios_);
-}
-
 std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span<const Vec3> positions,
                                            std::span<const double> masses, const Constitution &constitution,
                                            Precision precision) {

@@ -35,8 +35,6 @@ class VectorForces {
   /// df = -K du, as forceDifferential(), with the viscous forces of velocities viscousScale du.
   virtual void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
                             const ParallelFor &parallelFor) = 0;
-  /// Bytes it holds.
-  [[nodiscard]] virtual std::size_t memory() const = 0;
 };
 
 /// Null where no kernel would take at least half of the points: materials that flow or relax.

@@ -24,11 +24,6 @@ inline constexpr std::size_t kPhyxelGrain = 256;
 [[nodiscard]] kernels::ScalarLaw scalarLaw(const Constitution &constitution);
 
 template <class T>
-[[nodiscard]] std::size_t bytesOf(const T &vector) {
-  return vector.capacity() * sizeof(vector[0]);
-}
-
-template <class T>
 [[nodiscard]] std::vector<kernels::LawNumbers<T>> lawsOf(const Constitution &constitution) {
   std::vector<kernels::LawNumbers<T>> laws;
   for (const Material &m : constitution.materials) laws.push_back(kernels::lawNumbers<T>(m, constitution.stabilisation));
@@ -62,7 +57,6 @@ class OtherPoints {
   [[nodiscard]] const Vec3 &force(std::size_t entry) const { return entryForces_[entries_[entry]]; }
   /// Of a point, at the last evaluate().
   [[nodiscard]] double ratio(std::size_t point) const { return ratios_[point]; }
-  [[nodiscard]] std::size_t memory() const;
 
  private:
   [[nodiscard]] ParallelFor loop(const ParallelFor &parallelFor) const;

@@ -94,12 +94,6 @@ HWY_INLINE Mat3Lanes<V> timesCross(const Mat3Lanes<V> &M, const Vec3Lanes<V> &w)
   return {scaled(w.z, M.c1) - scaled(w.y, M.c2), scaled(w.x, M.c2) - scaled(w.z, M.c0), scaled(w.y, M.c0) - scaled(w.x, M.c1)};
 }
 
-/// sym A
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE Sym3Lanes<V> symmetricPart(D d, const Mat3Lanes<V> &A) {
-  return smallStrain(d, A);
-}
-
 template <class D, class V = hn::Vec<D>>
 HWY_NOINLINE void answerStrayChanges(D d, V stray, const Mat3Lanes<V> &G, const Mat3Lanes<V> &dG, const ScalarLaw &scalar,
                                      std::size_t material, Mat3Lanes<V> &dP) {
@@ -146,7 +140,7 @@ HWY_INLINE Mat3Lanes<V> stressChange(D d, const LawNumbers<Real<D>> &m, const Ta
     } else if constexpr (kLaw == MaterialLaw::stVenantKirchhoff) {
       const Strain<D> s(d, G);
       const Mat3Lanes<V> F = plusDiagonal(G, one);
-      dP = times(dG, hooke(d, m, s.E)) + times(F, hooke(d, m, symmetricPart(d, transposeTimes(F, dG))));
+      dP = times(dG, hooke(d, m, s.E)) + times(F, hooke(d, m, smallStrain(d, transposeTimes(F, dG))));
     } else {
       const Mat3Lanes<V> R = t.getMatrix(kTangentR), A = transposeTimes(R, dG);
       const Vec3Lanes<V> axial = {hn::Sub(A.c1.z, A.c2.y), hn::Sub(A.c2.x, A.c0.z), hn::Sub(A.c0.y, A.c1.x)};
