@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "c3de/core/vec.h"
+
+namespace c3de::imaging {
+
+/// Where the voxels of a volume lie. Indices count from 0, i fastest; a whole index is the centre of its voxel.
+/// World is LPS (left, posterior, superior grow), right-handed, millimetres.
+struct VolumeGeometry {
+  std::array<std::size_t, 3> size{};   ///< voxels along i, j, k; each at least 1
+  Mat4 indexToWorld = kIdentity4;      ///< affine, invertible; any direction, shear allowed (gantry tilt)
+
+  [[nodiscard]] std::size_t voxelCount() const { return size[0] * size[1] * size[2]; }
+  [[nodiscard]] Vec3 worldAt(const Vec3 &index) const { return transformPoint(indexToWorld, index); }
+  /// Distance of neighbouring voxel centres along i, j, k, mm.
+  [[nodiscard]] Vec3 spacing() const;
+  /// Volume of one voxel, mm³; positive for either handedness of the index.
+  [[nodiscard]] double voxelVolume() const;
+  /// Negative: the index axes are left-handed in the world.
+  [[nodiscard]] double handedness() const;
+  /// Largest |cos| between two index axes; 0 for an orthogonal grid.
+  [[nodiscard]] double shear() const;
+};
+
+/// Inverse of an affine matrix (last row 0 0 0 1). The matrix must be invertible.
+[[nodiscard]] Mat4 affineInverse(const Mat4 &affine);
+/// Whether two volumes have the same voxels in the world: equal sizes, and corners within the tolerance (mm).
+[[nodiscard]] bool sameGrid(const VolumeGeometry &a, const VolumeGeometry &b, double tolerance = 1e-3);
+
+/// Voxels in the type in which the file keeps them.
+using Voxels = std::variant<std::vector<std::int8_t>, std::vector<std::uint8_t>, std::vector<std::int16_t>,
+                            std::vector<std::uint16_t>, std::vector<std::int32_t>, std::vector<std::uint32_t>,
+                            std::vector<float>, std::vector<double>>;
+
+/// An image of scalars. Never changes once it is built; any number of threads may read it.
+struct Volume {
+  VolumeGeometry geometry;
+  Voxels voxels;           ///< geometry.voxelCount() of them, i fastest
+  double slope = 1.0;      ///< value = slope * voxel + intercept
+  double intercept = 0.0;
+  std::string unit;        ///< of values: "HU", or empty when the file does not say
+
+  [[nodiscard]] std::size_t offset(std::size_t i, std::size_t j, std::size_t k) const {
+    return i + geometry.size[0] * (j + geometry.size[1] * k);
+  }
+  /// Rescaled value of a voxel; the index must lie inside.
+  [[nodiscard]] double value(std::size_t i, std::size_t j, std::size_t k) const;
+  [[nodiscard]] std::size_t bytes() const;           ///< of all voxels
+  [[nodiscard]] const char *scalarTypeName() const;  ///< "int16", "uint8", "float32", …
+};
+
+/// 0 is background. Labels have names where the file, or a table beside it, gives them.
+struct LabelMap {
+  struct Label {
+    std::uint16_t value = 0;
+    std::string name;                    ///< "label 7" when nobody named it
+    std::array<float, 3> colour{};       ///< linear RGB, 0 … 1
+  };
+  VolumeGeometry geometry;               ///< its own grid: need not be that of any image
+  std::vector<std::uint16_t> voxels;     ///< geometry.voxelCount(), i fastest
+  std::vector<Label> labels;             ///< those that occur, by value, without the background
+};
+
+/// One byte per voxel: 0 outside, 1 inside.
+struct Mask {
+  VolumeGeometry geometry;
+  std::vector<std::uint8_t> voxels;
+};
+
+}  // namespace c3de::imaging
