@@ -255,7 +255,8 @@ TEST_CASE("a clay block pressed to half its height keeps its volume and its shap
   CHECK(height.high - height.low <
         0.55 * kEdge);  // springs back by the elastic strain, 1 %, and a little at the corners
   CHECK(height.high - height.low > 0.45 * kEdge);
-  CHECK(linear(body)[0] == Approx(0.0).margin(1e-6));  // nothing has pushed it aside
+  CHECK(linear(body)[0] == Approx(0.0).margin(1e-5));  // kg m/s: nothing has pushed it aside but friction,
+                                                       // whose solutions end at 5e-3 of the velocities that change
 }
 
 TEST_CASE("renewing does not depend on threads, and a reset leads back to the first reference bit for bit") {

@@ -27,7 +27,7 @@ BodyRunner::Gone BodyRunner::substep(const StepOrder &order, double time, double
   double stable = part * bare;
   if (view.fastest > 0.0) stable = std::min(stable, stride / view.fastest);
   // An impact sets phyxels in motion against each other that had the same velocity before.
-  const double impact = impactSpeed(body, order.environment, time, std::min(left, stable), stride);
+  const double impact = impactSpeed(body, order.environment, time, std::min(left, stable), stride, view.meanSpeed);
   if (impact > 0.0) stable = std::min(stable, stride / impact);
   const bool crushed = std::isfinite(rest) && !(stable > part * kCrushed * rest);
   if (!crushed) return stable;

@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
-#include "interpolation_at.h"
+#include "contact_search.h"
 
 namespace pointbased {
 
@@ -25,15 +24,8 @@ constexpr double kSamePlane = 0.25;
 constexpr double kRest = 1e-3;
 // Points up to this many margins inside are followed sidewards, deeper ones are only led back to where they came in.
 constexpr double kFollow = 50.0;
-// Points that wait together, and the part of their room that is used: rounding must not bring one nearer.
-constexpr std::size_t kBlock = 16;
-constexpr double kRoomSafety = 1.0 - 1e-9;
 // Planes whose normals are closer than this cosine are the same side.
 constexpr double kSameSide = 0.9;
-
-Vec3 toRest(const RigidMotion &motion, const Vec3 &x) {
-  return motion.rotation.transpose() * (x - motion.centre - motion.displacement) + motion.centre;
-}
 
 // One obstacle during one step.
 struct Step {
@@ -142,17 +134,6 @@ void keepMemories(ContactMemory &memory) {
   }
 }
 
-// The points that are looked at: all, or some.
-struct Looked {
-  std::span<const Index> which;  // empty: all
-  std::span<const Vec3> positions, velocities;
-  std::span<const double> radii;
-
-  [[nodiscard]] std::size_t count() const { return positions.size(); }
-  [[nodiscard]] Index point(std::size_t k) const { return which.empty() ? static_cast<Index>(k) : which[k]; }
-  [[nodiscard]] double radius(std::size_t k) const { return radii.empty() ? 0.0 : radii[point(k)]; }
-};
-
 void addWalls(const WorldBox &box, double dt, double margin, const Looked &looked, std::vector<Contact> &active) {
   const auto add = [&](std::size_t k, const Vec3 &normal, double gap) {
     if (gap > margin + std::max(0.0, -looked.velocities[k].dot(normal)) * dt) return;
@@ -179,9 +160,11 @@ Step stepOf(const Obstacle &obstacle, double time, double dt, double margin) {
           moves ? obstacle.motion(time + dt) : RigidMotion{}, dt, margin};
 }
 
-// @param count  of all points of the body
-void search(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
-            std::size_t count, const Looked &looked, ContactMemory &memory, const ParallelFor &parallelFor) {
+}  // namespace
+
+void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt,
+                            double margin, std::size_t count, const Looked &looked, ContactMemory &memory,
+                            const ParallelFor &parallelFor) {
   const std::size_t n = looked.count();
   const std::span<const Vec3> positions = looked.positions, velocities = looked.velocities;
   std::swap(memory.previous, memory.active);
@@ -274,146 +257,10 @@ void search(std::span<const Obstacle> obstacles, const WorldBox &box, double tim
   keepMemories(memory);
 }
 
-// Largest component, so that whole registers are compared: √3 of it bounds every length.
-double largestWay(std::span<const Vec3> from, std::span<const Vec3> to) {
-  using Four = Eigen::Array<double, 12, 1>;
-  Four most = Four::Zero();
-  std::size_t i = 0;
-  for (; i + 3 < to.size(); i += 4)
-    most = most.max((Eigen::Map<const Four>(to[i].data()) - Eigen::Map<const Four>(from[i].data())).abs());
-  double largest = most.maxCoeff();
-  for (; i < to.size(); ++i) largest = std::max(largest, (to[i] - from[i]).cwiseAbs().maxCoeff());
-  return std::sqrt(3.0) * largest;
-}
-
-double largestLength(std::span<const Vec3> field) {
-  using Four = Eigen::Array<double, 12, 1>;
-  Four most = Four::Zero();
-  std::size_t i = 0;
-  for (; i + 3 < field.size(); i += 4) most = most.max(Eigen::Map<const Four>(field[i].data()).abs());
-  double largest = most.maxCoeff();
-  for (; i < field.size(); ++i) largest = std::max(largest, field[i].cwiseAbs().maxCoeff());
-  return std::sqrt(3.0) * largest;
-}
-
-double gainOf(const Interpolation &binding) {
-  if (!binding.rank.empty()) return std::numeric_limits<double>::infinity();  // some turn with F besides
-  double gain = 1.0;
-  for (std::size_t p = 0; p < binding.count(); ++p) {
-    double sum = 0.0;
-    for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e) sum += std::abs(binding.weights[e]);
-    gain = std::max(gain, sum);
-  }
-  return gain;
-}
-
-// The farthest that a point within `reach` of `centre` can go, seen from an obstacle, while that moves so.
-double wayOfObstacle(const RigidMotion &from, const RigidMotion &to, const Vec3 &centre, double reach) {
-  const double arm = (centre - to.centre - to.displacement).norm() + reach;
-  return (to.rotation - from.rotation).norm() * arm + (to.displacement - from.displacement).norm() +
-         2.0 * (to.centre - from.centre).norm();
-}
-
-// How much farther a point may go before it has to be looked at.
-double roomOf(const ContactMemory &memory, std::span<const Obstacle> obstacles, const WorldBox &box,
-              const Looked &looked, std::size_t k) {
-  double room = std::numeric_limits<double>::infinity();
-  const Vec3 &x = looked.positions[k];
-  for (std::size_t o = 0; o < obstacles.size(); ++o) {
-    const Known &known = memory.clearance[o][looked.point(k)];
-    const Vec3 at = obstacles[o].motion ? toRest(memory.blocks.motions[o], x) : x;
-    room = std::min(room, std::min(known.distance, known.reach) - (at - known.at).norm());
-  }
-  if (box.enabled) room = std::min({room, (x - box.min).minCoeff(), (box.max - x).minCoeff()});
-  return room - looked.radius(k) - memory.margin;
-}
-
-}  // namespace
-
 void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
                   std::span<const Vec3> positions, std::span<const Vec3> velocities, std::span<const double> radii,
                   ContactMemory &memory, const ParallelFor &parallelFor) {
-  search(obstacles, box, time, dt, margin, positions.size(), {{}, positions, velocities, radii}, memory, parallelFor);
-}
-
-void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
-                  const CarriedPoints &body, ContactMemory &memory, const ParallelFor &parallelFor) {
-  const Interpolation &binding = body.points.binding;
-  const std::size_t n = body.points.count(), blockCount = (n + kBlock - 1) / kBlock;
-  ContactMemory::Blocks &blocks = memory.blocks;
-  if (!(blocks.gain > 0.0)) blocks.gain = gainOf(binding);
-  const bool sameBox = box.enabled == blocks.box.enabled && box.min == blocks.box.min && box.max == blocks.box.max;
-  if (blocks.until.size() != blockCount || blocks.before.size() != body.displacements.size() || !sameBox ||
-      blocks.margin != margin || memory.clearance.size() != obstacles.size()) {
-    blocks.until.assign(blockCount, -1.0);
-    blocks.gone = 0.0;
-    blocks.before.assign(body.displacements.begin(), body.displacements.end());
-    blocks.size = 0.0;
-    for (const Vec3 &X : binding.positions) blocks.size = std::max(blocks.size, (X - binding.positions.front()).norm());
-    blocks.motions.assign(obstacles.size(), RigidMotion{});
-    for (std::size_t o = 0; o < obstacles.size(); ++o)
-      if (obstacles[o].motion) blocks.motions[o] = obstacles[o].motion(time);
-    blocks.box = box;
-    blocks.margin = margin;
-  }
-
-  // What the body has gone since the last search, and will go in this step.
-  double gone = blocks.gain * largestWay(blocks.before, body.displacements);
-  double way = blocks.gain * dt * largestLength(body.velocities);
-  std::copy_n(body.displacements.data()->data(), 3 * body.displacements.size(), blocks.before.data()->data());
-  if (std::any_of(obstacles.begin(), obstacles.end(), [](const Obstacle &o) { return static_cast<bool>(o.motion); })) {
-    // All points, around the first phyxel.
-    const Vec3 &first = body.displacements.front();
-    double spread = 0.0, turned = 0.0, turns = 0.0;
-    for (const Vec3 &u : body.displacements) spread = std::max(spread, (u - first).squaredNorm());
-    const double reach = blocks.size + 2.0 * blocks.gain * std::sqrt(spread);
-    const Vec3 centre = body.origin + binding.positions.front() + first;
-    for (std::size_t o = 0; o < obstacles.size(); ++o) {
-      if (!obstacles[o].motion) continue;
-      const RigidMotion now = obstacles[o].motion(time);
-      turned = std::max(turned, wayOfObstacle(blocks.motions[o], now, centre, reach));
-      turns = std::max(turns, wayOfObstacle(now, obstacles[o].motion(time + dt), centre, reach));
-      blocks.motions[o] = now;
-    }
-    gone += turned;
-    way += turns;
-  }
-  blocks.gone += gone;
-
-  blocks.near.clear();
-  blocks.points.clear();
-  for (std::size_t b = 0; b < blockCount; ++b) {
-    if (blocks.gone + way < blocks.until[b]) continue;
-    blocks.near.push_back(static_cast<Index>(b));
-    for (std::size_t p = b * kBlock; p < std::min(n, (b + 1) * kBlock); ++p) blocks.points.push_back(static_cast<Index>(p));
-  }
-  blocks.positions.resize(blocks.points.size());
-  blocks.velocities.resize(blocks.points.size());
-  const auto carry = [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const Index p = blocks.points[k];
-      const Mat3 F = rankOf(binding, p) < 3 ? gradientAt(binding, p, body.displacements) : Mat3(Mat3::Identity());
-      blocks.positions[k] = body.origin + binding.positions[p] + displacementAt(binding, p, body.displacements, F);
-      blocks.velocities[k] = fieldAt(binding, p, body.velocities);
-    }
-  };
-  parallelFor(blocks.points.size(), 128, std::cref(carry));
-  const Looked looked{blocks.points, blocks.positions, blocks.velocities, body.points.radii};
-  if (blocks.points.empty()) {
-    std::swap(memory.previous, memory.active);
-    memory.active.clear();
-    memory.margin = margin;
-    return;
-  }
-  search(obstacles, box, time, dt, margin, n, looked, memory, parallelFor);
-
-  std::size_t k = 0;
-  for (const Index b : blocks.near) {
-    double room = std::numeric_limits<double>::infinity();
-    for (std::size_t p = b * kBlock; p < std::min(n, (b + 1) * kBlock); ++p, ++k)
-      room = std::min(room, roomOf(memory, obstacles, box, looked, k));
-    blocks.until[b] = blocks.gone + kRoomSafety * room;
-  }
+  searchContacts(obstacles, box, time, dt, margin, positions.size(), {{}, positions, velocities, radii}, memory, parallelFor);
 }
 
 }  // namespace pointbased

@@ -67,15 +67,15 @@ void applyGrab(Body &body, double stiffnessLimit) {
   body.grabStatus = status;
 }
 
-double impactSpeed(Body &body, const Environment &env, double time, double dt, double stride) {
+double impactSpeed(Body &body, const Environment &env, double time, double dt, double stride, double meanSpeed) {
   if (!env.contact() || body.rest().contact.count() == 0) return 0.0;
   double closing = 0.0;
   env.clock->measure(kContact, [&] {
     bool fast = false;
     for (const Obstacle &obstacle : env.obstacles) fast = fast || obstacle.motion;
-    if (!fast && !isFaster(body.state().velocities, stride / dt)) return;
+    if (!fast && (meanSpeed * dt <= 0.5 * stride || !isFaster(body.state().velocities, stride / dt))) return;
     const CarriedPoints points{body.rest().contact, body.rest().origin, body.state().displacements,
-                               body.state().velocities};
+                               body.state().velocities, body.rest().leverage};
     findContacts(env.obstacles, env.box, time, dt, kContactMargin * body.rest().spacing, points, body.contact,
                  *env.parallelFor);
     closing = closingSpeed(body.contact, points.points.binding, points.velocities);
@@ -122,7 +122,8 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
   if (contact)
     clock.measure(kContact, [&] {
       findContacts(env.obstacles, env.box, time, dt, kContactMargin * rest.spacing,
-                   {rest.contact, rest.origin, state.displacements, state.velocities}, body.contact, parallelFor);
+                   {rest.contact, rest.origin, state.displacements, state.velocities, rest.leverage}, body.contact,
+                   parallelFor);
       solveContactImpulses(rest.contact.binding, inverse, dt, ImpulseSettings{}, body.contact, state.velocities);
     });
   // All of them: those that are held are put in their places below.

@@ -61,14 +61,17 @@ GuardView lookAt(const Body &body) {
   for (const Vec3 &v : state.velocities) sum += v;
   const Vec3 mean = sum / static_cast<double>(state.velocities.size());
   double largest = 0.0;
+  const std::span<const float> leverage = body.rest().leverage;
   for (std::size_t i = 0; i < state.velocities.size(); ++i) {
-    const double squared = (state.velocities[i] - mean).squaredNorm();
+    const double part = leverage.empty() ? 1.0 : static_cast<double>(leverage[i]);
+    const double squared = (state.velocities[i] - mean).squaredNorm() * part * part;
     if (squared > largest) {
       largest = squared;
       view.fastestPhyxel = static_cast<Index>(i);
     }
   }
   view.fastest = std::sqrt(largest);
+  view.meanSpeed = mean.norm();
   return view;
 }
 

@@ -2,6 +2,8 @@
 #include "pointbased/rest_state.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "rest_parts.h"
 
@@ -244,6 +246,7 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
       Interpolation binding = rest->bind(chosen.positions, chosen.normals);
       rest->contact = carriedContact(std::move(chosen), std::move(binding), rest->positions, rest->spacing);
     }
+    rest->leverage = leverageOf(*rest);
   } else {
     const auto cloud = fill(shape, {recipe.sampling.spacing, recipe.sampling.count}, parallelFor, part(0.0, 0.7));
     if (!cloud) return refuse(cloud.error());
@@ -277,6 +280,31 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
   rest->conditions = std::move(conditions);
   if (progress && !progress(1.0)) return refuse("cancelled");
   return std::shared_ptr<const RestState>(std::move(rest));
+}
+
+std::vector<float> leverageOf(const RestState &rest) {
+  // |g| of a corner of a whole cell of edge d is √3/(4 d).
+  const double whole = std::sqrt(3.0) / (4.0 * rest.spacing);
+  std::vector<double> most(rest.phyxelCount(), 0.0);
+  const StencilSet &s = rest.stencils;
+  for (std::size_t q = 0; q < s.pointCount(); ++q) {
+    const GradientRows gradients(s, q);
+    for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e) {
+      double &own = most[s.phyxels.indices[e]];
+      own = std::max(own, std::min(1.0, gradients[e].norm() / whole));
+    }
+  }
+  const Interpolation &points = rest.contact.binding;
+  for (Index p = 0; p < points.count(); ++p)
+    for (Index e = points.phyxels.offsets[p]; e < points.phyxels.offsets[p + 1]; ++e) {
+      double &own = most[points.phyxels.indices[e]];
+      own = std::max(own, std::abs(points.weights[e]));
+    }
+  std::vector<float> out(most.size());
+  std::transform(most.begin(), most.end(), out.begin(), [](double x) {
+    return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());  // not less than |φ| by rounding
+  });
+  return out;
 }
 
 Csr neighboursOf(const RestState &rest) {

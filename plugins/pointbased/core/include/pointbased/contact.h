@@ -85,22 +85,28 @@ struct ContactMemory {
     std::vector<SurfacePoint> answers;
   } questions;
   std::vector<Contact> previous;
-  /// Points that follow each other are looked at together, and not before the body can have come near anything.
+  /// Points that are near each other are looked at together, and not before the phyxels that carry them, or an obstacle,
+  /// can have come as near as the nearest of them was away.
   struct Blocks {
-    std::vector<double> until;        ///< [blocks] m of `gone`: up to here none of them meets anything
-    double gone = 0.0;                ///< m, the farthest a point can have gone since the first search, step by step
-    double gain = 0.0;                ///< of a way of the phyxels to one of a point: the largest Σ |φ|; 0: not known yet
+    std::vector<double> room;         ///< [blocks] m: up to here none of them meets anything
+    std::vector<double> gains;        ///< [blocks] of ways times leverage to the way of a point: the largest Σ |φ|/leverage
+    std::vector<float> leverage;      ///< [phyxels][3], or empty
+    Csr chunks;                       ///< [blocks] chunks of phyxels that carry them
+    std::vector<double> went, goes;   ///< [chunks] m: the farthest a phyxel has gone since the last search, and will go
     double margin = 0.0;
     WorldBox box;
     std::vector<Vec3> before;         ///< [phyxels] m, displacements at the last search
     std::vector<RigidMotion> motions; ///< [obstacles] at the last search; only of those that move
     double size = 0.0;                ///< m, of the points at rest around the first
-    std::vector<Index> near, points;  ///< [blocks], [points] that were looked at last
+    std::vector<Index> blockOf;       ///< [points]
+    std::vector<std::uint8_t> near;   ///< [blocks] 1: looked at
+    std::vector<Index> points;        ///< that were looked at last, ascending
     std::vector<Vec3> positions, velocities;  ///< [points]
   } blocks;
   struct Solution {
     std::vector<double> inverseMasses;   ///< [contacts] 1/kg
     std::vector<double> impulses, least, friction;
+    std::vector<Index> pressing;         ///< contacts that press after a sweep over all
     std::vector<Vec3> tangential;
     std::vector<Vec3> change;            ///< [slots] m/s
     std::vector<Vec3> recovery;          ///< [phyxels] m/s, taken back when the step settles; empty: none
@@ -133,6 +139,7 @@ struct CarriedPoints {
   const ContactPoints &points;
   Vec3 origin = Vec3::Zero();  ///< world, m, of the frame of the phyxels
   std::span<const Vec3> displacements, velocities;  ///< [phyxels] m, m/s
+  std::span<const float> leverage = {};             ///< [phyxels] at least the largest |φ| of each; empty: 1
 };
 
 /// The same contacts, without looking at points that cannot meet anything: blocks of points wait until the body and the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "pointbased/body.h"
@@ -17,8 +18,11 @@ struct GuardFinding {
 /// What the guard sees on the way over the phyxels.
 struct GuardView {
   bool finite = true;
-  double fastest = 0.0;        ///< m/s, largest speed relative to the body's mean velocity
+  /// m/s, largest speed relative to the body's mean velocity at which a phyxel takes some of the body along
+  /// (RestState::leverage)
+  double fastest = 0.0;
   Index fastestPhyxel = 0;
+  double meanSpeed = std::numeric_limits<double>::infinity();  ///< m/s, of the body
 };
 
 /// Everything, exactly.

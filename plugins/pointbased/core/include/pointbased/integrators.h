@@ -45,8 +45,10 @@ void explicitSubstep(Body &body, const Environment &environment, double time, do
 
 /// Largest speed at which the body meets something within dt, m/s: an impact sets phyxels in motion against each other
 /// that went together before it. 0: nothing is met, or nothing that goes farther than `stride` within dt.
-/// @param stride  m
-[[nodiscard]] double impactSpeed(Body &body, const Environment &environment, double time, double dt, double stride);
+/// @param stride      m
+/// @param meanSpeed   m/s, of the body, where `stride` allows for the rest already; infinite: nobody has looked
+[[nodiscard]] double impactSpeed(Body &body, const Environment &environment, double time, double dt, double stride,
+                                 double meanSpeed);
 
 struct ImplicitResult {
   NewtonResult newton;

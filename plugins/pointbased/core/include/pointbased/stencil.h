@@ -15,6 +15,9 @@ struct Csr {
   std::vector<Index> indices;
 
   [[nodiscard]] std::size_t rows() const { return offsets.size() - 1; }
+  [[nodiscard]] std::span<const Index> row(std::size_t i) const {
+    return std::span<const Index>(indices).subspan(offsets[i], offsets[i + 1] - offsets[i]);
+  }
 };
 
 /// The rows of a stencil over the eight corners of a cell, where they are means of the trilinear functions over a part of

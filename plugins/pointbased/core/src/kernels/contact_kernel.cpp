@@ -72,7 +72,8 @@ SweepResult sweep(const SweepJob &job, bool backwards) {
   SweepResult result;
   double changeSquared = 0.0;
   for (std::size_t at = 0; at < job.count; ++at) {
-    const std::size_t c = backwards ? job.count - 1 - at : at;
+    const std::size_t k = backwards ? job.count - 1 - at : at;
+    const std::size_t c = job.which != nullptr ? job.which[k] : k;
     const double w = job.inverseMasses[c];
     if (!(w > 0.0)) continue;
     const Index first = job.rows[c], last = job.rows[c + 1];
@@ -89,6 +90,7 @@ SweepResult sweep(const SweepJob &job, bool backwards) {
     const Four v = sub(add(even, odd), load(side + kSurfaceVelocity));
     const double normal = dot(v, n), held = job.impulses[c];
     result.speed = std::max(result.speed, w * held + std::abs(std::min(0.0, normal - job.least[c])));
+    side[kRoomOfContact] = normal - job.least[c];
     const double mass = side[kMass];
     const double wanted = held + (job.least[c] - normal) * mass;
     const double next = wanted < 0.0 ? 0.0 : wanted;  // what is not a number goes on, so that the guard finds it
