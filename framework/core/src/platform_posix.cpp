@@ -8,9 +8,11 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <mutex>
 #include <thread>
 
 #include "c3de/core/platform.h"
@@ -76,6 +78,13 @@ std::string environmentVariable(const char *name) {
 char pathListSeparator() { return ':'; }
 const char *pluginExtension() { return ".so"; }
 
+std::uint64_t availableMemory() {
+  std::ifstream file("/proc/meminfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("MemAvailable:")) return std::strtoull(line.c_str() + 13, nullptr, 10) * 1024;
+  return 0;
+}
+
 std::string cpuName() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);)
@@ -85,6 +94,46 @@ std::string cpuName() {
 }
 
 bool stderrIsTerminal() { return isatty(STDERR_FILENO) == 1; }
+
+struct ErrorStreamCapture::Impl {
+  // The process has one error stream, so captures wait for each other.
+  static std::mutex &turn() {
+    static std::mutex mutex;
+    return mutex;
+  }
+  std::lock_guard<std::mutex> lock{turn()};
+  std::FILE *file = std::tmpfile();
+  int saved = -1;
+
+  Impl() {
+    std::fflush(stderr);
+    if (file) saved = dup(2);
+    if (saved >= 0) dup2(fileno(file), 2);
+  }
+  ~Impl() {
+    giveBack();
+    if (file) std::fclose(file);
+  }
+  void giveBack() {
+    if (saved < 0) return;
+    std::fflush(stderr);
+    dup2(saved, 2);
+    close(saved);
+    saved = -1;
+  }
+};
+
+ErrorStreamCapture::ErrorStreamCapture() : impl_(std::make_unique<Impl>()) {}
+ErrorStreamCapture::~ErrorStreamCapture() = default;
+
+std::string ErrorStreamCapture::text() {
+  impl_->giveBack();
+  std::string all;
+  if (!impl_->file) return all;
+  std::rewind(impl_->file);
+  for (int c; all.size() < (1u << 20) && (c = std::fgetc(impl_->file)) != EOF;) all += static_cast<char>(c);
+  return all;
+}
 
 Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {
   int out[2], err[2];

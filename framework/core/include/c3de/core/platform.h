@@ -2,7 +2,9 @@
 // The only place of this module that calls POSIX or Win32 (src/platform_posix.cpp, src/platform_win32.cpp).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -30,7 +32,24 @@ class DynamicLibrary {
 [[nodiscard]] char pathListSeparator();                           ///< ':' or ';'
 [[nodiscard]] const char *pluginExtension();                      ///< ".so" or ".dll"
 [[nodiscard]] std::string cpuName();
+[[nodiscard]] std::uint64_t availableMemory();                    ///< bytes that can be taken now without swapping; 0: unknown
 [[nodiscard]] bool stderrIsTerminal();
+
+/// Takes what is written to the error stream of the process, by any thread, until it ends; for libraries that print.
+/// Without effect where the stream cannot be replaced. One at a time; a second one waits for the first.
+class ErrorStreamCapture {
+ public:
+  ErrorStreamCapture();
+  ~ErrorStreamCapture();  ///< gives the stream back; text() is lost unless it was asked for
+  ErrorStreamCapture(const ErrorStreamCapture &) = delete;
+  ErrorStreamCapture &operator=(const ErrorStreamCapture &) = delete;
+  /// Ends the capture and gives what was written.
+  [[nodiscard]] std::string text();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 struct ProcessResult {
   int exitCode = -1;  ///< 128 + signal for a process that was killed

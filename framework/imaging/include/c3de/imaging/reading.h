@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/core/progress.h"
+#include "c3de/imaging/volume.h"
+
+namespace c3de::imaging {
+
+/// What a caller may ask of a reader. All functions here may run on any thread, several at a time.
+struct ReadOptions {
+  std::string series;           ///< SeriesInfo::id of a folder with several; empty: the only one
+  ProgressFn progress;          ///< answering false ends the reading with ErrorCode::cancelled
+  std::size_t memoryLimit = 0;  ///< bytes that reading may take at its peak; 0: what the machine has free
+};
+
+struct LoadedVolume {
+  Volume volume;
+  std::vector<std::string> notices;  ///< sentences for a person: what was assumed, left out or resampled
+};
+
+struct LoadedLabels {
+  LabelMap labels;
+  std::vector<std::string> notices;
+};
+
+/// One stack of parallel slices of equal size, or one image file.
+struct SeriesInfo {
+  std::string id;  ///< for ReadOptions::series; does not name the patient
+  std::string description, modality;
+  std::string orientation;            ///< of the slices: "axial", "oblique sagittal", …; empty: not known
+  std::array<std::size_t, 3> size{};  ///< as found; missing slices are not counted
+  std::size_t files = 0;
+  std::filesystem::path folder;
+  std::string refusal;      ///< why readVolume() would not take it; empty: it would try
+  std::string patientName;  ///< show it only where the user asks; it is in no message, notice or log
+};
+
+/// Reads DICOM (a folder with its sub-folders, or any file of a series), NIfTI-1 and -2, NRRD and NHDR, MetaImage.
+/// The stored scalar type is kept, slope and intercept are not applied; 64-bit integers become 32-bit where they fit.
+/// Sheared grids (gantry tilt) stay as they are; unevenly spaced slices are resampled between their neighbours with a
+/// notice; of several volumes in a file or at the same place the first is read, with a notice. Errors (input): unreadable,
+/// truncated or damaged files, colour and vector images, slices that make no volume, several series and none chosen (the
+/// message lists them), more memory needed than allowed (the message names both figures).
+[[nodiscard]] Expected<LoadedVolume> readVolume(const std::filesystem::path &path, const ReadOptions &options = {});
+
+/// Reads whole numbers 0 … 65535 as labels. Names and colours come from the file (segments of NRRD) or a table beside
+/// it: for a.nii.gz that is a.nii.txt, a.txt, a.label or a.ctbl with lines of `number name`, of ITK-SNAP or of Slicer.
+[[nodiscard]] Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const ReadOptions &options = {});
+
+/// The series of a DICOM folder (sub-folders included), of the folder of a DICOM file, or the one image of another file.
+[[nodiscard]] Expected<std::vector<SeriesInfo>> listSeries(const std::filesystem::path &path,
+                                                           const ProgressFn &progress = {});
+
+/// Whether readVolume() should be asked: by extension, by the first bytes, or for a folder by the files in it. Quick.
+[[nodiscard]] bool looksLikeImage(const std::filesystem::path &path);
+
+}  // namespace c3de::imaging

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+
+#include "dicom_series.h"
+#include "image_header.h"
+#include "voxel_reader.h"
+
+namespace c3de::imaging {
+namespace {
+
+/// Puts slices where they belong, from whatever type a file decodes to.
+template <class T>
+class Builder {
+ public:
+  Builder(const DicomFolder &folder, const StackPlan &plan, bool values) : folder_(folder), plan_(plan), values_(values) {
+    slice_ = plan.geometry.size[0] * plan.geometry.size[1];
+    stack_.resize(slice_ * plan.slices.size());
+  }
+
+  Expected<Voxels> build(const ReadOptions &options) {
+    // File by file, so that one with many frames is decoded once.
+    std::vector<std::size_t> order(plan_.slices.size());
+    for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return plan_.slices[a].file < plan_.slices[b].file; });
+    DicomPixels pixels;
+    std::size_t decoded = folder_.files.size();
+    for (std::size_t n = 0; n < order.size(); ++n) {
+      const SliceRef ref = plan_.slices[order[n]];
+      const DicomFile &file = folder_.files[ref.file];
+      if (!goOn(options.progress, static_cast<double>(n) / static_cast<double>(order.size()), "Decoding slices")) return cancelled(file.path);
+      if (decoded != ref.file) {
+        auto read = decodeDicom(file.path, file.decoderPrints);
+        if (!read) return tl::unexpected(read.error());
+        pixels = std::move(*read);
+        decoded = ref.file;
+        if (pixels.columns != file.columns || pixels.rows != file.rows || pixels.frames < file.frames.size())
+          return refuse(file.path, "its pixels are not as many as its header says");
+      }
+      const auto copied = std::visit([&](const auto &from) { return copy(from, ref, order[n]); }, pixels.voxels);
+      if (!copied) return tl::unexpected(copied.error());
+    }
+    if (!plan_.resampled) return Voxels(std::move(stack_));
+    return Voxels(resample());
+  }
+
+ private:
+  template <class S>
+  Expected<void> copy(const std::vector<S> &from, const SliceRef &ref, std::size_t slice) {
+    const DicomFile &file = folder_.files[ref.file];
+    const DicomFrame &frame = file.frames[ref.frame];
+    const S *source = from.data() + ref.frame * slice_;
+    T *target = stack_.data() + slice * slice_;
+    for (std::size_t p = 0; p < slice_; ++p) {
+      if (values_) {
+        target[p] = static_cast<T>(frame.slope * static_cast<double>(source[p]) + frame.intercept);
+        continue;
+      }
+      target[p] = static_cast<T>(source[p]);
+      if constexpr (!std::is_same_v<S, T>)
+        if (static_cast<double>(target[p]) != static_cast<double>(source[p]))
+          return refuse(file.path, "pixel " + std::to_string(p) + " decodes to " + std::to_string(source[p]) + ", which its stated type cannot hold");
+    }
+    return {};
+  }
+
+  std::vector<T> resample() const {
+    std::vector<T> out(plan_.geometry.voxelCount());
+    std::size_t below = 0;
+    for (std::size_t k = 0; k < plan_.geometry.size[2]; ++k) {
+      const auto at = static_cast<double>(k);
+      while (below + 2 < plan_.at.size() && plan_.at[below + 1] <= at) ++below;
+      const double w = std::clamp((at - plan_.at[below]) / (plan_.at[below + 1] - plan_.at[below]), 0.0, 1.0);
+      const T *a = stack_.data() + below * slice_, *b = a + slice_;
+      for (std::size_t p = 0; p < slice_; ++p) {
+        const double value = (1.0 - w) * static_cast<double>(a[p]) + w * static_cast<double>(b[p]);
+        out[k * slice_ + p] = static_cast<T>(std::is_integral_v<T> ? std::round(value) : value);
+      }
+    }
+    return out;
+  }
+
+  const DicomFolder &folder_;
+  const StackPlan &plan_;
+  bool values_;
+  std::size_t slice_ = 0;
+  std::vector<T> stack_;
+};
+
+}  // namespace
+
+Expected<LoadedVolume> readStack(const DicomFolder &folder, const DicomStack &stack, const StackPlan &plan, const ReadOptions &options) {
+  LoadedVolume out;
+  out.notices = plan.notices;
+  const DicomFile &head = folder.files[plan.slices.front().file];
+  const DicomFrame &first = head.frames[plan.slices.front().frame];
+  bool same = true;
+  double largestFile = 0.0;
+  for (const SliceRef &ref : plan.slices) {
+    const DicomFile &file = folder.files[ref.file];
+    const DicomFrame &frame = file.frames[ref.frame];
+    same = same && file.bits == head.bits && file.isSigned == head.isSigned && frame.slope == first.slope && frame.intercept == first.intercept;
+    std::error_code code;
+    const auto onDisk = static_cast<double>(std::filesystem::file_size(file.path, code));
+    const double decoded = static_cast<double>(file.rows * file.columns * file.frames.size()) * file.bits / 8.0;
+    largestFile = std::max(largestFile, 2.0 * decoded + (code ? 0.0 : onDisk));
+  }
+  if (!same) out.notices.push_back("The slices are scaled each in its own way: values are kept as floating point instead of as stored.");
+  const double each = same ? std::max(1.0, head.bits / 8.0) : 4.0;
+  const double slices = static_cast<double>(plan.slices.size() + (plan.resampled ? plan.geometry.size[2] : 0));
+  const double bytes = each * slices * static_cast<double>(head.rows * head.columns) + largestFile;
+  if (const auto fits = checkMemory(head.path, bytes, options.memoryLimit); !fits) return tl::unexpected(fits.error());
+
+  Expected<Voxels> voxels;
+  try {
+    if (!same) voxels = Builder<float>(folder, plan, true).build(options);
+    else if (head.bits <= 8) voxels = head.isSigned ? Builder<std::int8_t>(folder, plan, false).build(options) : Builder<std::uint8_t>(folder, plan, false).build(options);
+    else if (head.bits <= 16) voxels = head.isSigned ? Builder<std::int16_t>(folder, plan, false).build(options) : Builder<std::uint16_t>(folder, plan, false).build(options);
+    else voxels = head.isSigned ? Builder<std::int32_t>(folder, plan, false).build(options) : Builder<std::uint32_t>(folder, plan, false).build(options);
+  } catch (const std::bad_alloc &) {
+    return refuse(head.path, "reading needs more memory than the machine gives");
+  }
+  if (!voxels) return tl::unexpected(voxels.error());
+  out.volume.geometry = plan.geometry;
+  out.volume.voxels = std::move(*voxels);
+  if (same) out.volume.slope = first.slope, out.volume.intercept = first.intercept;
+  out.volume.unit = stack.slices.empty() ? "" : head.unit;
+  return out;
+}
+
+}  // namespace c3de::imaging

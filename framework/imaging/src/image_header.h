@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the headers of NIfTI, NRRD and MetaImage say, in one form; the voxels are read by voxel_reader.h.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/imaging/volume.h"
+
+namespace c3de::imaging {
+
+enum class Scalar { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
+[[nodiscard]] std::size_t bytesOf(Scalar scalar);
+
+struct ImageHeader {
+  enum class Encoding { raw, deflated, text, hex };
+  struct Part {
+    std::filesystem::path path;
+    std::uint64_t offset = 0;  ///< where its data begin
+  };
+
+  std::filesystem::path path;  ///< the file that was asked for; messages name it
+  VolumeGeometry geometry;
+  Scalar scalar = Scalar::u8;
+  bool bigEndian = false;
+  double slope = 1.0, intercept = 0.0;
+  std::string unit;
+  std::size_t volumes = 1;  ///< in the file; the first is read
+  Encoding encoding = Encoding::raw;
+  std::vector<Part> parts;     ///< files that hold equal shares of all volumes, one after the other
+  std::uint64_t skip = 0;      ///< bytes to leave out after inflating, in each part
+  std::string modality;
+  std::vector<std::pair<std::string, std::string>> keys;  ///< key and value pairs of NRRD
+  std::vector<std::string> notices;
+};
+
+[[nodiscard]] Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path);
+[[nodiscard]] Expected<ImageHeader> readNrrdHeader(const std::filesystem::path &path);
+[[nodiscard]] Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path);
+
+/// "FILE: what is wrong", as an input error.
+[[nodiscard]] tl::unexpected<Error> refuse(const std::filesystem::path &path, const std::string &what);
+
+/// Sets the size and refuses what is zero or more voxels than any machine holds.
+[[nodiscard]] Expected<void> setSize(ImageHeader &header, const std::vector<double> &sizes);
+/// Sets the columns of indexToWorld; refuses what is not finite, not invertible or beyond 1e6 mm.
+[[nodiscard]] Expected<void> setAffine(ImageHeader &header, const Vec3 &i, const Vec3 &j, const Vec3 &k, const Vec3 &origin);
+
+/// Numbers of a text, separated by blanks, commas or brackets; "nan" and words that are no number become NaN.
+[[nodiscard]] std::vector<double> numbersIn(const std::string &text);
+/// `slice%03d.raw` with {first, last, step}: the names; empty for what is no such pattern.
+[[nodiscard]] std::vector<std::string> numberedNames(const std::string &pattern, const std::vector<double> &range);
+[[nodiscard]] std::string trimmed(const std::string &text);
+[[nodiscard]] std::string lowerCase(std::string text);
+/// The extension in lower case, with ".nii.gz", ".img.gz" and ".hdr.gz" whole.
+[[nodiscard]] std::string imageExtension(const std::filesystem::path &path);
+
+}  // namespace c3de::imaging

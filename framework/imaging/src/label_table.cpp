@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "label_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace c3de::imaging {
+namespace {
+
+bool isLabel(double x) { return x >= 0.0 && x <= 65535.0 && x == std::floor(x); }
+
+/// ITK-SNAP: number r g b alpha visible mesh "name".
+bool takeItkSnap(const std::string &line, LabelTable &table) {
+  const std::size_t from = line.find('"'), to = line.rfind('"');
+  if (from == std::string::npos || to <= from) return false;
+  const auto n = numbersIn(line.substr(0, from));
+  if (n.size() != 7 || !isLabel(n[0])) return false;
+  table[static_cast<std::uint16_t>(n[0])] = {line.substr(from + 1, to - from - 1), true, {linearOf(n[1] / 255.0), linearOf(n[2] / 255.0), linearOf(n[3] / 255.0)}};
+  return true;
+}
+
+}  // namespace
+
+float linearOf(double srgb) {
+  const double x = std::clamp(srgb, 0.0, 1.0);
+  return static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
+}
+
+double srgbOf(float linear) {
+  const double x = std::clamp(static_cast<double>(linear), 0.0, 1.0);
+  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
+}
+
+LabelTable readLabelTable(const std::filesystem::path &path) {
+  LabelTable table;
+  std::ifstream file(path);
+  std::string line;
+  for (int lines = 0; lines < 100000 && std::getline(file, line); ++lines) {
+    line = trimmed(line);
+    if (line.empty() || line.front() == '#' || line.size() > 1000 || takeItkSnap(line, table)) continue;
+    std::istringstream words(line);
+    double number = -1.0;
+    std::string name;
+    if (!(words >> number >> name) || !isLabel(number)) continue;
+    LabelName entry{name, false, {}};
+    std::string rest;
+    std::getline(words, rest);
+    if (const auto rgb = numbersIn(rest); (rgb.size() == 3 || rgb.size() == 4) && std::all_of(rgb.begin(), rgb.end(), [](double x) { return x >= 0.0 && x <= 255.0; })) {
+      entry.coloured = true;
+      for (std::size_t c = 0; c < 3; ++c) entry.colour[c] = linearOf(rgb[c] / 255.0);
+    }
+    table[static_cast<std::uint16_t>(number)] = entry;
+  }
+  return table;
+}
+
+std::pair<LabelTable, std::filesystem::path> tableBeside(const std::filesystem::path &image) {
+  std::filesystem::path whole = image;
+  if (lowerCase(whole.extension().string()) == ".gz") whole.replace_extension();
+  std::filesystem::path stem = whole;
+  stem.replace_extension();
+  for (const auto &[base, ending] : {std::pair{whole, ".txt"}, {whole, ".label"}, {stem, ".label"}, {stem, ".txt"}, {stem, ".ctbl"}}) {
+    std::filesystem::path candidate = base;
+    candidate += ending;
+    std::error_code code;
+    if (!std::filesystem::is_regular_file(candidate, code)) continue;
+    if (LabelTable table = readLabelTable(candidate); !table.empty()) return {std::move(table), candidate};
+  }
+  return {};
+}
+
+LabelTable segmentsOf(const std::vector<std::pair<std::string, std::string>> &keys, bool &layered) {
+  struct Segment {
+    double value = -1.0;
+    LabelName entry;
+  };
+  std::map<std::string, Segment> segments;
+  layered = false;
+  for (const auto &[key, value] : keys) {
+    const std::size_t underscore = key.find('_');
+    if (!key.starts_with("Segment") || underscore == std::string::npos || underscore < 8) continue;
+    if (key.substr(7, underscore - 7).find_first_not_of("0123456789") != std::string::npos) continue;
+    Segment &segment = segments[key.substr(7, underscore - 7)];
+    const std::string what = key.substr(underscore + 1);
+    const auto numbers = numbersIn(value);
+    if (what == "LabelValue" && !numbers.empty()) segment.value = numbers[0];
+    if (what == "Name") segment.entry.name = trimmed(value);
+    if (what == "Layer" && !numbers.empty() && numbers[0] > 0.0) layered = true;
+    if (what == "Color" && numbers.size() == 3) {
+      segment.entry.coloured = true;
+      for (std::size_t c = 0; c < 3; ++c) segment.entry.colour[c] = linearOf(numbers[c]);
+    }
+  }
+  LabelTable table;
+  for (const auto &[number, segment] : segments)
+    if (isLabel(segment.value) && !segment.entry.name.empty()) table[static_cast<std::uint16_t>(segment.value)] = segment.entry;
+  return table;
+}
+
+std::array<float, 3> distinctColour(std::size_t n) {
+  // Hues by the golden ratio never repeat; three levels of brightness and two of saturation tell neighbours in hue apart.
+  const double hue = std::fmod(0.02 + 0.61803398875 * static_cast<double>(n), 1.0) * 6.0;
+  const double value = n % 3 == 0 ? 0.95 : n % 3 == 1 ? 0.75 : 0.55, saturation = n % 2 == 0 ? 0.8 : 0.5;
+  std::array<float, 3> out{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double k = std::fmod(5.0 - 2.0 * static_cast<double>(c) + hue, 6.0);
+    out[c] = linearOf(value - value * saturation * std::clamp(std::min(k, 4.0 - k), 0.0, 1.0));
+  }
+  return out;
+}
+
+}  // namespace c3de::imaging
