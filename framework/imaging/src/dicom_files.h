@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the headers of DICOM files say about their frames; GDCM stays behind this header.
+// What the headers of DICOM files say about their frames, and their pixels; GDCM stays behind this header.
 #pragma once
 
 #include <filesystem>
@@ -31,7 +31,6 @@ struct DicomFile {
   std::size_t rows = 0, columns = 0;
   unsigned bits = 0;
   bool isSigned = false;
-  bool decoderPrints = false;        ///< compressed: the decoder may write to the error stream
   std::string refusal;               ///< why its frames make no volume; empty: none known
   std::vector<std::string> notices;
   std::vector<double> order;         ///< temporal position, echo, acquisition, instance
@@ -49,7 +48,6 @@ struct DicomPixels {
   std::size_t rows = 0, columns = 0, frames = 0;
   Voxels voxels;
 };
-/// @param prints  DicomFile::decoderPrints
-[[nodiscard]] Expected<DicomPixels> decodeDicom(const std::filesystem::path &path, bool prints);
+[[nodiscard]] Expected<DicomPixels> decodeDicom(const std::filesystem::path &path);
 
 }  // namespace c3de::imaging

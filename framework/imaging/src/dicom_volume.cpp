@@ -32,7 +32,7 @@ class Builder {
       const DicomFile &file = folder_.files[ref.file];
       if (!goOn(options.progress, static_cast<double>(n) / static_cast<double>(order.size()), "Decoding slices")) return cancelled(file.path);
       if (decoded != ref.file) {
-        auto read = decodeDicom(file.path, file.decoderPrints);
+        auto read = decodeDicom(file.path);
         if (!read) return tl::unexpected(read.error());
         pixels = std::move(*read);
         decoded = ref.file;

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+// From bytes to pixels. Uncompressed pixels and RLE are taken apart here; JPEG, JPEG-LS and JPEG 2000 by GDCM's codecs,
+// which get nothing but the compressed bytes. The only source that includes GDCM.
+#include <gdcmDataElement.h>
+#include <gdcmImage.h>
+#include <gdcmSequenceOfFragments.h>
+#include <gdcmTrace.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <optional>
+#include <sstream>
+
+#include "c3de/core/log.h"
+#include "c3de/core/platform.h"
+#include "dicom_files.h"
+#include "dicom_parser.h"
+#include "image_header.h"
+
+namespace c3de::imaging {
+namespace {
+
+constexpr const char *kRle = "1.2.840.10008.1.2.5";
+
+/// What describes pixels, PS3.3 C.7.6.3.
+struct Layout {
+  std::size_t rows = 0, columns = 0, frames = 1;
+  unsigned allocated = 0, stored = 0, high = 0;
+  bool isSigned = false;
+  [[nodiscard]] std::size_t pixels() const { return rows * columns * frames; }
+  [[nodiscard]] std::size_t bytes() const { return pixels() * (allocated / 8); }
+};
+
+/// What decoders print goes to the log, where nobody sees it unless he asks for debugging.
+class PrintedText {
+ public:
+  PrintedText() {
+    gdcm::Trace::DebugOff();
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+  }
+  ~PrintedText() {
+    std::istringstream lines(capture_.text());
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with("c3de: ")) std::fprintf(stderr, "%s\n", line.c_str());  // another thread's, meanwhile
+      else log(LogLevel::debug, "DICOM decoder: " + line);
+    }
+  }
+  PrintedText(const PrintedText &) = delete;
+  PrintedText &operator=(const PrintedText &) = delete;
+
+ private:
+  ErrorStreamCapture capture_;
+};
+
+/// Bytes in the order of this machine to voxels; bits that belong to overlays are cleared, signs extended.
+template <class T>
+Voxels voxelsOf(const std::vector<char> &bytes, const Layout &layout) {
+  std::vector<T> all(bytes.size() / sizeof(T));
+  std::memcpy(all.data(), bytes.data(), all.size() * sizeof(T));
+  const unsigned bits = 8 * sizeof(T);
+  if (layout.stored == 0 || layout.stored >= bits || layout.high + 1 < layout.stored || layout.high >= bits) return all;
+  const unsigned left = bits - 1 - layout.high, right = bits - layout.stored;
+  using U = std::make_unsigned_t<T>;
+  for (T &value : all) value = static_cast<T>(static_cast<T>(static_cast<U>(static_cast<U>(value) << left)) >> right);
+  return all;
+}
+
+Expected<Voxels> toVoxels(const std::filesystem::path &path, const std::vector<char> &bytes, const Layout &layout) {
+  if (layout.allocated == 8) return layout.isSigned ? voxelsOf<std::int8_t>(bytes, layout) : voxelsOf<std::uint8_t>(bytes, layout);
+  if (layout.allocated == 16) return layout.isSigned ? voxelsOf<std::int16_t>(bytes, layout) : voxelsOf<std::uint16_t>(bytes, layout);
+  if (layout.allocated == 32) return layout.isSigned ? voxelsOf<std::int32_t>(bytes, layout) : voxelsOf<std::uint32_t>(bytes, layout);
+  return refuse(path, "its pixels have " + std::to_string(layout.allocated) + " bits; 8, 16 and 32 are read");
+}
+
+Expected<std::vector<char>> native(const std::filesystem::path &path, DicomContent &content, const Layout &layout) {
+  const DicomSet::Element &pixels = *content.set.find(kPixelData);
+  std::vector<char> bytes(layout.bytes());
+  if (bytes.size() > pixels.length || !content.bytes->read(pixels.at, bytes.data(), bytes.size())) return refuse(path, "is truncated within its pixels");
+  // Words are turned; bytes too, where they were written as words.
+  const std::size_t word = layout.allocated > 8 ? layout.allocated / 8 : pixels.representation == "OW" ? 2 : 1;
+  if (content.syntax.bigEndian == (std::endian::native == std::endian::little))
+    for (std::size_t at = 0; at + word <= bytes.size(); at += word) std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(at + word));
+  return bytes;
+}
+
+/// PS3.5 annex G: for each byte of the pixels, the most significant first, a segment of packed bits.
+bool unpackRle(const std::vector<char> &packed, char *to, std::size_t pixels, std::size_t each) {
+  const auto number = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t b = 4; b-- > 0;) value = value << 8 | static_cast<unsigned char>(packed[at + b]);
+    return static_cast<std::size_t>(value);
+  };
+  if (packed.size() < 64 || number(0) != each) return false;
+  for (std::size_t segment = 0; segment < each; ++segment) {
+    std::size_t at = number(4 + 4 * segment), done = 0;
+    const std::size_t end = segment + 1 < each ? std::min(number(8 + 4 * segment), packed.size()) : packed.size();
+    char *next = to + (std::endian::native == std::endian::little ? each - 1 - segment : segment);
+    while (done < pixels && at < end) {
+      const int count = static_cast<signed char>(packed[at++]);
+      if (count == -128) continue;
+      const std::size_t run = static_cast<std::size_t>(count < 0 ? 1 - count : 1 + count);
+      if (run > pixels - done || at + (count < 0 ? 1 : run) > end) return false;
+      for (std::size_t r = 0; r < run; ++r) next[each * (done + r)] = packed[count < 0 ? at : at + r];
+      at += count < 0 ? 1 : run;
+      done += run;
+    }
+    if (done < pixels) return false;
+  }
+  return true;
+}
+
+Expected<std::vector<char>> rle(const std::filesystem::path &path, const std::vector<std::vector<char>> &pieces, const Layout &layout) {
+  std::vector<char> bytes(layout.bytes());
+  if (pieces.size() != layout.frames) return refuse(path, "has " + std::to_string(pieces.size()) + " packed frames instead of " + std::to_string(layout.frames));
+  const std::size_t pixels = layout.rows * layout.columns, each = layout.allocated / 8;
+  for (std::size_t f = 0; f < pieces.size(); ++f)
+    if (!unpackRle(pieces[f], bytes.data() + f * pixels * each, pixels, each)) return refuse(path, "its packed pixels (RLE) are damaged");
+  return bytes;
+}
+
+/// The layout is set to what the codec finds.
+Expected<std::vector<char>> byCodec(const std::filesystem::path &path, const std::vector<std::vector<char>> &pieces, const std::string &syntax, Layout &layout) {
+  const gdcm::TransferSyntax::TSType type = gdcm::TransferSyntax::GetTSType(syntax.c_str());
+  if (type == gdcm::TransferSyntax::TS_END) return refuse(path, "its encoding " + syntax + " is not read");
+  gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
+  for (const std::vector<char> &piece : pieces) {
+    gdcm::Fragment fragment;
+    fragment.SetByteValue(piece.data(), static_cast<std::uint32_t>(piece.size()));
+    fragments->AddFragment(fragment);
+  }
+  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x10));
+  pixels.SetVR(gdcm::VR::OB);
+  pixels.SetValue(*fragments);  // its length becomes undefined by that
+  gdcm::Image image;
+  image.SetNumberOfDimensions(layout.frames > 1 ? 3 : 2);
+  image.SetDimension(0, static_cast<unsigned>(layout.columns));
+  image.SetDimension(1, static_cast<unsigned>(layout.rows));
+  if (layout.frames > 1) image.SetDimension(2, static_cast<unsigned>(layout.frames));
+  image.SetPixelFormat(gdcm::PixelFormat(1, static_cast<std::uint16_t>(layout.allocated), static_cast<std::uint16_t>(layout.stored),
+                                         static_cast<std::uint16_t>(layout.high), layout.isSigned ? 1 : 0));
+  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+  image.SetTransferSyntax(type);
+  image.SetDataElement(pixels);
+  const PrintedText printed;
+  std::vector<char> bytes(image.GetBufferLength());
+  if (bytes.size() != layout.bytes() || !image.GetBuffer(bytes.data()))
+    return refuse(path, "its compressed pixels (" + std::string(gdcm::TransferSyntax(type).GetString()) + ") are damaged or not of the stated size");
+  if (image.GetPixelFormat().GetPixelSize() * 8 != layout.allocated) return refuse(path, "its compressed pixels are not of the stated depth");
+  layout.isSigned = image.GetPixelFormat().GetPixelRepresentation() == 1;
+  layout.stored = 0;  // codecs give whole numbers: nothing is left to clear
+  return bytes;
+}
+
+Expected<DicomPixels> decode(const std::filesystem::path &path) {
+  auto content = parseDicom(path);
+  if (!content || !content->set.has(kPixelData)) return refuse(path, "has no pixels");
+  const DicomSet &set = content->set;
+  Layout layout;
+  layout.rows = set.number(0x00280010);
+  layout.columns = set.number(0x00280011);
+  const auto frames = set.decimals(0x00280008);
+  if (!frames.empty() && frames[0] >= 1.0 && frames[0] < 1e6) layout.frames = static_cast<std::size_t>(frames[0]);
+  layout.allocated = static_cast<unsigned>(set.number(0x00280100));
+  layout.stored = static_cast<unsigned>(set.number(0x00280101));
+  layout.high = static_cast<unsigned>(set.number(0x00280102));
+  layout.isSigned = set.number(0x00280103) == 1;
+  if (layout.allocated != 8 && layout.allocated != 16 && layout.allocated != 32)
+    return refuse(path, "its pixels have " + std::to_string(layout.allocated) + " bits; 8, 16 and 32 are read");
+  if (layout.stored > layout.allocated || layout.stored == 0 || layout.high >= layout.allocated || layout.high + 1 < layout.stored)
+    return refuse(path, "its pixels have " + std::to_string(layout.stored) + " bits, the highest the " + std::to_string(layout.high) + "th, in " + std::to_string(layout.allocated));
+
+  Expected<std::vector<char>> bytes;
+  if (!content->isCompressed()) {
+    bytes = native(path, *content, layout);
+  } else {
+    const auto fragments = fragmentsOf(*content);
+    if (!fragments || fragments->size() < 2) return refuse(path, "is truncated within its compressed pixels");
+    std::vector<std::vector<char>> pieces;
+    for (std::size_t f = 1; f < fragments->size(); ++f) {  // the first is a table of offsets
+      pieces.emplace_back(static_cast<std::size_t>((*fragments)[f].length));
+      if (!content->bytes->read((*fragments)[f].at, pieces.back().data(), pieces.back().size())) return refuse(path, "cannot be read");
+    }
+    bytes = content->transferSyntax == kRle ? rle(path, pieces, layout) : byCodec(path, pieces, content->transferSyntax, layout);
+  }
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto voxels = toVoxels(path, *bytes, layout);
+  if (!voxels) return tl::unexpected(voxels.error());
+  return DicomPixels{layout.rows, layout.columns, layout.frames, std::move(*voxels)};
+}
+
+}  // namespace
+
+Expected<DicomPixels> decodeDicom(const std::filesystem::path &path) {
+  try {
+    return decode(path);
+  } catch (const std::bad_alloc &) {
+    return refuse(path, "its pixels need more memory than the machine gives");
+  } catch (...) {  // GDCM throws several unrelated types at damaged pixels
+    return refuse(path, "its pixels cannot be decoded: they are damaged");
+  }
+}
+
+}  // namespace c3de::imaging

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Damaged files give an error or say what is missing; under the preset `asan` also: no leak, no stray access.
+#include <random>
+
+#include "images.h"
+
+using namespace images;
+
+namespace {
+
+/// Reads a damaged copy: an error with a reason, or all of the undamaged voxels, or a notice that the whole file did not get.
+void readDamaged(const std::filesystem::path &copy, const LoadedVolume &whole) {
+  INFO(copy.string() << ", " << std::filesystem::file_size(copy) << " bytes");
+  const auto loaded = readVolume(copy);
+  if (!loaded) {
+    CHECK(loaded.error().message.size() > copy.string().size() + 10);
+    CHECK(loaded.error().code == ErrorCode::input);
+    return;
+  }
+  const bool same = loaded->volume.voxels == whole.volume.voxels && sameGrid(loaded->volume.geometry, whole.volume.geometry);
+  const bool said = std::any_of(loaded->notices.begin(), loaded->notices.end(), [&](const std::string &notice) { return !says(whole.notices, notice); });
+  CHECK((same || said));
+}
+
+}  // namespace
+
+TEST_CASE("Broken DICOM files are refused with a reason", "[imaging]") {
+  C3DE_DATA_OR_SKIP(folder, "dicom/broken");
+  std::size_t files = 0;
+  for (const auto &file : filesOf(folder)) {
+    INFO(file.string());
+    const auto loaded = readVolume(file);
+    REQUIRE_FALSE(loaded);
+    CHECK_THAT(loaded.error().message, Contains(file.filename().string()));
+    CHECK(loaded.error().message.size() > file.string().size() + 10);
+    CHECK_FALSE(readLabelMap(file));
+    ++files;
+  }
+  CHECK(files == 11);
+  const auto truncated = readVolume(folder / "MR_truncated.dcm");
+  REQUIRE_FALSE(truncated);
+  CHECK_THAT(truncated.error().message, Contains("truncated: 8130 of 8192 bytes"));
+}
+
+TEST_CASE("Copies of good files cut at fifty lengths never pass for the whole", "[imaging]") {
+  struct Good {
+    const char *file, *as;
+  };
+  std::mt19937 random(20261121);
+  for (const Good &good : {Good{"volume/nifti/standard.nii.gz", "cut.nii.gz"}, Good{"volume/nifti/anatomical.nii", "cut.nii"},
+                           Good{"volume/nifti/example_nifti2.nii.gz", "cut2.nii.gz"}, Good{"volume/nrrd/breast1_label.nrrd", "cut.nrrd"},
+                           Good{"volume/nrrd/prostate_phantom_subvolume.nrrd", "cut2.nrrd"}, Good{"dicom/pydicom_single/CT_small.dcm", "cut.dcm"},
+                           Good{"dicom/mr_same_volume_5_encodings/compressed_j2k/IM-0001-0001-0001.dcm", "cut.dcm"},
+                           Good{"dicom/mr_same_volume_5_encodings/compressed_jpeg/IM-0001-0001-0001.dcm", "cut.dcm"},
+                           Good{"dicom/mr_same_volume_5_encodings/compressed_jpegls/IM-0001-0001-0001.dcm", "cut.dcm"},
+                           Good{"dicom/mr_same_volume_5_encodings/compressed_rle/IM-0001-0001-0001.dcm", "cut.dcm"},
+                           Good{"dicom/pydicom_single/image_dfl.dcm", "cut.dcm"}, Good{"dicom/pydicom_single/JPGExtended.dcm", "cut.dcm"},
+                           Good{"dicom/pydicom_single/rtdose.dcm", "cut.dcm"}, Good{"dicom/seg_tiny_nonsquare/mf.dcm", "cut.dcm"}}) {
+    C3DE_DATA_OR_SKIP(path, good.file);
+    const std::string bytes = bytesOf(path);
+    const auto folder = emptyFolder("cut");
+    const auto whole = readVolume(write(folder / good.as, bytes));
+    REQUIRE(whole);
+    for (int cut = 0; cut < 50; ++cut)
+      readDamaged(write(folder / good.as, bytes.substr(0, std::uniform_int_distribution<std::size_t>(0, bytes.size() - 1)(random))), *whole);
+  }
+}
+
+TEST_CASE("Detached voxels cut at fifty lengths never pass for the whole", "[imaging]") {
+  C3DE_DATA_OR_SKIP(data, "volume/nrrd_mhd_detached");
+  std::mt19937 random(7);
+  for (const auto &[header, voxels] : {std::pair{"BrainProtonDensitySliceBorder20.mhd", "BrainProtonDensitySliceBorder20.raw"},
+                                       {"BrainProtonDensitySliceBorder20.nhdr", "BrainProtonDensitySliceBorder20.raw"},
+                                       {"BrainProtonDensitySliceShifted13x17yDirectionPlus30.mhd", "BrainProtonDensitySliceShifted13x17yDirectionPlus30.zraw"}}) {
+    const auto folder = emptyFolder("detached");
+    std::filesystem::copy_file(data / header, folder / header);
+    const std::string bytes = bytesOf(data / voxels);
+    write(folder / voxels, bytes);
+    const auto whole = readVolume(folder / header);
+    REQUIRE(whole);
+    for (int cut = 0; cut < 50; ++cut) {
+      write(folder / voxels, bytes.substr(0, std::uniform_int_distribution<std::size_t>(0, bytes.size() - 1)(random)));
+      readDamaged(folder / header, *whole);
+    }
+  }
+}
+
+TEST_CASE("Headers with single bytes changed crash nothing", "[imaging]") {
+  std::mt19937 random(11);
+  for (const auto &[file, as] : {std::pair{"volume/nifti/standard.nii.gz", "hurt.nii.gz"}, {"volume/nifti/anatomical.nii", "hurt.nii"},
+                                 {"volume/nrrd/breast1_label.nrrd", "hurt.nrrd"}, {"volume/nrrd_mhd_detached/BrainProtonDensity3Slices.mha", "hurt.mha"},
+                                 {"dicom/pydicom_single/CT_small.dcm", "hurt.dcm"}, {"dicom/seg_tiny_nonsquare/mf.dcm", "hurt.dcm"}}) {
+    C3DE_DATA_OR_SKIP(path, file);
+    const std::string bytes = bytesOf(path);
+    const auto folder = emptyFolder("hurt");
+    ReadOptions options;
+    options.memoryLimit = 64u << 20;  // what a header claims is not taken
+    for (int n = 0; n < 100; ++n) {
+      std::string hurt = bytes;
+      const std::size_t reach = std::min<std::size_t>(hurt.size(), 600);
+      hurt[std::uniform_int_distribution<std::size_t>(0, reach - 1)(random)] = static_cast<char>(random());
+      const auto loaded = readVolume(write(folder / as, hurt), options);
+      CHECK((loaded || !loaded.error().message.empty()));
+    }
+  }
+}
+
+TEST_CASE("Compressed pixels with bytes changed crash no decoder", "[imaging]") {
+  std::mt19937 random(13);
+  for (const char *encoding : {"compressed_j2k", "compressed_jpeg", "compressed_jpegls", "compressed_rle"}) {
+    C3DE_DATA_OR_SKIP(path, std::string("dicom/mr_same_volume_5_encodings/") + encoding + "/IM-0001-0001-0001.dcm");
+    const std::string bytes = bytesOf(path);
+    const auto folder = emptyFolder("hurt");
+    for (int n = 0; n < 60; ++n) {
+      std::string hurt = bytes;
+      for (int changes = 0; changes < 3; ++changes)  // half of them where the stream describes itself
+        hurt[std::uniform_int_distribution<std::size_t>(1100, n % 2 == 0 ? 1500 : hurt.size() - 1)(random)] = static_cast<char>(random());
+      const auto loaded = readVolume(write(folder / "hurt.dcm", hurt));
+      CHECK((loaded || !loaded.error().message.empty()));
+    }
+  }
+}
+
+TEST_CASE("A slice that is truncated is left out of its series and said", "[imaging]") {
+  C3DE_DATA_OR_SKIP(data, "dicom/ct_head_phantom_philips_5mm");
+  const auto folder = emptyFolder("series");
+  for (const char *name : {"I10", "I20", "I30", "I40", "I50"}) std::filesystem::copy_file(data / name, folder / name);
+  write(folder / "I30", bytesOf(data / "I30").substr(0, 300000));
+  const auto loaded = readVolume(folder);
+  REQUIRE(loaded);
+  CHECK(loaded->volume.geometry.size[2] == 5);
+  CHECK(says(loaded->notices, "1 slices are missing"));
+  CHECK(says(loaded->notices, "cannot be read as a volume"));
+}

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// Label maps: which voxels are labels, where names and colours come from. Also text encodings and unusual headers.
+#include <cmath>
+
+#include "images.h"
+
+using namespace images;
+
+namespace {
+
+/// A NRRD whose voxels stand in it as text.
+std::filesystem::path textNrrd(const std::string &name, const std::string &type, const std::string &sizes, const std::string &voxels, const std::string &more = "") {
+  const auto dimension = std::count(sizes.begin(), sizes.end(), ' ') + 1;
+  return write(testOutputFolder() / name, "NRRD0004\ntype: " + type + "\ndimension: " + std::to_string(dimension) + "\nsizes: " + sizes + "\nencoding: ascii\n" + more + "\n" + voxels);
+}
+const std::string kPlaced = "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n";
+
+}  // namespace
+
+TEST_CASE("Labels are whole numbers that are not negative; the first voxel that is none is named", "[imaging]") {
+  const auto good = readLabelMap(textNrrd("good.nrrd", "float", "2 2 1", "0 3 3 17", kPlaced));
+  REQUIRE(good);
+  REQUIRE(good->labels.labels.size() == 2);
+  CHECK(good->labels.labels[0].name == "label 3");
+  CHECK(good->labels.labels[1].value == 17);
+  for (const auto &[voxels, wrong] : {std::pair{"0 1 2.5 3", "voxel (0, 1, 0) is 2.5"}, {"0 -1 2 3", "voxel (1, 0, 0) is -1"}, {"0 1 2 70000", "voxel (1, 1, 0) is 70000"}}) {
+    const auto refused = readLabelMap(textNrrd("bad.nrrd", "float", "2 2 1", voxels, kPlaced));
+    REQUIRE_FALSE(refused);
+    CHECK_THAT(refused.error().message, Contains(wrong) && Contains("0 to 65535"));
+  }
+}
+
+TEST_CASE("Names come from a table beside the file, in each of its forms", "[imaging]") {
+  const auto image = textNrrd("organs.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced);
+  struct Table {
+    const char *file, *text;
+  };
+  for (const Table &table : {Table{"organs.nrrd.txt", "1 spleen 2001\r\n2 kidney_right 2002\r\n5 liver 9\r\n"}, Table{"organs.txt", "0\tnothing\r\n1\tspleen\r\n5\tliver\n"},
+                             Table{"organs.label", "# ITK-SNAP\n 0 0 0 0 0 0 0 \"Clear Label\"\n 1 255 0 0 1 1 1 \"spleen\"\n 5 0 255 0 1 1 1 \"liver\"\n"},
+                             Table{"organs.ctbl", "# Color table\n1 spleen 255 0 0 255\n5 liver 0 255 0 255\n"}}) {
+    INFO(table.file);
+    const auto beside = write(testOutputFolder() / table.file, table.text);
+    const auto loaded = readLabelMap(image);
+    std::filesystem::remove(beside);
+    REQUIRE(loaded);
+    REQUIRE(loaded->labels.labels.size() == 3);
+    CHECK(loaded->labels.labels[0].name == "spleen");
+    CHECK(loaded->labels.labels[2].name == "liver");
+    CHECK(says(loaded->notices, table.file));
+    const bool coloured = std::string(table.file) == "organs.label" || std::string(table.file) == "organs.ctbl";
+    if (coloured) CHECK(loaded->labels.labels[2].colour == std::array<float, 3>{0.0f, 1.0f, 0.0f});
+  }
+}
+
+TEST_CASE("Names and colours of Slicer's segments are read", "[imaging]") {
+  const std::string segments = "Segment0_LabelValue:=5\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment1_LabelValue:=1\nSegment1_Name:=spleen\nSegment1_Layer:=0\n";
+  const auto loaded = readLabelMap(textNrrd("a.seg.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced + segments));
+  REQUIRE(loaded);
+  CHECK(loaded->labels.labels[0].name == "spleen");
+  CHECK(loaded->labels.labels[1].name == "label 2");
+  CHECK(loaded->labels.labels[2].name == "liver");
+  CHECK(loaded->labels.labels[2].colour == std::array<float, 3>{1.0f, 0.0f, 0.0f});
+  const auto layered = readLabelMap(textNrrd("b.seg.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced + segments + "Segment1_Layer:=1\n"));
+  REQUIRE_FALSE(layered);
+  CHECK_THAT(layered.error().message, Contains("layers"));
+}
+
+TEST_CASE("Colours of labels that have none are told apart", "[imaging]") {
+  std::string voxels;
+  for (int v = 0; v < 41; ++v) voxels += std::to_string(v) + " ";
+  const auto loaded = readLabelMap(textNrrd("many.nrrd", "uint8", "41 1 1", voxels, kPlaced));
+  REQUIRE(loaded);
+  REQUIRE(loaded->labels.labels.size() == 40);
+  double nearest = 10.0;
+  for (std::size_t a = 0; a < 40; ++a)
+    for (std::size_t b = a + 1; b < 40; ++b) {
+      double square = 0.0;
+      for (std::size_t c = 0; c < 3; ++c) square += std::pow(loaded->labels.labels[a].colour[c] - loaded->labels.labels[b].colour[c], 2);
+      nearest = std::min(nearest, std::sqrt(square));
+    }
+  CHECK(nearest > 0.02);  // five steps of 256 in the middle of the range
+}
+
+TEST_CASE("The atlas of MRIcron is read with its names", "[imaging]") {
+  const std::filesystem::path atlas = "/usr/share/mricron/templates/aal.nii.gz";
+  if (!std::filesystem::exists(atlas)) C3DE_SKIP("package mricron-data is not installed");
+  const auto loaded = readLabelMap(atlas);
+  REQUIRE(loaded);
+  CHECK(loaded->labels.labels.size() == 116);
+  CHECK(loaded->labels.labels.front().name == "Precentral_L");
+  CHECK(loaded->labels.labels.back().name == "Vermis_10");
+  // Left is where LPS x is positive.
+  double sum = 0.0, count = 0.0;
+  const auto &g = loaded->labels.geometry;
+  for (std::size_t v = 0; v < loaded->labels.voxels.size(); ++v)
+    if (loaded->labels.voxels[v] == 1) {
+      sum += g.worldAt({static_cast<double>(v % g.size[0]), static_cast<double>(v / g.size[0] % g.size[1]), static_cast<double>(v / (g.size[0] * g.size[1]))})[0];
+      count += 1.0;
+    }
+  CHECK(sum / count > 20.0);
+}
+
+TEST_CASE("Spaces of NRRD are turned to LPS, units to millimetres", "[imaging]") {
+  for (const auto &[space, turned] : {std::pair{"left-posterior-superior", Vec3{1, 2, 3}}, {"right-anterior-superior", Vec3{-1, -2, 3}}, {"LAS", Vec3{1, -2, 3}}}) {
+    const auto loaded = readVolume(textNrrd("space.nrrd", "short", "1 1 2", "4 5", std::string("space: ") + space + "\nspace directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (1,2,3)\n"));
+    REQUIRE(loaded);
+    checkAt(loaded->volume.geometry.worldAt({0, 0, 0}), turned);
+    CHECK(loaded->notices.empty());
+  }
+  const auto metres = readVolume(textNrrd("m.nrrd", "short", "1 1 2", "4 5", "space: LPS\nspace units: \"m\" \"m\" \"m\"\nspace directions: (.002,0,0) (0,.002,0) (0,0,.002)\nspace origin: (.001,0,0)\n"));
+  REQUIRE(metres);
+  checkAt(metres->volume.geometry.worldAt({0, 0, 1}), {1, 0, 2});
+  const auto unplaced = readVolume(textNrrd("u.nrrd", "short", "1 1 2", "4 5", "spacings: 2 3 nan\n"));
+  REQUIRE(unplaced);
+  CHECK(says(unplaced->notices, "only its spacing"));
+  CHECK(says(unplaced->notices, "no spacing along axis 3"));
+}
+
+TEST_CASE("Of several volumes the first is read, colours and vectors are refused", "[imaging]") {
+  const auto time = readVolume(textNrrd("time.nrrd", "short", "2 1 1 3", "1 2 3 4 5 6", "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1) none\nspace origin: (0,0,0)\nkinds: domain domain domain list\n"));
+  REQUIRE(time);
+  CHECK(time->volume.value(1, 0, 0) == 2.0);
+  CHECK(says(time->notices, "holds 3 volumes"));
+  const auto colour = readVolume(textNrrd("rgb.nrrd", "uchar", "3 2 1 1", "1 2 3 4 5 6", "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nkinds: RGB-color domain domain domain\n"));
+  REQUIRE_FALSE(colour);
+  CHECK_THAT(colour.error().message, Contains("3 numbers per voxel") && Contains("rgb-color"));
+  C3DE_DATA_OR_SKIP(four, "volume/nifti/example4d.nii.gz");
+  const auto functional = readVolume(four);
+  REQUIRE(functional);
+  CHECK(says(functional->notices, "holds 2 volumes"));
+}
+
+TEST_CASE("64-bit integers become 32-bit where they fit", "[imaging]") {
+  const auto small = readVolume(textNrrd("small.nrrd", "int64", "3 1 1", "-2 0 2147483647", kPlaced));
+  REQUIRE(small);
+  CHECK(std::string(small->volume.scalarTypeName()) == "int32");
+  const auto large = readVolume(textNrrd("large.nrrd", "int64", "3 1 1", "-2 0 2147483648", kPlaced));
+  REQUIRE(large);
+  CHECK(std::string(large->volume.scalarTypeName()) == "float64");
+  CHECK(large->volume.value(2, 0, 0) == 2147483648.0);
+  CHECK_FALSE(large->notices.empty());
+}
+
+TEST_CASE("Voxels in numbered files, behind lines and bytes, and as hexadecimal digits are read", "[imaging]") {
+  const auto folder = emptyFolder("parts");
+  for (int n = 3; n <= 5; ++n) {
+    std::string bytes = "title\nx";
+    bytes += {static_cast<char>(n), 0, static_cast<char>(10 * n), 0};
+    write(folder / ("s00" + std::to_string(n) + ".raw"), bytes);
+  }
+  const std::string head = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nendian: little\nencoding: raw\n" + kPlaced;
+  for (const char *where : {"line skip: 1\nbyte skip: 1\ndata file: s%03d.raw 3 5 1\n", "byte skip: -1\ndata file: LIST\ns003.raw\ns004.raw\ns005.raw\n"}) {
+    const auto loaded = readVolume(write(folder / "parts.nhdr", head + where));
+    if (!loaded) INFO(loaded.error().message);
+    REQUIRE(loaded);
+    CHECK(loaded->volume.voxels == Voxels(std::vector<std::int16_t>{3, 30, 4, 40, 5, 50}));
+  }
+  const auto absent = readVolume(write(folder / "absent.nhdr", head + "data file: s%03d.raw 3 6 1\n"));
+  REQUIRE_FALSE(absent);
+  const auto list = readVolume(write(folder / "list.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 2 1 3\nElementType = MET_SHORT\nElementSpacing = 1 1 1\nHeaderSize = -1\n"
+                                                          "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\nElementDataFile = s%03d.raw 3 5 1\n"));
+  REQUIRE(list);
+  CHECK(list->volume.value(1, 0, 2) == 50.0);
+  const auto hex = readVolume(write(folder / "hex.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 1\nendian: big\nencoding: hex\n" + kPlaced + "\n01 02ff\nFE"));
+  REQUIRE(hex);
+  CHECK(hex->volume.voxels == Voxels(std::vector<std::int16_t>{0x0102, -2}));
+}
