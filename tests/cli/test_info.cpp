@@ -24,7 +24,7 @@ TEST_CASE("info goes on after a file that is refused, and ends with 3") {
   const auto bad = writeFile(folder / "bad.obj", "v 0 0 0\nf 1 2 9\n");
   const auto result = runC3de({"info", (folder / "absent.obj").string(), bad.string(), folder.string(), good.string()});
   CHECK(result.exitCode == 3);
-  CHECK_THAT(result.errorOutput, Contains("absent.obj: no such file") && Contains("bad.obj") && Contains("is a folder"));
+  CHECK_THAT(result.errorOutput, Contains("absent.obj: no such file") && Contains("bad.obj") && Contains("holds no DICOM image"));
   CHECK_THAT(result.output, Contains("box.obj"));
 
   const auto json = runC3de({"info", "--json", bad.string(), good.string()});
@@ -59,4 +59,42 @@ material = { yungs_modulus = 1e4 }
   const auto unchecked = runC3de({"info", typo.string(), "--no-plugins"});
   CHECK(unchecked.exitCode == 0);
   CHECK_THAT(unchecked.output, Contains("not checked"));
+}
+
+TEST_CASE("info tells what an image is, for people and for programs") {
+  const auto folder = freshFolder("info-image");
+  const auto image = writeFile(folder / "small.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nspace: RAS\n"
+                                                      "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (1,2,3)\nencoding: ascii\n\n-5 0 1 2 3 40\n");
+  writeFile(folder / "small.txt", "1 liver\n");
+  const auto text = runC3de({"info", image.string()});
+  CHECK(text.exitCode == 0);
+  CHECK_THAT(text.output, Contains("int16, 2 x 1 x 3 voxels of 2 x 3 x 4 mm") && Contains("axes to R, A, S") && Contains("values -5 to 40"));
+  const auto json = runC3de({"info", image.string(), "--json"});
+  const auto parsed = nlohmann::json::parse(json.output);
+  CHECK(parsed.at("kind") == "image");
+  CHECK(parsed.at("size") == nlohmann::json({2, 1, 3}));
+  CHECK(parsed.at("range") == nlohmann::json({-5.0, 40.0}));
+  CHECK(parsed.at("index_to_world_mm").at(0) == nlohmann::json({-2.0, 0.0, 0.0, -1.0}));
+  CHECK_FALSE(parsed.contains("labels"));  // -5 is no label
+  const auto cut = writeFile(folder / "cut.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nspace: RAS\nencoding: ascii\n\n-5 0 1\n");
+  const auto refused = runC3de({"info", cut.string()});
+  CHECK(refused.exitCode == 3);
+  CHECK_THAT(refused.errorOutput, Contains("cut.nrrd") && Contains("truncated: 3 of 6 voxels"));
+}
+
+TEST_CASE("info lists the series of a folder and shows the one that is chosen") {
+  C3DE_DATA_OR_SKIP(folder, "dicom/mr_mixed_orientation_4");
+  const auto list = runC3de({"info", folder.string(), "--json"});
+  CHECK(list.exitCode == 0);
+  const auto parsed = nlohmann::json::parse(list.output);
+  REQUIRE(parsed.at("series").size() == 2);
+  CHECK(parsed.at("series").at(0).at("orientation") == "oblique sagittal");
+  CHECK_FALSE(parsed.at("series").at(0).contains("patient_name"));
+  const auto one = runC3de({"info", folder.string(), "--series", parsed.at("series").at(1).at("id").get<std::string>()});
+  CHECK(one.exitCode == 0);
+  CHECK_THAT(one.output, Contains("288 x 288 x 2 voxels"));
+  CHECK(runC3de({"info", folder.string(), "--series", "none"}).exitCode == 3);
+  C3DE_DATA_OR_SKIP(named, "dicom/ct_head_phantom_philips_5mm");
+  CHECK_THAT(runC3de({"info", named.string(), "--patient-names"}).output, Contains("patient: HEAD"));
+  CHECK_THAT(runC3de({"info", named.string()}).output, !Contains("HEAD"));
 }

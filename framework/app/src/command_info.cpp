@@ -9,19 +9,15 @@
 
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
+#include "c3de/imaging/reading.h"
 #include "exit_code.h"
+#include "info_image.h"
 #include "simulator_access.h"
 
 namespace c3de::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// What is said about one file, for people and for programs.
-struct Described {
-  std::string text;
-  Json json;
-};
 
 Expected<Described> describeMesh(const std::filesystem::path &file, const std::string &unitText) {
   const auto unit = scene::parseLengthUnit(unitText);
@@ -206,9 +202,8 @@ int showInfo(const InfoOptions &options) {
     std::error_code code;
     if (!std::filesystem::exists(file, code)) {
       described = fail(ErrorCode::input, file.string() + ": no such file");
-    } else if (std::filesystem::is_directory(file, code)) {
-      described = fail(ErrorCode::input, file.string() + ": is a folder; folders of images are not served yet; this version "
-                                                         "serves meshes and scenes (.toml)");
+    } else if (std::filesystem::is_directory(file, code) || (!scene::isScenePath(file) && !geometry::isMeshFile(file) && imaging::looksLikeImage(file))) {
+      described = describeImage(file, options.series, options.patientNames);
     } else if (scene::isScenePath(file)) {
       // Plugins are loaded for the first scene only: a mesh needs none.
       if (!session) {

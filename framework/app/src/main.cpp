@@ -25,12 +25,12 @@ using namespace c3de::app;
 struct Arguments {
   SessionOptions session;
   std::vector<std::string> plugins, pluginPaths, files;
-  bool noPlugins = false, json = false, version = false, play = false, quiet = false, verbose = false;
+  bool noPlugins = false, json = false, version = false, play = false, quiet = false, verbose = false, patientNames = false;
   std::string unit = "mm", size, automationState, scene, exportFile;
   double until_s = -1.0, timeLimit_s = -1.0;
   long long steps = -1, threads = 0, seed = -1, probesEvery = 1;
   std::vector<std::string> overrides;
-  std::string report, probes, screenshot;
+  std::string report, probes, screenshot, series;
 };
 
 void addSessionOptions(CLI::App &app, Arguments &arguments) {
@@ -177,8 +177,10 @@ int dispatch(int argc, char **argv) {
   addUnit(*runCommand, arguments);
   addSessionOptions(*runCommand, arguments);
 
-  CLI::App *infoCommand = app.add_subcommand("info", "What a mesh or scene contains, and what is wrong with it");
-  infoCommand->add_option("FILE", arguments.files, "Meshes and scenes")->required();
+  CLI::App *infoCommand = app.add_subcommand("info", "What a mesh, image, folder of images or scene contains, and what is wrong with it");
+  infoCommand->add_option("FILE", arguments.files, "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files and scenes")->required();
+  infoCommand->add_option("--series", arguments.series, "The series of a folder that holds several")->type_name("ID");
+  infoCommand->add_flag("--patient-names", arguments.patientNames, "Show the names of patients, which are left out otherwise");
   infoCommand->add_flag("--json", arguments.json, "One object for one file, a list for several");
   addUnit(*infoCommand, arguments);
   addSessionOptions(*infoCommand, arguments);
@@ -215,6 +217,8 @@ int dispatch(int argc, char **argv) {
     options.session = sessionOptions(arguments);
     for (const std::string &file : arguments.files) options.files.emplace_back(file);
     options.meshUnit = arguments.unit;
+    options.series = arguments.series;
+    options.patientNames = arguments.patientNames;
     options.json = arguments.json;
     return showInfo(options);
   }

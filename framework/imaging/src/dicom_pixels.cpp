@@ -122,10 +122,60 @@ Expected<std::vector<char>> rle(const std::filesystem::path &path, const std::ve
   return bytes;
 }
 
+struct StatedSize {
+  std::size_t columns = 0, rows = 0, components = 0;
+};
+
+std::size_t bigEndianAt(const std::vector<char> &bytes, std::size_t at, std::size_t count) {
+  std::size_t value = 0;
+  for (std::size_t b = 0; b < count; ++b) value = value << 8 | static_cast<unsigned char>(bytes[at + b]);
+  return value;
+}
+
+/// What a JPEG 2000 stream says of itself: the marker SIZ (T.800 A.5.1).
+std::optional<StatedSize> sizeInJpeg2000(const std::vector<char> &s) {
+  std::size_t at = 0;  // the stream may stand in a file of its own, behind some boxes
+  while (at + 46 < s.size() && at < 4096 && bigEndianAt(s, at, 4) != 0xff4fff51u) ++at;
+  if (at + 46 >= s.size() || bigEndianAt(s, at, 4) != 0xff4fff51u) return std::nullopt;
+  const auto field = [&](std::size_t n) { return bigEndianAt(s, at + 8 + 4 * n, 4); };  // Xsiz Ysiz XOsiz YOsiz XTsiz YTsiz XTOsiz YTOsiz
+  const StatedSize size{field(0) - field(2), field(1) - field(3), bigEndianAt(s, at + 40, 2)};
+  if (field(4) == 0 || field(5) == 0) return std::nullopt;
+  const double tiles = (static_cast<double>(field(0)) / static_cast<double>(field(4)) + 1.0) * (static_cast<double>(field(1)) / static_cast<double>(field(5)) + 1.0);
+  return tiles < 10000.0 ? std::optional(size) : std::nullopt;  // each takes kilobytes
+}
+
+/// What a JPEG or JPEG-LS stream says of itself: its start of frame (T.81 B.2.2).
+std::optional<StatedSize> sizeInJpeg(const std::vector<char> &s) {
+  if (s.size() < 4 || bigEndianAt(s, 0, 2) != 0xffd8u) return std::nullopt;
+  for (std::size_t at = 2; at + 10 <= s.size();) {
+    const std::size_t marker = bigEndianAt(s, at, 2);
+    if (marker == 0xffff) {  // filling
+      ++at;
+      continue;
+    }
+    if (marker < 0xff00) return std::nullopt;
+    const bool frame = (marker >= 0xffc0 && marker <= 0xffcf && marker != 0xffc4 && marker != 0xffc8 && marker != 0xffcc) || marker == 0xfff7;
+    if (frame) return StatedSize{bigEndianAt(s, at + 7, 2), bigEndianAt(s, at + 5, 2), bigEndianAt(s, at + 9, 1)};
+    at += 2 + bigEndianAt(s, at + 2, 2);
+  }
+  return std::nullopt;
+}
+
+/// A damaged stream may say any size, and its decoder would take memory for it.
+bool isOfSize(const std::vector<std::vector<char>> &pieces, const std::string &syntax, const Layout &layout) {
+  const bool waves = syntax.starts_with("1.2.840.10008.1.2.4.9");
+  const std::size_t heads = pieces.size() == layout.frames ? pieces.size() : 1;
+  return std::all_of(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(heads), [&](const std::vector<char> &piece) {
+    const auto size = waves ? sizeInJpeg2000(piece) : sizeInJpeg(piece);
+    return size && size->columns == layout.columns && size->rows == layout.rows && size->components == 1;
+  });
+}
+
 /// The layout is set to what the codec finds.
 Expected<std::vector<char>> byCodec(const std::filesystem::path &path, const std::vector<std::vector<char>> &pieces, const std::string &syntax, Layout &layout) {
   const gdcm::TransferSyntax::TSType type = gdcm::TransferSyntax::GetTSType(syntax.c_str());
   if (type == gdcm::TransferSyntax::TS_END) return refuse(path, "its encoding " + syntax + " is not read");
+  if (!isOfSize(pieces, syntax, layout)) return refuse(path, "its compressed pixels are damaged or not of the stated size");
   gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
   for (const std::vector<char> &piece : pieces) {
     gdcm::Fragment fragment;

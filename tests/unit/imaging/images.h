@@ -23,6 +23,7 @@ inline std::string bytesOf(const std::filesystem::path &file) {
 }
 inline std::filesystem::path write(const std::filesystem::path &file, const std::string &bytes) {
   std::filesystem::create_directories(file.parent_path());
+  std::filesystem::remove(file);  // ext4 waits for the disk when a file is emptied and written again
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return file;
 }

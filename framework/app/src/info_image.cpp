@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "info_image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+#include "c3de/core/text.h"
+#include "c3de/imaging/reading.h"
+
+namespace c3de::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using imaging::SeriesInfo;
+using imaging::Volume;
+using imaging::VolumeGeometry;
+
+double rounded(double x, double step) { return std::round(x / step) * step + 0.0; }
+
+std::string sizeText(const std::array<std::size_t, 3> &size) {
+  return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);
+}
+
+/// Where an index axis grows to, the nearest direction first: "L", or "LA" when oblique.
+std::string directionLetters(Vec3 axis) {
+  axis = (1.0 / norm(axis)) * axis;
+  std::array<std::size_t, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return std::abs(axis[a]) > std::abs(axis[b]); });
+  std::string letters;
+  for (const std::size_t a : order)
+    if (letters.empty() || std::abs(axis[a]) > 0.05) letters += axis[a] >= 0.0 ? "LPS"[a] : "RAI"[a];  // three degrees
+  return letters;
+}
+
+Json orientationOf(const VolumeGeometry &g) {
+  Json all = Json::array();
+  for (std::size_t a = 0; a < 3; ++a) all.push_back(directionLetters({g.indexToWorld[4 * a], g.indexToWorld[4 * a + 1], g.indexToWorld[4 * a + 2]}));
+  return all;
+}
+
+/// Least and largest value; none where no voxel is a finite number.
+std::optional<std::pair<double, double>> rangeOf(const Volume &volume) {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  std::visit(
+      [&](const auto &all) {
+        for (const auto v : all)
+          if (const auto x = static_cast<double>(v); std::isfinite(x)) lo = std::min(lo, x), hi = std::max(hi, x);
+      },
+      volume.voxels);
+  if (lo > hi) return std::nullopt;
+  const double a = volume.slope * lo + volume.intercept, b = volume.slope * hi + volume.intercept;
+  return std::pair{std::min(a, b), std::max(a, b)};
+}
+
+void describeSeries(const std::vector<SeriesInfo> &list, bool patientNames, Described &out) {
+  std::ostringstream text;
+  text << list.size() << " series:\n";
+  out.json["series"] = Json::array();
+  for (const SeriesInfo &info : list) {
+    Json json{{"id", info.id}, {"modality", info.modality}, {"description", info.description}, {"size", info.size}, {"files", info.files},
+              {"orientation", info.orientation}, {"folder", info.folder.string()}};
+    text << "  " << info.id << "\n    " << (info.modality.empty() ? "" : info.modality + " ") << sizeText(info.size)
+         << (info.orientation.empty() ? "" : " " + info.orientation) << ", " << info.files << (info.files == 1 ? " file" : " files");
+    if (!info.description.empty()) text << ", \"" << info.description << "\"";
+    if (!info.refusal.empty()) {
+      json["refused_because"] = info.refusal;
+      text << "\n    not read: " << info.refusal;
+    }
+    if (patientNames) {
+      json["patient_name"] = info.patientName;
+      text << "\n    patient: " << (info.patientName.empty() ? "not named" : info.patientName);
+    }
+    text << "\n";
+    out.json["series"].push_back(std::move(json));
+  }
+  out.text += text.str();
+}
+
+void describeVolume(const Volume &volume, Described &out) {
+  const VolumeGeometry &g = volume.geometry;
+  std::ostringstream text;
+  const Vec3 spacing = g.spacing();
+  Json rows = Json::array();
+  for (std::size_t r = 0; r < 4; ++r) rows.push_back({g.indexToWorld[r], g.indexToWorld[4 + r], g.indexToWorld[8 + r], g.indexToWorld[12 + r]});
+  const Vec3 centre = g.worldAt({0.5 * static_cast<double>(g.size[0] - 1), 0.5 * static_cast<double>(g.size[1] - 1), 0.5 * static_cast<double>(g.size[2] - 1)});
+  out.json["type"] = volume.scalarTypeName();
+  out.json["size"] = g.size;
+  out.json["spacing_mm"] = spacing;
+  out.json["orientation"] = orientationOf(g);
+  out.json["index_to_world_mm"] = std::move(rows);
+  out.json["centre_mm"] = centre;
+  out.json["unit"] = volume.unit;
+  out.json["slope"] = volume.slope;
+  out.json["intercept"] = volume.intercept;
+  out.json["bytes"] = volume.bytes();
+  text << volume.scalarTypeName() << ", " << sizeText(g.size) << " voxels of " << formatNumber(rounded(spacing[0], 1e-4)) << " x "
+       << formatNumber(rounded(spacing[1], 1e-4)) << " x " << formatNumber(rounded(spacing[2], 1e-4)) << " mm\n";
+  text << "axes to " << out.json["orientation"][0].get<std::string>() << ", " << out.json["orientation"][1].get<std::string>() << ", "
+       << out.json["orientation"][2].get<std::string>() << "; centre at " << formatNumber(rounded(centre[0], 1e-3)) << ", " << formatNumber(rounded(centre[1], 1e-3))
+       << ", " << formatNumber(rounded(centre[2], 1e-3)) << " mm (LPS)";
+  if (g.shear() > 1e-3) text << "; sheared by " << formatNumber(rounded(std::asin(std::min(1.0, g.shear())) * 180.0 / 3.14159265358979323846, 0.1)) << " degrees";
+  text << "\n";
+  if (const auto range = rangeOf(volume)) {
+    out.json["range"] = {range->first, range->second};
+    text << "values " << formatNumber(range->first) << " to " << formatNumber(range->second) << (volume.unit.empty() ? "" : " " + volume.unit) << "\n";
+  } else {
+    out.json["range"] = nullptr;
+    text << "no voxel is a finite number\n";
+  }
+  out.text += text.str();
+}
+
+/// Labels that have names, if the image is a label map with a table.
+void describeLabels(const std::filesystem::path &path, Described &out) {
+  const auto loaded = imaging::readLabelMap(path);
+  if (!loaded) return;
+  const auto &labels = loaded->labels.labels;
+  const bool named = std::any_of(labels.begin(), labels.end(), [](const auto &label) { return !label.name.starts_with("label "); });
+  if (!named) return;
+  out.json["labels"] = Json::array();
+  out.text += std::to_string(labels.size()) + " labels:\n";
+  for (const auto &label : labels) {
+    out.json["labels"].push_back(Json{{"value", label.value}, {"name", label.name}});
+    out.text += "  " + std::to_string(label.value) + "  " + label.name + "\n";
+  }
+}
+
+}  // namespace
+
+Expected<Described> describeImage(const std::filesystem::path &path, const std::string &series, bool patientNames) {
+  const auto list = imaging::listSeries(path);
+  if (!list) return tl::unexpected(list.error());
+  Described out;
+  out.json = Json{{"file", path.string()}, {"kind", "image"}};
+  std::error_code code;
+  const bool folder = std::filesystem::is_directory(path, code);
+  if (folder || list->front().files > 1 || patientNames) {
+    describeSeries(*list, patientNames, out);
+    const auto readable = std::count_if(list->begin(), list->end(), [](const SeriesInfo &info) { return info.refusal.empty(); });
+    if (folder && series.empty() && readable > 1) {
+      out.text += "choose one by --series to see more\n";
+      return out;
+    }
+  }
+  imaging::ReadOptions options;
+  options.series = series;
+  const auto loaded = imaging::readVolume(path, options);
+  if (!loaded) return tl::unexpected(loaded.error());
+  describeVolume(loaded->volume, out);
+  out.json["notices"] = loaded->notices;
+  for (const std::string &notice : loaded->notices) out.text += "notice: " + notice + "\n";
+  if (!folder && loaded->volume.voxels.index() < 6) describeLabels(path, out);
+  return out;
+}
+
+}  // namespace c3de::app

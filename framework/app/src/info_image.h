@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "c3de/core/expected.h"
+
+namespace c3de::app {
+
+/// What is said about one file, for people and for programs.
+struct Described {
+  std::string text;
+  nlohmann::ordered_json json;
+};
+
+/// Says what an image file or a folder of images holds. A folder with several series is a list of them until one is chosen.
+/// @param series        SeriesInfo::id, or empty
+/// @param patientNames  whether the names of patients are shown
+[[nodiscard]] Expected<Described> describeImage(const std::filesystem::path &path, const std::string &series, bool patientNames);
+
+}  // namespace c3de::app
