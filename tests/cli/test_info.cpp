@@ -68,7 +68,7 @@ TEST_CASE("info tells what an image is, for people and for programs") {
   writeFile(folder / "small.txt", "1 liver\n");
   const auto text = runC3de({"info", image.string()});
   CHECK(text.exitCode == 0);
-  CHECK_THAT(text.output, Contains("int16, 2 x 1 x 3 voxels of 2 x 3 x 4 mm") && Contains("axes to R, A, S") && Contains("values -5 to 40"));
+  CHECK_THAT(text.output, Contains("int16, 2 x 1 x 3 voxels of 2 x 3 x 4.1 mm") && Contains("axes to R, A, S") && Contains("values -5 to 40"));
   const auto json = runC3de({"info", image.string(), "--json"});
   const auto parsed = nlohmann::json::parse(json.output);
   CHECK(parsed.at("kind") == "image");

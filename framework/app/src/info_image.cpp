@@ -18,7 +18,8 @@ using imaging::SeriesInfo;
 using imaging::Volume;
 using imaging::VolumeGeometry;
 
-double rounded(double x, double step) { return std::round(x / step) * step + 0.0; }
+/// @param parts  1000: to three decimals
+double rounded(double x, double parts) { return std::round(x * parts) / parts + 0.0; }
 
 std::string sizeText(const std::array<std::size_t, 3> &size) {
   return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);
@@ -96,12 +97,12 @@ void describeVolume(const Volume &volume, Described &out) {
   out.json["slope"] = volume.slope;
   out.json["intercept"] = volume.intercept;
   out.json["bytes"] = volume.bytes();
-  text << volume.scalarTypeName() << ", " << sizeText(g.size) << " voxels of " << formatNumber(rounded(spacing[0], 1e-4)) << " x "
-       << formatNumber(rounded(spacing[1], 1e-4)) << " x " << formatNumber(rounded(spacing[2], 1e-4)) << " mm\n";
+  text << volume.scalarTypeName() << ", " << sizeText(g.size) << " voxels of " << formatNumber(rounded(spacing[0], 1e4)) << " x "
+       << formatNumber(rounded(spacing[1], 1e4)) << " x " << formatNumber(rounded(spacing[2], 1e4)) << " mm\n";
   text << "axes to " << out.json["orientation"][0].get<std::string>() << ", " << out.json["orientation"][1].get<std::string>() << ", "
-       << out.json["orientation"][2].get<std::string>() << "; centre at " << formatNumber(rounded(centre[0], 1e-3)) << ", " << formatNumber(rounded(centre[1], 1e-3))
-       << ", " << formatNumber(rounded(centre[2], 1e-3)) << " mm (LPS)";
-  if (g.shear() > 1e-3) text << "; sheared by " << formatNumber(rounded(std::asin(std::min(1.0, g.shear())) * 180.0 / 3.14159265358979323846, 0.1)) << " degrees";
+       << out.json["orientation"][2].get<std::string>() << "; centre at " << formatNumber(rounded(centre[0], 1e3)) << ", " << formatNumber(rounded(centre[1], 1e3))
+       << ", " << formatNumber(rounded(centre[2], 1e3)) << " mm (LPS)";
+  if (g.shear() > 1e-3) text << "; sheared by " << formatNumber(rounded(std::asin(std::min(1.0, g.shear())) * 180.0 / 3.14159265358979323846, 10.0)) << " degrees";
   text << "\n";
   if (const auto range = rangeOf(volume)) {
     out.json["range"] = {range->first, range->second};
@@ -147,12 +148,14 @@ Expected<Described> describeImage(const std::filesystem::path &path, const std::
   }
   imaging::ReadOptions options;
   options.series = series;
-  const auto loaded = imaging::readVolume(path, options);
+  auto loaded = imaging::readVolume(path, options);
   if (!loaded) return tl::unexpected(loaded.error());
   describeVolume(loaded->volume, out);
   out.json["notices"] = loaded->notices;
   for (const std::string &notice : loaded->notices) out.text += "notice: " + notice + "\n";
-  if (!folder && loaded->volume.voxels.index() < 6) describeLabels(path, out);
+  const bool whole = loaded->volume.voxels.index() < 6;  // integers
+  *loaded = {};  // the labels are read into memory of their own
+  if (!folder && whole) describeLabels(path, out);
   return out;
 }
 

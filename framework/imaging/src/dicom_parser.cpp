@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::uint32_t kUndefined = 0xffffffffu, kItem = 0xfffee000u, kItemEnd = 0xfffee00du, kSequenceEnd = 0xfffee0ddu;
 constexpr int kDeepest = 16;
+constexpr std::size_t kWindow = 1u << 14;
 constexpr std::size_t kLongestText = 1u << 20;
 
 std::uint32_t unsignedOf(const unsigned char *b, std::size_t count, bool bigEndian) {
@@ -116,10 +117,22 @@ bool DicomBytes::read(std::uint64_t at, void *to, std::size_t bytes) {
     std::memcpy(to, memory_.data() + at, bytes);
     return true;
   }
-  file_.clear();
-  file_.seekg(static_cast<std::streamoff>(at));
-  file_.read(static_cast<char *>(to), static_cast<std::streamsize>(bytes));
-  return static_cast<std::size_t>(file_.gcount()) == bytes;
+  const auto load = [&](char *target, std::size_t count) {
+    file_.clear();
+    file_.seekg(static_cast<std::streamoff>(at));
+    file_.read(target, static_cast<std::streamsize>(count));
+    return static_cast<std::size_t>(file_.gcount());
+  };
+  if (bytes > kWindow / 4) return load(static_cast<char *>(to), bytes) == bytes;
+  // Headers are read in pieces of a few bytes, back and forth.
+  if (at < windowAt_ || at + bytes > windowAt_ + memory_.size()) {
+    memory_.resize(kWindow);
+    memory_.resize(load(memory_.data(), kWindow));
+    windowAt_ = at;
+    if (memory_.size() < bytes) return false;
+  }
+  std::memcpy(to, memory_.data() + (at - windowAt_), bytes);
+  return true;
 }
 
 /// Fills sets; the only one who may.

@@ -27,8 +27,8 @@ class DicomBytes {
 
  private:
   std::ifstream file_;
-  std::vector<char> memory_;
-  std::uint64_t length_ = 0;
+  std::vector<char> memory_;  ///< all bytes, or those of the file from windowAt_ on
+  std::uint64_t length_ = 0, windowAt_ = 0;
 };
 
 /// How elements are written.

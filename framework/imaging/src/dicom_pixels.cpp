@@ -3,6 +3,7 @@
 // which get nothing but the compressed bytes. The only source that includes GDCM.
 #include <gdcmDataElement.h>
 #include <gdcmImage.h>
+#include <gdcmJPEGLSCodec.h>
 #include <gdcmSequenceOfFragments.h>
 #include <gdcmTrace.h>
 
@@ -164,44 +165,75 @@ std::optional<StatedSize> sizeInJpeg(const std::vector<char> &s) {
 /// A damaged stream may say any size, and its decoder would take memory for it.
 bool isOfSize(const std::vector<std::vector<char>> &pieces, const std::string &syntax, const Layout &layout) {
   const bool waves = syntax.starts_with("1.2.840.10008.1.2.4.9");
-  const std::size_t heads = pieces.size() == layout.frames ? pieces.size() : 1;
-  return std::all_of(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(heads), [&](const std::vector<char> &piece) {
+  return std::all_of(pieces.begin(), pieces.end(), [&](const std::vector<char> &piece) {
     const auto size = waves ? sizeInJpeg2000(piece) : sizeInJpeg(piece);
     return size && size->columns == layout.columns && size->rows == layout.rows && size->components == 1;
   });
 }
 
-/// The layout is set to what the codec finds.
-Expected<std::vector<char>> byCodec(const std::filesystem::path &path, const std::vector<std::vector<char>> &pieces, const std::string &syntax, Layout &layout) {
-  const gdcm::TransferSyntax::TSType type = gdcm::TransferSyntax::GetTSType(syntax.c_str());
-  if (type == gdcm::TransferSyntax::TS_END) return refuse(path, "its encoding " + syntax + " is not read");
-  if (!isOfSize(pieces, syntax, layout)) return refuse(path, "its compressed pixels are damaged or not of the stated size");
-  gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
-  for (const std::vector<char> &piece : pieces) {
-    gdcm::Fragment fragment;
-    fragment.SetByteValue(piece.data(), static_cast<std::uint32_t>(piece.size()));
-    fragments->AddFragment(fragment);
+/// GDCM's codec for JPEG-LS through its door for parts of an image: the other one leaks, or ends the program, where a
+/// stream is damaged.
+class JpegLs : public gdcm::JPEGLSCodec {
+ public:
+  bool decode(const std::vector<char> &frame, const Layout &layout, char *to) {
+    const unsigned size[2] = {static_cast<unsigned>(layout.columns), static_cast<unsigned>(layout.rows)};
+    SetNumberOfDimensions(2);
+    SetDimensions(size);
+    SetPixelFormat(formatOf(layout));
+    std::string items("\xfe\xff\x00\xe0\0\0\0\0\xfe\xff\x00\xe0", 12);  // an empty table of offsets, then the frame
+    for (unsigned b = 0; b < 4; ++b) items += static_cast<char>(frame.size() >> 8 * b & 255);
+    items.append(frame.begin(), frame.end());
+    items.append("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+    std::istringstream stream(items);
+    return DecodeExtent(to, 0, size[0] - 1, 0, size[1] - 1, 0, 0, stream);
   }
+  [[nodiscard]] static gdcm::PixelFormat formatOf(const Layout &layout) {
+    return gdcm::PixelFormat(1, static_cast<std::uint16_t>(layout.allocated), static_cast<std::uint16_t>(layout.stored),
+                             static_cast<std::uint16_t>(layout.high), static_cast<std::uint16_t>(layout.isSigned ? 1 : 0));
+  }
+};
+
+/// One frame of JPEG or JPEG 2000.
+bool decodeFrame(const std::vector<char> &frame, gdcm::TransferSyntax::TSType type, const Layout &layout, char *to) {
+  gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
+  gdcm::Fragment fragment;
+  fragment.SetByteValue(frame.data(), static_cast<std::uint32_t>(frame.size()));
+  fragments->AddFragment(fragment);
   gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x10));
   pixels.SetVR(gdcm::VR::OB);
   pixels.SetValue(*fragments);  // its length becomes undefined by that
   gdcm::Image image;
-  image.SetNumberOfDimensions(layout.frames > 1 ? 3 : 2);
+  image.SetNumberOfDimensions(2);
   image.SetDimension(0, static_cast<unsigned>(layout.columns));
   image.SetDimension(1, static_cast<unsigned>(layout.rows));
-  if (layout.frames > 1) image.SetDimension(2, static_cast<unsigned>(layout.frames));
-  image.SetPixelFormat(gdcm::PixelFormat(1, static_cast<std::uint16_t>(layout.allocated), static_cast<std::uint16_t>(layout.stored),
-                                         static_cast<std::uint16_t>(layout.high), layout.isSigned ? 1 : 0));
+  image.SetPixelFormat(JpegLs::formatOf(layout));
   image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
   image.SetTransferSyntax(type);
   image.SetDataElement(pixels);
+  const std::size_t bytes = layout.rows * layout.columns * (layout.allocated / 8);
+  if (image.GetBufferLength() != bytes) return false;
+  std::vector<char> buffer(bytes);  // GDCM changes its mind about the depth at times, and its buffer with it
+  if (!image.GetBuffer(buffer.data()) || image.GetBufferLength() != bytes || image.GetPixelFormat().GetPixelSize() * 8 != layout.allocated) return false;
+  std::copy(buffer.begin(), buffer.end(), to);
+  return true;
+}
+
+Expected<std::vector<char>> byCodec(const std::filesystem::path &path, std::vector<std::vector<char>> pieces, const std::string &syntax, const Layout &layout) {
+  const gdcm::TransferSyntax::TSType type = gdcm::TransferSyntax::GetTSType(syntax.c_str());
+  if (type == gdcm::TransferSyntax::TS_END) return refuse(path, "its encoding " + syntax + " is not read");
+  if (layout.frames == 1)  // one frame may be cut into pieces
+    for (; pieces.size() > 1; pieces.erase(pieces.begin() + 1)) pieces[0].insert(pieces[0].end(), pieces[1].begin(), pieces[1].end());
+  if (pieces.size() != layout.frames) return refuse(path, "has " + std::to_string(pieces.size()) + " compressed pieces for " + std::to_string(layout.frames) + " frames");
+  if (!isOfSize(pieces, syntax, layout)) return refuse(path, "its compressed pixels are damaged or not of the stated size");
   const PrintedText printed;
-  std::vector<char> bytes(image.GetBufferLength());
-  if (bytes.size() != layout.bytes() || !image.GetBuffer(bytes.data()))
-    return refuse(path, "its compressed pixels (" + std::string(gdcm::TransferSyntax(type).GetString()) + ") are damaged or not of the stated size");
-  if (image.GetPixelFormat().GetPixelSize() * 8 != layout.allocated) return refuse(path, "its compressed pixels are not of the stated depth");
-  layout.isSigned = image.GetPixelFormat().GetPixelRepresentation() == 1;
-  layout.stored = 0;  // codecs give whole numbers: nothing is left to clear
+  std::vector<char> bytes(layout.bytes());
+  const std::size_t each = bytes.size() / layout.frames;
+  const bool isJpegLs = type == gdcm::TransferSyntax::JPEGLSLossless || type == gdcm::TransferSyntax::JPEGLSNearLossless;
+  for (std::size_t f = 0; f < layout.frames; ++f) {
+    char *to = bytes.data() + f * each;
+    if (!(isJpegLs ? JpegLs().decode(pieces[f], layout, to) : decodeFrame(pieces[f], type, layout, to)))
+      return refuse(path, "its compressed pixels (" + std::string(gdcm::TransferSyntax(type).GetString()) + ") are damaged");
+  }
   return bytes;
 }
 
