@@ -64,7 +64,7 @@ material = { yungs_modulus = 1e4 }
 TEST_CASE("info tells what an image is, for people and for programs") {
   const auto folder = freshFolder("info-image");
   const auto image = writeFile(folder / "small.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nspace: RAS\n"
-                                                      "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (1,2,3)\nencoding: ascii\n\n-5 0 1 2 3 40\n");
+                                                      "space directions: (2,0,0) (0,3,0) (0,0,4.1)\nspace origin: (1,2,3)\nencoding: ascii\n\n-5 0 1 2 3 40\n");
   writeFile(folder / "small.txt", "1 liver\n");
   const auto text = runC3de({"info", image.string()});
   CHECK(text.exitCode == 0);
