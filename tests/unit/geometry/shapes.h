@@ -2,6 +2,7 @@
 // Small closed surfaces for tests.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <numbers>
 #include <random>
