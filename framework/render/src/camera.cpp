@@ -17,6 +17,9 @@ constexpr double kPointRadius_mm = 1.0;
 // Planes relative to the fitted distance; at that distance a 24-bit depth buffer then tells 3e-5 of it apart.
 constexpr double kNearPerDistance = 2e-3, kFarPerDistance = 20.0;
 
+/// From axes in which y is up.
+Vec3 turned(UpAxis up, const Vec3 &v) { return up == UpAxis::y ? v : Vec3{v[0], -v[2], v[1]}; }
+
 bool isFinite(const Vec3 &v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 
 }  // namespace
@@ -61,12 +64,12 @@ void Camera::fit(const Vec3 &min, const Vec3 &max, double aspect) {
 
 Vec3 Camera::forward() const {
   const double p = std::clamp(pitch, -kPitchLimit, kPitchLimit);
-  return {-std::cos(p) * std::sin(yaw), -std::sin(p), -std::cos(p) * std::cos(yaw)};
+  return turned(upAxis, {-std::cos(p) * std::sin(yaw), -std::sin(p), -std::cos(p) * std::cos(yaw)});
 }
 
 Vec3 Camera::eye() const { return focus - distance * forward(); }
 
-Vec3 Camera::right() const { return {std::cos(yaw), 0.0, -std::sin(yaw)}; }
+Vec3 Camera::right() const { return turned(upAxis, {std::cos(yaw), 0.0, -std::sin(yaw)}); }
 
 Vec3 Camera::up() const { return cross(right(), forward()); }
 

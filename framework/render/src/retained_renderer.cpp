@@ -42,6 +42,7 @@ Handle RetainedRenderer::createMesh(std::span<const Vec3f> positions, std::span<
     if (std::max({t[0], t[1], t[2]}) >= positions.size()) return {};
   Proxy proxy = makeProxy(ProxyKind::mesh, positions, material);
   proxy.triangles.assign(triangles.begin(), triangles.end());
+  ++changes_;
   return proxies_.add(std::move(proxy));
 }
 
@@ -49,6 +50,7 @@ Handle RetainedRenderer::createSpheres(std::span<const Vec3f> centres, float rad
   if (!isPositive(radius)) return {};
   Proxy proxy = makeProxy(ProxyKind::spheres, centres, material);
   proxy.radius = radius;
+  ++changes_;
   return proxies_.add(std::move(proxy));
 }
 
@@ -56,12 +58,14 @@ Handle RetainedRenderer::createLines(std::span<const Vec3f> pairs, float width_p
   if (!isPositive(width_px) || pairs.size() % 2 != 0) return {};
   Proxy proxy = makeProxy(ProxyKind::lines, pairs, material);
   proxy.width_px = width_px;
+  ++changes_;
   return proxies_.add(std::move(proxy));
 }
 
 Handle RetainedRenderer::createLabel(const Vec3f &at, std::string_view text, const Material &material) {
   Proxy proxy = makeProxy(ProxyKind::label, {&at, 1}, material);
   proxy.text = text;
+  ++changes_;
   return proxies_.add(std::move(proxy));
 }
 
@@ -69,6 +73,7 @@ Handle RetainedRenderer::createLegend(const Legend &legend) {
   if (!isUsable(legend)) return {};
   Proxy proxy = makeProxy(ProxyKind::legend, {}, {});
   proxy.legend = legend;
+  ++changes_;
   return proxies_.add(std::move(proxy));
 }
 
@@ -88,6 +93,7 @@ bool RetainedRenderer::setPositions(Handle handle, std::span<const Vec3f> positi
     proxy->hasTransparentColour = false;
     proxy->stale.colours = proxy->stale.radii = true;
   }
+  ++changes_;
   return true;
 }
 
@@ -99,6 +105,7 @@ bool RetainedRenderer::setNormals(Handle handle, std::span<const Vec3f> normals)
   proxy->hasOwnNormals = !normals.empty();
   proxy->normalsCurrent = false;
   proxy->stale.normals = true;
+  ++changes_;
   return true;
 }
 
@@ -110,6 +117,7 @@ bool RetainedRenderer::setColours(Handle handle, std::span<const Colour> colours
   proxy->hasTransparentColour =
       std::any_of(colours.begin(), colours.end(), [](const Colour &c) { return c[3] < 1.0f; });
   proxy->stale.colours = true;
+  ++changes_;
   return true;
 }
 
@@ -119,6 +127,7 @@ bool RetainedRenderer::setRadii(Handle handle, std::span<const float> radii) {
   if (!radii.empty() && radii.size() != proxy->positions.size()) return false;
   proxy->radii.assign(radii.begin(), radii.end());
   proxy->stale.radii = true;
+  ++changes_;
   return true;
 }
 
@@ -127,6 +136,7 @@ bool RetainedRenderer::setLabel(Handle handle, const Vec3f &at, std::string_view
   if (!proxy || proxy->kind != ProxyKind::label) return false;
   proxy->positions.assign(1, at);
   proxy->text = text;
+  ++changes_;
   return true;
 }
 
@@ -134,6 +144,7 @@ bool RetainedRenderer::setLegend(Handle handle, const Legend &legend) {
   Proxy *proxy = proxies_.find(handle);
   if (!proxy || proxy->kind != ProxyKind::legend || !isUsable(legend)) return false;
   proxy->legend = legend;
+  ++changes_;
   return true;
 }
 
@@ -141,12 +152,15 @@ bool RetainedRenderer::setMaterial(Handle handle, const Material &material) {
   Proxy *proxy = proxies_.find(handle);
   if (!proxy) return false;
   proxy->material = material;
+  ++changes_;
   return true;
 }
 
 bool RetainedRenderer::setTransform(Handle handle, const Mat4 &worldFromProxy) {
   Proxy *proxy = proxies_.find(handle);
   if (!proxy) return false;
+  // Hosts set it every frame: only a change counts as one.
+  if (proxy->transform != worldFromProxy) ++changes_;
   proxy->transform = worldFromProxy;
   return true;
 }
@@ -154,11 +168,22 @@ bool RetainedRenderer::setTransform(Handle handle, const Mat4 &worldFromProxy) {
 bool RetainedRenderer::setVisible(Handle handle, bool visible) {
   Proxy *proxy = proxies_.find(handle);
   if (!proxy) return false;
+  if (proxy->visible != visible) ++changes_;
   proxy->visible = visible;
   return true;
 }
 
-bool RetainedRenderer::destroy(Handle handle) { return proxies_.remove(handle); }
+bool RetainedRenderer::destroy(Handle handle) {
+  ++changes_;
+  return proxies_.remove(handle);
+}
+
+void RetainedRenderer::forEachMesh(const std::function<void(const MeshView &)> &visit) const {
+  proxies_.forEach([&](Handle, const Proxy &proxy) {
+    if (proxy.kind == ProxyKind::mesh && !proxy.isHidden())
+      visit({proxy.positions, proxy.triangles, proxy.transform, proxy.material});
+  });
+}
 
 Expected<void> checkImageSize(int width, int height, int largest) {
   if (width >= 1 && height >= 1 && width <= largest && height <= largest) return {};

@@ -72,9 +72,11 @@ class RetainedRenderer : public Renderer {
   bool setVisible(Handle proxy, bool visible) override;
   bool destroy(Handle proxy) override;
   void setBackground(const Background &background) override { background_ = background; }
+  void forEachMesh(const std::function<void(const MeshView &)> &visit) const override;
 
  protected:
   HandleTable<Proxy> proxies_;
+  std::uint64_t changes_ = 0;  ///< grows with every change of a proxy
   Background background_;
 };
 

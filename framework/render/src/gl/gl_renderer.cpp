@@ -6,6 +6,7 @@
 #include "c3de/core/log.h"
 #include "gl/blended_pass.h"
 #include "gl/frame.h"
+#include "gl/gl_images.h"
 #include "gl/image_target.h"
 #include "gl/label_pass.h"
 #include "gl/opaque_pass.h"
@@ -29,7 +30,7 @@ void GLAPIENTRY reportGlMessage(GLenum, GLenum type, GLuint id, GLenum severity,
 class GlRenderer final : public RetainedRenderer {
  public:
   explicit GlRenderer(Programs programs)
-      : programs_(std::move(programs)), backgroundArray_(VertexArray::create()) {
+      : programs_(std::move(programs)), backgroundArray_(VertexArray::create()), images_(statistics_) {
     statistics_.programsLinked = kPrograms;
     GLint renderbuffer = 0, viewport[2] = {0, 0};
     glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbuffer);
@@ -41,7 +42,28 @@ class GlRenderer final : public RetainedRenderer {
 #endif
   }
 
-  void draw(const Camera &camera, const Viewport &viewport) override {
+  void draw(const Camera &camera, const Viewport &viewport) override { draw(camera, viewport, false); }
+
+  Expected<Image> drawToImage(const Camera &camera, int width, int height) override {
+    if (auto size = checkImageSize(width, height, largestImage_); !size) return tl::unexpected(size.error());
+    auto target = ImageTarget::create(width, height);
+    if (!target) return tl::unexpected(target.error());
+    draw(camera, {0, 0, width, height}, true);
+    return target->read();
+  }
+
+  ImageRenderer *images() override { return &images_; }
+
+  std::string description() const override {
+    return fmt::format("OpenGL {}, {}", reinterpret_cast<const char *>(glGetString(GL_VERSION)),
+                       reinterpret_cast<const char *>(glGetString(GL_RENDERER)));
+  }
+
+  RenderStatistics statistics() const override { return statistics_; }
+
+ private:
+  /// @param isFinal  a picture that is not drawn again: nothing is left coarse
+  void draw(const Camera &camera, const Viewport &viewport, bool isFinal) {
     if (viewport.width <= 0 || viewport.height <= 0) return;
     const Frame frame = makeFrame(camera, viewport);
     statistics_.drawCalls = statistics_.sortedPrimitives = statistics_.uploadedBytes = 0;
@@ -58,30 +80,26 @@ class GlRenderer final : public RetainedRenderer {
         labels_.addLegend(proxy.legend);
       else if (proxy.isTransparent())
         blended_.add(proxy, frame);
-      else
-        drawOpaque(proxy, frame, programs_, statistics_);
+    });
+    drawSolids(frame);
+    images_.drawVolume(camera, frame, viewport, changes_, isFinal, [this](const Frame &small) {
+      glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+      drawSolids(small);
+      glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     });
     blended_.draw(frame, programs_, statistics_);
     labels_.draw(frame, programs_, statistics_);
     leaveState();
   }
 
-  Expected<Image> drawToImage(const Camera &camera, int width, int height) override {
-    if (auto size = checkImageSize(width, height, largestImage_); !size) return tl::unexpected(size.error());
-    auto target = ImageTarget::create(width, height);
-    if (!target) return tl::unexpected(target.error());
-    draw(camera, {0, 0, width, height});
-    return target->read();
+  void drawSolids(const Frame &frame) {
+    proxies_.forEach([&](Handle, Proxy &proxy) {
+      const bool isText = proxy.kind == ProxyKind::label || proxy.kind == ProxyKind::legend;
+      if (!proxy.isHidden() && !isText && !proxy.isTransparent()) drawOpaque(proxy, frame, programs_, statistics_);
+    });
+    images_.drawOpaque(frame);
   }
 
-  std::string description() const override {
-    return fmt::format("OpenGL {}, {}", reinterpret_cast<const char *>(glGetString(GL_VERSION)),
-                       reinterpret_cast<const char *>(glGetString(GL_RENDERER)));
-  }
-
-  RenderStatistics statistics() const override { return statistics_; }
-
- private:
   static Frame makeFrame(const Camera &camera, const Viewport &viewport) {
     Frame frame;
     frame.width = viewport.width;
@@ -144,6 +162,7 @@ class GlRenderer final : public RetainedRenderer {
   BlendedPass blended_;
   LabelPass labels_;
   RenderStatistics statistics_;
+  GlImages images_;
   int largestImage_ = 0;
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "retained_images.h"
 #include "retained_renderer.h"
 #include "view_math.h"
 
@@ -6,6 +7,27 @@ namespace c3de::render {
 namespace {
 
 constexpr int kLargestImage_px = 16384;
+
+class NullImages final : public RetainedImages {
+ public:
+  void drawSlice(const ImageLook &, const SlicePlane &, const Viewport &) override {}
+  Expected<Image> drawSliceToImage(const ImageLook &, const SlicePlane &, int width, int height) override {
+    if (auto size = checkImageSize(width, height, kLargestImage_px); !size) return tl::unexpected(size.error());
+    return Image{width, height, std::vector<std::uint8_t>(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+  }
+  bool wantsRefinement() const override { return false; }
+
+ private:
+  Expected<void> uploadImage(ImageSlot &slot, const ImageVoxels &image, std::string *) override {
+    slot.scale = image.slope;
+    slot.offset = image.intercept;
+    return {};
+  }
+  Expected<void> uploadLabels(ImageSlot &, std::span<const std::uint16_t>) override { return {}; }
+  Expected<void> uploadDisplacement(ImageSlot &, std::span<const float>) override { return {}; }
+  void labelColoursChanged(ImageSlot &) override {}
+  void shiftColoursChanged() override {}
+};
 
 class NullRenderer final : public RetainedRenderer {
  public:
@@ -20,7 +42,11 @@ class NullRenderer final : public RetainedRenderer {
     return image;
   }
 
+  ImageRenderer *images() override { return &images_; }
   std::string description() const override { return "null (no graphics)"; }
+
+ private:
+  NullImages images_;
 };
 
 }  // namespace

@@ -9,11 +9,15 @@ struct Ray {
   Vec3 origin{}, direction{};  ///< world, mm; unit direction
 };
 
+/// Which axis of the world points upwards on the screen: y as in meshes, z as in patients (LPS).
+enum class UpAxis { y, z };
+
 /// Orbit camera around a focal point. Angles in radians, lengths in mm. Value type; any thread.
 struct Camera {
   Vec3 focus{};
   double distance = 500.0;
-  double yaw = 0.6, pitch = 0.35;        ///< about the world's +y; pitch within ±89.9°
+  double yaw = 0.6, pitch = 0.35;        ///< about the world's up; pitch within ±89.9°
+  UpAxis upAxis = UpAxis::y;             ///< yaw 0 looks along -z (y up) or +y (z up, from the front of the patient)
   double fieldOfView = 0.6;              ///< vertical, rad
   double nearPlane = 1.0, farPlane = 10000.0;
 
@@ -40,6 +44,8 @@ struct Camera {
   [[nodiscard]] Vec3 project(const Vec3 &world, int width, int height) const;
   /// Millimetres per pixel at the depth of a world point.
   [[nodiscard]] double millimetresPerPixel(const Vec3 &world, int height) const;
+
+  friend bool operator==(const Camera &, const Camera &) = default;
 };
 
 }  // namespace c3de::render

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -52,6 +53,16 @@ struct RenderStatistics {
   double upload_ms = 0.0;            ///< last frame: that, and the normals that had to be found for it
   std::size_t vertexArraysMade = 0;  ///< in all; updating a proxy adds none
   std::size_t programsLinked = 0;    ///< in all; does not grow after the start
+};
+
+class ImageRenderer;
+
+/// A mesh as it is drawn, for whoever wants to cut or measure it. Borrowed for the call.
+struct MeshView {
+  std::span<const Vec3f> positions;   ///< in the proxy's own space
+  std::span<const Triangle> triangles;
+  const Mat4 &worldFromProxy;
+  const Material &material;
 };
 
 /// Retained drawing. A proxy is created once and updated when its arrays change; updating never compiles or relinks.
@@ -105,6 +116,11 @@ class Renderer {
   virtual void draw(const Camera &camera, const Viewport &viewport) = 0;
   /// Draws into an image of its own, independent of the window's size, with smoothed edges.
   [[nodiscard]] virtual Expected<Image> drawToImage(const Camera &camera, int width, int height) = 0;
+
+  /// Every mesh that is visible, in the order of creation.
+  virtual void forEachMesh(const std::function<void(const MeshView &)> &) const {}
+  /// Images beside the proxies; null: this back end draws none.
+  [[nodiscard]] virtual ImageRenderer *images() { return nullptr; }
 
   [[nodiscard]] virtual std::string description() const = 0;  ///< back end, version, device
   [[nodiscard]] virtual RenderStatistics statistics() const { return {}; }

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shader texts of images. Positions are in the index spaces of the grids, found in double precision by whoever sets the
+// matrices. Variants are chosen by LABELLED, DISPLACED, SHIFT, MAXIMUM, SHADED, because a software renderer pays for both
+// sides of a branch.
+#pragma once
+
+namespace c3de::render::shaders {
+
+enum ImageUnit : unsigned {
+  kImageUnit = 0,
+  kLabelUnit = 1,
+  kLabelColourUnit = 2,
+  kDisplacementUnit = 3,
+  kShiftColourUnit = 4,
+  kTransferUnit = 5,
+  kDepthUnit = 6,
+  kImageUnits = 7
+};
+enum SliceUniform : int {
+  kClipFromLocal = 0,
+  kImageFromLocal = 1,
+  kLabelFromLocal = 2,
+  kNodeFromLocal = 3,
+  kImageFromShift = 4,
+  kLabelFromShift = 5,
+  kGrey = 6,
+  kLabelOpacity = 7,
+  kShift = 8,
+};
+enum RayUniform : int {
+  kImageFromView = 0,
+  kNodeFromView = 1,
+  kTextureFromShift = 2,
+  kLens = 3,
+  kTransfer = 4,
+  kStep = 5,
+  kPixel = 6,
+  kNearest = 7,
+};
+
+/// Where the material of a point was: u is given at whole nodes, 0 outside.
+inline constexpr const char *kDisplacementFunction = R"(
+layout(binding = 3) uniform sampler3D uDisplacement;
+vec3 shiftAt(vec3 node) {
+  vec3 count = vec3(textureSize(uDisplacement, 0));
+  vec3 u = texture(uDisplacement, (node + 0.5) / count).xyz;
+  bool isInside = all(greaterThanEqual(node, vec3(0.0))) && all(lessThanEqual(node, count - 1.0));
+  return isInside ? u : vec3(0.0);
+}
+)";
+
+inline constexpr const char *kSliceVertex = R"(
+layout(location = 0) in vec3 aPosition;
+layout(location = 0) uniform mat4 uClipFromLocal;
+layout(location = 1) uniform mat4 uImageFromLocal;
+layout(location = 2) uniform mat4 uLabelFromLocal;
+layout(location = 3) uniform mat4 uNodeFromLocal;
+out vec3 vImage;
+#ifdef LABELLED
+out vec3 vLabel;
+#endif
+#ifdef DISPLACED
+out vec3 vNode;
+#endif
+void main() {
+  vec4 p = vec4(aPosition, 1.0);
+  vImage = (uImageFromLocal * p).xyz;
+#ifdef LABELLED
+  vLabel = (uLabelFromLocal * p).xyz;
+#endif
+#ifdef DISPLACED
+  vNode = (uNodeFromLocal * p).xyz;
+#endif
+  gl_Position = uClipFromLocal * p;
+}
+)";
+
+inline constexpr const char *kSliceFragment = R"(
+layout(location = 4) uniform mat3 uImageFromShift;
+layout(location = 5) uniform mat3 uLabelFromShift;
+layout(location = 6) uniform vec2 uGrey;
+layout(location = 7) uniform float uLabelOpacity;
+layout(location = 8) uniform vec3 uShift;
+layout(binding = 0) uniform sampler3D uImage;
+layout(binding = 1) uniform usampler3D uLabels;
+layout(binding = 2) uniform sampler2D uLabelColours;
+layout(binding = 4) uniform sampler2D uShiftColours;
+in vec3 vImage;
+#ifdef LABELLED
+in vec3 vLabel;
+#endif
+#ifdef DISPLACED
+in vec3 vNode;
+#endif
+out vec4 oColour;
+void main() {
+  precise vec3 index = vImage;
+#ifdef DISPLACED
+  vec3 u = shiftAt(vNode);
+  index -= uImageFromShift * u;
+#endif
+  vec3 count = vec3(textureSize(uImage, 0));
+  float texel = texture(uImage, (index + 0.5) / count).r;
+  bool isInside = all(greaterThanEqual(index, vec3(-0.5))) && all(lessThanEqual(index, count - 0.5));
+  vec3 colour = vec3(isInside ? clamp(texel * uGrey.x + uGrey.y, 0.0, 1.0) : 0.0);
+#ifdef LABELLED
+  vec3 label = vLabel;
+#ifdef DISPLACED
+  label -= uLabelFromShift * u;
+#endif
+  ivec3 at = ivec3(floor(label + 0.5)), last = textureSize(uLabels, 0) - 1;
+  uint value = texelFetch(uLabels, clamp(at, ivec3(0), last), 0).r;
+  vec4 tint = texelFetch(uLabelColours, ivec2(value & 255u, value >> 8u), 0);
+  bool isLabelled = all(greaterThanEqual(at, ivec3(0))) && all(lessThanEqual(at, last));
+  colour = mix(colour, tint.rgb, isLabelled ? tint.a * uLabelOpacity : 0.0);
+#endif
+#ifdef SHIFT
+  float size = length(u);
+  vec3 map = texture(uShiftColours, vec2((size - uShift.x) * uShift.y, 0.5)).rgb;
+  colour = mix(colour, map, size >= uShift.x && size > 0.0 ? uShift.z : 0.0);
+#endif
+  oColour = vec4(colour, 1.0);
+}
+)";
+
+inline constexpr const char *kFullVertex = R"(
+void main() {
+  // One triangle that covers the viewport.
+  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
+}
+)";
+
+// Samples lie at fixed distances from the eye, so that they do not depend on where a ray enters. The inner loop looks for
+// the next sample that is not transparent: what is costly (the gradient) is done for those only, and by neighbours of a
+// vector register together. `precise` keeps the positions the same to the bit whether or not a displacement of zero is
+// taken off.
+inline constexpr const char *kRayFragment = R"(
+layout(location = 0) uniform mat4 uImageFromView;
+layout(location = 1) uniform mat4 uNodeFromView;
+layout(location = 2) uniform mat3 uTextureFromShift;
+layout(location = 3) uniform vec4 uLens;      // view direction of ndc (1, 1); depth of ndc z
+layout(location = 4) uniform vec2 uTransfer;  // texel to table (MAXIMUM: to grey)
+layout(location = 5) uniform float uStep;     // mm
+layout(location = 6) uniform vec2 uPixel;     // ndc per pixel
+layout(location = 7) uniform float uNearest;
+layout(binding = 0) uniform sampler3D uImage;
+layout(binding = 5) uniform sampler2D uTable;
+layout(binding = 6) uniform sampler2D uDepth;
+out vec4 oColour;
+
+vec2 slab(vec3 origin, vec3 direction, vec3 low, vec3 high) {
+  vec3 safe = mix(direction, vec3(1e-8), lessThan(abs(direction), vec3(1e-8)));
+  vec3 a = (low - origin) / safe, b = (high - origin) / safe;
+  vec3 enter = min(a, b), leave = max(a, b);
+  return vec2(max(max(enter.x, enter.y), enter.z), min(min(leave.x, leave.y), leave.z));
+}
+
+void main() {
+  precise vec3 direction = vec3((gl_FragCoord.xy * uPixel - 1.0) * uLens.xy, -1.0);
+  float slant = length(direction);
+  direction /= slant;
+  float depth = texelFetch(uDepth, ivec2(gl_FragCoord.xy), 0).r;
+  float wall = depth >= 1.0 ? 1e30 : slant * uLens.w / (2.0 * depth - 1.0 + uLens.z);
+
+  vec3 count = vec3(textureSize(uImage, 0));
+  precise vec3 origin = uImageFromView[3].xyz, along = mat3(uImageFromView) * direction;
+  vec2 range = slab(origin, along, vec3(-0.5), count - 0.5);
+#ifdef DISPLACED
+  vec3 nodeOrigin = uNodeFromView[3].xyz, nodeAlong = mat3(uNodeFromView) * direction;
+  vec2 grid = slab(nodeOrigin, nodeAlong, vec3(0.0), vec3(textureSize(uDisplacement, 0) - 1));
+  if (grid.x < grid.y) range = range.x < range.y ? vec2(min(range.x, grid.x), max(range.y, grid.y)) : grid;
+#endif
+  range = vec2(max(range.x, uNearest * slant), min(range.y, wall));
+  oColour = vec4(0.0);
+  if (!(range.x < range.y)) return;
+
+  precise vec3 textureOrigin = (origin + 0.5) / count, textureAlong = along / count;
+  uint noise = uint(gl_FragCoord.x) * 1973u + uint(gl_FragCoord.y) * 9277u;
+  noise = (noise ^ 61u) ^ (noise >> 16u);
+  noise *= 668265263u;
+  float jitter = float((noise >> 8u) & 65535u) / 65536.0;
+  float number = ceil(range.x / uStep - jitter);
+  precise float t = (number + jitter) * uStep;
+#ifdef MAXIMUM
+  float most = -1e30;
+  while (t < range.y) {
+    precise vec3 p = textureOrigin + t * textureAlong;
+#ifdef DISPLACED
+    p -= uTextureFromShift * shiftAt(nodeOrigin + t * nodeAlong);
+#endif
+    bool isInside = all(greaterThanEqual(p, vec3(0.0))) && all(lessThanEqual(p, vec3(1.0)));
+    most = max(most, isInside ? texture(uImage, p).r : -1e30);
+    t = (++number + jitter) * uStep;
+  }
+  float grey = most > -1e29 ? clamp(most * uTransfer.x + uTransfer.y, 0.0, 1.0) : 0.0;
+  oColour = vec4(grey);
+#else
+  vec4 sum = vec4(0.0);
+#ifdef SHADED
+  vec3 voxel = 1.0 / count;
+  mat3 viewFromGradient = transpose(mat3(uImageFromView));
+#endif
+  while (t < range.y && sum.a < 0.98) {
+    precise vec3 p = vec3(0.0);
+    vec4 colour = vec4(0.0);
+    // Not do … while: Mesa 22 then loses samples of some rays.
+    while (colour.a < 0.001 && t < range.y) {
+      p = textureOrigin + t * textureAlong;
+#ifdef DISPLACED
+      p -= uTextureFromShift * shiftAt(nodeOrigin + t * nodeAlong);
+#endif
+      bool isInside = all(greaterThanEqual(p, vec3(0.0))) && all(lessThanEqual(p, vec3(1.0)));
+      colour = texture(uTable, vec2(texture(uImage, p).r * uTransfer.x + uTransfer.y, 0.5));
+      colour.a = isInside ? colour.a : 0.0;
+      t = (++number + jitter) * uStep;
+    }
+#ifdef SHADED
+    vec3 gradient = vec3(texture(uImage, p + vec3(voxel.x, 0.0, 0.0)).r - texture(uImage, p - vec3(voxel.x, 0.0, 0.0)).r,
+                         texture(uImage, p + vec3(0.0, voxel.y, 0.0)).r - texture(uImage, p - vec3(0.0, voxel.y, 0.0)).r,
+                         texture(uImage, p + vec3(0.0, 0.0, voxel.z)).r - texture(uImage, p - vec3(0.0, 0.0, voxel.z)).r);
+    vec3 normal = viewFromGradient * gradient;
+    float size = length(normal);
+    // Seen from the front whichever side is brighter.
+    float facing = size > 1e-12 ? abs(dot(normal, direction)) / size : 0.7;
+    vec3 half_ = normalize(vec3(0.3, 0.5, 0.8) - direction);
+    float shine = size > 1e-12 ? pow(abs(dot(normal, half_)) / size, 24.0) : 0.0;
+    colour.rgb = colour.rgb * (0.28 + 0.72 * facing) + vec3(0.14 * shine);
+#endif
+    sum += (1.0 - sum.a) * colour.a * vec4(min(colour.rgb, vec3(1.0)), 1.0);
+  }
+  oColour = sum;
+#endif
+}
+)";
+
+inline constexpr const char *kCompositeFragment = R"(
+layout(binding = 0) uniform sampler2D uColour;
+layout(location = 0) uniform vec4 uPlace;  // lower left corner of the viewport, 1 / its size
+out vec4 oColour;
+void main() { oColour = texture(uColour, (gl_FragCoord.xy - uPlace.xy) * uPlace.zw); }
+)";
+
+}  // namespace c3de::render::shaders

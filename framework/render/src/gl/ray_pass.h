@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volume rendering into a picture of its own: coarse while something changes, then finer in bands that take some
+// milliseconds each, until there is a ray for every pixel. The picture is laid over what is opaque; its rays end there.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "gl/slice_pass.h"
+
+namespace c3de::render {
+
+/// What decides whether a picture is still right.
+struct RayKey {
+  Camera camera;
+  int width = 0, height = 0;
+  std::uint64_t changes = 0;
+  friend bool operator==(const RayKey &, const RayKey &) = default;
+};
+
+class RayPass {
+ public:
+  /// Draws what is opaque into the bound depth buffer of another size.
+  using DrawDepth = std::function<void(const Frame &)>;
+
+  /// Over the bound framebuffer, whose viewport is that of the frame and begins at (x, y).
+  /// @param isFinal  a ray for every pixel at once
+  void draw(const ImageParts &parts, const ImageScene &scene, const RayKey &key, const Frame &frame, int x, int y,
+            bool isFinal, const DrawDepth &drawDepth, RenderStatistics &statistics);
+  [[nodiscard]] bool isRefined() const { return !shown_ || (shown_->divisor == 1 && !next_); }
+
+ private:
+  struct Picture {
+    int width = 0, height = 0, divisor = 1;
+    int rows = 0;  ///< that are done, from below
+    Texture colour = Texture::create(), depth = Texture::create();
+    Framebuffer colourBuffer = Framebuffer::create(), depthBuffer = Framebuffer::create();
+  };
+  [[nodiscard]] std::optional<Picture> begin(const Frame &frame, int divisor, const DrawDepth &drawDepth);
+  void castRows(Picture &picture, const ImageParts &parts, const ImageScene &scene, const Frame &frame, int rows,
+                RenderStatistics &statistics);
+  void composite(const Picture &picture, const Frame &frame, int x, int y, RenderStatistics &statistics);
+  [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
+  void buildTable(const VolumeLook &look, double step_mm);
+
+  std::array<std::optional<Program>, 8> programs_;
+  std::optional<Program> composite_;
+  Texture table_ = Texture::create();
+  VertexArray array_ = VertexArray::create();
+  std::optional<Picture> shown_, next_;
+  std::optional<RayKey> key_;
+  int bandRows_ = 16;
+};
+
+}  // namespace c3de::render

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every back end of images shares: it keeps places and looks and accepts or refuses calls.
+#pragma once
+
+#include <cmath>
+
+#include "c3de/render/image_renderer.h"
+#include "retained_renderer.h"
+#include "view_math.h"
+
+namespace c3de::render {
+
+/// Inverse of an affine matrix that checkPlace() has accepted.
+[[nodiscard]] Mat4 affineInverse(const Mat4 &affine);
+/// Its upper left part: what directions and displacements are multiplied by.
+[[nodiscard]] Mat3f linearPart(const Mat4 &affine);
+
+struct ImageSlot {
+  enum class Kind { image, labels, displacement };
+  Kind kind = Kind::image;
+  GridPlace place;                ///< of what is in the graphics memory
+  Mat4 indexFromWorld = kIdentity4;
+  double scale = 1.0, offset = 0.0;  ///< value = scale * texel + offset
+  std::vector<std::pair<std::uint16_t, Colour>> colours;
+  std::unique_ptr<BackEndData> backEnd;
+};
+
+class RetainedImages : public ImageRenderer {
+ public:
+  Expected<Handle> addImage(const ImageVoxels &image, std::string *notice) override;
+  Expected<Handle> addLabels(const GridPlace &place, std::span<const std::uint16_t> voxels) override;
+  bool setLabelColours(Handle labels, std::span<const std::pair<std::uint16_t, Colour>> colours) override;
+  Expected<Handle> addDisplacement(const GridPlace &place, std::span<const float> xyz_mm) override;
+  bool setDisplacement(Handle displacement, std::span<const float> xyz_mm) override;
+  bool setShiftColours(std::span<const Colour> colours) override;
+  bool remove(Handle handle) override;
+  void setScene(ImageScene scene) override;
+
+ protected:
+  /// Fill `slot.backEnd`; `slot.place` and its scale may be changed to what was kept.
+  virtual Expected<void> uploadImage(ImageSlot &slot, const ImageVoxels &image, std::string *notice) = 0;
+  virtual Expected<void> uploadLabels(ImageSlot &slot, std::span<const std::uint16_t> voxels) = 0;
+  virtual Expected<void> uploadDisplacement(ImageSlot &slot, std::span<const float> xyz_mm) = 0;
+  virtual void labelColoursChanged(ImageSlot &slot) = 0;
+  virtual void shiftColoursChanged() = 0;
+
+  [[nodiscard]] ImageSlot *find(Handle handle, ImageSlot::Kind kind);
+
+  HandleTable<ImageSlot> slots_;
+  std::vector<Colour> shiftColours_{{0.05f, 0.05f, 0.4f, 1.0f}, {0.95f, 0.9f, 0.2f, 1.0f}};
+  ImageScene scene_;
+  std::uint64_t changes_ = 0;  ///< grows with everything that changes what is drawn in space
+};
+
+}  // namespace c3de::render

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+// Slices of images: which voxel lands on which pixel, and what lies over it.
+#include <filesystem>
+
+#include "gl_fixture.h"
+#include "phantom.h"
+
+using namespace c3de;
+using namespace c3de::render;
+using namespace c3de::render::test;
+
+namespace {
+
+constexpr int kSide = 144;  // half a millimetre per pixel
+
+/// A view of 72 mm around the middle.
+SlicePlane planeAt(const Vec3 &centre, const Vec3 &right, const Vec3 &down) {
+  const double scale = 0.5, half = 0.5 * kSide * scale;
+  return {centre - half * right - half * down, scale * right, scale * down};
+}
+
+ImageLook lookAt(Handle image) {
+  ImageLook look;
+  look.image = image;
+  look.window = 1000.0;
+  look.level = 200.0;
+  return look;
+}
+
+Image slice(Renderer &renderer, const ImageLook &look, const SlicePlane &plane) {
+  auto image = renderer.images()->drawSliceToImage(look, plane, kSide, kSide);
+  if (!image) FAIL(image.error().message);
+  return std::move(*image);
+}
+
+Handle added(Expected<Handle> handle) {
+  if (!handle) FAIL(handle.error().message);
+  return *handle;
+}
+
+void save(const Image &image, const char *name) {
+  const auto written = writePng((testOutputFolder() / name).string(), image);
+  if (!written) FAIL(written.error().message);
+}
+
+/// Whether the pixels show the letter: columns to the right, rows downwards, 3 mm (6 pixels) each, around the middle.
+bool reads(const Image &image, char letter) {
+  for (int row = 0; row < 7; ++row)
+    for (int column = 0; column < 5; ++column) {
+      const int x = kSide / 2 + (column - 2) * 6, y = kSide / 2 + (row - 3) * 6;
+      const bool isInk = letterRows(letter)[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)] == '#';
+      if ((pixel(image, x, y)[0] > 200) != isInk) return false;
+    }
+  return true;
+}
+
+int mostDifferent(const Image &a, const Image &b) {
+  int most = 0;
+  for (std::size_t i = 0; i < a.rgb.size(); ++i) most = std::max(most, std::abs(int(a.rgb[i]) - int(b.rgb[i])));
+  return most;
+}
+
+constexpr Vec3 kLeft{1, 0, 0}, kBack{0, 1, 0}, kUp{0, 0, 1}, kDown{0, 0, -1};
+
+}  // namespace
+
+TEST_CASE("The letters of the phantom read right, however its voxels lie in memory", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  // Plain; all axes reversed and exchanged; oblique with uneven spacing; left-handed and sheared.
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  const std::pair<std::array<std::size_t, 3>, Mat4> grids[] = {
+      {{72, 72, 72}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -35.5, -35.5, -35.5, 1}},
+      {{72, 72, 72}, {0, 0, -1, 0, -1, 0, 0, 0, 0, -1, 0, 0, 35.5, 35.5, 35.5, 1}},
+      {{130, 130, 70}, {0.8 * c, 0.8 * s, 0, 0, -0.8 * s, 0.8 * c, 0, 0, 0, 0, 1.1, 0, -51.6 * (c - s), -51.6 * (c + s), -38.0, 1}},
+      {{80, 100, 80}, {-1, 0, 0, 0, 0, 0.9, 0, 0, 0, 0.2, 1, 0, 39.5, -53, -39.5, 1}}};
+  int number = 0;
+  for (const auto &[size, place] : grids) {
+    const Phantom phantom = makePhantom(size, place);
+    const ImageLook look = lookAt(added(gl.renderer->images()->addImage(phantom.image())));
+    const Image left = slice(*gl.renderer, look, planeAt({23, 0, 0}, kBack, kDown));
+    const Image front = slice(*gl.renderer, look, planeAt({0, -23, 0}, kLeft, kDown));
+    const Image top = slice(*gl.renderer, look, planeAt({0, 0, 23}, kLeft, kBack));
+    CAPTURE(number);
+    CHECK(reads(left, 'L'));
+    CHECK(reads(front, 'A'));
+    CHECK(reads(top, 'S'));
+    // A mirrored view is no letter.
+    CHECK_FALSE(reads(slice(*gl.renderer, look, planeAt({23, 0, 0}, Vec3{0, -1, 0}, kDown)), 'L'));
+    save(left, ("slice_L" + std::to_string(number) + ".png").c_str());
+    save(front, ("slice_A" + std::to_string(number) + ".png").c_str());
+    save(top, ("slice_S" + std::to_string(number) + ".png").c_str());
+    ++number;
+  }
+}
+
+TEST_CASE("A pixel is as grey as the value that lies at its world point, in every voxel type", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  // value = 10 i + j/4, exact under linear interpolation.
+  const std::array<std::size_t, 3> size{8, 9, 3};
+  const Mat4 place{2, 0, 0, 0, 0, 3, 0, 0, 0, 0, 4, 0, -7, -12, -4, 1};
+  const auto check = [&](VoxelType type, const void *voxels, double slope, double intercept) {
+    ImageLook look = lookAt(added(gl.renderer->images()->addImage({{size, place}, type, voxels, slope, intercept})));
+    look.window = 100.0;
+    look.level = 40.0;
+    const Image image = slice(*gl.renderer, look, planeAt({0, 0, 0}, kLeft, kBack));
+    for (const auto &[x, y] : {std::pair{72, 72}, {64, 60}, {80, 90}, {62, 71}}) {
+      const Vec3 world{0.5 * (x + 0.5) - 36.0, 0.5 * (y + 0.5) - 36.0, 0.0};
+      const double value = 10.0 * (world[0] + 7.0) / 2.0 + 0.25 * (world[1] + 12.0) / 3.0;
+      const double grey = 255.0 * std::clamp((value + 10.0) / 100.0, 0.0, 1.0);
+      CAPTURE(static_cast<int>(type), x, y);
+      // 8-bit textures may be filtered in 8 bits: one step of theirs is 4 greys here; else rounding.
+      const bool isCoarse = type == VoxelType::uint8 || type == VoxelType::int8;
+      CHECK_THAT(pixel(image, x, y)[0], WithinAbs(grey, isCoarse ? 4.0 : 1.0));
+    }
+  };
+  const auto fill = [&]<class T>(T, double slope, double intercept) {
+    std::vector<T> voxels;
+    for (std::size_t k = 0; k < size[2]; ++k)
+      for (std::size_t j = 0; j < size[1]; ++j)
+        for (std::size_t i = 0; i < size[0]; ++i)
+          voxels.push_back(static_cast<T>((10.0 * static_cast<double>(i) + 0.25 * static_cast<double>(j) - intercept) / slope));
+    return voxels;
+  };
+  check(VoxelType::int16, fill(std::int16_t{}, 0.25, -1024.0).data(), 0.25, -1024.0);
+  check(VoxelType::uint16, fill(std::uint16_t{}, 0.25, 0.0).data(), 0.25, 0.0);
+  check(VoxelType::float32, fill(0.0f, 1.0, 0.0).data(), 1.0, 0.0);
+  check(VoxelType::float64, fill(0.0, 1.0, 5.0).data(), 1.0, 5.0);
+  check(VoxelType::int32, fill(std::int32_t{}, 0.25, 0.0).data(), 0.25, 0.0);
+  check(VoxelType::uint32, fill(std::uint32_t{}, 0.25, 0.0).data(), 0.25, 0.0);
+  check(VoxelType::uint8, fill(std::uint8_t{}, 0.5, 0.0).data(), 0.5, 0.0);
+  check(VoxelType::int8, fill(std::int8_t{}, 1.0, 40.0).data(), 1.0, 40.0);
+}
+
+TEST_CASE("The nearest voxel is shown as a whole when interpolation is off", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  const std::vector<std::uint8_t> voxels{0, 255};
+  ImageLook look = lookAt(added(gl.renderer->images()->addImage(
+      {{{2, 1, 1}, {20, 0, 0, 0, 0, 40, 0, 0, 0, 0, 40, 0, -10, 0, 0, 1}}, VoxelType::uint8, voxels.data()})));
+  look.window = 255;
+  look.level = 127.5;
+  look.isSmooth = false;
+  const Image image = slice(*gl.renderer, look, planeAt({}, kLeft, kBack));
+  CHECK(pixel(image, 70, 72)[0] == 0);
+  CHECK(pixel(image, 74, 72)[0] == 255);
+  CHECK(pixel(image, 72 + 39, 72)[0] == 255);
+  CHECK(pixel(image, 72 + 41, 72)[0] == 0);  // half a voxel beyond the last centre the image ends
+}
+
+TEST_CASE("Labels lie over the image on their own grid, in their colours, and can be hidden", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  const Phantom phantom = plainPhantom();
+  // Coarser, and stored from left to right the other way round.
+  const Phantom coarse = makePhantom({24, 24, 24}, {-3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0, 34.5, -34.5, -34.5, 1});
+  ImageLook look = lookAt(added(gl.renderer->images()->addImage(phantom.image())));
+  look.labels = added(gl.renderer->images()->addLabels(coarse.place(), coarse.labels));
+  look.labelOpacity = 0.5f;
+  const std::vector<std::pair<std::uint16_t, Colour>> red{{1, {0, 1, 0, 0}}, {2, {1, 0, 0, 1}}};
+  REQUIRE(gl.renderer->images()->setLabelColours(look.labels, red));
+  const SlicePlane plane = planeAt({23, 0, 0}, kBack, kDown);
+  const Image image = slice(*gl.renderer, look, plane);
+  save(image, "slice_labels.png");
+  const Rgb ink = pixel(image, kSide / 2 - 15, kSide / 2);   // the stem of the L
+  CHECK(ink[0] > 250);
+  CHECK_THAT(ink[1], WithinAbs(128, 2));
+  const Rgb block = pixel(image, kSide / 2 + 2 * 6, kSide / 2);  // label 1 is hidden
+  CHECK(block[0] == block[1]);
+  look.labelOpacity = 0.0f;
+  CHECK(reads(slice(*gl.renderer, look, plane), 'L'));
+}
+
+TEST_CASE("A displacement shows the material that is now there, image and labels alike", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  const Phantom phantom = plainPhantom();
+  ImageRenderer &images = *gl.renderer->images();
+  ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  look.labels = added(images.addLabels(phantom.place(), phantom.labels));
+  images.setLabelColours(look.labels, std::vector<std::pair<std::uint16_t, Colour>>{{2, {1, 0, 0, 1}}});
+  const SlicePlane plane = planeAt({23, 0, 0}, kBack, kDown);
+  const Image still = slice(*gl.renderer, look, plane);
+
+  // Everything has moved 5 mm to the back: a grid of its own, 10 mm apart, beyond the image.
+  const std::array<std::size_t, 3> nodes{13, 13, 13};
+  const GridPlace grid{nodes, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
+  std::vector<float> u;
+  for (std::size_t i = 0; i < 13 * 13 * 13; ++i) u.insert(u.end(), {0.0f, 5.0f, 0.0f});
+  look.displacement = added(images.addDisplacement(grid, u));
+  const Image moved = slice(*gl.renderer, look, plane);
+  save(moved, "slice_moved.png");
+  int most = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 10; x < kSide; ++x) most = std::max(most, difference(pixel(moved, x, y), pixel(still, x - 10, y)));
+  CHECK(most <= 2);  // the last bits of interpolation weights
+  CHECK(mostDifferent(moved, still) > 100);
+
+  // |u| as colours, blue to yellow from 0 to 10 mm.
+  look.showsShift = true;
+  look.shiftOpacity = 1.0f;
+  images.setShiftColours(std::vector<Colour>{{0, 0, 1, 1}, {1, 1, 0, 1}});
+  const Rgb map = pixel(slice(*gl.renderer, look, plane), 72, 72);
+  CHECK(difference(map, {128, 128, 128}) <= 2);
+  look.shiftLow = 6.0;  // below the range nothing is laid over
+  CHECK(mostDifferent(slice(*gl.renderer, look, plane), moved) == 0);
+}
+
+TEST_CASE("No displacement and one of zeros give the same pixels to the bit; outside its grid it is zero", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  ImageRenderer &images = *gl.renderer->images();
+  const Phantom phantom = makePhantom({130, 130, 70}, {0.6, 0.5, 0.1, 0, -0.5, 0.6, 0, 0, 0.05, 0, 1.1, 0, -8, -70, -43, 1});
+  ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  look.labels = added(images.addLabels(phantom.place(), phantom.labels));
+  images.setLabelColours(look.labels, std::vector<std::pair<std::uint16_t, Colour>>{{2, {1, 0, 0, 1}}});
+  const Vec3 right{0.8, 0.6, 0}, down{0.36, -0.48, -0.8};
+  const SlicePlane plane = planeAt({3, -2, 5}, right, down);
+  const Image still = slice(*gl.renderer, look, plane);
+  const GridPlace grid{{5, 6, 7}, {4, 1, 0, 0, 0, 5, 0, 0, 0, 0, 3, 0, 10, -15, -15, 1}};
+  std::vector<float> u(3 * 5 * 6 * 7, 0.0f);
+  look.displacement = added(images.addDisplacement(grid, u));
+  CHECK(mostDifferent(slice(*gl.renderer, look, plane), still) == 0);
+  look.showsShift = true;
+  CHECK(mostDifferent(slice(*gl.renderer, look, plane), still) == 0);
+  look.showsShift = false;
+
+  for (std::size_t i = 1; i < u.size(); i += 3) u[i] = 3.0f;
+  REQUIRE(images.setDisplacement(look.displacement, u));
+  const Image moved = slice(*gl.renderer, look, plane);
+  const Mat4 nodeFromWorld = [&] {
+    Mat4 inverse = kIdentity4;  // of the lower triangular matrix above
+    inverse[0] = 1.0 / 4.0;
+    inverse[1] = -1.0 / 20.0;
+    inverse[5] = 1.0 / 5.0;
+    inverse[10] = 1.0 / 3.0;
+    const Vec3 origin{10, -15, -15};
+    inverse[12] = -inverse[0] * origin[0];
+    inverse[13] = -inverse[1] * origin[0] - inverse[5] * origin[1];
+    inverse[14] = -inverse[10] * origin[2];
+    return inverse;
+  }();
+  int outside = 0, inside = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const Vec3 world = plane.origin + (x + 0.5) * plane.right + (y + 0.5) * plane.down;
+      const Vec3 node = transformPoint(nodeFromWorld, world);
+      const bool isInside = node[0] > -0.1 && node[1] > -0.1 && node[2] > -0.1 && node[0] < 4.1 && node[1] < 5.1 && node[2] < 6.1;
+      (isInside ? inside : outside) += pixel(moved, x, y) != pixel(still, x, y);
+    }
+  CHECK(outside == 0);
+  CHECK(inside > 20);
+  CHECK_FALSE(images.setDisplacement(look.displacement, std::span<const float>(u).first(30)));
+}
+
+TEST_CASE("What cannot be an image is refused by name, and a removed one shows black", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  ImageRenderer &images = *gl.renderer->images();
+  const Phantom phantom = plainPhantom();
+  ImageVoxels bad = phantom.image();
+  bad.place.size = {0, 5, 5};
+  CHECK_THAT(images.addImage(bad).error().message, Contains("0 x 5 x 5"));
+  bad = phantom.image();
+  bad.place.worldFromIndex[0] = bad.place.worldFromIndex[1] = bad.place.worldFromIndex[2] = 0.0;
+  CHECK_THAT(images.addImage(bad).error().message, Contains("determinant"));
+  bad = phantom.image();
+  bad.slope = 0.0;
+  CHECK_FALSE(images.addImage(bad).has_value());
+  CHECK_FALSE(images.addLabels(phantom.place(), std::span(phantom.labels).first(10)).has_value());
+  const ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  CHECK(images.remove(look.image));
+  CHECK_FALSE(images.remove(look.image));
+  const Image image = slice(*gl.renderer, look, planeAt({}, kLeft, kBack));
+  CHECK(pixel(image, 72, 72) == Rgb{0, 0, 0});
+}
