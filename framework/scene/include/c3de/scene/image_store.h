@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "c3de/core/handle.h"
+#include "c3de/imaging/statistics.h"
+#include "c3de/imaging/volume.h"
+
+namespace c3de::scene {
+
+/// An image with its name for people and what values it has.
+struct StoredImage {
+  std::string name;
+  imaging::Volume volume;
+  imaging::ValueRange range;
+};
+
+struct StoredLabels {
+  std::string name;
+  imaging::LabelMap map;
+  /// The label at a point of the world (nearest voxel); 0 outside. Any thread.
+  [[nodiscard]] std::uint16_t at(const Vec3 &world) const;
+  /// Empty for a label that does not occur.
+  [[nodiscard]] std::string nameOf(std::uint16_t value) const;
+};
+
+/// Images and label maps by handle, shared by the scene and plugins. Any thread; nothing changes once it is stored.
+class ImageStore {
+ public:
+  Handle add(std::shared_ptr<const StoredImage> image);
+  Handle add(std::shared_ptr<const StoredLabels> labels);
+  bool removeImage(Handle image);
+  bool removeLabels(Handle labels);
+  [[nodiscard]] std::shared_ptr<const StoredImage> image(Handle image) const;
+  [[nodiscard]] std::shared_ptr<const StoredLabels> labels(Handle labels) const;
+
+ private:
+  mutable std::mutex mutex_;
+  HandleTable<std::shared_ptr<const StoredImage>> images_;
+  HandleTable<std::shared_ptr<const StoredLabels>> labels_;
+};
+
+}  // namespace c3de::scene
