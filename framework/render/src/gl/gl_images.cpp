@@ -47,7 +47,8 @@ void GlImages::drawOpaque(const Frame &frame) {
   const ImageParts parts = partsOf(scene_.look);
   if (!parts.image) return;
   for (const SliceInSpace &slice : scene_.slices)
-    slices_.drawInSpace(parts, scene_.look, sliceOutline(parts.image->place, slice.point, slice.normal), frame, statistics_);
+    slices_.drawInSpace(parts, scene_.look, sliceOutline(parts.image->place, slice.point, slice.normal), slice.frame,
+                        frame, statistics_);
 }
 
 void GlImages::drawVolume(const Camera &camera, const Frame &frame, const Viewport &viewport, std::uint64_t changesOfProxies,

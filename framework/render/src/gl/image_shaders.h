@@ -123,6 +123,21 @@ void main() {
 }
 )";
 
+// A little towards the eye, so that the border of a slice wins over it.
+inline constexpr const char *kOutlineVertex = R"(
+layout(location = 0) in vec3 aPosition;
+layout(location = 0) uniform mat4 uClipFromLocal;
+void main() {
+  gl_Position = uClipFromLocal * vec4(aPosition, 1.0);
+  gl_Position.z -= 1e-4 * gl_Position.w;
+}
+)";
+inline constexpr const char *kOutlineFragment = R"(
+layout(location = 1) uniform vec4 uColour;
+out vec4 oColour;
+void main() { oColour = uColour; }
+)";
+
 inline constexpr const char *kFullVertex = R"(
 void main() {
   // One triangle that covers the viewport.

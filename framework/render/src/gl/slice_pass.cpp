@@ -102,8 +102,8 @@ void SlicePass::drawFlat(const ImageParts &parts, const ImageLook &look, const S
   draw(parts, look, corners, clipFromPixel, worldFromPixel, statistics);
 }
 
-void SlicePass::drawInSpace(const ImageParts &parts, const ImageLook &look, std::span<const Vec3> corners, const Frame &frame,
-                            RenderStatistics &statistics) {
+void SlicePass::drawInSpace(const ImageParts &parts, const ImageLook &look, std::span<const Vec3> corners,
+                            const Colour &border, const Frame &frame, RenderStatistics &statistics) {
   if (corners.size() < 3) return;
   // Local coordinates are millimetres from the first corner, so that floats suffice far from the world's origin.
   Mat4 worldFromLocal = kIdentity4;
@@ -113,7 +113,25 @@ void SlicePass::drawInSpace(const ImageParts &parts, const ImageLook &look, std:
     const Vec3 p = corner - corners[0];
     local.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
   }
-  draw(parts, look, local, multiply(frame.projection, multiply(frame.view, worldFromLocal)), worldFromLocal, statistics);
+  const Mat4 clipFromLocal = multiply(frame.projection, multiply(frame.view, worldFromLocal));
+  draw(parts, look, local, clipFromLocal, worldFromLocal, statistics);
+
+  if (!outline_) {
+    using namespace shaders;
+    auto built = buildProgram("border of a slice", std::vector<const char *>{kHead, kOutlineVertex},
+                              std::vector<const char *>{kHead, kOutlineFragment});
+    if (!built) log(LogLevel::error, built.error().message);
+    outline_ = built ? std::move(*built) : Program();
+    ++statistics.programsLinked;
+  }
+  if (outline_->name() == 0) return;
+  glUseProgram(outline_->name());
+  const Mat4f matrix = toFloat(clipFromLocal);
+  glUniformMatrix4fv(shaders::kClipFromLocal, 1, GL_FALSE, matrix.data());
+  glUniform4fv(1, 1, border.data());
+  glBindVertexArray(array_.name());  // it still holds the corners
+  glDrawArrays(GL_LINE_LOOP, 0, static_cast<GLsizei>(local.size()));
+  ++statistics.drawCalls;
 }
 
 void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<const Vec3f> corners, const Mat4 &clipFromLocal,

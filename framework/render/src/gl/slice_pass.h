@@ -28,8 +28,8 @@ class SlicePass {
   void drawFlat(const ImageParts &parts, const ImageLook &look, const SlicePlane &plane, int width, int height,
                 RenderStatistics &statistics);
   /// A convex polygon of the world, depth-tested.
-  void drawInSpace(const ImageParts &parts, const ImageLook &look, std::span<const Vec3> corners, const Frame &frame,
-                   RenderStatistics &statistics);
+  void drawInSpace(const ImageParts &parts, const ImageLook &look, std::span<const Vec3> corners, const Colour &border,
+                   const Frame &frame, RenderStatistics &statistics);
 
  private:
   /// Corners in local coordinates, as a fan.
@@ -38,6 +38,7 @@ class SlicePass {
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
 
   std::array<std::optional<Program>, 8> programs_;
+  std::optional<Program> outline_;
   Texture shiftColours_ = Texture::create();
   VertexArray array_ = VertexArray::create();
   Buffer buffer_ = Buffer::create();
