@@ -99,6 +99,11 @@ void AutomationState::endFrame(const FrameContext &frame, double now_s) {
   s["processor_s"] = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
   s["window"] = frame.windowSize;
   s["view"] = {{"x", frame.view.x}, {"y", frame.view.y}, {"w", frame.view.w}, {"h", frame.view.h}};
+  s["panes"] = Json::object();
+  if (frame.shownImages())
+    for (const Pane pane : {Pane::axial, Pane::sagittal, Pane::coronal, Pane::space})
+      if (const PixelRect &r = frame.panes[static_cast<std::size_t>(pane)]; !r.isEmpty())
+        s["panes"][paneName(pane)] = {{"x", r.x}, {"y", r.y}, {"w", r.w}, {"h", r.h}};
   s["mouse"] = {{"x", frame.mouseX}, {"y", frame.mouseY}, {"buttons", frame.mouseButtons}};
   s["focused"] = frame.isFocused;
   s["widgets"] = std::move(impl_->widgets);

@@ -5,6 +5,10 @@
 #include "frame_context.h"
 #include "imgui_panel.h"
 
+namespace c3de::render {
+class Renderer;
+}
+
 namespace c3de::ui {
 
 /// Height in pixels.
@@ -17,6 +21,8 @@ void drawSplitter(FrameContext &frame, const PixelRect &area);
 void drawStatusBar(FrameContext &frame, const PixelRect &area);
 /// Over the view: axes, what to do when nothing is loaded.
 void drawViewDecorations(FrameContext &frame);
+/// Over the slices: letters, cross-hair, outlines of bodies, scale bar, read-out. Nothing without an image.
+void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer);
 /// Over the view: messages and running jobs. Fills state.overlays.
 void drawNotifications(FrameContext &frame);
 void drawJobs(FrameContext &frame);

@@ -13,6 +13,10 @@ constexpr std::array kCommands{
     CommandInfo{Command::openMesh, "file.open_mesh", "Open mesh…", "Show a mesh file as a deformable body", 'M',
                 C3DE_MOD_CTRL, 0},
     CommandInfo{Command::openScene, "file.open_scene", "Open scene…", "Open a scene file (TOML)", 'O', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::openImage, "file.open_image", "Open image…", "Show a medical image: DICOM, NIfTI, NRRD, MetaImage", 'I',
+                C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::openLabels, "file.open_labels", "Open label map…", "Lay labels over the image", 'L', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::closeImage, "file.close_image", "Close image", "Let go of image and labels", 0, 0, 0},
     CommandInfo{Command::reload, "file.reload", "Reload from file", "Read the opened files again", keyF5, 0, 0},
     CommandInfo{Command::screenshot, "file.screenshot", "Save screenshot", "Write the 3D view as PNG", keyF12, 0, 0},
     CommandInfo{Command::quit, "file.quit", "Quit", "Close the program", 'Q', C3DE_MOD_CTRL, 0},
@@ -25,6 +29,12 @@ constexpr std::array kCommands{
     CommandInfo{Command::viewRight, "view.right", "Right (along −x)", "Look along −x", '4', 0, 0},
     CommandInfo{Command::viewTop, "view.top", "Top (along −y)", "Look along −y", '5', 0, 0},
     CommandInfo{Command::viewBottom, "view.bottom", "Bottom (along +y)", "Look along +y", '6', 0, 0},
+    CommandInfo{Command::fourViews, "view.four", "Four views", "Axial, sagittal, coronal and 3D beside each other", 0, 0, 0},
+    CommandInfo{Command::onlySpace, "view.only_3d", "3D view only", "The 3D view fills the window", 0, 0, 0},
+    CommandInfo{Command::resetSlices, "view.reset_slices", "Reset slice views", "Middle slices, the whole image in view", 0, 0, 0},
+    CommandInfo{Command::crossHair, "view.cross_hair", "Cross-hair", "Show or hide the cross-hair of all views", 'C', 0, 0},
+    CommandInfo{Command::windowLevelMode, "view.window_level", "Window/level mode",
+                "A left drag in a slice changes window (sideways) and level (upwards)", 'W', 0, 0},
     CommandInfo{Command::resetLayout, "view.reset_layout", "Reset layout", "Side panel and sections as at the start", 0, 0,
                 0},
     CommandInfo{Command::playPause, "simulation.play", "Play / Pause", "Start, pause or continue", ' ', 0, 0},
@@ -66,6 +76,9 @@ std::string keyText(std::uint32_t key, std::uint32_t modifiers) {
     case ' ': return text + "Space";
     case keyEscape: return text + "Esc";
     case keyRight: return text + "Right";
+    case keyLeft: return text + "Left";
+    case keyUp: return text + "Up";
+    case keyDown: return text + "Down";
     case keyF1: return text + "F1";
     case keyF5: return text + "F5";
     case keyF12: return text + "F12";

@@ -10,6 +10,7 @@
 
 #include "automation_state.h"
 #include "c3de/ui/commands.h"
+#include "c3de/ui/image_views.h"
 #include "c3de/ui/workstation_window.h"
 #include "theme.h"
 
@@ -19,6 +20,7 @@ class FileDialog;
 
 struct PixelRect {
   float x = 0, y = 0, w = 0, h = 0;
+  [[nodiscard]] bool isEmpty() const { return w < 1.0f || h < 1.0f; }
   [[nodiscard]] bool contains(double px, double py) const { return px >= x && py >= y && px < x + w && py < y + h; }
 };
 
@@ -56,7 +58,9 @@ struct FrameContext {
   FileDialog &fileDialog;
   render::Camera &camera;
   std::vector<Command> commands{};  ///< to be carried out after the frame is described
-  PixelRect view{};
+  PixelRect area{};                  ///< of all views
+  PixelRect view{};                  ///< of the 3D view; without extent while it is hidden
+  std::array<PixelRect, 4> panes{};  ///< by Pane; the last is `view`
   std::array<int, 2> windowSize{};
   std::uint64_t frame = 0;
   double framesPerSecond = 0.0;
@@ -65,6 +69,8 @@ struct FrameContext {
   bool isFocused = true;
 
   void request(Command command) { commands.push_back(command); }
+  /// The images when there is one to show, else null.
+  [[nodiscard]] ImageViews *shownImages() const { return services.images && services.images->image() ? services.images : nullptr; }
   [[nodiscard]] std::string activeToolId() const;
 };
 

@@ -82,6 +82,9 @@ std::uint32_t keyOf(int key, int scancode) {
   switch (key) {
     case GLFW_KEY_ESCAPE: return keyEscape;
     case GLFW_KEY_RIGHT: return keyRight;
+    case GLFW_KEY_LEFT: return keyLeft;
+    case GLFW_KEY_UP: return keyUp;
+    case GLFW_KEY_DOWN: return keyDown;
     case GLFW_KEY_F1: return keyF1;
     case GLFW_KEY_F5: return keyF5;
     case GLFW_KEY_F12: return keyF12;

@@ -64,6 +64,18 @@ void drawShortcuts(FrameContext &frame) {
     shortcutRow("Esc", "let go of what the tool holds");
     ImGui::EndTable();
   }
+  heading(frame, "In the slices of an image");
+  if (beginRows(frame, "slices")) {
+    shortcutRow("Left drag, Shift+move", "cross-hair; W: window and level instead");
+    shortcutRow("Double click", "one view, and back (3D view too)");
+    shortcutRow("Wheel, arrows, F and B", "next and previous slice; with Shift ten");
+    shortcutRow("Middle, Shift+left drag", "pan");
+    shortcutRow("Right, Ctrl+left drag, Ctrl+wheel", "zoom");
+    shortcutRow("R", "view as at the start");
+    for (const WindowLevelPreset &preset : windowLevelPresets())
+      shortcutRow(keyText(preset.key, 0), std::string("window/level: ") + preset.name);
+    ImGui::EndTable();
+  }
   heading(frame, "Keys");
   if (beginRows(frame, "keys")) {
     for (const CommandInfo &info : commands()) {

@@ -14,15 +14,30 @@ namespace {
 struct MenuEntry {
   Command command;
   bool needsSimulation = false;
+  bool needsImage = false;
 };
+
+/// What a view is called where the patient's z is up.
+const char *patientLabel(Command command) {
+  switch (command) {
+    case Command::viewFront: return "Anterior (along +y)";
+    case Command::viewBack: return "Posterior (along −y)";
+    case Command::viewLeft: return "Left of the patient (along −x)";
+    case Command::viewRight: return "Right of the patient (along +x)";
+    case Command::viewTop: return "Superior (along −z)";
+    case Command::viewBottom: return "Inferior (along +z)";
+    default: return nullptr;
+  }
+}
 
 void menuItem(FrameContext &frame, const char *area, const MenuEntry &entry, bool isChecked = false) {
   const CommandInfo &info = commandInfo(entry.command);
-  const bool isEnabled = !entry.needsSimulation || frame.simulation.exists;
+  const bool isEnabled = (!entry.needsSimulation || frame.simulation.exists) && (!entry.needsImage || frame.shownImages());
   const std::string key = keyText(info.key, info.modifiers);
-  if (ImGui::MenuItem(info.label, key.empty() ? nullptr : key.c_str(), isChecked, isEnabled)) frame.request(entry.command);
+  const char *label = frame.camera.upAxis == render::UpAxis::z ? patientLabel(entry.command) : nullptr;
+  if (ImGui::MenuItem(label ? label : info.label, key.empty() ? nullptr : key.c_str(), isChecked, isEnabled)) frame.request(entry.command);
   markItem(frame, area, info.id, isEnabled);
-  itemTooltip(frame, isEnabled ? info.doc : std::string(info.doc) + " (nothing is loaded)");
+  itemTooltip(frame, isEnabled ? info.doc : std::string(info.doc) + (entry.needsImage ? " (no image is open)" : " (nothing is loaded)"));
 }
 
 /// "Undo Young's modulus": says what it would change.
@@ -159,6 +174,9 @@ float drawMenuBar(FrameContext &frame) {
     if (beginMenu(frame, "File", "file")) {
       menuItem(frame, "menu", {Command::openMesh});
       menuItem(frame, "menu", {Command::openScene});
+      menuItem(frame, "menu", {Command::openImage});
+      menuItem(frame, "menu", {Command::openLabels, false, true});
+      menuItem(frame, "menu", {Command::closeImage, false, true});
       menuItem(frame, "menu", {Command::reload, true});
       ImGui::Separator();
       menuItem(frame, "menu", {Command::screenshot});
@@ -177,6 +195,13 @@ float drawMenuBar(FrameContext &frame) {
       for (const Command view : {Command::viewFront, Command::viewBack, Command::viewLeft, Command::viewRight,
                                  Command::viewTop, Command::viewBottom})
         menuItem(frame, "menu", {view});
+      ImGui::Separator();
+      const ImageViews *images = frame.shownImages();
+      menuItem(frame, "menu", {Command::fourViews, false, true}, images && !images->maximised());
+      menuItem(frame, "menu", {Command::onlySpace, false, true}, images && images->maximised() == Pane::space);
+      menuItem(frame, "menu", {Command::resetSlices, false, true});
+      menuItem(frame, "menu", {Command::crossHair, false, true}, images && images->options().showsCrossHair);
+      menuItem(frame, "menu", {Command::windowLevelMode, false, true}, images && images->options().isWindowLevelMode);
       ImGui::Separator();
       menuItem(frame, "menu", {Command::resetLayout});
       ImGui::EndMenu();
@@ -223,6 +248,14 @@ void drawToolbar(FrameContext &frame, const PixelRect &area) {
   ImGui::PopStyleVar();
   separator(frame);
   toolButtons(frame);
+  if (const ImageViews *images = frame.shownImages()) {
+    separator(frame);
+    const bool isOn = images->options().isWindowLevelMode;
+    if (toolButton(frame, "slices.cross_hair", "Cross-hair", !isOn, "The left button sets the cross-hair in slices  (W)") && isOn)
+      frame.request(Command::windowLevelMode);
+    if (toolButton(frame, "slices.window_level", "W/L", isOn, std::string(commandInfo(Command::windowLevelMode).doc) + "  (W)") && !isOn)
+      frame.request(Command::windowLevelMode);
+  }
   ImGui::End();
 }
 

@@ -119,6 +119,7 @@ void drawStatusBar(FrameContext &frame, const PixelRect &area) {
 }
 
 void drawViewDecorations(FrameContext &frame) {
+  if (frame.view.isEmpty()) return;
   ImDrawList *list = ImGui::GetBackgroundDrawList();
   const PixelRect &view = frame.view;
   list->PushClipRect(ImVec2(view.x, view.y), ImVec2(view.x + view.w, view.y + view.h));
@@ -149,7 +150,7 @@ void drawViewDecorations(FrameContext &frame) {
   const bool isEmpty = !frame.simulation.exists && (!frame.services.scene || frame.services.scene->rows().empty());
   const bool isBusy = frame.services.jobs && !frame.services.jobs->running().empty();
   if (isEmpty && !isBusy) {
-    const char *const lines[] = {"Open a mesh (Ctrl+M) or a scene (Ctrl+O),", "or drop a file here"};
+    const char *const lines[] = {"Open an image (Ctrl+I), a mesh (Ctrl+M) or a scene (Ctrl+O),", "or drop a file here"};
     float y = view.y + 0.45f * view.h;
     for (const char *line : lines) {
       const ImVec2 size = ImGui::CalcTextSize(line);
@@ -167,14 +168,14 @@ void drawNotifications(FrameContext &frame) {
   PanelRegistry *panels = frame.services.panels;
   if (!panels) return;
   const std::vector<Notification> notifications = panels->notifications();
-  const float width = std::min(frame.theme.px(400.0f), 0.8f * frame.view.w);
-  float y = frame.view.y + frame.theme.px(12.0f);
+  const float width = std::min(frame.theme.px(400.0f), 0.8f * frame.area.w);
+  float y = frame.area.y + frame.theme.px(12.0f);
   std::size_t shown = 0;
   // The newest stands on top.
   for (auto it = notifications.rbegin(); it != notifications.rend() && shown < kNotificationsShown; ++it, ++shown) {
     const Notification &n = *it;
     beginOverlay(frame, "##notification" + std::to_string(n.serial),
-                 ImVec2(frame.view.x + frame.view.w - frame.theme.px(12.0f), y), ImVec2(1, 0), width);
+                 ImVec2(frame.area.x + frame.area.w - frame.theme.px(12.0f), y), ImVec2(1, 0), width);
     const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
     ImDrawList *list = ImGui::GetWindowDrawList();
     list->PushClipRect(at, ImVec2(at.x + frame.theme.px(4.0f), at.y + size.y));
@@ -208,18 +209,18 @@ void drawNotifications(FrameContext &frame) {
     const std::string more = "and " + std::to_string(notifications.size() - kNotificationsShown) + " more";
     const float textWidth = ImGui::CalcTextSize(more.c_str()).x;
     ImGui::GetBackgroundDrawList()->AddText(
-        ImVec2(frame.view.x + frame.view.w - textWidth - frame.theme.px(16.0f), y), ImGui::GetColorU32(colour::kDim), more.c_str());
+        ImVec2(frame.area.x + frame.area.w - textWidth - frame.theme.px(16.0f), y), ImGui::GetColorU32(colour::kDim), more.c_str());
   }
 }
 
 void drawJobs(FrameContext &frame) {
   if (!frame.services.jobs) return;
-  float y = frame.view.y + frame.view.h - frame.theme.px(12.0f);
+  float y = frame.area.y + frame.area.h - frame.theme.px(12.0f);
   std::size_t index = 0;
   for (const BackgroundJobs::Status &job : frame.services.jobs->running()) {
     beginOverlay(frame, "##job" + std::to_string(job.handle.bits()),
-                 ImVec2(frame.view.x + frame.view.w - frame.theme.px(12.0f), y), ImVec2(1, 1),
-                 std::min(frame.theme.px(340.0f), 0.8f * frame.view.w));
+                 ImVec2(frame.area.x + frame.area.w - frame.theme.px(12.0f), y), ImVec2(1, 1),
+                 std::min(frame.theme.px(340.0f), 0.8f * frame.area.w));
     const float buttonWidth = frame.theme.px(76.0f), contentWidth = ImGui::GetContentRegionAvail().x;
     ImGui::PushFont(frame.theme.bold);
     ImGui::TextUnformatted(elided(job.title, contentWidth).c_str());

@@ -12,7 +12,7 @@
 #include "c3de/abi/draft/tools.h"
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/log.h"
-#include "c3de/render/renderer.h"
+#include "c3de/render/image_renderer.h"
 #include "c3de/scene/scene_graph.h"
 #include "c3de/ui/panel_registry.h"
 #include "c3de/ui/parameter_registry.h"
@@ -50,9 +50,12 @@ struct WorkstationWindow::Impl {
   ToolRegistry noTools;
   std::optional<ViewController> viewController;
 
-  PixelRect view;
+  PixelRect area, view;              ///< as in FrameContext
+  std::array<PixelRect, 4> panes{};
   std::uint32_t buttons = 0;
-  bool isViewPressed = false;  ///< the buttons that are down were pressed in the view
+  std::optional<Pane> pressedPane;  ///< where the buttons that are down were pressed
+  DoubleClick doubleClick;
+  bool isRefining = false;          ///< the 3D view gets better by being drawn again
   std::uint64_t frame = 0;
   double lastFrame_s = 0.0, framesPerSecond = 0.0;
   int framesToSettle = kFramesToSettle;
@@ -62,21 +65,39 @@ struct WorkstationWindow::Impl {
   void takeInput(FrameContext &context, const std::vector<OsEvent> &events);
   void takeMouse(const OsEvent &event);
   void takeKey(FrameContext &frame, const OsEvent &event);
-  void layOut(FrameContext &frame);
+  void layOut(FrameContext &frame, const render::Renderer &renderer);
   void carryOut(FrameContext &frame);
   void carryOut(FrameContext &frame, Command command);
   void openDialog(bool isMesh);
+  void openImageDialog(bool areLabels);
+  void lookFrom(const Vec3 &meshDirection, const Vec3 &patientDirection);
   void fitIfWanted();
   void measureRate(double now_s);
-  [[nodiscard]] bool isOverView(double x, double y) const;
-  [[nodiscard]] render::Viewport viewport() const;
+  void layOutPanes();
+  void drawImages(render::Renderer &renderer) const;
+  bool handle(Pane pane, ViewInput input, const OsEvent &event);
+  [[nodiscard]] ImageViews *shownImages() const { return services.images && services.images->image() ? services.images : nullptr; }
+  /// Null over the side panel, an overlay or a menu.
+  [[nodiscard]] std::optional<Pane> paneAt(double x, double y) const;
+  [[nodiscard]] render::Viewport viewportOf(const PixelRect &rect) const;
 };
 
-bool WorkstationWindow::Impl::isOverView(double x, double y) const {
-  if (!view.contains(x, y)) return false;
-  if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) return false;
-  return std::none_of(state.overlays.begin(), state.overlays.end(),
-                      [&](const PixelRect &overlay) { return overlay.contains(x, y); });
+std::optional<Pane> WorkstationWindow::Impl::paneAt(double x, double y) const {
+  if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) return {};
+  if (std::any_of(state.overlays.begin(), state.overlays.end(), [&](const PixelRect &overlay) { return overlay.contains(x, y); }))
+    return {};
+  for (const Pane pane : {Pane::axial, Pane::sagittal, Pane::coronal, Pane::space})
+    if (panes[static_cast<std::size_t>(pane)].contains(x, y)) return pane;
+  return {};
+}
+
+/// With the position from the pane's upper left corner.
+bool WorkstationWindow::Impl::handle(Pane pane, ViewInput input, const OsEvent &event) {
+  const PixelRect &rect = panes[static_cast<std::size_t>(pane)];
+  input.x = event.x - rect.x;
+  input.y = event.y - rect.y;
+  if (pane == Pane::space) return viewController->handle(input);
+  return services.images && services.images->handle(pane, input);
 }
 
 void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
@@ -84,30 +105,39 @@ void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
   ViewInput input;
   input.button = event.button;
   input.modifiers = event.modifiers;
-  input.x = event.x - view.x;
-  input.y = event.y - view.y;
   input.wheel = event.wheel;
   input.time_s = event.time_s;
   switch (event.kind) {
-    case Kind::press:
+    case Kind::press: {
       // Events are told by where they happened, not by where the mouse is when the frame begins.
-      if (buttons == 0) isViewPressed = isOverView(event.x, event.y);
+      const bool isFirst = buttons == 0;
+      if (isFirst) pressedPane = paneAt(event.x, event.y);
       buttons |= event.button;
       input.kind = ViewInput::Kind::press;
-      if (isViewPressed) viewController->handle(input);
+      if (!pressedPane) break;
+      ViewInput click = input;
+      click.x = event.x;
+      click.y = event.y;
+      if (ImageViews *images = shownImages(); images && isFirst && doubleClick.press(*pressedPane, click)) {
+        images->setMaximised(images->maximised() ? std::nullopt : pressedPane);
+        pressedPane.reset();  // the views have moved: the release belongs to none of them
+        break;
+      }
+      handle(*pressedPane, input, event);
       break;
+    }
     case Kind::release:
       buttons &= ~event.button;
       input.kind = ViewInput::Kind::release;
-      if (isViewPressed) viewController->handle(input);
+      if (pressedPane) handle(*pressedPane, input, event);
       break;
     case Kind::move:
       input.kind = ViewInput::Kind::move;
-      if (buttons != 0 ? isViewPressed : isOverView(event.x, event.y)) viewController->handle(input);
+      if (const auto pane = buttons != 0 ? pressedPane : paneAt(event.x, event.y)) handle(*pane, input, event);
       break;
     case Kind::wheel:
       input.kind = ViewInput::Kind::wheel;
-      if (isOverView(event.x, event.y)) viewController->handle(input);
+      if (const auto pane = paneAt(event.x, event.y)) handle(*pane, input, event);
       break;
     default: break;
   }
@@ -116,14 +146,28 @@ void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
 void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &event) {
   if (event.key == 0) return;
   const Command command = commandOfKey(event.key, event.modifiers);
-  if (command == Command::quit) return context.request(command);
+  if (command == Command::quit && !event.isRepeat) return context.request(command);
   const ImGuiIO &io = ImGui::GetIO();
   const bool isPopupOpen = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
   // A button of the mouse that is held over a slider counts as well, but one that drags in the view does not.
-  if (event.key == keyEscape && isPopupOpen && !io.WantTextInput && !fileDialog.isOpen())
+  if (event.key == keyEscape && !event.isRepeat && isPopupOpen && !io.WantTextInput && !fileDialog.isOpen())
     return ImGui::ClosePopupToLevel(0, true);  // menus and lists; ImGui does it only with its own keyboard navigation
-  if (io.WantTextInput || isPopupOpen || (io.WantCaptureKeyboard && !isViewPressed)) return;
-  if (event.key == keyEscape) return viewController->cancel();
+  if (io.WantTextInput || isPopupOpen || (io.WantCaptureKeyboard && !pressedPane)) return;
+  // Over a slice, its keys are the slice's: they are the same everywhere, but 1 is another thing for an image.
+  if (const auto pane = paneAt(event.x, event.y); pane && *pane != Pane::space && shownImages() &&
+                                                  ImageViews::isSliceKey(event.key, event.modifiers)) {
+    ViewInput input;
+    input.kind = ViewInput::Kind::key;
+    input.key = event.key;
+    input.modifiers = event.modifiers;
+    handle(*pane, input, event);
+    return;
+  }
+  if (event.isRepeat) return;
+  if (event.key == keyEscape) {
+    if (services.images) services.images->cancel();
+    return viewController->cancel();
+  }
   if (command != Command::none) return context.request(command);
   if (event.modifiers == 0 && services.tools && isFreeForTools(event.key))
     for (const ToolRegistry::Entry &entry : services.tools->tools())
@@ -147,20 +191,65 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
     switch (event.kind) {
       case OsEvent::Kind::focusLost:
         viewController->cancel();
+        if (services.images) services.images->cancel();
         buttons = 0;
         break;
       case OsEvent::Kind::drop:
-        if (actions.open && !event.files.empty()) actions.open({event.files, "mm"});
+        if (actions.open && !event.files.empty()) actions.open({event.files, "mm", false});
         break;
       case OsEvent::Kind::keyDown:
-        if (!event.isRepeat) takeKey(context, event);
+        takeKey(context, event);
         break;
       default: takeMouse(event);
     }
   }
 }
 
-void WorkstationWindow::Impl::layOut(FrameContext &context) {
+/// Without an image the 3D view fills the area; with one, a quarter, or a single view of it all.
+void WorkstationWindow::Impl::layOutPanes() {
+  panes = {};
+  ImageViews *images = shownImages();
+  const auto put = [&](Pane pane, const PixelRect &rect) { panes[static_cast<std::size_t>(pane)] = rect; };
+  if (!images) {
+    put(Pane::space, area);
+  } else if (images->maximised()) {
+    put(*images->maximised(), area);
+  } else {
+    const float gap = 2.0f, w = std::floor(0.5f * (area.w - gap)), h = std::floor(0.5f * (area.h - gap));
+    const float x = area.x + w + gap, y = area.y + h + gap, w2 = area.w - w - gap, h2 = area.h - h - gap;
+    put(Pane::axial, {area.x, area.y, w, h});
+    put(Pane::sagittal, {x, area.y, w2, h});
+    put(Pane::coronal, {area.x, y, w, h2});
+    put(Pane::space, {x, y, w2, h2});
+  }
+  if (images)
+    for (const Pane pane : kSlicePanes)
+      if (const PixelRect &rect = panes[static_cast<std::size_t>(pane)]; !rect.isEmpty())
+        images->view(pane).setSize(static_cast<int>(rect.w), static_cast<int>(rect.h));
+  view = panes[static_cast<std::size_t>(Pane::space)];
+}
+
+void WorkstationWindow::Impl::drawImages(render::Renderer &renderer) const {
+  render::ImageRenderer *drawer = renderer.images();
+  const ImageViews *images = shownImages();
+  if (!drawer) return;
+  drawer->setScene(images ? images->scene() : render::ImageScene());
+  if (!images) return;
+  drawer->setLabelColours(images->handles().labels, images->labelColours());
+  const render::ImageLook look = images->look();
+  for (const Pane pane : kSlicePanes) {
+    const PixelRect &rect = panes[static_cast<std::size_t>(pane)];
+    if (rect.isEmpty()) continue;
+    const render::Viewport port = viewportOf(rect);
+    const SliceView &slice = images->view(pane);
+    render::SlicePlane plane = slice.plane();
+    plane.right = (static_cast<double>(slice.width()) / port.width) * plane.right;
+    plane.down = (static_cast<double>(slice.height()) / port.height) * plane.down;
+    drawer->drawSlice(look, plane, port);
+  }
+}
+
+void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Renderer &renderer) {
   const auto width = static_cast<float>(context.windowSize[0]), height = static_cast<float>(context.windowSize[1]);
   const Theme &theme = context.theme;
   const float menuHeight = drawMenuBar(context);
@@ -169,14 +258,18 @@ void WorkstationWindow::Impl::layOut(FrameContext &context) {
   const float sideWidth = std::min(std::round(theme.px(state.layout.sideWidth)), std::max(width - theme.px(160.0f), 0.0f));
   const float grip = std::round(theme.px(5.0f));
   const float top = menuHeight + toolbarHeight, middle = std::max(height - top - statusHeight, 1.0f);
-  view = {sideWidth + grip, top, std::max(width - sideWidth - grip, 1.0f), middle};
+  area = {sideWidth + grip, top, std::max(width - sideWidth - grip, 1.0f), middle};
+  layOutPanes();
+  context.area = area;
   context.view = view;
+  context.panes = panes;
 
   drawToolbar(context, {0, menuHeight, width, toolbarHeight});
   drawSidePanel(context, panels, {0, top, sideWidth, middle});
   drawSplitter(context, {sideWidth, top, grip, middle});
   drawStatusBar(context, {0, height - statusHeight, width, statusHeight});
   drawViewDecorations(context);
+  drawSliceDecorations(context, renderer);
   state.overlays.clear();
   drawNotifications(context);
   drawJobs(context);
@@ -191,12 +284,26 @@ void WorkstationWindow::Impl::openDialog(bool isMesh) {
   request.extensions = isMesh ? kMeshExtensions : "toml";
   request.asksMeshUnit = isMesh;
   request.chosen = [this](const std::filesystem::path &file, const std::string &unit) {
-    if (actions.open) actions.open({{file}, unit});
+    if (actions.open) actions.open({{file}, unit, false});
   };
   fileDialog.open(std::move(request));
 }
 
+void WorkstationWindow::Impl::openImageDialog(bool areLabels) {
+  FileDialog::Request request;
+  request.title = areLabels ? "Open label map" : "Open image: a file, or any file of a DICOM series";
+  request.chosen = [this, areLabels](const std::filesystem::path &file, const std::string &) {
+    if (actions.open) actions.open({{file}, "mm", areLabels});
+  };
+  fileDialog.open(std::move(request));
+}
+
+void WorkstationWindow::Impl::lookFrom(const Vec3 &meshDirection, const Vec3 &patientDirection) {
+  lookAlong(camera, camera.upAxis == render::UpAxis::z ? patientDirection : meshDirection);
+}
+
 void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
+  ImageViews *images = shownImages();
   const auto transport = [&](std::uint32_t action) {
     if (actions.transport && context.simulation.exists) actions.transport(action);
   };
@@ -204,6 +311,31 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::none: break;
     case Command::openMesh: openDialog(true); break;
     case Command::openScene: openDialog(false); break;
+    case Command::openImage: openImageDialog(false); break;
+    case Command::openLabels:
+      if (images) openImageDialog(true);
+      break;
+    case Command::closeImage:
+      if (images && actions.closeImage) actions.closeImage();
+      break;
+    case Command::fourViews:
+      if (images) images->setMaximised({});
+      break;
+    case Command::onlySpace:
+      if (images) images->setMaximised(Pane::space);
+      break;
+    case Command::resetSlices:
+      if (images) images->resetViews();
+      break;
+    case Command::crossHair:
+    case Command::windowLevelMode:
+      if (images) {
+        ImageOptions options = images->options();
+        bool &flag = command == Command::crossHair ? options.showsCrossHair : options.isWindowLevelMode;
+        flag = !flag;
+        images->setOptions(options);
+      }
+      break;
     case Command::reload:
       if (actions.reload) actions.reload();
       break;
@@ -218,15 +350,16 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
       if (services.parameters) services.parameters->history().redo(*services.parameters);
       break;
     case Command::fitView: framesToFit = 1; break;
-    case Command::viewFront: lookAlong(camera, {0, 0, -1}); break;
-    case Command::viewBack: lookAlong(camera, {0, 0, 1}); break;
-    case Command::viewLeft: lookAlong(camera, {1, 0, 0}); break;
-    case Command::viewRight: lookAlong(camera, {-1, 0, 0}); break;
-    case Command::viewTop: lookAlong(camera, {0, -1, 0}); break;
-    case Command::viewBottom: lookAlong(camera, {0, 1, 0}); break;
+    case Command::viewFront: lookFrom({0, 0, -1}, {0, 1, 0}); break;
+    case Command::viewBack: lookFrom({0, 0, 1}, {0, -1, 0}); break;
+    case Command::viewLeft: lookFrom({1, 0, 0}, {-1, 0, 0}); break;
+    case Command::viewRight: lookFrom({-1, 0, 0}, {1, 0, 0}); break;
+    case Command::viewTop: lookFrom({0, -1, 0}, {0, 0, -1}); break;
+    case Command::viewBottom: lookFrom({0, 1, 0}, {0, 0, 1}); break;
     case Command::resetLayout:
       state.layout = {};
       state.layout.resetSections = true;
+      if (images) images->setMaximised({});
       break;
     case Command::playPause:
       transport(context.simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
@@ -250,20 +383,20 @@ void WorkstationWindow::Impl::fitIfWanted() {
   if (framesToFit <= 0 || !services.scene) return;
   const auto bounds = services.scene->bounds();
   if (!bounds) return;
-  camera.fit(bounds->min, bounds->max, view.h > 0.0f ? view.w / view.h : 1.0);
+  camera.fit(bounds->min, bounds->max, view.isEmpty() ? 1.0 : view.w / view.h);
   --framesToFit;
   framesToSettle = std::max(framesToSettle, 1);
 }
 
-render::Viewport WorkstationWindow::Impl::viewport() const {
+render::Viewport WorkstationWindow::Impl::viewportOf(const PixelRect &rect) const {
   const auto size = window->windowSize(), pixels = window->framebufferSize();
   const double sx = size[0] > 0 ? static_cast<double>(pixels[0]) / size[0] : 1.0;
   const double sy = size[1] > 0 ? static_cast<double>(pixels[1]) / size[1] : 1.0;
   render::Viewport port;
-  port.x = static_cast<int>(std::lround(view.x * sx));
-  port.width = std::max(1, static_cast<int>(std::lround(view.w * sx)));
-  port.height = std::max(1, static_cast<int>(std::lround(view.h * sy)));
-  port.y = pixels[1] - static_cast<int>(std::lround((view.y + view.h) * sy));
+  port.x = static_cast<int>(std::lround(rect.x * sx));
+  port.width = std::max(1, static_cast<int>(std::lround(rect.w * sx)));
+  port.height = std::max(1, static_cast<int>(std::lround(rect.h * sy)));
+  port.y = pixels[1] - static_cast<int>(std::lround((rect.y + rect.h) * sy));
   return port;
 }
 
@@ -310,7 +443,7 @@ void WorkstationWindow::waitForFrame() {
   for (;;) {
     const double now_s = GlfwWindow::now_s();
     impl.automation.writeIfDue(now_s);
-    const bool isDue = impl.window->hasEvents() || impl.framesToSettle > 0 || impl.isMoving || impl.window->closeRequested();
+    const bool isDue = impl.window->hasEvents() || impl.framesToSettle > 0 || impl.isMoving || impl.isRefining || impl.window->closeRequested();
     const double sinceFrame_s = now_s - impl.lastFrame_s;
     if (isDue && sinceFrame_s >= kFrameTime_s) {
       impl.window->wait(0.0);
@@ -341,7 +474,9 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   context.frame = ++impl.frame;
   context.framesPerSecond = impl.framesPerSecond;
   context.isFocused = impl.window->isFocused();
+  context.area = impl.area;
   context.view = impl.view;
+  context.panes = impl.panes;
 
   const std::vector<OsEvent> events = impl.window->takeEvents();
   for (const OsEvent &event : events) impl.imgui->take(*impl.window, event);
@@ -356,7 +491,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   impl.takeInput(context, events);
   impl.carryOut(context);
   impl.state.tooltip.isSeen = false;
-  impl.layOut(context);
+  impl.layOut(context, renderer);
   if (!impl.state.tooltip.isSeen) impl.state.tooltip = {};
   impl.carryOut(context);
   impl.fitIfWanted();
@@ -372,7 +507,9 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
     glClearColor(colour::kChrome.x, colour::kChrome.y, colour::kChrome.z, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     if (impl.actions.beforeDraw) impl.actions.beforeDraw();
-    renderer.draw(impl.camera, impl.viewport());
+    impl.drawImages(renderer);
+    if (!impl.view.isEmpty()) renderer.draw(impl.camera, impl.viewportOf(impl.view));
+    impl.isRefining = !impl.view.isEmpty() && impl.shownImages() && renderer.images() && renderer.images()->wantsRefinement();
     glViewport(0, 0, pixels[0], pixels[1]);
     impl.imgui->draw();
   }
@@ -383,8 +520,8 @@ void WorkstationWindow::wake() { impl_->window->wake(); }
 bool WorkstationWindow::closeRequested() const { return impl_->window->closeRequested(); }
 void WorkstationWindow::requestClose() { impl_->window->requestClose(); }
 render::Camera &WorkstationWindow::camera() { return impl_->camera; }
-int WorkstationWindow::viewWidth() const { return impl_->viewport().width; }
-int WorkstationWindow::viewHeight() const { return impl_->viewport().height; }
+int WorkstationWindow::viewWidth() const { return impl_->viewportOf(impl_->view.isEmpty() ? impl_->area : impl_->view).width; }
+int WorkstationWindow::viewHeight() const { return impl_->viewportOf(impl_->view.isEmpty() ? impl_->area : impl_->view).height; }
 
 void WorkstationWindow::requestFit() {
   // The first bounds may be those of a part of what is loaded.

@@ -11,6 +11,9 @@ enum class Command {
   none,
   openMesh,
   openScene,
+  openImage,
+  openLabels,
+  closeImage,
   reload,
   screenshot,
   quit,
@@ -23,6 +26,11 @@ enum class Command {
   viewRight,
   viewTop,
   viewBottom,
+  fourViews,
+  onlySpace,
+  resetSlices,
+  crossHair,
+  windowLevelMode,
   resetLayout,
   playPause,
   step,
@@ -34,7 +42,8 @@ enum class Command {
 };
 
 /// Keys without a character; the others are their ASCII upper-case character.
-enum Key : std::uint32_t { keyEscape = 27, keyRight = 0x100, keyF1 = 0x101, keyF5 = 0x105, keyF12 = 0x10c };
+enum Key : std::uint32_t { keyEscape = 27, keyRight = 0x100, keyF1 = 0x101, keyF5 = 0x105, keyF12 = 0x10c,
+  keyLeft = 0x110, keyUp = 0x111, keyDown = 0x112 };
 
 /// One row of the table that menus, keyboard and the list of shortcuts share.
 struct CommandInfo {

@@ -25,6 +25,7 @@ class SceneGraph;
 
 namespace c3de::ui {
 
+class ImageViews;
 class PanelRegistry;
 class ParameterRegistry;
 class ToolRegistry;
@@ -40,6 +41,7 @@ struct WindowOptions {
 struct OpenRequest {
   std::vector<std::filesystem::path> files;
   std::string meshUnit = "mm";  ///< of files that do not carry one: mm, cm, m
+  bool areLabels = false;       ///< images: label maps, to be laid over the image that is open
 };
 
 /// What the window asks the program to do. Called on the main thread, in drawFrame().
@@ -49,6 +51,7 @@ struct WindowActions {
   std::function<void(std::uint32_t action)> transport;  ///< C3DE_TRANSPORT_*
   std::function<void(double rate)> setTargetRate;       ///< 0: as fast as it goes
   std::function<void()> screenshot;
+  std::function<void()> closeImage;
   std::function<void()> beforeDraw;  ///< panels have been handled, the 3D view is about to be drawn
 };
 
@@ -59,6 +62,7 @@ struct WindowServices {
   ParameterRegistry *parameters = nullptr;
   scene::SceneGraph *scene = nullptr;
   BackgroundJobs *jobs = nullptr;
+  ImageViews *images = nullptr;  ///< while it has an image, slices stand beside the 3D view
 };
 
 /// For Help > About.
@@ -99,7 +103,7 @@ class WorkstationWindow {
   void requestClose();
 
   [[nodiscard]] render::Camera &camera();
-  /// Pixels of the 3D view in the framebuffer.
+  /// Pixels of the 3D view in the framebuffer; of all views while it is hidden.
   [[nodiscard]] int viewWidth() const;
   [[nodiscard]] int viewHeight() const;
   /// Brings everything visible into the view as soon as the scene has bounds.

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "c3de/imaging/displacement.h"
+#include "c3de/scene/image_store.h"
+#include "c3de/ui/image_presets.h"
+#include "c3de/ui/slice_view.h"
+#include "c3de/ui/view_controller.h"
+
+namespace c3de::ui {
+
+enum class Pane { axial, sagittal, coronal, space };
+inline constexpr std::array kSlicePanes{Pane::axial, Pane::sagittal, Pane::coronal};
+[[nodiscard]] const char *paneName(Pane pane);  ///< "axial", …, "3D"
+
+/// What a person chooses about images.
+struct ImageOptions {
+  WindowLevel windowLevel;
+  bool isSmooth = true;
+  double labelOpacity = 0.4;
+  bool showsSlicesInSpace = true, showsVolume = false;
+  VolumePreset volumePreset = VolumePreset::ctBone;
+  double volumeShift = 0.0;                 ///< -1 … 1
+  bool showsShift = false;                  ///< |u| over the slices
+  double shiftLow = 0.0, shiftHigh = 10.0;  ///< mm
+  Convention convention = Convention::radiological;
+  bool isAlignedWithImage = true;           ///< views along the image's axes; else along the patient's
+  bool showsCrossHair = true;
+  bool isWindowLevelMode = false;           ///< a left drag in a slice changes window and level, else the cross-hair
+  bool showsOutlines = true;                ///< surfaces of bodies, cut by the slices
+};
+
+/// Handles of the renderer for what is shown; the owner of the renderer fills them.
+struct ImageHandles {
+  Handle image, labels, displacement;
+};
+
+/// What is known about a point of the world.
+struct Readout {
+  Vec3 world{};
+  std::optional<std::array<std::size_t, 3>> index;  ///< voxel of the material that is there; none: outside the image
+  double value = 0.0;
+  std::string unit, label;      ///< label: name; empty where there is none
+  std::optional<double> shift;  ///< |u|, mm, where there is a displacement
+  [[nodiscard]] std::string text() const;
+};
+
+/// Image, three slice views and one cross-hair; mouse and keys in the slices. No drawing. Main thread.
+///
+/// Wheel: next slice (Shift: ten, Ctrl: zoom). Left: cross-hair, or window and level while that mode is on. Shift+move:
+/// cross-hair. Middle or Shift+left: pan. Right or Ctrl+left: zoom. Keys: arrows, B and F: slices; R: view as at the
+/// start; digits: window/level presets.
+class ImageViews {
+ public:
+  /// A null image: nothing is shown. Views, window and level start anew with another image.
+  void setImage(std::shared_ptr<const scene::StoredImage> image);
+  void setLabels(std::shared_ptr<const scene::StoredLabels> labels);
+  void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) { displacement_ = std::move(displacement); }
+  void setHandles(const ImageHandles &handles) { handles_ = handles; }
+  [[nodiscard]] const ImageHandles &handles() const { return handles_; }
+  [[nodiscard]] const scene::StoredImage *image() const { return image_.get(); }
+  [[nodiscard]] const scene::StoredLabels *labels() const { return labels_.get(); }
+  [[nodiscard]] bool hasDisplacement() const { return displacement_ != nullptr; }
+
+  [[nodiscard]] const ImageOptions &options() const { return options_; }
+  /// Turns the views where convention or alignment change.
+  void setOptions(const ImageOptions &options);
+  /// Opacity of one label, 0 … 1, beside that of all.
+  [[nodiscard]] float labelOpacity(std::uint16_t value) const;
+  void setLabelOpacity(std::uint16_t value, float opacity);
+  [[nodiscard]] std::vector<std::pair<std::uint16_t, render::Colour>> labelColours() const;
+
+  [[nodiscard]] const Vec3 &crossHair() const { return crossHair_; }
+  /// Slices that do not show the point move to it.
+  void setCrossHair(const Vec3 &world, std::optional<Pane> from = {});
+  [[nodiscard]] SliceView &view(Pane slice) { return views_[static_cast<std::size_t>(slice)]; }
+  [[nodiscard]] const SliceView &view(Pane slice) const { return views_[static_cast<std::size_t>(slice)]; }
+  void resetViews();
+
+  /// Null: four views.
+  [[nodiscard]] std::optional<Pane> maximised() const { return maximised_; }
+  void setMaximised(std::optional<Pane> pane) { maximised_ = pane; }
+
+  /// Input in a slice; positions from its upper left corner. True: something changed.
+  bool handle(Pane slice, const ViewInput &input);
+  void cancel() { drag_ = Drag::none; }
+  /// Whether a key means something in a slice: it then belongs to the slice under the mouse.
+  [[nodiscard]] static bool isSliceKey(std::uint32_t key, std::uint32_t modifiers);
+
+  [[nodiscard]] Readout readout(const Vec3 &world) const;
+  [[nodiscard]] render::ImageLook look() const;
+  /// Empty while the image is hidden in space.
+  [[nodiscard]] render::ImageScene scene() const;
+  void setVisibleInSpace(bool isVisible) { isVisibleInSpace_ = isVisible; }
+
+ private:
+  enum class Drag { none, crossHair, windowLevel, pan, zoom };
+  void applyFrames();
+  bool press(Pane slice, const ViewInput &input);
+  bool move(Pane slice, const ViewInput &input);
+  bool pressKey(Pane slice, const ViewInput &input);
+
+  std::shared_ptr<const scene::StoredImage> image_;
+  std::shared_ptr<const scene::StoredLabels> labels_;
+  std::shared_ptr<const imaging::DisplacementGrid> displacement_;
+  ImageHandles handles_;
+  ImageOptions options_;
+  std::vector<std::pair<std::uint16_t, float>> labelOpacities_;
+  std::array<SliceView, 3> views_;
+  std::optional<Pane> maximised_;
+  Vec3 crossHair_{};
+  bool isVisibleInSpace_ = true;
+  Drag drag_ = Drag::none;
+  std::uint32_t buttons_ = 0, dragButton_ = 0;
+  double lastX_ = 0.0, lastY_ = 0.0, startX_ = 0.0, startY_ = 0.0;
+};
+
+/// Recognises the second press of a double click in the same pane.
+class DoubleClick {
+ public:
+  /// True for a left press that follows another one at the same place within 0.4 s.
+  bool press(Pane pane, const ViewInput &input);
+
+ private:
+  std::optional<Pane> pane_;
+  double x_ = 0.0, y_ = 0.0, time_s_ = -1e9;
+};
+
+}  // namespace c3de::ui

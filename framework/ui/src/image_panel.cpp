@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/image_panel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "c3de/core/text.h"
+
+namespace c3de::ui {
+namespace {
+
+bool checkbox(const c3de_ui_v0 &ui, const std::string &id, const std::string &label, bool &value, const char *tooltip) {
+  std::uint32_t on = value ? 1 : 0;
+  const bool isChanged = (ui.checkbox(ui.ctx, toAbi(id), toAbi(label), &on) & C3DE_UI_CHANGED) != 0;
+  if (*tooltip) ui.tooltip(ui.ctx, toAbi(std::string_view(tooltip)));
+  value = on != 0;
+  return isChanged;
+}
+
+bool slider(const c3de_ui_v0 &ui, const char *id, const char *label, const std::string &unit, double &value, double low, double high,
+            const char *tooltip) {
+  const bool isChanged = (ui.slider(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)), toAbi(unit), &value, low, high) &
+                          C3DE_UI_CHANGED) != 0;
+  if (*tooltip) ui.tooltip(ui.ctx, toAbi(std::string_view(tooltip)));
+  return isChanged;
+}
+
+bool choice(const c3de_ui_v0 &ui, const char *id, const char *label, std::uint32_t &index, const std::vector<std::string> &names) {
+  std::vector<c3de_str> texts;
+  for (const std::string &name : names) texts.push_back(toAbi(name));
+  return (ui.choice(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)), &index, texts.data(), texts.size()) &
+          C3DE_UI_CHANGED) != 0;
+}
+
+bool button(const c3de_ui_v0 &ui, const std::string &id, const std::string &label, bool isEnabled = true) {
+  return (ui.button(ui.ctx, toAbi(id), toAbi(label), isEnabled ? 1 : 0) & C3DE_UI_COMMITTED) != 0;
+}
+
+void heading(const c3de_ui_v0 &ui, const char *text) { ui.heading(ui.ctx, toAbi(std::string_view(text))); }
+
+void row(const c3de_ui_v0 &ui, const char *name, const std::string &value) {
+  ui.value(ui.ctx, toAbi(std::string_view(name)), toAbi(value));
+}
+
+std::string sizeText(const imaging::VolumeGeometry &grid) {
+  const Vec3 s = grid.spacing();
+  return fmt::format("{} × {} × {} voxels of {:.3g} × {:.3g} × {:.3g} mm", grid.size[0], grid.size[1], grid.size[2], s[0], s[1], s[2]);
+}
+
+}  // namespace
+
+ImagePanel::ImagePanel(PanelRegistry &panels, ImageViews &views) : panels_(panels), views_(views) {
+  Panel panel;
+  panel.owner = "c3de";
+  panel.id = "image";
+  panel.title = "Image";
+  panel.self = this;
+  panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<ImagePanel *>(self)->draw(*ui); };
+  panel_ = panels_.add(std::move(panel));
+}
+
+ImagePanel::~ImagePanel() { panels_.remove(panel_); }
+
+void ImagePanel::draw(const c3de_ui_v0 &ui) {
+  const scene::StoredImage *image = views_.image();
+  if (!image) return;
+  row(ui, "Image", image->name);
+  row(ui, "Grid", sizeText(image->volume.geometry));
+  ImageOptions options = views_.options();
+  drawWindowLevel(ui, options);
+  drawViews(ui, options);
+  drawLabels(ui, options);
+  drawVolume(ui, options);
+  drawShift(ui, options);
+  views_.setOptions(options);
+}
+
+void ImagePanel::drawWindowLevel(const c3de_ui_v0 &ui, ImageOptions &options) {
+  const imaging::ValueRange &range = views_.image()->range;
+  const std::string &unit = views_.image()->volume.unit;
+  heading(ui, "Window and level");
+  const double width = std::max(range.max - range.min, 1e-9);
+  WindowLevel &wl = options.windowLevel;
+  slider(ui, "window", "Window", unit, wl.window, 1e-3 * width, std::max(width, 2.0 * wl.window), "Values from black to white");
+  slider(ui, "level", "Level", unit, wl.level, std::min(range.min, wl.level), std::max(range.max, wl.level), "Value of middle grey");
+  std::vector<std::string> names{"–"};
+  std::uint32_t index = 0;
+  for (const WindowLevelPreset &preset : windowLevelPresets()) {
+    if (windowLevelOf(preset, range) == wl) index = static_cast<std::uint32_t>(names.size());
+    names.push_back(fmt::format("{} ({})", preset.name, static_cast<char>(preset.key)));
+  }
+  if (choice(ui, "preset", "Preset", index, names) && index > 0) wl = windowLevelOf(windowLevelPresets()[index - 1], range);
+  ui.tooltip(ui.ctx, toAbi(std::string_view("The digits do the same while the mouse is over a slice")));
+  bool isOn = options.isWindowLevelMode;
+  checkbox(ui, "window_level_mode", "Drag in slices changes them (W)", isOn, "Left drag: sideways the window, upwards brighter");
+  options.isWindowLevelMode = isOn;
+}
+
+void ImagePanel::drawViews(const c3de_ui_v0 &ui, ImageOptions &options) {
+  heading(ui, "Slices");
+  std::uint32_t smooth = options.isSmooth ? 0 : 1;
+  choice(ui, "interpolation", "Interpolation", smooth, {"linear", "nearest voxel"});
+  options.isSmooth = smooth == 0;
+  std::uint32_t convention = options.convention == Convention::radiological ? 0 : 1;
+  choice(ui, "convention", "Convention", convention, {"radiological (right on the left)", "neurological (right on the right)"});
+  options.convention = convention == 0 ? Convention::radiological : Convention::neurological;
+  std::uint32_t alignment = options.isAlignedWithImage ? 0 : 1;
+  choice(ui, "alignment", "Planes along", alignment, {"the image", "the patient"});
+  options.isAlignedWithImage = alignment == 0;
+  checkbox(ui, "cross_hair", "Cross-hair (C)", options.showsCrossHair, "");
+  checkbox(ui, "outlines", "Outlines of bodies", options.showsOutlines, "Where the surfaces of the 3D view cut the slices");
+  if (button(ui, "reset_views", "Reset views")) views_.resetViews();
+}
+
+void ImagePanel::drawLabels(const c3de_ui_v0 &ui, ImageOptions &options) {
+  const scene::StoredLabels *labels = views_.labels();
+  if (!labels) return;
+  heading(ui, "Labels");
+  row(ui, "Label map", labels->name);
+  slider(ui, "label_opacity", "Opacity", "", options.labelOpacity, 0.0, 1.0, "");
+  for (const imaging::LabelMap::Label &label : labels->map.labels) {
+    bool isShown = views_.labelOpacity(label.value) > 0.0f;
+    const std::string id = "label." + std::to_string(label.value);
+    if (checkbox(ui, id, fmt::format("{}  {}", label.value, label.name), isShown, "")) views_.setLabelOpacity(label.value, isShown ? 1.0f : 0.0f);
+  }
+}
+
+void ImagePanel::drawVolume(const c3de_ui_v0 &ui, ImageOptions &options) {
+  heading(ui, "In the 3D view");
+  checkbox(ui, "slices_in_space", "Slices as planes", options.showsSlicesInSpace, "");
+  checkbox(ui, "volume", "Volume rendering", options.showsVolume, "Coarse while something moves, fine at rest");
+  std::vector<std::string> names;
+  std::uint32_t index = 0;
+  for (const VolumePresetInfo &info : volumePresets()) {
+    if (info.preset == options.volumePreset) index = static_cast<std::uint32_t>(names.size());
+    names.emplace_back(info.name);
+  }
+  if (choice(ui, "volume_preset", "Technique", index, names)) {
+    options.volumePreset = volumePresets()[index].preset;
+    options.volumeShift = 0.0;
+  }
+  slider(ui, "volume_shift", "Shift", "", options.volumeShift, -1.0, 1.0, "Moves the colours over the values of the image");
+}
+
+void ImagePanel::drawShift(const c3de_ui_v0 &ui, ImageOptions &options) {
+  if (!views_.hasDisplacement()) return;
+  heading(ui, "Displacement");
+  checkbox(ui, "shift", "Colours of |u|", options.showsShift, "How far the tissue has moved, over the slices");
+  slider(ui, "shift_high", "Up to", "mm", options.shiftHigh, 0.1, 50.0, "");
+  slider(ui, "shift_low", "From", "mm", options.shiftLow, 0.0, 20.0, "Below it nothing is laid over");
+  options.shiftLow = std::min(options.shiftLow, 0.99 * options.shiftHigh);
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/image_views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "c3de/abi/draft/tools.h"
+#include "c3de/ui/commands.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr double kPixelsPerZoomStep = 20.0, kDoubleClick_s = 0.4, kDoubleClick_px = 5.0;
+constexpr int kFastScroll = 10;
+constexpr int kMovingDivisor = 4;
+constexpr double kAir_HU = -900.0;
+constexpr std::array<render::Colour, 3> kPaneColours{{{0.86f, 0.36f, 0.36f, 1}, {0.88f, 0.76f, 0.30f, 1}, {0.40f, 0.74f, 0.42f, 1}}};
+
+SliceAxis axisOf(Pane pane) {
+  return pane == Pane::axial ? SliceAxis::axial : pane == Pane::sagittal ? SliceAxis::sagittal : SliceAxis::coronal;
+}
+
+}  // namespace
+
+const char *paneName(Pane pane) {
+  static constexpr const char *kNames[] = {"axial", "sagittal", "coronal", "3D"};
+  return kNames[static_cast<std::size_t>(pane)];
+}
+
+std::string Readout::text() const {
+  const auto mm = [](double v) { return fmt::format("{:.1f}", std::abs(v) < 0.05 ? 0.0 : v); };
+  std::string text = "LPS " + mm(world[0]) + ", " + mm(world[1]) + ", " + mm(world[2]) + " mm";
+  if (!index) return text;
+  text += fmt::format("   [{}, {}, {}]   ", (*index)[0], (*index)[1], (*index)[2]) + fmt::format("{:.6g}", value);
+  if (!unit.empty()) text += " " + unit;
+  if (!label.empty()) text += "   " + label;
+  if (shift) text += fmt::format("   |u| {:.2f} mm", *shift);
+  return text;
+}
+
+void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
+  image_ = std::move(image);
+  labels_.reset();
+  displacement_.reset();
+  handles_ = {};
+  labelOpacities_.clear();
+  drag_ = Drag::none;
+  maximised_.reset();
+  if (!image_) return;
+  options_.windowLevel = automaticWindowLevel(image_->range);
+  // Files that do not say so are recognised by the value of air.
+  const bool isTomography = image_->volume.unit == "HU" || image_->range.min <= kAir_HU;
+  options_.volumePreset = isTomography ? VolumePreset::ctBone : VolumePreset::magneticResonance;
+  options_.volumeShift = 0.0;
+  options_.showsShift = false;
+  for (const Pane pane : kSlicePanes) view(pane).setGrid(image_->volume.geometry);
+  applyFrames();
+  resetViews();
+}
+
+void ImageViews::setLabels(std::shared_ptr<const scene::StoredLabels> labels) {
+  labels_ = std::move(labels);
+  labelOpacities_.clear();
+}
+
+void ImageViews::applyFrames() {
+  if (!image_) return;
+  const imaging::VolumeGeometry *grid = options_.isAlignedWithImage ? &image_->volume.geometry : nullptr;
+  for (const Pane pane : kSlicePanes) view(pane).setFrame(sliceFrame(axisOf(pane), options_.convention, grid));
+}
+
+void ImageViews::setOptions(const ImageOptions &options) {
+  const bool isTurned = options.convention != options_.convention || options.isAlignedWithImage != options_.isAlignedWithImage;
+  options_ = options;
+  if (isTurned) applyFrames();
+}
+
+float ImageViews::labelOpacity(std::uint16_t value) const {
+  for (const auto &[label, opacity] : labelOpacities_)
+    if (label == value) return opacity;
+  return 1.0f;
+}
+
+void ImageViews::setLabelOpacity(std::uint16_t value, float opacity) {
+  std::erase_if(labelOpacities_, [&](const auto &entry) { return entry.first == value; });
+  labelOpacities_.emplace_back(value, opacity);
+}
+
+std::vector<std::pair<std::uint16_t, render::Colour>> ImageViews::labelColours() const {
+  std::vector<std::pair<std::uint16_t, render::Colour>> colours;
+  if (!labels_) return colours;
+  const auto encoded = [](float c) {
+    return c < 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;
+  };
+  for (const imaging::LabelMap::Label &label : labels_->map.labels)
+    colours.push_back({label.value, {encoded(label.colour[0]), encoded(label.colour[1]), encoded(label.colour[2]), labelOpacity(label.value)}});
+  return colours;
+}
+
+void ImageViews::setCrossHair(const Vec3 &world, std::optional<Pane> from) {
+  crossHair_ = world;
+  for (const Pane pane : kSlicePanes)
+    if (pane != from && !view(pane).isOnSlice(world)) view(pane).showPoint(world);
+}
+
+void ImageViews::resetViews() {
+  for (SliceView &view : views_) view.reset();
+  // Where the middle slices meet.
+  const SliceView &axial = view(Pane::axial), &sagittal = view(Pane::sagittal), &coronal = view(Pane::coronal);
+  const Vec3 middle = axial.worldAt(0.5 * axial.width(), 0.5 * axial.height());
+  crossHair_ = middle;
+  for (const SliceView *other : {&sagittal, &coronal}) {
+    const Vec3 at = other->worldAt(0.5 * other->width(), 0.5 * other->height());
+    crossHair_ = crossHair_ + dot(at - crossHair_, other->frame().forward) * other->frame().forward;
+  }
+}
+
+bool ImageViews::isSliceKey(std::uint32_t key, std::uint32_t modifiers) {
+  if ((modifiers & ~C3DE_MOD_SHIFT) != 0) return false;
+  switch (key) {
+    case keyUp:
+    case keyDown:
+    case keyLeft:
+    case keyRight:
+    case 'B':
+    case 'F':
+    case 'R': return true;
+    default: {
+      const auto presets = windowLevelPresets();
+      return modifiers == 0 && std::any_of(presets.begin(), presets.end(), [&](const WindowLevelPreset &p) { return p.key == key; });
+    }
+  }
+}
+
+bool ImageViews::handle(Pane slice, const ViewInput &input) {
+  if (!image_ || slice == Pane::space) return false;
+  bool isChanged = false;
+  switch (input.kind) {
+    case ViewInput::Kind::press: isChanged = press(slice, input); break;
+    case ViewInput::Kind::release:
+      buttons_ &= ~input.button;
+      if (input.button == dragButton_) drag_ = Drag::none;
+      break;
+    case ViewInput::Kind::move: isChanged = move(slice, input); break;
+    case ViewInput::Kind::wheel: {
+      if (input.wheel == 0.0) break;
+      if (input.modifiers & C3DE_MOD_CTRL)
+        view(slice).zoom(input.wheel, input.x, input.y);
+      else
+        view(slice).scroll((input.wheel > 0.0 ? 1 : -1) * std::max(1, static_cast<int>(std::abs(input.wheel) + 0.5)) *
+                           (input.modifiers & C3DE_MOD_SHIFT ? kFastScroll : 1));
+      isChanged = true;
+      break;
+    }
+    case ViewInput::Kind::key: isChanged = pressKey(slice, input); break;
+  }
+  lastX_ = input.x;
+  lastY_ = input.y;
+  return isChanged;
+}
+
+bool ImageViews::press(Pane slice, const ViewInput &input) {
+  const bool isFirst = buttons_ == 0;
+  buttons_ |= input.button;
+  if (!isFirst) return false;
+  dragButton_ = input.button;
+  startX_ = input.x;
+  startY_ = input.y;
+  if (input.button == C3DE_BUTTON_MIDDLE)
+    drag_ = Drag::pan;
+  else if (input.button == C3DE_BUTTON_RIGHT)
+    drag_ = Drag::zoom;
+  else if (input.modifiers & C3DE_MOD_SHIFT)
+    drag_ = Drag::pan;
+  else if (input.modifiers & C3DE_MOD_CTRL)
+    drag_ = Drag::zoom;
+  else if (options_.isWindowLevelMode)
+    drag_ = Drag::windowLevel;
+  else {
+    drag_ = Drag::crossHair;
+    setCrossHair(view(slice).worldAt(input.x, input.y), slice);
+  }
+  return true;
+}
+
+bool ImageViews::move(Pane slice, const ViewInput &input) {
+  const double dx = input.x - lastX_, dy = input.y - lastY_;
+  switch (drag_) {
+    case Drag::crossHair: setCrossHair(view(slice).worldAt(input.x, input.y), slice); return true;
+    case Drag::windowLevel: options_.windowLevel = dragged(options_.windowLevel, dx, dy, image_->range); return true;
+    case Drag::pan: view(slice).pan(dx, dy); return true;
+    case Drag::zoom: view(slice).zoom(-dy / kPixelsPerZoomStep, startX_, startY_); return true;
+    case Drag::none:
+      if (buttons_ != 0 || !(input.modifiers & C3DE_MOD_SHIFT)) return false;
+      setCrossHair(view(slice).worldAt(input.x, input.y), slice);
+      return true;
+  }
+  return false;
+}
+
+bool ImageViews::pressKey(Pane slice, const ViewInput &input) {
+  if (!isSliceKey(input.key, input.modifiers)) return false;
+  const int slices = input.modifiers & C3DE_MOD_SHIFT ? kFastScroll : 1;
+  switch (input.key) {
+    case keyUp:
+    case keyRight:
+    case 'F': view(slice).scroll(slices); return true;
+    case keyDown:
+    case keyLeft:
+    case 'B': view(slice).scroll(-slices); return true;
+    case 'R': view(slice).reset(); return true;
+    default: break;
+  }
+  for (const WindowLevelPreset &preset : windowLevelPresets())
+    if (preset.key == input.key) options_.windowLevel = windowLevelOf(preset, image_->range);
+  return true;
+}
+
+Readout ImageViews::readout(const Vec3 &world) const {
+  Readout readout;
+  readout.world = world;
+  if (!image_) return readout;
+  Vec3 material = world;
+  if (displacement_) {
+    const Vec3 u = displacement_->at(world);
+    material = world - u;
+    readout.shift = norm(u);
+  }
+  const imaging::VolumeGeometry &grid = image_->volume.geometry;
+  const Vec3 at = transformPoint(imaging::affineInverse(grid.indexToWorld), material);
+  std::array<std::size_t, 3> index{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double rounded = std::floor(at[a] + 0.5);
+    if (!(rounded >= 0.0) || !(rounded < static_cast<double>(grid.size[a]))) return readout;
+    index[a] = static_cast<std::size_t>(rounded);
+  }
+  readout.index = index;
+  readout.value = image_->volume.value(index[0], index[1], index[2]);
+  readout.unit = image_->volume.unit;
+  if (labels_)
+    if (const std::uint16_t label = labels_->at(material); label != 0) {
+      readout.label = labels_->nameOf(label);
+      if (readout.label.empty()) readout.label = "label " + std::to_string(label);
+    }
+  return readout;
+}
+
+render::ImageLook ImageViews::look() const {
+  render::ImageLook look;
+  look.image = handles_.image;
+  look.labels = handles_.labels;
+  look.displacement = handles_.displacement;
+  look.window = options_.windowLevel.window;
+  look.level = options_.windowLevel.level;
+  look.isSmooth = options_.isSmooth;
+  look.labelOpacity = static_cast<float>(options_.labelOpacity);
+  look.showsShift = options_.showsShift;
+  look.shiftLow = options_.shiftLow;
+  look.shiftHigh = options_.shiftHigh;
+  return look;
+}
+
+render::ImageScene ImageViews::scene() const {
+  render::ImageScene scene;
+  if (!image_ || !isVisibleInSpace_) return scene;
+  scene.look = look();
+  if (options_.showsSlicesInSpace)
+    for (const Pane pane : kSlicePanes) {
+      const SliceView &v = view(pane);
+      scene.slices.push_back({v.worldAt(0.5 * v.width(), 0.5 * v.height()), v.frame().forward, kPaneColours[static_cast<std::size_t>(pane)]});
+    }
+  scene.showsVolume = options_.showsVolume;
+  if (options_.showsVolume) scene.volume = volumeLook(options_.volumePreset, image_->range, options_.volumeShift);
+  scene.movingDivisor = kMovingDivisor;
+  return scene;
+}
+
+bool DoubleClick::press(Pane pane, const ViewInput &input) {
+  const bool isPlain = input.button == C3DE_BUTTON_LEFT && input.modifiers == 0;
+  const bool isSecond = isPlain && pane_ == pane && input.time_s - time_s_ <= kDoubleClick_s &&
+                        std::hypot(input.x - x_, input.y - y_) <= kDoubleClick_px;
+  pane_ = isPlain && !isSecond ? std::optional(pane) : std::nullopt;
+  x_ = input.x;
+  y_ = input.y;
+  time_s_ = input.time_s;
+  return isSecond;
+}
+
+}  // namespace c3de::ui

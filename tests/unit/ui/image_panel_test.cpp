@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/image_panel.h"
+
+#include "c3de/ui/text_panel.h"
+#include "support/catch.h"
+
+using namespace c3de;
+using namespace c3de::ui;
+
+namespace {
+
+std::shared_ptr<scene::StoredImage> headImage() {
+  auto image = std::make_shared<scene::StoredImage>();
+  image->name = "head";
+  image->volume.geometry.size = {10, 10, 10};
+  std::vector<std::int16_t> voxels(1000);
+  for (std::size_t i = 0; i < 1000; ++i) voxels[i] = static_cast<std::int16_t>(i);
+  image->volume.voxels = voxels;
+  image->volume.unit = "HU";
+  image->range = imaging::robustRange(image->volume);
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("The panel of an image shows and changes what the views show", "[image_panel]") {
+  PanelRegistry panels;
+  ImageViews views;
+  views.setImage(headImage());
+  const ImagePanel panel(panels, views);
+  REQUIRE(panels.panels().size() == 1);
+  TextPanel text(nullptr);
+  const auto draw = [&] { return text.draw(*panels.panels().front()); };
+  CHECK_THAT(draw(), Contains("head") && Contains("10 × 10 × 10"));
+  text.setNumber("window", 123.0);
+  text.setNumber("level", 45.0);
+  text.check("volume", true);
+  text.check("outlines", false);
+  draw();
+  CHECK(views.options().windowLevel == WindowLevel{123.0, 45.0});
+  CHECK(views.options().showsVolume);
+  CHECK_FALSE(views.options().showsOutlines);
+  text.setText("preset", "CT lung (2)");
+  text.setText("interpolation", "nearest voxel");
+  text.setText("convention", "neurological (right on the right)");
+  text.setText("volume_preset", "MIP");
+  draw();
+  CHECK(views.options().windowLevel == WindowLevel{1500, -600});
+  CHECK_FALSE(views.options().isSmooth);
+  CHECK(views.options().convention == Convention::neurological);
+  CHECK(views.options().volumePreset == VolumePreset::maximum);
+  CHECK(text.problems().empty());
+  CHECK_FALSE(text.find("label_opacity"));
+  CHECK_FALSE(text.find("shift"));
+}
+
+TEST_CASE("Labels are listed by name and hidden one by one", "[image_panel]") {
+  PanelRegistry panels;
+  ImageViews views;
+  views.setImage(headImage());
+  auto labels = std::make_shared<scene::StoredLabels>();
+  labels->map.labels = {{5, "liver", {1, 0, 0}}, {7, "spleen", {0, 1, 0}}};
+  views.setLabels(labels);
+  const ImagePanel panel(panels, views);
+  TextPanel text(nullptr);
+  CHECK_THAT(text.draw(*panels.panels().front()), Contains("5  liver") && Contains("7  spleen"));
+  text.check("label.7", false);
+  text.setNumber("label_opacity", 0.75);
+  text.draw(*panels.panels().front());
+  CHECK(views.options().labelOpacity == 0.75);
+  REQUIRE(views.labelColours().size() == 2);
+  CHECK(views.labelColours()[0].second[3] == 1.0f);
+  CHECK(views.labelColours()[1].second[3] == 0.0f);
+}
+
+TEST_CASE("The panel goes with the image", "[image_panel]") {
+  PanelRegistry panels;
+  ImageViews views;
+  {
+    const ImagePanel panel(panels, views);
+    CHECK(panels.panels().size() == 1);
+  }
+  CHECK(panels.panels().empty());
+}
