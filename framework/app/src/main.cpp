@@ -96,7 +96,7 @@ int openWorkstation(const Arguments &arguments) {
                                                   (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
                                                   "commands: run, info, plugins"});
       }
-      return reportError({ErrorCode::input, file + ": no such file; accepted: meshes and scenes (.toml)"});
+      return reportError({ErrorCode::input, file + ": no such file; accepted: meshes, images and scenes (.toml)"});
     }
     options.files.emplace_back(file);
   }
@@ -142,7 +142,7 @@ int dispatch(int argc, char **argv) {
                "Without a command: open the workstation on FILES, or on a default scene.", "c3de");
   app.set_help_flag("-h,--help", "Say this");
   app.require_subcommand(0, 1);
-  app.add_option("FILES", arguments.files, "Meshes and scenes to open");
+  app.add_option("FILES", arguments.files, "Meshes, scenes (.toml) and images (DICOM folder, NIfTI, NRRD, MetaImage) to open; images after the first are label maps");
   app.add_flag("--version", arguments.version, "Print product, ABI and (with --json) services");
   app.add_flag("--json", arguments.json, "With --version: as JSON");
   app.add_flag("--play", arguments.play, "Play as soon as the scene is there");

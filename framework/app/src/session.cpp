@@ -152,6 +152,7 @@ struct Session::Impl {
   BackgroundJobs jobs;
   scene::SceneGraph sceneGraph;
   scene::MeshStore meshes;
+  scene::ImageStore images;
   scene::SimulationDirectory simulations;
   scene::MaterialLibrary materials;
   std::vector<std::filesystem::path> folders;
@@ -249,6 +250,7 @@ MainQueue &Session::mainQueue() { return impl_->mainQueue; }
 BackgroundJobs &Session::jobs() { return impl_->jobs; }
 scene::SceneGraph &Session::sceneGraph() { return impl_->sceneGraph; }
 scene::MeshStore &Session::meshes() { return impl_->meshes; }
+scene::ImageStore &Session::images() { return impl_->images; }
 plugin_host::PluginHost &Session::plugins() { return *impl_->host; }
 const scene::MaterialLibrary &Session::materials() const { return impl_->materials; }
 const std::vector<std::filesystem::path> &Session::pluginFolders() const { return impl_->folders; }

@@ -11,6 +11,7 @@
 #include "c3de/core/progress.h"
 #include "c3de/core/thread_pool.h"
 #include "c3de/plugin_host/plugin_host.h"
+#include "c3de/scene/image_store.h"
 #include "c3de/scene/mesh_store.h"
 #include "c3de/scene/scene_file.h"
 #include "c3de/scene/scene_graph.h"
@@ -53,6 +54,7 @@ class Session {
   [[nodiscard]] BackgroundJobs &jobs();
   [[nodiscard]] scene::SceneGraph &sceneGraph();
   [[nodiscard]] scene::MeshStore &meshes();
+  [[nodiscard]] scene::ImageStore &images();
   [[nodiscard]] plugin_host::PluginHost &plugins();
   /// Presets that scenes may name; empty when the file could not be read (which is logged).
   [[nodiscard]] const scene::MaterialLibrary &materials() const;

@@ -5,10 +5,12 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "c3de/abi/draft/log.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
+#include "c3de/imaging/reading.h"
 #include "c3de/render/renderer.h"
 #include "c3de/ui/file_browser.h"
 #include "c3de/ui/panel_registry.h"
@@ -16,6 +18,7 @@
 #include "c3de/ui/tool_registry.h"
 #include "c3de/ui/workstation_window.h"
 #include "exit_code.h"
+#include "workstation_images.h"
 #include "workstation_loader.h"
 #include "workstation_screenshot.h"
 
@@ -32,12 +35,14 @@ class Workstation {
   void run();
 
  private:
+  void open(const ui::OpenRequest &request);
   [[nodiscard]] ui::WindowActions actions();
   [[nodiscard]] ui::AboutText about() const;
   [[nodiscard]] ui::SimulationView simulationView();
   void showPluginProblems();
   void saveScreenshot();
   void watchForFailure();
+  void whenImageShown();
   void whenLoaded(const WorkstationLoader::Loaded &loaded);
   void checkSize();
   void whenFailed(const std::string &title, const Error &error);
@@ -48,6 +53,7 @@ class Workstation {
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
   std::unique_ptr<WorkstationLoader> loader_;  ///< used by the session's jobs until they end
+  std::unique_ptr<WorkstationImages> images_;  ///< likewise
   std::unique_ptr<Session> session_;
   bool playsWhenLoaded_ = false;
   bool hasReportedFailure_ = false;
@@ -82,10 +88,14 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
                       [this](const WorkstationLoader::Loaded &loaded) { whenLoaded(loaded); },
                       [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
   session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
-  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs()}, actions());
+  images_ = std::make_unique<WorkstationImages>(
+      *session_, *renderer_, panels_,
+      WorkstationImages::Events{[this] { whenImageShown(); },
+                                [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
+  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views()}, actions());
   window_->setAbout(about());
   showPluginProblems();
-  loader_->open(options.files, options.meshUnit);
+  open({options.files, options.meshUnit, false});
   return {};
 }
 
@@ -101,9 +111,30 @@ void Workstation::run() {
   session_->mainQueue().setWaker({});
 }
 
+/// Images go to the views, everything else becomes a simulation. Of several images the first is shown and the others are
+/// laid over it as label maps.
+void Workstation::open(const ui::OpenRequest &request) {
+  std::vector<std::filesystem::path> images, others;
+  for (const std::filesystem::path &file : request.files) {
+    std::error_code ignored;
+    const bool isImage = request.areLabels || std::filesystem::is_directory(file, ignored) || imaging::looksLikeImage(file);
+    (isImage ? images : others).push_back(file);
+  }
+  if (!images.empty() && request.areLabels)
+    images_->openLabels(images.front());
+  else if (!images.empty())
+    images_->open(images.front(), {images.begin() + 1, images.end()});
+  if (!others.empty()) loader_->open(others, request.meshUnit);
+}
+
 ui::WindowActions Workstation::actions() {
   ui::WindowActions actions;
-  actions.open = [this](const ui::OpenRequest &request) { loader_->open(request.files, request.meshUnit); };
+  actions.open = [this](const ui::OpenRequest &request) { open(request); };
+  actions.closeImage = [this] {
+    images_->close();
+    window_->camera().upAxis = render::UpAxis::y;
+    window_->requestFit();
+  };
   actions.reload = [this] { loader_->reload(); };
   actions.transport = [this](std::uint32_t action) {
     if (scene::Simulation *simulation = session_->simulation()) simulation->transport(action);
@@ -113,7 +144,10 @@ ui::WindowActions Workstation::actions() {
     if (scene::Simulation *simulation = session_->simulation()) simulation->setTargetRate(rate);
   };
   actions.screenshot = [this] { saveScreenshot(); };
-  actions.beforeDraw = [this] { session_->plugins().syncScene(); };
+  actions.beforeDraw = [this] {
+    session_->plugins().syncScene();
+    images_->followNode();
+  };
   return actions;
 }
 
@@ -182,6 +216,17 @@ void Workstation::checkSize() {
                        formatNumber(std::round(size_mm * 10.0) / 10.0) +
                        " mm across. File > Open mesh… asks for another unit; on the command line it is --unit.");
   unitToCheck_.clear();
+}
+
+void Workstation::whenImageShown() {
+  render::Camera &camera = window_->camera();
+  if (camera.upAxis != render::UpAxis::z) {
+    // From the front, a little from the left and above.
+    camera.upAxis = render::UpAxis::z;
+    camera.yaw = 0.6;
+    camera.pitch = 0.3;
+  }
+  window_->requestFit();
 }
 
 void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {

@@ -47,7 +47,7 @@ Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesy
     if (scene::isScenePath(file)) continue;
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error))
-      return fail(ErrorCode::input, ui::pathText(file) + ": not a file; accepted: meshes and scenes (.toml)");
+      return fail(ErrorCode::input, ui::pathText(file) + ": not a file; accepted: meshes, images and scenes (.toml)");
     scene::SceneFile one = scene::sceneForMesh(file, *unit);
     if (!hasResult) {
       result = std::move(one);

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation_images.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "c3de/abi/draft/log.h"
+#include "c3de/core/text.h"
+#include "c3de/render/image_renderer.h"
+#include "c3de/ui/file_browser.h"
+
+namespace c3de::app {
+namespace {
+
+/// What an image is called: its file or folder, never what is in it.
+std::string nameOf(const std::filesystem::path &path) {
+  const std::filesystem::path clean = path.lexically_normal();
+  return ui::pathText(clean.has_filename() ? clean.filename() : clean.parent_path().filename());
+}
+
+render::GridPlace placeOf(const imaging::VolumeGeometry &geometry) { return {geometry.size, geometry.indexToWorld}; }
+
+render::ImageVoxels voxelsOf(const imaging::Volume &volume) {
+  static constexpr render::VoxelType kTypes[] = {render::VoxelType::int8,   render::VoxelType::uint8,  render::VoxelType::int16,
+                                                 render::VoxelType::uint16, render::VoxelType::int32,  render::VoxelType::uint32,
+                                                 render::VoxelType::float32, render::VoxelType::float64};
+  render::ImageVoxels voxels;
+  voxels.place = placeOf(volume.geometry);
+  voxels.type = kTypes[volume.voxels.index()];
+  voxels.voxels = std::visit([](const auto &all) { return static_cast<const void *>(all.data()); }, volume.voxels);
+  voxels.slope = volume.slope;
+  voxels.intercept = volume.intercept;
+  return voxels;
+}
+
+/// What a job reads, handed over to the main thread when it is complete.
+struct ReadImage {
+  std::shared_ptr<scene::StoredImage> image;
+  std::vector<std::string> notices;
+  std::vector<imaging::SeriesInfo> series;  ///< to choose from; nothing was read then
+};
+
+std::string seriesText(const imaging::SeriesInfo &s) {
+  std::string text = s.modality;
+  for (const std::string &part : {s.description, s.orientation})
+    if (!part.empty()) text += (text.empty() ? "" : ", ") + part;
+  text += (text.empty() ? "" : ": ") + std::to_string(s.size[0]) + " × " + std::to_string(s.size[1]) + " × " + std::to_string(s.size[2]);
+  return text;
+}
+
+}  // namespace
+
+WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, ui::PanelRegistry &panels, Events events)
+    : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)) {
+  if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
+}
+
+WorkstationImages::~WorkstationImages() {
+  endChoice();
+  render::ImageRenderer *images = renderer_.images();
+  if (!images) return;
+  const ui::ImageHandles &handles = views_.handles();
+  for (const Handle handle : {handles.image, handles.labels, handles.displacement}) images->remove(handle);
+}
+
+void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels, const std::string &series) {
+  endChoice();
+  if (!job_.isNull()) session_.jobs().cancel(job_);
+  const std::uint64_t serial = ++serial_;
+  const auto read = std::make_shared<ReadImage>();
+  const std::string name = nameOf(path);
+  job_ = session_.jobs().submit(
+      kJobOwner, "Opening " + name,
+      [path, series, read, name](const ProgressFn &progress) -> Expected<void> {
+        if (series.empty()) {
+          auto found = imaging::listSeries(path, progress);
+          if (!found) return tl::unexpected(found.error());
+          std::erase_if(*found, [](const imaging::SeriesInfo &s) { return !s.refusal.empty(); });
+          if (found->size() > 1) {
+            read->series = std::move(*found);
+            return {};
+          }
+        }
+        imaging::ReadOptions options;
+        options.series = series;
+        options.progress = progress;
+        auto loaded = imaging::readVolume(path, options);
+        if (!loaded) return tl::unexpected(loaded.error());
+        if (progress && !progress(-1.0, "looking at the values")) return fail(ErrorCode::cancelled, "opening " + name + " was cancelled");
+        read->image = std::make_shared<scene::StoredImage>();
+        read->image->name = name;
+        read->image->volume = std::move(loaded->volume);
+        read->image->range = imaging::robustRange(read->image->volume);
+        read->notices = std::move(loaded->notices);
+        return {};
+      },
+      [this, path, labels = std::move(labels), read, name, serial](const Expected<void> &result) {
+        if (serial != serial_) return;  // a later request has taken over
+        job_ = {};
+        if (!result) return events_.failed("Could not open " + name, result.error());
+        if (!read->image) return askForSeries({path, labels, read->series, {}});
+        show(read->image);
+        tell("Opened " + name, read->notices);
+        if (!labels.empty()) openLabels(labels.front());
+      });
+}
+
+void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
+  render::ImageRenderer *images = renderer_.images();
+  if (!images) return;
+  std::string notice;
+  auto handle = images->addImage(voxelsOf(image->volume), &notice);
+  if (!handle) return events_.failed("Could not show " + image->name, handle.error());
+  close();
+  storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
+  views_.setImage(image);
+  views_.setHandles({*handle, {}, {}});
+  node_ = session_.sceneGraph().add({}, image->name);
+  scene::Node *node = session_.sceneGraph().find(node_);
+  node->hasBounds = true;
+  const imaging::VolumeGeometry &grid = image->volume.geometry;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    Vec3 index{};
+    for (std::size_t a = 0; a < 3; ++a) index[a] = (corner >> a & 1u) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
+    const Vec3 at = grid.worldAt(index);
+    for (std::size_t a = 0; a < 3; ++a) {
+      node->boundsMin[a] = corner == 0 ? at[a] : std::min(node->boundsMin[a], at[a]);
+      node->boundsMax[a] = corner == 0 ? at[a] : std::max(node->boundsMax[a], at[a]);
+    }
+  }
+  session_.sceneGraph().touch();
+  panel_.emplace(panels_, views_);
+  if (!notice.empty()) tell("Opened " + image->name, {notice});
+  events_.shown();
+}
+
+void WorkstationImages::openLabels(const std::filesystem::path &path) {
+  const std::string name = nameOf(path);
+  if (!views_.image())
+    return events_.failed("Could not open " + name, {ErrorCode::state, "a label map is laid over an image, and none is open; open the image first"});
+  if (!labelJob_.isNull()) session_.jobs().cancel(labelJob_);
+  const std::uint64_t serial = ++labelSerial_, image = serial_;
+  const auto read = std::make_shared<scene::StoredLabels>();
+  const auto notices = std::make_shared<std::vector<std::string>>();
+  labelJob_ = session_.jobs().submit(
+      kJobOwner, "Opening labels " + name,
+      [path, read, notices, name](const ProgressFn &progress) -> Expected<void> {
+        imaging::ReadOptions options;
+        options.progress = progress;
+        auto loaded = imaging::readLabelMap(path, options);
+        if (!loaded) return tl::unexpected(loaded.error());
+        read->name = name;
+        read->map = std::move(loaded->labels);
+        *notices = std::move(loaded->notices);
+        return {};
+      },
+      [this, read, notices, name, serial, image](const Expected<void> &result) {
+        if (serial != labelSerial_ || image != serial_) return;
+        labelJob_ = {};
+        if (!result) return events_.failed("Could not open " + name, result.error());
+        showLabels(read);
+        tell("Opened " + name, *notices);
+      });
+}
+
+void WorkstationImages::showLabels(std::shared_ptr<scene::StoredLabels> labels) {
+  render::ImageRenderer *images = renderer_.images();
+  if (!images || !views_.image()) return;
+  auto handle = images->addLabels(placeOf(labels->map.geometry), labels->map.voxels);
+  if (!handle) return events_.failed("Could not show " + labels->name, handle.error());
+  removeLabels();
+  storedLabels_ = session_.images().add(std::shared_ptr<const scene::StoredLabels>(labels));
+  views_.setLabels(std::move(labels));
+  ui::ImageHandles handles = views_.handles();
+  handles.labels = *handle;
+  views_.setHandles(handles);
+}
+
+void WorkstationImages::removeLabels() {
+  ui::ImageHandles handles = views_.handles();
+  if (render::ImageRenderer *images = renderer_.images()) images->remove(handles.labels);
+  handles.labels = {};
+  views_.setHandles(handles);
+  views_.setLabels(nullptr);
+  session_.images().removeLabels(std::exchange(storedLabels_, {}));
+}
+
+void WorkstationImages::setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) {
+  render::ImageRenderer *images = renderer_.images();
+  if (!images || !views_.image()) return;
+  ui::ImageHandles handles = views_.handles();
+  images->remove(handles.displacement);
+  handles.displacement = {};
+  if (displacement) {
+    auto handle = images->addDisplacement(placeOf(displacement->geometry), displacement->xyz_mm);
+    if (!handle) return events_.failed("Could not show the displacement", handle.error());
+    handles.displacement = *handle;
+  }
+  views_.setHandles(handles);
+  views_.setDisplacement(std::move(displacement));
+}
+
+void WorkstationImages::close() {
+  ++labelSerial_;
+  removeLabels();
+  const ui::ImageHandles handles = views_.handles();
+  if (render::ImageRenderer *images = renderer_.images())
+    for (const Handle handle : {handles.image, handles.displacement}) images->remove(handle);
+  views_.setImage(nullptr);
+  session_.images().removeImage(std::exchange(storedImage_, {}));
+  session_.sceneGraph().remove(std::exchange(node_, {}));
+  panel_.reset();
+}
+
+void WorkstationImages::followNode() {
+  if (views_.image()) views_.setVisibleInSpace(session_.sceneGraph().isVisible(node_));
+}
+
+void WorkstationImages::tell(const std::string &title, const std::vector<std::string> &notices) {
+  std::string text;
+  for (const std::string &notice : notices) text += (text.empty() ? "" : "\n") + notice;
+  if (!text.empty()) panels_.notify(C3DE_LOG_INFO, title, text);
+}
+
+void WorkstationImages::askForSeries(SeriesChoice choice) {
+  endChoice();
+  choice_ = std::move(choice);
+  ui::Panel panel;
+  panel.owner = "c3de";
+  panel.id = "series";
+  panel.title = "Which series?";
+  panel.self = this;
+  panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<WorkstationImages *>(self)->drawSeriesChoice(*ui); };
+  choice_->panel = panels_.add(std::move(panel));
+}
+
+void WorkstationImages::drawSeriesChoice(const c3de_ui_v0 &ui) {
+  if (!choice_) return;
+  const std::string intro = nameOf(choice_->path) + " holds several series:";
+  ui.text(ui.ctx, toAbi(intro));
+  std::optional<std::string> chosen;
+  for (std::size_t i = 0; i < choice_->series.size(); ++i) {
+    const std::string label = seriesText(choice_->series[i]), id = "series." + std::to_string(i);
+    if (ui.button(ui.ctx, toAbi(id), toAbi(label), 1) & C3DE_UI_COMMITTED) chosen = choice_->series[i].id;
+  }
+  const bool isCancelled = (ui.button(ui.ctx, toAbi(std::string_view("cancel")), toAbi(std::string_view("None")), 1) & C3DE_UI_COMMITTED) != 0;
+  if (chosen)
+    open(std::filesystem::path(choice_->path), std::vector<std::filesystem::path>(choice_->labels), *chosen);
+  else if (isCancelled)
+    endChoice();
+}
+
+void WorkstationImages::endChoice() {
+  if (!choice_) return;
+  panels_.remove(choice_->panel);
+  choice_.reset();
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "c3de/imaging/displacement.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/ui/image_panel.h"
+#include "session.h"
+
+namespace c3de::render {
+class Renderer;
+}
+
+namespace c3de::app {
+
+/// Opens images and label maps beside the window: reading runs in a background job, and only what is complete takes the
+/// place of what was there. Main thread. Must outlive the session's jobs, and the renderer must outlive it.
+class WorkstationImages {
+ public:
+  struct Events {
+    std::function<void()> shown;  ///< another image is in the views
+    std::function<void(const std::string &title, const Error &error)> failed;
+  };
+  WorkstationImages(Session &session, render::Renderer &renderer, ui::PanelRegistry &panels, Events events);
+  ~WorkstationImages();
+  WorkstationImages(const WorkstationImages &) = delete;
+  WorkstationImages &operator=(const WorkstationImages &) = delete;
+
+  [[nodiscard]] ui::ImageViews &views() { return views_; }
+  /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for one.
+  void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {}, const std::string &series = {});
+  /// Over the image that is open.
+  void openLabels(const std::filesystem::path &path);
+  void close();
+  /// Shows how the tissue has moved; the grid must not change while it is shown. Null: as it was.
+  void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
+  /// Takes over whether the image's node is visible.
+  void followNode();
+
+ private:
+  /// One panel that asks which of several series to open.
+  struct SeriesChoice {
+    std::filesystem::path path;
+    std::vector<std::filesystem::path> labels;
+    std::vector<imaging::SeriesInfo> series;
+    Handle panel;
+  };
+  void show(std::shared_ptr<scene::StoredImage> image);
+  void showLabels(std::shared_ptr<scene::StoredLabels> labels);
+  void removeLabels();
+  void askForSeries(SeriesChoice choice);
+  void drawSeriesChoice(const c3de_ui_v0 &ui);
+  void endChoice();
+  void tell(const std::string &title, const std::vector<std::string> &notices);
+
+  Session &session_;
+  render::Renderer &renderer_;
+  ui::PanelRegistry &panels_;
+  Events events_;
+  ui::ImageViews views_;
+  std::optional<ui::ImagePanel> panel_;
+  std::optional<SeriesChoice> choice_;
+  Handle job_, labelJob_, node_, storedImage_, storedLabels_;
+  std::uint64_t serial_ = 0, labelSerial_ = 0;
+};
+
+}  // namespace c3de::app
