@@ -54,7 +54,11 @@ void GlImages::drawOpaque(const Frame &frame) {
 void GlImages::drawVolume(const Camera &camera, const Frame &frame, const Viewport &viewport, std::uint64_t changesOfProxies,
                           bool isFinal, const RayPass::DrawDepth &drawDepth) {
   const ImageParts parts = partsOf(scene_.look);
-  if (!scene_.showsVolume || !parts.image) return;
+  if (!scene_.showsVolume || !parts.image) {
+    rays_.forget();
+    wantsRefinement_ = false;
+    return;
+  }
   const RayKey key{camera, frame.width, frame.height, changes_ + changesOfProxies};
   rays_.draw(parts, scene_, key, frame, viewport.x, viewport.y, isFinal, drawDepth, statistics_);
   if (!isFinal) wantsRefinement_ = !rays_.isRefined();

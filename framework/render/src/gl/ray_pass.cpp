@@ -227,7 +227,7 @@ void RayPass::composite(const Picture &picture, const Frame &frame, int x, int y
 
 void RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKey &key, const Frame &frame, int x, int y,
                    bool isFinal, const DrawDepth &drawDepth, RenderStatistics &statistics) {
-  if (!scene.volume.isMaximum && scene.volume.points.size() < 2) return;
+  if (!scene.volume.isMaximum && scene.volume.points.size() < 2) return forget();
   if (isFinal) {
     if (auto picture = begin(frame, 1, drawDepth)) {
       castRows(*picture, parts, scene, frame, picture->height, statistics);
@@ -238,10 +238,12 @@ void RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKe
   if (!key_ || !(*key_ == key) || !shown_) {
     key_ = key;
     next_.reset();
+    isAsFineAsCanBe_ = false;
     shown_ = begin(frame, scene.movingDivisor, drawDepth);
     if (shown_) castRows(*shown_, parts, scene, frame, shown_->height, statistics);
-  } else if (shown_->divisor > 1 || next_) {
+  } else if (!isRefined()) {
     if (!next_) next_ = begin(frame, shown_->divisor > 2 ? 2 : 1, drawDepth);
+    isAsFineAsCanBe_ = !next_;
     if (next_) {
       const auto start = std::chrono::steady_clock::now();
       const auto spent_ms = [&] { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(); };

@@ -27,7 +27,13 @@ class RayPass {
   /// @param isFinal  a ray for every pixel at once
   void draw(const ImageParts &parts, const ImageScene &scene, const RayKey &key, const Frame &frame, int x, int y,
             bool isFinal, const DrawDepth &drawDepth, RenderStatistics &statistics);
-  [[nodiscard]] bool isRefined() const { return !shown_ || (shown_->divisor == 1 && !next_); }
+  [[nodiscard]] bool isRefined() const { return !shown_ || isAsFineAsCanBe_ || (shown_->divisor == 1 && !next_); }
+  /// Nothing is shown any more.
+  void forget() {
+    shown_.reset();
+    next_.reset();
+    key_.reset();
+  }
 
  private:
   struct Picture {
@@ -49,6 +55,7 @@ class RayPass {
   VertexArray array_ = VertexArray::create();
   std::optional<Picture> shown_, next_;
   std::optional<RayKey> key_;
+  bool isAsFineAsCanBe_ = false;  ///< there was no memory for a finer picture
   int bandRows_ = 16;
 };
 
