@@ -143,8 +143,8 @@ Point WorkstationDriver::locate(const std::string &widget) {
       continue;
     }
     // Over the panel, towards the widget.
-    const double y = middle(now["scrolled_out"][widget]).y, top = now["view"]["y"], height = now["view"]["h"];
-    moveTo({0.45 * now["view"]["x"].get<double>(), top + 0.5 * height});
+    const double y = middle(now["scrolled_out"][widget]).y, top = now["area"]["y"], height = now["area"]["h"];
+    moveTo({0.45 * now["area"]["x"].get<double>(), top + 0.5 * height});
     wheel(y < top + 0.5 * height ? 1 : -1);
     pause(60);
   }
@@ -187,6 +187,14 @@ void WorkstationDriver::clickAt(Point at) {
   moveTo(at);
   press();
   release();
+}
+
+void WorkstationDriver::doubleClickAt(Point at) {
+  moveTo(at);
+  const int first = state().value("frame", 0);
+  xdotool({"click", "--repeat", "2", "--delay", "60", "1"});
+  waitUntil("the clicks are seen",
+            [&](const Json &s) { return s["mouse"]["buttons"].get<int>() == 0 && s["frame"].get<int>() >= first + 4; });
 }
 
 void WorkstationDriver::click(const std::string &widget) { clickAt(locate(widget)); }

@@ -58,6 +58,7 @@ class WorkstationDriver {
   void release(int button = 1);
   void click(const std::string &widget);
   void clickAt(Point at);
+  void doubleClickAt(Point at);
   void controlClick(const std::string &widget);
   /// Presses at the first point, moves in steps, releases at the last one; each seen by a frame of its own.
   void drag(Point from, Point to, int steps, int button = 1);

@@ -99,6 +99,7 @@ void AutomationState::endFrame(const FrameContext &frame, double now_s) {
   s["processor_s"] = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
   s["window"] = frame.windowSize;
   s["view"] = {{"x", frame.view.x}, {"y", frame.view.y}, {"w", frame.view.w}, {"h", frame.view.h}};
+  s["area"] = {{"x", frame.area.x}, {"y", frame.area.y}, {"w", frame.area.w}, {"h", frame.area.h}};
   s["panes"] = Json::object();
   if (frame.shownImages())
     for (const Pane pane : {Pane::axial, Pane::sagittal, Pane::coronal, Pane::space})

@@ -6,6 +6,7 @@
 //   processor_s    processor time of the program until then, all threads, s
 //   window         [width, height] in window pixels
 //   view           {x, y, w, h}: the 3D view in window pixels
+//   area           the same of all views: what is right of the side panel
 //   panes          {axial, sagittal, coronal, 3D}: those of an image that are visible, as view; {} without an image
 //   mouse          {x, y, buttons}: as the last frame saw it; buttons as in C3DE_BUTTON_*
 //   focused        the window has the keyboard

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a person does with an image in the window: scroll, point, change window and level, maximise, lay labels over it,
+// see an organ cut by the slices and pull it.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "c3de/imaging/writing.h"
+#include "support/catch.h"
+#include "ui/workstation_driver.h"
+#include "unit/render/phantom.h"
+
+using namespace c3de;  // operators of Vec3
+using c3de::test::Json;
+using c3de::test::Point;
+using c3de::test::WorkstationDriver;
+
+namespace {
+
+namespace fs = std::filesystem;
+using c3de::render::test::Phantom;
+
+#define C3DE_WINDOW_OR_SKIP() \
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
+
+fs::path outputFile(const std::string &name) {
+  const fs::path file = fs::path(C3DE_TEST_OUTPUT) / "ui" / name;
+  fs::create_directories(file.parent_path());
+  return file;
+}
+
+/// 80 x 90 x 50 voxels of 2 x 2 x 3 mm around the origin: letters L, A, S on a block of 60 mm.
+Phantom phantom() {
+  return c3de::render::test::makePhantom({80, 90, 50}, {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 3, 0, -79, -89, -73.5, 1});
+}
+
+/// Each scenario has files of its own, since scenarios run beside each other.
+fs::path imageFile(const std::string &scenario) {
+  const Phantom p = phantom();
+  c3de::imaging::Volume volume;
+  volume.geometry = {p.size, p.worldFromIndex};
+  volume.voxels = p.voxels;
+  const fs::path file = outputFile(scenario + "_phantom.nii.gz");
+  const auto written = c3de::imaging::writeVolume(file, volume);
+  if (!written) FAIL(written.error().message);
+  return file;
+}
+
+fs::path labelFile(const std::string &scenario) {
+  const Phantom p = phantom();
+  c3de::imaging::LabelMap map;
+  map.geometry = {p.size, p.worldFromIndex};
+  map.voxels = p.labels;
+  map.labels = {{1, "block", {0.1f, 0.6f, 0.1f}}, {2, "letters", {1.0f, 0.2f, 0.1f}}};
+  const fs::path file = outputFile(scenario + "_labels.nii.gz");
+  const auto written = c3de::imaging::writeLabelMap(file, map);
+  if (!written) FAIL(written.error().message);
+  return file;
+}
+
+void startOn(WorkstationDriver &window, const std::vector<std::string> &files) {
+  window.start(files);
+  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+}
+
+Point inPane(const WorkstationDriver &window, const char *pane, double u, double v) {
+  const Json r = window.state()["panes"][pane];
+  return {r["x"].get<double>() + u * r["w"].get<double>(), r["y"].get<double>() + v * r["h"].get<double>()};
+}
+
+double number(const Json &state, const std::string &key) {
+  return std::strtod(state["values"].value("image/" + key, std::string("nan")).c_str(), nullptr);
+}
+
+std::string text(const Json &state, const std::string &key) { return state["values"].value("image/" + key, std::string()); }
+
+Vec3 crossHair(const Json &state) {
+  Vec3 at{};
+  std::istringstream in(text(state, "cross_hair"));
+  in >> at[0] >> at[1] >> at[2];
+  return at;
+}
+
+/// Where the pane shows a world point, by the frame of radiological views of an image along the axes.
+Point pixelOf(const WorkstationDriver &window, const std::string &pane, const Vec3 &world) {
+  const Json state = window.state();
+  const double scale = number(state, pane + ".scale_mm_per_px");
+  const double right = pane == "sagittal" ? world[1] : world[0], down = pane == "axial" ? world[1] : -world[2];
+  const Json r = state["panes"][pane];
+  return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + right / scale, r["y"].get<double>() + 0.5 * r["h"].get<double>() + down / scale};
+}
+
+}  // namespace
+
+TEST_CASE("slices scroll by wheel and keys, each view by itself", "[image_scroll]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_scroll");
+  startOn(window, {imageFile("image_scroll").string()});
+  const Json first = window.state();
+  CHECK(first["view"] == first["panes"]["3D"]);
+  CHECK(text(first, "axial.letters") == "R|L|A|P");
+  CHECK(text(first, "sagittal.letters") == "A|P|S|I");
+  CHECK(text(first, "coronal.letters") == "R|L|S|I");
+  const double axial = number(first, "axial.slice"), coronal = number(first, "coronal.slice");
+  const auto waitForSlice = [&](const char *pane, double slice) {
+    return window.waitUntil("the slice changes", [&](const Json &s) { return number(s, std::string(pane) + ".slice") == slice; });
+  };
+  window.moveTo(inPane(window, "axial", 0.3, 0.4));
+  window.wheel(3);
+  waitForSlice("axial", axial + 3);
+  window.key("b");
+  waitForSlice("axial", axial + 2);
+  window.key("shift+Up");
+  waitForSlice("axial", axial + 12);
+  window.key("Left");
+  const Json later = waitForSlice("axial", axial + 11);
+  CHECK(number(later, "coronal.slice") == coronal);
+  CHECK(later["transport"]["steps"] == 0);
+  window.moveTo(inPane(window, "coronal", 0.3, 0.4));
+  window.key("f");
+  waitForSlice("coronal", coronal + 1);
+  window.screenshot("scrolled");
+  window.key("r");
+  waitForSlice("coronal", coronal);
+  CHECK(number(window.state(), "axial.slice") == axial + 11);
+}
+
+TEST_CASE("a click sets the cross-hair in all views, and the read-out tells what is there", "[image_cross_hair]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_cross_hair");
+  startOn(window, {imageFile("image_cross_hair").string(), labelFile("image_cross_hair").string()});
+  window.waitUntil("the labels are there", [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  // The stem of the L: x = 23, y = -6, z = 0.
+  window.clickAt(pixelOf(window, "coronal", {23, 0, 0}));
+  window.clickAt(pixelOf(window, "sagittal", {0, -6, 0}));
+  const Json state = window.waitUntil("the cross-hair is there", [](const Json &s) { return norm(crossHair(s) - Vec3{23, -6, 0}) < 2.0; });
+  for (const char *pane : {"axial", "sagittal", "coronal"}) CHECK(text(state, std::string(pane) + ".cross_hair") == "shown");
+  // The mouse is over the sagittal view; the others read at the cross-hair.
+  CHECK_THAT(text(state, "axial.readout"), Contains("   700") && Contains("letters") && Contains("mm"));
+  window.screenshot("on_the_L");
+  window.moveTo(inPane(window, "axial", 0.2, 0.2));
+  window.waitUntil("the read-out follows the mouse", [](const Json &s) { return text(s, "axial.readout").find("-1000") != std::string::npos; });
+  window.wheel(-2);
+  window.waitUntil("it is not on that slice", [](const Json &s) { return text(s, "axial.cross_hair") == "hidden"; });
+  CHECK(text(window.state(), "coronal.cross_hair") == "shown");
+  CHECK(norm(crossHair(window.state()) - crossHair(state)) < 1e-9);
+  window.key("c");
+  window.waitUntil("it is switched off", [](const Json &s) { return text(s, "coronal.cross_hair") == "hidden"; });
+}
+
+TEST_CASE("window and level follow a drag in their own mode, and number keys are presets", "[image_window]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_window");
+  startOn(window, {imageFile("image_window").string()});
+  const Json first = window.state();
+  window.moveTo(inPane(window, "axial", 0.5, 0.5));
+  window.key("w");
+  window.drag(inPane(window, "axial", 0.3, 0.7), inPane(window, "axial", 0.6, 0.3), 4);
+  const Json dragged = window.state();
+  CHECK(number(dragged, "window") > number(first, "window"));
+  CHECK(number(dragged, "level") < number(first, "level"));
+  CHECK(norm(crossHair(dragged) - crossHair(first)) < 1e-9);
+  window.screenshot("dragged");
+  window.key("3");
+  window.waitUntil("bone", [](const Json &s) { return number(s, "window") == 2000.0 && number(s, "level") == 400.0; });
+  window.key("0");
+  window.waitUntil("automatic", [&](const Json &s) { return number(s, "window") == number(first, "window"); });
+  // In the 3D view the same key is a direction.
+  window.moveTo(inPane(window, "3D", 0.5, 0.5));
+  window.key("3");
+  window.waitUntil("the camera has turned", [&](const Json &s) { return s["camera"]["yaw"] != first["camera"]["yaw"]; });
+  CHECK(number(window.state(), "window") == number(first, "window"));
+  window.click("toolbar/slices.cross_hair");
+  window.clickAt(inPane(window, "axial", 0.4, 0.4));
+  CHECK(norm(crossHair(window.state()) - crossHair(first)) > 1.0);
+}
+
+TEST_CASE("a double click gives a view the whole area, and another one gives it back", "[image_maximise]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_maximise");
+  startOn(window, {imageFile("image_maximise").string()});
+  const Json four = window.state();
+  for (const char *pane : {"coronal", "3D"}) {
+    window.doubleClickAt(inPane(window, pane, 0.4, 0.4));
+    const Json one = window.waitUntil("one view", [&](const Json &s) { return s["panes"].size() == 1 && s["panes"].contains(pane); });
+    CHECK(one["panes"][pane]["w"] > 1.9 * four["panes"][pane]["w"].get<double>());
+    window.screenshot(std::string("only_") + pane);
+    window.doubleClickAt(inPane(window, pane, 0.4, 0.4));
+    const Json back = window.waitUntil("four views", [](const Json &s) { return s["panes"].size() == 4; });
+    CHECK(back["panes"] == four["panes"]);
+  }
+  // Closed, the window is as without an image.
+  window.click("menu/file");
+  window.click("menu/file.close_image");
+  const Json closed = window.waitUntil("the image is closed", [](const Json &s) { return s["panes"].empty(); });
+  CHECK(closed["view"]["w"] > 600);
+  CHECK(closed["nodes"].empty());
+  CHECK_FALSE(closed["widgets"].contains("image/header"));
+}
+
+TEST_CASE("volume rendering, presets and labels are chosen in the panel", "[image_panel]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_panel");
+  startOn(window, {imageFile("image_panel").string(), labelFile("image_panel").string()});
+  window.waitUntil("the labels are there", [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  window.screenshot("before");
+  window.click("image/volume");
+  window.waitForValue("image/volume", "true");
+  window.moveTo(inPane(window, "3D", 0.9, 0.9));
+  window.screenshot("volume");
+  CHECK(window.differingPixels("before", "volume") > 500);
+  window.click("image/volume_preset");
+  window.click("image/volume_preset.option.MIP");
+  window.waitForValue("image/volume_preset", "MIP");
+  window.click("image/label.2");
+  window.waitForValue("image/label.2", "false");
+  window.screenshot("mip");
+  for (const Json &n : window.state()["notifications"]) CHECK(n["severity"] == "info");  // where the names come from
+}
+
+TEST_CASE("a file that cannot be read leads to a message, and the image stays", "[image_bad_file]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_bad_file");
+  const fs::path bad = outputFile("image_bad_file_broken.nii");
+  std::ofstream(bad, std::ios::binary) << "this is no image";
+  startOn(window, {imageFile("image_bad_file").string(), bad.string()});
+  const Json state = window.waitUntil("the message", [](const Json &s) { return s["notifications"].size() == 1; });
+  CHECK_THAT(state["notifications"][0]["title"].get<std::string>(), Contains("image_bad_file_broken.nii"));
+  CHECK(state["notifications"][0]["severity"] == "error");
+  CHECK(state["panes"].size() == 4);
+}
+
+TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside them", "[image_organ]") {
+  C3DE_WINDOW_OR_SKIP();
+  if (!fs::exists(fs::path(C3DE_TEST_PLUGIN_DIR) / (std::string("pointbased") + c3de::pluginExtension())))
+    C3DE_SKIP("the point-based plugin is not built");
+  WorkstationDriver window("image_organ");
+  const fs::path scene = outputFile("image_organ.toml");
+  std::ofstream(scene) << "format = 1\ntitle = \"Organ in an image\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n[solver]\ndamping = 5.0\n"
+                          "[[body]]\nname = \"organ\"\nmesh = \""
+                       << (fs::path(C3DE_TEST_RESOURCES) / "meshes" / "organ.obj").generic_string() << "\"\nmesh_unit = \"mm\"\n"
+                       << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
+                       << "sampling = { count = 400 }\n";
+  startOn(window, {imageFile("image_organ").string(), scene.string()});
+  window.waitUntil("the organ is cut by all slices", [](const Json &s) {
+    return number(s, "axial.outlines") >= 1 && number(s, "sagittal.outlines") >= 1 && number(s, "coronal.outlines") >= 1;
+  }, 60.0);
+  window.click("scene/" + imageFile("image_organ").filename().string());  // the planes would hide the organ from the mouse
+  window.moveTo(inPane(window, "3D", 0.5, 0.5));
+  window.key("f");
+  window.screenshot("rest");
+  window.key("p");
+  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  window.key("space");
+  window.moveTo(inPane(window, "3D", 0.5, 0.5));
+  window.press();
+  const auto held = [](const Json &s) { return s["values"].value("pointbased.controller/Held surfel", std::string()); };
+  window.waitUntil("a surfel is held", [&](const Json &s) { return !held(s).empty() && held(s) != "–"; });
+  for (int i = 1; i <= 6; ++i) window.moveTo(inPane(window, "3D", 0.5 + 0.05 * i, 0.5 - 0.04 * i));
+  window.waitUntil("the hand pulls", [](const Json &s) {
+    return std::strtod(s["values"].value("pointbased.controller/Pinch force", std::string()).c_str(), nullptr) > 0.0;
+  });
+  window.waitFrames(10);
+  window.screenshot("pulled");
+  window.release();
+  CHECK(window.differingPixels("rest", "pulled") > 100);
+  CHECK(window.state()["notifications"].empty());
+}
