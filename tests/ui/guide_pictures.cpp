@@ -2,7 +2,9 @@
 // Takes the pictures of docs/user/images from the program. Not a test of ctest:
 //   xvfb-run -a -s "-screen 0 1280x800x24" build/release/bin/test_ui "[guide]"
 // leaves guide-NAME.png under test-output/ui; look at them and copy those that show what the page says.
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include "support/catch.h"
 #include "ui/workstation_driver.h"
@@ -69,4 +71,23 @@ TEST_CASE("Pictures of the user guide", "[.guide]") {
   choose(window, "view.colour", "von_mises");
   pull(window, "stress");
   CHECK(window.state()["notifications"].empty());
+}
+
+TEST_CASE("Pictures of images for the user guide", "[.guide]") {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  WorkstationDriver window("guide");
+  window.start({image.string()});
+  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  const auto inPane = [&](const char *pane, double u, double v) {
+    const Json r = window.state()["panes"][pane];
+    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(), r["y"].get<double>() + v * r["h"].get<double>()};
+  };
+  window.click("image/volume");
+  window.click("image/slices_in_space");
+  window.clickAt(inPane("axial", 0.31, 0.62));
+  window.key("4");
+  window.waitUntil("the preset is set", [](const Json &s) { return s["values"].value("image/preset", "") == "CT abdomen (4)"; });
+  std::this_thread::sleep_for(std::chrono::seconds(2));  // the volume is refined
+  window.screenshot("image");
 }

@@ -45,7 +45,7 @@ std::string seriesText(const imaging::SeriesInfo &s) {
   for (const std::string &part : {s.description, s.orientation})
     if (!part.empty()) text += (text.empty() ? "" : ", ") + part;
   text += (text.empty() ? "" : ": ") + std::to_string(s.size[0]) + " × " + std::to_string(s.size[1]) + " × " + std::to_string(s.size[2]);
-  return text;
+  return text + " (" + nameOf(s.folder) + ", " + std::to_string(s.files) + (s.files == 1 ? " file)" : " files)");
 }
 
 }  // namespace

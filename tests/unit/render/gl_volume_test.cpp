@@ -155,7 +155,7 @@ TEST_CASE("Rays end at opaque meshes", "[volume]") {
     const Image image = fogTo(y);
     const double passed = std::pow(0.99, y + 30.5);
     CAPTURE(y);
-    // Half a step of 1 mm, and rounding at every step.
+    // Half a step, and rounding at every step.
     CHECK_THAT(pixel(image, kWidth / 2, kHeight / 2)[1], WithinAbs(255.0 * (1.0 - passed) + wallAlone * passed, 4.0));
   }
   save(fogTo(0.0), "volume_wall.png");

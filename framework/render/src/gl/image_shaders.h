@@ -117,7 +117,8 @@ void main() {
 #ifdef SHIFT
   float size = length(u);
   vec3 map = texture(uShiftColours, vec2((size - uShift.x) * uShift.y, 0.5)).rgb;
-  colour = mix(colour, map, size >= uShift.x && size > 0.0 ? uShift.z : 0.0);
+  // Fades in over the first twentieth of the range, so that the cells of the grid do not show at the rim.
+  colour = mix(colour, map, uShift.z * clamp(20.0 * (size - uShift.x) * uShift.y, 0.0, 1.0));
 #endif
   oColour = vec4(colour, 1.0);
 }
@@ -190,10 +191,11 @@ void main() {
   if (!(range.x < range.y)) return;
 
   precise vec3 textureOrigin = (origin + 0.5) / count, textureAlong = along / count;
-  uint noise = uint(gl_FragCoord.x) * 1973u + uint(gl_FragCoord.y) * 9277u;
-  noise = (noise ^ 61u) ^ (noise >> 16u);
-  noise *= 668265263u;
-  float jitter = float((noise >> 8u) & 65535u) / 65536.0;
+  // Rays begin at different fractions of a step, without a pattern: else steps show as rings.
+  uint noise = uint(gl_FragCoord.x) * 0x9e3779b9u ^ uint(gl_FragCoord.y) * 0x85ebca6bu;
+  noise = (noise ^ (noise >> 16u)) * 0x7feb352du;
+  noise = (noise ^ (noise >> 15u)) * 0x846ca68bu;
+  float jitter = float(noise >> 16u) / 65536.0;
   float number = ceil(range.x / uStep - jitter);
   precise float t = (number + jitter) * uStep;
 #ifdef MAXIMUM

@@ -146,8 +146,8 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
   picture.rows += rows;
   if (!program) return;
 
-  // A coarse picture takes coarse steps.
-  const double step_mm = finestSpacing(parts.image->place) * (picture.divisor > 1 ? 1.6 : 1.0);
+  // A coarse picture takes coarse steps; half a voxel is what thin bone needs.
+  const double step_mm = finestSpacing(parts.image->place) * (picture.divisor > 1 ? 1.5 : 0.5);
   using namespace shaders;
   glUseProgram(program->name());
   Mat4 worldFromView = affineInverse(frame.view);
@@ -242,7 +242,10 @@ void RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKe
     shown_ = begin(frame, scene.movingDivisor, drawDepth);
     if (shown_) castRows(*shown_, parts, scene, frame, shown_->height, statistics);
   } else if (!isRefined()) {
-    if (!next_) next_ = begin(frame, shown_->divisor > 2 ? 2 : 1, drawDepth);
+    if (!next_) {
+      next_ = begin(frame, shown_->divisor > 2 ? 2 : 1, drawDepth);
+      bandRows_ = std::max(4, bandRows_ / 8);  // longer rows of shorter steps than what was measured
+    }
     isAsFineAsCanBe_ = !next_;
     if (next_) {
       const auto start = std::chrono::steady_clock::now();

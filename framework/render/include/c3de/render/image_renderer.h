@@ -39,7 +39,7 @@ struct ImageLook {
   float labelOpacity = 0.4f;
   bool showsShift = false;           ///< |u| as colours over the slices
   double shiftLow = 0.0, shiftHigh = 10.0;  ///< mm
-  float shiftOpacity = 0.6f;         ///< where |u| >= shiftLow and not 0; elsewhere nothing is shown
+  float shiftOpacity = 0.6f;         ///< above shiftLow, after a short rise; elsewhere nothing is shown
   friend bool operator==(const ImageLook &, const ImageLook &) = default;
 };
 
