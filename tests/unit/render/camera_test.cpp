@@ -166,3 +166,23 @@ TEST_CASE("Millimetres per pixel predict how far apart two points are drawn") {
   const double pixels = camera.project(b, kWidth, kHeight)[0] - camera.project(a, kWidth, kHeight)[0];
   CHECK_THAT(pixels * camera.millimetresPerPixel(a, kHeight), WithinRel(7.0, 1e-9));
 }
+
+TEST_CASE("With the patient's z upwards the camera looks from the front, and turns about z") {
+  Camera camera;
+  camera.upAxis = render::UpAxis::z;
+  camera.yaw = camera.pitch = 0.0;
+  camera.distance = 300.0;
+  const auto near = [](const Vec3 &a, const Vec3 &b) { return norm(a - b) < 1e-12; };
+  CHECK(near(camera.forward(), {0, 1, 0}));
+  CHECK(near(camera.right(), {1, 0, 0}));
+  CHECK(near(camera.up(), {0, 0, 1}));
+  CHECK(near(camera.eye(), {0, -300, 0}));
+  camera.yaw = 0.7;
+  camera.pitch = -0.4;
+  CHECK(camera.right()[2] == 0.0);
+  CHECK(near(cross(camera.right(), camera.forward()), camera.up()));
+  const Vec3 point{12, -7, 30};
+  const Vec3 p = camera.project(point, 400, 300);
+  const render::Ray ray = camera.pickRay(p[0], p[1], 400, 300);
+  CHECK(norm(cross(point - ray.origin, ray.direction)) < 1e-9);
+}

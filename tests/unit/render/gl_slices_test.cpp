@@ -168,6 +168,26 @@ TEST_CASE("Labels lie over the image on their own grid, in their colours, and ca
   CHECK(reads(slice(*gl.renderer, look, plane), 'L'));
 }
 
+TEST_CASE("A label fills its voxel, from half a voxel before its centre to half a voxel behind", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  const GridPlace place{{2, 1, 1}, {20, 0, 0, 0, 0, 40, 0, 0, 0, 0, 40, 0, -10, 0, 0, 1}};
+  const std::vector<std::uint8_t> black{0, 0};
+  ImageLook look = lookAt(added(gl.renderer->images()->addImage({place, VoxelType::uint8, black.data()})));
+  look.window = 255;
+  look.level = 127.5;
+  look.labelOpacity = 1.0f;
+  look.labels = added(gl.renderer->images()->addLabels(place, std::vector<std::uint16_t>{300, 65535}));
+  gl.renderer->images()->setLabelColours(look.labels, std::vector<std::pair<std::uint16_t, Colour>>{{300, {1, 0, 0, 1}}, {65535, {0, 1, 0, 1}}});
+  const Image image = slice(*gl.renderer, look, planeAt({}, kLeft, kBack));
+  const Rgb red{255, 0, 0}, green{0, 255, 0}, none{0, 0, 0};
+  CHECK(pixel(image, 72 - 41, 72) == none);
+  CHECK(pixel(image, 72 - 39, 72) == red);
+  CHECK(pixel(image, 71, 72) == red);
+  CHECK(pixel(image, 72, 72) == green);
+  CHECK(pixel(image, 72 + 39, 72) == green);
+  CHECK(pixel(image, 72 + 41, 72) == none);
+}
+
 TEST_CASE("A displacement shows the material that is now there, image and labels alike", "[slices]") {
   C3DE_GL_OR_SKIP(gl);
   const Phantom phantom = plainPhantom();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "c3de/render/renderer.h"
+#include "c3de/render/image_renderer.h"
 #include "support/catch.h"
 
 using namespace c3de;
@@ -32,4 +32,46 @@ TEST_CASE("Without a context the OpenGL renderer is refused with the version it 
   REQUIRE(!renderer.has_value());
   CHECK(renderer.error().code == ErrorCode::graphics);
   CHECK_THAT(renderer.error().message, Contains("OpenGL 4.3 core is needed"));
+}
+
+TEST_CASE("Without graphics images are kept and refused as with them") {
+  const auto renderer = createNullRenderer();
+  ImageRenderer *images = renderer->images();
+  REQUIRE(images);
+  const std::vector<std::uint8_t> voxels(8, 1);
+  const GridPlace place{{2, 2, 2}, kIdentity4};
+  const auto image = images->addImage({place, VoxelType::uint8, voxels.data()});
+  REQUIRE(image);
+  const auto labels = images->addLabels(place, std::vector<std::uint16_t>(8, 1));
+  REQUIRE(labels);
+  CHECK_FALSE(images->addLabels(place, std::vector<std::uint16_t>(7, 1)).has_value());
+  CHECK_FALSE(images->setLabelColours(*image, {}));  // an image has none
+  CHECK(images->setLabelColours(*labels, {}));
+  const auto u = images->addDisplacement(place, std::vector<float>(24, 0.0f));
+  REQUIRE(u);
+  CHECK(images->setDisplacement(*u, std::vector<float>(24, 1.0f)));
+  CHECK_FALSE(images->setDisplacement(*u, std::vector<float>(23, 1.0f)));
+  CHECK_FALSE(images->setShiftColours(std::vector<Colour>(1)));
+  CHECK(images->remove(*labels));
+  CHECK_FALSE(images->setLabelColours(*labels, {}));
+}
+
+TEST_CASE("Every visible mesh can be looked at where it is drawn") {
+  const auto renderer = createNullRenderer();
+  const std::vector<Vec3f> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<Triangle> triangles{{0, 1, 2}};
+  const Handle shown = renderer->createMesh(corners, triangles, {}), hidden = renderer->createMesh(corners, triangles, {});
+  (void)renderer->createSpheres(corners, 1.0f, {});
+  Mat4 moved = kIdentity4;
+  moved[12] = 5.0;
+  renderer->setTransform(shown, moved);
+  renderer->setVisible(hidden, false);
+  int count = 0;
+  renderer->forEachMesh([&](const MeshView &mesh) {
+    ++count;
+    CHECK(mesh.positions.size() == 3);
+    CHECK(mesh.triangles.size() == 1);
+    CHECK(mesh.worldFromProxy == moved);
+  });
+  CHECK(count == 1);
 }

@@ -160,3 +160,12 @@ TEST_CASE("the camera can be made to look along every axis") {
     CHECK(dot(camera.forward(), direction) > 0.99999);
   }
 }
+
+TEST_CASE("The six directions are reached with the patient's z upwards as well", "[view]") {
+  for (const Vec3 &direction : {Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1}}) {
+    render::Camera camera;
+    camera.upAxis = render::UpAxis::z;
+    ui::lookAlong(camera, direction);
+    CHECK(dot(camera.forward(), direction) > 0.999);
+  }
+}
