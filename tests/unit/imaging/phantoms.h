@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bodies in voxels, with the geometry that makes each of them awkward.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "c3de/imaging/volume.h"
+
+namespace phantoms {
+
+using namespace c3de;
+using c3de::imaging::Mask;
+using c3de::imaging::VolumeGeometry;
+
+inline VolumeGeometry grid(std::array<std::size_t, 3> size, Vec3 spacing = {1.0, 1.0, 1.0}) {
+  VolumeGeometry g;
+  g.size = size;
+  for (std::size_t a = 0; a < 3; ++a) g.indexToWorld[4 * a + a] = spacing[a];
+  return g;
+}
+
+/// Turned about two axes and moved; left-handed if wanted.
+inline VolumeGeometry oblique(std::array<std::size_t, 3> size, Vec3 spacing, bool leftHanded = false) {
+  const double a = 0.4, b = 0.9;
+  const Vec3 x{std::cos(a), std::sin(a), 0.0};
+  const Vec3 y{-std::sin(a) * std::cos(b), std::cos(a) * std::cos(b), std::sin(b)};
+  Vec3 z = cross(x, y);
+  if (leftHanded) z = -1.0 * z;
+  VolumeGeometry g;
+  g.size = size;
+  const Vec3 axes[3] = {spacing[0] * x, spacing[1] * y, spacing[2] * z};
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t r = 0; r < 3; ++r) g.indexToWorld[4 * c + r] = axes[c][r];
+  g.indexToWorld[12] = -120.0;
+  g.indexToWorld[13] = 45.0;
+  g.indexToWorld[14] = 900.0;
+  return g;
+}
+
+inline Vec3 centreOf(const VolumeGeometry &g) {
+  return g.worldAt({0.5 * static_cast<double>(g.size[0] - 1), 0.5 * static_cast<double>(g.size[1] - 1),
+                    0.5 * static_cast<double>(g.size[2] - 1)});
+}
+
+/// Voxels whose centre (relative to the middle of the grid, mm) is inside.
+inline Mask where(const VolumeGeometry &g, const std::function<bool(const Vec3 &)> &inside) {
+  Mask mask{g, std::vector<std::uint8_t>(g.voxelCount())};
+  const Vec3 centre = centreOf(g);
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < g.size[2]; ++k)
+    for (std::size_t j = 0; j < g.size[1]; ++j)
+      for (std::size_t i = 0; i < g.size[0]; ++i)
+        mask.voxels[at++] =
+            inside(g.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}) - centre) ? 1 : 0;
+  return mask;
+}
+
+inline Mask ball(const VolumeGeometry &g, double radius) {
+  return where(g, [radius](const Vec3 &x) { return dot(x, x) <= radius * radius; });
+}
+
+/// Voxels [min, max) of the index.
+inline Mask box(const VolumeGeometry &g, std::array<std::size_t, 3> min, std::array<std::size_t, 3> max) {
+  Mask mask{g, std::vector<std::uint8_t>(g.voxelCount(), 0)};
+  for (std::size_t k = min[2]; k < max[2]; ++k)
+    for (std::size_t j = min[1]; j < max[1]; ++j)
+      for (std::size_t i = min[0]; i < max[0]; ++i) mask.voxels[i + g.size[0] * (j + g.size[1] * k)] = 1;
+  return mask;
+}
+
+inline void set(Mask &mask, std::array<std::size_t, 3> at, bool to = true) {
+  mask.voxels[at[0] + mask.geometry.size[0] * (at[1] + mask.geometry.size[1] * at[2])] = to ? 1 : 0;
+}
+inline bool get(const Mask &mask, std::array<std::size_t, 3> at) {
+  return mask.voxels[at[0] + mask.geometry.size[0] * (at[1] + mask.geometry.size[1] * at[2])] != 0;
+}
+
+/// Whole numbers that are the same on every machine.
+class Dice {
+ public:
+  explicit Dice(std::uint64_t seed) : state_(seed) {}
+  std::uint32_t operator()(std::uint32_t below) {
+    state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
+    return static_cast<std::uint32_t>((state_ >> 33) % below);
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace phantoms
