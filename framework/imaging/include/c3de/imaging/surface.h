@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "c3de/core/expected.h"
+#include "c3de/core/progress.h"
+#include "c3de/geometry/triangle_mesh.h"
+#include "c3de/imaging/volume.h"
+
+namespace c3de::imaging {
+
+struct SurfaceSettings {
+  double edgeLength = 0.0;       ///< wanted, mm; 0: a twentieth of the cube root of the volume, at least 1.5 voxels
+  double smoothingLength = 0.0;  ///< steps nearer to each other than this are evened out, mm; 0: two of the longest voxel edges
+};
+
+/// The border of a mask: closed, 2-manifold, counter-clockwise seen from outside for either handedness of the index, LPS mm.
+/// What touches the border of the grid is closed there, half a voxel outside.
+///
+/// Edges are about as long as chosen (most within a factor of 1.4), whatever the voxels. Every part, and every cavity, keeps
+/// its volume in voxels; together they enclose voxel count times voxel volume within 1e-4. No vertex leaves the voxels
+/// around its place on the border by more than about half a voxel, so thin parts stay. Voxels that touch in an edge or a
+/// corner alone do not hang together. Where edges are five voxels long or more the mask is seen through voxels two and a
+/// half times shorter than them, and parts of less than half such a voxel are lost.
+///
+/// Errors: an empty mask, an edge length that is not finite and >= 0, or that makes more than five million triangles,
+/// cancelled. Any thread.
+///
+/// @source Gibson, Constrained Elastic Surface Nets, MICCAI 1998; Botsch and Kobbelt, A Remeshing Approach to
+///         Multiresolution Modeling, SGP 2004; Taubin, A Signal Processing Approach to Fair Surface Design, SIGGRAPH 1995
+[[nodiscard]] Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettings &settings = {},
+                                                         const ProgressFn &progress = {});
+
+}  // namespace c3de::imaging

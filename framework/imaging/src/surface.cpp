@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/imaging/surface.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "c3de/imaging/masks.h"
+#include "mask_tools.h"
+#include "remesh.h"
+#include "surface_net.h"
+
+namespace c3de::imaging {
+namespace {
+
+constexpr double kMostTriangles = 5e6;
+constexpr double kVoxelsPerEdge = 2.5;      // of the grid the mask is seen through
+constexpr double kRelaxations = 2.0, kMostRelaxations = 200.0;  // per squared length in voxels
+constexpr double kDefaultLength = 2.0;       // longest voxel edges
+constexpr std::size_t kFairings = 10;
+constexpr double kMostOfPart = 0.5;         // of the cube root of a part's volume: the longest edges it gets
+constexpr int kCoarsely = 3, kFinely = 20;  // steps that restore volumes
+
+// Numbers the connected parts into the tags.
+std::size_t tagParts(EditMesh &mesh) {
+  constexpr unsigned kOpen = EditMesh::kNone;
+  std::fill(mesh.tags.begin(), mesh.tags.end(), kOpen);
+  std::size_t parts = 0;
+  std::vector<unsigned> stack;
+  for (unsigned seed = 0; seed < mesh.points.size(); ++seed) {
+    if (!mesh.isUsed(seed) || mesh.tags[seed] != kOpen) continue;
+    stack.assign(1, seed);
+    mesh.tags[seed] = static_cast<unsigned>(parts);
+    while (!stack.empty()) {
+      const unsigned v = stack.back();
+      stack.pop_back();
+      mesh.around(v, [&](unsigned h) {
+        if (mesh.tags[mesh.to(h)] != kOpen) return;
+        mesh.tags[mesh.to(h)] = static_cast<unsigned>(parts);
+        stack.push_back(mesh.to(h));
+      });
+    }
+    ++parts;
+  }
+  return parts;
+}
+
+struct PartMeasures {
+  std::vector<double> volumes, areas;
+};
+
+PartMeasures measure(const EditMesh &mesh, std::span<const Vec3> points, std::size_t parts, const Vec3 &about) {
+  PartMeasures m{std::vector<double>(parts, 0.0), std::vector<double>(parts, 0.0)};
+  for (unsigned h = 0; h < mesh.halfEdges(); h += 3) {
+    if (!mesh.alive(h)) continue;
+    const Vec3 a = points[mesh.from(h)] - about, b = points[mesh.to(h)] - about, c = points[mesh.from(h + 2)] - about;
+    const unsigned part = mesh.tags[mesh.from(h)];
+    m.volumes[part] += dot(a, cross(b, c)) / 6.0;
+    m.areas[part] += 0.5 * norm(cross(b - a, c - a));
+  }
+  return m;
+}
+
+// Every part along its normals until its volume is what it should be.
+void restoreVolumes(EditMesh &mesh, std::span<const double> wanted, std::span<const double> edges, int times) {
+  const Vec3 about = mesh.points.front();
+  for (int time = 0; time < times; ++time) {
+    const PartMeasures now = measure(mesh, mesh.points, wanted.size(), about);
+    std::vector<double> way(wanted.size(), 0.0);
+    double worst = 0.0;
+    for (std::size_t p = 0; p < wanted.size(); ++p) {
+      const double missing = wanted[p] - now.volumes[p];
+      worst = std::max(worst, std::abs(missing) / std::abs(wanted[p]));
+      if (now.areas[p] > 0.0) way[p] = std::clamp(missing / now.areas[p], -0.25 * edges[p], 0.25 * edges[p]);
+    }
+    if (worst < 1e-6) return;
+    std::vector<Vec3> moved = mesh.points;
+    for (unsigned v = 0; v < moved.size(); ++v) {
+      if (!mesh.isUsed(v)) continue;
+      Vec3 normal{};
+      mesh.around(v, [&](unsigned h) { normal = normal + mesh.areaNormal(h); });
+      const double length = norm(normal);
+      if (length > 0.0) moved[v] = moved[v] + (way[mesh.tags[v]] / length) * normal;
+    }
+    mesh.points.swap(moved);
+  }
+}
+
+}  // namespace
+
+Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettings &settings, const ProgressFn &progress) {
+  if (const auto good = checkMask(mask); !good) return tl::unexpected(good.error());
+  for (const auto &[name, value] : {std::pair{"edge length", settings.edgeLength}, std::pair{"smoothing length", settings.smoothingLength}})
+    if (!(value >= 0.0) || !std::isfinite(value))
+      return fail(ErrorCode::usage, fmt::format("{} = {} mm is not accepted: finite and > 0, or 0 to have it chosen", name, value));
+  const VoxelBox box = boxAround(mask);
+  if (box.empty()) return fail(ErrorCode::usage, "the mask is empty: there is no surface around nothing");
+  const double volume = volumeOf(mask), voxelVolume = mask.geometry.voxelVolume();
+  const double edge = settings.edgeLength > 0.0
+                          ? settings.edgeLength
+                          : std::max(std::cbrt(volume) / 20.0, 1.5 * std::cbrt(voxelVolume));
+  std::array<std::size_t, 3> block = blocksUpTo(mask.geometry, edge / kVoxelsPerEdge);
+  const auto goOn = [&](double fraction) { return goesOn(progress, fraction, "surface"); };
+
+  Fill grid = fillInBlocks(mask, box, block);
+  if (std::none_of(grid.values.begin(), grid.values.end(), [](float f) { return f >= 0.5f; })) {
+    block = {1, 1, 1};
+    grid = fillInBlocks(mask, box, block);
+  }
+  if (!goOn(0.1)) return cancelled();
+  SurfaceNet net = surfaceNetOf(grid, mask.geometry.handedness() < 0.0);
+  EditMesh &surface = net.mesh;
+  const std::size_t parts = tagParts(surface);
+  for (Vec3 &home : net.homes) home = transformPoint(grid.geometry.indexToWorld, home);
+  PartMeasures wanted = measure(surface, net.homes, parts, net.homes.front());
+  for (Vec3 &home : net.homes) home = transformPoint(affineInverse(grid.geometry.indexToWorld), home);
+  double area = 0.0, counted = 0.0;
+  for (std::size_t p = 0; p < parts; ++p) {
+    area += wanted.areas[p];
+    counted += wanted.volumes[p];
+  }
+  for (double &v : wanted.volumes) v *= volume / counted;
+  // Steps make an area up to half as large again as that of what they stand for.
+  const double triangles = area / 1.5 / (0.25 * std::sqrt(3.0) * edge * edge);
+  if (triangles > kMostTriangles)
+    return fail(ErrorCode::usage, fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are accepted: choose longer edges",
+                                              edge, triangles, kMostTriangles));
+  if (!goOn(0.3)) return cancelled();
+
+  const Vec3 voxels = grid.geometry.spacing();
+  const double shortest = *std::min_element(voxels.begin(), voxels.end()), longest = *std::max_element(voxels.begin(), voxels.end());
+  const double length = settings.smoothingLength > 0.0 ? settings.smoothingLength : kDefaultLength * longest;
+  relax(net, static_cast<std::size_t>(std::min(kMostRelaxations, std::ceil(kRelaxations * length * length / (shortest * shortest)))));
+  for (Vec3 &point : surface.points) point = transformPoint(grid.geometry.indexToWorld, point);
+  if (!goOn(0.5)) return cancelled();
+  // Small parts need shorter edges to have a shape.
+  std::vector<double> edges(parts);
+  for (std::size_t p = 0; p < parts; ++p) edges[p] = std::min(edge, kMostOfPart * std::cbrt(std::abs(wanted.volumes[p])));
+  restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
+  const auto round = [&](double fraction) {
+    restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
+    return goOn(0.5 + 0.4 * fraction);
+  };
+  if (!remesh(surface, edges, round)) return cancelled();
+  fair(surface, kFairings);
+  restoreVolumes(surface, wanted.volumes, edges, kFinely);
+  if (!goOn(1.0)) return cancelled();
+  return surface.mesh();
+}
+
+}  // namespace c3de::imaging

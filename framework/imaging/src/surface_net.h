@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "c3de/imaging/masks.h"
+#include "edit_mesh.h"
+
+namespace c3de::imaging {
+
+/// The border between voxels filled to a half and others, in index coordinates, and where its vertices belong.
+struct SurfaceNet {
+  EditMesh mesh;            ///< vertices at the mean of where the border crosses the edges around
+  std::vector<Vec3> homes;  ///< [points] the corner of the voxels that each stands for
+};
+
+/// @param fill        with an empty outermost layer
+/// @param leftHanded  of the index in the world: which side of a triangle is its front
+[[nodiscard]] SurfaceNet surfaceNetOf(const Fill &fill, bool leftHanded);
+
+/// Moves every vertex towards the mean of its neighbours again and again, at most 0.45 voxels from its home.
+/// @source Tukey's twicing (Exploratory Data Analysis, 1977)
+void relax(SurfaceNet &net, std::size_t times);
+
+}  // namespace c3de::imaging
