@@ -84,6 +84,12 @@ void Questions::distances(std::span<const Vec3> local, std::span<double> out) co
   });
 }
 
+void Questions::shares(std::span<const Vec3> local, double edge, std::span<double> parts, std::span<double> distances) const {
+  inBatches(frame_, local, [&](std::span<const Vec3> world, std::size_t begin) {
+    shape_.shares(world, frame_.axes, edge, parts.subspan(begin, world.size()), distances.subspan(begin, world.size()));
+  });
+}
+
 void Questions::inside(std::span<const Vec3> local, std::span<std::uint8_t> out) const {
   std::vector<double> winding(std::min(kBatch, local.size()));
   inBatches(frame_, local, [&](std::span<const Vec3> world, std::size_t begin) {
@@ -162,10 +168,10 @@ Frame frameOver(const BodyShape &shape, const LatticeSampling &sampling, double 
   frame.origin = 0.5 * (shape.min + shape.max);
   frame.axes = axes;
   frame.spacing = spacing;
-  // Bounds along the lattice: of the vertices where they are known, else of the box around the body.
+  // Bounds along the lattice: of the vertices where they are known and are the body's border, else of the box around it.
   const Vec3 half = axes.transpose().cwiseAbs() * (0.5 * (shape.max - shape.min));
   Vec3 min = -half, max = half;
-  if (!axes.isIdentity(0.0) && !shape.surface.positions.empty()) {
+  if (!axes.isIdentity(0.0) && !shape.surface.positions.empty() && !shape.shares) {
     min = Vec3::Constant(1e300);
     max = -min;
     for (const Vec3 &p : shape.surface.positions) {

@@ -108,7 +108,10 @@ class Questions {
  public:
   Questions(const BodyShape &shape, const Frame &frame) : shape_(shape), frame_(frame) {}
   [[nodiscard]] bool measures() const { return static_cast<bool>(shape_.surfaceDistance); }
+  [[nodiscard]] bool knowsShares() const { return static_cast<bool>(shape_.shares); }
   void distances(std::span<const Vec3> local, std::span<double> out) const;
+  /// BodyShape::shares of cubes along the lattice.
+  void shares(std::span<const Vec3> local, double edge, std::span<double> parts, std::span<double> distances) const;
   void inside(std::span<const Vec3> local, std::span<std::uint8_t> out) const;
 
  private:

@@ -49,12 +49,40 @@ Place rootOf(const CellSet &set, Place place) {
   return place;
 }
 
+namespace {
+
+// Two full neighbours lie deeper than the way between them, a full one and one that is cut do not.
+constexpr double kBeyond = 0.55;
+
+void sampleShares(const Questions &ask, const CellSet &set, std::span<const Cell> cells, std::span<Samples> out) {
+  std::array<Vec3, kSamples> points;
+  std::array<double, kSamples> parts{};
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const Vec3 centre = set.centre(cells[c]);
+    const double edge = set.edge(cells[c]), width = edge / kSamplesPerAxis;
+    for (int s = 0; s < kSamples; ++s) points[static_cast<std::size_t>(s)] = centre + edge * sampleOffset(s);
+    ask.shares(points, width, parts, out[c]);
+    for (std::size_t s = 0; s < kSamples; ++s) {
+      double &distance = out[c][s];
+      if (parts[s] >= 1.0) distance = std::min(distance, -kBeyond * width);
+      else if (parts[s] <= 0.0) distance = std::max(distance, kBeyond * width);
+      else distance = (0.5 - parts[s]) * width;
+    }
+  }
+}
+
+}  // namespace
+
 // Two neighbours whose distances sum to more than the way between them lie on the same
 // side, so one question per group of them decides.
 void sampleCells(const Questions &ask, const CellSet &set, std::span<const Cell> cells, std::span<Samples> out,
                  const ParallelFor &parallelFor) {
   constexpr std::size_t kCellsPerBatch = 64;
   parallelFor(cells.size(), kCellsPerBatch, [&](std::size_t begin, std::size_t end) {
+    if (ask.knowsShares()) {
+      sampleShares(ask, set, cells.subspan(begin, end - begin), out.subspan(begin, end - begin));
+      return;
+    }
     std::vector<Vec3> points, representatives;
     std::vector<double> distances;
     std::vector<std::uint8_t> group, answers;

@@ -60,6 +60,22 @@ std::vector<std::uint8_t> insideFlags(const BodyShape &shape, std::span<const Ve
   return flags;
 }
 
+// What of cubes of the finer lattice is inside.
+std::vector<double> partsInside(const BodyShape &shape, std::span<const Vec3> points, double edge, const ParallelFor &parallelFor) {
+  std::vector<double> parts(points.size());
+  parallelFor(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+    const auto some = points.subspan(begin, end - begin);
+    const auto out = std::span<double>(parts).subspan(begin, end - begin);
+    if (shape.shares) {
+      shape.shares(some, Mat3::Identity(), edge, out, {});
+      return;
+    }
+    shape.inside(some, out);
+    for (double &part : out) part = part > 0.5 ? 1.0 : 0.0;
+  });
+  return parts;
+}
+
 std::size_t countInside(const BodyShape &shape, double spacing, const ParallelFor &parallelFor) {
   const Lattice lattice = latticeOver(shape, spacing);
   std::vector<Vec3> centres(lattice.cells());
@@ -145,16 +161,16 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   cloud.volumes.assign(cloud.positions.size(), 0.0);
   struct Orphan {
     Vec3 sum = Vec3::Zero();
-    int count = 0;
+    double count = 0.0;  // cubes of the finer lattice
   };
   std::vector<std::pair<std::size_t, Orphan>> orphans;
   constexpr std::size_t kBatch = 2048;
   std::vector<Vec3> points;
   std::vector<std::size_t> cellOfPoint;
   const auto flush = [&]() {
-    const std::vector<std::uint8_t> flags = insideFlags(shape, points, parallelFor);
+    const std::vector<double> parts = partsInside(shape, points, spacing / kSubdivisions, parallelFor);
     for (std::size_t p = 0; p < points.size(); ++p) {
-      if (!flags[p]) continue;
+      if (!(parts[p] > 0.0)) continue;
       const auto cell = static_cast<std::int64_t>(cellOfPoint[p]);
       const std::int64_t cx = cell % lattice.n[0], cy = (cell / lattice.n[0]) % lattice.n[1],
                          cz = cell / (lattice.n[0] * lattice.n[1]);
@@ -172,12 +188,12 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
             }
           }
       if (nearest != kOutside) {
-        cloud.volumes[static_cast<std::size_t>(nearest)] += partVolume;
+        cloud.volumes[static_cast<std::size_t>(nearest)] += parts[p] * partVolume;
         continue;
       }
       if (orphans.empty() || orphans.back().first != cellOfPoint[p]) orphans.push_back({cellOfPoint[p], {}});
-      orphans.back().second.sum += points[p];
-      ++orphans.back().second.count;
+      orphans.back().second.sum += parts[p] * points[p];
+      orphans.back().second.count += parts[p];
     }
     points.clear();
     cellOfPoint.clear();
@@ -202,7 +218,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   flush();
   // Slivers of less than a fiftieth of a cell join their neighbours' scale instead of becoming points of almost no mass.
   for (const auto &[cell, orphan] : orphans)
-    if (orphan.count > kPerCell / 50 || cloud.positions.empty()) {
+    if (orphan.count >= kPerCell / 50 + 1 || cloud.positions.empty()) {
       cloud.positions.push_back(orphan.sum / orphan.count);
       cloud.volumes.push_back(orphan.count * partVolume);
     }
