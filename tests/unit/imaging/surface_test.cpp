@@ -164,15 +164,19 @@ TEST_CASE("parts of one voxel are closed surfaces with their volume", "[imaging]
 }
 
 TEST_CASE("voxels that touch in an edge or a corner make no common edge", "[imaging][surface]") {
-  for (const auto &other : {std::array<std::size_t, 3>{6, 6, 5}, std::array<std::size_t, 3>{6, 6, 6}}) {
-    Mask mask = phantoms::box(phantoms::grid({12, 12, 12}), {5, 5, 5}, {6, 6, 6});
+  using At = std::array<std::size_t, 3>;
+  for (const auto &[one, other] : {std::pair{At{5, 5, 5}, At{6, 6, 5}}, std::pair{At{5, 6, 5}, At{6, 5, 5}},
+                                   std::pair{At{5, 5, 6}, At{5, 6, 5}}, std::pair{At{5, 5, 5}, At{6, 6, 6}},
+                                   std::pair{At{5, 6, 5}, At{6, 5, 6}}}) {
+    Mask mask{phantoms::grid({12, 12, 12}), std::vector<std::uint8_t>(12 * 12 * 12, 0)};
+    phantoms::set(mask, one);
     phantoms::set(mask, other);
     const TriangleMesh mesh = surface(mask, {0.5, 0.0});
     checkSound(mesh, mask);
     CHECK(geometry::inspect(mesh, geometry::LengthUnit::millimetre).components == 2);
     // And holes that touch likewise.
     Mask holes = phantoms::box(phantoms::grid({12, 12, 12}), {2, 2, 2}, {10, 10, 10});
-    phantoms::set(holes, {5, 5, 5}, false);
+    phantoms::set(holes, one, false);
     phantoms::set(holes, other, false);
     checkSound(surface(holes, {0.7, 0.0}), holes);
   }
