@@ -34,8 +34,9 @@ Expected<Ball> ballOf(const VolumeGeometry &geometry, double radius) {
   for (std::size_t a = 0; a < 3; ++a) {
     const double voxels = radius * kRounding * norm({inverse[a], inverse[4 + a], inverse[8 + a]});
     if (voxels > kMostVoxels)
-      return fail(ErrorCode::usage, fmt::format("a radius of {:.4g} mm is {:.0f} voxels of {:.3g} mm; at most {:.0f} are accepted",
-                                                radius, voxels, ball.spacing[a], kMostVoxels));
+      return fail(ErrorCode::usage,
+                  fmt::format("a radius of {:.4g} mm is {:.0f} voxels of {:.3g} mm; at most {:.0f} are accepted", radius,
+                              voxels, ball.spacing[a], kMostVoxels));
     ball.reach[a] = static_cast<std::size_t>(voxels);
   }
   return ball;
@@ -75,7 +76,8 @@ class Growth {
     lines.resize(nx * ny);
     anyLine.resize(ny);
     for (std::size_t k = 0; k < nz; ++k) {
-      for (std::size_t j = 0; j < ny; ++j) anyLine[j] = alongRow(bits.data() + nx * (j + ny * k), limit, lines.data() + nx * j);
+      for (std::size_t j = 0; j < ny; ++j)
+        anyLine[j] = alongRow(bits.data() + nx * (j + ny * k), limit, lines.data() + nx * j);
       for (std::size_t j = 0; j < ny; ++j) {
         float *out = squares.data() + nx * (j + ny * k);
         std::fill(out, out + nx, kFar);
@@ -206,7 +208,8 @@ Expected<Mask> growAndShrink(const Mask &mask, double radius, Order order, const
   Window window;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto margin = static_cast<std::ptrdiff_t>(ball->reach[a] + 1);
-    std::ptrdiff_t low = static_cast<std::ptrdiff_t>(box.min[a]) - margin, high = static_cast<std::ptrdiff_t>(box.max[a]) + margin;
+    std::ptrdiff_t low = static_cast<std::ptrdiff_t>(box.min[a]) - margin;
+    std::ptrdiff_t high = static_cast<std::ptrdiff_t>(box.max[a]) + margin;
     if (order == Order::shrinkFirst) {
       low = std::max<std::ptrdiff_t>(0, low);
       high = std::min(static_cast<std::ptrdiff_t>(mask.geometry.size[a]), high);

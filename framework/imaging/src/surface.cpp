@@ -91,9 +91,11 @@ void restoreVolumes(EditMesh &mesh, std::span<const double> wanted, std::span<co
 
 Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettings &settings, const ProgressFn &progress) {
   if (const auto good = checkMask(mask); !good) return tl::unexpected(good.error());
-  for (const auto &[name, value] : {std::pair{"edge length", settings.edgeLength}, std::pair{"smoothing length", settings.smoothingLength}})
+  for (const auto &[name, value] : {std::pair{"edge length", settings.edgeLength},
+                                    std::pair{"smoothing length", settings.smoothingLength}})
     if (!(value >= 0.0) || !std::isfinite(value))
-      return fail(ErrorCode::usage, fmt::format("{} = {} mm is not accepted: finite and > 0, or 0 to have it chosen", name, value));
+      return fail(ErrorCode::usage,
+                  fmt::format("{} = {} mm is not accepted: finite and > 0, or 0 to have it chosen", name, value));
   const VoxelBox box = boxAround(mask);
   if (box.empty()) return fail(ErrorCode::usage, "the mask is empty: there is no surface around nothing");
   const double volume = volumeOf(mask), voxelVolume = mask.geometry.voxelVolume();
@@ -124,19 +126,23 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   // Steps make an area up to half as large again as that of what they stand for.
   const double triangles = area / 1.5 / (0.25 * std::sqrt(3.0) * edge * edge);
   if (triangles > kMostTriangles)
-    return fail(ErrorCode::usage, fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are accepted: choose longer edges",
+    return fail(ErrorCode::usage, fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are "
+                                              "accepted: choose longer edges",
                                               edge, triangles, kMostTriangles));
   if (!goOn(0.3)) return cancelled();
 
   const Vec3 voxels = grid.geometry.spacing();
-  const double shortest = *std::min_element(voxels.begin(), voxels.end()), longest = *std::max_element(voxels.begin(), voxels.end());
+  const double shortest = *std::min_element(voxels.begin(), voxels.end());
+  const double longest = *std::max_element(voxels.begin(), voxels.end());
   const double length = settings.smoothingLength > 0.0 ? settings.smoothingLength : kDefaultLength * longest;
-  relax(net, static_cast<std::size_t>(std::min(kMostRelaxations, std::ceil(kRelaxations * length * length / (shortest * shortest)))));
+  const double relaxations = std::ceil(kRelaxations * length * length / (shortest * shortest));
+  relax(net, static_cast<std::size_t>(std::min(kMostRelaxations, relaxations)));
   for (Vec3 &point : surface.points) point = transformPoint(grid.geometry.indexToWorld, point);
   if (!goOn(0.5)) return cancelled();
   // Small parts need shorter edges to have a shape.
   std::vector<double> edges(parts);
-  for (std::size_t p = 0; p < parts; ++p) edges[p] = std::min(edge, kMostOfPart * std::cbrt(std::abs(wanted.volumes[p])));
+  for (std::size_t p = 0; p < parts; ++p)
+    edges[p] = std::min(edge, kMostOfPart * std::cbrt(std::abs(wanted.volumes[p])));
   restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
   const auto round = [&](double fraction) {
     restoreVolumes(surface, wanted.volumes, edges, kCoarsely);

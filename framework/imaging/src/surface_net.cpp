@@ -60,7 +60,8 @@ class NetBuilder {
     unsigned &vertex = cells_[cell[2] == k ? 1 : 0][cell[0] + size_[0] * cell[1]];
     if (vertex == EditMesh::kNone) {
       vertex = static_cast<unsigned>(homes_.size());
-      homes_.push_back({static_cast<double>(cell[0]) + 0.5, static_cast<double>(cell[1]) + 0.5, static_cast<double>(cell[2]) + 0.5});
+      homes_.push_back({static_cast<double>(cell[0]) + 0.5, static_cast<double>(cell[1]) + 0.5,
+                        static_cast<double>(cell[2]) + 0.5});
       sums_.push_back({});
       crossings_.push_back(0.0);
     }

@@ -27,7 +27,8 @@ inline c3de::imaging::LabelMap read(const std::filesystem::path &path) {
   for (std::size_t a = 0; a < 3; ++a) out.geometry.size[a] = static_cast<std::size_t>(at(42 + 2 * a, std::int16_t{}));
   for (std::size_t row = 0; row < 3; ++row)
     for (std::size_t column = 0; column < 4; ++column)
-      out.geometry.indexToWorld[4 * column + row] = (row < 2 ? -1.0 : 1.0) * static_cast<double>(at(280 + 16 * row + 4 * column, 0.0f));
+      out.geometry.indexToWorld[4 * column + row] =
+          (row < 2 ? -1.0 : 1.0) * static_cast<double>(at(280 + 16 * row + 4 * column, 0.0f));  // LPS from RAS
   const std::int16_t type = at(70, std::int16_t{});
   const auto first = static_cast<std::size_t>(at(108, 0.0f));
   out.voxels.resize(out.geometry.voxelCount());

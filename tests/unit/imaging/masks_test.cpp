@@ -160,7 +160,8 @@ TEST_CASE("holes are filled, bays and tunnels are not", "[imaging][masks]") {
 }
 
 TEST_CASE("closing and opening are what their definition says, on any grid", "[imaging][masks]") {
-  for (const VolumeGeometry &g : {phantoms::grid({17, 16, 15}), phantoms::oblique({17, 16, 15}, {0.7, 1.3, 2.1}, true), sheared()})
+  for (const VolumeGeometry &g :
+       {phantoms::grid({17, 16, 15}), phantoms::oblique({17, 16, 15}, {0.7, 1.3, 2.1}, true), sheared()})
     for (const double radius : {1.0, 2.1, 3.4}) {
       INFO("radius " << radius << ", shear " << g.shear());
       // Far enough from the border for the definition not to need what lies beyond.
@@ -189,8 +190,8 @@ TEST_CASE("the border of the grid neither stops a closing nor is worn off by an 
 TEST_CASE("work on masks can be stopped", "[imaging][masks]") {
   const Mask mask = phantoms::ball(phantoms::grid({30, 30, 30}), 10.0);
   const auto never = [](double, const std::string &) { return false; };
-  for (const auto &result : {connectedComponent(mask, {15, 15, 15}, never), largestComponent(mask, never), fillHoles(mask, never),
-                             closed(mask, 3.0, never), opened(mask, 3.0, never)}) {
+  for (const auto &result : {connectedComponent(mask, {15, 15, 15}, never), largestComponent(mask, never),
+                             fillHoles(mask, never), closed(mask, 3.0, never), opened(mask, 3.0, never)}) {
     REQUIRE_FALSE(result);
     CHECK(result.error().code == ErrorCode::cancelled);
   }

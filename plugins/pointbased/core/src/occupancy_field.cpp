@@ -12,6 +12,7 @@ namespace {
 
 // Fills this near to 0 and 1 are meant to be: single precision.
 constexpr double kTiny = 1e-6;
+constexpr std::size_t kMostAcross = 64;  // voxels along an edge of a cube that are integrated one by one
 
 bool isFull(float fill) { return static_cast<double>(fill) >= 1.0 - kTiny; }
 bool isEmpty(float fill) { return static_cast<double>(fill) <= kTiny; }
@@ -110,7 +111,8 @@ void OccupancyField::crop(const Occupancy &occupancy) {
       }
       if (begin > end) continue;
       for (const std::size_t i : {begin, end}) {
-        const Vec3 middle = occupancy.origin + steps_ * Vec3(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+        const Vec3 index(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+        const Vec3 middle = occupancy.origin + steps_ * index;
         min_ = min_.cwiseMin(middle - half);
         max_ = max_.cwiseMax(middle + half);
       }
@@ -221,9 +223,8 @@ double OccupancyField::distance(const Vec3 &x) const {
         for (std::size_t a = 0; a < 3; ++a) there = there && u[a] >= 0 && u[a] < static_cast<std::ptrdiff_t>(n[a]);
         const float other = there ? at(u[0], u[1], u[2]) : 0.0f;
         if (full ? isFull(other) : isEmpty(other)) continue;
-        const Vec3 way(i == 0 ? 0.0 : 0.5 - static_cast<double>(i) * off[0], j == 0 ? 0.0 : 0.5 - static_cast<double>(j) * off[1],
-                       k == 0 ? 0.0 : 0.5 - static_cast<double>(k) * off[2]);
-        nearest = std::min(nearest, length(way));
+        const auto step = [](std::ptrdiff_t to, double from) { return to == 0 ? 0.0 : 0.5 - static_cast<double>(to) * from; };
+        nearest = std::min(nearest, length(Vec3(step(i, off[0]), step(j, off[1]), step(k, off[2]))));
       }
   const double ring = scale_ * ((Vec3::Constant(1.5) - off.cwiseAbs()).cwiseProduct(spacing_)).minCoeff();
   return std::min(nearest, std::max(least, ring));
@@ -255,8 +256,7 @@ double OccupancyField::about(const Vec3 &x) const {
 
 // A cube with edges along the voxels': what it has in common with each, axis by axis.
 double OccupancyField::alongVoxels(const Level &level, const Vec3 &centre, const Mat3 &cube) const {
-  constexpr std::size_t kMost = 64;
-  std::array<std::array<double, kMost>, 3> overlaps{};
+  std::array<std::array<double, kMostAcross>, 3> overlaps{};
   std::array<std::size_t, 3> first{}, count{};
   const Vec3 half = 0.5 * cube.cwiseAbs().rowwise().sum();
   for (int a = 0; a < 3; ++a) {
@@ -267,7 +267,7 @@ double OccupancyField::alongVoxels(const Level &level, const Vec3 &centre, const
     const double begin = std::max(0.0, std::floor(from)), end = std::min(static_cast<double>(level.size[axis]), std::ceil(to));
     if (!(begin < end)) return 0.0;
     first[axis] = static_cast<std::size_t>(begin);
-    count[axis] = std::min(kMost, static_cast<std::size_t>(end - begin));
+    count[axis] = std::min(kMostAcross, static_cast<std::size_t>(end - begin));
     for (std::size_t i = 0; i < count[axis]; ++i) {
       const double left = begin + static_cast<double>(i);
       overlaps[axis][i] = std::max(0.0, std::min(to, left + 1.0) - std::max(from, left)) / (to - from);
@@ -315,18 +315,16 @@ void OccupancyField::shares(std::span<const Vec3> centres, const Mat3 &axes, dou
   // The coarsest level with enough voxels across the cube.
   const double across = along ? 4.0 : 2.0;
   std::size_t l = 0;
-  const auto coarsest = [&](const Level &level) {
-    double most = 0.0;
-    for (int a = 0; a < 3; ++a) most = std::max(most, spacing_[a] * static_cast<double>(level.block[static_cast<std::size_t>(a)]));
-    return most;
+  const auto blocksOf = [](const Level &level) {
+    return Vec3(static_cast<double>(level.block[0]), static_cast<double>(level.block[1]), static_cast<double>(level.block[2]));
   };
-  while (l + 1 < levels_.size() && coarsest(levels_[l + 1]) * across <= edge) ++l;
+  const auto edgesOf = [&](const Level &level) { return Vec3(blocksOf(level).cwiseProduct(spacing_)); };
+  while (l + 1 < levels_.size() && edgesOf(levels_[l + 1]).maxCoeff() * across <= edge) ++l;
   const Level &level = levels_[l];
-  double finest = std::numeric_limits<double>::infinity();
-  for (int a = 0; a < 3; ++a) finest = std::min(finest, spacing_[a] * static_cast<double>(level.block[static_cast<std::size_t>(a)]));
-  const int perAxis = std::clamp(static_cast<int>(std::ceil(2.0 * edge / finest)), 4, 8);
-  // Thin voxels: more across than fit are no case of partial volumes.
-  const bool exact = along && cube.cwiseAbs().rowwise().sum().maxCoeff() < 60.0 * static_cast<double>(*std::min_element(level.block.begin(), level.block.end()));
+  const int perAxis = std::clamp(static_cast<int>(std::ceil(2.0 * edge / edgesOf(level).minCoeff())), 4, 8);
+  // Along very thin voxels there are more than alongVoxels() holds.
+  const Vec3 count = cube.cwiseAbs().rowwise().sum().cwiseQuotient(blocksOf(level));
+  const bool exact = along && count.maxCoeff() < static_cast<double>(kMostAcross - 2);
   const double uniform = 0.5 * edge * std::sqrt(3.0) * (1.0 + 1e-9);
   for (std::size_t i = 0; i < centres.size(); ++i) {
     if (distance(centres[i]) > uniform) {
@@ -356,8 +354,8 @@ bool OccupancyField::crosses(const Vec3 &from, const Vec3 &to) const {
     voxels *= static_cast<double>(size[axis]);
   }
   const auto fillOf = [&](std::ptrdiff_t i, std::ptrdiff_t j, std::ptrdiff_t k) {
-    return static_cast<double>(levels_[0].fill[offset(static_cast<std::size_t>(low[0] + i), static_cast<std::size_t>(low[1] + j),
-                                                      static_cast<std::size_t>(low[2] + k))]);
+    const auto at = [&](std::size_t axis, std::ptrdiff_t by) { return static_cast<std::size_t>(low[axis] + by); };
+    return static_cast<double>(levels_[0].fill[offset(at(0, i), at(1, j), at(2, k))]);
   };
   const auto number = [&](std::ptrdiff_t i, std::ptrdiff_t j, std::ptrdiff_t k) { return i + size[0] * (j + size[1] * k); };
   // The voxel around an end, or the fullest one beside it.

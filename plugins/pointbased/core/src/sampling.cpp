@@ -61,7 +61,8 @@ std::vector<std::uint8_t> insideFlags(const BodyShape &shape, std::span<const Ve
 }
 
 // What of cubes of the finer lattice is inside.
-std::vector<double> partsInside(const BodyShape &shape, std::span<const Vec3> points, double edge, const ParallelFor &parallelFor) {
+std::vector<double> partsInside(const BodyShape &shape, std::span<const Vec3> points, double edge,
+                                const ParallelFor &parallelFor) {
   std::vector<double> parts(points.size());
   parallelFor(points.size(), 256, [&](std::size_t begin, std::size_t end) {
     const auto some = points.subspan(begin, end - begin);

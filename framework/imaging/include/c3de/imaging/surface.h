@@ -9,18 +9,21 @@
 namespace c3de::imaging {
 
 struct SurfaceSettings {
-  double edgeLength = 0.0;       ///< wanted, mm; 0: a twentieth of the cube root of the volume, at least 1.5 voxels
-  double smoothingLength = 0.0;  ///< steps nearer to each other than this are evened out, mm; 0: two of the longest voxel edges
+  /// Wanted, mm; 0: a twentieth of the cube root of the volume, at least 1.5 voxels.
+  double edgeLength = 0.0;
+  /// Steps nearer to each other than about twice this are evened out, mm; 0: two of the longest voxel edges.
+  double smoothingLength = 0.0;
 };
 
-/// The border of a mask: closed, 2-manifold, counter-clockwise seen from outside for either handedness of the index, LPS mm.
-/// What touches the border of the grid is closed there, half a voxel outside.
+/// The border of a mask: closed, 2-manifold, counter-clockwise seen from outside for either handedness of the index, LPS
+/// mm. What touches the border of the grid is closed there, half a voxel outside.
 ///
-/// Edges are about as long as chosen (most within a factor of 1.4), whatever the voxels. Every part, and every cavity, keeps
-/// its volume in voxels; together they enclose voxel count times voxel volume within 1e-4. No vertex leaves the voxels
-/// around its place on the border by more than about half a voxel, so thin parts stay. Voxels that touch in an edge or a
-/// corner alone do not hang together. Where edges are five voxels long or more the mask is seen through voxels two and a
-/// half times shorter than them, and parts of less than half such a voxel are lost.
+/// Edges are about as long as chosen (most within a factor of 1.5), whatever the voxels; those of small parts at most half
+/// the cube root of the part's volume. Every part, and every cavity, keeps its volume in voxels; together they enclose
+/// voxel count times voxel volume within 1e-4. Vertices stay within about half a voxel of the border, so thin parts stay.
+/// Voxels that touch in an edge or a corner alone do not hang together. Where edges are five voxels long or more the mask
+/// is seen through voxels two and a half times shorter than them; what fills none of those to a half is lost, its volume
+/// goes to the rest.
 ///
 /// Errors: an empty mask, an edge length that is not finite and >= 0, or that makes more than five million triangles,
 /// cancelled. Any thread.
