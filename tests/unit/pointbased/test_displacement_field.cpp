@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/displacement_field.h"
+
+#include "contact_cases.h"
+#include "shapes.h"
+#include "support/catch.h"
+
+using namespace pointbased;
+
+namespace {
+
+const Vec3 kMin(0.2, -0.1, 0.3), kMax(0.26, -0.02, 0.35);
+
+// Oblique, with uneven steps, around the box and beyond.
+FieldGrid obliqueGrid() {
+  FieldGrid grid;
+  grid.size = {40, 36, 44};
+  grid.steps.col(0) = Vec3(0.0039, 0.0008, 0.0);
+  grid.steps.col(1) = Vec3(-0.0006, 0.0047, 0.0003);
+  grid.steps.col(2) = Vec3(0.0, -0.0002, 0.0031);
+  grid.origin = Vec3(0.16, -0.15, 0.26);
+  return grid;
+}
+
+std::unique_ptr<Body> body(Evaluation evaluation) {
+  if (evaluation == Evaluation::stressPoints) return shapes::latticeBox(kMin, kMax, 0.01, shapes::rubber(1e4));
+  BodyShape shape = shapes::box(kMin, kMax);
+  return std::make_unique<Body>("cloud", shapes::restState(shape, 0.01), Constitution{{shapes::rubber(1e4)}, kCloudStabilisation},
+                                serialFor());
+}
+
+}  // namespace
+
+TEST_CASE("the field of an affine motion leads every point back to where its material was") {
+  const Evaluation evaluation = GENERATE(Evaluation::stressPoints, Evaluation::phyxels);
+  const auto made = body(evaluation);
+  Mat3 A;
+  A << 1.1, 0.2, -0.05, -0.1, 0.9, 0.15, 0.02, -0.12, 1.05;
+  const Vec3 b(0.004, -0.003, 0.002), about = 0.5 * (kMin + kMax);
+  for (std::size_t i = 0; i < made->rest().phyxelCount(); ++i) {
+    const Vec3 X = made->rest().origin + made->rest().positions[i];
+    made->state().displacements[i] = about + A * (X - about) + b - X;
+  }
+  made->computeGradients(serialFor());
+  const FieldGrid grid = obliqueGrid();
+  DisplacementField field(grid);
+  field.add(*made);
+  std::vector<float> u(3 * grid.count());
+  field.write(0.0, u);
+  std::size_t within = 0;
+  for (std::size_t p = 0; p < grid.count(); ++p) {
+    const Vec3 index(static_cast<double>(p % grid.size[0]), static_cast<double>(p / grid.size[0] % grid.size[1]),
+                     static_cast<double>(p / grid.size[0] / grid.size[1]));
+    const Vec3 x = grid.origin + grid.steps * index, X = about + A.inverse() * (x - about - b);
+    const Vec3 found(u[3 * p], u[3 * p + 1], u[3 * p + 2]);
+    const bool inside = (X.array() >= kMin.array()).all() && (X.array() <= kMax.array()).all();
+    if (inside || found.norm() > 0.0) {
+      // Floats of some centimetres.
+      REQUIRE((x - found - X).norm() < 1e-8);
+      within += inside ? 1 : 0;
+    }
+    // Nobody farther away than a spacing and a half is led anywhere.
+    if ((X - X.cwiseMax(kMin).cwiseMin(kMax)).norm() > 0.015) REQUIRE(found.norm() == 0.0);
+  }
+  CHECK(within > 3000);
+}
+
+TEST_CASE("the rim of a displacement field falls to nothing within its width, and bodies at rest displace nothing") {
+  const auto made = body(Evaluation::stressPoints);
+  FieldGrid grid;
+  grid.size = {60, 60, 60};
+  grid.steps = 0.004 * Mat3::Identity();
+  grid.origin = Vec3(0.11, -0.18, 0.2);
+  std::vector<float> u(3 * grid.count(), 1.0F);
+  DisplacementField atRest(grid);
+  atRest.add(*made);
+  atRest.write(0.02, u);
+  CHECK(*std::max_element(u.begin(), u.end()) < 1e-9F);
+
+  for (Vec3 &displacement : made->state().displacements) displacement = Vec3(0.006, 0, 0);
+  DisplacementField field(grid);
+  field.add(*made);
+  field.write(0.02, u);
+  // Along x through the middle: whole, falling, nothing.
+  const std::size_t j = 30, k = 31;
+  double before = 0.0;
+  std::size_t whole = 0, falling = 0;
+  for (std::size_t i = 0; i < 31; ++i) {
+    const double now = u[3 * (i + 60 * (j + 60 * k))];
+    CHECK(now >= before - 1e-9);
+    const double x = grid.origin[0] + 0.004 * static_cast<double>(i);
+    if (x < kMin[0] + 0.006 - 0.04) CHECK(now == 0.0);
+    if (x > kMin[0] + 0.007) CHECK(now == Approx(0.006));
+    whole += now > 0.00599 ? 1 : 0;
+    falling += now > 1e-6 && now < 0.00599 ? 1 : 0;
+    before = now;
+  }
+  CHECK(whole >= 3);
+  CHECK(falling >= 3);
+}
