@@ -12,6 +12,7 @@
 #include "c3de/imaging/reading.h"
 #include "exit_code.h"
 #include "info_image.h"
+#include "organ.h"
 #include "simulator_access.h"
 
 namespace c3de::app {
@@ -134,6 +135,15 @@ Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::
   return json;
 }
 
+Expected<Json> describeVolume(const scene::SceneFile &scene, const scene::SceneBody &body, std::ostringstream &text) {
+  OrganSources sources;
+  const auto mask = sources.mask(body.volume, {});
+  if (!mask) return fail(mask.error().code, scene.where(body.line) + ": " + mask.error().message);
+  const double millilitres = imaging::volumeOf(*mask) / 1000.0;
+  text << "  volume " << body.volume.file.string() << ": " << imaging::voxelCount(*mask) << " voxels, " << millilitres << " ml\n";
+  return Json{{"file", body.volume.file.string()}, {"voxels", imaging::voxelCount(*mask)}, {"volume_ml", millilitres}};
+}
+
 Expected<Described> describeScene(Session &session, const std::filesystem::path &file) {
   const auto scene = scene::loadScene(file, &session.materials());
   if (!scene) return tl::unexpected(scene.error());
@@ -148,9 +158,10 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
   out.json["bodies"] = Json::array();
   for (const scene::SceneBody &body : scene->bodies) {
     text << "body \"" << body.name << "\"\n";
-    const auto mesh = describePart(*scene, body.line, body.mesh, body.meshUnit, true, text);
-    if (!mesh) return tl::unexpected(mesh.error());
-    Json json{{"name", body.name}, {"mesh", *mesh}, {"params", Json::object()}};
+    const auto source = body.mesh.empty() ? describeVolume(*scene, body, text)
+                                          : describePart(*scene, body.line, body.mesh, body.meshUnit, true, text);
+    if (!source) return tl::unexpected(source.error());
+    Json json{{"name", body.name}, {body.mesh.empty() ? "volume" : "mesh", *source}, {"params", Json::object()}};
     describeValues(body.params, text, json["params"]);
     describeRegions(body, text, json);
     if (body.velocity_m_s != Vec3{}) json["velocity"] = body.velocity_m_s;

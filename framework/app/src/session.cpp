@@ -2,12 +2,14 @@
 #include "session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
+#include "organ.h"
 #include "resources.h"
 #include "scene_to_abi.h"
 #include "simulator_access.h"
@@ -40,6 +42,13 @@ struct FittedScene {
   std::vector<std::vector<std::vector<ParameterValue>>> parts;  ///< per body and part
 };
 
+/// The first body that a simulator of revision 2 would fill by its skin without a word.
+std::optional<std::pair<int, std::string>> firstOfRevision3(const scene::SceneFile &scene) {
+  for (const scene::SceneBody &body : scene.bodies)
+    if (body.mesh.empty()) return std::pair(body.line, std::string("volume"));
+  return std::nullopt;
+}
+
 /// The first table of the scene that a simulator of revision 1 would ignore without a word.
 std::optional<std::pair<int, std::string>> firstOfRevision2(const scene::SceneFile &scene) {
   for (const scene::SceneFix &fix : scene.fixes) return std::pair(fix.line, std::string("fix"));
@@ -58,11 +67,13 @@ std::optional<std::pair<int, std::string>> firstOfRevision2(const scene::SceneFi
 Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &scene) {
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());
-  if ((*table)->rev < 2)
-    if (const auto unserved = firstOfRevision2(scene))
+  for (const std::uint32_t needed : {2u, 3u}) {
+    if ((*table)->rev >= needed) continue;
+    if (const auto unserved = needed == 2 ? firstOfRevision2(scene) : firstOfRevision3(scene))
       return fail(ErrorCode::input, scene.where(unserved->first) + ": '" + unserved->second +
                                         "' is not served by this simulator, whose interface is of revision " +
-                                        std::to_string((*table)->rev) + "; needed: 2");
+                                        std::to_string((*table)->rev) + "; needed: " + std::to_string(needed));
+  }
   const auto world = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
   if (!world) return tl::unexpected(world.error());
   const auto body = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_BODY);
@@ -127,6 +138,25 @@ class PartProgress {
   double index_, count_;
   c3de_progress abi_{};
 };
+
+Expected<Organ> meshOf(const scene::SceneBody &body, const ProgressFn &progress) {
+  auto mesh = geometry::loadMesh(body.mesh, body.meshUnit, progress);
+  if (!mesh) return tl::unexpected(mesh.error());
+  return Organ{std::move(*mesh), {}, 0.0};
+}
+
+Expected<Organ> organAsked(OrganSources &sources, const scene::SceneBody &body, const ProgressFn &progress) {
+  const auto mask = sources.mask(body.volume, progress);
+  if (!mask) return tl::unexpected(mask.error());
+  // As many phyxels as the scene says, or as fit its spacing.
+  double phyxels = 1000.0;
+  for (const scene::SceneValue &value : body.params) {
+    if (value.value.id == "sampling.count") phyxels = value.value.num;
+    if (value.value.id == "sampling.spacing" && value.value.num > 0.0)
+      phyxels = imaging::volumeOf(*mask) / std::pow(value.value.num * scene::kMillimetresPerMetre, 3);
+  }
+  return organOf(*mask, body.volume.edgeLength_mm, phyxels, progress);
+}
 
 /// Keeps a mesh in the store for the duration of a call.
 class MeshLease {
@@ -312,17 +342,22 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
   }
 
   std::vector<c3de_handle> bodies;
+  OrganSources sources;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const scene::SceneBody &body = scene.bodies[i];
     const PartProgress partProgress(progress, body.name, part++, parts);
     // Reading is a small share of what building a body takes.
-    auto mesh = geometry::loadMesh(body.mesh, body.meshUnit, [&](double f, const std::string &what) {
+    const ProgressFn reading = [&](double f, const std::string &what) {
       return partProgress.update(0.1 * std::max(f, 0.0), what);
-    });
-    if (!mesh) return fail(mesh.error().code, scene.where(body.line) + ": " + mesh.error().message);
-    const MeshLease lease(impl_->meshes, std::move(*mesh));
+    };
+    Expected<Organ> source = body.mesh.empty() ? organAsked(sources, body, reading) : meshOf(body, reading);
+    if (!source) return fail(source.error().code, scene.where(body.line) + ": " + source.error().message);
+    for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, body.volume.file.string() + ": " + notice);
+    const MeshLease lease(impl_->meshes, std::move(source->skin));
     const std::vector<c3de_param_value> params = toAbi(fitted->bodies[i]);
+    const c3de_sim_fill fill = toAbi(source->fill);
     c3de_sim_body abi{};
+    if (body.mesh.empty()) abi.fill = &fill;
     abi.size = sizeof abi;
     abi.params_stride = sizeof(c3de_param_value);
     abi.name = c3de::toAbi(body.name);

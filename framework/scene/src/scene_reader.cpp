@@ -10,11 +10,12 @@ namespace c3de::scene {
 namespace {
 
 const std::vector<std::string> kBodyKeys{"name",  "mesh",     "mesh_unit", "position", "rotation_deg",     "scale",
-                                         "material", "sampling", "parts",     "velocity", "angular_velocity"};
+                                         "material", "sampling", "parts",     "velocity", "angular_velocity",
+                                         "volume", "label", "threshold", "mend", "edge_length"};
 const std::vector<std::string> kObstacleKeys{"name",  "mesh",     "mesh_unit",    "position",            "rotation_deg",
                                              "scale", "friction", "displacement", "motion_rotation_deg", "centre", "ramp"};
 const std::vector<std::string> kProbeKeys{"name", "body", "at"};
-const std::vector<std::string> kRootKeys{"format", "title", "world", "solver", "view", "body", "fix", "load", "obstacle", "probe"};
+const std::vector<std::string> kRootKeys{"format", "title", "image", "world", "solver", "view", "body", "fix", "load", "obstacle", "probe"};
 const char *const kMotionRotation = "motion_rotation_deg";
 
 bool hasControlCharacter(const std::string &text) {
@@ -64,6 +65,8 @@ bool SceneReader::readScene(const TomlValue &root) {
     if (key == "format") continue;
     if (key == "title") {
       if (!readText(key, value, scene_.title)) return false;
+    } else if (key == "image") {
+      if (!readImage(value)) return false;
     } else if (key == "world" || key == "solver" || key == "view") {
       if (value.kind != TomlValue::Kind::table)
         return refuse(value.line, "'" + key + "' is " + value.kindName() + "; accepted: a table, [" + key + "]");
@@ -103,8 +106,7 @@ bool SceneReader::readBody(const TomlValue &table) {
   body.line = table.line;
   for (const auto &[key, value] : table.entries)
     if (!bodyKey(body, key, value)) return false;
-  if (body.mesh.empty()) return refuse(table.line, "the body has no 'mesh'; accepted: a mesh file beside the scene");
-  if (!requireUnit(table, body.mesh, body.meshUnit)) return false;
+  if (!checkSource(table, body)) return false;
   if (!checkAlternatives(body)) return false;
 
   const auto taken = [this](const std::string &name) {
@@ -112,7 +114,9 @@ bool SceneReader::readBody(const TomlValue &table) {
                        [&](const SceneBody &other) { return other.name == name; });
   };
   if (body.name.empty()) {
-    const std::string stem = body.mesh.stem().string();
+    const std::string stem = !body.mesh.empty()              ? body.mesh.stem().string()
+                             : !body.volume.labelName.empty() ? body.volume.labelName
+                                                              : body.volume.file.stem().stem().string();
     body.name = stem;
     for (int i = 2; taken(body.name); ++i) body.name = stem + "-" + std::to_string(i);
   } else if (taken(body.name)) {
@@ -223,8 +227,8 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
   if (key == "velocity") return readVec3(key, value, body.velocity_m_s);
   if (key == "angular_velocity") return readVec3(key, value, body.angularVelocity_rad_s);
   if (key == "position" || key == "rotation_deg" || key == "scale") return placementKey(body.placement, key, value);
-  if (key == "volume" || key == "label" || key == "threshold")
-    return refuse(value.line, "'" + key + "' is not served yet; this version serves: " + joined(kBodyKeys));
+  if (key == "volume" || key == "label" || key == "threshold" || key == "mend" || key == "edge_length")
+    return volumeKey(body.volume, key, value);
   return refuseKey(value.line, key, "[[body]]", kBodyKeys);
 }
 

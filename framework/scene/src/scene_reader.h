@@ -63,6 +63,12 @@ class SceneReader {
   /// A motion has one key or more of displacement, rotation, centre and ramp. @param rotationKey what it is called here
   bool motionKey(SceneMotion &motion, const std::string &key, const std::string &rotationKey, const TomlValue &value);
 
+  // scene_reader_images.cpp
+  bool readImage(const TomlValue &table);
+  bool volumeKey(SceneVolume &volume, const std::string &key, const TomlValue &value);
+  bool checkSource(const TomlValue &table, SceneBody &body);
+  bool readImageFile(const std::string &key, const TomlValue &value, std::filesystem::path &out);
+
   bool readName(const TomlValue &value, std::string &out);
   bool readText(const std::string &key, const TomlValue &value, std::string &out);
   bool readVec3(const std::string &key, const TomlValue &value, Vec3 &out);
@@ -94,6 +100,8 @@ class SceneReader {
 
 /// "a, b, c"
 [[nodiscard]] std::string joined(const std::vector<std::string> &names);
+
+[[nodiscard]] std::filesystem::path pathFromUtf8(const std::string &text);
 
 /// Ids of the scene format that a simulator may or may not serve.
 [[nodiscard]] bool isKnownToTheFormat(std::string_view id);

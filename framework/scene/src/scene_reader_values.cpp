@@ -16,11 +16,11 @@ bool carriesUnit(const std::filesystem::path &mesh) {
   return extension == ".gltf" || extension == ".glb";
 }
 
+}  // namespace
+
 std::filesystem::path pathFromUtf8(const std::string &text) {
   return std::filesystem::path(std::u8string(text.begin(), text.end()));
 }
-
-}  // namespace
 
 bool isKnownToTheFormat(std::string_view id) {
   static constexpr std::array kIds{"world.gravity",

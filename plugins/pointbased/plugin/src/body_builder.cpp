@@ -14,6 +14,13 @@ void mustSucceed(const sdk::Result<void> &result) {
   if (!result) throw sdk::Error(result.failure());
 }
 
+Surface surfaceOf(const PlacedMesh &mesh) {
+  Surface surface;
+  surface.positions = mesh.positions;
+  for (const auto &t : mesh.triangles) surface.triangles.push_back({t[0], t[1], t[2]});
+  return surface;
+}
+
 BodyShape shapeOf(const Services &services, c3de_handle mesh, const Placement &placement,
                   const std::shared_ptr<PlacedMesh> &surface) {
   BodyShape shape;
@@ -42,8 +49,7 @@ BodyShape shapeOf(const Services &services, c3de_handle mesh, const Placement &p
         table->segments(table->ctx, surface->tree.handle(), viewOf(from), viewOf(to), hits.data())));
     for (std::size_t i = 0; i < from.size(); ++i) crosses[i] = hits[i].t >= 0.0 ? 1 : 0;
   };
-  shape.surface.positions = surface->positions;
-  for (const auto &t : surface->triangles) shape.surface.triangles.push_back({t[0], t[1], t[2]});
+  shape.surface = surfaceOf(*surface);
   return shape;
 }
 
@@ -124,7 +130,10 @@ BuiltBody buildBody(const Services &services, const std::string &name, c3de_hand
   recipe.fixes = source.fixes;
   recipe.loads = source.loads;
   recipe.reshape = reshapeOf(services);
-  auto rest = buildRestState(shapeOf(services, mesh, source.placement, out.surface), recipe, out.surface->normals, parallelFor,
+  auto shape = source.fill ? shapeOf(source.fill->occupancy, surfaceOf(*out.surface), parallelFor)
+                           : Result<BodyShape>(shapeOf(services, mesh, source.placement, out.surface));
+  if (!shape) throw sdk::Error(C3DE_E_ARG, name + ": its fill: " + shape.error());
+  auto rest = buildRestState(*shape, recipe, out.surface->normals, parallelFor,
                              [&](double fraction) { return progress.update(0.05 + 0.8 * fraction, "filling with phyxels"); });
   if (!rest) {
     if (rest.error() == "cancelled") throw sdk::Error(C3DE_E_CANCELLED, "cancelled");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "body_source.h"
 
+#include <Eigen/LU>
 #include <cmath>
 #include <cstring>
 
@@ -47,6 +48,19 @@ void setMotion(const c3de_sim_motion &in, Fix &fix, const std::string &where) {
   if (!fix.displacement.allFinite() || !fix.rotation_deg.allFinite() || (fix.centre && !fix.centre->allFinite()))
     refuse(where, "displacement, rotation and centre have to be finite");
   if (!std::isfinite(fix.ramp) || fix.ramp < 0.0) refuse(where, "ramp is not finite and >= 0 s");
+}
+
+std::shared_ptr<const FillSource> readFill(const c3de_sim_fill &fill, const Placement &placement) {
+  const c3de_sim_fill in = element(&fill, 0, fill.size);
+  const FieldGrid grid = readGrid(in.grid, "fill");
+  if (in.values == nullptr) refuse("fill", "values is null");
+  const PlacementTransform transform(placement);
+  const auto placed = [&](const Vec3 &metres) { return transform.metres(metres / kMetresPerMillimetre); };
+  Occupancy occupancy;
+  occupancy.size = grid.size;
+  occupancy.origin = placed(grid.origin);
+  for (int a = 0; a < 3; ++a) occupancy.steps.col(a) = placed(grid.origin + grid.steps.col(a)) - occupancy.origin;
+  return std::make_shared<const FillSource>(std::vector<float>(in.values, in.values + grid.count()), occupancy);
 }
 
 }  // namespace
@@ -108,7 +122,26 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
   source.angularVelocity = vec(body.angular_velocity_rad_s);
   if (!source.velocity.allFinite() || !source.angularVelocity.allFinite())
     refuse("velocity", "velocity and angular velocity have to be finite");
+  if (body.fill != nullptr) source.fill = readFill(*body.fill, source.placement);
   return source;
+}
+
+FieldGrid readGrid(const c3de_sim_grid &grid, const char *what) {
+  const c3de_sim_grid in = element(&grid, 0, grid.size);
+  FieldGrid out;
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 31;
+  std::uint64_t count = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (in.points[a] == 0 || in.points[a] > kMost / count)
+      refuse(what, "has " + std::to_string(in.points[a]) + " points along an axis; accepted: 1 and more, 2^31 in all");
+    count *= in.points[a];
+    out.size[a] = static_cast<std::size_t>(in.points[a]);
+  }
+  out.origin = vec(in.origin_m);
+  out.steps << vec(in.step_i_m), vec(in.step_j_m), vec(in.step_k_m);
+  const double volume = std::abs(out.steps.determinant());
+  if (!out.origin.allFinite() || !out.steps.allFinite() || !(volume > 0.0)) refuse(what, "its steps have to span space");
+  return out;
 }
 
 }  // namespace pointbased

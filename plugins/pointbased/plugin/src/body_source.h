@@ -7,6 +7,8 @@
 #include "c3de/abi/draft/iface/simulator.h"
 #include "parameters.h"
 #include "placed_mesh.h"
+#include "pointbased/displacement_field.h"
+#include "pointbased/occupancy.h"
 #include "pointbased/rest_state.h"
 
 namespace pointbased {
@@ -18,10 +20,22 @@ struct BodyPart {
   std::vector<std::string> own;   ///< ids that the part says itself
 };
 
+/// What of space a body fills, where the scene puts it.
+struct FillSource {
+  std::vector<float> values;
+  Occupancy occupancy;  ///< of `values`
+  FillSource(std::vector<float> all, Occupancy placed) : values(std::move(all)), occupancy(std::move(placed)) {
+    occupancy.fill = values;
+  }
+  FillSource(const FillSource &) = delete;
+  FillSource &operator=(const FillSource &) = delete;
+};
+
 /// What a body was made from, and can be made from again.
 struct BodySource {
   std::shared_ptr<const sdk::MeshHandle> mesh;
   Placement placement;
+  std::shared_ptr<const FillSource> fill;  ///< null: the inside of the mesh
   std::vector<Fix> fixes;
   std::vector<std::uint32_t> fixNumbers;  ///< of reports and messages
   std::vector<Load> loads;
@@ -34,6 +48,9 @@ struct BodySource {
 /// Reads what add_body was given, without the mesh. Errors as sdk::Error, "fix 2: …" in front.
 /// @param values  of the body: what a part does not say is as there
 [[nodiscard]] BodySource readSource(const c3de_sim_body &body, const ParameterValues &values);
+
+/// A grid of the host. Errors as sdk::Error, `what` in front.
+[[nodiscard]] FieldGrid readGrid(const c3de_sim_grid &grid, const char *what);
 
 /// A rigid motion as a fix without a region; nothing: stands still. Errors as sdk::Error.
 [[nodiscard]] std::optional<Fix> readMotion(const c3de_sim_motion *motion, const char *what);

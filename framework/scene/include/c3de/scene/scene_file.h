@@ -61,9 +61,31 @@ struct SceneRefinement {
   int line = 0;
 };
 
+/// What of an image is a body: a label of a label map, or the values of an image between two limits; then mended, in this
+/// order.
+struct SceneVolume {
+  std::filesystem::path file;            ///< file or DICOM folder; empty: the body has a mesh
+  std::optional<std::uint16_t> label;    ///< number of a label
+  std::string labelName;                 ///< or its name; empty: not by name
+  std::optional<std::array<double, 2>> threshold;  ///< lowest and highest value that belong to it
+  double opening_mm = 0.0, closing_mm = 0.0;       ///< 0: none
+  bool largest = false, fillHoles = false;
+  double edgeLength_mm = 0.0;            ///< of the triangles of the skin; 0: automatic
+};
+
+/// The image that is shown beside the simulation.
+struct SceneImage {
+  std::filesystem::path file;
+  std::vector<std::filesystem::path> labels;
+  bool warp = true;      ///< it deforms with the bodies
+  double rim_mm = 10.0;  ///< within it their displacement falls to nothing around them
+  int line = 0;
+};
+
 struct SceneBody {
   std::string name;
-  std::filesystem::path mesh;
+  std::filesystem::path mesh;   ///< empty where it is made from a volume
+  SceneVolume volume;
   geometry::LengthUnit meshUnit = geometry::LengthUnit::millimetre;
   ScenePlacement placement;
   Vec3 velocity_m_s{};             ///< at the start
@@ -117,6 +139,7 @@ struct SceneProbe {
 struct SceneFile {
   std::filesystem::path source;  ///< empty when it was made in memory
   std::string title;
+  std::optional<SceneImage> image;
   std::vector<SceneValue> world;  ///< ids such as "world.gravity", "world.box.min", "solver.dt"; each at most once
   std::vector<SceneBody> bodies;
   std::vector<SceneFix> fixes;  ///< of all bodies, in the order of the file; so are their numbers in reports

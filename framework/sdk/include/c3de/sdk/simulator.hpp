@@ -6,13 +6,22 @@
 
 namespace c3de::sdk {
 
-/// Static table of iface.simulator, revision 2, for an Object<Derived>; every slot has a member function of Derived (see
-/// thunk). addBody() has to serve fixes, loads, parts, refinements and velocities, or refuse them:
+template <class D>
+constexpr auto displacementSlot() -> decltype(c3de_simulator_v0::displacement) {
+  if constexpr (requires { &D::displacement; })
+    return thunk<D, &D::displacement>;
+  else
+    return nullptr;
+}
+
+/// Static table of iface.simulator for an Object<Derived>; every slot has a member function of Derived (see
+/// thunk). addBody() has to serve fixes, loads, parts, refinements and velocities, or refuse them. It is of
+/// revision 3 where Derived has displacement(), and addBody() then has to serve or refuse `fill`, else of revision 2:
 ///
 ///   static std::array<Interface, 1> interfaces() { return {interfaceOf(kSimulatorTable<WorldSimulator>)}; }
 template <class D>
 inline constexpr c3de_simulator_v0 kSimulatorTable{sizeof(c3de_simulator_v0),
-                                                   2,
+                                                   displacementSlot<D>() != nullptr ? 3u : 2u,
                                                    thunk<D, &D::attach>,
                                                    thunk<D, &D::declarations>,
                                                    thunk<D, &D::setWorld>,
@@ -32,7 +41,8 @@ inline constexpr c3de_simulator_v0 kSimulatorTable{sizeof(c3de_simulator_v0),
                                                    thunk<D, &D::bodyAt>,
                                                    thunk<D, &D::bodyInfo>,
                                                    thunk<D, &D::phyxels>,
-                                                   thunk<D, &D::surfels>};
+                                                   thunk<D, &D::surfels>,
+                                                   displacementSlot<D>()};
 
 template <class D>
 inline constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0), 1,

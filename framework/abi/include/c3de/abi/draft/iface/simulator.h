@@ -74,6 +74,23 @@ typedef struct c3de_sim_refinement { /* finer sampling in a region */
   double spacing_m;
 } c3de_sim_refinement;
 
+/* A regular grid in the frame of the simulation, m. */
+typedef struct c3de_sim_grid {
+  uint32_t size;
+  uint32_t reserved;
+  uint64_t points[3];   /* along i, j, k; i fastest; each at least 1 */
+  double origin_m[3];   /* of point (0, 0, 0) */
+  double step_i_m[3], step_j_m[3], step_k_m[3]; /* to the next point; they span space */
+} c3de_sim_grid;
+
+/* How much of every voxel belongs to a body: partial volumes count partially, and the volume is theirs, exactly. */
+typedef struct c3de_sim_fill {
+  uint32_t size;
+  uint32_t reserved;
+  c3de_sim_grid grid;   /* points are the middles of voxels, in the frame of the mesh as m: before the body's placement */
+  const float *values;  /* [points], 0 ... 1 */
+} c3de_sim_fill;
+
 typedef struct c3de_sim_body {
   uint32_t size;
   uint32_t params_stride;
@@ -94,6 +111,8 @@ typedef struct c3de_sim_body {
   uint64_t refinements_n, refinements_stride;
   double velocity_m_s[3];             /* at the start */
   double angular_velocity_rad_s[3];   /* at the start, about the centre of mass */
+  const c3de_sim_fill *fill; /* may be absent (by size) or null. What the body fills instead of the inside of the mesh,
+                              * which is its skin then. The simulator keeps its own copy. */
 } c3de_sim_body;
 
 typedef struct c3de_sim_obstacle { /* rigid; stands still or follows a prescribed motion */
@@ -129,7 +148,8 @@ typedef struct c3de_sim_status {
 
 typedef struct c3de_simulator_v0 {
   uint32_t size;
-  uint32_t rev; /* 2: reads what follows `progress` in c3de_sim_body, obstacles' motion, and answers `finished`. A host
+  uint32_t rev; /* 3: reads `fill` of c3de_sim_body and has displacement().
+                 * 2: reads what follows `progress` in c3de_sim_body, obstacles' motion, and answers `finished`. A host
                  * refuses scenes that need it when the simulator is of revision 1, which would ignore it in silence. */
   /* The host hands over the scene node that stands for this simulation (0: detach); what the simulator shows belongs
    * under it. [main] */
@@ -166,6 +186,10 @@ typedef struct c3de_simulator_v0 {
   /* Objects that answer iface.phyxel_set and iface.surfel_set, with a count added for the caller. [sim] */
   c3de_status(C3DE_CALL *phyxels)(c3de_object *self, c3de_handle body, c3de_object **out);
   c3de_status(C3DE_CALL *surfels)(c3de_object *self, c3de_handle body, c3de_object **out);
+  /* From revision 3. How far the material that is now at the points of a grid has come, over all bodies:
+   * X = x - u(x). Around the bodies u falls to 0 within rim_m >= 0.
+   * xyz_m: [points][3], i fastest. [sim] */
+  c3de_status(C3DE_CALL *displacement)(c3de_object *self, const c3de_sim_grid *grid, double rim_m, float *xyz_m);
 } c3de_simulator_v0;
 
 #endif

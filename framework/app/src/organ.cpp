@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "organ.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "c3de/core/text.h"
+#include "c3de/imaging/surface.h"
+#include "c3de/scene/simulation.h"
+
+namespace c3de::app {
+namespace {
+
+constexpr double kVoxelsPerSpacing = 16.0;
+
+std::string listOf(const std::vector<imaging::LabelMap::Label> &labels) {
+  constexpr std::size_t kMost = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(labels.size(), kMost); ++i)
+    text += (i == 0 ? "" : ", ") + std::to_string(labels[i].value) + " " + labels[i].name;
+  return labels.size() > kMost ? text + " and " + std::to_string(labels.size() - kMost) + " more" : text;
+}
+
+Expected<std::uint16_t> labelOf(const scene::SceneVolume &volume, const imaging::LabelMap &map) {
+  const auto found = std::find_if(map.labels.begin(), map.labels.end(), [&](const imaging::LabelMap::Label &label) {
+    return volume.label ? label.value == *volume.label : label.name == volume.labelName;
+  });
+  if (found != map.labels.end()) return found->value;
+  std::vector<std::string> names;
+  for (const auto &label : map.labels) names.push_back(label.name);
+  const std::string nearest = volume.label ? "" : nearestName(volume.labelName, names);
+  return fail(ErrorCode::input, volume.file.string() + " has no label " +
+                                    (volume.label ? std::to_string(*volume.label) : "'" + volume.labelName + "'") + "; " +
+                                    (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "there are: " +
+                                    (map.labels.empty() ? "none" : listOf(map.labels)));
+}
+
+}  // namespace
+
+Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, const ProgressFn &progress) {
+  imaging::ReadOptions options;
+  options.progress = progress;
+  Expected<imaging::Mask> mask = imaging::Mask{};
+  if (volume.threshold) {
+    auto &stored = volumes_[volume.file];
+    if (!stored) {
+      auto loaded = imaging::readVolume(volume.file, options);
+      if (!loaded) return tl::unexpected(loaded.error());
+      notices_.insert(notices_.end(), loaded->notices.begin(), loaded->notices.end());
+      stored = std::make_shared<const imaging::Volume>(std::move(loaded->volume));
+    }
+    mask = imaging::threshold(*stored, (*volume.threshold)[0], (*volume.threshold)[1], progress);
+  } else {
+    auto &stored = labels_[volume.file];
+    if (!stored) {
+      auto loaded = imaging::readLabelMap(volume.file, options);
+      if (!loaded) return tl::unexpected(loaded.error());
+      notices_.insert(notices_.end(), loaded->notices.begin(), loaded->notices.end());
+      stored = std::make_shared<const imaging::LabelMap>(std::move(loaded->labels));
+    }
+    const auto label = labelOf(volume, *stored);
+    if (!label) return tl::unexpected(label.error());
+    mask = imaging::maskOf(*stored, *label);
+  }
+  if (mask && volume.opening_mm > 0.0) mask = imaging::opened(*mask, volume.opening_mm, progress);
+  if (mask && volume.closing_mm > 0.0) mask = imaging::closed(*mask, volume.closing_mm, progress);
+  if (mask && volume.largest) mask = imaging::largestComponent(*mask, progress);
+  if (mask && volume.fillHoles) mask = imaging::fillHoles(*mask, progress);
+  if (mask && imaging::voxelCount(*mask) == 0)
+    return fail(ErrorCode::input, volume.file.string() + ": nothing is left of what was asked for; accepted: a label or a "
+                                                         "threshold, mended, that holds voxels");
+  return mask;
+}
+
+std::vector<std::string> OrganSources::takeNotices() { return std::exchange(notices_, {}); }
+
+Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxels, const ProgressFn &progress) {
+  Organ organ;
+  organ.volume_mm3 = imaging::volumeOf(mask);
+  imaging::SurfaceSettings settings;
+  settings.edgeLength = edge_mm;
+  auto surface = imaging::surfaceOf(mask, settings, progress);
+  if (!surface) return tl::unexpected(surface.error());
+  auto skin = geometry::buildMesh(std::move(*surface), geometry::LengthUnit::millimetre);
+  if (!skin) return tl::unexpected(skin.error());
+  organ.skin = std::move(*skin);
+  auto fill = imaging::fillOf(mask, std::cbrt(organ.volume_mm3 / std::max(phyxels, 1.0)) / kVoxelsPerSpacing);
+  if (!fill) return tl::unexpected(fill.error());
+  organ.fill = std::move(*fill);
+  return organ;
+}
+
+c3de_sim_grid toAbi(const imaging::VolumeGeometry &grid) {
+  c3de_sim_grid out{};
+  out.size = sizeof out;
+  const Mat4 &m = grid.indexToWorld;
+  for (std::size_t a = 0; a < 3; ++a) {
+    out.points[a] = grid.size[a];
+    out.step_i_m[a] = m[a] / scene::kMillimetresPerMetre;
+    out.step_j_m[a] = m[4 + a] / scene::kMillimetresPerMetre;
+    out.step_k_m[a] = m[8 + a] / scene::kMillimetresPerMetre;
+    out.origin_m[a] = m[12 + a] / scene::kMillimetresPerMetre;
+  }
+  return out;
+}
+
+c3de_sim_fill toAbi(const imaging::Fill &fill) {
+  c3de_sim_fill out{};
+  out.size = sizeof out;
+  out.grid = toAbi(fill.geometry);
+  out.values = fill.values.data();
+  return out;
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/core/expected.h"
+#include "c3de/core/progress.h"
+#include "c3de/geometry/mesh_io.h"
+#include "c3de/imaging/masks.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/scene/scene_file.h"
+
+namespace c3de::app {
+
+/// A part of an image as a simulator takes it: a skin and what it fills.
+struct Organ {
+  geometry::LoadedMesh skin;
+  imaging::Fill fill;
+  double volume_mm3 = 0.0;  ///< voxel count times voxel volume
+};
+
+/// Files of images, read once for all bodies of a scene. One thread at a time.
+class OrganSources {
+ public:
+  /// What the scene asks for. Errors say which file, which label and which labels there are.
+  [[nodiscard]] Expected<imaging::Mask> mask(const scene::SceneVolume &volume, const ProgressFn &progress);
+  /// Sentences of the readers since the last call.
+  [[nodiscard]] std::vector<std::string> takeNotices();
+
+ private:
+  std::map<std::filesystem::path, std::shared_ptr<const imaging::LabelMap>> labels_;
+  std::map<std::filesystem::path, std::shared_ptr<const imaging::Volume>> volumes_;
+  std::vector<std::string> notices_;
+};
+
+/// @param edge_mm   of the triangles of the skin; 0: automatic
+/// @param phyxels   about how many there will be: voxels are averaged to a sixteenth of their distance
+[[nodiscard]] Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxels, const ProgressFn &progress);
+
+/// The fill in metres for a simulator; points into `fill`.
+[[nodiscard]] c3de_sim_fill toAbi(const imaging::Fill &fill);
+[[nodiscard]] c3de_sim_grid toAbi(const imaging::VolumeGeometry &grid);
+
+}  // namespace c3de::app

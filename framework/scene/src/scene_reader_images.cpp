@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// [image], and bodies that are made from a volume.
+#include "c3de/core/text.h"
+#include "scene_reader.h"
+
+namespace c3de::scene {
+namespace {
+
+const std::vector<std::string> kImageKeys{"file", "labels", "warp", "rim"};
+const std::vector<std::string> kMendKeys{"opening", "closing", "largest", "fill_holes"};
+
+}  // namespace
+
+bool SceneReader::readImageFile(const std::string &key, const TomlValue &value, std::filesystem::path &out) {
+  std::string text;
+  if (!readText(key, value, text)) return false;
+  const std::filesystem::path path = (scene_.source.parent_path() / pathFromUtf8(text)).lexically_normal();
+  std::error_code code;
+  if (text.empty() || !std::filesystem::exists(path, code))
+    return refuse(value.line, key + " '" + text + "' does not exist; it is looked for at " + path.string());
+  out = path;
+  return true;
+}
+
+bool SceneReader::readImage(const TomlValue &table) {
+  if (table.kind != TomlValue::Kind::table)
+    return refuse(table.line, "'image' is " + table.kindName() + "; accepted: a table, [image]");
+  SceneImage image;
+  image.line = table.line;
+  for (const auto &[key, value] : table.entries) {
+    if (key == "file") {
+      if (!readImageFile(key, value, image.file)) return false;
+    } else if (key == "labels") {
+      image.labels.emplace_back();
+      if (!readImageFile(key, value, image.labels.back())) return false;
+    } else if (key == "warp") {
+      if (!readBool(key, value, image.warp)) return false;
+    } else if (key == "rim") {
+      if (!readNumber(key, "0 mm and more", value, image.rim_mm)) return false;
+      if (image.rim_mm < 0.0)
+        return refuse(value.line, "rim is " + formatNumber(image.rim_mm) + "; accepted: 0 mm and more");
+    } else {
+      return refuseKey(value.line, key, "[image]", kImageKeys);
+    }
+  }
+  if (image.file.empty()) return refuse(table.line, "[image] has no 'file'; accepted: an image file or DICOM folder");
+  scene_.image = std::move(image);
+  return true;
+}
+
+bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const TomlValue &value) {
+  const auto length = [&](const std::string &name, const TomlValue &number, double &out) {
+    if (!readNumber(name, "a length in mm, 0 or more", number, out)) return false;
+    return out >= 0.0 || refuse(number.line, name + " is " + formatNumber(out) + "; accepted: a length in mm, 0 or more");
+  };
+  if (key == "volume") return readImageFile(key, value, volume.file);
+  if (key == "edge_length") return length(key, value, volume.edgeLength_mm);
+  if (key == "label") {
+    if (value.kind == TomlValue::Kind::text) return readText(key, value, volume.labelName);
+    double number = 0.0;
+    if (!readNumber(key, "the number or the name of a label", value, number)) return false;
+    if (value.kind != TomlValue::Kind::integer || number < 1.0 || number > 65535.0)
+      return refuse(value.line, "label is " + formatNumber(number) + "; accepted: 1 … 65535, or the name of a label");
+    volume.label = static_cast<std::uint16_t>(number);
+    return true;
+  }
+  if (key == "threshold") {
+    if (!value.isNumbers(2))
+      return refuse(value.line, "threshold is " + value.kindName() + "; accepted: two numbers [lowest, highest]");
+    const double low = value.items[0].num, high = value.items[1].num;
+    if (!(low <= high))
+      return refuse(value.line, "threshold: " + formatNumber(low) + " and " + formatNumber(high) +
+                                    " leave nothing; accepted: [lowest, highest]");
+    volume.threshold = {low, high};
+    return true;
+  }
+  if (value.kind != TomlValue::Kind::table)
+    return refuse(value.line, "mend is " + value.kindName() + "; accepted: a table such as { largest = true, closing = 2 }");
+  for (const auto &[member, memberValue] : value.entries) {
+    bool good = false;
+    if (member == "opening") good = length("mend.opening", memberValue, volume.opening_mm);
+    else if (member == "closing") good = length("mend.closing", memberValue, volume.closing_mm);
+    else if (member == "largest") good = readBool("mend.largest", memberValue, volume.largest);
+    else if (member == "fill_holes") good = readBool("mend.fill_holes", memberValue, volume.fillHoles);
+    else return refuseKey(memberValue.line, member, "mend", kMendKeys);
+    if (!good) return false;
+  }
+  return true;
+}
+
+bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {
+  const SceneVolume &volume = body.volume;
+  const bool byLabel = volume.label || !volume.labelName.empty();
+  if (volume.file.empty()) {
+    if (const TomlValue *stray = table.find("label"); stray != nullptr)
+      return refuse(stray->line, "'label' belongs to a body with a 'volume'");
+    for (const char *key : {"threshold", "mend", "edge_length"})
+      if (const TomlValue *stray = table.find(key); stray != nullptr)
+        return refuse(stray->line, std::string("'") + key + "' belongs to a body with a 'volume'");
+    if (body.mesh.empty())
+      return refuse(table.line, "the body has no 'mesh'; accepted: a mesh file beside the scene, or a 'volume' with a 'label' "
+                                "or a 'threshold'");
+    return requireUnit(table, body.mesh, body.meshUnit);
+  }
+  if (!body.mesh.empty()) return refuse(table.line, "the body has a 'mesh' and a 'volume'; accepted: one of them");
+  if (table.find("mesh_unit") != nullptr)
+    return refuse(table.find("mesh_unit")->line, "'mesh_unit' belongs to a body with a 'mesh'; volumes say their millimetres");
+  if (byLabel == volume.threshold.has_value())
+    return refuse(table.line, std::string("the body has a 'volume' and ") +
+                                  (byLabel ? "both 'label' and 'threshold'" : "neither 'label' nor 'threshold'") +
+                                  "; accepted: label = 5, label = \"liver\" or threshold = [lowest, highest]");
+  return true;
+}
+
+}  // namespace c3de::scene
