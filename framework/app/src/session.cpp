@@ -186,6 +186,7 @@ struct Session::Impl {
   scene::SimulationDirectory simulations;
   scene::MaterialLibrary materials;
   std::vector<std::filesystem::path> folders;
+  std::function<void(const scene::Simulation &)> publishedHook;
   std::unique_ptr<plugin_host::PluginHost> host;  ///< after everything that plugins reach
   std::shared_ptr<scene::Simulation> simulation;
   Handle node;
@@ -286,6 +287,8 @@ const scene::MaterialLibrary &Session::materials() const { return impl_->materia
 const std::vector<std::filesystem::path> &Session::pluginFolders() const { return impl_->folders; }
 scene::Simulation *Session::simulation() { return impl_->simulation.get(); }
 Handle Session::simulationNode() const { return impl_->node; }
+
+void Session::setPublishedHook(std::function<void(const scene::Simulation &)> hook) { impl_->publishedHook = std::move(hook); }
 
 Expected<c3de_object *> Session::createSimulator() {
   const std::vector<std::string> ids = impl_->host->classesWith(C3DE_IFACE_SIMULATOR_ID);
@@ -389,7 +392,10 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) 
   auto created = scene::Simulation::create(simulator, [host] { return host->takeError(); });
   if (!created) return tl::unexpected(created.error());
   std::shared_ptr<scene::Simulation> next = std::move(*created);
-  next->setPublishedListener([queue = &impl_->mainQueue] { queue->requestRedraw(); });
+  next->setPublishedListener([queue = &impl_->mainQueue, hook = impl_->publishedHook, simulation = next.get()] {
+    if (hook) hook(*simulation);
+    queue->requestRedraw();
+  });
 
   const Handle nextNode = impl_->sceneGraph.add({}, title);
   Mat4 worldFromSimulation = kIdentity4;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -64,6 +65,8 @@ class Session {
   /// The present simulation and its scene node; null until one is adopted.
   [[nodiscard]] scene::Simulation *simulation();
   [[nodiscard]] Handle simulationNode() const;
+  /// Called on the simulation's thread after each snapshot of a simulation that is adopted from here on.
+  void setPublishedHook(std::function<void(const scene::Simulation &)> hook);
 
   /// A new, empty simulator: the first class that answers iface.simulator. The error (ErrorCode::plugin) says that no
   /// plugin offers one and which folders were searched. The caller has the count.

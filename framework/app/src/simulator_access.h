@@ -9,6 +9,7 @@
 #include "c3de/abi/draft/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/parameter.h"
+#include "c3de/core/vec.h"
 
 namespace c3de::app {
 
@@ -17,6 +18,12 @@ namespace c3de::app {
 
 /// What the simulator declares for a scope (C3DE_SIM_SCOPE_*).
 [[nodiscard]] Expected<std::vector<ParameterDecl>> simulatorDeclarations(c3de_object *simulator, std::uint32_t scope);
+
+/// Whether it reads fills and answers displacement(): revision 3.
+[[nodiscard]] bool servesFills(const c3de_simulator_v0 *table);
+
+/// Of the skin of a body as it is now, m; empty where nobody says. [sim]
+[[nodiscard]] std::vector<Vec3> surfelPositions(c3de_object *simulator, c3de_handle body);
 
 /// A counted reference to an object of a plugin.
 class ObjectRef {

@@ -18,6 +18,8 @@
 #include "c3de/ui/tool_registry.h"
 #include "c3de/ui/workstation_window.h"
 #include "exit_code.h"
+#include "live_warp.h"
+#include "simulator_access.h"
 #include "workstation_images.h"
 #include "workstation_loader.h"
 #include "workstation_screenshot.h"
@@ -43,6 +45,7 @@ class Workstation {
   void saveScreenshot();
   void watchForFailure();
   void whenImageShown();
+  void askForWarp();
   void whenLoaded(const WorkstationLoader::Loaded &loaded);
   void checkSize();
   void whenFailed(const std::string &title, const Error &error);
@@ -54,7 +57,9 @@ class Workstation {
   std::unique_ptr<render::Renderer> renderer_;
   std::unique_ptr<WorkstationLoader> loader_;  ///< used by the session's jobs until they end
   std::unique_ptr<WorkstationImages> images_;  ///< likewise
+  LiveWarp warp_;                              ///< used by the simulation's thread
   std::unique_ptr<Session> session_;
+  scene::SceneImage image_;                    ///< how images deform beside the simulation
   bool playsWhenLoaded_ = false;
   bool hasReportedFailure_ = false;
   std::string unitToCheck_;  ///< assumed for what was loaded last, until its size is known
@@ -81,6 +86,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   auto session = Session::create(sessionOptions);
   if (!session) return tl::unexpected(session.error());
   session_ = std::move(*session);
+  session_->setPublishedHook([this](const scene::Simulation &simulation) { warp_.whenPublished(simulation); });
 
   playsWhenLoaded_ = options.play;
   loader_ = std::make_unique<WorkstationLoader>(
@@ -90,7 +96,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
   images_ = std::make_unique<WorkstationImages>(
       *session_, *renderer_, panels_,
-      WorkstationImages::Events{[this] { whenImageShown(); },
+      WorkstationImages::Events{[this] { whenImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
                                 [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views()}, actions());
   window_->setAbout(about());
@@ -147,6 +153,7 @@ ui::WindowActions Workstation::actions() {
   actions.beforeDraw = [this] {
     session_->plugins().syncScene();
     images_->followNode();
+    images_->updateDisplacement(warp_.take());
   };
   return actions;
 }
@@ -227,11 +234,28 @@ void Workstation::whenImageShown() {
     camera.pitch = 0.3;
   }
   window_->requestFit();
+  askForWarp();
+}
+
+/// The image deforms with the bodies while both are there.
+void Workstation::askForWarp() {
+  scene::Simulation *simulation = session_->simulation();
+  const bool wanted = image_.warp && simulation && images_->views().image() && servesFills(simulation->table());
+  warp_.want(wanted, image_.rim_mm);
+  if (!wanted) return images_->setDisplacement(nullptr);
+  simulation->post([] {});  // publishes once more
 }
 
 void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
   if (!loaded.isReload) window_->requestFit();
   unitToCheck_ = loaded.assumedUnit;
+  image_ = loaded.image.value_or(scene::SceneImage{});
+  warp_.begin();
+  images_->setDisplacement(nullptr);
+  if (loaded.image && !loaded.isReload)
+    images_->open(loaded.image->file, loaded.image->labels);
+  else
+    askForWarp();
   scene::Simulation *simulation = session_->simulation();
   simulation->setTargetRate(targetRate_);
   if (std::exchange(playsWhenLoaded_, false)) simulation->transport(C3DE_TRANSPORT_PLAY);

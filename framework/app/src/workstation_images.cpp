@@ -200,6 +200,17 @@ void WorkstationImages::setDisplacement(std::shared_ptr<const imaging::Displacem
   views_.setDisplacement(std::move(displacement));
 }
 
+void WorkstationImages::updateDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) {
+  render::ImageRenderer *images = renderer_.images();
+  if (!images || !views_.image() || !displacement) return;
+  const imaging::DisplacementGrid *shown = views_.displacement();
+  const bool same = shown && shown->geometry.size == displacement->geometry.size &&
+                    shown->geometry.indexToWorld == displacement->geometry.indexToWorld;
+  if (!same || !images->setDisplacement(views_.handles().displacement, displacement->xyz_mm))
+    return setDisplacement(std::move(displacement));
+  views_.setDisplacement(std::move(displacement));
+}
+
 void WorkstationImages::close() {
   ++labelSerial_;
   removeLabels();
@@ -210,6 +221,7 @@ void WorkstationImages::close() {
   session_.images().removeImage(std::exchange(storedImage_, {}));
   session_.sceneGraph().remove(std::exchange(node_, {}));
   panel_.reset();
+  if (events_.closed) events_.closed();
 }
 
 void WorkstationImages::followNode() {

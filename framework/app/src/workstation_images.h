@@ -24,7 +24,8 @@ namespace c3de::app {
 class WorkstationImages {
  public:
   struct Events {
-    std::function<void()> shown;  ///< another image is in the views
+    std::function<void()> shown;   ///< another image is in the views
+    std::function<void()> closed;  ///< there is none any more
     std::function<void(const std::string &title, const Error &error)> failed;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, ui::PanelRegistry &panels, Events events);
@@ -40,6 +41,8 @@ class WorkstationImages {
   void close();
   /// Shows how the tissue has moved; the grid must not change while it is shown. Null: as it was.
   void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
+  /// The same, every frame: a grid in the place of the one before only takes its values.
+  void updateDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
   /// Takes over whether the image's node is visible.
   void followNode();
 

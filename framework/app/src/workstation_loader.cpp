@@ -84,7 +84,7 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
   job_ = session_.jobs().submit(
       kJobOwner, "Opening " + namesOf(files),
       [this, simulator, shared](const ProgressFn &progress) { return session_.populate(simulator->get(), *shared, progress); },
-      [this, simulator, sceneTitle, title, files, meshUnit, isReload, serial](const Expected<void> &result) {
+      [this, simulator, shared, sceneTitle, title, files, meshUnit, isReload, serial](const Expected<void> &result) {
         // A later request has taken over.
         if (serial != serial_) return;
         job_ = {};
@@ -94,7 +94,7 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
         files_ = files;
         meshUnit_ = meshUnit;
         const bool hasMesh = !std::all_of(files.begin(), files.end(), scene::isScenePath);
-        events_.loaded({isReload, hasMesh ? meshUnit : ""});
+        events_.loaded({isReload, hasMesh ? meshUnit : "", shared->image});
       });
 }
 

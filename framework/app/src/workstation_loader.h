@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ class WorkstationLoader {
   struct Loaded {
     bool isReload = false;      ///< the same files as before
     std::string assumedUnit;    ///< of meshes that do not carry one; empty when only a scene was opened
+    std::optional<scene::SceneImage> image;  ///< that the scene shows beside its bodies
   };
   struct Events {
     /// The new simulation is the present one.

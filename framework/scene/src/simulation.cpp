@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/scene/simulation.h"
 
+#include <cstddef>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -270,10 +271,10 @@ Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
     return fail(ErrorCode::plugin, std::string("the object does not answer ") + C3DE_IFACE_SIMULATOR_ID + " (status " +
                                        std::to_string(code) + ")");
   const auto *simulatorTable = static_cast<const c3de_simulator_v0 *>(table);
-  if (simulatorTable->size < sizeof(c3de_simulator_v0))
+  if (simulatorTable->size < offsetof(c3de_simulator_v0, displacement))
     return fail(ErrorCode::plugin, std::string("the table of ") + C3DE_IFACE_SIMULATOR_ID + " has " +
                                        std::to_string(simulatorTable->size) + " bytes; needed: " +
-                                       std::to_string(sizeof(c3de_simulator_v0)));
+                                       std::to_string(offsetof(c3de_simulator_v0, displacement)));
   auto impl = std::make_unique<Impl>();
   simulator->vt->retain(simulator);
   impl->object = simulator;

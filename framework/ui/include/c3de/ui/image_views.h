@@ -66,6 +66,7 @@ class ImageViews {
   [[nodiscard]] const ImageHandles &handles() const { return handles_; }
   [[nodiscard]] const scene::StoredImage *image() const { return image_.get(); }
   [[nodiscard]] const scene::StoredLabels *labels() const { return labels_.get(); }
+  [[nodiscard]] const imaging::DisplacementGrid *displacement() const { return displacement_.get(); }
   [[nodiscard]] bool hasDisplacement() const { return displacement_ != nullptr; }
 
   [[nodiscard]] const ImageOptions &options() const { return options_; }

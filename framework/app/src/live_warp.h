@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+#include "c3de/imaging/displacement.h"
+#include "c3de/scene/simulation.h"
+
+namespace c3de::app {
+
+/// How far the tissue of a running simulation has moved, for who shows an image beside it: asked of the simulator after
+/// each published snapshot while somebody wants it.
+class LiveWarp {
+ public:
+  /// Any thread. Of the simulation that goes on from here: the grid is laid anew around its bodies.
+  void begin();
+  /// @param wanted  somebody looks; else the simulator is not asked
+  /// @param rim_mm  within it the displacement falls to nothing around the bodies
+  void want(bool wanted, double rim_mm);
+  [[nodiscard]] bool wanted() const { return wanted_; }
+
+  /// On the simulation's thread, after a snapshot.
+  void whenPublished(const scene::Simulation &simulation);
+  /// The newest displacement, once; null when there is none that has not been taken. Any thread.
+  [[nodiscard]] std::shared_ptr<const imaging::DisplacementGrid> take();
+  /// Wall time of the last one, ms. Any thread.
+  [[nodiscard]] double milliseconds() const { return milliseconds_; }
+
+ private:
+  std::atomic<bool> wanted_ = false;
+  std::atomic<double> rim_mm_ = 10.0, milliseconds_ = 0.0;
+  std::atomic<std::uint64_t> serial_ = 1;
+  std::mutex mutex_;
+  std::shared_ptr<const imaging::DisplacementGrid> newest_;
+  // Of the simulation's thread:
+  imaging::VolumeGeometry grid_;
+  double gridRim_mm_ = -1.0;
+  std::uint64_t gridSerial_ = 0;
+};
+
+/// Around all bodies as they are now, with the rim and room to move; its step is half the finest spacing of a body, longer
+/// where that would be more than 96 points along an axis. Empty (size 0): there are none. [sim]
+[[nodiscard]] imaging::VolumeGeometry gridAround(const scene::Simulation &simulation, double rim_mm);
+/// False where the simulator cannot say, or fails. [sim]
+[[nodiscard]] bool readDisplacement(const scene::Simulation &simulation, double rim_mm, imaging::DisplacementGrid &grid);
+
+}  // namespace c3de::app
