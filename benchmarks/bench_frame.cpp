@@ -300,7 +300,7 @@ int main(int argc, char **argv) {
   Json out = {{"machine", cpuName()}, {"physics_threads", 1}, {"scenes", Json::array()}};
   std::printf("%s\n", cpuName().c_str());
   if (options.only.empty() || options.only == "first_light")
-    out["scenes"].push_back(measure("first_light", orStop(app::findResource(app::kDefaultScene)), options));
+    out["scenes"].push_back(measure("first_light", orStop(app::findResource("scenes/first_light.toml")), options));
   if (options.only.empty() || options.only == "lattice_10000") {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "c3de_bench_frame";
     std::filesystem::create_directories(folder);

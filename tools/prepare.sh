@@ -29,6 +29,17 @@ c3de_install_packages() {
     -o DPkg::Lock::Timeout=500 $missing >&2 || c3de_fail "could not install" $missing
 }
 
+# What the default scene shows; without it another one opens and says so.
+c3de_install_optional() {
+  command -v dpkg-query >/dev/null 2>&1 || return 0
+  dpkg-query -W -f='${db:Status-Status}' mricron-data 2>/dev/null | grep -q '^installed$' && return 0
+  local sudo=""
+  [ "$(id -u)" -eq 0 ] || sudo="sudo -n"
+  $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
+    -o DPkg::Lock::Timeout=60 mricron-data >&2 ||
+    echo "c3de: mricron-data could not be installed: the scene without a scan opens" >&2
+}
+
 c3de_configure() {
   [ -f build/release/build.ninja ] || cmake --preset release >&2 || c3de_fail "cmake could not configure build/release"
 }

@@ -101,9 +101,10 @@ int openWorkstation(const Arguments &arguments) {
     options.files.emplace_back(file);
   }
   if (options.files.empty()) {
-    const auto scene = findResource(kDefaultScene);
+    const auto scene = findDefaultScene();
     if (!scene) return reportError(scene.error());
-    options.files.push_back(*scene);
+    options.files.push_back(scene->file);
+    options.notice = scene->notice;
   }
   if (!hasDisplay())
     return reportError({ErrorCode::graphics, "there is no display (DISPLAY and WAYLAND_DISPLAY are empty); `c3de run "

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "c3de/core/platform.h"
+#include "c3de/scene/scene_file.h"
 
 namespace c3de::app {
 
@@ -18,6 +19,19 @@ Expected<std::filesystem::path> findResource(const std::filesystem::path &name) 
     looked += (looked.empty() ? "" : ", ") + candidate.string();
   }
   return fail(ErrorCode::input, "the resource '" + name.generic_string() + "' is missing; looked for: " + looked);
+}
+
+Expected<DefaultScene> findDefaultScene() {
+  std::string why;
+  if (const auto head = findResource("scenes/brain_shift.toml"); !head)
+    why = head.error().message;
+  else if (const auto scene = scene::loadScene(*head, nullptr); !scene)
+    why = scene.error().message;
+  else
+    return DefaultScene{*head, ""};
+  auto organ = findResource("scenes/first_light.toml");
+  if (!organ) return tl::unexpected(organ.error());
+  return DefaultScene{std::move(*organ), "The head is not here (" + why + "); on Debian the package mricron-data has it"};
 }
 
 }  // namespace c3de::app

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "c3de/core/expected.h"
 
@@ -11,7 +12,11 @@ namespace c3de::app {
 /// (../share/c3de), else in the source tree that the program was built from. The error says where it was looked for.
 [[nodiscard]] Expected<std::filesystem::path> findResource(const std::filesystem::path &name);
 
-/// What opens when no file is named.
-inline constexpr const char *kDefaultScene = "scenes/first_light.toml";
+/// What opens when no file is named: a brain in its head, or, where that scan is not installed, an organ of our own.
+struct DefaultScene {
+  std::filesystem::path file;
+  std::string notice;  ///< why it is the organ; empty: it is the head
+};
+[[nodiscard]] Expected<DefaultScene> findDefaultScene();
 
 }  // namespace c3de::app

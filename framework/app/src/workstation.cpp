@@ -101,6 +101,10 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views()}, actions());
   window_->setAbout(about());
   showPluginProblems();
+  if (!options.notice.empty()) {
+    log(LogLevel::warn, options.notice);
+    panels_.notify(C3DE_LOG_INFO, "Another scene than usual", options.notice);
+  }
   open({options.files, options.meshUnit, false});
   return {};
 }

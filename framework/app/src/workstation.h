@@ -13,6 +13,7 @@ struct WorkstationOptions {
   SessionOptions session;                     ///< renderer and registries are filled in here
   std::vector<std::filesystem::path> files;   ///< meshes and scenes to open
   std::string meshUnit = "mm";                ///< of meshes given as files
+  std::string notice;  ///< told in the window at the start; may be empty
   bool play = false;                          ///< start playing when the first scene is loaded
   int width = 1280, height = 800;
   std::filesystem::path automationState;      ///< file that mirrors the program's state as JSON; empty: none

@@ -17,6 +17,7 @@ struct Refused {
 
 const std::string kFix = kMinimal + "[[fix]]\nregion = { everywhere = true }\n";
 const std::string kLoad = kMinimal + "[[load]]\nregion = { everywhere = true }\n";
+const std::string kVolume = "format = 1\n[[body]]\nvolume = \".\"\n";
 
 }  // namespace
 
@@ -144,9 +145,20 @@ TEST_CASE("Every mistake in a scene is refused with file, line, what is wrong an
       {"a half-space without direction",
        kMinimal + "[[fix]]\nregion = { half_space = { point = [0, 0, 0], normal = [0, 0, 0] } }\n", ":6: ", "normal is [0, 0, 0]",
        "a direction"},
-      {"a volume", "format = 1\n[[body]]\nvolume = \"ct.nii.gz\"\n", ":3: ", "'volume' is not served yet", "mesh"},
-      {"a label", kMinimal + "label = 5\n", ":5: ", "'label' is not served yet", "mesh"},
-      {"a threshold", kMinimal + "threshold = [1, 2]\n", ":5: ", "'threshold' is not served yet", "mesh"},
+      {"a volume", "format = 1\n[[body]]\nvolume = \"ct.nii.gz\"\n", ":3: ", "volume 'ct.nii.gz' does not exist", "ct.nii.gz"},
+      {"a label of nothing", kMinimal + "label = 5\n", ":5: ", "'label' belongs to a body with a 'volume'", "volume"},
+      {"a threshold of nothing", kMinimal + "threshold = [1, 2]\n", ":5: ", "'threshold' belongs to a body with a 'volume'", "volume"},
+      {"a volume beside a mesh", kMinimal + "volume = \".\"\nlabel = 1\n", "", "a 'mesh' and a 'volume'", "one of them"},
+      {"a volume without a part", kVolume, "", "neither 'label' nor 'threshold'", "threshold = [lowest, highest]"},
+      {"a volume with two parts", kVolume + "label = 1\nthreshold = [1, 2]\n", "", "both 'label' and 'threshold'", "label = 5"},
+      {"the background as a body", kVolume + "label = 0\n", ":4: ", "label is 0", "1 … 65535"},
+      {"limits the wrong way round", kVolume + "threshold = [2, 1]\n", ":4: ", "2 and 1 leave nothing", "[lowest, highest]"},
+      {"a misspelt mending", kVolume + "label = 1\nmend = { clossing = 1 }\n", ":5: ", "unknown key 'clossing'", "did you mean 'closing'?"},
+      {"a negative opening", kVolume + "label = 1\nmend = { opening = -1 }\n", ":5: ", "mend.opening is -1", "mm, 0 or more"},
+      {"a unit of a volume", kVolume + "label = 1\nmesh_unit = \"mm\"\n", ":5: ", "'mesh_unit' belongs to a body with a 'mesh'", "millimetres"},
+      {"an image without a file", kMinimal + "[image]\nwarp = true\n", "", "[image] has no 'file'", "DICOM folder"},
+      {"a misspelt key of the image", kMinimal + "[image]\nfiel = \".\"\n", ":6: ", "unknown key 'fiel'", "did you mean 'file'?"},
+      {"a negative rim", kMinimal + "[image]\nfile = \".\"\nrim = -1\n", ":7: ", "rim is -1", "0 mm and more"},
   };
   for (const Refused &refused : cases) {
     INFO(refused.what << "\n" << refused.text);
