@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bodies from label maps and images: from the file to the first step, without a mesh.
+#include <algorithm>
+#include <chrono>
+
+#include "c3de/imaging/writing.h"
+#include "program.h"
+
+using namespace c3de;
+
+namespace {
+
+// Two balls with names, on an oblique left-handed grid of uneven voxels.
+imaging::LabelMap twoBalls() {
+  imaging::LabelMap map;
+  map.geometry.size = {60, 50, 44};
+  map.geometry.indexToWorld = {-1.2, 0.3, 0.0, 0, 0.35, 1.4, 0.0, 0, 0.0, 0.1, 1.6, 0, 40.0, -30.0, 500.0, 1};
+  map.voxels.assign(map.geometry.voxelCount(), 0);
+  const Vec3 centres[2] = {map.geometry.worldAt({16, 24, 20}), map.geometry.worldAt({44, 26, 22})};
+  const double radii[2] = {16.0, 11.0};
+  for (std::size_t k = 0; k < 44; ++k)
+    for (std::size_t j = 0; j < 50; ++j)
+      for (std::size_t i = 0; i < 60; ++i)
+        for (std::uint16_t ball = 0; ball < 2; ++ball) {
+          const Vec3 x = map.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+          if (norm(x - centres[ball]) < radii[ball])
+            map.voxels[i + 60 * (j + 50 * k)] = static_cast<std::uint16_t>(ball + 1);
+        }
+  map.labels = {{1, "liver", {0.6F, 0.2F, 0.1F}}, {2, "spleen", {0.3F, 0.1F, 0.4F}}};
+  return map;
+}
+
+std::filesystem::path writeBalls(const std::filesystem::path &folder) {
+  const auto file = folder / "organs.nrrd";
+  REQUIRE(imaging::writeLabelMap(file, twoBalls()));
+  return file;
+}
+
+double millilitres(const imaging::LabelMap &map, std::uint16_t label) {
+  return static_cast<double>(std::count(map.voxels.begin(), map.voxels.end(), label)) * map.geometry.voxelVolume() / 1000.0;
+}
+
+const char *const kBody = "format = 1\n[[body]]\nvolume = \"organs.nrrd\"\nsampling = { count = 300 }\n";
+
+}  // namespace
+
+TEST_CASE("Labels become bodies with the volume of their voxels, by number and by name") {
+  const auto folder = freshFolder("labels");
+  (void)writeBalls(folder);
+  const auto report = folder / "report.json";
+  const auto scene = writeFile(folder / "scene.toml", std::string(kBody) + "name = \"big\"\nlabel = 1\n[[body]]\nvolume = "
+                                                      "\"organs.nrrd\"\nsampling = { count = 300 }\nlabel = \"spleen\"\n");
+  const auto ran = runC3de({"run", scene.string(), "--steps", "2", "--report", report.string()});
+  INFO(ran.errorOutput);
+  REQUIRE(ran.exitCode == 0);
+  const auto json = nlohmann::json::parse(readFile(report));
+  const imaging::LabelMap map = twoBalls();
+  REQUIRE(json["bodies"].size() == 2);
+  for (std::size_t b = 0; b < 2; ++b) {
+    const auto &body = json["bodies"][b];
+    CHECK(body["name"] == (b == 0 ? "big" : "spleen"));
+    // The fill is scaled to its voxels; 1e-6 is what floats of the fill leave.
+    CHECK(body["volume_m3"].get<double>() ==
+          Approx(1e-6 * millilitres(map, static_cast<std::uint16_t>(b + 1))).epsilon(1e-6));
+    CHECK(body["mesh_volume_m3"].get<double>() == Approx(body["volume_m3"].get<double>()).epsilon(0.01));
+    // Where its voxels are: LPS, in metres.
+    const Vec3 centre = map.geometry.worldAt(b == 0 ? Vec3{16, 24, 20} : Vec3{44, 26, 22});
+    for (std::size_t a = 0; a < 3; ++a)
+      CHECK(body["centre_of_mass_m"][a].get<double>() == Approx(1e-3 * centre[a]).margin(2e-4));
+  }
+}
+
+TEST_CASE("A label that does not occur is refused with those that do") {
+  const auto folder = freshFolder("no_label");
+  (void)writeBalls(folder);
+  for (const auto &[line, expected] : {std::pair{"label = 7\n", "no label 7"}, {"label = \"splen\"\n", "did you mean 'spleen'?"}}) {
+    const auto refused = runC3de({"run", writeFile(folder / "scene.toml", std::string(kBody) + line).string(), "--steps", "1"});
+    CHECK(refused.exitCode == 3);
+    CHECK_THAT(refused.errorOutput, Contains("scene.toml:2: ") && Contains(expected) && Contains("1 liver, 2 spleen"));
+  }
+}
+
+TEST_CASE("A threshold that leaves nothing and a simulator that cannot fill are refused") {
+  const auto folder = freshFolder("nothing");
+  (void)writeBalls(folder);
+  const auto empty = writeFile(folder / "empty.toml", std::string(kBody) + "threshold = [5, 9]\n");
+  const auto refused = runC3de({"run", empty.string(), "--steps", "1"});
+  CHECK(refused.exitCode == 3);
+  CHECK_THAT(refused.errorOutput, Contains("empty.toml:2: ") && Contains("nothing is left"));
+  const auto good = writeFile(folder / "good.toml", std::string(kBody) + "label = 1\n");
+  const auto old = runC3de({"run", "--plugin", C3DE_RECORDER, good.string(), "--steps", "1"});
+  CHECK(old.exitCode != 0);
+  CHECK_THAT(old.errorOutput, Contains("'volume' is not served by this simulator") && Contains("needed: 3"));
+}
+
+TEST_CASE("Liver, spleen and kidneys of a CT live within ten seconds of its file", "[data]") {
+  const std::filesystem::path labels = std::filesystem::path(C3DE_TEST_DATA) / "volume/totalseg/example_seg.nii.gz";
+  if (!std::filesystem::exists(labels)) {
+    WARN("skipped: " << labels << " is not there");
+    return;
+  }
+  const auto folder = freshFolder("totalseg");
+  std::string text = "format = 1\n";
+  for (const int label : {5, 1, 2, 3})
+    text += "[[body]]\nname = \"label " + std::to_string(label) + "\"\nvolume = \"" + labels.generic_string() + "\"\nlabel = " +
+            std::to_string(label) + "\nsampling = { count = 1000 }\n";
+  const auto report = folder / "report.json";
+  const auto begin = std::chrono::steady_clock::now();
+  const auto ran =
+      runC3de({"run", writeFile(folder / "scene.toml", text).string(), "--steps", "1", "--report", report.string()});
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  INFO(ran.errorOutput);
+  REQUIRE(ran.exitCode == 0);
+  // Voxels of 3 mm, counted by hand: 38634, 9452, 3947, 3676.
+  const double expected_ml[] = {1043.118, 255.204, 106.569, 99.252};
+  const auto json = nlohmann::json::parse(readFile(report));
+  for (std::size_t b = 0; b < 4; ++b)
+    CHECK(1e6 * json["bodies"][b]["volume_m3"].get<double>() == Approx(expected_ml[b]).epsilon(1e-4));
+  WARN("four organs of about 1 000 phyxels, from file to first step: " << took.count() << " s");
+  CHECK(took.count() < 10.0);
+}
