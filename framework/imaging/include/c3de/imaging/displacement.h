@@ -8,7 +8,7 @@
 namespace c3de::imaging {
 
 /// A spatial displacement: the material that is now at x was at x - u(x) in the reference image. Linear between the
-/// points of the grid, zero outside.
+/// points of the grid, zero outside; a millionth of a cell outside still counts as the border.
 struct DisplacementGrid {
   VolumeGeometry geometry;
   std::vector<float> xyz_mm;  ///< 3 for each point, i fastest
