@@ -66,21 +66,14 @@ constexpr Vec3 kLeft{1, 0, 0}, kBack{0, 1, 0}, kUp{0, 0, 1}, kDown{0, 0, -1};
 
 TEST_CASE("The letters of the phantom read right, however its voxels lie in memory", "[slices]") {
   C3DE_GL_OR_SKIP(gl);
-  // Plain; all axes reversed and exchanged; oblique with uneven spacing; left-handed and sheared.
-  const double c = std::cos(0.3), s = std::sin(0.3);
-  const std::pair<std::array<std::size_t, 3>, Mat4> grids[] = {
-      {{72, 72, 72}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -35.5, -35.5, -35.5, 1}},
-      {{72, 72, 72}, {0, 0, -1, 0, -1, 0, 0, 0, 0, -1, 0, 0, 35.5, 35.5, 35.5, 1}},
-      {{130, 130, 70}, {0.8 * c, 0.8 * s, 0, 0, -0.8 * s, 0.8 * c, 0, 0, 0, 0, 1.1, 0, -51.6 * (c - s), -51.6 * (c + s), -38.0, 1}},
-      {{80, 100, 80}, {-1, 0, 0, 0, 0, 0.9, 0, 0, 0, 0.2, 1, 0, 39.5, -53, -39.5, 1}}};
   int number = 0;
-  for (const auto &[size, place] : grids) {
+  for (const auto &[name, size, place] : c3de::test::letterGrids()) {
     const Phantom phantom = makePhantom(size, place);
     const ImageLook look = lookAt(added(gl.renderer->images()->addImage(phantom.image())));
     const Image left = slice(*gl.renderer, look, planeAt({23, 0, 0}, kBack, kDown));
     const Image front = slice(*gl.renderer, look, planeAt({0, -23, 0}, kLeft, kDown));
     const Image top = slice(*gl.renderer, look, planeAt({0, 0, 23}, kLeft, kBack));
-    CAPTURE(number);
+    CAPTURE(name);
     CHECK(reads(left, 'L'));
     CHECK(reads(front, 'A'));
     CHECK(reads(top, 'S'));
