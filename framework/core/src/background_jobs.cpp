@@ -2,6 +2,7 @@
 #include "c3de/core/background_jobs.h"
 
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -16,6 +17,7 @@ struct BackgroundJobs::Impl {
     Run run;
     Done done;
     std::thread thread;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     std::atomic<bool> cancelling{false};
     std::atomic<bool> finished{false};
     Expected<void> result;
@@ -54,6 +56,7 @@ BackgroundJobs::~BackgroundJobs() {
 }
 
 Handle BackgroundJobs::submit(std::string owner, std::string title, Run run, Done done) {
+  if (!*impl_->alive) return {};  // asked for by the done() of a job that the destructor ends
   auto job = std::make_shared<Impl::Job>();
   job->owner = std::move(owner);
   job->title = std::move(title);
@@ -102,7 +105,8 @@ std::vector<BackgroundJobs::Status> BackgroundJobs::running() const {
   std::vector<Status> out;
   impl_->jobs.forEach([&](Handle h, const std::shared_ptr<Impl::Job> &job) {
     std::lock_guard lock(job->mutex);
-    out.push_back({h, job->title, job->what, job->fraction, job->cancelling.load()});
+    out.push_back({h, job->title, job->what, job->fraction, job->cancelling.load(),
+                   std::chrono::duration<double>(std::chrono::steady_clock::now() - job->start).count()});
   });
   return out;
 }

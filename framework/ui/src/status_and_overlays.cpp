@@ -16,6 +16,8 @@ namespace c3de::ui {
 namespace {
 
 constexpr std::size_t kNotificationsShown = 4;
+/// What ends sooner would only flicker.
+constexpr double kQuietJob_s = 0.25;
 
 std::string fixedText(double value, int decimals) {
   std::array<char, 64> text{};
@@ -218,6 +220,7 @@ void drawJobs(FrameContext &frame) {
   float y = frame.area.y + frame.area.h - frame.theme.px(12.0f);
   std::size_t index = 0;
   for (const BackgroundJobs::Status &job : frame.services.jobs->running()) {
+    if (job.age_s < kQuietJob_s) continue;
     beginOverlay(frame, "##job" + std::to_string(job.handle.bits()),
                  ImVec2(frame.area.x + frame.area.w - frame.theme.px(12.0f), y), ImVec2(1, 1),
                  std::min(frame.theme.px(340.0f), 0.8f * frame.area.w));

@@ -23,7 +23,7 @@ class BackgroundJobs {
 
   using Run = std::function<Expected<void>(const ProgressFn &)>;
   using Done = std::function<void(const Expected<void> &)>;
-  /// Main thread. done() is called once, on the main thread.
+  /// Main thread. done() is called once, on the main thread. While the destructor runs nothing is started: a null handle.
   Handle submit(std::string owner, std::string title, Run run, Done done);
   bool cancel(Handle job);
   /// Cancels, waits for and finishes the jobs of a plugin (it is about to go). Main thread.
@@ -34,6 +34,7 @@ class BackgroundJobs {
     std::string title, what;
     double fraction = -1.0;
     bool cancelling = false;
+    double age_s = 0.0;  ///< since it was submitted
   };
   [[nodiscard]] std::vector<Status> running() const;
 
