@@ -271,7 +271,7 @@ void ImGuiPanels::params(c3de_handle set, c3de_str group) {
 void ImGuiPanels::fillTable() {
   c3de_ui_v0 &t = table_;
   t.size = sizeof t;
-  t.rev = 1;
+  t.rev = 2;
   t.ctx = this;
   t.heading = [](void *c, c3de_str s) noexcept {
     if (of(c).isUsable()) of(c).heading(s);
@@ -319,6 +319,15 @@ void ImGuiPanels::fillTable() {
   t.file_button = [](void *c, c3de_str id, c3de_str label, c3de_str extensions, char *buffer,
                      std::uint64_t capacity) noexcept {
     return of(c).isUsable() ? of(c).fileButton(id, label, extensions, buffer, capacity) : 0u;
+  };
+  t.swatch = [](void *c, float red, float green, float blue) noexcept {
+    if (!of(c).isUsable()) return;
+    of(c).takeSameLine();
+    const float side = ImGui::GetFrameHeight(), inset = 0.2f * side;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::Dummy(ImVec2(side - inset, side));
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, at.y + inset), ImVec2(at.x + side - 2.0f * inset, at.y + side - inset),
+                                              ImGui::GetColorU32(ImVec4(red, green, blue, 1.0f)), 2.0f);
   };
 }
 

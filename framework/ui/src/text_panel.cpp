@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/ui/text_panel.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "c3de/core/text.h"
@@ -187,7 +190,7 @@ void TextPanel::Impl::params(Handle handle, const std::string &group) {
 
 void TextPanel::Impl::fillTable() {
   table.size = sizeof table;
-  table.rev = 1;
+  table.rev = 2;
   table.ctx = this;
   table.heading = [](void *c, c3de_str t) { of(c).line("# " + std::string(fromAbi(t))); };
   table.text = [](void *c, c3de_str t) {
@@ -227,6 +230,12 @@ void TextPanel::Impl::fillTable() {
   };
   table.file_button = [](void *c, c3de_str id, c3de_str label, c3de_str, char *buffer, std::uint64_t capacity) {
     return of(c).textField("file", std::string(fromAbi(id)), std::string(fromAbi(label)), buffer, capacity);
+  };
+  table.swatch = [](void *c, float red, float green, float blue) {
+    const auto byte = [](float v) { return static_cast<int>(std::lround(255.0f * std::clamp(v, 0.0f, 1.0f))); };
+    const std::string text = fmt::format("#{:02x}{:02x}{:02x}", byte(red), byte(green), byte(blue));
+    of(c).line("[" + text + "]");
+    of(c).widget("swatch", {}, {}, text);
   };
 }
 

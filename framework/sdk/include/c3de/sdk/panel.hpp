@@ -69,6 +69,11 @@ class Ui {
     return (result & (C3DE_UI_CHANGED | C3DE_UI_COMMITTED)) != 0;
   }
 
+  /// A patch of colour, sRGB 0 … 1, before what sameLine() puts beside it; nothing in hosts that do not have it.
+  void swatch(float red, float green, float blue) const {
+    if (ui_->rev >= 2) ui_->swatch(ui_->ctx, red, green, blue);
+  }
+
  private:
   static std::vector<char> bufferOf(const std::string &value, std::size_t capacity) {
     std::vector<char> buffer(std::max(capacity, value.size() + 1), '\0');

@@ -37,6 +37,8 @@ typedef struct c3de_ui_v0 {
   /* A file to open, through the host's dialog: the chosen path replaces the buffer's text. extensions: "obj;stl". */
   uint32_t(C3DE_CALL *file_button)(void *ctx, c3de_str id, c3de_str label, c3de_str extensions, char *buffer,
                                    uint64_t capacity);
+  /* rev 2: a patch of colour, sRGB 0 ... 1, before what same_line puts beside it. */
+  void(C3DE_CALL *swatch)(void *ctx, float red, float green, float blue);
 } c3de_ui_v0;
 
 typedef struct c3de_panel { /* copied, strings included */
