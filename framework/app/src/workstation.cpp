@@ -22,6 +22,7 @@
 #include "simulator_access.h"
 #include "workstation_images.h"
 #include "workstation_loader.h"
+#include "workstation_organ.h"
 #include "workstation_screenshot.h"
 
 namespace c3de::app {
@@ -56,6 +57,7 @@ class Workstation {
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
   std::unique_ptr<WorkstationLoader> loader_;  ///< used by the session's jobs until they end
+  std::unique_ptr<WorkstationOrgan> organ_;    ///< likewise
   std::unique_ptr<WorkstationImages> images_;  ///< likewise
   LiveWarp warp_;                              ///< used by the simulation's thread
   std::unique_ptr<Session> session_;
@@ -94,10 +96,13 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
                       [this](const WorkstationLoader::Loaded &loaded) { whenLoaded(loaded); },
                       [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
   session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
+  organ_ = std::make_unique<WorkstationOrgan>(
+      *session_, WorkstationOrgan::Events{[this](const std::string &title, const Error &error) { whenFailed(title, error); }});
   images_ = std::make_unique<WorkstationImages>(
       *session_, *renderer_, panels_,
       WorkstationImages::Events{[this] { whenImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
-                                [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
+                                [this](const std::string &title, const Error &error) { whenFailed(title, error); },
+                                [this](ui::OrganRequest request) { organ_->makeOrgan(std::move(request)); }});
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views()}, actions());
   window_->setAbout(about());
   showPluginProblems();

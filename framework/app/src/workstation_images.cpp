@@ -51,7 +51,11 @@ std::string seriesText(const imaging::SeriesInfo &s) {
 }  // namespace
 
 WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, ui::PanelRegistry &panels, Events events)
-    : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)) {
+    : session_(session),
+      renderer_(renderer),
+      panels_(panels),
+      events_(std::move(events)),
+      guide_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.makeOrgan}) {
   if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
 }
 
@@ -60,7 +64,7 @@ WorkstationImages::~WorkstationImages() {
   render::ImageRenderer *images = renderer_.images();
   if (!images) return;
   const ui::ImageHandles &handles = views_.handles();
-  for (const Handle handle : {handles.image, handles.labels, handles.displacement}) images->remove(handle);
+  for (const Handle handle : {handles.image, handles.labels, handles.displacement, handles.preview}) images->remove(handle);
 }
 
 void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels, const std::string &series) {
@@ -114,7 +118,7 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
   close();
   storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
   views_.setImage(image);
-  views_.setHandles({*handle, {}, {}});
+  views_.setHandles({*handle, {}, {}, {}});
   node_ = session_.sceneGraph().add({}, image->name);
   scene::Node *node = session_.sceneGraph().find(node_);
   node->hasBounds = true;
@@ -130,6 +134,8 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
   }
   session_.sceneGraph().touch();
   panel_.emplace(panels_, views_);
+  guide_.setSources({image, nullptr});
+  organPanel_.emplace(panels_, views_, guide_);
   if (!notice.empty()) tell("Opened " + image->name, {notice});
   events_.shown();
 }
@@ -170,6 +176,7 @@ void WorkstationImages::showLabels(std::shared_ptr<scene::StoredLabels> labels) 
   if (!handle) return events_.failed("Could not show " + labels->name, handle.error());
   removeLabels();
   storedLabels_ = session_.images().add(std::shared_ptr<const scene::StoredLabels>(labels));
+  guide_.setSources({guide_.mask().sources().image, labels});
   views_.setLabels(std::move(labels));
   ui::ImageHandles handles = views_.handles();
   handles.labels = *handle;
@@ -183,6 +190,23 @@ void WorkstationImages::removeLabels() {
   views_.setHandles(handles);
   views_.setLabels(nullptr);
   session_.images().removeLabels(std::exchange(storedLabels_, {}));
+}
+
+/// Of what is being picked, over the slices.
+void WorkstationImages::showPreview() {
+  render::ImageRenderer *images = renderer_.images();
+  if (!images || preview_ == guide_.mask().preview()) return;
+  preview_ = guide_.mask().preview();
+  ui::ImageHandles handles = views_.handles();
+  images->remove(std::exchange(handles.preview, {}));
+  if (preview_ && !preview_->voxels.empty()) {
+    auto handle = images->addLabels(placeOf(preview_->geometry), preview_->voxels);
+    if (!handle) return views_.setHandles(handles), events_.failed("Could not show what is picked", handle.error());
+    handles.preview = *handle;
+    const std::pair<std::uint16_t, render::Colour> colour{std::uint16_t{1}, guide_.colour()};
+    images->setLabelColours(handles.preview, {&colour, 1});
+  }
+  views_.setHandles(handles);
 }
 
 void WorkstationImages::setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) {
@@ -213,6 +237,8 @@ void WorkstationImages::updateDisplacement(std::shared_ptr<const imaging::Displa
 
 void WorkstationImages::close() {
   ++labelSerial_;
+  organPanel_.reset();
+  guide_.setSources({});
   removeLabels();
   const ui::ImageHandles handles = views_.handles();
   if (render::ImageRenderer *images = renderer_.images())

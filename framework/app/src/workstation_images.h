@@ -11,6 +11,7 @@
 #include "c3de/imaging/displacement.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/ui/image_panel.h"
+#include "c3de/ui/organ_panel.h"
 #include "session.h"
 
 namespace c3de::render {
@@ -27,6 +28,7 @@ class WorkstationImages {
     std::function<void()> shown;   ///< another image is in the views
     std::function<void()> closed;  ///< there is none any more
     std::function<void(const std::string &title, const Error &error)> failed;
+    std::function<void(ui::OrganRequest)> makeOrgan;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, ui::PanelRegistry &panels, Events events);
   ~WorkstationImages();
@@ -57,6 +59,7 @@ class WorkstationImages {
   void show(std::shared_ptr<scene::StoredImage> image);
   void showLabels(std::shared_ptr<scene::StoredLabels> labels);
   void removeLabels();
+  void showPreview();
   void askForSeries(SeriesChoice choice);
   void drawSeriesChoice(const c3de_ui_v0 &ui);
   void endChoice();
@@ -68,8 +71,11 @@ class WorkstationImages {
   Events events_;
   ui::ImageViews views_;
   std::optional<ui::ImagePanel> panel_;
+  ui::OrganGuide guide_;
+  std::optional<ui::OrganPanel> organPanel_;
   std::optional<SeriesChoice> choice_;
   Handle job_, labelJob_, node_, storedImage_, storedLabels_;
+  std::shared_ptr<const ui::MaskPreview> preview_;  ///< that is shown
   std::uint64_t serial_ = 0, labelSerial_ = 0;
 };
 

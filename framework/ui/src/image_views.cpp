@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "c3de/abi/draft/tools.h"
 #include "c3de/ui/commands.h"
@@ -48,6 +49,7 @@ void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
   labelOpacities_.clear();
   drag_ = Drag::none;
   maximised_.reset();
+  picked_ = nullptr;
   if (!image_) return;
   options_.windowLevel = automaticWindowLevel(image_->range);
   // Files that do not say so are recognised by the value of air.
@@ -91,11 +93,8 @@ void ImageViews::setLabelOpacity(std::uint16_t value, float opacity) {
 std::vector<std::pair<std::uint16_t, render::Colour>> ImageViews::labelColours() const {
   std::vector<std::pair<std::uint16_t, render::Colour>> colours;
   if (!labels_) return colours;
-  const auto encoded = [](float c) {
-    return c < 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;
-  };
   for (const imaging::LabelMap::Label &label : labels_->map.labels)
-    colours.push_back({label.value, {encoded(label.colour[0]), encoded(label.colour[1]), encoded(label.colour[2]), labelOpacity(label.value)}});
+    colours.push_back({label.value, shownColour(label.colour, labelOpacity(label.value))});
   return colours;
 }
 
@@ -161,10 +160,16 @@ bool ImageViews::handle(Pane slice, const ViewInput &input) {
   return isChanged;
 }
 
+Vec3 ImageViews::referenceAt(const Vec3 &world) const { return displacement_ ? world - displacement_->at(world) : world; }
+
 bool ImageViews::press(Pane slice, const ViewInput &input) {
   const bool isFirst = buttons_ == 0;
   buttons_ |= input.button;
   if (!isFirst) return false;
+  if (picked_ && input.button == C3DE_BUTTON_LEFT && input.modifiers == 0) {
+    std::exchange(picked_, nullptr)(referenceAt(view(slice).worldAt(input.x, input.y)));
+    return true;
+  }
   dragButton_ = input.button;
   startX_ = input.x;
   startY_ = input.y;
@@ -250,7 +255,7 @@ Readout ImageViews::readout(const Vec3 &world) const {
 render::ImageLook ImageViews::look() const {
   render::ImageLook look;
   look.image = handles_.image;
-  look.labels = handles_.labels;
+  look.labels = handles_.preview.isNull() || !options_.showsPreview ? handles_.labels : handles_.preview;
   look.displacement = handles_.displacement;
   look.window = options_.windowLevel.window;
   look.level = options_.windowLevel.level;

@@ -151,6 +151,9 @@ void drawTexts(const SliceCanvas &canvas) {
   const std::string windowLevel = fmt::format("W {:.5g}  L {:.5g}", options.windowLevel.window, options.windowLevel.level);
   shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + line), kInk, windowLevel);
   if (options.isWindowLevelMode) shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + 2 * line), kLetter, "drag: window/level");
+  if (canvas.images.isPicking())
+    shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + (options.isWindowLevelMode ? 3 : 2) * line), kLetter,
+             "click: keep this part (Esc: do not)");
   // Which side is which is a matter of safety: said in every view that it turns.
   const std::string convention = options.convention == Convention::radiological ? "radiological" : "neurological";
   const std::string badge = canvas.pane == Pane::sagittal ? std::string() : convention;
@@ -225,6 +228,7 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
   automation.value("image", "window", fmt::format("{:.6g}", options.windowLevel.window));
   automation.value("image", "level", fmt::format("{:.6g}", options.windowLevel.level));
   automation.value("image", "cross_hair", fmt::format("{:.3f} {:.3f} {:.3f}", cross[0], cross[1], cross[2]));
+  automation.value("image", "preview", images->handles().preview.isNull() ? "none" : options.showsPreview ? "shown" : "hidden");
   automation.value("image", "layout", images->maximised() ? paneName(*images->maximised()) : "four");
 }
 

@@ -165,7 +165,10 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
   }
   if (event.isRepeat) return;
   if (event.key == keyEscape) {
-    if (services.images) services.images->cancel();
+    if (services.images) {
+      services.images->cancel();
+      services.images->cancelPick();
+    }
     return viewController->cancel();
   }
   if (command != Command::none) return context.request(command);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,11 +35,13 @@ struct ImageOptions {
   bool showsCrossHair = true;
   bool isWindowLevelMode = false;           ///< a left drag in a slice changes window and level, else the cross-hair
   bool showsOutlines = true;                ///< surfaces of bodies, cut by the slices
+  bool showsPreview = true;                 ///< what is being picked, instead of the labels
 };
 
 /// Handles of the renderer for what is shown; the owner of the renderer fills them.
 struct ImageHandles {
   Handle image, labels, displacement;
+  Handle preview{};  ///< labels that are shown instead of `labels`
 };
 
 /// What is known about a point of the world.
@@ -91,6 +94,11 @@ class ImageViews {
   /// Input in a slice; positions from its upper left corner. True: something changed.
   bool handle(Pane slice, const ViewInput &input);
   void cancel() { drag_ = Drag::none; }
+  /// The next left press in a slice is told to `picked` instead of moving the cross-hair: the point of the reference
+  /// image that is shown there.
+  void pickNext(std::function<void(const Vec3 &reference)> picked) { picked_ = std::move(picked); }
+  [[nodiscard]] bool isPicking() const { return static_cast<bool>(picked_); }
+  void cancelPick() { picked_ = nullptr; }
   /// Whether a key means something in a slice: it then belongs to the slice under the mouse.
   [[nodiscard]] static bool isSliceKey(std::uint32_t key, std::uint32_t modifiers);
 
@@ -103,6 +111,7 @@ class ImageViews {
  private:
   enum class Drag { none, crossHair, windowLevel, pan, zoom };
   void applyFrames();
+  [[nodiscard]] Vec3 referenceAt(const Vec3 &world) const;
   bool press(Pane slice, const ViewInput &input);
   bool move(Pane slice, const ViewInput &input);
   bool pressKey(Pane slice, const ViewInput &input);
@@ -117,6 +126,7 @@ class ImageViews {
   std::optional<Pane> maximised_;
   Vec3 crossHair_{};
   bool isVisibleInSpace_ = true;
+  std::function<void(const Vec3 &)> picked_;
   Drag drag_ = Drag::none;
   std::uint32_t buttons_ = 0, dragButton_ = 0;
   double lastX_ = 0.0, lastY_ = 0.0, startX_ = 0.0, startY_ = 0.0;

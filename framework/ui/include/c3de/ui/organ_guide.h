@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "c3de/render/renderer.h"
+#include "c3de/scene/materials.h"
+#include "c3de/ui/organ_mask.h"
+
+namespace c3de::ui {
+
+/// What is to become a body.
+struct OrganRequest {
+  std::string name;
+  imaging::Mask mask;            ///< not empty
+  std::string material;          ///< name of a preset
+  std::size_t phyxels = 1000;    ///< wanted
+  double edge_mm = 0.0;          ///< of the surface; 0: automatic
+  bool holdsLowestPart = false;  ///< what lies lowest, along gravity, is held
+};
+
+/// What a person chooses beside the mask.
+struct OrganSettings {
+  bool isFromLabel = false;           ///< the mask is picked from a label, else by a threshold
+  double low = 0.0, high = 0.0;       ///< threshold, values of the image
+  double radius_mm = 3.0;             ///< of closing and opening
+  std::string name = "organ";
+  std::string material;               ///< name of a preset; empty: none fits, to be chosen
+  double phyxels = 1000.0;
+  bool isEdgeAutomatic = true;
+  double edge_mm = 4.0;               ///< when it is not automatic
+  bool holdsLowestPart = false;
+};
+
+/// The path from an image to a living organ: pick, material, sampling, go. No drawing. Main thread; lifetime as OrganMask.
+class OrganGuide {
+ public:
+  struct Events {
+    std::function<void()> maskChanged;         ///< or what is known of it
+    std::function<void(OrganRequest)> make;
+  };
+  /// @param materials  must outlive the guide
+  OrganGuide(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials, Events events);
+  ~OrganGuide();
+  OrganGuide(const OrganGuide &) = delete;
+  OrganGuide &operator=(const OrganGuide &) = delete;
+
+  /// Another image: everything starts anew. Another label map over the same image: the choice of labels does.
+  void setSources(MaskSources sources);
+
+  [[nodiscard]] const OrganSettings &settings() const { return settings_; }
+  [[nodiscard]] const OrganMask &mask() const { return mask_; }
+
+  struct LabelRow {
+    std::uint16_t value = 0;
+    std::string name;
+    render::Colour colour{};
+    std::optional<double> volume_ml;  ///< none: still being counted
+    bool isChosen = false;
+  };
+  [[nodiscard]] std::vector<LabelRow> labels() const;
+  void setFromLabel(bool isFromLabel) { settings_.isFromLabel = isFromLabel; }
+  /// Takes over its name, and the material that fits.
+  void chooseLabel(std::uint16_t value);
+  /// The limit that was moved takes the other one along.
+  void setLow(double low);
+  void setHigh(double high);
+  void showThreshold();
+  void keepComponentAt(const Vec3 &world);
+  void carryOut(MaskStep::Kind kind);  ///< largest, fillHoles, close, open
+  void setRadius(double radius_mm) { settings_.radius_mm = radius_mm; }
+  void undo();
+  /// Of what is laid over the slices.
+  [[nodiscard]] render::Colour colour() const;
+  /// What is wrong with the mask, for a person; empty: nothing.
+  [[nodiscard]] std::string maskProblem() const;
+
+  [[nodiscard]] const scene::MaterialLibrary &materials() const { return materials_; }
+  /// Null: to be chosen.
+  [[nodiscard]] const scene::MaterialPreset *material() const { return materials_.find(settings_.material); }
+  /// By a person: the name does not change it any more, until another label or image is chosen.
+  void chooseMaterial(const std::string &preset);
+  void setName(const std::string &name);
+  void setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm, bool holdsLowestPart);
+
+  /// Why it cannot be made alive yet, for a person; empty: it can.
+  [[nodiscard]] std::string whyNot() const;
+  /// Does nothing while whyNot() has a reason.
+  void makeAlive();
+
+ private:
+  void countLabels();
+  void preselectMaterial();
+  void whenMaskChanged();
+
+  BackgroundJobs &jobs_;
+  std::string jobOwner_;
+  const scene::MaterialLibrary &materials_;
+  Events events_;
+  OrganMask mask_;
+  OrganSettings settings_;
+  std::vector<double> labelVolumes_ml_;  ///< by position in the map's labels; empty: not counted yet
+  Handle counting_;
+  std::uint64_t serial_ = 0;
+  bool isMaterialChosen_ = false;
+  bool followsUndo_ = false;
+  std::shared_ptr<bool> alive_;
+};
+
+/// "6 kPa (1 kPa … 15 kPa)", of Pa.
+[[nodiscard]] std::string stiffnessText(double value, double low, double high);
+
+}  // namespace c3de::ui

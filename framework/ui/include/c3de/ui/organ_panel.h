@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "c3de/ui/image_views.h"
+#include "c3de/ui/organ_guide.h"
+#include "c3de/ui/panel_registry.h"
+
+namespace c3de::ui {
+
+/// The panel of the path from an image to a living organ, in numbered steps. It stands in the registry while it lives.
+/// Main thread.
+class OrganPanel {
+ public:
+  OrganPanel(PanelRegistry &panels, ImageViews &views, OrganGuide &guide);
+  ~OrganPanel();
+  OrganPanel(const OrganPanel &) = delete;
+  OrganPanel &operator=(const OrganPanel &) = delete;
+
+ private:
+  void draw(const c3de_ui_v0 &ui);
+  void drawSource(const c3de_ui_v0 &ui);
+  void drawLabels(const c3de_ui_v0 &ui);
+  void drawThreshold(const c3de_ui_v0 &ui);
+  void drawSteps(const c3de_ui_v0 &ui);
+  void drawMaterial(const c3de_ui_v0 &ui);
+  void drawSampling(const c3de_ui_v0 &ui);
+
+  PanelRegistry &panels_;
+  ImageViews &views_;
+  OrganGuide &guide_;
+  Handle panel_;
+  std::string filter_;  ///< of a long list of labels
+};
+
+}  // namespace c3de::ui

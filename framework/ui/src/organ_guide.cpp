@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/organ_guide.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "c3de/core/background_jobs.h"
+#include "c3de/core/text.h"
+#include "c3de/scene/material_names.h"
+#include "c3de/ui/image_presets.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr render::Colour kThresholdColour{1.0f, 0.70f, 0.15f, 1.0f};
+
+std::string modulusText(double pascal) {
+  const bool isGiga = pascal >= 1e9, isMega = pascal >= 1e6;
+  return fmt::format("{:.4g} {}", pascal / (isGiga ? 1e9 : isMega ? 1e6 : 1e3), isGiga ? "GPa" : isMega ? "MPa" : "kPa");
+}
+
+/// ml of each label.
+Expected<std::vector<double>> volumesOf(const imaging::LabelMap &map, const ProgressFn &progress) {
+  std::vector<std::size_t> counts(65536);
+  constexpr std::size_t kChunk = std::size_t{1} << 22;
+  for (std::size_t begin = 0; begin < map.voxels.size(); begin += kChunk) {
+    const std::size_t end = std::min(map.voxels.size(), begin + kChunk);
+    for (std::size_t v = begin; v < end; ++v) ++counts[map.voxels[v]];
+    if (progress && !progress(static_cast<double>(end) / static_cast<double>(map.voxels.size()), "counting voxels"))
+      return fail(ErrorCode::cancelled, "counting voxels was cancelled");
+  }
+  std::vector<double> volumes;
+  for (const imaging::LabelMap::Label &label : map.labels)
+    volumes.push_back(static_cast<double>(counts[label.value]) * map.geometry.voxelVolume() / 1000.0);
+  return volumes;
+}
+
+}  // namespace
+
+std::string stiffnessText(double value, double low, double high) {
+  return modulusText(value) + " (" + modulusText(low) + " … " + modulusText(high) + ")";
+}
+
+OrganGuide::OrganGuide(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials, Events events)
+    : jobs_(jobs),
+      jobOwner_(std::move(jobOwner)),
+      materials_(materials),
+      events_(std::move(events)),
+      mask_(jobs, jobOwner_, [this] { whenMaskChanged(); }),
+      alive_(std::make_shared<bool>(true)) {}
+
+OrganGuide::~OrganGuide() { *alive_ = false; }
+
+void OrganGuide::setSources(MaskSources sources) {
+  const MaskSources before = mask_.sources();
+  if (sources.image != before.image) {
+    settings_ = {};
+    isMaterialChosen_ = false;
+    if (sources.image) {
+      // The upper half of what occurs: something is seen, and the slider shows where to go.
+      const imaging::ValueRange &range = sources.image->range;
+      settings_.low = 0.5 * (range.low + range.high);
+      settings_.high = range.max;
+    }
+  }
+  const bool hasOtherLabels = sources.labels != before.labels;
+  settings_.isFromLabel = sources.labels != nullptr && (hasOtherLabels || settings_.isFromLabel);
+  followsUndo_ = false;
+  mask_.setSources(std::move(sources));
+  if (!hasOtherLabels) return;
+  if (!counting_.isNull()) jobs_.cancel(std::exchange(counting_, {}));
+  ++serial_;
+  labelVolumes_ml_.clear();
+  if (mask_.sources().labels) countLabels();
+}
+
+void OrganGuide::countLabels() {
+  const auto volumes = std::make_shared<std::vector<double>>();
+  counting_ = jobs_.submit(
+      jobOwner_, "Measuring labels",
+      [labels = mask_.sources().labels, volumes](const ProgressFn &progress) -> Expected<void> {
+        auto counted = volumesOf(labels->map, progress);
+        if (!counted) return tl::unexpected(counted.error());
+        *volumes = std::move(*counted);
+        return {};
+      },
+      [this, alive = alive_, serial = serial_, volumes](const Expected<void> &done) {
+        if (!*alive || serial != serial_) return;
+        counting_ = {};
+        if (done) labelVolumes_ml_ = std::move(*volumes);
+      });
+}
+
+std::vector<OrganGuide::LabelRow> OrganGuide::labels() const {
+  std::vector<LabelRow> rows;
+  const auto &labels = mask_.sources().labels;
+  if (!labels) return rows;
+  std::optional<std::uint16_t> chosen;
+  for (const MaskStep &step : mask_.steps())
+    if (step.startsAnew()) chosen = step.kind == MaskStep::Kind::label ? std::optional(step.label) : std::nullopt;
+  for (std::size_t i = 0; i < labels->map.labels.size(); ++i) {
+    const imaging::LabelMap::Label &label = labels->map.labels[i];
+    LabelRow row{label.value, label.name, shownColour(label.colour), {}, chosen == label.value};
+    if (i < labelVolumes_ml_.size()) row.volume_ml = labelVolumes_ml_[i];
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+void OrganGuide::chooseLabel(std::uint16_t value) {
+  const auto &labels = mask_.sources().labels;
+  if (!labels) return;
+  settings_.isFromLabel = true;
+  if (const std::string name = labels->nameOf(value); !name.empty()) settings_.name = name;
+  isMaterialChosen_ = false;
+  preselectMaterial();
+  MaskStep step;
+  step.kind = MaskStep::Kind::label;
+  step.label = value;
+  mask_.carryOut(step);
+}
+
+void OrganGuide::setLow(double low) {
+  settings_.low = low;
+  settings_.high = std::max(settings_.high, low);
+  showThreshold();
+}
+
+void OrganGuide::setHigh(double high) {
+  settings_.high = high;
+  settings_.low = std::min(settings_.low, high);
+  showThreshold();
+}
+
+void OrganGuide::showThreshold() {
+  settings_.isFromLabel = false;
+  MaskStep step;
+  step.kind = MaskStep::Kind::threshold;
+  step.low = settings_.low;
+  step.high = settings_.high;
+  mask_.carryOut(step);
+}
+
+void OrganGuide::keepComponentAt(const Vec3 &world) {
+  MaskStep step;
+  step.kind = MaskStep::Kind::component;
+  step.world = world;
+  mask_.carryOut(step);
+}
+
+void OrganGuide::carryOut(MaskStep::Kind kind) {
+  MaskStep step;
+  step.kind = kind;
+  step.radius_mm = settings_.radius_mm;
+  mask_.carryOut(step);
+}
+
+void OrganGuide::undo() {
+  followsUndo_ = true;
+  mask_.undo();
+}
+
+/// After an undo the controls say what the mask was made with.
+void OrganGuide::whenMaskChanged() {
+  if (followsUndo_ && !mask_.isBusy()) {
+    followsUndo_ = false;
+    for (const MaskStep &step : mask_.steps()) {
+      if (!step.startsAnew()) continue;
+      settings_.isFromLabel = step.kind == MaskStep::Kind::label;
+      if (settings_.isFromLabel) continue;
+      settings_.low = step.low;
+      settings_.high = step.high;
+    }
+  }
+  if (events_.maskChanged) events_.maskChanged();
+}
+
+render::Colour OrganGuide::colour() const {
+  for (const LabelRow &row : labels())
+    if (row.isChosen) return row.colour;
+  return kThresholdColour;
+}
+
+std::string OrganGuide::maskProblem() const {
+  if (!mask_.problem().empty() || !mask_.mask() || mask_.voxels() > 0) return mask_.problem();
+  const std::vector<MaskStep> steps = mask_.steps();
+  const bool isThreshold = !steps.empty() && steps.back().kind == MaskStep::Kind::threshold;
+  if (!isThreshold) return "the mask is empty: nothing is left after the last step; Undo goes back";
+  const std::string &unit = mask_.sources().image->volume.unit;
+  return "the mask is empty: no voxel has a value from " + formatNumber(steps.back().low) + " to " + formatNumber(steps.back().high) +
+         (unit.empty() ? "" : " " + unit) + "; widen the limits";
+}
+
+void OrganGuide::preselectMaterial() {
+  if (isMaterialChosen_) return;
+  const scene::MaterialPreset *preset = scene::presetForOrgan(materials_, settings_.name);
+  settings_.material = preset ? preset->name : std::string();
+}
+
+void OrganGuide::chooseMaterial(const std::string &preset) {
+  settings_.material = preset;
+  isMaterialChosen_ = true;
+}
+
+void OrganGuide::setName(const std::string &name) {
+  settings_.name = name;
+  preselectMaterial();
+}
+
+void OrganGuide::setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm, bool holdsLowestPart) {
+  settings_.phyxels = phyxels;
+  settings_.isEdgeAutomatic = isEdgeAutomatic;
+  settings_.edge_mm = edge_mm;
+  settings_.holdsLowestPart = holdsLowestPart;
+}
+
+std::string OrganGuide::whyNot() const {
+  if (!mask_.mask() && !mask_.isBusy()) return "nothing is picked yet (1)";
+  if (mask_.isBusy()) return "the mask is being computed";
+  if (mask_.voxels() == 0) return "the mask is empty (1)";
+  if (!material()) return "no material is chosen (2)";
+  if (settings_.name.empty()) return "the organ has no name (2)";
+  return {};
+}
+
+void OrganGuide::makeAlive() {
+  if (!whyNot().empty() || !events_.make) return;
+  OrganRequest request;
+  request.name = settings_.name;
+  request.mask = *mask_.mask();
+  request.material = settings_.material;
+  request.phyxels = static_cast<std::size_t>(std::lround(settings_.phyxels));
+  request.edge_mm = settings_.isEdgeAutomatic ? 0.0 : settings_.edge_mm;
+  request.holdsLowestPart = settings_.holdsLowestPart;
+  events_.make(std::move(request));
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/organ_mask.h"
+
+#include <utility>
+
+#include "c3de/core/background_jobs.h"
+#include "c3de/imaging/masks.h"
+
+namespace c3de::ui {
+namespace {
+
+/// Of a mask of 512 x 512 x 512 voxels each keeps 17 MB.
+constexpr std::size_t kMostSteps = 32;
+/// What is laid over the slices is handed to the graphics on the main thread: 32 MB, some hundredths of a second.
+constexpr std::size_t kMostPreviewVoxels = std::size_t{1} << 24;
+
+}  // namespace
+
+OrganMask::OrganMask(BackgroundJobs &jobs, std::string jobOwner, std::function<void()> changed)
+    : jobs_(jobs), jobOwner_(std::move(jobOwner)), changed_(std::move(changed)), alive_(std::make_shared<bool>(true)) {}
+
+OrganMask::~OrganMask() { *alive_ = false; }
+
+void OrganMask::letGo() {
+  if (!job_.isNull()) jobs_.cancel(std::exchange(job_, {}));
+  ++serial_;
+}
+
+void OrganMask::setSources(MaskSources sources) {
+  letGo();
+  waiting_.clear();
+  states_.clear();
+  isCut_ = false;
+  shown_ = {};
+  problem_.clear();
+  sources_ = std::move(sources);
+  changed_();
+}
+
+double OrganMask::volume_ml() const {
+  return shown_.mask ? static_cast<double>(shown_.voxels) * shown_.mask->geometry.voxelVolume() / 1000.0 : 0.0;
+}
+
+std::vector<MaskStep> OrganMask::steps() const {
+  std::vector<MaskStep> steps;
+  for (const State &state : states_) steps.push_back(state.step);
+  return steps;
+}
+
+void OrganMask::carryOut(const MaskStep &step) {
+  problem_.clear();
+  if (step.startsAnew()) {
+    waiting_.clear();
+    // A threshold that runs may finish, so that something is seen while a slider is dragged; other work is in vain.
+    if (isBusy() && !running_.startsAnew()) letGo();
+  }
+  waiting_.push_back(step);
+  startNext();
+  changed_();
+}
+
+void OrganMask::submit(const std::string &title, std::function<Expected<imaging::Mask>(const ProgressFn &)> make,
+                       std::shared_ptr<const PackedMask> packed, std::function<void(const Result &)> take) {
+  const auto result = std::make_shared<Result>();
+  result->packed = std::move(packed);
+  const std::uint64_t serial = ++serial_;
+  job_ = jobs_.submit(
+      jobOwner_, title,
+      [make = std::move(make), result](const ProgressFn &progress) -> Expected<void> {
+        auto made = make(progress);
+        if (!made) return tl::unexpected(made.error());
+        const auto mask = std::make_shared<const imaging::Mask>(std::move(*made));
+        result->shown = {mask, std::make_shared<const MaskPreview>(previewOf(*mask, kMostPreviewVoxels)), imaging::voxelCount(*mask)};
+        if (!result->packed) result->packed = std::make_shared<const PackedMask>(*mask);
+        return {};
+      },
+      [this, alive = alive_, serial, result, take = std::move(take)](const Expected<void> &done) {
+        if (!*alive || serial != serial_) return;
+        job_ = {};
+        if (!done) {
+          waiting_.clear();
+          problem_ = done.error().code == ErrorCode::cancelled ? "cancelled; the mask is as it was" : done.error().message;
+        } else {
+          shown_ = result->shown;
+          take(*result);
+          startNext();
+        }
+        changed_();
+      });
+}
+
+void OrganMask::startNext() {
+  if (isBusy() || waiting_.empty()) return;
+  running_ = waiting_.front();
+  waiting_.pop_front();
+  submit(
+      "Organ: " + running_.text(),
+      [step = running_, sources = sources_, before = shown_.mask](const ProgressFn &progress) {
+        return carriedOut(step, sources, before.get(), progress);
+      },
+      nullptr,
+      [this, step = running_](const Result &result) {
+        const bool joins = step.kind == MaskStep::Kind::threshold && !states_.empty() && states_.back().step.kind == step.kind;
+        if (joins) states_.pop_back();
+        states_.push_back({step, result.packed});
+        if (states_.size() <= kMostSteps) return;
+        states_.erase(states_.begin());
+        isCut_ = true;
+      });
+}
+
+void OrganMask::undo() {
+  if (!canUndo()) return;
+  problem_.clear();
+  if (states_.size() == 1) {
+    states_.clear();
+    shown_ = {};
+  } else {
+    const auto packed = states_[states_.size() - 2].mask;
+    running_ = states_[states_.size() - 2].step;
+    submit("Organ: undo", [packed](const ProgressFn &) -> Expected<imaging::Mask> { return packed->mask(); }, packed,
+           [this](const Result &) { states_.pop_back(); });
+  }
+  changed_();
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/organ_panel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "panel_widgets.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr std::size_t kManyLabels = 12;
+constexpr double kFewestPhyxels = 50.0, kMostPhyxels = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
+constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0;
+
+std::string lowerCase(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return text;
+}
+
+bool inputText(const c3de_ui_v0 &ui, const char *id, const char *label, std::string &value) {
+  std::array<char, 128> buffer{};
+  std::copy_n(value.begin(), std::min(value.size(), buffer.size() - 1), buffer.begin());
+  const bool isChanged = (ui.input_text(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)), buffer.data(), buffer.size()) &
+                          C3DE_UI_CHANGED) != 0;
+  if (isChanged) value = buffer.data();
+  return isChanged;
+}
+
+void sameLine(const c3de_ui_v0 &ui) { ui.same_line(ui.ctx); }
+
+void swatch(const c3de_ui_v0 &ui, const render::Colour &colour) {
+  ui.swatch(ui.ctx, colour[0], colour[1], colour[2]);
+  sameLine(ui);
+}
+
+}  // namespace
+
+OrganPanel::OrganPanel(PanelRegistry &panels, ImageViews &views, OrganGuide &guide) : panels_(panels), views_(views), guide_(guide) {
+  Panel panel;
+  panel.owner = "c3de";
+  panel.id = "organ";
+  panel.title = "Organ";
+  panel.self = this;
+  panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<OrganPanel *>(self)->draw(*ui); };
+  panel_ = panels_.add(std::move(panel));
+}
+
+OrganPanel::~OrganPanel() {
+  views_.cancelPick();
+  panels_.remove(panel_);
+}
+
+void OrganPanel::draw(const c3de_ui_v0 &ui) {
+  if (!guide_.mask().sources().image) return;
+  heading(ui, "1  Pick it in the image");
+  drawSource(ui);
+  drawSteps(ui);
+  heading(ui, "2  Material");
+  drawMaterial(ui);
+  heading(ui, "3  Sampling");
+  drawSampling(ui);
+  heading(ui, "4  Simulate");
+  const std::string reason = guide_.whyNot();
+  if (button(ui, "make", "Make it alive", reason.empty())) guide_.makeAlive();
+  tooltip(ui, "Makes a body of what is picked: its surface, its phyxels, its material");
+  if (!reason.empty()) text(ui, "Not yet: " + reason + ".");
+}
+
+void OrganPanel::drawSource(const c3de_ui_v0 &ui) {
+  if (guide_.mask().sources().labels) {
+    std::uint32_t index = guide_.settings().isFromLabel ? 0 : 1;
+    if (choice(ui, "source", "From", index, {"a label", "values between"})) guide_.setFromLabel(index == 0);
+  }
+  if (guide_.settings().isFromLabel)
+    drawLabels(ui);
+  else
+    drawThreshold(ui);
+}
+
+void OrganPanel::drawLabels(const c3de_ui_v0 &ui) {
+  const std::vector<OrganGuide::LabelRow> rows = guide_.labels();
+  if (rows.size() > kManyLabels)
+    inputText(ui, "filter", "Names with", filter_);
+  else
+    filter_.clear();
+  for (const OrganGuide::LabelRow &row : rows) {
+    if (!filter_.empty() && lowerCase(row.name).find(lowerCase(filter_)) == std::string::npos) continue;
+    swatch(ui, row.colour);
+    bool isChosen = row.isChosen;
+    const std::string volume = row.volume_ml ? fmt::format("{:.1f} ml", *row.volume_ml) : std::string("… ml");
+    if (checkbox(ui, "label." + std::to_string(row.value), row.name + "   " + volume, isChosen, "") && isChosen) guide_.chooseLabel(row.value);
+  }
+}
+
+void OrganPanel::drawThreshold(const c3de_ui_v0 &ui) {
+  const scene::StoredImage &image = *guide_.mask().sources().image;
+  double low = guide_.settings().low, high = guide_.settings().high;
+  const double least = std::min({image.range.min, low}), most = std::max({image.range.max, high});
+  if (slider(ui, "low", "From", image.volume.unit, low, least, most, "The lowest value that belongs to the organ")) guide_.setLow(low);
+  if (slider(ui, "high", "To", image.volume.unit, high, least, most, "The highest value that belongs to the organ")) guide_.setHigh(high);
+  const std::vector<MaskStep> steps = guide_.mask().steps();
+  const bool isShown = std::any_of(steps.begin(), steps.end(), [](const MaskStep &s) { return s.kind == MaskStep::Kind::threshold; });
+  if (!isShown && button(ui, "threshold", "Show what lies between")) guide_.showThreshold();
+}
+
+void OrganPanel::drawSteps(const c3de_ui_v0 &ui) {
+  using Kind = MaskStep::Kind;
+  const OrganMask &mask = guide_.mask();
+  const bool hasMask = mask.mask() != nullptr;
+  if (hasMask) swatch(ui, guide_.colour());
+  std::string volume = hasMask ? fmt::format("{:.1f} ml, {} voxels", mask.volume_ml(), mask.voxels()) : std::string("nothing yet");
+  if (mask.isBusy()) volume += " …";
+  row(ui, "Picked", volume);
+  ImageOptions options = views_.options();
+  if (checkbox(ui, "overlay", "Show it over the slices", options.showsPreview, "Instead of the label map")) views_.setOptions(options);
+  if (mask.preview() && mask.preview()->stride > 1) row(ui, "Overlay", fmt::format("every {}. voxel", mask.preview()->stride));
+  const std::vector<MaskStep> steps = mask.steps();
+  std::string done;
+  for (const MaskStep &step : steps) done = step.startsAnew() ? step.text() : done + ", " + step.text();
+  if (!done.empty()) row(ui, "Steps", done);
+  if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
+
+  const bool isPicking = views_.isPicking();
+  if (button(ui, "component", isPicking ? "Click the part in a slice…" : "Keep only the part I click", hasMask || mask.isBusy())) {
+    if (isPicking)
+      views_.cancelPick();
+    else
+      views_.pickNext([this](const Vec3 &reference) { guide_.keepComponentAt(reference); });
+  }
+  tooltip(ui, "The next click in a slice: what hangs together with that voxel stays. Again, or Esc: no click");
+  if (button(ui, "largest", "Keep the largest part", hasMask)) guide_.carryOut(Kind::largest);
+  sameLine(ui);
+  if (button(ui, "fill_holes", "Fill holes", hasMask)) guide_.carryOut(Kind::fillHoles);
+  double radius = guide_.settings().radius_mm;
+  if (slider(ui, "radius", "Radius", "mm", radius, kSmallestRadius_mm, kLargestRadius_mm, "Of closing and opening")) guide_.setRadius(radius);
+  if (button(ui, "close", "Close gaps", hasMask)) guide_.carryOut(Kind::close);
+  tooltip(ui, "Closing: gaps and bays narrower than twice the radius are filled");
+  sameLine(ui);
+  if (button(ui, "open", "Remove bridges", hasMask)) guide_.carryOut(Kind::open);
+  tooltip(ui, "Opening: bridges and spurs narrower than twice the radius are removed");
+  sameLine(ui);
+  if (button(ui, "undo", "Undo", mask.canUndo())) guide_.undo();
+  tooltip(ui, "Takes back the last step");
+}
+
+void OrganPanel::drawMaterial(const c3de_ui_v0 &ui) {
+  std::string name = guide_.settings().name;
+  if (inputText(ui, "name", "Name", name)) guide_.setName(name);
+  std::vector<std::string> names{"– choose –"};
+  std::uint32_t index = 0;
+  for (const scene::MaterialPreset &preset : guide_.materials().presets()) {
+    if (preset.name == guide_.settings().material) index = static_cast<std::uint32_t>(names.size());
+    names.push_back(preset.name);
+  }
+  if (choice(ui, "material", "Material", index, names)) guide_.chooseMaterial(index > 0 ? names[index] : std::string());
+  const scene::MaterialPreset *preset = guide_.material();
+  if (!preset) return;
+  row(ui, "Young's modulus", stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
+  row(ui, "Poisson's ratio", fmt::format("{:.4g} ({:.4g} … {:.4g})", preset->poissonRatio, preset->poissonRatioMin, preset->poissonRatioMax));
+  row(ui, "Density", fmt::format("{:.4g} kg/m³", preset->density));
+  row(ui, "Measured", preset->evidence);
+  row(ui, "Source", preset->source);
+  if (!preset->note.empty()) row(ui, "Note", preset->note);
+}
+
+void OrganPanel::drawSampling(const c3de_ui_v0 &ui) {
+  OrganSettings s = guide_.settings();
+  slider(ui, "phyxels", "Phyxels", "", s.phyxels, kFewestPhyxels, kMostPhyxels, "About so many; more are more exact and slower");
+  checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic, "A twentieth of the cube root of the volume");
+  if (!s.isEdgeAutomatic) slider(ui, "edge", "Edge length", "mm", s.edge_mm, kShortestEdge_mm, kLongestEdge_mm, "");
+  std::uint32_t held = s.holdsLowestPart ? 1 : 0;
+  choice(ui, "held", "Held", held, {"nothing", "the lowest part"});
+  guide_.setSampling(s.phyxels, s.isEdgeAutomatic, s.edge_mm, held == 1);
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/organ_guide.h"
+
+#include <chrono>
+#include <thread>
+
+#include "c3de/core/background_jobs.h"
+#include "c3de/core/main_queue.h"
+#include "c3de/imaging/masks.h"
+#include "c3de/ui/organ_panel.h"
+#include "c3de/ui/text_panel.h"
+#include "support/catch.h"
+
+using namespace c3de;
+using namespace c3de::ui;
+
+namespace {
+
+using Kind = MaskStep::Kind;
+
+/// 20 x 20 x 20 voxels of 5 mm (an eighth of a millilitre). A box of value 100 with a hole of one voxel, and another one
+/// apart; a label map with both.
+struct Fixture {
+  MainQueue queue;
+  BackgroundJobs jobs{queue};
+  scene::MaterialLibrary materials = [] {
+    auto loaded = scene::MaterialLibrary::load(std::filesystem::path(C3DE_TEST_RESOURCES) / "materials.toml");
+    if (!loaded) FAIL(loaded.error().message);
+    return std::move(*loaded);
+  }();
+  std::vector<OrganRequest> made;
+  int changes = 0;
+  OrganGuide guide{jobs, "test", materials, {[this] { ++changes; }, [this](OrganRequest r) { made.push_back(std::move(r)); }}};
+  MaskSources sources;
+
+  static constexpr std::size_t kLarge = 6 * 6 * 6 - 1, kSmall = 4 * 4 * 4;
+
+  Fixture() {
+    auto image = std::make_shared<scene::StoredImage>();
+    auto labels = std::make_shared<scene::StoredLabels>();
+    image->volume.geometry = {{20, 20, 20}, {5, 0, 0, 0, 0, 5, 0, 0, 0, 0, 5, 0, 0, 0, 0, 1}};
+    image->volume.unit = "HU";
+    std::vector<std::int16_t> voxels(8000, 0);
+    labels->map.geometry = image->volume.geometry;
+    labels->map.voxels.resize(8000);
+    labels->map.labels = {{3, "kidney_left", {1, 0, 0}}, {8, "thing", {0, 1, 0}}};
+    const auto box = [&](std::size_t from, std::size_t to, std::uint16_t label) {
+      for (std::size_t k = from; k < to; ++k)
+        for (std::size_t j = from; j < to; ++j)
+          for (std::size_t i = from; i < to; ++i) {
+            voxels[i + 20 * (j + 20 * k)] = 100;
+            labels->map.voxels[i + 20 * (j + 20 * k)] = label;
+          }
+    };
+    box(2, 8, 3);
+    box(12, 16, 8);
+    voxels[4 + 20 * (4 + 20 * 4)] = 0;
+    image->volume.voxels = voxels;
+    image->range = imaging::robustRange(image->volume, 0.0);
+    sources = {image, labels};
+    guide.setSources({image, nullptr});
+  }
+
+  void settle() {
+    const auto start = std::chrono::steady_clock::now();
+    while (!jobs.running().empty()) {
+      queue.runFrame();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      REQUIRE(std::chrono::steady_clock::now() - start < std::chrono::seconds(20));
+    }
+  }
+  [[nodiscard]] std::size_t voxels() const { return guide.mask().voxels(); }
+};
+
+}  // namespace
+
+TEST_CASE("An organ is picked by threshold, part and filled holes, and each step is undone", "[organ]") {
+  Fixture f;
+  f.guide.setLow(60.0);
+  f.guide.keepComponentAt({25, 25, 30});  // waits for the threshold
+  f.guide.carryOut(Kind::fillHoles);
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + 1);
+  CHECK(f.guide.mask().volume_ml() == Approx(216 * 0.125));
+  f.guide.undo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge);
+  f.guide.undo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  REQUIRE(f.guide.mask().preview());
+  CHECK(f.guide.mask().preview()->geometry.size == std::array<std::size_t, 3>{14, 14, 14});
+  f.guide.undo();
+  f.settle();
+  CHECK_FALSE(f.guide.mask().mask());
+  CHECK_FALSE(f.guide.mask().preview());
+  CHECK_FALSE(f.guide.mask().canUndo());
+}
+
+TEST_CASE("Many thresholds of a dragged slider are few jobs and one step", "[organ]") {
+  Fixture f;
+  f.guide.setLow(1000.0);  // nothing
+  for (int i = 0; i < 50; ++i) f.guide.setLow(99.0 - i);
+  CHECK(f.jobs.running().size() == 1);
+  const int before = f.changes;
+  f.settle();
+  CHECK(f.changes - before <= 3);  // the first one, the last one; none in between
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  REQUIRE(f.guide.mask().steps().size() == 1);
+  CHECK(f.guide.mask().steps()[0].low == 50.0);
+}
+
+TEST_CASE("Undo gives the limits of the threshold back that the mask was made with", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.guide.setLow(60.0);
+  f.settle();
+  f.guide.carryOut(Kind::largest);
+  f.settle();
+  f.guide.setLow(90.0);
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  f.guide.chooseLabel(8);
+  f.settle();
+  CHECK(f.voxels() == Fixture::kSmall);
+  f.guide.undo();
+  f.settle();
+  CHECK(f.guide.settings().low == 90.0);
+  CHECK_FALSE(f.guide.settings().isFromLabel);
+  f.guide.undo();
+  f.settle();
+  CHECK(f.guide.settings().low == 60.0);
+  CHECK(f.voxels() == Fixture::kLarge);
+}
+
+TEST_CASE("Problems with the mask are said and leave it as it was", "[organ]") {
+  Fixture f;
+  f.guide.setLow(60.0);
+  f.settle();
+  f.guide.keepComponentAt({0, 0, 0});
+  f.guide.carryOut(Kind::fillHoles);  // not carried out after a step that failed
+  f.settle();
+  CHECK_THAT(f.guide.maskProblem(), Contains("outside of the mask"));
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  CHECK(f.guide.mask().steps().size() == 1);
+  f.guide.setLow(200.0);
+  f.settle();
+  CHECK_THAT(f.guide.maskProblem(), Contains("empty") && Contains("from 200 to 200 HU"));
+  CHECK_THAT(f.guide.whyNot(), Contains("empty"));
+  f.guide.makeAlive();
+  CHECK(f.made.empty());
+  f.guide.setLow(60.0);
+  f.settle();
+  CHECK(f.guide.maskProblem().empty());
+}
+
+TEST_CASE("A label brings its name, colour, volume and material along", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.settle();
+  const auto rows = f.guide.labels();
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[0].volume_ml == Approx(216 * 0.125));
+  CHECK(rows[1].volume_ml == Approx(64 * 0.125));
+  CHECK(f.guide.settings().isFromLabel);
+  f.guide.chooseLabel(3);
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + 1);
+  CHECK(f.guide.settings().name == "kidney_left");
+  REQUIRE(f.guide.material());
+  CHECK(f.guide.material()->name == "kidney_cortex");
+  CHECK(f.guide.colour() == rows[0].colour);
+  CHECK(f.guide.labels()[0].isChosen);
+  CHECK_FALSE(f.guide.labels()[1].isChosen);
+  f.guide.chooseLabel(8);
+  f.settle();
+  CHECK_FALSE(f.guide.material());
+  CHECK_THAT(f.guide.whyNot(), Contains("no material"));
+}
+
+TEST_CASE("A chosen material stays when the name changes", "[organ]") {
+  Fixture f;
+  f.guide.setName("spleen");
+  CHECK(f.guide.settings().material == "spleen");
+  f.guide.setName("left lung");
+  CHECK(f.guide.settings().material == "lung_inflated");
+  f.guide.chooseMaterial("fat");
+  f.guide.setName("liver");
+  CHECK(f.guide.settings().material == "fat");
+}
+
+TEST_CASE("What is made alive is what was picked and chosen", "[organ]") {
+  Fixture f;
+  CHECK_THAT(f.guide.whyNot(), Contains("nothing is picked"));
+  f.guide.setLow(60.0);
+  CHECK_THAT(f.guide.whyNot(), Contains("being computed"));
+  f.settle();
+  f.guide.setName("liver");
+  f.guide.setSampling(750.0, false, 3.5, true);
+  CHECK(f.guide.whyNot().empty());
+  f.guide.makeAlive();
+  REQUIRE(f.made.size() == 1);
+  CHECK(f.made[0].name == "liver");
+  CHECK(f.made[0].material == "liver");
+  CHECK(f.made[0].phyxels == 750);
+  CHECK(f.made[0].edge_mm == 3.5);
+  CHECK(f.made[0].holdsLowestPart);
+  CHECK(imaging::voxelCount(f.made[0].mask) == Fixture::kLarge + Fixture::kSmall);
+  f.guide.setSampling(750.0, true, 3.5, false);
+  f.guide.makeAlive();
+  CHECK(f.made[1].edge_mm == 0.0);
+}
+
+TEST_CASE("Another image starts anew, also while a step runs", "[organ]") {
+  Fixture f;
+  f.guide.setLow(60.0);
+  f.guide.carryOut(Kind::close);
+  f.guide.setSources({});
+  f.settle();
+  CHECK_FALSE(f.guide.mask().mask());
+  CHECK(f.guide.mask().steps().empty());
+  CHECK(f.guide.maskProblem().empty());
+}
+
+TEST_CASE("The guide may go while its jobs run, and the jobs may go first", "[organ]") {
+  MainQueue queue;
+  const scene::MaterialLibrary none;
+  auto jobs = std::make_unique<BackgroundJobs>(queue);
+  const Fixture f;
+  {
+    OrganGuide first(*jobs, "test", none, {});
+    first.setSources(f.sources);
+    first.setLow(60.0);
+  }
+  OrganGuide second(*jobs, "test", none, {});
+  second.setSources(f.sources);
+  second.setLow(60.0);
+  second.carryOut(Kind::largest);
+  jobs.reset();
+  queue.runFrame();
+  CHECK_FALSE(second.mask().isBusy());
+}
+
+TEST_CASE("The panel leads from labels to the button", "[organ]") {
+  Fixture f;
+  PanelRegistry panels;
+  ImageViews views;
+  views.setImage(f.sources.image);
+  const OrganPanel panel(panels, views, f.guide);
+  TextPanel text(nullptr);
+  const auto draw = [&] {
+    const std::string shown = text.draw(*panels.panels().front());
+    f.settle();
+    return shown;
+  };
+  f.guide.setSources(f.sources);
+  f.settle();
+  CHECK_THAT(draw(), Contains("[#ff0000]  [ ] kidney_left   27.0 ml (label.3)") && Contains("[disabled button: Make it alive]"));
+  text.check("label.3", true);
+  draw();
+  CHECK_THAT(draw(), Contains("[x] kidney_left") && Contains("Picked: 27.0 ml, 216 voxels") && Contains("Material = kidney_cortex") &&
+                         Contains("Young's modulus: 5 kPa (2 kPa … 15 kPa)") && Contains("Source: PMID 21862792"));
+  text.setText("source", "values between");
+  draw();
+  text.setNumber("low", 60.0);
+  draw();
+  text.press("component");
+  draw();
+  REQUIRE(views.isPicking());
+  CHECK_THAT(draw(), Contains("Click the part in a slice…"));
+  text.press("component");
+  draw();
+  CHECK_FALSE(views.isPicking());
+  text.setNumber("radius", 6.0);
+  text.press("close");
+  draw();
+  text.press("make");
+  draw();
+  CHECK(text.problems().empty());
+  REQUIRE(f.made.size() == 1);
+  CHECK(imaging::voxelCount(f.made[0].mask) == 216 + 64);
+}
+
+TEST_CASE("A click in a slice that picks does not move the cross-hair, and Escape ends it", "[organ]") {
+  const Fixture f;
+  ImageViews views;
+  views.setImage(f.sources.image);
+  for (const Pane pane : kSlicePanes) views.view(pane).setSize(200, 200);
+  const Vec3 cross = views.crossHair();
+  std::vector<Vec3> picked;
+  ViewInput press;
+  press.kind = ViewInput::Kind::press;
+  press.button = C3DE_BUTTON_LEFT;
+  press.x = 30;
+  press.y = 40;
+  ViewInput release = press;
+  release.kind = ViewInput::Kind::release;
+  views.pickNext([&](const Vec3 &at) { picked.push_back(at); });
+  views.handle(Pane::axial, press);
+  views.handle(Pane::axial, release);
+  REQUIRE(picked.size() == 1);
+  CHECK(norm(picked[0] - views.view(Pane::axial).worldAt(30, 40)) < 1e-12);
+  CHECK(norm(views.crossHair() - cross) == 0.0);
+  views.handle(Pane::axial, press);
+  views.handle(Pane::axial, release);
+  CHECK(picked.size() == 1);
+  CHECK(norm(views.crossHair() - cross) > 1.0);
+
+  // The image is shown 10 mm further left: what is picked is the tissue that is shown there.
+  auto shift = std::make_shared<imaging::DisplacementGrid>();
+  shift->geometry = f.sources.image->volume.geometry;
+  for (std::size_t v = 0; v < 8000; ++v) shift->xyz_mm.insert(shift->xyz_mm.end(), {10.0f, 0.0f, 0.0f});
+  views.setDisplacement(shift);
+  press.x = press.y = 100;
+  views.pickNext([&](const Vec3 &at) { picked.push_back(at); });
+  views.handle(Pane::axial, press);
+  REQUIRE(picked.size() == 2);
+  CHECK(norm(picked[1] + Vec3{10, 0, 0} - views.view(Pane::axial).worldAt(100, 100)) < 1e-9);
+}
