@@ -42,7 +42,9 @@ Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, con
   imaging::ReadOptions options;
   options.progress = progress;
   Expected<imaging::Mask> mask = imaging::Mask{};
-  if (volume.threshold) {
+  if (volume.mask) {
+    mask = *volume.mask;
+  } else if (volume.threshold) {
     auto &stored = volumes_[volume.file];
     if (!stored) {
       auto loaded = imaging::readVolume(volume.file, options);

@@ -196,6 +196,9 @@ struct Session::Impl {
   [[nodiscard]] Error lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
                                 const scene::SceneBody *body = nullptr) const;
   void letGo(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
+  [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
+                                                             const scene::SceneFile &scene, const FittedScene &fitted,
+                                                             const ProgressFn &progress);
 };
 
 Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
@@ -205,6 +208,44 @@ Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, 
   if (body != nullptr) line = lineSpokenOf(scene, *body, text).value_or(line);
   return {ErrorCode::input,
           scene.where(line) + ": " + (text.empty() ? what + " failed (status " + std::to_string(code) + ")" : text)};
+}
+
+Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
+                                                            const scene::SceneFile &scene, const FittedScene &fitted,
+                                                            const ProgressFn &progress) {
+  std::vector<c3de_handle> bodies;
+  OrganSources sources;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const scene::SceneBody &body = scene.bodies[i];
+    const PartProgress partProgress(progress, body.name, i, scene.bodies.size());
+    // Reading is a small share of what building a body takes.
+    const ProgressFn reading = [&](double f, const std::string &what) {
+      return partProgress.update(0.1 * std::max(f, 0.0), what);
+    };
+    Expected<Organ> source = body.mesh.empty() ? organAsked(sources, body, reading) : meshOf(body, reading);
+    if (!source) return fail(source.error().code, scene.where(body.line) + ": " + source.error().message);
+    for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, body.volume.file.string() + ": " + notice);
+    const MeshLease lease(meshes, std::move(source->skin));
+    const std::vector<c3de_param_value> params = toAbi(fitted.bodies[i]);
+    const c3de_sim_fill fill = toAbi(source->fill);
+    c3de_sim_body abi{};
+    if (body.mesh.empty()) abi.fill = &fill;
+    abi.size = sizeof abi;
+    abi.params_stride = sizeof(c3de_param_value);
+    abi.name = c3de::toAbi(body.name);
+    abi.mesh = lease.abi();
+    place(abi, body.placement);
+    abi.params = params.data();
+    abi.params_n = params.size();
+    abi.progress = partProgress.abi();
+    const BodyTables tables(scene, body, fitted.parts[i]);
+    tables.fill(abi);
+    c3de_handle added{};
+    if (const c3de_status code = table->add_body(simulator, &abi, &added); code < 0)
+      return tl::unexpected(lastError(code, scene, body.line, "building body '" + body.name + "'", &body));
+    bodies.push_back(added);
+  }
+  return bodies;
 }
 
 /// Ends a simulation that has been detached from its node.
@@ -344,46 +385,29 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
       return tl::unexpected(impl_->lastError(code, scene, obstacle.line, "adding obstacle '" + obstacle.name + "'"));
   }
 
-  std::vector<c3de_handle> bodies;
-  OrganSources sources;
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-    const scene::SceneBody &body = scene.bodies[i];
-    const PartProgress partProgress(progress, body.name, part++, parts);
-    // Reading is a small share of what building a body takes.
-    const ProgressFn reading = [&](double f, const std::string &what) {
-      return partProgress.update(0.1 * std::max(f, 0.0), what);
-    };
-    Expected<Organ> source = body.mesh.empty() ? organAsked(sources, body, reading) : meshOf(body, reading);
-    if (!source) return fail(source.error().code, scene.where(body.line) + ": " + source.error().message);
-    for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, body.volume.file.string() + ": " + notice);
-    const MeshLease lease(impl_->meshes, std::move(source->skin));
-    const std::vector<c3de_param_value> params = toAbi(fitted->bodies[i]);
-    const c3de_sim_fill fill = toAbi(source->fill);
-    c3de_sim_body abi{};
-    if (body.mesh.empty()) abi.fill = &fill;
-    abi.size = sizeof abi;
-    abi.params_stride = sizeof(c3de_param_value);
-    abi.name = c3de::toAbi(body.name);
-    abi.mesh = lease.abi();
-    place(abi, body.placement);
-    abi.params = params.data();
-    abi.params_n = params.size();
-    abi.progress = partProgress.abi();
-    const BodyTables tables(scene, body, fitted->parts[i]);
-    tables.fill(abi);
-    c3de_handle added{};
-    if (const c3de_status code = table->add_body(simulator, &abi, &added); code < 0)
-      return tl::unexpected(impl_->lastError(code, scene, body.line, "building body '" + body.name + "'", &body));
-    bodies.push_back(added);
-  }
+  auto bodies = impl_->addBodies(table, simulator, scene, *fitted, [&](double f, const std::string &what) {
+    const auto before = static_cast<double>(scene.obstacles.size()), own = static_cast<double>(scene.bodies.size());
+    return !progress || progress(f < 0.0 ? f : (before + f * own) / (before + own), what);
+  });
+  if (!bodies) return tl::unexpected(bodies.error());
 
   for (const scene::SceneProbe &probe : scene.probes) {
     const auto body = std::find_if(scene.bodies.begin(), scene.bodies.end(),
                                    [&](const scene::SceneBody &candidate) { return candidate.name == probe.body; });
-    const c3de_handle handle = bodies[static_cast<std::size_t>(body - scene.bodies.begin())];
+    const c3de_handle handle = (*bodies)[static_cast<std::size_t>(body - scene.bodies.begin())];
     if (const c3de_status code = table->add_probe(simulator, c3de::toAbi(probe.name), handle, probe.at_m.data()); code < 0)
       return tl::unexpected(impl_->lastError(code, scene, probe.line, "adding probe '" + probe.name + "'"));
   }
+  return {};
+}
+
+Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress) {
+  const auto table = simulatorTable(simulator);
+  if (!table) return tl::unexpected(table.error());
+  const auto fitted = fitScene(simulator, scene);
+  if (!fitted) return tl::unexpected(fitted.error());
+  const auto added = impl_->addBodies(*table, simulator, scene, *fitted, progress);
+  if (!added) return tl::unexpected(added.error());
   return {};
 }
 

@@ -77,6 +77,10 @@ class Session {
   /// is of no use; the present simulation is untouched. Any thread.
   [[nodiscard]] Expected<void> populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress);
 
+  /// Adds the bodies of a scene, with their fixes and loads, to a simulator that goes on with the rest as it is; its initial
+  /// state is then the one that has them. Errors as of populate(). Any thread.
+  [[nodiscard]] Expected<void> addBodies(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress);
+
   /// The checks of populate() without reading a mesh or changing the simulator. Any thread.
   [[nodiscard]] Expected<void> checkScene(c3de_object *simulator, const scene::SceneFile &scene);
 

@@ -47,6 +47,7 @@ class Workstation {
   void watchForFailure();
   void whenImageShown();
   void askForWarp();
+  void whenOrganLives(const std::string &name, bool isNew);
   void whenLoaded(const WorkstationLoader::Loaded &loaded);
   void checkSize();
   void whenFailed(const std::string &title, const Error &error);
@@ -97,7 +98,8 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
                       [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
   session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
   organ_ = std::make_unique<WorkstationOrgan>(
-      *session_, WorkstationOrgan::Events{[this](const std::string &title, const Error &error) { whenFailed(title, error); }});
+      *session_, WorkstationOrgan::Events{[this](const std::string &name, bool isNew) { whenOrganLives(name, isNew); },
+                                          [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
   images_ = std::make_unique<WorkstationImages>(
       *session_, *renderer_, panels_,
       WorkstationImages::Events{[this] { whenImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
@@ -244,6 +246,17 @@ void Workstation::whenImageShown() {
   }
   window_->requestFit();
   askForWarp();
+}
+
+void Workstation::whenOrganLives(const std::string &name, bool isNew) {
+  scene::Simulation *simulation = session_->simulation();
+  if (isNew) simulation->setTargetRate(targetRate_);
+  warp_.begin();
+  askForWarp();
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  panels_.notify(C3DE_LOG_INFO, name + " lives",
+                 isNew ? "Pinch it in the 3D view (P). What holds it and gravity are in the panel of the simulation."
+                       : "It joined the simulation that was there, which begins anew.");
 }
 
 /// The image deforms with the bodies while both are there.

@@ -14,11 +14,15 @@ namespace c3de::app {
 class WorkstationOrgan {
  public:
   struct Events {
+    /// It lives. @param isNew  in a simulation of its own, which is the present one now; else beside what was there
+    std::function<void(const std::string &name, bool isNew)> made;
     std::function<void(const std::string &title, const Error &error)> failed;
   };
   WorkstationOrgan(Session &session, Events events) : session_(session), events_(std::move(events)) {}
 
-  /// In a background job, with progress; a later request ends one that runs.
+  /// In a background job, with progress; a later request ends one that runs. The organ joins the present simulation; where
+  /// there is none, one begins in which the patient lies on the back: gravity points there if something is held, else it
+  /// is off.
   void makeOrgan(ui::OrganRequest request);
 
  private:
@@ -27,5 +31,8 @@ class WorkstationOrgan {
   Handle job_;
   std::uint64_t serial_ = 0;
 };
+
+/// The request as a scene of one body. @param preset  null: the values of the simulator
+[[nodiscard]] scene::SceneFile sceneOf(ui::OrganRequest request, const scene::MaterialPreset *preset);
 
 }  // namespace c3de::app

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "c3de/core/expected.h"
 #include "c3de/core/parameter.h"
 #include "c3de/core/vec.h"
+#include "c3de/imaging/volume.h"
 #include "c3de/geometry/triangle_mesh.h"
 #include "c3de/scene/materials.h"
 
@@ -64,7 +66,8 @@ struct SceneRefinement {
 /// What of an image is a body: a label of a label map, or the values of an image between two limits; then mended, in this
 /// order.
 struct SceneVolume {
-  std::filesystem::path file;            ///< file or DICOM folder; empty: the body has a mesh
+  std::filesystem::path file;            ///< file or DICOM folder; empty: the body has a mesh, or `mask`
+  std::shared_ptr<const imaging::Mask> mask;       ///< in the place of a file: picked in an image that is open
   std::optional<std::uint16_t> label;    ///< number of a label
   std::string labelName;                 ///< or its name; empty: not by name
   std::optional<std::array<double, 2>> threshold;  ///< lowest and highest value that belong to it
