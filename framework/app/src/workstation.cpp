@@ -255,7 +255,8 @@ void Workstation::whenOrganLives(const std::string &name, bool isNew) {
   askForWarp();
   simulation->transport(C3DE_TRANSPORT_PLAY);
   panels_.notify(C3DE_LOG_INFO, name + " lives",
-                 isNew ? "Pinch it in the 3D view (P). What holds it and gravity are in the panel of the simulation."
+                 isNew ? "Pinch it in the 3D view (P). Gravity is off, because the scan shows the organ in balance with it; it "
+                       "is in the panel of the simulation."
                        : "It joined the simulation that was there, which begins anew.");
 }
 

@@ -65,7 +65,7 @@ scene::SceneFile sceneOf(ui::OrganRequest request, const scene::MaterialPreset *
   scene::SceneValue gravity;
   gravity.value.id = "world.gravity";
   gravity.value.type = C3DE_PARAM_VEC3;
-  gravity.value.vec = {0.0, request.holdsLowestPart ? 9.81 : 0.0, 0.0};
+  gravity.value.vec = {0.0, 0.0, 0.0};  // the scan shows the organ in balance with it
   scene.world.push_back(gravity);
   scene.world.push_back(numberOf("solver.damping", 2.0));
   body.volume.edgeLength_mm = request.edge_mm;

@@ -21,8 +21,7 @@ class WorkstationOrgan {
   WorkstationOrgan(Session &session, Events events) : session_(session), events_(std::move(events)) {}
 
   /// In a background job, with progress; a later request ends one that runs. The organ joins the present simulation; where
-  /// there is none, one begins in which the patient lies on the back: gravity points there if something is held, else it
-  /// is off.
+  /// there is none, one begins without gravity: the scan shows the organ in balance with it.
   void makeOrgan(ui::OrganRequest request);
 
  private:
