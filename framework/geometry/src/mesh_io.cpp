@@ -11,13 +11,14 @@
 #include "c3de/core/text.h"
 #include "clean_up.h"
 #include "file_text.h"
+#include "frame_comment.h"
 #include "raw_mesh.h"
 #include "wording.h"
 
 namespace c3de::geometry {
 namespace {
 
-constexpr std::array<std::string_view, 7> kExtensions{".obj", ".stl", ".ply", ".vtk", ".off", ".glb", ".gltf"};
+constexpr std::array<std::string_view, 8> kExtensions{".obj", ".stl", ".ply", ".vtk", ".vtp", ".off", ".glb", ".gltf"};
 
 tl::unexpected<Error> cancelled(const std::string &what) { return fail(ErrorCode::cancelled, what + ": cancelled"); }
 
@@ -79,20 +80,34 @@ bool isMeshFile(const std::filesystem::path &path) {
   return std::find(kExtensions.begin(), kExtensions.end(), lowerExtension(path)) != kExtensions.end();
 }
 
-Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, LengthUnit unit, const ProgressFn &progress) {
+std::optional<LengthUnit> unitInFile(const std::filesystem::path &path) { return frameCommentOf(path).unit; }
+
+Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<LengthUnit> stated, const ProgressFn &progress) {
   const std::string name = displayPath(path);
   if (!isMeshFile(path))
     return fail(ErrorCode::input, fmt::format("{}: meshes with the extension {} cannot be read; {} can", name,
                                               path.has_extension() ? quotedText(lowerExtension(path)) : "'' (none)", fmt::join(kExtensions, ", ")));
   if (progress && !progress(0.0, "reading " + displayPath(path.filename()))) return cancelled(name);
   const std::string extension = lowerExtension(path);
+  const FrameComment said = frameCommentOf(path);
+  const LengthUnit unit = stated.value_or(said.unit.value_or(LengthUnit::millimetre));
   Expected<RawMesh> raw = extension == ".obj"   ? readObj(path, millimetresPer(unit))
                           : extension == ".vtk" ? readVtk(path)
+                          : extension == ".vtp" ? readVtp(path)
                                                 : readWithAssimp(path);
   if (!raw) return tl::unexpected(raw.error());
   std::vector<std::string> repairs = std::move(raw->notes);
   if (raw->polygonsSplit) repairs.push_back(fmt::format("{} {} split into triangles", counted(raw->polygonsSplit, "polygon", "polygons"), wasOrWere(raw->polygonsSplit)));
-  return cleanUp({std::move(raw->vertices), std::move(raw->triangles)}, unit, std::move(repairs), name, progress);
+  if (said.isRas) {
+    // Half a turn about z: the sense of the triangles stays.
+    for (Vec3 &v : raw->vertices) v = {-v[0], -v[1], v[2]};
+    repairs.push_back("the file says SPACE=RAS: x and y were turned to LPS");
+  }
+  auto loaded = cleanUp({std::move(raw->vertices), std::move(raw->triangles)}, unit, std::move(repairs), name, progress);
+  if (loaded && stated && said.unit && *said.unit != *stated)
+    loaded->report.warnings.push_back(fmt::format("The file says that its numbers are {}; they were read as {}, as was asked.",
+                                                  unitName(*said.unit), unitName(*stated)));
+  return loaded;
 }
 
 Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit) { return cleanUp(std::move(raw), unit, {}, "mesh", {}); }

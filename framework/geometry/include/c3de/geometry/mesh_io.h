@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -17,13 +18,18 @@ struct LoadedMesh {
   MeshReport report;
 };
 
-/// Reads OBJ, STL, PLY, legacy VTK polydata, OFF and glTF; polygons become triangles, vertices at equal
+/// Reads OBJ, STL, PLY, VTK polydata (legacy .vtk, uncompressed XML .vtp), OFF and glTF; polygons become triangles, vertices at equal
 /// positions are welded, degenerate and duplicate triangles dropped, an inside-out surface is turned: each with a line in
 /// the report. Refused with the reason: unreadable or empty files, no faces, indices out of range, coordinates that are
 /// not finite or beyond 1e9 mm.
-/// @param unit  of the numbers in the file; vertices become millimetres
-[[nodiscard]] Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, LengthUnit unit,
+/// A comment `SPACE=RAS` in the head of the file turns x and y to LPS, with a line in the report.
+/// @param unit  of the numbers in the file; vertices become millimetres. None: what a comment such as `UNITS=mm` in the
+///              head says, else mm. A unit that is given wins; where the file says another one, the report warns.
+[[nodiscard]] Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<LengthUnit> unit,
                                             const ProgressFn &progress = {});
+
+/// The unit that a comment in the head of the file says, for example `SPACE=LPS UNITS=mm`.
+[[nodiscard]] std::optional<LengthUnit> unitInFile(const std::filesystem::path &path);
 
 /// Extensions that loadMesh() reads, lower case with the dot: ".obj", ".stl", ...
 [[nodiscard]] std::span<const std::string_view> meshExtensions();

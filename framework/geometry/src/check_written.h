@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/geometry/point_array.h"
+#include "c3de/geometry/triangle_mesh.h"
+
+namespace c3de::geometry {
+
+/// What no file should say: coordinates that are not finite, arrays with other rows than points, without a name or with
+/// one that another has. ErrorCode::state.
+[[nodiscard]] Expected<void> checkRows(const std::filesystem::path &path, const std::vector<Vec3> &points,
+                                       std::span<const PointArray> arrays);
+/// Indices in range.
+[[nodiscard]] Expected<void> checkTriangles(const std::filesystem::path &path, const TriangleMesh &mesh);
+
+}  // namespace c3de::geometry
