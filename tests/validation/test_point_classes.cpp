@@ -123,6 +123,9 @@ TEST_CASE("a surfel set of one's own follows its phyxels, also after the caller 
   REQUIRE(surfels->read(object, C3DE_FIELD_NORMAL, room(at)) == C3DE_OK);
   CHECK_THAT(norm(at[0]), WithinRel(1.0, 1e-12));
 
+  c3de_view skin{};
+  REQUIRE(surfels->triangles(object, &skin) == C3DE_OK);  // points alone have none
+  CHECK(skin.count == 0);
   c3de_view offsets{}, indices{}, weights{};
   REQUIRE(surfels->owners(object, &offsets, &indices, &weights) == C3DE_OK);
   double sum = 0.0;

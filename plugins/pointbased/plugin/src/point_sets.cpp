@@ -253,4 +253,14 @@ void SurfelSet::assign(c3de_object *phyxels, c3de_view positionsView, c3de_view 
   phyxels_ = std::move(set);
 }
 
+void SurfelSet::triangles(c3de_view *out) {
+  if (!simulator_) {
+    *out = {nullptr, 0, 3, C3DE_U32, 0};
+    return;
+  }
+  withBody([&](const Body &body) { lentSkin_ = body.sharedRest(); });
+  static_assert(sizeof(lentSkin_->skin[0]) == 3 * sizeof(std::uint32_t));
+  *out = {lentSkin_->skin.data(), lentSkin_->skin.size(), 3, C3DE_U32, 0};
+}
+
 }  // namespace pointbased

@@ -44,6 +44,7 @@ class SurfelSet : public sdk::Object<SurfelSet> {
   void read(std::uint32_t field, c3de_mview out);
   void owners(c3de_view *offsets, c3de_view *indices, c3de_view *weights);
   void assign(c3de_object *phyxels, c3de_view positions, c3de_view normals);
+  void triangles(c3de_view *out);
 
   static std::array<sdk::Interface, 1> interfaces();
 
@@ -58,6 +59,7 @@ class SurfelSet : public sdk::Object<SurfelSet> {
   std::vector<Vec3> ownNormals_;
   std::shared_ptr<const RestState> lent_;  // whose owners() are out
   Interpolation owners_;
+  std::shared_ptr<const RestState> lentSkin_;  // whose triangles() are out
 };
 
 }  // namespace pointbased

@@ -51,8 +51,18 @@ inline constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0), 
                                                     thunk<D, &D::move>};
 
 template <class D>
-inline constexpr c3de_surfel_set_v0 kSurfelSetTable{sizeof(c3de_surfel_set_v0), 1,
+constexpr auto trianglesSlot() -> decltype(c3de_surfel_set_v0::triangles) {
+  if constexpr (requires { &D::triangles; })
+    return thunk<D, &D::triangles>;
+  else
+    return nullptr;
+}
+
+/// Of revision 2 where Derived has triangles(), else of revision 1.
+template <class D>
+inline constexpr c3de_surfel_set_v0 kSurfelSetTable{sizeof(c3de_surfel_set_v0), trianglesSlot<D>() != nullptr ? 2u : 1u,
                                                     thunk<D, &D::count>,        thunk<D, &D::read>,
-                                                    thunk<D, &D::owners>,       thunk<D, &D::assign>};
+                                                    thunk<D, &D::owners>,       thunk<D, &D::assign>,
+                                                    trianglesSlot<D>()};
 
 }  // namespace c3de::sdk

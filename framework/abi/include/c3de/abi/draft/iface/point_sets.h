@@ -46,6 +46,9 @@ typedef struct c3de_surfel_set_v0 {
   c3de_status(C3DE_CALL *owners)(c3de_object *self, c3de_view *offsets, c3de_view *indices, c3de_view *weights);
   /* Only for a set created alone: binds points with normals to a phyxel set. */
   c3de_status(C3DE_CALL *assign)(c3de_object *self, c3de_object *phyxels, c3de_view positions, c3de_view normals);
+  /* Revision 2. The skin as triangles between surfels, outwards by the right-hand rule: comps 3, u32, borrowed from the
+   * set; no rows where the surfels are points alone. */
+  c3de_status(C3DE_CALL *triangles)(c3de_object *self, c3de_view *out);
 } c3de_surfel_set_v0;
 
 #endif
