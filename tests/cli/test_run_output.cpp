@@ -8,13 +8,15 @@
 TEST_CASE("An output that cannot be written ends with 7 before anything is simulated") {
   const auto folder = freshFolder("unwritable");
   const auto scene = writeBoxScene(folder).string();
-  for (const char *option : {"--report", "--probes", "--screenshot"}) {
+  for (const std::string option : {"--report", "--probes", "--screenshot", "--export", "--export-surface"}) {
     INFO(option);
+    const std::string file = option == "--export" ? "file.pvd" : option == "--export-surface" ? "file.stl" : "file";
     // Simulating this long would take longer than the test is given.
-    const auto absent = runC3de({"run", scene, "--until", "1e6", option, (folder / "absent" / "file").string()});
+    const auto absent = runC3de({"run", scene, "--until", "1e6", option, (folder / "absent" / file).string()});
     CHECK(absent.exitCode == 7);
     CHECK_THAT(absent.errorOutput, Contains("c3de: error: ") && Contains("there is no folder"));
-    const auto isFolder = runC3de({"run", scene, "--until", "1e6", option, folder.string()});
+    std::filesystem::create_directories(folder / ("folder-" + file));
+    const auto isFolder = runC3de({"run", scene, "--until", "1e6", option, (folder / ("folder-" + file)).string()});
     CHECK(isFolder.exitCode == 7);
   }
 }

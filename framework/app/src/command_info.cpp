@@ -21,9 +21,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Expected<Described> describeMesh(const std::filesystem::path &file, const std::string &unitText) {
-  const auto unit = scene::parseLengthUnit(unitText);
-  if (!unit) return fail(ErrorCode::usage, "--unit: " + unit.error().message);
-  const auto loaded = geometry::loadMesh(file, *unit);
+  std::optional<geometry::LengthUnit> unit;
+  if (!unitText.empty()) {
+    const auto stated = scene::parseLengthUnit(unitText);
+    if (!stated) return fail(ErrorCode::usage, "--unit: " + stated.error().message);
+    unit = *stated;
+  }
+  const auto loaded = geometry::loadMesh(file, unit);
   if (!loaded) return tl::unexpected(loaded.error());
   Described out;
   out.json = Json::parse(loaded->report.json(), nullptr, false);

@@ -12,7 +12,7 @@ namespace c3de::app {
 struct InfoOptions {
   SessionOptions session;
   std::vector<std::filesystem::path> files;
-  std::string meshUnit = "mm";  ///< of meshes that do not say theirs
+  std::string meshUnit;         ///< of meshes; empty: what the file says, else mm
   std::string series;           ///< of a folder of images with several; empty: the only one, or a list of them
   bool patientNames = false;    ///< whether the names of patients are shown
   bool json = false;            ///< one file: an object; several: a list of objects

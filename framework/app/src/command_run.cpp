@@ -5,8 +5,10 @@
 #include <cstdio>
 #include <utility>
 
+#include "c3de/geometry/mesh_io.h"
 #include "c3de/render/renderer.h"
 #include "exit_code.h"
+#include "export_simulation.h"
 #include "headless_run.h"
 #include "interrupt.h"
 #include "output_file.h"
@@ -25,9 +27,13 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Mat
     std::error_code code;
     if (!std::filesystem::is_regular_file(options.scene, code))
       return fail(ErrorCode::input, options.scene.string() + ": no such file; accepted: a scene (.toml) or a mesh");
-    const auto unit = scene::parseLengthUnit(options.meshUnit);
-    if (!unit) return fail(ErrorCode::usage, "--unit: " + unit.error().message);
-    scene = scene::sceneForMesh(options.scene, *unit);
+    geometry::LengthUnit unit = geometry::unitInFile(options.scene).value_or(geometry::LengthUnit::millimetre);
+    if (!options.meshUnit.empty()) {
+      const auto stated = scene::parseLengthUnit(options.meshUnit);
+      if (!stated) return fail(ErrorCode::usage, "--unit: " + stated.error().message);
+      unit = *stated;
+    }
+    scene = scene::sceneForMesh(options.scene, unit);
   }
   for (const std::string &assignment : options.overrides) {
     if (!scene) break;
@@ -73,7 +79,7 @@ void printSummary(const RunFacts &facts) {
 /// Where the state at the end of a run that did not reach its end can be found.
 std::string whereKept(const RunOptions &options) {
   std::string files;
-  for (const auto *file : {&options.report, &options.probes, &options.screenshot})
+  for (const auto *file : {&options.report, &options.probes, &options.screenshot, &options.exportList, &options.exportSurface})
     if (!file->empty()) files += (files.empty() ? "" : ", ") + file->string();
   return files.empty() ? "; --report FILE.json keeps the last good state" : "; the last good state is in " + files;
 }
@@ -82,6 +88,11 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
                             std::chrono::steady_clock::time_point begin) {
   auto scene = readScene(options, session.materials());
   if (!scene) return tl::unexpected(scene.error());
+  if (!options.exportSurface.empty()) {
+    std::vector<std::string> names;
+    for (const scene::SceneBody &body : scene->bodies) names.push_back(body.name);
+    if (const auto writable = checkSurfaceExport(options.exportSurface, names); !writable) return tl::unexpected(writable.error());
+  }
   auto created = session.createSimulator();
   if (!created) return tl::unexpected(created.error());
   const ObjectRef simulator(*created);
@@ -110,6 +121,11 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
     if (!json) return tl::unexpected(json.error());
     if (const auto written = writeTextFile(options.report, *json); !written) return tl::unexpected(written.error());
   }
+  if (!options.exportSurface.empty()) {
+    const auto states = readBodyStates(simulator.get(), BodyParts::skin, [&] { return session.plugins().takeError(); });
+    if (!states) return tl::unexpected(states.error());
+    if (const auto written = writeSurfaces(options.exportSurface, *states); !written) return tl::unexpected(written.error());
+  }
   if (renderer != nullptr) {
     if (const auto adopted = session.adopt(simulator.get(), scene->title); !adopted) return tl::unexpected(adopted.error());
     const auto drawn = writeScreenshot(session, *renderer, options.screenshot, options.width, options.height);
@@ -127,6 +143,11 @@ int runScene(const RunOptions &options) {
     if (file->empty()) continue;
     if (const auto writable = checkWritable(*file); !writable) return reportError(writable.error());
   }
+
+  if (!options.exportList.empty())
+    if (const auto writable = checkSimulationExport(options.exportList); !writable) return reportError(writable.error());
+  if (!options.exportSurface.empty())
+    if (const auto writable = checkSurfaceExport(options.exportSurface, {}); !writable) return reportError(writable.error());
 
   // The context outlives the renderer, the renderer the session.
   std::unique_ptr<render::OffscreenContext> context;

@@ -11,16 +11,21 @@
 
 namespace c3de::app {
 
+/// Simulated time between two frames of an export: 25 a second, as players of films take it.
+inline constexpr double kDefaultExportEvery_s = 0.04;
+
 struct RunOptions {
   SessionOptions session;
   std::filesystem::path scene;  ///< a scene, or a mesh as one body
-  std::string meshUnit = "mm";  ///< of a mesh
+  std::string meshUnit;         ///< of a mesh; empty: what the file says, else mm
   std::optional<double> until_s;
   std::optional<std::uint64_t> steps;  ///< neither: kDefaultDuration_s, or until a quasi-static solution is finished
   std::optional<double> timeLimit_s;   ///< wall clock, since the command began
   std::vector<std::string> overrides;  ///< PATH=VALUE
   std::filesystem::path report, probes, screenshot;  ///< empty: not wanted
   std::uint64_t probesEvery = 1;                     ///< steps
+  std::filesystem::path exportList, exportSurface;   ///< empty: not wanted
+  double exportEvery_s = kDefaultExportEvery_s;
   int width = 1280, height = 720;
   std::optional<std::uint64_t> seed;
   bool quiet = false;

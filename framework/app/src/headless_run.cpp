@@ -2,6 +2,7 @@
 #include "headless_run.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 #include "c3de/core/text.h"
@@ -74,6 +75,21 @@ std::string HeadlessRun::position() const {
   return formatNumber(facts_.time_s) + " s";
 }
 
+Expected<void> HeadlessRun::exportFrame(bool isEnd) {
+  if (!export_ || exportedStep_ == facts_.steps) return {};
+  // Many steps add up to a hair below the time of a frame. Load steps have no time: each is a frame.
+  const bool isDue = isQuasistatic() || facts_.time_s >= nextFrame_s_ - 1e-6 * facts_.dt_s;
+  if (!isDue && !isEnd) return {};
+  const auto states = readBodyStates(simulator_, BodyParts::skinAndPhyxels, [this] { return session_.plugins().takeError(); });
+  if (!states) return tl::unexpected(states.error());
+  const double time = isQuasistatic() ? static_cast<double>(facts_.steps) : facts_.time_s;
+  if (const auto added = export_->addFrame(time, *states); !added) return added;
+  exportedStep_ = facts_.steps;
+  if (isDue)
+    nextFrame_s_ = options_.exportEvery_s * (std::floor((facts_.time_s + 1e-6 * facts_.dt_s) / options_.exportEvery_s) + 1.0);
+  return {};
+}
+
 Expected<void> HeadlessRun::run() {
   using Clock = std::chrono::steady_clock;
   facts_.threads = session_.pool().threadCount();
@@ -99,6 +115,9 @@ Expected<void> HeadlessRun::run() {
   const bool wantsProbes = !options_.probes.empty();
   if (wantsProbes)
     if (const auto sampled = sample(); !sampled) return sampled;
+
+  if (!options_.exportList.empty()) export_ = std::make_unique<SimulationExport>(options_.exportList);
+  if (const auto exported = exportFrame(false); !exported) return exported;
 
   ProgressLine progress(options_.quiet);
   double wall_s = 0.0;
@@ -135,6 +154,7 @@ Expected<void> HeadlessRun::run() {
     }
     if (wantsProbes && facts_.steps % options_.probesEvery == 0)
       if (const auto sampled = sample(); !sampled) return sampled;
+    if (const auto exported = exportFrame(false); !exported) return exported;
     if (progress.isDue())
       progress.update(fraction(), isQuasistatic() ? position() + " in " + threeDigits(wall_s) + " s"
                                                   : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) +
@@ -148,6 +168,9 @@ Expected<void> HeadlessRun::run() {
   // The end, whatever brought it about, is the last row.
   if (wantsProbes && sampledStep != facts_.steps)
     if (const auto sampled = sample(); !sampled) return sampled;
+  if (const auto exported = exportFrame(true); !exported) return exported;
+  if (export_)
+    if (const auto finished = export_->finish(); !finished) return finished;
   if (table_->state_hash(simulator_, &facts_.stateHash) < 0)
     return fail(ErrorCode::plugin, "the simulator gives no state hash");
   if (table)

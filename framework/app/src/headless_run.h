@@ -2,12 +2,14 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "c3de/abi/draft/iface/simulator.h"
 #include "command_run.h"
+#include "export_simulation.h"
 #include "report.h"
 
 namespace c3de::app {
@@ -37,6 +39,8 @@ class HeadlessRun {
 
  private:
   [[nodiscard]] Expected<void> readStatus();
+  /// Adds the present state to the export when its time has come, or at any rate.
+  [[nodiscard]] Expected<void> exportFrame(bool isEnd);
   [[nodiscard]] bool isDone() const;
   [[nodiscard]] bool isQuasistatic() const { return limits_.integrator == kQuasistatic; }
   [[nodiscard]] double fraction() const;
@@ -48,6 +52,9 @@ class HeadlessRun {
   const RunOptions &options_;
   RunLimits limits_;
   RunFacts facts_;
+  std::unique_ptr<SimulationExport> export_;
+  std::optional<std::uint64_t> exportedStep_;
+  double nextFrame_s_ = 0.0;
   bool finished_ = false;
   std::uint32_t stopped_ = 0;
 };

@@ -26,8 +26,9 @@ struct Arguments {
   SessionOptions session;
   std::vector<std::string> plugins, pluginPaths, files;
   bool noPlugins = false, json = false, version = false, play = false, quiet = false, verbose = false, patientNames = false;
-  std::string unit = "mm", size, automationState, scene, exportFile;
+  std::string unit, size, automationState, scene, exportList, exportSurface;
   double until_s = -1.0, timeLimit_s = -1.0;
+  double exportEvery_s = kDefaultExportEvery_s;
   long long steps = -1, threads = 0, seed = -1, probesEvery = 1;
   std::vector<std::string> overrides;
   std::string report, probes, screenshot, series;
@@ -45,8 +46,8 @@ void addSessionOptions(CLI::App &app, Arguments &arguments) {
 }
 
 CLI::Option *addUnit(CLI::App &app, Arguments &arguments) {
-  return app.add_option("--unit", arguments.unit, "Unit of meshes that do not say theirs: m, mm or cm")
-      ->check(CLI::IsMember({"m", "mm", "cm"}))->type_name("UNIT")->capture_default_str();
+  return app.add_option("--unit", arguments.unit, "Unit of meshes: m, mm or cm; default: what the file says, else mm")
+      ->check(CLI::IsMember({"m", "mm", "cm"}))->type_name("UNIT");
 }
 
 /// "1280x720"
@@ -80,7 +81,7 @@ bool hasDisplay() {
 int openWorkstation(const Arguments &arguments) {
   WorkstationOptions options;
   options.session = sessionOptions(arguments);
-  options.meshUnit = arguments.unit;
+  options.meshUnit = arguments.unit.empty() ? "mm" : arguments.unit;
   options.play = arguments.play;
   options.automationState = arguments.automationState;
   if (!arguments.size.empty() && !parseSize(arguments.size, options.width, options.height))
@@ -113,9 +114,6 @@ int openWorkstation(const Arguments &arguments) {
 }
 
 int run(const Arguments &arguments) {
-  if (!arguments.exportFile.empty())
-    return reportError({ErrorCode::usage, "--export is not served yet; this version serves --report, --probes and "
-                                          "--screenshot"});
   RunOptions options;
   options.session = sessionOptions(arguments);
   options.scene = arguments.scene;
@@ -129,6 +127,9 @@ int run(const Arguments &arguments) {
   options.probes = arguments.probes;
   options.probesEvery = static_cast<std::uint64_t>(arguments.probesEvery);
   options.screenshot = arguments.screenshot;
+  options.exportList = arguments.exportList;
+  options.exportEvery_s = arguments.exportEvery_s;
+  options.exportSurface = arguments.exportSurface;
   options.quiet = arguments.quiet;
   if (!arguments.size.empty()) {
     if (arguments.screenshot.empty()) return reportError({ErrorCode::usage, "--size is for --screenshot"});
@@ -171,7 +172,12 @@ int dispatch(int argc, char **argv) {
       ->check(CLI::Range(1LL, 1000000000LL))->type_name("N")->capture_default_str();
   runCommand->add_option("--screenshot", arguments.screenshot, "Draw the end state")->type_name("FILE.png");
   runCommand->add_option("--size", arguments.size, "Size of the screenshot; default: 1280x720")->type_name("WxH");
-  runCommand->add_option("--export", arguments.exportFile, "Not served yet")->type_name("FILE.pvd");
+  CLI::Option *exportList = runCommand->add_option("--export", arguments.exportList, "Write the simulation for ParaView: phyxels and skins over time")
+                                ->type_name("FILE.pvd");
+  runCommand->add_option("--export-every", arguments.exportEvery_s, "Simulated time between two frames of --export")
+      ->check(CLI::Range(1e-9, 1e9))->type_name("SECONDS")->capture_default_str()->needs(exportList);
+  runCommand->add_option("--export-surface", arguments.exportSurface, "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each")
+      ->type_name("FILE");
   runCommand->add_option("--seed", arguments.seed, "Kept in the report; nothing in this version is random")
       ->check(CLI::Range(0LL, 9223372036854775807LL))->type_name("N");
   runCommand->add_flag("-q,--quiet", arguments.quiet, "Say nothing but errors");
