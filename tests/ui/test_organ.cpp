@@ -197,6 +197,42 @@ TEST_CASE("a file that cannot be opened leaves the simulation that is open", "[o
   window.screenshot("kept");
 }
 
+TEST_CASE("surface and frame of the present state are exported through the menu", "[organ_export]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_export");
+  startOrgan(window);
+  const fs::path folder = fs::path(C3DE_TEST_OUTPUT) / "ui" / "export";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  const auto save = [&](const std::string &entry, const fs::path &file) {
+    window.click("menu/file");
+    window.waitUntil("the menu is open", [&](const Json &s) { return s["widgets"].contains("menu/" + entry); });
+    window.click("menu/" + entry);
+    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+    window.type(file.string());
+    window.key("Return");
+  };
+  save("file.export_surface", folder / "now.stl");
+  window.waitUntil("it is written", [](const Json &s) { return s["notifications"].size() == 1; });
+  CHECK(window.state()["notifications"][0]["title"] == "Exported");
+  REQUIRE(fs::exists(folder / "now.stl"));
+  CHECK(fs::file_size(folder / "now.stl") > 84 + 50 * 100);  // more than a hundred triangles
+  save("file.export_frame", folder / "now.pvd");
+  window.waitUntil("the frame is there", [&](const Json &) { return fs::exists(folder / "now.pvd"); });
+  CHECK(fs::exists(folder / "now_frames" / "phyxels_000000.vtu"));
+  CHECK(fs::exists(folder / "now_frames" / "skin_000000.vtp"));
+  // A file that is there is replaced only after a second press.
+  const auto before = fs::last_write_time(folder / "now.stl");
+  save("file.export_surface", folder / "now.stl");
+  const Json asked = window.waitUntil("the dialog asks", [](const Json &s) { return s["values"].contains("dialog/error"); });
+  CHECK_THAT(asked["values"]["dialog/error"].get<std::string>(), Contains("now.stl") && Contains("replace"));
+  window.screenshot("asks");
+  CHECK(fs::last_write_time(folder / "now.stl") == before);
+  window.click("dialog/open");
+  window.waitUntil("it is replaced", [&](const Json &) { return fs::last_write_time(folder / "now.stl") != before; });
+  CHECK(window.isRunning());
+}
+
 /// Chooses an item of a list in the panel and looks at the picture once it is drawn.
 void choose(WorkstationDriver &window, const std::string &parameter, const std::string &item) {
   window.click(kPanel + parameter);

@@ -20,6 +20,7 @@
 #include "exit_code.h"
 #include "live_warp.h"
 #include "simulator_access.h"
+#include "workstation_export.h"
 #include "workstation_images.h"
 #include "workstation_loader.h"
 #include "workstation_organ.h"
@@ -161,6 +162,12 @@ ui::WindowActions Workstation::actions() {
     if (scene::Simulation *simulation = session_->simulation()) simulation->setTargetRate(rate);
   };
   actions.screenshot = [this] { saveScreenshot(); };
+  const auto tell = [this](const Expected<std::string> &written) {
+    if (written) panels_.notify(C3DE_LOG_INFO, "Exported", *written);
+    else whenFailed("The export could not be written", written.error());
+  };
+  actions.exportSurface = [this, tell](const std::filesystem::path &file) { exportPresentSurface(*session_, file, tell); };
+  actions.exportFrame = [this, tell](const std::filesystem::path &file) { exportPresentFrame(*session_, file, tell); };
   actions.beforeDraw = [this] {
     session_->plugins().syncScene();
     images_->followNode();

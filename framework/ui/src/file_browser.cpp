@@ -82,21 +82,38 @@ Expected<void> FileBrowser::open(const fs::path &folder) {
   return {};
 }
 
-Expected<FileBrowser::Choice> FileBrowser::resolve(const std::string &typed) const {
-  if (typed.empty()) return fail(ErrorCode::usage, "no file is chosen");
+fs::path FileBrowser::pathOf(const std::string &typed) const {
   fs::path path = pathFromText(typed);
   if (typed == "~" || typed.starts_with("~/")) path = homeDirectory() / pathFromText(typed.substr(std::min<std::size_t>(2, typed.size())));
   if (path.is_relative()) path = folder_ / path;
+  return path;
+}
 
+Error FileBrowser::notAccepted(const std::string &typed) const {
+  std::string list;
+  for (const std::string &extension : extensions_) list += (list.empty() ? "." : ", .") + extension;
+  return {ErrorCode::input, typed + ": this kind of file is not accepted here; accepted: " + list};
+}
+
+Expected<FileBrowser::Choice> FileBrowser::resolve(const std::string &typed) const {
+  if (typed.empty()) return fail(ErrorCode::usage, "no file is chosen");
   std::error_code error;
-  path = fs::weakly_canonical(path, error);
+  const fs::path path = fs::weakly_canonical(pathOf(typed), error);
   if (error || !fs::exists(path, error)) return fail(ErrorCode::input, typed + ": there is no such file or folder");
   if (fs::is_directory(path, error)) return Choice{true, path};
-  if (!accepts(path)) {
-    std::string list;
-    for (const std::string &extension : extensions_) list += (list.empty() ? "." : ", .") + extension;
-    return fail(ErrorCode::input, typed + ": this kind of file is not accepted here; accepted: " + list);
-  }
+  if (!accepts(path)) return tl::unexpected(notAccepted(typed));
+  return Choice{false, path};
+}
+
+Expected<FileBrowser::Choice> FileBrowser::resolveNew(const std::string &typed) const {
+  if (typed.empty()) return fail(ErrorCode::usage, "no file is named");
+  std::error_code error;
+  fs::path path = fs::weakly_canonical(pathOf(typed), error);
+  if (!error && fs::is_directory(path, error)) return Choice{true, path};
+  if (!path.has_extension() && !extensions_.empty()) path += "." + extensions_.front();
+  if (!accepts(path)) return tl::unexpected(notAccepted(typed));
+  if (!fs::is_directory(path.parent_path(), error))
+    return fail(ErrorCode::input, typed + ": there is no folder " + pathText(path.parent_path()));
   return Choice{false, path};
 }
 

@@ -20,6 +20,7 @@ void FileDialog::open(Request request) {
   request_ = std::move(request);
   browser_.setExtensions(request_.extensions);
   error_.clear();
+  toReplace_.clear();
   typed_[0] = '\0';
   isOpen_ = isNew_ = true;
   isDone_ = false;
@@ -31,7 +32,7 @@ void FileDialog::open(Request request) {
 }
 
 void FileDialog::choose(const std::string &typed) {
-  const auto choice = browser_.resolve(typed);
+  const auto choice = request_.isSaving ? browser_.resolveNew(typed) : browser_.resolve(typed);
   if (!choice) {
     error_ = choice.error().message;
     return;
@@ -40,6 +41,12 @@ void FileDialog::choose(const std::string &typed) {
   if (choice->isFolder) {
     if (auto opened = browser_.open(choice->path); !opened) error_ = opened.error().message;
     typed_[0] = '\0';
+    return;
+  }
+  std::error_code ignored;
+  if (request_.isSaving && std::filesystem::exists(choice->path, ignored) && toReplace_ != choice->path) {
+    toReplace_ = choice->path;
+    error_ = pathText(choice->path.filename()) + " is there already. Press Save again to replace it.";
     return;
   }
   recentFolders_[request_.extensions] = choice->path.parent_path();
@@ -90,7 +97,7 @@ void FileDialog::drawList(FrameContext &frame) {
     }
     ImGui::PopID();
   }
-  if (browser_.entries().empty()) ImGui::TextDisabled("Nothing here that can be opened");
+  if (browser_.entries().empty()) ImGui::TextDisabled(request_.isSaving ? "Nothing of this kind here yet" : "Nothing here that can be opened");
   ImGui::EndChild();
   ImGui::PopStyleColor();
   if (picked.empty()) return;
@@ -143,14 +150,14 @@ void FileDialog::draw(FrameContext &frame) {
   ImGui::SetNextItemWidth(-1.0f);
   if (isNew_) ImGui::SetKeyboardFocusHere();
   isNew_ = false;
-  const bool isEntered = ImGui::InputTextWithHint("##typed", "File or folder; a path may be typed", typed_, sizeof typed_,
+  const bool isEntered = ImGui::InputTextWithHint("##typed", request_.isSaving ? "Name of the file; a path may be typed" : "File or folder; a path may be typed", typed_, sizeof typed_,
                                                   ImGuiInputTextFlags_EnterReturnsTrue);
   markItem(frame, kArea, "path");
   frame.automation.value(kArea, "path", typed_);
   const bool hasText = typed_[0] != '\0';
   ImGui::BeginDisabled(!hasText);
   ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
-  const bool isPressed = ImGui::Button("Open", ImVec2(frame.theme.px(96.0f), 0));
+  const bool isPressed = ImGui::Button(request_.isSaving ? "Save" : "Open", ImVec2(frame.theme.px(96.0f), 0));
   ImGui::PopStyleColor();
   markItem(frame, kArea, "open", hasText);
   ImGui::EndDisabled();

@@ -12,13 +12,14 @@ namespace c3de::ui {
 
 struct FrameContext;
 
-/// A dialog inside the window to choose one file. One at a time.
+/// A dialog inside the window to choose one file, to open or to save. One at a time.
 class FileDialog {
  public:
   struct Request {
     std::string title;
     std::string extensions;  ///< "obj;stl"
     bool asksMeshUnit = false;
+    bool isSaving = false;  ///< the file may be new; one that is there is replaced after a second press
     std::function<void(const std::filesystem::path &file, const std::string &unit)> chosen;
   };
   /// Shows the folder that was used last for these extensions.
@@ -35,6 +36,7 @@ class FileDialog {
   Request request_;
   std::map<std::string, std::filesystem::path> recentFolders_;  ///< by extensions
   std::string error_;
+  std::filesystem::path toReplace_;  ///< the person has been asked about it
   char typed_[1024] = "";
   int unit_ = 0;
   bool isOpen_ = false, isNew_ = false, isDone_ = false;

@@ -179,6 +179,8 @@ float drawMenuBar(FrameContext &frame) {
       menuItem(frame, "menu", {Command::closeImage, false, true});
       menuItem(frame, "menu", {Command::reload, true});
       ImGui::Separator();
+      menuItem(frame, "menu", {Command::exportSurface, true});
+      menuItem(frame, "menu", {Command::exportFrame, true});
       menuItem(frame, "menu", {Command::screenshot});
       ImGui::Separator();
       menuItem(frame, "menu", {Command::quit});

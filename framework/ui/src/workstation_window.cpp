@@ -31,7 +31,8 @@ constexpr double kFrameTime_s = 1.0 / 60.0;
 constexpr double kIdleWait_s = 1.0, kCursorBlink_s = 0.25;
 /// Frames after an event until everything that follows from it stands: popups and layout take one more frame each.
 constexpr int kFramesToSettle = 3;
-constexpr const char *kMeshExtensions = "obj;stl;ply;vtk;off;gltf;glb";
+constexpr const char *kSurfaceExtensions = "obj;stl;ply;vtp", *kFrameExtensions = "pvd";
+constexpr const char *kMeshExtensions = "obj;stl;ply;vtk;vtp;off;gltf;glb";
 
 }  // namespace
 
@@ -70,6 +71,7 @@ struct WorkstationWindow::Impl {
   void carryOut(FrameContext &frame, Command command);
   void openDialog(bool isMesh);
   void openImageDialog(bool areLabels);
+  void openExportDialog(bool isFrame);
   void lookFrom(const Vec3 &meshDirection, const Vec3 &patientDirection);
   void fitIfWanted();
   void measureRate(double now_s);
@@ -301,6 +303,18 @@ void WorkstationWindow::Impl::openImageDialog(bool areLabels) {
   fileDialog.open(std::move(request));
 }
 
+void WorkstationWindow::Impl::openExportDialog(bool isFrame) {
+  FileDialog::Request request;
+  request.title = isFrame ? "Export simulation frame" : "Export surface";
+  request.extensions = isFrame ? kFrameExtensions : kSurfaceExtensions;
+  request.isSaving = true;
+  request.chosen = [this, isFrame](const std::filesystem::path &file, const std::string &) {
+    const auto &action = isFrame ? actions.exportFrame : actions.exportSurface;
+    if (action) action(file);
+  };
+  fileDialog.open(std::move(request));
+}
+
 void WorkstationWindow::Impl::lookFrom(const Vec3 &meshDirection, const Vec3 &patientDirection) {
   lookAlong(camera, camera.upAxis == render::UpAxis::z ? patientDirection : meshDirection);
 }
@@ -341,6 +355,10 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
       break;
     case Command::reload:
       if (actions.reload) actions.reload();
+      break;
+    case Command::exportSurface:
+    case Command::exportFrame:
+      if (context.simulation.exists) openExportDialog(command == Command::exportFrame);
       break;
     case Command::screenshot:
       if (actions.screenshot) actions.screenshot();

@@ -53,6 +53,31 @@ TEST_CASE("the file browser lists folders first and only the files that are acce
   CHECK(browser.entries().size() == 3);
 }
 
+TEST_CASE("a file to be written may be new, gets an extension, and needs a folder") {
+  const fs::path root = fs::path(C3DE_TEST_OUTPUT) / "browser-new";
+  fs::create_directories(root / "sub");
+  std::ofstream(root / "there.ply") << "x";
+  FileBrowser browser;
+  browser.setExtensions("obj;stl;ply");
+  REQUIRE(browser.open(root));
+  const auto created = browser.resolveNew("sub/new.stl");
+  REQUIRE(created);
+  CHECK_FALSE(created->isFolder);
+  CHECK(created->path == fs::weakly_canonical(root / "sub") / "new.stl");
+  REQUIRE(browser.resolveNew("plain"));
+  CHECK(browser.resolveNew("plain")->path.filename() == "plain.obj");
+  CHECK(browser.resolveNew("there.ply"));
+  REQUIRE(browser.resolveNew("sub"));
+  CHECK(browser.resolveNew("sub")->isFolder);
+  const auto other = browser.resolveNew("liver.3ds");
+  REQUIRE_FALSE(other);
+  CHECK_THAT(other.error().message, Contains("liver.3ds") && Contains(".obj, .stl, .ply"));
+  const auto nowhere = browser.resolveNew("absent/liver.obj");
+  REQUIRE_FALSE(nowhere);
+  CHECK_THAT(nowhere.error().message, Contains("absent"));
+  CHECK_FALSE(browser.resolveNew(""));
+}
+
 TEST_CASE("a folder that cannot be shown leaves the one that is shown") {
   FileBrowser browser;
   REQUIRE(browser.open(fs::temp_directory_path()));

@@ -15,6 +15,8 @@ enum class Command {
   openLabels,
   closeImage,
   reload,
+  exportSurface,
+  exportFrame,
   screenshot,
   quit,
   undo,

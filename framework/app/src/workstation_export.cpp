@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation_export.h"
+
+#include <utility>
+
+#include "c3de/ui/file_browser.h"
+#include "export_simulation.h"
+
+namespace c3de::app {
+namespace {
+
+/// Runs `write` on the simulation's thread and carries its answer to the main thread.
+void whileStanding(Session &session, std::function<Expected<std::string>(scene::Simulation &)> write, ExportTold told) {
+  scene::Simulation *simulation = session.simulation();
+  if (simulation == nullptr) return;
+  simulation->post([simulation, queue = &session.mainQueue(), write = std::move(write), told = std::move(told)] {
+    queue->post([told, answer = write(*simulation)] { told(answer); });
+  });
+}
+
+}  // namespace
+
+void exportPresentSurface(Session &session, const std::filesystem::path &file, ExportTold told) {
+  plugin_host::PluginHost *host = &session.plugins();
+  const auto write = [host, file](scene::Simulation &simulation) -> Expected<std::string> {
+    const auto states = readBodyStates(simulation.object(), BodyParts::skin, [host] { return host->takeError(); });
+    if (!states) return tl::unexpected(states.error());
+    const auto files = writeSurfaces(file, *states);
+    if (!files) return tl::unexpected(files.error());
+    std::string text;
+    for (const std::filesystem::path &one : *files) text += (text.empty() ? "" : "\n") + ui::pathText(one);
+    return text;
+  };
+  whileStanding(session, write, std::move(told));
+}
+
+void exportPresentFrame(Session &session, const std::filesystem::path &file, ExportTold told) {
+  plugin_host::PluginHost *host = &session.plugins();
+  const auto write = [host, file](scene::Simulation &simulation) -> Expected<std::string> {
+    const auto states = readBodyStates(simulation.object(), BodyParts::skinAndPhyxels, [host] { return host->takeError(); });
+    if (!states) return tl::unexpected(states.error());
+    c3de_sim_status status{};
+    status.size = sizeof status;
+    if (simulation.table()->status(simulation.object(), &status) < 0)
+      return fail(ErrorCode::plugin, "the simulator does not say its time");
+    SimulationExport frame(file);
+    if (auto added = frame.addFrame(status.time_s, *states); !added) return tl::unexpected(added.error());
+    if (auto finished = frame.finish(); !finished) return tl::unexpected(finished.error());
+    return ui::pathText(file) + "\n" + ui::pathText(framesFolder(file));
+  };
+  whileStanding(session, write, std::move(told));
+}
+
+}  // namespace c3de::app
