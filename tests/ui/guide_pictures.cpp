@@ -4,6 +4,7 @@
 // leaves guide-NAME.png under test-output/ui; look at them and copy those that show what the page says.
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "support/catch.h"
@@ -90,4 +91,39 @@ TEST_CASE("Pictures of images for the user guide", "[.guide]") {
   window.waitUntil("the preset is set", [](const Json &s) { return s["values"].value("image/preset", "") == "CT abdomen (4)"; });
   std::this_thread::sleep_for(std::chrono::seconds(2));  // the volume is refined
   window.screenshot("image");
+}
+
+TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
+  // The same labels with names: a table beside the file.
+  const auto named = std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "organs.nii.gz";
+  std::filesystem::create_directories(named.parent_path());
+  std::filesystem::copy_file(labels, named, std::filesystem::copy_options::overwrite_existing);
+  std::ofstream(named.parent_path() / "organs.txt") << "1 spleen\n2 kidney_right\n3 kidney_left\n4 gallbladder\n5 liver\n6 stomach\n7 pancreas\n";
+  WorkstationDriver window("guide");
+  window.start({image.string(), named.string()});
+  const Json loaded = window.waitUntil("image and labels are shown", [](const Json &s) {
+    return s["panes"].size() == 4 && s["jobs"].empty() && s["values"].contains("organ/label");
+  }, 60.0);
+  const auto inCoronal = [&](double u, double v) {
+    const Json r = window.state()["panes"]["coronal"];
+    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(), r["y"].get<double>() + v * r["h"].get<double>()};
+  };
+  window.clickAt(inCoronal(0.25, 0.1));
+  window.key("4");
+  window.click("organ/label");
+  window.screenshot("organ_labels");
+  std::string liver;
+  const Json open = window.state();
+  for (const auto &[widget, rect] : open["widgets"].items())
+    if (widget.rfind("organ/label.option.liver", 0) == 0) liver = widget;
+  REQUIRE_FALSE(liver.empty());
+  window.click(liver);
+  window.waitForValue("organ/material", "liver");
+  window.click("organ/close");
+  window.waitUntil("it is closed", [](const Json &s) { return s["jobs"].empty() && s["values"].value("organ/Steps", "").find("closed by") != std::string::npos; }, 60.0);
+  window.moveTo(inCoronal(0.9, 0.95));
+  window.screenshot("organ");
 }

@@ -133,9 +133,9 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
     }
   }
   session_.sceneGraph().touch();
-  panel_.emplace(panels_, views_);
   guide_.setSources({image, nullptr});
   organPanel_.emplace(panels_, views_, guide_);
+  panel_.emplace(panels_, views_);
   if (!notice.empty()) tell("Opened " + image->name, {notice});
   events_.shown();
 }

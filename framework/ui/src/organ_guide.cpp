@@ -123,6 +123,13 @@ void OrganGuide::chooseLabel(std::uint16_t value) {
   mask_.carryOut(step);
 }
 
+void OrganGuide::chooseLabelAt(const Vec3 &world) {
+  const auto &labels = mask_.sources().labels;
+  if (!labels) return;
+  if (const std::uint16_t value = labels->at(world); value != 0) return chooseLabel(value);
+  clickProblem_ = fmt::format("the click at LPS {:.1f}, {:.1f}, {:.1f} mm is on no label; the line below each view names what is under the mouse", world[0], world[1], world[2]);
+}
+
 void OrganGuide::setLow(double low) {
   settings_.low = low;
   settings_.high = std::max(settings_.high, low);
@@ -165,6 +172,7 @@ void OrganGuide::undo() {
 
 /// After an undo the controls say what the mask was made with.
 void OrganGuide::whenMaskChanged() {
+  clickProblem_.clear();
   if (followsUndo_ && !mask_.isBusy()) {
     followsUndo_ = false;
     for (const MaskStep &step : mask_.steps()) {
@@ -185,6 +193,7 @@ render::Colour OrganGuide::colour() const {
 }
 
 std::string OrganGuide::maskProblem() const {
+  if (!clickProblem_.empty()) return clickProblem_;
   if (!mask_.problem().empty() || !mask_.mask() || mask_.voxels() > 0) return mask_.problem();
   const std::vector<MaskStep> steps = mask_.steps();
   const bool isThreshold = !steps.empty() && steps.back().kind == MaskStep::Kind::threshold;

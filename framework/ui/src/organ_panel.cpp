@@ -15,11 +15,6 @@ constexpr std::size_t kManyLabels = 12;
 constexpr double kFewestPhyxels = 50.0, kMostPhyxels = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
 constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0;
 
-std::string lowerCase(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return text;
-}
-
 bool inputText(const c3de_ui_v0 &ui, const char *id, const char *label, std::string &value) {
   std::array<char, 128> buffer{};
   std::copy_n(value.begin(), std::min(value.size(), buffer.size() - 1), buffer.begin());
@@ -58,6 +53,8 @@ void OrganPanel::draw(const c3de_ui_v0 &ui) {
   heading(ui, "1  Pick it in the image");
   drawSource(ui);
   drawSteps(ui);
+  // One thing after the other: the rest would only fill the panel.
+  if (!guide_.mask().mask()) return text(ui, "Then: its material, how finely it is sampled, and the simulation.");
   heading(ui, "2  Material");
   drawMaterial(ui);
   heading(ui, "3  Sampling");
@@ -67,6 +64,19 @@ void OrganPanel::draw(const c3de_ui_v0 &ui) {
   if (button(ui, "make", "Make it alive", reason.empty())) guide_.makeAlive();
   tooltip(ui, "Makes a body of what is picked: its surface, its phyxels, its material");
   if (!reason.empty()) text(ui, "Not yet: " + reason + ".");
+}
+
+void OrganPanel::clickButton(const c3de_ui_v0 &ui, const char *id, const char *label, const char *doc,
+                             void (OrganGuide::*clicked)(const Vec3 &)) {
+  const bool isAwaited = views_.isPicking() && awaited_ && std::string_view(awaited_) == id;
+  const bool isPressed = button(ui, id, isAwaited ? "Click it in a slice…" : label);
+  tooltip(ui, doc);
+  if (!isPressed) return;
+  awaited_ = id;
+  if (isAwaited)
+    views_.cancelPick();
+  else
+    views_.pickNext([guide = &guide_, clicked](const Vec3 &reference) { (guide->*clicked)(reference); });
 }
 
 void OrganPanel::drawSource(const c3de_ui_v0 &ui) {
@@ -82,16 +92,25 @@ void OrganPanel::drawSource(const c3de_ui_v0 &ui) {
 
 void OrganPanel::drawLabels(const c3de_ui_v0 &ui) {
   const std::vector<OrganGuide::LabelRow> rows = guide_.labels();
-  if (rows.size() > kManyLabels)
-    inputText(ui, "filter", "Names with", filter_);
-  else
-    filter_.clear();
+  clickButton(ui, "label_click", "Take the label I click", "The next click in a slice: the label that is there. Esc: no click",
+              &OrganGuide::chooseLabelAt);
+  const auto textOf = [](const OrganGuide::LabelRow &row) {
+    return row.name + "   " + (row.volume_ml ? fmt::format("{:.1f} ml", *row.volume_ml) : std::string("… ml"));
+  };
+  if (rows.size() > kManyLabels) {
+    std::vector<std::string> names{"– choose –"};
+    std::uint32_t index = 0;
+    for (const OrganGuide::LabelRow &row : rows) {
+      if (row.isChosen) index = static_cast<std::uint32_t>(names.size());
+      names.push_back(textOf(row));
+    }
+    if (choice(ui, "label", "Label", index, names) && index > 0) guide_.chooseLabel(rows[index - 1].value);
+    return;
+  }
   for (const OrganGuide::LabelRow &row : rows) {
-    if (!filter_.empty() && lowerCase(row.name).find(lowerCase(filter_)) == std::string::npos) continue;
     swatch(ui, row.colour);
     bool isChosen = row.isChosen;
-    const std::string volume = row.volume_ml ? fmt::format("{:.1f} ml", *row.volume_ml) : std::string("… ml");
-    if (checkbox(ui, "label." + std::to_string(row.value), row.name + "   " + volume, isChosen, "") && isChosen) guide_.chooseLabel(row.value);
+    if (checkbox(ui, "label." + std::to_string(row.value), textOf(row), isChosen, "") && isChosen) guide_.chooseLabel(row.value);
   }
 }
 
@@ -110,10 +129,12 @@ void OrganPanel::drawSteps(const c3de_ui_v0 &ui) {
   using Kind = MaskStep::Kind;
   const OrganMask &mask = guide_.mask();
   const bool hasMask = mask.mask() != nullptr;
-  if (hasMask) swatch(ui, guide_.colour());
   std::string volume = hasMask ? fmt::format("{:.1f} ml, {} voxels", mask.volume_ml(), mask.voxels()) : std::string("nothing yet");
   if (mask.isBusy()) volume += " …";
   row(ui, "Picked", volume);
+  if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
+  if (!hasMask) return;
+  swatch(ui, guide_.colour());
   ImageOptions options = views_.options();
   if (checkbox(ui, "overlay", "Show it over the slices", options.showsPreview, "Instead of the label map")) views_.setOptions(options);
   if (mask.preview() && mask.preview()->stride > 1) row(ui, "Overlay", fmt::format("every {}. voxel", mask.preview()->stride));
@@ -121,25 +142,18 @@ void OrganPanel::drawSteps(const c3de_ui_v0 &ui) {
   std::string done;
   for (const MaskStep &step : steps) done = step.startsAnew() ? step.text() : done + ", " + step.text();
   if (!done.empty()) row(ui, "Steps", done);
-  if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
 
-  const bool isPicking = views_.isPicking();
-  if (button(ui, "component", isPicking ? "Click the part in a slice…" : "Keep only the part I click", hasMask || mask.isBusy())) {
-    if (isPicking)
-      views_.cancelPick();
-    else
-      views_.pickNext([this](const Vec3 &reference) { guide_.keepComponentAt(reference); });
-  }
-  tooltip(ui, "The next click in a slice: what hangs together with that voxel stays. Again, or Esc: no click");
-  if (button(ui, "largest", "Keep the largest part", hasMask)) guide_.carryOut(Kind::largest);
+  clickButton(ui, "component", "Keep only the part I click", "The next click in a slice: what hangs together with that voxel stays. Esc: no click",
+              &OrganGuide::keepComponentAt);
+  if (button(ui, "largest", "Keep the largest part")) guide_.carryOut(Kind::largest);
   sameLine(ui);
-  if (button(ui, "fill_holes", "Fill holes", hasMask)) guide_.carryOut(Kind::fillHoles);
+  if (button(ui, "fill_holes", "Fill holes")) guide_.carryOut(Kind::fillHoles);
   double radius = guide_.settings().radius_mm;
   if (slider(ui, "radius", "Radius", "mm", radius, kSmallestRadius_mm, kLargestRadius_mm, "Of closing and opening")) guide_.setRadius(radius);
-  if (button(ui, "close", "Close gaps", hasMask)) guide_.carryOut(Kind::close);
+  if (button(ui, "close", "Close gaps")) guide_.carryOut(Kind::close);
   tooltip(ui, "Closing: gaps and bays narrower than twice the radius are filled");
   sameLine(ui);
-  if (button(ui, "open", "Remove bridges", hasMask)) guide_.carryOut(Kind::open);
+  if (button(ui, "open", "Remove bridges")) guide_.carryOut(Kind::open);
   tooltip(ui, "Opening: bridges and spurs narrower than twice the radius are removed");
   sameLine(ui);
   if (button(ui, "undo", "Undo", mask.canUndo())) guide_.undo();

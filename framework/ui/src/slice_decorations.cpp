@@ -153,7 +153,7 @@ void drawTexts(const SliceCanvas &canvas) {
   if (options.isWindowLevelMode) shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + 2 * line), kLetter, "drag: window/level");
   if (canvas.images.isPicking())
     shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + (options.isWindowLevelMode ? 3 : 2) * line), kLetter,
-             "click: keep this part (Esc: do not)");
+             "click: this part (Esc: none)");
   // Which side is which is a matter of safety: said in every view that it turns.
   const std::string convention = options.convention == Convention::radiological ? "radiological" : "neurological";
   const std::string badge = canvas.pane == Pane::sagittal ? std::string() : convention;
@@ -229,6 +229,7 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
   automation.value("image", "level", fmt::format("{:.6g}", options.windowLevel.level));
   automation.value("image", "cross_hair", fmt::format("{:.3f} {:.3f} {:.3f}", cross[0], cross[1], cross[2]));
   automation.value("image", "preview", images->handles().preview.isNull() ? "none" : options.showsPreview ? "shown" : "hidden");
+  automation.value("image", "picking", images->isPicking() ? "on" : "off");
   automation.value("image", "layout", images->maximised() ? paneName(*images->maximised()) : "four");
 }
 

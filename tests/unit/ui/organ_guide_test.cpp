@@ -178,6 +178,20 @@ TEST_CASE("A label brings its name, colour, volume and material along", "[organ]
   CHECK_THAT(f.guide.whyNot(), Contains("no material"));
 }
 
+TEST_CASE("A label is chosen by a click on it", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.settle();
+  f.guide.chooseLabelAt({50, 50, 50});
+  CHECK_THAT(f.guide.maskProblem(), Contains("50.0, 50.0, 50.0 mm is on no label"));
+  CHECK_FALSE(f.guide.mask().mask());
+  f.guide.chooseLabelAt({70, 65, 61});
+  f.settle();
+  CHECK(f.voxels() == Fixture::kSmall);
+  CHECK(f.guide.settings().name == "thing");
+  CHECK(f.guide.maskProblem().empty());
+}
+
 TEST_CASE("A chosen material stays when the name changes", "[organ]") {
   Fixture f;
   f.guide.setName("spleen");
@@ -255,7 +269,7 @@ TEST_CASE("The panel leads from labels to the button", "[organ]") {
   };
   f.guide.setSources(f.sources);
   f.settle();
-  CHECK_THAT(draw(), Contains("[#ff0000]  [ ] kidney_left   27.0 ml (label.3)") && Contains("[disabled button: Make it alive]"));
+  CHECK_THAT(draw(), Contains("[#ff0000]  [ ] kidney_left   27.0 ml (label.3)") && Contains("Picked: nothing yet") && !Contains("Make it alive"));
   text.check("label.3", true);
   draw();
   CHECK_THAT(draw(), Contains("[x] kidney_left") && Contains("Picked: 27.0 ml, 216 voxels") && Contains("Material = kidney_cortex") &&
@@ -267,7 +281,7 @@ TEST_CASE("The panel leads from labels to the button", "[organ]") {
   text.press("component");
   draw();
   REQUIRE(views.isPicking());
-  CHECK_THAT(draw(), Contains("Click the part in a slice…"));
+  CHECK_THAT(draw(), Contains("Click it in a slice…"));
   text.press("component");
   draw();
   CHECK_FALSE(views.isPicking());

@@ -66,6 +66,7 @@ class OrganGuide {
   void setFromLabel(bool isFromLabel) { settings_.isFromLabel = isFromLabel; }
   /// Takes over its name, and the material that fits.
   void chooseLabel(std::uint16_t value);
+  void chooseLabelAt(const Vec3 &world);
   /// The limit that was moved takes the other one along.
   void setLow(double low);
   void setHigh(double high);
@@ -106,6 +107,7 @@ class OrganGuide {
   std::vector<double> labelVolumes_ml_;  ///< by position in the map's labels; empty: not counted yet
   Handle counting_;
   std::uint64_t serial_ = 0;
+  std::string clickProblem_;  ///< of chooseLabelAt()
   bool isMaterialChosen_ = false;
   bool followsUndo_ = false;
   std::shared_ptr<bool> alive_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
 #include "c3de/ui/image_views.h"
 #include "c3de/ui/organ_guide.h"
 #include "c3de/ui/panel_registry.h"
@@ -20,6 +18,9 @@ class OrganPanel {
 
  private:
   void draw(const c3de_ui_v0 &ui);
+  /// A button that waits for a click in a slice, and stops waiting when it is pressed again.
+  void clickButton(const c3de_ui_v0 &ui, const char *id, const char *label, const char *doc,
+                   void (OrganGuide::*clicked)(const Vec3 &));
   void drawSource(const c3de_ui_v0 &ui);
   void drawLabels(const c3de_ui_v0 &ui);
   void drawThreshold(const c3de_ui_v0 &ui);
@@ -31,7 +32,7 @@ class OrganPanel {
   ImageViews &views_;
   OrganGuide &guide_;
   Handle panel_;
-  std::string filter_;  ///< of a long list of labels
+  const char *awaited_ = nullptr;  ///< id of the button that was pressed last
 };
 
 }  // namespace c3de::ui

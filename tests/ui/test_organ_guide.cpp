@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// From an image to an organ by the panel: threshold, a click on the part, filled holes, material, the button.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <regex>
+
+#include "c3de/imaging/writing.h"
+#include "support/catch.h"
+#include "ui/workstation_driver.h"
+
+using namespace c3de;  // operators of Vec3
+using c3de::test::Json;
+using c3de::test::Point;
+using c3de::test::WorkstationDriver;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+#define C3DE_WINDOW_OR_SKIP() \
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
+
+constexpr double kSpacing_mm = 2.0;
+constexpr Vec3 kOrgan{-15, 0, 0}, kRadii{30, 26, 22}, kOther{42, 0, 0};
+
+/// 70 x 50 x 40 voxels around the origin. An ellipsoid of value 100 with a cavity of 8 mm, and a ball of 14 mm apart.
+struct Phantom {
+  imaging::Volume volume;
+  std::size_t organ = 0, cavity = 0, other = 0;  ///< voxels
+
+  Phantom() {
+    constexpr std::array<std::size_t, 3> n{70, 50, 40};
+    volume.geometry = {n, {kSpacing_mm, 0, 0, 0, 0, kSpacing_mm, 0, 0, 0, 0, kSpacing_mm, 0, -69, -49, -39, 1}};
+    std::vector<std::int16_t> voxels;
+    for (std::size_t k = 0; k < n[2]; ++k)
+      for (std::size_t j = 0; j < n[1]; ++j)
+        for (std::size_t i = 0; i < n[0]; ++i) {
+          const Vec3 x = volume.geometry.worldAt({double(i), double(j), double(k)}), r = x - kOrgan;
+          const bool isCavity = norm(r) < 8.0, isOther = norm(x - kOther) < 14.0;
+          const bool isOrgan = !isCavity && norm({r[0] / kRadii[0], r[1] / kRadii[1], r[2] / kRadii[2]}) < 1.0;
+          organ += isOrgan;
+          cavity += isCavity;
+          other += isOther;
+          voxels.push_back(isOrgan || isOther ? 100 : 0);
+        }
+    volume.voxels = voxels;
+  }
+};
+
+std::string pickedText(std::size_t voxels) {
+  return fmt::format("{:.1f} ml, {} voxels", static_cast<double>(voxels) * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0, voxels);
+}
+
+std::string text(const Json &state, const std::string &key) { return state["values"].value(key, std::string()); }
+
+/// In the axial view of an image along the axes, not zoomed.
+Point axialPixel(const WorkstationDriver &window, const Vec3 &world) {
+  const Json state = window.state(), r = state["panes"]["axial"];
+  const double scale = std::stod(text(state, "image/axial.scale_mm_per_px"));
+  return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + world[0] / scale, r["y"].get<double>() + 0.5 * r["h"].get<double>() + world[1] / scale};
+}
+
+}  // namespace
+
+TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "[image_guide]") {
+  C3DE_WINDOW_OR_SKIP();
+  const Phantom phantom;
+  const fs::path file = fs::path(C3DE_TEST_OUTPUT) / "ui" / "image_guide_phantom.nii.gz";
+  fs::create_directories(file.parent_path());
+  if (const auto written = imaging::writeVolume(file, phantom.volume); !written) FAIL(written.error().message);
+  WorkstationDriver window("image_guide");
+  window.start({file.string()});
+  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  CHECK(window.value("image/preview") == "none");
+  window.screenshot("before");
+
+  window.controlClick("organ/low");
+  window.key("ctrl+a");
+  window.type("60");
+  window.key("Return");
+  window.waitForValue("organ/Picked", pickedText(phantom.organ + phantom.other));
+  CHECK(window.value("image/preview") == "shown");
+  window.moveTo(axialPixel(window, {0, -45, 0}));
+  window.screenshot("threshold");
+  CHECK(window.differingPixels("before", "threshold") > 500);
+
+  window.click("organ/component");
+  window.waitUntil("a click is waited for", [](const Json &s) { return text(s, "image/picking") == "on"; });
+  window.clickAt(axialPixel(window, {0, -40, 0}));
+  window.waitUntil("a click beside it is told", [](const Json &s) { return text(s, "organ/Problem").find("outside of the mask") != std::string::npos; });
+  CHECK(window.value("organ/Picked") == pickedText(phantom.organ + phantom.other));
+  const std::string cross = window.value("image/cross_hair");
+  window.click("organ/component");
+  window.waitUntil("a click is waited for again", [](const Json &s) { return text(s, "image/picking") == "on"; });
+  window.screenshot("picking");
+  window.clickAt(axialPixel(window, {-35, 0, 0}));
+  window.waitForValue("organ/Picked", pickedText(phantom.organ));
+  CHECK(window.value("image/cross_hair") == cross);
+  CHECK(window.value("image/picking") == "off");
+
+  window.click("organ/fill_holes");
+  window.waitForValue("organ/Picked", pickedText(phantom.organ + phantom.cavity));
+  window.click("organ/undo");
+  window.waitForValue("organ/Picked", pickedText(phantom.organ));
+  window.click("organ/fill_holes");
+  window.waitForValue("organ/Picked", pickedText(phantom.organ + phantom.cavity));
+
+  CHECK(window.value("organ/material") == "– choose –");
+  window.click("organ/name");
+  window.key("ctrl+a");
+  window.type("liver");
+  window.key("Return");
+  window.waitForValue("organ/material", "liver");
+  CHECK_THAT(window.value("organ/Young's modulus"), Contains("6 kPa (1 kPa … 15 kPa)"));
+  window.screenshot("material");
+  window.click("organ/make");
+  window.waitUntil("the organ is made", [&](const Json &s) {
+    return s["jobs"].empty() && window.logText().find("liver (liver): ") != std::string::npos;
+  }, 60.0);
+  window.moveTo(axialPixel(window, {0, -45, 0}));
+  window.screenshot("made");
+  const std::string log = window.logText();
+  std::smatch numbers;
+  REQUIRE(std::regex_search(log, numbers, std::regex(R"(liver \(liver\): (\S+) ml of voxels; surface of (\d+) triangles around (\S+) ml, fill of (\S+) ml)")));
+  const double volume_ml = static_cast<double>(phantom.organ + phantom.cavity) * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0;
+  // Printed with one decimal.
+  for (const std::size_t group : {1u, 3u, 4u}) CHECK_THAT(std::stod(numbers[group]), WithinAbs(volume_ml, 0.06 + 1e-4 * volume_ml));
+  CHECK(std::stoul(numbers[2]) > 500);
+  CHECK(window.state()["notifications"].empty());
+}
