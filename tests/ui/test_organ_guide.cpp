@@ -49,7 +49,8 @@ struct Phantom {
 };
 
 std::string pickedText(std::size_t voxels) {
-  return fmt::format("{:.1f} ml, {} voxels", static_cast<double>(voxels) * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0, voxels);
+  return fmt::format("{:.1f} ml, {} voxels",
+                     static_cast<double>(voxels) * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0, voxels);
 }
 
 std::string text(const Json &state, const std::string &key) { return state["values"].value(key, std::string()); }
@@ -58,7 +59,8 @@ std::string text(const Json &state, const std::string &key) { return state["valu
 Point axialPixel(const WorkstationDriver &window, const Vec3 &world) {
   const Json state = window.state(), r = state["panes"]["axial"];
   const double scale = std::stod(text(state, "image/axial.scale_mm_per_px"));
-  return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + world[0] / scale, r["y"].get<double>() + 0.5 * r["h"].get<double>() + world[1] / scale};
+  return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + world[0] / scale,
+          r["y"].get<double>() + 0.5 * r["h"].get<double>() + world[1] / scale};
 }
 
 }  // namespace
@@ -71,7 +73,8 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "
   if (const auto written = imaging::writeVolume(file, phantom.volume); !written) FAIL(written.error().message);
   WorkstationDriver window("image_guide");
   window.start({file.string()});
-  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  window.waitUntil(
+      "the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
   CHECK(window.value("image/preview") == "none");
   window.screenshot("before");
 
@@ -88,7 +91,9 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "
   window.click("organ/component");
   window.waitUntil("a click is waited for", [](const Json &s) { return text(s, "image/picking") == "on"; });
   window.clickAt(axialPixel(window, {0, -40, 0}));
-  window.waitUntil("a click beside it is told", [](const Json &s) { return text(s, "organ/Problem").find("outside of the mask") != std::string::npos; });
+  window.waitUntil("a click beside it is told", [](const Json &s) {
+    return text(s, "organ/Problem").find("outside of the mask") != std::string::npos;
+  });
   CHECK(window.value("organ/Picked") == pickedText(phantom.organ + phantom.other));
   const std::string cross = window.value("image/cross_hair");
   window.click("organ/component");
@@ -115,17 +120,23 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "
   CHECK_THAT(window.value("organ/Young's modulus"), Contains("6 kPa (1 kPa … 15 kPa)"));
   window.screenshot("material");
   window.click("organ/make");
-  window.waitUntil("the organ is made", [&](const Json &s) {
-    return s["jobs"].empty() && window.logText().find("liver (liver): ") != std::string::npos;
-  }, 60.0);
+  window.waitUntil(
+      "the organ is made",
+      [&](const Json &s) { return s["jobs"].empty() && window.logText().find("liver (liver): ") != std::string::npos; },
+      60.0);
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("made");
   const std::string log = window.logText();
   std::smatch numbers;
-  REQUIRE(std::regex_search(log, numbers, std::regex(R"(liver \(liver\): (\S+) ml of voxels; surface of (\d+) triangles around (\S+) ml, fill of (\S+) ml)")));
-  const double volume_ml = static_cast<double>(phantom.organ + phantom.cavity) * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0;
+  REQUIRE(std::regex_search(
+      log, numbers,
+      std::regex(
+          R"(liver \(liver\): (\S+) ml of voxels; surface of (\d+) triangles around (\S+) ml, fill of (\S+) ml)")));
+  const double volume_ml =
+      static_cast<double>(phantom.organ + phantom.cavity) * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0;
   // Printed with one decimal.
-  for (const std::size_t group : {1u, 3u, 4u}) CHECK_THAT(std::stod(numbers[group]), WithinAbs(volume_ml, 0.06 + 1e-4 * volume_ml));
+  for (const std::size_t group : {1u, 3u, 4u})
+    CHECK_THAT(std::stod(numbers[group]), WithinAbs(volume_ml, 0.06 + 1e-4 * volume_ml));
   CHECK(std::stoul(numbers[2]) > 500);
   CHECK(window.state()["notifications"].empty());
 }

@@ -69,8 +69,9 @@ constexpr Row kRows[] = {
 };
 
 /// In a name, these say that it is something in the organ or beside it.
-constexpr std::string_view kOthers[] = {"tumor", "tumour", "cancer",  "carcinoma", "lesion", "metastasis", "cyst",  "vessel",
-                                        "vein",  "artery", "duct",    "nerve",     "fluid",  "csf",        "cavity", "implant"};
+constexpr std::string_view kOthers[] = {"tumor", "tumour", "cancer", "carcinoma", "lesion", "metastasis",
+                                        "cyst",  "vessel", "vein",   "artery",    "duct",   "nerve",
+                                        "fluid", "csf",    "cavity", "implant"};
 
 /// In lower case, without digits and separators.
 std::vector<std::string> wordsOf(std::string_view text) {
@@ -91,7 +92,9 @@ bool has(const std::vector<std::string> &words, std::string_view wanted) {
   });
 }
 
-bool isOther(std::string_view word) { return std::find(std::begin(kOthers), std::end(kOthers), word) != std::end(kOthers); }
+bool isOther(std::string_view word) {
+  return std::find(std::begin(kOthers), std::end(kOthers), word) != std::end(kOthers);
+}
 
 }  // namespace
 

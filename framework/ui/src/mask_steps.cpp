@@ -32,8 +32,10 @@ Expected<imaging::Mask> componentAt(const imaging::Mask &mask, const Vec3 &world
   const auto &n = mask.geometry.size;
   const bool isInside = index && mask.voxels[(*index)[0] + n[0] * ((*index)[1] + n[1] * (*index)[2])] != 0;
   if (!isInside)
-    return fail(ErrorCode::usage, fmt::format("the click at LPS {:.1f}, {:.1f}, {:.1f} mm is outside of the mask; click on a coloured part",
-                                              world[0], world[1], world[2]));
+    return fail(
+        ErrorCode::usage,
+        fmt::format("the click at LPS {:.1f}, {:.1f}, {:.1f} mm is outside of the mask; click on a coloured part",
+                    world[0], world[1], world[2]));
   return imaging::connectedComponent(mask, *index, progress);
 }
 
@@ -41,13 +43,20 @@ Expected<imaging::Mask> componentAt(const imaging::Mask &mask, const Vec3 &world
 
 std::string MaskStep::text() const {
   switch (kind) {
-    case Kind::label: return "label " + std::to_string(label);
-    case Kind::threshold: return "threshold " + formatNumber(low) + " … " + formatNumber(high);
-    case Kind::component: return fmt::format("the part at {:.1f}, {:.1f}, {:.1f} mm", world[0], world[1], world[2]);
-    case Kind::largest: return "the largest part";
-    case Kind::fillHoles: return "holes filled";
-    case Kind::close: return "closed by " + formatNumber(radius_mm) + " mm";
-    case Kind::open: return "opened by " + formatNumber(radius_mm) + " mm";
+    case Kind::label:
+      return "label " + std::to_string(label);
+    case Kind::threshold:
+      return "threshold " + formatNumber(low) + " … " + formatNumber(high);
+    case Kind::component:
+      return fmt::format("the part at {:.1f}, {:.1f}, {:.1f} mm", world[0], world[1], world[2]);
+    case Kind::largest:
+      return "the largest part";
+    case Kind::fillHoles:
+      return "holes filled";
+    case Kind::close:
+      return "closed by " + formatNumber(radius_mm) + " mm";
+    case Kind::open:
+      return "opened by " + formatNumber(radius_mm) + " mm";
   }
   return {};
 }
@@ -60,16 +69,22 @@ Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sour
     return imaging::threshold(sources.image->volume, step.low, step.high, progress);
   }
   if (step.kind == Kind::label) {
-    if (!sources.labels) return fail(ErrorCode::usage, "there is no label map to take label " + std::to_string(step.label) + " from");
+    if (!sources.labels)
+      return fail(ErrorCode::usage, "there is no label map to take label " + std::to_string(step.label) + " from");
     return imaging::maskOf(sources.labels->map, step.label);
   }
   if (!before) return fail(ErrorCode::usage, "nothing is picked yet; choose a label or a threshold first");
   switch (step.kind) {
-    case Kind::component: return componentAt(*before, step.world, progress);
-    case Kind::largest: return imaging::largestComponent(*before, progress);
-    case Kind::fillHoles: return imaging::fillHoles(*before, progress);
-    case Kind::close: return imaging::closed(*before, step.radius_mm, progress);
-    default: return imaging::opened(*before, step.radius_mm, progress);
+    case Kind::component:
+      return componentAt(*before, step.world, progress);
+    case Kind::largest:
+      return imaging::largestComponent(*before, progress);
+    case Kind::fillHoles:
+      return imaging::fillHoles(*before, progress);
+    case Kind::close:
+      return imaging::closed(*before, step.radius_mm, progress);
+    default:
+      return imaging::opened(*before, step.radius_mm, progress);
   }
 }
 
@@ -93,10 +108,12 @@ MaskPreview previewOf(const imaging::Mask &mask, std::size_t mostVoxels) {
   imaging::VolumeGeometry &grid = preview.geometry;
   grid.size = {count(0), count(1), count(2)};
   // The first point of the preview is that of a voxel; the steps are longer.
-  const Vec3 origin = mask.geometry.worldAt({static_cast<double>(low[0]), static_cast<double>(low[1]), static_cast<double>(low[2])});
+  const Vec3 origin =
+      mask.geometry.worldAt({static_cast<double>(low[0]), static_cast<double>(low[1]), static_cast<double>(low[2])});
   for (std::size_t column = 0; column < 3; ++column)
     for (std::size_t r = 0; r < 3; ++r)
-      grid.indexToWorld[4 * column + r] = static_cast<double>(preview.stride) * mask.geometry.indexToWorld[4 * column + r];
+      grid.indexToWorld[4 * column + r] =
+          static_cast<double>(preview.stride) * mask.geometry.indexToWorld[4 * column + r];
   for (std::size_t r = 0; r < 3; ++r) grid.indexToWorld[12 + r] = origin[r];
   preview.voxels.reserve(grid.voxelCount());
   for (std::size_t k = 0; k < grid.size[2]; ++k)
@@ -115,7 +132,8 @@ PackedMask::PackedMask(const imaging::Mask &mask) : geometry_(mask.geometry), bi
 
 imaging::Mask PackedMask::mask() const {
   imaging::Mask mask{geometry_, std::vector<std::uint8_t>(geometry_.voxelCount())};
-  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] = static_cast<std::uint8_t>(bits_[v >> 3] >> (v & 7u) & 1u);
+  for (std::size_t v = 0; v < mask.voxels.size(); ++v)
+    mask.voxels[v] = static_cast<std::uint8_t>(bits_[v >> 3] >> (v & 7u) & 1u);
   return mask;
 }
 

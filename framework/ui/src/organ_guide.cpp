@@ -19,7 +19,13 @@ constexpr render::Colour kThresholdColour{1.0f, 0.70f, 0.15f, 1.0f};
 
 std::string modulusText(double pascal) {
   const bool isGiga = pascal >= 1e9, isMega = pascal >= 1e6;
-  return fmt::format("{:.4g} {}", pascal / (isGiga ? 1e9 : isMega ? 1e6 : 1e3), isGiga ? "GPa" : isMega ? "MPa" : "kPa");
+  return fmt::format("{:.4g} {}",
+                     pascal / (isGiga   ? 1e9
+                               : isMega ? 1e6
+                                        : 1e3),
+                     isGiga   ? "GPa"
+                     : isMega ? "MPa"
+                              : "kPa");
 }
 
 /// ml of each label.
@@ -44,7 +50,8 @@ std::string stiffnessText(double value, double low, double high) {
   return modulusText(value) + " (" + modulusText(low) + " … " + modulusText(high) + ")";
 }
 
-OrganGuide::OrganGuide(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials, Events events)
+OrganGuide::OrganGuide(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials,
+                       Events events)
     : jobs_(jobs),
       jobOwner_(std::move(jobOwner)),
       materials_(materials),
@@ -127,7 +134,10 @@ void OrganGuide::chooseLabelAt(const Vec3 &world) {
   const auto &labels = mask_.sources().labels;
   if (!labels) return;
   if (const std::uint16_t value = labels->at(world); value != 0) return chooseLabel(value);
-  clickProblem_ = fmt::format("the click at LPS {:.1f}, {:.1f}, {:.1f} mm is on no label; the line below each view names what is under the mouse", world[0], world[1], world[2]);
+  clickProblem_ = fmt::format(
+      "the click at LPS {:.1f}, {:.1f}, {:.1f} mm is on no label; the line below each view names what is under the "
+      "mouse",
+      world[0], world[1], world[2]);
 }
 
 void OrganGuide::setLow(double low) {
@@ -199,8 +209,8 @@ std::string OrganGuide::maskProblem() const {
   const bool isThreshold = !steps.empty() && steps.back().kind == MaskStep::Kind::threshold;
   if (!isThreshold) return "the mask is empty: nothing is left after the last step; Undo goes back";
   const std::string &unit = mask_.sources().image->volume.unit;
-  return "the mask is empty: no voxel has a value from " + formatNumber(steps.back().low) + " to " + formatNumber(steps.back().high) +
-         (unit.empty() ? "" : " " + unit) + "; widen the limits";
+  return "the mask is empty: no voxel has a value from " + formatNumber(steps.back().low) + " to " +
+         formatNumber(steps.back().high) + (unit.empty() ? "" : " " + unit) + "; widen the limits";
 }
 
 void OrganGuide::preselectMaterial() {

@@ -70,7 +70,8 @@ void OrganMask::submit(const std::string &title, std::function<Expected<imaging:
         auto made = make(progress);
         if (!made) return tl::unexpected(made.error());
         const auto mask = std::make_shared<const imaging::Mask>(std::move(*made));
-        result->shown = {mask, std::make_shared<const MaskPreview>(previewOf(*mask, kMostPreviewVoxels)), imaging::voxelCount(*mask)};
+        result->shown = {mask, std::make_shared<const MaskPreview>(previewOf(*mask, kMostPreviewVoxels)),
+                         imaging::voxelCount(*mask)};
         if (!result->packed) result->packed = std::make_shared<const PackedMask>(*mask);
         return {};
       },
@@ -79,7 +80,8 @@ void OrganMask::submit(const std::string &title, std::function<Expected<imaging:
         job_ = {};
         if (!done) {
           waiting_.clear();
-          problem_ = done.error().code == ErrorCode::cancelled ? "cancelled; the mask is as it was" : done.error().message;
+          problem_ =
+              done.error().code == ErrorCode::cancelled ? "cancelled; the mask is as it was" : done.error().message;
         } else {
           shown_ = result->shown;
           take(*result);
@@ -100,7 +102,8 @@ void OrganMask::startNext() {
       },
       nullptr,
       [this, step = running_](const Result &result) {
-        const bool joins = step.kind == MaskStep::Kind::threshold && !states_.empty() && states_.back().step.kind == step.kind;
+        const bool joins =
+            step.kind == MaskStep::Kind::threshold && !states_.empty() && states_.back().step.kind == step.kind;
         if (joins) states_.pop_back();
         states_.push_back({step, result.packed});
         if (states_.size() <= kMostSteps) return;
@@ -118,8 +121,9 @@ void OrganMask::undo() {
   } else {
     const auto packed = states_[states_.size() - 2].mask;
     running_ = states_[states_.size() - 2].step;
-    submit("Organ: undo", [packed](const ProgressFn &) -> Expected<imaging::Mask> { return packed->mask(); }, packed,
-           [this](const Result &) { states_.pop_back(); });
+    submit(
+        "Organ: undo", [packed](const ProgressFn &) -> Expected<imaging::Mask> { return packed->mask(); }, packed,
+        [this](const Result &) { states_.pop_back(); });
   }
   changed_();
 }

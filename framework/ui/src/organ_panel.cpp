@@ -18,7 +18,8 @@ constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0;
 bool inputText(const c3de_ui_v0 &ui, const char *id, const char *label, std::string &value) {
   std::array<char, 128> buffer{};
   std::copy_n(value.begin(), std::min(value.size(), buffer.size() - 1), buffer.begin());
-  const bool isChanged = (ui.input_text(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)), buffer.data(), buffer.size()) &
+  const bool isChanged = (ui.input_text(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)),
+                                        buffer.data(), buffer.size()) &
                           C3DE_UI_CHANGED) != 0;
   if (isChanged) value = buffer.data();
   return isChanged;
@@ -33,7 +34,8 @@ void swatch(const c3de_ui_v0 &ui, const render::Colour &colour) {
 
 }  // namespace
 
-OrganPanel::OrganPanel(PanelRegistry &panels, ImageViews &views, OrganGuide &guide) : panels_(panels), views_(views), guide_(guide) {
+OrganPanel::OrganPanel(PanelRegistry &panels, ImageViews &views, OrganGuide &guide)
+    : panels_(panels), views_(views), guide_(guide) {
   Panel panel;
   panel.owner = "c3de";
   panel.id = "organ";
@@ -92,8 +94,8 @@ void OrganPanel::drawSource(const c3de_ui_v0 &ui) {
 
 void OrganPanel::drawLabels(const c3de_ui_v0 &ui) {
   const std::vector<OrganGuide::LabelRow> rows = guide_.labels();
-  clickButton(ui, "label_click", "Take the label I click", "The next click in a slice: the label that is there. Esc: no click",
-              &OrganGuide::chooseLabelAt);
+  clickButton(ui, "label_click", "Take the label I click",
+              "The next click in a slice: the label that is there. Esc: no click", &OrganGuide::chooseLabelAt);
   const auto textOf = [](const OrganGuide::LabelRow &row) {
     return row.name + "   " + (row.volume_ml ? fmt::format("{:.1f} ml", *row.volume_ml) : std::string("… ml"));
   };
@@ -110,7 +112,8 @@ void OrganPanel::drawLabels(const c3de_ui_v0 &ui) {
   for (const OrganGuide::LabelRow &row : rows) {
     swatch(ui, row.colour);
     bool isChosen = row.isChosen;
-    if (checkbox(ui, "label." + std::to_string(row.value), textOf(row), isChosen, "") && isChosen) guide_.chooseLabel(row.value);
+    if (checkbox(ui, "label." + std::to_string(row.value), textOf(row), isChosen, "") && isChosen)
+      guide_.chooseLabel(row.value);
   }
 }
 
@@ -118,10 +121,13 @@ void OrganPanel::drawThreshold(const c3de_ui_v0 &ui) {
   const scene::StoredImage &image = *guide_.mask().sources().image;
   double low = guide_.settings().low, high = guide_.settings().high;
   const double least = std::min({image.range.min, low}), most = std::max({image.range.max, high});
-  if (slider(ui, "low", "From", image.volume.unit, low, least, most, "The lowest value that belongs to the organ")) guide_.setLow(low);
-  if (slider(ui, "high", "To", image.volume.unit, high, least, most, "The highest value that belongs to the organ")) guide_.setHigh(high);
-  const std::vector<MaskStep> steps = guide_.mask().steps();
-  const bool isShown = std::any_of(steps.begin(), steps.end(), [](const MaskStep &s) { return s.kind == MaskStep::Kind::threshold; });
+  if (slider(ui, "low", "From", image.volume.unit, low, least, most, "The lowest value that belongs to the organ"))
+    guide_.setLow(low);
+  if (slider(ui, "high", "To", image.volume.unit, high, least, most, "The highest value that belongs to the organ"))
+    guide_.setHigh(high);
+  bool isShown = false;
+  for (const MaskStep &step : guide_.mask().steps())
+    if (step.startsAnew()) isShown = step.kind == MaskStep::Kind::threshold;
   if (!isShown && button(ui, "threshold", "Show what lies between")) guide_.showThreshold();
 }
 
@@ -129,27 +135,32 @@ void OrganPanel::drawSteps(const c3de_ui_v0 &ui) {
   using Kind = MaskStep::Kind;
   const OrganMask &mask = guide_.mask();
   const bool hasMask = mask.mask() != nullptr;
-  std::string volume = hasMask ? fmt::format("{:.1f} ml, {} voxels", mask.volume_ml(), mask.voxels()) : std::string("nothing yet");
+  std::string volume =
+      hasMask ? fmt::format("{:.1f} ml, {} voxels", mask.volume_ml(), mask.voxels()) : std::string("nothing yet");
   if (mask.isBusy()) volume += " …";
   row(ui, "Picked", volume);
   if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
   if (!hasMask) return;
   swatch(ui, guide_.colour());
   ImageOptions options = views_.options();
-  if (checkbox(ui, "overlay", "Show it over the slices", options.showsPreview, "Instead of the label map")) views_.setOptions(options);
-  if (mask.preview() && mask.preview()->stride > 1) row(ui, "Overlay", fmt::format("every {}. voxel", mask.preview()->stride));
+  if (checkbox(ui, "overlay", "Show it over the slices", options.showsPreview, "Instead of the label map"))
+    views_.setOptions(options);
+  if (mask.preview() && mask.preview()->stride > 1)
+    row(ui, "Overlay", fmt::format("every {}. voxel", mask.preview()->stride));
   const std::vector<MaskStep> steps = mask.steps();
   std::string done;
   for (const MaskStep &step : steps) done = step.startsAnew() ? step.text() : done + ", " + step.text();
   if (!done.empty()) row(ui, "Steps", done);
 
-  clickButton(ui, "component", "Keep only the part I click", "The next click in a slice: what hangs together with that voxel stays. Esc: no click",
+  clickButton(ui, "component", "Keep only the part I click",
+              "The next click in a slice: what hangs together with that voxel stays. Esc: no click",
               &OrganGuide::keepComponentAt);
   if (button(ui, "largest", "Keep the largest part")) guide_.carryOut(Kind::largest);
   sameLine(ui);
   if (button(ui, "fill_holes", "Fill holes")) guide_.carryOut(Kind::fillHoles);
   double radius = guide_.settings().radius_mm;
-  if (slider(ui, "radius", "Radius", "mm", radius, kSmallestRadius_mm, kLargestRadius_mm, "Of closing and opening")) guide_.setRadius(radius);
+  if (slider(ui, "radius", "Radius", "mm", radius, kSmallestRadius_mm, kLargestRadius_mm, "Of closing and opening"))
+    guide_.setRadius(radius);
   if (button(ui, "close", "Close gaps")) guide_.carryOut(Kind::close);
   tooltip(ui, "Closing: gaps and bays narrower than twice the radius are filled");
   sameLine(ui);
@@ -173,7 +184,8 @@ void OrganPanel::drawMaterial(const c3de_ui_v0 &ui) {
   const scene::MaterialPreset *preset = guide_.material();
   if (!preset) return;
   row(ui, "Young's modulus", stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
-  row(ui, "Poisson's ratio", fmt::format("{:.4g} ({:.4g} … {:.4g})", preset->poissonRatio, preset->poissonRatioMin, preset->poissonRatioMax));
+  row(ui, "Poisson's ratio",
+      fmt::format("{:.4g} ({:.4g} … {:.4g})", preset->poissonRatio, preset->poissonRatioMin, preset->poissonRatioMax));
   row(ui, "Density", fmt::format("{:.4g} kg/m³", preset->density));
   row(ui, "Measured", preset->evidence);
   row(ui, "Source", preset->source);
@@ -182,8 +194,10 @@ void OrganPanel::drawMaterial(const c3de_ui_v0 &ui) {
 
 void OrganPanel::drawSampling(const c3de_ui_v0 &ui) {
   OrganSettings s = guide_.settings();
-  slider(ui, "phyxels", "Phyxels", "", s.phyxels, kFewestPhyxels, kMostPhyxels, "About so many; more are more exact and slower");
-  checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic, "A twentieth of the cube root of the volume");
+  slider(ui, "phyxels", "Phyxels", "", s.phyxels, kFewestPhyxels, kMostPhyxels,
+         "About so many; more are more exact and slower");
+  checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic,
+           "A twentieth of the cube root of the volume");
   if (!s.isEdgeAutomatic) slider(ui, "edge", "Edge length", "mm", s.edge_mm, kShortestEdge_mm, kLongestEdge_mm, "");
   std::uint32_t held = s.holdsLowestPart ? 1 : 0;
   choice(ui, "held", "Held", held, {"nothing", "the lowest part"});

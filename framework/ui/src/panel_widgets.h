@@ -10,7 +10,8 @@
 
 namespace c3de::ui {
 
-inline bool checkbox(const c3de_ui_v0 &ui, const std::string &id, const std::string &label, bool &value, const char *tooltip) {
+inline bool checkbox(const c3de_ui_v0 &ui, const std::string &id, const std::string &label, bool &value,
+                     const char *tooltip) {
   std::uint32_t on = value ? 1 : 0;
   const bool isChanged = (ui.checkbox(ui.ctx, toAbi(id), toAbi(label), &on) & C3DE_UI_CHANGED) != 0;
   if (*tooltip) ui.tooltip(ui.ctx, toAbi(std::string_view(tooltip)));
@@ -18,18 +19,21 @@ inline bool checkbox(const c3de_ui_v0 &ui, const std::string &id, const std::str
   return isChanged;
 }
 
-inline bool slider(const c3de_ui_v0 &ui, const char *id, const char *label, const std::string &unit, double &value, double low, double high,
-            const char *tooltip) {
-  const bool isChanged = (ui.slider(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)), toAbi(unit), &value, low, high) &
-                          C3DE_UI_CHANGED) != 0;
+inline bool slider(const c3de_ui_v0 &ui, const char *id, const char *label, const std::string &unit, double &value,
+                   double low, double high, const char *tooltip) {
+  const bool isChanged =
+      (ui.slider(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)), toAbi(unit), &value, low, high) &
+       C3DE_UI_CHANGED) != 0;
   if (*tooltip) ui.tooltip(ui.ctx, toAbi(std::string_view(tooltip)));
   return isChanged;
 }
 
-inline bool choice(const c3de_ui_v0 &ui, const char *id, const char *label, std::uint32_t &index, const std::vector<std::string> &names) {
+inline bool choice(const c3de_ui_v0 &ui, const char *id, const char *label, std::uint32_t &index,
+                   const std::vector<std::string> &names) {
   std::vector<c3de_str> texts;
   for (const std::string &name : names) texts.push_back(toAbi(name));
-  return (ui.choice(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)), &index, texts.data(), texts.size()) &
+  return (ui.choice(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)), &index, texts.data(),
+                    texts.size()) &
           C3DE_UI_CHANGED) != 0;
 }
 

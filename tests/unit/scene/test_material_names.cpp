@@ -26,12 +26,25 @@ std::string presetOf(const MaterialLibrary &materials, const char *organ) {
 
 TEST_CASE("Organs of label maps get the preset of their tissue", "[material_names]") {
   const MaterialLibrary materials = shipped();
-  for (const auto &[organ, preset] : std::initializer_list<std::pair<const char *, const char *>>{
-           {"liver", "liver"}, {"Liver", "liver"}, {"kidney_left", "kidney_cortex"}, {"Right Kidney", "kidney_cortex"}, {"kidneys", "kidney_cortex"},
-           {"spleen", "spleen"}, {"brain", "brain_grey"}, {"brain white matter", "brain_white"}, {"brain_white", "brain_white"},
-           {"lung_upper_lobe_left", "lung_inflated"}, {"vertebrae_L1", "bone_cortical"}, {"rib_left_7", "bone_cortical"},
-           {"gallbladder", "gallbladder"}, {"liver_tumour", "liver_hcc"}, {"hepatic artery", "hepatic_artery"}, {"gluteus_maximus_left", "muscle_skeletal_rest"},
-           {"heart_atrium_left", "heart_passive"}, {"common bile duct", "bile_duct"}}) {
+  for (const auto &[organ, preset] :
+       std::initializer_list<std::pair<const char *, const char *>>{{"liver", "liver"},
+                                                                    {"Liver", "liver"},
+                                                                    {"kidney_left", "kidney_cortex"},
+                                                                    {"Right Kidney", "kidney_cortex"},
+                                                                    {"kidneys", "kidney_cortex"},
+                                                                    {"spleen", "spleen"},
+                                                                    {"brain", "brain_grey"},
+                                                                    {"brain white matter", "brain_white"},
+                                                                    {"brain_white", "brain_white"},
+                                                                    {"lung_upper_lobe_left", "lung_inflated"},
+                                                                    {"vertebrae_L1", "bone_cortical"},
+                                                                    {"rib_left_7", "bone_cortical"},
+                                                                    {"gallbladder", "gallbladder"},
+                                                                    {"liver_tumour", "liver_hcc"},
+                                                                    {"hepatic artery", "hepatic_artery"},
+                                                                    {"gluteus_maximus_left", "muscle_skeletal_rest"},
+                                                                    {"heart_atrium_left", "heart_passive"},
+                                                                    {"common bile duct", "bile_duct"}}) {
     CAPTURE(organ);
     CHECK(presetOf(materials, organ) == preset);
   }
@@ -39,7 +52,8 @@ TEST_CASE("Organs of label maps get the preset of their tissue", "[material_name
 
 TEST_CASE("What is no organ of its own does not get the organ's tissue", "[material_names]") {
   const MaterialLibrary materials = shipped();
-  for (const char *organ : {"kidney_cyst_left", "liver vessels", "pulmonary_vein", "spleen lesion", "urinary_bladder", "label 7", "", "ship", "aorta"}) {
+  for (const char *organ : {"kidney_cyst_left", "liver vessels", "pulmonary_vein", "spleen lesion", "urinary_bladder",
+                            "label 7", "", "ship", "aorta"}) {
     CAPTURE(organ);
     CHECK(presetForOrgan(materials, organ) == nullptr);
   }

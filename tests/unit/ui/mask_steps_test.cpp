@@ -90,7 +90,8 @@ TEST_CASE("A preview that would be too large shows every second voxel", "[mask_s
   REQUIRE(preview.voxels.size() == 20);
   for (std::size_t i = 0; i < 5; ++i) {
     CHECK(preview.voxels[i] == mask.voxels[1 + 2 * i + 12 * (3 + 10 * 2)]);
-    CHECK(norm(preview.geometry.worldAt({static_cast<double>(i), 1, 1}) - mask.geometry.worldAt({1.0 + 2.0 * static_cast<double>(i), 5, 4})) < 1e-12);
+    CHECK(norm(preview.geometry.worldAt({static_cast<double>(i), 1, 1}) -
+               mask.geometry.worldAt({1.0 + 2.0 * static_cast<double>(i), 5, 4})) < 1e-12);
   }
 }
 

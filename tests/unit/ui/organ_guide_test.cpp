@@ -18,8 +18,8 @@ namespace {
 
 using Kind = MaskStep::Kind;
 
-/// 20 x 20 x 20 voxels of 5 mm (an eighth of a millilitre). A box of value 100 with a hole of one voxel, and another one
-/// apart; a label map with both.
+/// 20 x 20 x 20 voxels of 5 mm (an eighth of a millilitre). A box of value 100 with a hole of one voxel, and another
+/// one apart; a label map with both.
 struct Fixture {
   MainQueue queue;
   BackgroundJobs jobs{queue};
@@ -30,7 +30,8 @@ struct Fixture {
   }();
   std::vector<OrganRequest> made;
   int changes = 0;
-  OrganGuide guide{jobs, "test", materials, {[this] { ++changes; }, [this](OrganRequest r) { made.push_back(std::move(r)); }}};
+  OrganGuide guide{
+      jobs, "test", materials, {[this] { ++changes; }, [this](OrganRequest r) { made.push_back(std::move(r)); }}};
   MaskSources sources;
 
   static constexpr std::size_t kLarge = 6 * 6 * 6 - 1, kSmall = 4 * 4 * 4;
@@ -269,11 +270,13 @@ TEST_CASE("The panel leads from labels to the button", "[organ]") {
   };
   f.guide.setSources(f.sources);
   f.settle();
-  CHECK_THAT(draw(), Contains("[#ff0000]  [ ] kidney_left   27.0 ml (label.3)") && Contains("Picked: nothing yet") && !Contains("Make it alive"));
+  CHECK_THAT(draw(), Contains("[#ff0000]  [ ] kidney_left   27.0 ml (label.3)") && Contains("Picked: nothing yet") &&
+                         !Contains("Make it alive"));
   text.check("label.3", true);
   draw();
-  CHECK_THAT(draw(), Contains("[x] kidney_left") && Contains("Picked: 27.0 ml, 216 voxels") && Contains("Material = kidney_cortex") &&
-                         Contains("Young's modulus: 5 kPa (2 kPa … 15 kPa)") && Contains("Source: PMID 21862792"));
+  CHECK_THAT(draw(), Contains("[x] kidney_left") && Contains("Picked: 27.0 ml, 216 voxels") &&
+                         Contains("Material = kidney_cortex") && Contains("Young's modulus: 5 kPa (2 kPa … 15 kPa)") &&
+                         Contains("Source: PMID 21862792"));
   text.setText("source", "values between");
   draw();
   text.setNumber("low", 60.0);

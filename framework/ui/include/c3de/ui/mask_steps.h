@@ -22,10 +22,10 @@ struct MaskSources {
 struct MaskStep {
   enum class Kind { label, threshold, component, largest, fillHoles, close, open };
   Kind kind = Kind::threshold;
-  std::uint16_t label = 0;         ///< label: its value
-  double low = 0.0, high = 0.0;    ///< threshold: values of the image
-  Vec3 world{};                    ///< component: a point of it, LPS mm
-  double radius_mm = 0.0;          ///< close, open
+  std::uint16_t label = 0;       ///< label: its value
+  double low = 0.0, high = 0.0;  ///< threshold: values of the image
+  Vec3 world{};                  ///< component: a point of it, LPS mm
+  double radius_mm = 0.0;        ///< close, open
 
   /// What was picked before does not matter to it.
   [[nodiscard]] bool startsAnew() const { return kind == Kind::label || kind == Kind::threshold; }
@@ -35,10 +35,10 @@ struct MaskStep {
 
 /// The mask after a step, on the grid of the label map or the image. Any thread.
 /// @param before  null: nothing was picked yet
-/// Errors (ErrorCode::usage) are sentences for the panel: nothing picked yet, a point outside of the mask, what the mask
-/// functions refuse; cancelled.
-[[nodiscard]] Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sources, const imaging::Mask *before,
-                                                 const ProgressFn &progress = {});
+/// Errors (ErrorCode::usage) are sentences for the panel: nothing picked yet, a point outside of the mask, what the
+/// mask functions refuse; cancelled.
+[[nodiscard]] Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sources,
+                                                 const imaging::Mask *before, const ProgressFn &progress = {});
 
 /// A mask as a label map to be laid over slices: 1 inside, cut to the box of what is inside.
 struct MaskPreview {

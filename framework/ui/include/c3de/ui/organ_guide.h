@@ -25,22 +25,23 @@ struct OrganRequest {
 
 /// What a person chooses beside the mask.
 struct OrganSettings {
-  bool isFromLabel = false;           ///< the mask is picked from a label, else by a threshold
-  double low = 0.0, high = 0.0;       ///< threshold, values of the image
-  double radius_mm = 3.0;             ///< of closing and opening
+  bool isFromLabel = false;      ///< the mask is picked from a label, else by a threshold
+  double low = 0.0, high = 0.0;  ///< threshold, values of the image
+  double radius_mm = 3.0;        ///< of closing and opening
   std::string name = "organ";
-  std::string material;               ///< name of a preset; empty: none fits, to be chosen
+  std::string material;  ///< name of a preset; empty: none fits, to be chosen
   double phyxels = 1000.0;
   bool isEdgeAutomatic = true;
-  double edge_mm = 4.0;               ///< when it is not automatic
+  double edge_mm = 4.0;  ///< when it is not automatic
   bool holdsLowestPart = false;
 };
 
-/// The path from an image to a living organ: pick, material, sampling, go. No drawing. Main thread; lifetime as OrganMask.
+/// The path from an image to a living organ: pick, material, sampling, go. No drawing. Main thread; lifetime as
+/// OrganMask.
 class OrganGuide {
  public:
   struct Events {
-    std::function<void()> maskChanged;         ///< or what is known of it
+    std::function<void()> maskChanged;  ///< or what is known of it
     std::function<void(OrganRequest)> make;
   };
   /// @param materials  must outlive the guide

@@ -17,7 +17,8 @@ class BackgroundJobs;
 namespace c3de::ui {
 
 /// The mask a person is picking: steps are carried out in background jobs, one after the other, and can be undone. A
-/// threshold that waits gives way to a later one, so that a slider shows what it says by the latest settings. Main thread.
+/// threshold that waits gives way to a later one, so that a slider shows what it says by the latest settings. Main
+/// thread.
 ///
 /// The jobs may end first: the destructor does not touch them. To let go of a job that runs, setSources({}).
 class OrganMask {
