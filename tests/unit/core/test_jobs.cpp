@@ -107,3 +107,25 @@ TEST_CASE("a function may be posted from any thread and runs once, waking the wi
   queue.runFrame();
   CHECK(ran == 1);
 }
+
+TEST_CASE("A job that is asked for while the jobs end is not started") {
+  c3de::MainQueue queue;
+  std::atomic<bool> hasRun{false};
+  c3de::Handle second{1, 1};
+  {
+    c3de::BackgroundJobs jobs(queue);
+    jobs.submit(
+        "test", "first", [](const c3de::ProgressFn &) -> c3de::Expected<void> { return {}; },
+        [&](const c3de::Expected<void> &) {
+          second = jobs.submit(
+              "test", "second",
+              [&](const c3de::ProgressFn &) -> c3de::Expected<void> {
+                hasRun = true;
+                return {};
+              },
+              {});
+        });
+  }
+  CHECK(second.isNull());
+  CHECK_FALSE(hasRun);
+}
