@@ -93,6 +93,7 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
     for (const scene::SceneBody &body : scene->bodies) names.push_back(body.name);
     if (const auto writable = checkSurfaceExport(options.exportSurface, names); !writable) return tl::unexpected(writable.error());
   }
+  if (const auto good = checkImageExport(options.exportImage, *scene); !good) return tl::unexpected(good.error());
   auto created = session.createSimulator();
   if (!created) return tl::unexpected(created.error());
   const ObjectRef simulator(*created);
@@ -126,6 +127,8 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
     if (!states) return tl::unexpected(states.error());
     if (const auto written = writeSurfaces(options.exportSurface, *states); !written) return tl::unexpected(written.error());
   }
+  if (const auto written = exportImages(options.exportImage, *scene, *table, simulator.get(), session.pool()); !written)
+    return tl::unexpected(written.error());
   if (renderer != nullptr) {
     if (const auto adopted = session.adopt(simulator.get(), scene->title); !adopted) return tl::unexpected(adopted.error());
     const auto drawn = writeScreenshot(session, *renderer, options.screenshot, options.width, options.height);

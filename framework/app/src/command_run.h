@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "export_image.h"
 #include "session.h"
 
 namespace c3de::app {
@@ -26,6 +27,7 @@ struct RunOptions {
   std::uint64_t probesEvery = 1;                     ///< steps
   std::filesystem::path exportList, exportSurface;   ///< empty: not wanted
   double exportEvery_s = kDefaultExportEvery_s;
+  ImageExport exportImage;
   int width = 1280, height = 720;
   std::optional<std::uint64_t> seed;
   bool quiet = false;

@@ -18,17 +18,17 @@ constexpr double kRoom = 0.15;
 
 }  // namespace
 
-imaging::VolumeGeometry gridAround(const scene::Simulation &simulation, double rim_mm) {
+imaging::VolumeGeometry gridAround(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec3 low{kInfinity, kInfinity, kInfinity}, high = -1.0 * low;
   double spacing_mm = kInfinity;
   c3de_handle body{};
-  for (std::uint64_t i = 0; simulation.table()->body_at(simulation.object(), i, &body) >= 0 && body.v != 0; ++i) {
+  for (std::uint64_t i = 0; table->body_at(simulator, i, &body) >= 0 && body.v != 0; ++i) {
     c3de_sim_body_info info{};
     info.size = sizeof info;
-    if (simulation.table()->body_info(simulation.object(), body, &info) < 0) continue;
+    if (table->body_info(simulator, body, &info) < 0) continue;
     spacing_mm = std::min(spacing_mm, info.spacing_m * scene::kMillimetresPerMetre);
-    for (const Vec3 &x : surfelPositions(simulation.object(), body))
+    for (const Vec3 &x : surfelPositions(simulator, body))
       for (std::size_t a = 0; a < 3; ++a) {
         low[a] = std::min(low[a], x[a] * scene::kMillimetresPerMetre);
         high[a] = std::max(high[a], x[a] * scene::kMillimetresPerMetre);
@@ -53,12 +53,12 @@ imaging::VolumeGeometry gridAround(const scene::Simulation &simulation, double r
   return grid;
 }
 
-bool readDisplacement(const scene::Simulation &simulation, double rim_mm, imaging::DisplacementGrid &grid) {
-  const c3de_simulator_v0 *table = simulation.table();
+bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm,
+                      imaging::DisplacementGrid &grid) {
   if (!servesFills(table) || grid.geometry.voxelCount() == 0) return false;
   grid.xyz_mm.resize(3 * grid.geometry.voxelCount());
   const c3de_sim_grid asked = toAbi(grid.geometry);
-  if (table->displacement(simulation.object(), &asked, rim_mm / scene::kMillimetresPerMetre, grid.xyz_mm.data()) < 0)
+  if (table->displacement(simulator, &asked, rim_mm / scene::kMillimetresPerMetre, grid.xyz_mm.data()) < 0)
     return false;
   for (float &u : grid.xyz_mm) u *= static_cast<float>(scene::kMillimetresPerMetre);
   return true;
@@ -81,13 +81,13 @@ void LiveWarp::whenPublished(const scene::Simulation &simulation) {
   const double rim = rim_mm_;
   const std::uint64_t serial = serial_;
   if (gridSerial_ != serial || gridRim_mm_ != rim) {
-    grid_ = gridAround(simulation, rim);
+    grid_ = gridAround(simulation.table(), simulation.object(), rim);
     gridSerial_ = serial;
     gridRim_mm_ = rim;
   }
   auto grid = std::make_shared<imaging::DisplacementGrid>();
   grid->geometry = grid_;
-  if (!readDisplacement(simulation, rim, *grid)) return;
+  if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return;
   milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
   const std::lock_guard lock(mutex_);
   if (serial == serial_) newest_ = std::move(grid);

@@ -42,8 +42,9 @@ class LiveWarp {
 
 /// Around all bodies as they are now, with the rim and room to move; its step is half the finest spacing of a body, longer
 /// where that would be more than 96 points along an axis. Empty (size 0): there are none. [sim]
-[[nodiscard]] imaging::VolumeGeometry gridAround(const scene::Simulation &simulation, double rim_mm);
+[[nodiscard]] imaging::VolumeGeometry gridAround(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm);
 /// False where the simulator cannot say, or fails. [sim]
-[[nodiscard]] bool readDisplacement(const scene::Simulation &simulation, double rim_mm, imaging::DisplacementGrid &grid);
+[[nodiscard]] bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm,
+                                    imaging::DisplacementGrid &grid);
 
 }  // namespace c3de::app

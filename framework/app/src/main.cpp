@@ -26,7 +26,7 @@ struct Arguments {
   SessionOptions session;
   std::vector<std::string> plugins, pluginPaths, files;
   bool noPlugins = false, json = false, version = false, play = false, quiet = false, verbose = false, patientNames = false;
-  std::string unit, size, automationState, scene, exportList, exportSurface;
+  std::string unit, size, automationState, scene, exportList, exportSurface, exportImage, exportDisplacement;
   double until_s = -1.0, timeLimit_s = -1.0;
   double exportEvery_s = kDefaultExportEvery_s;
   long long steps = -1, threads = 0, seed = -1, probesEvery = 1;
@@ -130,6 +130,7 @@ int run(const Arguments &arguments) {
   options.exportList = arguments.exportList;
   options.exportEvery_s = arguments.exportEvery_s;
   options.exportSurface = arguments.exportSurface;
+  options.exportImage = {arguments.exportImage, arguments.exportDisplacement};
   options.quiet = arguments.quiet;
   if (!arguments.size.empty()) {
     if (arguments.screenshot.empty()) return reportError({ErrorCode::usage, "--size is for --screenshot"});
@@ -176,6 +177,10 @@ int dispatch(int argc, char **argv) {
                                 ->type_name("FILE.pvd");
   runCommand->add_option("--export-every", arguments.exportEvery_s, "Simulated time between two frames of --export")
       ->check(CLI::Range(1e-9, 1e9))->type_name("SECONDS")->capture_default_str()->needs(exportList);
+  runCommand->add_option("--export-image", arguments.exportImage, "Write the scene's image as the tissue lies at the end (nrrd, nii, nii.gz, mha)")
+      ->type_name("FILE");
+  runCommand->add_option("--export-displacement", arguments.exportDisplacement, "Write how far the tissue has come, mm at the voxels of the image")
+      ->type_name("FILE");
   runCommand->add_option("--export-surface", arguments.exportSurface, "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each")
       ->type_name("FILE");
   runCommand->add_option("--seed", arguments.seed, "Kept in the report; nothing in this version is random")

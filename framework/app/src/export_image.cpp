@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "export_image.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+
+#include "c3de/core/text.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/imaging/warp.h"
+#include "c3de/imaging/writing.h"
+#include "live_warp.h"
+#include "output_file.h"
+
+namespace c3de::app {
+namespace {
+
+Expected<void> checkFile(const char *option, const std::filesystem::path &file) {
+  std::string name = file.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto endsWith = [&](std::string_view end) {
+    return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+  };
+  if (!endsWith(".nrrd") && !endsWith(".nii") && !endsWith(".nii.gz") && !endsWith(".mha"))
+    return fail(ErrorCode::usage, std::string(option) + " " + file.string() + ": accepted: .nrrd, .nii, .nii.gz, .mha");
+  return checkWritable(file);
+}
+
+}  // namespace
+
+Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene) {
+  if (!wanted.isWanted()) return {};
+  if (!scene.image)
+    return fail(ErrorCode::usage, "--export-image and --export-displacement need a scene with an [image], whose grid they take; " +
+                                      scene.where(1) + " has none");
+  if (!wanted.image.empty())
+    if (auto good = checkFile("--export-image", wanted.image); !good) return good;
+  if (!wanted.displacement.empty())
+    if (auto good = checkFile("--export-displacement", wanted.displacement); !good) return good;
+  return {};
+}
+
+Expected<void> exportImages(const ImageExport &wanted, const scene::SceneFile &scene, const c3de_simulator_v0 *table,
+                            c3de_object *simulator, ThreadPool &threads) {
+  if (!wanted.isWanted()) return {};
+  const auto loaded = imaging::readVolume(scene.image->file);
+  if (!loaded) return fail(loaded.error().code, scene.where(scene.image->line) + ": " + loaded.error().message);
+  imaging::DisplacementGrid u;
+  u.geometry = gridAround(table, simulator, scene.image->rim_mm);
+  if (!readDisplacement(table, simulator, scene.image->rim_mm, u))
+    return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
+  if (!wanted.image.empty()) {
+    const auto warped = imaging::warped(loaded->volume, u, {}, &threads);
+    if (!warped) return tl::unexpected(warped.error());
+    if (auto written = imaging::writeVolume(wanted.image, *warped); !written) return written;
+  }
+  if (wanted.displacement.empty()) return {};
+  const auto field = imaging::resampled(u, loaded->volume.geometry, {}, &threads);
+  if (!field) return tl::unexpected(field.error());
+  return imaging::writeVectorField(wanted.displacement, field->geometry, field->xyz_mm);
+}
+
+}  // namespace c3de::app
