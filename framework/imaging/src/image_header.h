@@ -35,6 +35,7 @@ struct ImageHeader {
   std::uint64_t skip = 0;      ///< bytes to leave out after inflating, in each part
   std::string modality;
   std::vector<std::pair<std::string, std::string>> keys;  ///< key and value pairs of NRRD
+  std::string labelXml;                                   ///< label table in an extension of NIfTI; empty: none
   std::vector<std::string> notices;
 };
 

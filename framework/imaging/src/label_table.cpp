@@ -99,6 +99,35 @@ LabelTable segmentsOf(const std::vector<std::pair<std::string, std::string>> &ke
   return table;
 }
 
+LabelTable caretLabelsOf(const std::string &xml) {
+  LabelTable table;
+  const std::string open = "<Label ", close = "</Label>";
+  for (std::size_t at = 0; (at = xml.find(open, at)) != std::string::npos;) {
+    const std::size_t inside = xml.find('>', at), end = xml.find(close, at);
+    if (inside == std::string::npos || end == std::string::npos || end < inside) break;
+    const std::string tag = xml.substr(at, inside - at);
+    const auto attribute = [&tag](const std::string &name) {
+      const std::string key = " " + name + "=\"";
+      const std::size_t from = tag.find(key);
+      if (from == std::string::npos) return -1.0;
+      const std::size_t value = from + key.size();
+      const auto numbers = numbersIn(tag.substr(value, tag.find('"', value) - value));
+      return numbers.size() == 1 ? numbers[0] : -1.0;
+    };
+    std::string name = trimmed(xml.substr(inside + 1, end - inside - 1));
+    if (name.starts_with("<![CDATA[") && name.ends_with("]]>")) name = trimmed(name.substr(9, name.size() - 12));
+    at = end + close.size();
+    const double value = attribute("Key");
+    if (!isLabel(value) || name.empty()) continue;
+    LabelName &entry = table[static_cast<std::uint16_t>(value)];
+    entry.name = name;
+    const std::array<double, 3> rgb{attribute("Red"), attribute("Green"), attribute("Blue")};
+    entry.coloured = std::all_of(rgb.begin(), rgb.end(), [](double x) { return x >= 0.0 && x <= 1.0; });
+    for (std::size_t c = 0; c < 3; ++c) entry.colour[c] = linearOf(rgb[c]);
+  }
+  return table;
+}
+
 std::array<float, 3> distinctColour(std::size_t n) {
   // Hues by the golden ratio never repeat; three levels of brightness and two of saturation tell neighbours in hue apart.
   const double hue = std::fmod(0.02 + 0.61803398875 * static_cast<double>(n), 1.0) * 6.0;

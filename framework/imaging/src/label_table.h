@@ -21,6 +21,9 @@ using LabelTable = std::map<std::uint16_t, LabelName>;
 /// Slicer's segments: Segment0_LabelValue, Segment0_Name, Segment0_Color. @param layered  set where segments overlap
 [[nodiscard]] LabelTable segmentsOf(const std::vector<std::pair<std::string, std::string>> &keys, bool &layered);
 
+/// The label table in the XML that Caret and Connectome Workbench put into NIfTI: Label elements with Key, Red, Green, Blue.
+[[nodiscard]] LabelTable caretLabelsOf(const std::string &xml);
+
 /// A colour for the n-th label; any two of the first dozens look different.
 [[nodiscard]] std::array<float, 3> distinctColour(std::size_t n);
 [[nodiscard]] float linearOf(double srgb);  ///< both 0 … 1

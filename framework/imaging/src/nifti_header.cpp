@@ -175,6 +175,28 @@ std::filesystem::path partner(const std::filesystem::path &path, const char *kin
   return std::filesystem::exists(zipped, code) ? zipped : stem;
 }
 
+constexpr double kLongestExtensions = 1 << 20;
+
+/// What is between header and voxels, as far as it is a label table. Damaged extensions count as none.
+std::string labelXmlOf(const std::filesystem::path &path, const Nifti &n) {
+  const std::size_t header = n.second ? 540 : 348;
+  if (n.pair || n.offset > kLongestExtensions || n.offset < static_cast<double>(header) + 12.0) return {};
+  const auto end = static_cast<std::size_t>(n.offset);
+  auto bytes = firstBytes(path, end);
+  if (!bytes || bytes->size() < end || (*bytes)[header] == 0) return {};
+  const std::string text(bytes->begin(), bytes->end());
+  const Fields fields(std::move(*bytes), n.swapped != (std::endian::native == std::endian::big));
+  for (std::size_t at = header + 4; at + 8 <= end;) {
+    const double size = fields.at<std::int32_t>(at);
+    if (!(size >= 8.0 && size <= static_cast<double>(end - at))) return {};
+    const auto whole = static_cast<std::size_t>(size);
+    // Its code is 30 by Connectome Workbench, 0 (not known) by TotalSegmentator.
+    if (std::string xml = text.substr(at + 8, whole - 8); xml.find("<LabelTable") != std::string::npos) return xml;
+    at += whole;
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path) {
@@ -220,6 +242,7 @@ Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path) {
   header.encoding = zipped ? ImageHeader::Encoding::deflated : ImageHeader::Encoding::raw;
   header.parts = {{data, zipped ? 0 : static_cast<std::uint64_t>(offset)}};
   header.skip = zipped ? static_cast<std::uint64_t>(offset) : 0;
+  header.labelXml = labelXmlOf(path, n);
   return header;
 }
 

@@ -164,7 +164,7 @@ Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const Rea
     const auto header = headerOf(path, *format);
     if (!header) return tl::unexpected(header.error());
     bool layered = false;
-    table = segmentsOf(header->keys, layered);
+    table = header->labelXml.empty() ? segmentsOf(header->keys, layered) : caretLabelsOf(header->labelXml);
     if (layered) return refuse(path, "holds segments in several layers, which may overlap; one label per voxel is read");
     ReadOptions rest = options;
     // The labels are kept beside the voxels they come from for a moment.

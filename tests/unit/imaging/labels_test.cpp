@@ -2,6 +2,7 @@
 // Label maps: which voxels are labels, where names and colours come from. Also text encodings and unusual headers.
 #include <cmath>
 
+#include "c3de/imaging/writing.h"
 #include "images.h"
 
 using namespace images;
@@ -164,4 +165,58 @@ TEST_CASE("Voxels in numbered files, behind lines and bytes, and as hexadecimal 
   const auto hex = readVolume(write(folder / "hex.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 1\nendian: big\nencoding: hex\n" + kPlaced + "\n01 02ff\nFE"));
   REQUIRE(hex);
   CHECK(hex->volume.voxels == Voxels(std::vector<std::int16_t>{0x0102, -2}));
+}
+
+TEST_CASE("Labels have the names and colours of the table inside of a NIfTI", "[imaging]") {
+  const auto folder = emptyFolder("inside");
+  LabelMap labels;
+  labels.geometry.size = {4, 2, 2};
+  labels.voxels = {0, 1, 5, 7, 0, 1, 5, 7, 0, 1, 5, 7, 0, 1, 5, 7};
+  REQUIRE(writeLabelMap(folder / "plain.nii", labels));
+  const std::string xml =
+      "<?xml version=\"1.0\"?> <CaretExtension><VolumeInformation Index=\"0\"><LabelTable>\n"
+      "<Label Key=\"5\" Red=\"0\" Green=\"1\" Blue=\"0.5\" Alpha=\"1\"><![CDATA[liver]]></Label>\n"
+      "<Label Key=\"1\"> left kidney </Label><Label Key=\"-1\"><![CDATA[no label]]></Label><Label Key=\"7\"></Label>\n"
+      "</LabelTable></VolumeInformation></CaretExtension>";
+  const auto withExtensions = [&](std::int32_t excess) {
+    std::string bytes = bytesOf(folder / "plain.nii"), extensions;
+    const auto add = [&](std::int32_t code, std::string text, std::int32_t more) {
+      text.resize((text.size() + 8 + 15) / 16 * 16 - 8);
+      const std::int32_t numbers[2] = {static_cast<std::int32_t>(text.size()) + 8 + more, code};
+      extensions.append(reinterpret_cast<const char *>(numbers), sizeof numbers) += text;
+    };
+    add(6, "a comment", 0);
+    add(30, xml, excess);
+    const float offset = 352.0f + static_cast<float>(extensions.size());
+    bytes.replace(108, 4, reinterpret_cast<const char *>(&offset), 4);
+    bytes[348] = 1;
+    return readLabelMap(write(folder / "named.nii", bytes.insert(352, extensions)));
+  };
+  const auto named = withExtensions(0);
+  REQUIRE(named);
+  CHECK(named->labels.voxels == labels.voxels);
+  REQUIRE(named->labels.labels.size() == 3);
+  CHECK(named->labels.labels[0].name == "left kidney");
+  CHECK(named->labels.labels[1].name == "liver");
+  CHECK(named->labels.labels[2].name == "label 7");
+  CHECK(named->labels.labels[1].colour[0] == 0.0f);
+  CHECK(named->labels.labels[1].colour[1] == 1.0f);
+  CHECK_THAT(named->labels.labels[1].colour[2], WithinAbs(0.2140, 1e-3));  // half of sRGB, linear
+  const auto damaged = withExtensions(16);  // goes on into the voxels
+  REQUIRE(damaged);
+  CHECK(damaged->labels.voxels == labels.voxels);
+  CHECK(damaged->labels.labels[1].name == "label 5");
+}
+
+TEST_CASE("Organs of TotalSegmentator have their names", "[imaging]") {
+  C3DE_DATA_OR_SKIP(file, "volume/totalseg/example_seg.nii.gz");
+  const auto loaded = readLabelMap(file);
+  REQUIRE(loaded);
+  REQUIRE(loaded->labels.labels.size() == 41);
+  for (const auto &[number, name] : {std::pair{1, "spleen"}, {2, "kidney_right"}, {3, "kidney_left"}, {5, "liver"}}) {
+    const auto &all = loaded->labels.labels;
+    const auto found = std::find_if(all.begin(), all.end(), [&](const LabelMap::Label &l) { return l.value == number; });
+    REQUIRE(found != all.end());
+    CHECK(found->name == name);
+  }
 }

@@ -49,8 +49,9 @@ struct SeriesInfo {
 /// message lists them), more memory needed than allowed (the message names both figures).
 [[nodiscard]] Expected<LoadedVolume> readVolume(const std::filesystem::path &path, const ReadOptions &options = {});
 
-/// Reads whole numbers 0 … 65535 as labels. Names and colours come from the file (segments of NRRD) or a table beside
-/// it: for a.nii.gz that is a.nii.txt, a.nii.label, a.label, a.txt or a.ctbl with lines of `number name`, of ITK-SNAP or of Slicer.
+/// Reads whole numbers 0 … 65535 as labels. Names and colours come from the file (segments of NRRD; the label table that
+/// Connectome Workbench and TotalSegmentator put into NIfTI) or a table beside it: for a.nii.gz that is a.nii.txt,
+/// a.nii.label, a.label, a.txt or a.ctbl with lines of `number name`, of ITK-SNAP or of Slicer.
 [[nodiscard]] Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const ReadOptions &options = {});
 
 /// The series of a DICOM folder (sub-folders included), of the folder of a DICOM file, or the one image of another file.
