@@ -95,9 +95,10 @@ constexpr const char *kOrgans[] = {"liver", "kidney_right", "kidney_left", "sple
 }  // namespace
 
 TEST_CASE("Liver, kidneys and spleen of a CT become bodies with the volumes of their voxels", "[scan]") {
-  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
-  // 30 of the 112 slices, with the liver cut at the border; all slices, by a quicker segmentation.
-  for (const char *file : {"example_seg", "example_seg_fast_force_split"}) {
+  // Labels and the image they were made from: 30 slices, with the liver cut at the border; 112 slices.
+  for (const auto &[file, scanFile] : {std::pair{"example_seg", "example_ct_sm"},
+                                       std::pair{"example_seg_fast_force_split", "example_ct"}}) {
+    C3DE_DATA_OR_SKIP(image, "volume/totalseg/" + std::string(scanFile) + ".nii.gz");
     C3DE_DATA_OR_SKIP(path, "volume/totalseg/" + std::string(file) + ".nii.gz");
     const Stopwatch imageWatch;
     const auto scan = readVolume(image);
