@@ -15,6 +15,7 @@
 #include "c3de/core/thread_pool.h"
 #include "c3de/plugin_host/plugin_host.h"
 #include "c3de/render/renderer.h"
+#include "c3de/scene/image_store.h"
 #include "c3de/scene/mesh_store.h"
 #include "c3de/scene/scene_graph.h"
 #include "c3de/scene/simulation_directory.h"
@@ -39,6 +40,7 @@ class HostFixture {
     services.jobs = &jobs;
     services.sceneGraph = &sceneGraph;
     services.meshes = &meshes;
+    services.images = &images;
     services.simulations = &simulations;
     if (!headless) {
       services.renderer = renderer.get();
@@ -101,6 +103,7 @@ class HostFixture {
   BackgroundJobs jobs{mainQueue};
   scene::SceneGraph sceneGraph;
   scene::MeshStore meshes;
+  scene::ImageStore images;
   scene::SimulationDirectory simulations;
   std::unique_ptr<render::Renderer> renderer = render::createNullRenderer();
   ui::PanelRegistry panels;

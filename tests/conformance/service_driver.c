@@ -787,6 +787,164 @@ static void drive_simulation(c3de_handle node) {
   GIVES(C3DE_E_NOT_FOUND, simulation->post(simulation->ctx, kNone, &sim_calls, count_call));
 }
 
+/* ---- imaging: the store has what test_services.cpp puts there ---- */
+
+static c3de_status C3DE_CALL sum_labels(void *self, const c3de_label *label) {
+  HOLDS(label->size >= sizeof *label);
+  if (label->value == 3) HOLDS(label->name.len == 5 && memcmp(label->name.ptr, "liver", 5) == 0 && label->colour[1] == 0.25f);
+  *(uint32_t *)self += label->value;
+  return C3DE_OK;
+}
+static c3de_status C3DE_CALL stop_at_label(void *self, const c3de_label *label) {
+  *(uint32_t *)self += label->value;
+  return C3DE_E_CANCELLED;
+}
+
+static c3de_handle kept_image, kept_map;
+
+static void drive_images(const c3de_imaging_v0 *imaging) {
+  c3de_handle found[4] = {{0}, {0}, {0}, {0}};
+  uint64_t needed = 0;
+  GIVES(C3DE_S_TRUNCATED, imaging->images(imaging->ctx, NULL, 0, &needed));
+  HOLDS(needed == 2);
+  GIVES(C3DE_S_TRUNCATED, imaging->images(imaging->ctx, found, 1, &needed));
+  HOLDS(found[0].v != 0 && found[1].v == 0 && needed == 2);
+  GIVES(C3DE_OK, imaging->images(imaging->ctx, found, 4, &needed));
+  HOLDS(found[1].v != 0 && found[0].v != found[1].v && found[2].v == 0 && needed == 2);
+  GIVES(C3DE_E_ARG, imaging->images(imaging->ctx, NULL, 1, &needed));
+  GIVES(C3DE_E_ARG, imaging->images(imaging->ctx, found, 4, NULL));
+  SAYS("needed is null");
+  const c3de_handle image = kept_image = found[0];
+
+  c3de_image_info info;
+  memset(&info, 0, sizeof info);
+  info.size = sizeof info;
+  GIVES(C3DE_OK, imaging->image_info(imaging->ctx, image, &info));
+  HOLDS(info.size == sizeof info && info.name.len == 7 && memcmp(info.name.ptr, "phantom", 7) == 0);
+  HOLDS(info.unit.len == 2 && memcmp(info.unit.ptr, "HU", 2) == 0);
+  HOLDS(info.points[0] == 3 && info.points[1] == 4 && info.points[2] == 5);
+  HOLDS(info.world_from_index[1] == 2.0 && info.world_from_index[4] == 3.0 && info.world_from_index[14] == 30.0);
+  HOLDS(info.min == -90.0 && info.max == 800.0 && info.low == -50.0 && info.high == 700.0);
+  info.size = 8;
+  GIVES(C3DE_E_ARG, imaging->image_info(imaging->ctx, image, &info));
+  SAYS("size is 8");
+  GIVES(C3DE_E_ARG, imaging->image_info(imaging->ctx, image, NULL));
+  GIVES(C3DE_E_STALE, imaging->image_info(imaging->ctx, kNoSuch, &info));
+  SAYS("no image of handle");
+  GIVES(C3DE_E_STALE, imaging->image_info(imaging->ctx, kNone, &info));
+
+  /* World of index (i, j, k): (10 + 3 j, 20 + 2 i + k, 30 + 4 k); value: 2 (5 + i + 10 j + 100 k) - 100. */
+  const double at[] = {10,   20,   30,    /* voxel 0 0 0 */
+                       19,   28,   46,    /* voxel 2 3 4 */
+                       11.5, 22.75, 33,   /* index 1 0.5 0.75 */
+                       8.8,  19.2, 30,    /* index -0.4 -0.4 0: the border goes on */
+                       8.2,  20,   30,    /* index 0 -0.6 0: outside */
+                       1e300, -1e300, 0};
+  const double expected[] = {-90, 774, 72, -90, -7, -7};
+  double values[12];
+  for (int i = 0; i < 12; ++i) values[i] = 1234.0;
+  c3de_mview out = {values, 6, 1, C3DE_F64, 16}; /* every other number */
+  GIVES(C3DE_OK, imaging->sample(imaging->ctx, image, points_of(at, 6), -7.0, out));
+  for (int i = 0; i < 6; ++i) {
+    HOLDS(fabs(values[2 * i] - expected[i]) < 1e-9); /* rounding of numbers up to 1000 */
+    HOLDS(values[2 * i + 1] == 1234.0);
+  }
+  GIVES(C3DE_OK, imaging->sample(imaging->ctx, image, points_of(at + 12, 1), NAN, (c3de_mview){values, 1, 1, C3DE_F64, 0}));
+  HOLDS(isnan(values[0]));
+  GIVES(C3DE_OK, imaging->sample(imaging->ctx, image, points_of(NULL, 0), 0.0, (c3de_mview){NULL, 0, 1, C3DE_F64, 0}));
+  GIVES(C3DE_E_STALE, imaging->sample(imaging->ctx, kNoSuch, points_of(at, 6), -7.0, out));
+  GIVES(C3DE_E_ARG, imaging->sample(imaging->ctx, image, points_of(NULL, 6), -7.0, out));
+  SAYS("points_mm is null");
+  const double nowhere[] = {0, NAN, 0};
+  GIVES(C3DE_E_ARG, imaging->sample(imaging->ctx, image, points_of(nowhere, 1), -7.0, (c3de_mview){values, 1, 1, C3DE_F64, 0}));
+  SAYS("row 0 is not finite");
+  out.count = 5;
+  GIVES(C3DE_E_ARG, imaging->sample(imaging->ctx, image, points_of(at, 6), -7.0, out));
+  SAYS("room for 5 rows, there are 6");
+  out.count = 6;
+  out.dtype = C3DE_F32;
+  GIVES(C3DE_E_ARG, imaging->sample(imaging->ctx, image, points_of(at, 6), -7.0, out));
+  out.dtype = C3DE_F64;
+  out.data = NULL;
+  GIVES(C3DE_E_ARG, imaging->sample(imaging->ctx, image, points_of(at, 6), -7.0, out));
+  SAYS("out is null");
+}
+
+static void drive_label_maps(const c3de_imaging_v0 *imaging) {
+  c3de_handle map = {0};
+  uint64_t needed = 0;
+  GIVES(C3DE_OK, imaging->label_maps(imaging->ctx, &map, 1, &needed));
+  HOLDS(needed == 1 && map.v != 0);
+  GIVES(C3DE_E_ARG, imaging->label_maps(imaging->ctx, NULL, 1, &needed));
+  GIVES(C3DE_E_ARG, imaging->label_maps(imaging->ctx, &map, 1, NULL));
+  kept_map = map;
+
+  c3de_label_map_info info;
+  memset(&info, 0, sizeof info);
+  info.size = sizeof info;
+  GIVES(C3DE_OK, imaging->label_map_info(imaging->ctx, map, &info));
+  HOLDS(info.name.len == 6 && memcmp(info.name.ptr, "organs", 6) == 0 && info.labels == 2);
+  HOLDS(info.points[0] == 2 && info.points[1] == 1 && info.points[2] == 1 && info.world_from_index[0] == 10.0);
+  GIVES(C3DE_E_ARG, imaging->label_map_info(imaging->ctx, map, NULL));
+  GIVES(C3DE_E_STALE, imaging->label_map_info(imaging->ctx, kNoSuch, &info));
+  SAYS("no label map of handle");
+
+  const double at[] = {4.9, -4.9, 4.9, 5.1, 0, 0, 15.1, 0, 0, 0, 5.1, 0};
+  uint32_t labels[4] = {9, 9, 9, 9};
+  c3de_mview out = {labels, 4, 1, C3DE_U32, 0};
+  GIVES(C3DE_OK, imaging->labels_at(imaging->ctx, map, points_of(at, 4), out));
+  HOLDS(labels[0] == 3 && labels[1] == 40000 && labels[2] == 0 && labels[3] == 0);
+  GIVES(C3DE_E_STALE, imaging->labels_at(imaging->ctx, kNone, points_of(at, 4), out));
+  GIVES(C3DE_E_ARG, imaging->labels_at(imaging->ctx, map, points_of(NULL, 4), out));
+  GIVES(C3DE_E_ARG, imaging->labels_at(imaging->ctx, map, points_of(at, 3), out));
+  out.dtype = C3DE_F64;
+  GIVES(C3DE_E_ARG, imaging->labels_at(imaging->ctx, map, points_of(at, 4), out));
+  SAYS("accepted: u32");
+  out.dtype = C3DE_U32;
+  out.data = NULL;
+  GIVES(C3DE_E_ARG, imaging->labels_at(imaging->ctx, map, points_of(at, 4), out));
+
+  uint32_t sum = 0, first = 0;
+  GIVES(C3DE_OK, imaging->enum_labels(imaging->ctx, map, &sum, sum_labels));
+  HOLDS(sum == 40003);
+  GIVES(C3DE_E_ARG, imaging->enum_labels(imaging->ctx, map, &sum, NULL));
+  GIVES(C3DE_E_STALE, imaging->enum_labels(imaging->ctx, kNoSuch, &sum, sum_labels));
+  HOLDS(imaging->enum_labels(imaging->ctx, map, &first, stop_at_label) == C3DE_E_CANCELLED && first == 3);
+}
+
+static void drive_imaging(void) {
+  const c3de_imaging_v0 *imaging = service(C3DE_IMAGING_ID);
+  HOLDS(imaging->size >= sizeof *imaging && imaging->rev == 1);
+  drive_images(imaging);
+  drive_label_maps(imaging);
+}
+
+static void drive_imaging_of_what_is_gone(void) {
+  const c3de_imaging_v0 *imaging = service(C3DE_IMAGING_ID);
+  const double at[] = {10, 20, 30};
+  double value = 0.0;
+  uint32_t label = 0;
+  uint64_t needed = 9;
+  GIVES(C3DE_OK, imaging->images(imaging->ctx, NULL, 0, &needed));
+  HOLDS(needed == 0);
+  GIVES(C3DE_OK, imaging->label_maps(imaging->ctx, NULL, 0, &needed));
+  c3de_image_info info;
+  memset(&info, 0, sizeof info);
+  info.size = sizeof info;
+  HOLDS(kept_image.v != 0 && kept_map.v != 0);
+  GIVES(C3DE_E_STALE, imaging->image_info(imaging->ctx, kept_image, &info));
+  GIVES(C3DE_E_STALE, imaging->sample(imaging->ctx, kept_image, points_of(at, 1), 0.0, (c3de_mview){&value, 1, 1, C3DE_F64, 0}));
+  GIVES(C3DE_E_STALE, imaging->labels_at(imaging->ctx, kept_map, points_of(at, 1), (c3de_mview){&label, 1, 1, C3DE_U32, 0}));
+  GIVES(C3DE_E_STALE, imaging->enum_labels(imaging->ctx, kept_map, &label, sum_labels));
+}
+
+static void drive_imaging_without_a_store(void) {
+  const void *table = NULL;
+  GIVES(C3DE_E_UNSUPPORTED, host->get_service(host->ctx, text(C3DE_IMAGING_ID), 1, &table));
+  SAYS("it needs images");
+  HOLDS(table == NULL);
+}
+
 /* ---- from a thread that is not the main one: the test calls run() there with this name ---- */
 
 static void drive_wrong_thread(void) {
@@ -861,6 +1019,9 @@ static uint64_t C3DE_CALL run(c3de_object *self, c3de_str name, c3de_handle simu
   if (IS("jobs")) drive_jobs();
   if (IS("time")) drive_time();
   if (IS("simulation")) drive_simulation(simulation);
+  if (IS("imaging")) drive_imaging();
+  if (IS("imaging of what is gone")) drive_imaging_of_what_is_gone();
+  if (IS("imaging without a store")) drive_imaging_without_a_store();
   if (IS("wrong thread")) drive_wrong_thread();
   if (IS("taken back")) drive_taken_back();
   return compared;

@@ -69,6 +69,65 @@ TEST_CASE("the panels service answers good and bad arguments") { check("panels",
 TEST_CASE("the tools service answers good and bad arguments") { check("tools", 20); }
 TEST_CASE("the simulation service answers good and bad arguments") { check("simulation", 12); }
 
+TEST_CASE("the imaging service reads what is stored and refuses bad arguments") {
+  DrivenHost f;
+  // 3 x 4 x 5 voxels in an oblique, left-handed frame; values are linear in the index, so that sampling is exact.
+  auto image = std::make_shared<scene::StoredImage>();
+  image->name = "phantom";
+  image->range = {-90.0, 800.0, -50.0, 700.0};
+  image->volume.unit = "HU";
+  image->volume.slope = 2.0;
+  image->volume.intercept = -100.0;
+  image->volume.geometry.size = {3, 4, 5};
+  image->volume.geometry.indexToWorld = {0, 2, 0, 0, 3, 0, 0, 0, 0, 1, 4, 0, 10, 20, 30, 1};
+  std::vector<std::int16_t> voxels;
+  for (int k = 0; k < 5; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 3; ++i) voxels.push_back(static_cast<std::int16_t>(5 + i + 10 * j + 100 * k));
+  image->volume.voxels = voxels;
+  const Handle first = f.images.add(image);
+  const Handle second = f.images.add(image);
+
+  auto labels = std::make_shared<scene::StoredLabels>();
+  labels->name = "organs";
+  labels->map.geometry.size = {2, 1, 1};
+  labels->map.geometry.indexToWorld = {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 1};
+  labels->map.voxels = {3, 40000};
+  labels->map.labels = {{3, "liver", {0.5f, 0.25f, 0.0f}}, {40000, "spleen", {0.0f, 0.0f, 1.0f}}};
+  const Handle map = f.images.add(labels);
+
+  CHECK(f.run("imaging") == "");
+  CHECK(f.compared >= 50);
+  std::string differences;
+  std::thread([&] { differences = f.run("imaging"); }).join();
+  CHECK(differences == "");
+
+  CHECK(f.images.removeImage(first));
+  CHECK(f.images.removeImage(second));
+  CHECK(f.images.removeLabels(map));
+  CHECK(f.run("imaging of what is gone") == "");
+  CHECK(f.compared >= 10);
+}
+
+TEST_CASE("the imaging service is not served without a store of images") {
+  HostFixture f;
+  f.services.images = nullptr;
+  f.host = std::make_unique<plugin_host::PluginHost>(f.services);
+  REQUIRE(f.refusalOf(HostFixture::testPlugin("service_driver")).empty());
+  const auto object = f.host->createObject(TEST_DRIVER_CLASS);
+  REQUIRE(object);
+  const void *table = nullptr;
+  REQUIRE((*object)->vt->query(*object, {TEST_DRIVER_ID, sizeof TEST_DRIVER_ID - 1}, 1, &table) == C3DE_OK);
+  std::string differences;
+  const c3de_sink sink{&differences, [](void *self, const void *bytes, std::uint64_t n) -> c3de_status {
+                         static_cast<std::string *>(self)->append(static_cast<const char *>(bytes), n);
+                         return C3DE_OK;
+                       }};
+  constexpr std::string_view kRun = "imaging without a store";
+  CHECK(static_cast<const test_driver_v0 *>(table)->run(*object, {kRun.data(), kRun.size()}, {0}, sink) >= 2);
+  CHECK(differences == "");
+}
+
 TEST_CASE("the log service writes one line, with the plugin's id, and shows warnings") {
   DrivenHost f;
   CHECK(f.run("log") == "");

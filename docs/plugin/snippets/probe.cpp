@@ -2,6 +2,7 @@
 // A plugin in C++ with the SDK: a class, a panel, a tool, parameters, a job and a frame callback.
 #include "c3de/sdk/sdk.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -36,7 +37,7 @@ class ProbePlugin : public sdk::Panel {
   static constexpr std::array needs{sdk::required<c3de_registry_v0>(), sdk::required<c3de_mesh_v0>(),
                                     sdk::optional<c3de_panels_v0>()};
 
-  explicit ProbePlugin(sdk::Host host) : host_(host), mesh_(host), jobs_(host), log_(host) {
+  explicit ProbePlugin(sdk::Host host) : host_(host), mesh_(host), jobs_(host), imaging_(host), log_(host) {
     sdk::orThrow(sdk::Registry(host).add<Probe>("org.example.Probe/0", "Probe", "Measures.", *this));
     if (sdk::Params params(host); params) {
       params_ = sdk::orThrow(params.declare("Probe", kParams, [this](const c3de_param_value &v) { scale_ = v.num; }));
@@ -57,12 +58,22 @@ class ProbePlugin : public sdk::Panel {
     ui.heading("Probe");
     if (ui.button("measure", "Measure", jobs_ && !measuring_)) measure();
     if (volume_mm3_) ui.value("Volume", number(*volume_mm3_) + " mm³");
+    if (const auto value = valueAt({0, 0, 0})) ui.value("Image at the origin", number(*value));
     ui.value("Frames", std::to_string(frames_));
     ui.value("Scale is", number(scale_));
     ui.params(params_.handle());
   }
 
  private:
+  // Of the first image, at a point of the world (LPS, mm); nothing outside of it.
+  std::optional<double> valueAt(const sdk::Vec3 &point_mm) const {
+    const auto images = imaging_.images();
+    if (!images || images->empty()) return std::nullopt;
+    double value = 0.0;
+    if (!imaging_.sample(images->front(), {&point_mm, 1}, {&value, 1}) || std::isnan(value)) return std::nullopt;
+    return value;
+  }
+
   // Long work goes to a job: run() on a worker, done() on the main thread.
   void measure() {
     struct Reading {
@@ -101,6 +112,7 @@ class ProbePlugin : public sdk::Panel {
   sdk::Host host_;
   sdk::Mesh mesh_;
   sdk::Jobs jobs_;
+  sdk::Imaging imaging_;
   sdk::Log log_;
   sdk::ParameterSet params_;
   PressTool tool_;

@@ -284,6 +284,7 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   services.jobs = &impl->jobs;
   services.sceneGraph = &impl->sceneGraph;
   services.meshes = &impl->meshes;
+  services.images = &impl->images;
   services.simulations = &impl->simulations;
   services.renderer = options.renderer;
   services.panels = options.panels;

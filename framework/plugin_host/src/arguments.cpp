@@ -195,9 +195,9 @@ PointRows::PointRows(const c3de_view &view, const char *name) {
       if (!std::isfinite(x)) throw Refusal(C3DE_E_ARG, fmt::format("{}: row {} is not finite", name, i));
 }
 
-RowLayout outputLayoutOf(const c3de_mview &view, const char *name, std::size_t count) {
+RowLayout outputLayoutOf(const c3de_mview &view, const char *name, std::size_t count, std::uint32_t dtype) {
   const RowLayout rows =
-      layoutOf(c3de_view{view.data, view.count, view.comps, view.dtype, view.stride}, name, 1, {C3DE_F64});
+      layoutOf(c3de_view{view.data, view.count, view.comps, view.dtype, view.stride}, name, 1, {dtype});
   if (rows.count != count)
     throw Refusal(C3DE_E_ARG, fmt::format("{}: room for {} rows, there are {}", name, rows.count, count));
   return rows;

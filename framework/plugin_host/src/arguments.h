@@ -91,7 +91,8 @@ class PointRows {
   std::span<const Vec3> rows_;
 };
 
-/// Where f64 results of one number per row go; count must be `count`.
-[[nodiscard]] RowLayout outputLayoutOf(const c3de_mview &view, const char *name, std::size_t count);
+/// Where results of one number per row go; count must be `count`.
+[[nodiscard]] RowLayout outputLayoutOf(const c3de_mview &view, const char *name, std::size_t count,
+                                       std::uint32_t dtype = C3DE_F64);
 
 }  // namespace c3de::plugin_host

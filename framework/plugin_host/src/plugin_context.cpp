@@ -61,7 +61,8 @@ PluginContext::PluginContext(HostState &host, std::string id)
       abi_{sizeof(c3de_host), 1, this, &getService, &setError, &takeError},
       tables_{makeLogTable(this),    makeRegistryTable(this), makeMeshTable(this),   makeSceneTable(this),
               makeRenderTable(this), makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
-              makeToolsTable(this),  makeJobsTable(this),     makeTimeTable(this),   makeSimulationTable(this)} {}
+              makeToolsTable(this),  makeJobsTable(this),     makeTimeTable(this),   makeSimulationTable(this),
+              makeImagingTable(this)} {}
 
 PluginContext::~PluginContext() = default;
 
@@ -74,6 +75,12 @@ PluginContext &PluginContext::of(void *ctx) {
 void PluginContext::requireMainThread() const {
   if (std::this_thread::get_id() != host_.mainThread)
     throw Refusal(C3DE_E_THREAD, "is for the main thread; post_to_main of draft/c3de.time/0 leads there");
+}
+
+c3de_str PluginContext::keptText(const std::string &text) {
+  const std::lock_guard lock(textMutex_);
+  const std::string &kept = *texts_.insert(text).first;
+  return {kept.data(), kept.size()};
 }
 
 void PluginContext::settle() {

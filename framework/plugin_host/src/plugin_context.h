@@ -32,6 +32,7 @@ struct ServiceTables {
   c3de_jobs_v0 jobs;
   c3de_time_v0 time;
   c3de_simulation_v0 simulation;
+  c3de_imaging_v0 imaging;
 };
 
 /// Functions that a plugin has posted to the main thread and that have not run yet. Shared with the queue, which may
@@ -67,6 +68,9 @@ class PluginContext {
   /// From here on the plugin is not called and its calls are refused; takes back all it has registered. Main thread.
   void takeBack();
 
+  /// A text that stays until the host goes; each is kept once. Any thread.
+  [[nodiscard]] c3de_str keptText(const std::string &text);
+
   // What it has, for the services; main thread except where a mutex stands before it.
   std::mutex meshMutex;
   std::set<std::uint64_t> meshes;
@@ -82,6 +86,8 @@ class PluginContext {
   std::atomic<bool> closed_{false};
   c3de_host abi_;
   ServiceTables tables_;
+  std::mutex textMutex_;
+  std::set<std::string> texts_;
 };
 
 /// A line in the log in the plugin's name.

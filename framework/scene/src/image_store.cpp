@@ -56,4 +56,18 @@ std::shared_ptr<const StoredLabels> ImageStore::labels(Handle labels) const {
   return found ? *found : nullptr;
 }
 
+std::vector<Handle> ImageStore::allImages() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Handle> out;
+  images_.forEach([&](Handle handle, const auto &) { out.push_back(handle); });
+  return out;
+}
+
+std::vector<Handle> ImageStore::allLabels() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Handle> out;
+  labels_.forEach([&](Handle handle, const auto &) { out.push_back(handle); });
+  return out;
+}
+
 }  // namespace c3de::scene

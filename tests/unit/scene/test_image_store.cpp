@@ -13,7 +13,11 @@ TEST_CASE("Images and label maps are found by their own handles until they are r
   REQUIRE(store.image(head));
   CHECK(store.image(head)->name == "head");
   CHECK(store.labels(labels));
+  const Handle knee = store.add(std::make_shared<const scene::StoredImage>());
+  CHECK(store.allImages() == std::vector<Handle>{head, knee});
+  CHECK(store.allLabels() == std::vector<Handle>{labels});
   CHECK(store.removeImage(head));
+  CHECK(store.allImages() == std::vector<Handle>{knee});
   CHECK_FALSE(store.removeImage(head));
   CHECK_FALSE(store.image(head));
   CHECK(store.labels(labels));

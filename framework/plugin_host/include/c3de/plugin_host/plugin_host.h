@@ -17,6 +17,7 @@ namespace render {
 class Renderer;
 }
 namespace scene {
+class ImageStore;
 class MeshStore;
 class SceneGraph;
 class SimulationDirectory;
@@ -38,6 +39,7 @@ struct Services {
   BackgroundJobs *jobs = nullptr;
   scene::SceneGraph *sceneGraph = nullptr;
   scene::MeshStore *meshes = nullptr;
+  scene::ImageStore *images = nullptr;
   scene::SimulationDirectory *simulations = nullptr;
   render::Renderer *renderer = nullptr;
   ui::PanelRegistry *panels = nullptr;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "c3de/core/handle.h"
 #include "c3de/imaging/statistics.h"
@@ -36,6 +37,9 @@ class ImageStore {
   bool removeLabels(Handle labels);
   [[nodiscard]] std::shared_ptr<const StoredImage> image(Handle image) const;
   [[nodiscard]] std::shared_ptr<const StoredLabels> labels(Handle labels) const;
+  /// Handles of all that is stored, always in the same order.
+  [[nodiscard]] std::vector<Handle> allImages() const;
+  [[nodiscard]] std::vector<Handle> allLabels() const;
 
  private:
   mutable std::mutex mutex_;

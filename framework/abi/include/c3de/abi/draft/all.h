@@ -8,6 +8,7 @@
 #include "collision.h"
 #include "iface/point_sets.h"
 #include "iface/simulator.h"
+#include "imaging.h"
 #include "jobs.h"
 #include "log.h"
 #include "panels.h"
