@@ -12,7 +12,7 @@ c3de_install_packages() {
     return 0
   }
   local wanted missing sudo=""
-  wanted=$(grep -v '^#' tools/debian-packages.txt)
+  wanted=$(cat tools/debian-packages.txt "$@" | grep -v '^#')
   # shellcheck disable=SC2086
   missing=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' $wanted 2>/dev/null | awk '$2 == "installed" { print $1 }' |
             sort | comm -13 - <(echo "$wanted" | sort))
