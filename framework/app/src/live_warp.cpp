@@ -15,6 +15,8 @@ namespace {
 constexpr double kMostPoints = 96.0;
 // Room for the bodies to move, of their size.
 constexpr double kRoom = 0.15;
+// Between two displacements while it plays.
+constexpr double kLeastMilliseconds = 50.0;
 
 }  // namespace
 
@@ -78,6 +80,9 @@ void LiveWarp::want(bool wanted, double rim_mm) {
 void LiveWarp::whenPublished(const scene::Simulation &simulation) {
   if (!wanted_) return;
   const auto from = std::chrono::steady_clock::now();
+  const std::chrono::duration<double, std::milli> since = from - last_;
+  behind_ = simulation.state().mode == C3DE_SIM_PLAYING && since.count() < std::max(kLeastMilliseconds, 5.0 * milliseconds_);
+  if (behind_) return;
   const double rim = rim_mm_;
   const std::uint64_t serial = serial_;
   if (gridSerial_ != serial || gridRim_mm_ != rim) {
@@ -88,6 +93,7 @@ void LiveWarp::whenPublished(const scene::Simulation &simulation) {
   auto grid = std::make_shared<imaging::DisplacementGrid>();
   grid->geometry = grid_;
   if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return;
+  last_ = std::chrono::steady_clock::now();
   milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
   const std::lock_guard lock(mutex_);
   if (serial == serial_) newest_ = std::move(grid);

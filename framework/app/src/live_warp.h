@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <mutex>
 
@@ -21,15 +22,18 @@ class LiveWarp {
   void want(bool wanted, double rim_mm);
   [[nodiscard]] bool wanted() const { return wanted_; }
 
-  /// On the simulation's thread, after a snapshot.
+  /// On the simulation's thread, after a snapshot. While it plays at most 20 times a second, and no more than a fifth of the
+  /// time goes there.
   void whenPublished(const scene::Simulation &simulation);
   /// The newest displacement, once; null when there is none that has not been taken. Any thread.
   [[nodiscard]] std::shared_ptr<const imaging::DisplacementGrid> take();
+  /// Whether the last snapshot went without one; asked by who sees that the simulation stands, and posts for another.
+  [[nodiscard]] bool isBehind() const { return behind_; }
   /// Wall time of the last one, ms. Any thread.
   [[nodiscard]] double milliseconds() const { return milliseconds_; }
 
  private:
-  std::atomic<bool> wanted_ = false;
+  std::atomic<bool> wanted_ = false, behind_ = false;
   std::atomic<double> rim_mm_ = 10.0, milliseconds_ = 0.0;
   std::atomic<std::uint64_t> serial_ = 1;
   std::mutex mutex_;
@@ -38,6 +42,7 @@ class LiveWarp {
   imaging::VolumeGeometry grid_;
   double gridRim_mm_ = -1.0;
   std::uint64_t gridSerial_ = 0;
+  std::chrono::steady_clock::time_point last_{};
 };
 
 /// Around all bodies as they are now, with the rim and room to move; its step is half the finest spacing of a body, longer

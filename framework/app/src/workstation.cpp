@@ -172,6 +172,8 @@ ui::WindowActions Workstation::actions() {
     session_->plugins().syncScene();
     images_->followNode();
     images_->updateDisplacement(warp_.take());
+    scene::Simulation *simulation = session_->simulation();
+    if (warp_.isBehind() && simulation && simulation->state().mode != C3DE_SIM_PLAYING) simulation->post([] {});
   };
   return actions;
 }
