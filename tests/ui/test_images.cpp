@@ -272,3 +272,39 @@ TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside
   CHECK(window.differingPixels("rest", "pulled") > 100);
   CHECK(window.state()["notifications"].empty());
 }
+
+TEST_CASE("an image moves with its body, stands where it stands and goes back with it", "[image_warp]") {
+  C3DE_WINDOW_OR_SKIP();
+  if (!fs::exists(fs::path(C3DE_TEST_PLUGIN_DIR) / (std::string("pointbased") + c3de::pluginExtension())))
+    C3DE_SKIP("the point-based plugin is not built");
+  WorkstationDriver window("image_warp");
+  const fs::path scene = outputFile("image_warp.toml");
+  const std::string image = imageFile("image_warp").generic_string();
+  // A free block that flies 4 mm in a second of simulation, shown in its own image.
+  constexpr double kSpeed_mm_s = 4.0;
+  std::ofstream(scene) << "format = 1\ntitle = \"Flying\"\n[image]\nfile = \"" << image << "\"\nrim = 8\n"
+                       << "[world]\ngravity = [0, 0, 0]\n[solver]\ndamping = 0\n[[body]]\nname = \"block\"\nvolume = \"" << image
+                       << "\"\nthreshold = [-480, 10000]\nvelocity = [0.004, 0, 0]\nsampling = { count = 300 }\n";
+  startOn(window, {scene.string()});
+  const auto shift_mm = [](const Json &s) {
+    const std::string readout = text(s, "axial.readout");
+    const std::size_t at = readout.find("|u| ");
+    return at == std::string::npos ? -1.0 : std::strtod(readout.c_str() + at + 4, nullptr);
+  };
+  window.waitUntil("the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; }, 60.0);
+  window.screenshot("rest");
+  window.key("space");
+  window.waitUntil("it flies", [](const Json &s) { return s["transport"]["time_s"] > 0.8; }, 30.0);
+  window.key("space");
+  // What is shown in the end is the displacement of the time that is shown; the read-out has two decimals.
+  window.waitUntil("it stands", [&](const Json &s) {
+    return s["transport"]["mode"] == "paused" &&
+           std::abs(shift_mm(s) - kSpeed_mm_s * s["transport"]["time_s"].get<double>()) < 0.011;
+  });
+  window.screenshot("flown");
+  CHECK(window.differingPixels("rest", "flown") > 500);
+  window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the key is the slice's
+  window.key("r");
+  window.waitUntil("it is back", [&](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0; });
+  CHECK(window.state()["notifications"].empty());
+}
