@@ -244,9 +244,10 @@ void WorkstationDriver::screenshot(const std::string &name) {
   (void)runProcess({"import", "-window", "root", (folder_ / (name_ + "-" + name + ".png")).string()}, 20.0);
 }
 
-double WorkstationDriver::differingPixels(const std::string &first, const std::string &second) const {
+double WorkstationDriver::differingPixels(const std::string &first, const std::string &second, const std::string &pane) const {
   const auto file = [&](const std::string &name) { return (folder_ / (name_ + "-" + name + ".png")).string(); };
-  const Json view = state()["view"];
+  const Json now = state();
+  const Json view = pane.empty() ? now["view"] : now["panes"][pane];
   const auto whole = [&](const char *key) { return std::to_string(view[key].get<int>()); };
   const std::string area = whole("w") + "x" + whole("h") + "+" + whole("x") + "+" + whole("y");
   const auto result = runProcess(

@@ -69,8 +69,9 @@ class WorkstationDriver {
   void type(const std::string &text);
   /// PNG beside the log.
   void screenshot(const std::string &name);
-  /// How many pixels of the 3D view differ visibly between two screenshots.
-  [[nodiscard]] double differingPixels(const std::string &first, const std::string &second) const;
+  /// How many pixels differ visibly between two screenshots: of the 3D view, or of one of the four views of an image.
+  [[nodiscard]] double differingPixels(const std::string &first, const std::string &second,
+                                       const std::string &pane = {}) const;
 
  private:
   void xdotool(const std::vector<std::string> &arguments);

@@ -252,6 +252,9 @@ void WorkstationImages::close() {
 
 void WorkstationImages::followNode() {
   if (views_.image()) views_.setVisibleInSpace(session_.sceneGraph().isVisible(node_));
+  // "Fit view" brings in what is drawn; an image that is only in the slices is not.
+  if (scene::Node *node = session_.sceneGraph().find(node_))
+    node->hasBounds = views_.options().showsSlicesInSpace || views_.options().showsVolume;
 }
 
 void WorkstationImages::tell(const std::string &title, const std::vector<std::string> &notices) {

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole way of a person with a CT: window by key, cross-hair by mouse, threshold, organ, simulation, a pull at it, and
+// the scan that follows. Steps by themselves are in test_images.cpp and test_organ_guide.cpp.
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "c3de/core/vec.h"
+#include "support/catch.h"
+#include "ui/workstation_driver.h"
+
+using namespace c3de;  // operators of Vec3
+using c3de::test::Json;
+using c3de::test::Point;
+using c3de::test::WorkstationDriver;
+
+namespace {
+
+#define C3DE_WINDOW_OR_SKIP() \
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
+
+std::string text(const Json &state, const std::string &key) { return state["values"].value(key, std::string()); }
+
+double number(const Json &state, const std::string &key) {
+  return std::strtod(state["values"].value(key, std::string("nan")).c_str(), nullptr);
+}
+
+Vec3 crossHair(const Json &state) {
+  Vec3 at{};
+  std::istringstream(text(state, "image/cross_hair")) >> at[0] >> at[1] >> at[2];
+  return at;
+}
+
+/// In the axial or coronal view as it opens: the middle of the image in the middle of the pane, radiological.
+Point pixelOf(const WorkstationDriver &window, const std::string &pane, const Vec3 &centre, const Vec3 &world) {
+  const Json state = window.state(), r = state["panes"][pane];
+  const double scale = number(state, "image/" + pane + ".scale_mm_per_px");
+  const Vec3 d = world - centre;
+  return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + d[0] / scale,
+          r["y"].get<double>() + 0.5 * r["h"].get<double>() + (pane == "axial" ? d[1] : -d[2]) / scale};
+}
+
+/// |u| of the read-out of a view at the cross-hair, mm; NaN while there is none.
+double shift_mm(const Json &state, const std::string &pane) {
+  const std::string readout = text(state, "image/" + pane + ".readout");
+  const std::size_t at = readout.find("|u| ");
+  return at == std::string::npos ? std::nan("") : std::strtod(readout.c_str() + at + 4, nullptr);
+}
+
+}  // namespace
+
+TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows when it is pulled", "[image_walk]") {
+  C3DE_WINDOW_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  WorkstationDriver window("image_walk");
+  window.start({image.string()});
+  const Json first = window.waitUntil(
+      "the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  const Vec3 centre = crossHair(first);
+  CHECK(norm(centre - Vec3{-3.544, -161.319, 260.802}) < 2.7);  // `c3de info`; half a voxel's diagonal is 2.6 mm
+
+  // The preset by its key.
+  window.moveTo(pixelOf(window, "coronal", centre, centre));
+  window.key("4");
+  window.waitUntil("the preset is set", [](const Json &s) {
+    return text(s, "image/preset") == "CT abdomen (4)" && number(s, "image/window") == 400.0 && number(s, "image/level") == 50.0;
+  });
+
+  // The cross-hair by the mouse: into the liver, and its place read.
+  const Vec3 liver{-66.5, -185.0, 392.0};
+  window.clickAt(pixelOf(window, "coronal", centre, {liver[0], centre[1], liver[2]}));
+  window.waitUntil("the height is set", [&](const Json &s) { return std::abs(crossHair(s)[2] - liver[2]) < 2.0; });
+  window.clickAt(pixelOf(window, "axial", centre, liver));
+  // A pixel of these views is about 1 mm.
+  const Json pointed =
+      window.waitUntil("the cross-hair is in the liver", [&](const Json &s) { return norm(crossHair(s) - liver) < 3.0; });
+  const std::string readout = text(pointed, "image/coronal.readout");
+  INFO(readout);
+  CHECK(readout.find("mm") != std::string::npos);
+  window.screenshot("pointed");
+
+  // Threshold, voxels of noise within filled, bridges to bowel and wall removed, the part that is clicked.
+  const auto enter = [&](const char *field, const char *value) {
+    window.controlClick(field);
+    window.key("ctrl+a");
+    window.type(value);
+    window.key("Return");
+  };
+  const auto picked = [](const Json &s) { return number(s, "organ/Picked"); };
+  const auto settled = [&](const char *what, const auto &isMet) {
+    return window.waitUntil(what, [&](const Json &s) { return s["jobs"].empty() && isMet(picked(s)); }, 60.0);
+  };
+  enter("organ/low", "20");
+  enter("organ/high", "100");
+  const double between = picked(settled("soft tissue is picked", [](double ml) { return ml > 3000.0; }));
+  CHECK(window.value("image/preview") == "shown");
+  window.moveTo(pixelOf(window, "axial", centre, liver));
+  window.screenshot("threshold");
+  window.click("organ/fill_holes");
+  const double filled = picked(settled("holes are filled", [&](double ml) { return ml > 1.02 * between; }));
+  enter("organ/radius", "9");
+  window.click("organ/open");
+  const double opened = picked(settled("bridges are removed", [&](double ml) { return ml < 0.9 * filled; }));
+  window.click("organ/component");
+  window.waitUntil("a click is waited for", [](const Json &s) { return text(s, "image/picking") == "on"; });
+  window.clickAt(pixelOf(window, "axial", centre, liver));
+  const double organ = picked(settled("a part is picked", [&](double ml) { return ml < 0.95 * opened; }));
+  // The label of the liver in this scan has 1126 ml; threshold and opening keep the most of it.
+  CHECK(organ > 700.0);
+  CHECK(organ < 1240.0);
+
+  window.click("organ/name");
+  window.key("ctrl+a");
+  window.type("liver");
+  window.key("Return");
+  window.waitForValue("organ/material", "liver");
+  window.screenshot("organ");
+  window.click("organ/make");
+  window.waitUntil(
+      "the organ lives",
+      [](const Json &s) {
+        return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
+               number(s, "image/axial.outlines") >= 1 && number(s, "image/coronal.outlines") >= 1;
+      },
+      90.0);
+
+  // Pulled in the 3D view, where the planes of the slices would be in the way of the mouse.
+  window.click("notification/close.0");
+  window.click("image/slices_in_space");
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("1");
+  window.key("f");
+  window.key("p");
+  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  window.waitUntil("the scan knows its displacement", [](const Json &s) { return shift_mm(s, "coronal") < 0.5; });
+  window.screenshot("alive");
+  window.moveTo(window.inView(0.38, 0.4));
+  window.press();
+  window.waitUntil("a surfel is held", [](const Json &s) {
+    const std::string held = text(s, "pointbased.controller/Held surfel");
+    return !held.empty() && held != "–";
+  });
+  for (int i = 1; i <= 8; ++i) window.moveTo(window.inView(0.38 + 0.03 * i, 0.4 + 0.04 * i));
+  const Json pulled = window.waitUntil(
+      "the tissue at the cross-hair has moved", [](const Json &s) { return shift_mm(s, "coronal") > 2.0; }, 30.0);
+  window.waitFrames(20);
+  window.screenshot("pulled");
+  for (const char *pane : {"axial", "coronal", "3D"}) {
+    INFO(pane);
+    CHECK(window.differingPixels("alive", "pulled", pane) > 300);
+  }
+  CHECK(number(pulled, "pointbased.controller/Pinch force") > 0.0);
+  window.release();
+  window.moveTo(window.inView(0.9, 0.9));
+  window.key("r");
+  window.waitUntil("the scan is as it was read", [](const Json &s) {
+    return s["transport"]["time_s"] < 0.1 && shift_mm(s, "coronal") < 0.05;
+  });
+}
