@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <string_view>
 
 #include "c3de/core/text.h"
@@ -26,6 +27,16 @@ Expected<void> checkFile(const char *option, const std::filesystem::path &file) 
   return checkWritable(file);
 }
 
+/// Around all bodies as they are now, as far as the image reaches: only there something is written.
+imaging::VolumeGeometry gridOf(const PresentBodies &bodies, const imaging::VolumeGeometry &image, double rim_mm) {
+  // Nothing waits for a file as for a frame: finer than the live grid, and whatever is in the image is warped.
+  imaging::FollowingGrid grid({.mostPoints = 144, .coarsestStep = std::numeric_limits<double>::infinity()});
+  imaging::WorldBox box = bodies.box;
+  box.cutTo(imaging::boxOf(image).grown(rim_mm + bodies.spacing_mm));
+  grid.follow(box.isEmpty() ? bodies.box : box, bodies.spacing_mm, rim_mm);
+  return grid.geometry();
+}
+
 }  // namespace
 
 Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene) {
@@ -46,7 +57,7 @@ Expected<void> exportImages(const ImageExport &wanted, const scene::SceneFile &s
   const auto loaded = imaging::readVolume(scene.image->file);
   if (!loaded) return fail(loaded.error().code, scene.where(scene.image->line) + ": " + loaded.error().message);
   imaging::DisplacementGrid u;
-  u.geometry = gridAround(table, simulator, scene.image->rim_mm);
+  u.geometry = gridOf(presentBodies(table, simulator), loaded->volume.geometry, scene.image->rim_mm);
   if (!readDisplacement(table, simulator, scene.image->rim_mm, u))
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
   if (!wanted.image.empty()) {

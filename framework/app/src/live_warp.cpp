@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <limits>
+#include <utility>
 
 #include "organ.h"
 #include "simulator_access.h"
@@ -12,47 +12,23 @@
 namespace c3de::app {
 namespace {
 
-constexpr double kMostPoints = 96.0;
-// Room for the bodies to move, of their size.
-constexpr double kRoom = 0.15;
 // Between two displacements while it plays.
 constexpr double kLeastMilliseconds = 50.0;
 
 }  // namespace
 
-imaging::VolumeGeometry gridAround(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec3 low{kInfinity, kInfinity, kInfinity}, high = -1.0 * low;
-  double spacing_mm = kInfinity;
+PresentBodies presentBodies(const c3de_simulator_v0 *table, c3de_object *simulator) {
+  PresentBodies bodies;
+  bodies.spacing_mm = std::numeric_limits<double>::infinity();
   c3de_handle body{};
   for (std::uint64_t i = 0; table->body_at(simulator, i, &body) >= 0 && body.v != 0; ++i) {
     c3de_sim_body_info info{};
     info.size = sizeof info;
     if (table->body_info(simulator, body, &info) < 0) continue;
-    spacing_mm = std::min(spacing_mm, info.spacing_m * scene::kMillimetresPerMetre);
-    for (const Vec3 &x : surfelPositions(simulator, body))
-      for (std::size_t a = 0; a < 3; ++a) {
-        low[a] = std::min(low[a], x[a] * scene::kMillimetresPerMetre);
-        high[a] = std::max(high[a], x[a] * scene::kMillimetresPerMetre);
-      }
+    bodies.spacing_mm = std::min(bodies.spacing_mm, info.spacing_m * scene::kMillimetresPerMetre);
+    for (const Vec3 &x : surfelPositions(simulator, body)) bodies.box.add(scene::kMillimetresPerMetre * x);
   }
-  imaging::VolumeGeometry grid;
-  grid.size = {0, 0, 0};
-  if (!(low[0] <= high[0]) || !std::isfinite(spacing_mm)) return grid;
-  double longest = 0.0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double room = rim_mm + spacing_mm + kRoom * (high[a] - low[a]);
-    low[a] -= room;
-    high[a] += room;
-    longest = std::max(longest, high[a] - low[a]);
-  }
-  const double step = std::max(0.5 * spacing_mm, longest / (kMostPoints - 1.0));
-  for (std::size_t a = 0; a < 3; ++a) {
-    grid.size[a] = static_cast<std::size_t>(std::ceil((high[a] - low[a]) / step)) + 1;
-    grid.indexToWorld[5 * a] = step;
-    grid.indexToWorld[12 + a] = low[a];
-  }
-  return grid;
+  return bodies;
 }
 
 bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm,
@@ -85,13 +61,11 @@ void LiveWarp::whenPublished(const scene::Simulation &simulation) {
   if (behind_) return;
   const double rim = rim_mm_;
   const std::uint64_t serial = serial_;
-  if (gridSerial_ != serial || gridRim_mm_ != rim) {
-    grid_ = gridAround(simulation.table(), simulation.object(), rim);
-    gridSerial_ = serial;
-    gridRim_mm_ = rim;
-  }
+  if (std::exchange(gridSerial_, serial) != serial) grid_.forget();
+  const PresentBodies bodies = presentBodies(simulation.table(), simulation.object());
+  grid_.follow(bodies.box, bodies.spacing_mm, rim);
   auto grid = std::make_shared<imaging::DisplacementGrid>();
-  grid->geometry = grid_;
+  grid->geometry = grid_.geometry();
   if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return;
   last_ = std::chrono::steady_clock::now();
   milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "c3de/imaging/displacement.h"
+#include "c3de/imaging/warp_grid.h"
 #include "c3de/scene/simulation.h"
 
 namespace c3de::app {
@@ -15,7 +16,7 @@ namespace c3de::app {
 /// each published snapshot while somebody wants it.
 class LiveWarp {
  public:
-  /// Any thread. Of the simulation that goes on from here: the grid is laid anew around its bodies.
+  /// Any thread. Of the simulation that goes on from here: the grid is laid anew around its bodies, which it follows.
   void begin();
   /// @param wanted  somebody looks; else the simulator is not asked
   /// @param rim_mm  within it the displacement falls to nothing around the bodies
@@ -39,15 +40,17 @@ class LiveWarp {
   std::mutex mutex_;
   std::shared_ptr<const imaging::DisplacementGrid> newest_;
   // Of the simulation's thread:
-  imaging::VolumeGeometry grid_;
-  double gridRim_mm_ = -1.0;
+  imaging::FollowingGrid grid_;
   std::uint64_t gridSerial_ = 0;
   std::chrono::steady_clock::time_point last_{};
 };
 
-/// Around all bodies as they are now, with the rim and room to move; its step is half the finest spacing of a body, longer
-/// where that would be more than 96 points along an axis. Empty (size 0): there are none. [sim]
-[[nodiscard]] imaging::VolumeGeometry gridAround(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm);
+struct PresentBodies {
+  imaging::WorldBox box;   ///< around their skins
+  double spacing_mm = 0.0; ///< the finest
+};
+/// [sim]
+[[nodiscard]] PresentBodies presentBodies(const c3de_simulator_v0 *table, c3de_object *simulator);
 /// False where the simulator cannot say, or fails. [sim]
 [[nodiscard]] bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm,
                                     imaging::DisplacementGrid &grid);
