@@ -98,3 +98,40 @@ TEST_CASE("the rim of a displacement field falls to nothing within its width, an
   CHECK(whole >= 3);
   CHECK(falling >= 3);
 }
+
+TEST_CASE("where a body lies over itself the field leads to one of the places, not to their mean") {
+  const Evaluation evaluation = GENERATE(Evaluation::stressPoints, Evaluation::phyxels);
+  const auto made = body(evaluation);
+  // The upper half along y is put down over the lower one, turned by half a turn about z.
+  const double fold = 0.5 * (kMin[1] + kMax[1]), middle = 0.5 * (kMin[0] + kMax[0]);
+  const auto present = [&](const Vec3 &X) { return X[1] > fold ? Vec3(2.0 * middle - X[0], 2.0 * fold - X[1], X[2]) : X; };
+  for (std::size_t i = 0; i < made->rest().phyxelCount(); ++i) {
+    const Vec3 X = made->rest().origin + made->rest().positions[i];
+    made->state().displacements[i] = present(X) - X;
+  }
+  made->computeGradients(serialFor());
+  FieldGrid grid;
+  grid.size = {19, 16, 14};
+  grid.steps = 0.003 * Mat3::Identity();
+  grid.origin = kMin + Vec3(0.003, 0.0, 0.003);
+  DisplacementField field(grid);
+  field.add(*made);
+  std::vector<float> u(3 * grid.count());
+  field.write(0.0, u);
+  std::size_t checked = 0, turned = 0;
+  for (std::size_t p = 0; p < grid.count(); ++p) {
+    const Vec3 index(static_cast<double>(p % grid.size[0]), static_cast<double>(p / grid.size[0] % grid.size[1]),
+                     static_cast<double>(p / grid.size[0] / grid.size[1]));
+    const Vec3 x = grid.origin + grid.steps * index;
+    // Nearer to the tear cells span both halves.
+    if (x[1] > fold - 0.02) continue;
+    const Vec3 X = x - Vec3(u[3 * p], u[3 * p + 1], u[3 * p + 2]);
+    const Vec3 other(2.0 * middle - x[0], 2.0 * fold - x[1], x[2]);
+    CAPTURE(x.transpose(), X.transpose());
+    REQUIRE(std::min((X - x).norm(), (X - other).norm()) < 1e-7);
+    turned += (X - other).norm() < 1e-7 ? 1 : 0;
+    ++checked;
+  }
+  CHECK(checked > 500);
+  CHECK(turned < checked);
+}

@@ -81,11 +81,36 @@ void DisplacementField::add(const Body &body) {
           const double left = 1.0 - away.squaredNorm() * inverseSquare;
           if (!(left > 0.0)) continue;
           const double w = left * left;
-          row[i].head<3>() += w * (place - X - away);
-          row[i][3] += w;
+          addTo(static_cast<std::size_t>(row + i - sums_.data()), w, place - X - away, reach);
         }
       }
   }
+}
+
+void DisplacementField::addTo(std::size_t p, double w, const Vec3 &u, double reach) {
+  const auto agrees = [&](const Eigen::Vector4d &sum) {
+    const double part = reach * sum[3];
+    return (u * sum[3] - sum.head<3>()).squaredNorm() <= part * part;
+  };
+  const auto join = [&](Eigen::Vector4d &sum) {
+    sum.head<3>() += w * u;
+    sum[3] += w;
+  };
+  Eigen::Vector4d &first = sums_[p];
+  if (agrees(first)) return join(first);
+  std::vector<Eigen::Vector4d> &others = others_[p];
+  for (Eigen::Vector4d &sum : others)
+    if (agrees(sum)) return join(sum);
+  join(others.emplace_back(Eigen::Vector4d::Zero()));
+}
+
+Eigen::Vector4d DisplacementField::heaviest(std::size_t p) const {
+  Eigen::Vector4d most = sums_[p];
+  if (others_.empty()) return most;
+  if (const auto found = others_.find(p); found != others_.end())
+    for (const Eigen::Vector4d &sum : found->second)
+      if (sum[3] > most[3]) most = sum;
+  return most;
 }
 
 void DisplacementField::write(double rim, std::span<float> out) const {
@@ -93,11 +118,12 @@ void DisplacementField::write(double rim, std::span<float> out) const {
   std::vector<Vec3> u(n, Vec3::Zero());
   std::vector<std::int32_t> layer(n, -1);  // steps from the border; -1: not reached
   std::vector<std::size_t> front;
-  for (std::size_t p = 0; p < n; ++p)
-    if (sums_[p][3] > 1e-6) {
-      u[p] = sums_[p].head<3>() / sums_[p][3];
-      layer[p] = 0;
-    }
+  for (std::size_t p = 0; p < n; ++p) {
+    const Eigen::Vector4d sum = heaviest(p);
+    if (!(sum[3] > 1e-6)) continue;
+    u[p] = sum.head<3>() / sum[3];
+    layer[p] = 0;
+  }
   const double step = std::min({grid_.steps.col(0).norm(), grid_.steps.col(1).norm(), grid_.steps.col(2).norm()});
   const auto layers = static_cast<std::int32_t>(std::clamp(std::round(rim / step), 0.0, 4096.0));
   const std::array<std::size_t, 3> stride{1, grid_.size[0], grid_.size[0] * grid_.size[1]};

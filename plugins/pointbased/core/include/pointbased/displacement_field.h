@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <unordered_map>
+#include <vector>
 
 #include "pointbased/body.h"
 
@@ -23,6 +25,10 @@ struct FieldGrid {
 ///
 /// so affine motions are exact whatever the grid, and points within a spacing of an evaluation point (r = 1.1 spacings, in
 /// the material) belong to the body. Points that are inverted say nothing.
+///
+/// Where a body lies over itself, or two bodies over each other, the points lead to places in the material that are far from
+/// each other, and a mean of them would be tissue from nowhere. Only those within r of each other are averaged; of several
+/// such groups the one with the most weight is shown, which is the one that lies deepest at that place.
 class DisplacementField {
  public:
   explicit DisplacementField(FieldGrid grid);
@@ -35,9 +41,13 @@ class DisplacementField {
   void write(double rim, std::span<float> out) const;
 
  private:
+  void addTo(std::size_t p, double w, const Vec3 &u, double reach);
+  [[nodiscard]] Eigen::Vector4d heaviest(std::size_t p) const;
+
   FieldGrid grid_;
   Mat3 toIndex_;
   std::vector<Eigen::Vector4d> sums_;  // [points] Σ w u, Σ w
+  std::unordered_map<std::size_t, std::vector<Eigen::Vector4d>> others_;  // further groups, where points disagree
 };
 
 }  // namespace pointbased
