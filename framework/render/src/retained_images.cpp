@@ -163,4 +163,21 @@ std::vector<Vec3> sliceOutline(const GridPlace &place, const Vec3 &point, const 
   return points;
 }
 
+std::vector<Vec3> cutPolygon(std::vector<Vec3> corners, std::span<const CutPlane> cuts) {
+  constexpr double kInPlane_mm = 1e-3;
+  for (const CutPlane &cut : cuts) {
+    const double length = std::max(norm(cut.normal), 1e-12);
+    const auto beyond = [&](const Vec3 &p) { return dot(p - cut.point, cut.normal) / length - kInPlane_mm; };
+    std::vector<Vec3> kept;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vec3 &a = corners[i], &b = corners[(i + 1) % corners.size()];
+      const double da = beyond(a), db = beyond(b);
+      if (da <= 0.0) kept.push_back(a);
+      if ((da <= 0.0) != (db <= 0.0)) kept.push_back(a + (da / (da - db)) * (b - a));
+    }
+    corners = std::move(kept);
+  }
+  return corners;
+}
+
 }  // namespace c3de::render

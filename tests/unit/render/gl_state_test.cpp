@@ -1,43 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the renderer treats the context it shares with the user interface.
-#include <epoxy/gl.h>
-
 #include "gl_fixture.h"
+#include "gl_target.h"
 
 using namespace c3de;
 using namespace c3de::render;
 using namespace c3de::render::test;
 
 namespace {
-
-/// A framebuffer such as a window's, without multisampling.
-struct Target {
-  GLuint framebuffer = 0, colour = 0, depth = 0;
-  int width, height;
-  Target(int w, int h, GLenum format = GL_RGBA8) : width(w), height(h) {
-    glGenFramebuffers(1, &framebuffer);
-    glGenRenderbuffers(1, &colour);
-    glGenRenderbuffers(1, &depth);
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glBindRenderbuffer(GL_RENDERBUFFER, colour);
-    glRenderbufferStorage(GL_RENDERBUFFER, format, w, h);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour);
-    glBindRenderbuffer(GL_RENDERBUFFER, depth);
-    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, w, h);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth);
-  }
-  ~Target() {
-    glDeleteFramebuffers(1, &framebuffer);
-    glDeleteRenderbuffers(1, &colour);
-    glDeleteRenderbuffers(1, &depth);
-  }
-  /// From the lower left corner.
-  Rgb at(int x, int y) const {
-    std::uint8_t rgba[4] = {};
-    glReadPixels(x, y, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-    return {rgba[0], rgba[1], rgba[2]};
-  }
-};
 
 void fillScene(Renderer &r) {
   const Shape ball = blob(20, 30, 25, 0.1f);

@@ -164,14 +164,33 @@ void BlendedPass::upload() {
   uploadBuffer(GL_ARRAY_BUFFER, segmentBuffer_, std::span<const Segment>(orderedSegments_));
 }
 
-void BlendedPass::draw(const Frame &frame, const Programs &programs, RenderStatistics &statistics) {
+void BlendedPass::prepare(RenderStatistics &statistics) {
   statistics.sortedPrimitives = items_.size();
   if (items_.empty()) return;
   const auto start = std::chrono::steady_clock::now();
   order();
   statistics.sort_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   upload();
+}
 
+void BlendedPass::draw(const Frame &frame, const Programs &programs, RenderStatistics &statistics) {
+  if (items_.empty()) return;
+  glEnable(GL_BLEND);
+  glDepthMask(GL_FALSE);
+  drawRuns(frame, programs, statistics);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+}
+
+void BlendedPass::drawDepth(const Frame &frame, const Programs &programs, RenderStatistics &statistics) {
+  if (items_.empty()) return;
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  drawRuns(frame, programs, statistics);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void BlendedPass::drawRuns(const Frame &frame, const Programs &programs, RenderStatistics &statistics) {
+  const CutProxies cut(frame);
   // Everything is in view space already.
   const Mat4f identity = toFloat(kIdentity4);
   const Mat3f identity3 = normalMatrix(kIdentity4);
@@ -179,6 +198,7 @@ void BlendedPass::draw(const Frame &frame, const Programs &programs, RenderStati
     glUseProgram(program->name());
     glUniformMatrix4fv(shaders::kProjection, 1, GL_FALSE, frame.projectionF.data());
     glUniformMatrix4fv(shaders::kViewFromProxy, 1, GL_FALSE, identity.data());
+    setCuts(frame);
   }
   glUseProgram(programs.mesh.name());
   glUniformMatrix3fv(shaders::kNormalMatrix, 1, GL_FALSE, identity3.data());
@@ -192,8 +212,6 @@ void BlendedPass::draw(const Frame &frame, const Programs &programs, RenderStati
   glUniform2f(shaders::kViewportSize, static_cast<float>(frame.width), static_cast<float>(frame.height));
   glUniform1f(shaders::kNear, frame.nearPlane);
 
-  glEnable(GL_BLEND);
-  glDepthMask(GL_FALSE);
   for (const Run &run : runs_) {
     const auto count = static_cast<GLsizei>(run.count);
     switch (run.kind) {
@@ -216,8 +234,6 @@ void BlendedPass::draw(const Frame &frame, const Programs &programs, RenderStati
     }
     ++statistics.drawCalls;
   }
-  glDepthMask(GL_TRUE);
-  glDisable(GL_BLEND);
 }
 
 }  // namespace c3de::render

@@ -24,7 +24,12 @@ class BlendedPass {
   void begin();
   /// Takes over what is in front of the near plane, in view space.
   void add(Proxy &proxy, const Frame &frame);
+  /// After the last add(): orders and uploads, once for all draws of the frame.
+  void prepare(RenderStatistics &statistics);
+  [[nodiscard]] bool isEmpty() const { return items_.empty(); }
   void draw(const Frame &frame, const Programs &programs, RenderStatistics &statistics);
+  /// Only depth, and that of the nearest.
+  void drawDepth(const Frame &frame, const Programs &programs, RenderStatistics &statistics);
 
  private:
   struct MeshVertex {
@@ -51,6 +56,7 @@ class BlendedPass {
   void addSpheres(const Proxy &proxy, const Frame &frame);
   void addLines(const Proxy &proxy, const Frame &frame);
   void push(ProxyKind kind, std::size_t index, float depth);
+  void drawRuns(const Frame &frame, const Programs &programs, RenderStatistics &statistics);
   void order();
   void upload();
 

@@ -16,9 +16,11 @@ class GlImages final : public RetainedImages {
 
   /// The slices that stand in space, opaque.
   void drawOpaque(const Frame &frame);
-  /// What is cast by rays.
-  void drawVolume(const Camera &camera, const Frame &frame, const Viewport &viewport, std::uint64_t changesOfProxies,
-                  bool isFinal, const RayPass::DrawDepth &drawDepth);
+  /// What is cast by rays. True: what blends was drawn between its parts.
+  bool drawVolume(const Camera &camera, const Frame &frame, const Viewport &viewport, std::uint64_t changesOfProxies,
+                  bool isFinal, const RayPass::DrawDepth &drawDepth, LayerPass &layers);
+  /// Those of the scene, for everything the frame draws.
+  void setCuts(Frame &frame) const;
 
  private:
   Expected<void> uploadImage(ImageSlot &slot, const ImageVoxels &image, std::string *notice) override {

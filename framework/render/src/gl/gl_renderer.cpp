@@ -9,6 +9,7 @@
 #include "gl/gl_images.h"
 #include "gl/image_target.h"
 #include "gl/label_pass.h"
+#include "gl/layer_pass.h"
 #include "gl/opaque_pass.h"
 #include "gl/shaders.h"
 #include "retained_renderer.h"
@@ -65,7 +66,8 @@ class GlRenderer final : public RetainedRenderer {
   /// @param isFinal  a picture that is not drawn again: nothing is left coarse
   void draw(const Camera &camera, const Viewport &viewport, bool isFinal) {
     if (viewport.width <= 0 || viewport.height <= 0) return;
-    const Frame frame = makeFrame(camera, viewport);
+    Frame frame = makeFrame(camera, viewport);
+    images_.setCuts(frame);
     statistics_.drawCalls = statistics_.sortedPrimitives = statistics_.uploadedBytes = 0;
     statistics_.sort_ms = statistics_.upload_ms = 0.0;
     enterState(viewport);
@@ -82,21 +84,27 @@ class GlRenderer final : public RetainedRenderer {
         blended_.add(proxy, frame);
     });
     drawSolids(frame);
-    images_.drawVolume(camera, frame, viewport, changes_, isFinal, [this](const Frame &small) {
+    blended_.prepare(statistics_);
+    const auto drawDepth = [this](const Frame &small) {
       glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
       drawSolids(small);
       glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    });
-    blended_.draw(frame, programs_, statistics_);
+    };
+    // Surfaces that blend are drawn between the parts of the volume, where there is one.
+    if (!images_.drawVolume(camera, frame, viewport, changes_, isFinal, drawDepth, layers_))
+      blended_.draw(frame, programs_, statistics_);
     labels_.draw(frame, programs_, statistics_);
     leaveState();
   }
 
   void drawSolids(const Frame &frame) {
-    proxies_.forEach([&](Handle, Proxy &proxy) {
-      const bool isText = proxy.kind == ProxyKind::label || proxy.kind == ProxyKind::legend;
-      if (!proxy.isHidden() && !isText && !proxy.isTransparent()) drawOpaque(proxy, frame, programs_, statistics_);
-    });
+    {
+      const CutProxies cut(frame);
+      proxies_.forEach([&](Handle, Proxy &proxy) {
+        const bool isText = proxy.kind == ProxyKind::label || proxy.kind == ProxyKind::legend;
+        if (!proxy.isHidden() && !isText && !proxy.isTransparent()) drawOpaque(proxy, frame, programs_, statistics_);
+      });
+    }
     images_.drawOpaque(frame);
   }
 
@@ -131,7 +139,8 @@ class GlRenderer final : public RetainedRenderer {
     // Over; the last pair keeps the opacity of the framebuffer right as well.
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     for (const GLenum off : {GL_CULL_FACE, GL_BLEND, GL_STENCIL_TEST, GL_FRAMEBUFFER_SRGB, GL_SAMPLE_ALPHA_TO_COVERAGE,
-                             GL_POLYGON_OFFSET_FILL, GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP})
+                             GL_POLYGON_OFFSET_FILL, GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP,
+                             GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1, GL_CLIP_DISTANCE2})
       glDisable(off);
     glEnable(GL_MULTISAMPLE);
     glEnable(GL_DEPTH_TEST);
@@ -160,6 +169,7 @@ class GlRenderer final : public RetainedRenderer {
   Programs programs_;
   VertexArray backgroundArray_;
   BlendedPass blended_;
+  LayerPass layers_{blended_};
   LabelPass labels_;
   RenderStatistics statistics_;
   GlImages images_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shader texts of images. Positions are in the index spaces of the grids, found in double precision by whoever sets the
-// matrices. Variants are chosen by LABELLED, DISPLACED, SHIFT, MAXIMUM, SHADED, because a software renderer pays for both
-// sides of a branch.
+// matrices. Variants are chosen by LABELLED, DISPLACED, SHIFT, MAXIMUM, SHADED, LAYERED, because a software renderer pays for
+// both sides of a branch.
 #pragma once
 
 namespace c3de::render::shaders {
@@ -14,7 +14,8 @@ enum ImageUnit : unsigned {
   kShiftColourUnit = 4,
   kTransferUnit = 5,
   kDepthUnit = 6,
-  kImageUnits = 7
+  kLayerUnit = 7,  // and the next one
+  kImageUnits = 9
 };
 enum SliceUniform : int {
   kClipFromLocal = 0,
@@ -36,7 +37,25 @@ enum RayUniform : int {
   kStep = 5,
   kPixel = 6,
   kNearest = 7,
+  kRayCuts = 8,  // 3 of them
 };
+
+inline constexpr const char *kGridFunction = R"(
+bool isWithin(vec3 place, vec3 low, vec3 high) {
+  return all(greaterThanEqual(place, low)) && all(lessThanEqual(place, high));
+}
+)";
+
+/// What the stages of slices hand on: places in the index spaces of the grids. FLOW is in or out.
+inline constexpr const char *kSlicePlaces = R"(
+FLOW vec3 vImage;
+#ifdef LABELLED
+FLOW vec3 vLabel;
+#endif
+#ifdef DISPLACED
+FLOW vec3 vNode;
+#endif
+)";
 
 /// Where the material of a point was: u is given at whole nodes, 0 outside.
 inline constexpr const char *kDisplacementFunction = R"(
@@ -44,8 +63,7 @@ layout(binding = 3) uniform sampler3D uDisplacement;
 vec3 shiftAt(vec3 node) {
   vec3 count = vec3(textureSize(uDisplacement, 0));
   vec3 u = texture(uDisplacement, (node + 0.5) / count).xyz;
-  bool isInside = all(greaterThanEqual(node, vec3(0.0))) && all(lessThanEqual(node, count - 1.0));
-  return isInside ? u : vec3(0.0);
+  return isWithin(node, vec3(0.0), count - 1.0) ? u : vec3(0.0);
 }
 )";
 
@@ -55,13 +73,6 @@ layout(location = 0) uniform mat4 uClipFromLocal;
 layout(location = 1) uniform mat4 uImageFromLocal;
 layout(location = 2) uniform mat4 uLabelFromLocal;
 layout(location = 3) uniform mat4 uNodeFromLocal;
-out vec3 vImage;
-#ifdef LABELLED
-out vec3 vLabel;
-#endif
-#ifdef DISPLACED
-out vec3 vNode;
-#endif
 void main() {
   vec4 p = vec4(aPosition, 1.0);
   vImage = (uImageFromLocal * p).xyz;
@@ -85,13 +96,6 @@ layout(binding = 0) uniform sampler3D uImage;
 layout(binding = 1) uniform usampler3D uLabels;
 layout(binding = 2) uniform sampler2D uLabelColours;
 layout(binding = 4) uniform sampler2D uShiftColours;
-in vec3 vImage;
-#ifdef LABELLED
-in vec3 vLabel;
-#endif
-#ifdef DISPLACED
-in vec3 vNode;
-#endif
 out vec4 oColour;
 void main() {
   precise vec3 index = vImage;
@@ -101,7 +105,7 @@ void main() {
 #endif
   vec3 count = vec3(textureSize(uImage, 0));
   float texel = texture(uImage, (index + 0.5) / count).r;
-  bool isInside = all(greaterThanEqual(index, vec3(-0.5))) && all(lessThanEqual(index, count - 0.5));
+  bool isInside = isWithin(index, vec3(-0.5), count - 0.5);
   vec3 colour = vec3(isInside ? clamp(texel * uGrey.x + uGrey.y, 0.0, 1.0) : 0.0);
 #ifdef LABELLED
   vec3 label = vLabel;
@@ -111,7 +115,7 @@ void main() {
   ivec3 at = ivec3(floor(label + 0.5)), last = textureSize(uLabels, 0) - 1;
   uint value = texelFetch(uLabels, clamp(at, ivec3(0), last), 0).r;
   vec4 tint = texelFetch(uLabelColours, ivec2(value & 255u, value >> 8u), 0);
-  bool isLabelled = all(greaterThanEqual(at, ivec3(0))) && all(lessThanEqual(at, last));
+  bool isLabelled = isWithin(vec3(at), vec3(0.0), vec3(last));
   colour = mix(colour, tint.rgb, isLabelled ? tint.a * uLabelOpacity : 0.0);
 #endif
 #ifdef SHIFT
@@ -159,10 +163,18 @@ layout(location = 4) uniform vec2 uTransfer;  // texel to table (MAXIMUM: to gre
 layout(location = 5) uniform float uStep;     // mm
 layout(location = 6) uniform vec2 uPixel;     // ndc per pixel
 layout(location = 7) uniform float uNearest;
+layout(location = 8) uniform vec4 uCuts[3];   // planes in view space; their negative side is left out
 layout(binding = 0) uniform sampler3D uImage;
 layout(binding = 5) uniform sampler2D uTable;
 layout(binding = 6) uniform sampler2D uDepth;
-out vec4 oColour;
+layout(location = 0) out vec4 oColour;
+#ifdef LAYERED
+// Beside what is in front of all surfaces that blend: what lies behind the nearest, and behind the next one.
+layout(binding = 7) uniform sampler2D uNearestLayer;
+layout(binding = 8) uniform sampler2D uNextLayer;
+layout(location = 1) out vec4 oBehind;
+layout(location = 2) out vec4 oLast;
+#endif
 
 vec2 slab(vec3 origin, vec3 direction, vec3 low, vec3 high) {
   vec3 safe = mix(direction, vec3(1e-8), lessThan(abs(direction), vec3(1e-8)));
@@ -171,12 +183,16 @@ vec2 slab(vec3 origin, vec3 direction, vec3 low, vec3 high) {
   return vec2(max(max(enter.x, enter.y), enter.z), min(min(leave.x, leave.y), leave.z));
 }
 
+/// From the eye to what a depth buffer holds.
+float distanceOf(sampler2D depths, float slant) {
+  float depth = texelFetch(depths, ivec2(gl_FragCoord.xy), 0).r;
+  return depth >= 1.0 ? 1e30 : slant * uLens.w / (2.0 * depth - 1.0 + uLens.z);
+}
+
 void main() {
   precise vec3 direction = vec3((gl_FragCoord.xy * uPixel - 1.0) * uLens.xy, -1.0);
   float slant = length(direction);
   direction /= slant;
-  float depth = texelFetch(uDepth, ivec2(gl_FragCoord.xy), 0).r;
-  float wall = depth >= 1.0 ? 1e30 : slant * uLens.w / (2.0 * depth - 1.0 + uLens.z);
 
   vec3 count = vec3(textureSize(uImage, 0));
   precise vec3 origin = uImageFromView[3].xyz, along = mat3(uImageFromView) * direction;
@@ -186,8 +202,18 @@ void main() {
   vec2 grid = slab(nodeOrigin, nodeAlong, vec3(0.0), vec3(textureSize(uDisplacement, 0) - 1));
   if (grid.x < grid.y) range = range.x < range.y ? vec2(min(range.x, grid.x), max(range.y, grid.y)) : grid;
 #endif
-  range = vec2(max(range.x, uNearest * slant), min(range.y, wall));
+  range = vec2(max(range.x, uNearest * slant), min(range.y, distanceOf(uDepth, slant)));
+  for (int i = 0; i < 3; ++i) {
+    float along_ = dot(uCuts[i].xyz, direction), from = uCuts[i].w;
+    if (along_ > 0.0) range.x = max(range.x, -from / along_);
+    else if (along_ < 0.0) range.y = min(range.y, -from / along_);
+    else if (from < 0.0) range.y = range.x;
+  }
   oColour = vec4(0.0);
+#ifdef LAYERED
+  oBehind = oLast = vec4(0.0);
+  float nearest = distanceOf(uNearestLayer, slant), next = distanceOf(uNextLayer, slant);
+#endif
   if (!(range.x < range.y)) return;
 
   precise vec3 textureOrigin = (origin + 0.5) / count, textureAlong = along / count;
@@ -199,25 +225,44 @@ void main() {
   float number = ceil(range.x / uStep - jitter);
   precise float t = (number + jitter) * uStep;
 #ifdef MAXIMUM
-  float most = -1e30;
+  vec3 most = vec3(-1e30);  // in front of the surfaces that blend, behind the nearest, behind the next
   while (t < range.y) {
     precise vec3 p = textureOrigin + t * textureAlong;
 #ifdef DISPLACED
     p -= uTextureFromShift * shiftAt(nodeOrigin + t * nodeAlong);
 #endif
-    bool isInside = all(greaterThanEqual(p, vec3(0.0))) && all(lessThanEqual(p, vec3(1.0)));
-    most = max(most, isInside ? texture(uImage, p).r : -1e30);
+    float texel = isWithin(p, vec3(0.0), vec3(1.0)) ? texture(uImage, p).r : -1e30;
+#ifdef LAYERED
+    most = max(most, mix(vec3(-1e30), vec3(texel), vec3(t < nearest, t >= nearest && t < next, t >= next)));
+#else
+    most.x = max(most.x, texel);
+#endif
     t = (++number + jitter) * uStep;
   }
-  float grey = most > -1e29 ? clamp(most * uTransfer.x + uTransfer.y, 0.0, 1.0) : 0.0;
-  oColour = vec4(grey);
+  vec3 grey = mix(vec3(0.0), clamp(most * uTransfer.x + uTransfer.y, 0.0, 1.0), greaterThan(most, vec3(-1e29)));
+  oColour = vec4(grey.x);
+#ifdef LAYERED
+  // Laid over each other, with nothing between them, the parts give the maximum of all.
+  float two = max(grey.x, grey.y);
+  oBehind = vec4((two - grey.x) / max(1.0 - grey.x, 1e-6));
+  oLast = vec4((max(two, grey.z) - two) / max(1.0 - two, 1e-6));
+#endif
 #else
   vec4 sum = vec4(0.0);
+#ifdef LAYERED
+  vec4 behind = vec4(0.0), last = vec4(0.0);
+  float place = 0.0;
+#endif
 #ifdef SHADED
   vec3 voxel = 1.0 / count;
   mat3 viewFromGradient = transpose(mat3(uImageFromView));
 #endif
-  while (t < range.y && sum.a < 0.98) {
+#ifdef LAYERED
+#define HIDDEN (1.0 - (1.0 - sum.a) * (1.0 - behind.a) * (1.0 - last.a))
+#else
+#define HIDDEN sum.a
+#endif
+  while (t < range.y && HIDDEN < 0.98) {
     precise vec3 p = vec3(0.0);
     vec4 colour = vec4(0.0);
     // Not do … while: Mesa 22 then loses samples of some rays.
@@ -226,9 +271,11 @@ void main() {
 #ifdef DISPLACED
       p -= uTextureFromShift * shiftAt(nodeOrigin + t * nodeAlong);
 #endif
-      bool isInside = all(greaterThanEqual(p, vec3(0.0))) && all(lessThanEqual(p, vec3(1.0)));
       colour = texture(uTable, vec2(texture(uImage, p).r * uTransfer.x + uTransfer.y, 0.5));
-      colour.a = isInside ? colour.a : 0.0;
+      colour.a = isWithin(p, vec3(0.0), vec3(1.0)) ? colour.a : 0.0;
+#ifdef LAYERED
+      place = t;
+#endif
       t = (++number + jitter) * uStep;
     }
 #ifdef SHADED
@@ -243,9 +290,20 @@ void main() {
     float shine = size > 1e-12 ? pow(abs(dot(normal, half_)) / size, 24.0) : 0.0;
     colour.rgb = colour.rgb * (0.28 + 0.72 * facing) + vec3(0.14 * shine);
 #endif
-    sum += (1.0 - sum.a) * colour.a * vec4(min(colour.rgb, vec3(1.0)), 1.0);
+    vec4 one = colour.a * vec4(min(colour.rgb, vec3(1.0)), 1.0);
+#ifdef LAYERED
+    sum += place < nearest ? (1.0 - sum.a) * one : vec4(0.0);
+    behind += place >= nearest && place < next ? (1.0 - behind.a) * one : vec4(0.0);
+    last += place >= next ? (1.0 - last.a) * one : vec4(0.0);
+#else
+    sum += (1.0 - sum.a) * one;
+#endif
   }
   oColour = sum;
+#ifdef LAYERED
+  oBehind = behind;
+  oLast = last;
+#endif
 #endif
 }
 )";

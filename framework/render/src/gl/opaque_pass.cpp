@@ -113,6 +113,7 @@ void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, Rend
   glUseProgram(program.name());
   glUniformMatrix4fv(shaders::kProjection, 1, GL_FALSE, frame.projectionF.data());
   glUniformMatrix4fv(shaders::kViewFromProxy, 1, GL_FALSE, viewFromProxyF.data());
+  setCuts(frame);
 
   const bool hasColours = !proxy.colours.empty();
   useArray(shaders::kColour, hasColours);

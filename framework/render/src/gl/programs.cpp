@@ -6,9 +6,10 @@
 
 namespace c3de::render {
 
-Expected<Programs> buildPrograms() {
+Expected<Programs> buildPrograms(bool arePeeled) {
   using namespace shaders;
   using Texts = std::vector<const char *>;
+  const char *peeled = arePeeled ? "#define PEELED\n" : "";
   struct Recipe {
     Program Programs::*member;
     const char *name;
@@ -16,11 +17,11 @@ Expected<Programs> buildPrograms() {
   };
   const Recipe recipes[] = {
       {&Programs::background, "background", {kHead, kBackgroundVertex}, {kHead, kBackgroundFragment}},
-      {&Programs::mesh, "mesh", {kHead, kColourFunctions, kMeshVertex},
-       {kHead, kColourFunctions, kShadeFunctions, kMeshFragment}},
-      {&Programs::sphere, "sphere", {kHead, kColourFunctions, kSphereVertex},
-       {kHead, kColourFunctions, kShadeFunctions, kSphereFragment}},
-      {&Programs::line, "line", {kHead, kLineVertex}, {kHead, kLineFragment}},
+      {&Programs::mesh, "mesh", {kHead, kColourFunctions, kCutFunction, kMeshVertex},
+       {kHead, peeled, kPeelFunction, kColourFunctions, kShadeFunctions, kMeshFragment}},
+      {&Programs::sphere, "sphere", {kHead, kColourFunctions, kCutFunction, kSphereVertex},
+       {kHead, peeled, kPeelFunction, kColourFunctions, kShadeFunctions, kSphereFragment}},
+      {&Programs::line, "line", {kHead, kCutFunction, kLineVertex}, {kHead, peeled, kPeelFunction, kLineFragment}},
       {&Programs::label, "label", {kHead, kLabelVertex}, {kHead, kLabelFragment}}};
   Programs programs;
   for (const Recipe &recipe : recipes) {
@@ -29,6 +30,12 @@ Expected<Programs> buildPrograms() {
     programs.*recipe.member = std::move(*program);
   }
   return programs;
+}
+
+void setCuts(const Frame &frame) {
+  // Written distances cut on some drivers although they are switched off.
+  const Cuts &cuts = frame.cutsProxies ? frame.cuts : kNoCuts;
+  glUniform4fv(shaders::kCuts, static_cast<GLsizei>(cuts.size()), cuts[0].data());
 }
 
 }  // namespace c3de::render

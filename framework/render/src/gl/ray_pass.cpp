@@ -7,12 +7,13 @@
 
 #include "c3de/core/log.h"
 #include "gl/image_shaders.h"
+#include "gl/kept_target.h"
 #include "gl/shaders.h"
 
 namespace c3de::render {
 namespace {
 
-constexpr unsigned kDisplaced = 1, kMaximum = 2, kShaded = 4;
+constexpr unsigned kDisplaced = 1, kMaximum = 2, kShaded = 4, kLayered = 8;
 constexpr std::size_t kTableSize = 1024;
 constexpr double kBand_ms = 30.0;  // of refinement in one frame: the window stays quick
 
@@ -52,28 +53,6 @@ void makeTexture(const Texture &texture, GLenum internal, GLenum format, GLenum 
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 
-/// The framebuffer, viewport and scissor of the caller come back.
-class KeptTarget {
- public:
-  KeptTarget() {
-    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_);
-    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_);
-    glGetIntegerv(GL_VIEWPORT, viewport_);
-    glGetIntegerv(GL_SCISSOR_BOX, scissor_);
-  }
-  ~KeptTarget() {
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_));
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_));
-    glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
-    glScissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
-  }
-  KeptTarget(const KeptTarget &) = delete;
-  KeptTarget &operator=(const KeptTarget &) = delete;
-
- private:
-  GLint draw_ = 0, read_ = 0, viewport_[4] = {}, scissor_[4] = {};
-};
-
 }  // namespace
 
 const Program *RayPass::programFor(unsigned variant, RenderStatistics &statistics) {
@@ -84,6 +63,8 @@ const Program *RayPass::programFor(unsigned variant, RenderStatistics &statistic
     if (variant & kDisplaced) fragment.push_back("#define DISPLACED\n");
     if (variant & kMaximum) fragment.push_back("#define MAXIMUM\n");
     if (variant & kShaded) fragment.push_back("#define SHADED\n");
+    if (variant & kLayered) fragment.push_back("#define LAYERED\n");
+    fragment.push_back(kGridFunction);
     if (variant & kDisplaced) fragment.push_back(kDisplacementFunction);
     fragment.push_back(kRayFragment);
     auto built = buildProgram("volume", std::vector<const char *>{kHead, kFullVertex}, fragment);
@@ -105,7 +86,8 @@ void RayPass::buildTable(const VolumeLook &look, double step_mm) {
   uploadColourRow(table_, table);
 }
 
-std::optional<RayPass::Picture> RayPass::begin(const Frame &frame, int divisor, const DrawDepth &drawDepth) {
+std::optional<RayPass::Picture> RayPass::begin(const Frame &frame, int divisor, const DrawDepth &drawDepth, LayerPass &layers,
+                                               RenderStatistics &statistics) {
   Picture picture;
   picture.divisor = divisor;
   picture.width = std::max(1, (frame.width + divisor - 1) / divisor);
@@ -131,6 +113,18 @@ std::optional<RayPass::Picture> RayPass::begin(const Frame &frame, int divisor, 
 
   glBindFramebuffer(GL_FRAMEBUFFER, picture.colourBuffer.name());
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, picture.colour.name(), 0);
+  if (!layers.isEmpty()) {
+    if (!layers.find(picture.layers.emplace(), small, 0, 0, statistics)) picture.layers.reset();
+    glActiveTexture(GL_TEXTURE0);
+    std::array<GLenum, kLayers + 1> targets{GL_COLOR_ATTACHMENT0};
+    for (std::size_t n = 0; n < kLayers && picture.layers; ++n) {
+      targets[n + 1] = GL_COLOR_ATTACHMENT1 + static_cast<GLenum>(n);
+      makeTexture(picture.behind[n].emplace(Texture::create()), GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, picture.width,
+                  picture.height, GL_LINEAR);
+      glFramebufferTexture2D(GL_FRAMEBUFFER, targets[n + 1], GL_TEXTURE_2D, picture.behind[n]->name(), 0);
+    }
+    if (picture.layers) glDrawBuffers(static_cast<GLsizei>(targets.size()), targets.data());
+  }
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) return std::nullopt;
   return picture;
 }
@@ -139,7 +133,7 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
                        RenderStatistics &statistics) {
   const VolumeLook &look = scene.volume;
   const unsigned variant = (parts.displacement ? kDisplaced : 0) |
-                           (look.isMaximum ? kMaximum : look.isShaded ? kShaded : 0);
+                           (look.isMaximum ? kMaximum : look.isShaded ? kShaded : 0) | (picture.layers ? kLayered : 0);
   const Program *program = programFor(variant, statistics);
   rows = std::min(rows, picture.height - picture.rows);
   const int first = picture.rows;
@@ -182,9 +176,11 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
   glUniform1f(kStep, static_cast<float>(step_mm));
   glUniform2f(kPixel, 2.0f / static_cast<float>(picture.width), 2.0f / static_cast<float>(picture.height));
   glUniform1f(kNearest, frame.nearPlane);
+  glUniform4fv(kRayCuts, static_cast<GLsizei>(frame.cuts.size()), frame.cuts[0].data());
   bindImageTextures(parts, true);
   bindTexture(kTransferUnit, GL_TEXTURE_2D, table_.name());
   bindTexture(kDepthUnit, GL_TEXTURE_2D, picture.depth.name());
+  for (GLuint n = 0; n < kLayers && picture.layers; ++n) bindTexture(kLayerUnit + n, GL_TEXTURE_2D, picture.layers->texture(n));
 
   const KeptTarget kept;
   glBindFramebuffer(GL_FRAMEBUFFER, picture.colourBuffer.name());
@@ -199,7 +195,20 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
   unbindImageTextures();
 }
 
-void RayPass::composite(const Picture &picture, const Frame &frame, int x, int y, RenderStatistics &statistics) {
+bool RayPass::composite(const Picture &picture, const Frame &frame, int x, int y, LayerPass &layers,
+                        RenderStatistics &statistics) {
+  const bool isLayered = picture.layers && layers.find(layers_, frame, x, y, statistics);
+  // From the farthest: the last part of the volume, the surface before it, the part before that …
+  if (isLayered) layers.draw(layers_, kLayers, frame, statistics);
+  for (std::size_t n = kLayers; n-- > 0;) {
+    if (picture.behind[n]) layOver(*picture.behind[n], frame, x, y, statistics);
+    if (isLayered) layers.draw(layers_, n, frame, statistics);
+  }
+  layOver(picture.colour, frame, x, y, statistics);
+  return isLayered;
+}
+
+void RayPass::layOver(const Texture &part, const Frame &frame, int x, int y, RenderStatistics &statistics) {
   if (!composite_) {
     auto built = buildProgram("volume picture", std::vector<const char *>{shaders::kHead, shaders::kFullVertex},
                               std::vector<const char *>{shaders::kHead, shaders::kCompositeFragment});
@@ -211,7 +220,7 @@ void RayPass::composite(const Picture &picture, const Frame &frame, int x, int y
   glUseProgram(composite_->name());
   glUniform4f(0, static_cast<float>(x), static_cast<float>(y), 1.0f / static_cast<float>(frame.width),
               1.0f / static_cast<float>(frame.height));
-  bindTexture(0, GL_TEXTURE_2D, picture.colour.name());
+  bindTexture(0, GL_TEXTURE_2D, part.name());
   glBindSampler(0, 0);
   glDisable(GL_DEPTH_TEST);
   glEnable(GL_BLEND);
@@ -225,25 +234,27 @@ void RayPass::composite(const Picture &picture, const Frame &frame, int x, int y
   ++statistics.drawCalls;
 }
 
-void RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKey &key, const Frame &frame, int x, int y,
-                   bool isFinal, const DrawDepth &drawDepth, RenderStatistics &statistics) {
-  if (!scene.volume.isMaximum && scene.volume.points.size() < 2) return forget();
+bool RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKey &key, const Frame &frame, int x, int y,
+                   bool isFinal, const DrawDepth &drawDepth, LayerPass &layers, RenderStatistics &statistics) {
+  if (!scene.volume.isMaximum && scene.volume.points.size() < 2) {
+    forget();
+    return false;
+  }
   if (isFinal) {
-    if (auto picture = begin(frame, 1, drawDepth)) {
-      castRows(*picture, parts, scene, frame, picture->height, statistics);
-      composite(*picture, frame, x, y, statistics);
-    }
-    return;
+    auto picture = begin(frame, 1, drawDepth, layers, statistics);
+    if (!picture) return false;
+    castRows(*picture, parts, scene, frame, picture->height, statistics);
+    return composite(*picture, frame, x, y, layers, statistics);
   }
   if (!key_ || !(*key_ == key) || !shown_) {
     key_ = key;
     next_.reset();
     isAsFineAsCanBe_ = false;
-    shown_ = begin(frame, scene.movingDivisor, drawDepth);
+    shown_ = begin(frame, scene.movingDivisor, drawDepth, layers, statistics);
     if (shown_) castRows(*shown_, parts, scene, frame, shown_->height, statistics);
   } else if (!isRefined()) {
     if (!next_) {
-      next_ = begin(frame, shown_->divisor > 2 ? 2 : 1, drawDepth);
+      next_ = begin(frame, shown_->divisor > 2 ? 2 : 1, drawDepth, layers, statistics);
       bandRows_ = std::max(4, bandRows_ / 8);  // longer rows of shorter steps than what was measured
     }
     isAsFineAsCanBe_ = !next_;
@@ -265,7 +276,7 @@ void RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKe
       }
     }
   }
-  if (shown_) composite(*shown_, frame, x, y, statistics);
+  return shown_ && composite(*shown_, frame, x, y, layers, statistics);
 }
 
 }  // namespace c3de::render

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Volume rendering into a picture of its own: coarse while something changes, then finer in bands that take some
-// milliseconds each, until there is a ray for every pixel. The picture is laid over what is opaque; its rays end there.
+// milliseconds each, until there is a ray for every pixel. The picture is laid over what is opaque; its rays end there. It
+// has parts that surfaces that blend are drawn between.
 #pragma once
 
 #include <functional>
 #include <optional>
 
+#include "gl/layer_pass.h"
 #include "gl/slice_pass.h"
 
 namespace c3de::render {
@@ -25,8 +27,9 @@ class RayPass {
 
   /// Over the bound framebuffer, whose viewport is that of the frame and begins at (x, y).
   /// @param isFinal  a ray for every pixel at once
-  void draw(const ImageParts &parts, const ImageScene &scene, const RayKey &key, const Frame &frame, int x, int y,
-            bool isFinal, const DrawDepth &drawDepth, RenderStatistics &statistics);
+  /// @return whether what blends was drawn too
+  bool draw(const ImageParts &parts, const ImageScene &scene, const RayKey &key, const Frame &frame, int x, int y,
+            bool isFinal, const DrawDepth &drawDepth, LayerPass &layers, RenderStatistics &statistics);
   [[nodiscard]] bool isRefined() const { return !shown_ || isAsFineAsCanBe_ || (shown_->divisor == 1 && !next_); }
   /// Nothing is shown any more.
   void forget() {
@@ -41,19 +44,26 @@ class RayPass {
     int rows = 0;  ///< that are done, from below
     Texture colour = Texture::create(), depth = Texture::create();
     Framebuffer colourBuffer = Framebuffer::create(), depthBuffer = Framebuffer::create();
+    /// Where surfaces blend: behind the nearest of them, behind the next one.
+    std::array<std::optional<Texture>, kLayers> behind;
+    std::optional<LayerDepths> layers;
   };
-  [[nodiscard]] std::optional<Picture> begin(const Frame &frame, int divisor, const DrawDepth &drawDepth);
+  [[nodiscard]] std::optional<Picture> begin(const Frame &frame, int divisor, const DrawDepth &drawDepth, LayerPass &layers,
+                                             RenderStatistics &statistics);
   void castRows(Picture &picture, const ImageParts &parts, const ImageScene &scene, const Frame &frame, int rows,
                 RenderStatistics &statistics);
-  void composite(const Picture &picture, const Frame &frame, int x, int y, RenderStatistics &statistics);
+  /// With what blends between the parts; false: that is left to others.
+  bool composite(const Picture &picture, const Frame &frame, int x, int y, LayerPass &layers, RenderStatistics &statistics);
+  void layOver(const Texture &part, const Frame &frame, int x, int y, RenderStatistics &statistics);
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
   void buildTable(const VolumeLook &look, double step_mm);
 
-  std::array<std::optional<Program>, 8> programs_;
+  std::array<std::optional<Program>, 16> programs_;
   std::optional<Program> composite_;
   Texture table_ = Texture::create();
   VertexArray array_ = VertexArray::create();
   std::optional<Picture> shown_, next_;
+  LayerDepths layers_;  ///< of the window's pixels
   std::optional<RayKey> key_;
   bool isAsFineAsCanBe_ = false;  ///< there was no memory for a finer picture
   int bandRows_ = 16;

@@ -27,6 +27,7 @@ enum Uniform : int {
   kViewportSize = 2,  // lines, labels
   kNear = 3,          // lines
   kAtlas = 3,         // labels
+  kCuts = 5,          // meshes, spheres, lines: 3 of them
   kTopColour = 0,     // background
   kBottomColour = 1   // background
 };
@@ -65,6 +66,31 @@ vec3 shade(vec3 n, vec3 v, vec3 albedo) {
 }
 )";
 
+/// What lies on the negative side of a plane is not drawn.
+inline constexpr const char *kCutFunction = R"(
+layout(location = 5) uniform vec4 uCuts[3];
+out float gl_ClipDistance[3];
+void cut(vec3 place) {
+  for (int i = 0; i < 3; ++i) gl_ClipDistance[i] = dot(uCuts[i], vec4(place, 1.0));
+}
+)";
+
+/// Surfaces that blend, taken apart by depth where PEELED: only what lies behind the nearer and not behind the farther
+/// depth is drawn. The depths come from the same vertices, so that they agree but for some units of the last place.
+inline constexpr const char *kPeelFunction = R"(
+#ifdef PEELED
+layout(binding = 0) uniform sampler2D uNearer;
+layout(binding = 1) uniform sampler2D uFarther;
+float depthIn(sampler2D depths) { return texelFetch(depths, min(ivec2(gl_FragCoord.xy), textureSize(depths, 0) - 1), 0).r; }
+void peel(float depth, float alpha) {
+  const float kSame = 4e-7;
+  if (alpha <= 0.0 || depth <= depthIn(uNearer) + kSame || depth > depthIn(uFarther) + kSame) discard;
+}
+#else
+void peel(float depth, float alpha) {}
+#endif
+)";
+
 inline constexpr const char *kBackgroundVertex = R"(
 out float vHeight;
 void main() {
@@ -99,6 +125,7 @@ void main() {
   vPosition = p.xyz;
   vNormal = nn > 0.0 ? n * inversesqrt(nn) : vec3(0.0, 0.0, 1.0);
   vColour = vec4(toLinear(aColour.rgb), aColour.a);
+  cut(p.xyz);
   gl_Position = uProjection * p;
 }
 )";
@@ -119,11 +146,13 @@ void main() {
     float facing = clamp(dot(n, v), 0.35, 1.0);
     alpha = 1.0 - pow(1.0 - clamp(vColour.a, 0.0, 1.0), 1.0 / facing);
   }
+  peel(gl_FragCoord.z, alpha);
   oColour = vec4(toSrgb(shade(n, v, vColour.rgb)), alpha);
 }
 )";
 
-// A sphere is drawn as a square that just holds its silhouette; the fragment finds the exact point of the sphere.
+// A sphere is drawn as a square that just holds its silhouette; the fragment finds the exact point of the sphere. Cuts
+// take or leave it as a whole.
 inline constexpr const char *kSphereVertex = R"(
 layout(location = 0) in vec3 aCentre;
 layout(location = 2) in vec4 aColour;
@@ -143,6 +172,7 @@ void main() {
   vCentre = c;
   vRadius = r;
   vColour = vec4(toLinear(aColour.rgb), aColour.a);
+  cut(c);
   if (!(d > r * 1.0001) || !(r > 0.0)) {  // no size, or the eye is inside: nothing to see
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     return;
@@ -180,6 +210,7 @@ void main() {
   float depth = (uProjection[2][2] * p.z + uProjection[3][2]) / -p.z;
   gl_FragDepth = clamp(0.5 + 0.5 * depth, 0.0, 1.0);
   float alpha = uBlended != 0 ? clamp(vColour.a, 0.0, 1.0) : 1.0;
+  peel(gl_FragDepth, alpha);
   oColour = vec4(toSrgb(shade(normalize(n), -d, vColour.rgb)), alpha * coverage);
 }
 )";
@@ -201,6 +232,7 @@ void main() {
   vec3 b = (uViewFromProxy * vec4(aEnd, 1.0)).xyz;
   bool atEnd = (gl_VertexID & 1) != 0;
   vColour = atEnd ? aEndColour : aStartColour;
+  cut(atEnd ? b : a);
   float limit = -1.002 * uNear;  // a point behind the eye has no pixel: cut the segment in front of the near plane
   if (!(min(a.z, b.z) < limit)) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
@@ -224,7 +256,10 @@ void main() {
 inline constexpr const char *kLineFragment = R"(
 in vec4 vColour;
 out vec4 oColour;
-void main() { oColour = vColour; }
+void main() {
+  peel(gl_FragCoord.z, vColour.a);
+  oColour = vColour;
+}
 )";
 
 // Pixels from the lower left corner of the viewport; the atlas holds the glyph in red and its dilated shape in green.

@@ -66,7 +66,8 @@ const Program *SlicePass::programFor(unsigned variant, RenderStatistics &statist
       if (variant & kDisplaced) texts->push_back("#define DISPLACED\n");
       if (variant & kShifted) texts->push_back("#define SHIFT\n");
     }
-    vertex.push_back(kSliceVertex);
+    vertex.insert(vertex.end(), {"#define FLOW out\n", kSlicePlaces, kSliceVertex});
+    fragment.insert(fragment.end(), {"#define FLOW in\n", kSlicePlaces, kGridFunction});
     if (variant & kDisplaced) fragment.push_back(kDisplacementFunction);
     fragment.push_back(kSliceFragment);
     auto built = buildProgram("slice", vertex, fragment);

@@ -70,12 +70,20 @@ struct VolumeLook {
   friend bool operator==(const VolumeLook &, const VolumeLook &) = default;
 };
 
+/// Half of space that is left out: what lies beyond the plane, where its normal points.
+struct CutPlane {
+  Vec3 point{}, normal{0, 0, 1};  ///< mm; any length
+  friend bool operator==(const CutPlane &, const CutPlane &) = default;
+};
+
 /// What is shown of images in space, beside the proxies of the renderer.
 struct ImageScene {
   ImageLook look;
   std::vector<SliceInSpace> slices;
   bool showsVolume = false;
   VolumeLook volume;
+  std::vector<CutPlane> cuts;  ///< 3 at most count; of volume and slices, but not of a slice that lies in a plane of them
+  bool cutsProxies = false;    ///< and of the proxies: meshes and lines to the plane, spheres as wholes
   int movingDivisor = 4;  ///< a ray for so many pixels in each direction while something changes; at least 1
   friend bool operator==(const ImageScene &, const ImageScene &) = default;
 };
@@ -117,5 +125,7 @@ class ImageRenderer {
 /// The corners of the polygon in which a plane cuts the box of an image (half a voxel around the outermost centres), in
 /// order; fewer than 3: it does not.
 [[nodiscard]] std::vector<Vec3> sliceOutline(const GridPlace &place, const Vec3 &point, const Vec3 &normal);
+/// What the planes leave of a convex polygon; what lies in a plane stays.
+[[nodiscard]] std::vector<Vec3> cutPolygon(std::vector<Vec3> corners, std::span<const CutPlane> cuts);
 
 }  // namespace c3de::render
