@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a frame of four views of an image costs: slices, slices that are warped, volume rendering at its moving
 // resolution and at rest. The drawing alone, into a framebuffer of the size of a window's views at 1280 x 800.
+//
+//   bench_images                 phantoms of two sizes
+//   bench_images --scene FILE    a scene with an [image] while it plays; "default": the one the program starts with
 #include <epoxy/gl.h>
 
 #include <cmath>
@@ -12,13 +15,15 @@
 #include "bench/timing.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/render/renderer.h"
+#include "images_scene.h"
+#include "resources.h"
 
 namespace {
 
 using namespace c3de;
 using namespace c3de::render;
 
-constexpr int kPaneWidth = 457, kPaneHeight = 357;
+using bench::kPaneHeight, bench::kPaneWidth;
 
 /// A head-like blob with noise, -1000 … 1500 as of computed tomography.
 std::vector<std::int16_t> voxelsOf(const std::array<std::size_t, 3> &size) {
@@ -64,6 +69,8 @@ struct Cost {
 int main(int argc, char **argv) {
   bench::CommandLine line("bench_images");
   line.defaults.seconds = 2.0;
+  std::string scenePath;
+  line.add("--scene", "FILE|default", [&](const std::string &text) { scenePath = text; });
   if (const auto code = line.parse(argc, argv)) return *code;
   auto context = OffscreenContext::create();
   if (!context) {
@@ -80,6 +87,15 @@ int main(int argc, char **argv) {
   const Target target;
   bench::Report report(line.name(), line.options());
   report.fact("graphics", renderer.description());
+  if (!scenePath.empty()) {
+    auto file = scenePath == "default" ? app::findResource("scenes/brain_shift.toml") : Expected<std::filesystem::path>(scenePath);
+    const Expected<void> done = file ? bench::measureScene(renderer, *file, line.options(), report) : tl::unexpected(file.error());
+    if (!done) {
+      std::fprintf(stderr, "bench_images: %s\n", done.error().message.c_str());
+      return 1;
+    }
+    return report.write();
+  }
   report.table("frames", {{"image", "image", 0}, {"what", "what is drawn", 0}, {"wall_ms", "ms", 2}, {"processor_ms", "CPU ms", 2}});
 
   for (const std::array<std::size_t, 3> &size : {std::array<std::size_t, 3>{181, 217, 181}, {512, 512, 200}}) {

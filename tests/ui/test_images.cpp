@@ -224,6 +224,47 @@ TEST_CASE("volume rendering, presets and labels are chosen in the panel", "[imag
   for (const Json &n : window.state()["notifications"]) CHECK(n["severity"] == "info");  // where the names come from
 }
 
+TEST_CASE("the 3D view is cut at the slices by panel, menu and keys", "[image_cut]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_cut");
+  startOn(window, {imageFile("image_cut").string()});
+  window.click("image/volume");
+  window.waitForValue("image/volume", "true");
+  window.click("image/volume_preset");
+  window.click("image/volume_preset.option.CT soft tissue");
+  window.moveTo(inPane(window, "3D", 0.9, 0.9));
+  const auto settled = [&](const char *name) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // until it is refined
+    window.screenshot(name);
+  };
+  settled("whole");
+  window.key("shift+c");
+  window.waitForValue("image/cut_coronal", "without the front");
+  settled("without_front");
+  CHECK(window.differingPixels("whole", "without_front") > 500);
+  window.key("shift+c");
+  window.waitForValue("image/cut_coronal", "without the back");
+  settled("without_back");
+  CHECK(window.differingPixels("without_front", "without_back") > 500);
+  window.key("shift+c");
+  window.waitForValue("image/cut_coronal", "whole");
+  window.click("menu/view");
+  window.click("menu/view.cut_axial");
+  window.waitForValue("image/cut_axial", "without what is above");
+  window.click("image/cut_sagittal");
+  window.click("image/cut_sagittal.option.without the left");
+  window.waitForValue("image/cut_sagittal", "without the left");
+  window.moveTo(inPane(window, "3D", 0.9, 0.9));
+  settled("corner");
+  CHECK(window.differingPixels("whole", "corner") > 500);
+  // The cut follows the slice.
+  window.moveTo(inPane(window, "axial", 0.5, 0.5));
+  window.wheel(-5);
+  window.moveTo(inPane(window, "3D", 0.9, 0.9));
+  settled("lower");
+  CHECK(window.differingPixels("corner", "lower") > 500);
+}
+
 TEST_CASE("a file that cannot be read leads to a message, and the image stays", "[image_bad_file]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("image_bad_file");
@@ -304,6 +345,48 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
   window.screenshot("flown");
   CHECK(window.differingPixels("rest", "flown") > 500);
   window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the key is the slice's
+  window.key("r");
+  window.waitUntil("it is back", [&](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0; });
+  CHECK(window.state()["notifications"].empty());
+}
+
+TEST_CASE("an image follows its body far from where it began", "[image_warp_far]") {
+  C3DE_WINDOW_OR_SKIP();
+  if (!fs::exists(fs::path(C3DE_TEST_PLUGIN_DIR) / (std::string("pointbased") + c3de::pluginExtension())))
+    C3DE_SKIP("the point-based plugin is not built");
+  WorkstationDriver window("image_warp_far");
+  const fs::path scene = outputFile("image_warp_far.toml");
+  const std::string image = imageFile("image_warp_far").generic_string();
+  constexpr double kSpeed_mm_s = 45.0;
+  // The block reaches from -30 to 30 mm. A rim of 8 mm, a spacing of about 9 mm and 9 mm of room: the first grid ends at 56.
+  const Vec3 place{65, 0, 0};
+  std::ofstream(scene) << "format = 1\ntitle = \"Flying far\"\n[image]\nfile = \"" << image << "\"\nrim = 8\n"
+                       << "[world]\ngravity = [0, 0, 0]\n[solver]\ndamping = 0\n[[body]]\nname = \"block\"\nvolume = \"" << image
+                       << "\"\nthreshold = [-480, 10000]\nvelocity = [0.045, 0, 0]\nsampling = { count = 300 }\n";
+  startOn(window, {scene.string()});
+  const auto shift_mm = [](const Json &s) {
+    const std::string readout = text(s, "coronal.readout");
+    const std::size_t at = readout.find("|u| ");
+    return at == std::string::npos ? -1.0 : std::strtod(readout.c_str() + at + 4, nullptr);
+  };
+  window.waitUntil("the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; }, 60.0);
+  window.clickAt(pixelOf(window, "axial", place));
+  window.waitUntil("the cross-hair is there", [&](const Json &s) { return std::abs(crossHair(s)[0] - place[0]) < 2.0; });
+  CHECK_THAT(text(window.state(), "coronal.readout"), Contains("   -1000"));
+  window.click("image/shift");
+  window.waitForValue("image/shift", "true");
+  window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the keys are the slice's
+  window.screenshot("rest");
+  window.key("space");
+  window.waitUntil("it is far away", [](const Json &s) { return s["transport"]["time_s"] > 1.1; }, 30.0);
+  window.key("space");
+  const Json flown = window.waitUntil("it stands", [&](const Json &s) {
+    return s["transport"]["mode"] == "paused" &&
+           std::abs(shift_mm(s) - kSpeed_mm_s * s["transport"]["time_s"].get<double>()) < 0.011;
+  });
+  CHECK_THAT(text(flown, "coronal.readout"), !Contains("   -1000"));
+  window.screenshot("flown");
+  CHECK(window.differingPixels("rest", "flown") > 500);
   window.key("r");
   window.waitUntil("it is back", [&](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0; });
   CHECK(window.state()["notifications"].empty());

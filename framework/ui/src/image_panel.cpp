@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "panel_widgets.h"
@@ -15,6 +16,16 @@ std::string sizeText(const imaging::VolumeGeometry &grid) {
   const Vec3 s = grid.spacing();
   return fmt::format("{} × {} × {} voxels of {:.3g} × {:.3g} × {:.3g} mm", grid.size[0], grid.size[1], grid.size[2], s[0], s[1], s[2]);
 }
+
+struct CutNames {
+  Pane pane;
+  const char *id, *label, *withoutNear, *withoutFar;
+};
+constexpr std::array<CutNames, 3> kCutNames{{
+    {Pane::axial, "cut_axial", "Axial cut (Shift+A)", "without what is above", "without what is below"},
+    {Pane::sagittal, "cut_sagittal", "Sagittal cut (Shift+S)", "without the left", "without the right"},
+    {Pane::coronal, "cut_coronal", "Coronal cut (Shift+C)", "without the front", "without the back"},
+}};
 
 }  // namespace
 
@@ -109,6 +120,13 @@ void ImagePanel::drawVolume(const c3de_ui_v0 &ui, ImageOptions &options) {
     options.volumeShift = 0.0;
   }
   slider(ui, "volume_shift", "Shift", "", options.volumeShift, -1.0, 1.0, "Moves the colours over the values of the image");
+  for (const CutNames &cut : kCutNames) {
+    SliceCut &chosen = options.cuts[static_cast<std::size_t>(cut.pane)];
+    auto part = static_cast<std::uint32_t>(chosen);
+    if (choice(ui, cut.id, cut.label, part, {"whole", cut.withoutNear, cut.withoutFar})) chosen = static_cast<SliceCut>(part);
+    ui.tooltip(ui.ctx, toAbi(std::string_view("Cuts at the slice, which goes through the cross-hair")));
+  }
+  checkbox(ui, "cuts_bodies", "Cut bodies too", options.cutsBodies, "Their surfaces, not how they move");
 }
 
 void ImagePanel::drawShift(const c3de_ui_v0 &ui, ImageOptions &options) {

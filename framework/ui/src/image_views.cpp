@@ -23,6 +23,11 @@ SliceAxis axisOf(Pane pane) {
   return pane == Pane::axial ? SliceAxis::axial : pane == Pane::sagittal ? SliceAxis::sagittal : SliceAxis::coronal;
 }
 
+/// Which side of a slice is its near one.
+Vec3 nearSide(Pane pane) {
+  return pane == Pane::axial ? Vec3{0, 0, 1} : pane == Pane::sagittal ? Vec3{1, 0, 0} : Vec3{0, -1, 0};
+}
+
 }  // namespace
 
 const char *paneName(Pane pane) {
@@ -56,6 +61,7 @@ void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
   const bool isTomography = image_->volume.unit == "HU" || image_->range.min <= kAir_HU;
   options_.volumePreset = isTomography ? VolumePreset::ctBone : VolumePreset::magneticResonance;
   options_.volumeShift = 0.0;
+  options_.cuts = {};
   options_.showsShift = false;
   for (const Pane pane : kSlicePanes) view(pane).setGrid(image_->volume.geometry);
   applyFrames();
@@ -276,10 +282,24 @@ render::ImageScene ImageViews::scene() const {
       const SliceView &v = view(pane);
       scene.slices.push_back({v.worldAt(0.5 * v.width(), 0.5 * v.height()), v.frame().forward, kPaneColours[static_cast<std::size_t>(pane)]});
     }
+  for (const Pane pane : kSlicePanes) {
+    const SliceCut cut = options_.cuts[static_cast<std::size_t>(pane)];
+    if (cut == SliceCut::none) continue;
+    const SliceView &v = view(pane);
+    const bool isNear = dot(v.frame().forward, nearSide(pane)) > 0.0;
+    const double sign = isNear == (cut == SliceCut::nearPart) ? 1.0 : -1.0;
+    scene.cuts.push_back({v.worldAt(0.5 * v.width(), 0.5 * v.height()), sign * v.frame().forward});
+  }
+  scene.cutsProxies = options_.cutsBodies;
   scene.showsVolume = options_.showsVolume;
   if (options_.showsVolume) scene.volume = volumeLook(options_.volumePreset, image_->range, options_.volumeShift);
   scene.movingDivisor = kMovingDivisor;
   return scene;
+}
+
+void ImageViews::turnCut(Pane slice) {
+  SliceCut &cut = options_.cuts[static_cast<std::size_t>(slice)];
+  cut = cut == SliceCut::none ? SliceCut::nearPart : cut == SliceCut::nearPart ? SliceCut::farPart : SliceCut::none;
 }
 
 bool DoubleClick::press(Pane pane, const ViewInput &input) {

@@ -205,6 +205,13 @@ float drawMenuBar(FrameContext &frame) {
       menuItem(frame, "menu", {Command::crossHair, false, true}, images && images->options().showsCrossHair);
       menuItem(frame, "menu", {Command::windowLevelMode, false, true}, images && images->options().isWindowLevelMode);
       ImGui::Separator();
+      const auto isCut = [&](Pane pane) {
+        return images && images->options().cuts[static_cast<std::size_t>(pane)] != SliceCut::none;
+      };
+      menuItem(frame, "menu", {Command::cutAxial, false, true}, isCut(Pane::axial));
+      menuItem(frame, "menu", {Command::cutSagittal, false, true}, isCut(Pane::sagittal));
+      menuItem(frame, "menu", {Command::cutCoronal, false, true}, isCut(Pane::coronal));
+      ImGui::Separator();
       menuItem(frame, "menu", {Command::resetLayout});
       ImGui::EndMenu();
     }

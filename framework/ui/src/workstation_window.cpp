@@ -353,6 +353,15 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
         images->setOptions(options);
       }
       break;
+    case Command::cutAxial:
+      if (images) images->turnCut(Pane::axial);
+      break;
+    case Command::cutSagittal:
+      if (images) images->turnCut(Pane::sagittal);
+      break;
+    case Command::cutCoronal:
+      if (images) images->turnCut(Pane::coronal);
+      break;
     case Command::reload:
       if (actions.reload) actions.reload();
       break;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/ui/image_views.h"
 
+#include <array>
 #include <set>
 
 #include "c3de/abi/draft/tools.h"
@@ -249,6 +250,36 @@ TEST_CASE("What the renderer is told follows the views", "[image_views]") {
   CHECK(f.views.scene().slices.empty());
   CHECK(f.views.scene().showsVolume);
   CHECK(f.views.scene().volume.points.size() >= 2);
+}
+
+TEST_CASE("Cuts of the 3D view lie in the slices, and leave out the near side first", "[image_views]") {
+  Fixture f;
+  CHECK(f.views.scene().cuts.empty());
+  ImageOptions options = f.views.options();
+  options.convention = GENERATE(Convention::radiological, Convention::neurological);
+  f.views.setOptions(options);
+  f.views.setCrossHair({10, -5, 3});
+  // Above, left, in front: towards who looks at a patient first.
+  const std::array<Vec3, 3> sides{{{0, 0, 1}, {1, 0, 0}, {0, -1, 0}}};
+  for (const Pane pane : kSlicePanes) {
+    const Vec3 side = sides[static_cast<std::size_t>(pane)];
+    for (const double sign : {1.0, -1.0}) {
+      f.views.turnCut(pane);
+      const render::ImageScene scene = f.views.scene();
+      REQUIRE(scene.cuts.size() == 1);
+      CHECK(norm(scene.cuts[0].normal - sign * side) < 1e-12);
+      CHECK_THAT(dot(scene.cuts[0].point - f.views.crossHair(), side), WithinAbs(0.0, 1.6));  // whole slices of 3 mm
+      const render::SliceInSpace &slice = scene.slices[static_cast<std::size_t>(pane)];
+      CHECK(dot(scene.cuts[0].point - slice.point, slice.normal) == 0.0);
+    }
+    f.views.turnCut(pane);
+    CHECK(f.views.scene().cuts.empty());
+  }
+  for (const Pane pane : kSlicePanes) f.views.turnCut(pane);
+  CHECK(f.views.scene().cuts.size() == 3);
+  CHECK(f.views.scene().cutsProxies);
+  f.views.setImage(testImage());
+  CHECK(f.views.scene().cuts.empty());
 }
 
 TEST_CASE("Two quick presses at one place are a double click, others are not", "[image_views]") {

@@ -20,6 +20,13 @@ enum class Pane { axial, sagittal, coronal, space };
 inline constexpr std::array kSlicePanes{Pane::axial, Pane::sagittal, Pane::coronal};
 [[nodiscard]] const char *paneName(Pane pane);  ///< "axial", …, "3D"
 
+/// What the 3D view leaves out beside a slice.
+enum class SliceCut {
+  none,
+  nearPart,  ///< above, left or in front of it: what the first view of an image has towards the viewer
+  farPart
+};
+
 /// What a person chooses about images.
 struct ImageOptions {
   WindowLevel windowLevel;
@@ -28,6 +35,8 @@ struct ImageOptions {
   bool showsSlicesInSpace = true, showsVolume = false;
   VolumePreset volumePreset = VolumePreset::ctBone;
   double volumeShift = 0.0;                 ///< -1 … 1
+  std::array<SliceCut, 3> cuts{};           ///< of the 3D view, by slice pane
+  bool cutsBodies = true;                   ///< and of what is beside the image there
   bool showsShift = false;                  ///< |u| over the slices
   double shiftLow = 0.0, shiftHigh = 10.0;  ///< mm
   Convention convention = Convention::radiological;
@@ -106,6 +115,8 @@ class ImageViews {
   [[nodiscard]] render::ImageLook look() const;
   /// Empty while the image is hidden in space.
   [[nodiscard]] render::ImageScene scene() const;
+  /// From whole to without the near part, without the far part, and back.
+  void turnCut(Pane slice);
   void setVisibleInSpace(bool isVisible) { isVisibleInSpace_ = isVisible; }
 
  private:
