@@ -93,6 +93,42 @@ TEST_CASE("Pictures of images for the user guide", "[.guide]") {
   window.screenshot("image");
 }
 
+TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.guide]") {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  if (!std::filesystem::exists("/usr/share/mricron/templates/ch2bet.nii.gz")) C3DE_SKIP("mricron-data is not installed");
+  WorkstationDriver window("guide");
+  window.start({(std::filesystem::path(C3DE_TEST_RESOURCES) / "scenes" / "brain_shift.toml").string()});
+  window.waitUntil("the brain is there", [](const Json &s) {
+    return s["panes"].size() == 4 && s["jobs"].empty() && std::strtod(s["values"].value("image/axial.outlines", "0").c_str(), nullptr) > 0;
+  }, 60.0);
+  const auto inSpace = [&](double u, double v) {
+    const Json r = window.state()["panes"]["3D"];
+    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(), r["y"].get<double>() + v * r["h"].get<double>()};
+  };
+  const auto picture = [&](const char *name) {
+    window.moveTo(inSpace(0.95, 0.95));
+    std::this_thread::sleep_for(std::chrono::seconds(3));  // the volume is refined
+    window.screenshot(name);
+  };
+  window.click("image/volume");
+  window.key("space");
+  window.waitUntil("it settles", [](const Json &s) { return s["transport"]["time_s"] > 2.0; }, 60.0);
+  window.key("space");
+  window.moveTo(inSpace(0.95, 0.95));
+  window.key("shift+s");
+  picture("cut");
+  window.key("shift+s");
+  window.key("shift+s");
+  window.key("shift+a");
+  window.click("image/slices_in_space");
+  picture("cut_without_slices");
+  window.click("image/cuts_bodies");
+  picture("cut_whole_body");
+  choose(window, "view.surface", "transparent");
+  picture("cut_transparent");
+  CHECK(window.state()["notifications"].empty());
+}
+
 TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
