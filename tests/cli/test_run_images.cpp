@@ -165,3 +165,36 @@ TEST_CASE("An image is exported as the tissue lies at the end, with the way it h
   CHECK(unknown.exitCode == 2);
   CHECK_THAT(unknown.errorOutput, Contains("accepted: .nrrd"));
 }
+
+TEST_CASE("An exported image follows a body far away, also while another one has left the image altogether") {
+  const auto folder = freshFolder("exported_far");
+  (void)writeBalls(folder);
+  // 20 mm towards -z, twice the ball's radius; the other ball is 10 m away by then.
+  const auto scene = writeFile(folder / "scene.toml",
+                               "format = 1\n[image]\nfile = \"organs.nrrd\"\nrim = 4\n[world]\ngravity = [0, 0, 0]\n" +
+                                   std::string(kBody).substr(11) + "name = \"near\"\nlabel = 2\nvelocity = [0, 0, -0.1]\n" +
+                                   std::string(kBody).substr(11) + "name = \"far\"\nlabel = 1\nvelocity = [-50, 0, 0]\n");
+  const auto image = folder / "warped.nrrd", field = folder / "u.nrrd";
+  const auto ran = runC3de({"run", scene.string(), "--until", "0.2", "--export-image", image.string(), "--export-displacement",
+                            field.string()});
+  INFO(ran.errorOutput);
+  REQUIRE(ran.exitCode == 0);
+  const auto warped = imaging::readVolume(image);
+  REQUIRE(warped);
+  const imaging::LabelMap before = twoBalls();
+  const Vec3 there = before.geometry.worldAt({44, 26, 22}) + Vec3{0, 0, -20};
+  std::size_t inside = 0, right = 0, beside = 0, empty = 0;
+  for (std::size_t k = 0; k < 44; ++k)
+    for (std::size_t j = 0; j < 50; ++j)
+      for (std::size_t i = 0; i < 60; ++i) {
+        const Vec3 x = before.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        const double r = norm(x - there), value = warped->volume.value(i, j, k);
+        // The border of a ball is as coarse as its voxels, of 1.6 mm.
+        if (r < 9.0) ++inside, right += value == 2.0 ? 1 : 0;
+        if (r > 13.0 && x[2] < there[2]) ++beside, empty += value == static_cast<double>(before.voxels[i + 60 * (j + 50 * k)]) ? 1 : 0;
+      }
+  CHECK(inside > 900);
+  CHECK(right == inside);
+  // Within the rim the image is stretched: there is nothing there to be seen.
+  CHECK(empty == beside);
+}
