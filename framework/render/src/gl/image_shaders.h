@@ -233,7 +233,7 @@ void main() {
 #endif
     float texel = isWithin(p, vec3(0.0), vec3(1.0)) ? texture(uImage, p).r : -1e30;
 #ifdef LAYERED
-    most = max(most, mix(vec3(-1e30), vec3(texel), vec3(t < nearest, t >= nearest && t < next, t >= next)));
+    most = max(most, mix(vec3(-1e30), vec3(texel), bvec3(t < nearest, t >= nearest && t < next, t >= next)));
 #else
     most.x = max(most.x, texel);
 #endif

@@ -73,15 +73,14 @@ void DisplacementField::add(const Body &body) {
       for (std::int64_t j = low[1]; j <= high[1]; ++j) {
         const Vec3 start = grid_.origin + grid_.steps.col(1) * static_cast<double>(j) +
                            grid_.steps.col(2) * static_cast<double>(k);
-        Eigen::Vector4d *row = sums_.data() + grid_.size[0] * (static_cast<std::size_t>(j) +
-                                                               grid_.size[1] * static_cast<std::size_t>(k));
+        const std::size_t row = grid_.size[0] * (static_cast<std::size_t>(j) + grid_.size[1] * static_cast<std::size_t>(k));
         for (std::int64_t i = low[0]; i <= high[0]; ++i) {
           const Vec3 place = start + grid_.steps.col(0) * static_cast<double>(i);
           const Vec3 away = back * (place - x);
           const double left = 1.0 - away.squaredNorm() * inverseSquare;
           if (!(left > 0.0)) continue;
           const double w = left * left;
-          addTo(static_cast<std::size_t>(row + i - sums_.data()), w, place - X - away, reach);
+          addTo(row + static_cast<std::size_t>(i), w, place - X - away, reach);
         }
       }
   }
