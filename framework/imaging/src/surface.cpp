@@ -9,6 +9,7 @@
 #include "c3de/imaging/masks.h"
 #include "mask_tools.h"
 #include "remesh.h"
+#include "self_crossings.h"
 #include "surface_net.h"
 
 namespace c3de::imaging {
@@ -20,6 +21,10 @@ constexpr double kRelaxations = 2.0, kMostRelaxations = 200.0;  // per squared l
 constexpr double kDefaultLength = 2.0;       // longest voxel edges
 constexpr std::size_t kFairings = 10;
 constexpr double kMostOfPart = 0.5;         // of the cube root of a part's volume: the longest edges it gets
+constexpr int kUntanglings = 12;
+constexpr double kEven = 0.3, kInwards = 0.05;  // of the way to the mean of the neighbours, of an edge
+constexpr double kNoise = 0.05;             // share of triangles that go through others and are let be
+constexpr int kHolds = 4;                   // turns of volume and border at the end
 constexpr int kCoarsely = 3, kFinely = 20;  // steps that restore volumes
 
 // Numbers the connected parts into the tags.
@@ -87,6 +92,31 @@ void restoreVolumes(EditMesh &mesh, std::span<const double> wanted, std::span<co
   }
 }
 
+// Smooths where triangles go through others, and draws it inwards: what comes too near to itself is mostly a gap.
+void untangle(EditMesh &mesh, std::span<const unsigned> crossed, std::span<const double> edges) {
+  std::vector<std::uint8_t> moves(mesh.points.size(), 0);
+  for (const unsigned h : crossed)
+    for (unsigned c = 0; c < 3; ++c) {
+      moves[mesh.from(h + c)] = 1;
+      mesh.around(mesh.from(h + c), [&](unsigned g) { moves[mesh.to(g)] = 1; });
+    }
+  std::vector<Vec3> moved = mesh.points;
+  for (unsigned v = 0; v < moved.size(); ++v) {
+    if (moves[v] == 0 || !mesh.isUsed(v)) continue;
+    Vec3 normal{}, mean{};
+    double count = 0.0;
+    mesh.around(v, [&](unsigned h) {
+      normal = normal + mesh.areaNormal(h);
+      mean = mean + mesh.points[mesh.to(h)];
+      count += 1.0;
+    });
+    const double length = norm(normal);
+    moved[v] = moved[v] + kEven * ((1.0 / count) * mean - moved[v]);
+    if (length > 0.0) moved[v] = moved[v] - (kInwards * edges[mesh.tags[v]] / length) * normal;
+  }
+  mesh.points.swap(moved);
+}
+
 }  // namespace
 
 Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettings &settings, const ProgressFn &progress) {
@@ -144,13 +174,41 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   for (std::size_t p = 0; p < parts; ++p)
     edges[p] = std::min(edge, kMostOfPart * std::cbrt(std::abs(wanted.volumes[p])));
   restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
+  const BorderCells cells(grid);
+  const Mat4 indexOf = affineInverse(grid.geometry.indexToWorld);
+  const auto holdAtBorder = [&] {
+    for (unsigned v = 0; v < surface.points.size(); ++v) {
+      if (!surface.isUsed(v)) continue;
+      const Vec3 held = cells.nearest(transformPoint(indexOf, surface.points[v]));
+      surface.points[v] = transformPoint(grid.geometry.indexToWorld, held);
+    }
+  };
   const auto round = [&](double fraction) {
     restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
+    holdAtBorder();
     return goOn(0.5 + 0.4 * fraction);
   };
   if (!remesh(surface, edges, round)) return cancelled();
   fair(surface, kFairings);
+  for (int t = 0; t < kHolds; ++t) {
+    restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
+    holdAtBorder();
+  }
   restoreVolumes(surface, wanted.volumes, edges, kFinely);
+  std::vector<unsigned> crossed = crossedTriangles(surface);
+  std::vector<Vec3> best = surface.points;
+  std::size_t fewest = crossed.size();
+  const double noise = kNoise / 3.0 * surface.halfEdges();
+  for (int t = 0; t < kUntanglings && !crossed.empty() && static_cast<double>(crossed.size()) < noise; ++t) {
+    untangle(surface, crossed, edges);
+    holdAtBorder();
+    restoreVolumes(surface, wanted.volumes, edges, kFinely);
+    crossed = crossedTriangles(surface);
+    if (crossed.size() >= fewest) continue;
+    fewest = crossed.size();
+    best = surface.points;
+  }
+  surface.points.swap(best);
   if (!goOn(1.0)) return cancelled();
   return surface.mesh();
 }

@@ -146,4 +146,43 @@ void relax(SurfaceNet &net, std::size_t times) {
   for (std::size_t v = 0; v < lost.size(); ++v) mesh.points[v] = leashed(v, mesh.points[v] + lost[v]);
 }
 
+BorderCells::BorderCells(const Fill &fill) {
+  const auto &n = fill.geometry.size;
+  for (std::size_t a = 0; a < 3; ++a) size_[a] = n[a] - 1;
+  border_.resize(size_[0] * size_[1] * size_[2]);
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < size_[2]; ++k)
+    for (std::size_t j = 0; j < size_[1]; ++j)
+      for (std::size_t i = 0; i < size_[0]; ++i) {
+        int inside = 0;
+        for (std::size_t c = 0; c < 8; ++c)
+          inside += fill.values[i + (c & 1) + n[0] * (j + (c >> 1 & 1) + n[1] * (k + (c >> 2)))] >= kHalf ? 1 : 0;
+        border_[at++] = inside > 0 && inside < 8 ? 1 : 0;
+      }
+}
+
+Vec3 BorderCells::nearest(const Vec3 &index) const {
+  std::array<std::size_t, 3> first{}, end{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto cell = static_cast<std::size_t>(std::clamp(index[a], 0.0, static_cast<double>(size_[a] - 1)));
+    first[a] = cell > 0 ? cell - 1 : 0;
+    end[a] = std::min(cell + 2, size_[a]);
+  }
+  Vec3 best = index;
+  double least = 1e300;
+  for (std::size_t k = first[2]; k < end[2]; ++k)
+    for (std::size_t j = first[1]; j < end[1]; ++j)
+      for (std::size_t i = first[0]; i < end[0]; ++i) {
+        if (!isBorder({i, j, k})) continue;
+        const Vec3 middle{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5, static_cast<double>(k) + 0.5};
+        Vec3 x{};
+        for (std::size_t a = 0; a < 3; ++a) x[a] = std::clamp(index[a], middle[a] - kLeash, middle[a] + kLeash);
+        if (const double way = dot(x - index, x - index); way < least) {
+          least = way;
+          best = x;
+        }
+      }
+  return best;
+}
+
 }  // namespace c3de::imaging

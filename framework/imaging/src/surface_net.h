@@ -20,4 +20,20 @@ struct SurfaceNet {
 /// @source Tukey's twicing (Exploratory Data Analysis, 1977)
 void relax(SurfaceNet &net, std::size_t times);
 
+/// The cells between eight voxels that the border goes through: where vertices may be.
+class BorderCells {
+ public:
+  explicit BorderCells(const Fill &fill);
+  /// The nearest point that is at most 0.45 voxels from the middle of such a cell, along every axis of the index; the point
+  /// itself where there is no such cell beside its own.
+  [[nodiscard]] Vec3 nearest(const Vec3 &index) const;
+
+ private:
+  [[nodiscard]] bool isBorder(const std::array<std::size_t, 3> &cell) const {
+    return border_[cell[0] + size_[0] * (cell[1] + size_[1] * cell[2])] != 0;
+  }
+  std::array<std::size_t, 3> size_;  // of cells
+  std::vector<std::uint8_t> border_;
+};
+
 }  // namespace c3de::imaging

@@ -52,14 +52,11 @@ void checkLetters(const geometry::TriangleMesh &mesh) {
   }
 }
 
-/// Strokes are three voxels wide: smoothed over the usual two, inner corners of letters are filled.
-constexpr SurfaceSettings kFine{1.5, 1.0};
-
 /// The surface of what is brighter than halfway between two values of the phantom.
 geometry::TriangleMesh surfaceAbove(const Volume &volume, int low, int high) {
   const auto mask = threshold(volume, 0.5 * (low + high), 1e9);
   if (!mask) throw std::runtime_error(mask.error().message);
-  auto surface = surfaceOf(*mask, kFine);
+  auto surface = surfaceOf(*mask);
   if (!surface) throw std::runtime_error(surface.error().message);
   return std::move(*surface);
 }
@@ -135,7 +132,7 @@ TEST_CASE("The label of the letters makes the same letters", "[imaging][letters]
     REQUIRE(writeLabelMap(testOutputFolder() / name, labels));
     const auto loaded = readLabelMap(testOutputFolder() / name);
     REQUIRE(loaded);
-    const auto surface = surfaceOf(maskOf(loaded->labels, 2), kFine);
+    const auto surface = surfaceOf(maskOf(loaded->labels, 2));
     REQUIRE(surface);
     checkLetters(*surface);
   }

@@ -20,7 +20,10 @@ struct SurfaceSettings {
 ///
 /// Edges are about as long as chosen (most within a factor of 1.5), whatever the voxels; those of small parts at most half
 /// the cube root of the part's volume. Every part, and every cavity, keeps its volume in voxels; together they enclose
-/// voxel count times voxel volume within 1e-4. Vertices stay within about half a voxel of the border, so thin parts stay.
+/// voxel count times voxel volume within 1e-4. Vertices stay within about half a voxel of the border (measured on organs,
+/// plates and letters with edges of up to two voxels: at most 0.65), so thin parts stay; in corners, and at rims of parts
+/// thinner than the edges are long, triangles lie up to an edge away from it. Triangles do not go through each other, but
+/// for masks like noise, or with edges longer than parts are thick.
 /// Voxels that touch in an edge or a corner alone do not hang together. Where edges are five voxels long or more the mask
 /// is seen through voxels two and a half times shorter than them; what fills none of those to a half is lost, its volume
 /// goes to the rest.
