@@ -12,10 +12,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <mutex>
 #include <thread>
 
 #include "c3de/core/platform.h"
+#include "descriptors.h"
 
 extern char **environ;
 
@@ -95,45 +95,10 @@ std::string cpuName() {
 
 bool stderrIsTerminal() { return isatty(STDERR_FILENO) == 1; }
 
-struct ErrorStreamCapture::Impl {
-  // The process has one error stream, so captures wait for each other.
-  static std::mutex &turn() {
-    static std::mutex mutex;
-    return mutex;
-  }
-  std::lock_guard<std::mutex> lock{turn()};
-  std::FILE *file = std::tmpfile();
-  int saved = -1;
-
-  Impl() {
-    std::fflush(stderr);
-    if (file) saved = dup(2);
-    if (saved >= 0) dup2(fileno(file), 2);
-  }
-  ~Impl() {
-    giveBack();
-    if (file) std::fclose(file);
-  }
-  void giveBack() {
-    if (saved < 0) return;
-    std::fflush(stderr);
-    dup2(saved, 2);
-    close(saved);
-    saved = -1;
-  }
-};
-
-ErrorStreamCapture::ErrorStreamCapture() : impl_(std::make_unique<Impl>()) {}
-ErrorStreamCapture::~ErrorStreamCapture() = default;
-
-std::string ErrorStreamCapture::text() {
-  impl_->giveBack();
-  std::string all;
-  if (!impl_->file) return all;
-  std::rewind(impl_->file);
-  for (int c; all.size() < (1u << 20) && (c = std::fgetc(impl_->file)) != EOF;) all += static_cast<char>(c);
-  return all;
-}
+int duplicateDescriptor(int descriptor) { return dup(descriptor); }
+void redirectDescriptor(int descriptor, int to) { dup2(to, descriptor); }
+void closeDescriptor(int descriptor) { close(descriptor); }
+int descriptorOf(std::FILE *file) { return fileno(file); }
 
 Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {
   int out[2], err[2];

@@ -6,10 +6,10 @@
 
 #include <chrono>
 #include <cstdio>
-#include <mutex>
 #include <thread>
 
 #include "c3de/core/platform.h"
+#include "descriptors.h"
 
 namespace c3de {
 namespace {
@@ -139,45 +139,10 @@ std::string cpuName() {
 
 bool stderrIsTerminal() { return _isatty(2) != 0; }
 
-struct ErrorStreamCapture::Impl {
-  // The process has one error stream, so captures wait for each other.
-  static std::mutex &turn() {
-    static std::mutex mutex;
-    return mutex;
-  }
-  std::lock_guard<std::mutex> lock{turn()};
-  std::FILE *file = std::tmpfile();
-  int saved = -1;
-
-  Impl() {
-    std::fflush(stderr);
-    if (file) saved = _dup(2);
-    if (saved >= 0) _dup2(_fileno(file), 2);
-  }
-  ~Impl() {
-    giveBack();
-    if (file) std::fclose(file);
-  }
-  void giveBack() {
-    if (saved < 0) return;
-    std::fflush(stderr);
-    _dup2(saved, 2);
-    _close(saved);
-    saved = -1;
-  }
-};
-
-ErrorStreamCapture::ErrorStreamCapture() : impl_(std::make_unique<Impl>()) {}
-ErrorStreamCapture::~ErrorStreamCapture() = default;
-
-std::string ErrorStreamCapture::text() {
-  impl_->giveBack();
-  std::string all;
-  if (!impl_->file) return all;
-  std::rewind(impl_->file);
-  for (int c; all.size() < (1u << 20) && (c = std::fgetc(impl_->file)) != EOF;) all += static_cast<char>(c);
-  return all;
-}
+int duplicateDescriptor(int descriptor) { return _dup(descriptor); }
+void redirectDescriptor(int descriptor, int to) { _dup2(to, descriptor); }
+void closeDescriptor(int descriptor) { _close(descriptor); }
+int descriptorOf(std::FILE *file) { return _fileno(file); }
 
 Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {
   SECURITY_ATTRIBUTES inherit{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};

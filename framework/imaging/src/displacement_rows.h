@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "c3de/imaging/displacement.h"
+#include "trilinear.h"
 
 namespace c3de::imaging {
 
@@ -58,24 +59,12 @@ class DisplacementRow {
       const double node = start_[a] + static_cast<double>(i) * step_[a];
       if (!(node >= -kOnBorder && node <= last_[a] + kOnBorder)) return {};
       const double inside = std::clamp(node, 0.0, last_[a]);
-      // The last point belongs to the cell before it, or is alone.
-      const std::size_t base = std::min(static_cast<std::size_t>(inside), size_[a] > 1 ? size_[a] - 2 : 0);
+      const std::size_t base = cellOf(inside, size_[a]);
       t[a] = inside - static_cast<double>(base);
       corner += base * stride_[a];
     }
     Vec3 u{};
-    for (std::size_t c = 0; c < 3; ++c, ++corner) {
-      const auto along = [&](const float *from) {
-        const double a = static_cast<double>(from[0]), b = static_cast<double>(from[stride_[0]]);
-        return a + t[0] * (b - a);
-      };
-      const auto across = [&](const float *from) {
-        const double a = along(from), b = along(from + stride_[1]);
-        return a + t[1] * (b - a);
-      };
-      const double a = across(corner), b = across(corner + stride_[2]);
-      u[c] = a + t[2] * (b - a);
-    }
+    for (std::size_t c = 0; c < 3; ++c, ++corner) u[c] = trilinear<Values::finite>(corner, stride_, t);
     return u;
   }
 

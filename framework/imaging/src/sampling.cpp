@@ -2,14 +2,11 @@
 #include "c3de/imaging/sampling.h"
 
 #include <algorithm>
-#include <type_traits>
+
+#include "trilinear.h"
 
 namespace c3de::imaging {
 namespace {
-
-double between(double a, double b, double t) {
-  return t == 0.0 ? a : a + t * (b - a);  // what is no number beside a voxel does not reach it
-}
 
 template <class T>
 double valueAt(const T *voxels, const std::array<std::size_t, 3> &size, const Vec3 &index) {
@@ -18,16 +15,12 @@ double valueAt(const T *voxels, const std::array<std::size_t, 3> &size, const Ve
   Vec3 t{};
   for (std::size_t a = 0; a < 3; ++a) {
     const double at = std::clamp(index[a], 0.0, static_cast<double>(size[a] - 1));
-    const std::size_t base = std::min(static_cast<std::size_t>(at), size[a] > 1 ? size[a] - 2 : 0);
+    const std::size_t base = cellOf(at, size[a]);
     t[a] = at - static_cast<double>(base);
     voxels += base * step[a];
     next[a] = size[a] > 1 ? step[a] : 0;
   }
-  const auto along = [&](const T *from) {
-    return between(static_cast<double>(from[0]), static_cast<double>(from[next[0]]), t[0]);
-  };
-  const auto across = [&](const T *from) { return between(along(from), along(from + next[1]), t[1]); };
-  return between(across(voxels), across(voxels + next[2]), t[2]);
+  return trilinear<Values::any>(voxels, next, t);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "c3de/core/thread_pool.h"
 #include "displacement_rows.h"
 #include "mask_tools.h"
+#include "trilinear.h"
 
 namespace c3de::imaging {
 namespace {
@@ -98,14 +99,6 @@ using Sizes = std::array<std::size_t, 3>;
 bool isZero(const Vec3 &u) { return u[0] == 0.0 && u[1] == 0.0 && u[2] == 0.0; }
 
 template <class T>
-double between(double a, double b, double t) {
-  if constexpr (std::is_floating_point_v<T>)
-    return t == 0.0 ? a : a + t * (b - a);  // what is no number beside a voxel does not reach it
-  else
-    return a + t * (b - a);
-}
-
-template <class T>
 T stored(double value) {
   if constexpr (std::is_floating_point_v<T>)
     return static_cast<T>(value);
@@ -117,15 +110,12 @@ template <class T>
 T linear(const T *voxels, const Sizes &size, const Sizes &stride, const Vec3 &at) {
   Vec3 t{};
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t base = std::min(static_cast<std::size_t>(at[a]), size[a] > 1 ? size[a] - 2 : 0);
+    const std::size_t base = cellOf(at[a], size[a]);
     t[a] = at[a] - static_cast<double>(base);
     voxels += base * (a == 0 ? 1 : a == 1 ? size[0] : size[0] * size[1]);
   }
-  const auto along = [&](const T *from) {
-    return between<T>(static_cast<double>(from[0]), static_cast<double>(from[stride[0]]), t[0]);
-  };
-  const auto across = [&](const T *from) { return between<T>(along(from), along(from + stride[1]), t[1]); };
-  return stored<T>(between<T>(across(voxels), across(voxels + stride[2]), t[2]));
+  constexpr Values kValues = std::is_floating_point_v<T> ? Values::any : Values::finite;
+  return stored<T>(trilinear<kValues>(voxels, stride, t));
 }
 
 tl::unexpected<Error> noMemory(std::size_t bytes) {
