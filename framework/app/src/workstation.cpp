@@ -48,7 +48,7 @@ class Workstation {
   void watchForFailure();
   void whenImageShown();
   void askForWarp();
-  void whenOrganLives(const std::string &name, bool isNew);
+  void whenOrgansLive(const WorkstationOrgan::Result &result);
   void whenLoaded(const WorkstationLoader::Loaded &loaded);
   void checkSize();
   void whenFailed(const std::string &title, const Error &error);
@@ -99,14 +99,14 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
                       [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
   session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
   organ_ = std::make_unique<WorkstationOrgan>(
-      *session_, WorkstationOrgan::Events{[this](const std::string &name, bool isNew) { whenOrganLives(name, isNew); },
+      *session_, WorkstationOrgan::Events{[this](const WorkstationOrgan::Result &result) { whenOrgansLive(result); },
                                           [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
   images_ = std::make_unique<WorkstationImages>(
       *session_, *renderer_, panels_,
       WorkstationImages::Events{[this] { whenImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
                                 [this](const std::string &title, const Error &error) { whenFailed(title, error); },
-                                [this](ui::OrganRequest request) { organ_->makeOrgan(std::move(request)); }});
-  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views()}, actions());
+                                [this](std::vector<ui::OrganRequest> requests) { organ_->makeOrgans(std::move(requests)); }});
+  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(), &images_->guide()}, actions());
   window_->setAbout(about());
   showPluginProblems();
   if (!options.notice.empty()) {
@@ -257,16 +257,31 @@ void Workstation::whenImageShown() {
   askForWarp();
 }
 
-void Workstation::whenOrganLives(const std::string &name, bool isNew) {
+void Workstation::whenOrgansLive(const WorkstationOrgan::Result &result) {
   scene::Simulation *simulation = session_->simulation();
-  if (isNew) simulation->setTargetRate(targetRate_);
+  if (result.isNew) {
+    simulation->setTargetRate(targetRate_);
+    images_->whenOrgansAreGone();
+  }
+  images_->whenOrgansLive(result.made);
   warp_.begin();
   askForWarp();
   simulation->transport(C3DE_TRANSPORT_PLAY);
-  panels_.notify(C3DE_LOG_INFO, name + " lives",
-                 isNew ? "Pinch it in the 3D view (P). Gravity is off, because the scan shows the organ in balance with it; it "
-                       "is in the panel of the simulation."
-                       : "It joined the simulation that was there, which begins anew.");
+  const bool isOne = result.made.size() == 1;
+  const std::string it = isOne ? "it" : "them", lives = isOne ? " lives" : " live";
+  panels_.notify(C3DE_LOG_INFO, namesOf(result.made) + lives,
+                 result.isNew ? "Pinch " + it + " in the 3D view (P). Gravity is off, because the scan shows the organ" +
+                                    (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
+                              : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.");
+  if (!result.left.empty())
+    panels_.notify(C3DE_LOG_INFO, "Cancelled", namesOf(result.left) + (result.left.size() == 1 ? " was" : " were") + " not made.");
+  std::string reasons;
+  for (const auto &[name, error] : result.failed) reasons += name + ": " + error.message + "\n";
+  if (reasons.empty()) return;
+  log(LogLevel::error, "organs that could not be made: " + reasons);
+  panels_.notify(C3DE_LOG_ERROR, result.failed.size() == 1 ? result.failed.front().first + " could not be made"
+                                                           : std::to_string(result.failed.size()) + " organs could not be made",
+                 reasons + (result.failed.size() == 1 ? "It stays picked; the others live." : "They stay picked; the others live."));
 }
 
 /// The image deforms with the bodies while both are there.
@@ -282,6 +297,7 @@ void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
   if (!loaded.isReload) window_->requestFit();
   unitToCheck_ = loaded.assumedUnit;
   image_ = loaded.image.value_or(scene::SceneImage{});
+  images_->whenOrgansAreGone();
   warp_.begin();
   images_->setDisplacement(nullptr);
   if (loaded.image && !loaded.isReload)

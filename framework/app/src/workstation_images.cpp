@@ -55,7 +55,7 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
       renderer_(renderer),
       panels_(panels),
       events_(std::move(events)),
-      guide_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.makeOrgan}) {
+      guide_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.makeOrgans}) {
   if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
 }
 
@@ -105,7 +105,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         if (!read->image) return askForSeries({path, labels, read->series, {}});
         show(read->image);
         tell("Opened " + name, read->notices);
-        if (!labels.empty()) openLabels(labels.front());
+        for (const std::filesystem::path &file : labels) openLabels(file);
       });
 }
 
@@ -135,7 +135,14 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
   session_.sceneGraph().touch();
   guide_.setSources({image, nullptr});
   organPanel_.emplace(panels_, views_, guide_);
-  panel_.emplace(panels_, views_);
+  panel_.emplace(panels_, views_,
+                 ui::ImagePanel::LabelMaps{[this] {
+                                             std::vector<std::string> names;
+                                             for (const OpenLabels &open : labelMaps_) names.push_back(open.labels->name);
+                                             return names;
+                                           },
+                                           [this] { return shownLabels(); },
+                                           [this](std::size_t index) { showLabels(OpenLabels(labelMaps_[index])); }});
   if (!notice.empty()) tell("Opened " + image->name, {notice});
   events_.shown();
 }
@@ -144,8 +151,16 @@ void WorkstationImages::openLabels(const std::filesystem::path &path) {
   const std::string name = nameOf(path);
   if (!views_.image())
     return events_.failed("Could not open " + name, {ErrorCode::state, "a label map is laid over an image, and none is open; open the image first"});
-  if (!labelJob_.isNull()) session_.jobs().cancel(labelJob_);
-  const std::uint64_t serial = ++labelSerial_, image = serial_;
+  waitingLabels_.push_back(path);
+  if (labelJob_.isNull()) readNextLabels();
+}
+
+void WorkstationImages::readNextLabels() {
+  if (waitingLabels_.empty()) return;
+  const std::filesystem::path path = waitingLabels_.front();
+  waitingLabels_.pop_front();
+  const std::string name = nameOf(path);
+  const std::uint64_t serial = ++labelSerial_;
   const auto read = std::make_shared<scene::StoredLabels>();
   const auto notices = std::make_shared<std::vector<std::string>>();
   labelJob_ = session_.jobs().submit(
@@ -160,27 +175,56 @@ void WorkstationImages::openLabels(const std::filesystem::path &path) {
         *notices = std::move(loaded->notices);
         return {};
       },
-      [this, read, notices, name, serial, image](const Expected<void> &result) {
-        if (serial != labelSerial_ || image != serial_) return;
+      [this, path, read, notices, name, serial](const Expected<void> &result) {
+        if (serial != labelSerial_) return;
         labelJob_ = {};
-        if (!result) return events_.failed("Could not open " + name, result.error());
-        showLabels(read);
-        tell("Opened " + name, *notices);
+        if (!result) {
+          events_.failed("Could not open " + name, result.error());
+        } else {
+          std::erase_if(labelMaps_, [&](const OpenLabels &open) { return open.path == path; });
+          labelMaps_.push_back({path, read, {}});
+          showLabels(OpenLabels(labelMaps_.back()));
+          tell("Opened " + name, *notices);
+        }
+        readNextLabels();
       });
 }
 
-void WorkstationImages::showLabels(std::shared_ptr<scene::StoredLabels> labels) {
+std::size_t WorkstationImages::shownLabels() const {
+  const auto shown = std::find_if(labelMaps_.begin(), labelMaps_.end(),
+                                  [&](const OpenLabels &open) { return open.labels.get() == views_.labels(); });
+  return static_cast<std::size_t>(shown - labelMaps_.begin());
+}
+
+void WorkstationImages::showLabels(const OpenLabels &open) {
   render::ImageRenderer *images = renderer_.images();
   if (!images || !views_.image()) return;
-  auto handle = images->addLabels(placeOf(labels->map.geometry), labels->map.voxels);
-  if (!handle) return events_.failed("Could not show " + labels->name, handle.error());
+  auto handle = images->addLabels(placeOf(open.labels->map.geometry), open.labels->map.voxels);
+  if (!handle) return events_.failed("Could not show " + open.labels->name, handle.error());
   removeLabels();
-  storedLabels_ = session_.images().add(std::shared_ptr<const scene::StoredLabels>(labels));
-  guide_.setSources({guide_.mask().sources().image, labels});
-  views_.setLabels(std::move(labels));
+  storedLabels_ = session_.images().add(open.labels);
+  guide_.setSources({guide_.mask().sources().image, open.labels});
+  views_.setLabels(open.labels);
+  for (const std::uint16_t label : open.hidden) views_.setLabelOpacity(label, 0.0f);
   ui::ImageHandles handles = views_.handles();
   handles.labels = *handle;
   views_.setHandles(handles);
+}
+
+void WorkstationImages::whenOrgansLive(const std::vector<ui::OrganRequest> &organs) {
+  for (const ui::OrganRequest &organ : organs)
+    for (OpenLabels &open : labelMaps_) {
+      if (!organ.labels || open.labels != organ.labels) continue;
+      open.hidden.push_back(organ.label);
+      if (open.labels.get() == views_.labels()) views_.setLabelOpacity(organ.label, 0.0f);
+    }
+  guide_.whenMade(organs);
+}
+
+void WorkstationImages::whenOrgansAreGone() {
+  for (OpenLabels &open : labelMaps_)
+    for (const std::uint16_t label : std::exchange(open.hidden, {}))
+      if (open.labels.get() == views_.labels()) views_.setLabelOpacity(label, 1.0f);
 }
 
 void WorkstationImages::removeLabels() {
@@ -195,6 +239,7 @@ void WorkstationImages::removeLabels() {
 /// Of what is being picked, over the slices.
 void WorkstationImages::showPreview() {
   render::ImageRenderer *images = renderer_.images();
+  views_.setPickedLabels(guide_.isSeveral() ? guide_.pickedLabels() : std::vector<std::uint16_t>());
   if (!images || preview_ == guide_.mask().preview()) return;
   preview_ = guide_.mask().preview();
   ui::ImageHandles handles = views_.handles();
@@ -237,6 +282,9 @@ void WorkstationImages::updateDisplacement(std::shared_ptr<const imaging::Displa
 
 void WorkstationImages::close() {
   ++labelSerial_;
+  if (!labelJob_.isNull()) session_.jobs().cancel(std::exchange(labelJob_, {}));
+  waitingLabels_.clear();
+  labelMaps_.clear();
   organPanel_.reset();
   guide_.setSources({});
   removeLabels();

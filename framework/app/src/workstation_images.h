@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -28,7 +29,7 @@ class WorkstationImages {
     std::function<void()> shown;   ///< another image is in the views
     std::function<void()> closed;  ///< there is none any more
     std::function<void(const std::string &title, const Error &error)> failed;
-    std::function<void(ui::OrganRequest)> makeOrgan;
+    std::function<void(std::vector<ui::OrganRequest>)> makeOrgans;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, ui::PanelRegistry &panels, Events events);
   ~WorkstationImages();
@@ -36,10 +37,15 @@ class WorkstationImages {
   WorkstationImages &operator=(const WorkstationImages &) = delete;
 
   [[nodiscard]] ui::ImageViews &views() { return views_; }
+  [[nodiscard]] ui::OrganGuide &guide() { return guide_; }
   /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for one.
   void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {}, const std::string &series = {});
-  /// Over the image that is open.
+  /// Over the image that is open, one after the other; the last one is shown, the panel leads back to the others.
   void openLabels(const std::filesystem::path &path);
+  /// The outlines of the organs take the place of their labels, and nothing of them is picked any more.
+  void whenOrgansLive(const std::vector<ui::OrganRequest> &organs);
+  /// The bodies are gone: their labels are shown again.
+  void whenOrgansAreGone();
   void close();
   /// Shows how the tissue has moved; the grid must not change while it is shown. Null: as it was.
   void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
@@ -56,8 +62,16 @@ class WorkstationImages {
     std::vector<imaging::SeriesInfo> series;
     Handle panel;
   };
+  /// A label map that has been opened.
+  struct OpenLabels {
+    std::filesystem::path path;
+    std::shared_ptr<const scene::StoredLabels> labels;
+    std::vector<std::uint16_t> hidden;  ///< because their organs live
+  };
   void show(std::shared_ptr<scene::StoredImage> image);
-  void showLabels(std::shared_ptr<scene::StoredLabels> labels);
+  void readNextLabels();
+  void showLabels(const OpenLabels &open);
+  [[nodiscard]] std::size_t shownLabels() const;
   void removeLabels();
   void showPreview();
   void askForSeries(SeriesChoice choice);
@@ -74,6 +88,8 @@ class WorkstationImages {
   ui::OrganGuide guide_;
   std::optional<ui::OrganPanel> organPanel_;
   std::optional<SeriesChoice> choice_;
+  std::vector<OpenLabels> labelMaps_;
+  std::deque<std::filesystem::path> waitingLabels_;
   Handle job_, labelJob_, node_, storedImage_, storedLabels_;
   std::shared_ptr<const ui::MaskPreview> preview_;  ///< that is shown
   std::uint64_t serial_ = 0, labelSerial_ = 0;

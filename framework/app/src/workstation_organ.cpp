@@ -40,7 +40,18 @@ std::pair<double, double> extentToTheBack(const imaging::Mask &mask) {
 
 }  // namespace
 
-scene::SceneFile sceneOf(ui::OrganRequest request, const scene::MaterialPreset *preset) {
+scene::SceneFile sceneWithoutOrgans() {
+  scene::SceneFile scene;
+  scene::SceneValue gravity;
+  gravity.value.id = "world.gravity";
+  gravity.value.type = C3DE_PARAM_VEC3;
+  gravity.value.vec = {0.0, 0.0, 0.0};  // the scan shows the organs in balance with it
+  scene.world.push_back(gravity);
+  scene.world.push_back(numberOf("solver.damping", 2.0));
+  return scene;
+}
+
+scene::SceneFile sceneOf(const ui::OrganRequest &request, imaging::Mask mask, const scene::MaterialPreset *preset) {
   scene::SceneFile scene;
   scene.title = request.name;
   scene::SceneBody body;
@@ -53,7 +64,7 @@ scene::SceneFile sceneOf(ui::OrganRequest request, const scene::MaterialPreset *
     body.params.push_back(numberOf("material.poisson_ratio", preset->poissonRatio));
   }
   if (request.holdsLowestPart) {
-    const auto [low, high] = extentToTheBack(request.mask);
+    const auto [low, high] = extentToTheBack(mask);
     scene::SceneFix fix;
     fix.name = "back";
     fix.body = request.name;
@@ -62,28 +73,66 @@ scene::SceneFile sceneOf(ui::OrganRequest request, const scene::MaterialPreset *
     fix.region.b = {0.0, -1.0, 0.0};
     scene.fixes.push_back(fix);
   }
-  scene::SceneValue gravity;
-  gravity.value.id = "world.gravity";
-  gravity.value.type = C3DE_PARAM_VEC3;
-  gravity.value.vec = {0.0, 0.0, 0.0};  // the scan shows the organ in balance with it
-  scene.world.push_back(gravity);
-  scene.world.push_back(numberOf("solver.damping", 2.0));
   body.volume.edgeLength_mm = request.edge_mm;
-  body.volume.mask = std::make_shared<const imaging::Mask>(std::move(request.mask));
+  body.volume.mask = std::make_shared<const imaging::Mask>(std::move(mask));
   scene.bodies.push_back(std::move(body));
   return scene;
 }
 
-void WorkstationOrgan::makeOrgan(ui::OrganRequest request) {
+std::string namesOf(const std::vector<ui::OrganRequest> &organs) {
+  constexpr std::size_t kMost = 4;
+  if (organs.size() > kMost) return std::to_string(organs.size()) + " organs";
+  std::string names;
+  for (std::size_t i = 0; i < organs.size(); ++i)
+    names += (i == 0 ? "" : i + 1 == organs.size() ? " and " : ", ") + organs[i].name;
+  return names;
+}
+
+Expected<void> WorkstationOrgan::makeAll(c3de_object *simulator, bool isNew, Result &result, const ProgressFn &progress) {
+  if (isNew)
+    if (auto begun = session_.populate(simulator, sceneWithoutOrgans(), {}); !begun) return begun;
+  const std::vector<ui::OrganRequest> requests = std::exchange(result.left, {});
+  const auto count = static_cast<double>(requests.size());
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const ui::OrganRequest &request = requests[i];
+    const ProgressFn part = [&](double fraction, const std::string &what) {
+      return progress((static_cast<double>(i) + std::clamp(fraction, 0.0, 1.0)) / count,
+                      what.starts_with(request.name) ? what : request.name + ": " + what);
+    };
+    Expected<void> made;
+    if (auto mask = ui::maskOf(request, part); !mask)
+      made = tl::unexpected(mask.error());
+    else
+      made = session_.addBodies(simulator, sceneOf(request, std::move(*mask), session_.materials().find(request.material)), part);
+    if (made) {
+      result.made.push_back(request);
+    } else if (made.error().code == ErrorCode::cancelled) {
+      result.left.assign(requests.begin() + static_cast<std::ptrdiff_t>(i), requests.end());
+      if (isNew || result.made.empty()) return made;
+      break;
+    } else {
+      result.failed.emplace_back(request.name, made.error());
+    }
+  }
+  if (!result.made.empty()) return {};
+  std::string text;
+  for (const auto &[name, error] : result.failed)
+    text += (text.empty() ? "" : "\n") + (requests.size() > 1 ? name + ": " : std::string()) + error.message;
+  return fail(result.failed.empty() ? ErrorCode::state : result.failed.front().second.code, text);
+}
+
+void WorkstationOrgan::makeOrgans(std::vector<ui::OrganRequest> requests) {
+  if (requests.empty()) return;
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
-  const std::string name = request.name, title = "Could not make " + name;
-  const auto scene = std::make_shared<const scene::SceneFile>(sceneOf(std::move(request), session_.materials().find(request.material)));
+  const std::string names = namesOf(requests), title = "Could not make " + names;
 
   scene::Simulation *present = session_.simulation();
-  const bool joins = present && servesFills(present->table());
+  const auto result = std::make_shared<Result>();
+  result->isNew = !present || !servesFills(present->table());
+  result->left = std::move(requests);
   std::shared_ptr<ObjectRef> simulator;
-  if (joins) {
+  if (!result->isNew) {
     c3de_object *object = present->object();
     object->vt->retain(object);
     simulator = std::make_shared<ObjectRef>(object);
@@ -93,18 +142,18 @@ void WorkstationOrgan::makeOrgan(ui::OrganRequest request) {
     simulator = std::make_shared<ObjectRef>(*created);
   }
   job_ = session_.jobs().submit(
-      kJobOwner, "Making " + name,
-      [this, simulator, scene, joins](const ProgressFn &progress) {
-        return joins ? session_.addBodies(simulator->get(), *scene, progress)
-                     : session_.populate(simulator->get(), *scene, progress);
+      kJobOwner, "Making " + names,
+      [this, simulator, result](const ProgressFn &progress) {
+        return makeAll(simulator->get(), result->isNew, *result, progress);
       },
-      [this, serial, simulator, name, title, joins](const Expected<void> &done) {
+      [this, serial, simulator, result, title](const Expected<void> &done) {
         if (serial != serial_) return;
         job_ = {};
         if (!done) return events_.failed(title, done.error());
-        if (!joins)
-          if (auto adopted = session_.adopt(simulator->get(), name); !adopted) return events_.failed(title, adopted.error());
-        events_.made(name, !joins);
+        if (result->isNew)
+          if (auto adopted = session_.adopt(simulator->get(), namesOf(result->made)); !adopted)
+            return events_.failed(title, adopted.error());
+        events_.made(*result);
       });
 }
 

@@ -24,8 +24,9 @@ constexpr std::array kCommands{
                 "Write phyxels and skins as they are now, for ParaView", 0, 0, 0},
     CommandInfo{Command::screenshot, "file.screenshot", "Save screenshot", "Write the 3D view as PNG", keyF12, 0, 0},
     CommandInfo{Command::quit, "file.quit", "Quit", "Close the program", 'Q', C3DE_MOD_CTRL, 0},
-    CommandInfo{Command::undo, "edit.undo", "Undo", "Take back the last change of a parameter", 'Z', C3DE_MOD_CTRL, 0},
-    CommandInfo{Command::redo, "edit.redo", "Redo", "Make the change again that was taken back", 'Y', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::undo, "edit.undo", "Undo", "Take back the last change of a parameter, or step of picking an organ", 'Z', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::redo, "edit.redo", "Redo", "Make the change again that was taken back", 'Y', C3DE_MOD_CTRL, 'Z',
+                C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
     CommandInfo{Command::fitView, "view.fit", "Fit view", "Bring everything visible into the view", 'F', 0, 0},
     CommandInfo{Command::viewFront, "view.front", "Front (along −z)", "Look along −z", '1', 0, 0},
     CommandInfo{Command::viewBack, "view.back", "Back (along +z)", "Look along +z", '2', 0, 0},
@@ -71,7 +72,7 @@ Command commandOfKey(std::uint32_t key, std::uint32_t modifiers) {
   if (key == 0) return Command::none;
   for (const CommandInfo &info : kCommands) {
     if (info.key == key && info.modifiers == modifiers) return info.command;
-    if (info.alternativeKey == key && modifiers == 0) return info.command;
+    if (info.alternativeKey == key && modifiers == info.alternativeModifiers) return info.command;
   }
   return Command::none;
 }

@@ -10,6 +10,7 @@
 
 #include "automation_state.h"
 #include "c3de/ui/commands.h"
+#include "c3de/ui/edit_history.h"
 #include "c3de/ui/image_views.h"
 #include "c3de/ui/workstation_window.h"
 #include "theme.h"
@@ -42,6 +43,7 @@ struct TooltipTimer {
 struct WindowState {
   TooltipTimer tooltip;
   Layout layout;
+  EditHistory history;
   bool showShortcuts = false, showAbout = false;
   AboutText about;
   std::map<std::string, std::array<AutomationState::Rect, 2>> openers;  ///< of closed menus and lists, and their clips

@@ -81,7 +81,7 @@ void drawShortcuts(FrameContext &frame) {
     for (const CommandInfo &info : commands()) {
       if (info.key == 0) continue;
       std::string keys = keyText(info.key, info.modifiers);
-      if (info.alternativeKey != 0) keys += " or " + keyText(info.alternativeKey, 0);
+      if (info.alternativeKey != 0) keys += " or " + keyText(info.alternativeKey, info.alternativeModifiers);
       shortcutRow(keys, info.doc);
     }
     if (frame.services.tools)

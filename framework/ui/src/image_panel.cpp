@@ -7,6 +7,7 @@
 #include <array>
 #include <vector>
 
+#include "label_list.h"
 #include "panel_widgets.h"
 
 namespace c3de::ui {
@@ -29,7 +30,8 @@ constexpr std::array<CutNames, 3> kCutNames{{
 
 }  // namespace
 
-ImagePanel::ImagePanel(PanelRegistry &panels, ImageViews &views) : panels_(panels), views_(views) {
+ImagePanel::ImagePanel(PanelRegistry &panels, ImageViews &views, LabelMaps labelMaps)
+    : panels_(panels), views_(views), labelMaps_(std::move(labelMaps)) {
   Panel panel;
   panel.owner = "c3de";
   panel.id = "image";
@@ -96,13 +98,38 @@ void ImagePanel::drawLabels(const c3de_ui_v0 &ui, ImageOptions &options) {
   const scene::StoredLabels *labels = views_.labels();
   if (!labels) return;
   heading(ui, "Labels");
-  row(ui, "Label map", labels->name);
-  slider(ui, "label_opacity", "Opacity", "", options.labelOpacity, 0.0, 1.0, "");
-  for (const imaging::LabelMap::Label &label : labels->map.labels) {
-    bool isShown = views_.labelOpacity(label.value) > 0.0f;
-    const std::string id = "label." + std::to_string(label.value);
-    if (checkbox(ui, id, fmt::format("{}  {}", label.value, label.name), isShown, "")) views_.setLabelOpacity(label.value, isShown ? 1.0f : 0.0f);
+  const std::vector<std::string> maps = labelMaps_.names ? labelMaps_.names() : std::vector<std::string>();
+  if (maps.size() > 1) {
+    std::uint32_t index = static_cast<std::uint32_t>(labelMaps_.shown());
+    if (choice(ui, "label_map", "Label map", index, maps)) return labelMaps_.show(index);
+    tooltip(ui, "The label maps that have been opened over the image; one is shown");
+  } else {
+    row(ui, "Label map", labels->name);
   }
+  slider(ui, "label_opacity", "Opacity", "", options.labelOpacity, 0.0, 1.0, "");
+  const auto &all = labels->map.labels;
+  const auto isShownInList = [&](const imaging::LabelMap::Label &label) {
+    return all.size() <= kManyLabels || isListed(label.name, labelFilter_);
+  };
+  const auto listed = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), isShownInList));
+  labelList(ui, all.size(), listed, labelFilter_, [&] {
+    for (const imaging::LabelMap::Label &label : all) {
+      if (!isShownInList(label)) continue;
+      bool isShown = views_.labelOpacity(label.value) > 0.0f;
+      const render::Colour colour = shownColour(label.colour);
+      ui.swatch(ui.ctx, colour[0], colour[1], colour[2]);
+      sameLine(ui);
+      if (checkbox(ui, "label." + std::to_string(label.value), fmt::format("{}  {}", label.value, label.name), isShown, ""))
+        views_.setLabelOpacity(label.value, isShown ? 1.0f : 0.0f);
+    }
+  });
+  if (all.size() < 2) return;
+  const bool areShown = button(ui, "labels_show", "Show the listed", listed > 0);
+  sameLine(ui);
+  const bool areHidden = button(ui, "labels_hide", "Hide the listed", listed > 0);
+  if (!areShown && !areHidden) return;
+  for (const imaging::LabelMap::Label &label : all)
+    if (isShownInList(label)) views_.setLabelOpacity(label.value, areShown ? 1.0f : 0.0f);
 }
 
 void ImagePanel::drawVolume(const c3de_ui_v0 &ui, ImageOptions &options) {

@@ -14,6 +14,7 @@ namespace c3de::ui {
 namespace {
 
 constexpr double kPixelsPerZoomStep = 20.0, kDoubleClick_s = 0.4, kDoubleClick_px = 5.0;
+constexpr float kFaint = 0.25f;
 constexpr int kFastScroll = 10;
 constexpr int kMovingDivisor = 4;
 constexpr double kAir_HU = -900.0;
@@ -71,6 +72,7 @@ void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
 void ImageViews::setLabels(std::shared_ptr<const scene::StoredLabels> labels) {
   labels_ = std::move(labels);
   labelOpacities_.clear();
+  pickedLabels_.clear();
 }
 
 void ImageViews::applyFrames() {
@@ -99,8 +101,11 @@ void ImageViews::setLabelOpacity(std::uint16_t value, float opacity) {
 std::vector<std::pair<std::uint16_t, render::Colour>> ImageViews::labelColours() const {
   std::vector<std::pair<std::uint16_t, render::Colour>> colours;
   if (!labels_) return colours;
-  for (const imaging::LabelMap::Label &label : labels_->map.labels)
-    colours.push_back({label.value, shownColour(label.colour, labelOpacity(label.value))});
+  for (const imaging::LabelMap::Label &label : labels_->map.labels) {
+    const bool isFaint = !pickedLabels_.empty() &&
+                         std::find(pickedLabels_.begin(), pickedLabels_.end(), label.value) == pickedLabels_.end();
+    colours.push_back({label.value, shownColour(label.colour, (isFaint ? kFaint : 1.0f) * labelOpacity(label.value))});
+  }
   return colours;
 }
 

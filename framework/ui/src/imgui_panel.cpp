@@ -12,6 +12,8 @@
 namespace c3de::ui {
 namespace {
 
+constexpr std::uint32_t kListRows = 12, kMostListRows = 100;
+
 std::string text(c3de_str s) { return std::string(fromAbi(s)); }
 
 void wrappedText(const std::string &shown) {
@@ -33,6 +35,7 @@ void ImGuiPanels::draw(FrameContext &frame, const Panel &panel) {
   isSameLine_ = false;
   ImGui::PushID(panel.id.c_str());
   panel.onUi(panel.self, &table_);
+  listEnd();
   ImGui::PopID();
   frame_ = nullptr;
 }
@@ -168,6 +171,20 @@ std::uint32_t ImGuiPanels::fileButton(c3de_str id, c3de_str label, c3de_str exte
   return result;
 }
 
+void ImGuiPanels::listBegin(c3de_str id, std::uint32_t rows) {
+  listEnd();
+  isSameLine_ = false;
+  const float height = static_cast<float>(rows == 0 ? kListRows : std::min(rows, kMostListRows)) * ImGui::GetFrameHeightWithSpacing();
+  ImGui::BeginChild(("###list" + uniqueId(id)).c_str(), ImVec2(0.0f, height + 2.0f * ImGui::GetStyle().WindowPadding.y), true);
+  isInList_ = true;
+}
+
+void ImGuiPanels::listEnd() {
+  if (!isInList_) return;
+  isInList_ = isSameLine_ = false;
+  ImGui::EndChild();
+}
+
 void ImGuiPanels::heading(c3de_str shown) {
   isSameLine_ = false;
   ImGui::Dummy(ImVec2(0.0f, frame_->theme.px(2.0f)));
@@ -271,14 +288,14 @@ void ImGuiPanels::params(c3de_handle set, c3de_str group) {
 void ImGuiPanels::fillTable() {
   c3de_ui_v0 &t = table_;
   t.size = sizeof t;
-  t.rev = 2;
+  t.rev = 3;
   t.ctx = this;
   t.heading = [](void *c, c3de_str s) noexcept {
     if (of(c).isUsable()) of(c).heading(s);
   };
   t.text = [](void *c, c3de_str s) noexcept {
     if (!of(c).isUsable() || fromAbi(s).empty()) return;
-    of(c).takeSameLine();
+    if (of(c).takeSameLine()) ImGui::AlignTextToFramePadding();
     wrappedText(text(s));
   };
   t.separator = [](void *c) noexcept {
@@ -328,6 +345,12 @@ void ImGuiPanels::fillTable() {
     ImGui::Dummy(ImVec2(side - inset, side));
     ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, at.y + inset), ImVec2(at.x + side - 2.0f * inset, at.y + side - inset),
                                               ImGui::GetColorU32(ImVec4(red, green, blue, 1.0f)), 2.0f);
+  };
+  t.list_begin = [](void *c, c3de_str id, std::uint32_t rows) noexcept {
+    if (of(c).isUsable()) of(c).listBegin(id, rows);
+  };
+  t.list_end = [](void *c) noexcept {
+    if (of(c).isUsable()) of(c).listEnd();
   };
 }
 

@@ -40,6 +40,8 @@ class ImGuiPanels {
   std::uint32_t choice(c3de_str id, c3de_str label, std::uint32_t *index, const c3de_str *names, std::uint64_t n);
   std::uint32_t inputText(c3de_str id, c3de_str label, char *buffer, std::uint64_t capacity);
   std::uint32_t fileButton(c3de_str id, c3de_str label, c3de_str extensions, char *buffer, std::uint64_t capacity);
+  void listBegin(c3de_str id, std::uint32_t rows);
+  void listEnd();
   void heading(c3de_str text);
   void value(c3de_str name, c3de_str value);
   void progress(double fraction, c3de_str text);
@@ -51,7 +53,7 @@ class ImGuiPanels {
   std::thread::id thread_;
   std::string area_;  ///< id of the panel
   std::set<std::string> used_;
-  bool isSameLine_ = false;
+  bool isSameLine_ = false, isInList_ = false;
   std::map<std::string, FieldState> fields_;
 };
 

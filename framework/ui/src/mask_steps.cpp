@@ -45,6 +45,8 @@ std::string MaskStep::text() const {
   switch (kind) {
     case Kind::label:
       return "label " + std::to_string(label);
+    case Kind::labels:
+      return labels.empty() ? "nothing picked" : std::to_string(labels.size()) + " labels";
     case Kind::threshold:
       return "threshold " + formatNumber(low) + " … " + formatNumber(high);
     case Kind::component:
@@ -73,7 +75,7 @@ Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sour
       return fail(ErrorCode::usage, "there is no label map to take label " + std::to_string(step.label) + " from");
     return imaging::maskOf(sources.labels->map, step.label);
   }
-  if (!before) return fail(ErrorCode::usage, "nothing is picked yet; choose a label or a threshold first");
+  if (!before || step.kind == Kind::labels) return fail(ErrorCode::usage, "nothing is picked yet; choose a label or a threshold first");
   switch (step.kind) {
     case Kind::component:
       return componentAt(*before, step.world, progress);

@@ -43,9 +43,8 @@ void menuItem(FrameContext &frame, const char *area, const MenuEntry &entry, boo
 /// "Undo Young's modulus": says what it would change.
 void editItem(FrameContext &frame, Command command) {
   const CommandInfo &info = commandInfo(command);
-  std::string what;
-  if (const ParameterRegistry *parameters = frame.services.parameters)
-    what = command == Command::undo ? parameters->history().undoLabel() : parameters->history().redoLabel();
+  const EditHistory &history = frame.state.history;
+  const std::string what = command == Command::undo ? history.undoLabel() : history.redoLabel();
   const std::string label = std::string(info.label) + (what.empty() ? "" : " " + what) + "###" + info.id;
   const std::string key = keyText(info.key, info.modifiers);
   if (ImGui::MenuItem(label.c_str(), key.c_str(), false, !what.empty())) frame.request(command);

@@ -81,6 +81,7 @@ void OrganGuide::setSources(MaskSources sources) {
   if (!counting_.isNull()) jobs_.cancel(std::exchange(counting_, {}));
   ++serial_;
   labelVolumes_ml_.clear();
+  labelMaterials_.clear();
   if (mask_.sources().labels) countLabels();
 }
 
@@ -105,23 +106,54 @@ std::vector<OrganGuide::LabelRow> OrganGuide::labels() const {
   std::vector<LabelRow> rows;
   const auto &labels = mask_.sources().labels;
   if (!labels) return rows;
-  std::optional<std::uint16_t> chosen;
-  for (const MaskStep &step : mask_.steps())
-    if (step.startsAnew()) chosen = step.kind == MaskStep::Kind::label ? std::optional(step.label) : std::nullopt;
+  const std::vector<std::uint16_t> picked = pickedLabels();
   for (std::size_t i = 0; i < labels->map.labels.size(); ++i) {
     const imaging::LabelMap::Label &label = labels->map.labels[i];
-    LabelRow row{label.value, label.name, shownColour(label.colour), {}, chosen == label.value};
+    const bool isChosen = std::find(picked.begin(), picked.end(), label.value) != picked.end();
+    LabelRow row{label.value, label.name, shownColour(label.colour), {}, isChosen};
     if (i < labelVolumes_ml_.size()) row.volume_ml = labelVolumes_ml_[i];
     rows.push_back(std::move(row));
   }
   return rows;
 }
 
-void OrganGuide::chooseLabel(std::uint16_t value) {
+std::vector<std::uint16_t> OrganGuide::pickedLabels() const {
+  std::vector<std::uint16_t> picked;
+  for (const MaskStep &step : mask_.plannedSteps()) {
+    if (!step.startsAnew()) continue;
+    picked = step.labels;
+    if (step.kind == MaskStep::Kind::label) picked = {step.label};
+  }
+  return picked;
+}
+
+std::string OrganGuide::nameOf(std::uint16_t label) const {
   const auto &labels = mask_.sources().labels;
-  if (!labels) return;
+  const std::string name = labels ? labels->nameOf(label) : std::string();
+  return name.empty() ? "label " + std::to_string(label) : name;
+}
+
+void OrganGuide::chooseLabels(const std::vector<std::uint16_t> &values) {
+  if (!mask_.sources().labels || values == pickedLabels()) return;
+  if (values.size() == 1) return chooseLabel(values.front());
   settings_.isFromLabel = true;
-  if (const std::string name = labels->nameOf(value); !name.empty()) settings_.name = name;
+  MaskStep step;
+  step.kind = MaskStep::Kind::labels;
+  step.labels = values;
+  mask_.carryOut(step);
+}
+
+void OrganGuide::tickLabel(std::uint16_t value, bool isPicked) {
+  std::vector<std::uint16_t> picked = pickedLabels();
+  std::erase(picked, value);
+  if (isPicked) picked.push_back(value);
+  chooseLabels(picked);
+}
+
+void OrganGuide::chooseLabel(std::uint16_t value) {
+  if (!mask_.sources().labels) return;
+  settings_.isFromLabel = true;
+  settings_.name = nameOf(value);
   isMaterialChosen_ = false;
   preselectMaterial();
   MaskStep step;
@@ -130,10 +162,10 @@ void OrganGuide::chooseLabel(std::uint16_t value) {
   mask_.carryOut(step);
 }
 
-void OrganGuide::chooseLabelAt(const Vec3 &world) {
+void OrganGuide::tickLabelAt(const Vec3 &world) {
   const auto &labels = mask_.sources().labels;
   if (!labels) return;
-  if (const std::uint16_t value = labels->at(world); value != 0) return chooseLabel(value);
+  if (const std::uint16_t value = labels->at(world); value != 0) return tickLabel(value, true);
   clickProblem_ = fmt::format(
       "the click at LPS {:.1f}, {:.1f}, {:.1f} mm is on no label; the line below each view names what is under the "
       "mouse",
@@ -180,14 +212,24 @@ void OrganGuide::undo() {
   mask_.undo();
 }
 
-/// After an undo the controls say what the mask was made with.
+void OrganGuide::redo() {
+  followsUndo_ = true;
+  mask_.redo();
+}
+
+/// After an undo or redo the controls say what the mask was made with.
 void OrganGuide::whenMaskChanged() {
   clickProblem_.clear();
   if (followsUndo_ && !mask_.isBusy()) {
     followsUndo_ = false;
     for (const MaskStep &step : mask_.steps()) {
       if (!step.startsAnew()) continue;
-      settings_.isFromLabel = step.kind == MaskStep::Kind::label;
+      settings_.isFromLabel = step.kind != MaskStep::Kind::threshold;
+      if (step.kind == MaskStep::Kind::label && settings_.name != nameOf(step.label)) {
+        settings_.name = nameOf(step.label);
+        isMaterialChosen_ = false;
+        preselectMaterial();
+      }
       if (settings_.isFromLabel) continue;
       settings_.low = step.low;
       settings_.high = step.high;
@@ -197,8 +239,9 @@ void OrganGuide::whenMaskChanged() {
 }
 
 render::Colour OrganGuide::colour() const {
-  for (const LabelRow &row : labels())
-    if (row.isChosen) return row.colour;
+  if (!isSeveral())
+    for (const LabelRow &row : labels())
+      if (row.isChosen) return row.colour;
   return kThresholdColour;
 }
 
@@ -229,6 +272,14 @@ void OrganGuide::setName(const std::string &name) {
   preselectMaterial();
 }
 
+const scene::MaterialPreset *OrganGuide::materialOf(std::uint16_t label) const {
+  if (const auto chosen = labelMaterials_.find(label); chosen != labelMaterials_.end())
+    return materials_.find(chosen->second);
+  return scene::presetForOrgan(materials_, nameOf(label));
+}
+
+void OrganGuide::chooseMaterialOf(std::uint16_t label, const std::string &preset) { labelMaterials_[label] = preset; }
+
 void OrganGuide::setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm, bool holdsLowestPart) {
   settings_.phyxels = phyxels;
   settings_.isEdgeAutomatic = isEdgeAutomatic;
@@ -236,7 +287,19 @@ void OrganGuide::setSampling(double phyxels, bool isEdgeAutomatic, double edge_m
   settings_.holdsLowestPart = holdsLowestPart;
 }
 
+void OrganGuide::setMending(bool keepsLargest, bool fillsHoles) {
+  settings_.keepsLargest = keepsLargest;
+  settings_.fillsHoles = fillsHoles;
+}
+
 std::string OrganGuide::whyNot() const {
+  const std::vector<std::uint16_t> picked = pickedLabels();
+  if (picked.size() > 1) {
+    std::string without;
+    for (const std::uint16_t label : picked)
+      if (!materialOf(label)) without += (without.empty() ? "" : ", ") + nameOf(label);
+    return without.empty() ? without : "no material is chosen for " + without + " (2)";
+  }
   if (!mask_.mask() && !mask_.isBusy()) return "nothing is picked yet (1)";
   if (mask_.isBusy()) return "the mask is being computed";
   if (mask_.voxels() == 0) return "the mask is empty (1)";
@@ -245,16 +308,57 @@ std::string OrganGuide::whyNot() const {
   return {};
 }
 
-void OrganGuide::makeAlive() {
-  if (!whyNot().empty() || !events_.make) return;
+OrganRequest OrganGuide::requestOfSettings() const {
   OrganRequest request;
-  request.name = settings_.name;
-  request.mask = *mask_.mask();
-  request.material = settings_.material;
   request.phyxels = static_cast<std::size_t>(std::lround(settings_.phyxels));
   request.edge_mm = settings_.isEdgeAutomatic ? 0.0 : settings_.edge_mm;
   request.holdsLowestPart = settings_.holdsLowestPart;
-  events_.make(std::move(request));
+  return request;
+}
+
+void OrganGuide::makeAlive() {
+  if (!whyNot().empty() || !events_.make) return;
+  const std::vector<std::uint16_t> picked = pickedLabels();
+  std::vector<OrganRequest> requests;
+  if (picked.size() < 2) {
+    OrganRequest &request = requests.emplace_back(requestOfSettings());
+    request.name = settings_.name;
+    request.mask = mask_.mask();
+    request.material = settings_.material;
+    if (!picked.empty()) request.label = picked.front(), request.labels = mask_.sources().labels;
+    return events_.make(std::move(requests));
+  }
+  for (const std::uint16_t label : picked) {
+    OrganRequest &request = requests.emplace_back(requestOfSettings());
+    const std::string name = nameOf(label);
+    const bool isTaken = std::any_of(picked.begin(), picked.end(),
+                                     [&](std::uint16_t other) { return other != label && nameOf(other) == name; });
+    request.name = isTaken ? name + " (" + std::to_string(label) + ")" : name;
+    request.labels = mask_.sources().labels;
+    request.label = label;
+    request.keepsLargest = settings_.keepsLargest;
+    request.fillsHoles = settings_.fillsHoles;
+    request.material = materialOf(label)->name;
+  }
+  events_.make(std::move(requests));
+}
+
+void OrganGuide::whenMade(const std::vector<OrganRequest> &made) {
+  std::vector<std::uint16_t> picked = pickedLabels();
+  bool isPickMade = false;
+  for (const OrganRequest &one : made) {
+    const bool isOfThisMap = one.labels && one.labels == mask_.sources().labels;
+    if (!one.mask && isOfThisMap) isPickMade = std::erase(picked, one.label) > 0 || isPickMade;
+    if (!one.mask || one.mask != mask_.mask()) continue;
+    picked.clear();
+    isPickMade = true;
+  }
+  if (!isPickMade) return;
+  if (picked.size() == 1) return chooseLabel(picked.front());
+  MaskStep rest;
+  rest.kind = MaskStep::Kind::labels;
+  rest.labels = picked;
+  mask_.carryOut(rest);
 }
 
 }  // namespace c3de::ui

@@ -30,6 +30,7 @@ void OrganMask::setSources(MaskSources sources) {
   letGo();
   waiting_.clear();
   states_.clear();
+  done_ = 0;
   isCut_ = false;
   shown_ = {};
   problem_.clear();
@@ -43,12 +44,27 @@ double OrganMask::volume_ml() const {
 
 std::vector<MaskStep> OrganMask::steps() const {
   std::vector<MaskStep> steps;
-  for (const State &state : states_) steps.push_back(state.step);
+  for (std::size_t i = 0; i < done_; ++i) steps.push_back(states_[i].step);
   return steps;
+}
+
+std::vector<MaskStep> OrganMask::plannedSteps() const {
+  std::vector<MaskStep> all = steps();
+  if (isBusy() && isStepRunning_) all.push_back(running_);
+  all.insert(all.end(), waiting_.begin(), waiting_.end());
+  return all;
 }
 
 void OrganMask::carryOut(const MaskStep &step) {
   problem_.clear();
+  ++edits_;
+  if (step.kind == MaskStep::Kind::labels) {
+    letGo();
+    waiting_.clear();
+    shown_ = {};
+    record({step, nullptr});
+    return changed_();
+  }
   if (step.startsAnew()) {
     waiting_.clear();
     // A threshold that runs may finish, so that something is seen while a slider is dragged; other work is in vain.
@@ -94,6 +110,7 @@ void OrganMask::submit(const std::string &title, std::function<Expected<imaging:
 void OrganMask::startNext() {
   if (isBusy() || waiting_.empty()) return;
   running_ = waiting_.front();
+  isStepRunning_ = true;
   waiting_.pop_front();
   submit(
       "Organ: " + running_.text(),
@@ -101,29 +118,43 @@ void OrganMask::startNext() {
         return carriedOut(step, sources, before.get(), progress);
       },
       nullptr,
-      [this, step = running_](const Result &result) {
-        const bool joins =
-            step.kind == MaskStep::Kind::threshold && !states_.empty() && states_.back().step.kind == step.kind;
-        if (joins) states_.pop_back();
-        states_.push_back({step, result.packed});
-        if (states_.size() <= kMostSteps) return;
-        states_.erase(states_.begin());
-        isCut_ = true;
-      });
+      [this, step = running_](const Result &result) { record({step, result.packed}); });
+}
+
+void OrganMask::record(State state) {
+  using Kind = MaskStep::Kind;
+  states_.resize(done_);
+  if (state.step.kind == Kind::threshold && !states_.empty() && states_.back().step.kind == Kind::threshold)
+    states_.pop_back();
+  states_.push_back(std::move(state));
+  if (states_.size() > kMostSteps) {
+    states_.erase(states_.begin());
+    isCut_ = true;
+  }
+  done_ = states_.size();
 }
 
 void OrganMask::undo() {
-  if (!canUndo()) return;
+  if (canUndo()) goTo(done_ - 1);
+}
+
+void OrganMask::redo() {
+  if (canRedo()) goTo(done_ + 1);
+}
+
+void OrganMask::goTo(std::size_t done) {
   problem_.clear();
-  if (states_.size() == 1) {
-    states_.clear();
-    shown_ = {};
-  } else {
-    const auto packed = states_[states_.size() - 2].mask;
-    running_ = states_[states_.size() - 2].step;
+  const auto packed = done > 0 ? states_[done - 1].mask : nullptr;
+  if (packed) {
+    running_ = states_[done - 1].step;
+    isStepRunning_ = false;
     submit(
-        "Organ: undo", [packed](const ProgressFn &) -> Expected<imaging::Mask> { return packed->mask(); }, packed,
-        [this](const Result &) { states_.pop_back(); });
+        done < done_ ? "Organ: undo" : "Organ: redo",
+        [packed](const ProgressFn &) -> Expected<imaging::Mask> { return packed->mask(); }, packed,
+        [this, done](const Result &) { done_ = done; });
+  } else {
+    done_ = done;
+    shown_ = {};
   }
   changed_();
 }

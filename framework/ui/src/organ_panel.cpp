@@ -4,28 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
+#include "label_list.h"
 #include "panel_widgets.h"
 
 namespace c3de::ui {
 namespace {
 
-constexpr std::size_t kManyLabels = 12;
 constexpr double kFewestPhyxels = 50.0, kMostPhyxels = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
 constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0;
-
-bool inputText(const c3de_ui_v0 &ui, const char *id, const char *label, std::string &value) {
-  std::array<char, 128> buffer{};
-  std::copy_n(value.begin(), std::min(value.size(), buffer.size() - 1), buffer.begin());
-  const bool isChanged = (ui.input_text(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)),
-                                        buffer.data(), buffer.size()) &
-                          C3DE_UI_CHANGED) != 0;
-  if (isChanged) value = buffer.data();
-  return isChanged;
-}
-
-void sameLine(const c3de_ui_v0 &ui) { ui.same_line(ui.ctx); }
 
 void swatch(const c3de_ui_v0 &ui, const render::Colour &colour) {
   ui.swatch(ui.ctx, colour[0], colour[1], colour[2]);
@@ -54,17 +41,27 @@ void OrganPanel::draw(const c3de_ui_v0 &ui) {
   if (!guide_.mask().sources().image) return;
   heading(ui, "1  Pick it in the image");
   drawSource(ui);
-  drawSteps(ui);
+  const std::size_t several = guide_.isSeveral() ? guide_.pickedLabels().size() : 0;
+  if (several > 0)
+    drawSeveral(ui);
+  else
+    drawSteps(ui);
+  drawUndo(ui);
   // One thing after the other: the rest would only fill the panel.
-  if (!guide_.mask().mask()) return text(ui, "Then: its material, how finely it is sampled, and the simulation.");
-  heading(ui, "2  Material");
-  drawMaterial(ui);
-  heading(ui, "3  Sampling");
+  if (several == 0 && !guide_.mask().mask())
+    return text(ui, "Then: its material, how finely it is sampled, and the simulation.");
+  heading(ui, several > 0 ? "2  Materials" : "2  Material");
+  if (several > 0)
+    drawMaterials(ui);
+  else
+    drawMaterial(ui);
+  heading(ui, several > 0 ? "3  Sampling, of each" : "3  Sampling");
   drawSampling(ui);
   heading(ui, "4  Simulate");
   const std::string reason = guide_.whyNot();
-  if (button(ui, "make", "Make it alive", reason.empty())) guide_.makeAlive();
-  tooltip(ui, "Makes a body of what is picked: its surface, its phyxels, its material");
+  const std::string makes = several > 0 ? fmt::format("Make {} organs alive", several) : std::string("Make it alive");
+  if (button(ui, "make", makes, reason.empty())) guide_.makeAlive();
+  tooltip(ui, "Makes a body of each that is picked: its surface, its phyxels, its material");
   if (!reason.empty()) text(ui, "Not yet: " + reason + ".");
 }
 
@@ -94,27 +91,30 @@ void OrganPanel::drawSource(const c3de_ui_v0 &ui) {
 
 void OrganPanel::drawLabels(const c3de_ui_v0 &ui) {
   const std::vector<OrganGuide::LabelRow> rows = guide_.labels();
-  clickButton(ui, "label_click", "Take the label I click",
-              "The next click in a slice: the label that is there. Esc: no click", &OrganGuide::chooseLabelAt);
-  const auto textOf = [](const OrganGuide::LabelRow &row) {
-    return row.name + "   " + (row.volume_ml ? fmt::format("{:.1f} ml", *row.volume_ml) : std::string("… ml"));
-  };
-  if (rows.size() > kManyLabels) {
-    std::vector<std::string> names{"– choose –"};
-    std::uint32_t index = 0;
-    for (const OrganGuide::LabelRow &row : rows) {
-      if (row.isChosen) index = static_cast<std::uint32_t>(names.size());
-      names.push_back(textOf(row));
+  std::vector<const OrganGuide::LabelRow *> listed;
+  for (const OrganGuide::LabelRow &row : rows)
+    if (rows.size() <= kManyLabels || isListed(row.name, filter_)) listed.push_back(&row);
+  clickButton(ui, "label_click", "Tick the label I click",
+              "The next click in a slice: the label that is there. Esc: no click", &OrganGuide::tickLabelAt);
+  labelList(ui, rows.size(), listed.size(), filter_, [&] {
+    for (const OrganGuide::LabelRow *row : listed) {
+      swatch(ui, row->colour);
+      bool isPicked = row->isChosen;
+      const std::string volume = row->volume_ml ? fmt::format("{:.1f} ml", *row->volume_ml) : std::string("… ml");
+      if (checkbox(ui, "label." + std::to_string(row->value), row->name + "   " + volume, isPicked, ""))
+        guide_.tickLabel(row->value, isPicked);
     }
-    if (choice(ui, "label", "Label", index, names) && index > 0) guide_.chooseLabel(rows[index - 1].value);
-    return;
+  });
+  if (rows.size() < 2) return;
+  if (button(ui, "tick_listed", "Tick the listed", !listed.empty())) {
+    std::vector<std::uint16_t> values = guide_.pickedLabels();
+    for (const OrganGuide::LabelRow *row : listed)
+      if (!row->isChosen) values.push_back(row->value);
+    guide_.chooseLabels(values);
   }
-  for (const OrganGuide::LabelRow &row : rows) {
-    swatch(ui, row.colour);
-    bool isChosen = row.isChosen;
-    if (checkbox(ui, "label." + std::to_string(row.value), textOf(row), isChosen, "") && isChosen)
-      guide_.chooseLabel(row.value);
-  }
+  tooltip(ui, "Beside those that are ticked already. Each becomes a body of its own");
+  sameLine(ui);
+  if (button(ui, "untick", "Untick all", !guide_.pickedLabels().empty())) guide_.chooseLabels({});
 }
 
 void OrganPanel::drawThreshold(const c3de_ui_v0 &ui) {
@@ -166,9 +166,37 @@ void OrganPanel::drawSteps(const c3de_ui_v0 &ui) {
   sameLine(ui);
   if (button(ui, "open", "Remove bridges")) guide_.carryOut(Kind::open);
   tooltip(ui, "Opening: bridges and spurs narrower than twice the radius are removed");
+}
+
+void OrganPanel::drawUndo(const c3de_ui_v0 &ui) {
+  const OrganMask &mask = guide_.mask();
+  if (!mask.mask() && !mask.canUndo() && !mask.canRedo()) return;
+  const std::string undone = mask.undoLabel(), redone = mask.redoLabel();
+  if (button(ui, "undo", "Undo", !undone.empty())) guide_.undo();
+  tooltip(ui, ("Takes back the last step" + (undone.empty() ? "" : ": " + undone) + " (Ctrl+Z)").c_str());
   sameLine(ui);
-  if (button(ui, "undo", "Undo", mask.canUndo())) guide_.undo();
-  tooltip(ui, "Takes back the last step");
+  if (button(ui, "redo", "Redo", !redone.empty())) guide_.redo();
+  tooltip(ui, ("Does it again" + (redone.empty() ? "" : ": " + redone) + " (Ctrl+Shift+Z)").c_str());
+}
+
+void OrganPanel::drawSeveral(const c3de_ui_v0 &ui) {
+  double volume_ml = 0.0;
+  bool isCounted = true;
+  std::string names;
+  for (const OrganGuide::LabelRow &row : guide_.labels()) {
+    if (!row.isChosen) continue;
+    names += (names.empty() ? "" : ", ") + row.name;
+    isCounted = isCounted && row.volume_ml;
+    volume_ml += row.volume_ml.value_or(0.0);
+  }
+  row(ui, "Picked", isCounted ? fmt::format("{} labels, {:.1f} ml", guide_.pickedLabels().size(), volume_ml)
+                              : fmt::format("{} labels", guide_.pickedLabels().size()));
+  row(ui, "Ticked", names);
+  if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
+  bool keepsLargest = guide_.settings().keepsLargest, fillsHoles = guide_.settings().fillsHoles;
+  checkbox(ui, "each_largest", "Keep the largest part of each", keepsLargest, "Voxels that lie apart are left out");
+  checkbox(ui, "each_filled", "Fill the holes of each", fillsHoles, "What is enclosed on all sides");
+  guide_.setMending(keepsLargest, fillsHoles);
 }
 
 void OrganPanel::drawMaterial(const c3de_ui_v0 &ui) {
@@ -190,6 +218,29 @@ void OrganPanel::drawMaterial(const c3de_ui_v0 &ui) {
   row(ui, "Measured", preset->evidence);
   row(ui, "Source", preset->source);
   if (!preset->note.empty()) row(ui, "Note", preset->note);
+}
+
+void OrganPanel::drawMaterials(const c3de_ui_v0 &ui) {
+  std::vector<std::string> names{"– choose –"};
+  for (const scene::MaterialPreset &preset : guide_.materials().presets()) names.push_back(preset.name);
+  for (const OrganGuide::LabelRow &label : guide_.labels()) {
+    if (!label.isChosen) continue;
+    const scene::MaterialPreset *preset = guide_.materialOf(label.value);
+    std::uint32_t index = 0;
+    for (std::uint32_t i = 1; preset && i < names.size(); ++i)
+      if (names[i] == preset->name) index = i;
+    swatch(ui, label.colour);
+    text(ui, label.name);
+    const std::string id = "material." + std::to_string(label.value);
+    if (choice(ui, id.c_str(), "Material", index, names))
+      guide_.chooseMaterialOf(label.value, index > 0 ? names[index] : std::string());
+    if (!preset) continue;
+    row(ui, "Young's modulus", stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
+    row(ui, "ν, density",
+        fmt::format("{:.4g} ({:.4g} … {:.4g}), {:.4g} kg/m³", preset->poissonRatio, preset->poissonRatioMin,
+                    preset->poissonRatioMax, preset->density));
+    row(ui, "Source", preset->source);
+  }
 }
 
 void OrganPanel::drawSampling(const c3de_ui_v0 &ui) {

@@ -2,6 +2,8 @@
 // Widgets of the program's own panels. True: changed, or pressed.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -41,6 +43,16 @@ inline bool button(const c3de_ui_v0 &ui, const std::string &id, const std::strin
   return (ui.button(ui.ctx, toAbi(id), toAbi(label), isEnabled ? 1 : 0) & C3DE_UI_COMMITTED) != 0;
 }
 
+inline bool inputText(const c3de_ui_v0 &ui, const char *id, const char *label, std::string &value) {
+  std::array<char, 128> buffer{};
+  std::copy_n(value.begin(), std::min(value.size(), buffer.size() - 1), buffer.begin());
+  const bool isChanged = (ui.input_text(ui.ctx, toAbi(std::string_view(id)), toAbi(std::string_view(label)),
+                                        buffer.data(), buffer.size()) &
+                          C3DE_UI_CHANGED) != 0;
+  if (isChanged) value = buffer.data();
+  return isChanged;
+}
+
 inline void heading(const c3de_ui_v0 &ui, const char *text) { ui.heading(ui.ctx, toAbi(std::string_view(text))); }
 
 inline void row(const c3de_ui_v0 &ui, const char *name, const std::string &value) {
@@ -48,6 +60,7 @@ inline void row(const c3de_ui_v0 &ui, const char *name, const std::string &value
 }
 
 inline void text(const c3de_ui_v0 &ui, const std::string &shown) { ui.text(ui.ctx, toAbi(shown)); }
+inline void sameLine(const c3de_ui_v0 &ui) { ui.same_line(ui.ctx); }
 inline void tooltip(const c3de_ui_v0 &ui, const char *shown) { ui.tooltip(ui.ctx, toAbi(std::string_view(shown))); }
 
 }  // namespace c3de::ui

@@ -7,6 +7,7 @@ namespace c3de::ui {
 
 void ParameterHistory::record(Handle set, const std::string &label, const ParameterValue &before,
                               const ParameterValue &after) {
+  ++edits_;
   entries_.resize(done_);
   if (isOpen_ && !entries_.empty() && entries_.back().set == set && entries_.back().after.id == after.id) {
     entries_.back().after = after;

@@ -190,7 +190,7 @@ void TextPanel::Impl::params(Handle handle, const std::string &group) {
 
 void TextPanel::Impl::fillTable() {
   table.size = sizeof table;
-  table.rev = 2;
+  table.rev = 3;
   table.ctx = this;
   table.heading = [](void *c, c3de_str t) { of(c).line("# " + std::string(fromAbi(t))); };
   table.text = [](void *c, c3de_str t) {
@@ -236,6 +236,15 @@ void TextPanel::Impl::fillTable() {
     const std::string text = fmt::format("#{:02x}{:02x}{:02x}", byte(red), byte(green), byte(blue));
     of(c).line("[" + text + "]");
     of(c).widget("swatch", {}, {}, text);
+  };
+  // Text does not scroll: where a list begins and ends is known, nothing is shown of it.
+  table.list_begin = [](void *c, c3de_str id, std::uint32_t rows) {
+    of(c).isSameLine = false;
+    of(c).widget("list", std::string(fromAbi(id)), {}, std::to_string(rows));
+  };
+  table.list_end = [](void *c) {
+    of(c).isSameLine = false;
+    of(c).widget("list end", {}, {}, {});
   };
 }
 

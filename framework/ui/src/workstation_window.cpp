@@ -374,10 +374,10 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
       break;
     case Command::quit: window->requestClose(); break;
     case Command::undo:
-      if (services.parameters) services.parameters->history().undo(*services.parameters);
+      state.history.undo();
       break;
     case Command::redo:
-      if (services.parameters) services.parameters->history().redo(*services.parameters);
+      state.history.redo();
       break;
     case Command::fitView: framesToFit = 1; break;
     case Command::viewFront: lookFrom({0, 0, -1}, {0, 1, 0}); break;
@@ -500,6 +500,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
 
   FrameContext context{impl.services, impl.actions, simulation, impl.imgui->theme(), impl.automation, impl.state,
                        impl.fileDialog, impl.camera};
+  impl.state.history.follow(impl.services.parameters, impl.services.organ);
   context.windowSize = impl.window->windowSize();
   context.frame = ++impl.frame;
   context.framesPerSecond = impl.framesPerSecond;

@@ -7,7 +7,9 @@
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/main_queue.h"
 #include "c3de/imaging/masks.h"
+#include "c3de/ui/edit_history.h"
 #include "c3de/ui/organ_panel.h"
+#include "c3de/ui/parameter_registry.h"
 #include "c3de/ui/text_panel.h"
 #include "support/catch.h"
 
@@ -31,7 +33,7 @@ struct Fixture {
   std::vector<OrganRequest> made;
   int changes = 0;
   OrganGuide guide{
-      jobs, "test", materials, {[this] { ++changes; }, [this](OrganRequest r) { made.push_back(std::move(r)); }}};
+      jobs, "test", materials, {[this] { ++changes; }, [this](std::vector<OrganRequest> r) { made.insert(made.end(), r.begin(), r.end()); }}};
   MaskSources sources;
 
   static constexpr std::size_t kLarge = 6 * 6 * 6 - 1, kSmall = 4 * 4 * 4;
@@ -183,10 +185,10 @@ TEST_CASE("A label is chosen by a click on it", "[organ]") {
   Fixture f;
   f.guide.setSources(f.sources);
   f.settle();
-  f.guide.chooseLabelAt({50, 50, 50});
+  f.guide.tickLabelAt({50, 50, 50});
   CHECK_THAT(f.guide.maskProblem(), Contains("50.0, 50.0, 50.0 mm is on no label"));
   CHECK_FALSE(f.guide.mask().mask());
-  f.guide.chooseLabelAt({70, 65, 61});
+  f.guide.tickLabelAt({70, 65, 61});
   f.settle();
   CHECK(f.voxels() == Fixture::kSmall);
   CHECK(f.guide.settings().name == "thing");
@@ -220,10 +222,210 @@ TEST_CASE("What is made alive is what was picked and chosen", "[organ]") {
   CHECK(f.made[0].phyxels == 750);
   CHECK(f.made[0].edge_mm == 3.5);
   CHECK(f.made[0].holdsLowestPart);
-  CHECK(imaging::voxelCount(f.made[0].mask) == Fixture::kLarge + Fixture::kSmall);
+  CHECK(imaging::voxelCount(*f.made[0].mask) == Fixture::kLarge + Fixture::kSmall);
   f.guide.setSampling(750.0, true, 3.5, false);
   f.guide.makeAlive();
   CHECK(f.made[1].edge_mm == 0.0);
+}
+
+TEST_CASE("Several ticked labels become a request each, with the material of their names", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.settle();
+  f.guide.tickLabel(8, true);
+  f.guide.tickLabel(3, true);  // the mask of the first is still being made
+  CHECK(f.guide.isSeveral());
+  CHECK(f.guide.pickedLabels() == std::vector<std::uint16_t>{8, 3});
+  f.settle();
+  CHECK(f.guide.isSeveral());
+  CHECK_FALSE(f.guide.mask().mask());
+  CHECK(f.guide.materialOf(3)->name == "kidney_cortex");
+  CHECK_THAT(f.guide.whyNot(), Contains("no material is chosen for thing"));
+  f.guide.makeAlive();
+  CHECK(f.made.empty());
+  f.guide.chooseMaterialOf(8, "fat");
+  f.guide.setMending(true, true);
+  f.guide.setSampling(640.0, true, 3.5, true);
+  f.guide.makeAlive();
+  REQUIRE(f.made.size() == 2);
+  CHECK((f.made[0].name == "thing" && f.made[0].material == "fat" && f.made[0].label == 8));
+  CHECK((f.made[1].name == "kidney_left" && f.made[1].material == "kidney_cortex" && f.made[1].label == 3));
+  for (const OrganRequest &request : f.made)
+    CHECK((request.phyxels == 640 && request.edge_mm == 0.0 && request.holdsLowestPart && request.fillsHoles &&
+           request.keepsLargest));
+  const auto mask = maskOf(f.made[0]);
+  REQUIRE(mask);
+  CHECK(imaging::voxelCount(*mask) == Fixture::kSmall);
+}
+
+TEST_CASE("What has been made is picked no more, what could not be made stays", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.guide.chooseLabels({8, 3});
+  f.guide.chooseMaterialOf(8, "fat");
+  f.guide.makeAlive();
+  REQUIRE(f.made.size() == 2);
+  f.guide.whenMade({f.made[1]});
+  f.settle();
+  CHECK(f.guide.pickedLabels() == std::vector<std::uint16_t>{8});
+  CHECK(f.voxels() == Fixture::kSmall);
+  f.guide.chooseMaterial("fat");
+  f.guide.makeAlive();
+  REQUIRE(f.made.size() == 3);
+  CHECK((f.made[2].label == 8 && f.made[2].mask));
+  f.guide.whenMade({f.made[2]});
+  CHECK(f.guide.pickedLabels().empty());
+  CHECK_FALSE(f.guide.mask().mask());
+  f.guide.undo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kSmall);
+}
+
+TEST_CASE("A label without voxels names itself", "[organ]") {
+  Fixture f;
+  OrganRequest request;
+  request.name = "ghost";
+  auto labels = std::make_shared<scene::StoredLabels>(*f.sources.labels);
+  labels->name = "map.nrrd";
+  request.labels = labels;
+  request.label = 77;
+  const auto mask = maskOf(request);
+  REQUIRE_FALSE(mask);
+  CHECK_THAT(mask.error().message, Contains("map.nrrd has label 77"));
+}
+
+TEST_CASE("Steps that were undone are redone, until another one is made", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.guide.setLow(60.0);
+  f.settle();
+  f.guide.carryOut(Kind::largest);
+  f.settle();
+  f.guide.chooseLabels({3, 8});
+  CHECK_FALSE(f.guide.mask().canRedo());
+  f.guide.undo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge);
+  f.guide.undo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  CHECK(f.guide.mask().undoLabel() == "threshold 60 … 100");
+  CHECK(f.guide.mask().redoLabel() == "the largest part");
+  f.guide.redo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge);
+  f.guide.redo();
+  CHECK(f.guide.isSeveral());
+  CHECK(f.guide.settings().isFromLabel);
+  CHECK_FALSE(f.guide.mask().canRedo());
+  f.guide.undo();
+  f.settle();
+  f.guide.carryOut(Kind::fillHoles);
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + 1);
+  CHECK_FALSE(f.guide.mask().canRedo());
+}
+
+TEST_CASE("Undo takes back what was edited last, of the parameters or of the organ", "[organ]") {
+  Fixture f;
+  ParameterRegistry parameters;
+  ParameterSet set;
+  set.decls.emplace_back();
+  set.decls[0].id = "x";
+  set.decls[0].label = "X";
+  set.decls[0].max = 100.0;
+  const Handle handle = parameters.declare(set);
+  const auto setX = [&](double to) {
+    ParameterValue value = parameters.find(handle)->values[0];
+    value.num = to;
+    REQUIRE(parameters.edit(handle, value));
+    parameters.history().endGesture();
+  };
+  const auto x = [&] { return parameters.find(handle)->values[0].num; };
+  EditHistory history;
+  const auto follow = [&] { history.follow(&parameters, &f.guide); };
+  follow();
+  CHECK(history.undoLabel().empty());
+  f.guide.setLow(60.0);
+  follow();
+  CHECK(history.undoLabel().empty());  // it is being computed
+  f.settle();
+  setX(2.0);
+  follow();
+  CHECK(history.undoLabel() == "X");
+  f.guide.carryOut(Kind::largest);
+  f.settle();
+  follow();
+  CHECK(history.undoLabel() == "the largest part");
+  history.undo();
+  CHECK(history.undoLabel().empty());  // not the parameter, while the organ goes back
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  CHECK(x() == 2.0);
+  CHECK(history.redoLabel() == "the largest part");
+  setX(3.0);
+  follow();
+  history.undo();
+  CHECK(x() == 2.0);
+  history.undo();
+  CHECK(x() == 0.0);
+  CHECK(history.undoLabel() == "threshold 60 … 100");  // the parameters have nothing more
+  history.undo();
+  CHECK_FALSE(f.guide.mask().mask());
+  follow();
+  history.redo();
+  f.settle();
+  CHECK(f.guide.mask().mask());
+}
+
+TEST_CASE("A map of many labels has a filter, and several are ticked at once", "[organ]") {
+  Fixture f;
+  auto labels = std::make_shared<scene::StoredLabels>(*f.sources.labels);
+  for (std::uint16_t value = 20; value < 40; ++value)
+    labels->map.labels.push_back({value, "Rib_left_" + std::to_string(value), {0, 0, 1}});
+  PanelRegistry panels;
+  ImageViews views;
+  views.setImage(f.sources.image);
+  const OrganPanel panel(panels, views, f.guide);
+  TextPanel text(nullptr);
+  const auto draw = [&] {
+    const std::string shown = text.draw(*panels.panels().front());
+    f.settle();
+    return shown;
+  };
+  f.guide.setSources({f.sources.image, labels});
+  f.settle();
+  CHECK_THAT(draw(), Contains("label.8") && Contains("label.39"));
+  REQUIRE(text.find("labels"));
+  text.setText("label_filter", "left RIB 3");
+  draw();
+  CHECK_THAT(draw(), !Contains("label.8") && !Contains("label.29") && Contains("label.30") && Contains("label.39"));
+  text.setText("label_filter", "nothing of the kind");
+  draw();
+  CHECK_THAT(draw(), Contains("No label is called so.") && Contains("[disabled button: Tick the listed]"));
+  text.setText("label_filter", "KIDNEY left");
+  text.press("tick_listed");
+  draw();
+  draw();
+  text.press("tick_listed");
+  draw();
+  CHECK(f.guide.pickedLabels() == std::vector<std::uint16_t>{3});
+  text.setText("label_filter", "thing");
+  draw();
+  text.press("tick_listed");
+  draw();
+  CHECK_THAT(draw(), Contains("Ticked: kidney_left, thing") && Contains("Picked: 2 labels, 35.0 ml") &&
+                         Contains("Source: PMID 21862792") && Contains("Young's modulus: 5 kPa (2 kPa … 15 kPa)") &&
+                         Contains("[disabled button: Make 2 organs alive]") && Contains("no material is chosen for thing"));
+  text.setText("material.8", "fat");
+  draw();
+  text.press("make");
+  draw();
+  REQUIRE(f.made.size() == 2);
+  CHECK(f.made[1].material == "fat");
+  text.press("untick");
+  draw();
+  CHECK(f.guide.pickedLabels().empty());
 }
 
 TEST_CASE("Another image starts anew, also while a step runs", "[organ]") {
@@ -295,7 +497,7 @@ TEST_CASE("The panel leads from labels to the button", "[organ]") {
   draw();
   CHECK(text.problems().empty());
   REQUIRE(f.made.size() == 1);
-  CHECK(imaging::voxelCount(f.made[0].mask) == 216 + 64);
+  CHECK(imaging::voxelCount(*f.made[0].mask) == 216 + 64);
 }
 
 TEST_CASE("A click in a slice that picks does not move the cross-hair, and Escape ends it", "[organ]") {

@@ -74,6 +74,14 @@ class Ui {
     if (ui_->rev >= 2) ui_->swatch(ui_->ctx, red, green, blue);
   }
 
+  /// What follows until listEnd() scrolls in a frame of its own, `rows` lines high; in line in hosts that do not have it.
+  void listBegin(std::string_view id, std::uint32_t rows = 12) const {
+    if (ui_->rev >= 3) ui_->list_begin(ui_->ctx, str(id), rows);
+  }
+  void listEnd() const {
+    if (ui_->rev >= 3) ui_->list_end(ui_->ctx);
+  }
+
  private:
   static std::vector<char> bufferOf(const std::string &value, std::size_t capacity) {
     std::vector<char> buffer(std::max(capacity, value.size() + 1), '\0');

@@ -58,7 +58,8 @@ struct CommandInfo {
   const char *doc;    ///< one line
   std::uint32_t key;  ///< 0: none
   std::uint32_t modifiers;  ///< C3DE_MOD_*
-  std::uint32_t alternativeKey;  ///< without modifiers; 0: none
+  std::uint32_t alternativeKey;  ///< 0: none
+  std::uint32_t alternativeModifiers = 0;
 };
 
 [[nodiscard]] std::span<const CommandInfo> commands();

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <string>
+#include <vector>
+
 #include "c3de/ui/image_views.h"
 #include "c3de/ui/panel_registry.h"
 
@@ -10,7 +14,13 @@ namespace c3de::ui {
 /// registry while it lives. Main thread.
 class ImagePanel {
  public:
-  ImagePanel(PanelRegistry &panels, ImageViews &views);
+  /// The label maps that are open, of which one is shown. Without functions: there is none to choose from.
+  struct LabelMaps {
+    std::function<std::vector<std::string>()> names;
+    std::function<std::size_t()> shown;  ///< position among the names
+    std::function<void(std::size_t)> show;
+  };
+  ImagePanel(PanelRegistry &panels, ImageViews &views, LabelMaps labelMaps = {});
   ~ImagePanel();
   ImagePanel(const ImagePanel &) = delete;
   ImagePanel &operator=(const ImagePanel &) = delete;
@@ -25,6 +35,8 @@ class ImagePanel {
 
   PanelRegistry &panels_;
   ImageViews &views_;
+  LabelMaps labelMaps_;
+  std::string labelFilter_;
   Handle panel_;
 };
 

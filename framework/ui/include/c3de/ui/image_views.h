@@ -87,6 +87,8 @@ class ImageViews {
   /// Opacity of one label, 0 … 1, beside that of all.
   [[nodiscard]] float labelOpacity(std::uint16_t value) const;
   void setLabelOpacity(std::uint16_t value, float opacity);
+  /// The others are faint while it is not empty.
+  void setPickedLabels(std::vector<std::uint16_t> values) { pickedLabels_ = std::move(values); }
   [[nodiscard]] std::vector<std::pair<std::uint16_t, render::Colour>> labelColours() const;
 
   [[nodiscard]] const Vec3 &crossHair() const { return crossHair_; }
@@ -133,6 +135,7 @@ class ImageViews {
   ImageHandles handles_;
   ImageOptions options_;
   std::vector<std::pair<std::uint16_t, float>> labelOpacities_;
+  std::vector<std::uint16_t> pickedLabels_;
   std::array<SliceView, 3> views_;
   std::optional<Pane> maximised_;
   Vec3 crossHair_{};

@@ -20,15 +20,18 @@ struct MaskSources {
 
 /// One thing a person does to pick an organ.
 struct MaskStep {
-  enum class Kind { label, threshold, component, largest, fillHoles, close, open };
+  enum class Kind { label, labels, threshold, component, largest, fillHoles, close, open };
   Kind kind = Kind::threshold;
   std::uint16_t label = 0;       ///< label: its value
+  std::vector<std::uint16_t> labels{};  ///< labels: several, or none; no mask is made of them
   double low = 0.0, high = 0.0;  ///< threshold: values of the image
   Vec3 world{};                  ///< component: a point of it, LPS mm
   double radius_mm = 0.0;        ///< close, open
 
   /// What was picked before does not matter to it.
-  [[nodiscard]] bool startsAnew() const { return kind == Kind::label || kind == Kind::threshold; }
+  [[nodiscard]] bool startsAnew() const {
+    return kind == Kind::label || kind == Kind::labels || kind == Kind::threshold;
+  }
   /// For a person: "threshold 150 … 900".
   [[nodiscard]] std::string text() const;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,22 +11,13 @@
 #include "c3de/render/renderer.h"
 #include "c3de/scene/materials.h"
 #include "c3de/ui/organ_mask.h"
+#include "c3de/ui/organ_request.h"
 
 namespace c3de::ui {
 
-/// What is to become a body.
-struct OrganRequest {
-  std::string name;
-  imaging::Mask mask;            ///< not empty
-  std::string material;          ///< name of a preset
-  std::size_t phyxels = 1000;    ///< wanted
-  double edge_mm = 0.0;          ///< of the surface; 0: automatic
-  bool holdsLowestPart = false;  ///< what lies lowest, along gravity, is held
-};
-
 /// What a person chooses beside the mask.
 struct OrganSettings {
-  bool isFromLabel = false;      ///< the mask is picked from a label, else by a threshold
+  bool isFromLabel = false;      ///< labels are picked, else voxels by a threshold
   double low = 0.0, high = 0.0;  ///< threshold, values of the image
   double radius_mm = 3.0;        ///< of closing and opening
   std::string name = "organ";
@@ -34,15 +26,16 @@ struct OrganSettings {
   bool isEdgeAutomatic = true;
   double edge_mm = 4.0;  ///< when it is not automatic
   bool holdsLowestPart = false;
+  bool keepsLargest = false, fillsHoles = false;  ///< of each of several labels
 };
 
-/// The path from an image to a living organ: pick, material, sampling, go. No drawing. Main thread; lifetime as
-/// OrganMask.
+/// The path from an image to living organs: pick, material, sampling, go. One label or threshold gives a mask that can be
+/// mended; of several labels each is taken as it is. No drawing. Main thread; lifetime as OrganMask.
 class OrganGuide {
  public:
   struct Events {
     std::function<void()> maskChanged;  ///< or what is known of it
-    std::function<void(OrganRequest)> make;
+    std::function<void(std::vector<OrganRequest>)> make;  ///< not empty
   };
   /// @param materials  must outlive the guide
   OrganGuide(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials, Events events);
@@ -64,10 +57,18 @@ class OrganGuide {
     bool isChosen = false;
   };
   [[nodiscard]] std::vector<LabelRow> labels() const;
+  /// In the order they were picked; none: nothing is, or a threshold.
+  [[nodiscard]] std::vector<std::uint16_t> pickedLabels() const;
+  /// More than one label is picked; there is no mask then.
+  [[nodiscard]] bool isSeveral() const { return pickedLabels().size() > 1; }
   void setFromLabel(bool isFromLabel) { settings_.isFromLabel = isFromLabel; }
-  /// Takes over its name, and the material that fits.
+  /// This one alone. Takes over its name, and the material that fits.
   void chooseLabel(std::uint16_t value);
-  void chooseLabelAt(const Vec3 &world);
+  /// These alone.
+  void chooseLabels(const std::vector<std::uint16_t> &values);
+  /// Beside the others.
+  void tickLabel(std::uint16_t value, bool isPicked);
+  void tickLabelAt(const Vec3 &world);
   /// The limit that was moved takes the other one along.
   void setLow(double low);
   void setHigh(double high);
@@ -76,6 +77,7 @@ class OrganGuide {
   void carryOut(MaskStep::Kind kind);  ///< largest, fillHoles, close, open
   void setRadius(double radius_mm) { settings_.radius_mm = radius_mm; }
   void undo();
+  void redo();
   /// Of what is laid over the slices.
   [[nodiscard]] render::Colour colour() const;
   /// What is wrong with the mask, for a person; empty: nothing.
@@ -87,17 +89,25 @@ class OrganGuide {
   /// By a person: the name does not change it any more, until another label or image is chosen.
   void chooseMaterial(const std::string &preset);
   void setName(const std::string &name);
+  /// One of several labels; null: to be chosen.
+  [[nodiscard]] const scene::MaterialPreset *materialOf(std::uint16_t label) const;
+  void chooseMaterialOf(std::uint16_t label, const std::string &preset);
   void setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm, bool holdsLowestPart);
+  void setMending(bool keepsLargest, bool fillsHoles);
 
   /// Why it cannot be made alive yet, for a person; empty: it can.
   [[nodiscard]] std::string whyNot() const;
   /// Does nothing while whyNot() has a reason.
   void makeAlive();
+  /// What has been made is picked no more; what could not be made stays.
+  void whenMade(const std::vector<OrganRequest> &made);
 
  private:
   void countLabels();
   void preselectMaterial();
   void whenMaskChanged();
+  [[nodiscard]] std::string nameOf(std::uint16_t label) const;
+  [[nodiscard]] OrganRequest requestOfSettings() const;
 
   BackgroundJobs &jobs_;
   std::string jobOwner_;
@@ -108,7 +118,8 @@ class OrganGuide {
   std::vector<double> labelVolumes_ml_;  ///< by position in the map's labels; empty: not counted yet
   Handle counting_;
   std::uint64_t serial_ = 0;
-  std::string clickProblem_;  ///< of chooseLabelAt()
+  std::string clickProblem_;  ///< of tickLabelAt()
+  std::map<std::uint16_t, std::string> labelMaterials_;  ///< chosen by a person for one of several
   bool isMaterialChosen_ = false;
   bool followsUndo_ = false;
   std::shared_ptr<bool> alive_;

@@ -16,8 +16,8 @@ class BackgroundJobs;
 
 namespace c3de::ui {
 
-/// The mask a person is picking: steps are carried out in background jobs, one after the other, and can be undone. A
-/// threshold that waits gives way to a later one, so that a slider shows what it says by the latest settings. Main
+/// The mask a person is picking: steps are carried out in background jobs, one after the other, and can be undone and
+/// redone. A threshold that waits gives way to a later one, so that a slider shows what it says by the latest settings. Main
 /// thread.
 ///
 /// The jobs may end first: the destructor does not touch them. To let go of a job that runs, setSources({}).
@@ -36,8 +36,16 @@ class OrganMask {
   void carryOut(const MaskStep &step);
   /// Goes back by a step; thresholds that follow each other are one. Not while a job runs.
   void undo();
-  [[nodiscard]] bool canUndo() const { return states_.size() > (isCut_ ? 1u : 0u) && !isBusy(); }
+  /// Until another step is carried out.
+  void redo();
+  [[nodiscard]] bool canUndo() const { return done_ > (isCut_ ? 1u : 0u) && !isBusy(); }
+  [[nodiscard]] bool canRedo() const { return done_ < states_.size() && !isBusy(); }
+  /// What would be undone or redone, for a person; empty: nothing.
+  [[nodiscard]] std::string undoLabel() const { return canUndo() ? states_[done_ - 1].step.text() : std::string(); }
+  [[nodiscard]] std::string redoLabel() const { return canRedo() ? states_[done_].step.text() : std::string(); }
   [[nodiscard]] bool isBusy() const { return !job_.isNull(); }
+  /// Grows with every step that is asked for.
+  [[nodiscard]] std::uint64_t edits() const { return edits_; }
 
   /// Null: nothing is picked.
   [[nodiscard]] const std::shared_ptr<const imaging::Mask> &mask() const { return shown_.mask; }
@@ -46,6 +54,8 @@ class OrganMask {
   [[nodiscard]] double volume_ml() const;
   /// What led to the mask, in order.
   [[nodiscard]] std::vector<MaskStep> steps() const;
+  /// The same with what runs and waits, as if it had succeeded.
+  [[nodiscard]] std::vector<MaskStep> plannedSteps() const;
   /// What went wrong with the last step, for a person; empty: nothing.
   [[nodiscard]] const std::string &problem() const { return problem_; }
 
@@ -57,7 +67,7 @@ class OrganMask {
   };
   struct State {
     MaskStep step;
-    std::shared_ptr<const PackedMask> mask;
+    std::shared_ptr<const PackedMask> mask;  ///< null: the step makes none
   };
   struct Result {
     Shown shown;
@@ -67,6 +77,8 @@ class OrganMask {
   void submit(const std::string &title, std::function<Expected<imaging::Mask>(const ProgressFn &)> make,
               std::shared_ptr<const PackedMask> packed, std::function<void(const Result &)> take);
   void letGo();
+  void record(State state);
+  void goTo(std::size_t done);
 
   BackgroundJobs &jobs_;
   std::string jobOwner_;
@@ -74,9 +86,12 @@ class OrganMask {
   MaskSources sources_;
   Shown shown_;
   std::vector<State> states_;
-  bool isCut_ = false;  ///< the oldest states have been forgotten
+  std::size_t done_ = 0;  ///< states before it are what led to the mask, the others can be redone
+  bool isCut_ = false;    ///< the oldest states have been forgotten
   std::deque<MaskStep> waiting_;
   MaskStep running_;
+  bool isStepRunning_ = false;  ///< else the job goes back or forth
+  std::uint64_t edits_ = 0;
   Handle job_;
   std::uint64_t serial_ = 0;  ///< of the job whose result counts
   std::string problem_;

@@ -25,13 +25,17 @@ class OrganPanel {
   void drawLabels(const c3de_ui_v0 &ui);
   void drawThreshold(const c3de_ui_v0 &ui);
   void drawSteps(const c3de_ui_v0 &ui);
+  void drawUndo(const c3de_ui_v0 &ui);
+  void drawSeveral(const c3de_ui_v0 &ui);
   void drawMaterial(const c3de_ui_v0 &ui);
+  void drawMaterials(const c3de_ui_v0 &ui);
   void drawSampling(const c3de_ui_v0 &ui);
 
   PanelRegistry &panels_;
   ImageViews &views_;
   OrganGuide &guide_;
   Handle panel_;
+  std::string filter_;  ///< of the labels that are listed
   const char *awaited_ = nullptr;  ///< id of the button that was pressed last
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ class ParameterHistory {
   /// The owner has shown other values, of another body say: what was changed before is not that body's history.
   void forget(Handle set);
 
+  /// Grows with every change.
+  [[nodiscard]] std::uint64_t edits() const { return edits_; }
   [[nodiscard]] bool canUndo() const { return done_ > 0; }
   [[nodiscard]] bool canRedo() const { return done_ < entries_.size(); }
   /// Label of what would be undone or redone; empty when nothing.
@@ -39,6 +42,7 @@ class ParameterHistory {
   static constexpr std::size_t kMostEntries = 500;
   std::vector<Entry> entries_;
   std::size_t done_ = 0;  // entries before it can be undone, the others redone
+  std::uint64_t edits_ = 0;
   bool isOpen_ = false;   // the last entry still takes changes
 };
 

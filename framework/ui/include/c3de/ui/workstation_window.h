@@ -26,6 +26,7 @@ class SceneGraph;
 namespace c3de::ui {
 
 class ImageViews;
+class OrganGuide;
 class PanelRegistry;
 class ParameterRegistry;
 class ToolRegistry;
@@ -64,6 +65,7 @@ struct WindowServices {
   scene::SceneGraph *scene = nullptr;
   BackgroundJobs *jobs = nullptr;
   ImageViews *images = nullptr;  ///< while it has an image, slices stand beside the 3D view
+  OrganGuide *organ = nullptr;   ///< its steps are undone while they are what was edited last
 };
 
 /// For Help > About.

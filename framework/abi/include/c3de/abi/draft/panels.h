@@ -39,6 +39,10 @@ typedef struct c3de_ui_v0 {
                                    uint64_t capacity);
   /* rev 2: a patch of colour, sRGB 0 ... 1, before what same_line puts beside it. */
   void(C3DE_CALL *swatch)(void *ctx, float red, float green, float blue);
+  /* rev 3: what stands between them scrolls in a frame of its own, `rows` lines high (0: 12). Lists do not nest; the end
+   * of the panel ends a list. */
+  void(C3DE_CALL *list_begin)(void *ctx, c3de_str id, uint32_t rows);
+  void(C3DE_CALL *list_end)(void *ctx);
 } c3de_ui_v0;
 
 typedef struct c3de_panel { /* copied, strings included */

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "c3de/core/expected.h"
+#include "c3de/core/progress.h"
+#include "c3de/scene/image_store.h"
+
+namespace c3de::ui {
+
+/// What is to become a body: a mask, or a label of a label map.
+struct OrganRequest {
+  std::string name;
+  std::shared_ptr<const imaging::Mask> mask;          ///< null: the label as it is in `labels`
+  std::shared_ptr<const scene::StoredLabels> labels;  ///< that it comes from; null: no label
+  std::uint16_t label = 0;
+  bool keepsLargest = false, fillsHoles = false;  ///< of the label: its largest part alone; with its holes filled
+  std::string material;                           ///< name of a preset
+  std::size_t phyxels = 1000;                     ///< wanted
+  double edge_mm = 0.0;                           ///< of the surface; 0: automatic
+  bool holdsLowestPart = false;                   ///< what lies lowest, along gravity, is held
+};
+
+/// The voxels of the organ. Any thread. ErrorCode::usage: there are none; cancelled.
+[[nodiscard]] Expected<imaging::Mask> maskOf(const OrganRequest &request, const ProgressFn &progress = {});
+
+}  // namespace c3de::ui
