@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A simulator without physics that reports what it was given, so that tests of the program can compare it with the scene.
+// The voxels a body is filled from are told by their sum, and where their middle is in the frame of the mesh.
 // It diverges at step 4 when a body begins with a velocity of 13 m/s along x, and finds nothing in a sphere of radius 666.
 #include <array>
 #include <limits>
@@ -50,6 +51,28 @@ Json json(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride)
   return out;
 }
 
+Json json(const c3de_sim_fill *fill) {
+  if (!fill) return nullptr;
+  const c3de_sim_grid &grid = fill->grid;
+  double sum = 0.0, middle[3]{};
+  const float *value = fill->values;
+  for (std::uint64_t k = 0; k < grid.points[2]; ++k)
+    for (std::uint64_t j = 0; j < grid.points[1]; ++j)
+      for (std::uint64_t i = 0; i < grid.points[0]; ++i, ++value) {
+        sum += *value;
+        for (std::size_t a = 0; a < 3; ++a)
+          middle[a] += *value * (grid.origin_m[a] + static_cast<double>(i) * grid.step_i_m[a] +
+                                 static_cast<double>(j) * grid.step_j_m[a] + static_cast<double>(k) * grid.step_k_m[a]);
+      }
+  for (double &m : middle) m /= sum;
+  return {{"points", {grid.points[0], grid.points[1], grid.points[2]}},
+          {"sum", sum},
+          {"middle_m", vector(middle)},
+          {"step_i_m", vector(grid.step_i_m)},
+          {"step_j_m", vector(grid.step_j_m)},
+          {"step_k_m", vector(grid.step_k_m)}};
+}
+
 void findSomething(const c3de_sim_region &region, const std::string &what) {
   if (region.radius == 666.0) throw sdk::Error(C3DE_E_ARG, what + ": the region meets no part of the body");
 }
@@ -81,7 +104,8 @@ class Recorder : public sdk::Object<Recorder> {
               {"fixes", Json::array()},
               {"loads", Json::array()},
               {"parts", Json::array()},
-              {"refinements", Json::array()}};
+              {"refinements", Json::array()},
+              {"fill", json(in->fill)}};
     for (std::uint64_t i = 0; i < in->fixes_n; ++i) {
       const c3de_sim_fix &fix = sdk::strided(in->fixes, i, in->fixes_stride);
       findSomething(fix.region, "fix " + std::to_string(fix.index));
@@ -149,6 +173,8 @@ class Recorder : public sdk::Object<Recorder> {
   void bodyInfo(c3de_handle, c3de_sim_body_info *) {}
   void phyxels(c3de_handle, c3de_object **) {}
   void surfels(c3de_handle, c3de_object **) {}
+  // There for its revision: that of a simulator which is handed fills.
+  c3de_status displacement(const c3de_sim_grid *, double, float *) const { return C3DE_E_UNSUPPORTED; }
 
  private:
   [[nodiscard]] bool finished() const { return quasistatic_ && steps_ >= loadSteps_; }

@@ -71,6 +71,43 @@ TEST_CASE("Labels become bodies with the volume of their voxels, by number and b
   }
 }
 
+TEST_CASE("A simulator is handed the voxels of the label in metres, and none for a mesh") {
+  const auto folder = freshFolder("fill");
+  (void)writeBalls(folder);
+  const auto report = folder / "report.json";
+  const auto scene = writeFile(folder / "scene.toml",
+                               "format = 1\n[[body]]\nvolume = \"organs.nrrd\"\nname = \"ball\"\nlabel = 2\n[[body]]\n"
+                               "name = \"box\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\n");
+  (void)writeBoxScene(folder);
+  const auto ran =
+      runC3de({"run", "--plugin", C3DE_RECORDER, scene.string(), "--steps", "1", "--report", report.string()});
+  INFO(ran.errorOutput);
+  REQUIRE(ran.exitCode == 0);
+  const auto json = nlohmann::json::parse(readFile(report));
+  REQUIRE(json["bodies"].size() == 2);
+  CHECK(json["bodies"][1]["fill"].is_null());
+  const auto &fill = json["bodies"][0]["fill"];
+  REQUIRE(fill.is_object());
+  const auto vector = [&](const char *key) {
+    return Vec3{fill[key][0].get<double>(), fill[key][1].get<double>(), fill[key][2].get<double>()};
+  };
+  const Vec3 i = vector("step_i_m"), j = vector("step_j_m"), k = vector("step_k_m");
+  // Sums of floats of 0 … 1.
+  CHECK(fill["sum"].get<double>() * std::abs(dot(i, cross(j, k))) ==
+        Approx(1e-6 * millilitres(twoBalls(), 2)).epsilon(1e-6));
+  const imaging::LabelMap map = twoBalls();
+  Vec3 middle{};
+  double count = 0.0;
+  for (std::size_t v = 0; v < map.voxels.size(); ++v)
+    if (map.voxels[v] == 2) {
+      middle = middle + map.geometry.worldAt({static_cast<double>(v % 60), static_cast<double>(v / 60 % 50),
+                                              static_cast<double>(v / 3000)});
+      count += 1.0;
+    }
+  for (std::size_t a = 0; a < 3; ++a)
+    CHECK(fill["middle_m"][a].get<double>() == Approx(1e-3 * middle[a] / count).margin(1e-8));
+}
+
 TEST_CASE("A label that does not occur is refused with those that do") {
   const auto folder = freshFolder("no_label");
   (void)writeBalls(folder);
@@ -89,7 +126,7 @@ TEST_CASE("A threshold that leaves nothing and a simulator that cannot fill are 
   CHECK(refused.exitCode == 3);
   CHECK_THAT(refused.errorOutput, Contains("empty.toml:2: ") && Contains("nothing is left"));
   const auto good = writeFile(folder / "good.toml", std::string(kBody) + "label = 1\n");
-  const auto old = runC3de({"run", "--plugin", C3DE_RECORDER, good.string(), "--steps", "1"});
+  const auto old = runC3de({"run", "--plugin", C3DE_RECORDER_OF_REVISION_1, good.string(), "--steps", "1"});
   CHECK(old.exitCode != 0);
   CHECK_THAT(old.errorOutput, Contains("'volume' is not served by this simulator") && Contains("needed: 3"));
 }
