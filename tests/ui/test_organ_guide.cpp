@@ -2,6 +2,7 @@
 // From an image to an organ by the panel: threshold, a click on the part, filled holes, material, the button.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <regex>
 
@@ -133,4 +134,125 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "
   CHECK(state["notifications"][0]["title"] == "liver lives");
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("made");
+}
+
+namespace {
+
+/// 60 x 60 x 60 voxels of 8 mm: two kidneys of 24 mm radius, a trunk of 0.4 m, and single voxels with names.
+imaging::LabelMap manyLabels() {
+  constexpr std::size_t n = 60;
+  imaging::LabelMap map;
+  map.geometry = {{n, n, n}, {8, 0, 0, 0, 0, 8, 0, 0, 0, 0, 8, 0, -236, -236, -236, 1}};
+  map.voxels.assign(n * n * n, 0);
+  map.labels = {{2, "kidney_right", {0.2f, 0.2f, 1.0f}},
+                {3, "kidney_left", {1.0f, 1.0f, 0.2f}},
+                {4, "muscle_trunk", {0.8f, 0.3f, 0.3f}}};
+  const auto at = [&](std::size_t i, std::size_t j, std::size_t k) -> std::uint16_t & {
+    return map.voxels[i + n * (j + n * k)];
+  };
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t i = 0; i < n; ++i) {
+        if (i >= 8 && j >= 8 && k >= 8 && i < 58 && j < 58 && k < 58) at(i, j, k) = 4;
+        for (const auto &[label, middle] : {std::pair{std::uint16_t{2}, Vec3{3.5, 3.5, 10}}, {std::uint16_t{3}, Vec3{3.5, 3.5, 50}}})
+          if (norm(Vec3{double(i), double(j), double(k)} - middle) < 3.0) at(i, j, k) = label;
+      }
+  for (std::uint16_t v = 20; v < 32; ++v) {
+    map.labels.push_back({v, "vertebra_" + std::to_string(v), {0.5f, 0.5f, 0.5f}});
+    at(59, 59, v) = v;
+  }
+  return map;
+}
+
+bool hasNode(const Json &state, const std::string &name) {
+  return std::any_of(state["nodes"].begin(), state["nodes"].end(), [&](const Json &node) { return node["name"] == name; });
+}
+
+Json notification(const Json &state, const std::string &title) {
+  for (const Json &one : state["notifications"])
+    if (one["title"] == title) return one;
+  return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("several labels become bodies at once, one that fails is named, and steps are undone by keys", "[image_organs]") {
+  C3DE_WINDOW_OR_SKIP();
+  const fs::path folder = fs::path(C3DE_TEST_OUTPUT) / "ui";
+  fs::create_directories(folder);
+  const fs::path image = folder / "image_organs.nii.gz", many = folder / "image_organs_many.nrrd",
+                 other = folder / "image_organs_other.nrrd";
+  const imaging::LabelMap map = manyLabels();
+  imaging::Volume volume;
+  volume.geometry = map.geometry;
+  volume.voxels = std::vector<std::int16_t>(map.voxels.begin(), map.voxels.end());
+  imaging::LabelMap few = map;
+  std::replace_if(few.voxels.begin(), few.voxels.end(), [](std::uint16_t v) { return v != 4; }, std::uint16_t{0});
+  few.labels = {{4, "block", {0.0f, 1.0f, 0.0f}}};
+  REQUIRE(imaging::writeVolume(image, volume));
+  REQUIRE(imaging::writeLabelMap(many, map));
+  REQUIRE(imaging::writeLabelMap(other, few));
+
+  WorkstationDriver window("image_organs");
+  window.start({image.string(), many.string(), other.string()});
+  window.waitUntil("both label maps are open", [](const Json &s) {
+    return s["jobs"].empty() && text(s, "image/label_map") == "image_organs_other.nrrd";
+  }, 60.0);
+  CHECK(window.has("organ/label.4"));
+  CHECK_FALSE(window.has("organ/label_filter"));
+  window.click("image/label_map");
+  window.click("image/label_map.option.image_organs_many.nrrd");
+  window.waitForValue("image/label_map", "image_organs_many.nrrd");
+
+  window.click("organ/label_filter");
+  window.type("kidney");
+  window.click("organ/tick_listed");
+  window.waitUntil("both are picked", [](const Json &s) { return text(s, "organ/Picked").starts_with("2 labels"); });
+  CHECK(window.value("organ/material.2") == "kidney_cortex");
+  CHECK(window.value("organ/Young's modulus") == "5 kPa (2 kPa … 15 kPa)");
+  CHECK_THAT(window.value("organ/Source"), Contains("PMID"));
+  window.click("organ/label_filter");
+  window.key("ctrl+a");
+  window.type("trunk");
+  window.click("organ/label.4");
+  window.waitUntil("three are picked", [](const Json &s) { return text(s, "organ/Picked").starts_with("3 labels"); });
+  window.moveTo(axialPixel(window, {0, -45, 0}));
+  window.screenshot("picked");
+  window.key("ctrl+z");
+  window.waitUntil("the last is taken back", [](const Json &s) { return text(s, "organ/Picked").starts_with("2 labels"); });
+  window.key("ctrl+shift+z");
+  window.waitUntil("it is there again", [](const Json &s) { return text(s, "organ/Picked").starts_with("3 labels"); });
+
+  // Edges of half a millimetre are too many for the trunk alone.
+  window.click("organ/edge_automatic");
+  window.controlClick("organ/edge");
+  window.key("ctrl+a");
+  window.type("0.5");
+  window.key("Return");
+  window.click("organ/make");
+  const Json made = window.waitUntil("the kidneys live", [](const Json &s) {
+    return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["time_s"] > 0.0 &&
+           hasNode(s, "kidney_left");
+  }, 120.0);
+  CHECK(hasNode(made, "kidney_right"));
+  CHECK_FALSE(hasNode(made, "muscle_trunk"));
+  CHECK_FALSE(notification(made, "kidney_right and kidney_left live").is_null());
+  const Json refused = notification(made, "muscle_trunk could not be made");
+  REQUIRE_FALSE(refused.is_null());
+  CHECK(refused["severity"] == "error");
+  CHECK_THAT(refused["text"].get<std::string>(), Contains("edge length of 0.5 mm") && Contains("It stays picked"));
+  window.waitUntil("it is what is picked", [](const Json &s) { return text(s, "organ/Picked").ends_with(" 125000 voxels"); });
+  // Outlines have taken the place of labels.
+  CHECK(window.value("image/label.2") == "false");
+  CHECK(window.value("image/label.3") == "false");
+  CHECK(window.value("image/label.4") == "true");
+
+  window.click("organ/edge_automatic");
+  window.click("organ/make");
+  window.waitUntil("the trunk has joined them", [](const Json &s) {
+    return s["jobs"].empty() && hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left");
+  }, 60.0);
+  window.waitForValue("image/label.4", "false");
+  window.moveTo(axialPixel(window, {0, -45, 0}));
+  window.screenshot("alive");
 }

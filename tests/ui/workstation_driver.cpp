@@ -142,9 +142,9 @@ Point WorkstationDriver::locate(const std::string &widget) {
       pause(20);
       continue;
     }
-    // Over the panel, towards the widget.
+    // Over the scroll bar of the panel, towards the widget: over a list the wheel would be the list's.
     const double y = middle(now["scrolled_out"][widget]).y, top = now["area"]["y"], height = now["area"]["h"];
-    moveTo({0.45 * now["area"]["x"].get<double>(), top + 0.5 * height});
+    moveTo({now["area"]["x"].get<double>() - 15.0, top + 0.5 * height});
     wheel(y < top + 0.5 * height ? 1 : -1);
     pause(60);
   }

@@ -81,7 +81,7 @@ bool hasDisplay() {
 int openWorkstation(const Arguments &arguments) {
   WorkstationOptions options;
   options.session = sessionOptions(arguments);
-  options.meshUnit = arguments.unit.empty() ? "mm" : arguments.unit;
+  options.meshUnit = arguments.unit;
   options.play = arguments.play;
   options.automationState = arguments.automationState;
   if (!arguments.size.empty() && !parseSize(arguments.size, options.width, options.height))

@@ -66,7 +66,7 @@ class Workstation {
   scene::SceneImage image_;                    ///< how images deform beside the simulation
   bool playsWhenLoaded_ = false;
   bool hasReportedFailure_ = false;
-  std::string unitToCheck_;  ///< assumed for what was loaded last, until its size is known
+  std::string unitToCheck_;  ///< of what was loaded last, until its size is known
   double targetRate_ = 1.0;
 };
 
@@ -239,7 +239,7 @@ void Workstation::checkSize() {
   const double size_mm = norm(bounds->max - bounds->min);
   if (size_mm < kSmallOrgan_mm || size_mm > kLargeOrgan_mm)
     panels_.notify(C3DE_LOG_WARN, "Is the unit right?",
-                   "The numbers of the file were taken as " + unitToCheck_ + ", which makes what is shown " +
+                   "The numbers of the file were taken as " + unitToCheck_ + ". That makes what is shown " +
                        formatNumber(std::round(size_mm * 10.0) / 10.0) +
                        " mm across. File > Open mesh… asks for another unit; on the command line it is --unit.");
   unitToCheck_.clear();
@@ -295,7 +295,7 @@ void Workstation::askForWarp() {
 
 void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
   if (!loaded.isReload) window_->requestFit();
-  unitToCheck_ = loaded.assumedUnit;
+  unitToCheck_ = loaded.unit;
   image_ = loaded.image.value_or(scene::SceneImage{});
   images_->whenOrgansAreGone();
   warp_.begin();

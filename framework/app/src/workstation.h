@@ -12,7 +12,7 @@ namespace c3de::app {
 struct WorkstationOptions {
   SessionOptions session;                     ///< renderer and registries are filled in here
   std::vector<std::filesystem::path> files;   ///< meshes and scenes to open
-  std::string meshUnit = "mm";                ///< of meshes given as files
+  std::string meshUnit;                       ///< of meshes given as files; empty: what each says, else mm
   std::string notice;  ///< told in the window at the start; may be empty
   bool play = false;                          ///< start playing when the first scene is loaded
   int width = 1280, height = 800;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "c3de/geometry/mesh_io.h"
 #include "c3de/ui/file_browser.h"
 #include "simulator_access.h"
 
@@ -27,12 +28,28 @@ std::string uniqueName(const scene::SceneFile &scene, const std::string &wanted)
   return name;
 }
 
+bool isGltf(const std::filesystem::path &file) { return file.extension() == ".gltf" || file.extension() == ".glb"; }
+
+std::string unitText(const std::vector<std::filesystem::path> &files, const std::string &stated) {
+  std::string text;
+  for (const std::filesystem::path &file : files) {
+    if (scene::isScenePath(file)) continue;
+    const auto said = geometry::unitInFile(file);
+    const std::string unit = !stated.empty() ? stated + ", as was asked"
+                             : isGltf(file)  ? "m, as glTF has it"
+                             : said          ? std::string(geometry::unitName(*said)) + ", as the file says"
+                                             : "mm, because it says none";
+    if (text.find(unit) == std::string::npos) text += (text.empty() ? "" : "; ") + unit;
+  }
+  return text;
+}
+
 }  // namespace
 
 Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesystem::path> &files,
                                                    const std::string &meshUnit) const {
-  const auto unit = scene::parseLengthUnit(meshUnit);
-  if (!unit) return tl::unexpected(unit.error());
+  const auto stated = scene::parseLengthUnit(meshUnit.empty() ? "mm" : meshUnit);
+  if (!stated) return tl::unexpected(stated.error());
   scene::SceneFile result;
   bool hasResult = false;
   const auto scenes = std::count_if(files.begin(), files.end(), scene::isScenePath);
@@ -48,7 +65,8 @@ Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesy
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error))
       return fail(ErrorCode::input, ui::pathText(file) + ": not a file; accepted: meshes, images and scenes (.toml)");
-    scene::SceneFile one = scene::sceneForMesh(file, *unit);
+    scene::SceneFile one = scene::sceneForMesh(
+        file, meshUnit.empty() ? geometry::unitInFile(file).value_or(geometry::LengthUnit::millimetre) : *stated);
     if (!hasResult) {
       result = std::move(one);
       hasResult = true;
@@ -93,8 +111,7 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
           return events_.failed(title, adopted.error());
         files_ = files;
         meshUnit_ = meshUnit;
-        const bool hasMesh = !std::all_of(files.begin(), files.end(), scene::isScenePath);
-        events_.loaded({isReload, hasMesh ? meshUnit : "", shared->image});
+        events_.loaded({isReload, unitText(files, meshUnit), shared->image});
       });
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "c3de/core/text.h"
+#include "c3de/geometry/mesh_io.h"
 
 namespace c3de::scene {
 namespace {
@@ -155,9 +156,13 @@ bool SceneReader::samplingKey(SceneBody &body, const std::string &key, const Tom
 
 bool SceneReader::requireUnit(const TomlValue &table, const std::filesystem::path &mesh, geometry::LengthUnit &unit) {
   if (table.find("mesh_unit") != nullptr) return true;
+  if (const auto said = geometry::unitInFile(mesh)) {
+    unit = *said;
+    return true;
+  }
   if (!carriesUnit(mesh))
-    return refuse(table.line, "'mesh_unit' is missing; " + mesh.extension().string() +
-                                  " files do not say their unit; accepted: \"m\", \"mm\", \"cm\"");
+    return refuse(table.line, "'mesh_unit' is missing; " + mesh.filename().string() +
+                                  " does not say its unit by a comment such as UNITS=mm; accepted: \"m\", \"mm\", \"cm\"");
   unit = geometry::LengthUnit::metre;
   return true;
 }

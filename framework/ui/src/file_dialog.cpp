@@ -11,8 +11,8 @@ namespace c3de::ui {
 namespace {
 
 constexpr const char *kArea = "dialog";
-constexpr const char *kUnits[] = {"mm", "cm", "m"};
-constexpr const char *kUnitLabels[] = {"millimetres (mm)", "centimetres (cm)", "metres (m)"};
+constexpr const char *kUnits[] = {"", "mm", "cm", "m"};
+constexpr const char *kUnitLabels[] = {"as the file says, else mm", "millimetres (mm)", "centimetres (cm)", "metres (m)"};
 
 }  // namespace
 

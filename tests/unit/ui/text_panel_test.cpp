@@ -55,6 +55,26 @@ TEST_CASE("a panel is dumped as text") {
   CHECK_FALSE(text.find("off")->enabled);
 }
 
+TEST_CASE("patches of colour and lists stand where the panel puts them") {
+  Panel panel;
+  panel.onUi = [](void *, const c3de_ui_v0 *ui) {
+    REQUIRE(ui->rev >= 3);
+    ui->list_begin(ui->ctx, toAbi(std::string_view("labels")), 5);
+    ui->swatch(ui->ctx, 1.0f, 0.5f, -3.0f);
+    ui->same_line(ui->ctx);
+    ui->text(ui->ctx, toAbi(std::string_view("liver")));
+    ui->list_end(ui->ctx);
+    ui->text(ui->ctx, toAbi(std::string_view("after")));
+  };
+  TextPanel text(nullptr);
+  CHECK(text.draw(panel) == "[#ff8000]  liver\nafter");
+  std::string kinds;
+  for (const TextPanel::Widget &widget : text.widgets()) kinds += widget.kind + ";";
+  CHECK(kinds == "list;swatch;text;list end;text;");
+  REQUIRE(text.find("labels"));
+  CHECK(text.find("labels")->text == "5");
+}
+
 TEST_CASE("widgets of a text panel act in the next draw and only once") {
   Controller controller;
   TextPanel text(nullptr);

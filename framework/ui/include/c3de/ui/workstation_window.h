@@ -41,7 +41,7 @@ struct WindowOptions {
 /// Files a person wants to see, through the menu, the dialog or by dropping them on the window.
 struct OpenRequest {
   std::vector<std::filesystem::path> files;
-  std::string meshUnit = "mm";  ///< of files that do not carry one: mm, cm, m
+  std::string meshUnit;         ///< mm, cm, m; empty: what each file says, else mm
   bool areLabels = false;       ///< images: label maps, to be laid over the image that is open
 };
 
