@@ -134,6 +134,26 @@ TEST_CASE("A mesh can be run as it is") {
   CHECK(readJson(report).at("bodies").at(0).at("name") == "brick");
 }
 
+TEST_CASE("A mesh that says its unit is read in it, alone and in a scene that states none") {
+  const auto folder = freshFolder("mesh_that_says_its_unit");
+  const auto report = folder / "report.json";
+  const auto volumeOf = [&](const std::string &file, const std::vector<std::string> &more) {
+    std::vector<std::string> arguments{"run", file, "--steps", "0", "--report", report.string(), "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = runC3de(arguments);
+    INFO(result.errorOutput);
+    REQUIRE(result.exitCode == 0);
+    return readJson(report).at("bodies")[0].at("mesh_volume_m3").get<double>();
+  };
+  for (const auto &[unit, m3] : {std::pair{"m", 0.04}, {"cm", 4e-8}, {"mm", 4e-11}}) {
+    const auto mesh = writeFile(folder / "box.obj", "# SPACE=LPS UNITS=" + std::string(unit) + "\n" + boxObj());
+    CHECK(volumeOf(mesh.string(), {}) == Approx(m3));
+    const auto scene = writeFile(folder / "scene.toml", "format = 1\n[[body]]\nmesh = \"box.obj\"\n");
+    CHECK(volumeOf(scene.string(), {}) == Approx(m3));
+    CHECK(volumeOf(mesh.string(), {"--unit", "m"}) == Approx(0.04));
+  }
+}
+
 TEST_CASE("Nothing to do is done: zero steps report the initial state") {
   const auto folder = freshFolder("zero");
   const auto report = folder / "report.json";

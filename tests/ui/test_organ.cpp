@@ -176,6 +176,31 @@ TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves 
   window.screenshot("refused");
 }
 
+TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
+  C3DE_ORGAN_OR_SKIP();
+  const fs::path file = fs::path(C3DE_TEST_OUTPUT) / "ui" / "in_metres.obj";
+  fs::create_directories(file.parent_path());
+  std::ofstream(file) << "# SPACE=LPS UNITS=m\nv 0 0 0\nv .2 0 0\nv .2 .1 0\nv 0 .1 0\nv 0 0 .1\nv .2 0 .1\nv .2 .1 .1\n"
+                         "v 0 .1 .1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  const auto isTwoLitres = [](const Json &s) { return s["jobs"].empty() && row(s, "Volume") == "2000 mL"; };
+  {
+    WorkstationDriver window("organ_unit");
+    window.start({file.string()});
+    CHECK(window.waitUntil("it is of the file's unit", isTwoLitres, 60.0)["notifications"].empty());
+    // The dialog leaves it to the file, too.
+    window.key("ctrl+m");
+    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+    CHECK(window.value("dialog/unit").empty());
+    window.screenshot("dialog");
+  }
+  WorkstationDriver asked("organ_unit_asked");
+  asked.start({"--unit", "cm", file.string()});
+  const Json state = asked.waitUntil("a unit that is asked for wins, and looks wrong",
+                                     [](const Json &s) { return s["jobs"].empty() && !s["notifications"].empty(); }, 60.0);
+  CHECK(state["notifications"][0]["title"] == "Is the unit right?");
+  CHECK_THAT(state["notifications"][0]["text"].get<std::string>(), Contains("cm, as was asked"));
+}
+
 TEST_CASE("a file that cannot be opened leaves the simulation that is open", "[organ_keeps]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_keeps");

@@ -276,7 +276,7 @@ void Workstation::whenOrgansLive(const WorkstationOrgan::Result &result) {
   if (!result.left.empty())
     panels_.notify(C3DE_LOG_INFO, "Cancelled", namesOf(result.left) + (result.left.size() == 1 ? " was" : " were") + " not made.");
   std::string reasons;
-  for (const auto &[name, error] : result.failed) reasons += name + ": " + error.message + "\n";
+  for (const auto &[name, error] : result.failed) reasons += error.message + "\n";
   if (reasons.empty()) return;
   log(LogLevel::error, "organs that could not be made: " + reasons);
   panels_.notify(C3DE_LOG_ERROR, result.failed.size() == 1 ? result.failed.front().first + " could not be made"

@@ -111,13 +111,16 @@ Expected<void> WorkstationOrgan::makeAll(c3de_object *simulator, bool isNew, Res
       if (isNew || result.made.empty()) return made;
       break;
     } else {
-      result.failed.emplace_back(request.name, made.error());
+      // Some errors name it already.
+      Error error = made.error();
+      if (!error.message.starts_with(request.name + ": ")) error.message = request.name + ": " + error.message;
+      result.failed.emplace_back(request.name, std::move(error));
     }
   }
   if (!result.made.empty()) return {};
   std::string text;
   for (const auto &[name, error] : result.failed)
-    text += (text.empty() ? "" : "\n") + (requests.size() > 1 ? name + ": " : std::string()) + error.message;
+    text += (text.empty() ? "" : "\n") + error.message;
   return fail(result.failed.empty() ? ErrorCode::state : result.failed.front().second.code, text);
 }
 

@@ -2,6 +2,7 @@
 #include "file_dialog.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "c3de/core/platform.h"
 #include "frame_context.h"
@@ -134,11 +135,11 @@ void FileDialog::draw(FrameContext &frame) {
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted("Unit of the numbers in the file");
     ImGui::SameLine();
-    ImGui::SetNextItemWidth(frame.theme.px(180.0f));
+    ImGui::SetNextItemWidth(frame.theme.px(220.0f));
     const bool isComboOpen = ImGui::BeginCombo("##unit", kUnitLabels[unit_]);
     markOpener(frame, kArea, "unit", isComboOpen);
     if (isComboOpen) {
-      for (int i = 0; i < 3; ++i) {
+      for (int i = 0; i < static_cast<int>(std::size(kUnits)); ++i) {
         if (ImGui::Selectable(kUnitLabels[i], i == unit_)) unit_ = i;
         markItem(frame, kArea, std::string("unit.option.") + kUnits[i]);
       }
