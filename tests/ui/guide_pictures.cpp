@@ -4,7 +4,6 @@
 // leaves guide-NAME.png under test-output/ui; look at them and copy those that show what the page says.
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include "support/catch.h"
@@ -133,15 +132,10 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
-  // The same labels with names: a table beside the file.
-  const auto named = std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "organs.nii.gz";
-  std::filesystem::create_directories(named.parent_path());
-  std::filesystem::copy_file(labels, named, std::filesystem::copy_options::overwrite_existing);
-  std::ofstream(named.parent_path() / "organs.txt") << "1 spleen\n2 kidney_right\n3 kidney_left\n4 gallbladder\n5 liver\n6 stomach\n7 pancreas\n";
   WorkstationDriver window("guide");
-  window.start({image.string(), named.string()});
-  const Json loaded = window.waitUntil("image and labels are shown", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && s["values"].contains("organ/label");
+  window.start({image.string(), labels.string()});
+  window.waitUntil("image and labels are shown", [](const Json &s) {
+    return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("organ/label_filter");
   }, 60.0);
   const auto inCoronal = [&](double u, double v) {
     const Json r = window.state()["panes"]["coronal"];
@@ -149,17 +143,29 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   };
   window.clickAt(inCoronal(0.25, 0.1));
   window.key("4");
-  window.click("organ/label");
+  window.click("organ/label_filter");
+  window.type("liver");
   window.screenshot("organ_labels");
-  std::string liver;
-  const Json open = window.state();
-  for (const auto &[widget, rect] : open["widgets"].items())
-    if (widget.rfind("organ/label.option.liver", 0) == 0) liver = widget;
-  REQUIRE_FALSE(liver.empty());
-  window.click(liver);
+  window.click("organ/label.5");
   window.waitForValue("organ/material", "liver");
   window.click("organ/close");
   window.waitUntil("it is closed", [](const Json &s) { return s["jobs"].empty() && s["values"].value("organ/Steps", "").find("closed by") != std::string::npos; }, 60.0);
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organ");
+
+  window.click("organ/label_filter");
+  window.key("ctrl+a");
+  window.type("spleen");
+  window.click("organ/label.1");
+  window.click("organ/label_filter");
+  window.key("ctrl+a");
+  window.type("kidney");
+  window.click("organ/label.2");
+  window.click("organ/label.3");
+  window.moveTo(inCoronal(0.9, 0.95));
+  window.screenshot("organs_picked");
+  window.click("organ/make");
+  window.waitUntil("they live", [](const Json &s) { return s["jobs"].empty() && s["transport"]["time_s"] > 0.2; }, 60.0);
+  window.moveTo(inCoronal(0.9, 0.95));
+  window.screenshot("organs");
 }

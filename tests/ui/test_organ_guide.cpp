@@ -255,4 +255,14 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.waitForValue("image/label.4", "false");
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("alive");
+
+  // The same organ a second time is refused, and what lives goes on.
+  window.key("ctrl+z");
+  window.waitUntil("it is picked again", [](const Json &s) { return text(s, "organ/Picked").ends_with(" 125000 voxels"); });
+  window.click("organ/make");
+  const Json again = window.waitUntil("it is refused", [](const Json &s) {
+    return !notification(s, "Could not make muscle_trunk").is_null();
+  });
+  CHECK_THAT(notification(again, "Could not make muscle_trunk")["text"].get<std::string>(), Contains("has a body of this name"));
+  CHECK(again["transport"]["mode"] == "playing");
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "simulator_access.h"
@@ -36,6 +37,16 @@ std::pair<double, double> extentToTheBack(const imaging::Mask &mask) {
         high = std::max(high, y);
       }
   return {low, high};
+}
+
+// What the present simulation shows.
+std::set<std::string> bodyNames(Session &session) {
+  std::set<std::string> names;
+  const scene::SceneGraph &graph = session.sceneGraph();
+  for (const scene::SceneGraph::Row &row : graph.rows())
+    if (const scene::Node *node = graph.find(row.node); node && node->parent == session.simulationNode() && !node->parent.isNull())
+      names.insert(node->name);
+  return names;
 }
 
 }  // namespace
@@ -133,7 +144,17 @@ void WorkstationOrgan::makeOrgans(std::vector<ui::OrganRequest> requests) {
   scene::Simulation *present = session_.simulation();
   const auto result = std::make_shared<Result>();
   result->isNew = !present || !servesFills(present->table());
-  result->left = std::move(requests);
+  // Two bodies of one name would lie in the same place, and could not be told apart.
+  const std::set<std::string> taken = result->isNew ? std::set<std::string>() : bodyNames(session_);
+  for (ui::OrganRequest &request : requests) {
+    if (taken.contains(request.name))
+      result->failed.emplace_back(request.name,
+                                  Error{ErrorCode::usage, request.name + ": the simulation has a body of this name already; "
+                                                                         "accepted: another name"});
+    else
+      result->left.push_back(std::move(request));
+  }
+  if (result->left.empty()) return events_.failed(title, result->failed.front().second);
   std::shared_ptr<ObjectRef> simulator;
   if (!result->isNew) {
     c3de_object *object = present->object();

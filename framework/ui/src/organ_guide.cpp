@@ -295,9 +295,12 @@ void OrganGuide::setMending(bool keepsLargest, bool fillsHoles) {
 std::string OrganGuide::whyNot() const {
   const std::vector<std::uint16_t> picked = pickedLabels();
   if (picked.size() > 1) {
+    constexpr std::size_t kMostNames = 6;
     std::string without;
+    std::size_t count = 0;
     for (const std::uint16_t label : picked)
-      if (!materialOf(label)) without += (without.empty() ? "" : ", ") + nameOf(label);
+      if (!materialOf(label) && ++count <= kMostNames) without += (without.empty() ? "" : ", ") + nameOf(label);
+    if (count > kMostNames) without += " and " + std::to_string(count - kMostNames) + " more";
     return without.empty() ? without : "no material is chosen for " + without + " (2)";
   }
   if (!mask_.mask() && !mask_.isBusy()) return "nothing is picked yet (1)";
