@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "c3de/imaging/displacement.h"
 #include "trilinear.h"
@@ -17,10 +18,15 @@ class DisplacementRow {
  public:
   /// @param nodeFromVoxel  from indices of the voxels to those of the grid; u has a point at least
   DisplacementRow(const DisplacementGrid &u, const Mat4 &nodeFromVoxel)
-      : xyz_(u.xyz_mm.data()), size_(u.geometry.size), nodeFromVoxel_(nodeFromVoxel) {
-    std::size_t stride = 3;
+      : xyz_(u.xyz_mm.data()),
+        gap_(u.gap_mm.data()),
+        leastGap_(u.leastGap()),
+        size_(u.geometry.size),
+        nodeFromVoxel_(nodeFromVoxel) {
+    std::size_t stride = 1;
     for (std::size_t a = 0; a < 3; ++a) {
-      stride_[a] = size_[a] > 1 ? stride : 0;
+      gapStride_[a] = size_[a] > 1 ? stride : 0;
+      stride_[a] = 3 * gapStride_[a];
       stride *= size_[a];
       last_[a] = static_cast<double>(size_[a] - 1);
       step_[a] = nodeFromVoxel[a];
@@ -53,26 +59,69 @@ class DisplacementRow {
 
   /// u at voxel i of the row, mm.
   [[nodiscard]] Vec3 at(std::size_t i) const {
-    Vec3 t{};
-    const float *corner = xyz_;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double node = start_[a] + static_cast<double>(i) * step_[a];
-      if (!(node >= -kOnBorder && node <= last_[a] + kOnBorder)) return {};
-      const double inside = std::clamp(node, 0.0, last_[a]);
-      const std::size_t base = cellOf(inside, size_[a]);
-      t[a] = inside - static_cast<double>(base);
-      corner += base * stride_[a];
-    }
+    const std::optional<Place> place = placeOf(i);
+    if (!place) return {};
     Vec3 u{};
-    for (std::size_t c = 0; c < 3; ++c, ++corner) u[c] = trilinear<Values::finite>(corner, stride_, t);
+    for (std::size_t c = 0; c < 3; ++c)
+      u[c] = trilinear<Values::finite>(xyz_ + 3 * place->node + c, stride_, place->within);
     return u;
+  }
+  /// Whether the gap at voxel i is more than leastGap(); outside of the grid it is.
+  [[nodiscard]] bool hasGap(std::size_t i) const {
+    const std::optional<Place> place = placeOf(i);
+    return !place || trilinear<Values::finite>(gap_ + place->node, gapStride_, place->within) > leastGap_;
   }
 
  private:
-  const float *xyz_;
-  std::array<std::size_t, 3> size_, stride_{};
+  struct Place {
+    std::size_t node = 0;  ///< of the corner of its cell
+    Vec3 within{};         ///< 0 … 1
+  };
+  [[nodiscard]] std::optional<Place> placeOf(std::size_t i) const {
+    Place place;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double node = start_[a] + static_cast<double>(i) * step_[a];
+      if (!(node >= -kOnBorder && node <= last_[a] + kOnBorder)) return std::nullopt;
+      const double inside = std::clamp(node, 0.0, last_[a]);
+      const std::size_t base = cellOf(inside, size_[a]);
+      place.within[a] = inside - static_cast<double>(base);
+      place.node += base * gapStride_[a];
+    }
+    return place;
+  }
+
+  const float *xyz_, *gap_;
+  double leastGap_;
+  std::array<std::size_t, 3> size_, stride_{}, gapStride_{};
   Vec3 last_{}, step_{}, start_{};
   Mat4 nodeFromVoxel_;
+};
+
+/// Which voxels of a grid are vacated.
+class Vacated {
+ public:
+  /// @param worldFromVoxel  of the grid that is asked about; u.knowsVacated()
+  Vacated(const DisplacementGrid &u, const Mat4 &worldFromVoxel)
+      : bodies_(*u.bodies), fromWorld_(affineInverse(bodies_.geometry.indexToWorld)),
+        fromVoxel_(multiply(fromWorld_, worldFromVoxel)) {}
+
+  /// @param row  that voxel i belongs to, which is `voxel`; its displacement is d
+  [[nodiscard]] bool has(const DisplacementRow &row, std::size_t i, const Vec3 &voxel, const Vec3 &d) const {
+    const Vec3 now = transformPoint(fromVoxel_, voxel);
+    std::size_t at = 0, stride = 1;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double X = now[a] - (fromWorld_[a] * d[0] + fromWorld_[4 + a] * d[1] + fromWorld_[8 + a] * d[2]);
+      const double nearest = std::floor(X + 0.5);
+      if (!(nearest >= 0.0 && nearest < static_cast<double>(bodies_.geometry.size[a]))) return false;
+      at += stride * static_cast<std::size_t>(nearest);
+      stride *= bodies_.geometry.size[a];
+    }
+    return bodies_.voxels[at] != 0 && row.hasGap(i);
+  }
+
+ private:
+  const Mask &bodies_;
+  Mat4 fromWorld_, fromVoxel_;
 };
 
 }  // namespace c3de::imaging

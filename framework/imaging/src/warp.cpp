@@ -37,6 +37,11 @@ Expected<void> checkDisplacement(const DisplacementGrid &u) {
   if (u.xyz_mm.size() != wanted)
     return fail(ErrorCode::usage, fmt::format("the grid of displacements has {} values; its {} points need {}",
                                               u.xyz_mm.size(), u.geometry.voxelCount(), wanted));
+  if (!u.gap_mm.empty() && u.gap_mm.size() != u.geometry.voxelCount())
+    return fail(ErrorCode::usage, fmt::format("the grid of displacements has {} gaps; it has {} points",
+                                              u.gap_mm.size(), u.geometry.voxelCount()));
+  if (u.bodies && u.bodies->voxels.size() != u.bodies->geometry.voxelCount())
+    return fail(ErrorCode::internal, "the voxels of the bodies do not fit their geometry");
   for (std::size_t v = 0; v < wanted; ++v)
     if (!std::isfinite(u.xyz_mm[v])) {
       const auto &n = u.geometry.size;
@@ -96,6 +101,24 @@ class Source {
 
 using Sizes = std::array<std::size_t, 3>;
 
+std::optional<Vacated> vacatedBy(const DisplacementGrid &u, const VolumeGeometry &g) {
+  if (!u.knowsVacated()) return std::nullopt;
+  return Vacated(u, g.indexToWorld);
+}
+
+Vec3 indexOf(std::size_t i, std::size_t j, std::size_t k) {
+  return {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+}
+
+/// Of what is a number; 0 where nothing is.
+template <class T>
+T lowestOf(const std::vector<T> &voxels) {
+  std::optional<T> lowest;
+  for (const T v : voxels)
+    if (v == v && (!lowest || v < *lowest)) lowest = v;
+  return lowest.value_or(T{});
+}
+
 bool isZero(const Vec3 &u) { return u[0] == 0.0 && u[1] == 0.0 && u[2] == 0.0; }
 
 template <class T>
@@ -135,6 +158,7 @@ Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u, cons
   try {
     Volume out = reference;
     const Source source(g);
+    const std::optional<Vacated> vacated = vacatedBy(u, g);
     const Sizes &n = g.size;
     const Sizes stride{n[0] > 1 ? std::size_t{1} : 0, n[1] > 1 ? n[0] : 0, n[2] > 1 ? n[0] * n[1] : 0};
     const auto done = std::visit(
@@ -142,11 +166,17 @@ Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u, cons
           using T = typename std::decay_t<decltype(all)>::value_type;
           const T *from = all.data();
           T *to = std::get<std::vector<T>>(out.voxels).data();
+          const T empty = lowestOf(all);
           const auto row = [&](const DisplacementRow &displacement, std::size_t j, std::size_t k, Part part) {
             T *voxel = to + n[0] * (j + n[1] * k);
+            // What has gone may have been anywhere.
+            if (vacated) part = {0, n[0]};
             for (std::size_t i = part.begin; i < part.end; ++i) {
               const Vec3 d = displacement.at(i);
-              if (!isZero(d)) voxel[i] = linear(from, n, stride, source.of(i, j, k, d));
+              if (vacated && vacated->has(displacement, i, indexOf(i, j, k), d))
+                voxel[i] = empty;
+              else if (!isZero(d))
+                voxel[i] = linear(from, n, stride, source.of(i, j, k, d));
             }
           };
           return forRows(u, g, "warping", progress, threads, row);
@@ -169,12 +199,18 @@ Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u, 
   try {
     LabelMap out = reference;
     const Source source(g);
+    const std::optional<Vacated> vacated = vacatedBy(u, g);
     const auto done = forRows(
         u, g, "warping labels", progress, threads,
         [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
           std::uint16_t *voxel = out.voxels.data() + g.size[0] * (j + g.size[1] * k);
+          if (vacated) part = {0, g.size[0]};
           for (std::size_t i = part.begin; i < part.end; ++i) {
             const Vec3 d = row.at(i);
+            if (vacated && vacated->has(row, i, indexOf(i, j, k), d)) {
+              voxel[i] = 0;
+              continue;
+            }
             if (isZero(d)) continue;
             const Vec3 at = source.of(i, j, k, d);
             std::array<std::size_t, 3> nearest{};

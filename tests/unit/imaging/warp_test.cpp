@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <memory>
 
 #include "c3de/core/thread_pool.h"
 #include "images.h"
@@ -35,7 +36,7 @@ Volume noise(const VolumeGeometry &g, std::uint64_t seed = 5) {
 
 /// u = A (x - c) + b about the middle of the grid.
 DisplacementGrid affine(const VolumeGeometry &g, const Vec3 &about, const std::array<Vec3, 3> &rows, const Vec3 &b) {
-  DisplacementGrid u{g, {}};
+  DisplacementGrid u{g, {}, {}, {}};
   for (std::size_t k = 0; k < g.size[2]; ++k)
     for (std::size_t j = 0; j < g.size[1]; ++j)
       for (std::size_t i = 0; i < g.size[0]; ++i) {
@@ -306,4 +307,78 @@ TEST_CASE("Time of a large warp", "[.][warp-time]") {
   timed("length", [&] { REQUIRE(magnitudeOf(u, g)); });
   timed("field", [&] { REQUIRE(resampled(u, g)); });
   timed("image, field of zeros", [&] { REQUIRE(warped(reference, constant(u.geometry, {}))); });
+}
+
+TEST_CASE("what a body has left is empty, wherever the rim leads, and what it has reached is full", "[imaging][warp]") {
+  // A bright ball that has gone 30 mm along x; around it nothing is displaced (no rim).
+  const VolumeGeometry g{{60, 30, 30}, {1.5, 0, 0, 0, 0, 1.5, 0, 0, 0, 0, 1.5, 0, -30, -22, -22, 1}};
+  const double radius = 9.0, way = 30.0;
+  Volume reference;
+  reference.geometry = g;
+  auto bodies = std::make_shared<Mask>(Mask{g, std::vector<std::uint8_t>(g.voxelCount(), 0)});
+  LabelMap labels;
+  labels.geometry = g;
+  labels.labels = {{3, "ball", {}}};
+  std::vector<std::int16_t> voxels;
+  const auto forVoxels = [&](const auto &visit) {
+    for (std::size_t k = 0; k < g.size[2]; ++k)
+      for (std::size_t j = 0; j < g.size[1]; ++j)
+        for (std::size_t i = 0; i < g.size[0]; ++i)
+          visit(i + g.size[0] * (j + g.size[1] * k), g.worldAt({double(i), double(j), double(k)}));
+  };
+  forVoxels([&](std::size_t v, const Vec3 &x) {
+    const bool inside = norm(x) < radius;
+    voxels.push_back(inside ? 900 : static_cast<std::int16_t>(100 + v % 7));
+    labels.voxels.push_back(inside ? 3 : 0);
+    bodies->voxels[v] = inside ? 1 : 0;
+  });
+  voxels[5] = -50;  // the lowest
+  reference.voxels = voxels;
+  DisplacementGrid u{g, {}, {}, bodies};
+  forVoxels([&](std::size_t, const Vec3 &x) {
+    const bool isThere = norm(x - Vec3{way, 0, 0}) < radius + 2.0;
+    u.xyz_mm.insert(u.xyz_mm.end(), {isThere ? float(way) : 0.0f, 0.0f, 0.0f});
+    u.gap_mm.push_back(!isThere && norm(x) < radius + 2.0 ? float(way) : 0.0f);
+  });
+  // A grid around the ball as it is now gives the same: outside of it everything in `bodies` has gone.
+  const std::size_t cut = GENERATE(0, 32);
+  DisplacementGrid part = u;
+  part.geometry.size[0] -= cut;
+  part.geometry.indexToWorld[12] += 1.5 * static_cast<double>(cut);
+  part.xyz_mm.clear(), part.gap_mm.clear();
+  for (std::size_t v = 0; v < g.voxelCount(); ++v)
+    if (v % g.size[0] >= cut) {
+      part.xyz_mm.insert(part.xyz_mm.end(), &u.xyz_mm[3 * v], &u.xyz_mm[3 * v] + 3);
+      part.gap_mm.push_back(u.gap_mm[v]);
+    }
+  const auto out = warped(reference, part);
+  const auto moved = warped(labels, part);
+  REQUIRE(out);
+  REQUIRE(moved);
+  const auto &now = std::get<std::vector<std::int16_t>>(out->voxels);
+  std::size_t empty = 0, full = 0;
+  forVoxels([&](std::size_t v, const Vec3 &x) {
+    if (norm(x) < radius) {
+      REQUIRE(now[v] == -50);
+      REQUIRE(moved->voxels[v] == 0);
+      REQUIRE(part.isVacated(x));
+      ++empty;
+    } else {
+      REQUIRE_FALSE(part.isVacated(x));
+    }
+    if (norm(x - Vec3{way, 0, 0}) < radius - 2.0) {
+      REQUIRE(now[v] == 900);
+      REQUIRE(moved->voxels[v] == 3);
+      ++full;
+    }
+  });
+  CHECK(empty > 500);
+  CHECK(full > 300);
+  // Without knowledge of bodies the reference stays where nothing is displaced.
+  part.bodies = nullptr;
+  const auto kept = warped(reference, part);
+  REQUIRE(kept);
+  forVoxels([&](std::size_t v, const Vec3 &x) {
+    if (norm(x) < radius) REQUIRE(std::get<std::vector<std::int16_t>>(kept->voxels)[v] == 900);
+  });
 }

@@ -135,3 +135,42 @@ TEST_CASE("where a body lies over itself the field leads to one of the places, n
   CHECK(checked > 500);
   CHECK(turned < checked);
 }
+
+TEST_CASE("where a body has gone away from, the gap tells how far, and at rest there is none") {
+  const auto made = body(GENERATE(Evaluation::stressPoints, Evaluation::phyxels));
+  FieldGrid grid;
+  grid.size = {60, 40, 40};
+  grid.steps = 0.004 * Mat3::Identity();
+  grid.origin = Vec3(0.15, -0.14, 0.25);
+  std::vector<float> u(3 * grid.count()), gaps(grid.count(), 1.0F);
+  DisplacementField atRest(grid, true);
+  atRest.add(*made);
+  atRest.write(0.02, u);
+  atRest.writeGaps(u, gaps);
+  CHECK(*std::max_element(gaps.begin(), gaps.end()) < 1e-9F);
+
+  // By more than its own length: nothing of it is where it was.
+  constexpr double kWay = 0.09;
+  for (Vec3 &displacement : made->state().displacements) displacement = Vec3(kWay, 0, 0);
+  DisplacementField field(grid, true);
+  field.add(*made);
+  field.write(0.0, u);
+  field.writeGaps(u, gaps);
+  std::size_t left = 0;
+  for (std::size_t p = 0; p < grid.count(); ++p) {
+    const Vec3 x = grid.origin + 0.004 * Vec3(static_cast<double>(p % 60), static_cast<double>(p / 60 % 40),
+                                              static_cast<double>(p / 2400));
+    const auto distance = [&](double way) {
+      const Vec3 shift(way, 0, 0);
+      return (x - x.cwiseMax(kMin + shift).cwiseMin(kMax + shift)).norm();
+    };
+    // A spacing around the body belongs to it.
+    if (distance(kWay) == 0.0) REQUIRE(gaps[p] == 0.0F);
+    if (distance(0.0) == 0.0 && distance(kWay) > 0.016) {
+      REQUIRE(gaps[p] == Approx(kWay));
+      ++left;
+    }
+    if (distance(0.0) > 0.016) REQUIRE(gaps[p] == 0.0F);
+  }
+  CHECK(left > 1000);
+}

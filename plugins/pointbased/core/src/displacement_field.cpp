@@ -9,6 +9,8 @@ namespace pointbased {
 namespace {
 
 constexpr double kReach = 1.1;       // spacings
+constexpr double kLeastWeight = 1e-6;
+constexpr double kBeyondGrid = 1000.0;  // m; finite, so that what lies between points is, too
 constexpr double kLeastVolume = 0.02;  // det F: below it a point does not say where anything has come from
 
 // Where an evaluation point stands now; the mean of its phyxels and F carry affine motions exactly.
@@ -38,8 +40,34 @@ Vec3 carriedBy(const RestState &rest, std::size_t q) {
 
 }  // namespace
 
-DisplacementField::DisplacementField(FieldGrid grid)
-    : grid_(grid), toIndex_(grid.steps.inverse()), sums_(grid.count(), Eigen::Vector4d::Zero()) {}
+DisplacementField::DisplacementField(FieldGrid grid, bool withGaps)
+    : grid_(grid),
+      toIndex_(grid.steps.inverse()),
+      now_(grid.count(), Eigen::Vector4d::Zero()),
+      material_(withGaps ? grid.count() : 0, Eigen::Vector4d::Zero()) {}
+
+/// Visits the points of the grid within `half` (in indices) around a place: their number and where they are.
+template <class Visit>
+void DisplacementField::visitPoints(const Vec3 &centre, const Vec3 &half, const Visit &visit) const {
+  const Vec3 middle = toIndex_ * (centre - grid_.origin);
+  std::array<std::size_t, 3> low{}, high{};
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    const auto most = static_cast<double>(grid_.size[i]) - 1.0;
+    const double from = std::ceil(middle[a] - half[a]), to = std::floor(middle[a] + half[a]);
+    if (!(from <= most && to >= 0.0)) return;
+    low[i] = static_cast<std::size_t>(std::clamp(from, 0.0, most));
+    high[i] = static_cast<std::size_t>(std::clamp(to, 0.0, most));
+  }
+  for (std::size_t k = low[2]; k <= high[2]; ++k)
+    for (std::size_t j = low[1]; j <= high[1]; ++j) {
+      const Vec3 start =
+          grid_.origin + grid_.steps.col(1) * static_cast<double>(j) + grid_.steps.col(2) * static_cast<double>(k);
+      const std::size_t row = grid_.size[0] * (j + grid_.size[1] * k);
+      for (std::size_t i = low[0]; i <= high[0]; ++i)
+        visit(row + i, Vec3(start + grid_.steps.col(0) * static_cast<double>(i)));
+    }
+}
 
 void DisplacementField::add(const Body &body) {
   const RestState &rest = body.rest();
@@ -55,34 +83,20 @@ void DisplacementField::add(const Body &body) {
     const Mat3 back = F.inverse();
     const Vec3 x = presentPlace(body, q, F);
     const Vec3 X = rest.origin + rest.pointCentres[q] - (renewed ? carriedBy(rest, q) : Vec3(Vec3::Zero()));
-    const Vec3 middle = toIndex_ * (x - grid_.origin);
     // |F dX| is at most the root of the sum of squares times |dX|.
-    const Vec3 half = F.norm() * reach * indexPerMetre;
-    std::array<std::int64_t, 3> low{}, high{};
-    bool any = true;
-    for (int a = 0; a < 3; ++a) {
-      const auto i = static_cast<std::size_t>(a);
-      const auto most = static_cast<double>(grid_.size[i]) - 1.0;
-      const double from = std::ceil(middle[a] - half[a]), to = std::floor(middle[a] + half[a]);
-      any = any && from <= most && to >= 0.0;
-      low[i] = static_cast<std::int64_t>(std::clamp(from, 0.0, most));
-      high[i] = static_cast<std::int64_t>(std::clamp(to, 0.0, most));
-    }
-    if (!any) continue;
-    for (std::int64_t k = low[2]; k <= high[2]; ++k)
-      for (std::int64_t j = low[1]; j <= high[1]; ++j) {
-        const Vec3 start = grid_.origin + grid_.steps.col(1) * static_cast<double>(j) +
-                           grid_.steps.col(2) * static_cast<double>(k);
-        const std::size_t row = grid_.size[0] * (static_cast<std::size_t>(j) + grid_.size[1] * static_cast<std::size_t>(k));
-        for (std::int64_t i = low[0]; i <= high[0]; ++i) {
-          const Vec3 place = start + grid_.steps.col(0) * static_cast<double>(i);
-          const Vec3 away = back * (place - x);
-          const double left = 1.0 - away.squaredNorm() * inverseSquare;
-          if (!(left > 0.0)) continue;
-          const double w = left * left;
-          addTo(row + static_cast<std::size_t>(i), w, place - X - away, reach);
-        }
-      }
+    visitPoints(x, F.norm() * reach * indexPerMetre, [&](std::size_t p, const Vec3 &place) {
+      const Vec3 away = back * (place - x);
+      const double left = 1.0 - away.squaredNorm() * inverseSquare;
+      if (left > 0.0) addTo(p, left * left, place - X - away, reach);
+    });
+    if (material_.empty()) continue;
+    visitPoints(X, reach * indexPerMetre, [&](std::size_t p, const Vec3 &place) {
+      const Vec3 away = place - X;
+      const double left = 1.0 - away.squaredNorm() * inverseSquare;
+      if (!(left > 0.0)) return;
+      material_[p].head<3>() += left * left * (x + F * away - place);
+      material_[p][3] += left * left;
+    });
   }
 }
 
@@ -95,7 +109,7 @@ void DisplacementField::addTo(std::size_t p, double w, const Vec3 &u, double rea
     sum.head<3>() += w * u;
     sum[3] += w;
   };
-  Eigen::Vector4d &first = sums_[p];
+  Eigen::Vector4d &first = now_[p];
   if (agrees(first)) return join(first);
   std::vector<Eigen::Vector4d> &others = others_[p];
   for (Eigen::Vector4d &sum : others)
@@ -104,7 +118,7 @@ void DisplacementField::addTo(std::size_t p, double w, const Vec3 &u, double rea
 }
 
 Eigen::Vector4d DisplacementField::heaviest(std::size_t p) const {
-  Eigen::Vector4d most = sums_[p];
+  Eigen::Vector4d most = now_[p];
   if (others_.empty()) return most;
   if (const auto found = others_.find(p); found != others_.end())
     for (const Eigen::Vector4d &sum : found->second)
@@ -119,7 +133,7 @@ void DisplacementField::write(double rim, std::span<float> out) const {
   std::vector<std::size_t> front;
   for (std::size_t p = 0; p < n; ++p) {
     const Eigen::Vector4d sum = heaviest(p);
-    if (!(sum[3] > 1e-6)) continue;
+    if (!(sum[3] > kLeastWeight)) continue;
     u[p] = sum.head<3>() / sum[3];
     layer[p] = 0;
   }
@@ -169,6 +183,44 @@ void DisplacementField::write(double rim, std::span<float> out) const {
       part = 1.0 - t * t * (3.0 - 2.0 * t);
     }
     for (int a = 0; a < 3; ++a) out[3 * p + static_cast<std::size_t>(a)] = static_cast<float>(part * u[p][a]);
+  }
+}
+
+void DisplacementField::writeGaps(std::span<const float> u, std::span<float> out) const {
+  const std::array<std::size_t, 3> stride{1, grid_.size[0], grid_.size[0] * grid_.size[1]};
+  // How far from x the material of X is now, if X lies in a body.
+  const auto gapAt = [&](const Vec3 &x, const Vec3 &X) {
+    const Vec3 index = toIndex_ * (X - grid_.origin);
+    std::array<std::size_t, 3> base{};
+    Vec3 t;
+    for (int a = 0; a < 3; ++a) {
+      const auto i = static_cast<std::size_t>(a);
+      const auto most = static_cast<double>(grid_.size[i]) - 1.0;
+      if (!(index[a] >= -1e-6 && index[a] <= most + 1e-6)) return kBeyondGrid;
+      const double within = std::clamp(index[a], 0.0, most);
+      base[i] = std::min(static_cast<std::size_t>(within), grid_.size[i] > 1 ? grid_.size[i] - 2 : 0);
+      t[a] = within - static_cast<double>(base[i]);
+    }
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      double part = 1.0;
+      std::size_t p = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const bool far = (corner >> a & 1U) != 0;
+        part *= far ? t[static_cast<int>(a)] : 1.0 - t[static_cast<int>(a)];
+        p += (base[a] + (far ? 1 : 0)) * stride[a];
+      }
+      if (part > 0.0) sum += part * material_[p];
+    }
+    return sum[3] > kLeastWeight ? (X + sum.head<3>() / sum[3] - x).norm() : 0.0;
+  };
+  for (std::size_t p = 0; p < grid_.count(); ++p) {
+    out[p] = 0.0F;
+    if (now_[p][3] > kLeastWeight) continue;
+    const Vec3 x = grid_.origin + grid_.steps * Vec3(static_cast<double>(p % grid_.size[0]),
+                                                     static_cast<double>(p / stride[1] % grid_.size[1]),
+                                                     static_cast<double>(p / stride[2]));
+    out[p] = static_cast<float>(gapAt(x, x - Vec3(u[3 * p], u[3 * p + 1], u[3 * p + 2])));
   }
 }
 

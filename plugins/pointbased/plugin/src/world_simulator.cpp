@@ -402,13 +402,15 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   bodies_.emplace(simulator_.addBody(std::move(built.body)), std::move(record));
 }
 
-void WorldSimulator::displacement(const c3de_sim_grid *grid, double rim, float *out) const {
+void WorldSimulator::displacement(const c3de_sim_grid *grid, double rim, float *out, float *gaps) const {
   if (!grid || !out) throw Error(C3DE_E_ARG, "displacement: grid or xyz_m is null");
   if (!(rim >= 0.0) || !std::isfinite(rim)) throw Error(C3DE_E_ARG, "displacement: rim_m is not finite and >= 0");
-  DisplacementField field(readGrid(*grid, "grid"));
+  DisplacementField field(readGrid(*grid, "grid"), gaps != nullptr);
+  const std::size_t points = grid->points[0] * grid->points[1] * grid->points[2];
   const std::lock_guard lock(mutex_);
   for (const auto &[id, record] : bodies_) field.add(*simulator_.body(id));
-  field.write(rim, {out, 3 * grid->points[0] * grid->points[1] * grid->points[2]});
+  field.write(rim, {out, 3 * points});
+  if (gaps) field.writeGaps({out, 3 * points}, {gaps, points});
 }
 
 bool WorldSimulator::readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const {

@@ -55,7 +55,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   sdk::Result<void> bodyInfo(c3de_handle body, c3de_sim_body_info *out);
   sdk::Result<void> phyxels(c3de_handle body, c3de_object **out);
   sdk::Result<void> surfels(c3de_handle body, c3de_object **out);
-  void displacement(const c3de_sim_grid *grid, double rim, float *out) const;
+  void displacement(const c3de_sim_grid *grid, double rim, float *out, float *gaps) const;
 
   // For the controller, the view and the pinch of this plugin.
   [[nodiscard]] std::shared_ptr<const Snapshot> snapshot() const { return exchange_.latest(); }

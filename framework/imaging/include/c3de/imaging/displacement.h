@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "c3de/imaging/volume.h"
@@ -9,12 +10,23 @@ namespace c3de::imaging {
 
 /// A spatial displacement: the material that is now at x was at x - u(x) in the reference image. Linear between the
 /// points of the grid, zero outside; a millionth of a cell outside still counts as the border.
+///
+/// Where a body has gone away the reference image still shows it, and u, which falls to nothing around bodies, leads there.
+/// Such a place is vacated: X = x - u(x) lies in `bodies`, and the gap at x is more than leastGap(). Outside of the grid,
+/// which holds all bodies as they are now, everything in `bodies` has gone.
 struct DisplacementGrid {
   VolumeGeometry geometry;
-  std::vector<float> xyz_mm;  ///< 3 for each point, i fastest
+  std::vector<float> xyz_mm;           ///< 3 for each point, i fastest
+  std::vector<float> gap_mm{};         ///< for each point, how far the material of X is from it now; empty: not known
+  std::shared_ptr<const Mask> bodies{};  ///< where they are in the reference, on a grid of its own; null: nothing is vacated
 
   /// u at a point of the world, mm.
   [[nodiscard]] Vec3 at(const Vec3 &world) const;
+  /// Whether the tissue that the reference shows there has gone away and no body has come.
+  [[nodiscard]] bool isVacated(const Vec3 &world) const;
+  [[nodiscard]] bool knowsVacated() const { return bodies != nullptr && !gap_mm.empty(); }
+  /// Half the finest step, mm: the surface of a body is not known better.
+  [[nodiscard]] double leastGap() const;
 };
 
 }  // namespace c3de::imaging

@@ -9,6 +9,7 @@
 
 #include "c3de/core/expected.h"
 #include "c3de/core/progress.h"
+#include "c3de/geometry/triangle_mesh.h"
 #include "c3de/imaging/volume.h"
 
 /// Masks: made from images and label maps, mended, counted. Every result lies on the grid of what it was made from.
@@ -25,6 +26,10 @@ namespace c3de::imaging {
 /// Voxels of one label, or of any of several; 0 is the background.
 [[nodiscard]] Mask maskOf(const LabelMap &labels, std::uint16_t value);
 [[nodiscard]] Mask maskOf(const LabelMap &labels, std::span<const std::uint16_t> values);
+
+/// Voxels whose centre lies inside of a closed surface (world, mm). Rays along i count its faces, so either orientation is
+/// right; parts that lie within each other are hollow, parts that overlap are, too, where they do.
+[[nodiscard]] Mask maskOf(const geometry::TriangleMesh &closed, const VolumeGeometry &grid);
 
 [[nodiscard]] std::size_t voxelCount(const Mask &mask);
 /// Voxel count times voxel volume, mm³.

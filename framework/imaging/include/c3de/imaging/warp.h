@@ -24,7 +24,7 @@ namespace c3de::imaging {
 [[nodiscard]] Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u,
                                       const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
-/// The nearest label; the border goes on as in images. Labels that no longer occur are left out of the list.
+/// The nearest label, 0 where vacated; the border goes on as in images. Labels that no longer occur are left out of the list.
 [[nodiscard]] Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u,
                                         const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 

@@ -31,23 +31,36 @@ struct FieldGrid {
 /// such groups the one with the most weight is shown, which is the one that lies deepest at that place.
 class DisplacementField {
  public:
-  explicit DisplacementField(FieldGrid grid);
+  /// @param withGaps  writeGaps() will be asked for
+  explicit DisplacementField(FieldGrid grid, bool withGaps = false);
 
-  /// Adds a body as it is now. Cost: about 40 grid points per evaluation point where the grid is half as wide as the spacing.
+  /// Adds a body as it is now. Cost: about 40 grid points per evaluation point where the grid is half as wide as the spacing;
+  /// twice that with gaps.
   void add(const Body &body);
   /// What was added, with a rim around it: from the border of the bodies u falls smoothly to 0 within `rim` (m, >= 0; up to a
   /// grid step shorter or longer).
   /// @param out  [points][3] m, i fastest; 0 beyond the rim
   void write(double rim, std::span<float> out) const;
+  /// Outside of the bodies u leads back to places from which bodies may have gone away: how far the material of X = x - u(x)
+  /// is from x now, |X + v(X) - x| with v the way of the material, the mean of F_q (X - X_q) + x_q - X weighted as above.
+  /// 0 at points of bodies and where X belongs to none; 1000 m where X lies outside of the grid. The decision whether X was
+  /// inside is coarse, to about a spacing: who knows the reference shape looks there, too.
+  /// @param u    as write() left it
+  /// @param out  [points] m
+  void writeGaps(std::span<const float> u, std::span<float> out) const;
 
  private:
+  using Sums = std::vector<Eigen::Vector4d>;  // [points] Σ w u, Σ w
+  template <class Visit>
+  void visitPoints(const Vec3 &centre, const Vec3 &half, const Visit &visit) const;
   void addTo(std::size_t p, double w, const Vec3 &u, double reach);
   [[nodiscard]] Eigen::Vector4d heaviest(std::size_t p) const;
 
   FieldGrid grid_;
   Mat3 toIndex_;
-  std::vector<Eigen::Vector4d> sums_;  // [points] Σ w u, Σ w
+  Sums now_;  // by present places
   std::unordered_map<std::size_t, std::vector<Eigen::Vector4d>> others_;  // further groups, where points disagree
+  Sums material_;  // by places in the reference; empty without gaps
 };
 
 }  // namespace pointbased

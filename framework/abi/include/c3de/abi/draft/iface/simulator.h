@@ -188,8 +188,11 @@ typedef struct c3de_simulator_v0 {
   c3de_status(C3DE_CALL *surfels)(c3de_object *self, c3de_handle body, c3de_object **out);
   /* From revision 3. How far the material that is now at the points of a grid has come, over all bodies:
    * X = x - u(x). Around the bodies u falls to 0 within rim_m >= 0.
-   * xyz_m: [points][3], i fastest. [sim] */
-  c3de_status(C3DE_CALL *displacement)(c3de_object *self, const c3de_sim_grid *grid, double rim_m, float *xyz_m);
+   * xyz_m: [points][3], i fastest. gap_m: null, or [points]: how far the material of X is from the point now, where the
+   * rim leads back into a body that has gone away; 0 at points of bodies and where X belongs to none, to about a spacing;
+   * very large where X lies outside of the grid. [sim] */
+  c3de_status(C3DE_CALL *displacement)(c3de_object *self, const c3de_sim_grid *grid, double rim_m, float *xyz_m,
+                                       float *gap_m);
 } c3de_simulator_v0;
 
 #endif

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "c3de/imaging/masks.h"
+
+namespace c3de::imaging {
+namespace {
+
+// Whole numbers n with low < n <= high within 0 … count - 1, as a half-open range. The same rule everywhere, so that a row
+// that goes through an edge or a vertex meets each surface once.
+struct Range {
+  std::size_t begin = 0, end = 0;
+};
+Range wholeBetween(double low, double high, std::size_t count) {
+  const double most = static_cast<double>(count);
+  return {static_cast<std::size_t>(std::clamp(std::floor(low) + 1.0, 0.0, most)),
+          static_cast<std::size_t>(std::clamp(std::floor(high) + 1.0, 0.0, most))};
+}
+
+}  // namespace
+
+Mask maskOf(const geometry::TriangleMesh &closed, const VolumeGeometry &grid) {
+  Mask mask;
+  mask.geometry = grid;
+  mask.voxels.assign(grid.voxelCount(), 0);
+  const Mat4 indexFromWorld = affineInverse(grid.indexToWorld);
+  std::vector<Vec3> at(closed.vertices.size());
+  std::transform(closed.vertices.begin(), closed.vertices.end(), at.begin(),
+                 [&](const Vec3 &x) { return transformPoint(indexFromWorld, x); });
+  const std::array<std::size_t, 3> &n = grid.size;
+  // Every face toggles the first voxel behind it in each row that it meets; what is behind an odd count is inside.
+  for (const Triangle &triangle : closed.triangles) {
+    // Ends of an edge in the order of their numbers: both faces at it find the same points.
+    const auto cut = [&](std::size_t side, double k) {
+      std::size_t a = triangle[side], b = triangle[(side + 1) % 3];
+      if (a > b) std::swap(a, b);
+      const double t = (k - at[a][2]) / (at[b][2] - at[a][2]);
+      return std::array<double, 2>{at[a][0] + t * (at[b][0] - at[a][0]), at[a][1] + t * (at[b][1] - at[a][1])};
+    };
+    const auto [low, high] = std::minmax({at[triangle[0]][2], at[triangle[1]][2], at[triangle[2]][2]});
+    if (!std::isfinite(low) || !std::isfinite(high)) continue;
+    const Range ks = wholeBetween(low, high, n[2]);
+    for (std::size_t k = ks.begin; k < ks.end; ++k) {
+      const double height = static_cast<double>(k);
+      std::array<std::array<double, 2>, 2> ends{};
+      std::size_t count = 0;
+      for (std::size_t side = 0; side < 3 && count < 2; ++side) {
+        const bool fromBelow = at[triangle[side]][2] < height, toBelow = at[triangle[(side + 1) % 3]][2] < height;
+        if (fromBelow != toBelow) ends[count++] = cut(side, height);
+      }
+      if (count < 2) continue;
+      // Also here the order of the ends must not depend on the face.
+      if (ends[1][1] < ends[0][1]) std::swap(ends[0], ends[1]);
+      const Range js = wholeBetween(ends[0][1], ends[1][1], n[1]);
+      for (std::size_t j = js.begin; j < js.end; ++j) {
+        const double t = (static_cast<double>(j) - ends[0][1]) / (ends[1][1] - ends[0][1]);
+        const double i = std::ceil(ends[0][0] + t * (ends[1][0] - ends[0][0]));
+        if (i < static_cast<double>(n[0]))
+          mask.voxels[static_cast<std::size_t>(std::max(i, 0.0)) + n[0] * (j + n[1] * k)] ^= 1;
+      }
+    }
+  }
+  for (std::size_t row = 0; row < n[1] * n[2]; ++row)
+    for (std::size_t i = 1; i < n[0]; ++i) mask.voxels[row * n[0] + i] ^= mask.voxels[row * n[0] + i - 1];
+  return mask;
+}
+
+}  // namespace c3de::imaging
