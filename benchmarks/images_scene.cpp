@@ -90,7 +90,7 @@ class SceneBench {
       draw();
       draw_ms.push_back(wall_ms() - from);
     }
-    report.row({part.name, at(draw_ms, 0.5), at(draw_ms, 0.95), at(step_ms, 0.5), at(field_ms, 0.5)});
+    report.row({part.name, at(draw_ms, 0.5), at(draw_ms, 0.01), at(step_ms, 0.5), at(field_ms, 0.5)});
     return {};
   }
 
@@ -167,7 +167,7 @@ Expected<void> measureScene(render::Renderer &renderer, const std::filesystem::p
 
   report.table("scene", {{"what", "what is drawn, " + file.filename().string(), 0},
                          {"draw_ms", "drawing ms", 2},
-                         {"draw_95_ms", "95 % below", 2},
+                         {"draw_1_ms", "fastest 1 %", 2},
                          {"step_ms", "step ms", 2},
                          {"field_ms", "displacement ms", 2}});
   SceneBench bench(renderer, **session, **table, simulator.get(), std::move(image), scene->image->rim_mm);

@@ -8,6 +8,17 @@ namespace c3de::ui {
 namespace {
 
 constexpr double kPixelsPerZoomStep = 20.0;
+constexpr double kNeverWithin_mm = 1e9;
+
+/// How far along the ray the last of the cuts it begins behind is passed.
+double entryOf(const render::Ray &ray, const std::vector<render::CutPlane> &cuts) {
+  double entry = 0.0;
+  for (const render::CutPlane &cut : cuts) {
+    const double beyond = dot(ray.origin - cut.point, cut.normal), away = dot(ray.direction, cut.normal);
+    if (beyond > 0.0) entry = std::max(entry, away < 0.0 ? -beyond / away : kNeverWithin_mm);
+  }
+  return std::min(entry, kNeverWithin_mm);
+}
 
 }  // namespace
 
@@ -28,7 +39,8 @@ bool ViewController::tellTool(const ViewInput &input, std::uint32_t type) {
   event.y_px = input.y;
   event.wheel = input.wheel;
   event.time_s = input.time_s;
-  const render::Ray ray = camera_.pickRay(input.x, input.y, width_, height_);
+  render::Ray ray = camera_.pickRay(input.x, input.y, width_, height_);
+  if (type == C3DE_EVENT_PRESS) ray.origin = ray.origin + entryOf(ray, cuts_) * ray.direction;
   const Vec3 forward = camera_.forward();
   for (std::size_t i = 0; i < 3; ++i) {
     event.ray_origin_mm[i] = ray.origin[i];

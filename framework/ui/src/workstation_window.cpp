@@ -192,6 +192,9 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
 
 void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector<OsEvent> &events) {
   viewController->setViewSize(static_cast<int>(view.w), static_cast<int>(view.h));
+  const ImageViews *images = shownImages();
+  render::ImageScene scene = images ? images->scene() : render::ImageScene();
+  viewController->setCuts(scene.cutsProxies ? std::move(scene.cuts) : std::vector<render::CutPlane>());
   for (const OsEvent &event : events) {
     switch (event.kind) {
       case OsEvent::Kind::focusLost:

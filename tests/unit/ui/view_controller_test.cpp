@@ -114,6 +114,28 @@ TEST_CASE("a tool that takes the press gets the whole drag, with ray and view di
   }
 }
 
+TEST_CASE("the ray of a press begins where it enters what cuts have left, that of a move at the eye") {
+  View view;
+  view.activate();
+  const Vec3 towards = view.camera.forward(), focus = view.camera.focus;
+  const auto originOfPress = [&](std::vector<render::CutPlane> cuts) {
+    view.controller.setCuts(std::move(cuts));
+    view.recorder.events.clear();
+    view.drag(C3DE_BUTTON_LEFT);
+    REQUIRE(view.recorder.events.size() == 3);
+    for (std::size_t i = 0; i < 3; ++i) CHECK_THAT(view.recorder.events[1].ray_origin_mm[i], WithinAbs(view.camera.eye()[i], 1e-9));
+    const double *at = view.recorder.events[0].ray_origin_mm;
+    return Vec3{at[0], at[1], at[2]};
+  };
+  CHECK(norm(originOfPress({}) - view.camera.eye()) < 1e-9);
+  // The middle of the view, at 400, 300: along `towards`.
+  CHECK(norm(originOfPress({{focus, -2.0 * towards}}) - focus) < 1e-6);
+  CHECK(norm(originOfPress({{focus, -1.0 * towards}, {focus + 30.0 * towards, -1.0 * towards}}) - (focus + 30.0 * towards)) < 1e-6);
+  CHECK(norm(originOfPress({{focus, towards}}) - view.camera.eye()) < 1e-9);  // the far side is left out
+  // The eye is beyond a plane that the ray runs along: nothing can be reached.
+  CHECK(norm(originOfPress({{focus - 1.0 * view.camera.up(), view.camera.up()}}) - focus) > 1e6);
+}
+
 TEST_CASE("a tool that does not want the press leaves it to the camera") {
   View view;
   view.activate();

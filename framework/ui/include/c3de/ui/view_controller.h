@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "c3de/core/handle.h"
 #include "c3de/render/camera.h"
+#include "c3de/render/image_renderer.h"
 #include "c3de/ui/tool_registry.h"
 
 namespace c3de::ui {
@@ -28,6 +31,8 @@ class ViewController {
   ViewController(ToolRegistry &tools, render::Camera &camera) : tools_(tools), camera_(camera) {}
 
   void setViewSize(int width, int height);
+  /// What is cut away cannot be grasped: the ray of a press begins where it enters what is left.
+  void setCuts(std::vector<render::CutPlane> cuts) { cuts_ = std::move(cuts); }
   /// True: the tool took it, or the camera moved.
   bool handle(const ViewInput &input);
   /// Escape, loss of focus: the tool lets go, the camera stops. Buttons that are still down are ignored until released.
@@ -43,6 +48,7 @@ class ViewController {
   ToolRegistry &tools_;
   render::Camera &camera_;
   int width_ = 1, height_ = 1;
+  std::vector<render::CutPlane> cuts_;
   Drag drag_ = Drag::none;
   Handle dragTool_;
   std::uint32_t buttons_ = 0, dragButton_ = 0;

@@ -30,7 +30,9 @@ typedef struct c3de_event {
   uint32_t key;       /* ASCII upper case, or 27 for Escape */
   double x_px, y_px;  /* from the view's upper left corner */
   double wheel;
-  double ray_origin_mm[3], ray_direction[3]; /* world; through the pixel, unit direction */
+  /* World; through the pixel, unit direction. From the eye; of a press in a view that is cut, from where it enters what
+   * is left. */
+  double ray_origin_mm[3], ray_direction[3];
   double view_direction[3];                  /* world; where the camera looks */
   double time_s;
 } c3de_event;
