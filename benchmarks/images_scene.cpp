@@ -51,7 +51,15 @@ class SceneBench {
     auto handle = images_.addImage({{volume.geometry.size, volume.geometry.indexToWorld}, typeOf(volume.voxels), voxels,
                                     volume.slope, volume.intercept});
     if (!handle) return tl::unexpected(handle.error());
-    views_.setHandles({*handle, {}, {}, {}});
+    ui::ImageHandles handles{*handle, {}, {}};
+    if (const auto bodies = app::referenceBodies(simulator_, volume.geometry)) {
+      std::vector<std::uint8_t> white(bodies->voxels);
+      for (std::uint8_t &v : white) v = v != 0 ? 255 : 0;
+      auto shown = images_.addImage({{volume.geometry.size, volume.geometry.indexToWorld}, render::VoxelType::uint8, white.data()});
+      if (!shown) return tl::unexpected(shown.error());
+      handles.bodies = *shown;
+    }
+    views_.setHandles(handles);
     const imaging::WorldBox box = imaging::boxOf(volume.geometry);
     camera_.upAxis = render::UpAxis::z;
     camera_.yaw = 0.6;
@@ -105,12 +113,12 @@ class SceneBench {
     ui::ImageHandles handles = views_.handles();
     const imaging::DisplacementGrid *shown = views_.displacement();
     if (u && shown && imaging::sameGrid(u->geometry, shown->geometry, 0.0)) {
-      images_.setDisplacement(handles.displacement, u->xyz_mm);
+      images_.setDisplacement(handles.displacement, u->xyz_mm, u->gap_mm);
     } else {
       images_.remove(handles.displacement);
       handles.displacement = {};
       if (u)
-        if (auto added = images_.addDisplacement({u->geometry.size, u->geometry.indexToWorld}, u->xyz_mm)) handles.displacement = *added;
+        if (auto added = images_.addDisplacement({u->geometry.size, u->geometry.indexToWorld}, u->xyz_mm, u->gap_mm)) handles.displacement = *added;
       views_.setHandles(handles);
     }
     views_.setDisplacement(std::move(u));

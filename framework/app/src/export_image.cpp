@@ -60,6 +60,7 @@ Expected<void> exportImages(const ImageExport &wanted, const scene::SceneFile &s
   u.geometry = gridOf(presentBodies(table, simulator), loaded->volume.geometry, scene.image->rim_mm);
   if (!readDisplacement(table, simulator, scene.image->rim_mm, u))
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
+  u.bodies = referenceBodies(simulator, loaded->volume.geometry);
   if (!wanted.image.empty()) {
     const auto warped = imaging::warped(loaded->volume, u, {}, &threads);
     if (!warped) return tl::unexpected(warped.error());

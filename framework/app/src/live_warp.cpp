@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <limits>
+#include <new>
 #include <utility>
 
+#include "body_states.h"
+#include "c3de/imaging/masks.h"
 #include "organ.h"
 #include "simulator_access.h"
 
@@ -35,11 +39,35 @@ bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, do
                       imaging::DisplacementGrid &grid) {
   if (!servesFills(table) || grid.geometry.voxelCount() == 0) return false;
   grid.xyz_mm.resize(3 * grid.geometry.voxelCount());
+  grid.gap_mm.resize(grid.geometry.voxelCount());
   const c3de_sim_grid asked = toAbi(grid.geometry);
-  if (table->displacement(simulator, &asked, rim_mm / scene::kMillimetresPerMetre, grid.xyz_mm.data()) < 0)
+  if (table->displacement(simulator, &asked, rim_mm / scene::kMillimetresPerMetre, grid.xyz_mm.data(),
+                          grid.gap_mm.data()) < 0)
     return false;
   for (float &u : grid.xyz_mm) u *= static_cast<float>(scene::kMillimetresPerMetre);
+  for (float &gap : grid.gap_mm) gap *= static_cast<float>(scene::kMillimetresPerMetre);
   return true;
+}
+
+std::shared_ptr<const imaging::Mask> referenceBodies(c3de_object *simulator, const imaging::VolumeGeometry &image) try {
+  const auto bodies = readBodyStates(simulator, BodyParts::skin, {});
+  if (!bodies || image.voxelCount() == 0) return nullptr;
+  auto all = std::make_shared<imaging::Mask>();
+  for (const BodyState &body : *bodies) {
+    if (body.skin.triangles.empty()) continue;
+    geometry::TriangleMesh reference = body.skin;
+    const std::vector<double> &moved = body.skinArrays.front().values;
+    for (std::size_t v = 0; v < reference.vertices.size(); ++v)
+      for (std::size_t a = 0; a < 3; ++a) reference.vertices[v][a] -= moved[3 * v + a];
+    imaging::Mask one = imaging::maskOf(reference, image);
+    if (all->voxels.empty())
+      *all = std::move(one);
+    else
+      std::transform(one.voxels.begin(), one.voxels.end(), all->voxels.begin(), all->voxels.begin(), std::bit_or<>());
+  }
+  return all->voxels.empty() ? nullptr : all;
+} catch (const std::bad_alloc &) {
+  return nullptr;
 }
 
 void LiveWarp::begin() {
@@ -48,7 +76,10 @@ void LiveWarp::begin() {
   newest_.reset();
 }
 
-void LiveWarp::want(bool wanted, double rim_mm) {
+void LiveWarp::want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image) {
+  const std::lock_guard lock(mutex_);
+  if (image.size != image_.size || image.indexToWorld != image_.indexToWorld) ++serial_;
+  image_ = image;
   rim_mm_ = rim_mm;
   wanted_ = wanted;
 }
@@ -61,11 +92,20 @@ void LiveWarp::whenPublished(const scene::Simulation &simulation) {
   if (behind_) return;
   const double rim = rim_mm_;
   const std::uint64_t serial = serial_;
-  if (std::exchange(gridSerial_, serial) != serial) grid_.forget();
+  if (std::exchange(gridSerial_, serial) != serial) {
+    grid_.forget();
+    imaging::VolumeGeometry image;
+    {
+      const std::lock_guard lock(mutex_);
+      image = image_;
+    }
+    bodies_ = referenceBodies(simulation.object(), image);
+  }
   const PresentBodies bodies = presentBodies(simulation.table(), simulation.object());
   grid_.follow(bodies.box, bodies.spacing_mm, rim);
   auto grid = std::make_shared<imaging::DisplacementGrid>();
   grid->geometry = grid_.geometry();
+  grid->bodies = bodies_;
   if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return;
   last_ = std::chrono::steady_clock::now();
   milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();

@@ -20,7 +20,8 @@ class LiveWarp {
   void begin();
   /// @param wanted  somebody looks; else the simulator is not asked
   /// @param rim_mm  within it the displacement falls to nothing around the bodies
-  void want(bool wanted, double rim_mm);
+  /// @param image   the grid of what is shown, on which the bodies' places in the reference are told
+  void want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image = {});
   [[nodiscard]] bool wanted() const { return wanted_; }
 
   /// On the simulation's thread, after a snapshot. While it plays at most 20 times a second, and no more than a fifth of the
@@ -39,9 +40,11 @@ class LiveWarp {
   std::atomic<std::uint64_t> serial_ = 1;
   std::mutex mutex_;
   std::shared_ptr<const imaging::DisplacementGrid> newest_;
+  imaging::VolumeGeometry image_;
   // Of the simulation's thread:
   imaging::FollowingGrid grid_;
   std::uint64_t gridSerial_ = 0;
+  std::shared_ptr<const imaging::Mask> bodies_;
   std::chrono::steady_clock::time_point last_{};
 };
 
@@ -51,7 +54,11 @@ struct PresentBodies {
 };
 /// [sim]
 [[nodiscard]] PresentBodies presentBodies(const c3de_simulator_v0 *table, c3de_object *simulator);
-/// False where the simulator cannot say, or fails. [sim]
+/// Where the bodies are in the reference, on the grid of an image; null where the simulator lends no skins, or too little
+/// memory is left. [sim]
+[[nodiscard]] std::shared_ptr<const imaging::Mask> referenceBodies(c3de_object *simulator,
+                                                                   const imaging::VolumeGeometry &image);
+/// Displacements and gaps. False where the simulator cannot say, or fails. [sim]
 [[nodiscard]] bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm,
                                     imaging::DisplacementGrid &grid);
 

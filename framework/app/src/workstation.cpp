@@ -288,7 +288,7 @@ void Workstation::whenOrgansLive(const WorkstationOrgan::Result &result) {
 void Workstation::askForWarp() {
   scene::Simulation *simulation = session_->simulation();
   const bool wanted = image_.warp && simulation && images_->views().image() && servesFills(simulation->table());
-  warp_.want(wanted, image_.rim_mm);
+  warp_.want(wanted, image_.rim_mm, wanted ? images_->views().image()->volume.geometry : imaging::VolumeGeometry{});
   if (!wanted) return images_->setDisplacement(nullptr);
   simulation->post([] {});  // publishes once more
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "c3de/abi/draft/log.h"
+#include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/ui/file_browser.h"
@@ -258,11 +259,24 @@ void WorkstationImages::setDisplacement(std::shared_ptr<const imaging::Displacem
   render::ImageRenderer *images = renderer_.images();
   if (!images || !views_.image()) return;
   ui::ImageHandles handles = views_.handles();
-  images->remove(handles.displacement);
-  handles.displacement = {};
+  images->remove(std::exchange(handles.displacement, {}));
+  const auto bodies = displacement ? displacement->bodies : nullptr;
+  if (bodies != bodies_) {
+    images->remove(std::exchange(handles.bodies, {}));
+    bodies_ = bodies;
+    if (bodies) {
+      std::vector<std::uint8_t> white(bodies->voxels);
+      for (std::uint8_t &v : white) v = v != 0 ? 255 : 0;
+      // Without it the image stays where bodies have gone away; that is no reason to show nothing.
+      if (auto handle = images->addImage({placeOf(bodies->geometry), render::VoxelType::uint8, white.data()}))
+        handles.bodies = *handle;
+      else
+        log(LogLevel::warn, "places that bodies have left are not marked: " + handle.error().message);
+    }
+  }
   if (displacement) {
-    auto handle = images->addDisplacement(placeOf(displacement->geometry), displacement->xyz_mm);
-    if (!handle) return events_.failed("Could not show the displacement", handle.error());
+    auto handle = images->addDisplacement(placeOf(displacement->geometry), displacement->xyz_mm, displacement->gap_mm);
+    if (!handle) return views_.setHandles(handles), events_.failed("Could not show the displacement", handle.error());
     handles.displacement = *handle;
   }
   views_.setHandles(handles);
@@ -274,8 +288,9 @@ void WorkstationImages::updateDisplacement(std::shared_ptr<const imaging::Displa
   if (!images || !views_.image() || !displacement) return;
   const imaging::DisplacementGrid *shown = views_.displacement();
   const bool same = shown && shown->geometry.size == displacement->geometry.size &&
-                    shown->geometry.indexToWorld == displacement->geometry.indexToWorld;
-  if (!same || !images->setDisplacement(views_.handles().displacement, displacement->xyz_mm))
+                    shown->geometry.indexToWorld == displacement->geometry.indexToWorld && displacement->bodies == bodies_;
+  if (!same ||
+      !images->setDisplacement(views_.handles().displacement, displacement->xyz_mm, displacement->gap_mm))
     return setDisplacement(std::move(displacement));
   views_.setDisplacement(std::move(displacement));
 }
@@ -290,7 +305,8 @@ void WorkstationImages::close() {
   removeLabels();
   const ui::ImageHandles handles = views_.handles();
   if (render::ImageRenderer *images = renderer_.images())
-    for (const Handle handle : {handles.image, handles.displacement}) images->remove(handle);
+    for (const Handle handle : {handles.image, handles.displacement, handles.bodies}) images->remove(handle);
+  bodies_.reset();
   views_.setImage(nullptr);
   session_.images().removeImage(std::exchange(storedImage_, {}));
   session_.sceneGraph().remove(std::exchange(node_, {}));

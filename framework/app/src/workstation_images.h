@@ -92,6 +92,7 @@ class WorkstationImages {
   std::deque<std::filesystem::path> waitingLabels_;
   Handle job_, labelJob_, node_, storedImage_, storedLabels_;
   std::shared_ptr<const ui::MaskPreview> preview_;  ///< that is shown
+  std::shared_ptr<const imaging::Mask> bodies_;     ///< that are shown as gone away
   std::uint64_t serial_ = 0, labelSerial_ = 0;
 };
 

@@ -94,23 +94,30 @@ bool RetainedImages::setLabelColours(Handle labels, std::span<const std::pair<st
   return true;
 }
 
-Expected<Handle> RetainedImages::addDisplacement(const GridPlace &place, std::span<const float> xyz_mm) {
+Expected<Handle> RetainedImages::addDisplacement(const GridPlace &place, std::span<const float> xyz_mm,
+                                                 std::span<const float> gap_mm) {
   const auto count = checkPlace(place, "a displacement grid");
   if (!count) return tl::unexpected(count.error());
   if (auto fits = checkCount(xyz_mm.size(), 3 * *count, place, "a displacement grid"); !fits) return tl::unexpected(fits.error());
+  if (!gap_mm.empty())
+    if (auto fits = checkCount(gap_mm.size(), *count, place, "gaps of a displacement grid"); !fits)
+      return tl::unexpected(fits.error());
   ImageSlot slot;
   slot.kind = ImageSlot::Kind::displacement;
+  slot.hasGaps = !gap_mm.empty();
   slot.place = place;
   slot.indexFromWorld = affineInverse(place.worldFromIndex);
-  if (auto done = uploadDisplacement(slot, xyz_mm); !done) return tl::unexpected(done.error());
+  if (auto done = uploadDisplacement(slot, xyz_mm, gap_mm); !done) return tl::unexpected(done.error());
   ++changes_;
   return slots_.add(std::move(slot));
 }
 
-bool RetainedImages::setDisplacement(Handle displacement, std::span<const float> xyz_mm) {
+bool RetainedImages::setDisplacement(Handle displacement, std::span<const float> xyz_mm, std::span<const float> gap_mm) {
   ImageSlot *slot = find(displacement, ImageSlot::Kind::displacement);
-  if (!slot || xyz_mm.size() != 3 * slot->place.size[0] * slot->place.size[1] * slot->place.size[2]) return false;
-  if (!uploadDisplacement(*slot, xyz_mm)) return false;
+  if (!slot) return false;
+  const std::size_t points = slot->place.size[0] * slot->place.size[1] * slot->place.size[2];
+  if (xyz_mm.size() != 3 * points || gap_mm.size() != (slot->hasGaps ? points : 0)) return false;
+  if (!uploadDisplacement(*slot, xyz_mm, gap_mm)) return false;
   ++changes_;
   return true;
 }

@@ -22,6 +22,7 @@ struct ImageSlot {
   Mat4 indexFromWorld = kIdentity4;
   double scale = 1.0, offset = 0.0;  ///< value = scale * texel + offset
   std::vector<std::pair<std::uint16_t, Colour>> colours;
+  bool hasGaps = false;              ///< of displacements
   std::unique_ptr<BackEndData> backEnd;
 };
 
@@ -30,8 +31,9 @@ class RetainedImages : public ImageRenderer {
   Expected<Handle> addImage(const ImageVoxels &image, std::string *notice) override;
   Expected<Handle> addLabels(const GridPlace &place, std::span<const std::uint16_t> voxels) override;
   bool setLabelColours(Handle labels, std::span<const std::pair<std::uint16_t, Colour>> colours) override;
-  Expected<Handle> addDisplacement(const GridPlace &place, std::span<const float> xyz_mm) override;
-  bool setDisplacement(Handle displacement, std::span<const float> xyz_mm) override;
+  Expected<Handle> addDisplacement(const GridPlace &place, std::span<const float> xyz_mm,
+                                   std::span<const float> gap_mm) override;
+  bool setDisplacement(Handle displacement, std::span<const float> xyz_mm, std::span<const float> gap_mm) override;
   bool setShiftColours(std::span<const Colour> colours) override;
   bool remove(Handle handle) override;
   void setScene(ImageScene scene) override;
@@ -40,7 +42,7 @@ class RetainedImages : public ImageRenderer {
   /// Fill `slot.backEnd`; `slot.place` and its scale may be changed to what was kept.
   virtual Expected<void> uploadImage(ImageSlot &slot, const ImageVoxels &image, std::string *notice) = 0;
   virtual Expected<void> uploadLabels(ImageSlot &slot, std::span<const std::uint16_t> voxels) = 0;
-  virtual Expected<void> uploadDisplacement(ImageSlot &slot, std::span<const float> xyz_mm) = 0;
+  virtual Expected<void> uploadDisplacement(ImageSlot &slot, std::span<const float> xyz_mm, std::span<const float> gap_mm) = 0;
   virtual void labelColoursChanged(ImageSlot &slot) = 0;
   virtual void shiftColoursChanged() = 0;
 

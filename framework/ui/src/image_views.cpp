@@ -39,6 +39,7 @@ const char *paneName(Pane pane) {
 std::string Readout::text() const {
   const auto mm = [](double v) { return fmt::format("{:.1f}", std::abs(v) < 0.05 ? 0.0 : v); };
   std::string text = "LPS " + mm(world[0]) + ", " + mm(world[1]) + ", " + mm(world[2]) + " mm";
+  if (isVacated) return text + "   left by a body";
   if (!index) return text;
   text += fmt::format("   [{}, {}, {}]   ", (*index)[0], (*index)[1], (*index)[2]) + fmt::format("{:.6g}", value);
   if (!unit.empty()) text += " " + unit;
@@ -243,6 +244,8 @@ Readout ImageViews::readout(const Vec3 &world) const {
     const Vec3 u = displacement_->at(world);
     material = world - u;
     readout.shift = norm(u);
+    readout.isVacated = displacement_->isVacated(world);
+    if (readout.isVacated) return readout;
   }
   const imaging::VolumeGeometry &grid = image_->volume.geometry;
   const Vec3 at = transformPoint(imaging::affineInverse(grid.indexToWorld), material);
@@ -268,6 +271,8 @@ render::ImageLook ImageViews::look() const {
   look.image = handles_.image;
   look.labels = handles_.preview.isNull() || !options_.showsPreview ? handles_.labels : handles_.preview;
   look.displacement = handles_.displacement;
+  look.bodies = handles_.bodies;
+  look.leastGap = displacement_ ? displacement_->leastGap() : 0.0;
   look.window = options_.windowLevel.window;
   look.level = options_.windowLevel.level;
   look.isSmooth = options_.isSmooth;

@@ -281,3 +281,49 @@ TEST_CASE("What cannot be an image is refused by name, and a removed one shows b
   const Image image = slice(*gl.renderer, look, planeAt({}, kLeft, kBack));
   CHECK(pixel(image, 72, 72) == Rgb{0, 0, 0});
 }
+
+TEST_CASE("Places that a body has left are hatched where a gap leads to it, and nowhere else", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  ImageRenderer &images = *gl.renderer->images();
+  const Phantom phantom = plainPhantom();
+  ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  // Bodies on the image's left half; the gap is known in the middle of its height, beyond the grid everything has gone.
+  const GridPlace place = phantom.place();
+  const std::array<std::size_t, 3> &n = place.size;
+  std::vector<std::uint8_t> bodies(n[0] * n[1] * n[2], 0);
+  for (std::size_t v = 0; v < bodies.size(); ++v) bodies[v] = v % n[0] >= n[0] / 2 ? 255 : 0;
+  const GridPlace grid{{13, 13, 5}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 5, 0, -60, -60, -10, 1}};
+  std::vector<float> u(3 * 13 * 13 * 5, 0.0f), gaps(13 * 13 * 5, 0.0f);
+  const SlicePlane plane = planeAt({0, 0, 0}, kLeft, kDown);
+  const Image still = slice(*gl.renderer, look, plane);
+  look.bodies = added(images.addImage({place, VoxelType::uint8, bodies.data()}));
+  look.leastGap = 2.0;
+
+  look.displacement = added(images.addDisplacement(grid, u));  // without gaps nothing is known
+  CHECK(mostDifferent(slice(*gl.renderer, look, plane), still) == 0);
+  images.remove(look.displacement);
+  look.displacement = added(images.addDisplacement(grid, u, gaps));
+  const auto isHatch = [](const Rgb &p) { return difference(p, {5, 5, 5}) <= 1 || difference(p, {51, 77, 82}) <= 1; };
+  const auto count = [&](const char *name, bool left, bool within) {
+    const Image image = slice(*gl.renderer, look, plane);
+    save(image, name);
+    int found = 0, others = 0;
+    // Two pixels are a millimetre; the middle of the picture is the origin. The border of the grid is left out.
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const double z = -0.5 * (y + 0.5 - 72), across = 0.5 * (x + 0.5 - 72);
+        if (std::abs(std::abs(z) - 10.0) < 0.6 || std::abs(across) > 30.0 || std::abs(across) < 2.0 || std::abs(z) > 30.0) continue;
+        if ((across > 0) != left || (std::abs(z) < 10.0) != within) continue;
+        (isHatch(pixel(image, x, y)) ? found : others) += 1;
+      }
+    return std::pair(found, others);
+  };
+  CHECK(count("slice_left.png", true, true).first == 0);
+  CHECK(count("slice_left.png", true, false).second == 0);
+  for (float &gap : gaps) gap = 3.0f;
+  REQUIRE(images.setDisplacement(look.displacement, u, gaps));
+  CHECK(count("slice_left_all.png", true, true).second == 0);
+  CHECK(count("slice_left_all.png", false, true).first == 0);
+  CHECK(count("slice_left_all.png", false, false).first == 0);
+  CHECK_FALSE(images.setDisplacement(look.displacement, u));
+}

@@ -232,3 +232,32 @@ TEST_CASE("A moving view is coarse, at rest it is refined to what a picture show
   gl.renderer->images()->setScene(scene);
   CHECK(framesToRest() == 1);
 }
+
+TEST_CASE("Rays pass through what a body has left", "[volume]") {
+  C3DE_GL_OR_SKIP(gl);
+  setBlackBackground(*gl.renderer);
+  ImageRenderer &images = *gl.renderer->images();
+  const Phantom phantom = plainPhantom();
+  ImageScene scene = sceneOf(added(images.addImage(phantom.image())));
+  scene.showsVolume = true;
+  scene.volume.isMaximum = GENERATE(false, true);
+  images.setScene(scene);
+  const Image still = drawn(*gl.renderer, patientCamera(), kWidth, kHeight);
+  const GridPlace grid{{13, 13, 13}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, -60, -60, -60, 1}};
+  const std::vector<float> u(3 * 13 * 13 * 13, 0.0f);
+  std::vector<float> gaps(13 * 13 * 13, 0.0f);
+  const GridPlace place = phantom.place();
+  const std::vector<std::uint8_t> bodies(place.size[0] * place.size[1] * place.size[2], 255);
+  scene.look.bodies = added(images.addImage({place, VoxelType::uint8, bodies.data()}));
+  scene.look.leastGap = 2.0;
+  scene.look.displacement = added(images.addDisplacement(grid, u, gaps));
+  images.setScene(scene);
+  CHECK(mostDifferent(drawn(*gl.renderer, patientCamera(), kWidth, kHeight), still) == 0);
+  std::fill(gaps.begin(), gaps.end(), 3.0f);
+  REQUIRE(images.setDisplacement(scene.look.displacement, u, gaps));
+  images.setScene(scene);
+  const Image empty = drawn(*gl.renderer, patientCamera(), kWidth, kHeight);
+  for (int y = 0; y < kHeight; y += 5)
+    for (int x = 0; x < kWidth; x += 5) REQUIRE(pixel(empty, x, y) == Rgb{0, 0, 0});
+  CHECK(mostDifferent(still, empty) > 100);
+}

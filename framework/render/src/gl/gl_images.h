@@ -29,8 +29,9 @@ class GlImages final : public RetainedImages {
   Expected<void> uploadLabels(ImageSlot &slot, std::span<const std::uint16_t> voxels) override {
     return uploadLabelValues(slot, voxels);
   }
-  Expected<void> uploadDisplacement(ImageSlot &slot, std::span<const float> xyz_mm) override {
-    return uploadDisplacementValues(slot, xyz_mm);
+  Expected<void> uploadDisplacement(ImageSlot &slot, std::span<const float> xyz_mm,
+                                    std::span<const float> gap_mm) override {
+    return uploadDisplacementValues(slot, xyz_mm, gap_mm);
   }
   void labelColoursChanged(ImageSlot &slot) override { uploadLabelTable(slot); }
   void shiftColoursChanged() override { slices_.setShiftColours(shiftColours_); }

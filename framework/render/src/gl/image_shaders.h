@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shader texts of images. Positions are in the index spaces of the grids, found in double precision by whoever sets the
-// matrices. Variants are chosen by LABELLED, DISPLACED, SHIFT, MAXIMUM, SHADED, LAYERED, because a software renderer pays for
+// matrices. Variants are chosen by LABELLED, DISPLACED, VACATED, SHIFT, MAXIMUM, SHADED, LAYERED, because a software renderer pays for
 // both sides of a branch.
 #pragma once
 
@@ -15,7 +15,8 @@ enum ImageUnit : unsigned {
   kTransferUnit = 5,
   kDepthUnit = 6,
   kLayerUnit = 7,  // and the next one
-  kImageUnits = 9
+  kBodiesUnit = 9,
+  kImageUnits = 10
 };
 enum SliceUniform : int {
   kClipFromLocal = 0,
@@ -28,6 +29,7 @@ enum SliceUniform : int {
   kLabelOpacity = 7,
   kShift = 8,
 };
+enum SharedUniform : int { kLeastGap = 16 };
 enum RayUniform : int {
   kImageFromView = 0,
   kNodeFromView = 1,
@@ -57,14 +59,22 @@ FLOW vec3 vNode;
 #endif
 )";
 
-/// Where the material of a point was: u is given at whole nodes, 0 outside.
+/// Where the material of a point was: u is given at whole nodes, 0 outside; the fourth number is the gap, which is large
+/// outside. A place is vacated where a gap leads to a body of the reference (p: in the texture of the image).
 inline constexpr const char *kDisplacementFunction = R"(
 layout(binding = 3) uniform sampler3D uDisplacement;
-vec3 shiftAt(vec3 node) {
+vec4 shiftAt(vec3 node) {
   vec3 count = vec3(textureSize(uDisplacement, 0));
-  vec3 u = texture(uDisplacement, (node + 0.5) / count).xyz;
-  return isWithin(node, vec3(0.0), count - 1.0) ? u : vec3(0.0);
+  vec4 u = texture(uDisplacement, (node + 0.5) / count);
+  return isWithin(node, vec3(0.0), count - 1.0) ? u : vec4(0.0, 0.0, 0.0, 1e30);
 }
+#ifdef VACATED
+layout(binding = 9) uniform sampler3D uBodies;
+layout(location = 16) uniform float uLeastGap;
+bool isVacated(float gap, vec3 p) {
+  return gap > uLeastGap && isWithin(p, vec3(0.0), vec3(1.0)) && texture(uBodies, p).r > 0.5;
+}
+#endif
 )";
 
 inline constexpr const char *kSliceVertex = R"(
@@ -100,7 +110,8 @@ out vec4 oColour;
 void main() {
   precise vec3 index = vImage;
 #ifdef DISPLACED
-  vec3 u = shiftAt(vNode);
+  vec4 shift = shiftAt(vNode);
+  vec3 u = shift.xyz;
   index -= uImageFromShift * u;
 #endif
   vec3 count = vec3(textureSize(uImage, 0));
@@ -123,6 +134,11 @@ void main() {
   vec3 map = texture(uShiftColours, vec2((size - uShift.x) * uShift.y, 0.5)).rgb;
   // Fades in over the first twentieth of the range, so that the cells of the grid do not show at the rim.
   colour = mix(colour, map, uShift.z * clamp(20.0 * (size - uShift.x) * uShift.y, 0.0, 1.0));
+#endif
+#ifdef VACATED
+  // Hatched: nothing is known of what is there now.
+  if (isVacated(shift.w, (index + 0.5) / count))
+    colour = mod(gl_FragCoord.x + gl_FragCoord.y, 9.0) < 1.0 ? vec3(0.2, 0.3, 0.32) : vec3(0.02);
 #endif
   oColour = vec4(colour, 1.0);
 }
@@ -229,9 +245,13 @@ void main() {
   while (t < range.y) {
     precise vec3 p = textureOrigin + t * textureAlong;
 #ifdef DISPLACED
-    p -= uTextureFromShift * shiftAt(nodeOrigin + t * nodeAlong);
+    vec4 shift = shiftAt(nodeOrigin + t * nodeAlong);
+    p -= uTextureFromShift * shift.xyz;
 #endif
     float texel = isWithin(p, vec3(0.0), vec3(1.0)) ? texture(uImage, p).r : -1e30;
+#ifdef VACATED
+    if (isVacated(shift.w, p)) texel = -1e30;
+#endif
 #ifdef LAYERED
     most = max(most, mix(vec3(-1e30), vec3(texel), bvec3(t < nearest, t >= nearest && t < next, t >= next)));
 #else
@@ -269,10 +289,14 @@ void main() {
     while (colour.a < 0.001 && t < range.y) {
       p = textureOrigin + t * textureAlong;
 #ifdef DISPLACED
-      p -= uTextureFromShift * shiftAt(nodeOrigin + t * nodeAlong);
+      vec4 shift = shiftAt(nodeOrigin + t * nodeAlong);
+      p -= uTextureFromShift * shift.xyz;
 #endif
       colour = texture(uTable, vec2(texture(uImage, p).r * uTransfer.x + uTransfer.y, 0.5));
       colour.a = isWithin(p, vec3(0.0), vec3(1.0)) ? colour.a : 0.0;
+#ifdef VACATED
+      if (isVacated(shift.w, p)) colour.a = 0.0;
+#endif
 #ifdef LAYERED
       place = t;
 #endif

@@ -13,7 +13,7 @@
 namespace c3de::render {
 namespace {
 
-constexpr unsigned kDisplaced = 1, kMaximum = 2, kShaded = 4, kLayered = 8;
+constexpr unsigned kDisplaced = 1, kMaximum = 2, kShaded = 4, kLayered = 8, kVacated = 16;
 constexpr std::size_t kTableSize = 1024;
 constexpr double kBand_ms = 30.0;  // of refinement in one frame: the window stays quick
 
@@ -64,6 +64,7 @@ const Program *RayPass::programFor(unsigned variant, RenderStatistics &statistic
     if (variant & kMaximum) fragment.push_back("#define MAXIMUM\n");
     if (variant & kShaded) fragment.push_back("#define SHADED\n");
     if (variant & kLayered) fragment.push_back("#define LAYERED\n");
+    if (variant & kVacated) fragment.push_back("#define VACATED\n");
     fragment.push_back(kGridFunction);
     if (variant & kDisplaced) fragment.push_back(kDisplacementFunction);
     fragment.push_back(kRayFragment);
@@ -133,7 +134,8 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
                        RenderStatistics &statistics) {
   const VolumeLook &look = scene.volume;
   const unsigned variant = (parts.displacement ? kDisplaced : 0) |
-                           (look.isMaximum ? kMaximum : look.isShaded ? kShaded : 0) | (picture.layers ? kLayered : 0);
+                           (look.isMaximum ? kMaximum : look.isShaded ? kShaded : 0) | (picture.layers ? kLayered : 0) |
+                           (parts.knowsVacated() ? kVacated : 0);
   const Program *program = programFor(variant, statistics);
   rows = std::min(rows, picture.height - picture.rows);
   const int first = picture.rows;
@@ -158,6 +160,7 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
     const Mat3f linear = linearPart(textureFromWorld);
     glUniformMatrix3fv(kTextureFromShift, 1, GL_FALSE, linear.data());
   }
+  if (variant & kVacated) glUniform1f(kLeastGap, static_cast<float>(scene.look.leastGap));
   const Mat4 &p = frame.projection;
   glUniform4f(kLens, static_cast<float>(1.0 / p[0]), static_cast<float>(1.0 / p[5]), static_cast<float>(p[10]), static_cast<float>(p[14]));
   if (look.isMaximum) {

@@ -10,7 +10,7 @@
 namespace c3de::render {
 namespace {
 
-constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4;
+constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8;
 
 const GridTexture &texturesOf(const ImageSlot &slot) { return static_cast<const GridTexture &>(*slot.backEnd); }
 
@@ -35,6 +35,7 @@ void bindImageTextures(const ImageParts &parts, bool isSmooth) {
     bindTexture(kLabelColourUnit, GL_TEXTURE_2D, texturesOf(*parts.labels).table.name());
   }
   if (parts.displacement) bindTexture(kDisplacementUnit, GL_TEXTURE_3D, texturesOf(*parts.displacement).grid.name());
+  if (parts.bodies) bindTexture(kBodiesUnit, GL_TEXTURE_3D, texturesOf(*parts.bodies).grid.name());
   bindTexture(kImageUnit, GL_TEXTURE_3D, texturesOf(*parts.image).grid.name());
   const GLint filter = isSmooth ? GL_LINEAR : GL_NEAREST;
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, filter);
@@ -65,6 +66,7 @@ const Program *SlicePass::programFor(unsigned variant, RenderStatistics &statist
       if (variant & kLabelled) texts->push_back("#define LABELLED\n");
       if (variant & kDisplaced) texts->push_back("#define DISPLACED\n");
       if (variant & kShifted) texts->push_back("#define SHIFT\n");
+      if (variant & kVacated) texts->push_back("#define VACATED\n");
     }
     vertex.insert(vertex.end(), {"#define FLOW out\n", kSlicePlaces, kSliceVertex});
     fragment.insert(fragment.end(), {"#define FLOW in\n", kSlicePlaces, kGridFunction});
@@ -140,6 +142,7 @@ void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<c
   unsigned variant = 0;
   if (parts.labels && look.labelOpacity > 0.0f) variant |= kLabelled;
   if (parts.displacement) variant |= kDisplaced | (look.showsShift && look.shiftOpacity > 0.0f ? kShifted : 0);
+  if (parts.knowsVacated()) variant |= kVacated;
   const Program *program = programFor(variant, statistics);
   if (!program) return;
   using namespace shaders;
@@ -165,6 +168,7 @@ void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<c
     setLinear(kImageFromShift, parts.image->indexFromWorld);
     if (variant & kLabelled) setLinear(kLabelFromShift, parts.labels->indexFromWorld);
   }
+  if (variant & kVacated) glUniform1f(kLeastGap, static_cast<float>(look.leastGap));
   if (variant & kShifted) {
     const double range = std::max(look.shiftHigh - look.shiftLow, 1e-9);
     glUniform3f(kShift, static_cast<float>(look.shiftLow), static_cast<float>(1.0 / range), std::clamp(look.shiftOpacity, 0.0f, 1.0f));

@@ -14,7 +14,9 @@ namespace c3de::render {
 
 /// What a look refers to, found again for every frame.
 struct ImageParts {
-  const ImageSlot *image = nullptr, *labels = nullptr, *displacement = nullptr;
+  const ImageSlot *image = nullptr, *labels = nullptr, *displacement = nullptr, *bodies = nullptr;
+
+  [[nodiscard]] bool knowsVacated() const { return displacement && displacement->hasGaps && bodies; }
 };
 
 /// Where a value lies on the grey ramp: grey = gain * texel + bias.
@@ -37,7 +39,7 @@ class SlicePass {
             const Mat4 &worldFromLocal, RenderStatistics &statistics);
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
 
-  std::array<std::optional<Program>, 8> programs_;
+  std::array<std::optional<Program>, 16> programs_;
   std::optional<Program> outline_;
   Texture shiftColours_ = Texture::create();
   VertexArray array_ = VertexArray::create();

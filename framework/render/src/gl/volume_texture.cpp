@@ -169,19 +169,26 @@ void uploadLabelTable(ImageSlot &slot) {
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 
-Expected<void> uploadDisplacementValues(ImageSlot &slot, std::span<const float> xyz_mm) {
+Expected<void> uploadDisplacementValues(ImageSlot &slot, std::span<const float> xyz_mm, std::span<const float> gap_mm) {
   const auto &size = slot.place.size;
   if (!slot.backEnd) {
     if (auto sides = checkSides(size, "a displacement grid"); !sides) return sides;
     auto made = std::make_unique<GridTexture>();
-    if (auto storage = makeStorage(made->grid, size, GL_RGB32F, GL_LINEAR, 12, "a displacement grid"); !storage) return storage;
+    if (auto storage = makeStorage(made->grid, size, slot.hasGaps ? GL_RGBA32F : GL_RGB32F, GL_LINEAR,
+                                   slot.hasGaps ? 16 : 12, "a displacement grid"); !storage) return storage;
     slot.backEnd = std::move(made);
+  }
+  std::vector<float> both(slot.hasGaps ? 4 * gap_mm.size() : 0);
+  for (std::size_t p = 0; p < both.size() / 4; ++p) {
+    std::copy_n(&xyz_mm[3 * p], 3, &both[4 * p]);
+    both[4 * p + 3] = gap_mm[p];
   }
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_3D, static_cast<GridTexture &>(*slot.backEnd).grid.name());
   useTight();
   glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, static_cast<GLsizei>(size[0]), static_cast<GLsizei>(size[1]),
-                  static_cast<GLsizei>(size[2]), GL_RGB, GL_FLOAT, xyz_mm.data());
+                  static_cast<GLsizei>(size[2]), slot.hasGaps ? GL_RGBA : GL_RGB, GL_FLOAT,
+                  slot.hasGaps ? both.data() : xyz_mm.data());
   glBindTexture(GL_TEXTURE_3D, 0);
   return {};
 }

@@ -20,7 +20,8 @@ struct GridTexture final : BackEndData {
 [[nodiscard]] Expected<void> uploadGreyValues(ImageSlot &slot, const ImageVoxels &image, std::string *notice);
 [[nodiscard]] Expected<void> uploadLabelValues(ImageSlot &slot, std::span<const std::uint16_t> voxels);
 /// The texture is made once; later calls replace its contents.
-[[nodiscard]] Expected<void> uploadDisplacementValues(ImageSlot &slot, std::span<const float> xyz_mm);
+[[nodiscard]] Expected<void> uploadDisplacementValues(ImageSlot &slot, std::span<const float> xyz_mm,
+                                                      std::span<const float> gap_mm);
 void uploadLabelTable(ImageSlot &slot);
 
 /// A row of colours, linear in between.

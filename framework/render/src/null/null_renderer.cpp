@@ -24,7 +24,7 @@ class NullImages final : public RetainedImages {
     return {};
   }
   Expected<void> uploadLabels(ImageSlot &, std::span<const std::uint16_t>) override { return {}; }
-  Expected<void> uploadDisplacement(ImageSlot &, std::span<const float>) override { return {}; }
+  Expected<void> uploadDisplacement(ImageSlot &, std::span<const float>, std::span<const float>) override { return {}; }
   void labelColoursChanged(ImageSlot &) override {}
   void shiftColoursChanged() override {}
 };

@@ -34,6 +34,10 @@ struct ImageVoxels {
 /// How an image is looked at. Null handles: without that part.
 struct ImageLook {
   Handle image, labels, displacement;
+  /// An image on the grid of `image`, above half its white where bodies are in the reference; with a displacement that has
+  /// gaps, places that they have left are hatched in slices and empty in volumes. Null: nothing is known of bodies.
+  Handle bodies{};
+  double leastGap = 0.0;             ///< mm; a gap above it counts
   double window = 1.0, level = 0.5;  ///< values: black at level - window/2, white at level + window/2
   bool isSmooth = true;              ///< linear interpolation of grey values; else the nearest voxel
   float labelOpacity = 0.4f;
@@ -103,9 +107,12 @@ class ImageRenderer {
   /// Colours by label value; their opacity multiplies that of the look, 0 hides a label. Values without: transparent.
   virtual bool setLabelColours(Handle labels, std::span<const std::pair<std::uint16_t, Colour>> colours) = 0;
   /// 3 numbers per point of the grid, mm.
-  [[nodiscard]] virtual Expected<Handle> addDisplacement(const GridPlace &place, std::span<const float> xyz_mm) = 0;
-  /// New values on the same grid. False: stale handle, or another count.
-  virtual bool setDisplacement(Handle displacement, std::span<const float> xyz_mm) = 0;
+  /// @param gap_mm  for each point how far the material of x - u is from it now; empty: nobody knows
+  [[nodiscard]] virtual Expected<Handle> addDisplacement(const GridPlace &place, std::span<const float> xyz_mm,
+                                                         std::span<const float> gap_mm = {}) = 0;
+  /// New values on the same grid. False: stale handle, or another count; also of gaps.
+  virtual bool setDisplacement(Handle displacement, std::span<const float> xyz_mm,
+                               std::span<const float> gap_mm = {}) = 0;
   /// Colours of |u|, the one of shiftLow first; 2 at least.
   virtual bool setShiftColours(std::span<const Colour> colours) = 0;
   virtual bool remove(Handle handle) = 0;

@@ -51,6 +51,7 @@ struct ImageOptions {
 struct ImageHandles {
   Handle image, labels, displacement;
   Handle preview{};  ///< labels that are shown instead of `labels`
+  Handle bodies{};   ///< where bodies are in the reference, ImageLook::bodies
 };
 
 /// What is known about a point of the world.
@@ -60,6 +61,7 @@ struct Readout {
   double value = 0.0;
   std::string unit, label;      ///< label: name; empty where there is none
   std::optional<double> shift;  ///< |u|, mm, where there is a displacement
+  bool isVacated = false;       ///< a body has gone away from there: nothing is known
   [[nodiscard]] std::string text() const;
 };
 
