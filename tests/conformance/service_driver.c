@@ -301,6 +301,7 @@ static void drive_mesh(void) {
 
   GIVES(C3DE_E_IO, mesh->load(mesh->ctx, text("no/such/file.obj"), C3DE_UNIT_MM, NULL, &h));
   SAYS("no/such/file.obj");
+  GIVES(C3DE_E_IO, mesh->load(mesh->ctx, text("no/such/file.obj"), C3DE_UNIT_UNKNOWN, NULL, &h));
   GIVES(C3DE_E_ARG, mesh->load(mesh->ctx, text(""), C3DE_UNIT_MM, NULL, &h));
   GIVES(C3DE_E_ARG, mesh->load(mesh->ctx, text("a.obj"), 9, NULL, &h));
   SAYS("unit is 9");

@@ -199,6 +199,15 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
                                      [](const Json &s) { return s["jobs"].empty() && !s["notifications"].empty(); }, 60.0);
   CHECK(state["notifications"][0]["title"] == "Is the unit right?");
   CHECK_THAT(state["notifications"][0]["text"].get<std::string>(), Contains("cm, as was asked"));
+  // The panel of the plugin leaves it to the file.
+  CHECK(row(state, "Volume") != "2000 mL");
+  asked.click("pointbased.controller/browse");
+  asked.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  asked.type(file.string());
+  asked.key("Return");
+  asked.waitUntil("the file is taken", [&](const Json &s) { return row(s, "browse") == fs::weakly_canonical(file).string(); });
+  asked.click("pointbased.controller/load");
+  asked.waitUntil("it is of the file's unit", isTwoLitres, 60.0);
 }
 
 TEST_CASE("a file that cannot be opened leaves the simulation that is open", "[organ_keeps]") {

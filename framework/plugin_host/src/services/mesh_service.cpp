@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 
 #include "arguments.h"
 #include "c3de/geometry/mesh_io.h"
@@ -14,12 +15,13 @@ namespace {
 
 using geometry::LengthUnit;
 
-LengthUnit unitOf(std::uint32_t unit) {
+std::optional<LengthUnit> unitOf(std::uint32_t unit) {
   switch (unit) {
+    case C3DE_UNIT_UNKNOWN: return std::nullopt;
     case C3DE_UNIT_M: return LengthUnit::metre;
     case C3DE_UNIT_MM: return LengthUnit::millimetre;
     case C3DE_UNIT_CM: return LengthUnit::centimetre;
-    default: throw Refusal(C3DE_E_ARG, fmt::format("unit is {}, accepted: 1 (m), 2 (mm), 3 (cm)", unit));
+    default: throw Refusal(C3DE_E_ARG, fmt::format("unit is {}, accepted: 0 (as the file says), 1 (m), 2 (mm), 3 (cm)", unit));
   }
 }
 
@@ -53,7 +55,7 @@ c3de_status C3DE_CALL load(void *ctx, c3de_str path, std::uint32_t unit, const c
     requireNonNull(out, "out")->v = 0;
     const std::string name = textOf(path, "path");
     if (name.empty()) throw Refusal(C3DE_E_ARG, "path is empty");
-    const LengthUnit lengthUnit = unitOf(unit);
+    const std::optional<LengthUnit> lengthUnit = unitOf(unit);
     const std::filesystem::path file(std::u8string(name.begin(), name.end()));
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) throw Refusal(C3DE_E_IO, name + ": there is no such file");

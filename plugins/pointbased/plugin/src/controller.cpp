@@ -8,8 +8,8 @@
 namespace pointbased {
 namespace {
 
-const std::array<std::string, 3> kUnitNames{"mm", "cm", "m"};
-constexpr std::array<std::uint32_t, 3> kUnits{C3DE_UNIT_MM, C3DE_UNIT_CM, C3DE_UNIT_M};
+const std::array<std::string, 4> kUnitNames{"as it says, else mm", "mm", "cm", "m"};
+constexpr std::array<std::uint32_t, 4> kUnits{C3DE_UNIT_UNKNOWN, C3DE_UNIT_MM, C3DE_UNIT_CM, C3DE_UNIT_M};
 
 std::string fixed(double value, int digits) {
   char text[64];

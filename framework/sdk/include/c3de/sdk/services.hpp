@@ -116,7 +116,7 @@ using MeshHandle = Owned<c3de_mesh_v0, &c3de_mesh_v0::release>;
 class Mesh : public Service<c3de_mesh_v0> {
  public:
   using Service::Service;
-  /// @param unit  C3DE_UNIT_M, _MM or _CM, of the numbers in the file
+  /// @param unit  C3DE_UNIT_M, _MM or _CM, of the numbers in the file; _UNKNOWN: what it says, else mm
   Result<MeshHandle> load(std::string_view path, std::uint32_t unit, const c3de_progress *progress = nullptr) const {
     return own<&c3de_mesh_v0::load, MeshHandle>(str(path), unit, progress);
   }

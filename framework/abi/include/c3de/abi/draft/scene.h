@@ -43,7 +43,8 @@ typedef struct c3de_mesh_v0 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
-  /* Reads, welds and checks a mesh file. The unit is one of C3DE_UNIT_M/MM/CM. progress may be null. [any] */
+  /* Reads, welds and checks a mesh file. The unit is one of C3DE_UNIT_M/MM/CM, or UNKNOWN: what a
+   * comment such as UNITS=mm in the file says, else mm. progress may be null. [any] */
   c3de_status(C3DE_CALL *load)(void *ctx, c3de_str path, uint32_t unit, const c3de_progress *progress, c3de_handle *out);
   /* positions: comps 3, f32 or f64, in mm; triangles: comps 3, u32. [any] */
   c3de_status(C3DE_CALL *create)(void *ctx, c3de_view positions_mm, c3de_view triangles, c3de_handle *out);
