@@ -106,7 +106,9 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
       WorkstationImages::Events{[this] { whenImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
                                 [this](const std::string &title, const Error &error) { whenFailed(title, error); },
                                 [this](std::vector<ui::OrganRequest> requests) { organ_->makeOrgans(std::move(requests)); }});
-  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(), &images_->guide()}, actions());
+  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
+                    &images_->guide()},
+                   actions());
   window_->setAbout(about());
   showPluginProblems();
   if (!options.notice.empty()) {
@@ -274,14 +276,15 @@ void Workstation::whenOrgansLive(const WorkstationOrgan::Result &result) {
                                     (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
                               : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.");
   if (!result.left.empty())
-    panels_.notify(C3DE_LOG_INFO, "Cancelled", namesOf(result.left) + (result.left.size() == 1 ? " was" : " were") + " not made.");
+    panels_.notify(C3DE_LOG_INFO, "Cancelled",
+                   namesOf(result.left) + (result.left.size() == 1 ? " was" : " were") + " not made.");
   std::string reasons;
   for (const auto &[name, error] : result.failed) reasons += error.message + "\n";
   if (reasons.empty()) return;
   log(LogLevel::error, "organs that could not be made: " + reasons);
   panels_.notify(C3DE_LOG_ERROR, result.failed.size() == 1 ? result.failed.front().first + " could not be made"
                                                            : std::to_string(result.failed.size()) + " organs could not be made",
-                 reasons + (result.failed.size() == 1 ? "It stays picked; the others live." : "They stay picked; the others live."));
+                 reasons + (result.failed.size() == 1 ? "It stays" : "They stay") + " picked; the others live.");
 }
 
 /// The image deforms with the bodies while both are there.

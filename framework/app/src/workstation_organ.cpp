@@ -44,7 +44,8 @@ std::set<std::string> bodyNames(Session &session) {
   std::set<std::string> names;
   const scene::SceneGraph &graph = session.sceneGraph();
   for (const scene::SceneGraph::Row &row : graph.rows())
-    if (const scene::Node *node = graph.find(row.node); node && node->parent == session.simulationNode() && !node->parent.isNull())
+    if (const scene::Node *node = graph.find(row.node);
+        node && !node->parent.isNull() && node->parent == session.simulationNode())
       names.insert(node->name);
   return names;
 }
