@@ -174,7 +174,7 @@ class Recorder : public sdk::Object<Recorder> {
   void phyxels(c3de_handle, c3de_object **) {}
   void surfels(c3de_handle, c3de_object **) {}
   // There for its revision: that of a simulator which is handed fills.
-  c3de_status displacement(const c3de_sim_grid *, double, float *) const { return C3DE_E_UNSUPPORTED; }
+  c3de_status displacement(const c3de_sim_grid *, double, float *, float *) const { return C3DE_E_UNSUPPORTED; }
 
  private:
   [[nodiscard]] bool finished() const { return quasistatic_ && steps_ >= loadSteps_; }
