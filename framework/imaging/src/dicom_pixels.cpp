@@ -145,19 +145,25 @@ std::optional<StatedSize> sizeInJpeg2000(const std::vector<char> &s) {
   return tiles < 10000.0 ? std::optional(size) : std::nullopt;  // each takes kilobytes
 }
 
-/// What a JPEG or JPEG-LS stream says of itself: its start of frame (T.81 B.2.2).
+/// What a JPEG or JPEG-LS stream says of itself in its start of frame (T.81 B.2.2). None where its segments do not follow
+/// each other without a gap up to the scan: GDCM ends the program where libjpeg only warns of a header.
 std::optional<StatedSize> sizeInJpeg(const std::vector<char> &s) {
   if (s.size() < 4 || bigEndianAt(s, 0, 2) != 0xffd8u) return std::nullopt;
+  std::optional<StatedSize> size;
   for (std::size_t at = 2; at + 10 <= s.size();) {
     const std::size_t marker = bigEndianAt(s, at, 2);
     if (marker == 0xffff) {  // filling
       ++at;
       continue;
     }
-    if (marker < 0xff00) return std::nullopt;
-    const bool frame = (marker >= 0xffc0 && marker <= 0xffcf && marker != 0xffc4 && marker != 0xffc8 && marker != 0xffcc) || marker == 0xfff7;
-    if (frame) return StatedSize{bigEndianAt(s, at + 7, 2), bigEndianAt(s, at + 5, 2), bigEndianAt(s, at + 9, 1)};
-    at += 2 + bigEndianAt(s, at + 2, 2);
+    if (marker == 0xffda) return size;
+    const std::size_t length = bigEndianAt(s, at + 2, 2);
+    if (marker < 0xffc0 || (marker >= 0xffd0 && marker <= 0xffd9) || length < 2) return std::nullopt;
+    const bool frame = (marker <= 0xffcf && marker != 0xffc4 && marker != 0xffc8 && marker != 0xffcc) || marker == 0xfff7;
+    if (frame) size = StatedSize{bigEndianAt(s, at + 7, 2), bigEndianAt(s, at + 5, 2), bigEndianAt(s, at + 9, 1)};
+    const bool isJfif = marker == 0xffe0 && length >= 16 && bigEndianAt(s, at + 4, 4) == 0x4a464946u;
+    if (isJfif && s[at + 9] != 1) return std::nullopt;  // versions that libjpeg warns of
+    at += 2 + length;
   }
   return std::nullopt;
 }

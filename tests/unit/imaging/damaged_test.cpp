@@ -142,6 +142,25 @@ TEST_CASE("Compressed pixels with bytes changed crash no decoder", "[imaging]") 
   }
 }
 
+TEST_CASE("JPEG frames with damaged markers are refused where their decoder would end the program", "[imaging]") {
+  C3DE_DATA_OR_SKIP(path, "dicom/mr_same_volume_5_encodings/compressed_jpeg/IM-0001-0001-0001.dcm");
+  const std::string bytes = bytesOf(path);
+  const std::size_t frame = bytes.find("\xff\xd8\xff\xc3");
+  REQUIRE(frame != std::string::npos);
+  const std::size_t tables = bytes.find("\xff\xc4", frame), scan = bytes.find("\xff\xda", frame);
+  REQUIRE((tables < scan && scan < frame + 100));
+  const auto folder = emptyFolder("hurt");
+  for (const std::size_t marker : {frame, frame + 2, tables, scan})
+    for (const char byte : {'\x90', '\0'}) {
+      std::string hurt = bytes;
+      hurt[marker] = byte;
+      CAPTURE(marker);
+      const auto loaded = readVolume(write(folder / "hurt.dcm", hurt));
+      REQUIRE_FALSE(loaded);
+      CHECK_THAT(loaded.error().message, Contains("compressed pixels"));
+    }
+}
+
 TEST_CASE("A slice that is truncated is left out of its series and said", "[imaging]") {
   C3DE_DATA_OR_SKIP(data, "dicom/ct_head_phantom_philips_5mm");
   const auto folder = emptyFolder("series");
