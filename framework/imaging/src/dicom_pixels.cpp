@@ -160,7 +160,11 @@ std::optional<StatedSize> sizeInJpeg(const std::vector<char> &s) {
     const std::size_t length = bigEndianAt(s, at + 2, 2);
     if (marker < 0xffc0 || (marker >= 0xffd0 && marker <= 0xffd9) || length < 2) return std::nullopt;
     const bool frame = (marker <= 0xffcf && marker != 0xffc4 && marker != 0xffc8 && marker != 0xffcc) || marker == 0xfff7;
-    if (frame) size = StatedSize{bigEndianAt(s, at + 7, 2), bigEndianAt(s, at + 5, 2), bigEndianAt(s, at + 9, 1)};
+    if (frame) {
+      const std::size_t bits = bigEndianAt(s, at + 4, 1);
+      if (bits < 2 || bits > 16) return std::nullopt;  // GDCM has no codec, and calls it all the same
+      size = StatedSize{bigEndianAt(s, at + 7, 2), bigEndianAt(s, at + 5, 2), bigEndianAt(s, at + 9, 1)};
+    }
     const bool isJfif = marker == 0xffe0 && length >= 16 && bigEndianAt(s, at + 4, 4) == 0x4a464946u;
     if (isJfif && s[at + 9] != 1) return std::nullopt;  // versions that libjpeg warns of
     at += 2 + length;

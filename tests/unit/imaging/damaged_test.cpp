@@ -142,7 +142,7 @@ TEST_CASE("Compressed pixels with bytes changed crash no decoder", "[imaging]") 
   }
 }
 
-TEST_CASE("JPEG frames with damaged markers are refused where their decoder would end the program", "[imaging]") {
+TEST_CASE("JPEG frames with damaged headers are refused where their decoder would end the program", "[imaging]") {
   C3DE_DATA_OR_SKIP(path, "dicom/mr_same_volume_5_encodings/compressed_jpeg/IM-0001-0001-0001.dcm");
   const std::string bytes = bytesOf(path);
   const std::size_t frame = bytes.find("\xff\xd8\xff\xc3");
@@ -159,6 +159,11 @@ TEST_CASE("JPEG frames with damaged markers are refused where their decoder woul
       REQUIRE_FALSE(loaded);
       CHECK_THAT(loaded.error().message, Contains("compressed pixels"));
     }
+  std::string hurt = bytes;
+  hurt[frame + 6] = 17;  // bits of a value
+  const auto loaded = readVolume(write(folder / "hurt.dcm", hurt));
+  REQUIRE_FALSE(loaded);
+  CHECK_THAT(loaded.error().message, Contains("compressed pixels"));
 }
 
 TEST_CASE("A slice that is truncated is left out of its series and said", "[imaging]") {
