@@ -38,7 +38,8 @@ class Object {
   [[nodiscard]] c3de_object *abi() noexcept { return &cell_.object; }
   /// @pre the object was made by this plugin as a Derived
   [[nodiscard]] static Derived *from(c3de_object *object) noexcept {
-    return reinterpret_cast<Cell *>(object)->self;  // the cell is standard layout and begins with the object
+    // The cell is standard layout and begins with the object.
+    return static_cast<Derived *>(reinterpret_cast<Cell *>(object)->self);
   }
   std::uint32_t retain() noexcept { return count_.fetch_add(1, std::memory_order_relaxed) + 1; }
   std::uint32_t release() noexcept {
@@ -48,13 +49,13 @@ class Object {
   }
 
  protected:
-  Object() noexcept : cell_{{&kVt}, static_cast<Derived *>(this)} {}
+  Object() noexcept : cell_{{&kVt}, this} {}
   ~Object() = default;
 
  private:
   struct Cell {
     c3de_object object;
-    Derived *self;
+    Object *self;  // no Derived yet when it is set
   };
   static_assert(std::is_standard_layout_v<Cell>);
 
