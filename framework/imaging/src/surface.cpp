@@ -174,7 +174,7 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   for (std::size_t p = 0; p < parts; ++p)
     edges[p] = std::min(edge, kMostOfPart * std::cbrt(std::abs(wanted.volumes[p])));
   restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
-  const BorderCells cells(grid);
+  const BorderCells cells(grid, *std::min_element(edges.begin(), edges.end()) / longest);
   const Mat4 indexOf = affineInverse(grid.geometry.indexToWorld);
   const auto holdAtBorder = [&] {
     for (unsigned v = 0; v < surface.points.size(); ++v) {

@@ -10,6 +10,7 @@ namespace {
 
 constexpr float kHalf = 0.5f;
 constexpr double kLeash = 0.45;  // below a half: two sides of a thin part do not meet
+constexpr double kLeastGap = 0.1;  // of an edge, half of what lies between two cells
 
 // A side of a quadrilateral, to be matched with the one that runs the other way.
 struct Side {
@@ -146,7 +147,8 @@ void relax(SurfaceNet &net, std::size_t times) {
   for (std::size_t v = 0; v < lost.size(); ++v) mesh.points[v] = leashed(v, mesh.points[v] + lost[v]);
 }
 
-BorderCells::BorderCells(const Fill &fill) {
+BorderCells::BorderCells(const Fill &fill, double edge)
+    : leash_(0.5 - std::min(0.5 - kLeash, kLeastGap * edge)) {
   const auto &n = fill.geometry.size;
   for (std::size_t a = 0; a < 3; ++a) size_[a] = n[a] - 1;
   border_.resize(size_[0] * size_[1] * size_[2]);
@@ -176,7 +178,7 @@ Vec3 BorderCells::nearest(const Vec3 &index) const {
         if (!isBorder({i, j, k})) continue;
         const Vec3 middle{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5, static_cast<double>(k) + 0.5};
         Vec3 x{};
-        for (std::size_t a = 0; a < 3; ++a) x[a] = std::clamp(index[a], middle[a] - kLeash, middle[a] + kLeash);
+        for (std::size_t a = 0; a < 3; ++a) x[a] = std::clamp(index[a], middle[a] - leash_, middle[a] + leash_);
         if (const double way = dot(x - index, x - index); way < least) {
           least = way;
           best = x;

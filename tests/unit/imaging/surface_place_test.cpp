@@ -152,3 +152,19 @@ TEST_CASE("surfaces of organs stay at their border and do not go through themsel
       }
   }
 }
+
+TEST_CASE("edges far shorter than voxels are as many as the surface needs", "[imaging][surface]") {
+  Mask ball{{{8, 8, 8}, {8, 0, 0, 0, 0, 8, 0, 0, 0, 0, 8, 0, -28, -28, -28, 1}}, std::vector<std::uint8_t>(512, 0)};
+  for (std::size_t v = 0; v < 512; ++v)
+    ball.voxels[v] = norm(ball.geometry.worldAt({double(v % 8), double(v / 8 % 8), double(v / 64)})) < 17.0 ? 1 : 0;
+  SurfaceSettings settings;
+  settings.edgeLength = 0.5;
+  const auto surface = surfaceOf(ball, settings);
+  REQUIRE(surface);
+  const double triangle = 0.25 * std::sqrt(3.0) * 0.25;  // mm²
+  const double wanted = geometry::surfaceArea(*surface) / triangle;
+  // Edges between 4/5 and 4/3 of the length: areas from 0.64 to 1.78.
+  CHECK(static_cast<double>(surface->triangles.size()) < wanted / 0.64);
+  CHECK(static_cast<double>(surface->triangles.size()) > wanted / 1.78);
+  CHECK(geometry::signedVolume(*surface) == Approx(volumeOf(ball)).epsilon(1e-3));
+}
