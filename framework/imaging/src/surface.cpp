@@ -20,6 +20,7 @@ constexpr double kVoxelsPerEdge = 2.5;      // of the grid the mask is seen thro
 constexpr double kRelaxations = 2.0, kMostRelaxations = 200.0;  // per squared length in voxels
 constexpr double kDefaultLength = 2.0;       // longest voxel edges
 constexpr std::size_t kFairings = 10;
+constexpr double kFirstLevel = 1.0;          // of the longest voxel edge
 constexpr double kMostOfPart = 0.5;         // of the cube root of a part's volume: the longest edges it gets
 constexpr int kUntanglings = 12;
 constexpr double kEven = 0.3, kInwards = 0.05;  // of the way to the mean of the neighbours, of an edge
@@ -188,6 +189,15 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
     holdAtBorder();
     return goOn(0.5 + 0.4 * fraction);
   };
+  // Fairing reaches over some edges only. Edges far shorter than voxels come by halves, each evened out, or the steps of
+  // the voxels would stay as knobs.
+  for (double level = kFirstLevel * longest; level > 1.5 * edge; level *= 0.5) {
+    std::vector<double> coarser(edges);
+    for (std::size_t p = 0; p < parts; ++p)
+      coarser[p] = std::max(edges[p], std::min(level, 0.5 * kMostOfPart * std::cbrt(std::abs(wanted.volumes[p]))));
+    if (!remesh(surface, coarser, round)) return cancelled();
+    fair(surface, kFairings);
+  }
   if (!remesh(surface, edges, round)) return cancelled();
   fair(surface, kFairings);
   for (int t = 0; t < kHolds; ++t) {
