@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Takes the pictures of docs/user/images from the program. Not a test of ctest:
 //   xvfb-run -a -s "-screen 0 1280x800x24" build/release/bin/test_ui "[guide]"
-// leaves guide-NAME.png under test-output/ui; look at them and copy those that show what the page says.
+// leaves guide-NAME.png under test-output/ui; look at them and copy those that show what the page says. pulled.png is
+// image_walk-pulled.png of the scenario image_walk.
 #include <chrono>
 #include <filesystem>
 #include <thread>
@@ -168,4 +169,20 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.waitUntil("they live", [](const Json &s) { return s["jobs"].empty() && s["transport"]["time_s"] > 0.2; }, 60.0);
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organs");
+}
+
+TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  WorkstationDriver window("guide");
+  window.start({"--play", (std::filesystem::path(C3DE_TEST_RESOURCES) / "scenes" / "brain_shift.toml").string()});
+  window.waitUntil("the brain has settled", [](const Json &s) {
+    return s["panes"].size() == 4 && s["transport"]["time_s"].get<double>() > 4.0;
+  }, 120.0);
+  const auto inPane = [&](const char *pane, double u, double v) {
+    const Json r = window.state()["panes"][pane];
+    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(), r["y"].get<double>() + v * r["h"].get<double>()};
+  };
+  window.clickAt(inPane("sagittal", 0.34, 0.3));
+  window.waitFrames(5);
+  window.screenshot("brain_shift");
 }
