@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/imaging/volume.h"
+
+/// Files as ITK reads them, without a type of ITK.
+namespace itk_truth {
+
+struct Image {
+  c3de::imaging::VolumeGeometry geometry;
+  std::vector<double> values;  ///< rescaled, i fastest
+};
+
+/// NIfTI, NRRD or MetaImage by the name. Errors: what ITK says.
+[[nodiscard]] c3de::Expected<Image> read(const std::filesystem::path &file);
+/// Files of a DICOM series in the order of their places, as ITK finds them in a folder that holds one.
+[[nodiscard]] c3de::Expected<Image> readSeries(const std::filesystem::path &folder);
+
+}  // namespace itk_truth
