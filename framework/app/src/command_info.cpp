@@ -141,7 +141,8 @@ Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::
 
 Expected<Json> describeVolume(const scene::SceneFile &scene, const scene::SceneBody &body, std::ostringstream &text) {
   OrganSources sources;
-  const auto mask = sources.mask(body.volume, {});
+  Preparation took;
+  const auto mask = sources.mask(body.volume, {}, took);
   if (!mask) return fail(mask.error().code, scene.where(body.line) + ": " + mask.error().message);
   const double millilitres = imaging::volumeOf(*mask) / 1000.0;
   text << "  volume " << body.volume.file.string() << ": " << imaging::voxelCount(*mask) << " voxels, " << millilitres << " ml\n";

@@ -55,6 +55,7 @@ std::optional<ParameterValue> worldValue(const scene::SceneFile &scene, c3de_obj
 RunLimits limitsOf(const scene::SceneFile &scene, c3de_object *simulator, const RunOptions &options,
                    std::chrono::steady_clock::time_point begin) {
   RunLimits limits;
+  limits.begin = begin;
   if (const auto integrator = worldValue(scene, simulator, "solver.integrator")) limits.integrator = integrator->text;
   if (const auto steps = worldValue(scene, simulator, "solver.load_steps"); steps && steps->num > 0.0)
     limits.loadSteps = steps->num;
@@ -70,6 +71,11 @@ void printSummary(const RunFacts &facts) {
                 static_cast<unsigned long long>(facts.steps), facts.wall_s);
     return;
   }
+  const Preparation &took = facts.preparation;
+  if (took.masks_s > 0.0)
+    std::printf("%s: first step after %.3g s (reading %.3g, masks %.3g, surfaces %.3g, fills %.3g, bodies %.3g, step %.3g)\n",
+                facts.scene.c_str(), facts.toFirstStep_s, took.reading_s, took.masks_s, took.surfaces_s, took.fills_s,
+                took.bodies_s, facts.firstStep_s);
   const double factor = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
   std::printf("%s: %s, %llu steps of %.4g s, %.6g s simulated in %.3g s (%.3g times real time)\n", facts.scene.c_str(),
               facts.outcome.c_str(), static_cast<unsigned long long>(facts.steps), facts.dt_s, facts.time_s, facts.wall_s,
@@ -100,18 +106,20 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
   const auto table = simulatorTable(simulator.get());
   if (!table) return tl::unexpected(table.error());
 
+  Preparation preparation;
   {
     ProgressLine progress(options.quiet);
     const auto populated = session.populate(simulator.get(), *scene, [&](double fraction, const std::string &what) {
       progress.update(fraction, what);
       return !wasInterrupted();
-    });
+    }, &preparation);
     if (!populated) return tl::unexpected(populated.error());
   }
 
   HeadlessRun run(session, simulator.get(), *table, options, limitsOf(*scene, simulator.get(), options, begin));
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
   RunFacts facts = run.facts();
+  facts.preparation = preparation;
   facts.scene = scene->title;
   facts.source = options.scene.string();
 

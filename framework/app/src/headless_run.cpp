@@ -138,6 +138,10 @@ Expected<void> HeadlessRun::run() {
     const Clock::time_point begin = Clock::now();
     const c3de_status code = table_->step(simulator_);
     wall_s += std::chrono::duration<double>(Clock::now() - begin).count();
+    if (facts_.firstStep_s == 0.0) {
+      facts_.firstStep_s = wall_s;
+      facts_.toFirstStep_s = std::chrono::duration<double>(Clock::now() - limits_.begin).count();
+    }
     facts_.wall_s = wall_s;
     if (code < 0) {
       const std::string reason = session_.plugins().takeError();

@@ -19,6 +19,7 @@ struct RunLimits {
   std::string integrator;
   std::optional<double> loadSteps;  ///< of a quasi-static solution, where the scene says a number; for the progress bar
   std::optional<std::chrono::steady_clock::time_point> deadline;
+  std::chrono::steady_clock::time_point begin{};  ///< of the command
 };
 
 /// Steps a simulator in the calling thread to the end that the options name, samples probes on the way. A quasi-static

@@ -38,32 +38,54 @@ Expected<std::uint16_t> labelOf(const scene::SceneVolume &volume, const imaging:
 
 }  // namespace
 
-Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, const ProgressFn &progress) {
+Expected<std::shared_ptr<const imaging::LabelMap>> OrganSources::labels(const std::filesystem::path &file,
+                                                                        const imaging::ReadOptions &options) {
+  auto &stored = labels_[file];
+  if (stored) return stored;
+  auto loaded = imaging::readLabelMap(file, options);
+  if (!loaded) return tl::unexpected(loaded.error());
+  notices_.insert(notices_.end(), loaded->notices.begin(), loaded->notices.end());
+  return stored = std::make_shared<const imaging::LabelMap>(std::move(loaded->labels));
+}
+
+Expected<std::shared_ptr<const imaging::Volume>> OrganSources::volume(const std::filesystem::path &file,
+                                                                      const imaging::ReadOptions &options) {
+  auto &stored = volumes_[file];
+  if (stored) return stored;
+  auto loaded = imaging::readVolume(file, options);
+  if (!loaded) return tl::unexpected(loaded.error());
+  notices_.insert(notices_.end(), loaded->notices.begin(), loaded->notices.end());
+  return stored = std::make_shared<const imaging::Volume>(std::move(loaded->volume));
+}
+
+Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, const ProgressFn &progress,
+                                           Preparation &took) {
   imaging::ReadOptions options;
   options.progress = progress;
+  std::shared_ptr<const imaging::LabelMap> map;
+  std::shared_ptr<const imaging::Volume> image;
+  if (!volume.mask) {
+    const TimeSpent reading(took.reading_s);
+    if (volume.threshold) {
+      auto read = this->volume(volume.file, options);
+      if (!read) return tl::unexpected(read.error());
+      image = *read;
+    } else {
+      auto read = labels(volume.file, options);
+      if (!read) return tl::unexpected(read.error());
+      map = *read;
+    }
+  }
+  const TimeSpent masking(took.masks_s);
   Expected<imaging::Mask> mask = imaging::Mask{};
   if (volume.mask) {
     mask = *volume.mask;
-  } else if (volume.threshold) {
-    auto &stored = volumes_[volume.file];
-    if (!stored) {
-      auto loaded = imaging::readVolume(volume.file, options);
-      if (!loaded) return tl::unexpected(loaded.error());
-      notices_.insert(notices_.end(), loaded->notices.begin(), loaded->notices.end());
-      stored = std::make_shared<const imaging::Volume>(std::move(loaded->volume));
-    }
-    mask = imaging::threshold(*stored, (*volume.threshold)[0], (*volume.threshold)[1], progress);
+  } else if (image) {
+    mask = imaging::threshold(*image, (*volume.threshold)[0], (*volume.threshold)[1], progress);
   } else {
-    auto &stored = labels_[volume.file];
-    if (!stored) {
-      auto loaded = imaging::readLabelMap(volume.file, options);
-      if (!loaded) return tl::unexpected(loaded.error());
-      notices_.insert(notices_.end(), loaded->notices.begin(), loaded->notices.end());
-      stored = std::make_shared<const imaging::LabelMap>(std::move(loaded->labels));
-    }
-    const auto label = labelOf(volume, *stored);
+    const auto label = labelOf(volume, *map);
     if (!label) return tl::unexpected(label.error());
-    mask = imaging::maskOf(*stored, *label);
+    mask = imaging::maskOf(*map, *label);
   }
   if (mask && volume.opening_mm > 0.0) mask = imaging::opened(*mask, volume.opening_mm, progress);
   if (mask && volume.closing_mm > 0.0) mask = imaging::closed(*mask, volume.closing_mm, progress);
@@ -82,14 +104,20 @@ Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxel
   organ.volume_mm3 = imaging::volumeOf(mask);
   imaging::SurfaceSettings settings;
   settings.edgeLength = edge_mm;
-  auto surface = imaging::surfaceOf(mask, settings, progress);
-  if (!surface) return tl::unexpected(surface.error());
-  auto skin = geometry::buildMesh(std::move(*surface), geometry::LengthUnit::millimetre);
-  if (!skin) return tl::unexpected(skin.error());
-  organ.skin = std::move(*skin);
-  auto fill = imaging::fillOf(mask, std::cbrt(organ.volume_mm3 / std::max(phyxels, 1.0)) / kVoxelsPerSpacing);
-  if (!fill) return tl::unexpected(fill.error());
-  organ.fill = std::move(*fill);
+  {
+    const TimeSpent surfacing(organ.took.surfaces_s);
+    auto surface = imaging::surfaceOf(mask, settings, progress);
+    if (!surface) return tl::unexpected(surface.error());
+    auto skin = geometry::buildMesh(std::move(*surface), geometry::LengthUnit::millimetre);
+    if (!skin) return tl::unexpected(skin.error());
+    organ.skin = std::move(*skin);
+  }
+  {
+    const TimeSpent filling(organ.took.fills_s);
+    auto fill = imaging::fillOf(mask, std::cbrt(organ.volume_mm3 / std::max(phyxels, 1.0)) / kVoxelsPerSpacing);
+    if (!fill) return tl::unexpected(fill.error());
+    organ.fill = std::move(*fill);
+  }
   return organ;
 }
 

@@ -14,6 +14,7 @@
 #include "c3de/imaging/masks.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/scene/scene_file.h"
+#include "preparation.h"
 
 namespace c3de::app {
 
@@ -22,17 +23,24 @@ struct Organ {
   geometry::LoadedMesh skin;
   imaging::Fill fill;
   double volume_mm3 = 0.0;  ///< voxel count times voxel volume
+  Preparation took;         ///< what was done for it
 };
 
 /// Files of images, read once for all bodies of a scene. One thread at a time.
 class OrganSources {
  public:
   /// What the scene asks for. Errors say which file, which label and which labels there are.
-  [[nodiscard]] Expected<imaging::Mask> mask(const scene::SceneVolume &volume, const ProgressFn &progress);
+  /// @param took  reading and masks are added
+  [[nodiscard]] Expected<imaging::Mask> mask(const scene::SceneVolume &volume, const ProgressFn &progress,
+                                             Preparation &took);
   /// Sentences of the readers since the last call.
   [[nodiscard]] std::vector<std::string> takeNotices();
 
  private:
+  [[nodiscard]] Expected<std::shared_ptr<const imaging::LabelMap>> labels(const std::filesystem::path &file,
+                                                                          const imaging::ReadOptions &options);
+  [[nodiscard]] Expected<std::shared_ptr<const imaging::Volume>> volume(const std::filesystem::path &file,
+                                                                        const imaging::ReadOptions &options);
   std::map<std::filesystem::path, std::shared_ptr<const imaging::LabelMap>> labels_;
   std::map<std::filesystem::path, std::shared_ptr<const imaging::Volume>> volumes_;
   std::vector<std::string> notices_;

@@ -51,6 +51,11 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["time_s"] = facts.time_s;
   report["wall_s"] = facts.wall_s;
   report["real_time_factor"] = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
+  const Preparation &took = facts.preparation;
+  report["preparation"] = Json{{"reading_s", took.reading_s},   {"masks_s", took.masks_s},
+                               {"surfaces_s", took.surfaces_s}, {"fills_s", took.fills_s},
+                               {"bodies_s", took.bodies_s},     {"first_step_s", facts.firstStep_s},
+                               {"to_first_step_s", facts.toFirstStep_s}};
   report["dt_s"] = facts.dt_s;
   report["integrator"] = simulator->contains("integrator") ? simulator->at("integrator") : Json(facts.integrator);
   if (facts.seed) report["seed"] = *facts.seed;

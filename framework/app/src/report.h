@@ -8,6 +8,7 @@
 
 #include "c3de/core/expected.h"
 #include "c3de/core/vec.h"
+#include "preparation.h"
 
 namespace c3de::app {
 
@@ -23,6 +24,9 @@ struct RunFacts {
   std::string integrator;
   std::uint64_t stateHash = 0;
   std::optional<std::uint64_t> seed;
+  Preparation preparation;
+  double firstStep_s = 0.0;    ///< the first step alone
+  double toFirstStep_s = 0.0;  ///< from the start of the command, plugins and scene file included, to the end of that step
 };
 
 /// The report of a run as JSON.

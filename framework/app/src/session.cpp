@@ -140,13 +140,19 @@ class PartProgress {
 };
 
 Expected<Organ> meshOf(const scene::SceneBody &body, const ProgressFn &progress) {
-  auto mesh = geometry::loadMesh(body.mesh, body.meshUnit, progress);
-  if (!mesh) return tl::unexpected(mesh.error());
-  return Organ{std::move(*mesh), {}, 0.0};
+  Organ organ;
+  {
+    const TimeSpent reading(organ.took.reading_s);
+    auto mesh = geometry::loadMesh(body.mesh, body.meshUnit, progress);
+    if (!mesh) return tl::unexpected(mesh.error());
+    organ.skin = std::move(*mesh);
+  }
+  return organ;
 }
 
 Expected<Organ> organAsked(OrganSources &sources, const scene::SceneBody &body, const ProgressFn &progress) {
-  const auto mask = sources.mask(body.volume, progress);
+  Preparation took;
+  const auto mask = sources.mask(body.volume, progress, took);
   if (!mask) return tl::unexpected(mask.error());
   // As many phyxels as the scene says, or as fit its spacing.
   double phyxels = 1000.0;
@@ -155,7 +161,9 @@ Expected<Organ> organAsked(OrganSources &sources, const scene::SceneBody &body, 
     if (value.value.id == "sampling.spacing" && value.value.num > 0.0)
       phyxels = imaging::volumeOf(*mask) / std::pow(value.value.num * scene::kMillimetresPerMetre, 3);
   }
-  return organOf(*mask, body.volume.edgeLength_mm, phyxels, progress);
+  auto organ = organOf(*mask, body.volume.edgeLength_mm, phyxels, progress);
+  if (organ) organ->took += took;
+  return organ;
 }
 
 /// Keeps a mesh in the store for the duration of a call.
@@ -198,7 +206,7 @@ struct Session::Impl {
   void letGo(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
   [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                              const scene::SceneFile &scene, const FittedScene &fitted,
-                                                             const ProgressFn &progress);
+                                                             const ProgressFn &progress, Preparation &took);
 };
 
 Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
@@ -212,7 +220,7 @@ Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, 
 
 Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                             const scene::SceneFile &scene, const FittedScene &fitted,
-                                                            const ProgressFn &progress) {
+                                                            const ProgressFn &progress, Preparation &took) {
   std::vector<c3de_handle> bodies;
   OrganSources sources;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -225,6 +233,8 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     Expected<Organ> source = body.mesh.empty() ? organAsked(sources, body, reading) : meshOf(body, reading);
     if (!source) return fail(source.error().code, scene.where(body.line) + ": " + source.error().message);
     for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, body.volume.file.string() + ": " + notice);
+    took += source->took;
+    const TimeSpent building(took.bodies_s);
     const MeshLease lease(meshes, std::move(source->skin));
     const std::vector<c3de_param_value> params = toAbi(fitted.bodies[i]);
     const c3de_sim_fill fill = toAbi(source->fill);
@@ -347,7 +357,8 @@ Expected<void> Session::checkScene(c3de_object *simulator, const scene::SceneFil
   return {};
 }
 
-Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress) {
+Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
+                                 Preparation *took) {
   const auto tableOrError = simulatorTable(simulator);
   if (!tableOrError) return tl::unexpected(tableOrError.error());
   const c3de_simulator_v0 *table = *tableOrError;
@@ -386,10 +397,11 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
       return tl::unexpected(impl_->lastError(code, scene, obstacle.line, "adding obstacle '" + obstacle.name + "'"));
   }
 
+  Preparation unused;
   auto bodies = impl_->addBodies(table, simulator, scene, *fitted, [&](double f, const std::string &what) {
     const auto before = static_cast<double>(scene.obstacles.size()), own = static_cast<double>(scene.bodies.size());
     return !progress || progress(f < 0.0 ? f : (before + f * own) / (before + own), what);
-  });
+  }, took != nullptr ? *took : unused);
   if (!bodies) return tl::unexpected(bodies.error());
 
   for (const scene::SceneProbe &probe : scene.probes) {
@@ -407,7 +419,8 @@ Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile
   if (!table) return tl::unexpected(table.error());
   const auto fitted = fitScene(simulator, scene);
   if (!fitted) return tl::unexpected(fitted.error());
-  const auto added = impl_->addBodies(*table, simulator, scene, *fitted, progress);
+  Preparation unused;
+  const auto added = impl_->addBodies(*table, simulator, scene, *fitted, progress, unused);
   if (!added) return tl::unexpected(added.error());
   return {};
 }

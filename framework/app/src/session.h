@@ -18,6 +18,7 @@
 #include "c3de/scene/scene_graph.h"
 #include "c3de/scene/simulation.h"
 #include "c3de/scene/simulation_directory.h"
+#include "preparation.h"
 
 namespace c3de::ui {
 class PanelRegistry;
@@ -75,7 +76,9 @@ class Session {
   /// Fills a simulator from a scene: checks every key against the simulator's declarations (unknown keys are errors with
   /// file, line and the nearest known key), reads the meshes, adds obstacles, bodies and probes. On an error the simulator
   /// is of no use; the present simulation is untouched. Any thread.
-  [[nodiscard]] Expected<void> populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress);
+  /// @param took  null, or what the bodies took is added
+  [[nodiscard]] Expected<void> populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
+                                        Preparation *took = nullptr);
 
   /// Adds the bodies of a scene, with their fixes and loads, to a simulator that goes on with the rest as it is; its initial
   /// state is then the one that has them. Errors as of populate(). Any thread.
