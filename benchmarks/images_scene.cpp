@@ -14,6 +14,7 @@
 #include "c3de/ui/image_views.h"
 #include "live_warp.h"
 #include "session.h"
+#include "shown_displacement.h"
 #include "simulator_access.h"
 
 namespace bench {
@@ -52,14 +53,8 @@ class SceneBench {
                                     volume.slope, volume.intercept});
     if (!handle) return tl::unexpected(handle.error());
     ui::ImageHandles handles{*handle, {}, {}};
-    if (const auto bodies = app::referenceBodies(simulator_, volume.geometry)) {
-      std::vector<std::uint8_t> white(bodies->voxels);
-      for (std::uint8_t &v : white) v = v != 0 ? 255 : 0;
-      auto shown = images_.addImage({{volume.geometry.size, volume.geometry.indexToWorld}, render::VoxelType::uint8, white.data()});
-      if (!shown) return tl::unexpected(shown.error());
-      handles.bodies = *shown;
-    }
     views_.setHandles(handles);
+    bodies_ = app::referenceBodies(simulator_, volume.geometry);
     const imaging::WorldBox box = imaging::boxOf(volume.geometry);
     camera_.upAxis = render::UpAxis::z;
     camera_.yaw = 0.6;
@@ -73,7 +68,7 @@ class SceneBench {
     ui::ImageOptions options = views_.options();
     options.showsVolume = part.hasVolume;
     views_.setOptions(options);
-    show(nullptr);
+    if (const auto shown = displacement_.show(nullptr); !shown) return shown;
     grid_.forget();
     std::vector<double> step_ms, field_ms, draw_ms;
     for (std::size_t i = 0; i < frames; ++i) {
@@ -88,13 +83,15 @@ class SceneBench {
         grid_.follow(bodies.box, bodies.spacing_mm, rim_mm_);
         u = std::make_shared<imaging::DisplacementGrid>();
         u->geometry = grid_.geometry();
+        u->bodies = bodies_;
         if (!app::readDisplacement(&table_, simulator_, rim_mm_, *u)) return fail(ErrorCode::plugin, "no displacement");
         field_ms.push_back(wall_ms() - from);
       }
       from = wall_ms();
       session_.mainQueue().runFrame();
       session_.plugins().syncScene();
-      if (u) show(std::move(u));
+      if (u)
+        if (const auto shown = displacement_.show(std::move(u)); !shown) return shown;
       draw();
       draw_ms.push_back(wall_ms() - from);
     }
@@ -107,21 +104,6 @@ class SceneBench {
     if (ms.empty()) return 0.0;
     std::sort(ms.begin(), ms.end());
     return ms[std::min(ms.size() - 1, static_cast<std::size_t>(part * static_cast<double>(ms.size())))];
-  }
-
-  void show(std::shared_ptr<const imaging::DisplacementGrid> u) {
-    ui::ImageHandles handles = views_.handles();
-    const imaging::DisplacementGrid *shown = views_.displacement();
-    if (u && shown && imaging::sameGrid(u->geometry, shown->geometry, 0.0)) {
-      images_.setDisplacement(handles.displacement, u->xyz_mm, u->gap_mm);
-    } else {
-      images_.remove(handles.displacement);
-      handles.displacement = {};
-      if (u)
-        if (auto added = images_.addDisplacement({u->geometry.size, u->geometry.indexToWorld}, u->xyz_mm, u->gap_mm)) handles.displacement = *added;
-      views_.setHandles(handles);
-    }
-    views_.setDisplacement(std::move(u));
   }
 
   void draw() {
@@ -142,6 +124,8 @@ class SceneBench {
   c3de_object *simulator_;
   double rim_mm_;
   ui::ImageViews views_;
+  app::ShownDisplacement displacement_{&images_, views_};
+  std::shared_ptr<const imaging::Mask> bodies_;
   render::Camera camera_;
   imaging::FollowingGrid grid_;
 };

@@ -391,3 +391,24 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
   window.waitUntil("it is back", [&](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0; });
   CHECK(window.state()["notifications"].empty());
 }
+
+TEST_CASE("a folder of several series asks for one, and for none", "[image_series]") {
+  C3DE_WINDOW_OR_SKIP();
+  C3DE_DATA_OR_SKIP(folder, "dicom/mr_mixed_orientation_4");
+  WorkstationDriver window("image_series");
+  window.start({folder.string()});
+  const auto isAsked = [](const Json &s) { return s["jobs"].empty() && s["widgets"].contains("series/series.1"); };
+  window.waitUntil("a series is asked for", isAsked, 60.0);
+  CHECK(window.state()["panes"].empty());
+  window.screenshot("asked");
+  window.click("series/series.1");
+  window.waitUntil("the series is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  CHECK_FALSE(window.state()["widgets"].contains("series/series.0"));
+
+  WorkstationDriver other("image_series_none");
+  other.start({folder.string()});
+  other.waitUntil("a series is asked for", isAsked, 60.0);
+  other.click("series/cancel");
+  other.waitUntil("the question is gone", [](const Json &s) { return !s["widgets"].contains("series/series.1"); });
+  CHECK(other.state()["panes"].empty());
+}

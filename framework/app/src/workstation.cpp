@@ -173,7 +173,7 @@ ui::WindowActions Workstation::actions() {
   actions.beforeDraw = [this] {
     session_->plugins().syncScene();
     images_->followNode();
-    images_->updateDisplacement(warp_.take());
+    if (auto newest = warp_.take()) images_->showDisplacement(std::move(newest));
     scene::Simulation *simulation = session_->simulation();
     if (warp_.isBehind() && simulation && simulation->state().mode != C3DE_SIM_PLAYING) simulation->post([] {});
   };
@@ -292,7 +292,7 @@ void Workstation::askForWarp() {
   scene::Simulation *simulation = session_->simulation();
   const bool wanted = image_.warp && simulation && images_->views().image() && servesFills(simulation->table());
   warp_.want(wanted, image_.rim_mm, wanted ? images_->views().image()->volume.geometry : imaging::VolumeGeometry{});
-  if (!wanted) return images_->setDisplacement(nullptr);
+  if (!wanted) return images_->showDisplacement(nullptr);
   simulation->post([] {});  // publishes once more
 }
 
@@ -302,7 +302,7 @@ void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
   image_ = loaded.image.value_or(scene::SceneImage{});
   images_->whenOrgansAreGone();
   warp_.begin();
-  images_->setDisplacement(nullptr);
+  images_->showDisplacement(nullptr);
   if (loaded.image && !loaded.isReload)
     images_->open(loaded.image->file, loaded.image->labels);
   else

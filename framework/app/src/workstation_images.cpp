@@ -5,21 +5,12 @@
 #include <utility>
 
 #include "c3de/abi/draft/log.h"
-#include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/ui/file_browser.h"
 
 namespace c3de::app {
 namespace {
-
-/// What an image is called: its file or folder, never what is in it.
-std::string nameOf(const std::filesystem::path &path) {
-  const std::filesystem::path clean = path.lexically_normal();
-  return ui::pathText(clean.has_filename() ? clean.filename() : clean.parent_path().filename());
-}
-
-render::GridPlace placeOf(const imaging::VolumeGeometry &geometry) { return {geometry.size, geometry.indexToWorld}; }
 
 render::ImageVoxels voxelsOf(const imaging::Volume &volume) {
   static constexpr render::VoxelType kTypes[] = {render::VoxelType::int8,   render::VoxelType::uint8,  render::VoxelType::int16,
@@ -41,14 +32,6 @@ struct ReadImage {
   std::vector<imaging::SeriesInfo> series;  ///< to choose from; nothing was read then
 };
 
-std::string seriesText(const imaging::SeriesInfo &s) {
-  std::string text = s.modality;
-  for (const std::string &part : {s.description, s.orientation})
-    if (!part.empty()) text += (text.empty() ? "" : ", ") + part;
-  text += (text.empty() ? "" : ": ") + std::to_string(s.size[0]) + " × " + std::to_string(s.size[1]) + " × " + std::to_string(s.size[2]);
-  return text + " (" + nameOf(s.folder) + ", " + std::to_string(s.files) + (s.files == 1 ? " file)" : " files)");
-}
-
 }  // namespace
 
 WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, ui::PanelRegistry &panels, Events events)
@@ -56,24 +39,25 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
       renderer_(renderer),
       panels_(panels),
       events_(std::move(events)),
+      displacement_(renderer.images(), views_),
       guide_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.makeOrgans}) {
   if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
 }
 
 WorkstationImages::~WorkstationImages() {
-  endChoice();
+  choice_.reset();
   render::ImageRenderer *images = renderer_.images();
   if (!images) return;
   const ui::ImageHandles &handles = views_.handles();
-  for (const Handle handle : {handles.image, handles.labels, handles.displacement, handles.preview}) images->remove(handle);
+  for (const Handle handle : {handles.image, handles.labels, handles.preview}) images->remove(handle);
 }
 
 void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels, const std::string &series) {
-  endChoice();
+  choice_.reset();
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
   const auto read = std::make_shared<ReadImage>();
-  const std::string name = nameOf(path);
+  const std::string name = imageName(path);
   job_ = session_.jobs().submit(
       kJobOwner, "Opening " + name,
       [path, series, read, name](const ProgressFn &progress) -> Expected<void> {
@@ -103,7 +87,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         if (serial != serial_) return;  // a later request has taken over
         job_ = {};
         if (!result) return events_.failed("Could not open " + name, result.error());
-        if (!read->image) return askForSeries({path, labels, read->series, {}});
+        if (!read->image) return askForSeries(path, labels, read->series);
         show(read->image);
         tell("Opened " + name, read->notices);
         for (const std::filesystem::path &file : labels) openLabels(file);
@@ -149,7 +133,7 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
 }
 
 void WorkstationImages::openLabels(const std::filesystem::path &path) {
-  const std::string name = nameOf(path);
+  const std::string name = imageName(path);
   if (!views_.image())
     return events_.failed("Could not open " + name, {ErrorCode::state, "a label map is laid over an image, and none is open; open the image first"});
   waitingLabels_.push_back(path);
@@ -160,7 +144,7 @@ void WorkstationImages::readNextLabels() {
   if (waitingLabels_.empty()) return;
   const std::filesystem::path path = waitingLabels_.front();
   waitingLabels_.pop_front();
-  const std::string name = nameOf(path);
+  const std::string name = imageName(path);
   const std::uint64_t serial = ++labelSerial_;
   const auto read = std::make_shared<scene::StoredLabels>();
   const auto notices = std::make_shared<std::vector<std::string>>();
@@ -255,44 +239,9 @@ void WorkstationImages::showPreview() {
   views_.setHandles(handles);
 }
 
-void WorkstationImages::setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) {
-  render::ImageRenderer *images = renderer_.images();
-  if (!images || !views_.image()) return;
-  ui::ImageHandles handles = views_.handles();
-  images->remove(std::exchange(handles.displacement, {}));
-  const auto bodies = displacement ? displacement->bodies : nullptr;
-  if (bodies != bodies_) {
-    images->remove(std::exchange(handles.bodies, {}));
-    bodies_ = bodies;
-    if (bodies) {
-      std::vector<std::uint8_t> white(bodies->voxels);
-      for (std::uint8_t &v : white) v = v != 0 ? 255 : 0;
-      // Without it the image stays where bodies have gone away; that is no reason to show nothing.
-      if (auto handle = images->addImage({placeOf(bodies->geometry), render::VoxelType::uint8, white.data()}))
-        handles.bodies = *handle;
-      else
-        log(LogLevel::warn, "places that bodies have left are not marked: " + handle.error().message);
-    }
-  }
-  if (displacement) {
-    auto handle = images->addDisplacement(placeOf(displacement->geometry), displacement->xyz_mm, displacement->gap_mm);
-    if (!handle) return views_.setHandles(handles), events_.failed("Could not show the displacement", handle.error());
-    handles.displacement = *handle;
-  }
-  views_.setHandles(handles);
-  views_.setDisplacement(std::move(displacement));
-}
-
-void WorkstationImages::updateDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) {
-  render::ImageRenderer *images = renderer_.images();
-  if (!images || !views_.image() || !displacement) return;
-  const imaging::DisplacementGrid *shown = views_.displacement();
-  const bool same = shown && shown->geometry.size == displacement->geometry.size &&
-                    shown->geometry.indexToWorld == displacement->geometry.indexToWorld && displacement->bodies == bodies_;
-  if (!same ||
-      !images->setDisplacement(views_.handles().displacement, displacement->xyz_mm, displacement->gap_mm))
-    return setDisplacement(std::move(displacement));
-  views_.setDisplacement(std::move(displacement));
+void WorkstationImages::showDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) {
+  if (const auto shown = displacement_.show(std::move(displacement)); !shown)
+    events_.failed("Could not show the displacement", shown.error());
 }
 
 void WorkstationImages::close() {
@@ -303,10 +252,8 @@ void WorkstationImages::close() {
   organPanel_.reset();
   guide_.setSources({});
   removeLabels();
-  const ui::ImageHandles handles = views_.handles();
-  if (render::ImageRenderer *images = renderer_.images())
-    for (const Handle handle : {handles.image, handles.displacement, handles.bodies}) images->remove(handle);
-  bodies_.reset();
+  displacement_.forget();
+  if (render::ImageRenderer *images = renderer_.images()) images->remove(views_.handles().image);
   views_.setImage(nullptr);
   session_.images().removeImage(std::exchange(storedImage_, {}));
   session_.sceneGraph().remove(std::exchange(node_, {}));
@@ -327,38 +274,16 @@ void WorkstationImages::tell(const std::string &title, const std::vector<std::st
   if (!text.empty()) panels_.notify(C3DE_LOG_INFO, title, text);
 }
 
-void WorkstationImages::askForSeries(SeriesChoice choice) {
-  endChoice();
-  choice_ = std::move(choice);
-  ui::Panel panel;
-  panel.owner = "c3de";
-  panel.id = "series";
-  panel.title = "Which series?";
-  panel.self = this;
-  panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<WorkstationImages *>(self)->drawSeriesChoice(*ui); };
-  choice_->panel = panels_.add(std::move(panel));
-}
-
-void WorkstationImages::drawSeriesChoice(const c3de_ui_v0 &ui) {
-  if (!choice_) return;
-  const std::string intro = nameOf(choice_->path) + " holds several series:";
-  ui.text(ui.ctx, toAbi(intro));
-  std::optional<std::string> chosen;
-  for (std::size_t i = 0; i < choice_->series.size(); ++i) {
-    const std::string label = seriesText(choice_->series[i]), id = "series." + std::to_string(i);
-    if (ui.button(ui.ctx, toAbi(id), toAbi(label), 1) & C3DE_UI_COMMITTED) chosen = choice_->series[i].id;
-  }
-  const bool isCancelled = (ui.button(ui.ctx, toAbi(std::string_view("cancel")), toAbi(std::string_view("None")), 1) & C3DE_UI_COMMITTED) != 0;
-  if (chosen)
-    open(std::filesystem::path(choice_->path), std::vector<std::filesystem::path>(choice_->labels), *chosen);
-  else if (isCancelled)
-    endChoice();
-}
-
-void WorkstationImages::endChoice() {
-  if (!choice_) return;
-  panels_.remove(choice_->panel);
+void WorkstationImages::askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
+                                     std::vector<imaging::SeriesInfo> series) {
   choice_.reset();
+  choice_ = std::make_unique<SeriesChoice>(panels_, path, std::move(series),
+                                           [this, path, labels = std::move(labels)](const std::string &id) {
+                                             if (id.empty())
+                                               choice_.reset();
+                                             else
+                                               open(path, labels, id);
+                                           });
 }
 
 }  // namespace c3de::app

@@ -13,7 +13,9 @@
 #include "c3de/imaging/reading.h"
 #include "c3de/ui/image_panel.h"
 #include "c3de/ui/organ_panel.h"
+#include "series_choice.h"
 #include "session.h"
+#include "shown_displacement.h"
 
 namespace c3de::render {
 class Renderer;
@@ -47,21 +49,12 @@ class WorkstationImages {
   /// The bodies are gone: their labels are shown again.
   void whenOrgansAreGone();
   void close();
-  /// Shows how the tissue has moved; the grid must not change while it is shown. Null: as it was.
-  void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
-  /// The same, every frame: a grid in the place of the one before only takes its values.
-  void updateDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
+  /// Shows how the tissue has moved. Null: as it was.
+  void showDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
   /// Takes over whether the image's node is visible.
   void followNode();
 
  private:
-  /// One panel that asks which of several series to open.
-  struct SeriesChoice {
-    std::filesystem::path path;
-    std::vector<std::filesystem::path> labels;
-    std::vector<imaging::SeriesInfo> series;
-    Handle panel;
-  };
   /// A label map that has been opened.
   struct OpenLabels {
     std::filesystem::path path;
@@ -74,9 +67,8 @@ class WorkstationImages {
   [[nodiscard]] std::size_t shownLabels() const;
   void removeLabels();
   void showPreview();
-  void askForSeries(SeriesChoice choice);
-  void drawSeriesChoice(const c3de_ui_v0 &ui);
-  void endChoice();
+  void askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
+                    std::vector<imaging::SeriesInfo> series);
   void tell(const std::string &title, const std::vector<std::string> &notices);
 
   Session &session_;
@@ -84,15 +76,15 @@ class WorkstationImages {
   ui::PanelRegistry &panels_;
   Events events_;
   ui::ImageViews views_;
+  ShownDisplacement displacement_;
   std::optional<ui::ImagePanel> panel_;
   ui::OrganGuide guide_;
   std::optional<ui::OrganPanel> organPanel_;
-  std::optional<SeriesChoice> choice_;
+  std::unique_ptr<SeriesChoice> choice_;
   std::vector<OpenLabels> labelMaps_;
   std::deque<std::filesystem::path> waitingLabels_;
   Handle job_, labelJob_, node_, storedImage_, storedLabels_;
   std::shared_ptr<const ui::MaskPreview> preview_;  ///< that is shown
-  std::shared_ptr<const imaging::Mask> bodies_;     ///< that are shown as gone away
   std::uint64_t serial_ = 0, labelSerial_ = 0;
 };
 

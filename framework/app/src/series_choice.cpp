@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "series_choice.h"
+
+#include <optional>
+#include <utility>
+
+#include "c3de/core/text.h"
+#include "c3de/ui/file_browser.h"
+
+namespace c3de::app {
+namespace {
+
+std::string textOf(const imaging::SeriesInfo &s) {
+  std::string text = s.modality;
+  for (const std::string &part : {s.description, s.orientation})
+    if (!part.empty()) text += (text.empty() ? "" : ", ") + part;
+  text += (text.empty() ? "" : ": ") + std::to_string(s.size[0]) + " × " + std::to_string(s.size[1]) + " × " +
+          std::to_string(s.size[2]);
+  return text + " (" + imageName(s.folder) + ", " + std::to_string(s.files) + (s.files == 1 ? " file)" : " files)");
+}
+
+}  // namespace
+
+std::string imageName(const std::filesystem::path &path) {
+  const std::filesystem::path clean = path.lexically_normal();
+  return ui::pathText(clean.has_filename() ? clean.filename() : clean.parent_path().filename());
+}
+
+SeriesChoice::SeriesChoice(ui::PanelRegistry &panels, const std::filesystem::path &path,
+                           std::vector<imaging::SeriesInfo> series, Chosen chosen)
+    : panels_(panels), name_(imageName(path)), series_(std::move(series)), chosen_(std::move(chosen)) {
+  ui::Panel panel;
+  panel.owner = "c3de";
+  panel.id = "series";
+  panel.title = "Which series?";
+  panel.self = this;
+  panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<SeriesChoice *>(self)->draw(*ui); };
+  panel_ = panels_.add(std::move(panel));
+}
+
+SeriesChoice::~SeriesChoice() { panels_.remove(panel_); }
+
+void SeriesChoice::draw(const c3de_ui_v0 &ui) {
+  const std::string intro = name_ + " holds several series:";
+  ui.text(ui.ctx, toAbi(intro));
+  std::optional<std::string> chosen;
+  for (std::size_t i = 0; i < series_.size(); ++i) {
+    const std::string label = textOf(series_[i]), id = "series." + std::to_string(i);
+    if (ui.button(ui.ctx, toAbi(id), toAbi(label), 1) & C3DE_UI_COMMITTED) chosen = series_[i].id;
+  }
+  const std::string_view none = "None", cancel = "cancel";
+  if (ui.button(ui.ctx, toAbi(cancel), toAbi(none), 1) & C3DE_UI_COMMITTED) chosen = "";
+  if (!chosen) return;
+  const Chosen tell = chosen_;
+  tell(*chosen);
+}
+
+}  // namespace c3de::app
