@@ -10,13 +10,16 @@
 namespace c3de::app {
 namespace {
 
-std::string textOf(const imaging::SeriesInfo &s) {
+std::string kindOf(const imaging::SeriesInfo &s) {
   std::string text = s.modality;
   for (const std::string &part : {s.description, s.orientation})
     if (!part.empty()) text += (text.empty() ? "" : ", ") + part;
-  text += (text.empty() ? "" : ": ") + std::to_string(s.size[0]) + " × " + std::to_string(s.size[1]) + " × " +
-          std::to_string(s.size[2]);
-  return text + " (" + imageName(s.folder) + ", " + std::to_string(s.files) + (s.files == 1 ? " file)" : " files)");
+  return text.empty() ? "Series" : text;
+}
+
+std::string sizeOf(const imaging::SeriesInfo &s) {
+  return std::to_string(s.size[0]) + " × " + std::to_string(s.size[1]) + " × " + std::to_string(s.size[2]) + ", " +
+         std::to_string(s.files) + (s.files == 1 ? " file in " : " files in ") + imageName(s.folder);
 }
 
 }  // namespace
@@ -45,8 +48,9 @@ void SeriesChoice::draw(const c3de_ui_v0 &ui) {
   ui.text(ui.ctx, toAbi(intro));
   std::optional<std::string> chosen;
   for (std::size_t i = 0; i < series_.size(); ++i) {
-    const std::string label = textOf(series_[i]), id = "series." + std::to_string(i);
+    const std::string label = kindOf(series_[i]), id = "series." + std::to_string(i), size = sizeOf(series_[i]);
     if (ui.button(ui.ctx, toAbi(id), toAbi(label), 1) & C3DE_UI_COMMITTED) chosen = series_[i].id;
+    ui.text(ui.ctx, toAbi(size));
   }
   const std::string_view none = "None", cancel = "cancel";
   if (ui.button(ui.ctx, toAbi(cancel), toAbi(none), 1) & C3DE_UI_COMMITTED) chosen = "";
