@@ -86,6 +86,7 @@ void LiveWarp::want(bool wanted, double rim_mm, const imaging::VolumeGeometry &i
 
 void LiveWarp::whenPublished(const scene::Simulation &simulation) {
   if (!wanted_) return;
+  const std::lock_guard asking(askingMutex_);
   const auto from = std::chrono::steady_clock::now();
   const std::chrono::duration<double, std::milli> since = from - last_;
   behind_ = simulation.state().mode == C3DE_SIM_PLAYING && since.count() < std::max(kLeastMilliseconds, 5.0 * milliseconds_);

@@ -24,8 +24,8 @@ class LiveWarp {
   void want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image = {});
   [[nodiscard]] bool wanted() const { return wanted_; }
 
-  /// On the simulation's thread, after a snapshot. While it plays at most 20 times a second, and no more than a fifth of the
-  /// time goes there.
+  /// On the simulation's thread, after a snapshot. While one simulation takes the place of another both have one, and one
+  /// waits for the other. While it plays at most 20 times a second, and no more than a fifth of the time goes there.
   void whenPublished(const scene::Simulation &simulation);
   /// The newest displacement, once; null when there is none that has not been taken. Any thread.
   [[nodiscard]] std::shared_ptr<const imaging::DisplacementGrid> take();
@@ -41,7 +41,8 @@ class LiveWarp {
   std::mutex mutex_;
   std::shared_ptr<const imaging::DisplacementGrid> newest_;
   imaging::VolumeGeometry image_;
-  // Of the simulation's thread:
+  // Of the simulation's thread, and of both while one takes the place of another:
+  std::mutex askingMutex_;
   imaging::FollowingGrid grid_;
   std::uint64_t gridSerial_ = 0;
   std::shared_ptr<const imaging::Mask> bodies_;
