@@ -45,8 +45,14 @@ LabelTable readLabelTable(const std::filesystem::path &path) {
     std::string name;
     if (!(words >> number >> name) || !isLabel(number)) continue;
     LabelName entry{name, false, {}};
+    // A name may have several words; numbers after it are a colour, or something else that is no name.
     std::string rest;
-    std::getline(words, rest);
+    for (std::string word; words >> word;) {
+      if (const auto n = numbersIn(word); !rest.empty() || (n.size() == 1 && std::isfinite(n[0])))
+        rest += " " + word;
+      else
+        entry.name += " " + word;
+    }
     if (const auto rgb = numbersIn(rest); (rgb.size() == 3 || rgb.size() == 4) && std::all_of(rgb.begin(), rgb.end(), [](double x) { return x >= 0.0 && x <= 255.0; })) {
       entry.coloured = true;
       for (std::size_t c = 0; c < 3; ++c) entry.colour[c] = linearOf(rgb[c] / 255.0);

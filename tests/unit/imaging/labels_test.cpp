@@ -53,6 +53,19 @@ TEST_CASE("Names come from a table beside the file, in each of its forms", "[ima
   }
 }
 
+TEST_CASE("Names of a table may have several words, which end where numbers begin", "[imaging]") {
+  const auto image = textNrrd("words.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced);
+  const auto beside = write(testOutputFolder() / "words.txt", "1 liver, left lobe\n2  spinal  cord 2001\n5 vena cava 0 255 0 255\n");
+  const auto loaded = readLabelMap(image);
+  std::filesystem::remove(beside);
+  REQUIRE(loaded);
+  REQUIRE(loaded->labels.labels.size() == 3);
+  CHECK(loaded->labels.labels[0].name == "liver, left lobe");
+  CHECK(loaded->labels.labels[1].name == "spinal cord");
+  CHECK(loaded->labels.labels[2].name == "vena cava");
+  CHECK(loaded->labels.labels[2].colour == std::array<float, 3>{0.0f, 1.0f, 0.0f});
+}
+
 TEST_CASE("Names and colours of Slicer's segments are read", "[imaging]") {
   const std::string segments = "Segment0_LabelValue:=5\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment1_LabelValue:=1\nSegment1_Name:=spleen\nSegment1_Layer:=0\n";
   const auto loaded = readLabelMap(textNrrd("a.seg.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced + segments));
