@@ -23,6 +23,13 @@ void shadowed(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) 
   list->AddText(at, tint, text.c_str());
 }
 
+/// On a dark ground: read over bright tissue and colours of labels too.
+void grounded(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) {
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  list->AddRectFilled(ImVec2(at.x - 3, at.y - 1), ImVec2(at.x + size.x + 3, at.y + size.y + 1), IM_COL32(0, 0, 0, 140), 3.0f);
+  shadowed(list, at, tint, text);
+}
+
 ImU32 tintOf(const render::Colour &c) {
   const auto byte = [](float v) { return static_cast<int>(std::lround(255.0f * std::clamp(v, 0.0f, 1.0f))); };
   return IM_COL32(byte(c[0]), byte(c[1]), byte(c[2]), 255);
@@ -147,9 +154,9 @@ void drawTexts(const SliceCanvas &canvas) {
   const float edge = canvas.px(8.0f), line = ImGui::GetTextLineHeight() + canvas.px(2.0f);
   const std::string name = paneName(canvas.pane);
   const std::string slice = fmt::format("{}  {} / {}", name, canvas.view.slice() + 1, canvas.view.sliceCount());
-  shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge), kBorders[static_cast<std::size_t>(canvas.pane)], slice);
+  grounded(canvas.list, ImVec2(r.x + edge, r.y + edge), kBorders[static_cast<std::size_t>(canvas.pane)], slice);
   const std::string windowLevel = fmt::format("W {:.5g}  L {:.5g}", options.windowLevel.window, options.windowLevel.level);
-  shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + line), kInk, windowLevel);
+  grounded(canvas.list, ImVec2(r.x + edge, r.y + edge + line), kInk, windowLevel);
   if (options.isWindowLevelMode) shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + 2 * line), kLetter, "drag: window/level");
   if (canvas.images.isPicking())
     shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + (options.isWindowLevelMode ? 3 : 2) * line), kLetter,
@@ -165,7 +172,7 @@ void drawTexts(const SliceCanvas &canvas) {
   const Vec3 world = isHere ? canvas.view.worldAt(canvas.frame.mouseX - r.x, canvas.frame.mouseY - r.y) : canvas.images.crossHair();
   const std::string text = canvas.images.readout(world).text();
   const std::string shown = elided(text, r.w - 2 * edge);
-  shadowed(canvas.list, ImVec2(r.x + edge, r.y + r.h - edge - line), isHere ? kInk : ImGui::GetColorU32(colour::kDim), shown);
+  grounded(canvas.list, ImVec2(r.x + edge, r.y + r.h - edge - line), isHere ? kInk : ImGui::GetColorU32(colour::kDim), shown);
 
   AutomationState &automation = canvas.frame.automation;
   automation.value("image", name + ".slice", std::to_string(canvas.view.slice()));

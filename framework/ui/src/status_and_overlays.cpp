@@ -31,7 +31,7 @@ struct ModeText {
 };
 
 ModeText modeText(const SimulationView &simulation) {
-  if (!simulation.exists) return {"Nothing loaded", colour::kDim};
+  if (!simulation.exists) return {"No simulation", colour::kDim};
   switch (simulation.transport.mode) {
     case C3DE_SIM_PLAYING: return {"Playing", colour::kGood};
     case C3DE_SIM_PAUSED: return {"Paused", colour::kWarn};
