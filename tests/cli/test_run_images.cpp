@@ -212,6 +212,59 @@ TEST_CASE("An image is exported as the tissue lies at the end, with the way it h
   CHECK_THAT(unknown.errorOutput, Contains("accepted: .nrrd"));
 }
 
+TEST_CASE("No output takes the place of a file that is read, nor of another output") {
+  const auto folder = freshFolder("outputs_apart");
+  const auto organs = writeBalls(folder);
+  const auto before = readFile(organs);
+  const auto scene = writeFile(folder / "scene.toml", "format = 1\n[image]\nfile = \"organs.nrrd\"\n" + std::string(kBody).substr(11) + "label = 2\n");
+  std::filesystem::create_directories(folder / "sub");
+  const auto roundabout = folder / "sub" / ".." / "organs.nrrd";
+  for (const auto &file : {organs, roundabout}) {
+    const auto refused = runC3de({"run", scene.string(), "--steps", "1", "--export-image", file.string()});
+    CHECK(refused.exitCode == 2);
+    CHECK_THAT(refused.errorOutput, Contains("is read by this run"));
+    CHECK(readFile(organs) == before);
+  }
+  const auto own = runC3de({"run", scene.string(), "--steps", "1", "--report", scene.string()});
+  CHECK(own.exitCode == 2);
+  const auto both = folder / "both.nrrd";
+  const auto twice = runC3de({"run", scene.string(), "--steps", "1", "--export-image", both.string(), "--export-displacement", both.string()});
+  CHECK(twice.exitCode == 2);
+  CHECK_THAT(twice.errorOutput, Contains("two outputs"));
+  CHECK_FALSE(std::filesystem::exists(both));
+}
+
+TEST_CASE("An image that cannot be read is refused before anything is simulated, and by info") {
+  const auto folder = freshFolder("unread_image");
+  const auto organs = readFile(writeBalls(folder));
+  (void)writeFile(folder / "cut.nrrd", organs.substr(0, organs.size() / 2));
+  const auto scene = writeFile(folder / "scene.toml", "format = 1\n[image]\nfile = \"cut.nrrd\"\n" + std::string(kBody).substr(11) + "label = 2\n");
+  const auto report = folder / "report.json";
+  const auto ran = runC3de({"run", scene.string(), "--steps", "1", "--report", report.string(), "--export-image", (folder / "w.nrrd").string()});
+  CHECK(ran.exitCode == 3);
+  CHECK_THAT(ran.errorOutput, Contains("scene.toml:2") && Contains("cut.nrrd"));
+  CHECK_FALSE(std::filesystem::exists(report));
+  const auto info = runC3de({"info", scene.string()});
+  CHECK(info.exitCode == 3);
+  CHECK_THAT(info.errorOutput, Contains("cut.nrrd"));
+  const auto good = writeFile(folder / "good.toml", "format = 1\n[image]\nfile = \"organs.nrrd\"\nlabels = \"organs.nrrd\"\n" + std::string(kBody).substr(11) + "label = 2.0\n");
+  const auto told = runC3de({"info", good.string()});
+  CHECK(told.exitCode == 0);
+  CHECK_THAT(told.output, Contains("60 x 50 x 44 voxels") && Contains("labels "));
+}
+
+TEST_CASE("A value of a scene that the voxels do not allow is input, not usage") {
+  const auto folder = freshFolder("edge_too_short");
+  (void)writeBalls(folder);
+  const auto scene = writeFile(folder / "scene.toml", std::string(kBody) + "label = 2\nedge_length = 0.001\n");
+  const auto ran = runC3de({"run", scene.string(), "--steps", "1"});
+  CHECK(ran.exitCode == 3);
+  CHECK_THAT(ran.errorOutput, Contains("edge length of 0.001 mm"));
+  const auto image = runC3de({"run", (folder / "organs.nrrd").string(), "--steps", "1"});
+  CHECK(image.exitCode == 3);
+  CHECK_THAT(image.errorOutput, Contains("is an image") && Contains("volume"));
+}
+
 TEST_CASE("An exported image follows a body far away, also while another one has left the image altogether") {
   const auto folder = freshFolder("exported_far");
   (void)writeBalls(folder);

@@ -44,6 +44,12 @@ Expected<Described> describeMesh(const std::filesystem::path &file, const std::s
   return out;
 }
 
+std::string meshExtensionList() {
+  std::string all;
+  for (const std::string_view one : geometry::meshExtensions()) all.append(all.empty() ? "" : ", ").append(one);
+  return all;
+}
+
 /// Infinity has no number in JSON.
 Json jsonNumber(double x) { return std::isfinite(x) ? Json(x) : Json(formatNumber(x)); }
 
@@ -139,14 +145,33 @@ Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::
   return json;
 }
 
-Expected<Json> describeVolume(const scene::SceneFile &scene, const scene::SceneBody &body, std::ostringstream &text) {
+Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, std::ostringstream &text) {
   OrganSources sources;
   Preparation took;
   const auto mask = sources.mask(body.volume, {}, took);
-  if (!mask) return fail(mask.error().code, scene.where(body.line) + ": " + mask.error().message);
+  if (!mask) return failInScene(mask.error(), scene, body.line);
   const double millilitres = imaging::volumeOf(*mask) / 1000.0;
   text << "  volume " << body.volume.file.string() << ": " << imaging::voxelCount(*mask) << " voxels, " << millilitres << " ml\n";
   return Json{{"file", body.volume.file.string()}, {"voxels", imaging::voxelCount(*mask)}, {"volume_ml", millilitres}};
+}
+
+/// Says what the image beside the simulation is, and whether its labels can be read.
+Expected<Json> describeSceneImage(const scene::SceneFile &scene, std::ostringstream &text) {
+  const scene::SceneImage &image = *scene.image;
+  const auto named = [&](const Error &error) { return failInScene(error, scene, image.line); };
+  const auto described = describeVolume(image.file);
+  if (!described) return named(described.error());
+  text << "image " << image.file.string() << "\n";
+  std::istringstream lines(described->text);
+  for (std::string line; std::getline(lines, line);) text << "  " << line << "\n";
+  Json json = described->json;
+  json["labels"] = Json::array();
+  for (const std::filesystem::path &labels : image.labels) {
+    if (const auto loaded = imaging::readLabelMap(labels); !loaded) return named(loaded.error());
+    text << "  labels " << labels.string() << "\n";
+    json["labels"].push_back(labels.string());
+  }
+  return json;
 }
 
 Expected<Described> describeScene(Session &session, const std::filesystem::path &file) {
@@ -160,10 +185,15 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
   out.json["title"] = scene->title;
   out.json["world"] = Json::object();
   describeValues(scene->world, text, out.json["world"]);
+  if (scene->image) {
+    auto image = describeSceneImage(*scene, text);
+    if (!image) return tl::unexpected(image.error());
+    out.json["image"] = std::move(*image);
+  }
   out.json["bodies"] = Json::array();
   for (const scene::SceneBody &body : scene->bodies) {
     text << "body \"" << body.name << "\"\n";
-    const auto source = body.mesh.empty() ? describeVolume(*scene, body, text)
+    const auto source = body.mesh.empty() ? describeMask(*scene, body, text)
                                           : describePart(*scene, body.line, body.mesh, body.meshUnit, true, text);
     if (!source) return tl::unexpected(source.error());
     Json json{{"name", body.name}, {body.mesh.empty() ? "volume" : "mesh", *source}, {"params", Json::object()}};
@@ -229,7 +259,11 @@ int showInfo(const InfoOptions &options) {
       }
       described = describeScene(*session, file);
     } else {
-      described = describeMesh(file, options.meshUnit);
+      described = geometry::isMeshFile(file)
+                      ? describeMesh(file, options.meshUnit)
+                      : fail(ErrorCode::input, file.string() + ": is nothing that can be read; accepted: scenes (.toml), images (NIfTI, "
+                                                               "NRRD, MetaImage, DICOM), meshes (" +
+                                                   meshExtensionList() + ")");
     }
     if (!described) {
       const ExitCode failed = reportError(described.error());

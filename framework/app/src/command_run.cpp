@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "c3de/core/log.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/render/renderer.h"
 #include "exit_code.h"
@@ -27,6 +28,9 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Mat
     std::error_code code;
     if (!std::filesystem::is_regular_file(options.scene, code))
       return fail(ErrorCode::input, options.scene.string() + ": no such file; accepted: a scene (.toml) or a mesh");
+    if (!geometry::isMeshFile(options.scene) && imaging::looksLikeImage(options.scene))
+      return fail(ErrorCode::input, options.scene.string() + ": is an image; accepted: a mesh, or a scene (.toml) whose [[body]] "
+                                                             "names it as its volume, with a label or a threshold");
     geometry::LengthUnit unit = geometry::unitInFile(options.scene).value_or(geometry::LengthUnit::millimetre);
     if (!options.meshUnit.empty()) {
       const auto stated = scene::parseLengthUnit(options.meshUnit);
@@ -85,9 +89,31 @@ void printSummary(const RunFacts &facts) {
 /// Where the state at the end of a run that did not reach its end can be found.
 std::string whereKept(const RunOptions &options) {
   std::string files;
-  for (const auto *file : {&options.report, &options.probes, &options.screenshot, &options.exportList, &options.exportSurface})
+  for (const auto *file : {&options.report, &options.probes, &options.screenshot, &options.exportList, &options.exportSurface,
+                           &options.exportImage.image, &options.exportImage.displacement})
     if (!file->empty()) files += (files.empty() ? "" : ", ") + file->string();
   return files.empty() ? "; --report FILE.json keeps the last good state" : "; the last good state is in " + files;
+}
+
+std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const scene::SceneFile &scene) {
+  std::vector<std::filesystem::path> all{options.report,     options.probes,            options.screenshot,
+                                         options.exportList, options.exportImage.image, options.exportImage.displacement};
+  std::vector<std::string> names;
+  for (const scene::SceneBody &body : scene.bodies) names.push_back(body.name);
+  if (!options.exportSurface.empty())
+    for (std::filesystem::path &file : surfaceFiles(options.exportSurface, names)) all.push_back(std::move(file));
+  return all;
+}
+
+std::vector<std::filesystem::path> inputsOf(const scene::SceneFile &scene) {
+  std::vector<std::filesystem::path> all{scene.source};
+  for (const scene::SceneBody &body : scene.bodies) all.insert(all.end(), {body.mesh, body.volume.file});
+  for (const scene::SceneObstacle &obstacle : scene.obstacles) all.push_back(obstacle.mesh);
+  if (scene.image) {
+    all.push_back(scene.image->file);
+    all.insert(all.end(), scene.image->labels.begin(), scene.image->labels.end());
+  }
+  return all;
 }
 
 Expected<RunFacts> simulate(const RunOptions &options, Session &session, render::Renderer *renderer,
@@ -99,7 +125,10 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
     for (const scene::SceneBody &body : scene->bodies) names.push_back(body.name);
     if (const auto writable = checkSurfaceExport(options.exportSurface, names); !writable) return tl::unexpected(writable.error());
   }
-  if (const auto good = checkImageExport(options.exportImage, *scene); !good) return tl::unexpected(good.error());
+  if (const auto good = checkDistinct(outputsOf(options, *scene), inputsOf(*scene)); !good) return tl::unexpected(good.error());
+  const auto image = imageToExport(options.exportImage, *scene);
+  if (!image) return tl::unexpected(image.error());
+  for (const std::string &notice : image->notices) log(LogLevel::warn, scene->image->file.string() + ": " + notice);
   auto created = session.createSimulator();
   if (!created) return tl::unexpected(created.error());
   const ObjectRef simulator(*created);
@@ -135,7 +164,9 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
     if (!states) return tl::unexpected(states.error());
     if (const auto written = writeSurfaces(options.exportSurface, *states); !written) return tl::unexpected(written.error());
   }
-  if (const auto written = exportImages(options.exportImage, *scene, *table, simulator.get(), session.pool()); !written)
+  if (const auto written = exportImages(options.exportImage, image->volume, scene->image ? scene->image->rim_mm : 0.0, *table,
+                                          simulator.get(), session.pool());
+      !written)
     return tl::unexpected(written.error());
   if (renderer != nullptr) {
     if (const auto adopted = session.adopt(simulator.get(), scene->title); !adopted) return tl::unexpected(adopted.error());

@@ -11,6 +11,7 @@
 #include "c3de/imaging/warp.h"
 #include "c3de/imaging/writing.h"
 #include "live_warp.h"
+#include "organ.h"
 #include "output_file.h"
 
 namespace c3de::app {
@@ -39,35 +40,35 @@ imaging::VolumeGeometry gridOf(const PresentBodies &bodies, const imaging::Volum
 
 }  // namespace
 
-Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene) {
-  if (!wanted.isWanted()) return {};
+Expected<imaging::LoadedVolume> imageToExport(const ImageExport &wanted, const scene::SceneFile &scene) {
+  if (!wanted.isWanted()) return imaging::LoadedVolume{};
   if (!scene.image)
     return fail(ErrorCode::usage, "--export-image and --export-displacement need a scene with an [image], whose grid they take; " +
                                       scene.where(1) + " has none");
   if (!wanted.image.empty())
-    if (auto good = checkFile("--export-image", wanted.image); !good) return good;
+    if (auto good = checkFile("--export-image", wanted.image); !good) return tl::unexpected(good.error());
   if (!wanted.displacement.empty())
-    if (auto good = checkFile("--export-displacement", wanted.displacement); !good) return good;
-  return {};
+    if (auto good = checkFile("--export-displacement", wanted.displacement); !good) return tl::unexpected(good.error());
+  auto loaded = imaging::readVolume(scene.image->file);
+  if (!loaded) return failInScene(loaded.error(), scene, scene.image->line);
+  return loaded;
 }
 
-Expected<void> exportImages(const ImageExport &wanted, const scene::SceneFile &scene, const c3de_simulator_v0 *table,
-                            c3de_object *simulator, ThreadPool &threads) {
+Expected<void> exportImages(const ImageExport &wanted, const imaging::Volume &image, double rim_mm,
+                            const c3de_simulator_v0 *table, c3de_object *simulator, ThreadPool &threads) {
   if (!wanted.isWanted()) return {};
-  const auto loaded = imaging::readVolume(scene.image->file);
-  if (!loaded) return fail(loaded.error().code, scene.where(scene.image->line) + ": " + loaded.error().message);
   imaging::DisplacementGrid u;
-  u.geometry = gridOf(presentBodies(table, simulator), loaded->volume.geometry, scene.image->rim_mm);
-  if (!readDisplacement(table, simulator, scene.image->rim_mm, u))
+  u.geometry = gridOf(presentBodies(table, simulator), image.geometry, rim_mm);
+  if (!readDisplacement(table, simulator, rim_mm, u))
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
-  u.bodies = referenceBodies(simulator, loaded->volume.geometry);
+  u.bodies = referenceBodies(simulator, image.geometry);
   if (!wanted.image.empty()) {
-    const auto warped = imaging::warped(loaded->volume, u, {}, &threads);
+    const auto warped = imaging::warped(image, u, {}, &threads);
     if (!warped) return tl::unexpected(warped.error());
     if (auto written = imaging::writeVolume(wanted.image, *warped); !written) return written;
   }
   if (wanted.displacement.empty()) return {};
-  const auto field = imaging::resampled(u, loaded->volume.geometry, {}, &threads);
+  const auto field = imaging::resampled(u, image.geometry, {}, &threads);
   if (!field) return tl::unexpected(field.error());
   return imaging::writeVectorField(wanted.displacement, field->geometry, field->xyz_mm);
 }

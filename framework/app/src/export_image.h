@@ -5,6 +5,7 @@
 
 #include "c3de/abi/draft/iface/simulator.h"
 #include "c3de/core/expected.h"
+#include "c3de/imaging/reading.h"
 #include "c3de/scene/scene_file.h"
 
 namespace c3de {
@@ -20,10 +21,12 @@ struct ImageExport {
   [[nodiscard]] bool isWanted() const { return !image.empty() || !displacement.empty(); }
 };
 
-/// Before the simulation begins: that the scene has an image, and that the files can be written. Errors: usage, output.
-[[nodiscard]] Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene);
+/// Before the simulation begins: that the files can be written, and the scene's image, so that one that cannot be read costs
+/// no run. Empty where nothing is wanted. Errors: usage, output, those of reading.
+[[nodiscard]] Expected<imaging::LoadedVolume> imageToExport(const ImageExport &wanted, const scene::SceneFile &scene);
 /// Of the simulator's present state. [sim]
-[[nodiscard]] Expected<void> exportImages(const ImageExport &wanted, const scene::SceneFile &scene,
+/// @param image  of imageToExport()
+[[nodiscard]] Expected<void> exportImages(const ImageExport &wanted, const imaging::Volume &image, double rim_mm,
                                           const c3de_simulator_v0 *table, c3de_object *simulator, ThreadPool &threads);
 
 }  // namespace c3de::app

@@ -2,7 +2,9 @@
 #include "info_image.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -20,6 +22,13 @@ using imaging::VolumeGeometry;
 
 /// @param parts  1000: to three decimals
 double rounded(double x, double parts) { return std::round(x * parts) / parts + 0.0; }
+
+/// Seven digits are what a float holds; more are noise of slope and intercept.
+std::string shortNumber(double x) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.7g", x);
+  return text.data();
+}
 
 std::string sizeText(const std::array<std::size_t, 3> &size) {
   return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);
@@ -106,12 +115,17 @@ void describeVolume(const Volume &volume, Described &out) {
   text << "\n";
   if (const auto range = rangeOf(volume)) {
     out.json["range"] = {range->first, range->second};
-    text << "values " << formatNumber(range->first) << " to " << formatNumber(range->second) << (volume.unit.empty() ? "" : " " + volume.unit) << "\n";
+    text << "values " << shortNumber(range->first) << " to " << shortNumber(range->second) << (volume.unit.empty() ? "" : " " + volume.unit) << "\n";
   } else {
     out.json["range"] = nullptr;
     text << "no voxel is a finite number\n";
   }
   out.text += text.str();
+}
+
+void describeNotices(const std::vector<std::string> &notices, Described &out) {
+  out.json["notices"] = notices;
+  for (const std::string &notice : notices) out.text += "notice: " + notice + "\n";
 }
 
 /// Labels that have names, if the image is a label map with a table.
@@ -130,6 +144,16 @@ void describeLabels(const std::filesystem::path &path, Described &out) {
 }
 
 }  // namespace
+
+Expected<Described> describeVolume(const std::filesystem::path &path) {
+  const auto loaded = imaging::readVolume(path);
+  if (!loaded) return tl::unexpected(loaded.error());
+  Described out;
+  out.json = Json{{"file", path.string()}, {"kind", "image"}};
+  describeVolume(loaded->volume, out);
+  describeNotices(loaded->notices, out);
+  return out;
+}
 
 Expected<Described> describeImage(const std::filesystem::path &path, const std::string &series, bool patientNames) {
   const auto list = imaging::listSeries(path);
@@ -151,8 +175,7 @@ Expected<Described> describeImage(const std::filesystem::path &path, const std::
   auto loaded = imaging::readVolume(path, options);
   if (!loaded) return tl::unexpected(loaded.error());
   describeVolume(loaded->volume, out);
-  out.json["notices"] = loaded->notices;
-  for (const std::string &notice : loaded->notices) out.text += "notice: " + notice + "\n";
+  describeNotices(loaded->notices, out);
   const bool whole = loaded->volume.voxels.index() < 6;  // integers
   *loaded = {};  // the labels are read into memory of their own
   if (!folder && whole) describeLabels(path, out);

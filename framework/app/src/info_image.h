@@ -20,4 +20,7 @@ struct Described {
 /// @param patientNames  whether the names of patients are shown
 [[nodiscard]] Expected<Described> describeImage(const std::filesystem::path &path, const std::string &series, bool patientNames);
 
+/// The one volume that a scene names: its grid, its values, and what was assumed.
+[[nodiscard]] Expected<Described> describeVolume(const std::filesystem::path &path);
+
 }  // namespace c3de::app

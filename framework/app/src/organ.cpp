@@ -121,6 +121,10 @@ Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxel
   return organ;
 }
 
+tl::unexpected<Error> failInScene(const Error &error, const scene::SceneFile &scene, int line) {
+  return fail(error.code == ErrorCode::usage ? ErrorCode::input : error.code, scene.where(line) + ": " + error.message);
+}
+
 c3de_sim_grid toAbi(const imaging::VolumeGeometry &grid) {
   c3de_sim_grid out{};
   out.size = sizeof out;

@@ -50,6 +50,10 @@ class OrganSources {
 /// @param phyxels   about how many there will be: voxels are averaged to a sixteenth of their distance
 [[nodiscard]] Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxels, const ProgressFn &progress);
 
+/// What goes wrong with a file or a value that a scene names, with the place in the scene; a value that cannot be used is
+/// input then, not usage.
+[[nodiscard]] tl::unexpected<Error> failInScene(const Error &error, const scene::SceneFile &scene, int line);
+
 /// The fill in metres for a simulator; points into `fill`.
 [[nodiscard]] c3de_sim_fill toAbi(const imaging::Fill &fill);
 [[nodiscard]] c3de_sim_grid toAbi(const imaging::VolumeGeometry &grid);

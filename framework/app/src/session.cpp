@@ -231,7 +231,7 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
       return partProgress.update(0.1 * std::max(f, 0.0), what);
     };
     Expected<Organ> source = body.mesh.empty() ? organAsked(sources, body, reading) : meshOf(body, reading);
-    if (!source) return fail(source.error().code, scene.where(body.line) + ": " + source.error().message);
+    if (!source) return failInScene(source.error(), scene, body.line);
     for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, body.volume.file.string() + ": " + notice);
     took += source->took;
     const TimeSpent building(took.bodies_s);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // [image], and bodies that are made from a volume.
+#include <cmath>
+
 #include "c3de/core/text.h"
 #include "scene_reader.h"
 
@@ -59,8 +61,8 @@ bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const T
     if (value.kind == TomlValue::Kind::text) return readText(key, value, volume.labelName);
     double number = 0.0;
     if (!readNumber(key, "the number or the name of a label", value, number)) return false;
-    if (value.kind != TomlValue::Kind::integer || number < 1.0 || number > 65535.0)
-      return refuse(value.line, "label is " + formatNumber(number) + "; accepted: 1 … 65535, or the name of a label");
+    if (number != std::floor(number) || !(number >= 1.0 && number <= 65535.0))
+      return refuse(value.line, "label is " + formatNumber(number) + "; accepted: a whole number 1 … 65535, or the name of a label");
     volume.label = static_cast<std::uint16_t>(number);
     return true;
   }
