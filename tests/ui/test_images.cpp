@@ -277,6 +277,23 @@ TEST_CASE("a file that cannot be read leads to a message, and the image stays", 
   CHECK(state["panes"].size() == 4);
 }
 
+TEST_CASE("of several files each that cannot be used says why, and the others are opened", "[image_several]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_several");
+  const fs::path notes = outputFile("image_several_notes.xyz"), far = outputFile("image_several_far.nrrd");
+  std::ofstream(notes) << "a shopping list";
+  c3de::imaging::LabelMap map;
+  map.geometry = {{4, 4, 4}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 900, 0, 0, 1}};
+  map.voxels.assign(64, 1);
+  REQUIRE(c3de::imaging::writeLabelMap(far, map));
+  startOn(window, {imageFile("image_several").string(), notes.string(), (fs::path(C3DE_TEST_RESOURCES) / "meshes" / "organ.obj").string(), far.string()});
+  const Json state = window.waitUntil("both messages and the organ", [](const Json &s) { return s["notifications"].size() == 2 && s["transport"]["exists"].get<bool>(); }, 60.0);
+  std::string all;
+  for (const Json &n : state["notifications"]) all += n["title"].get<std::string>() + ": " + n["text"].get<std::string>() + "\n";
+  CHECK_THAT(all, Contains("image_several_notes.xyz: is nothing that can be read") && Contains("lies beside the image"));
+  CHECK(state["panes"].size() == 4);
+}
+
 TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside them", "[image_organ]") {
   C3DE_WINDOW_OR_SKIP();
   if (!fs::exists(fs::path(C3DE_TEST_PLUGIN_DIR) / (std::string("pointbased") + c3de::pluginExtension())))

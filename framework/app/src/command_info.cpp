@@ -11,6 +11,7 @@
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/reading.h"
 #include "exit_code.h"
+#include "file_kind.h"
 #include "info_image.h"
 #include "organ.h"
 #include "simulator_access.h"
@@ -42,12 +43,6 @@ Expected<Described> describeMesh(const std::filesystem::path &file, const std::s
     out.text += "\nnot fillable: " + fillable.error().message;
   }
   return out;
-}
-
-std::string meshExtensionList() {
-  std::string all;
-  for (const std::string_view one : geometry::meshExtensions()) all.append(all.empty() ? "" : ", ").append(one);
-  return all;
 }
 
 /// Infinity has no number in JSON.
@@ -248,9 +243,9 @@ int showInfo(const InfoOptions &options) {
     std::error_code code;
     if (!std::filesystem::exists(file, code)) {
       described = fail(ErrorCode::input, file.string() + ": no such file");
-    } else if (std::filesystem::is_directory(file, code) || (!scene::isScenePath(file) && !geometry::isMeshFile(file) && imaging::looksLikeImage(file))) {
+    } else if (const FileKind kind = kindOf(file); kind == FileKind::image) {
       described = describeImage(file, options.series, options.patientNames);
-    } else if (scene::isScenePath(file)) {
+    } else if (kind == FileKind::scene) {
       // Plugins are loaded for the first scene only: a mesh needs none.
       if (!session) {
         auto made = Session::create(options.session);
@@ -258,12 +253,10 @@ int showInfo(const InfoOptions &options) {
         session = std::move(*made);
       }
       described = describeScene(*session, file);
+    } else if (kind == FileKind::mesh) {
+      described = describeMesh(file, options.meshUnit);
     } else {
-      described = geometry::isMeshFile(file)
-                      ? describeMesh(file, options.meshUnit)
-                      : fail(ErrorCode::input, file.string() + ": is nothing that can be read; accepted: scenes (.toml), images (NIfTI, "
-                                                               "NRRD, MetaImage, DICOM), meshes (" +
-                                                   meshExtensionList() + ")");
+      described = tl::unexpected(unknownKind(file));
     }
     if (!described) {
       const ExitCode failed = reportError(described.error());

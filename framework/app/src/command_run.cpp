@@ -10,6 +10,7 @@
 #include "c3de/render/renderer.h"
 #include "exit_code.h"
 #include "export_simulation.h"
+#include "file_kind.h"
 #include "headless_run.h"
 #include "interrupt.h"
 #include "output_file.h"
@@ -28,7 +29,9 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Mat
     std::error_code code;
     if (!std::filesystem::is_regular_file(options.scene, code))
       return fail(ErrorCode::input, options.scene.string() + ": no such file; accepted: a scene (.toml) or a mesh");
-    if (!geometry::isMeshFile(options.scene) && imaging::looksLikeImage(options.scene))
+    if (const FileKind kind = kindOf(options.scene); kind == FileKind::unknown)
+      return tl::unexpected(unknownKind(options.scene));
+    else if (kind == FileKind::image)
       return fail(ErrorCode::input, options.scene.string() + ": is an image; accepted: a mesh, or a scene (.toml) whose [[body]] "
                                                              "names it as its volume, with a label or a threshold");
     geometry::LengthUnit unit = geometry::unitInFile(options.scene).value_or(geometry::LengthUnit::millimetre);

@@ -18,6 +18,7 @@
 #include "c3de/ui/tool_registry.h"
 #include "c3de/ui/workstation_window.h"
 #include "exit_code.h"
+#include "file_kind.h"
 #include "live_warp.h"
 #include "simulator_access.h"
 #include "workstation_export.h"
@@ -137,8 +138,12 @@ void Workstation::open(const ui::OpenRequest &request) {
   std::vector<std::filesystem::path> images, others;
   for (const std::filesystem::path &file : request.files) {
     std::error_code ignored;
-    const bool isImage = request.areLabels || std::filesystem::is_directory(file, ignored) || imaging::looksLikeImage(file);
-    (isImage ? images : others).push_back(file);
+    const FileKind kind = request.areLabels ? FileKind::image : kindOf(file);
+    // One that is nothing does not keep the others from being opened.
+    if (kind == FileKind::unknown && std::filesystem::is_regular_file(file, ignored))
+      whenFailed("Could not open " + ui::pathText(file.filename()), unknownKind(file));
+    else
+      (kind == FileKind::image ? images : others).push_back(file);
   }
   if (!images.empty() && request.areLabels)
     images_->openLabels(images.front());

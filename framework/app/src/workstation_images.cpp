@@ -6,6 +6,7 @@
 
 #include "c3de/abi/draft/log.h"
 #include "c3de/core/text.h"
+#include "c3de/imaging/warp_grid.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/ui/file_browser.h"
 
@@ -169,6 +170,11 @@ void WorkstationImages::readNextLabels() {
           std::erase_if(labelMaps_, [&](const OpenLabels &open) { return open.path == path; });
           labelMaps_.push_back({path, read, {}});
           showLabels(OpenLabels(labelMaps_.back()));
+          if (const scene::StoredImage *image = views_.image()) {
+            imaging::WorldBox shared = imaging::boxOf(image->volume.geometry);
+            shared.cutTo(imaging::boxOf(read->map.geometry));
+            if (shared.isEmpty()) notices->push_back("It lies beside the image " + image->name + ": no slice shows it. Is it of another scan?");
+          }
           tell("Opened " + name, *notices);
         }
         readNextLabels();

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "c3de/core/expected.h"
+
+namespace c3de::app {
+
+/// What a file or folder is taken for, by name and first bytes.
+enum class FileKind { scene, image, mesh, unknown };
+
+[[nodiscard]] FileKind kindOf(const std::filesystem::path &path);
+/// Why a file of unknown kind is not opened, and what is accepted (ErrorCode::input).
+[[nodiscard]] Error unknownKind(const std::filesystem::path &path);
+
+}  // namespace c3de::app
