@@ -121,9 +121,9 @@ void OrganPanel::drawThreshold(const c3de_ui_v0 &ui) {
   const scene::StoredImage &image = *guide_.mask().sources().image;
   double low = guide_.settings().low, high = guide_.settings().high;
   const double least = std::min({image.range.min, low}), most = std::max({image.range.max, high});
-  if (slider(ui, "low", "From", image.volume.unit, low, least, most, "The lowest value that belongs to the organ"))
+  if (slider(ui, "low", "Lowest", image.volume.unit, low, least, most, "The lowest value that belongs to the organ"))
     guide_.setLow(low);
-  if (slider(ui, "high", "To", image.volume.unit, high, least, most, "The highest value that belongs to the organ"))
+  if (slider(ui, "high", "Highest", image.volume.unit, high, least, most, "The highest value that belongs to the organ"))
     guide_.setHigh(high);
   bool isShown = false;
   for (const MaskStep &step : guide_.mask().steps())

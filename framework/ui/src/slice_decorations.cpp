@@ -9,6 +9,7 @@
 #include "c3de/imaging/volume.h"
 #include "c3de/render/renderer.h"
 #include "chrome.h"
+#include "curve_runs.h"
 
 namespace c3de::ui {
 namespace {
@@ -51,6 +52,15 @@ struct SliceCanvas {
   [[nodiscard]] float px(float logical) const { return frame.theme.px(logical); }
 };
 
+void drawRuns(ImDrawList *list, const std::vector<CurveRun> &runs, ImU32 tint, float width) {
+  std::vector<ImVec2> points;
+  for (const CurveRun &run : runs) {
+    points.clear();
+    for (const CurvePoint &p : run.points) points.emplace_back(p.x, p.y);
+    list->AddPolyline(points.data(), static_cast<int>(points.size()), tint, run.isClosed ? ImDrawFlags_Closed : ImDrawFlags_None, width);
+  }
+}
+
 void drawOutlines(const SliceCanvas &canvas, const render::Renderer &renderer) {
   if (!canvas.images.options().showsOutlines) return;
   const Vec3 point = canvas.view.worldAt(0, 0), normal = canvas.view.frame().forward;
@@ -67,12 +77,15 @@ void drawOutlines(const SliceCanvas &canvas, const render::Renderer &renderer) {
     for (std::size_t k = 0; k < 3; ++k) colour[k] = colour[k] / most;
     for (const geometry::Polyline &curve : geometry::planeSection(mesh.positions, mesh.triangles, origin, local)) {
       ++curves;
-      std::vector<ImVec2> pixels;
+      std::vector<CurvePoint> pixels;
       pixels.reserve(curve.points.size());
-      for (const Vec3 &p : curve.points) pixels.push_back(canvas.pixelOf(transformPoint(m, p)));
-      const ImDrawFlags flags = curve.isClosed ? ImDrawFlags_Closed : ImDrawFlags_None;
-      canvas.list->AddPolyline(pixels.data(), static_cast<int>(pixels.size()), kShadow, flags, canvas.px(3.0f));
-      canvas.list->AddPolyline(pixels.data(), static_cast<int>(pixels.size()), tintOf(colour), flags, canvas.px(1.6f));
+      for (const Vec3 &p : curve.points) {
+        const ImVec2 pixel = canvas.pixelOf(transformPoint(m, p));
+        pixels.push_back({pixel.x, pixel.y});
+      }
+      const std::vector<CurveRun> runs = curveRuns(pixels, curve.isClosed);
+      drawRuns(canvas.list, runs, kShadow, canvas.px(3.0f));
+      drawRuns(canvas.list, runs, tintOf(colour), canvas.px(1.6f));
     }
   });
   canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".outlines", std::to_string(curves));
