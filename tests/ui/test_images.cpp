@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "c3de/imaging/reading.h"
 #include "c3de/imaging/writing.h"
 #include "support/catch.h"
 #include "ui/workstation_driver.h"
@@ -361,6 +362,44 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
   });
   window.screenshot("flown");
   CHECK(window.differingPixels("rest", "flown") > 500);
+
+  // What is seen can be written, by the menu.
+  const auto save = [&](const std::string &entry, const fs::path &file) {
+    fs::remove(file);
+    window.click("menu/file");
+    window.waitUntil("the menu is open", [&](const Json &s) { return s["widgets"].contains("menu/" + entry); });
+    window.click("menu/" + entry);
+    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+    window.type(file.string());
+    window.key("Return");
+    window.waitUntil("it is written", [&](const Json &s) { return s["notifications"].size() == 1; });
+    CHECK(window.state()["notifications"][0]["title"] == "Exported");
+    CHECK_THAT(window.state()["notifications"][0]["text"].get<std::string>(), Contains(file.filename().string()));
+    window.click("notification/close.0");
+    window.waitUntil("the message is closed", [](const Json &s) { return s["notifications"].empty(); });
+  };
+  const fs::path seen = outputFile("image_warp_seen.nii.gz"), field = outputFile("image_warp_u.nrrd");
+  save("file.export_image", seen);
+  save("file.export_displacement", field);
+  const auto before = c3de::imaging::readVolume(image), after = c3de::imaging::readVolume(seen);
+  REQUIRE(before);
+  REQUIRE(after);
+  const auto middle = [](const c3de::imaging::Volume &v) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t k = 0; k < v.geometry.size[2]; ++k)
+      for (std::size_t j = 0; j < v.geometry.size[1]; ++j)
+        for (std::size_t i = 0; i < v.geometry.size[0]; ++i) {
+          // By brightness above what is around: faces between voxels count in part.
+          const double bright = std::max(0.0, v.value(i, j, k) - v.value(0, 0, 0));
+          sum += bright * v.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)})[0];
+          count += bright;
+        }
+    return sum / count;
+  };
+  const double flown_mm = kSpeed_mm_s * window.state()["transport"]["time_s"].get<double>();
+  // Voxels of 2 mm: a quarter of one.
+  CHECK(middle(after->volume) - middle(before->volume) == Approx(flown_mm).margin(0.5));
+  CHECK(fs::file_size(field) > 1000);
   window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the key is the slice's
   window.key("r");
   window.waitUntil("it is back", [&](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0; });

@@ -17,17 +17,6 @@
 namespace c3de::app {
 namespace {
 
-Expected<void> checkFile(const char *option, const std::filesystem::path &file) {
-  std::string name = file.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto endsWith = [&](std::string_view end) {
-    return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
-  };
-  if (!endsWith(".nrrd") && !endsWith(".nii") && !endsWith(".nii.gz") && !endsWith(".mha"))
-    return fail(ErrorCode::usage, std::string(option) + " " + file.string() + ": accepted: .nrrd, .nii, .nii.gz, .mha");
-  return checkWritable(file);
-}
-
 /// Around all bodies as they are now, as far as the image reaches: only there something is written.
 imaging::VolumeGeometry gridOf(const PresentBodies &bodies, const imaging::VolumeGeometry &image, double rim_mm) {
   // Nothing waits for a file as for a frame: finer than the live grid, and whatever is in the image is warped.
@@ -40,37 +29,60 @@ imaging::VolumeGeometry gridOf(const PresentBodies &bodies, const imaging::Volum
 
 }  // namespace
 
+Expected<void> checkImageFile(const std::filesystem::path &file) {
+  std::string name = file.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto endsWith = [&](std::string_view end) {
+    return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+  };
+  if (!endsWith(".nrrd") && !endsWith(".nii") && !endsWith(".nii.gz") && !endsWith(".mha"))
+    return fail(ErrorCode::usage, file.string() + ": accepted: .nrrd, .nii, .nii.gz, .mha");
+  return checkWritable(file);
+}
+
 Expected<imaging::LoadedVolume> imageToExport(const ImageExport &wanted, const scene::SceneFile &scene) {
   if (!wanted.isWanted()) return imaging::LoadedVolume{};
   if (!scene.image)
     return fail(ErrorCode::usage, "--export-image and --export-displacement need a scene with an [image], whose grid they take; " +
                                       scene.where(1) + " has none");
   if (!wanted.image.empty())
-    if (auto good = checkFile("--export-image", wanted.image); !good) return tl::unexpected(good.error());
+    if (auto good = checkImageFile(wanted.image); !good) return tl::unexpected(good.error());
   if (!wanted.displacement.empty())
-    if (auto good = checkFile("--export-displacement", wanted.displacement); !good) return tl::unexpected(good.error());
+    if (auto good = checkImageFile(wanted.displacement); !good) return tl::unexpected(good.error());
   auto loaded = imaging::readVolume(scene.image->file);
   if (!loaded) return failInScene(loaded.error(), scene, scene.image->line);
   return loaded;
 }
 
-Expected<void> exportImages(const ImageExport &wanted, const imaging::Volume &image, double rim_mm,
-                            const c3de_simulator_v0 *table, c3de_object *simulator, ThreadPool &threads) {
-  if (!wanted.isWanted()) return {};
+Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
+                                                        const imaging::VolumeGeometry &image, double rim_mm) {
   imaging::DisplacementGrid u;
-  u.geometry = gridOf(presentBodies(table, simulator), image.geometry, rim_mm);
+  u.geometry = gridOf(presentBodies(table, simulator), image, rim_mm);
   if (!readDisplacement(table, simulator, rim_mm, u))
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
-  u.bodies = referenceBodies(simulator, image.geometry);
+  u.bodies = referenceBodies(simulator, image);
+  return u;
+}
+
+Expected<void> writeImages(const ImageExport &wanted, const imaging::Volume &image, const imaging::DisplacementGrid &u,
+                           const ProgressFn &progress, ThreadPool *threads) {
   if (!wanted.image.empty()) {
-    const auto warped = imaging::warped(image, u, {}, &threads);
+    const auto warped = imaging::warped(image, u, progress, threads);
     if (!warped) return tl::unexpected(warped.error());
     if (auto written = imaging::writeVolume(wanted.image, *warped); !written) return written;
   }
   if (wanted.displacement.empty()) return {};
-  const auto field = imaging::resampled(u, image.geometry, {}, &threads);
+  const auto field = imaging::resampled(u, image.geometry, progress, threads);
   if (!field) return tl::unexpected(field.error());
   return imaging::writeVectorField(wanted.displacement, field->geometry, field->xyz_mm);
+}
+
+Expected<void> exportImages(const ImageExport &wanted, const imaging::Volume &image, double rim_mm,
+                            const c3de_simulator_v0 *table, c3de_object *simulator, ThreadPool &threads) {
+  if (!wanted.isWanted()) return {};
+  const auto u = presentDisplacement(table, simulator, image.geometry, rim_mm);
+  if (!u) return tl::unexpected(u.error());
+  return writeImages(wanted, image, *u, {}, &threads);
 }
 
 }  // namespace c3de::app

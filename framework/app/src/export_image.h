@@ -5,6 +5,7 @@
 
 #include "c3de/abi/draft/iface/simulator.h"
 #include "c3de/core/expected.h"
+#include "c3de/imaging/displacement.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/scene/scene_file.h"
 
@@ -24,6 +25,15 @@ struct ImageExport {
 /// Before the simulation begins: that the files can be written, and the scene's image, so that one that cannot be read costs
 /// no run. Empty where nothing is wanted. Errors: usage, output, those of reading.
 [[nodiscard]] Expected<imaging::LoadedVolume> imageToExport(const ImageExport &wanted, const scene::SceneFile &scene);
+/// How far the tissue has moved, finer than what is shown live, wherever bodies are in the image. [sim]
+[[nodiscard]] Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
+                                                                      const imaging::VolumeGeometry &image, double rim_mm);
+/// Warps and writes. Any thread.
+/// @param threads  null: the calling one alone
+[[nodiscard]] Expected<void> writeImages(const ImageExport &wanted, const imaging::Volume &image, const imaging::DisplacementGrid &u,
+                                         const ProgressFn &progress, ThreadPool *threads);
+/// That the name has an ending that can be written, and can be written to. Errors: usage, output.
+[[nodiscard]] Expected<void> checkImageFile(const std::filesystem::path &file);
 /// Of the simulator's present state. [sim]
 /// @param image  of imageToExport()
 [[nodiscard]] Expected<void> exportImages(const ImageExport &wanted, const imaging::Volume &image, double rim_mm,

@@ -175,6 +175,11 @@ ui::WindowActions Workstation::actions() {
   };
   actions.exportSurface = [this, tell](const std::filesystem::path &file) { exportPresentSurface(*session_, file, tell); };
   actions.exportFrame = [this, tell](const std::filesystem::path &file) { exportPresentFrame(*session_, file, tell); };
+  const auto exportImage = [this, tell](const ImageExport &wanted) {
+    exportPresentImage(*session_, images_->views().sharedImage(), image_.rim_mm, wanted, tell);
+  };
+  actions.exportImage = [exportImage](const std::filesystem::path &file) { exportImage({file, {}}); };
+  actions.exportDisplacement = [exportImage](const std::filesystem::path &file) { exportImage({{}, file}); };
   actions.beforeDraw = [this] {
     session_->plugins().syncScene();
     images_->followNode();

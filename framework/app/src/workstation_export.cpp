@@ -51,4 +51,26 @@ void exportPresentFrame(Session &session, const std::filesystem::path &file, Exp
   whileStanding(session, write, std::move(told));
 }
 
+void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, double rim_mm, const ImageExport &wanted,
+                        ExportTold told) {
+  scene::Simulation *simulation = session.simulation();
+  if (simulation == nullptr || !image) return;
+  const std::filesystem::path file = wanted.image.empty() ? wanted.displacement : wanted.image;
+  if (auto good = checkImageFile(file); !good) return told(tl::unexpected(good.error()));
+  const auto write = [&session, image, wanted, file, told](std::shared_ptr<const imaging::DisplacementGrid> u) {
+    (void)session.jobs().submit(
+        kJobOwner, "Writing " + ui::pathText(file.filename()),
+        [image, wanted, u](const ProgressFn &progress) { return writeImages(wanted, image->volume, *u, progress, nullptr); },
+        [file, told](const Expected<void> &result) {
+          if (result) return told(ui::pathText(file));
+          if (result.error().code != ErrorCode::cancelled) told(tl::unexpected(result.error()));
+        });
+  };
+  simulation->post([simulation, queue = &session.mainQueue(), image, rim_mm, write, told] {
+    auto u = presentDisplacement(simulation->table(), simulation->object(), image->volume.geometry, rim_mm);
+    if (!u) return queue->post([told, error = u.error()] { told(tl::unexpected(error)); });
+    queue->post([write, shared = std::make_shared<const imaging::DisplacementGrid>(std::move(*u))] { write(shared); });
+  });
+}
+
 }  // namespace c3de::app

@@ -3,8 +3,11 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 
+#include "c3de/scene/image_store.h"
+#include "export_image.h"
 #include "session.h"
 
 namespace c3de::app {
@@ -17,5 +20,10 @@ using ExportTold = std::function<void(const Expected<std::string> &)>;
 void exportPresentSurface(Session &session, const std::filesystem::path &file, ExportTold told);
 /// The same as a sequence of one frame: FILE.pvd and its folder.
 void exportPresentFrame(Session &session, const std::filesystem::path &file, ExportTold told);
+
+/// The image as the tissue now lies, or how far it has moved at its voxels. The displacement is of one moment; warping and
+/// writing are a job beside the window.
+void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, double rim_mm, const ImageExport &wanted,
+                        ExportTold told);
 
 }  // namespace c3de::app

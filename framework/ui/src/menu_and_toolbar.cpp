@@ -180,6 +180,8 @@ float drawMenuBar(FrameContext &frame) {
       ImGui::Separator();
       menuItem(frame, "menu", {Command::exportSurface, true});
       menuItem(frame, "menu", {Command::exportFrame, true});
+      menuItem(frame, "menu", {Command::exportImage, true, true});
+      menuItem(frame, "menu", {Command::exportDisplacement, true, true});
       menuItem(frame, "menu", {Command::screenshot});
       ImGui::Separator();
       menuItem(frame, "menu", {Command::quit});

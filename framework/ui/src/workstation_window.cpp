@@ -32,6 +32,7 @@ constexpr double kIdleWait_s = 1.0, kCursorBlink_s = 0.25;
 /// Frames after an event until everything that follows from it stands: popups and layout take one more frame each.
 constexpr int kFramesToSettle = 3;
 constexpr const char *kSurfaceExtensions = "obj;stl;ply;vtp", *kFrameExtensions = "pvd";
+constexpr const char *kImageExtensions = "nrrd;nii;gz;mha";
 constexpr const char *kMeshExtensions = "obj;stl;ply;vtk;vtp;off;gltf;glb";
 
 }  // namespace
@@ -71,7 +72,7 @@ struct WorkstationWindow::Impl {
   void carryOut(FrameContext &frame, Command command);
   void openDialog(bool isMesh);
   void openImageDialog(bool areLabels);
-  void openExportDialog(bool isFrame);
+  void openExportDialog(Command command);
   void lookFrom(const Vec3 &meshDirection, const Vec3 &patientDirection);
   void fitIfWanted();
   void measureRate(double now_s);
@@ -306,13 +307,22 @@ void WorkstationWindow::Impl::openImageDialog(bool areLabels) {
   fileDialog.open(std::move(request));
 }
 
-void WorkstationWindow::Impl::openExportDialog(bool isFrame) {
+void WorkstationWindow::Impl::openExportDialog(Command command) {
   FileDialog::Request request;
-  request.title = isFrame ? "Export simulation frame" : "Export surface";
-  request.extensions = isFrame ? kFrameExtensions : kSurfaceExtensions;
   request.isSaving = true;
-  request.chosen = [this, isFrame](const std::filesystem::path &file, const std::string &) {
-    const auto &action = isFrame ? actions.exportFrame : actions.exportSurface;
+  std::function<void(const std::filesystem::path &)> action;
+  const auto set = [&](const char *title, const char *extensions, const auto &wanted) {
+    request.title = title;
+    request.extensions = extensions;
+    action = wanted;
+  };
+  switch (command) {
+    case Command::exportFrame: set("Export simulation frame", kFrameExtensions, actions.exportFrame); break;
+    case Command::exportImage: set("Export deformed image", kImageExtensions, actions.exportImage); break;
+    case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
+    default: set("Export surface", kSurfaceExtensions, actions.exportSurface); break;
+  }
+  request.chosen = [action](const std::filesystem::path &file, const std::string &) {
     if (action) action(file);
   };
   fileDialog.open(std::move(request));
@@ -370,7 +380,11 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
       break;
     case Command::exportSurface:
     case Command::exportFrame:
-      if (context.simulation.exists) openExportDialog(command == Command::exportFrame);
+      if (context.simulation.exists) openExportDialog(command);
+      break;
+    case Command::exportImage:
+    case Command::exportDisplacement:
+      if (context.simulation.exists && images) openExportDialog(command);
       break;
     case Command::screenshot:
       if (actions.screenshot) actions.screenshot();

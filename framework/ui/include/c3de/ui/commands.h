@@ -17,6 +17,8 @@ enum class Command {
   reload,
   exportSurface,
   exportFrame,
+  exportImage,
+  exportDisplacement,
   screenshot,
   quit,
   undo,

@@ -79,6 +79,7 @@ class ImageViews {
   void setHandles(const ImageHandles &handles) { handles_ = handles; }
   [[nodiscard]] const ImageHandles &handles() const { return handles_; }
   [[nodiscard]] const scene::StoredImage *image() const { return image_.get(); }
+  [[nodiscard]] const std::shared_ptr<const scene::StoredImage> &sharedImage() const { return image_; }
   [[nodiscard]] const scene::StoredLabels *labels() const { return labels_.get(); }
   [[nodiscard]] const imaging::DisplacementGrid *displacement() const { return displacement_.get(); }
   [[nodiscard]] bool hasDisplacement() const { return displacement_ != nullptr; }

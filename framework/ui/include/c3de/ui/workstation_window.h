@@ -53,6 +53,7 @@ struct WindowActions {
   std::function<void(double rate)> setTargetRate;       ///< 0: as fast as it goes
   std::function<void()> screenshot;
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
+  std::function<void(const std::filesystem::path &)> exportImage, exportDisplacement;  ///< the scan as it now lies; how far
   std::function<void()> closeImage;
   std::function<void()> beforeDraw;  ///< panels have been handled, the 3D view is about to be drawn
 };
