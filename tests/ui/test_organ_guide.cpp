@@ -258,8 +258,12 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
 
   // The same organ a second time is refused, and what lives goes on.
   window.key("ctrl+z");
-  window.waitUntil("it is picked again", [](const Json &s) { return text(s, "organ/Picked").ends_with(" 125000 voxels"); });
-  window.waitFrames(3);  // the panel has grown, and what is below has moved
+  // The panel grows row by row until the mask is shown, and what is below moves.
+  window.waitUntil("it is picked again", [](const Json &s) {
+    return text(s, "organ/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() && text(s, "organ/overlay") == "true" &&
+           text(s, "image/preview") == "shown";
+  });
+  window.waitFrames(3);
   window.click("organ/make");
   const Json again = window.waitUntil("it is refused", [](const Json &s) {
     return !notification(s, "Could not make muscle_trunk").is_null();

@@ -197,7 +197,19 @@ void WorkstationDriver::doubleClickAt(Point at) {
             [&](const Json &s) { return s["mouse"]["buttons"].get<int>() == 0 && s["frame"].get<int>() >= first + 4; });
 }
 
-void WorkstationDriver::click(const std::string &widget) { clickAt(locate(widget)); }
+void WorkstationDriver::click(const std::string &widget) {
+  // A panel may grow while the mouse is on its way.
+  for (int tries = 0; tries < 5; ++tries) {
+    const Point at = locate(widget);
+    moveTo(at);
+    const Json now = state()["widgets"];
+    if (!now.contains(widget)) continue;
+    const Json &rect = now[widget];
+    if (at.x >= rect[0].get<double>() && at.y >= rect[1].get<double>() && at.x <= rect[2].get<double>() && at.y <= rect[3].get<double>())
+      return clickAt(at);
+  }
+  throw std::runtime_error("'" + widget + "' does not stand still");
+}
 
 void WorkstationDriver::controlClick(const std::string &widget) {
   moveTo(locate(widget));
