@@ -81,7 +81,7 @@ std::string WorkstationDriver::logText() const { return readText(log_); }
 bool WorkstationDriver::isRunning() { return program_ && program_->isRunning(); }
 
 int WorkstationDriver::waitForExit(double timeout_s) {
-  const auto code = program_->wait(timeout_s);
+  const auto code = program_->wait(C3DE_UI_PATIENCE * timeout_s);
   if (!code) throw std::runtime_error("the program does not end: " + code.error().message + "\n" + logText());
   return *code;
 }
@@ -100,7 +100,7 @@ Json WorkstationDriver::waitUntil(const std::string &what, const std::function<b
     if (now.contains("frame") && predicate(now)) return now;
     if (program_ && !program_->isRunning())
       throw std::runtime_error("the program ended while waiting until " + what + "\n" + logText());
-    if (secondsSince(begin) > timeout_s) {
+    if (secondsSince(begin) > C3DE_UI_PATIENCE * timeout_s) {
       screenshot("timeout");
       throw std::runtime_error("timed out waiting until " + what + "; state: " + essentials(now) + "\nlog: " + logText());
     }
