@@ -6,9 +6,15 @@
 
 namespace c3de::sdk {
 
+// Asked of the class and not of the slot: with UBSan GCC does not count a comparison of function pointers as constant.
+template <class D>
+inline constexpr bool kHasDisplacement = requires { &D::displacement; };
+template <class D>
+inline constexpr bool kHasTriangles = requires { &D::triangles; };
+
 template <class D>
 constexpr auto displacementSlot() -> decltype(c3de_simulator_v0::displacement) {
-  if constexpr (requires { &D::displacement; })
+  if constexpr (kHasDisplacement<D>)
     return thunk<D, &D::displacement>;
   else
     return nullptr;
@@ -21,7 +27,7 @@ constexpr auto displacementSlot() -> decltype(c3de_simulator_v0::displacement) {
 ///   static std::array<Interface, 1> interfaces() { return {interfaceOf(kSimulatorTable<WorldSimulator>)}; }
 template <class D>
 inline constexpr c3de_simulator_v0 kSimulatorTable{sizeof(c3de_simulator_v0),
-                                                   displacementSlot<D>() != nullptr ? 3u : 2u,
+                                                   kHasDisplacement<D> ? 3u : 2u,
                                                    thunk<D, &D::attach>,
                                                    thunk<D, &D::declarations>,
                                                    thunk<D, &D::setWorld>,
@@ -52,7 +58,7 @@ inline constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0), 
 
 template <class D>
 constexpr auto trianglesSlot() -> decltype(c3de_surfel_set_v0::triangles) {
-  if constexpr (requires { &D::triangles; })
+  if constexpr (kHasTriangles<D>)
     return thunk<D, &D::triangles>;
   else
     return nullptr;
@@ -60,7 +66,7 @@ constexpr auto trianglesSlot() -> decltype(c3de_surfel_set_v0::triangles) {
 
 /// Of revision 2 where Derived has triangles(), else of revision 1.
 template <class D>
-inline constexpr c3de_surfel_set_v0 kSurfelSetTable{sizeof(c3de_surfel_set_v0), trianglesSlot<D>() != nullptr ? 2u : 1u,
+inline constexpr c3de_surfel_set_v0 kSurfelSetTable{sizeof(c3de_surfel_set_v0), kHasTriangles<D> ? 2u : 1u,
                                                     thunk<D, &D::count>,        thunk<D, &D::read>,
                                                     thunk<D, &D::owners>,       thunk<D, &D::assign>,
                                                     trianglesSlot<D>()};
