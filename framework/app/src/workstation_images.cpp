@@ -101,6 +101,7 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
   std::string notice;
   auto handle = images->addImage(voxelsOf(image->volume), &notice);
   if (!handle) return events_.failed("Could not show " + image->name, handle.error());
+  const bool isAnother = views_.image() != nullptr && session_.simulation() != nullptr;
   close();
   storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
   views_.setImage(image);
@@ -130,6 +131,9 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
                                            [this] { return shownLabels(); },
                                            [this](std::size_t index) { showLabels(OpenLabels(labelMaps_[index])); }});
   if (!notice.empty()) tell("Opened " + image->name, {notice});
+  if (isAnother)
+    tell("The simulation goes on",
+         {"Its bodies were there before " + image->name + ", and deform it where they lie in it."});
   events_.shown();
 }
 

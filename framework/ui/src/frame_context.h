@@ -47,6 +47,7 @@ struct WindowState {
   bool showShortcuts = false, showAbout = false;
   AboutText about;
   std::map<std::string, std::array<AutomationState::Rect, 2>> openers;  ///< of closed menus and lists, and their clips
+  std::map<std::uint64_t, double> notificationsSince_s;  ///< when each was first drawn, or last under the mouse
   std::vector<PixelRect> overlays;  ///< over the view, of the last frame: the mouse belongs to them
 };
 

@@ -16,6 +16,7 @@ namespace c3de::ui {
 namespace {
 
 constexpr std::size_t kNotificationsShown = 4;
+constexpr double kInfoStays_s = 20.0;
 /// What ends sooner would only flicker.
 constexpr double kQuietJob_s = 0.25;
 
@@ -204,9 +205,16 @@ void drawNotifications(FrameContext &frame) {
     ImGui::PopFont();
     rememberOverlay(frame);
     y += ImGui::GetWindowSize().y + frame.theme.px(8.0f);
+    // What only informs goes by itself, but not from under the mouse.
+    double &since_s = frame.state.notificationsSince_s.try_emplace(n.serial, ImGui::GetTime()).first->second;
+    if (ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows)) since_s = ImGui::GetTime();
+    const bool isOver = n.severity <= C3DE_LOG_INFO && ImGui::GetTime() - since_s > kInfoStays_s;
     ImGui::End();
-    if (isClosed) panels->dismiss(n.serial);
+    if (isClosed || isOver) panels->dismiss(n.serial);
   }
+  std::erase_if(frame.state.notificationsSince_s, [&](const auto &seen) {
+    return std::none_of(notifications.begin(), notifications.end(), [&](const Notification &n) { return n.serial == seen.first; });
+  });
   if (notifications.size() > kNotificationsShown) {
     const std::string more = "and " + std::to_string(notifications.size() - kNotificationsShown) + " more";
     const float textWidth = ImGui::CalcTextSize(more.c_str()).x;

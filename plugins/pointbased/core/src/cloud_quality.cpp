@@ -57,11 +57,11 @@ CloudQuality inspectCloud(const RestState &rest) {
 
 std::string volumeWarning(const RestState &rest) {
   if (!(rest.countedVolume > 0.0) || std::abs(rest.countedVolume / rest.shapeVolume - 1.0) <= kVolumeMismatch) return {};
-  char text[200];
+  char text[300];
   std::snprintf(text, sizeof text,
-                "its surface encloses %.4g mL, but %.4g mL were found inside: it is open or goes through itself; the mass is "
-                "that of the former",
-                1e6 * rest.shapeVolume, 1e6 * rest.countedVolume);
+                "its surface encloses %.4g mL, but %.4g mL were found inside: it is open, goes through itself, or is "
+                "in parts thinner than the distance of its phyxels, %.3g mm; the mass is that of the former",
+                1e6 * rest.shapeVolume, 1e6 * rest.countedVolume, 1e3 * rest.spacing);
   return text;
 }
 
