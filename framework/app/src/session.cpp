@@ -180,6 +180,21 @@ class MeshLease {
   Handle handle_;
 };
 
+/// What bodies and obstacles have in common; it points into what it is made of.
+template <class Described>
+Described toAbi(const std::string &name, const MeshLease &mesh, const scene::ScenePlacement &placement,
+                const std::vector<c3de_param_value> &params) {
+  Described abi{};
+  abi.size = sizeof abi;
+  abi.params_stride = sizeof(c3de_param_value);
+  abi.name = c3de::toAbi(name);
+  abi.mesh = mesh.abi();
+  place(abi, placement);
+  abi.params = params.data();
+  abi.params_n = params.size();
+  return abi;
+}
+
 }  // namespace
 
 struct Session::Impl {
@@ -238,15 +253,8 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const MeshLease lease(meshes, std::move(source->skin));
     const std::vector<c3de_param_value> params = toAbi(fitted.bodies[i]);
     const c3de_sim_fill fill = toAbi(source->fill);
-    c3de_sim_body abi{};
+    auto abi = toAbi<c3de_sim_body>(body.name, lease, body.placement, params);
     if (body.mesh.empty()) abi.fill = &fill;
-    abi.size = sizeof abi;
-    abi.params_stride = sizeof(c3de_param_value);
-    abi.name = c3de::toAbi(body.name);
-    abi.mesh = lease.abi();
-    place(abi, body.placement);
-    abi.params = params.data();
-    abi.params_n = params.size();
     abi.progress = partProgress.abi();
     const BodyTables tables(scene, body, fitted.parts[i]);
     tables.fill(abi);
@@ -379,14 +387,7 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
     if (!mesh) return fail(mesh.error().code, scene.where(obstacle.line) + ": " + mesh.error().message);
     const MeshLease lease(impl_->meshes, std::move(*mesh));
     const std::vector<c3de_param_value> params = toAbi(fitted->obstacles[i]);
-    c3de_sim_obstacle abi{};
-    abi.size = sizeof abi;
-    abi.params_stride = sizeof(c3de_param_value);
-    abi.name = c3de::toAbi(obstacle.name);
-    abi.mesh = lease.abi();
-    place(abi, obstacle.placement);
-    abi.params = params.data();
-    abi.params_n = params.size();
+    auto abi = toAbi<c3de_sim_obstacle>(obstacle.name, lease, obstacle.placement, params);
     c3de_sim_motion motion{};
     if (obstacle.motion) {
       motion = toAbi(*obstacle.motion);
