@@ -49,6 +49,7 @@ class Workstation {
   void watchForFailure();
   void whenImageShown();
   void askForWarp();
+  void takeWarp();
   void whenOrgansLive(const WorkstationOrgan::Result &result);
   void whenLoaded(const WorkstationLoader::Loaded &loaded);
   void checkSize();
@@ -126,7 +127,10 @@ void Workstation::run() {
     session_->mainQueue().runFrame();
     watchForFailure();
     checkSize();
-    window_->drawFrame(*renderer_, simulationView());
+    // The state first: one that stands is the last that draws a frame, and its displacement is asked for after it.
+    const ui::SimulationView simulation = simulationView();
+    takeWarp();
+    window_->drawFrame(*renderer_, simulation);
   }
   window_->writeAutomationState();
   session_->mainQueue().setWaker({});
@@ -183,9 +187,6 @@ ui::WindowActions Workstation::actions() {
   actions.beforeDraw = [this] {
     session_->plugins().syncScene();
     images_->followNode();
-    if (auto newest = warp_.take()) images_->showDisplacement(std::move(newest));
-    scene::Simulation *simulation = session_->simulation();
-    if (warp_.isBehind() && simulation && simulation->state().mode != C3DE_SIM_PLAYING) simulation->post([] {});
   };
   return actions;
 }
@@ -304,6 +305,13 @@ void Workstation::askForWarp() {
   warp_.want(wanted, image_.rim_mm, wanted ? images_->views().image()->volume.geometry : imaging::VolumeGeometry{});
   if (!wanted) return images_->showDisplacement(nullptr);
   simulation->post([] {});  // publishes once more
+}
+
+/// Before a frame, whose texts say it as its slices show it.
+void Workstation::takeWarp() {
+  if (auto newest = warp_.take()) images_->showDisplacement(std::move(newest));
+  scene::Simulation *simulation = session_->simulation();
+  if (warp_.isBehind() && simulation && simulation->state().mode != C3DE_SIM_PLAYING) simulation->post([] {});
 }
 
 void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {

@@ -506,11 +506,12 @@ void WorkstationWindow::waitForFrame() {
     if (impl.window->takeWake()) impl.framesToSettle = std::max(impl.framesToSettle, 1);
     if (isTimed && GlfwWindow::now_s() >= timedEnd_s - 1e-3) impl.framesToSettle = std::max(impl.framesToSettle, 1);
   }
+  // Before anybody looks for what is new: what comes from here on asks for a frame of its own.
+  (void)impl.window->takeWake();
 }
 
 void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationView &simulation) {
   Impl &impl = *impl_;
-  (void)impl.window->takeWake();
   impl.isMoving = (simulation.exists && simulation.transport.mode == C3DE_SIM_PLAYING) ||
                   (impl.services.jobs && !impl.services.jobs->running().empty());
   impl.measureRate(GlfwWindow::now_s());
