@@ -1,0 +1,291 @@
+#!/usr/bin/env bash
+# test_scripts.sh ROOT MACHINE: runs ./run or ./check of a copy of ROOT's scripts on a made-up machine and looks at what they
+# say and do. The machine is a folder: installed (names), sources (names that apt can get), log (what was called).
+set -uo pipefail
+root=$1 machine=$2
+place=$(mktemp -d)
+trap 'rm -rf "$place"' EXIT
+mkdir -p "$place/tree/tools" "$place/bin" "$place/state"
+cp "$root/run" "$root/check" "$place/tree"
+cp "$root"/tools/prepare.sh "$root"/tools/debian-packages*.txt "$place/tree/tools"
+state=$place/state
+touch "$state/installed" "$state/log"
+sed -e 's/#.*//' -e '/^ *$/d' "$root"/tools/debian-packages*.txt >"$state/sources"
+required() { sed -e 's/#.*//' -e '/^ *$/d' "$root/tools/debian-packages.txt"; }
+
+# PATH holds the stand-ins and what scripts need of the system, nothing else.
+for tool in awk bash basename cat chmod cp date dirname env false grep head kill ls mkdir mktemp nproc printf pwd rm sed seq setsid \
+            sleep sort tail tr true; do
+  path=$(type -P "$tool") && ln -s "$path" "$place/bin/$tool"
+done
+stand_in() {
+  cat >"$place/bin/$1"
+  chmod +x "$place/bin/$1"
+}
+# As dpkg-query does: tells of the names it knows, ends with 1 if there is one that it does not.
+stand_in dpkg-query <<EOF
+#!$(type -P bash)
+status=0
+shift 2
+for name in "\$@"; do
+  if grep -qx "\$name" "$state/installed"; then echo "\$name installed"; else status=1; fi
+done
+exit \$status
+EOF
+# Installs all or nothing, as apt-get does.
+stand_in apt-get <<EOF
+#!$(type -P bash)
+echo "apt-get \$*" >>"$state/log"
+if [ "\$1" = update ]; then
+  [ ! -f "$state/no_network" ] || { echo "E: Failed to fetch the lists"; exit 100; }
+  exit 0
+fi
+names=()
+shift
+while [ \$# -gt 0 ]; do
+  case \$1 in -o) shift ;; -*) ;; *) names+=("\$1") ;; esac
+  shift
+done
+for name in "\${names[@]}"; do
+  grep -qx "\$name" "$state/sources" || { echo "E: Unable to locate package \$name"; exit 100; }
+done
+[ ! -f "$state/no_archives" ] || { echo "E: Unable to fetch some archives"; exit 100; }
+printf '%s\n' "\${names[@]}" >>"$state/installed"
+EOF
+stand_in apt-cache <<EOF
+#!$(type -P bash)
+grep -qx "\$2" "$state/sources" && echo "  Candidate: 1.0"
+exit 0
+EOF
+stand_in id <<EOF
+#!$(type -P bash)
+cat "$state/uid" 2>/dev/null || echo 0
+EOF
+# Configures and builds in an instant; the program it builds says its arguments.
+stand_in cmake <<EOF
+#!$(type -P bash)
+echo "cmake \$*" >>"$state/log"
+if [ "\$1" = --preset ]; then
+  [ ! -f "$state/bad_configure" ] || { printf 'CMake Error at CMakeLists.txt:1:\n  no such library\n'; exit 1; }
+  mkdir -p build/release/bin
+  touch build/release/build.ninja
+  tests=OFF
+  for a in "\$@"; do [ "\$a" != -DC3DE_BUILD_TESTS=ON ] || tests=ON; done
+  echo "C3DE_BUILD_TESTS:BOOL=\$tests" >build/release/CMakeCache.txt
+  exit 0
+fi
+[ ! -f "$state/slow" ] || for i in \$(seq 1 "\$(cat "$state/slow")"); do echo "[\$i/40] Building"; sleep 1; done
+[ ! -f "$state/bad_build" ] || { printf '[1/2] Building a\nFAILED: a.o\na.cpp:7: error: no such thing\n'; exit 1; }
+printf '#!%s\necho "program: \$*"\n' "$(type -P bash)" >build/release/bin/c3de
+chmod +x build/release/bin/c3de
+EOF
+stand_in ctest <<EOF
+#!$(type -P bash)
+echo "ctest \$*" >>"$state/log"
+EOF
+sudo_stands_in() {
+  stand_in sudo <<EOF
+#!$(type -P bash)
+echo "sudo \$*" >>"$state/log"
+[ ! -f "$state/password" ] || { echo "sudo: a password is required" >&2; exit 1; }
+[ "\$1" != -n ] || shift
+exec "\$@"
+EOF
+}
+
+launch() { # launch NAME ARGS...: output in out and err, status in status
+  status=0
+  (cd "$place/tree" && env -i PATH="$place/bin" HOME="$place" "$(type -P bash)" "./$1" "${@:2}") \
+    >"$place/out" 2>"$place/err" </dev/null || status=$?
+}
+fail() {
+  echo "FAILED: $*"
+  echo "--- status ${status:-none}, out:"; cat "$place/out"
+  echo "--- err:"; cat "$place/err"
+  echo "--- called:"; cat "$state/log"
+  exit 1
+}
+ends_with_status() { [ "$status" -eq "$1" ] || fail "status $1 was expected"; }
+says() { grep -qF -- "$1" "$place/err" || fail "expected on stderr: $1"; }
+says_not() { ! grep -qF -- "$1" "$place/err" || fail "not expected on stderr: $1"; }
+called() { grep -q -- "$1" "$state/log" || fail "expected call: $1"; }
+never_called() { ! grep -q -- "$1" "$state/log" || fail "not expected call: $1"; }
+one_error_line() { [ "$(grep -c 'c3de: error:' "$place/err")" -eq 1 ] || fail "one error line was expected"; }
+runs_program() { [ "$(tail -n 1 "$place/out")" = "program: $*" ] || fail "the program was expected to run with: $*"; }
+installed_all_required() {
+  for name in $(required); do grep -qx "$name" "$state/installed" || fail "$name was expected to be installed"; done
+}
+
+case $machine in
+  nothing_installed)
+    launch run info x.obj
+    ends_with_status 0
+    installed_all_required
+    grep -qx mricron-data "$state/installed" || fail "the head was expected"
+    runs_program info x.obj
+    ;;
+  some_missing)
+    required | grep -vx -e libfcl-dev -e g++ >"$state/installed"
+    launch run info
+    ends_with_status 0
+    called 'apt-get install.* g++ libfcl-dev mricron-data$'
+    runs_program info
+    ;;
+  all_there)
+    cp "$state/sources" "$state/installed"
+    launch run info
+    ends_with_status 0
+    never_called apt-get
+    [ ! -s "$place/err" ] || fail "nothing was expected on stderr"
+    ;;
+  no_sudo)
+    echo 1000 >"$state/uid"
+    launch run
+    ends_with_status 1
+    one_error_line
+    says "missing packages"
+    says "type: su -c 'apt-get update && apt-get install --no-install-recommends g++ cmake"
+    never_called apt-get
+    ;;
+  no_password_can_be_asked)
+    echo 1000 >"$state/uid"
+    touch "$state/password"
+    sudo_stands_in
+    required | grep -vx libccd-dev >"$state/installed"
+    launch check
+    ends_with_status 1
+    one_error_line
+    says "type: sudo apt-get update && sudo apt-get install --no-install-recommends libccd-dev catch2"
+    never_called apt-get
+    ;;
+  sudo_works)
+    echo 1000 >"$state/uid"
+    sudo_stands_in
+    launch run info
+    ends_with_status 0
+    called 'sudo -n env DEBIAN_FRONTEND=noninteractive apt-get install'
+    installed_all_required
+    ;;
+  update_fails)
+    touch "$state/no_network"
+    launch run info
+    ends_with_status 0
+    says "apt-get update failed; trying with the package lists that are there"
+    installed_all_required
+    runs_program info
+    ;;
+  nothing_can_be_had)
+    touch "$state/no_network" "$state/no_archives"
+    launch run
+    ends_with_status 1
+    one_error_line
+    says "could not install (apt-get update failed too): g++ cmake"
+    says "Unable to fetch some archives"
+    says "type: apt-get update && apt-get install --no-install-recommends g++ cmake"
+    ;;
+  unknown_package)
+    sed -i '/^libhwy-dev$/d' "$state/sources"
+    launch run
+    ends_with_status 1
+    one_error_line
+    says "not in the package sources of this machine: libhwy-dev ;"
+    ;;
+  unknown_welcome_package)
+    sed -i '/^mricron-data$/d' "$state/sources"
+    launch run info
+    ends_with_status 0
+    installed_all_required
+    says "goes on without: mricron-data"
+    runs_program info
+    ;;
+  welcome_asked_once)
+    required >"$state/installed"
+    sed -i '/^mricron-data$/d' "$state/sources"
+    launch run info
+    ends_with_status 0
+    : >"$state/log"
+    launch run info
+    ends_with_status 0
+    never_called apt-get
+    [ ! -s "$place/err" ] || fail "nothing was expected on stderr the second time"
+    ;;
+  no_debian)
+    rm "$place/bin/dpkg-query"
+    launch run info
+    ends_with_status 0
+    says "not a Debian system"
+    runs_program info
+    ;;
+  version_builds_no_tests)
+    cp "$state/sources" "$state/installed"
+    launch run --version
+    ends_with_status 0
+    called 'cmake --preset release -DC3DE_BUILD_TESTS=OFF -DC3DE_BUILD_BENCHMARKS=OFF$'
+    called 'cmake --build build/release --target c3de pointbased hello$'
+    runs_program --version
+    ;;
+  check_configures_tests)
+    cp "$state/sources" "$state/installed"
+    launch run --version
+    launch check -R core
+    ends_with_status 0
+    called 'cmake --preset release -DC3DE_BUILD_TESTS=ON'
+    called 'cmake --build build/release$'
+    called 'ctest .*-R core'
+    ;;
+  configure_fails)
+    cp "$state/sources" "$state/installed"
+    touch "$state/bad_configure"
+    launch run
+    ends_with_status 1
+    one_error_line
+    says "no such library"
+    ;;
+  build_fails)
+    cp "$state/sources" "$state/installed"
+    touch "$state/bad_build"
+    launch run
+    ends_with_status 1
+    one_error_line
+    says "a.cpp:7: error: no such thing"
+    says_not "Building a"
+    ;;
+  progress_in_a_log)
+    cp "$state/sources" "$state/installed"
+    echo 5 >"$state/slow"
+    launch run info
+    ends_with_status 0
+    says "c3de: building: step 3 of 40 (7 %)"
+    grep -q $'\r' "$place/err" && fail "a log should have no carriage returns"
+    [ "$(cat "$place/out")" = "program: info" ] || fail "only the program was expected on stdout"
+    ;;
+  progress_on_a_terminal)
+    type -P script >/dev/null || { echo "[C3DE-SKIPPED] script (bsdutils) is not installed"; exit 0; }
+    cp "$state/sources" "$state/installed"
+    echo 14 >"$state/slow"
+    status=0
+    (cd "$place/tree" && script -qec "env -i PATH=$place/bin HOME=$place $(type -P bash) ./run info" /dev/null) \
+      >"$place/err" </dev/null || status=$?
+    : >"$place/out"
+    ends_with_status 0
+    says $'\r\033[Kc3de: building: step 2 of 40'
+    grep -q 'step 1[0-4] of 40 ([0-9]* %), about [0-9]* s left' "$place/err" || fail "an estimate was expected"
+    ;;
+  interrupt)
+    # Ctrl-C goes to the whole group: nothing may be left running.
+    cp "$state/sources" "$state/installed"
+    echo 30 >"$state/slow"
+    (cd "$place/tree" && exec setsid env -i PATH="$place/bin" HOME="$place" "$(type -P bash)" -c \
+      'trap - INT; exec '"$(type -P bash)"' ./run info') >"$place/out" 2>"$place/err" </dev/null &
+    group=$!
+    sleep 4
+    kill -TERM -- "-$group"
+    wait "$group"
+    status=$?
+    [ "$status" -ne 0 ] || fail "a status other than 0 was expected"
+    sleep 1
+    left=$(ps -eo pgid=,stat=,args= | awk -v group="$group" '$1 == group && $2 !~ /^Z/')
+    [ -z "$left" ] || fail "this still runs: $left"
+    ;;
+  *) status=none; touch "$place/out" "$place/err"; fail "there is no machine '$machine'" ;;
+esac
