@@ -1,7 +1,8 @@
 # c3de_add_plugin(NAME SOURCES … [LINKS …])
 #
 # A loadable plugin: exactly one exported symbol (c3de_plugin_query), no undefined symbol, nothing of the host linked.
-# Hidden visibility alone still leaks library templates, hence the version script; -fno-gnu-unique keeps it unloadable.
+# Hidden visibility alone still leaks library templates, hence the version script; -fno-gnu-unique, which
+# only GCC knows and needs, keeps it unloadable.
 set(C3DE_CMAKE_DIR "${CMAKE_CURRENT_LIST_DIR}")
 function(c3de_add_plugin name)
   cmake_parse_arguments(ARG "" "OUTPUT_DIRECTORY" "SOURCES;LINKS" ${ARGN})
@@ -15,7 +16,7 @@ function(c3de_add_plugin name)
   if(MSVC)
     set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${ARG_OUTPUT_DIRECTORY}")
   else()
-    target_compile_options(${name} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-fno-gnu-unique>)
+    target_compile_options(${name} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fno-gnu-unique>)
     target_link_options(${name} PRIVATE
       -Wl,--exclude-libs,ALL "-Wl,--version-script=${C3DE_CMAKE_DIR}/plugin.version")
     if(NOT C3DE_SANITIZE)

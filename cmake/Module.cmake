@@ -1,9 +1,9 @@
-# c3de_module(NAME SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …])
+# c3de_module(NAME SOURCES … [HEADERS …] [LINKS …] [PRIVATE_LINKS …] [PRECOMPILE <header> …])
 #
 # One module is one static library with its own include/ folder. A target sees only the headers of what it links, so an
 # include against the arrows of docs/dev/architecture.md does not compile.
 function(c3de_module name)
-  cmake_parse_arguments(ARG "" "ALIAS" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "ALIAS" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS;PRECOMPILE" ${ARGN})
   set(target c3de_${name})
   if(NOT ARG_ALIAS)
     set(ARG_ALIAS c3de::${name})
@@ -17,6 +17,7 @@ function(c3de_module name)
   set_target_properties(${target} PROPERTIES
     CXX_VISIBILITY_PRESET hidden C_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
     VERIFY_INTERFACE_HEADER_SETS ON)
+  c3de_precompile(${target} ${ARG_PRECOMPILE})
   # EIGEN_MAX_STATIC_ALIGN_BYTES decides the layout of public types, so every user of a module must share it.
   target_compile_definitions(${target} PUBLIC EIGEN_MAX_STATIC_ALIGN_BYTES=16)
 endfunction()

@@ -33,7 +33,7 @@ c3de::ProcessResult runWithoutDisplay(std::vector<std::string> arguments) {
 }
 
 std::filesystem::path freshFolder(const std::string &name) {
-  const std::filesystem::path folder = std::filesystem::path(C3DE_TEST_OUTPUT) / "cli" / name;
+  const std::filesystem::path folder = std::filesystem::path(testOutputRoot()) / "cli" / name;
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

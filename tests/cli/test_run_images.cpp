@@ -132,7 +132,7 @@ TEST_CASE("A threshold that leaves nothing and a simulator that cannot fill are 
 }
 
 TEST_CASE("Liver, spleen and kidneys of a CT live within ten seconds of its file", "[data]") {
-  const std::filesystem::path labels = std::filesystem::path(C3DE_TEST_DATA) / "volume/totalseg/example_seg_fast_force_split.nii.gz";
+  const std::filesystem::path labels = std::filesystem::path(testDataFolder()) / "volume/totalseg/example_seg_fast_force_split.nii.gz";
   if (!std::filesystem::exists(labels)) {
     WARN("skipped: " << labels << " is not there");
     return;

@@ -60,7 +60,7 @@ class HostFixture {
     return std::filesystem::path(C3DE_TEST_PLUGINS) / (name + pluginExtension());
   }
   static std::filesystem::path hello() {
-    return std::filesystem::path(C3DE_TEST_EXAMPLE_DIR) / (std::string("hello") + pluginExtension());
+    return std::filesystem::path(testExampleFolder()) / (std::string("hello") + pluginExtension());
   }
 
   /// Lines that contain the text.

@@ -50,7 +50,7 @@ std::string readFile(const std::filesystem::path &path) {
 }
 
 std::filesystem::path scratch(const std::string &name) {
-  return std::filesystem::path(C3DE_TEST_OUTPUT) / "plugins" / (name + pluginExtension());
+  return std::filesystem::path(testOutputRoot()) / "plugins" / (name + pluginExtension());
 }
 
 }  // namespace
@@ -142,7 +142,7 @@ TEST_CASE("files that are no plugins are refused before the loader sees them") {
   writeFile(empty, "");
   CHECK_THAT(f.refusalOf(empty), Contains("not a plugin: not a shared library"));
 
-  const auto wrongEnding = std::filesystem::path(C3DE_TEST_OUTPUT) / "plugins" / "hello.txt";
+  const auto wrongEnding = std::filesystem::path(testOutputRoot()) / "plugins" / "hello.txt";
   writeFile(wrongEnding, "text");
   CHECK_THAT(f.refusalOf(wrongEnding), Contains("the name ends in '.txt'"));
 

@@ -57,7 +57,7 @@ TEST_CASE("a plugin that was never started is not stopped, but destroyed") {
 }
 
 TEST_CASE("a folder is loaded in the order of names, what does not fit is listed") {
-  const auto folder = std::filesystem::path(C3DE_TEST_OUTPUT) / "plugin_folder";
+  const auto folder = std::filesystem::path(testOutputRoot()) / "plugin_folder";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   const std::string ending = pluginExtension();

@@ -13,6 +13,8 @@
 #include <iostream>
 #include <string>
 
+#include "support/folders.h"
+
 #if __has_include(<catch2/catch_all.hpp>)
 inline auto Contains(const std::string &text) { return Catch::Matchers::ContainsSubstring(text); }
 #else
@@ -26,7 +28,7 @@ inline std::filesystem::path testOutputFolder() {
   std::string name = Catch::getResultCapture().getCurrentTestName();
   for (char &c : name)
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  const std::filesystem::path folder = std::filesystem::path(C3DE_TEST_OUTPUT) / name.substr(0, 100);
+  const std::filesystem::path folder = std::filesystem::path(testOutputRoot()) / name.substr(0, 100);
   std::filesystem::create_directories(folder);
   return folder;
 }
@@ -40,5 +42,5 @@ inline std::filesystem::path testOutputFolder() {
 
 /// A file of the data made by others; skips the case where the folder is absent.
 #define C3DE_DATA_OR_SKIP(variable, relativePath)                                        \
-  const std::filesystem::path variable = std::filesystem::path(C3DE_TEST_DATA) / (relativePath); \
+  const std::filesystem::path variable = std::filesystem::path(testDataFolder()) / (relativePath); \
   if (!std::filesystem::exists(variable)) C3DE_SKIP("test data not present: " + variable.string())

@@ -40,7 +40,7 @@ void pull(WorkstationDriver &window, const std::string &picture) {
 TEST_CASE("Pictures of the user guide", "[.guide]") {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
   WorkstationDriver window("guide");
-  window.start({"--play", (std::filesystem::path(C3DE_TEST_RESOURCES) / "scenes" / "first_light.toml").string()});
+  window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "first_light.toml").string()});
   const auto rest = [&](double seconds) {
     const double from = window.state()["transport"]["time_s"];
     window.waitUntil("it rests", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; }, 180.0);
@@ -97,7 +97,7 @@ TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.gui
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
   if (!std::filesystem::exists("/usr/share/mricron/templates/ch2bet.nii.gz")) C3DE_SKIP("mricron-data is not installed");
   WorkstationDriver window("guide");
-  window.start({(std::filesystem::path(C3DE_TEST_RESOURCES) / "scenes" / "brain_shift.toml").string()});
+  window.start({(std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_shift.toml").string()});
   window.waitUntil("the brain is there", [](const Json &s) {
     return s["panes"].size() == 4 && s["jobs"].empty() && std::strtod(s["values"].value("image/axial.outlines", "0").c_str(), nullptr) > 0;
   }, 60.0);
@@ -174,7 +174,7 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
 TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
   WorkstationDriver window("guide");
-  window.start({"--play", (std::filesystem::path(C3DE_TEST_RESOURCES) / "scenes" / "brain_shift.toml").string()});
+  window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_shift.toml").string()});
   window.waitUntil("the brain has settled", [](const Json &s) {
     return s["panes"].size() == 4 && s["transport"]["time_s"].get<double>() > 4.0;
   }, 120.0);

@@ -28,7 +28,7 @@ using c3de::render::test::Phantom;
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
 
 fs::path outputFile(const std::string &name) {
-  const fs::path file = fs::path(C3DE_TEST_OUTPUT) / "ui" / name;
+  const fs::path file = fs::path(testOutputRoot()) / "ui" / name;
   fs::create_directories(file.parent_path());
   return file;
 }
@@ -287,7 +287,7 @@ TEST_CASE("of several files each that cannot be used says why, and the others ar
   map.geometry = {{4, 4, 4}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 900, 0, 0, 1}};
   map.voxels.assign(64, 1);
   REQUIRE(c3de::imaging::writeLabelMap(far, map));
-  startOn(window, {imageFile("image_several").string(), notes.string(), (fs::path(C3DE_TEST_RESOURCES) / "meshes" / "organ.obj").string(), far.string()});
+  startOn(window, {imageFile("image_several").string(), notes.string(), (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").string(), far.string()});
   const Json state = window.waitUntil("both messages and the organ", [](const Json &s) { return s["notifications"].size() == 2 && s["transport"]["exists"].get<bool>(); }, 60.0);
   std::string all;
   for (const Json &n : state["notifications"]) all += n["title"].get<std::string>() + ": " + n["text"].get<std::string>() + "\n";
@@ -297,13 +297,13 @@ TEST_CASE("of several files each that cannot be used says why, and the others ar
 
 TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside them", "[image_organ]") {
   C3DE_WINDOW_OR_SKIP();
-  if (!fs::exists(fs::path(C3DE_TEST_PLUGIN_DIR) / (std::string("pointbased") + c3de::pluginExtension())))
+  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
     C3DE_SKIP("the point-based plugin is not built");
   WorkstationDriver window("image_organ");
   const fs::path scene = outputFile("image_organ.toml");
   std::ofstream(scene) << "format = 1\ntitle = \"Organ in an image\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n[solver]\ndamping = 5.0\n"
                           "[[body]]\nname = \"organ\"\nmesh = \""
-                       << (fs::path(C3DE_TEST_RESOURCES) / "meshes" / "organ.obj").generic_string() << "\"\nmesh_unit = \"mm\"\n"
+                       << (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string() << "\"\nmesh_unit = \"mm\"\n"
                        << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
                        << "sampling = { count = 400 }\n";
   startOn(window, {imageFile("image_organ").string(), scene.string()});
@@ -334,7 +334,7 @@ TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside
 
 TEST_CASE("an image moves with its body, stands where it stands and goes back with it", "[image_warp]") {
   C3DE_WINDOW_OR_SKIP();
-  if (!fs::exists(fs::path(C3DE_TEST_PLUGIN_DIR) / (std::string("pointbased") + c3de::pluginExtension())))
+  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
     C3DE_SKIP("the point-based plugin is not built");
   WorkstationDriver window("image_warp");
   const fs::path scene = outputFile("image_warp.toml");
@@ -408,7 +408,7 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
 
 TEST_CASE("an image follows its body far from where it began", "[image_warp_far]") {
   C3DE_WINDOW_OR_SKIP();
-  if (!fs::exists(fs::path(C3DE_TEST_PLUGIN_DIR) / (std::string("pointbased") + c3de::pluginExtension())))
+  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
     C3DE_SKIP("the point-based plugin is not built");
   WorkstationDriver window("image_warp_far");
   const fs::path scene = outputFile("image_warp_far.toml");

@@ -20,7 +20,7 @@ constexpr const char *kPanel = "pointbased.controller/";
 
 std::string whyNot() {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) return reason;
-  if (!fs::exists(fs::path(C3DE_TEST_PLUGIN_DIR) / (std::string("pointbased") + c3de::pluginExtension())))
+  if (!fs::exists(fs::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())))
     return "the point-based plugin is not built";
   return {};
 }
@@ -28,11 +28,11 @@ std::string whyNot() {
 #define C3DE_ORGAN_OR_SKIP() \
   if (const std::string reason = whyNot(); !reason.empty()) C3DE_SKIP(reason)
 
-fs::path organMesh() { return fs::path(C3DE_TEST_RESOURCES) / "meshes" / "organ.obj"; }
+fs::path organMesh() { return fs::path(testResourcesFolder()) / "meshes" / "organ.obj"; }
 
 /// An organ that floats: what moves it is the person.
 fs::path floatingOrgan() {
-  const fs::path scene = fs::path(C3DE_TEST_OUTPUT) / "ui" / "floating.toml";
+  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "floating.toml";
   fs::create_directories(scene.parent_path());
   std::ofstream(scene) << "format = 1\ntitle = \"Floating organ\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n"
                           "[solver]\ndamping = 5.0\n[[body]]\nname = \"organ\"\nmesh = \""
@@ -151,7 +151,7 @@ TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves 
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_load");
   startOrgan(window);
-  const fs::path copy = fs::path(C3DE_TEST_OUTPUT) / "ui" / "second_organ.obj";
+  const fs::path copy = fs::path(testOutputRoot()) / "ui" / "second_organ.obj";
   fs::copy_file(organMesh(), copy, fs::copy_options::overwrite_existing);
   const auto choose = [&](const fs::path &file) {
     window.click("pointbased.controller/browse");
@@ -166,7 +166,7 @@ TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves 
   CHECK(window.state()["notifications"].empty());
   window.screenshot("loaded");
 
-  const fs::path bad = fs::path(C3DE_TEST_OUTPUT) / "ui" / "bad_organ.obj";
+  const fs::path bad = fs::path(testOutputRoot()) / "ui" / "bad_organ.obj";
   std::ofstream(bad) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
   choose(bad);
   const Json refused = window.waitUntil("it is refused", [](const Json &s) { return !s["notifications"].empty(); });
@@ -178,7 +178,7 @@ TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves 
 
 TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   C3DE_ORGAN_OR_SKIP();
-  const fs::path file = fs::path(C3DE_TEST_OUTPUT) / "ui" / "in_metres.obj";
+  const fs::path file = fs::path(testOutputRoot()) / "ui" / "in_metres.obj";
   fs::create_directories(file.parent_path());
   std::ofstream(file) << "# SPACE=LPS UNITS=m\nv 0 0 0\nv .2 0 0\nv .2 .1 0\nv 0 .1 0\nv 0 0 .1\nv .2 0 .1\nv .2 .1 .1\n"
                          "v 0 .1 .1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
@@ -214,7 +214,7 @@ TEST_CASE("a file that cannot be opened leaves the simulation that is open", "[o
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_keeps");
   startOrgan(window);
-  const fs::path bad = fs::path(C3DE_TEST_OUTPUT) / "ui" / "bad_scene.toml";
+  const fs::path bad = fs::path(testOutputRoot()) / "ui" / "bad_scene.toml";
   std::ofstream(bad) << "format = 1\n[world]\ngravty = [0.0, -9.81, 0.0]\n[[body]]\nname = \"organ\"\nmesh = \""
                      << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n";
   window.key("space");
@@ -235,7 +235,7 @@ TEST_CASE("surface and frame of the present state are exported through the menu"
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_export");
   startOrgan(window);
-  const fs::path folder = fs::path(C3DE_TEST_OUTPUT) / "ui" / "export";
+  const fs::path folder = fs::path(testOutputRoot()) / "ui" / "export";
   fs::remove_all(folder);
   fs::create_directories(folder);
   const auto save = [&](const std::string &entry, const fs::path &file) {

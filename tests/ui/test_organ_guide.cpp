@@ -69,7 +69,7 @@ Point axialPixel(const WorkstationDriver &window, const Vec3 &world) {
 TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "[image_guide]") {
   C3DE_WINDOW_OR_SKIP();
   const Phantom phantom;
-  const fs::path file = fs::path(C3DE_TEST_OUTPUT) / "ui" / "image_guide_phantom.nii.gz";
+  const fs::path file = fs::path(testOutputRoot()) / "ui" / "image_guide_phantom.nii.gz";
   fs::create_directories(file.parent_path());
   if (const auto written = imaging::writeVolume(file, phantom.volume); !written) FAIL(written.error().message);
   WorkstationDriver window("image_guide");
@@ -178,7 +178,7 @@ Json notification(const Json &state, const std::string &title) {
 
 TEST_CASE("several labels become bodies at once, one that fails is named, and steps are undone by keys", "[image_organs]") {
   C3DE_WINDOW_OR_SKIP();
-  const fs::path folder = fs::path(C3DE_TEST_OUTPUT) / "ui";
+  const fs::path folder = fs::path(testOutputRoot()) / "ui";
   fs::create_directories(folder);
   const fs::path image = folder / "image_organs.nii.gz", many = folder / "image_organs_many.nrrd",
                  other = folder / "image_organs_other.nrrd";

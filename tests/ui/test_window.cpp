@@ -22,7 +22,7 @@ namespace {
 /// Starts on the gallery plugin and on a file that is no mesh, so that no simulation comes up whatever other plugins are
 /// installed; the message about the file is closed.
 void startGallery(WorkstationDriver &window) {
-  const std::filesystem::path noMesh = std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "no_mesh.obj";
+  const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
   std::ofstream(noMesh) << "this is no mesh\n";
   window.start({noMesh.string(), "--plugin", C3DE_GALLERY_PLUGIN});
   window.waitUntil("the file is refused", [](const Json &s) { return s["notifications"].size() == 1; });
@@ -93,7 +93,7 @@ TEST_CASE("a file that is no mesh leads to a message that says why, and the wind
   CHECK_THAT(refused["values"]["dialog/error"].get<std::string>(), Contains("/nowhere/liver.obj"));
   window.click("dialog/path");
   window.key("ctrl+a");
-  window.type((std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "no_mesh.obj").string());
+  window.type((std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj").string());
   window.click("dialog/open");
   const Json state = window.waitUntil("the file is refused", [](const Json &s) { return s["notifications"].size() == 1; });
   CHECK(state["notifications"][0]["severity"] == "error");
@@ -174,7 +174,7 @@ TEST_CASE("widgets of a panel do what they say", "[widgets]") {
   CHECK(window.state()["tool"] == "orbit");
   window.key("Escape");
 
-  const std::filesystem::path organ = std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "no_mesh.obj";
+  const std::filesystem::path organ = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
   window.click("test.gallery/file");
   window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
   window.type(organ.string());
@@ -318,7 +318,7 @@ TEST_CASE("nothing is drawn while nothing changes", "[idle]") {
 TEST_CASE("without OpenGL 4.3 the program says what it found and ends with 6", "[old_gl]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver program("old_gl");
-  const std::filesystem::path noMesh = std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "no_mesh.obj";
+  const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
   std::ofstream(noMesh) << "this is no mesh\n";
   const int code = program.startAndWait({noMesh.string()}, {"LIBGL_ALWAYS_SOFTWARE=1", "MESA_GL_VERSION_OVERRIDE=3.1"});
   CHECK(code == 6);

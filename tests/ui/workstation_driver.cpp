@@ -35,7 +35,7 @@ std::string essentials(const Json &state) {
 }  // namespace
 
 WorkstationDriver::WorkstationDriver(std::string name)
-    : name_(std::move(name)), folder_(std::filesystem::path(C3DE_TEST_OUTPUT) / "ui"),
+    : name_(std::move(name)), folder_(std::filesystem::path(testOutputRoot()) / "ui"),
       stateFile_(folder_ / (name_ + ".json")), log_(folder_ / (name_ + ".log")) {
   std::filesystem::create_directories(folder_);
   std::error_code ignored;

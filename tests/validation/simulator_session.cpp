@@ -25,7 +25,7 @@ struct SimulatorSession::Impl {
     services.meshes = &meshes;
     services.simulations = &simulations;
     host = std::make_unique<plugin_host::PluginHost>(services);
-    const auto file = std::filesystem::path(C3DE_TEST_PLUGIN_DIR) / (std::string("pointbased") + pluginExtension());
+    const auto file = std::filesystem::path(testPluginFolder()) / (std::string("pointbased") + pluginExtension());
     if (const auto loaded = host->load(file); !loaded) throw std::runtime_error(loaded.error().message);
     host->start();
     auto created = host->createObject("draft/c3de.pointbased.WorldSimulator/0");

@@ -184,8 +184,8 @@ TEST_CASE("whatever modulus, ratio, step and integrator: finite or stopped with 
 
 // A liver as wide as 12 spacings, and 24 cm at most: finer ones of full size have more than a million phyxels.
 TEST_CASE("whatever modulus, ratio, spacing, step and integrator: finite or stopped with a report (all of the grid)", "[.long]") {
-  std::filesystem::path file = std::filesystem::path(C3DE_TEST_DATA) / "mesh/openhelp/Liver.stl";
-  if (!std::filesystem::exists(file)) file = std::filesystem::path(C3DE_TEST_RESOURCES) / "meshes/organ.obj";
+  std::filesystem::path file = std::filesystem::path(testDataFolder()) / "mesh/openhelp/Liver.stl";
+  if (!std::filesystem::exists(file)) file = std::filesystem::path(testResourcesFolder()) / "meshes/organ.obj";
   Grid grid{{1.0, 1e2, 1e4, 1e6, 1e8, 2e10}, {0.0, 0.3, 0.45, 0.4999}, {1e-6, 1e-4, 1e-2, 0.1}, {}, 30, 2.0};
   for (const double spacing : {1e-3, 1e-2, 5e-2}) {
     grid.bodies.push_back(built(validation::meshShape(file, c3de::geometry::LengthUnit::millimetre,

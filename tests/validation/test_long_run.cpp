@@ -24,7 +24,7 @@ c3de_param_value flag(const char *id) {
 // What resources/scenes/first_light.toml says.
 c3de_handle openFirstLight(SimulatorSession &session) {
   const auto mesh = [](const char *name) {
-    auto loaded = c3de::geometry::loadMesh(std::filesystem::path(C3DE_TEST_RESOURCES) / "meshes" / name,
+    auto loaded = c3de::geometry::loadMesh(std::filesystem::path(testResourcesFolder()) / "meshes" / name,
                                            c3de::geometry::LengthUnit::millimetre);
     REQUIRE(loaded);
     return *loaded;

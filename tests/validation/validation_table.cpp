@@ -22,7 +22,7 @@ namespace {
 std::filesystem::path fileOf(std::string testCase) {
   for (char &c : testCase)
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  const auto folder = std::filesystem::path(C3DE_TEST_OUTPUT) / "validation";
+  const auto folder = std::filesystem::path(testOutputRoot()) / "validation";
   std::filesystem::create_directories(folder);
   return folder / (testCase.substr(0, 100) + ".txt");
 }

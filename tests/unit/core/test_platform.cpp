@@ -33,8 +33,8 @@ TEST_CASE("a program that does not exist is an error with its name") {
 }
 
 TEST_CASE("a file that is no library is refused with the reason") {
-  std::filesystem::create_directories(C3DE_TEST_OUTPUT);
-  const auto path = std::filesystem::absolute(std::filesystem::path(C3DE_TEST_OUTPUT) / "text.so");
+  std::filesystem::create_directories(testOutputRoot());
+  const auto path = std::filesystem::absolute(std::filesystem::path(testOutputRoot()) / "text.so");
   std::ofstream(path) << "only text";
   const auto library = DynamicLibrary::open(path);
   REQUIRE_FALSE(library);

@@ -106,7 +106,7 @@ TEST_CASE("Missing, empty and foreign files are refused") {
   const std::string foreign = refusal("text", "liver.docx");
   CHECK_THAT(foreign, Contains("'.docx'") && Contains(".obj, .stl, .ply, .vtk"));
   CHECK_THAT(refusal("text", "noextension"), Contains("none"));
-  const auto folder = loadMesh(std::filesystem::path(C3DE_TEST_OUTPUT), LengthUnit::millimetre);
+  const auto folder = loadMesh(std::filesystem::path(testOutputRoot()), LengthUnit::millimetre);
   CHECK_FALSE(folder);
 }
 
@@ -157,7 +157,7 @@ TEST_CASE("Saving and loading again gives the same mesh in every unit") {
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) worst = std::max(worst, norm(loaded->mesh.vertices[v] - mesh.vertices[v]));
     CHECK(worst < 1e-12 * 150.0 * 10.0);
   }
-  const auto unwritable = saveObj(std::filesystem::path(C3DE_TEST_OUTPUT) / "no" / "such" / "folder.obj", mesh, LengthUnit::metre);
+  const auto unwritable = saveObj(std::filesystem::path(testOutputRoot()) / "no" / "such" / "folder.obj", mesh, LengthUnit::metre);
   REQUIRE_FALSE(unwritable);
   CHECK(unwritable.error().code == ErrorCode::output);
 }

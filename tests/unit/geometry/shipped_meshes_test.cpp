@@ -10,7 +10,7 @@ using namespace c3de::geometry;
 namespace {
 
 LoadedMesh shipped(const char *name) {
-  auto loaded = loadMesh(std::filesystem::path(C3DE_TEST_RESOURCES) / "meshes" / name, LengthUnit::millimetre);
+  auto loaded = loadMesh(std::filesystem::path(testResourcesFolder()) / "meshes" / name, LengthUnit::millimetre);
   if (!loaded) FAIL(loaded.error().message);
   return *loaded;
 }

@@ -13,8 +13,8 @@ namespace {
 constexpr int kWidth = 640, kHeight = 400;
 
 void save(const Image &image, const char *name) {
-  std::filesystem::create_directories(C3DE_TEST_OUTPUT);
-  const auto written = writePng((std::filesystem::path(C3DE_TEST_OUTPUT) / name).string(), image);
+  std::filesystem::create_directories(testOutputRoot());
+  const auto written = writePng((std::filesystem::path(testOutputRoot()) / name).string(), image);
   if (!written) FAIL(written.error().message);
 }
 

@@ -18,8 +18,8 @@ using namespace c3de::render;
 namespace {
 
 std::string outputFile(const char *name) {
-  std::filesystem::create_directories(C3DE_TEST_OUTPUT);
-  return (std::filesystem::path(C3DE_TEST_OUTPUT) / name).string();
+  std::filesystem::create_directories(testOutputRoot());
+  return (std::filesystem::path(testOutputRoot()) / name).string();
 }
 
 Image testImage() {

@@ -20,7 +20,7 @@ inline std::filesystem::path sceneFolder() {
 
 inline const c3de::scene::MaterialLibrary &presets() {
   static const auto library =
-      c3de::scene::MaterialLibrary::load(std::filesystem::path(C3DE_TEST_RESOURCES) / "materials.toml");
+      c3de::scene::MaterialLibrary::load(std::filesystem::path(testResourcesFolder()) / "materials.toml");
   return library.value();
 }
 

@@ -12,7 +12,7 @@ using namespace c3de::scene;
 namespace {
 
 MaterialLibrary shipped() {
-  auto loaded = MaterialLibrary::load(std::filesystem::path(C3DE_TEST_RESOURCES) / "materials.toml");
+  auto loaded = MaterialLibrary::load(std::filesystem::path(testResourcesFolder()) / "materials.toml");
   if (!loaded) FAIL(loaded.error().message);
   return std::move(*loaded);
 }

@@ -33,7 +33,7 @@ TEST_CASE("no two commands share a key, and every key leads to its command") {
 }
 
 TEST_CASE("the file browser lists folders first and only the files that are accepted") {
-  const fs::path root = fs::path(C3DE_TEST_OUTPUT) / "browser";
+  const fs::path root = fs::path(testOutputRoot()) / "browser";
   fs::remove_all(root);
   fs::create_directories(root / "zebra");
   for (const char *name : {"b.obj", "A.STL", "notes.txt", ".hidden.obj"}) std::ofstream(root / name) << "x";
@@ -54,7 +54,7 @@ TEST_CASE("the file browser lists folders first and only the files that are acce
 }
 
 TEST_CASE("a file to be written may be new, gets an extension, and needs a folder") {
-  const fs::path root = fs::path(C3DE_TEST_OUTPUT) / "browser-new";
+  const fs::path root = fs::path(testOutputRoot()) / "browser-new";
   fs::create_directories(root / "sub");
   std::ofstream(root / "there.ply") << "x";
   FileBrowser browser;
@@ -89,7 +89,7 @@ TEST_CASE("a folder that cannot be shown leaves the one that is shown") {
 }
 
 TEST_CASE("a typed path is a file, a folder, or an error that says why") {
-  const fs::path root = fs::path(C3DE_TEST_OUTPUT) / "browser-typed";
+  const fs::path root = fs::path(testOutputRoot()) / "browser-typed";
   fs::create_directories(root / "sub");
   std::ofstream(root / "sub" / "liver.obj") << "x";
   std::ofstream(root / "notes.txt") << "x";

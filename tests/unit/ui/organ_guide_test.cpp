@@ -26,7 +26,7 @@ struct Fixture {
   MainQueue queue;
   BackgroundJobs jobs{queue};
   scene::MaterialLibrary materials = [] {
-    auto loaded = scene::MaterialLibrary::load(std::filesystem::path(C3DE_TEST_RESOURCES) / "materials.toml");
+    auto loaded = scene::MaterialLibrary::load(std::filesystem::path(testResourcesFolder()) / "materials.toml");
     if (!loaded) FAIL(loaded.error().message);
     return std::move(*loaded);
   }();

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/cloud_quality.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+
+#include "symmetric_eigen.h"
 
 namespace pointbased {
 
@@ -49,7 +50,7 @@ CloudQuality inspectCloud(const RestState &rest) {
       const Vec3 d = rest.positions[s.phyxels.indices[e]] - anchor;
       A += s.weights[e] * d * d.transpose();
     }
-    const Vec3 values = Eigen::SelfAdjointEigenSolver<Mat3>(A, Eigen::EigenvaluesOnly).eigenvalues();
+    const Vec3 values = detail::symmetricEigenvalues(A);
     out.condition = std::max(out.condition, values[2] / values[3 - rank]);
   }
   return out;

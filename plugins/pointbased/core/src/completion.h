@@ -33,6 +33,9 @@ struct PlaneNormal {
   }
 };
 
+/// The shortest rotation that turns one direction into another; neither is 0.
+Mat3 shortestRotation(const Vec3 &from, const Vec3 &to);
+
 /// Phyxels of a coplanar (rank 2), collinear (1) or single (0) stencil move the first `rank` directions of the frame only;
 /// fills in the others so that a rotation stays a rotation: the normal of the deformed plane, the shortest rotation of the
 /// line, nothing at all.
@@ -42,7 +45,7 @@ inline Mat3 completed(const Mat3 &F, int rank, const Mat3 &frame) {
   const Vec3 a = F * t1;
   if (rank == 1) {
     // A line squashed to nothing has no direction to turn to.
-    const Mat3 R = a.squaredNorm() > 0.0 ? Eigen::Quaterniond::FromTwoVectors(t1, a).toRotationMatrix() : Mat3::Identity();
+    const Mat3 R = a.squaredNorm() > 0.0 ? shortestRotation(t1, a) : Mat3(Mat3::Identity());
     return a * t1.transpose() + R * (Mat3::Identity() - t1 * t1.transpose());
   }
   const Vec3 b = F * t2;

@@ -2,6 +2,7 @@
 #include "pointbased/engine.h"
 
 #include "point_stiffness.h"
+#include "symmetric_eigen.h"
 
 namespace pointbased {
 
@@ -12,13 +13,12 @@ namespace {
 // A symmetric block with its eigenvalues turned positive, none below a small part of the largest.
 Mat3 positiveDefinite(const Mat3 &block) {
   constexpr double kSmallest = 1e-6;
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(symmetric(block));
-  const Vec3 values = eigen.eigenvalues();
+  const SymmetricEigen eigen = symmetricEigen(symmetric(block));
+  const Vec3 &values = eigen.values;
   const double largest = values.cwiseAbs().maxCoeff();
   if (!(largest > 0.0)) return Mat3::Identity();
   if (values[0] >= kSmallest * largest) return block;
-  const Vec3 held = values.cwiseAbs().cwiseMax(kSmallest * largest);
-  return eigen.eigenvectors() * held.asDiagonal() * eigen.eigenvectors().transpose();
+  return eigen.with(values.cwiseAbs().cwiseMax(kSmallest * largest));
 }
 
 }  // namespace

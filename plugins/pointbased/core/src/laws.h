@@ -2,11 +2,11 @@
 // The elastic laws, one type each, so that a loop over points decides on the law once: withLaw(). Private to the core.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "pointbased/material.h"
 #include "polar.h"
+#include "symmetric_eigen.h"
 
 namespace pointbased::detail {
 
@@ -88,9 +88,8 @@ inline Mat3 turnMatrix(const Polar &p, const Mat3 &U) {
     return c / sums.col(0).dot(c.col(0));
   }
   if (!sums.allFinite()) return sums;
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(sums);
-  const Vec3 held = eigen.eigenvalues().cwiseMax(kCorotatedFloor).cwiseInverse();
-  return eigen.eigenvectors() * held.asDiagonal() * eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetricEigen(sums);
+  return eigen.with(eigen.values.cwiseMax(kCorotatedFloor).cwiseInverse());
 }
 
 /// w with [w]x the skew part of A, doubled: A - A^T.

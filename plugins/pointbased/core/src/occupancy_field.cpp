@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "occupancy_field.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "symmetric_eigen.h"
 
 namespace pointbased::detail {
 namespace {
@@ -67,7 +68,7 @@ OccupancyField::OccupancyField(const Occupancy &occupancy, const ParallelFor &pa
   const Mat3 unit = steps_ * spacing_.cwiseInverse().asDiagonal();
   const Mat3 gram = unit.transpose() * unit;
   // On sheared grids the shortest way that index differences can stand for.
-  if (!gram.isIdentity(1e-9)) scale_ = std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(gram).eigenvalues()[0]));
+  if (!gram.isIdentity(1e-9)) scale_ = std::sqrt(std::max(0.0, symmetricEigen(gram).values[0]));
   crop(occupancy);
   measure(parallelFor);
   buildLevels();

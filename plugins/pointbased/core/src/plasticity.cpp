@@ -1,38 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/plasticity.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
 #include "laws.h"
+#include "symmetric_eigen.h"
 
 namespace pointbased {
-namespace {
 
-using Eigen3 = Eigen::SelfAdjointEigenSolver<Mat3>;
+using namespace detail;
+namespace {
 
 Vec3 halfLog(const Vec3 &squaredStretches) { return 0.5 * squaredStretches.array().log().matrix(); }
 Vec3 deviator(const Vec3 &h) { return h.array() - h.mean(); }
 
 // Fp^-1 with the logarithm of its stretch scaled by `factor`; its rotation, which no stress sees, stays.
-Mat3 scaledInLogarithm(const Eigen3 &eigen, const Vec3 &hencky, double factor, const Mat3 &plasticInverse) {
+Mat3 scaledInLogarithm(const SymmetricEigen &eigen, const Vec3 &hencky, double factor, const Mat3 &plasticInverse) {
   const Vec3 change = ((factor - 1.0) * hencky).array().exp();
-  return eigen.eigenvectors() * change.asDiagonal() * eigen.eigenvectors().transpose() * plasticInverse;
+  return eigen.with(change) * plasticInverse;
 }
 
 }  // namespace
 
 Mat3 henckyStrain(const Mat3 &F) {
   if (!(F.determinant() > 0.0)) return Mat3::Constant(std::nan(""));
-  const Eigen3 eigen(Mat3(F.transpose() * F));
-  return eigen.eigenvectors() * halfLog(eigen.eigenvalues()).asDiagonal() * eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetricEigen(F.transpose() * F);
+  return eigen.with(halfLog(eigen.values));
 }
 
 double deviatoricHenckyNorm(const Mat3 &F) {
   if (!(F.determinant() > 0.0)) return std::nan("");
-  const Eigen3 eigen(Mat3(F.transpose() * F), Eigen::EigenvaluesOnly);
-  return deviator(halfLog(eigen.eigenvalues())).norm();
+  return deviator(halfLog(symmetricEigenvalues(F.transpose() * F))).norm();
 }
 
 bool plasticFlow(const Plasticity &plastic, const Mat3 &F, double dt, Mat3 &plasticInverse, FlowResult *result,
@@ -45,9 +44,9 @@ bool plasticFlow(const Plasticity &plastic, const Mat3 &F, double dt, Mat3 &plas
   const double strain = 0.5 * (C - Mat3::Identity()).norm();
   if (strain * (1.0 + 2.0 * plastic.yield) <= plastic.yield || !std::isfinite(strain)) return false;
 
-  const Eigen3 eigen(C);
-  if (!(eigen.eigenvalues()[0] > 0.0)) return false;
-  const Vec3 h = deviator(halfLog(eigen.eigenvalues()));
+  const SymmetricEigen eigen = symmetricEigen(C);
+  if (!(eigen.values[0] > 0.0)) return false;
+  const Vec3 h = deviator(halfLog(eigen.values));
   const double norm = h.norm();
   const double excess = norm - plastic.yield;
   if (!(excess > 0.0)) return false;
@@ -55,14 +54,14 @@ bool plasticFlow(const Plasticity &plastic, const Mat3 &F, double dt, Mat3 &plas
   const double flow = share * excess;
 
   const Vec3 change = (-flow / norm * h).array().exp();
-  Mat3 next = plasticInverse * eigen.eigenvectors() * change.asDiagonal() * eigen.eigenvectors().transpose();
+  Mat3 next = plasticInverse * eigen.vectors * change.asDiagonal() * eigen.vectors.transpose();
   next /= std::cbrt(next.determinant());
   bool capped = false;
   double plasticStrain = 0.0;
   if (plastic.max < Plasticity::kNever || result) {
     const Mat3 all = before ? Mat3(*before * next) : next;
-    const Eigen3 ofPlastic(Mat3(all * all.transpose()));
-    const Vec3 hencky = deviator(halfLog(ofPlastic.eigenvalues()));
+    const SymmetricEigen ofPlastic = symmetricEigen(all * all.transpose());
+    const Vec3 hencky = deviator(halfLog(ofPlastic.values));
     plasticStrain = hencky.norm();
     if (plasticStrain > plastic.max) {
       next = scaledInLogarithm(ofPlastic, hencky, plastic.max / plasticStrain, all);

@@ -2,8 +2,6 @@
 // The stiffness matrix of one point as V^T H V. Private to the core.
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <optional>
 
 #include "point_response.h"
@@ -13,12 +11,7 @@ namespace pointbased::detail {
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
 /// A symmetric matrix without its negative eigenvalues.
-inline Matrix9 positivePart(const Matrix9 &C) {
-  const double shift = 1e-10 * C.trace();
-  if (shift > 0.0 && Eigen::LLT<Matrix9>(C + shift * Matrix9::Identity()).info() == Eigen::Success) return C;
-  const Eigen::SelfAdjointEigenSolver<Matrix9> eigen(C);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
-}
+Matrix9 positivePart(const Matrix9 &C);
 
 /// K_jl = Σ g_jc g_ld C_cd + B_j^T H B_l + twist γ_j γ_l: C the 9x9 tangent of v P, B_j the change of B (ModalEnergy) by the
 /// displacement of entry j.

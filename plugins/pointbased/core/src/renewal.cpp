@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/renewal.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "polar.h"
 #include "renewal_parts.h"
 #include "rest_parts.h"
+#include "symmetric_eigen.h"
 
 namespace pointbased {
 
@@ -28,8 +28,7 @@ constexpr int kRings = 3;
 double flowStrain(const Mat3 &plasticInverse) {
   const Mat3 C = plasticInverse * plasticInverse.transpose();
   if (C.trace() < 3.0 + kWornStrain * kWornStrain) return 0.0;
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(C, Eigen::EigenvaluesOnly);
-  const Vec3 h = 0.5 * eigen.eigenvalues().array().max(1e-300).log().matrix();
+  const Vec3 h = 0.5 * symmetricEigenvalues(C).array().max(1e-300).log().matrix();
   return Vec3(h.array() - h.mean()).norm();
 }
 

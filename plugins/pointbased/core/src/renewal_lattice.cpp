@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <cstdio>
 
 #include "interpolation_at.h"
 #include "renewal_parts.h"
+#include "symmetric_eigen.h"
 
 namespace pointbased {
 
@@ -15,9 +15,8 @@ using namespace detail;
 namespace {
 
 Mat3 mapped(const Mat3 &symmetric, double (*f)(double)) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(symmetric);
-  const Vec3 values(f(eigen.eigenvalues()[0]), f(eigen.eigenvalues()[1]), f(eigen.eigenvalues()[2]));
-  return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetricEigen(symmetric);
+  return eigen.with({f(eigen.values[0]), f(eigen.values[1]), f(eigen.values[2])});
 }
 
 double volumeOf(const Surface &surface) {

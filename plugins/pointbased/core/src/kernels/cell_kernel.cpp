@@ -6,8 +6,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/cell_kernel.cpp"
-// Vectors of a length that is known only at run time cannot be members.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#include "kernels/instruction_sets.h"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
