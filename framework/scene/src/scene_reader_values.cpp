@@ -236,9 +236,13 @@ void SceneReader::put(std::vector<SceneValue> &values, ParameterValue value, int
   static constexpr std::array<std::array<const char *, 2>, 2> kAlternatives{
       {{"sampling.spacing", "sampling.count"}, {"sampling.neighbours", "sampling.support"}}};
   if (!override_.empty())
-    for (const auto &[a, b] : kAlternatives)
-      if (value.id == a || value.id == b)
-        std::erase_if(values, [&](const SceneValue &other) { return other.value.id == a || other.value.id == b; });
+    for (const auto &alternatives : kAlternatives) {
+      const auto isOneOf = [&alternatives](const std::string &id) {
+        return std::find(alternatives.begin(), alternatives.end(), id) != alternatives.end();
+      };
+      if (isOneOf(value.id))
+        std::erase_if(values, [&](const SceneValue &other) { return isOneOf(other.value.id); });
+    }
 
   const SceneValue stored{std::move(value), override_.empty() ? line : 0, override_};
   for (SceneValue &present : values) {
