@@ -16,6 +16,7 @@
 
 #include "c3de/core/platform.h"
 #include "descriptors.h"
+#include "open_file.h"
 
 extern char **environ;
 
@@ -91,6 +92,10 @@ std::string cpuName() {
     if (line.rfind("model name", 0) == 0)
       if (const auto colon = line.find(": "); colon != std::string::npos) return line.substr(colon + 2);
   return "unknown";
+}
+
+std::FILE *detail::openFile(const std::filesystem::path &path, OpenMode mode) {
+  return std::fopen(path.c_str(), mode == OpenMode::replace ? "wb" : mode == OpenMode::createNew ? "wbx" : "ab");
 }
 
 bool stderrIsTerminal() { return isatty(STDERR_FILENO) == 1; }

@@ -10,6 +10,7 @@
 
 #include "c3de/core/platform.h"
 #include "descriptors.h"
+#include "open_file.h"
 
 namespace c3de {
 namespace {
@@ -135,6 +136,10 @@ std::uint64_t availableMemory() {
 std::string cpuName() {
   const std::string name = environmentVariable("PROCESSOR_IDENTIFIER");
   return name.empty() ? "unknown" : name;
+}
+
+std::FILE *detail::openFile(const std::filesystem::path &path, OpenMode mode) {
+  return _wfopen(path.c_str(), mode == OpenMode::replace ? L"wb" : mode == OpenMode::createNew ? L"wbx" : L"ab");
 }
 
 bool stderrIsTerminal() { return _isatty(2) != 0; }

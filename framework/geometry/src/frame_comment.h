@@ -9,6 +9,9 @@
 
 namespace c3de::geometry {
 
+/// What every file that we write says in its head.
+inline constexpr std::string_view kFrameText = "SPACE=LPS UNITS=mm";
+
 /// What comments in the head of a mesh file say about its numbers.
 struct FrameComment {
   std::optional<LengthUnit> unit;  ///< "UNITS=mm", or "unit: mm" as saveObj() writes it

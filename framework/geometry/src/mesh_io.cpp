@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 
+#include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
 #include "clean_up.h"
 #include "file_text.h"
@@ -119,11 +119,7 @@ Expected<void> saveObj(const std::filesystem::path &path, const TriangleMesh &me
   for (const Vec3 &v : mesh.vertices)
     text += fmt::format("v {} {} {}\n", formatNumber(v[0] / perUnit), formatNumber(v[1] / perUnit), formatNumber(v[2] / perUnit));
   for (const Triangle &t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-  std::ofstream out(path, std::ios::binary);
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  out.close();
-  if (!out) return fail(ErrorCode::output, displayPath(path) + ": cannot be written (does the folder exist, may it be written to, is there space?)");
-  return {};
+  return writeWholeFile(path, text);
 }
 
 }  // namespace c3de::geometry

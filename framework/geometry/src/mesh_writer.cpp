@@ -8,12 +8,13 @@
 #include <cstdint>
 #include <limits>
 
+#include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/vtk_writer.h"
 #include "check_written.h"
 #include "file_text.h"
+#include "frame_comment.h"
 #include "little_endian.h"
-#include "whole_file.h"
 
 namespace c3de::geometry {
 namespace {

@@ -8,11 +8,12 @@
 #include <cstdint>
 
 #include "base64.h"
+#include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
 #include "check_written.h"
 #include "file_text.h"
+#include "frame_comment.h"
 #include "little_endian.h"
-#include "whole_file.h"
 
 namespace c3de::geometry {
 namespace {

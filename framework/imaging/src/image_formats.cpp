@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "c3de/core/text.h"
-#include "file_writer.h"
+#include "packing.h"
 
 namespace c3de::imaging {
 namespace {
@@ -76,7 +76,7 @@ Expected<std::string> nrrdFile(const ImageToWrite &image) {
   text += bracketed(column(g, 0)) + " " + bracketed(column(g, 1)) + " " + bracketed(column(g, 2));
   text += "\nkinds: " + std::string(vector ? "vector " : "") + "domain domain domain\nendian: little\nencoding: gzip\nspace units: \"mm\" \"mm\" \"mm\"\nspace origin: " + bracketed(column(g, 3)) + "\n";
   for (const auto &[key, value] : image.keys) text += key + ":=" + value + "\n";
-  return text + "\n" + FileWriter::packed(image.voxels, FileWriter::Packing::gzip);
+  return text + "\n" + packed(image.voxels, Packing::gzip);
 }
 
 Expected<std::string> metaFile(const ImageToWrite &image) {
@@ -86,13 +86,13 @@ Expected<std::string> metaFile(const ImageToWrite &image) {
   for (std::size_t a = 0; a < 3; ++a)
     for (const double x : column(g, a)) matrix.push_back(x / spacing[a]);
   for (const double x : column(g, 3)) origin.push_back(x);
-  const std::string packed = FileWriter::packed(image.voxels, FileWriter::Packing::zlib);
+  const std::string zipped = packed(image.voxels, Packing::zlib);
   std::string text = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\nCompressedDataSize = " +
-                     std::to_string(packed.size()) + "\nTransformMatrix = " + spaced(matrix) + "\nOffset = " + spaced(origin) +
+                     std::to_string(zipped.size()) + "\nTransformMatrix = " + spaced(matrix) + "\nOffset = " + spaced(origin) +
                      "\nCenterOfRotation = 0 0 0\nElementSpacing = " + spaced({spacing[0], spacing[1], spacing[2]}) + "\nDimSize = " +
                      std::to_string(g.size[0]) + " " + std::to_string(g.size[1]) + " " + std::to_string(g.size[2]) + "\n";
   if (image.components > 1) text += "ElementNumberOfChannels = " + std::to_string(image.components) + "\n";
-  return text + "ElementType = " + metaType(image.scalar) + "\nElementDataFile = LOCAL\n" + packed;
+  return text + "ElementType = " + metaType(image.scalar) + "\nElementDataFile = LOCAL\n" + zipped;
 }
 
 Expected<std::string> niftiFile(const ImageToWrite &image) {

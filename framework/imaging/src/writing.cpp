@@ -6,10 +6,11 @@
 #include <limits>
 #include <new>
 
+#include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
-#include "file_writer.h"
 #include "image_formats.h"
 #include "label_table.h"
+#include "packing.h"
 
 namespace c3de::imaging {
 namespace {
@@ -39,11 +40,8 @@ Expected<void> save(const std::filesystem::path &path, Format format, const Imag
   try {
     auto bytes = format == Format::nrrd ? nrrdFile(image) : format == Format::meta ? metaFile(image) : niftiFile(image);
     if (!bytes) return tl::unexpected(bytes.error());
-    if (format == Format::niftiZipped) *bytes = FileWriter::packed(*bytes, FileWriter::Packing::gzip);
-    auto writer = FileWriter::open(path);
-    if (!writer) return tl::unexpected(writer.error());
-    writer->write(*bytes);
-    return writer->commit();
+    if (format == Format::niftiZipped) *bytes = packed(*bytes, Packing::gzip);
+    return writeWholeFile(path, *bytes);
   } catch (const std::bad_alloc &) {
     return refuseToWrite(path, "there is not enough memory to pack the image");
   }
@@ -115,7 +113,7 @@ Expected<void> saveTable(const std::filesystem::path &image, const LabelMap &lab
   std::filesystem::path path = image;
   if (lowerCase(path.extension().string()) == ".gz") path.replace_extension();
   path.replace_extension(".label");
-  auto writer = FileWriter::open(path);
+  auto writer = OutputFile::open(path);
   if (!writer) return tl::unexpected(writer.error());
   writer->write("# number  red green blue  opacity  visible  mesh  name\n0 0 0 0 0 0 0 \"background\"\n");
   for (const LabelMap::Label &label : labels.labels)

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
-#include <system_error>
 
+#include "c3de/core/output_file.h"
 #include "c3de/render/renderer.h"
 
 #ifdef _MSC_VER
@@ -46,16 +44,7 @@ Expected<void> writePng(const std::string &path, const Image &image) {
     return fail(ErrorCode::output,
                 fmt::format("cannot write '{}': encoding {} x {} pixels as PNG failed (out of memory?)", path,
                             image.width, image.height));
-  const std::filesystem::path file(std::u8string(path.begin(), path.end()));
-  errno = 0;
-  std::ofstream out(file, std::ios::binary);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  if (!out)
-    return fail(ErrorCode::output,
-                fmt::format("cannot write '{}': {}", path,
-                            errno != 0 ? std::generic_category().message(errno) : std::string("the stream failed")));
-  return {};
+  return writeWholeFile(std::filesystem::path(std::u8string(path.begin(), path.end())), {bytes.data(), bytes.size()});
 }
 
 }  // namespace c3de::render
