@@ -8,7 +8,6 @@
 
 #include "file_text.h"
 #include "ply_header.h"
-#include "polygon.h"
 #include "raw_mesh.h"
 
 namespace c3de::geometry {
@@ -31,7 +30,6 @@ Expected<void> addNode(const std::string &fileName, const aiScene &scene, const 
     std::vector<unsigned> corners;
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace &face = mesh.mFaces[f];
-      if (face.mNumIndices < 3) continue;  // points and lines
       if (face.mNumIndices > kMaxFaceCorners)
         return fail(ErrorCode::input, fmt::format("{}: face {} has {} corners; up to {} are accepted", fileName, f,
                                                   face.mNumIndices, kMaxFaceCorners));
@@ -43,8 +41,7 @@ Expected<void> addNode(const std::string &fileName, const aiScene &scene, const 
         corners.push_back(static_cast<unsigned>(first) + face.mIndices[i]);
       }
       if (mirrored) std::reverse(corners.begin(), corners.end());
-      if (corners.size() > 3) ++raw.polygonsSplit;
-      if (!triangulatePolygon(raw.vertices, corners, raw.triangles))
+      if (!addFace(raw, corners))
         return fail(ErrorCode::input, fmt::format("{}: face {} is a concave polygon with {} corners; up to 4096 are accepted",
                                                   fileName, f, corners.size()));
     }

@@ -97,6 +97,8 @@ Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<L
                                                 : readWithAssimp(path);
   if (!raw) return tl::unexpected(raw.error());
   std::vector<std::string> repairs = std::move(raw->notes);
+  if (raw->facesDropped)
+    repairs.push_back(fmt::format("{} with fewer than three different corners {} dropped", counted(raw->facesDropped, "face", "faces"), wasOrWere(raw->facesDropped)));
   if (raw->polygonsSplit) repairs.push_back(fmt::format("{} {} split into triangles", counted(raw->polygonsSplit, "polygon", "polygons"), wasOrWere(raw->polygonsSplit)));
   if (said.isRas) {
     // Half a turn about z: the sense of the triangles stays.

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "file_text.h"
-#include "polygon.h"
 #include "raw_mesh.h"
 
 namespace c3de::geometry {
@@ -23,7 +22,7 @@ std::string_view nextToken(std::string_view &line) {
 }
 
 /// Checks what tinyobjloader lets pass: text where a number should be (read as 0), non-finite numbers, indices out of
-/// range, faces with two corners, endless faces. Joins continued lines, which it does not know.
+/// range, faces with two corners (left out), endless faces. Joins continued lines, which it does not know.
 class ObjScan {
  public:
   ObjScan(std::string fileName, double millimetresPerUnit)
@@ -31,13 +30,16 @@ class ObjScan {
 
   Expected<void> run(std::string_view text);
   [[nodiscard]] const std::string &statements() const { return statements_; }
+  /// With fewer than three corners, which are left out.
+  [[nodiscard]] std::size_t shortFaces() const { return shortFaces_; }
 
  private:
   [[nodiscard]] tl::unexpected<Error> refuse(std::size_t line, const std::string &what) const {
     return fail(ErrorCode::input, fmt::format("{}:{}: {}", fileName_, line, what));
   }
   Expected<void> checkVertex(std::string_view rest, std::size_t line);
-  Expected<void> checkFace(std::string_view rest, std::size_t line);
+  /// Whether the face has three corners at least.
+  Expected<bool> checkFace(std::string_view rest, std::size_t line);
 
   struct IndexRecord {
     long long value;
@@ -45,7 +47,7 @@ class ObjScan {
   };
   std::string fileName_, statements_;
   double limit_;
-  std::size_t vertices_ = 0, faces_ = 0;
+  std::size_t vertices_ = 0, faces_ = 0, shortFaces_ = 0;
   std::vector<IndexRecord> largest_;  ///< increasing: a vertex may come after the face that names it
 };
 
@@ -70,7 +72,7 @@ Expected<void> ObjScan::checkVertex(std::string_view rest, std::size_t line) {
   return {};
 }
 
-Expected<void> ObjScan::checkFace(std::string_view rest, std::size_t line) {
+Expected<bool> ObjScan::checkFace(std::string_view rest, std::size_t line) {
   std::size_t corners = 0;
   for (std::string_view token = nextToken(rest); !token.empty(); token = nextToken(rest)) {
     if (++corners > kMaxFaceCorners)
@@ -84,9 +86,8 @@ Expected<void> ObjScan::checkFace(std::string_view rest, std::size_t line) {
     if (index > static_cast<long long>(vertices_) && (largest_.empty() || index > largest_.back().value))
       largest_.push_back({index, line});
   }
-  if (corners < 3) return refuse(line, fmt::format("a face with {} corners; at least 3 are expected", corners));
-  ++faces_;
-  return {};
+  ++(corners < 3 ? shortFaces_ : faces_);
+  return corners >= 3;
 }
 
 Expected<void> ObjScan::run(std::string_view text) {
@@ -119,8 +120,9 @@ Expected<void> ObjScan::run(std::string_view text) {
       if (auto ok = checkVertex(rest, firstLine); !ok) return ok;
       statements_.append("v ").append(rest).push_back('\n');
     } else if (keyword == "f") {
-      if (auto ok = checkFace(rest, firstLine); !ok) return ok;
-      statements_.append("f ").append(rest).push_back('\n');
+      const auto isFace = checkFace(rest, firstLine);
+      if (!isFace) return tl::unexpected(isFace.error());
+      if (*isFace) statements_.append("f ").append(rest).push_back('\n');
     }
   }
   if (vertices_ == 0) return fail(ErrorCode::input, fileName_ + ": no vertices ('v x y z' lines); is this an OBJ file?");
@@ -174,11 +176,11 @@ Expected<RawMesh> readObj(const std::filesystem::path &path, double millimetresP
 
   RawMesh raw;
   raw.vertices = std::move(content.vertices);
+  raw.facesDropped = scan.shortFaces();
   for (std::size_t f = 0; f + 1 < content.faceBegin.size(); ++f) {
     const std::span<const unsigned> corners(content.corners.data() + content.faceBegin[f],
                                             content.faceBegin[f + 1] - content.faceBegin[f]);
-    if (corners.size() > 3) ++raw.polygonsSplit;
-    if (!triangulatePolygon(raw.vertices, corners, raw.triangles))
+    if (!addFace(raw, corners))
       return fail(ErrorCode::input, fmt::format("{}: face {} is a concave polygon with {} corners; up to 4096 are accepted", name,
                                                 f + 1, corners.size()));
   }

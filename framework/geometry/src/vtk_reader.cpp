@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "file_text.h"
-#include "polygon.h"
 #include "raw_mesh.h"
 
 namespace c3de::geometry {
@@ -229,15 +228,13 @@ Expected<void> VtkParser::addCells(const std::string &section, const std::vector
                                                   static_cast<long long>(raw.vertices.size()) - 1));
       face.push_back(static_cast<unsigned>(corners[i]));
     }
-    if (face.size() < 3)
-      return fail(ErrorCode::input, fmt::format("{}: {} {} has {} corners; at least 3 are expected", fileName_, section, c, face.size()));
     if (section == "TRIANGLE_STRIPS") {
+      if (face.size() < 3) ++raw.facesDropped;
       for (std::size_t i = 0; i + 2 < face.size(); ++i)
         raw.triangles.push_back(i % 2 == 0 ? Triangle{face[i], face[i + 1], face[i + 2]} : Triangle{face[i + 1], face[i], face[i + 2]});
       continue;
     }
-    if (face.size() > 3) ++raw.polygonsSplit;
-    if (face.size() > kMaxFaceCorners || !triangulatePolygon(raw.vertices, face, raw.triangles))
+    if (face.size() > kMaxFaceCorners || !addFace(raw, face))
       return fail(ErrorCode::input, fmt::format("{}: {} {} has {} corners; up to {} are accepted, up to 4096 if it is concave",
                                                 fileName_, section, c, face.size(), kMaxFaceCorners));
   }

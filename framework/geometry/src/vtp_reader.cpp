@@ -10,7 +10,6 @@
 
 #include "base64.h"
 #include "file_text.h"
-#include "polygon.h"
 #include "raw_mesh.h"
 #include "xml_scan.h"
 
@@ -198,14 +197,13 @@ Expected<void> VtpParser::addFaces(const Piece &piece, const std::string &sectio
       face.push_back(static_cast<unsigned>(first + static_cast<std::size_t>(index)));
     }
     begin = end;
-    if (face.size() < 3) return refuse(fmt::format("{} {} has {} corners; at least 3 are expected", section, c, face.size()));
     if (section == "Strips") {
+      if (face.size() < 3) ++raw.facesDropped;
       for (std::size_t i = 0; i + 2 < face.size(); ++i)
         raw.triangles.push_back(i % 2 ? Triangle{face[i + 1], face[i], face[i + 2]} : Triangle{face[i], face[i + 1], face[i + 2]});
       continue;
     }
-    if (face.size() > 3) ++raw.polygonsSplit;
-    if (face.size() > kMaxFaceCorners || !triangulatePolygon(raw.vertices, face, raw.triangles))
+    if (face.size() > kMaxFaceCorners || !addFace(raw, face))
       return refuse(fmt::format("{} {} has {} corners; up to {} are accepted, up to 4096 if it is concave", section, c, face.size(), kMaxFaceCorners));
   }
   return {};

@@ -113,6 +113,54 @@ TEST_CASE("STL, PLY and OFF are read through assimp and welded") {
   checkTetrahedron("OFF\n4 4 6\n0 0 0\n10 0 0\n0 10 0\n0 0 10\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n", "ascii.off");
 }
 
+TEST_CASE("Faces with fewer than three different corners are dropped and counted, in every format") {
+  const std::string tetrahedron = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n", points = "0 0 0\n10 0 0\n0 10 0\n0 0 10\n";
+  const std::string plyHead = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                              "element face ", plyTail = "\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string vtp = "<VTKFile type=\"PolyData\" version=\"1.0\"><PolyData><Piece NumberOfPoints=\"4\" NumberOfPolys=\"6\">"
+                          "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">" + points + "</DataArray></Points>"
+                          "<Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 2 1 0 1 3 0 3 2 1 2 3 0 1 2 3 2</DataArray>"
+                          "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3 6 9 12 14 17</DataArray></Polys></Piece></PolyData></VTKFile>";
+  const std::string facet = "facet normal 0 0 1\nouter loop\n";
+  const auto triangle = [&](const char *a, const char *b, const char *c) {
+    return facet + "vertex " + a + "\nvertex " + b + "\nvertex " + c + "\nendloop\nendfacet\n";
+  };
+  const char *const o = "0 0 0", *const x = "10 0 0", *const y = "0 10 0", *const z = "0 0 10";
+  const struct {
+    const char *name;
+    std::string text;
+    const char *told;
+  } cases[] = {
+      {"short.obj", std::string(test_files::kTetrahedronObj) + "f 1 2\nf 3 4 3\n", "2 faces with fewer than three different corners were dropped"},
+      {"none.obj", std::string(test_files::kTetrahedronObj) + "f\nf 1\n", "2 faces with fewer"},
+      {"long.obj", std::string(test_files::kTetrahedronObj) + "f 1 2 1 2 1\n", "1 face with fewer than three different corners was dropped"},
+      {"short.vtk", kHead + "ASCII\n" + kPoints + "POLYGONS 6 23\n" + tetrahedron + "2 0 1\n3 2 3 2\n", "2 faces with fewer"},
+      {"short.vtp", vtp, "2 faces with fewer"},
+      {"short.ply", plyHead + "6" + plyTail + points + tetrahedron + "2 0 1\n3 2 3 2\n", "2 faces with fewer"},
+      {"short.off", "OFF\n4 6 6\n" + points + tetrahedron + "2 0 1\n3 2 3 2\n", "2 faces with fewer"},
+      {"short.stl", "solid t\n" + triangle(o, y, x) + triangle(o, x, z) + triangle(o, z, y) + triangle(x, y, z) + triangle(o, x, o) + "endsolid t\n",
+       "1 triangle that names a corner twice was dropped"},
+  };
+  for (const auto &one : cases) {
+    INFO(one.name);
+    const auto loaded = loadMesh(test_files::write(one.name, one.text), LengthUnit::millimetre);
+    if (!loaded) FAIL(loaded.error().message);
+    CHECK(loaded->mesh.triangles.size() == 4);
+    CHECK(loaded->report.closed);
+    INFO(loaded->report.text());
+    CHECK(test_files::contains(loaded->report.repairs, one.told));
+  }
+  // Corners that follow themselves make no other face.
+  const auto quad = loadMesh(test_files::write("quad.obj", "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 3 2\nf 1 2 4 4\nf 1 4 3\nf 2 3 4 2\n"), LengthUnit::millimetre);
+  REQUIRE(quad);
+  CHECK(quad->mesh.triangles.size() == 4);
+  CHECK(quad->report.repairs.empty());
+  // Nothing is left.
+  const auto empty = loadMesh(test_files::write("empty.obj", "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2\n"), LengthUnit::millimetre);
+  REQUIRE_FALSE(empty);
+  CHECK_THAT(empty.error().message, Contains("no faces"));
+}
+
 TEST_CASE("Extensions are recognised in any case") {
   checkTetrahedron(test_files::kTetrahedronObj, "UPPER.OBJ");
   CHECK(isMeshFile("liver.STL"));
