@@ -18,7 +18,8 @@ bool SceneReader::readImageFile(const std::string &key, const TomlValue &value, 
   if (!readText(key, value, text)) return false;
   const std::filesystem::path path = (scene_.source.parent_path() / pathFromUtf8(text)).lexically_normal();
   std::error_code code;
-  if (text.empty() || !std::filesystem::exists(path, code))
+  if (text.empty()) return refuse(value.line, key + " is empty; accepted: an image file or DICOM folder");
+  if (!std::filesystem::exists(path, code))
     return refuse(value.line, key + " '" + text + "' does not exist; it is looked for at " + path.string());
   out = path;
   return true;
@@ -58,19 +59,26 @@ bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const T
   if (key == "volume") return readImageFile(key, value, volume.file);
   if (key == "edge_length") return length(key, value, volume.edgeLength_mm);
   if (key == "label") {
-    if (value.kind == TomlValue::Kind::text) return readText(key, value, volume.labelName);
+    if (value.kind == TomlValue::Kind::text) {
+      if (value.text.empty()) return refuse(value.line, "label is empty; accepted: the number or the name of a label");
+      volume.label.reset();
+      return readText(key, value, volume.labelName);
+    }
     double number = 0.0;
     if (!readNumber(key, "the number or the name of a label", value, number)) return false;
     if (number != std::floor(number) || !(number >= 1.0 && number <= 65535.0))
       return refuse(value.line, "label is " + formatNumber(number) + "; accepted: a whole number 1 … 65535, or the name of a label");
     volume.label = static_cast<std::uint16_t>(number);
+    volume.labelName.clear();
     return true;
   }
   if (key == "threshold") {
     if (!value.isNumbers(2))
       return refuse(value.line, "threshold is " + value.kindName() + "; accepted: two numbers [lowest, highest]");
     const double low = value.items[0].num, high = value.items[1].num;
-    if (!(low <= high))
+    if (std::isnan(low) || std::isnan(high))
+      return refuse(value.line, "threshold is " + value.shown() + "; accepted: two numbers [lowest, highest]");
+    if (low > high)
       return refuse(value.line, "threshold: " + formatNumber(low) + " and " + formatNumber(high) +
                                     " leave nothing; accepted: [lowest, highest]");
     volume.threshold = {low, high};

@@ -101,7 +101,18 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
   if (const auto member = keyUnder("material.", key)) return materialKey(body->params, *member, value);
   if (const auto member = keyUnder("sampling.", key)) return samplingKey(*body, *member, value);
   if (const auto member = keyUnder("parts.", key)) return overridePart(*body, *member, value);
-  return bodyKey(*body, key, value);
+  const bool isOfVolume = key == "volume" || key == "label" || key == "threshold" || key == "mend" || key == "edge_length";
+  if (isOfVolume && body->volume.file.empty()) return refuse(0, "'" + key + "' belongs to a body with a 'volume'; this one has a 'mesh'");
+  if ((key == "mesh" || key == "mesh_unit") && body->mesh.empty())
+    return refuse(0, "'" + key + "' belongs to a body with a 'mesh'; this one has a 'volume'");
+  if (!bodyKey(*body, key, value)) return false;
+  // Of two ways to say the same thing, the override is what counts.
+  if (key == "label") body->volume.threshold.reset();
+  if (key == "threshold") {
+    body->volume.label.reset();
+    body->volume.labelName.clear();
+  }
+  return true;
 }
 
 bool SceneReader::overridePart(SceneBody &body, const std::string &rest, const TomlValue &value) {

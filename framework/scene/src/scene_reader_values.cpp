@@ -73,7 +73,8 @@ bool SceneReader::meshKey(const std::string &key, const TomlValue &value, std::f
   if (text.empty()) return refuse(value.line, "mesh is empty; accepted: a mesh file");
   const std::filesystem::path path = scene_.source.parent_path() / pathFromUtf8(text);
   std::error_code code;
-  if (!std::filesystem::is_regular_file(path, code))
+  if (std::filesystem::is_directory(path, code)) return refuse(value.line, "mesh '" + text + "' is a folder; accepted: a mesh file");
+  if (!std::filesystem::exists(path, code))
     return refuse(value.line, "mesh '" + text + "' does not exist; it is looked for at " + path.lexically_normal().string());
   out = path.lexically_normal();
   return true;

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "c3de/core/text.h"
+
 namespace c3de::scene {
 namespace {
 
@@ -75,13 +77,31 @@ const TomlValue *TomlValue::find(std::string_view key) const {
   return nullptr;
 }
 
+std::string TomlValue::shown() const {
+  constexpr std::size_t kMostBytes = 60;
+  switch (kind) {
+    case Kind::integer:
+    case Kind::number: return formatNumber(num);
+    case Kind::text: return "\"" + text + "\"";
+    case Kind::array: break;
+    case Kind::table: return "{ … }";
+    default: return kindName();
+  }
+  std::string list;
+  for (const TomlValue &item : items) {
+    if (list.size() > kMostBytes) return "[" + list + ", …], a list of " + std::to_string(items.size());
+    list += (list.empty() ? "" : ", ") + item.shown();
+  }
+  return "[" + list + "]";
+}
+
 std::string TomlValue::kindName() const {
   switch (kind) {
     case Kind::boolean: return num != 0.0 ? "true" : "false";
     case Kind::integer: return "a whole number";
     case Kind::number: return "a number";
     case Kind::text: return "the text \"" + text + "\"";
-    case Kind::array: return "a list of " + std::to_string(items.size());
+    case Kind::array: return shown();
     case Kind::table: return "a table";
     case Kind::date: return "a date or time";
   }

@@ -27,7 +27,9 @@ struct TomlValue {
   [[nodiscard]] bool isNumber() const { return kind == Kind::integer || kind == Kind::number; }
   [[nodiscard]] bool isNumbers(std::size_t count) const;  ///< an array of that many numbers
   [[nodiscard]] const TomlValue *find(std::string_view key) const;
-  [[nodiscard]] std::string kindName() const;  ///< for messages: "a number", "text", …
+  /// For messages: "a number", "the text \"abc\"", "[0, \"abc\", 0]", …
+  [[nodiscard]] std::string kindName() const;
+  [[nodiscard]] std::string shown() const;  ///< as it would be written, long lists cut
 };
 
 struct TomlValue::Entry {
