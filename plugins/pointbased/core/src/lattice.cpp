@@ -73,7 +73,7 @@ Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, do
   cut.set = std::move(*set);
   cut.parts = findParts(cut.set, shape, parallelFor);
   cut.corners = joinCorners(cut.set, cut.parts);
-  if (cut.corners.positions.size() > kMaximumPhyxels)
+  if (static_cast<double>(cut.corners.positions.size()) > kExpectationSlack * static_cast<double>(kMaximumPhyxels))
     return refuse("a spacing of " + number(spacing, 4) + " m makes " + std::to_string(cut.corners.positions.size()) +
                   " phyxels; at most " + std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
   return cut;

@@ -3,11 +3,18 @@
 #include <numbers>
 
 #include "lattice_samples.h"
+#include "number_text.h"
 
 namespace pointbased::lattice {
 namespace {
 
 enum class State : std::uint8_t { kEmpty, kFull, kCut, kSplit, kUnknown };
+
+using detail::number;
+
+// Corners of cells along a refined surface, and of the coarser ones that grading puts inside of them, for each that the
+// surface adds to a lattice that is as fine everywhere.
+constexpr double kLayersOfSurface = 2.2;
 
 const double kHalfDiagonal = 0.5 * std::numbers::sqrt3 * (1.0 + 1e-9);  // of a cell of edge 1
 
@@ -191,6 +198,48 @@ std::string tooMany() {
          " phyxels: use a larger spacing in refinements or surfaceSpacing";
 }
 
+// Edge of the largest cells that are at most this large, by halving.
+double halvedTo(double spacing, double wanted) {
+  return spacing / std::exp2(std::max(0.0, std::ceil(std::log2(spacing / wanted) - 1e-6)));
+}
+
+// Part of a cell that lies in a region.
+double partIn(const Region &region, const Frame &frame, const Vec3 &centre, double edge) {
+  const double distance = signedDistance(region, frame.world(centre));
+  if (std::abs(distance) > kHalfDiagonal * edge) return distance < 0.0 ? 1.0 : 0.0;
+  int in = 0;
+  for (int s = 0; s < kSamples; ++s)
+    in += signedDistance(region, frame.world(centre + edge * sampleOffset(s))) <= 0.0 ? 1 : 0;
+  return static_cast<double>(in) / kSamples;
+}
+
+// What the refined lattice will about be, before its octree takes time and memory: finer cells in the parts of coarse ones
+// that a refinement covers, and along the surface.
+Result<void> checkRefined(const BodyShape &shape, const LatticeSampling &sampling, const Frame &frame, std::span<const State> states,
+                          const ParallelFor &parallelFor) {
+  const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]);
+  std::vector<double> expected(states.size(), 0.0);
+  parallelFor(states.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (states[i] == State::kEmpty) continue;
+      const Vec3 centre = frame.low + frame.spacing * (Vec3(static_cast<double>(i % nx), static_cast<double>(i / nx % ny),
+                                                            static_cast<double>(i / (nx * ny))) + Vec3::Constant(0.5));
+      const double share = states[i] == State::kFull ? 1.0 : 0.5;
+      for (const Refinement &r : sampling.refinements) {
+        const double cells = std::pow(frame.spacing / halvedTo(frame.spacing, r.spacing), 3);
+        expected[i] = std::max(expected[i], share * partIn(r.region, frame, centre, frame.spacing) * cells);
+      }
+    }
+  });
+  double total = 0.0;
+  for (const double cells : expected) total += cells;
+  if (sampling.surfaceSpacing > 0.0 && sampling.surfaceSpacing < frame.spacing)
+    total = std::max(total, kLayersOfSurface * expectedSurfaceCorners(shape, halvedTo(frame.spacing, sampling.surfaceSpacing)));
+  if (total <= static_cast<double>(kMaximumPhyxels)) return {};
+  return tl::unexpected<std::string>("refinements or surface_spacing make about " + number(total, 3) + " phyxels; at most " +
+                                     std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing there");
+}
+
 }  // namespace
 
 Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing,
@@ -207,6 +256,8 @@ Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &samplin
 
   const auto states = scan(ask, frame, parallelFor, [&](double f) { return !progress || progress(0.4 * f); });
   if (!states) return tl::unexpected(states.error());
+  if (frame.levels > 0)
+    if (const auto fits = checkRefined(shape, sampling, frame, *states, parallelFor); !fits) return tl::unexpected(fits.error());
   const auto baseCell = [&](std::size_t i) {
     const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]);
     return Cell3{static_cast<std::int32_t>(i % nx), static_cast<std::int32_t>(i / nx % ny),

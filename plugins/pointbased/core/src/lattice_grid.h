@@ -135,6 +135,14 @@ class Questions {
 [[nodiscard]] std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampling, double spacing,
                                           const ParallelFor &parallelFor);
 
+/// About how many corners all cells of this edge have, from volume and area alone; for a smooth body within some per cent.
+[[nodiscard]] double expectedCorners(const BodyShape &shape, double spacing);
+/// The part of it that comes from the surface.
+[[nodiscard]] double expectedSurfaceCorners(const BodyShape &shape, double spacing);
+
+/// What is expected may be this much too little before a body that has been built is refused after all.
+inline constexpr double kExpectationSlack = 1.1;
+
 /// Why a spacing cannot be used, or nothing; before anything is allocated.
 [[nodiscard]] Result<void> checkSize(const BodyShape &shape, const LatticeSampling &sampling, double spacing);
 

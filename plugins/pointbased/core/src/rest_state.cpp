@@ -194,10 +194,17 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
   const auto part = [&](double from, double to) {
     return [&progress, from, to](double f) { return !progress || progress(from + (to - from) * f); };
   };
+  // What is far off in any case (a wrong unit) is not to be heard after minutes of building.
+  const double reach = 1.5 * (shape.max - shape.min).norm();
+  const auto check = [&](const Region &region) -> Result<void> {
+    if (const auto good = validate(region); !good) return good;
+    if (signedDistance(region, 0.5 * (shape.min + shape.max)) <= reach) return {};
+    return refuse("the region meets no part of the body; move or enlarge it until it does");
+  };
   for (std::size_t i = 0; i < recipe.fixes.size(); ++i)
-    if (const auto good = validate(recipe.fixes[i].region); !good) return refuse(numbered("fix", i, good.error()));
+    if (const auto good = check(recipe.fixes[i].region); !good) return refuse(numbered("fix", i, good.error()));
   for (std::size_t i = 0; i < recipe.loads.size(); ++i)
-    if (const auto good = validate(recipe.loads[i].region); !good) return refuse(numbered("load", i, good.error()));
+    if (const auto good = check(recipe.loads[i].region); !good) return refuse(numbered("load", i, good.error()));
 
   std::shared_ptr<RestState> rest;
   BoundaryConditions conditions{recipe.fixes, {}, recipe.loads, {}};
