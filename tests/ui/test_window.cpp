@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -103,6 +104,53 @@ TEST_CASE("a file that is no mesh leads to a message that says why, and the wind
   CHECK(state["nodes"].size() >= 2);  // the gallery's box is still there
   window.screenshot("refused");
   CHECK(window.isRunning());
+}
+
+TEST_CASE("what is in the file list opens by a double click, and by Enter once it is marked", "[file_list]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("file_list");
+  startGallery(window);
+  for (const bool isDouble : {true, false}) {
+    window.key("ctrl+m");
+    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+    window.click("dialog/path");
+    window.key("ctrl+a");
+    window.type((std::filesystem::path(C3DE_TEST_OUTPUT) / "ui").string());
+    window.key("Return");
+    window.waitUntil("the folder is listed", [](const Json &s) { return s["widgets"].contains("dialog/entry.no_mesh.obj"); });
+    if (isDouble) {
+      window.doubleClickAt(window.locate("dialog/entry.no_mesh.obj"));
+    } else {
+      window.click("dialog/entry.no_mesh.obj");
+      window.waitForValue("dialog/path", "no_mesh.obj");
+      window.key("Return");
+    }
+    const Json state = window.waitUntil("the file is opened, and refused", [](const Json &s) { return s["notifications"].size() == 1; });
+    CHECK_THAT(state["notifications"][0]["title"].get<std::string>(), Contains("no_mesh.obj"));
+    CHECK_FALSE(state["widgets"].contains("dialog/path"));
+    window.click("notification/close.0");
+    window.waitUntil("the message is closed", [](const Json &s) { return s["notifications"].empty(); });
+  }
+}
+
+TEST_CASE("a window is never larger than the screen, also where a unit is two pixels", "[screen_size]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("screen_size");
+  const std::filesystem::path noMesh = std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "no_mesh.obj";
+  std::ofstream(noMesh) << "this is no mesh\n";
+  // What a desktop says of a display with twice the usual density.
+  const auto set = c3de::runProcess({"xprop", "-root", "-f", "RESOURCE_MANAGER", "8s", "-set", "RESOURCE_MANAGER", "Xft.dpi: 192"}, 10.0);
+  if (!set || set->exitCode != 0) C3DE_SKIP("xprop is not there to set the density of the display");
+  const auto screen = c3de::runProcess({"xdotool", "getdisplaygeometry"}, 10.0);
+  REQUIRE(screen.has_value());
+  int width = 0, height = 0;
+  REQUIRE(std::sscanf(screen->output.c_str(), "%d %d", &width, &height) == 2);
+  window.start({noMesh.string(), "--plugin", C3DE_GALLERY_PLUGIN, "--size", "1280x800"});
+  const Json state = window.state();
+  const Json &size = state["window"];
+  CHECK(size[0].get<int>() <= width);
+  CHECK(size[1].get<int>() <= height);
+  CHECK(size[0].get<int>() > width / 2);
 }
 
 TEST_CASE("mouse and keys move the camera", "[camera]") {

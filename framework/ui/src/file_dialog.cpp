@@ -162,7 +162,10 @@ void FileDialog::draw(FrameContext &frame) {
   ImGui::PopStyleColor();
   markItem(frame, kArea, "open", hasText);
   ImGui::EndDisabled();
-  if ((isEntered || isPressed) && hasText) choose(typed_);
+  // Enter opens what is marked in the list, too.
+  const auto isDown = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
+  const bool isConfirmed = !isEntered && !ImGui::IsAnyItemActive() && (isDown(ImGuiKey_Enter) || isDown(ImGuiKey_KeyPadEnter));
+  if ((isEntered || isPressed || isConfirmed) && hasText) choose(typed_);
   ImGui::SameLine();
   const bool isCancelled = ImGui::Button("Cancel", ImVec2(frame.theme.px(96.0f), 0));
   markItem(frame, kArea, "cancel");

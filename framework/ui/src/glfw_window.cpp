@@ -12,6 +12,7 @@
 #include "c3de/abi/draft/tools.h"
 #include "c3de/ui/commands.h"
 #include "c3de/ui/file_browser.h"
+#include "window_size.h"
 
 namespace c3de::ui {
 namespace {
@@ -63,6 +64,35 @@ bool isSoftwareRenderer() {
   return false;
 }
 
+/// Of the first screen, without bars and docks, in what window sizes are counted in.
+std::array<int, 2> workArea() {
+  std::array<int, 2> size{};
+  int x = 0, y = 0;
+  if (GLFWmonitor *monitor = glfwGetPrimaryMonitor()) glfwGetMonitorWorkarea(monitor, &x, &y, &size[0], &size[1]);
+  return size;
+}
+
+/// What GLFW_SCALE_TO_MONITOR makes of a size: nothing where window units are not pixels.
+std::array<float, 2> enlargement() {
+  std::array<float, 2> scale{1.0f, 1.0f};
+#if !defined(__APPLE__)
+  if (GLFWmonitor *monitor = glfwGetPrimaryMonitor()) glfwGetMonitorContentScale(monitor, &scale[0], &scale[1]);
+#endif
+  return scale;
+}
+
+/// Takes off what title bar and borders add.
+void fitIntoScreen(GLFWwindow *window) {
+  std::array<int, 2> size{}, room = workArea();
+  int left = 0, top = 0, right = 0, bottom = 0;
+  glfwGetWindowSize(window, &size[0], &size[1]);
+  glfwGetWindowFrameSize(window, &left, &top, &right, &bottom);
+  if (room[0] <= 0 || room[1] <= 0) return;
+  room = {std::max(room[0] - left - right, 1), std::max(room[1] - top - bottom, 1)};
+  const std::array<int, 2> fitting = sizeThatFits(size, room, {1.0f, 1.0f});
+  if (fitting != size) glfwSetWindowSize(window, fitting[0], fitting[1]);
+}
+
 std::uint32_t buttonOf(int button) {
   switch (button) {
     case GLFW_MOUSE_BUTTON_LEFT: return C3DE_BUTTON_LEFT;
@@ -105,6 +135,9 @@ Expected<std::unique_ptr<GlfwWindow>> GlfwWindow::create(const std::string &titl
   if (!glfwInit())
     return fail(ErrorCode::graphics, "no window can be opened: " + lastGlfwError() + ". " + kNeeded +
                                          " and a display" + kHelp);
+  const std::array<int, 2> size = sizeThatFits({width, height}, workArea(), enlargement());
+  width = size[0];
+  height = size[1];
   std::unique_ptr<GlfwWindow> window(new GlfwWindow);
   for (const auto &[major, minor] : {std::array{4, 5}, std::array{4, 3}}) {
     window->window_ = tryCreate(major, minor, 4, title, width, height);
@@ -124,6 +157,7 @@ Expected<std::unique_ptr<GlfwWindow>> GlfwWindow::create(const std::string &titl
     const std::string reason = lastGlfwError();
     return fail(ErrorCode::graphics, std::string(kNeeded) + ", " + versionFound() + ": " + reason + kHelp);
   }
+  fitIntoScreen(window->window_);
   // The loop keeps its own pace; waiting for the display as well would halve the rate of a slow renderer.
   glfwSwapInterval(isSoftwareRenderer() ? 0 : 1);
   window->installCallbacks();

@@ -31,7 +31,10 @@ ImGuiSession::~ImGuiSession() {
 void ImGuiSession::take(const GlfwWindow &window, const OsEvent &event) {
   using Kind = OsEvent::Kind;
   switch (event.kind) {
-    case Kind::press: buttons_ |= event.button; break;
+    case Kind::press:
+      buttons_ |= event.button;
+      isSecondPress_ = clicks_.isSecond(event);
+      break;
     case Kind::release: buttons_ &= ~event.button; break;
     case Kind::wheel: ImGui_ImplGlfw_ScrollCallback(window.handle(), event.wheelX, event.wheel); break;
     case Kind::keyDown:
@@ -63,6 +66,9 @@ void ImGuiSession::beginFrame() {
   io.MouseDown[0] = (buttons_ & C3DE_BUTTON_LEFT) != 0;
   io.MouseDown[1] = (buttons_ & C3DE_BUTTON_RIGHT) != 0;
   io.MouseDown[2] = (buttons_ & C3DE_BUTTON_MIDDLE) != 0;
+  // Dear ImGui would count the time by frames, and a frame may take longer than a double click.
+  io.MouseDoubleClickTime = isSecondPress_ ? FLT_MAX : 0.0f;
+  isSecondPress_ = false;
   ImGui::NewFrame();
 }
 

@@ -31,6 +31,8 @@ class ImGuiSession {
   Theme theme_;
   ImVec2 mouse_{-FLT_MAX, -FLT_MAX};
   std::uint32_t buttons_ = 0;
+  ClickPairs clicks_;
+  bool isSecondPress_ = false;  ///< in this frame
 };
 
 }  // namespace c3de::ui

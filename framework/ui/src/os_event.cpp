@@ -2,10 +2,22 @@
 #include "os_event.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <set>
 
 namespace c3de::ui {
+
+bool ClickPairs::isSecond(const OsEvent &press) {
+  constexpr double kWithin_s = 0.4, kWithin_px = 6.0;
+  const bool isPair = button_ == press.button && press.time_s - time_s_ <= kWithin_s &&
+                      std::hypot(press.x - x_, press.y - y_) <= kWithin_px;
+  button_ = isPair ? 0 : press.button;
+  x_ = press.x;
+  y_ = press.y;
+  time_s_ = press.time_s;
+  return isPair;
+}
 
 std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue) {
   using Kind = OsEvent::Kind;

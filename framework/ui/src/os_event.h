@@ -20,6 +20,17 @@ struct OsEvent {
   std::vector<std::filesystem::path> files;
 };
 
+/// Finds double clicks by when their events came; frames may be slow, and each press has one of its own.
+class ClickPairs {
+ public:
+  /// Whether this press is the second of a pair: same button, within 0.4 s, at about the same place. A third begins anew.
+  bool isSecond(const OsEvent &press);
+
+ private:
+  std::uint32_t button_ = 0;  ///< of the first press of a pair; 0: none
+  double x_ = 0.0, y_ = 0.0, time_s_ = 0.0;
+};
+
 /// Takes from the front what one frame can show without losing any of it: Dear ImGui 1.86 looks at the state of mouse and
 /// keys once per frame, so a key that goes down and up, or a press and the move after it, need a frame each.
 [[nodiscard]] std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue);

@@ -42,3 +42,22 @@ TEST_CASE("moves and other events without an effect on each other share a frame"
   CHECK(sizesOfFrames({event(Kind::move), event(Kind::move), event(Kind::other), event(Kind::wheel), event(Kind::wheel)}) ==
         std::vector<std::size_t>{5});
 }
+
+TEST_CASE("two presses are a double click by the times they came at, however slow the frames are") {
+  const auto press = [](double time_s, double x = 100.0, std::uint32_t button = 1) {
+    OsEvent e = event(Kind::press);
+    e.time_s = time_s;
+    e.x = x;
+    e.button = button;
+    return e;
+  };
+  ClickPairs clicks;
+  CHECK_FALSE(clicks.isSecond(press(10.0)));
+  CHECK(clicks.isSecond(press(10.3)));
+  CHECK_FALSE(clicks.isSecond(press(10.4)));  // a third begins anew
+  CHECK(clicks.isSecond(press(10.5)));
+  CHECK_FALSE(clicks.isSecond(press(11.0)));
+  CHECK_FALSE(clicks.isSecond(press(11.6)));  // too late
+  CHECK_FALSE(clicks.isSecond(press(11.7, 120.0)));  // elsewhere
+  CHECK_FALSE(clicks.isSecond(press(11.8, 120.0, 2)));  // another button
+}
