@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "program.h"
 
 TEST_CASE("The option --version names product and ABI, as text and as JSON") {
@@ -40,6 +42,27 @@ TEST_CASE("Wrong usage ends with 2, says what is wrong on stderr and nothing on 
       {{"run", "a.toml", "--export-every", "0.1"}, "--export"},
       {{"run", "a.toml", "--export", "a.pvd", "--export-every", "-1"}, "--export-every"},
       {{"run", "a.toml", "--export-surface", "a.3ds"}, "'.3ds' cannot be written; accepted: .obj, .stl, .ply, .vtp"},
+      {{"run", "a.toml", "--until", "nan"}, "--until: 'nan' is not accepted; accepted: a number from 0"},
+      {{"run", "a.toml", "--until", "inf"}, "--until: 'inf' is not accepted"},
+      {{"run", "a.toml", "--until", "0x10"}, "--until: '0x10' is not accepted"},
+      {{"run", "a.toml", "--until", "1e400"}, "--until: '1e400' is not accepted"},
+      {{"run", "a.toml", "--until", "1,5"}, "with a decimal point"},
+      {{"run", "a.toml", "--until", "1s"}, "--until: '1s' is not accepted"},
+      {{"run", "a.toml", "--until", ""}, "--until: '' is not accepted"},
+      {{"run", "a.toml", "--time-limit", "nan"}, "--time-limit: 'nan' is not accepted"},
+      {{"run", "a.toml", "--time-limit", "-1"}, "--time-limit: '-1' is not accepted"},
+      {{"run", "a.toml", "--export", "a.pvd", "--export-every", "nan"}, "--export-every: 'nan' is not accepted"},
+      {{"run", "a.toml", "--steps", "0x10"}, "--steps: '0x10' is not accepted; accepted: a whole number from 0"},
+      {{"run", "a.toml", "--steps", "1.5"}, "--steps: '1.5' is not accepted"},
+      {{"run", "a.toml", "--steps", "99999999999999999999"}, "--steps: '99999999999999999999' is not accepted"},
+      {{"run", "a.toml", "--seed", "9223372036854775808"}, "--seed: '9223372036854775808' is not accepted"},
+      {{"run", "a.toml", "--probes-every", "1e2"}, "--probes-every: '1e2' is not accepted"},
+      {{"run", "a.toml", "--screenshot", "a.png", "--size", "640x480x"}, "WIDTHxHEIGHT"},
+      {{"run", "a.toml", "--screenshot", "a.png", "--size", " 640x 480"}, "WIDTHxHEIGHT"},
+      {{"run", "a.toml", "--screenshot", "a.png", "--size", "nanxnan"}, "WIDTHxHEIGHT"},
+      {{"run", "a.toml", "--untill", "1"}, "'--untill' is not accepted here, did you mean --until?"},
+      {{"run", "a.toml", "--report", ""}, "--report: the name is empty"},
+      {{"run", "a.toml", "--report", "--quiet"}, "--report: '--quiet' is an option"},
       {{"info"}, "FILE"},
       {{"info", "a.obj", "--unit", "inch"}, "--unit"},
       {{"study", "study.toml"}, "not served yet"},
@@ -51,6 +74,8 @@ TEST_CASE("Wrong usage ends with 2, says what is wrong on stderr and nothing on 
     CHECK(result.exitCode == 2);
     CHECK(result.output.empty());
     CHECK_THAT(result.errorOutput, Contains("c3de: error: ") && Contains(one.contains));
+    // One line says it; the help is asked for.
+    CHECK(std::count(result.errorOutput.begin(), result.errorOutput.end(), '\n') == 1);
   }
 }
 

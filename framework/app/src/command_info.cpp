@@ -2,7 +2,6 @@
 #include "command_info.h"
 
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -10,11 +9,13 @@
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/reading.h"
+#include "build_scene.h"
 #include "exit_code.h"
 #include "file_kind.h"
 #include "info_image.h"
-#include "organ.h"
+#include "progress_line.h"
 #include "simulator_access.h"
+#include "standard_output.h"
 
 namespace c3de::app {
 namespace {
@@ -126,13 +127,14 @@ void describeSupports(const scene::SceneFile &scene, std::ostringstream &text, J
 Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::filesystem::path &mesh,
                             geometry::LengthUnit unit, bool mustBeFillable, std::ostringstream &text) {
   const auto loaded = geometry::loadMesh(mesh, unit);
-  if (!loaded) return fail(loaded.error().code, scene.where(line) + ": " + loaded.error().message);
+  if (!loaded) return failInScene(loaded.error(), scene, line);
   const geometry::MeshReport &report = loaded->report;
   if (mustBeFillable)
     if (const auto fillable = geometry::checkFillable(loaded->mesh, report); !fillable)
-      return fail(fillable.error().code, scene.where(line) + ": " + fillable.error().message);
+      return failInScene(fillable.error(), scene, line);
   text << "  mesh " << mesh.string() << " (" << geometry::unitName(unit) << "): " << report.vertices << " vertices, "
        << report.triangles << " triangles, " << (report.closed ? "closed" : "open") << "\n";
+  for (const std::string &repair : report.repairs) text << "  repaired: " << repair << "\n";
   for (const std::string &warning : report.warnings) text << "  warning: " << warning << "\n";
   Json json = Json::parse(report.json(), nullptr, false);
   if (!json.is_object()) json = Json::object();
@@ -140,14 +142,56 @@ Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::
   return json;
 }
 
-Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, std::ostringstream &text) {
-  OrganSources sources;
+Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, OrganSources &sources, std::ostringstream &text) {
   Preparation took;
   const auto mask = sources.mask(body.volume, {}, took);
   if (!mask) return failInScene(mask.error(), scene, body.line);
   const double millilitres = imaging::volumeOf(*mask) / 1000.0;
   text << "  volume " << body.volume.file.string() << ": " << imaging::voxelCount(*mask) << " voxels, " << millilitres << " ml\n";
   return Json{{"file", body.volume.file.string()}, {"voxels", imaging::voxelCount(*mask)}, {"volume_ml", millilitres}};
+}
+
+/// What the simulator has made of a body; nothing where it does not say.
+void describeBuilt(c3de_object *simulator, std::size_t index, std::ostringstream &text, Json &json) {
+  const auto table = simulatorTable(simulator);
+  c3de_handle body{};
+  c3de_sim_body_info info{};
+  info.size = sizeof info;
+  if (!table || (*table)->body_at(simulator, index, &body) < 0 || (*table)->body_info(simulator, body, &info) < 0) return;
+  json["phyxels"] = info.phyxels;
+  json["spacing_m"] = info.spacing_m;
+  json["mass_kg"] = info.mass_kg;
+  text << "  " << info.phyxels << " phyxels, spacing " << info.spacing_m << " m, " << info.mass_kg << " kg\n";
+}
+
+/// The check that `run` makes, as far as it can be made; how far, for people and as "checked_by_simulator", "built".
+/// @returns  the simulator with its bodies, empty where they were not built
+Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene, bool isQuick, OrganSources &sources,
+                                 std::string &howFar, Json &json) {
+  auto created = session.createSimulator();
+  ObjectRef simulator(created ? *created : nullptr);
+  json["checked_by_simulator"] = created.has_value();
+  json["built"] = created && !isQuick;
+  if (created && !isQuick) {
+    ProgressLine progress(false);
+    const auto built = buildScene(session, simulator.get(), scene, sources, [&](double fraction, const std::string &what) {
+      progress.update(fraction, what);
+      return true;
+    });
+    progress.finish();
+    if (!built) return tl::unexpected(built.error());
+    howFar = "checked as for a run: every key is known to the simulator, and its bodies were built\n";
+    return simulator;
+  }
+  if (auto read = readSceneImage(scene, sources, {}); !read) return tl::unexpected(read.error());
+  const std::string unbuilt = "sampling, and whether fixes, loads and probes meet their bodies, ";
+  if (!created) {
+    howFar = "not checked: keys and values of materials, sampling, solver and world; " + unbuilt + "because " + created.error().message + "\n";
+    return ObjectRef();
+  }
+  if (auto good = session.checkValues(simulator.get(), scene); !good) return tl::unexpected(good.error());
+  howFar = "every key is known to the simulator; not checked: " + unbuilt + "because bodies are not built with --quick\n";
+  return ObjectRef();
 }
 
 /// Says what the image beside the simulation is, and whether its labels can be read.
@@ -169,10 +213,14 @@ Expected<Json> describeSceneImage(const scene::SceneFile &scene, std::ostringstr
   return json;
 }
 
-Expected<Described> describeScene(Session &session, const std::filesystem::path &file) {
+Expected<Described> describeScene(Session &session, const std::filesystem::path &file, bool isQuick) {
   const auto scene = scene::loadScene(file, &session.materials());
   if (!scene) return tl::unexpected(scene.error());
   Described out;
+  OrganSources sources;
+  std::string howFar;
+  const auto built = checkLikeRun(session, *scene, isQuick, sources, howFar, out.json);
+  if (!built) return tl::unexpected(built.error());
   std::ostringstream text;
   text << "scene \"" << scene->title << "\"\n";
   out.json["file"] = file.string();
@@ -188,10 +236,11 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
   out.json["bodies"] = Json::array();
   for (const scene::SceneBody &body : scene->bodies) {
     text << "body \"" << body.name << "\"\n";
-    const auto source = body.mesh.empty() ? describeMask(*scene, body, text)
+    const auto source = body.mesh.empty() ? describeMask(*scene, body, sources, text)
                                           : describePart(*scene, body.line, body.mesh, body.meshUnit, true, text);
     if (!source) return tl::unexpected(source.error());
     Json json{{"name", body.name}, {body.mesh.empty() ? "volume" : "mesh", *source}, {"params", Json::object()}};
+    if (built->get() != nullptr) describeBuilt(built->get(), out.json["bodies"].size(), text, json);
     describeValues(body.params, text, json["params"]);
     describeRegions(body, text, json);
     if (body.velocity_m_s != Vec3{}) json["velocity"] = body.velocity_m_s;
@@ -218,16 +267,7 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
     out.json["probes"].push_back(Json{{"name", probe.name}, {"body", probe.body}, {"at_m", probe.at_m}});
   }
 
-  // Keys below material, sampling, solver and world are for a simulator to judge.
-  auto created = session.createSimulator();
-  out.json["checked_by_simulator"] = created.has_value();
-  if (created) {
-    const ObjectRef simulator(*created);
-    if (const auto checked = session.checkScene(simulator.get(), *scene); !checked) return tl::unexpected(checked.error());
-    text << "every key is known to the simulator\n";
-  } else {
-    text << "keys of materials, sampling, solver and world are not checked: " << created.error().message << "\n";
-  }
+  text << howFar;
   out.text = text.str();
   return out;
 }
@@ -252,7 +292,7 @@ int showInfo(const InfoOptions &options) {
         if (!made) return reportError(made.error());
         session = std::move(*made);
       }
-      described = describeScene(*session, file);
+      described = describeScene(*session, file, options.isQuick);
     } else if (kind == FileKind::mesh) {
       described = describeMesh(file, options.meshUnit);
     } else {
@@ -267,11 +307,11 @@ int showInfo(const InfoOptions &options) {
     list.push_back(std::move(described->json));
     if (options.json) continue;
     const std::string &text = described->text;
-    std::printf("%s\n%s%s", file.string().c_str(), text.c_str(), text.empty() || text.back() == '\n' ? "" : "\n");
+    printOut(file.string() + "\n" + text + (text.empty() || text.back() == '\n' ? "" : "\n"));
   }
   if (options.json) {
     const Json &out = options.files.size() == 1 ? list.front() : list;
-    std::printf("%s\n", out.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    printOut(out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   }
   return exitCode;
 }

@@ -15,6 +15,7 @@ struct InfoOptions {
   std::string meshUnit;         ///< of meshes; empty: what the file says, else mm
   std::string series;           ///< of a folder of images with several; empty: the only one, or a list of them
   bool patientNames = false;    ///< whether the names of patients are shown
+  bool isQuick = false;         ///< bodies of scenes are not built: what only that can tell is not checked
   bool json = false;            ///< one file: an object; several: a list of objects
 };
 

@@ -2,12 +2,13 @@
 #include "command_plugins.h"
 
 #include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "c3de/abi/draft/all.h"
 #include "c3de/core/log.h"
 #include "exit_code.h"
+#include "file_kind.h"
+#include "standard_output.h"
 
 namespace c3de::app {
 namespace {
@@ -52,8 +53,7 @@ int listPlugins(const SessionOptions &options, bool json) {
       if (std::filesystem::is_directory(folder, code))
         folders.push_back(folder);
       else
-        exitCode = reportError({ErrorCode::plugin, "--plugin-path " + folder.string() +
-                                                       ": no such folder; accepted: a folder of plugins"});
+        exitCode = reportError({ErrorCode::plugin, "--plugin-path " + notAFolder(folder)});
     }
     for (const auto &folder : plugin_host::defaultPluginFolders()) folders.push_back(folder);
     for (const auto &folder : folders) host.loadFolder(folder);
@@ -67,34 +67,36 @@ int listPlugins(const SessionOptions &options, bool json) {
     for (const auto &one : host.classes())
       out["classes"].push_back(Json{{"id", one.id}, {"label", one.label}, {"doc", one.doc}, {"plugin", one.plugin},
                                     {"interfaces", one.interfaces}});
-    std::printf("%s\n", dump(out).c_str());
+    printOut(dump(out) + "\n");
     return exitCode;
   }
-  if (!options.usePlugins) std::printf("--no-plugins: nothing was looked for\n");
-  for (const auto &folder : folders) std::printf("looked in %s\n", folder.string().c_str());
+  std::string text;
+  if (!options.usePlugins) text += "--no-plugins: nothing was looked for\n";
+  for (const auto &folder : folders) text += "looked in " + folder.string() + "\n";
   for (const auto &plugin : host.plugins()) {
     if (plugin.state == plugin_host::PluginState::refused) {
-      std::printf("refused  %s\n         %s\n", plugin.path.string().c_str(), plugin.reason.c_str());
+      text += "refused  " + plugin.path.string() + "\n         " + plugin.reason + "\n";
       continue;
     }
-    std::printf("loaded   %s\n         %s %s, %s; %s; %s\n", plugin.path.string().c_str(), plugin.id.c_str(),
-                plugin.version.c_str(), plugin.displayName.c_str(), plugin.vendor.c_str(), plugin.license.c_str());
-    for (const auto &one : plugin.classes) std::printf("         class %s\n", one.c_str());
+    text += "loaded   " + plugin.path.string() + "\n         " + plugin.id + " " + plugin.version + ", " + plugin.displayName +
+            "; " + plugin.vendor + "; " + plugin.license + "\n";
+    for (const auto &one : plugin.classes) text += "         class " + one + "\n";
   }
-  if (host.plugins().empty()) std::printf("no plugin was found\n");
+  if (host.plugins().empty()) text += "no plugin was found\n";
+  printOut(text);
   return exitCode;
 }
 
 void printVersion(bool json) {
   if (!json) {
-    std::printf("c3de %s, plugin ABI %u.%u\n", C3DE_VERSION, C3DE_ABI_MAJOR, C3DE_ABI_MINOR);
+    printOut("c3de " C3DE_VERSION ", plugin ABI " + std::to_string(C3DE_ABI_MAJOR) + "." + std::to_string(C3DE_ABI_MINOR) + "\n");
     return;
   }
   const Json out{{"product", "c3de"},
                  {"version", C3DE_VERSION},
                  {"abi", {{"major", C3DE_ABI_MAJOR}, {"minor", C3DE_ABI_MINOR}}},
                  {"services", kServices}};
-  std::printf("%s\n", dump(out).c_str());
+  printOut(dump(out) + "\n");
 }
 
 }  // namespace c3de::app

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command_run.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
-#include <cstdio>
+#include <span>
 #include <utility>
 
+#include "build_scene.h"
 #include "c3de/core/log.h"
+#include "c3de/core/output_file.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/render/renderer.h"
 #include "exit_code.h"
@@ -13,10 +17,11 @@
 #include "file_kind.h"
 #include "headless_run.h"
 #include "interrupt.h"
-#include "output_file.h"
 #include "progress_line.h"
 #include "screenshot.h"
 #include "simulator_access.h"
+#include "standard_output.h"
+#include "written_outputs.h"
 
 namespace c3de::app {
 namespace {
@@ -28,7 +33,8 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Mat
   } else {
     std::error_code code;
     if (!std::filesystem::is_regular_file(options.scene, code))
-      return fail(ErrorCode::input, options.scene.string() + ": no such file; accepted: a scene (.toml) or a mesh");
+      return fail(ErrorCode::input, options.scene.string() + (std::filesystem::is_directory(options.scene, code) ? ": is a folder" : ": no such file") +
+                                        "; accepted: a scene (.toml) or a mesh");
     if (const FileKind kind = kindOf(options.scene); kind == FileKind::unknown)
       return tl::unexpected(unknownKind(options.scene));
     else if (kind == FileKind::image)
@@ -73,43 +79,36 @@ RunLimits limitsOf(const scene::SceneFile &scene, c3de_object *simulator, const 
 }
 
 void printSummary(const RunFacts &facts) {
-  if (facts.integrator == kQuasistatic) {
-    std::printf("%s: %s, %llu load steps in %.3g s\n", facts.scene.c_str(), facts.outcome.c_str(),
-                static_cast<unsigned long long>(facts.steps), facts.wall_s);
-    return;
-  }
+  if (facts.integrator == kQuasistatic)
+    return printOut(fmt::format("{}: {}, {} load steps in {:.3g} s\n", facts.scene, facts.outcome, facts.steps, facts.wall_s));
   const Preparation &took = facts.preparation;
   if (took.masks_s > 0.0)
-    std::printf("%s: first step after %.3g s (reading %.3g, masks %.3g, surfaces %.3g, fills %.3g, bodies %.3g, step %.3g)\n",
-                facts.scene.c_str(), facts.toFirstStep_s, took.reading_s, took.masks_s, took.surfaces_s, took.fills_s,
-                took.bodies_s, facts.firstStep_s);
+    printOut(fmt::format("{}: first step after {:.3g} s (reading {:.3g}, masks {:.3g}, surfaces {:.3g}, fills {:.3g}, bodies {:.3g}, "
+                         "step {:.3g})\n",
+                         facts.scene, facts.toFirstStep_s, took.reading_s, took.masks_s, took.surfaces_s, took.fills_s,
+                         took.bodies_s, facts.firstStep_s));
   const double factor = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
-  std::printf("%s: %s, %llu steps of %.4g s, %.6g s simulated in %.3g s (%.3g times real time)\n", facts.scene.c_str(),
-              facts.outcome.c_str(), static_cast<unsigned long long>(facts.steps), facts.dt_s, facts.time_s, facts.wall_s,
-              factor);
+  printOut(fmt::format("{}: {}, {} steps of {:.4g} s, {:.6g} s simulated in {:.3g} s ({:.3g} times real time)\n", facts.scene,
+                       facts.outcome, facts.steps, facts.dt_s, facts.time_s, facts.wall_s, factor));
 }
 
-/// Where the state at the end of a run that did not reach its end can be found.
-std::string whereKept(const RunOptions &options) {
-  std::string files;
-  for (const auto *file : {&options.report, &options.probes, &options.screenshot, &options.exportList, &options.exportSurface,
-                           &options.exportImage.image, &options.exportImage.displacement})
-    if (!file->empty()) files += (files.empty() ? "" : ", ") + file->string();
-  return files.empty() ? "; --report FILE.json keeps the last good state" : "; the last good state is in " + files;
+std::vector<std::string> namesOf(const scene::SceneFile &scene) {
+  std::vector<std::string> names;
+  for (const scene::SceneBody &body : scene.bodies) names.push_back(body.name);
+  return names;
 }
 
 std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const scene::SceneFile &scene) {
   std::vector<std::filesystem::path> all{options.report,     options.probes,            options.screenshot,
                                          options.exportList, options.exportImage.image, options.exportImage.displacement};
-  std::vector<std::string> names;
-  for (const scene::SceneBody &body : scene.bodies) names.push_back(body.name);
   if (!options.exportSurface.empty())
-    for (std::filesystem::path &file : surfaceFiles(options.exportSurface, names)) all.push_back(std::move(file));
+    for (std::filesystem::path &file : surfaceFiles(options.exportSurface, namesOf(scene))) all.push_back(std::move(file));
   return all;
 }
 
-std::vector<std::filesystem::path> inputsOf(const scene::SceneFile &scene) {
-  std::vector<std::filesystem::path> all{scene.source};
+std::vector<std::filesystem::path> inputsOf(const RunOptions &options, const scene::SceneFile &scene) {
+  std::vector<std::filesystem::path> all{options.scene};
+  all.insert(all.end(), options.session.pluginFiles.begin(), options.session.pluginFiles.end());
   for (const scene::SceneBody &body : scene.bodies) all.insert(all.end(), {body.mesh, body.volume.file});
   for (const scene::SceneObstacle &obstacle : scene.obstacles) all.push_back(obstacle.mesh);
   if (scene.image) {
@@ -119,19 +118,56 @@ std::vector<std::filesystem::path> inputsOf(const scene::SceneFile &scene) {
   return all;
 }
 
+/// Frames are many files, which take the place of what the folder holds under their names.
+Expected<void> checkFramesFolder(const RunOptions &options, std::span<const std::filesystem::path> others) {
+  if (options.exportList.empty()) return {};
+  const std::filesystem::path folder = framesFolder(options.exportList);
+  std::error_code code;
+  for (const std::filesystem::path &other : others)
+    if (!other.empty() && std::filesystem::equivalent(other.has_parent_path() ? other.parent_path() : ".", folder, code))
+      return fail(ErrorCode::usage, other.string() + ": lies in the folder that --export fills with frames; accepted: another folder");
+  return {};
+}
+
+/// That nothing is lost, neither an input nor one output to another. Without a scene of outputs alone.
+Expected<void> checkFiles(const RunOptions &options, const scene::SceneFile *scene) {
+  const std::vector<std::filesystem::path> outputs = outputsOf(options, scene != nullptr ? *scene : scene::SceneFile{});
+  std::vector<std::filesystem::path> inputs;
+  if (scene != nullptr) inputs = inputsOf(options, *scene);
+  if (auto good = checkOutputs(outputs, inputs); !good) return good;
+  for (const auto &others : {inputs, outputs})
+    if (auto good = checkFramesFolder(options, others); !good) return good;
+  return {};
+}
+
+Expected<void> writeReport(const RunOptions &options, const RunFacts &facts, const HeadlessRun &run) {
+  const auto simulatorJson = run.simulatorReport();
+  if (!simulatorJson) return tl::unexpected(simulatorJson.error());
+  const auto json = reportJson(facts, *simulatorJson);
+  if (!json) return tl::unexpected(json.error());
+  return writeWholeFile(options.report, *json);
+}
+
+void writeImageExports(const RunOptions &options, const imaging::Volume &image, double rim_mm, const c3de_simulator_v0 *table,
+                       c3de_object *simulator, ThreadPool &threads, WrittenOutputs &outputs) {
+  const ImageExport &wanted = options.exportImage;
+  const auto u = presentDisplacement(table, simulator, image.geometry, rim_mm);
+  for (const auto &file : {wanted.image, wanted.displacement}) {
+    if (file.empty()) continue;
+    const ImageExport one = file == wanted.image ? ImageExport{file, {}} : ImageExport{{}, file};
+    outputs.note(file, u ? writeImages(one, image, *u, {}, &threads) : Expected<void>(tl::unexpected(u.error())));
+  }
+}
+
 Expected<RunFacts> simulate(const RunOptions &options, Session &session, render::Renderer *renderer,
-                            std::chrono::steady_clock::time_point begin) {
+                            std::chrono::steady_clock::time_point begin, WrittenOutputs &outputs) {
   auto scene = readScene(options, session.materials());
   if (!scene) return tl::unexpected(scene.error());
-  if (!options.exportSurface.empty()) {
-    std::vector<std::string> names;
-    for (const scene::SceneBody &body : scene->bodies) names.push_back(body.name);
-    if (const auto writable = checkSurfaceExport(options.exportSurface, names); !writable) return tl::unexpected(writable.error());
-  }
-  if (const auto good = checkDistinct(outputsOf(options, *scene), inputsOf(*scene)); !good) return tl::unexpected(good.error());
-  const auto image = imageToExport(options.exportImage, *scene);
-  if (!image) return tl::unexpected(image.error());
-  for (const std::string &notice : image->notices) log(LogLevel::warn, scene->image->file.string() + ": " + notice);
+  if (!options.exportSurface.empty())
+    if (const auto writable = checkSurfaceExport(options.exportSurface, namesOf(*scene)); !writable)
+      return tl::unexpected(writable.error());
+  if (const auto good = checkFiles(options, &*scene); !good) return tl::unexpected(good.error());
+  if (const auto good = checkImageExport(options.exportImage, *scene); !good) return tl::unexpected(good.error());
   auto created = session.createSimulator();
   if (!created) return tl::unexpected(created.error());
   const ObjectRef simulator(*created);
@@ -139,42 +175,39 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
   if (!table) return tl::unexpected(table.error());
 
   Preparation preparation;
+  OrganSources sources;
   {
     ProgressLine progress(options.quiet);
-    const auto populated = session.populate(simulator.get(), *scene, [&](double fraction, const std::string &what) {
+    const auto populated = buildScene(session, simulator.get(), *scene, sources, [&](double fraction, const std::string &what) {
       progress.update(fraction, what);
       return !wasInterrupted();
     }, &preparation);
     if (!populated) return tl::unexpected(populated.error());
   }
 
-  HeadlessRun run(session, simulator.get(), *table, options, limitsOf(*scene, simulator.get(), options, begin));
+  HeadlessRun run(session, simulator.get(), *table, options, limitsOf(*scene, simulator.get(), options, begin), outputs);
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
   RunFacts facts = run.facts();
   facts.preparation = preparation;
   facts.scene = scene->title;
   facts.source = options.scene.string();
 
-  if (!options.report.empty()) {
-    const auto simulatorJson = run.simulatorReport();
-    if (!simulatorJson) return tl::unexpected(simulatorJson.error());
-    const auto json = reportJson(facts, *simulatorJson);
-    if (!json) return tl::unexpected(json.error());
-    if (const auto written = writeTextFile(options.report, *json); !written) return tl::unexpected(written.error());
-  }
+  if (!options.report.empty()) outputs.note(options.report, writeReport(options, facts, run));
   if (!options.exportSurface.empty()) {
     const auto states = readBodyStates(simulator.get(), BodyParts::skin, [&] { return session.plugins().takeError(); });
-    if (!states) return tl::unexpected(states.error());
-    if (const auto written = writeSurfaces(options.exportSurface, *states); !written) return tl::unexpected(written.error());
+    if (!states) outputs.addFailure(options.exportSurface, states.error());
+    else writeSurfaces(options.exportSurface, *states, [&](const auto &file, const auto &result) { outputs.note(file, result); });
   }
-  if (const auto written = exportImages(options.exportImage, image->volume, scene->image ? scene->image->rim_mm : 0.0, *table,
-                                          simulator.get(), session.pool());
-      !written)
-    return tl::unexpected(written.error());
+  if (options.exportImage.isWanted()) {
+    // It has been read above, and is there.
+    const auto image = sources.volume(scene->image->file, {});
+    if (!image) return tl::unexpected(image.error());
+    writeImageExports(options, **image, scene->image->rim_mm, *table, simulator.get(), session.pool(), outputs);
+  }
   if (renderer != nullptr) {
-    if (const auto adopted = session.adopt(simulator.get(), scene->title); !adopted) return tl::unexpected(adopted.error());
-    const auto drawn = writeScreenshot(session, *renderer, options.screenshot, options.width, options.height);
-    if (!drawn) return tl::unexpected(drawn.error());
+    auto drawn = session.adopt(simulator.get(), scene->title);
+    if (drawn) drawn = writeScreenshot(session, *renderer, options.screenshot, options.width, options.height);
+    outputs.note(options.screenshot, drawn);
   }
   return facts;
 }
@@ -184,15 +217,11 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
 int runScene(const RunOptions &options) {
   const auto begin = std::chrono::steady_clock::now();
   watchForInterrupt();
-  for (const auto *file : {&options.report, &options.probes, &options.screenshot}) {
-    if (file->empty()) continue;
-    if (const auto writable = checkWritable(*file); !writable) return reportError(writable.error());
-  }
-
   if (!options.exportList.empty())
     if (const auto writable = checkSimulationExport(options.exportList); !writable) return reportError(writable.error());
   if (!options.exportSurface.empty())
     if (const auto writable = checkSurfaceExport(options.exportSurface, {}); !writable) return reportError(writable.error());
+  if (const auto good = checkFiles(options, nullptr); !good) return reportError(good.error());
 
   // The context outlives the renderer, the renderer the session.
   std::unique_ptr<render::OffscreenContext> context;
@@ -209,19 +238,29 @@ int runScene(const RunOptions &options) {
   }
   auto session = Session::create(sessionOptions);
   if (!session) return reportError(session.error());
-  const auto facts = simulate(options, **session, renderer.get(), begin);
-  if (!facts) return reportError(facts.error());
+  WrittenOutputs outputs;
+  const auto facts = simulate(options, **session, renderer.get(), begin, outputs);
+  if (!facts) {
+    if (!outputs.areComplete()) reportError(outputs.error());
+    return reportError(facts.error());
+  }
 
   if (!options.quiet) printSummary(*facts);
-  if (facts->outcome == "done") return kDone;
-  if (facts->outcome == "diverged")
-    return reportError({ErrorCode::diverged, "the simulation diverged: " + facts->failure + whereKept(options)});
-  if (facts->outcome == "time_limit") {
-    reportError({ErrorCode::cancelled, facts->failure + whereKept(options)});
-    return kTimeLimit;
+  const std::string kept = outputs.written().empty() ? "; --report FILE.json keeps the last good state"
+                                                     : "; the last good state is in " + outputs.written();
+  ExitCode exitCode = kDone;
+  if (facts->outcome == "diverged") {
+    exitCode = reportError({ErrorCode::diverged, "the simulation diverged: " + facts->failure + kept});
+  } else if (facts->outcome == "time_limit") {
+    reportError({ErrorCode::cancelled, facts->failure + kept});
+    exitCode = kTimeLimit;
+  } else if (facts->outcome == "interrupted") {
+    exitCode = reportError({ErrorCode::cancelled, facts->failure});
+  } else if (facts->outcome != "done") {
+    exitCode = reportError({ErrorCode::internal, facts->failure});
   }
-  if (facts->outcome == "interrupted") return reportError({ErrorCode::cancelled, facts->failure});
-  return reportError({ErrorCode::internal, facts->failure});
+  // What was to be kept and is not counts most.
+  return outputs.areComplete() ? exitCode : reportError(outputs.error());
 }
 
 }  // namespace c3de::app

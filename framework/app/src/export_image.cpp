@@ -6,13 +6,13 @@
 #include <limits>
 #include <string_view>
 
+#include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/imaging/warp.h"
 #include "c3de/imaging/writing.h"
 #include "live_warp.h"
 #include "organ.h"
-#include "output_file.h"
 
 namespace c3de::app {
 namespace {
@@ -37,21 +37,19 @@ Expected<void> checkImageFile(const std::filesystem::path &file) {
   };
   if (!endsWith(".nrrd") && !endsWith(".nii") && !endsWith(".nii.gz") && !endsWith(".mha"))
     return fail(ErrorCode::usage, file.string() + ": accepted: .nrrd, .nii, .nii.gz, .mha");
-  return checkWritable(file);
+  return checkOutputs({&file, 1}, {});
 }
 
-Expected<imaging::LoadedVolume> imageToExport(const ImageExport &wanted, const scene::SceneFile &scene) {
-  if (!wanted.isWanted()) return imaging::LoadedVolume{};
+Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene) {
+  if (!wanted.isWanted()) return {};
   if (!scene.image)
     return fail(ErrorCode::usage, "--export-image and --export-displacement need a scene with an [image], whose grid they take; " +
                                       scene.where(1) + " has none");
   if (!wanted.image.empty())
-    if (auto good = checkImageFile(wanted.image); !good) return tl::unexpected(good.error());
+    if (auto good = checkImageFile(wanted.image); !good) return good;
   if (!wanted.displacement.empty())
-    if (auto good = checkImageFile(wanted.displacement); !good) return tl::unexpected(good.error());
-  auto loaded = imaging::readVolume(scene.image->file);
-  if (!loaded) return failInScene(loaded.error(), scene, scene.image->line);
-  return loaded;
+    if (auto good = checkImageFile(wanted.displacement); !good) return good;
+  return {};
 }
 
 Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
@@ -75,14 +73,6 @@ Expected<void> writeImages(const ImageExport &wanted, const imaging::Volume &ima
   const auto field = imaging::resampled(u, image.geometry, progress, threads);
   if (!field) return tl::unexpected(field.error());
   return imaging::writeVectorField(wanted.displacement, field->geometry, field->xyz_mm);
-}
-
-Expected<void> exportImages(const ImageExport &wanted, const imaging::Volume &image, double rim_mm,
-                            const c3de_simulator_v0 *table, c3de_object *simulator, ThreadPool &threads) {
-  if (!wanted.isWanted()) return {};
-  const auto u = presentDisplacement(table, simulator, image.geometry, rim_mm);
-  if (!u) return tl::unexpected(u.error());
-  return writeImages(wanted, image, *u, {}, &threads);
 }
 
 }  // namespace c3de::app

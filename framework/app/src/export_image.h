@@ -22,9 +22,9 @@ struct ImageExport {
   [[nodiscard]] bool isWanted() const { return !image.empty() || !displacement.empty(); }
 };
 
-/// Before the simulation begins: that the files can be written, and the scene's image, so that one that cannot be read costs
-/// no run. Empty where nothing is wanted. Errors: usage, output, those of reading.
-[[nodiscard]] Expected<imaging::LoadedVolume> imageToExport(const ImageExport &wanted, const scene::SceneFile &scene);
+/// Before the simulation begins: that there is an image whose grid they take, and that the files can be written. Errors:
+/// usage, output.
+[[nodiscard]] Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene);
 /// How far the tissue has moved, finer than what is shown live, wherever bodies are in the image. [sim]
 [[nodiscard]] Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                                       const imaging::VolumeGeometry &image, double rim_mm);
@@ -34,9 +34,5 @@ struct ImageExport {
                                          const ProgressFn &progress, ThreadPool *threads);
 /// That the name has an ending that can be written, and can be written to. Errors: usage, output.
 [[nodiscard]] Expected<void> checkImageFile(const std::filesystem::path &file);
-/// Of the simulator's present state. [sim]
-/// @param image  of imageToExport()
-[[nodiscard]] Expected<void> exportImages(const ImageExport &wanted, const imaging::Volume &image, double rim_mm,
-                                          const c3de_simulator_v0 *table, c3de_object *simulator, ThreadPool &threads);
 
 }  // namespace c3de::app

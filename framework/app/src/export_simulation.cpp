@@ -6,8 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "c3de/core/output_file.h"
 #include "c3de/geometry/mesh_writer.h"
-#include "output_file.h"
 
 namespace c3de::app {
 namespace {
@@ -81,7 +81,7 @@ Expected<void> checkSimulationExport(const fs::path &list) {
   if (list.extension() != ".pvd")
     return fail(ErrorCode::usage, utf8(list) + ": simulations with the extension '" + utf8(list.extension()) +
                                       "' cannot be written; accepted: .pvd (surfaces: --export-surface FILE.{obj,stl,ply,vtp})");
-  if (auto ok = checkWritable(list); !ok) return ok;
+  if (auto ok = checkOutputs({&list, 1}, {}); !ok) return ok;
   const fs::path folder = framesFolder(list);
   std::error_code code;
   if (!fs::exists(folder, code)) {
@@ -90,7 +90,8 @@ Expected<void> checkSimulationExport(const fs::path &list) {
   }
   if (!fs::is_directory(folder, code))
     return fail(ErrorCode::output, utf8(folder) + ": is a file, where a folder for the frames of " + utf8(list) + " is needed");
-  return checkWritable(folder / numbered("skin", 0, ".vtp"));
+  const fs::path first = folder / numbered("skin", 0, ".vtp");
+  return checkOutputs({&first, 1}, {});
 }
 
 SimulationExport::~SimulationExport() {
@@ -160,20 +161,16 @@ std::vector<fs::path> surfaceFiles(const fs::path &file, std::span<const std::st
 
 Expected<void> checkSurfaceExport(const fs::path &file, std::span<const std::string> bodies) {
   if (auto ok = geometry::checkMeshWritable(file); !ok) return ok;
-  for (const fs::path &one : surfaceFiles(file, bodies))
-    if (auto ok = checkWritable(one); !ok) return ok;
-  return {};
+  return checkOutputs(surfaceFiles(file, bodies), {});
 }
 
-Expected<std::vector<fs::path>> writeSurfaces(const fs::path &file, const std::vector<BodyState> &bodies) {
-  if (bodies.empty()) return fail(ErrorCode::state, utf8(file) + ": not written: there is no body");
+void writeSurfaces(const fs::path &file, const std::vector<BodyState> &bodies, const SurfaceTold &told) {
+  if (bodies.empty()) return told(file, fail(ErrorCode::state, utf8(file) + ": not written: there is no body"));
   std::vector<std::string> names;
   for (const BodyState &body : bodies) names.push_back(body.name);
   const std::vector<fs::path> files = surfaceFiles(file, names);
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (auto ok = geometry::writeMesh(files[b], bodies[b].skin, {bodies[b].skinArrays, bodies[b].name}); !ok)
-      return tl::unexpected(ok.error());
-  return files;
+    told(files[b], geometry::writeMesh(files[b], bodies[b].skin, {bodies[b].skinArrays, bodies[b].name}));
 }
 
 }  // namespace c3de::app

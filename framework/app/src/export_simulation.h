@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -46,8 +47,10 @@ class SimulationExport {
 [[nodiscard]] std::vector<std::filesystem::path> surfaceFiles(const std::filesystem::path &file, std::span<const std::string> bodies);
 /// Likewise before anything is simulated; names the extensions that are accepted.
 [[nodiscard]] Expected<void> checkSurfaceExport(const std::filesystem::path &file, std::span<const std::string> bodies);
-/// Writes the skins; what was written. Error (ErrorCode::state) when there is no body, or one without triangles.
-[[nodiscard]] Expected<std::vector<std::filesystem::path>> writeSurfaces(const std::filesystem::path &file,
-                                                                         const std::vector<BodyState> &bodies);
+/// Told of each file of writeSurfaces(): that it is written, or why not.
+using SurfaceTold = std::function<void(const std::filesystem::path &file, const Expected<void> &result)>;
+/// Writes the skins; one that fails does not keep the others from being written. Errors: ErrorCode::output, ErrorCode::state
+/// when there is no body, or one without triangles.
+void writeSurfaces(const std::filesystem::path &file, const std::vector<BodyState> &bodies, const SurfaceTold &told);
 
 }  // namespace c3de::app

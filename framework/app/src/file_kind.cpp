@@ -24,4 +24,10 @@ Error unknownKind(const std::filesystem::path &path) {
                                          "MetaImage, DICOM), meshes (" + meshes + ")"};
 }
 
+std::string notAFolder(const std::filesystem::path &path) {
+  std::error_code code;
+  return path.string() + (std::filesystem::exists(path, code) ? ": is a file, not a folder" : ": no such folder") +
+         "; accepted: a folder of plugins";
+}
+
 }  // namespace c3de::app

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "c3de/core/expected.h"
 
@@ -13,5 +14,8 @@ enum class FileKind { scene, image, mesh, unknown };
 [[nodiscard]] FileKind kindOf(const std::filesystem::path &path);
 /// Why a file of unknown kind is not opened, and what is accepted (ErrorCode::input).
 [[nodiscard]] Error unknownKind(const std::filesystem::path &path);
+
+/// What is wrong with a name that is none of a folder of plugins.
+[[nodiscard]] std::string notAFolder(const std::filesystem::path &path);
 
 }  // namespace c3de::app

@@ -7,7 +7,6 @@
 
 #include "c3de/core/text.h"
 #include "interrupt.h"
-#include "probe_table.h"
 #include "progress_line.h"
 
 namespace c3de::app {
@@ -75,19 +74,50 @@ std::string HeadlessRun::position() const {
   return formatNumber(facts_.time_s) + " s";
 }
 
-Expected<void> HeadlessRun::exportFrame(bool isEnd) {
-  if (!export_ || exportedStep_ == facts_.steps) return {};
-  // Many steps add up to a hair below the time of a frame. Load steps have no time: each is a frame.
-  const bool isDue = isQuasistatic() || facts_.time_s >= nextFrame_s_ - 1e-6 * facts_.dt_s;
-  if (!isDue && !isEnd) return {};
+Expected<void> HeadlessRun::addFrame() {
   const auto states = readBodyStates(simulator_, BodyParts::skinAndPhyxels, [this] { return session_.plugins().takeError(); });
   if (!states) return tl::unexpected(states.error());
-  const double time = isQuasistatic() ? static_cast<double>(facts_.steps) : facts_.time_s;
-  if (const auto added = export_->addFrame(time, *states); !added) return added;
+  return export_->addFrame(isQuasistatic() ? static_cast<double>(facts_.steps) : facts_.time_s, *states);
+}
+
+void HeadlessRun::exportFrame(bool isEnd) {
+  if (!export_ || exportedStep_ == facts_.steps) return;
+  // Many steps add up to a hair below the time of a frame. Load steps have no time: each is a frame.
+  const bool isDue = isQuasistatic() || facts_.time_s >= nextFrame_s_ - 1e-6 * facts_.dt_s;
+  if (!isDue && !isEnd) return;
+  if (const auto added = addFrame(); !added) {
+    outputs_.addFailure(options_.exportList, {added.error().code, added.error().message + "; the frames before it are kept, and the run goes on"});
+    export_.reset();
+    return;
+  }
   exportedStep_ = facts_.steps;
   if (isDue)
     nextFrame_s_ = options_.exportEvery_s * (std::floor((facts_.time_s + 1e-6 * facts_.dt_s) / options_.exportEvery_s) + 1.0);
+}
+
+Expected<void> HeadlessRun::sampleProbes() {
+  sampledStep_ = facts_.steps;
+  const auto json = simulatorReport();
+  if (!json) return tl::unexpected(json.error());
+  const auto samples = probesOf(*json);
+  if (!samples) return tl::unexpected(samples.error());
+  Expected<void> written;
+  if (!probes_) {
+    auto created = ProbeTable::create(options_.probes, *samples);
+    if (created) probes_ = std::move(*created);
+    else written = tl::unexpected(created.error());
+  }
+  if (written) written = probes_->add(facts_.time_s, *samples);
+  if (!written) {
+    outputs_.addFailure(options_.probes, {written.error().code, written.error().message + "; the whole rows before it are kept, and the run goes on"});
+    wantsProbes_ = false;
+  }
   return {};
+}
+
+void HeadlessRun::finishOutputs() {
+  if (export_) outputs_.note(options_.exportList, export_->finish());
+  if (wantsProbes_ && probes_) outputs_.note(options_.probes, probes_->close());
 }
 
 Expected<void> HeadlessRun::run() {
@@ -95,29 +125,11 @@ Expected<void> HeadlessRun::run() {
   facts_.threads = session_.pool().threadCount();
   facts_.seed = options_.seed;
   if (const auto read = readStatus(); !read) return read;
-
-  std::optional<ProbeTable> table;
-  std::uint64_t sampledStep = 0;
-  const auto sample = [&]() -> Expected<void> {
-    sampledStep = facts_.steps;
-    const auto json = simulatorReport();
-    if (!json) return tl::unexpected(json.error());
-    const auto probes = probesOf(*json);
-    if (!probes) return tl::unexpected(probes.error());
-    if (!table) {
-      auto created = ProbeTable::create(options_.probes, *probes);
-      if (!created) return tl::unexpected(created.error());
-      table = std::move(*created);
-    }
-    table->add(facts_.time_s, *probes);
-    return {};
-  };
-  const bool wantsProbes = !options_.probes.empty();
-  if (wantsProbes)
-    if (const auto sampled = sample(); !sampled) return sampled;
-
+  wantsProbes_ = !options_.probes.empty();
+  if (wantsProbes_)
+    if (const auto sampled = sampleProbes(); !sampled) return sampled;
   if (!options_.exportList.empty()) export_ = std::make_unique<SimulationExport>(options_.exportList);
-  if (const auto exported = exportFrame(false); !exported) return exported;
+  exportFrame(false);
 
   ProgressLine progress(options_.quiet);
   double wall_s = 0.0;
@@ -156,9 +168,9 @@ Expected<void> HeadlessRun::run() {
       facts_.failure = "the simulator answers that it has made a step, but neither step count nor time has grown";
       break;
     }
-    if (wantsProbes && facts_.steps % options_.probesEvery == 0)
-      if (const auto sampled = sample(); !sampled) return sampled;
-    if (const auto exported = exportFrame(false); !exported) return exported;
+    if (wantsProbes_ && facts_.steps % options_.probesEvery == 0)
+      if (const auto sampled = sampleProbes(); !sampled) return sampled;
+    exportFrame(false);
     if (progress.isDue())
       progress.update(fraction(), isQuasistatic() ? position() + " in " + threeDigits(wall_s) + " s"
                                                   : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) +
@@ -170,15 +182,12 @@ Expected<void> HeadlessRun::run() {
                      " stopped on the way; \"events\" of the report say which, where and what would help";
   }
   // The end, whatever brought it about, is the last row.
-  if (wantsProbes && sampledStep != facts_.steps)
-    if (const auto sampled = sample(); !sampled) return sampled;
-  if (const auto exported = exportFrame(true); !exported) return exported;
-  if (export_)
-    if (const auto finished = export_->finish(); !finished) return finished;
+  if (wantsProbes_ && sampledStep_ != facts_.steps)
+    if (const auto sampled = sampleProbes(); !sampled) return sampled;
+  exportFrame(true);
+  finishOutputs();
   if (table_->state_hash(simulator_, &facts_.stateHash) < 0)
     return fail(ErrorCode::plugin, "the simulator gives no state hash");
-  if (table)
-    if (const auto closed = table->close(); !closed) return closed;
   return {};
 }
 

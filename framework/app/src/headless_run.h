@@ -10,7 +10,9 @@
 #include "c3de/abi/draft/iface/simulator.h"
 #include "command_run.h"
 #include "export_simulation.h"
+#include "probe_table.h"
 #include "report.h"
+#include "written_outputs.h"
 
 namespace c3de::app {
 
@@ -27,12 +29,13 @@ struct RunLimits {
 class HeadlessRun {
  public:
   HeadlessRun(Session &session, c3de_object *simulator, const c3de_simulator_v0 *table, const RunOptions &options,
-              RunLimits limits)
-      : session_(session), simulator_(simulator), table_(table), options_(options), limits_(std::move(limits)) {
+              RunLimits limits, WrittenOutputs &outputs)
+      : session_(session), simulator_(simulator), table_(table), options_(options), limits_(std::move(limits)), outputs_(outputs) {
     facts_.integrator = limits_.integrator;
   }
 
-  /// Runs; what ended it stands in facts().outcome. The error is about output or about the simulator's report.
+  /// Runs; what ended it stands in facts().outcome. Probes or an export that cannot be written on the way are told, and the
+  /// run goes on without them. The error is about the simulator's report.
   [[nodiscard]] Expected<void> run();
   [[nodiscard]] const RunFacts &facts() const { return facts_; }
   /// The simulator's own report as JSON.
@@ -40,8 +43,12 @@ class HeadlessRun {
 
  private:
   [[nodiscard]] Expected<void> readStatus();
+  /// A row of the probes; the error is about the simulator's report.
+  [[nodiscard]] Expected<void> sampleProbes();
   /// Adds the present state to the export when its time has come, or at any rate.
-  [[nodiscard]] Expected<void> exportFrame(bool isEnd);
+  void exportFrame(bool isEnd);
+  [[nodiscard]] Expected<void> addFrame();
+  void finishOutputs();
   [[nodiscard]] bool isDone() const;
   [[nodiscard]] bool isQuasistatic() const { return limits_.integrator == kQuasistatic; }
   [[nodiscard]] double fraction() const;
@@ -53,7 +60,11 @@ class HeadlessRun {
   const RunOptions &options_;
   RunLimits limits_;
   RunFacts facts_;
-  std::unique_ptr<SimulationExport> export_;
+  WrittenOutputs &outputs_;
+  bool wantsProbes_ = false;  ///< and they could be written so far
+  std::optional<ProbeTable> probes_;
+  std::uint64_t sampledStep_ = 0;
+  std::unique_ptr<SimulationExport> export_;  ///< likewise
   std::optional<std::uint64_t> exportedStep_;
   double nextFrame_s_ = 0.0;
   bool finished_ = false;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line: what each sub-command accepts. What it does stands in command_*.cpp and workstation.cpp.
 #include <CLI/CLI.hpp>
-#include <cstdio>
-#include <iostream>
+#include <algorithm>
+#include <csignal>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,9 @@
 #include "command_plugins.h"
 #include "command_run.h"
 #include "exit_code.h"
+#include "option_values.h"
 #include "resources.h"
+#include "standard_output.h"
 #include "workstation.h"
 
 namespace {
@@ -21,18 +24,57 @@ namespace {
 using namespace c3de;
 using namespace c3de::app;
 
-/// Options as text; what they mean is checked where it can be said well.
+/// Options as they were given; what they mean together is checked where it can be said well.
 struct Arguments {
   SessionOptions session;
   std::vector<std::string> plugins, pluginPaths, files;
-  bool noPlugins = false, json = false, version = false, play = false, quiet = false, verbose = false, patientNames = false;
-  std::string unit, size, automationState, scene, exportList, exportSurface, exportImage, exportDisplacement;
-  double until_s = -1.0, timeLimit_s = -1.0;
-  double exportEvery_s = kDefaultExportEvery_s;
-  long long steps = -1, threads = 0, seed = -1, probesEvery = 1;
+  bool noPlugins = false, json = false, version = false, play = false, quiet = false, verbose = false, patientNames = false, infoQuick = false;
+  std::string unit, automationState, scene, exportList, exportSurface, exportImage, exportDisplacement;
+  std::optional<double> until_s, timeLimit_s;
+  std::optional<double> exportEvery_s;
+  std::optional<long long> steps, threads, seed, probesEvery;
+  std::optional<PictureSize> size;
   std::vector<std::string> overrides;
   std::string report, probes, screenshot, series;
 };
+
+/// An option whose text is turned into a value by a function of ours.
+template <class T, class Parse>
+CLI::Option *addParsed(CLI::App &app, const std::string &name, std::optional<T> &value, const std::string &help, Parse parse) {
+  return app.add_option_function<std::string>(
+      name,
+      [name, &value, parse](const std::string &text) {
+        const auto parsed = parse(text);
+        if (!parsed) throw CLI::ValidationError(name, parsed.error().message);
+        value = *parsed;
+      },
+      help);
+}
+
+CLI::Option *addSeconds(CLI::App &app, const std::string &name, std::optional<double> &value, double least, const std::string &help) {
+  return addParsed(app, name, value, help, [least](const std::string &text) { return parseDecimal(text, least, 1e9, "s"); })
+      ->type_name("SECONDS");
+}
+
+CLI::Option *addCount(CLI::App &app, const std::string &name, std::optional<long long> &value, long long least, long long most,
+                      const std::string &help) {
+  return addParsed(app, name, value, help, [least, most](const std::string &text) { return parseWhole(text, least, most); })
+      ->type_name("N");
+}
+
+CLI::Option *addSize(CLI::App &app, Arguments &arguments, const std::string &help) {
+  return addParsed(app, "--size", arguments.size, help, [](const std::string &text) { return parseSize(text); })->type_name("WxH");
+}
+
+/// @param type  "FILE.json"
+CLI::Option *addFile(CLI::App &app, const std::string &name, std::string &file, const std::string &type, const std::string &help) {
+  const auto isNamed = [](const std::string &text) -> std::string {
+    if (text.empty()) return "the name is empty; accepted: a file name";
+    if (text.starts_with("--")) return "'" + text + "' is an option; accepted: a file name";
+    return {};
+  };
+  return app.add_option(name, file, help)->type_name(type)->check(CLI::Validator(isNamed, "", ""));
+}
 
 void addSessionOptions(CLI::App &app, Arguments &arguments) {
   app.add_option("--plugin", arguments.plugins, "Load this plugin; ends with 4 if it is refused (repeatable)")
@@ -40,8 +82,7 @@ void addSessionOptions(CLI::App &app, Arguments &arguments) {
   app.add_option("--plugin-path", arguments.pluginPaths, "Look for plugins in this folder, too (repeatable)")
       ->type_name("DIR")->allow_extra_args(false);
   app.add_flag("--no-plugins", arguments.noPlugins, "Load no plugin");
-  app.add_option("--threads", arguments.threads, "Threads that compute; default: as many as the machine has")
-      ->check(CLI::Range(1LL, 1024LL))->type_name("N");
+  addCount(app, "--threads", arguments.threads, 1, 1024, "Threads that compute; default: as many as the machine has");
   app.add_flag("-v,--verbose", arguments.verbose, "Say more");
 }
 
@@ -50,23 +91,12 @@ CLI::Option *addUnit(CLI::App &app, Arguments &arguments) {
       ->check(CLI::IsMember({"m", "mm", "cm"}))->type_name("UNIT");
 }
 
-/// "1280x720"
-bool parseSize(const std::string &text, int &width, int &height) {
-  char rest = 0;
-  return std::sscanf(text.c_str(), "%5dx%5d%c", &width, &height, &rest) == 2 && width >= 16 && height >= 16 &&
-         width <= 16384 && height <= 16384;
-}
-
-Error sizeError(const std::string &text) {
-  return {ErrorCode::usage, "--size " + text + ": accepted: WIDTHxHEIGHT in pixels, 16 to 16384, for example 1280x720"};
-}
-
 SessionOptions sessionOptions(const Arguments &arguments) {
   SessionOptions options;
   options.usePlugins = !arguments.noPlugins;
   for (const std::string &file : arguments.plugins) options.pluginFiles.emplace_back(file);
   for (const std::string &folder : arguments.pluginPaths) options.pluginFolders.emplace_back(folder);
-  options.threads = static_cast<unsigned>(arguments.threads);
+  options.threads = static_cast<unsigned>(arguments.threads.value_or(0));
   return options;
 }
 
@@ -84,8 +114,10 @@ int openWorkstation(const Arguments &arguments) {
   options.meshUnit = arguments.unit;
   options.play = arguments.play;
   options.automationState = arguments.automationState;
-  if (!arguments.size.empty() && !parseSize(arguments.size, options.width, options.height))
-    return reportError(sizeError(arguments.size));
+  if (arguments.size) {
+    options.width = arguments.size->width;
+    options.height = arguments.size->height;
+  }
   for (const std::string &file : arguments.files) {
     std::error_code code;
     if (!std::filesystem::exists(file, code)) {
@@ -118,25 +150,46 @@ int run(const Arguments &arguments) {
   options.session = sessionOptions(arguments);
   options.scene = arguments.scene;
   options.meshUnit = arguments.unit;
-  if (arguments.until_s >= 0.0) options.until_s = arguments.until_s;
-  if (arguments.timeLimit_s >= 0.0) options.timeLimit_s = arguments.timeLimit_s;
-  if (arguments.steps >= 0) options.steps = static_cast<std::uint64_t>(arguments.steps);
-  if (arguments.seed >= 0) options.seed = static_cast<std::uint64_t>(arguments.seed);
+  options.until_s = arguments.until_s;
+  options.timeLimit_s = arguments.timeLimit_s;
+  if (arguments.steps) options.steps = static_cast<std::uint64_t>(*arguments.steps);
+  if (arguments.seed) options.seed = static_cast<std::uint64_t>(*arguments.seed);
   options.overrides = arguments.overrides;
   options.report = arguments.report;
   options.probes = arguments.probes;
-  options.probesEvery = static_cast<std::uint64_t>(arguments.probesEvery);
+  options.probesEvery = static_cast<std::uint64_t>(arguments.probesEvery.value_or(1));
   options.screenshot = arguments.screenshot;
   options.exportList = arguments.exportList;
-  options.exportEvery_s = arguments.exportEvery_s;
+  options.exportEvery_s = arguments.exportEvery_s.value_or(kDefaultExportEvery_s);
   options.exportSurface = arguments.exportSurface;
   options.exportImage = {arguments.exportImage, arguments.exportDisplacement};
   options.quiet = arguments.quiet;
-  if (!arguments.size.empty()) {
+  if (arguments.size) {
     if (arguments.screenshot.empty()) return reportError({ErrorCode::usage, "--size is for --screenshot"});
-    if (!parseSize(arguments.size, options.width, options.height)) return reportError(sizeError(arguments.size));
+    options.width = arguments.size->width;
+    options.height = arguments.size->height;
   }
   return runScene(options);
+}
+
+/// One line. Of an option that is not known the nearest one.
+std::string whatIsWrong(const CLI::ParseError &error, const CLI::App &app, const CLI::App &at) {
+  if (dynamic_cast<const CLI::ExtrasError *>(&error) == nullptr) return error.what();
+  std::vector<std::string> known;
+  for (const CLI::Option *option : at.get_options())
+    for (const std::string &name : option->get_lnames()) known.push_back("--" + name);
+  std::string text;
+  std::vector<std::string> extras = app.remaining(true);
+  // What follows an option that is not known is most often its value.
+  const auto isOption = [](const std::string &extra) { return extra.starts_with('-'); };
+  if (std::any_of(extras.begin(), extras.end(), isOption)) std::erase_if(extras, [&](const std::string &extra) { return !isOption(extra); });
+  for (const std::string &extra : extras) {
+    const std::string name = extra.substr(0, extra.find('='));
+    const std::string nearest = name.starts_with("--") ? nearestName(name, known) : "";
+    text += (text.empty() ? "" : "; ") + ("'" + extra + "' is not accepted here") +
+            (nearest.empty() ? "" : ", did you mean " + nearest + "?");
+  }
+  return text;
 }
 
 int dispatch(int argc, char **argv) {
@@ -149,42 +202,37 @@ int dispatch(int argc, char **argv) {
   app.add_flag("--version", arguments.version, "Print product, ABI and (with --json) services");
   app.add_flag("--json", arguments.json, "With --version: as JSON");
   app.add_flag("--play", arguments.play, "Play as soon as the scene is there");
-  app.add_option("--size", arguments.size, "Size of the window")->type_name("WxH");
-  app.add_option("--automation-state", arguments.automationState, "Mirror the program's state to this file as JSON")
-      ->type_name("FILE");
+  addSize(app, arguments, "Size of the window, at most that of the screen");
+  addFile(app, "--automation-state", arguments.automationState, "FILE", "Mirror the program's state to this file as JSON");
   addUnit(app, arguments);
   addSessionOptions(app, arguments);
 
   CLI::App *runCommand = app.add_subcommand("run", "Simulate without a window");
   runCommand->add_option("SCENE", arguments.scene, "A scene (.toml), or a mesh as one body")->required();
-  CLI::Option *until = runCommand->add_option("--until", arguments.until_s, "Simulated time to reach; default: 1 s (a quasi-static solution: its full load)")
-                           ->check(CLI::Range(0.0, 1e9))->type_name("SECONDS");
-  runCommand->add_option("--steps", arguments.steps, "Steps to make, instead of --until")
-      ->check(CLI::Range(0LL, 1000000000000LL))->type_name("N")->excludes(until);
-  runCommand->add_option("--time-limit", arguments.timeLimit_s,
-                         "Wall-clock time after which the run stops between two steps, writes its outputs and ends with 124")
-      ->check(CLI::Range(0.0, 1e9))->type_name("SECONDS");
+  CLI::Option *until = addSeconds(*runCommand, "--until", arguments.until_s, 0.0,
+                                  "Simulated time to reach; default: 1 s (a quasi-static solution: its full load)");
+  addCount(*runCommand, "--steps", arguments.steps, 0, 1000000000000LL, "Steps to make, instead of --until")->excludes(until);
+  addSeconds(*runCommand, "--time-limit", arguments.timeLimit_s, 0.0,
+             "Wall-clock time after which the run stops between two steps, writes its outputs and ends with 124");
   runCommand->add_option("--set", arguments.overrides,
                          "Replace a value of the scene, for example body.liver.material.youngs_modulus=6e3 (repeatable)")
       ->type_name("PATH=VALUE")->allow_extra_args(false);
-  runCommand->add_option("--report", arguments.report, "Write the report as JSON")->type_name("FILE.json");
-  runCommand->add_option("--probes", arguments.probes, "Write the probes over time as CSV")->type_name("FILE.csv");
-  runCommand->add_option("--probes-every", arguments.probesEvery, "Steps between two rows of --probes")
-      ->check(CLI::Range(1LL, 1000000000LL))->type_name("N")->capture_default_str();
-  runCommand->add_option("--screenshot", arguments.screenshot, "Draw the end state")->type_name("FILE.png");
-  runCommand->add_option("--size", arguments.size, "Size of the screenshot; default: 1280x720")->type_name("WxH");
-  CLI::Option *exportList = runCommand->add_option("--export", arguments.exportList, "Write the simulation for ParaView: phyxels and skins over time")
-                                ->type_name("FILE.pvd");
-  runCommand->add_option("--export-every", arguments.exportEvery_s, "Simulated time between two frames of --export")
-      ->check(CLI::Range(1e-9, 1e9))->type_name("SECONDS")->capture_default_str()->needs(exportList);
-  runCommand->add_option("--export-image", arguments.exportImage, "Write the scene's image as the tissue lies at the end (nrrd, nii, nii.gz, mha)")
-      ->type_name("FILE");
-  runCommand->add_option("--export-displacement", arguments.exportDisplacement, "Write how far the tissue has come, mm at the voxels of the image")
-      ->type_name("FILE");
-  runCommand->add_option("--export-surface", arguments.exportSurface, "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each")
-      ->type_name("FILE");
-  runCommand->add_option("--seed", arguments.seed, "Kept in the report; nothing in this version is random")
-      ->check(CLI::Range(0LL, 9223372036854775807LL))->type_name("N");
+  addFile(*runCommand, "--report", arguments.report, "FILE.json", "Write the report as JSON");
+  addFile(*runCommand, "--probes", arguments.probes, "FILE.csv", "Write the probes over time as CSV");
+  addCount(*runCommand, "--probes-every", arguments.probesEvery, 1, 1000000000LL, "Steps between two rows of --probes")->default_str("1");
+  addFile(*runCommand, "--screenshot", arguments.screenshot, "FILE.png", "Draw the end state");
+  addSize(*runCommand, arguments, "Size of the screenshot; default: 1280x720");
+  CLI::Option *exportList = addFile(*runCommand, "--export", arguments.exportList, "FILE.pvd",
+                                    "Write the simulation for ParaView: phyxels and skins over time");
+  addSeconds(*runCommand, "--export-every", arguments.exportEvery_s, 1e-9, "Simulated time between two frames of --export")
+      ->default_str(formatNumber(kDefaultExportEvery_s))->needs(exportList);
+  addFile(*runCommand, "--export-image", arguments.exportImage, "FILE",
+          "Write the scene's image as the tissue lies at the end (nrrd, nii, nii.gz, mha)");
+  addFile(*runCommand, "--export-displacement", arguments.exportDisplacement, "FILE",
+          "Write how far the tissue has come, mm at the voxels of the image");
+  addFile(*runCommand, "--export-surface", arguments.exportSurface, "FILE",
+          "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each");
+  addCount(*runCommand, "--seed", arguments.seed, 0, 9223372036854775807LL, "Kept in the report; nothing in this version is random");
   runCommand->add_flag("-q,--quiet", arguments.quiet, "Say nothing but errors");
   addUnit(*runCommand, arguments);
   addSessionOptions(*runCommand, arguments);
@@ -193,6 +241,7 @@ int dispatch(int argc, char **argv) {
   infoCommand->add_option("FILE", arguments.files, "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files and scenes")->required();
   infoCommand->add_option("--series", arguments.series, "The series of a folder that holds several")->type_name("ID");
   infoCommand->add_flag("--patient-names", arguments.patientNames, "Show the names of patients, which are left out otherwise");
+  infoCommand->add_flag("--quick", arguments.infoQuick, "Do not build the bodies of scenes; what only that can tell is not checked");
   infoCommand->add_flag("--json", arguments.json, "One object for one file, a list for several");
   addUnit(*infoCommand, arguments);
   addSessionOptions(*infoCommand, arguments);
@@ -205,14 +254,14 @@ int dispatch(int argc, char **argv) {
 
   try {
     app.parse(argc, argv);
-  } catch (const CLI::CallForHelp &help) {
-    app.exit(help);
-    return kDone;
   } catch (const CLI::ParseError &error) {
-    const CLI::App *at = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-    reportError({ErrorCode::usage, error.what()});
-    std::fprintf(stderr, "%s", at->help(at == &app ? "" : "c3de").c_str());
-    return kUsage;
+    const CLI::App &at = app.get_subcommands().empty() ? app : *app.get_subcommands().front();
+    const std::string command = &at == &app ? "c3de" : "c3de " + at.get_name();
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+      printOut(at.help(&at == &app ? "" : "c3de"));
+      return kDone;
+    }
+    return reportError({ErrorCode::usage, whatIsWrong(error, app, at) + "; see " + command + " --help"});
   }
 
   if (arguments.verbose) setLogThreshold(LogLevel::debug);
@@ -232,6 +281,7 @@ int dispatch(int argc, char **argv) {
     options.series = arguments.series;
     options.patientNames = arguments.patientNames;
     options.json = arguments.json;
+    options.isQuick = arguments.infoQuick;
     return showInfo(options);
   }
   if (pluginsCommand->parsed()) return listPlugins(sessionOptions(arguments), arguments.json);
@@ -242,8 +292,12 @@ int dispatch(int argc, char **argv) {
 }  // namespace
 
 int main(int argc, char **argv) {
+#ifdef SIGXFSZ
+  // A file that reaches the limit of its size is an output that cannot be written, not a reason to die.
+  std::signal(SIGXFSZ, SIG_IGN);
+#endif
   try {
-    return dispatch(argc, argv);
+    return exitCodeAfterOutput(dispatch(argc, argv));
   } catch (const std::exception &error) {
     return reportError({ErrorCode::internal, std::string("unexpected: ") + error.what()});
   }

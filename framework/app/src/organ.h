@@ -33,14 +33,15 @@ class OrganSources {
   /// @param took  reading and masks are added
   [[nodiscard]] Expected<imaging::Mask> mask(const scene::SceneVolume &volume, const ProgressFn &progress,
                                              Preparation &took);
-  /// Sentences of the readers since the last call.
-  [[nodiscard]] std::vector<std::string> takeNotices();
-
- private:
+  /// An image or a label map as a whole. Errors are those of the readers.
   [[nodiscard]] Expected<std::shared_ptr<const imaging::LabelMap>> labels(const std::filesystem::path &file,
                                                                           const imaging::ReadOptions &options);
   [[nodiscard]] Expected<std::shared_ptr<const imaging::Volume>> volume(const std::filesystem::path &file,
                                                                         const imaging::ReadOptions &options);
+  /// Sentences of the readers since the last call.
+  [[nodiscard]] std::vector<std::string> takeNotices();
+
+ private:
   std::map<std::filesystem::path, std::shared_ptr<const imaging::LabelMap>> labels_;
   std::map<std::filesystem::path, std::shared_ptr<const imaging::Volume>> volumes_;
   std::vector<std::string> notices_;

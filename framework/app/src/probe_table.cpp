@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "probe_table.h"
 
-#include <string>
-
 #include "c3de/core/text.h"
 
 namespace c3de::app {
@@ -19,31 +17,23 @@ std::string quoted(const std::string &text) {
 }  // namespace
 
 Expected<ProbeTable> ProbeTable::create(const std::filesystem::path &file, const std::vector<ProbeSample> &probes) {
-  ProbeTable table;
-  table.file_ = file;
-  table.out_.open(file, std::ios::binary | std::ios::trunc);
-  if (!table.out_) return fail(ErrorCode::output, file.string() + ": cannot be written");
-  table.out_ << "time [s]";
+  auto rows = OutputRows::open(file);
+  if (!rows) return tl::unexpected(rows.error());
+  std::string head = "time [s]";
   for (const ProbeSample &probe : probes) {
-    for (const char *axis : {"x", "y", "z"}) table.out_ << ',' << quoted(probe.name + "." + axis + " [m]");
-    for (const char *axis : {"vx", "vy", "vz"}) table.out_ << ',' << quoted(probe.name + "." + axis + " [m/s]");
+    for (const char *axis : {"x", "y", "z"}) head += ',' + quoted(probe.name + "." + axis + " [m]");
+    for (const char *axis : {"vx", "vy", "vz"}) head += ',' + quoted(probe.name + "." + axis + " [m/s]");
   }
-  table.out_ << '\n';
-  return table;
+  if (const auto added = rows->add(head + '\n'); !added) return tl::unexpected(added.error());
+  return ProbeTable(std::move(*rows));
 }
 
-void ProbeTable::add(double time_s, const std::vector<ProbeSample> &probes) {
-  out_ << formatNumber(time_s);
+Expected<void> ProbeTable::add(double time_s, const std::vector<ProbeSample> &probes) {
+  std::string row = formatNumber(time_s);
   for (const ProbeSample &probe : probes)
     for (const Vec3 *vec : {&probe.position_m, &probe.velocity_m_s})
-      for (const double x : *vec) out_ << ',' << formatNumber(x);
-  out_ << '\n';
-}
-
-Expected<void> ProbeTable::close() {
-  out_.close();
-  if (!out_) return fail(ErrorCode::output, file_.string() + ": writing failed; is there space left?");
-  return {};
+      for (const double x : *vec) row += ',' + formatNumber(x);
+  return rows_.add(row + '\n');
 }
 
 }  // namespace c3de::app

@@ -2,26 +2,26 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
+#include <string>
 #include <vector>
 
-#include "c3de/core/expected.h"
+#include "c3de/core/output_file.h"
 #include "report.h"
 
 namespace c3de::app {
 
-/// Probes over time as CSV: `time [s],tip.x [m],…,tip.vx [m/s],…`, one row per sample.
+/// Probes over time as CSV: `time [s],tip.x [m],…,tip.vx [m/s],…`, one row per sample. The file grows row by row and ends
+/// with a whole one whatever happens. Errors: ErrorCode::output.
 class ProbeTable {
  public:
   [[nodiscard]] static Expected<ProbeTable> create(const std::filesystem::path &file,
                                                    const std::vector<ProbeSample> &probes);
-  void add(double time_s, const std::vector<ProbeSample> &probes);
-  /// Error (ErrorCode::output) when not everything could be written.
-  [[nodiscard]] Expected<void> close();
+  [[nodiscard]] Expected<void> add(double time_s, const std::vector<ProbeSample> &probes);
+  [[nodiscard]] Expected<void> close() { return rows_.close(); }
 
  private:
-  std::filesystem::path file_;
-  std::ofstream out_;
+  explicit ProbeTable(OutputRows rows) : rows_(std::move(rows)) {}
+  OutputRows rows_;
 };
 
 }  // namespace c3de::app

@@ -9,6 +9,7 @@
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
+#include "file_kind.h"
 #include "organ.h"
 #include "resources.h"
 #include "scene_to_abi.h"
@@ -147,6 +148,8 @@ Expected<Organ> meshOf(const scene::SceneBody &body, const ProgressFn &progress)
     if (!mesh) return tl::unexpected(mesh.error());
     organ.skin = std::move(*mesh);
   }
+  if (const auto fillable = geometry::checkFillable(organ.skin.mesh, organ.skin.report); !fillable)
+    return tl::unexpected(fillable.error());
   return organ;
 }
 
@@ -221,7 +224,7 @@ struct Session::Impl {
   void letGo(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
   [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                              const scene::SceneFile &scene, const FittedScene &fitted,
-                                                             const ProgressFn &progress, Preparation &took);
+                                                             OrganSources &sources, const ProgressFn &progress, Preparation &took);
 };
 
 Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
@@ -235,9 +238,17 @@ Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, 
 
 Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                             const scene::SceneFile &scene, const FittedScene &fitted,
-                                                            const ProgressFn &progress, Preparation &took) {
+                                                            OrganSources &sources, const ProgressFn &progress, Preparation &took) {
+  // All meshes before the first body: what is wrong with the last of them is not to be heard after minutes of building.
+  std::vector<std::optional<Organ>> meshed(scene.bodies.size());
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const scene::SceneBody &body = scene.bodies[i];
+    if (body.mesh.empty()) continue;
+    auto read = meshOf(body, [&](double, const std::string &what) { return !progress || progress(0.0, body.name + ": " + what); });
+    if (!read) return failInScene(read.error(), scene, body.line);
+    meshed[i] = std::move(*read);
+  }
   std::vector<c3de_handle> bodies;
-  OrganSources sources;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const scene::SceneBody &body = scene.bodies[i];
     const PartProgress partProgress(progress, body.name, i, scene.bodies.size());
@@ -245,7 +256,7 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const ProgressFn reading = [&](double f, const std::string &what) {
       return partProgress.update(0.1 * std::max(f, 0.0), what);
     };
-    Expected<Organ> source = body.mesh.empty() ? organAsked(sources, body, reading) : meshOf(body, reading);
+    Expected<Organ> source = meshed[i] ? Expected<Organ>(std::move(*meshed[i])) : organAsked(sources, body, reading);
     if (!source) return failInScene(source.error(), scene, body.line);
     for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, body.volume.file.string() + ": " + notice);
     took += source->took;
@@ -320,7 +331,7 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   for (const auto &folder : options.pluginFolders) {
     std::error_code code;
     if (!std::filesystem::is_directory(folder, code))
-      return fail(ErrorCode::plugin, "--plugin-path " + folder.string() + ": no such folder; accepted: a folder of plugins");
+      return fail(ErrorCode::plugin, "--plugin-path " + notAFolder(folder));
     folders.push_back(folder);
   }
   for (const auto &folder : plugin_host::defaultPluginFolders()) folders.push_back(folder);
@@ -359,14 +370,14 @@ Expected<c3de_object *> Session::createSimulator() {
   return impl_->host->createObject(ids.front());
 }
 
-Expected<void> Session::checkScene(c3de_object *simulator, const scene::SceneFile &scene) {
+Expected<void> Session::checkValues(c3de_object *simulator, const scene::SceneFile &scene) {
   const auto fitted = fitScene(simulator, scene);
   if (!fitted) return tl::unexpected(fitted.error());
   return {};
 }
 
 Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
-                                 Preparation *took) {
+                                 Preparation *took, OrganSources *sources) {
   const auto tableOrError = simulatorTable(simulator);
   if (!tableOrError) return tl::unexpected(tableOrError.error());
   const c3de_simulator_v0 *table = *tableOrError;
@@ -399,7 +410,8 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
   }
 
   Preparation unused;
-  auto bodies = impl_->addBodies(table, simulator, scene, *fitted, [&](double f, const std::string &what) {
+  OrganSources ofThis;
+  auto bodies = impl_->addBodies(table, simulator, scene, *fitted, sources != nullptr ? *sources : ofThis, [&](double f, const std::string &what) {
     const auto before = static_cast<double>(scene.obstacles.size()), own = static_cast<double>(scene.bodies.size());
     return !progress || progress(f < 0.0 ? f : (before + f * own) / (before + own), what);
   }, took != nullptr ? *took : unused);
@@ -421,7 +433,8 @@ Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile
   const auto fitted = fitScene(simulator, scene);
   if (!fitted) return tl::unexpected(fitted.error());
   Preparation unused;
-  const auto added = impl_->addBodies(*table, simulator, scene, *fitted, progress, unused);
+  OrganSources sources;
+  const auto added = impl_->addBodies(*table, simulator, scene, *fitted, sources, progress, unused);
   if (!added) return tl::unexpected(added.error());
   return {};
 }

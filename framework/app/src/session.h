@@ -31,6 +31,8 @@ namespace c3de::app {
 /// Owner of the program's own background jobs; a session cancels and waits for them before the plugins go.
 inline constexpr const char *kJobOwner = "c3de";
 
+class OrganSources;
+
 struct SessionOptions {
   bool usePlugins = true;
   std::vector<std::filesystem::path> pluginFiles;    ///< --plugin: each must load, or the session fails
@@ -74,18 +76,19 @@ class Session {
   [[nodiscard]] Expected<c3de_object *> createSimulator();
 
   /// Fills a simulator from a scene: checks every key against the simulator's declarations (unknown keys are errors with
-  /// file, line and the nearest known key), reads the meshes, adds obstacles, bodies and probes. On an error the simulator
-  /// is of no use; the present simulation is untouched. Any thread.
-  /// @param took  null, or what the bodies took is added
+  /// file, line and the nearest known key), reads all meshes, then adds obstacles, bodies and probes. Whatever says that a
+  /// scene is good asks this. On an error the simulator is of no use; the present simulation is untouched. Any thread.
+  /// @param took     null, or what the bodies took is added
+  /// @param sources  null, or where the images of bodies are read and kept for others
   [[nodiscard]] Expected<void> populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
-                                        Preparation *took = nullptr);
+                                        Preparation *took = nullptr, OrganSources *sources = nullptr);
 
   /// Adds the bodies of a scene, with their fixes and loads, to a simulator that goes on with the rest as it is; its initial
   /// state is then the one that has them. Errors as of populate(). Any thread.
   [[nodiscard]] Expected<void> addBodies(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress);
 
-  /// The checks of populate() without reading a mesh or changing the simulator. Any thread.
-  [[nodiscard]] Expected<void> checkScene(c3de_object *simulator, const scene::SceneFile &scene);
+  /// Of populate() the checks of keys and values alone. Any thread.
+  [[nodiscard]] Expected<void> checkValues(c3de_object *simulator, const scene::SceneFile &scene);
 
   /// Makes the simulator the present simulation: a scene node of its own, a thread of its own; the one before goes.
   [[nodiscard]] Expected<void> adopt(c3de_object *simulator, const std::string &title);

@@ -25,11 +25,15 @@ void exportPresentSurface(Session &session, const std::filesystem::path &file, E
   const auto write = [host, file](scene::Simulation &simulation) -> Expected<std::string> {
     const auto states = readBodyStates(simulation.object(), BodyParts::skin, [host] { return host->takeError(); });
     if (!states) return tl::unexpected(states.error());
-    const auto files = writeSurfaces(file, *states);
-    if (!files) return tl::unexpected(files.error());
-    std::string text;
-    for (const std::filesystem::path &one : *files) text += (text.empty() ? "" : "\n") + ui::pathText(one);
-    return text;
+    std::string written, failed;
+    ErrorCode code = ErrorCode::output;
+    writeSurfaces(file, *states, [&](const std::filesystem::path &one, const Expected<void> &result) {
+      std::string &text = result ? written : failed;
+      text += (text.empty() ? "" : "\n") + (result ? ui::pathText(one) : result.error().message);
+      if (!result) code = result.error().code;
+    });
+    if (failed.empty()) return written;
+    return fail(code, failed + (written.empty() ? "" : "\nWritten:\n" + written));
   };
   whileStanding(session, write, std::move(told));
 }

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "build_scene.h"
+
+#include "c3de/core/log.h"
+
+namespace c3de::app {
+
+Expected<void> readSceneImage(const scene::SceneFile &scene, OrganSources &sources, const ProgressFn &progress) {
+  if (!scene.image) return {};
+  imaging::ReadOptions options;
+  options.progress = progress;
+  const scene::SceneImage &image = *scene.image;
+  if (const auto read = sources.volume(image.file, options); !read) return failInScene(read.error(), scene, image.line);
+  for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, image.file.string() + ": " + notice);
+  for (const std::filesystem::path &labels : image.labels) {
+    if (const auto read = sources.labels(labels, options); !read) return failInScene(read.error(), scene, image.line);
+    for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, labels.string() + ": " + notice);
+  }
+  return {};
+}
+
+Expected<void> buildScene(Session &session, c3de_object *simulator, const scene::SceneFile &scene, OrganSources &sources,
+                          const ProgressFn &progress, Preparation *took) {
+  if (auto read = readSceneImage(scene, sources, progress); !read) return read;
+  return session.populate(simulator, scene, progress, took, &sources);
+}
+
+}  // namespace c3de::app
