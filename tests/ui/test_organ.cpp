@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a person does with an organ in the window: open it, play, pull, pause, step, reset, look inside.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -70,6 +71,22 @@ std::string row(const Json &state, const char *name) { return state["values"].va
 std::string mode(const Json &state) { return state["transport"]["mode"]; }
 
 }  // namespace
+
+TEST_CASE("a mesh alone falls on a floor and stays in sight", "[organ_floor]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_floor");
+  window.start({organMesh().string(), "--play"});
+  window.waitUntil("the organ is shown", [](const Json &s) { return !row(s, "Surfels").empty(); }, 60.0);
+  window.screenshot("falling");
+  // Free fall would have taken it 20 m down.
+  window.waitUntil("two seconds are simulated", [](const Json &s) { return s["transport"]["time_s"].get<double>() > 2.0; }, 90.0);
+  window.key("space");
+  window.waitUntil("it stands still", [](const Json &s) { return mode(s) == "paused"; });
+  window.screenshot("lying");
+  CHECK(window.shareOfColour("lying", "r > 1.6*g && r > 0.25") > 0.03);
+  const Json nodes = window.state()["nodes"];
+  CHECK(std::any_of(nodes.begin(), nodes.end(), [](const Json &node) { return node.dump().find("World box") != std::string::npos; }));
+}
 
 TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pinch]") {
   C3DE_ORGAN_OR_SKIP();

@@ -270,4 +270,16 @@ double WorkstationDriver::differingPixels(const std::string &first, const std::s
   return std::strtod(result->errorOutput.c_str(), nullptr);
 }
 
+double WorkstationDriver::shareOfColour(const std::string &screenshot, const std::string &condition) const {
+  const Json view = state()["view"];
+  const auto whole = [&](const char *key) { return std::to_string(view[key].get<int>()); };
+  const auto result = runProcess({"convert", (folder_ / (name_ + "-" + screenshot + ".png")).string(), "-crop",
+                                  whole("w") + "x" + whole("h") + "+" + whole("x") + "+" + whole("y"), "-resize", "25%", "-fx",
+                                  "(" + condition + ") ? 1 : 0", "-colorspace", "gray", "-format", "%[fx:mean]", "info:"},
+                                 60.0);
+  if (!result || result->exitCode != 0)
+    throw std::runtime_error("convert failed: " + (result ? result->errorOutput : result.error().message));
+  return std::strtod(result->output.c_str(), nullptr);
+}
+
 }  // namespace c3de::test

@@ -73,6 +73,9 @@ class WorkstationDriver {
   [[nodiscard]] double differingPixels(const std::string &first, const std::string &second,
                                        const std::string &pane = {}) const;
 
+  /// Which part of the 3D view of a screenshot has a colour, 0 … 1. @param condition  of r, g, b of a pixel, 0 … 1
+  [[nodiscard]] double shareOfColour(const std::string &screenshot, const std::string &condition) const;
+
  private:
   void xdotool(const std::vector<std::string> &arguments);
 

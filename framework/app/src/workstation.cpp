@@ -52,7 +52,7 @@ class Workstation {
   void takeWarp();
   void whenOrgansLive(const WorkstationOrgan::Result &result);
   void whenLoaded(const WorkstationLoader::Loaded &loaded);
-  void checkSize();
+  void checkSize(const std::string &unit, double size_mm);
   void whenFailed(const std::string &title, const Error &error);
 
   ui::PanelRegistry panels_;
@@ -68,7 +68,6 @@ class Workstation {
   scene::SceneImage image_;                    ///< how images deform beside the simulation
   bool playsWhenLoaded_ = false;
   bool hasReportedFailure_ = false;
-  std::string unitToCheck_;  ///< of what was loaded last, until its size is known
   double targetRate_ = 1.0;
 };
 
@@ -126,7 +125,6 @@ void Workstation::run() {
     window_->waitForFrame();
     session_->mainQueue().runFrame();
     watchForFailure();
-    checkSize();
     // The state first: one that stands is the last that draws a frame, and its displacement is asked for after it.
     const ui::SimulationView simulation = simulationView();
     takeWarp();
@@ -245,17 +243,13 @@ void Workstation::watchForFailure() {
 }
 
 /// A wrong unit makes an organ of the size of a house or of a grain, and everything after that is wrong.
-void Workstation::checkSize() {
-  if (unitToCheck_.empty()) return;
-  const auto bounds = session_->sceneGraph().bounds();
-  if (!bounds) return;
-  const double size_mm = norm(bounds->max - bounds->min);
+void Workstation::checkSize(const std::string &unit, double size_mm) {
+  if (unit.empty() || !(size_mm > 0.0)) return;
   if (size_mm < kSmallOrgan_mm || size_mm > kLargeOrgan_mm)
     panels_.notify(C3DE_LOG_WARN, "Is the unit right?",
-                   "The numbers of the file were taken as " + unitToCheck_ + ". That makes what is shown " +
+                   "The numbers of the file were taken as " + unit + ". That makes what is shown " +
                        formatNumber(std::round(size_mm * 10.0) / 10.0) +
                        " mm across. File > Open mesh… asks for another unit; on the command line it is --unit.");
-  unitToCheck_.clear();
 }
 
 void Workstation::whenImageShown() {
@@ -316,7 +310,7 @@ void Workstation::takeWarp() {
 
 void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
   if (!loaded.isReload) window_->requestFit();
-  unitToCheck_ = loaded.unit;
+  checkSize(loaded.unit, loaded.size_mm);
   image_ = loaded.image.value_or(scene::SceneImage{});
   images_->whenOrgansAreGone();
   warp_.begin();

@@ -6,6 +6,7 @@
 
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/ui/file_browser.h"
+#include "default_floor.h"
 #include "simulator_access.h"
 
 namespace c3de::app {
@@ -95,14 +96,27 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
 
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
+  const bool needsFloor = std::none_of(files.begin(), files.end(), scene::isScenePath);
+  struct Placed {
+    std::optional<Bounds_m> bodies, room;
+  };
+  const auto placed = std::make_shared<Placed>();
   // The job and its end share the simulator; it goes with the last of them.
   const auto simulator = std::make_shared<ObjectRef>(*created);
   const auto shared = std::make_shared<const scene::SceneFile>(std::move(*scene));
   const std::string sceneTitle = shared->title.empty() ? namesOf(files) : shared->title;
   job_ = session_.jobs().submit(
       kJobOwner, "Opening " + namesOf(files),
-      [this, simulator, shared](const ProgressFn &progress) { return session_.populate(simulator->get(), *shared, progress); },
-      [this, simulator, shared, sceneTitle, title, files, meshUnit, isReload, serial](const Expected<void> &result) {
+      [this, simulator, shared, placed, needsFloor](const ProgressFn &progress) -> Expected<void> {
+        if (auto populated = session_.populate(simulator->get(), *shared, progress); !populated) return populated;
+        placed->bodies = boundsOfBodies(simulator->get());
+        if (!needsFloor || !placed->bodies) return {};
+        const auto room = putUpRoom(simulator->get(), *placed->bodies);
+        if (!room) return tl::unexpected(room.error());
+        placed->room = *room;
+        return {};
+      },
+      [this, simulator, shared, placed, sceneTitle, title, files, meshUnit, isReload, serial](const Expected<void> &result) {
         // A later request has taken over.
         if (serial != serial_) return;
         job_ = {};
@@ -111,7 +125,16 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
           return events_.failed(title, adopted.error());
         files_ = files;
         meshUnit_ = meshUnit;
-        events_.loaded({isReload, unitText(files, meshUnit), shared->image});
+        double size_mm = 0.0;
+        if (placed->bodies) size_mm = scene::kMillimetresPerMetre * norm(placed->bodies->max - placed->bodies->min);
+        if (scene::Node *node = session_.sceneGraph().find(session_.simulationNode()); node != nullptr && placed->room) {
+          const Bounds_m framed = framedWith(*placed->bodies, *placed->room);
+          node->hasBounds = true;
+          node->boundsMin = framed.min;
+          node->boundsMax = framed.max;
+          session_.sceneGraph().touch();
+        }
+        events_.loaded({isReload, size_mm, unitText(files, meshUnit), shared->image});
       });
 }
 

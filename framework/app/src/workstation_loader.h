@@ -17,6 +17,7 @@ class WorkstationLoader {
  public:
   struct Loaded {
     bool isReload = false;      ///< the same files as before
+    double size_mm = 0.0;       ///< diagonal of all bodies; 0: not known
     std::string unit;           ///< that meshes were read in, and why, for a person; empty when only a scene was opened
     std::optional<scene::SceneImage> image;  ///< that the scene shows beside its bodies
   };
@@ -28,7 +29,7 @@ class WorkstationLoader {
   };
   WorkstationLoader(Session &session, Events events) : session_(session), events_(std::move(events)) {}
 
-  /// Meshes become bodies of one scene; beside a scene they are added to it. Ends a load that is running.
+  /// Meshes become bodies of one scene, with a floor below them; beside a scene they are added to it. Ends a load that is running.
   /// @param meshUnit  mm, cm, m; empty: what each file says, else mm
   void open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit) { load(files, meshUnit, false); }
   /// The same files once more, as they are now.

@@ -13,6 +13,8 @@ constexpr sdk::Material kOrganTransparent{{0.72f, 0.34f, 0.28f, 0.32f}, true};
 constexpr sdk::Material kPoints{{0.95f, 0.78f, 0.42f, 1.0f}, false};
 constexpr sdk::Material kObstacle{{0.55f, 0.60f, 0.66f, 1.0f}, false};
 constexpr sdk::Material kBox{{0.45f, 0.52f, 0.62f, 1.0f}, false};
+constexpr sdk::Material kFloor{{0.24f, 0.28f, 0.33f, 1.0f}, false};  // one-sided: from below one looks through it
+constexpr sdk::Material kFloorGrid{{0.36f, 0.42f, 0.49f, 1.0f}, false};
 constexpr double kPointRadius = 0.22;  // of the spacing: dense enough to read the shape, open enough to see through
 constexpr double kLeastRadius = 0.06;  // of the spacing: a point of a cell that is hardly cut can still be seen
 
@@ -111,10 +113,13 @@ SimulatorView::ObstacleView SimulatorView::makeObstacle(const ObstacleSnapshot &
   return view;
 }
 
-void SimulatorView::updateBox(const WorldBox &box) {
-  if (box.enabled == shownBox_.enabled && box.min == shownBox_.min && box.max == shownBox_.max) return;
+void SimulatorView::updateBox(const WorldBox &box, const Vec3 &gravity) {
+  if (box.enabled == shownBox_.enabled && box.min == shownBox_.min && box.max == shownBox_.max && gravity == shownGravity_) return;
   shownBox_ = box;
+  shownGravity_ = gravity;
   box_.reset();
+  floor_.reset();
+  floorGrid_.reset();
   boxNode_.reset();
   if (!box.enabled) return;
   std::vector<Vec3> edges;
@@ -130,6 +135,40 @@ void SimulatorView::updateBox(const WorldBox &box) {
       }
   boxNode_ = sdk::orThrow(services_.scene.addNode(node_, "World box"));
   box_ = sdk::orThrow(services_.render.createLines(boxNode_.handle(), viewOf(edges), 1.5f, kBox));
+  if (gravity != Vec3::Zero()) drawFloor(box, gravity);
+}
+
+// The wall on which things come to lie, with lines at round distances.
+void SimulatorView::drawFloor(const WorldBox &box, const Vec3 &gravity) {
+  Eigen::Index down = 0;
+  gravity.cwiseAbs().maxCoeff(&down);
+  const Eigen::Index u = (down + 1) % 3, v = (down + 2) % 3;
+  const bool isLow = gravity[down] < 0.0;
+  const Vec3 extent = box.max - box.min;
+  const auto at = [&](double along, double across, double above) {
+    Vec3 p;
+    p[u] = along;
+    p[v] = across;
+    p[down] = isLow ? box.min[down] + above : box.max[down] - above;
+    return p;
+  };
+  std::vector<Vec3> corners{at(box.min[u], box.min[v], 0.0), at(box.max[u], box.min[v], 0.0), at(box.max[u], box.max[v], 0.0),
+                            at(box.min[u], box.max[v], 0.0)};
+  if (!isLow) std::reverse(corners.begin(), corners.end());
+  const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
+  floor_ = sdk::orThrow(services_.render.createMesh(boxNode_.handle(), viewOf(corners),
+                                                    sdk::rows<std::uint32_t, 3>(std::span(triangles)), kFloor));
+  // 1, 2 or 5 times a power of ten.
+  const double wanted = std::max(extent[u], extent[v]) / 16.0, ten = std::pow(10.0, std::floor(std::log10(wanted)));
+  const double step = wanted <= ten ? ten : wanted <= 2.0 * ten ? 2.0 * ten : wanted <= 5.0 * ten ? 5.0 * ten : 10.0 * ten;
+  const double above = 1e-3 * step;
+  std::vector<Vec3> lines;
+  for (double x = std::ceil(box.min[u] / step) * step; x <= box.max[u]; x += step)
+    lines.insert(lines.end(), {at(x, box.min[v], above), at(x, box.max[v], above)});
+  for (double y = std::ceil(box.min[v] / step) * step; y <= box.max[v]; y += step)
+    lines.insert(lines.end(), {at(box.min[u], y, above), at(box.max[u], y, above)});
+  if (!lines.empty())
+    floorGrid_ = sdk::orThrow(services_.render.createLines(boxNode_.handle(), viewOf(lines), 1.0f, kFloorGrid));
 }
 
 void SimulatorView::update() {
@@ -172,7 +211,7 @@ void SimulatorView::update() {
     const Vec3 min(low[0], low[1], low[2]), max(high[0], high[1], high[2]);
     if (!body.surfels.empty()) (void)services_.scene.setBounds(found->second.node.handle(), toArray(min), toArray(max));
   }
-  updateBox(snapshot->box);
+  updateBox(snapshot->box, snapshot->gravity);
   updateLegend(*snapshot);
   // While it plays, a newer snapshot comes by itself.
   if (snapshot->coloursOld && services_.simulation)

@@ -8,7 +8,7 @@
 
 namespace pointbased {
 
-/// What one simulator shows under its scene node: surfaces, points inside, obstacles, the world box, the legend of its
+/// What one simulator shows under its scene node: surfaces, points inside, obstacles, the world box with its floor, the legend of its
 /// colours. Reads snapshots, which say how (view.…); main thread. Present only when there is something to draw with.
 class SimulatorView {
  public:
@@ -36,7 +36,8 @@ class SimulatorView {
   void updatePoints(BodyView &view, const BodySnapshot &body, const ViewSettings &settings) const;
   void updateLegend(const Snapshot &snapshot);
   [[nodiscard]] ObstacleView makeObstacle(const ObstacleSnapshot &obstacle) const;
-  void updateBox(const WorldBox &box);
+  void updateBox(const WorldBox &box, const Vec3 &gravity);
+  void drawFloor(const WorldBox &box, const Vec3 &gravity);
 
   const Services &services_;
   WorldSimulator &simulator_;
@@ -45,8 +46,9 @@ class SimulatorView {
   std::map<std::uint64_t, BodyView> bodies_;
   std::map<std::uint64_t, ObstacleView> obstacles_;
   sdk::SceneNode boxNode_;
-  sdk::Proxy box_, legend_;
+  sdk::Proxy box_, floor_, floorGrid_, legend_;
   WorldBox shownBox_;
+  Vec3 shownGravity_ = Vec3::Zero();
 };
 
 }  // namespace pointbased

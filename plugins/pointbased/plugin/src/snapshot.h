@@ -48,6 +48,7 @@ struct Snapshot {
   std::uint64_t steps = 0, hash = 0;
   bool failed = false;
   WorldBox box;
+  Vec3 gravity = Vec3::Zero();
   ViewSettings view;
   std::optional<ColourScale> colours;  ///< none: by the material
   bool coloursOld = false;             ///< they are those of an earlier state, because finding them takes long

@@ -203,6 +203,7 @@ void WorldSimulator::publish() {
   s->hash = simulator_.stateHash();
   s->failed = simulator_.failed();
   s->box = simulator_.world().box;
+  s->gravity = simulator_.world().gravity;
   s->stages = simulator_.stageTimes();
   s->events = simulator_.events();
   s->bodies.resize(bodies_.size());
