@@ -231,8 +231,11 @@ Result<void> checkRefined(const BodyShape &shape, const LatticeSampling &samplin
       }
     }
   });
-  double total = 0.0;
+  double total = 0.0, finest = frame.spacing;
   for (const double cells : expected) total += cells;
+  for (const Refinement &r : sampling.refinements) finest = std::min(finest, halvedTo(frame.spacing, r.spacing));
+  // Coarse cells that hold little of the body count too much: no more than if all of it were that fine.
+  total = std::min(total, expectedCorners(shape, finest));
   if (sampling.surfaceSpacing > 0.0 && sampling.surfaceSpacing < frame.spacing)
     total = std::max(total, kLayersOfSurface * expectedSurfaceCorners(shape, halvedTo(frame.spacing, sampling.surfaceSpacing)));
   if (total <= static_cast<double>(kMaximumPhyxels)) return {};

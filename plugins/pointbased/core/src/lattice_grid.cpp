@@ -192,8 +192,8 @@ Frame frameOver(const BodyShape &shape, const LatticeSampling &sampling, double 
 namespace {
 
 /// Lattice points whose cells a surface of one spacing² cuts, beside those that the volume counts: a surface of any direction
-/// cuts 1.5 cells, and half of them lie outside. Measured: see the test of checkSize.
-constexpr double kCornersPerCut = 1.3;
+/// cuts 1.5 cells, and half of them lie outside. Measured on an organ of 1 L: 1.36 at 3 mm, 1.33 at 2 mm.
+constexpr double kCornersPerCut = 1.35;
 
 double areaOf(const Surface &surface) {
   double area = 0.0;
