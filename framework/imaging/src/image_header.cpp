@@ -28,6 +28,11 @@ std::size_t bytesOf(Scalar scalar) {
   return 8;
 }
 
+double bytesOfVolume(const ImageHeader &header) {
+  return static_cast<double>(header.geometry.voxelCount()) * static_cast<double>(header.channels * bytesOf(header.scalar));
+}
+double bytesOfAll(const ImageHeader &header) { return bytesOfVolume(header) * static_cast<double>(header.volumes); }
+
 tl::unexpected<Error> refuse(const std::filesystem::path &path, const std::string &what) {
   return fail(ErrorCode::input, path.string() + ": " + what);
 }

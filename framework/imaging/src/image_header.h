@@ -29,7 +29,10 @@ struct ImageHeader {
   bool bigEndian = false;
   double slope = 1.0, intercept = 0.0;
   std::string unit;
-  std::size_t volumes = 1;  ///< in the file; the first is read
+  std::size_t channels = 1;  ///< numbers per voxel, together: 1, or 3 and 4 for colours
+  std::size_t volumes = 1;   ///< time points or layers in the file
+  bool interleaved = false;  ///< the volumes of a voxel stand together
+  bool layered = false;      ///< the volumes are layers of a segmentation
   Encoding encoding = Encoding::raw;
   std::vector<Part> parts;     ///< files that hold equal shares of all volumes, one after the other
   std::uint64_t skip = 0;      ///< bytes to leave out after inflating, in each part
@@ -38,6 +41,10 @@ struct ImageHeader {
   std::string labelXml;                                   ///< label table in an extension of NIfTI; empty: none
   std::vector<std::string> notices;
 };
+
+/// Bytes of one volume, and of all that the header promises (as a double: it can say anything).
+[[nodiscard]] double bytesOfVolume(const ImageHeader &header);
+[[nodiscard]] double bytesOfAll(const ImageHeader &header);
 
 [[nodiscard]] Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path);
 [[nodiscard]] Expected<ImageHeader> readNrrdHeader(const std::filesystem::path &path);

@@ -77,32 +77,37 @@ std::pair<LabelTable, std::filesystem::path> tableBeside(const std::filesystem::
   return {};
 }
 
-LabelTable segmentsOf(const std::vector<std::pair<std::string, std::string>> &keys, bool &layered) {
+std::vector<LabelTable> segmentsOf(const std::vector<std::pair<std::string, std::string>> &keys, std::size_t layers) {
   struct Segment {
-    double value = -1.0;
+    double value = -1.0, layer = -1.0;
     LabelName entry;
   };
-  std::map<std::string, Segment> segments;
-  layered = false;
+  std::map<std::size_t, Segment> segments;
   for (const auto &[key, value] : keys) {
     const std::size_t underscore = key.find('_');
-    if (!key.starts_with("Segment") || underscore == std::string::npos || underscore < 8) continue;
-    if (key.substr(7, underscore - 7).find_first_not_of("0123456789") != std::string::npos) continue;
-    Segment &segment = segments[key.substr(7, underscore - 7)];
+    if (!key.starts_with("Segment") || underscore == std::string::npos || underscore < 8 || underscore > 13) continue;
+    const std::string number = key.substr(7, underscore - 7);
+    if (number.find_first_not_of("0123456789") != std::string::npos) continue;
+    Segment &segment = segments[static_cast<std::size_t>(std::stoul(number))];
     const std::string what = key.substr(underscore + 1);
     const auto numbers = numbersIn(value);
     if (what == "LabelValue" && !numbers.empty()) segment.value = numbers[0];
+    if (what == "Layer" && !numbers.empty()) segment.layer = numbers[0];
     if (what == "Name") segment.entry.name = trimmed(value);
-    if (what == "Layer" && !numbers.empty() && numbers[0] > 0.0) layered = true;
     if (what == "Color" && numbers.size() == 3) {
       segment.entry.coloured = true;
       for (std::size_t c = 0; c < 3; ++c) segment.entry.colour[c] = linearOf(numbers[c]);
     }
   }
-  LabelTable table;
-  for (const auto &[number, segment] : segments)
-    if (isLabel(segment.value) && !segment.entry.name.empty()) table[static_cast<std::uint16_t>(segment.value)] = segment.entry;
-  return table;
+  std::vector<LabelTable> tables(layers);
+  const bool isOld = layers > 1 && std::all_of(segments.begin(), segments.end(), [](const auto &one) { return one.second.layer < 0.0 && one.second.value < 0.0; });
+  for (auto &[number, segment] : segments) {
+    if (isOld) segment.value = 1.0, segment.layer = static_cast<double>(number);
+    if (!isLabel(segment.value) || segment.entry.name.empty()) continue;
+    const double layer = std::max(segment.layer, 0.0);
+    if (layer < static_cast<double>(layers)) tables[static_cast<std::size_t>(layer)][static_cast<std::uint16_t>(segment.value)] = segment.entry;
+  }
+  return tables;
 }
 
 LabelTable caretLabelsOf(const std::string &xml) {

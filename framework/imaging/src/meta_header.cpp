@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // MetaImage (itk.org/Wiki/MetaIO): lines `Key = Value`, the last of which says where the voxels are; world is LPS.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -63,6 +64,28 @@ Expected<Parsed> parse(const std::filesystem::path &path) {
   return refuse(path, "no MetaImage header: there is no line ElementDataFile = …");
 }
 
+/// What MetaIO writes into images. Programs may add keys of their own.
+const std::vector<std::string> kKeys{
+    "ObjectType", "ObjectSubType", "TransformType", "NDims", "Name", "ID", "ParentID", "Comment", "AcquisitionDate",
+    "CompressedData", "CompressedDataSize", "CompressionLevel", "BinaryData", "BinaryDataByteOrderMSB", "ElementByteOrderMSB",
+    "Color", "Position", "Origin", "Offset", "TransformMatrix", "Rotation", "Orientation", "CenterOfRotation",
+    "AnatomicalOrientation", "DistanceUnits", "ElementSpacing", "DimSize", "HeaderSize", "HeaderSizePerSlice", "Modality",
+    "ImagePosition", "SequenceID", "ElementMin", "ElementMax", "ElementNumberOfChannels", "ElementSize", "ElementType",
+    "ElementNBits", "ElementToIntensityFunctionSlope", "ElementToIntensityFunctionOffset", "ElementDataFile"};
+
+/// Keys that the format does not know are left out by its rules; one that looks like a slip of the pen is worth a word.
+std::string unknownKeys(const Keys &keys) {
+  std::string slips, others;
+  for (const auto &[key, value] : keys) {
+    if (std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end()) continue;
+    const std::string nearest = nearestName(key, kKeys);
+    if (!nearest.empty()) slips += (slips.empty() ? "" : ", ") + ("'" + key.substr(0, 40) + "' (did you mean '" + nearest + "'?)");
+    else if (others.size() < 200) others += (others.empty() ? "" : ", ") + key.substr(0, 40);
+  }
+  if (slips.empty() && others.empty()) return {};
+  return "The header has keys that MetaImage does not know; they are left out: " + slips + (slips.empty() || others.empty() ? "" : ", ") + others + ".";
+}
+
 /// The files that ElementDataFile names: one, a list, or a numbered pattern `name%03d.raw first last step`.
 Expected<std::vector<std::string>> dataFiles(const std::filesystem::path &path, const Parsed &parsed) {
   const std::string named = parsed.keys.at("ElementDataFile");
@@ -84,6 +107,7 @@ Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
   const Keys &keys = parsed->keys;
   ImageHeader header;
   header.path = path;
+  if (std::string unknown = unknownKeys(keys); !unknown.empty()) header.notices.push_back(std::move(unknown));
   if (const std::string kind = valueOf(keys, {"ObjectType"}); !kind.empty() && kind != "Image")
     return refuse(path, "holds a MetaIO object of type '" + kind + "'; images are read");
   const auto sizes = numbersIn(valueOf(keys, {"DimSize"}));
@@ -97,11 +121,15 @@ Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
     if (!(sizes[3] >= 1.0 && sizes[3] < 1e6)) return refuse(path, "the header says " + formatNumber(sizes[3]) + " along axis 4");
     header.volumes = static_cast<std::size_t>(sizes[3]);
   }
-  if (const auto channels = numbersIn(valueOf(keys, {"ElementNumberOfChannels"})); !channels.empty() && channels[0] != 1.0)
-    return refuse(path, "holds " + formatNumber(channels[0]) + " numbers per voxel (a vector or colour image); images of one number per voxel are read");
   const auto scalar = scalarOf(path, valueOf(keys, {"ElementType"}));
   if (!scalar) return tl::unexpected(scalar.error());
   header.scalar = *scalar;
+  if (const auto channels = numbersIn(valueOf(keys, {"ElementNumberOfChannels"})); !channels.empty() && channels[0] != 1.0) {
+    if ((channels[0] != 3.0 && channels[0] != 4.0) || (header.scalar != Scalar::u8 && header.scalar != Scalar::u16))
+      return refuse(path, "holds " + formatNumber(channels[0]) + " numbers per voxel of type " + valueOf(keys, {"ElementType"}) +
+                              " (a vector image); images of one number per voxel, and of 3 or 4 colours as MET_UCHAR or MET_USHORT, are read");
+    header.channels = static_cast<std::size_t>(channels[0]);
+  }
   header.bigEndian = isTrue(valueOf(keys, {"ElementByteOrderMSB", "BinaryDataByteOrderMSB"}));
 
   auto spacing = numbersIn(valueOf(keys, {"ElementSpacing", "ElementSize"}));
@@ -117,6 +145,7 @@ Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
     for (std::size_t a = 0; a < n; ++a) matrix[a * n + a] = 1.0;
   }
   auto offset = numbersIn(valueOf(keys, {"Offset", "Position", "Origin"}));
+  if (offset.empty()) header.notices.push_back("The header does not say where the first voxel lies (Offset): 0, 0, 0 is taken.");
   offset.resize(std::max<std::size_t>(offset.size(), 3), 0.0);
   if (n == 2) header.notices.push_back("The image is a single slice without a thickness: 1 mm is taken.");
   const auto direction = [&](std::size_t a) -> Vec3 {  // each group of n numbers is the direction of one index axis
@@ -143,7 +172,7 @@ Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
     if (!local && !headerSize.empty() && headerSize[0] != 0.0) {
       std::error_code code;
       const auto length = static_cast<double>(std::filesystem::file_size(part.path, code));
-      const double bytes = static_cast<double>(header.geometry.voxelCount() * header.volumes * bytesOf(header.scalar)) / static_cast<double>(files->size());
+      const double bytes = bytesOfAll(header) / static_cast<double>(files->size());
       const double at = headerSize[0] < 0.0 ? length - bytes : headerSize[0];  // -1: the voxels end the file
       if (code || !(at >= 0.0 && at <= length)) return refuse(part.path, "does not hold the voxels that " + path.filename().string() + " says");
       part.offset = static_cast<std::uint64_t>(at);

@@ -89,9 +89,9 @@ Expected<Scalar> scalarOf(const std::filesystem::path &path, int type) {
     case 1280: return Scalar::u64;
     case 32:
     case 1792:
-    case 2048: return refuse(path, "holds complex numbers; images of one number per voxel are read");
+    case 2048: return refuse(path, "holds complex numbers; images of one number per voxel and colours are read");
     case 128:
-    case 2304: return refuse(path, "holds colours; images of one number per voxel are read");
+    case 2304: return Scalar::u8;  // RGB24, RGBA32
     default: return refuse(path, "its datatype " + std::to_string(type) + " is not read; integers of 8 to 64 bits and floating point of 32 and 64 bits are");
   }
 }
@@ -215,14 +215,15 @@ Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path) {
     if (!(sizes[a] >= 1.0 && sizes[a] < 1e6)) return refuse(path, "the header says " + formatNumber(sizes[a]) + " along axis " + std::to_string(a + 1));
   for (std::size_t a = 4; a < sizes.size(); ++a)
     if (sizes[a] > 1.0)
-      return refuse(path, "holds " + formatNumber(sizes[a]) + " numbers per voxel (a vector image); images of one number per voxel are read");
+      return refuse(path, "holds " + formatNumber(sizes[a]) + " numbers per voxel (a vector image); images of one number per voxel and colours (RGB24, RGBA32) are read");
   header.volumes = sizes.size() > 3 ? static_cast<std::size_t>(sizes[3]) : 1;
   const auto scalar = scalarOf(path, n.type);
   if (!scalar) return tl::unexpected(scalar.error());
   header.scalar = *scalar;
+  header.channels = n.type == 128 ? 3 : n.type == 2304 ? 4 : 1;
   header.bigEndian = n.swapped != (std::endian::native == std::endian::big);
   if (std::isfinite(n.slope) && std::isfinite(n.intercept)) {
-    if (n.slope != 0.0) header.slope = n.slope, header.intercept = n.intercept;
+    if (n.slope != 0.0 && header.channels == 1) header.slope = n.slope, header.intercept = n.intercept;
   } else {
     header.notices.push_back("The scaling of the header is not a number: values are taken as stored.");
   }

@@ -15,8 +15,26 @@ struct Parsed {
   std::map<std::string, std::string> fields;  ///< names in lower case
   std::vector<std::pair<std::string, std::string>> keys;
   std::vector<std::string> list;  ///< file names after `data file: LIST`
+  std::vector<std::string> notices;
   std::uint64_t dataOffset = 0;   ///< behind the empty line that ends the header; 0: none
 };
+
+/// The fields of the format, version 5, as they are written here; and what else its readers take for them.
+const std::vector<std::string> kFields{
+    "content", "number", "type", "block size", "dimension", "sizes", "spacings", "thicknesses", "axis mins", "axis maxs",
+    "centerings", "labels", "units", "kinds", "min", "max", "old min", "old max", "data file", "endian", "encoding",
+    "line skip", "byte skip", "sample units", "space", "space dimension", "space units", "space origin",
+    "space directions", "measurement frame"};
+
+std::string fieldOf(const std::string &name) {
+  for (const auto &[other, field] : {std::pair{"datafile", "data file"}, {"lineskip", "line skip"}, {"byteskip", "byte skip"}, {"blocksize", "block size"},
+                                     {"axismins", "axis mins"}, {"axismaxs", "axis maxs"}, {"oldmin", "old min"}, {"oldmax", "old max"},
+                                     {"centers", "centerings"}, {"sampleunits", "sample units"}})
+    if (name == other) return field;
+  return name;
+}
+
+bool isField(const std::string &name) { return std::find(kFields.begin(), kFields.end(), name) != kFields.end(); }
 
 Expected<Parsed> parse(const std::filesystem::path &path) {
   std::ifstream file(path, std::ios::binary);
@@ -41,14 +59,18 @@ Expected<Parsed> parse(const std::filesystem::path &path) {
     if (colon == std::string::npos) return refuse(path, "its header has the line '" + line.substr(0, 40) + "', which is no field");
     if (colon + 1 < line.size() && line[colon + 1] == '=') {
       out.keys.emplace_back(line.substr(0, colon), line.substr(colon + 2));
+      if (const std::string name = fieldOf(lowerCase(trimmed(line.substr(0, colon)))); isField(name))
+        out.notices.push_back("'" + name + ":=' is a pair of key and value, which says nothing of the image; the field is '" + name + ": '.");
       continue;
     }
-    std::string name = lowerCase(trimmed(line.substr(0, colon)));
-    if (name == "datafile") name = "data file";
-    if (name == "lineskip") name = "line skip";
-    if (name == "byteskip") name = "byte skip";
+    const std::string written = trimmed(line.substr(0, colon)), name = fieldOf(lowerCase(written));
+    if (!isField(name)) {
+      const std::string nearest = nearestName(name, kFields);
+      return refuse(path, "its header has the field '" + written.substr(0, 40) + "', which NRRD does not know" +
+                              (nearest.empty() ? "" : "; did you mean '" + nearest + "'?") + "; accepted: fields of the format, and 'key:=value' for what is one's own");
+    }
     const std::string value = trimmed(line.substr(colon + 1));
-    out.fields[name] = value;
+    if (!out.fields.emplace(name, value).second) return refuse(path, "its header has the field '" + name + "' twice");
     if (name == "data file" && value.starts_with("LIST")) {
       while (next() && !line.empty() && out.list.size() < 100000) out.list.push_back(trimmed(line));
       return out;
@@ -129,7 +151,18 @@ double millimetres(const std::string &unit) {
   return 1.0;
 }
 
-/// Which of the file's axes lie in space, which count volumes; an axis of several numbers per voxel is refused.
+bool isOneOf(const std::string &kind, std::initializer_list<const char *> kinds) {
+  return std::any_of(kinds.begin(), kinds.end(), [&](const char *one) { return kind == one; });
+}
+
+/// Whether so many numbers together are a colour: by their kind, or as 8 bits each, which no other vector has.
+bool isColour(Scalar scalar, double size, const std::string &kind) {
+  if (size != 3.0 && size != 4.0) return false;
+  if (isOneOf(kind, {"rgb-color", "rgba-color", "3-color", "4-color"})) return scalar == Scalar::u8 || scalar == Scalar::u16;
+  return scalar == Scalar::u8 && isOneOf(kind, {"", "vector", "3-vector", "4-vector"});
+}
+
+/// Which of the file's axes lie in space; the others count channels of a colour, or volumes.
 Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::vector<double> &sizes,
                                                const std::vector<std::vector<double>> &directions,
                                                const std::vector<std::string> &kinds) {
@@ -137,17 +170,28 @@ Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::v
   for (std::size_t a = 0; a < sizes.size(); ++a) {
     if (!(sizes[a] >= 1.0 && sizes[a] < 1e9)) return refuse(header.path, "the header says " + formatNumber(sizes[a]) + " along axis " + std::to_string(a + 1));
     const std::string kind = a < kinds.size() ? kinds[a] : "";
-    const bool inSpace = directions.empty() ? (kind.empty() || kind == "domain" || kind == "space" || kind == "???" || kind == "none") && axes.size() < 3
+    const bool inSpace = directions.empty() ? isOneOf(kind, {"", "domain", "space", "???", "none"}) && axes.size() < 3
                                             : a < directions.size() && !directions[a].empty();
     if (inSpace && axes.size() < 3) {
       axes.push_back(a);
-    } else if (sizes[a] > 1.0) {
-      if (axes.size() < std::min<std::size_t>(3, sizes.size() - 1) || (kind != "time" && kind != "list" && kind != "domain" && kind != "space" && !kind.empty()))
-        return refuse(header.path, "holds " + formatNumber(sizes[a]) + " numbers per voxel (axis " + std::to_string(a + 1) +
-                                       (kind.empty() ? "" : ", '" + kind + "'") + "): a vector, colour or layered image; images of one number per voxel are read");
-      header.volumes *= static_cast<std::size_t>(sizes[a]);
-      if (header.volumes > 1000000) return refuse(header.path, "the header says more than a million volumes");
+      continue;
     }
+    if (sizes[a] == 1.0) continue;
+    if (a == 0 && isColour(header.scalar, sizes[a], kind)) {
+      header.channels = static_cast<std::size_t>(sizes[a]);
+      continue;
+    }
+    const bool isBehind = axes.size() >= std::min<std::size_t>(3, sizes.size() - 1);
+    const bool countsVolumes = isOneOf(kind, {"time", "list"}) || (isBehind && isOneOf(kind, {"", "domain", "space", "???", "none"}));
+    if (!countsVolumes)
+      return refuse(header.path, "holds " + formatNumber(sizes[a]) + " numbers per voxel (axis " + std::to_string(a + 1) + (kind.empty() ? "" : ", '" + kind + "'") +
+                                     "): a vector image; read are images of one number per voxel, of 3 or 4 colours of 8 or 16 bits (first axis, kind RGB-color or RGBA-color), and time points (kind time or list)");
+    const bool isFirst = axes.empty() && header.channels == 1;
+    if (!isBehind && !isFirst) return refuse(header.path, "has its time points between the axes of space (axis " + std::to_string(a + 1) + "); they are read as the first or the last axis");
+    if (header.volumes > 1 && (isFirst || header.interleaved)) return refuse(header.path, "has several axes of time points; one, the first or the last, is read");
+    header.interleaved = isFirst;
+    header.volumes *= static_cast<std::size_t>(sizes[a]);
+    if (header.volumes > 1000000) return refuse(header.path, "the header says more than a million volumes");
   }
   return axes;
 }
@@ -195,6 +239,11 @@ Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vecto
   }
   const auto origins = vectorsIn(field("space origin"));
   Vec3 origin{};
+  if (!directions.empty() && origins.empty())
+    header.notices.push_back("The header does not say where the first voxel lies (space origin): 0, 0, 0 is taken.");
+  for (const auto &direction : directions)
+    if (!origins.empty() && !direction.empty() && direction.size() != origins[0].size())
+      return refuse(header.path, "its space origin has " + std::to_string(origins[0].size()) + " numbers, its space directions have " + std::to_string(direction.size()));
   if (!origins.empty())
     for (std::size_t x = 0; x < 3 && x < origins[0].size(); ++x)
       origin[x] = sign[x] * origins[0][x] * (x < unit.size() ? millimetres(unit[x]) : 1.0);
@@ -266,7 +315,7 @@ Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
     } else if (bytes < 0.0) {  // -1: the voxels end the file
       std::error_code code;
       const auto length = static_cast<double>(std::filesystem::file_size(part.path, code));
-      const double need = static_cast<double>(header.geometry.voxelCount() * header.volumes * bytesOf(header.scalar)) / static_cast<double>(header.parts.size());
+      const double need = bytesOfAll(header) / static_cast<double>(header.parts.size());
       if (code || length < need) return refuse(part.path, "does not hold the voxels that the header says");
       part.offset = static_cast<std::uint64_t>(length - need);
     } else {
@@ -288,6 +337,7 @@ Expected<ImageHeader> readNrrdHeader(const std::filesystem::path &path) {
   ImageHeader header;
   header.path = path;
   header.keys = parsed->keys;
+  header.notices = parsed->notices;
   const auto scalar = scalarOf(path, lowerCase(field("type")));
   if (!scalar) return tl::unexpected(scalar.error());
   header.scalar = *scalar;
@@ -295,6 +345,7 @@ Expected<ImageHeader> readNrrdHeader(const std::filesystem::path &path) {
   if (dimension.empty() || sizes.size() < 2 || sizes.size() > 16 || dimension[0] != static_cast<double>(sizes.size()))
     return refuse(path, "the header says dimension '" + field("dimension") + "' with " + std::to_string(sizes.size()) + " sizes; 2 to 16 are read");
   if (const auto placed = place(header, *parsed, sizes); !placed) return tl::unexpected(placed.error());
+  header.layered = header.volumes > 1 && std::any_of(header.keys.begin(), header.keys.end(), [](const auto &key) { return key.first.starts_with("Segment0_"); });
   if (const auto found = findData(header, *parsed); !found) return tl::unexpected(found.error());
   return header;
 }

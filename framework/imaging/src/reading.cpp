@@ -8,6 +8,8 @@
 
 #include "byte_stream.h"
 #include "c3de/core/text.h"
+#include "c3de/imaging/label_names.h"
+#include "colours.h"
 #include "dicom_series.h"
 #include "image_header.h"
 #include "label_table.h"
@@ -119,12 +121,22 @@ Expected<LoadedVolume> readDicom(const std::filesystem::path &path, const ReadOp
 Expected<LoadedVolume> readFile(const ImageHeader &header, const ReadOptions &options) {
   LoadedVolume out;
   out.notices = header.notices;
+  const bool isColour = header.channels > 1;
+  const auto count = static_cast<double>(header.geometry.voxelCount());
+  if (isColour)  // what is stored, its luma and its colours are there together for a moment
+    if (const auto fits = checkMemory(header.path, count * static_cast<double>(header.channels * bytesOf(header.scalar) + 1 + sizeof(Rgba)), options.memoryLimit); !fits)
+      return tl::unexpected(fits.error());
   auto voxels = readVoxels(header, options, out.notices);
   if (!voxels) return tl::unexpected(voxels.error());
+  out.times = header.layered ? 1 : header.volumes;
   out.volume.geometry = header.geometry;
-  out.volume.voxels = std::move(*voxels);
-  out.volume.slope = header.slope;
-  out.volume.intercept = header.intercept;
+  if (isColour) {
+    setColours(out.volume, *voxels, header.channels);
+    out.notices.push_back("A colour image: slices show its colours; its values are their brightness, from 0 to 255.");
+  } else {
+    out.volume.voxels = std::move(*voxels);
+  }
+  if (!isColour) out.volume.slope = header.slope, out.volume.intercept = header.intercept;
   out.volume.unit = header.unit;
   return out;
 }
@@ -142,6 +154,36 @@ std::optional<std::size_t> toLabels(const std::vector<T> &voxels, double slope, 
   return std::nullopt;
 }
 
+/// @param table  names and colours; what it does not know is numbered
+Expected<LabelMap> labelsOf(const std::filesystem::path &path, const Volume &volume, const LabelTable &table) {
+  LabelMap map;
+  map.geometry = volume.geometry;
+  const auto wrong = std::visit([&](const auto &all) { return toLabels(all, volume.slope, volume.intercept, map.voxels); }, volume.voxels);
+  if (wrong) {
+    const auto &size = volume.geometry.size;
+    const std::size_t i = *wrong % size[0], j = *wrong / size[0] % size[1], k = *wrong / (size[0] * size[1]);
+    return refuse(path, "is no label map: voxel (" + std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k) + ") is " +
+                            formatNumber(volume.value(i, j, k)) + "; whole numbers from 0 to 65535 are labels");
+  }
+  std::vector<bool> occurs(65536, false);
+  for (const std::uint16_t label : map.voxels) occurs[label] = true;
+  for (std::size_t value = 1; value < occurs.size(); ++value) {
+    if (!occurs[value]) continue;
+    const auto number = static_cast<std::uint16_t>(value);
+    const auto named = table.find(number);
+    const bool known = named != table.end() && !named->second.name.empty();
+    map.labels.push_back({number, known ? named->second.name : "label " + std::to_string(value),
+                          known && named->second.coloured ? named->second.colour : distinctColour(map.labels.size())});
+  }
+  return map;
+}
+
+tl::unexpected<Error> hasOneTime(const std::filesystem::path &path, std::size_t asked) {
+  return refuse(path, "time " + std::to_string(asked) + " is asked for; the file has one time point (0)");
+}
+
+constexpr std::size_t kMostLayers = 256;
+
 }  // namespace
 
 Expected<LoadedVolume> readVolume(const std::filesystem::path &path, const ReadOptions &options) {
@@ -150,59 +192,60 @@ Expected<LoadedVolume> readVolume(const std::filesystem::path &path, const ReadO
   if (*format == Format::dicom) return readDicom(path, options);
   const auto header = headerOf(path, *format);
   if (!header) return tl::unexpected(header.error());
-  return readFile(*header, options);
+  if (header->layered && options.time > 0) return hasOneTime(path, options.time);
+  auto loaded = readFile(*header, options);
+  if (loaded && header->layered)
+    loaded->notices.push_back("The file holds " + std::to_string(header->volumes) + " layers of a segmentation: the first is read as an image; as a label map all are.");
+  return loaded;
 }
 
 Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const ReadOptions &options) {
   const auto format = formatOrError(path);
   if (!format) return tl::unexpected(format.error());
-  LabelTable table;
-  Expected<LoadedVolume> loaded;
   if (*format == Format::dicom) {
-    loaded = readDicom(path, options);
-  } else {
-    const auto header = headerOf(path, *format);
-    if (!header) return tl::unexpected(header.error());
-    bool layered = false;
-    table = header->labelXml.empty() ? segmentsOf(header->keys, layered) : caretLabelsOf(header->labelXml);
-    if (layered) return refuse(path, "holds segments in several layers, which may overlap; one label per voxel is read");
-    ReadOptions rest = options;
-    // The labels are kept beside the voxels they come from for a moment.
-    if (rest.memoryLimit > 0) {
-      const double more = 2.0 * static_cast<double>(header->geometry.voxelCount());
-      if (const auto fits = checkMemory(path, more * (1.0 + static_cast<double>(bytesOf(header->scalar)) / 2.0), options.memoryLimit); !fits)
-        return tl::unexpected(fits.error());
-    }
-    loaded = readFile(*header, rest);
+    const auto loaded = readDicom(path, options);
+    if (!loaded) return tl::unexpected(loaded.error());
+    LoadedLabels out;
+    out.notices = loaded->notices;
+    auto map = labelsOf(path, loaded->volume, {});
+    if (!map) return tl::unexpected(map.error());
+    out.labels = std::move(*map);
+    return out;
   }
-  if (!loaded) return tl::unexpected(loaded.error());
+  const auto header = headerOf(path, *format);
+  if (!header) return tl::unexpected(header.error());
+  if (header->channels > 1) return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0 to 65535, one per voxel");
+  if (header->layered && options.time > 0) return hasOneTime(path, options.time);
+  const std::size_t layers = header->layered ? header->volumes : 1;
+  if (layers > kMostLayers) return refuse(path, "holds " + std::to_string(layers) + " layers of segments; up to " + std::to_string(kMostLayers) + " are read");
+  // The labels are kept beside the voxels they come from for a moment.
+  const double needed = static_cast<double>(header->geometry.voxelCount()) * (2.0 * static_cast<double>(layers) + static_cast<double>(bytesOf(header->scalar)));
+  if (const auto fits = checkMemory(path, needed, options.memoryLimit); !fits) return tl::unexpected(fits.error());
+  std::vector<LabelTable> tables = segmentsOf(header->keys, layers);
+  if (!header->labelXml.empty()) tables[0] = caretLabelsOf(header->labelXml);
 
   LoadedLabels out;
-  out.notices = std::move(loaded->notices);
-  const Volume &volume = loaded->volume;
-  out.labels.geometry = volume.geometry;
-  const auto wrong = std::visit([&](const auto &all) { return toLabels(all, volume.slope, volume.intercept, out.labels.voxels); }, volume.voxels);
-  if (wrong) {
-    const auto &size = volume.geometry.size;
-    const std::size_t i = *wrong % size[0], j = *wrong / size[0] % size[1], k = *wrong / (size[0] * size[1]);
-    return refuse(path, "is no label map: voxel (" + std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k) + ") is " +
-                            formatNumber(volume.value(i, j, k)) + "; whole numbers from 0 to 65535 are labels");
-  }
-  if (table.empty() && *format != Format::dicom) {
+  const bool isNamed = std::any_of(tables.begin(), tables.end(), [](const LabelTable &table) { return !table.empty(); });
+  if (!isNamed) {
     auto [beside, from] = tableBeside(path);
     if (!beside.empty()) out.notices.push_back("Names of labels are from " + from.filename().string() + ".");
-    table = std::move(beside);
+    tables.assign(layers, beside);
   }
-  std::vector<bool> occurs(65536, false);
-  for (const std::uint16_t label : out.labels.voxels) occurs[label] = true;
-  for (std::size_t value = 1; value < occurs.size(); ++value) {
-    if (!occurs[value]) continue;
-    const auto number = static_cast<std::uint16_t>(value);
-    const auto named = table.find(number);
-    const bool known = named != table.end() && !named->second.name.empty();
-    out.labels.labels.push_back({number, known ? named->second.name : "label " + std::to_string(value),
-                                 known && named->second.coloured ? named->second.colour : distinctColour(out.labels.labels.size())});
+  for (std::size_t layer = 0; layer < layers; ++layer) {
+    ReadOptions one = options;
+    if (header->layered) one.time = layer;
+    one.progress = partOf(options.progress, static_cast<double>(layer) / static_cast<double>(layers), static_cast<double>(layer + 1) / static_cast<double>(layers));
+    auto loaded = readFile(*header, one);
+    if (!loaded) return tl::unexpected(loaded.error());
+    if (layer == 0) out.notices.insert(out.notices.begin(), loaded->notices.begin(), loaded->notices.end());
+    auto map = labelsOf(path, loaded->volume, tables[layer]);
+    if (!map) return tl::unexpected(map.error());
+    if (layer == 0) out.labels = std::move(*map);
+    else out.layers.push_back(std::move(*map));
   }
+  if (layers == 1 && out.labels.labels.size() == 1 && !tables[0].contains(out.labels.labels[0].value))
+    if (std::string name = nameFromFile(path); !name.empty()) out.labels.labels[0].name = std::move(name);
+  if (layers > 1) out.notices.push_back("The segments lie in " + std::to_string(layers) + " layers, because some of them overlap; each layer is a label map of its own.");
   return out;
 }
 
@@ -223,6 +266,7 @@ Expected<std::vector<SeriesInfo>> listSeries(const std::filesystem::path &path, 
   info.id = path.filename().string();
   info.modality = header->modality;
   info.size = header->geometry.size;
+  info.times = header->layered ? 1 : header->volumes;
   info.files = 1;
   info.folder = path.parent_path();
   all.push_back(info);

@@ -40,20 +40,24 @@ using Voxels = std::variant<std::vector<std::int8_t>, std::vector<std::uint8_t>,
                             std::vector<std::uint16_t>, std::vector<std::int32_t>, std::vector<std::uint32_t>,
                             std::vector<float>, std::vector<double>>;
 
+/// Red, green, blue and opacity as files hold them (sRGB).
+using Rgba = std::array<std::uint8_t, 4>;
+
 /// An image of scalars. Never changes once it is built; any number of threads may read it.
 struct Volume {
   VolumeGeometry geometry;
-  Voxels voxels;           ///< geometry.voxelCount() of them, i fastest
+  Voxels voxels;           ///< geometry.voxelCount() of them, i fastest; of a colour image its luma (Rec. 709)
   double slope = 1.0;      ///< value = slope * voxel + intercept
   double intercept = 0.0;
-  std::string unit;        ///< of values: "HU", or empty when the file does not say
+  std::string unit{};      ///< of values: "HU", or empty when the file does not say
+  std::vector<Rgba> colours{};  ///< of a colour image, geometry.voxelCount(); empty: it has none
 
   [[nodiscard]] std::size_t offset(std::size_t i, std::size_t j, std::size_t k) const {
     return i + geometry.size[0] * (j + geometry.size[1] * k);
   }
   /// Rescaled value of a voxel; the index must lie inside.
   [[nodiscard]] double value(std::size_t i, std::size_t j, std::size_t k) const;
-  [[nodiscard]] std::size_t bytes() const;           ///< of all voxels
+  [[nodiscard]] std::size_t bytes() const;           ///< of all voxels and colours
   [[nodiscard]] const char *scalarTypeName() const;  ///< "int16", "uint8", "float32", …
 };
 
