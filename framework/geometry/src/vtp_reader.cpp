@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's XML polydata (.vtp): text, base64 and raw arrays, in place or appended, not compressed.
+// VTK's XML polydata (.vtp): text, base64 and raw arrays, in place or appended, as they are or packed with zlib.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include "base64.h"
 #include "file_text.h"
 #include "raw_mesh.h"
+#include "vtk_blocks.h"
 #include "xml_scan.h"
 
 namespace c3de::geometry {
@@ -53,7 +54,7 @@ class VtpParser {
   std::string_view text_, appended_;
   std::vector<Piece> pieces_;
   std::size_t headerBytes_ = 4;
-  bool isBigEndian_ = false, isAppendedRaw_ = false;
+  bool isBigEndian_ = false, isAppendedRaw_ = false, isPacked_ = false;
 };
 
 Expected<void> VtpParser::scan() {
@@ -66,8 +67,11 @@ Expected<void> VtpParser::scan() {
     if (tag.kind == XmlScan::Kind::end) return isOpen ? Expected<void>{} : refuse("no <VTKFile> in it; is this a VTP file?");
     if (tag.name == "VTKFile" && tag.kind == XmlScan::Kind::open) {
       if (tag.get("type") != "PolyData") return refuse("dataset " + quotedText(tag.get("type")) + "; PolyData (a surface) is accepted");
-      if (!tag.get("compressor").empty())
-        return refuse("the arrays are compressed (" + quotedText(tag.get("compressor")) + "); uncompressed ones are accepted");
+      isPacked_ = !tag.get("compressor").empty();
+      if (isPacked_ && tag.get("compressor") != "vtkZLibDataCompressor")
+        return refuse("the arrays are compressed by " + quotedText(tag.get("compressor")) + "; vtkZLibDataCompressor and none are accepted");
+      if (const std::string type = tag.get("header_type", "UInt32"); type != "UInt32" && type != "UInt64")
+        return refuse("header_type " + quotedText(type) + "; UInt32 and UInt64 are accepted");
       isBigEndian_ = tag.get("byte_order") == "BigEndian";
       headerBytes_ = tag.get("header_type") == "UInt64" ? 8 : 4;
       isOpen = true;
@@ -117,15 +121,17 @@ Expected<std::string> VtpParser::bytes(const Array &array, const std::string &wh
   }
   const bool isRaw = array.format == "appended" && isAppendedRaw_;
   const auto lengthIn = [&](std::string_view head) { return word(reinterpret_cast<const unsigned char *>(head.data()), headerBytes_); };
+  if (array.format == "binary") source.remove_prefix(std::min(source.find_first_not_of(" \t\r\n"), source.size()));
+  if (isPacked_) {
+    auto all = unpacked({source, !isRaw, headerBytes_, isBigEndian_});
+    if (!all) return refuse("the packed array " + what + " cannot be read: " + all.error().message);
+    return all;
+  }
   if (isRaw) {
     if (source.size() < headerBytes_) return cut();
     const std::uint64_t length = lengthIn(source);
     if (length > source.size() - headerBytes_) return cut();
     return std::string(source.substr(headerBytes_, static_cast<std::size_t>(length)));
-  }
-  if (array.format == "binary") {
-    const std::size_t begin = std::min(source.find_first_not_of(" \t\r\n"), source.size());
-    source.remove_prefix(begin);
   }
   // Header and data are one block, or two with padding between them.
   const std::size_t headDigits = (headerBytes_ + 2) / 3 * 4;
