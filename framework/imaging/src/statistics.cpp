@@ -2,6 +2,7 @@
 #include "c3de/imaging/statistics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -51,7 +52,66 @@ StoredRange rangeOf(const std::vector<T> &voxels, double clipped) {
   return {min, max, low, std::min(high, max)};
 }
 
+/// Voxels by their value, 10 HU each from -1100 to 3100; what is below and above is in the first and last bin.
+struct HounsfieldBins {
+  static constexpr double kFirst = -1100.0, kWidth = 10.0;
+  std::array<double, 422> counts{};
+  double below = 0.0, total = 0.0;    ///< voxels under kFirst; all that are finite
+  double padding = 0.0;               ///< of `below`, those with the lowest value of all
+  [[nodiscard]] static std::size_t binOf(double hu) {
+    return static_cast<std::size_t>(std::clamp((hu - kFirst) / kWidth + 1.0, 0.0, 421.0));
+  }
+  [[nodiscard]] double between(double from, double to) const {
+    double sum = 0.0;
+    for (std::size_t b = binOf(from); b < binOf(to); ++b) sum += counts[b];
+    return sum;
+  }
+  /// The value below which such a share of what lies between two values is.
+  [[nodiscard]] double quantile(double from, double to, double share) const {
+    const double wanted = share * between(from, to);
+    double sum = 0.0;
+    for (std::size_t b = binOf(from); b < binOf(to); ++b) {
+      sum += counts[b];
+      if (sum > wanted) return kFirst + kWidth * (static_cast<double>(b) - 0.5);
+    }
+    return to;
+  }
+};
+
+HounsfieldBins hounsfieldBins(const Volume &volume) {
+  HounsfieldBins bins;
+  double lowest = std::numeric_limits<double>::infinity();
+  std::visit(
+      [&](const auto &all) {
+        for (const auto voxel : all) {
+          const double value = volume.slope * static_cast<double>(voxel) + volume.intercept;
+          if (!std::isfinite(value)) continue;
+          bins.counts[HounsfieldBins::binOf(value)] += 1.0;
+          bins.total += 1.0;
+          if (value >= HounsfieldBins::kFirst) continue;
+          bins.below += 1.0;
+          if (value < lowest) lowest = value, bins.padding = 0.0;
+          if (value == lowest) bins.padding += 1.0;
+        }
+      },
+      volume.voxels);
+  return bins;
+}
+
+// Without lung and air, without metal, HU.
+constexpr double kTissue = -300.0, kMetal = 2000.0;
+
+bool looksLikeHounsfield(const Volume &volume, const HounsfieldBins &bins) {
+  if (volume.unit == "HU") return true;
+  if (!volume.unit.empty() || !volume.colours.empty() || bins.below - bins.padding > 1e-3 * bins.total) return false;
+  const double air = bins.between(-1100.0, -850.0) + bins.padding, tissue = bins.between(kTissue, kMetal);
+  const double soft = bins.between(-150.0, 200.0);
+  return air > 0.01 * bins.total && tissue > 0.01 * bins.total && soft > 0.5 * tissue && bins.between(kMetal, 3100.0) < 0.05 * bins.total;
+}
+
 }  // namespace
+
+bool looksLikeHounsfield(const Volume &volume) { return looksLikeHounsfield(volume, hounsfieldBins(volume)); }
 
 ValueRange robustRange(const Volume &volume, double clipped) {
   const StoredRange stored = std::visit([&](const auto &all) { return rangeOf(all, clipped); }, volume.voxels);
@@ -60,6 +120,15 @@ ValueRange robustRange(const Volume &volume, double clipped) {
   if (volume.slope < 0.0) {
     std::swap(range.min, range.max);
     std::swap(range.low, range.high);
+  }
+  if (!volume.colours.empty()) {
+    range.low = 0.0, range.high = 255.0;
+    return range;
+  }
+  const HounsfieldBins bins = hounsfieldBins(volume);
+  if (looksLikeHounsfield(volume, bins) && bins.between(kTissue, kMetal) > 1e-3 * bins.total) {
+    range.low = std::max(bins.quantile(kTissue, kMetal, 0.01), -200.0);
+    range.high = std::clamp(bins.quantile(kTissue, kMetal, 0.98), 250.0, 1000.0);
   }
   if (!(range.low < range.high)) {
     // One value fills nearly all of it: take what there is, else anything around it.

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "c3de/imaging/displacement.h"
+#include "c3de/imaging/reading.h"
 #include "c3de/imaging/statistics.h"
 #include "support/catch.h"
 
@@ -52,6 +53,77 @@ TEST_CASE("numbers that are not finite do not count, and a single value has a ra
   const auto two = imaging::robustRange(volumeOf(voxels));
   CHECK_THAT(two.low, WithinAbs(0.25, 8.0 / 4096));
   CHECK_THAT(two.high, WithinAbs(8.25, 8.0 / 4096));
+}
+
+namespace {
+
+/// Shares of voxels around a value, with some noise, in HU.
+struct Share {
+  double value, share, spread;
+};
+Volume scanOf(const std::vector<Share> &shares) {
+  std::vector<std::int16_t> voxels;
+  for (const Share &s : shares)
+    for (int n = 0; n < static_cast<int>(40000.0 * s.share); ++n)
+      voxels.push_back(static_cast<std::int16_t>(s.value + s.spread * (static_cast<double>(n * 7919 % 2001) / 1000.0 - 1.0)));
+  return volumeOf(voxels);
+}
+
+}  // namespace
+
+TEST_CASE("What is seen of a tomography is soft tissue and bone, whatever of air, padding and metal is there", "[imaging]") {
+  // Air, lung, fat, soft tissue, contrast, bone.
+  const std::vector<Share> chest{{-1000, 0.4, 20}, {-800, 0.15, 80}, {-100, 0.1, 30}, {45, 0.25, 40}, {250, 0.04, 60}, {600, 0.06, 300}};
+  const auto plain = imaging::robustRange(scanOf(chest));
+  CHECK(imaging::looksLikeHounsfield(scanOf(chest)));
+  for (const auto &more : {std::vector<Share>{{-3024, 0.3, 0}}, {{3071, 0.02, 0}}, {{-3024, 0.3, 0}, {20000, 0.01, 5000}}, {{-1000, 5.0, 10}}, {{-850, 2.0, 10}}}) {
+    std::vector<Share> all = chest;
+    all.insert(all.end(), more.begin(), more.end());
+    const auto range = imaging::robustRange(scanOf(all));
+    CHECK_THAT(range.low, WithinAbs(plain.low, 30.0));
+    CHECK_THAT(range.high, WithinAbs(plain.high, 60.0));
+  }
+  CHECK((plain.low >= -200.0 && plain.low <= -100.0));
+  CHECK((plain.high >= 400.0 && plain.high <= 1000.0));
+  // A file that says HU needs no air.
+  Volume cut = scanOf({{45, 0.9, 40}, {600, 0.1, 300}});
+  CHECK_FALSE(imaging::looksLikeHounsfield(cut));
+  cut.unit = "HU";
+  CHECK(imaging::robustRange(cut).high <= 1000.0);
+  CHECK(imaging::looksLikeHounsfield(cut));
+}
+
+TEST_CASE("Magnetic resonance, phases and other values keep the range of their voxels", "[imaging]") {
+  const std::vector<Share> head{{5, 0.5, 5}, {300, 0.2, 60}, {600, 0.2, 80}, {900, 0.1, 90}};
+  const std::vector<Share> phase{{0, 0.7, 4095}, {30, 0.3, 200}};
+  const std::vector<Share> negative{{-1000, 0.3, 20}, {900, 0.7, 300}};
+  for (const auto &shares : {head, phase, negative}) {
+    const Volume volume = scanOf(shares);
+    CHECK_FALSE(imaging::looksLikeHounsfield(volume));
+    const auto range = imaging::robustRange(volume);
+    CHECK(range.high - range.low > 0.9 * (range.max - range.min));
+  }
+}
+
+TEST_CASE("Tomographies made by others show tissue, magnetic resonance all of it", "[imaging]") {
+  for (const char *file : {"volume/totalseg/example_ct.nii.gz", "volume/totalseg/example_ct_sm.nii.gz", "dicom/ct_head_phantom_philips_5mm", "dicom/pydicom_single/CT_small.dcm"}) {
+    C3DE_DATA_OR_SKIP(path, file);
+    CAPTURE(file);
+    const auto loaded = imaging::readVolume(path);
+    REQUIRE(loaded);
+    CHECK(imaging::looksLikeHounsfield(loaded->volume));
+    const auto range = imaging::robustRange(loaded->volume);
+    CAPTURE(range.min, range.max, range.low, range.high);
+    CHECK((range.low >= -200.0 && range.low < 60.0));
+    CHECK((range.high >= 250.0 && range.high <= 1000.0));
+  }
+  for (const char *file : {"volume/totalseg/example_mr_sm.nii.gz", "volume/nifti/anatomical.nii", "volume/nifti/example4d.nii.gz", "volume/nifti/CT_pitch.nii.gz", "volume/nrrd/breast1_image.nrrd"}) {
+    C3DE_DATA_OR_SKIP(path, file);
+    CAPTURE(file);
+    const auto loaded = imaging::readVolume(path);
+    REQUIRE(loaded);
+    CHECK_FALSE(imaging::looksLikeHounsfield(loaded->volume));
+  }
 }
 
 TEST_CASE("a displacement grid is linear inside and zero outside", "[imaging]") {
