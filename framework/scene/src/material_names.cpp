@@ -24,6 +24,11 @@ constexpr Row kRows[] = {
     {{"prostate", "tumour"}, "prostate_cancer"},
     {{"prostate", "cancer"}, "prostate_cancer"},
     {{"hepatic", "artery"}, "hepatic_artery"},
+    {{"aorta", ""}, "aorta"},
+    {{"carotid", "artery"}, "aorta"},
+    {{"subclavian", "artery"}, "aorta"},
+    {{"iliac", "artery"}, "aorta"},
+    {{"brachiocephalic", "trunk"}, "aorta"},
     {{"bile", "duct"}, "bile_duct"},
     {{"liver", "cirrhosis"}, "liver_diseased"},
     {{"liver", "fibrosis"}, "liver_diseased"},
@@ -43,7 +48,11 @@ constexpr Row kRows[] = {
     {{"thalamus", ""}, "brain_grey"},
     {{"heart", ""}, "heart_passive"},
     {{"myocardium", ""}, "heart_passive"},
+    {{"atrium", ""}, "heart_passive"},
+    {{"atrial", "appendage"}, "heart_passive"},
     {{"lung", ""}, "lung_inflated"},
+    {{"stomach", ""}, "stomach"},
+    {{"thyroid", ""}, "thyroid"},
     {{"prostate", ""}, "prostate"},
     {{"breast", ""}, "breast_gland"},
     {{"muscle", ""}, "muscle_skeletal_rest"},
@@ -70,7 +79,7 @@ constexpr Row kRows[] = {
 
 /// In a name, these say that it is something in the organ or beside it.
 constexpr std::string_view kOthers[] = {"tumor", "tumour", "cancer", "carcinoma", "lesion", "metastasis",
-                                        "cyst",  "vessel", "vein",   "artery",    "duct",   "nerve",
+                                        "cyst",  "vessel", "vein",   "vena",      "artery", "duct",  "nerve",
                                         "fluid", "csf",    "cavity", "implant"};
 
 /// In lower case, without digits and separators.
