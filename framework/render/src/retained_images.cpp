@@ -65,6 +65,7 @@ Expected<Handle> RetainedImages::addImage(const ImageVoxels &image, std::string 
                                               image.slope, image.intercept));
   ImageSlot slot;
   slot.place = image.place;
+  slot.hasColours = image.colours != nullptr;
   if (auto done = uploadImage(slot, image, notice); !done) return tl::unexpected(done.error());
   slot.indexFromWorld = affineInverse(slot.place.worldFromIndex);
   ++changes_;

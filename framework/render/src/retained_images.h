@@ -23,6 +23,7 @@ struct ImageSlot {
   double scale = 1.0, offset = 0.0;  ///< value = scale * texel + offset
   std::vector<std::pair<std::uint16_t, Colour>> colours;
   bool hasGaps = false;              ///< of displacements
+  bool hasColours = false;           ///< of images
   std::unique_ptr<BackEndData> backEnd;
 };
 

@@ -327,3 +327,43 @@ TEST_CASE("Places that a body has left are hatched where a gap leads to it, and 
   CHECK(count("slice_left_all.png", false, false).first == 0);
   CHECK_FALSE(images.setDisplacement(look.displacement, u));
 }
+
+TEST_CASE("A colour image shows its colours, through window and level, moved like grey values", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  // A board of four colours, 18 mm each side of the middle.
+  constexpr std::size_t kCount = 4;
+  const std::array<std::array<std::uint8_t, 4>, 4> board{{{200, 0, 0, 255}, {0, 200, 0, 255}, {0, 0, 200, 255}, {60, 120, 180, 0}}};
+  std::vector<std::uint8_t> grey(kCount * kCount * kCount, 100);
+  std::vector<std::array<std::uint8_t, 4>> colours;
+  for (std::size_t v = 0; v < grey.size(); ++v) colours.push_back(board[(v % kCount / 2) + 2 * (v / kCount % kCount / 2)]);
+  ImageVoxels image;
+  image.place.size = {kCount, kCount, kCount};
+  image.place.worldFromIndex = {9, 0, 0, 0, 0, 9, 0, 0, 0, 0, 9, 0, -13.5, -13.5, -13.5, 1};
+  image.type = VoxelType::uint8;
+  image.voxels = grey.data();
+  image.colours = colours.data();
+  ImageLook look;
+  look.image = added(gl.renderer->images()->addImage(image));
+  look.window = 255.0;
+  look.level = 127.5;
+  look.isSmooth = false;
+  const SlicePlane plane = planeAt({0, 0, 2}, kLeft, kBack);
+  const auto shows = [&](const Image &picture, double dx_mm, double dy_mm, const std::array<int, 3> &expected) {
+    const auto found = pixel(picture, kSide / 2 + static_cast<int>(2 * dx_mm), kSide / 2 + static_cast<int>(2 * dy_mm));
+    CAPTURE(dx_mm, dy_mm, int(found[0]), int(found[1]), int(found[2]));
+    for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(int(found[c]) - expected[c]) <= 1);
+  };
+  const Image plain = slice(*gl.renderer, look, plane);
+  save(plain, "colours.png");
+  shows(plain, -9, -9, {200, 0, 0});
+  shows(plain, 9, -9, {0, 200, 0});
+  shows(plain, -9, 9, {0, 0, 200});
+  shows(plain, 9, 9, {60, 120, 180});
+  shows(plain, 30, 0, {0, 0, 0});
+  look.window = 127.5;
+  shows(slice(*gl.renderer, look, plane), 9, 9, {0, 113, 233});  // 2 (c - 127.5) + 127.5
+  look.window = 255.0;
+  const std::vector<float> shift{18, 0, 0, 18, 0, 0, 18, 0, 0, 18, 0, 0, 18, 0, 0, 18, 0, 0, 18, 0, 0, 18, 0, 0};
+  look.displacement = added(gl.renderer->images()->addDisplacement({{2, 2, 2}, {100, 0, 0, 0, 0, 100, 0, 0, 0, 0, 100, 0, -50, -50, -50, 1}}, shift));
+  shows(slice(*gl.renderer, look, plane), 9, -9, {200, 0, 0});
+}

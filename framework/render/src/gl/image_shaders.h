@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shader texts of images. Positions are in the index spaces of the grids, found in double precision by whoever sets the
-// matrices. Variants are chosen by LABELLED, DISPLACED, VACATED, SHIFT, MAXIMUM, SHADED, LAYERED, because a software renderer pays for
-// both sides of a branch.
+// matrices. Variants are chosen by COLOURED, LABELLED, DISPLACED, VACATED, SHIFT, MAXIMUM, SHADED, LAYERED, because a software renderer
+// pays for both sides of a branch.
 #pragma once
 
 namespace c3de::render::shaders {
@@ -16,7 +16,8 @@ enum ImageUnit : unsigned {
   kDepthUnit = 6,
   kLayerUnit = 7,  // and the next one
   kBodiesUnit = 9,
-  kImageUnits = 10
+  kColourUnit = 10,
+  kImageUnits = 11
 };
 enum SliceUniform : int {
   kClipFromLocal = 0,
@@ -106,6 +107,7 @@ layout(binding = 0) uniform sampler3D uImage;
 layout(binding = 1) uniform usampler3D uLabels;
 layout(binding = 2) uniform sampler2D uLabelColours;
 layout(binding = 4) uniform sampler2D uShiftColours;
+layout(binding = 10) uniform sampler3D uColours;
 out vec4 oColour;
 void main() {
   precise vec3 index = vImage;
@@ -115,9 +117,13 @@ void main() {
   index -= uImageFromShift * u;
 #endif
   vec3 count = vec3(textureSize(uImage, 0));
-  float texel = texture(uImage, (index + 0.5) / count).r;
+#ifdef COLOURED
+  vec3 texel = texture(uColours, (index + 0.5) / count).rgb;
+#else
+  vec3 texel = texture(uImage, (index + 0.5) / count).rrr;
+#endif
   bool isInside = isWithin(index, vec3(-0.5), count - 0.5);
-  vec3 colour = vec3(isInside ? clamp(texel * uGrey.x + uGrey.y, 0.0, 1.0) : 0.0);
+  vec3 colour = isInside ? clamp(texel * uGrey.x + uGrey.y, 0.0, 1.0) : vec3(0.0);
 #ifdef LABELLED
   vec3 label = vLabel;
 #ifdef DISPLACED

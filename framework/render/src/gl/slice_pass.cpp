@@ -10,7 +10,7 @@
 namespace c3de::render {
 namespace {
 
-constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8;
+constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8, kColoured = 16;
 
 const GridTexture &texturesOf(const ImageSlot &slot) { return static_cast<const GridTexture &>(*slot.backEnd); }
 
@@ -36,10 +36,14 @@ void bindImageTextures(const ImageParts &parts, bool isSmooth) {
   }
   if (parts.displacement) bindTexture(kDisplacementUnit, GL_TEXTURE_3D, texturesOf(*parts.displacement).grid.name());
   if (parts.bodies) bindTexture(kBodiesUnit, GL_TEXTURE_3D, texturesOf(*parts.bodies).grid.name());
-  bindTexture(kImageUnit, GL_TEXTURE_3D, texturesOf(*parts.image).grid.name());
   const GLint filter = isSmooth ? GL_LINEAR : GL_NEAREST;
-  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, filter);
+  const auto bindImage = [filter](GLuint unit, const Texture &texture) {
+    bindTexture(unit, GL_TEXTURE_3D, texture.name());
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, filter);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, filter);
+  };
+  if (parts.image->hasColours) bindImage(kColourUnit, texturesOf(*parts.image).colours);
+  bindImage(kImageUnit, texturesOf(*parts.image).grid);
   for (GLuint unit = 0; unit < kImageUnits; ++unit) glBindSampler(unit, 0);
 }
 
@@ -67,6 +71,7 @@ const Program *SlicePass::programFor(unsigned variant, RenderStatistics &statist
       if (variant & kDisplaced) texts->push_back("#define DISPLACED\n");
       if (variant & kShifted) texts->push_back("#define SHIFT\n");
       if (variant & kVacated) texts->push_back("#define VACATED\n");
+      if (variant & kColoured) texts->push_back("#define COLOURED\n");
     }
     vertex.insert(vertex.end(), {"#define FLOW out\n", kSlicePlaces, kSliceVertex});
     fragment.insert(fragment.end(), {"#define FLOW in\n", kSlicePlaces, kGridFunction});
@@ -143,6 +148,7 @@ void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<c
   if (parts.labels && look.labelOpacity > 0.0f) variant |= kLabelled;
   if (parts.displacement) variant |= kDisplaced | (look.showsShift && look.shiftOpacity > 0.0f ? kShifted : 0);
   if (parts.knowsVacated()) variant |= kVacated;
+  if (parts.image->hasColours) variant |= kColoured;
   const Program *program = programFor(variant, statistics);
   if (!program) return;
   using namespace shaders;

@@ -86,7 +86,7 @@ Expected<void> makeStorage(const Texture &texture, const std::array<std::size_t,
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAX_LEVEL, 0);
   const auto side = [&](std::size_t a) { return static_cast<GLsizei>(size[a]); };
   glTexImage3D(GL_TEXTURE_3D, 0, static_cast<GLint>(internal), side(0), side(1), side(2), 0,
-               internal == GL_R16UI ? GL_RED_INTEGER : internal == GL_RGB32F ? GL_RGB : GL_RED,
+               internal == GL_R16UI ? GL_RED_INTEGER : internal == GL_RGB32F ? GL_RGB : internal == GL_RGBA8 ? GL_RGBA : GL_RED,
                internal == GL_R16UI ? GL_UNSIGNED_SHORT : GL_FLOAT, nullptr);
   if (const GLenum error = glGetError(); error != GL_NO_ERROR)
     return fail(ErrorCode::graphics,
@@ -100,6 +100,26 @@ Expected<void> checkSides(const std::array<std::size_t, 3> &size, const char *wh
   if (*std::max_element(size.begin(), size.end()) <= longest) return {};
   return fail(ErrorCode::graphics, fmt::format("{} of {} x {} x {} points; the graphics card takes up to {} along a side", what,
                                                size[0], size[1], size[2], longest));
+}
+
+/// Every stride-th of the colours, on the grid of the grey values.
+Expected<void> uploadColours(const Texture &texture, const ImageVoxels &image, const std::array<std::size_t, 3> &kept,
+                             const std::array<std::size_t, 3> &stride) {
+  if (auto storage = makeStorage(texture, kept, GL_RGBA8, GL_LINEAR, 4, "a colour image"); !storage) return storage;
+  useTight();
+  const std::array<std::size_t, 3> &full = image.place.size;
+  std::vector<std::array<std::uint8_t, 4>> slice(kept[0] * kept[1]);
+  for (std::size_t k = 0; k < kept[2]; ++k) {
+    auto *to = slice.data();
+    for (std::size_t j = 0; j < kept[1]; ++j) {
+      const auto *row = image.colours + full[0] * (j * stride[1] + full[1] * k * stride[2]);
+      for (std::size_t i = 0; i < kept[0]; ++i) *to++ = row[i * stride[0]];
+    }
+    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, static_cast<GLint>(k), static_cast<GLsizei>(kept[0]), static_cast<GLsizei>(kept[1]), 1,
+                    GL_RGBA, GL_UNSIGNED_BYTE, slice.data());
+  }
+  glBindTexture(GL_TEXTURE_3D, 0);
+  return {};
 }
 
 }  // namespace
@@ -134,6 +154,10 @@ Expected<void> uploadGreyValues(ImageSlot &slot, const ImageVoxels &image, std::
                     isDirect ? from : slice.data());
   }
   glBindTexture(GL_TEXTURE_3D, 0);
+  if (image.colours) {
+    made->colours = Texture::create();
+    if (auto coloured = uploadColours(made->colours, image, kept, stride); !coloured) return coloured;
+  }
   if (notice && kept != full)
     *notice = fmt::format("The image has {} x {} x {} voxels; the graphics card takes up to {} along a side, so {} x {} x {} are shown.",
                           full[0], full[1], full[2], longest, kept[0], kept[1], kept[2]);

@@ -10,10 +10,11 @@
 
 namespace c3de::render {
 
-/// One texture of a grid, and for labels the table of their colours.
+/// One texture of a grid; for labels the table of their colours, for colour images their colours on the same grid.
 struct GridTexture final : BackEndData {
   Texture grid = Texture::create();
   Texture table = Texture::create();
+  Texture colours{};
 };
 
 /// Integers keep their precision (16 bits and less), everything else becomes single precision.

@@ -29,6 +29,9 @@ struct ImageVoxels {
   VoxelType type = VoxelType::int16;
   const void *voxels = nullptr;
   double slope = 1.0, intercept = 0.0;
+  /// Red, green, blue and opacity (left out) of each voxel, or null. Slices then show them through window and level instead
+  /// of the grey values, which are their brightness from 0 to 255; volumes are drawn from the grey values.
+  const std::array<std::uint8_t, 4> *colours = nullptr;
 };
 
 /// How an image is looked at. Null handles: without that part.
