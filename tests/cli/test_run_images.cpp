@@ -296,4 +296,106 @@ TEST_CASE("An exported image follows a body far away, also while another one has
   CHECK(right == inside);
   // Within the rim the image is stretched: there is nothing there to be seen.
   CHECK(empty == beside);
+
+  // What the balls have left is marked beside the displacement, which stays finite.
+  const auto marks = imaging::readVolume(folder / "u-vacated.nrrd");
+  REQUIRE(marks);
+  CHECK(imaging::sameGrid(marks->volume.geometry, before.geometry, 1e-3));
+  std::size_t marked = 0, left = 0, leftAndMarked = 0, balls = 0;
+  for (std::size_t v = 0; v < before.voxels.size(); ++v) {
+    const std::size_t i = v % 60, j = v / 60 % 50, k = v / 3000;
+    const Vec3 x = before.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+    const bool isMarked = marks->volume.value(i, j, k) == 1.0;
+    marked += isMarked ? 1 : 0;
+    balls += before.voxels[v] != 0 ? 1 : 0;
+    // Inside of where a ball was, and not where the other one is now.
+    if (before.voxels[v] == 0 || norm(x - there) < 14.0 || warped->volume.value(i, j, k) != 0.0) continue;
+    ++left;
+    leftAndMarked += isMarked ? 1 : 0;
+  }
+  CHECK(left > 900);
+  CHECK(leftAndMarked == left);
+  CHECK(marked <= balls);
+  CHECK_THAT(ran.errorOutput + ran.output, Contains("u-vacated.nrrd: " + std::to_string(marked) + " voxels") && Contains("ml) are left by a body"));
+  const auto u = readFile(field);
+  CHECK(u.find("nan") == std::string::npos);
+}
+
+namespace {
+
+// Two cubes in a volume of 20 mm, of 8 mm and of 12 mm: one behind the other in time, or side by side in each voxel.
+std::string cubesNrrd(bool areLayers, const std::string &keys) {
+  std::string voxels;
+  const auto isIn = [](int v, int half) {
+    for (const int index : {v % 20, v / 20 % 20, v / 400})
+      if (index < 10 - half || index >= 10 + half) return false;
+    return true;
+  };
+  const auto voxel = [&](int v, int n) { return isIn(v, n == 0 ? 4 : 6) ? '\1' : '\0'; };
+  for (int outer = 0; outer < (areLayers ? 8000 : 2); ++outer)
+    for (int inner = 0; inner < (areLayers ? 2 : 8000); ++inner) voxels += areLayers ? voxel(outer, inner) : voxel(inner, outer);
+  return std::string("NRRD0004\ntype: uchar\ndimension: 4\nspace: LPS\nencoding: raw\nspace origin: (0,0,0)\n") +
+         (areLayers ? "sizes: 2 20 20 20\nkinds: list domain domain domain\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\n"
+                    : "sizes: 20 20 20 2\nkinds: domain domain domain time\nspace directions: (1,0,0) (0,1,0) (0,0,1) none\n") +
+         keys + "\n" + voxels;
+}
+
+}  // namespace
+
+TEST_CASE("A time point is chosen by a scene and by info, and one that is not there is refused") {
+  const auto folder = freshFolder("time_points");
+  const auto file = writeFile(folder / "moving.nrrd", cubesNrrd(false, ""));
+  const auto info = [&](const std::string &time) { return runC3de({"info", file.string(), "--json", "--time", time}); };
+  const auto later = info("1");
+  REQUIRE(later.exitCode == 0);
+  const auto json = nlohmann::json::parse(later.output);
+  CHECK(json["time"] == 1);
+  CHECK(json["times"] == 2);
+  const auto beyond = info("2");
+  CHECK(beyond.exitCode == 3);
+  CHECK_THAT(beyond.errorOutput, Contains("time 2 is asked for") && Contains("2 time points (0 … 1)"));
+  CHECK_THAT(runC3de({"info", file.string()}).output, Contains("time point 0 of 2 (0 to 1)"));
+
+  const auto report = folder / "report.json";
+  for (const auto &[time, millilitre] : {std::pair{"0", 0.512}, {"1", 1.728}}) {
+    const auto scene = writeFile(folder / "scene.toml", std::string("format = 1\n[image]\nfile = \"moving.nrrd\"\ntime = ") + time +
+                                                            "\n[[body]]\nvolume = \"moving.nrrd\"\ntime = " + time +
+                                                            "\nlabel = 1\nsampling = { count = 200 }\n");
+    const auto ran = runC3de({"run", scene.string(), "--steps", "1", "--report", report.string(), "--export-image", (folder / "w.nrrd").string()});
+    INFO(ran.errorOutput);
+    REQUIRE(ran.exitCode == 0);
+    CHECK(1e6 * nlohmann::json::parse(readFile(report))["bodies"][0]["volume_m3"].get<double>() == Approx(millilitre).epsilon(1e-6));
+    const auto written = imaging::readVolume(folder / "w.nrrd");
+    REQUIRE(written);
+    CHECK(written->volume.value(5, 10, 10) == (std::string(time) == "1" ? 1.0 : 0.0));
+    CHECK_THAT(runC3de({"info", scene.string()}).output, Contains(std::string("time point ") + time + " of 2"));
+  }
+  const auto scene = writeFile(folder / "scene.toml", "format = 1\n[[body]]\nvolume = \"moving.nrrd\"\ntime = 5\nlabel = 1\n");
+  const auto refused = runC3de({"run", scene.string(), "--steps", "1"});
+  CHECK(refused.exitCode == 3);
+  CHECK_THAT(refused.errorOutput, Contains("scene.toml:2: ") && Contains("2 time points (0 … 1)"));
+}
+
+TEST_CASE("Segments in layers become bodies by name, and a number that is in two layers is asked about") {
+  const auto folder = freshFolder("layers");
+  const auto file = writeFile(folder / "organs.seg.nrrd", cubesNrrd(true, "Segment0_Layer:=0\nSegment0_LabelValue:=1\nSegment0_Name:=tumour\nSegment1_Layer:=1\nSegment1_LabelValue:=1\nSegment1_Name:=liver\n"));
+  const auto info = runC3de({"info", file.string(), "--json"});
+  REQUIRE(info.exitCode == 0);
+  const auto labels = nlohmann::json::parse(info.output)["labels"];
+  REQUIRE(labels.size() == 2);
+  CHECK((labels[0]["name"] == "tumour" && labels[0]["layer"] == 0));
+  CHECK((labels[1]["name"] == "liver" && labels[1]["layer"] == 1));
+  const auto scene = [&](const std::string &label) {
+    return writeFile(folder / "scene.toml", "format = 1\n[[body]]\nvolume = \"organs.seg.nrrd\"\nsampling = { count = 200 }\nlabel = " + label + "\n").string();
+  };
+  const auto report = folder / "report.json";
+  for (const auto &[name, millilitre] : {std::pair{"tumour", 0.512}, {"liver", 1.728}}) {
+    const auto ran = runC3de({"run", scene("\"" + std::string(name) + "\""), "--steps", "1", "--report", report.string()});
+    INFO(ran.errorOutput);
+    REQUIRE(ran.exitCode == 0);
+    CHECK(1e6 * nlohmann::json::parse(readFile(report))["bodies"][0]["volume_m3"].get<double>() == Approx(millilitre).epsilon(1e-6));
+  }
+  const auto asked = runC3de({"run", scene("1"), "--steps", "1"});
+  CHECK(asked.exitCode == 3);
+  CHECK_THAT(asked.errorOutput, Contains("label 1 in 2 of its layers") && Contains("1 tumour, 1 liver"));
 }

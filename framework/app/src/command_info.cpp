@@ -198,7 +198,9 @@ Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene
 Expected<Json> describeSceneImage(const scene::SceneFile &scene, std::ostringstream &text) {
   const scene::SceneImage &image = *scene.image;
   const auto named = [&](const Error &error) { return failInScene(error, scene, image.line); };
-  const auto described = describeVolume(image.file);
+  imaging::ReadOptions options;
+  options.time = image.time;
+  const auto described = describeVolume(image.file, options);
   if (!described) return named(described.error());
   text << "image " << image.file.string() << "\n";
   std::istringstream lines(described->text);
@@ -278,13 +280,16 @@ int showInfo(const InfoOptions &options) {
   std::unique_ptr<Session> session;
   ExitCode exitCode = kDone;
   Json list = Json::array();
+  imaging::ReadOptions readOptions;
+  readOptions.series = options.series;
+  readOptions.time = options.time;
   for (const std::filesystem::path &file : options.files) {
     Expected<Described> described;
     std::error_code code;
     if (!std::filesystem::exists(file, code)) {
       described = fail(ErrorCode::input, file.string() + ": no such file");
     } else if (const FileKind kind = kindOf(file); kind == FileKind::image) {
-      described = describeImage(file, options.series, options.patientNames);
+      described = describeImage(file, readOptions, options.patientNames);
     } else if (kind == FileKind::scene) {
       // Plugins are loaded for the first scene only: a mesh needs none.
       if (!session) {

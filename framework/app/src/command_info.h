@@ -14,6 +14,7 @@ struct InfoOptions {
   std::vector<std::filesystem::path> files;
   std::string meshUnit;         ///< of meshes; empty: what the file says, else mm
   std::string series;           ///< of a folder of images with several; empty: the only one, or a list of them
+  std::size_t time = 0;         ///< of images of several time points
   bool patientNames = false;    ///< whether the names of patients are shown
   bool isQuick = false;         ///< bodies of scenes are not built: what only that can tell is not checked
   bool json = false;            ///< one file: an object; several: a list of objects

@@ -200,7 +200,9 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
   }
   if (options.exportImage.isWanted()) {
     // It has been read above, and is there.
-    const auto image = sources.volume(scene->image->file, {});
+    imaging::ReadOptions atTime;
+    atTime.time = scene->image->time;
+    const auto image = sources.volume(scene->image->file, atTime);
     if (!image) return tl::unexpected(image.error());
     writeImageExports(options, **image, scene->image->rim_mm, *table, simulator.get(), session.pool(), outputs);
   }

@@ -106,6 +106,7 @@ void describeVolume(const Volume &volume, Described &out) {
   out.json["slope"] = volume.slope;
   out.json["intercept"] = volume.intercept;
   out.json["bytes"] = volume.bytes();
+  out.json["colours"] = !volume.colours.empty();
   text << volume.scalarTypeName() << ", " << sizeText(g.size) << " voxels of " << formatNumber(rounded(spacing[0], 1e4)) << " x "
        << formatNumber(rounded(spacing[1], 1e4)) << " x " << formatNumber(rounded(spacing[2], 1e4)) << " mm\n";
   text << "axes to " << out.json["orientation"][0].get<std::string>() << ", " << out.json["orientation"][1].get<std::string>() << ", "
@@ -123,6 +124,14 @@ void describeVolume(const Volume &volume, Described &out) {
   out.text += text.str();
 }
 
+/// Which of several time points it is.
+void describeTimes(const imaging::LoadedVolume &loaded, const imaging::ReadOptions &options, Described &out) {
+  out.json["time"] = options.time;
+  out.json["times"] = loaded.times;
+  if (loaded.times > 1)
+    out.text += "time point " + std::to_string(options.time) + " of " + std::to_string(loaded.times) + " (0 to " + std::to_string(loaded.times - 1) + ")\n";
+}
+
 void describeNotices(const std::vector<std::string> &notices, Described &out) {
   out.json["notices"] = notices;
   for (const std::string &notice : notices) out.text += "notice: " + notice + "\n";
@@ -130,32 +139,40 @@ void describeNotices(const std::vector<std::string> &notices, Described &out) {
 
 /// Labels that have names, if the image is a label map with a table.
 void describeLabels(const std::filesystem::path &path, Described &out) {
-  const auto loaded = imaging::readLabelMap(path);
+  auto loaded = imaging::readLabelMap(path);
   if (!loaded) return;
-  const auto &labels = loaded->labels.labels;
-  const bool named = std::any_of(labels.begin(), labels.end(), [](const auto &label) { return !label.name.starts_with("label "); });
+  std::vector<std::vector<imaging::LabelMap::Label>> layers{std::move(loaded->labels.labels)};
+  for (imaging::LabelMap &layer : loaded->layers) layers.push_back(std::move(layer.labels));
+  bool named = false;
+  for (const auto &labels : layers)
+    named = named || std::any_of(labels.begin(), labels.end(), [](const auto &label) { return !label.name.starts_with("label "); });
   if (!named) return;
   out.json["labels"] = Json::array();
-  out.text += std::to_string(labels.size()) + " labels:\n";
-  for (const auto &label : labels) {
-    out.json["labels"].push_back(Json{{"value", label.value}, {"name", label.name}});
-    out.text += "  " + std::to_string(label.value) + "  " + label.name + "\n";
+  for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+    out.text += std::to_string(layers[layer].size()) + (layers[layer].size() == 1 ? " label" : " labels") +
+                (layers.size() > 1 ? " in layer " + std::to_string(layer) : "") + ":\n";
+    for (const auto &label : layers[layer]) {
+      out.json["labels"].push_back(Json{{"value", label.value}, {"name", label.name}});
+      if (layers.size() > 1) out.json["labels"].back()["layer"] = layer;
+      out.text += "  " + std::to_string(label.value) + "  " + label.name + "\n";
+    }
   }
 }
 
 }  // namespace
 
-Expected<Described> describeVolume(const std::filesystem::path &path) {
-  const auto loaded = imaging::readVolume(path);
+Expected<Described> describeVolume(const std::filesystem::path &path, const imaging::ReadOptions &options) {
+  const auto loaded = imaging::readVolume(path, options);
   if (!loaded) return tl::unexpected(loaded.error());
   Described out;
   out.json = Json{{"file", path.string()}, {"kind", "image"}};
   describeVolume(loaded->volume, out);
+  describeTimes(*loaded, options, out);
   describeNotices(loaded->notices, out);
   return out;
 }
 
-Expected<Described> describeImage(const std::filesystem::path &path, const std::string &series, bool patientNames) {
+Expected<Described> describeImage(const std::filesystem::path &path, const imaging::ReadOptions &options, bool patientNames) {
   const auto list = imaging::listSeries(path);
   if (!list) return tl::unexpected(list.error());
   Described out;
@@ -165,16 +182,15 @@ Expected<Described> describeImage(const std::filesystem::path &path, const std::
   if (folder || list->front().files > 1 || patientNames) {
     describeSeries(*list, patientNames, out);
     const auto readable = std::count_if(list->begin(), list->end(), [](const SeriesInfo &info) { return info.refusal.empty(); });
-    if (folder && series.empty() && readable > 1) {
+    if (folder && options.series.empty() && readable > 1) {
       out.text += "choose one by --series to see more\n";
       return out;
     }
   }
-  imaging::ReadOptions options;
-  options.series = series;
   auto loaded = imaging::readVolume(path, options);
   if (!loaded) return tl::unexpected(loaded.error());
   describeVolume(loaded->volume, out);
+  describeTimes(*loaded, options, out);
   describeNotices(loaded->notices, out);
   const bool whole = loaded->volume.voxels.index() < 6;  // integers
   *loaded = {};  // the labels are read into memory of their own

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "c3de/core/expected.h"
+#include "c3de/imaging/reading.h"
 
 namespace c3de::app {
 
@@ -16,11 +17,11 @@ struct Described {
 };
 
 /// Says what an image file or a folder of images holds. A folder with several series is a list of them until one is chosen.
-/// @param series        SeriesInfo::id, or empty
+/// @param options       series and time point
 /// @param patientNames  whether the names of patients are shown
-[[nodiscard]] Expected<Described> describeImage(const std::filesystem::path &path, const std::string &series, bool patientNames);
+[[nodiscard]] Expected<Described> describeImage(const std::filesystem::path &path, const imaging::ReadOptions &options, bool patientNames);
 
 /// The one volume that a scene names: its grid, its values, and what was assumed.
-[[nodiscard]] Expected<Described> describeVolume(const std::filesystem::path &path);
+[[nodiscard]] Expected<Described> describeVolume(const std::filesystem::path &path, const imaging::ReadOptions &options);
 
 }  // namespace c3de::app

@@ -36,6 +36,7 @@ struct Arguments {
   std::optional<PictureSize> size;
   std::vector<std::string> overrides;
   std::string report, probes, screenshot, series;
+  long long time = 0;
 };
 
 /// An option whose text is turned into a value by a function of ours.
@@ -240,6 +241,7 @@ int dispatch(int argc, char **argv) {
   CLI::App *infoCommand = app.add_subcommand("info", "What a mesh, image, folder of images or scene contains, and what is wrong with it");
   infoCommand->add_option("FILE", arguments.files, "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files and scenes")->required();
   infoCommand->add_option("--series", arguments.series, "The series of a folder that holds several")->type_name("ID");
+  infoCommand->add_option("--time", arguments.time, "The time point of an image that holds several, from 0")->check(CLI::Range(0LL, 1000000LL))->type_name("N");
   infoCommand->add_flag("--patient-names", arguments.patientNames, "Show the names of patients, which are left out otherwise");
   infoCommand->add_flag("--quick", arguments.infoQuick, "Do not build the bodies of scenes; what only that can tell is not checked");
   infoCommand->add_flag("--json", arguments.json, "One object for one file, a list for several");
@@ -279,6 +281,7 @@ int dispatch(int argc, char **argv) {
     for (const std::string &file : arguments.files) options.files.emplace_back(file);
     options.meshUnit = arguments.unit;
     options.series = arguments.series;
+    options.time = static_cast<std::size_t>(arguments.time);
     options.patientNames = arguments.patientNames;
     options.json = arguments.json;
     options.isQuick = arguments.infoQuick;

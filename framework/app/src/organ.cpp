@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "c3de/core/text.h"
+#include "c3de/imaging/label_names.h"
 #include "c3de/imaging/surface.h"
 #include "c3de/scene/simulation.h"
 
@@ -14,43 +15,65 @@ namespace {
 
 constexpr double kVoxelsPerSpacing = 16.0;
 
-std::string listOf(const std::vector<imaging::LabelMap::Label> &labels) {
+std::string listOf(const std::vector<imaging::LabelMap> &layers) {
   constexpr std::size_t kMost = 12;
   std::string text;
-  for (std::size_t i = 0; i < std::min(labels.size(), kMost); ++i)
-    text += (i == 0 ? "" : ", ") + std::to_string(labels[i].value) + " " + labels[i].name;
-  return labels.size() > kMost ? text + " and " + std::to_string(labels.size() - kMost) + " more" : text;
+  std::size_t count = 0;
+  for (const imaging::LabelMap &map : layers)
+    for (const imaging::LabelMap::Label &label : map.labels)
+      if (count++ < kMost) text += (text.empty() ? "" : ", ") + std::to_string(label.value) + " " + label.name;
+  return count > kMost ? text + " and " + std::to_string(count - kMost) + " more" : text;
 }
 
-Expected<std::uint16_t> labelOf(const scene::SceneVolume &volume, const imaging::LabelMap &map) {
-  const auto found = std::find_if(map.labels.begin(), map.labels.end(), [&](const imaging::LabelMap::Label &label) {
-    return volume.label ? label.value == *volume.label : label.name == volume.labelName;
-  });
-  if (found != map.labels.end()) return found->value;
+bool isMeant(const scene::SceneVolume &volume, const imaging::LabelMap::Label &label) {
+  if (volume.label) return label.value == *volume.label;
+  return label.name == volume.labelName || imaging::readableName(label.name) == imaging::readableName(volume.labelName) ||
+         "label " + std::to_string(label.value) == volume.labelName;
+}
+
+/// A label, and the layer it is in.
+struct FoundLabel {
+  const imaging::LabelMap *map = nullptr;
+  std::uint16_t value = 0;
+};
+
+Expected<FoundLabel> labelOf(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers) {
+  std::vector<FoundLabel> found;
   std::vector<std::string> names;
-  for (const auto &label : map.labels) names.push_back(label.name);
+  for (const imaging::LabelMap &map : layers)
+    for (const imaging::LabelMap::Label &label : map.labels) {
+      names.push_back(label.name);
+      if (!volume.label && label.name == volume.labelName) return FoundLabel{&map, label.value};
+      if (isMeant(volume, label)) found.push_back({&map, label.value});
+    }
+  if (found.size() == 1) return found.front();
+  const std::string wanted = volume.label ? std::to_string(*volume.label) : "'" + volume.labelName + "'";
+  if (found.size() > 1)
+    return fail(ErrorCode::input, volume.file.string() + " has label " + wanted + " in " + std::to_string(found.size()) +
+                                      " of its layers; accepted: the name of one: " + listOf(layers));
   const std::string nearest = volume.label ? "" : nearestName(volume.labelName, names);
-  return fail(ErrorCode::input, volume.file.string() + " has no label " +
-                                    (volume.label ? std::to_string(*volume.label) : "'" + volume.labelName + "'") + "; " +
+  return fail(ErrorCode::input, volume.file.string() + " has no label " + wanted + "; " +
                                     (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "there are: " +
-                                    (map.labels.empty() ? "none" : listOf(map.labels)));
+                                    (names.empty() ? "none" : listOf(layers)));
 }
 
 }  // namespace
 
-Expected<std::shared_ptr<const imaging::LabelMap>> OrganSources::labels(const std::filesystem::path &file,
-                                                                        const imaging::ReadOptions &options) {
-  auto &stored = labels_[file];
+Expected<std::shared_ptr<const OrganSources::Layers>> OrganSources::labels(const std::filesystem::path &file,
+                                                                           const imaging::ReadOptions &options) {
+  auto &stored = labels_[{file, options.time}];
   if (stored) return stored;
   auto loaded = imaging::readLabelMap(file, options);
   if (!loaded) return tl::unexpected(loaded.error());
   notices_.insert(notices_.end(), loaded->notices.begin(), loaded->notices.end());
-  return stored = std::make_shared<const imaging::LabelMap>(std::move(loaded->labels));
+  auto layers = std::make_shared<Layers>(std::move(loaded->layers));
+  layers->insert(layers->begin(), std::move(loaded->labels));
+  return stored = std::move(layers);
 }
 
 Expected<std::shared_ptr<const imaging::Volume>> OrganSources::volume(const std::filesystem::path &file,
                                                                       const imaging::ReadOptions &options) {
-  auto &stored = volumes_[file];
+  auto &stored = volumes_[{file, options.time}];
   if (stored) return stored;
   auto loaded = imaging::readVolume(file, options);
   if (!loaded) return tl::unexpected(loaded.error());
@@ -62,7 +85,8 @@ Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, con
                                            Preparation &took) {
   imaging::ReadOptions options;
   options.progress = progress;
-  std::shared_ptr<const imaging::LabelMap> map;
+  options.time = volume.time;
+  std::shared_ptr<const Layers> map;
   std::shared_ptr<const imaging::Volume> image;
   if (!volume.mask) {
     const TimeSpent reading(took.reading_s);
@@ -85,7 +109,7 @@ Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, con
   } else {
     const auto label = labelOf(volume, *map);
     if (!label) return tl::unexpected(label.error());
-    mask = imaging::maskOf(*map, *label);
+    mask = imaging::maskOf(*label->map, label->value);
   }
   if (mask && volume.opening_mm > 0.0) mask = imaging::opened(*mask, volume.opening_mm, progress);
   if (mask && volume.closing_mm > 0.0) mask = imaging::closed(*mask, volume.closing_mm, progress);

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "c3de/abi/draft/iface/simulator.h"
@@ -33,17 +34,18 @@ class OrganSources {
   /// @param took  reading and masks are added
   [[nodiscard]] Expected<imaging::Mask> mask(const scene::SceneVolume &volume, const ProgressFn &progress,
                                              Preparation &took);
-  /// An image or a label map as a whole. Errors are those of the readers.
-  [[nodiscard]] Expected<std::shared_ptr<const imaging::LabelMap>> labels(const std::filesystem::path &file,
-                                                                          const imaging::ReadOptions &options);
+  using Layers = std::vector<imaging::LabelMap>;
+  /// An image, or the layers of a label map as a whole, at the time point of the options. Errors are those of the readers.
+  [[nodiscard]] Expected<std::shared_ptr<const Layers>> labels(const std::filesystem::path &file, const imaging::ReadOptions &options);
   [[nodiscard]] Expected<std::shared_ptr<const imaging::Volume>> volume(const std::filesystem::path &file,
                                                                         const imaging::ReadOptions &options);
   /// Sentences of the readers since the last call.
   [[nodiscard]] std::vector<std::string> takeNotices();
 
  private:
-  std::map<std::filesystem::path, std::shared_ptr<const imaging::LabelMap>> labels_;
-  std::map<std::filesystem::path, std::shared_ptr<const imaging::Volume>> volumes_;
+  using File = std::pair<std::filesystem::path, std::size_t>;  ///< at one of its time points
+  std::map<File, std::shared_ptr<const Layers>> labels_;
+  std::map<File, std::shared_ptr<const imaging::Volume>> volumes_;
   std::vector<std::string> notices_;
 };
 

@@ -23,6 +23,7 @@ render::ImageVoxels voxelsOf(const imaging::Volume &volume) {
   voxels.voxels = std::visit([](const auto &all) { return static_cast<const void *>(all.data()); }, volume.voxels);
   voxels.slope = volume.slope;
   voxels.intercept = volume.intercept;
+  voxels.colours = volume.colours.empty() ? nullptr : volume.colours.data();
   return voxels;
 }
 
@@ -32,6 +33,21 @@ struct ReadImage {
   std::vector<std::string> notices;
   std::vector<imaging::SeriesInfo> series;  ///< to choose from; nothing was read then
 };
+
+Expected<std::shared_ptr<scene::StoredImage>> readStored(const std::filesystem::path &path, const std::string &name, const imaging::ReadOptions &options,
+                                                         std::vector<std::string> &notices) {
+  auto loaded = imaging::readVolume(path, options);
+  if (!loaded) return tl::unexpected(loaded.error());
+  if (options.progress && !options.progress(-1.0, "looking at the values")) return fail(ErrorCode::cancelled, "opening " + name + " was cancelled");
+  auto image = std::make_shared<scene::StoredImage>();
+  image->name = name;
+  image->volume = std::move(loaded->volume);
+  image->range = imaging::robustRange(image->volume);
+  image->time = options.time;
+  image->times = loaded->times;
+  notices = std::move(loaded->notices);
+  return image;
+}
 
 }  // namespace
 
@@ -43,6 +59,7 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
       displacement_(renderer.images(), views_),
       guide_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.makeOrgans}) {
   if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
+  views_.setTimeChooser([this](std::size_t time) { readTime(time); });
 }
 
 WorkstationImages::~WorkstationImages() {
@@ -53,7 +70,8 @@ WorkstationImages::~WorkstationImages() {
   for (const Handle handle : {handles.image, handles.labels, handles.preview}) images->remove(handle);
 }
 
-void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels, const std::string &series) {
+void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels, const std::string &series,
+                             std::size_t time) {
   choice_.reset();
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
@@ -61,7 +79,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
   const std::string name = imageName(path);
   job_ = session_.jobs().submit(
       kJobOwner, "Opening " + name,
-      [path, series, read, name](const ProgressFn &progress) -> Expected<void> {
+      [path, series, time, read, name](const ProgressFn &progress) -> Expected<void> {
         if (series.empty()) {
           auto found = imaging::listSeries(path, progress);
           if (!found) return tl::unexpected(found.error());
@@ -73,26 +91,64 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         }
         imaging::ReadOptions options;
         options.series = series;
+        options.time = time;
         options.progress = progress;
-        auto loaded = imaging::readVolume(path, options);
-        if (!loaded) return tl::unexpected(loaded.error());
-        if (progress && !progress(-1.0, "looking at the values")) return fail(ErrorCode::cancelled, "opening " + name + " was cancelled");
-        read->image = std::make_shared<scene::StoredImage>();
-        read->image->name = name;
-        read->image->volume = std::move(loaded->volume);
-        read->image->range = imaging::robustRange(read->image->volume);
-        read->notices = std::move(loaded->notices);
+        auto image = readStored(path, name, options, read->notices);
+        if (!image) return tl::unexpected(image.error());
+        read->image = std::move(*image);
         return {};
       },
-      [this, path, labels = std::move(labels), read, name, serial](const Expected<void> &result) {
+      [this, path, labels = std::move(labels), series, read, name, serial](const Expected<void> &result) {
         if (serial != serial_) return;  // a later request has taken over
         job_ = {};
         if (!result) return events_.failed("Could not open " + name, result.error());
         if (!read->image) return askForSeries(path, labels, read->series);
         show(read->image);
+        path_ = path;
+        series_ = series;
         tell("Opened " + name, read->notices);
         for (const std::filesystem::path &file : labels) openLabels(file);
       });
+}
+
+void WorkstationImages::readTime(std::size_t time) {
+  if (!timeJob_.isNull()) session_.jobs().cancel(timeJob_);
+  const std::uint64_t serial = ++timeSerial_;
+  const std::string name = imageName(path_);
+  const auto read = std::make_shared<ReadImage>();
+  timeJob_ = session_.jobs().submit(
+      kJobOwner, "Reading time point " + std::to_string(time) + " of " + name,
+      [path = path_, series = series_, time, read, name](const ProgressFn &progress) -> Expected<void> {
+        imaging::ReadOptions options;
+        options.series = series;
+        options.time = time;
+        options.progress = progress;
+        auto image = readStored(path, name, options, read->notices);
+        if (!image) return tl::unexpected(image.error());
+        read->image = std::move(*image);
+        return {};
+      },
+      [this, read, time, name, serial](const Expected<void> &result) {
+        if (serial != timeSerial_) return;
+        timeJob_ = {};
+        if (!result) return events_.failed("Could not read time point " + std::to_string(time) + " of " + name, result.error());
+        showTime(read->image);
+      });
+}
+
+void WorkstationImages::showTime(std::shared_ptr<scene::StoredImage> image) {
+  render::ImageRenderer *images = renderer_.images();
+  const scene::StoredImage *shown = views_.image();
+  if (!images || !shown) return;
+  if (!imaging::sameGrid(shown->volume.geometry, image->volume.geometry))
+    return events_.failed("Could not show another time point of " + image->name, {ErrorCode::input, "it does not lie where the one that is open lies"});
+  auto handle = images->addImage(voxelsOf(image->volume));
+  if (!handle) return events_.failed("Could not show " + image->name, handle.error());
+  images->remove(views_.handles().image);
+  session_.images().removeImage(storedImage_);
+  storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
+  views_.replaceImage(image, *handle);
+  guide_.replaceImage(image);
 }
 
 void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
@@ -151,7 +207,7 @@ void WorkstationImages::readNextLabels() {
   waitingLabels_.pop_front();
   const std::string name = imageName(path);
   const std::uint64_t serial = ++labelSerial_;
-  const auto read = std::make_shared<scene::StoredLabels>();
+  const auto read = std::make_shared<std::vector<std::shared_ptr<const scene::StoredLabels>>>();
   const auto notices = std::make_shared<std::vector<std::string>>();
   labelJob_ = session_.jobs().submit(
       kJobOwner, "Opening labels " + name,
@@ -160,8 +216,13 @@ void WorkstationImages::readNextLabels() {
         options.progress = progress;
         auto loaded = imaging::readLabelMap(path, options);
         if (!loaded) return tl::unexpected(loaded.error());
-        read->name = name;
-        read->map = std::move(loaded->labels);
+        loaded->layers.insert(loaded->layers.begin(), std::move(loaded->labels));
+        for (imaging::LabelMap &layer : loaded->layers) {
+          auto one = std::make_shared<scene::StoredLabels>();
+          one->name = loaded->layers.size() == 1 ? name : name + ", layer " + std::to_string(read->size() + 1) + " of " + std::to_string(loaded->layers.size());
+          one->map = std::move(layer);
+          read->push_back(std::move(one));
+        }
         *notices = std::move(loaded->notices);
         return {};
       },
@@ -172,11 +233,11 @@ void WorkstationImages::readNextLabels() {
           events_.failed("Could not open " + name, result.error());
         } else {
           std::erase_if(labelMaps_, [&](const OpenLabels &open) { return open.path == path; });
-          labelMaps_.push_back({path, read, {}});
-          showLabels(OpenLabels(labelMaps_.back()));
+          for (const auto &layer : *read) labelMaps_.push_back({path, layer, {}});
+          showLabels(OpenLabels(labelMaps_[labelMaps_.size() - read->size()]));
           if (const scene::StoredImage *image = views_.image()) {
             imaging::WorldBox shared = imaging::boxOf(image->volume.geometry);
-            shared.cutTo(imaging::boxOf(read->map.geometry));
+            shared.cutTo(imaging::boxOf(read->front()->map.geometry));
             if (shared.isEmpty()) notices->push_back("It lies beside the image " + image->name + ": no slice shows it. Is it of another scan?");
           }
           tell("Opened " + name, *notices);
@@ -255,6 +316,8 @@ void WorkstationImages::showDisplacement(std::shared_ptr<const imaging::Displace
 }
 
 void WorkstationImages::close() {
+  ++timeSerial_;
+  if (!timeJob_.isNull()) session_.jobs().cancel(std::exchange(timeJob_, {}));
   ++labelSerial_;
   if (!labelJob_.isNull()) session_.jobs().cancel(std::exchange(labelJob_, {}));
   waitingLabels_.clear();

@@ -41,7 +41,8 @@ class WorkstationImages {
   [[nodiscard]] ui::ImageViews &views() { return views_; }
   [[nodiscard]] ui::OrganGuide &guide() { return guide_; }
   /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for one.
-  void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {}, const std::string &series = {});
+  void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {}, const std::string &series = {},
+            std::size_t time = 0);
   /// Over the image that is open, one after the other; the last one is shown, the panel leads back to the others.
   void openLabels(const std::filesystem::path &path);
   /// The outlines of the organs take the place of their labels, and nothing of them is picked any more.
@@ -62,6 +63,9 @@ class WorkstationImages {
     std::vector<std::uint16_t> hidden;  ///< because their organs live
   };
   void show(std::shared_ptr<scene::StoredImage> image);
+  /// Reads another time point of the image that is open and puts it in its place.
+  void readTime(std::size_t time);
+  void showTime(std::shared_ptr<scene::StoredImage> image);
   void readNextLabels();
   void showLabels(const OpenLabels &open);
   [[nodiscard]] std::size_t shownLabels() const;
@@ -81,11 +85,13 @@ class WorkstationImages {
   ui::OrganGuide guide_;
   std::optional<ui::OrganPanel> organPanel_;
   std::unique_ptr<SeriesChoice> choice_;
+  std::filesystem::path path_;  ///< of the image that is open
+  std::string series_;
   std::vector<OpenLabels> labelMaps_;
   std::deque<std::filesystem::path> waitingLabels_;
-  Handle job_, labelJob_, node_, storedImage_, storedLabels_;
+  Handle job_, timeJob_, labelJob_, node_, storedImage_, storedLabels_;
   std::shared_ptr<const ui::MaskPreview> preview_;  ///< that is shown
-  std::uint64_t serial_ = 0, labelSerial_ = 0;
+  std::uint64_t serial_ = 0, timeSerial_ = 0, labelSerial_ = 0;
 };
 
 }  // namespace c3de::app

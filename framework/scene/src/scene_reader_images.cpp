@@ -8,7 +8,7 @@
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kImageKeys{"file", "labels", "warp", "rim"};
+const std::vector<std::string> kImageKeys{"file", "time", "labels", "warp", "rim"};
 const std::vector<std::string> kMendKeys{"opening", "closing", "largest", "fill_holes"};
 
 }  // namespace
@@ -25,6 +25,16 @@ bool SceneReader::readImageFile(const std::string &key, const TomlValue &value, 
   return true;
 }
 
+bool SceneReader::readTime(const TomlValue &value, std::size_t &out) {
+  const char *const accepted = "a whole number from 0: a time point of the file";
+  double number = 0.0;
+  if (!readNumber("time", accepted, value, number)) return false;
+  if (number != std::floor(number) || !(number >= 0.0 && number <= 1e6))
+    return refuse(value.line, "time is " + formatNumber(number) + "; accepted: " + accepted);
+  out = static_cast<std::size_t>(number);
+  return true;
+}
+
 bool SceneReader::readImage(const TomlValue &table) {
   if (table.kind != TomlValue::Kind::table)
     return refuse(table.line, "'image' is " + table.kindName() + "; accepted: a table, [image]");
@@ -33,6 +43,8 @@ bool SceneReader::readImage(const TomlValue &table) {
   for (const auto &[key, value] : table.entries) {
     if (key == "file") {
       if (!readImageFile(key, value, image.file)) return false;
+    } else if (key == "time") {
+      if (!readTime(value, image.time)) return false;
     } else if (key == "labels") {
       image.labels.emplace_back();
       if (!readImageFile(key, value, image.labels.back())) return false;
@@ -57,6 +69,7 @@ bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const T
     return out >= 0.0 || refuse(number.line, name + " is " + formatNumber(out) + "; accepted: a length in mm, 0 or more");
   };
   if (key == "volume") return readImageFile(key, value, volume.file);
+  if (key == "time") return readTime(value, volume.time);
   if (key == "edge_length") return length(key, value, volume.edgeLength_mm);
   if (key == "label") {
     if (value.kind == TomlValue::Kind::text) {
@@ -104,7 +117,7 @@ bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {
   if (volume.file.empty()) {
     if (const TomlValue *stray = table.find("label"); stray != nullptr)
       return refuse(stray->line, "'label' belongs to a body with a 'volume'");
-    for (const char *key : {"threshold", "mend", "edge_length"})
+    for (const char *key : {"threshold", "time", "mend", "edge_length"})
       if (const TomlValue *stray = table.find(key); stray != nullptr)
         return refuse(stray->line, std::string("'") + key + "' belongs to a body with a 'volume'");
     if (body.mesh.empty())

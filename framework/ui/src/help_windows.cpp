@@ -72,6 +72,7 @@ void drawShortcuts(FrameContext &frame) {
     shortcutRow("Middle, Shift+left drag", "pan");
     shortcutRow("Right, Ctrl+left drag, Ctrl+wheel", "zoom");
     shortcutRow("R", "view as at the start");
+    shortcutRow("T, Shift+T", "next, previous time point");
     for (const WindowLevelPreset &preset : windowLevelPresets())
       shortcutRow(keyText(preset.key, 0), std::string("window/level: ") + preset.name);
     ImGui::EndTable();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "label_list.h"
@@ -48,6 +49,7 @@ void ImagePanel::draw(const c3de_ui_v0 &ui) {
   if (!image) return;
   row(ui, "Image", image->name);
   row(ui, "Grid", sizeText(image->volume.geometry));
+  drawTime(ui, *image);
   ImageOptions options = views_.options();
   drawWindowLevel(ui, options);
   drawViews(ui, options);
@@ -55,6 +57,14 @@ void ImagePanel::draw(const c3de_ui_v0 &ui) {
   drawVolume(ui, options);
   drawShift(ui, options);
   views_.setOptions(options);
+}
+
+void ImagePanel::drawTime(const c3de_ui_v0 &ui, const scene::StoredImage &image) {
+  if (image.times < 2) return;
+  const auto last = static_cast<double>(image.times - 1);
+  auto time = static_cast<double>(image.time);
+  const bool isMoved = slider(ui, "time", "Time point", fmt::format("of 0 … {}", image.times - 1), time, 0.0, last, "T and Shift+T do the same while the mouse is over a slice");
+  if (isMoved) views_.chooseTime(static_cast<std::size_t>(std::lround(std::clamp(time, 0.0, last))));
 }
 
 void ImagePanel::drawWindowLevel(const c3de_ui_v0 &ui, ImageOptions &options) {

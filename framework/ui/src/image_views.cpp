@@ -70,6 +70,15 @@ void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
   resetViews();
 }
 
+void ImageViews::replaceImage(std::shared_ptr<const scene::StoredImage> image, Handle handle) {
+  image_ = std::move(image);
+  handles_.image = handle;
+}
+
+void ImageViews::chooseTime(std::size_t time) {
+  if (image_ && chooseTime_ && time < image_->times && time != image_->time) chooseTime_(time);
+}
+
 void ImageViews::setLabels(std::shared_ptr<const scene::StoredLabels> labels) {
   labels_ = std::move(labels);
   labelOpacities_.clear();
@@ -137,7 +146,8 @@ bool ImageViews::isSliceKey(std::uint32_t key, std::uint32_t modifiers) {
     case keyRight:
     case 'B':
     case 'F':
-    case 'R': return true;
+    case 'R':
+    case 'T': return true;
     default: {
       const auto presets = windowLevelPresets();
       return modifiers == 0 && std::any_of(presets.begin(), presets.end(), [&](const WindowLevelPreset &p) { return p.key == key; });
@@ -228,6 +238,10 @@ bool ImageViews::pressKey(Pane slice, const ViewInput &input) {
     case keyLeft:
     case 'B': view(slice).scroll(-slices); return true;
     case 'R': view(slice).reset(); return true;
+    case 'T':
+      if ((input.modifiers & C3DE_MOD_SHIFT) == 0) chooseTime(image_->time + 1);
+      else if (image_->time > 0) chooseTime(image_->time - 1);
+      return true;
     default: break;
   }
   for (const WindowLevelPreset &preset : windowLevelPresets())

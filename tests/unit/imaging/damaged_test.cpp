@@ -126,6 +126,47 @@ TEST_CASE("Headers with bytes changed give an error or an image that is whole in
   }
 }
 
+TEST_CASE("Colours, layers and time points with bytes changed or cut give an error or what is whole in itself", "[imaging]") {
+  std::mt19937 random(19);
+  std::string voxels(6 * 5 * 4 * 4, '\0');
+  for (char &voxel : voxels) voxel = static_cast<char>(random() % 3);
+  const std::string space = "space: LPS\nspace origin: (0,0,0)\nencoding: raw\n", meta = "ObjectType = Image\nElementType = MET_UCHAR\nElementSpacing = 1 1 1 1\n";
+  for (const auto &[as, head] :
+       {std::pair{std::string("colours.nrrd"), "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 4 6 5 4\n" + space + "space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: RGBA-color domain domain domain\n\n"},
+        {"layers.seg.nrrd", "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 4 6 5 4\n" + space + "space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\n"
+                            "Segment0_Layer:=0\nSegment0_LabelValue:=1\nSegment0_Name:=a\nSegment1_Layer:=3\nSegment1_LabelValue:=2\nSegment1_Name:=b\n\n"},
+        {"times.nrrd", "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 6 5 4 4\n" + space + "space directions: (1,0,0) (0,1,0) (0,0,1) none\nkinds: domain domain domain time\n\n"},
+        {"colours.mha", meta + "NDims = 3\nDimSize = 6 5 4\nElementNumberOfChannels = 4\nOffset = 0 0 0\nElementDataFile = LOCAL\n"},
+        {"times.mha", meta + "NDims = 4\nDimSize = 6 5 4 4\nOffset = 0 0 0 0\nElementDataFile = LOCAL\n"}}) {
+    const std::string bytes = head + voxels;
+    const auto folder = emptyFolder("new");
+    REQUIRE(readVolume(write(folder / as, bytes)));
+    ReadOptions options;
+    options.memoryLimit = 64u << 20;
+    for (int n = 0; n < 300; ++n) {
+      std::string hurt = n % 4 == 0 ? bytes.substr(0, std::uniform_int_distribution<std::size_t>(0, bytes.size() - 1)(random)) : bytes;
+      for (int changes = 0; changes <= n % 3 && !hurt.empty(); ++changes)
+        hurt[std::uniform_int_distribution<std::size_t>(0, std::min(head.size(), hurt.size()) - 1)(random)] = static_cast<char>(random());
+      CAPTURE(as, n);
+      options.time = static_cast<std::size_t>(n % 5);
+      const auto file = write(folder / as, hurt);
+      const auto loaded = readVolume(file, options);
+      if (loaded) {
+        const std::size_t count = loaded->volume.geometry.voxelCount();
+        CHECK(std::visit([](const auto &all) { return all.size(); }, loaded->volume.voxels) == count);
+        CHECK((loaded->volume.colours.empty() || loaded->volume.colours.size() == count));
+        CHECK(options.time < std::max<std::size_t>(loaded->times, 1));
+      } else {
+        CHECK_FALSE(loaded.error().message.empty());
+      }
+      options.time = 0;
+      const auto labels = readLabelMap(file, options);
+      if (!labels) continue;
+      for (const LabelMap &layer : labels->layers) CHECK(layer.voxels.size() == labels->labels.voxels.size());
+    }
+  }
+}
+
 TEST_CASE("Compressed pixels with bytes changed crash no decoder", "[imaging]") {
   std::mt19937 random(13);
   for (const char *encoding : {"compressed_j2k", "compressed_jpeg", "compressed_jpegls", "compressed_rle"}) {

@@ -17,9 +17,8 @@ namespace {
 
 using ItkImage = itk::Image<double, 3>;
 
-/// Of a file of several volumes the first one.
 template <class AnyImage>
-Image taken(const AnyImage &image) {
+Image taken(const AnyImage &image, std::size_t time = 0) {
   Image out;
   const auto size = image.GetLargestPossibleRegion().GetSize();
   const auto &origin = image.GetOrigin();
@@ -29,14 +28,14 @@ Image taken(const AnyImage &image) {
   for (unsigned c = 0; c < 3; ++c)
     for (unsigned r = 0; r < 3; ++r) out.geometry.indexToWorld[4 * c + r] = direction[r][c] * spacing[c];
   for (unsigned r = 0; r < 3; ++r) out.geometry.indexToWorld[12 + r] = origin[r];
-  const double *voxels = image.GetBufferPointer();
+  const double *voxels = image.GetBufferPointer() + time * out.geometry.voxelCount();
   out.values.assign(voxels, voxels + out.geometry.voxelCount());
   return out;
 }
 
 }  // namespace
 
-Expected<Image> read(const std::filesystem::path &file) try {
+Expected<Image> read(const std::filesystem::path &file, std::size_t time) try {
   const std::string name = file.filename().string();
   itk::ImageIOBase::Pointer io;
   if (name.find(".nrrd") != std::string::npos || name.find(".nhdr") != std::string::npos)
@@ -56,7 +55,7 @@ Expected<Image> read(const std::filesystem::path &file) try {
     all->SetImageIO(io);
     all->SetFileName(file.string());
     all->Update();
-    return taken(*all->GetOutput());
+    return taken(*all->GetOutput(), time);
   }
   reader->Update();
   return taken(*reader->GetOutput());

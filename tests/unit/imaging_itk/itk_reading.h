@@ -17,7 +17,8 @@ struct Image {
 };
 
 /// NIfTI, NRRD or MetaImage by the name. Errors: what ITK says.
-[[nodiscard]] c3de::Expected<Image> read(const std::filesystem::path &file);
+/// @param time  of several volumes. Colours become their luminance.
+[[nodiscard]] c3de::Expected<Image> read(const std::filesystem::path &file, std::size_t time = 0);
 /// Files of a DICOM series in the order of their places, as ITK finds them in a folder that holds one.
 [[nodiscard]] c3de::Expected<Image> readSeries(const std::filesystem::path &folder);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <string>
 
@@ -80,6 +81,44 @@ TEST_CASE("volumes are where ITK reads them, with its values", "[imaging][itk]")
     ++compared;
   }
   CHECK(compared >= 25);
+}
+
+TEST_CASE("Later time points have the values that ITK reads", "[imaging][itk]") {
+  C3DE_DATA_OR_SKIP(file, "volume/nifti/example4d.nii.gz");
+  for (const std::size_t time : {std::size_t{0}, std::size_t{1}}) {
+    ReadOptions options;
+    options.time = time;
+    const auto ours = readVolume(file, options);
+    const auto theirs = itk_truth::read(file, time);
+    REQUIRE((ours && theirs));
+    checkSame(ours->volume, *theirs);
+  }
+}
+
+TEST_CASE("The brightness of colours is the luminance that ITK finds", "[imaging][itk]") {
+  const fs::path folder = testOutputFolder();
+  std::string rgb;
+  for (int v = 0; v < 5 * 4 * 3; ++v)
+    for (const int c : {37 * v, 91 * v + 13, 151 * v + 200}) rgb += static_cast<char>(c % 256);
+  const auto write = [&](const char *name, const std::string &head) {
+    std::ofstream(folder / name, std::ios::binary) << head << rgb;
+    return folder / name;
+  };
+  for (const fs::path &file :
+       {write("colour.nrrd", "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 5 4 3\nencoding: raw\nspace: left-posterior-superior\n"
+                             "space directions: none (2,0,0) (0,1.5,0) (0,0,3)\nspace origin: (4,5,6)\nkinds: RGB-color domain domain domain\n\n"),
+        write("colour.mha", "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nTransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 4 5 6\n"
+                            "ElementSpacing = 2 1.5 3\nDimSize = 5 4 3\nElementNumberOfChannels = 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n")}) {
+    CAPTURE(file);
+    const auto ours = readVolume(file);
+    const auto theirs = itk_truth::read(file);
+    REQUIRE((ours && theirs));
+    const Difference d = differenceOf(ours->volume, *theirs);
+    REQUIRE(d.sameSize);
+    CHECK(d.place_mm < 1e-3);
+    CHECK(d.value < 0.6);  // ours is rounded to 8 bits
+    CHECK(d.range > 100.0);
+  }
 }
 
 TEST_CASE("DICOM series are where ITK reads them, with its values", "[imaging][itk]") {

@@ -168,6 +168,8 @@ TEST_CASE("Every mistake in a scene is refused with file, line, what is wrong an
       {"a unit of a volume", kVolume + "label = 1\nmesh_unit = \"mm\"\n", ":5: ", "'mesh_unit' belongs to a body with a 'mesh'", "millimetres"},
       {"an image without a file", kMinimal + "[image]\nwarp = true\n", "", "[image] has no 'file'", "DICOM folder"},
       {"a misspelt key of the image", kMinimal + "[image]\nfiel = \".\"\n", ":6: ", "unknown key 'fiel'", "did you mean 'file'?"},
+      {"a time that is no number of one", kMinimal + "[image]\nfile = \".\"\ntime = 1.5\n", ":7: ", "time is 1.5", "a whole number from 0"},
+      {"a negative time", kMinimal + "[image]\nfile = \".\"\ntime = -1\n", ":7: ", "time is -1", "a whole number from 0"},
       {"a negative rim", kMinimal + "[image]\nfile = \".\"\nrim = -1\n", ":7: ", "rim is -1", "0 mm and more"},
   };
   for (const Refused &refused : cases) {

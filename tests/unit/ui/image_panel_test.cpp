@@ -82,3 +82,53 @@ TEST_CASE("The panel goes with the image", "[image_panel]") {
   }
   CHECK(panels.panels().empty());
 }
+
+TEST_CASE("A time point is chosen in the panel and by T, and everything else stays", "[image_panel]") {
+  PanelRegistry panels;
+  ImageViews views;
+  std::vector<std::size_t> asked;
+  views.setTimeChooser([&](std::size_t time) { asked.push_back(time); });
+  views.setImage(headImage());
+  const ImagePanel panel(panels, views);
+  TextPanel text(nullptr);
+  const auto draw = [&] { return text.draw(*panels.panels().front()); };
+  draw();
+  CHECK_FALSE(text.find("time"));  // it has one
+  const auto at = [](std::size_t time) {
+    auto image = headImage();
+    image->time = time;
+    image->times = 4;
+    return image;
+  };
+  views.setImage(at(0));
+  draw();
+  REQUIRE(text.find("time"));
+  text.setNumber("time", 2.2);
+  draw();
+  CHECK(asked == std::vector<std::size_t>{2});
+  ImageOptions options = views.options();
+  options.windowLevel = {77.0, 33.0};
+  views.setOptions(options);
+  views.setCrossHair({3, 4, 5});
+  views.replaceImage(at(2), Handle{});
+  CHECK(views.image()->time == 2);
+  CHECK(views.options().windowLevel == WindowLevel{77.0, 33.0});
+  CHECK(views.crossHair() == Vec3{3, 4, 5});
+
+  const auto press = [&](std::uint32_t modifiers) {
+    ViewInput input;
+    input.kind = ViewInput::Kind::key;
+    input.key = 'T';
+    input.modifiers = modifiers;
+    REQUIRE(ImageViews::isSliceKey('T', modifiers));
+    (void)views.handle(Pane::axial, input);
+  };
+  asked.clear();
+  press(0);
+  press(C3DE_MOD_SHIFT);
+  views.replaceImage(at(3), Handle{});
+  press(0);  // the last one
+  views.replaceImage(at(0), Handle{});
+  press(C3DE_MOD_SHIFT);  // the first one
+  CHECK(asked == std::vector<std::size_t>{3, 1});
+}

@@ -17,6 +17,7 @@ struct StoredImage {
   std::string name;
   imaging::Volume volume;
   imaging::ValueRange range;
+  std::size_t time = 0, times = 1;  ///< which time point of how many
 };
 
 struct StoredLabels {

@@ -67,6 +67,7 @@ struct SceneRefinement {
 /// order.
 struct SceneVolume {
   std::filesystem::path file;            ///< file or DICOM folder; empty: the body has a mesh, or `mask`
+  std::size_t time = 0;                  ///< of several time points of the file, from 0
   std::shared_ptr<const imaging::Mask> mask;       ///< in the place of a file: picked in an image that is open
   std::optional<std::uint16_t> label;    ///< number of a label
   std::string labelName;                 ///< or its name; empty: not by name
@@ -79,6 +80,7 @@ struct SceneVolume {
 /// The image that is shown beside the simulation.
 struct SceneImage {
   std::filesystem::path file;
+  std::size_t time = 0;  ///< of several time points, from 0
   std::vector<std::filesystem::path> labels;
   bool warp = true;      ///< it deforms with the bodies
   double rim_mm = 10.0;  ///< within it their displacement falls to nothing around them

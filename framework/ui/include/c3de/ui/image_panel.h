@@ -27,6 +27,7 @@ class ImagePanel {
 
  private:
   void draw(const c3de_ui_v0 &ui);
+  void drawTime(const c3de_ui_v0 &ui, const scene::StoredImage &image);
   void drawWindowLevel(const c3de_ui_v0 &ui, ImageOptions &options);
   void drawViews(const c3de_ui_v0 &ui, ImageOptions &options);
   void drawLabels(const c3de_ui_v0 &ui, ImageOptions &options);

@@ -69,11 +69,17 @@ struct Readout {
 ///
 /// Wheel: next slice (Shift: ten, Ctrl: zoom). Left: cross-hair, or window and level while that mode is on. Shift+move:
 /// cross-hair. Middle or Shift+left: pan. Right or Ctrl+left: zoom. Keys: arrows, B and F: slices; R: view as at the
-/// start; digits: window/level presets.
+/// start; T (Shift: back): time points; digits: window/level presets.
 class ImageViews {
  public:
   /// A null image: nothing is shown. Views, window and level start anew with another image.
   void setImage(std::shared_ptr<const scene::StoredImage> image);
+  /// Another time point of the image that is shown, on the same grid: everything else stays as it is.
+  void replaceImage(std::shared_ptr<const scene::StoredImage> image, Handle handle);
+  /// Who reads another time point when a person asks for it.
+  void setTimeChooser(std::function<void(std::size_t time)> choose) { chooseTime_ = std::move(choose); }
+  /// Asks for a time point of the image; nothing happens for the one that is shown or beyond the last.
+  void chooseTime(std::size_t time);
   void setLabels(std::shared_ptr<const scene::StoredLabels> labels);
   void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) { displacement_ = std::move(displacement); }
   void setHandles(const ImageHandles &handles) { handles_ = handles; }
@@ -144,6 +150,7 @@ class ImageViews {
   Vec3 crossHair_{};
   bool isVisibleInSpace_ = true;
   std::function<void(const Vec3 &)> picked_;
+  std::function<void(std::size_t)> chooseTime_;
   Drag drag_ = Drag::none;
   std::uint32_t buttons_ = 0, dragButton_ = 0;
   double lastX_ = 0.0, lastY_ = 0.0, startX_ = 0.0, startY_ = 0.0;

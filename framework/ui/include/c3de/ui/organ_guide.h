@@ -45,6 +45,8 @@ class OrganGuide {
 
   /// Another image: everything starts anew. Another label map over the same image: the choice of labels does.
   void setSources(MaskSources sources);
+  /// Another time point of the same image: what is picked stays, later steps look at this one.
+  void replaceImage(std::shared_ptr<const scene::StoredImage> image) { mask_.replaceImage(std::move(image)); }
 
   [[nodiscard]] const OrganSettings &settings() const { return settings_; }
   [[nodiscard]] const OrganMask &mask() const { return mask_; }

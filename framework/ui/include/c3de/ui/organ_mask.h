@@ -31,6 +31,8 @@ class OrganMask {
 
   /// Nothing is picked then, and there is nothing to undo.
   void setSources(MaskSources sources);
+  /// Another time point of the same image: what is picked stays, later steps look at this one.
+  void replaceImage(std::shared_ptr<const scene::StoredImage> image) { sources_.image = std::move(image); }
   [[nodiscard]] const MaskSources &sources() const { return sources_; }
 
   void carryOut(const MaskStep &step);
