@@ -100,7 +100,8 @@ std::vector<std::string> namesOf(const scene::SceneFile &scene) {
 
 std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const scene::SceneFile &scene) {
   std::vector<std::filesystem::path> all{options.report,     options.probes,            options.screenshot,
-                                         options.exportList, options.exportImage.image, options.exportImage.displacement};
+                                         options.exportList, options.exportImage.image, options.exportImage.displacement,
+                                         vacatedFile(options.exportImage.displacement)};
   if (!options.exportSurface.empty())
     for (std::filesystem::path &file : surfaceFiles(options.exportSurface, namesOf(scene))) all.push_back(std::move(file));
   return all;
@@ -155,7 +156,11 @@ void writeImageExports(const RunOptions &options, const imaging::Volume &image, 
   for (const auto &file : {wanted.image, wanted.displacement}) {
     if (file.empty()) continue;
     const ImageExport one = file == wanted.image ? ImageExport{file, {}} : ImageExport{{}, file};
-    outputs.note(file, u ? writeImages(one, image, *u, {}, &threads) : Expected<void>(tl::unexpected(u.error())));
+    const auto told = u ? writeImages(one, image, *u, {}, &threads) : Expected<std::string>(tl::unexpected(u.error()));
+    if (told) log(LogLevel::info, *told);
+    const Expected<void> written = told ? Expected<void>() : Expected<void>(tl::unexpected(told.error()));
+    outputs.note(file, written);
+    if (file == wanted.displacement && told) outputs.note(vacatedFile(file), written);
   }
 }
 

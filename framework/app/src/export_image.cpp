@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "export_image.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <limits>
@@ -8,9 +10,11 @@
 
 #include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
+#include "c3de/imaging/masks.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/imaging/warp.h"
 #include "c3de/imaging/writing.h"
+#include "c3de/ui/file_browser.h"
 #include "live_warp.h"
 #include "organ.h"
 
@@ -48,7 +52,8 @@ Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFil
   if (!wanted.image.empty())
     if (auto good = checkImageFile(wanted.image); !good) return good;
   if (!wanted.displacement.empty())
-    if (auto good = checkImageFile(wanted.displacement); !good) return good;
+    for (const std::filesystem::path &file : {wanted.displacement, vacatedFile(wanted.displacement)})
+      if (auto good = checkImageFile(file); !good) return good;
   return {};
 }
 
@@ -62,17 +67,43 @@ Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 
   return u;
 }
 
-Expected<void> writeImages(const ImageExport &wanted, const imaging::Volume &image, const imaging::DisplacementGrid &u,
-                           const ProgressFn &progress, ThreadPool *threads) {
+std::filesystem::path vacatedFile(const std::filesystem::path &displacement) {
+  if (displacement.empty()) return {};
+  std::filesystem::path ending = displacement.extension(), stem = displacement.stem();
+  if (ending == ".gz") ending = stem.extension().native() + ending.native(), stem = stem.stem();
+  stem += "-vacated";
+  stem += ending;
+  return displacement.parent_path() / stem;
+}
+
+Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, const imaging::DisplacementGrid &u,
+                                  const ProgressFn &progress, ThreadPool *threads) {
+  std::string told;
   if (!wanted.image.empty()) {
     const auto warped = imaging::warped(image, u, progress, threads);
     if (!warped) return tl::unexpected(warped.error());
-    if (auto written = imaging::writeVolume(wanted.image, *warped); !written) return written;
+    if (auto written = imaging::writeVolume(wanted.image, *warped); !written) return tl::unexpected(written.error());
+    told = ui::pathText(wanted.image);
+    if (!image.colours.empty()) told += ": brightness of the colours";
   }
-  if (wanted.displacement.empty()) return {};
+  if (wanted.displacement.empty()) return told;
   const auto field = imaging::resampled(u, image.geometry, progress, threads);
   if (!field) return tl::unexpected(field.error());
-  return imaging::writeVectorField(wanted.displacement, field->geometry, field->xyz_mm);
+  auto vacated = imaging::vacatedPlaces(u, image.geometry, progress, threads);
+  if (!vacated) return tl::unexpected(vacated.error());
+  if (auto written = imaging::writeVectorField(wanted.displacement, field->geometry, field->xyz_mm); !written)
+    return tl::unexpected(written.error());
+  const std::size_t voxels = imaging::voxelCount(*vacated);
+  const double millilitres = static_cast<double>(voxels) * image.geometry.voxelVolume() / 1000.0;
+  const std::filesystem::path mask = vacatedFile(wanted.displacement);
+  imaging::Volume marks;
+  marks.geometry = vacated->geometry;
+  marks.voxels = std::move(vacated->voxels);
+  if (auto written = imaging::writeVolume(mask, marks); !written) return tl::unexpected(written.error());
+  told += (told.empty() ? "" : "\n") + ui::pathText(wanted.displacement) + "\n" + ui::pathText(mask) + ": " +
+          (voxels == 0 ? std::string("no voxel is left by a body")
+                       : fmt::format("{} voxels ({:.2f} ml) are left by a body: nothing is known of what is there now", voxels, millilitres));
+  return told;
 }
 
 }  // namespace c3de::app

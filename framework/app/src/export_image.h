@@ -18,7 +18,8 @@ namespace c3de::app {
 /// What of the deformed scan is written; empty paths: not wanted. NRRD, NIfTI or MetaImage, by extension.
 struct ImageExport {
   std::filesystem::path image;         ///< the scene's image as the tissue now lies, on its own grid and in its own type
-  std::filesystem::path displacement;  ///< u(x) in mm at its voxels (x, y, z in LPS): the material at x was at x - u
+  /// u(x) in mm at its voxels (x, y, z in LPS): the material at x was at x - u. Beside it vacatedFile() is written.
+  std::filesystem::path displacement;
   [[nodiscard]] bool isWanted() const { return !image.empty() || !displacement.empty(); }
 };
 
@@ -28,9 +29,12 @@ struct ImageExport {
 /// How far the tissue has moved, finer than what is shown live, wherever bodies are in the image. [sim]
 [[nodiscard]] Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                                       const imaging::VolumeGeometry &image, double rim_mm);
-/// Warps and writes. Any thread.
+/// u.nrrd -> u-vacated.nrrd: 1 where a body has gone away and nothing is known of what is there now. The field itself has no
+/// mark: it stays finite, as programs that resample with it need it.
+[[nodiscard]] std::filesystem::path vacatedFile(const std::filesystem::path &displacement);
+/// Warps and writes. Any thread. The answer is for a person: the files, and how much of the image is vacated.
 /// @param threads  null: the calling one alone
-[[nodiscard]] Expected<void> writeImages(const ImageExport &wanted, const imaging::Volume &image, const imaging::DisplacementGrid &u,
+[[nodiscard]] Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, const imaging::DisplacementGrid &u,
                                          const ProgressFn &progress, ThreadPool *threads);
 /// That the name has an ending that can be written, and can be written to. Errors: usage, output.
 [[nodiscard]] Expected<void> checkImageFile(const std::filesystem::path &file);

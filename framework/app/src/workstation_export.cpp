@@ -62,11 +62,17 @@ void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredIma
   const std::filesystem::path file = wanted.image.empty() ? wanted.displacement : wanted.image;
   if (auto good = checkImageFile(file); !good) return told(tl::unexpected(good.error()));
   const auto write = [&session, image, wanted, file, told](std::shared_ptr<const imaging::DisplacementGrid> u) {
+    const auto written = std::make_shared<std::string>();
     (void)session.jobs().submit(
         kJobOwner, "Writing " + ui::pathText(file.filename()),
-        [image, wanted, u](const ProgressFn &progress) { return writeImages(wanted, image->volume, *u, progress, nullptr); },
-        [file, told](const Expected<void> &result) {
-          if (result) return told(ui::pathText(file));
+        [image, wanted, u, written](const ProgressFn &progress) -> Expected<void> {
+          auto answer = writeImages(wanted, image->volume, *u, progress, nullptr);
+          if (!answer) return tl::unexpected(answer.error());
+          *written = std::move(*answer);
+          return {};
+        },
+        [written, told](const Expected<void> &result) {
+          if (result) return told(*written);
           if (result.error().code != ErrorCode::cancelled) told(tl::unexpected(result.error()));
         });
   };

@@ -250,6 +250,27 @@ Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &gr
   }
 }
 
+Expected<Mask> vacatedPlaces(const DisplacementGrid &u, const VolumeGeometry &grid, const ProgressFn &progress,
+                             ThreadPool *threads) {
+  if (const auto good = checkGrid(grid, "grid"); !good) return tl::unexpected(good.error());
+  if (const auto good = checkDisplacement(u); !good) return tl::unexpected(good.error());
+  try {
+    Mask out{grid, std::vector<std::uint8_t>(grid.voxelCount(), 0)};
+    const std::optional<Vacated> vacated = vacatedBy(u, grid);
+    if (!vacated) return out;
+    const auto done = forRows(u, grid, "places left by bodies", progress, threads,
+                              [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part) {
+                                std::uint8_t *voxel = out.voxels.data() + grid.size[0] * (j + grid.size[1] * k);
+                                for (std::size_t i = 0; i < grid.size[0]; ++i)
+                                  voxel[i] = vacated->has(row, i, indexOf(i, j, k), row.at(i)) ? 1 : 0;
+                              });
+    if (!done) return tl::unexpected(done.error());
+    return out;
+  } catch (const std::bad_alloc &) {
+    return noMemory(grid.voxelCount());
+  }
+}
+
 Expected<DisplacementGrid> resampled(const DisplacementGrid &u, const VolumeGeometry &grid, const ProgressFn &progress,
                                      ThreadPool *threads) {
   if (const auto good = checkGrid(grid, "grid"); !good) return tl::unexpected(good.error());

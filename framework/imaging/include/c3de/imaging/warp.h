@@ -32,6 +32,11 @@ namespace c3de::imaging {
 [[nodiscard]] Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &grid,
                                            const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
+/// 1 where a body has gone away and nothing is known of what is there now (DisplacementGrid), else 0; all 0 where u does not
+/// know of bodies.
+[[nodiscard]] Expected<Mask> vacatedPlaces(const DisplacementGrid &u, const VolumeGeometry &grid,
+                                           const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
+
 /// u at the points of another grid, for writeVectorField().
 [[nodiscard]] Expected<DisplacementGrid> resampled(const DisplacementGrid &u, const VolumeGeometry &grid,
                                                    const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
