@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workstation.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <memory>
 #include <string>
@@ -10,6 +12,7 @@
 #include "c3de/abi/draft/log.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
+#include "c3de/imaging/label_names.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/render/renderer.h"
 #include "c3de/ui/file_browser.h"
@@ -42,6 +45,7 @@ class Workstation {
  private:
   void open(const ui::OpenRequest &request);
   [[nodiscard]] ui::WindowActions actions();
+  [[nodiscard]] std::string proposedName(ui::Command exported) const;
   [[nodiscard]] ui::AboutText about() const;
   [[nodiscard]] ui::SimulationView simulationView();
   void showPluginProblems();
@@ -182,11 +186,26 @@ ui::WindowActions Workstation::actions() {
   };
   actions.exportImage = [exportImage](const std::filesystem::path &file) { exportImage({file, {}}); };
   actions.exportDisplacement = [exportImage](const std::filesystem::path &file) { exportImage({{}, file}); };
+  actions.proposeName = [this](ui::Command exported) { return proposedName(exported); };
   actions.beforeDraw = [this] {
     session_->plugins().syncScene();
     images_->followNode();
   };
   return actions;
+}
+
+/// After the image or the simulation, what is written of it, and its time.
+std::string Workstation::proposedName(ui::Command exported) const {
+  const scene::StoredImage *image = images_->views().image();
+  const scene::Node *node = session_->sceneGraph().find(session_->simulationNode());
+  const bool isOfImage = exported == ui::Command::exportImage || exported == ui::Command::exportDisplacement;
+  std::string name = isOfImage && image ? imaging::nameFromFile(ui::pathFromText(image->name)) : node ? node->name : std::string();
+  if (name.empty()) name = isOfImage ? "image" : "bodies";
+  name = ui::fileNamePart(name);
+  if (exported == ui::Command::exportImage) name += "-deformed";
+  if (exported == ui::Command::exportDisplacement) name += "-displacement";
+  if (scene::Simulation *simulation = session_->simulation()) name += fmt::format("-{:.3f}s", simulation->state().time_s);
+  return name;
 }
 
 ui::AboutText Workstation::about() const {
@@ -316,7 +335,7 @@ void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
   warp_.begin();
   images_->showDisplacement(nullptr);
   if (loaded.image && !loaded.isReload)
-    images_->open(loaded.image->file, loaded.image->labels);
+    images_->open(loaded.image->file, loaded.image->labels, {}, loaded.image->time);
   else
     askForWarp();
   scene::Simulation *simulation = session_->simulation();

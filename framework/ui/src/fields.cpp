@@ -7,6 +7,7 @@
 
 #include "c3de/abi/draft/panels.h"
 #include "c3de/core/text.h"
+#include "c3de/imaging/label_names.h"
 #include "number_text.h"
 
 namespace c3de::ui {
@@ -181,10 +182,7 @@ std::uint32_t numberField(const FrameContext &frame, const std::string &area, co
 
 namespace {
 // Choices are shown as words; files and scripts go on with the name.
-std::string readable(std::string name) {
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
-}
+std::string readable(const std::string &name) { return imaging::readableName(name); }
 }  // namespace
 
 std::uint32_t choiceField(const FrameContext &frame, const std::string &area, const std::string &id,

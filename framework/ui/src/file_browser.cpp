@@ -117,6 +117,29 @@ Expected<FileBrowser::Choice> FileBrowser::resolveNew(const std::string &typed) 
   return Choice{false, path};
 }
 
+std::string freeName(const fs::path &folder, const std::string &name) {
+  std::size_t dot = name.rfind('.');
+  if (lowerCase(name).ends_with(".nii.gz")) dot = name.size() - 7;
+  const std::string stem = name.substr(0, dot), ending = dot == std::string::npos ? "" : name.substr(dot);
+  std::error_code ignored;
+  std::string proposed = name;
+  for (int n = 2; fs::exists(folder / pathFromText(proposed), ignored) && n < 10000; ++n) proposed = stem + "-" + std::to_string(n) + ending;
+  return proposed;
+}
+
+std::string fileNamePart(const std::string &text) {
+  std::string part;
+  for (const char c : text) {
+    const auto u = static_cast<unsigned char>(c);
+    const bool isKept = u >= 0x80 || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_';
+    if (isKept) part += c;
+    else if (!part.empty() && part.back() != '-') part += '-';
+  }
+  while (!part.empty() && (part.back() == '-' || part.back() == '.')) part.pop_back();
+  while (!part.empty() && part.front() == '.') part.erase(0, 1);
+  return part;
+}
+
 std::string sizeText(std::uintmax_t bytes) {
   const char *const units[] = {"B", "kB", "MB", "GB", "TB"};
   double value = static_cast<double>(bytes);

@@ -25,6 +25,11 @@ void FileDialog::open(Request request) {
   typed_[0] = '\0';
   isOpen_ = isNew_ = true;
   isDone_ = false;
+  openFolder();
+  if (request_.isSaving && !request_.proposed.empty()) copyText(typed_, sizeof typed_, freeName(browser_.folder(), request_.proposed));
+}
+
+void FileDialog::openFolder() {
   std::error_code ignored;
   const auto recent = recentFolders_.find(request_.extensions);
   if (recent != recentFolders_.end() && browser_.open(recent->second)) return;
@@ -152,7 +157,7 @@ void FileDialog::draw(FrameContext &frame) {
   if (isNew_) ImGui::SetKeyboardFocusHere();
   isNew_ = false;
   const bool isEntered = ImGui::InputTextWithHint("##typed", request_.isSaving ? "Name of the file; a path may be typed" : "File or folder; a path may be typed", typed_, sizeof typed_,
-                                                  ImGuiInputTextFlags_EnterReturnsTrue);
+                                                  ImGuiInputTextFlags_EnterReturnsTrue | (request_.isSaving ? ImGuiInputTextFlags_AutoSelectAll : 0));
   markItem(frame, kArea, "path");
   frame.automation.value(kArea, "path", typed_);
   const bool hasText = typed_[0] != '\0';

@@ -20,6 +20,7 @@ class FileDialog {
     std::string extensions;  ///< "obj;stl"
     bool asksMeshUnit = false;
     bool isSaving = false;  ///< the file may be new; one that is there is replaced after a second press
+    std::string proposed;   ///< name to begin with when saving, with its ending; one that is there is numbered
     std::function<void(const std::filesystem::path &file, const std::string &unit)> chosen;
   };
   /// Shows the folder that was used last for these extensions.
@@ -28,6 +29,7 @@ class FileDialog {
   void draw(FrameContext &frame);
 
  private:
+  void openFolder();
   void choose(const std::string &typed);
   void drawList(FrameContext &frame);
   void drawFolders(FrameContext &frame);

@@ -314,6 +314,9 @@ void WorkstationWindow::Impl::openExportDialog(Command command) {
   const auto set = [&](const char *title, const char *extensions, const auto &wanted) {
     request.title = title;
     request.extensions = extensions;
+    const std::string name = actions.proposeName ? actions.proposeName(command) : std::string();
+    const std::string endings = extensions;
+    if (!name.empty()) request.proposed = name + "." + endings.substr(0, endings.find(';'));
     action = wanted;
   };
   switch (command) {

@@ -120,3 +120,19 @@ TEST_CASE("sizes are written for people") {
   CHECK(sizeText(2500000) == "2.5 MB");
   CHECK(sizeText(123456789) == "123 MB");
 }
+
+TEST_CASE("Names that are proposed for files take nothing that is there, and are names of files") {
+  const fs::path folder = testOutputFolder() / "proposed";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  CHECK(freeName(folder, "heart.nrrd") == "heart.nrrd");
+  for (const char *name : {"heart.nrrd", "heart-2.nrrd", "u.nii.gz", "plain"}) std::ofstream(folder / name) << 1;
+  CHECK(freeName(folder, "heart.nrrd") == "heart-3.nrrd");
+  CHECK(freeName(folder, "u.nii.gz") == "u-2.nii.gz");
+  CHECK(freeName(folder, "plain") == "plain-2");
+  CHECK(freeName(folder, "t-0.400s.stl") == "t-0.400s.stl");
+  CHECK(fileNamePart("liver, spleen and stomach") == "liver-spleen-and-stomach");
+  CHECK(fileNamePart("../a/b: c?.") == "a-b-c");
+  CHECK(fileNamePart("Leber größer") == "Leber-größer");
+  CHECK(fileNamePart("///").empty());
+}

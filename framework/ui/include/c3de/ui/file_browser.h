@@ -53,6 +53,11 @@ class FileBrowser {
   std::vector<Entry> entries_;
 };
 
+/// The name, or with a number before its ending ("heart-2.nii.gz") where the folder has a file of that name.
+[[nodiscard]] std::string freeName(const std::filesystem::path &folder, const std::string &name);
+/// Text as a part of a file name: letters, digits, '.' and '_' of it, with '-' for what is between.
+[[nodiscard]] std::string fileNamePart(const std::string &text);
+
 /// For example "1.4 MB".
 [[nodiscard]] std::string sizeText(std::uintmax_t bytes);
 

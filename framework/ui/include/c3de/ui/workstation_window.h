@@ -12,6 +12,7 @@
 #include "c3de/core/expected.h"
 #include "c3de/core/handle.h"
 #include "c3de/render/camera.h"
+#include "c3de/ui/commands.h"
 
 namespace c3de {
 class BackgroundJobs;
@@ -54,6 +55,8 @@ struct WindowActions {
   std::function<void()> screenshot;
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
   std::function<void(const std::filesystem::path &)> exportImage, exportDisplacement;  ///< the scan as it now lies; how far
+  /// What a file of that export could be called, without folder and ending; empty: nothing is proposed.
+  std::function<std::string(Command exported)> proposeName;
   std::function<void()> closeImage;
   std::function<void()> beforeDraw;  ///< panels have been handled, the 3D view is about to be drawn
 };
