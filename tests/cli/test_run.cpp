@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <chrono>
 #include <cmath>
 #include <sstream>
 
@@ -175,4 +176,36 @@ TEST_CASE("A simulation that diverges ends with 5, says what helps and reports t
   CHECK(json.at("outcome") == "diverged");
   CHECK_FALSE(json.at("failure").get<std::string>().empty());
   CHECK(json.at("bodies").at(0).at("centre_of_mass_m").at(1).is_number());
+}
+
+TEST_CASE("The time limit ends a run within a step, and the state before it is reported") {
+  const auto folder = freshFolder("limit_in_step");
+  const auto report = folder / "report.json";
+  // A minute and more for a step of so many phyxels that are nearly incompressible.
+  const auto begin = std::chrono::steady_clock::now();
+  const auto result = runC3de({"run", writeBoxScene(folder).string(), "--steps", "1", "--time-limit", "4", "--set",
+                               "solver.integrator=backward_euler", "--set", "solver.dt=0.05", "--set", "body.box.sampling.count=20000",
+                               "--set", "body.box.material.poisson_ratio=0.499", "--set", "body.box.material.youngs_modulus=2e6",
+                               "--set", "body.box.angular_velocity=[0,0,30]", "--report", report.string()});
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  CHECK(result.exitCode == 124);
+  CHECK(took_s < 4.0 + 6.0);  // 2 on a quiet machine, with the report
+  CHECK_THAT(result.errorOutput, Contains("time limit of 4 s"));
+  const auto json = readJson(report);
+  CHECK(json.at("outcome") == "time_limit");
+  CHECK(json.at("steps") == 0);
+  CHECK(json.at("bodies").at(0).at("centre_of_mass_m").at(1).is_number());
+}
+
+TEST_CASE("The time limit ends a run while a body is built, and says that there is no state") {
+  const auto folder = freshFolder("limit_in_build");
+  const auto report = folder / "report.json";
+  const auto begin = std::chrono::steady_clock::now();
+  const auto result = runC3de({"run", writeBoxScene(folder).string(), "--steps", "1", "--time-limit", "2", "--set",
+                               "body.box.sampling.count=400000", "--report", report.string()});
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  CHECK(result.exitCode == 124);
+  CHECK(took_s < 2.0 + 6.0);
+  CHECK_THAT(result.errorOutput, Contains("time limit of 2 s") && Contains("box") && Contains("no step was made"));
+  CHECK_FALSE(std::filesystem::exists(report));
 }

@@ -2,6 +2,7 @@
 // What a person does with an organ in the window: open it, play, pull, pause, step, reset, look inside.
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -417,4 +418,45 @@ TEST_CASE("an organ from a scene can be filled again with another count", "[orga
   });
   CHECK(state["notifications"].empty());
   CHECK_THAT(window.number(std::string(kPanel) + "Phyxels"), WithinRel(200.0, 0.1));
+}
+
+TEST_CASE("a step that takes long is said while it lasts, and reset and Escape end it", "[organ_long_step]") {
+  C3DE_ORGAN_OR_SKIP();
+  // Nearly incompressible in implicit steps: a minute and more for each.
+  const fs::path scene = fs::path(C3DE_TEST_OUTPUT) / "ui" / "heavy.toml";
+  fs::create_directories(scene.parent_path());
+  std::ofstream(scene) << "format = 1\ntitle = \"Heavy organ\"\n[solver]\nintegrator = \"implicit\"\n[[body]]\nname = \"organ\"\n"
+                       << "mesh = \"" << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
+                       << "material = { law = \"neo_hookean\", youngs_modulus = 2e6, poisson_ratio = 0.499, density = 1000.0 }\n"
+                       << "sampling = { count = 12000 }\nangular_velocity = [0.0, 0.0, 40.0]\n";
+  WorkstationDriver window("organ_long_step");
+  window.start({scene.string()});
+  window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; }, 120.0);
+  window.moveTo(window.inView(0.9, 0.1));
+  const auto isLong = [](const Json &s) { return s["values"].contains("status/long_step"); };
+  const auto waitForLongStep = [&] {
+    return window.waitUntil("the long step is said",
+                            [&](const Json &s) { return isLong(s) && s["transport"]["step_running_s"] > 2.0; }, 60.0);
+  };
+  window.key("space");
+  const Json busy = waitForLongStep();
+  const std::string line = busy["values"]["status/long_step"];
+  CHECK_THAT(line, Contains("Step running for") && Contains("organ") && Contains("0.499") && Contains("would help"));
+  CHECK(busy["transport"]["real_time_factor"] < 0.05);
+  CHECK(busy["transport"]["step_ms"] > 1000.0);
+  window.screenshot("long_step");
+
+  using Clock = std::chrono::steady_clock;
+  const auto seconds = [](Clock::time_point since) { return std::chrono::duration<double>(Clock::now() - since).count(); };
+  // Reset goes on playing: a new step begins.
+  const Clock::time_point reset = Clock::now();
+  window.key("r");
+  window.waitUntil("another step has begun", [&](const Json &s) { return !isLong(s); });
+  CHECK(seconds(reset) < 2.0 * C3DE_UI_PATIENCE);
+  waitForLongStep();
+  const Clock::time_point escape = Clock::now();
+  window.key("Escape");
+  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  CHECK(seconds(escape) < 2.0 * C3DE_UI_PATIENCE);
+  CHECK(paused["transport"]["steps"] == 0);
 }

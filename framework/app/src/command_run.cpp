@@ -10,6 +10,7 @@
 #include "build_scene.h"
 #include "c3de/core/log.h"
 #include "c3de/core/output_file.h"
+#include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/render/renderer.h"
 #include "exit_code.h"
@@ -164,8 +165,13 @@ void writeImageExports(const RunOptions &options, const imaging::Volume &image, 
   }
 }
 
-Expected<RunFacts> simulate(const RunOptions &options, Session &session, render::Renderer *renderer,
-                            std::chrono::steady_clock::time_point begin, WrittenOutputs &outputs) {
+struct Simulated {
+  RunFacts facts;
+  std::string overBefore;  ///< the time limit, before the first step; empty: there are facts
+};
+
+Expected<Simulated> simulate(const RunOptions &options, Session &session, render::Renderer *renderer,
+                             std::chrono::steady_clock::time_point begin, WrittenOutputs &outputs) {
   auto scene = readScene(options, session.materials());
   if (!scene) return tl::unexpected(scene.error());
   if (!options.exportSurface.empty())
@@ -179,18 +185,28 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
   const auto table = simulatorTable(simulator.get());
   if (!table) return tl::unexpected(table.error());
 
+  const RunLimits limits = limitsOf(*scene, simulator.get(), options, begin);
   Preparation preparation;
   OrganSources sources;
   {
     ProgressLine progress(options.quiet);
+    std::string present;
+    bool isOver = false;
     const auto populated = buildScene(session, simulator.get(), *scene, sources, [&](double fraction, const std::string &what) {
+      present = what;
       progress.update(fraction, what);
-      return !wasInterrupted();
+      isOver = isOver || (limits.deadline && std::chrono::steady_clock::now() >= *limits.deadline);
+      return !isOver && !wasInterrupted();
     }, &preparation);
+    if (!populated && populated.error().code == ErrorCode::cancelled) {
+      const std::string where = present + "; no step was made, and there is no state to keep";
+      if (isOver) return Simulated{{}, "the time limit of " + formatNumber(*options.timeLimit_s) + " s was reached at " + where};
+      return fail(ErrorCode::cancelled, "interrupted at " + where);
+    }
     if (!populated) return tl::unexpected(populated.error());
   }
 
-  HeadlessRun run(session, simulator.get(), *table, options, limitsOf(*scene, simulator.get(), options, begin), outputs);
+  HeadlessRun run(session, simulator.get(), *table, options, limits, outputs);
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
   RunFacts facts = run.facts();
   facts.preparation = preparation;
@@ -216,7 +232,7 @@ Expected<RunFacts> simulate(const RunOptions &options, Session &session, render:
     if (drawn) drawn = writeScreenshot(session, *renderer, options.screenshot, options.width, options.height);
     outputs.note(options.screenshot, drawn);
   }
-  return facts;
+  return Simulated{facts, {}};
 }
 
 }  // namespace
@@ -246,11 +262,16 @@ int runScene(const RunOptions &options) {
   auto session = Session::create(sessionOptions);
   if (!session) return reportError(session.error());
   WrittenOutputs outputs;
-  const auto facts = simulate(options, **session, renderer.get(), begin, outputs);
-  if (!facts) {
+  const auto simulated = simulate(options, **session, renderer.get(), begin, outputs);
+  if (!simulated) {
     if (!outputs.areComplete()) reportError(outputs.error());
-    return reportError(facts.error());
+    return reportError(simulated.error());
   }
+  if (!simulated->overBefore.empty()) {
+    reportError({ErrorCode::cancelled, simulated->overBefore});
+    return kTimeLimit;
+  }
+  const RunFacts *facts = &simulated->facts;
 
   if (!options.quiet) printSummary(*facts);
   const std::string kept = outputs.written().empty() ? "; --report FILE.json keeps the last good state"

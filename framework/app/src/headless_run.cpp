@@ -8,6 +8,7 @@
 #include "c3de/core/text.h"
 #include "interrupt.h"
 #include "progress_line.h"
+#include "step_limit.h"
 
 namespace c3de::app {
 namespace {
@@ -131,6 +132,7 @@ Expected<void> HeadlessRun::run() {
   if (!options_.exportList.empty()) export_ = std::make_unique<SimulationExport>(options_.exportList);
   exportFrame(false);
 
+  std::optional<StepLimit> limit(std::in_place, simulator_, table_, limits_.deadline);
   ProgressLine progress(options_.quiet);
   double wall_s = 0.0;
   facts_.outcome = "done";
@@ -155,6 +157,11 @@ Expected<void> HeadlessRun::run() {
       facts_.toFirstStep_s = std::chrono::duration<double>(Clock::now() - limits_.begin).count();
     }
     facts_.wall_s = wall_s;
+    if (code == C3DE_E_CANCELLED) {
+      (void)session_.plugins().takeError();
+      // By the limit or by a signal: the next look at them says which.
+      if (wasInterrupted() || (limits_.deadline && Clock::now() >= *limits_.deadline)) continue;
+    }
     if (code < 0) {
       const std::string reason = session_.plugins().takeError();
       facts_.outcome = code == C3DE_E_DIVERGED ? "diverged" : "failed";
@@ -176,6 +183,7 @@ Expected<void> HeadlessRun::run() {
                                                   : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) +
                                                         " s, step " + std::to_string(facts_.steps));
   }
+  limit.reset();
   if (facts_.outcome == "done" && stopped_ > 0) {
     facts_.outcome = "diverged";
     facts_.failure = std::to_string(stopped_) + (stopped_ == 1 ? " body" : " bodies") +

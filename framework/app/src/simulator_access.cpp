@@ -37,7 +37,11 @@ Expected<std::vector<ParameterDecl>> simulatorDeclarations(c3de_object *simulato
 }
 
 bool servesFills(const c3de_simulator_v0 *table) {
-  return table->rev >= 3 && table->size >= sizeof(c3de_simulator_v0) && table->displacement != nullptr;
+  return table->rev >= 3 && table->size >= offsetof(c3de_simulator_v0, interrupt) && table->displacement != nullptr;
+}
+
+bool endsSteps(const c3de_simulator_v0 *table) {
+  return table->rev >= 4 && table->size >= offsetof(c3de_simulator_v0, activity) && table->interrupt != nullptr;
 }
 
 std::vector<Vec3> surfelPositions(c3de_object *simulator, c3de_handle body) {

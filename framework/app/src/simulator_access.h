@@ -22,6 +22,9 @@ namespace c3de::app {
 /// Whether it reads fills and answers displacement(): revision 3.
 [[nodiscard]] bool servesFills(const c3de_simulator_v0 *table);
 
+/// Whether it can end a step half way: revision 4.
+[[nodiscard]] bool endsSteps(const c3de_simulator_v0 *table);
+
 /// Of the skin of a body as it is now, m; empty where nobody says. [sim]
 [[nodiscard]] std::vector<Vec3> surfelPositions(c3de_object *simulator, c3de_handle body);
 

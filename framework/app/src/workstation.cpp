@@ -230,6 +230,7 @@ ui::SimulationView Workstation::simulationView() {
   if (!simulation) return view;
   view.exists = true;
   view.transport = simulation->state();
+  if (view.isLongStep()) view.activity = simulation->activity();
   if (const scene::Node *node = session_->sceneGraph().find(session_->simulationNode())) view.title = node->name;
   return view;
 }

@@ -27,6 +27,13 @@ Clock::time_point Pace::dueTime(double end_s, double rate, Clock::time_point now
   return latest;
 }
 
+double Meter::Rates::realTimeFactor(double running_s) const {
+  if (!(wall_s > 0.0)) return 0.0;
+  const double overdue_s = std::max(0.0, running_s - meanStep_s);
+  const double part = std::max(0.0, 1.0 - overdue_s / kWindow_s);  // of what was achieved that is not a second old
+  return part * simulated_s / (part * wall_s + overdue_s);
+}
+
 void Meter::clear() {
   samples_.clear();
   wall_s_ = computing_s_ = simulated_s_ = 0.0;

@@ -35,9 +35,17 @@ class Meter {
   /// A step has ended: it took step_s of wall time and brought simulated time forward by advance_s.
   void add(Clock::time_point now, double step_s, double advance_s);
 
-  [[nodiscard]] double realTimeFactor() const { return wall_s_ > 0.0 ? simulated_s_ / wall_s_ : 0.0; }
-  [[nodiscard]] double meanStep_s() const {
-    return samples_.empty() ? 0.0 : computing_s_ / static_cast<double>(samples_.size());
+  struct Rates {
+    double wall_s = 0.0, simulated_s = 0.0, meanStep_s = 0.0;  ///< over the last second
+
+    /// Simulated seconds per second while a step has been computed for running_s without an end: as it was while a step
+    /// takes as long as those before it, then less and less, and nothing when for a second nothing has come of it.
+    [[nodiscard]] double realTimeFactor(double running_s = 0.0) const;
+    /// Wall time of a step, s.
+    [[nodiscard]] double step_s(double running_s = 0.0) const { return running_s > meanStep_s ? running_s : meanStep_s; }
+  };
+  [[nodiscard]] Rates rates() const {
+    return {wall_s_, simulated_s_, samples_.empty() ? 0.0 : computing_s_ / static_cast<double>(samples_.size())};
   }
 
  private:

@@ -36,11 +36,18 @@ struct Simulation::Impl {
 
   std::mutex queueMutex;
   std::condition_variable wake;
-  std::vector<std::function<void()>> queue;
+  struct Command {
+    std::function<void()> run;
+    bool isUrgent = false;  ///< what is being computed is not wanted any more
+  };
+  std::vector<Command> queue;
+  std::size_t urgent = 0;  ///< commands that wait
   bool stopping = false;
 
   mutable std::mutex stateMutex;
   c3de_sim_transport shown{};
+  Meter::Rates rates;
+  Clock::time_point stepBegan{};  ///< of the step that is being computed; else none
   std::string failureText;
 
   std::mutex listenerMutex;
@@ -61,8 +68,12 @@ struct Simulation::Impl {
 
   ~Impl();
   void run();
-  void enqueue(std::function<void()> command);
-  bool runCommands(std::vector<std::function<void()>> &commands);
+  void enqueue(std::function<void()> command, bool isUrgent = false);
+  bool runCommands(std::vector<Command> &commands);
+  void begin(Command &command);
+  /// Whether the simulator has a slot; those of older revisions end before it.
+  [[nodiscard]] bool has(std::size_t endOfSlot) const { return table->rev >= 4 && table->size >= endOfSlot; }
+  void interrupt(bool raised);
   void apply(std::uint32_t action);
   void play();
   void goToInitialState(bool goOnPlaying);
@@ -78,26 +89,42 @@ Simulation::Impl::~Impl() {
     {
       const std::lock_guard lock(queueMutex);
       stopping = true;
+      interrupt(true);
     }
     wake.notify_one();
     thread.join();
+    interrupt(false);
   }
   if (object != nullptr) object->vt->release(object);
 }
 
-void Simulation::Impl::enqueue(std::function<void()> command) {
+/// Under the mutex of the queue, so that it is raised as long as anything urgent waits.
+void Simulation::Impl::interrupt(bool raised) {
+  if (has(offsetof(c3de_simulator_v0, interrupt) + sizeof table->interrupt) && table->interrupt != nullptr)
+    table->interrupt(object, raised ? 1u : 0u);
+}
+
+void Simulation::Impl::enqueue(std::function<void()> command, bool isUrgent) {
   {
     const std::lock_guard lock(queueMutex);
-    queue.push_back(std::move(command));
+    queue.push_back({std::move(command), isUrgent});
+    if (isUrgent && ++urgent == 1) interrupt(true);
   }
   wake.notify_one();
+}
+
+/// What was urgent has the floor.
+void Simulation::Impl::begin(Command &command) {
+  if (!command.isUrgent) return;
+  const std::lock_guard lock(queueMutex);
+  if (--urgent == 0 && !stopping) interrupt(false);
 }
 
 void Simulation::Impl::run() {
   readStatus();
   publish();
   show();
-  std::vector<std::function<void()>> commands;
+  std::vector<Command> commands;
   for (;;) {
     // Commands first: they take effect between two steps.
     bool stop = false;
@@ -134,12 +161,13 @@ void Simulation::Impl::run() {
 }
 
 /// True if there were any.
-bool Simulation::Impl::runCommands(std::vector<std::function<void()>> &commands) {
+bool Simulation::Impl::runCommands(std::vector<Command> &commands) {
   if (commands.empty()) return false;
   const double timeBefore_s = status.time_s;
-  for (const auto &command : commands) {
+  for (Command &command : commands) {
+    begin(command);
     try {
-      command();
+      command.run();
     } catch (const std::exception &error) {
       log(LogLevel::error, std::string("a command to the simulation failed: ") + error.what());
     } catch (...) {
@@ -205,10 +233,24 @@ void Simulation::Impl::step() {
   const double timeBefore_s = status.time_s;
   const std::uint64_t stepsBefore = status.steps;
   const Clock::time_point begin = Clock::now();
+  {
+    const std::lock_guard lock(stateMutex);
+    stepBegan = begin;
+  }
   const c3de_status code = table->step(object);
   const Clock::time_point end = Clock::now();
+  {
+    const std::lock_guard lock(stateMutex);
+    stepBegan = {};
+  }
   unpublished = true;
   readStatus();
+  if (code == C3DE_E_CANCELLED) {
+    // Somebody wants something else; time that was lost is lost.
+    meter.pause();
+    pace.start(end, status.time_s);
+    return;
+  }
   if (code < 0) {
     meter.pause();
     failWith("step " + std::to_string(status.steps + 1) + " at " + formatNumber(status.time_s) + " s failed", code);
@@ -247,8 +289,7 @@ void Simulation::Impl::show() {
   shown.steps = status.steps;
   shown.time_s = status.time_s;
   shown.target_rate = targetRate;
-  shown.real_time_factor = meter.realTimeFactor();
-  shown.step_ms = 1e3 * meter.meanStep_s();
+  rates = meter.rates();
   failureText = failure;
 }
 
@@ -286,7 +327,13 @@ Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
 }
 
 void Simulation::transport(std::uint32_t action) {
-  impl_->enqueue([impl = impl_.get(), action] { impl->apply(action); });
+  bool isUrgent = action == C3DE_TRANSPORT_STOP || action == C3DE_TRANSPORT_RESET;
+  if (action == C3DE_TRANSPORT_PAUSE) {
+    // A single step that was asked for just before is made.
+    const std::lock_guard lock(impl_->stateMutex);
+    isUrgent = impl_->stepBegan != Clock::time_point{};
+  }
+  impl_->enqueue([impl = impl_.get(), action] { impl->apply(action); }, isUrgent);
 }
 
 void Simulation::setTargetRate(double rate) {
@@ -324,7 +371,28 @@ void Simulation::call(const std::function<void()> &command) {
 
 c3de_sim_transport Simulation::state() const {
   const std::lock_guard lock(impl_->stateMutex);
-  return impl_->shown;
+  c3de_sim_transport state = impl_->shown;
+  if (impl_->stepBegan != Clock::time_point{}) state.step_running_s = seconds(Clock::now() - impl_->stepBegan);
+  state.real_time_factor = impl_->rates.realTimeFactor(state.step_running_s);
+  state.step_ms = 1e3 * impl_->rates.step_s(state.step_running_s);
+  return state;
+}
+
+std::string Simulation::activity() const {
+  const c3de_simulator_v0 *table = impl_->table;
+  if (!impl_->has(offsetof(c3de_simulator_v0, activity) + sizeof table->activity) || table->activity == nullptr) return {};
+  std::string text;
+  c3de_sink sink{};
+  sink.self = &text;
+  sink.put = [](void *self, const void *bytes, std::uint64_t n) -> c3de_status {
+    try {
+      static_cast<std::string *>(self)->append(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
+      return C3DE_OK;
+    } catch (...) {
+      return C3DE_E_NOMEM;
+    }
+  };
+  return table->activity(impl_->object, sink) < 0 ? std::string() : text;
 }
 
 std::string Simulation::failure() const {

@@ -43,7 +43,9 @@ Json transportJson(const SimulationView &simulation) {
           {"time_s", t.time_s},
           {"target_rate", t.target_rate},
           {"real_time_factor", t.real_time_factor},
-          {"step_ms", t.step_ms}};
+          {"step_ms", t.step_ms},
+          {"step_running_s", t.step_running_s},
+          {"activity", simulation.activity}};
 }
 
 }  // namespace

@@ -16,8 +16,8 @@
 //   scrolled_out   "area/id": the same for what exists but is scrolled out of its panel
 //   disabled       ["area/id", …] of those in `widgets` that do not react now
 //   values         "area/name": text of value rows and of what widgets show
-//   transport      {exists, title, mode, steps, time_s, target_rate, real_time_factor, step_ms}; mode: stopped, playing,
-//                  paused, failed
+//   transport      {exists, title, mode, steps, time_s, target_rate, real_time_factor, step_ms, step_running_s, activity};
+//                  mode: stopped, playing, paused, failed; activity: of a step that takes long, what would help
 //   tool           id of the active tool, "orbit" for none
 //   notifications  [{severity, title, text}], severity: debug, info, warn, error
 //   jobs           [{title, what, fraction}]

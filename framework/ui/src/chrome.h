@@ -26,6 +26,8 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
 /// Over the view: messages and running jobs. Fills state.overlays.
 void drawNotifications(FrameContext &frame);
 void drawJobs(FrameContext &frame);
+/// A step that takes more than a second is said while it lasts.
+void drawLongStep(FrameContext &frame);
 void drawShortcuts(FrameContext &frame);
 void drawAbout(FrameContext &frame);
 

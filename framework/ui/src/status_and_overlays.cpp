@@ -103,7 +103,8 @@ void drawStatusBar(FrameContext &frame, const PixelRect &area) {
     cell(frame, "rate", hasRate ? fixedText(t.real_time_factor, 2) + "× real time (target " + target + ")" : "target " + target,
          isSlow ? colour::kWarn : colour::kText, 190,
          "Simulated seconds per second, achieved over the last second of playing, and aimed at");
-    cell(frame, "step_ms", fixedText(t.step_ms, 2) + " ms/step", colour::kText, 88, "Wall time of a step, mean of the last second");
+    cell(frame, "step_ms", fixedText(t.step_ms, 2) + " ms/step", simulation.isLongStep() ? colour::kWarn : colour::kText, 88,
+         "Wall time of a step, mean of the last second; of the present one when that is longer");
   }
   std::string hint = "Left drag: orbit    Middle or Shift+left: pan    Right, Ctrl+left or wheel: zoom    F: fit";
   if (frame.services.tools)
@@ -221,6 +222,25 @@ void drawNotifications(FrameContext &frame) {
     ImGui::GetBackgroundDrawList()->AddText(
         ImVec2(frame.area.x + frame.area.w - textWidth - frame.theme.px(16.0f), y), ImGui::GetColorU32(colour::kDim), more.c_str());
   }
+}
+
+void drawLongStep(FrameContext &frame) {
+  if (!frame.simulation.isLongStep()) return;
+  const std::string title = "Step running for " + fixedText(frame.simulation.transport.step_running_s, 1) + " s";
+  const std::string hint = "Esc pauses, R goes back to the initial state";
+  beginOverlay(frame, "##longstep",
+               ImVec2(frame.area.x + frame.theme.px(12.0f), frame.area.y + frame.area.h - frame.theme.px(12.0f)), ImVec2(0, 1),
+               std::min(frame.theme.px(400.0f), 0.8f * frame.area.w));
+  ImGui::PushFont(frame.theme.bold);
+  ImGui::TextColored(colour::kWarn, "%s", title.c_str());
+  ImGui::PopFont();
+  ImGui::PushTextWrapPos(0.0f);
+  if (!frame.simulation.activity.empty()) ImGui::TextUnformatted(frame.simulation.activity.c_str());
+  ImGui::TextColored(colour::kDim, "%s", hint.c_str());
+  ImGui::PopTextWrapPos();
+  rememberOverlay(frame);
+  frame.automation.value("status", "long_step", title + ": " + frame.simulation.activity);
+  ImGui::End();
 }
 
 void drawJobs(FrameContext &frame) {

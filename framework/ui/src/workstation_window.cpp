@@ -168,6 +168,7 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
   }
   if (event.isRepeat) return;
   if (event.key == keyEscape) {
+    if (context.simulation.isLongStep() && actions.transport) actions.transport(C3DE_TRANSPORT_PAUSE);
     if (services.images) {
       services.images->cancel();
       services.images->cancelPick();
@@ -282,6 +283,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   state.overlays.clear();
   drawNotifications(context);
   drawJobs(context);
+  drawLongStep(context);
   fileDialog.draw(context);
   drawShortcuts(context);
   drawAbout(context);
@@ -515,7 +517,7 @@ void WorkstationWindow::waitForFrame() {
 
 void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationView &simulation) {
   Impl &impl = *impl_;
-  impl.isMoving = (simulation.exists && simulation.transport.mode == C3DE_SIM_PLAYING) ||
+  impl.isMoving = (simulation.exists && (simulation.transport.mode == C3DE_SIM_PLAYING || simulation.transport.step_running_s > 0.0)) ||
                   (impl.services.jobs && !impl.services.jobs->running().empty());
   impl.measureRate(GlfwWindow::now_s());
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fake_simulator.h"
 
+#include <algorithm>
 #include <string_view>
 #include <thread>
 
@@ -20,6 +21,7 @@ c3de_object_vt FakeSimulator::makeVt() {
     FakeSimulator &fake = of(self);
     if (!fake.answersInterface || c3de::fromAbi(id) != std::string_view(C3DE_IFACE_SIMULATOR_ID)) return C3DE_E_NOT_FOUND;
     fake.table_.size = fake.tableSize;
+    fake.table_.rev = fake.revision;
     *table = &fake.table_;
     return C3DE_OK;
   };
@@ -31,7 +33,16 @@ c3de_simulator_v0 FakeSimulator::makeTable() {
   table.size = sizeof table;
   table.step = [](c3de_object *self) -> c3de_status {
     FakeSimulator &fake = of(self);
-    if (fake.stepCost_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(fake.stepCost_us));
+    const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(fake.stepCost_us);
+    for (;;) {
+      if (fake.interrupted) {
+        ++fake.endedSteps;
+        return C3DE_E_CANCELLED;
+      }
+      const auto left = end - std::chrono::steady_clock::now();
+      if (left <= left.zero()) break;
+      std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(left, std::chrono::milliseconds(5)));
+    }
     if (fake.steps + 1 == fake.failAtStep) return C3DE_E_DIVERGED;
     ++fake.totalSteps;
     const bool finished = fake.finishesAtStep > 0 && fake.steps >= fake.finishesAtStep;
@@ -61,6 +72,15 @@ c3de_simulator_v0 FakeSimulator::makeTable() {
     out->dt_s = out->time_s = 0.0;
     out->finished = out->steps >= fake.finishesAtStep ? 1u : 0u;
     return C3DE_OK;
+  };
+  table.interrupt = [](c3de_object *self, std::uint32_t raised) -> c3de_status {
+    of(self).interrupted = raised != 0;
+    return C3DE_OK;
+  };
+  table.activity = [](c3de_object *self, c3de_sink text) -> c3de_status {
+    (void)self;
+    static constexpr std::string_view kLine = "a heavy body: less of it would help";
+    return text.put(text.self, kLine.data(), kLine.size());
   };
   return table;
 }

@@ -29,6 +29,9 @@ class FakeSimulator {
   std::atomic<std::uint64_t> publishedStep{0};   ///< the state that the last snapshot shows
   std::atomic<std::uint32_t> tableSize{sizeof(c3de_simulator_v0)};
   std::atomic<bool> answersInterface{true};
+  std::atomic<std::uint32_t> revision{4};        ///< 3: a step cannot be ended
+  std::atomic<std::uint64_t> endedSteps{0};      ///< half way
+  std::atomic<bool> interrupted{false};
 
  private:
   struct Shared {

@@ -31,15 +31,15 @@ TEST_CASE("A little lag is made up for, more than that is given up") {
 
 TEST_CASE("The meter measures simulated time against the wall over the last second") {
   Meter meter;
-  CHECK(meter.realTimeFactor() == 0.0);
+  CHECK(meter.rates().realTimeFactor() == 0.0);
   Clock::time_point now{1000s};
   // Half real time for 2 s, then twice real time for 1.5 s: the window has forgotten the beginning.
   for (int i = 0; i < 200; ++i) meter.add(now += 10ms, 0.008, 0.005);
-  CHECK_THAT(meter.realTimeFactor(), WithinRel(0.5, 0.02));
-  CHECK_THAT(meter.meanStep_s(), WithinRel(0.008, 1e-9));
+  CHECK_THAT(meter.rates().realTimeFactor(), WithinRel(0.5, 0.02));
+  CHECK_THAT(meter.rates().meanStep_s, WithinRel(0.008, 1e-9));
   for (int i = 0; i < 150; ++i) meter.add(now += 10ms, 0.002, 0.020);
-  CHECK_THAT(meter.realTimeFactor(), WithinRel(2.0, 0.02));
-  CHECK_THAT(meter.meanStep_s(), WithinRel(0.002, 1e-9));
+  CHECK_THAT(meter.rates().realTimeFactor(), WithinRel(2.0, 0.02));
+  CHECK_THAT(meter.rates().meanStep_s, WithinRel(0.002, 1e-9));
 }
 
 TEST_CASE("Time that was spent paused does not count") {
@@ -49,8 +49,26 @@ TEST_CASE("Time that was spent paused does not count") {
   meter.pause();
   now += 60s;
   for (int i = 0; i < 20; ++i) meter.add(now += 10ms, 0.010, 0.010);
-  CHECK_THAT(meter.realTimeFactor(), WithinRel(1.0, 1e-6));
+  CHECK_THAT(meter.rates().realTimeFactor(), WithinRel(1.0, 1e-6));
   meter.clear();
-  CHECK(meter.realTimeFactor() == 0.0);
-  CHECK(meter.meanStep_s() == 0.0);
+  CHECK(meter.rates().realTimeFactor() == 0.0);
+  CHECK(meter.rates().meanStep_s == 0.0);
+}
+
+TEST_CASE("While a step is overdue the rate falls, and after a second without an end it is none") {
+  Meter meter;
+  Clock::time_point now{1000s};
+  for (int i = 0; i < 100; ++i) meter.add(now += 20ms, 0.020, 0.040);
+  const Meter::Rates rates = meter.rates();
+  CHECK(rates.realTimeFactor(0.015) == rates.realTimeFactor());  // a step as long as those before it is no news
+  double before = rates.realTimeFactor();
+  for (const double running_s : {0.1, 0.3, 0.6, 0.9}) {
+    const double later = rates.realTimeFactor(running_s);
+    CHECK(later < before);
+    CHECK(later > 0.0);
+    before = later;
+  }
+  CHECK(rates.realTimeFactor(1.1) == 0.0);
+  CHECK(rates.step_s(0.015) == rates.meanStep_s);
+  CHECK(rates.step_s(4.2) == 4.2);
 }

@@ -169,6 +169,7 @@ TEST_CASE("A reset that fails leaves a failed simulation, not a wrong one") {
   fake.resetFails = true;
   const auto simulation = start(fake);
   simulation->transport(C3DE_TRANSPORT_STEP);
+  (void)settled(*simulation);
   simulation->transport(C3DE_TRANSPORT_STOP);
   const c3de_sim_transport state = settled(*simulation);
   CHECK(state.mode == C3DE_SIM_FAILED);
@@ -371,4 +372,81 @@ TEST_CASE("Many threads may command and look at once") {
   CHECK(ran == 400);
   CHECK(state.mode == C3DE_SIM_STOPPED);
   CHECK(state.steps == 0);
+}
+
+TEST_CASE("Reset, stop, pause and the end come through within a step that takes long") {
+  FakeSimulator fake;
+  fake.stepCost_us = 20'000'000;
+  const auto begin = Clock::now();
+  {
+    const auto simulation = start(fake);
+    simulation->transport(C3DE_TRANSPORT_PLAY);
+    REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.0; }));
+
+    simulation->transport(C3DE_TRANSPORT_RESET);
+    REQUIRE(eventually([&] { return fake.resets == 1; }));
+    CHECK(fake.endedSteps == 1);
+    // It goes on playing, and nothing is left of the request.
+    REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.0; }));
+    CHECK(fake.interrupted == false);
+
+    simulation->transport(C3DE_TRANSPORT_PAUSE);
+    REQUIRE(eventually([&] { return simulation->state().mode == C3DE_SIM_PAUSED; }));
+    CHECK(simulation->failure().empty());
+    CHECK(simulation->state().steps == 0);
+
+    // A step that waits before a stop is not computed first.
+    simulation->post([] { std::this_thread::sleep_for(50ms); });
+    simulation->transport(C3DE_TRANSPORT_STEP);
+    simulation->transport(C3DE_TRANSPORT_STEP);
+    simulation->transport(C3DE_TRANSPORT_STOP);
+    CHECK(settled(*simulation).mode == C3DE_SIM_STOPPED);
+    CHECK(fake.totalSteps == 0);
+
+    simulation->transport(C3DE_TRANSPORT_PLAY);
+    REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.0; }));
+  }
+  CHECK(fake.interrupted == false);
+  CHECK(Clock::now() - begin < 10s);  // a single step takes 20
+
+  // After it steps are computed as ever.
+  fake.stepCost_us = 0;
+  const auto again = start(fake);
+  again->transport(C3DE_TRANSPORT_STEP);
+  CHECK(settled(*again).steps == 1);
+}
+
+TEST_CASE("A simulator of revision 3 ends its step before anything else happens") {
+  FakeSimulator fake;
+  fake.revision = 3;
+  fake.stepCost_us = 200'000;
+  const auto simulation = start(fake);
+  simulation->transport(C3DE_TRANSPORT_STEP);
+  REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.0; }));
+  CHECK(simulation->activity().empty());
+  simulation->transport(C3DE_TRANSPORT_RESET);
+  (void)settled(*simulation);
+  CHECK(fake.totalSteps == 1);
+  CHECK(fake.endedSteps == 0);
+  CHECK(fake.resets == 1);
+}
+
+TEST_CASE("A step that takes long is told while it lasts, and the rates are those of now") {
+  FakeSimulator fake;
+  fake.dt_s = 0.01;
+  const auto simulation = start(fake);
+  simulation->setTargetRate(0.0);
+  fake.stepCost_us = 2'000;
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return simulation->state().real_time_factor > 1.0; }));
+  fake.stepCost_us = 20'000'000;
+  REQUIRE(eventually([&] { return simulation->state().step_running_s > 0.3; }));
+  const c3de_sim_transport soon = simulation->state();
+  CHECK(soon.mode == C3DE_SIM_PLAYING);
+  CHECK(simulation->activity() == "a heavy body: less of it would help");
+  REQUIRE(eventually([&] { return simulation->state().step_running_s > 1.2; }));
+  const c3de_sim_transport late = simulation->state();
+  CHECK(late.real_time_factor < soon.real_time_factor);
+  CHECK(late.real_time_factor == 0.0);  // nothing has come of it for more than a second
+  CHECK(late.step_ms >= 1200.0);
 }

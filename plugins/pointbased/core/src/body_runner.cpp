@@ -76,6 +76,7 @@ void BodyRunner::fallAsleepIfStill(const StepOrder &order, double span) {
   if (!watch_.look(*body_, tolerance, span)) return;
   asleep_ = true;
   std::fill(body_->state().velocities.begin(), body_->state().velocities.end(), Vec3(Vec3::Zero()));
+  if (underWay_) underWay_->state = body_->keptState();
   body_->keepState();
 }
 
@@ -97,10 +98,29 @@ void BodyRunner::reset() {
   toldSlow_ = false;
 }
 
+void BodyRunner::undoStep(const ParallelFor &parallelFor) {
+  if (!underWay_) return;
+  rhythm_ = underWay_->rhythm;
+  if (underWay_->state) {
+    body_->state() = *underWay_->state;
+    body_->keepState();
+  }
+  underWay_.reset();
+  body_->restoreState();
+  body_->contact.blocks = ContactMemory::Blocks();
+  body_->computeGradients(parallelFor);
+  body_->computeStresses(0.0, parallelFor);
+  wake();
+  solver_.forget();
+  ++changes_;
+}
+
 double BodyRunner::advance(const StepOrder &order, double span) {
+  const StepRhythm rhythm = rhythm_;
   rhythm_.begin(order.dt);
   if (sleepsOn(order, span)) return span;
   ++changes_;
+  if (order.environment.stop != nullptr) underWay_ = Start{rhythm, {}};
   const double gone = tryToAdvance(order, span, substepLimit(*body_));
   fallAsleepIfStill(order, gone);
   return gone;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tl/expected.hpp>
 
@@ -49,6 +50,12 @@ class BodyRunner {
   /// Quasi-static: from order.loadFactor on, in smaller increments where this one is too large.
   void loadUpTo(const StepOrder &order, double factor);
 
+  /// Before a step of the world that somebody may end.
+  void beginStep() { underWay_.reset(); }
+  /// The step was ended half way: back to where the body was before it. What is remembered of distances, friction and
+  /// factorisations starts anew.
+  void undoStep(const ParallelFor &parallelFor);
+
   /// It rests, and steps leave it as it is: no stage runs. Only where WorldSettings::sleep allows.
   [[nodiscard]] bool asleep() const { return asleep_; }
   /// Something around it or of it has changed.
@@ -91,6 +98,12 @@ class BodyRunner {
   StepRhythm rhythm_;
   RestWatch watch_;
   bool asleep_ = false;
+  /// What the state that the body keeps does not say of the beginning of the step; empty: nothing of it was touched.
+  struct Start {
+    StepRhythm rhythm;
+    std::optional<State> state;  // where the body keeps a later one
+  };
+  std::optional<Start> underWay_;
   std::uint64_t changes_ = 0;
   double scale_ = 1.0;  // part of the usual step in use, after failures
   std::uint64_t goodSteps_ = 0;

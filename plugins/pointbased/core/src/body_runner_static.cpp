@@ -15,6 +15,7 @@ constexpr int kMostHalvings = 6;  // of an increment, before a body stops
 void BodyRunner::loadUpTo(const StepOrder &order, double factor) {
   Body &body = *body_;
   ++changes_;
+  if (order.environment.stop != nullptr) underWay_ = Start{rhythm_, body.state()};
   double at = order.loadFactor, size = factor - at;
   int halvings = 0;
   while (at < factor - 1e-12) {

@@ -43,6 +43,25 @@ struct ImplicitStage {
   double elapsed = 0.0;  // s since the beginning of the step: what relaxes has relaxed for so long
 };
 
+// Over triplets, of which a large body has millions; looks whether they are still wanted.
+class AskedTriplets {
+ public:
+  AskedTriplets(const Eigen::Triplet<double> *at, const StopRequest *stop) : at_(at), stop_(stop) {}
+  AskedTriplets &operator++() {
+    constexpr std::size_t kLookEvery = 1 << 22;
+    if (++seen_ % kLookEvery == 0) endIfRaised(stop_);
+    ++at_;
+    return *this;
+  }
+  const Eigen::Triplet<double> *operator->() const { return at_; }
+  bool operator!=(const AskedTriplets &other) const { return at_ != other.at_; }
+
+ private:
+  const Eigen::Triplet<double> *at_;
+  const StopRequest *stop_;
+  std::size_t seen_ = 0;
+};
+
 class StageProblem final : public Equilibrium {
  public:
   StageProblem(Body &body, const Environment &env, const ImplicitStage &stage)
@@ -200,7 +219,9 @@ class StageProblem final : public Equilibrium {
     if (contact_)
       addContactTriplets(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, triplets_);
     out.resize(static_cast<Eigen::Index>(3 * n_), static_cast<Eigen::Index>(3 * n_));
-    out.setFromTriplets(triplets_.begin(), triplets_.end());
+    endIfRaised(env_.stop);
+    out.setFromTriplets(AskedTriplets(triplets_.data(), env_.stop),
+                        AskedTriplets(triplets_.data() + triplets_.size(), env_.stop));
     return true;
   }
 
@@ -272,6 +293,7 @@ NewtonSettings settingsOf(const Body &body, const Environment &env, bool isStati
   settings.toleranceDisplacement =
       env.tolerance > 0.0 ? env.tolerance : (isStatic ? 1e-6 : 1e-5) * body.rest().spacing;
   settings.preconditioner = env.preconditioner;
+  settings.stop = env.stop;
   settings.maxIterations = isStatic ? 60 : 30;
   return settings;
 }

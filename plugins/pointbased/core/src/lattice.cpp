@@ -8,6 +8,7 @@
 #include "lattice_held.h"
 #include "lattice_jitter.h"
 #include "lattice_masses.h"
+#include "look_for_end.h"
 #include "number_text.h"
 
 namespace pointbased {
@@ -72,6 +73,7 @@ Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, do
   Cut cut;
   cut.set = std::move(*set);
   cut.parts = findParts(cut.set, shape, parallelFor);
+  detail::lookForEnd(parallelFor);
   cut.corners = joinCorners(cut.set, cut.parts);
   if (static_cast<double>(cut.corners.positions.size()) > kExpectationSlack * static_cast<double>(kMaximumPhyxels))
     return refuse("a spacing of " + number(spacing, 4) + " m makes " + std::to_string(cut.corners.positions.size()) +
@@ -182,12 +184,14 @@ PointGeometry pointOf(const LatticeCellMap &map, Index p, const PartContent &con
   return point;
 }
 
-void buildPoints(const LatticeCellMap &map, std::span<const PartContent> contents, LatticeBody &body) {
+void buildPoints(const LatticeCellMap &map, std::span<const PartContent> contents, LatticeBody &body,
+                 const ParallelFor &parallelFor) {
   StencilSet &stencils = body.stencils;
   const Mat3 &axes = map.set().frame.axes;
   stencils.axes = axes;
   Row row;
   for (std::size_t p = 0; p < contents.size(); ++p) {
+    if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
     const Part &part = map.parts()[p];
     if (!part.kept || !contents[p].isFree()) continue;
     const PointGeometry point = pointOf(map, static_cast<Index>(p), contents[p]);
@@ -257,12 +261,12 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &s
   body.components = map->components();
   body.positions.reserve(map->corners().positions.size());
   for (const Vec3 &local : map->corners().positions) body.positions.push_back(frame.axes * local);
-  PhyxelVolumes shared = shareVolumes(*map, contents);
+  PhyxelVolumes shared = shareVolumes(*map, contents, parallelFor);
   body.volumes = std::move(shared.inertial);
   body.weightVolumes = std::move(shared.weights);
   body.heldVolumes = std::move(shared.held);
   body.carriedVolumes = std::move(shared.carried);
-  buildPoints(*map, contents, body);
+  buildPoints(*map, contents, body, parallelFor);
 
   // What was counted comes to the volume of the body.
   double counted = 0.0;

@@ -2,6 +2,7 @@
 #include "lattice_masses.h"
 
 #include "lattice_jitter.h"
+#include "look_for_end.h"
 
 namespace pointbased::lattice {
 namespace {
@@ -54,13 +55,14 @@ std::vector<std::array<std::vector<Index>, 6>> neighboursOf(const LatticeCellMap
 
 // The excess of every part over rows of three corners: its own two along an axis and the next one of a neighbour, each
 // neighbour by what it has at the far end.
-std::vector<Row3> secondDifferences(const Sharing &sharing) {
+std::vector<Row3> secondDifferences(const Sharing &sharing, const ParallelFor &parallelFor) {
   const auto neighbours = neighboursOf(sharing.map);
   std::vector<std::array<double, 8>> shares(sharing.contents.size());
   for (std::size_t p = 0; p < shares.size(); ++p)
     if (sharing.map.parts()[p].kept) shares[p] = sharing.contents[p].all.functions();
   std::vector<Row3> rows;
   for (std::size_t p = 0; p < shares.size(); ++p) {
+    if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
     const Part &part = sharing.map.parts()[p];
     if (!part.kept) continue;
     const Moments &all = sharing.contents[p].all;
@@ -117,9 +119,10 @@ std::array<Vec3, 8> gradientsOf(const Moments &moments, double edge) {
 
 // Takes the rows off, each as far as its ends can bear it.
 void correctSecondMoments(const Corners &corners, std::span<const Row3> rows, const Least &least,
-                          std::vector<double> &volumes) {
+                          std::vector<double> &volumes, const ParallelFor &parallelFor) {
   std::vector<double> changed, allowed(volumes.size(), 1.0);
   for (bool settled = false; !settled;) {
+    detail::lookForEnd(parallelFor);
     changed = volumes;
     for (const Row3 &row : rows) {
       double factor = 1.0;
@@ -174,7 +177,8 @@ void giveToLight(const Corners &corners, std::span<const Row3> rows, const Least
 
 }  // namespace
 
-PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartContent> contents) {
+PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartContent> contents,
+                           const ParallelFor &parallelFor) {
   const Corners &corners = map.corners();
   PhyxelVolumes out;
   out.weights.assign(corners.positions.size(), 0.0);
@@ -216,8 +220,9 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
         evenFree[i] += weight * freeVolume * evenOfFree / 8.0;
       });
   }
-  const std::vector<Row3> rows = secondDifferences(sharing);
-  correctSecondMoments(corners, rows, least, out.inertial);
+  const std::vector<Row3> rows = secondDifferences(sharing, parallelFor);
+  correctSecondMoments(corners, rows, least, out.inertial, parallelFor);
+  detail::lookForEnd(parallelFor);
   giveToLight(corners, rows, least, out.inertial);
   if (out.held.empty()) return out;
   out.carried.resize(out.held.size());

@@ -27,7 +27,9 @@ struct PhyxelVolumes {
 ///
 /// What moves beside held material is the free material's, but never less than its stiffness asks for: the support then
 /// carries less (`carried`), and the whole stays.
+/// @param parallelFor  asked whether it is still wanted; runs nothing
 /// @source  Gregory's end corrections (Davis and Rabinowitz, Methods of Numerical Integration, 2.9); for cut cells: own
-[[nodiscard]] PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartContent> contents);
+[[nodiscard]] PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartContent> contents,
+                                         const ParallelFor &parallelFor);
 
 }  // namespace pointbased::lattice

@@ -31,6 +31,7 @@ struct NewtonSolver::Impl {
   detail::PreconditionerKeeper keeper;
   detail::ConjugateGradients linear;
   std::vector<Vec3> gradient, right, direction, trial, trialGradient;
+  const StopRequest *stop = nullptr;  // of the present solve
 
   NewtonResult solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
                      const std::function<bool(const NewtonResult &)> &goOn);
@@ -61,7 +62,12 @@ void NewtonSolver::forget() { impl_->keeper.forget(); }
 
 NewtonResult NewtonSolver::solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
                                  const std::function<bool(const NewtonResult &)> &goOn) {
-  return impl_->solve(problem, u, settings, goOn);
+  try {
+    return impl_->solve(problem, u, settings, goOn);
+  } catch (const Stopped &) {
+    forget();  // a factorisation may be half done
+    throw;
+  }
 }
 
 namespace {
@@ -89,6 +95,7 @@ bool NewtonSolver::Impl::gradientHere(Equilibrium &problem, std::vector<Vec3> &o
 
 // Moves to u + scale direction.
 bool NewtonSolver::Impl::tryAt(Equilibrium &problem, std::span<const Vec3> u, double scale, double &energy) {
+  endIfRaised(stop);
   trial.assign(u.begin(), u.end());
   addScaled(scale, direction, trial);
   if (!problem.moveTo(trial)) return false;
@@ -101,12 +108,13 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(Equilibrium &pro
   const std::size_t n = gradient.size();
   const std::span<const std::uint8_t> prescribed = problem.prescribed();
   const detail::Apply product = [&](std::span<const Vec3> in, std::span<Vec3> out) {
+    endIfRaised(settings.stop);
     problem.product(in, out);
     clearPrescribed(prescribed, out);
   };
   const detail::Apply precondition = [&](std::span<const Vec3> in, std::span<Vec3> out) { keeper.apply(in, out); };
 
-  keeper.prepare(problem, settings.preconditioner);
+  keeper.prepare(problem, settings.preconditioner, settings.stop);
   right.resize(n);
   for (std::size_t i = 0; i < n; ++i) right[i] = -gradient[i];
   linear.begin(right, precondition);
@@ -122,7 +130,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(Equilibrium &pro
     end = linear.run(product, precondition, out.tolerance, std::max(0, std::min(most, patience)));
     if (end == LinearEnd::iterations && patience < most) {  // what there is serves badly: something new is cheaper
       keeper.book(linear.iterations() - before, out.tolerance, false);
-      keeper.renew(problem);
+      keeper.renew(problem, settings.stop);
       before = linear.iterations();
       linear.restart(product, precondition);
       continue;
@@ -225,6 +233,7 @@ double NewtonSolver::Impl::search(Equilibrium &problem, std::span<Vec3> u, const
 NewtonResult NewtonSolver::Impl::solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
                                        const std::function<bool(const NewtonResult &)> &goOn) {
   NewtonResult result;
+  stop = settings.stop;
   const std::size_t n = problem.phyxels();
   const int factorisationsBefore = keeper.factorisations();
   gradient.resize(n);

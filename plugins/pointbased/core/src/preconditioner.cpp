@@ -74,7 +74,7 @@ struct PreconditionerKeeper::Impl {
   void makeBlocks(Equilibrium &problem);
   bool assemble(Equilibrium &problem);
   void analyse();
-  bool factoriseComplete();
+  bool factoriseComplete(const StopRequest *stop);
   bool factoriseIncomplete();
 };
 
@@ -129,12 +129,12 @@ void PreconditionerKeeper::Impl::analyse() {
   complete.analyse(matrix);
 }
 
-bool PreconditionerKeeper::Impl::factoriseComplete() {
+bool PreconditionerKeeper::Impl::factoriseComplete(const StopRequest *stop) {
   analyse();
   if (complete.entries() > kMostEntries) return false;
   // A matrix that is positive definite but for round-off, or singular (a free body), is lifted a little.
   for (const double lift : {0.0, 1e-9, 1e-6, 1e-3, 1e-1})
-    if (complete.factorise(matrix, lift)) return true;
+    if (complete.factorise(matrix, lift, stop)) return true;
   return false;
 }
 
@@ -143,7 +143,7 @@ bool PreconditionerKeeper::Impl::factoriseIncomplete() {
   return incomplete.info() == Eigen::Success;
 }
 
-void PreconditionerKeeper::prepare(Equilibrium &problem, Preconditioner choice) {
+void PreconditionerKeeper::prepare(Equilibrium &problem, Preconditioner choice, const StopRequest *stop) {
   Impl &m = *impl_;
   const std::size_t n = problem.phyxels();
   const std::span<const std::uint8_t> mask = problem.prescribed();
@@ -156,11 +156,12 @@ void PreconditionerKeeper::prepare(Equilibrium &problem, Preconditioner choice) 
     m.mask.assign(mask.begin(), mask.end());
     m.invalidate();
   }
-  if (m.kind == Preconditioner::blockJacobi || !m.valid || m.blocksInstead || m.excess > m.price) renew(problem);
+  if (m.kind == Preconditioner::blockJacobi || !m.valid || m.blocksInstead || m.excess > m.price) renew(problem, stop);
 }
 
-void PreconditionerKeeper::renew(Equilibrium &problem) {
+void PreconditionerKeeper::renew(Equilibrium &problem, const StopRequest *stop) {
   Impl &m = *impl_;
+  endIfRaised(stop);
   m.invalidate();
   m.valid = true;
   m.blocksInstead = m.kind != Preconditioner::blockJacobi && !m.assemble(problem);
@@ -169,6 +170,7 @@ void PreconditionerKeeper::renew(Equilibrium &problem) {
     return;
   }
 
+  endIfRaised(stop);
   const double entries = static_cast<double>(m.matrix.nonZeros()), half = 0.5 * entries;
   m.price = kAssemblyCost * entries + kIncompleteCost * half;
   m.iteration = kProductCost * entries + kIncompleteSolveCost * half;
@@ -184,7 +186,7 @@ void PreconditionerKeeper::renew(Equilibrium &problem) {
   if (m.kind == Preconditioner::factorised) {
     m.price = m.completePrice;
     m.iteration = m.completeIteration;
-    done = m.factoriseComplete();
+    done = m.factoriseComplete(stop);
   } else {
     done = m.factoriseIncomplete();
   }

@@ -25,7 +25,8 @@ class PreconditionerKeeper {
   PreconditionerKeeper &operator=(PreconditionerKeeper &&) noexcept;
 
   /// Makes it ready at the problem's present state; keeps what there is if that still serves.
-  void prepare(Equilibrium &problem, Preconditioner choice);
+  /// @param stop  null, or what ends a factorisation half way, with Stopped; forget() then
+  void prepare(Equilibrium &problem, Preconditioner choice, const StopRequest *stop = nullptr);
   /// out = M^-1 in; zero on prescribed phyxels if `in` is.
   void apply(std::span<const Vec3> in, std::span<Vec3> out);
 
@@ -35,7 +36,7 @@ class PreconditionerKeeper {
   /// @param complete  it reached its tolerance
   void book(int iterations, double tolerance, bool complete);
   /// Factorises at the problem's present state, whatever the books say.
-  void renew(Equilibrium &problem);
+  void renew(Equilibrium &problem, const StopRequest *stop = nullptr);
 
   [[nodiscard]] int factorisations() const;  ///< since it was made
   void forget();

@@ -10,6 +10,7 @@
 #include "flush_denormals.h"
 #include "pointbased/cloud_quality.h"
 #include "state_hash.h"
+#include "step_activity.h"
 #include "step_cost.h"
 
 namespace pointbased {
@@ -33,7 +34,8 @@ ParallelFor flushing(ParallelFor parallelFor) {
 
 }  // namespace
 
-Simulator::Simulator(ParallelFor parallelFor) : parallelFor_(flushing(std::move(parallelFor))), clock_(stageNames()) {}
+Simulator::Simulator(ParallelFor parallelFor)
+    : loops_(flushing(std::move(parallelFor))), activity_(std::make_unique<detail::StepActivity>()), clock_(stageNames()) {}
 Simulator::~Simulator() = default;
 
 void Simulator::setWorld(const WorldSettings &world) {
@@ -55,6 +57,7 @@ void Simulator::setWorld(const WorldSettings &world) {
     runner->body().forcesCurrent = false;
     runner->wake();
     if (otherEnergy) runner->forgetEnergy();
+    describe(id);
   }
 }
 
@@ -69,8 +72,16 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
     note("warning", warnings_[nextId_].back());
   }
   bodies_.emplace(nextId_, std::make_unique<detail::BodyRunner>(std::move(body)));
+  describe(nextId_);
   return nextId_++;
 }
+
+void Simulator::describe(std::size_t id) {
+  const detail::BodyRunner &runner = *bodies_.at(id);
+  activity_->describe(id, detail::whatWouldHelp(runner.body(), world_, runner.integratorIn(world_)));
+}
+
+std::string Simulator::activity() const { return activity_->line(); }
 
 std::size_t Simulator::addObstacle(Obstacle obstacle) {
   obstacles_.push_back(std::move(obstacle));
@@ -85,6 +96,7 @@ std::size_t Simulator::addObstacle(Obstacle obstacle) {
 bool Simulator::removeBody(std::size_t id) {
   std::erase_if(probes_, [id](const Probe &p) { return p.body == id; });
   warnings_.erase(id);
+  activity_->forget(id);
   return bodies_.erase(id) > 0;
 }
 
@@ -167,6 +179,7 @@ void Simulator::setConstitution(std::size_t id, Constitution constitution) {
   if (found == bodies_.end()) return;
   found->second->body().setConstitution(std::move(constitution), parallelFor_);
   found->second->forget();
+  describe(id);
 }
 
 double Simulator::stepSize() const {
@@ -180,7 +193,7 @@ double Simulator::stepSize() const {
   return std::isfinite(dt) ? dt : kStepWithoutBodies;
 }
 
-detail::StepOrder Simulator::order() {
+detail::StepOrder Simulator::order(const StopRequest *stop) {
   Environment env;
   env.gravity = world_.gravity;
   env.damping = world_.damping;
@@ -190,6 +203,7 @@ detail::StepOrder Simulator::order() {
   env.preconditioner = world_.preconditioner;
   env.parallelFor = &parallelFor_;
   env.clock = &clock_;
+  env.stop = stop;
   return {world_, env, time_, stepSize(), loadFactor_, steps_ + 1,
           [this](const char *kind, const std::string &text) { note(kind, text); }};
 }
@@ -217,7 +231,7 @@ std::uint64_t Simulator::changes(std::size_t id) const {
 
 bool Simulator::failed() const { return !bodies_.empty() && stoppedBodies() == bodies_.size(); }
 
-tl::expected<void, StepFailure> Simulator::step() {
+tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   const auto refusal = [this] {
     std::string text;
     for (const auto &[id, runner] : bodies_) text += (text.empty() ? "" : "; ") + runner->body().stopped;
@@ -226,17 +240,27 @@ tl::expected<void, StepFailure> Simulator::step() {
   if (failed()) return refusal();
   if (finished()) return {};
   const detail::FlushDenormals flush;
-  const detail::StepOrder order = this->order();
-  if (quasiStatic()) {
-    increaseLoad(order);
-    if (failed()) return refusal();
-  } else {
-    const double gone = advanceBodies(order);
-    for (auto &[id, runner] : bodies_)
-      if (!runner->asleep() && renewIfDue(id)) runner->forget();
-    if (failed()) return refusal();
-    time_ += gone;
+  const detail::StepOrder order = this->order(stop);
+  for (auto &[id, runner] : bodies_) runner->beginStep();
+  double gone = 0.0;
+  try {
+    const StoppableLoops::Watch watch(loops_, stop);
+    endIfRaised(stop);
+    if (quasiStatic())
+      increaseLoad(order);
+    else
+      gone = advanceBodies(order);
+  } catch (const Stopped &) {
+    activity_->enter(0);
+    for (auto &[id, runner] : bodies_) runner->undoStep(parallelFor_);
+    return tl::unexpected<StepFailure>({"the step was ended before it was done; the state before it stays", true});
   }
+  if (!quasiStatic())
+    for (auto &[id, runner] : bodies_)
+      if (!runner->asleep() && renewIfDue(id, stop)) runner->forget();
+  activity_->enter(0);
+  if (failed()) return refusal();
+  time_ += gone;
   ++steps_;
   clock_.commit();
   return {};
@@ -246,8 +270,11 @@ void Simulator::increaseLoad(const detail::StepOrder &order) {
   const int increments = world_.loadSteps > 0 ? world_.loadSteps : kUsualLoadSteps;
   double next = std::min(1.0, loadFactor_ + 1.0 / increments);
   if (next > 1.0 - 1e-9) next = 1.0;
-  for (auto &[id, runner] : bodies_)
-    if (!runner->stopped()) runner->loadUpTo(order, next);
+  for (auto &[id, runner] : bodies_) {
+    if (runner->stopped()) continue;
+    activity_->enter(id);
+    runner->loadUpTo(order, next);
+  }
   if (!failed()) loadFactor_ = next;
 }
 
@@ -257,6 +284,7 @@ double Simulator::advanceBodies(const detail::StepOrder &order) {
   ahead.clear();
   for (auto &[id, runner] : bodies_) {
     if (runner->stopped()) continue;
+    activity_->enter(id);
     const double gone = runner->advance(order, span);
     if (gone < span) {
       // Those before it have gone too far.

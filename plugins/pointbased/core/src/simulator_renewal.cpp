@@ -22,12 +22,18 @@ void Simulator::bindProbes(std::size_t id, std::span<const Vec3> ways) {
   }
 }
 
-bool Simulator::renewIfDue(std::size_t id) {
+bool Simulator::renewIfDue(std::size_t id, const StopRequest *stop) {
   Body &body = *this->body(id);
   if (!world_.renewReferences || !body.stopped.empty() || notRenewed_.contains(id)) return false;
   if ((steps_ + 1) % kLookInterval != 0 || !body.constitution().plastic() || !referenceIsWorn(body)) return false;
   body.computeGradients(parallelFor_);
-  auto renewal = renewedReference(body, parallelFor_);
+  Result<Renewal> renewal;
+  try {
+    const StoppableLoops::Watch watch(loops_, stop);
+    renewal = renewedReference(body, parallelFor_);
+  } catch (const Stopped &) {
+    return false;
+  }
   if (!renewal) {
     notRenewed_.insert(id);
     note("note", "body '" + body.name() + "' has flowed far, but its reference cannot be renewed: " + renewal.error());

@@ -193,7 +193,33 @@ void SupernodalCholesky::analyse(const Sparse &matrix) {
   findFronts(graph);
 }
 
-bool SupernodalCholesky::factorise(const Sparse &matrix, double lift) {
+namespace {
+
+constexpr double kUnaskedWork = 1e9;  // multiply-adds between two looks at the request: a fraction of a second
+
+// The first `inner` columns of a dense front: L11 L11^T = F11, L21 = F21 L11^-T, update F22 - L21 L21^T. Large ones in
+// panels. False: not positive definite.
+bool eliminate(Eigen::MatrixXd &dense, Eigen::Index inner, const StopRequest *stop) {
+  const double square = static_cast<double>(dense.rows()) * static_cast<double>(dense.rows());
+  const double most = std::max(32.0, kUnaskedWork / square);
+  const Eigen::Index width = static_cast<double>(inner) <= 2.0 * most ? inner : static_cast<Eigen::Index>(most);
+  for (Eigen::Index first = 0; first < inner; first += width) {
+    endIfRaised(stop);
+    const Eigen::Index columns = std::min(width, inner - first), below = dense.rows() - first - columns;
+    Eigen::Ref<Eigen::MatrixXd> F11 = dense.block(first, first, columns, columns);
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(F11);
+    if (llt.info() != Eigen::Success || !F11.diagonal().allFinite()) return false;
+    if (below == 0) break;
+    auto F21 = dense.block(first + columns, first, below, columns);
+    F11.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(F21);
+    dense.bottomRightCorner(below, below).selfadjointView<Eigen::Lower>().rankUpdate(F21, -1.0);
+  }
+  return true;
+}
+
+}  // namespace
+
+bool SupernodalCholesky::factorise(const Sparse &matrix, double lift, const StopRequest *stop) {
   const double added = lift * matrix.diagonal().cwiseAbs().mean();
   std::vector<int> local(order_.size(), 0);                 // row of a block in the present front
   std::vector<Eigen::MatrixXd> updates(fronts_.size());     // what fronts have yet to add to their parents
@@ -232,17 +258,9 @@ bool SupernodalCholesky::factorise(const Sparse &matrix, double lift) {
       update.resize(0, 0);
     }
 
-    // Eliminate: L11 L11^T = F11, L21 = F21 L11^-T, update F22 - L21 L21^T.
     const Eigen::Index inner = 3 * Eigen::Index(front.columns()), below = dense.rows() - inner;
-    Eigen::Ref<Eigen::MatrixXd> F11 = dense.topLeftCorner(inner, inner);
-    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(F11);
-    if (llt.info() != Eigen::Success || !F11.diagonal().allFinite()) return false;
-    if (below > 0) {
-      auto F21 = dense.bottomLeftCorner(below, inner);
-      F11.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(F21);
-      dense.bottomRightCorner(below, below).selfadjointView<Eigen::Lower>().rankUpdate(F21, -1.0);
-      updates[s] = dense.bottomRightCorner(below, below);
-    }
+    if (!eliminate(dense, inner, stop)) return false;
+    if (below > 0) updates[s] = dense.bottomRightCorner(below, below);
     Eigen::Map<Eigen::MatrixXf>(panels_.data() + front.panel, dense.rows(), inner) = dense.leftCols(inner).cast<float>();
   }
   return true;

@@ -6,7 +6,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-#include "pointbased/types.h"
+#include "pointbased/stop_request.h"
 
 namespace pointbased::detail {
 
@@ -23,7 +23,8 @@ class SupernodalCholesky {
   void analyse(const Eigen::SparseMatrix<double> &matrix);
   /// Numbers for the pattern that was analysed; both triangles must be there. False: not positive definite.
   /// @param lift  the diagonal is multiplied by 1 + lift, and lift times its mean is added
-  [[nodiscard]] bool factorise(const Eigen::SparseMatrix<double> &matrix, double lift);
+  /// @param stop  null, or what ends it with Stopped; it has to be factorised anew then
+  [[nodiscard]] bool factorise(const Eigen::SparseMatrix<double> &matrix, double lift, const StopRequest *stop = nullptr);
   /// x = (L L^T)^-1 b to float precision.
   void solve(std::span<const Vec3> b, std::span<Vec3> x);
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "build_request.h"
+
 namespace pointbased {
 namespace {
 
@@ -105,17 +107,22 @@ Constitution constitutionOf(const std::string &name, const BodySource &source, c
   return out;
 }
 
-BuiltBody buildBody(const Services &services, const std::string &name, c3de_handle mesh, const BodySource &source,
-                    const ParameterValues &values, const sdk::Progress &progress) {
+namespace {
+
+sdk::Error cancelled() { return {C3DE_E_CANCELLED, "cancelled"}; }
+
+BuiltBody build(const Services &services, const std::string &name, c3de_handle mesh, const BodySource &source,
+                const ParameterValues &values, BuildRequest &request) {
   Constitution constitution = constitutionOf(name, source, values);
   const auto *meshes = services.meshes.table();
   if (const auto fillable = services.host.check(meshes->check_fillable(meshes->ctx, mesh)); !fillable)
     throw sdk::Error(C3DE_E_FORMAT, fillable.failure().message);
-  if (!progress.update(0.0, "placing the surface")) throw sdk::Error(C3DE_E_CANCELLED, "cancelled");
+  if (!request.tell(0.0, "placing the surface")) throw cancelled();
 
   BuiltBody out;
   out.surface = placeMesh(services, mesh, source.placement);
-  const ParallelFor parallelFor = services.parallelFor();
+  StoppableLoops loops(services.parallelFor());
+  const ParallelFor &parallelFor = loops.parallelFor();
   BodyRecipe recipe;
   recipe.evaluation = evaluationOf(values);
   recipe.sampling = samplingOf(values);
@@ -130,21 +137,35 @@ BuiltBody buildBody(const Services &services, const std::string &name, c3de_hand
   recipe.fixes = source.fixes;
   recipe.loads = source.loads;
   recipe.reshape = reshapeOf(services);
+  const StoppableLoops::Watch watch(loops, &request);
   auto shape = source.fill ? shapeOf(source.fill->occupancy, surfaceOf(*out.surface), parallelFor)
                            : Result<BodyShape>(shapeOf(services, mesh, source.placement, out.surface));
   if (!shape) throw sdk::Error(C3DE_E_ARG, name + ": its fill: " + shape.error());
   auto rest = buildRestState(*shape, recipe, out.surface->normals, parallelFor,
-                             [&](double fraction) { return progress.update(0.05 + 0.8 * fraction, "filling with phyxels"); });
+                             [&](double fraction) { return request.tell(0.05 + 0.8 * fraction, "filling with phyxels"); });
   if (!rest) {
-    if (rest.error() == "cancelled") throw sdk::Error(C3DE_E_CANCELLED, "cancelled");
+    if (rest.error() == "cancelled") throw cancelled();
     const std::optional<std::string> spoken = renumbered(rest.error(), source);
     throw sdk::Error(C3DE_E_ARG, spoken ? *spoken : name + ": " + rest.error());
   }
-  if (!progress.update(0.85, "finding the stable step")) throw sdk::Error(C3DE_E_CANCELLED, "cancelled");
+  if (!request.tell(0.85, "finding the stable step")) throw cancelled();
   out.body = std::make_unique<Body>(name, std::move(*rest), std::move(constitution), parallelFor);
   out.body->setInitialVelocity(source.velocity, source.angularVelocity);
-  (void)progress.update(1.0, "done");
   return out;
+}
+
+}  // namespace
+
+BuiltBody buildBody(const Services &services, const std::string &name, c3de_handle mesh, const BodySource &source,
+                    const ParameterValues &values, const sdk::Progress &progress) {
+  BuildRequest request(progress);
+  try {
+    BuiltBody out = build(services, name, mesh, source, values, request);
+    (void)progress.update(1.0, "done");
+    return out;
+  } catch (const Stopped &) {
+    throw cancelled();
+  }
 }
 
 sdk::MeshHandle copyMesh(const Services &services, c3de_handle mesh) {

@@ -236,6 +236,7 @@ void Controller::bodyParameterChanged(const c3de_param_value &value) {
   const auto copy = std::make_shared<ParameterValues>(bodyDeclarations());
   if (!copy->set(value)) return;
   const std::string id(sdk::text(value.id));
+  simulator_->abandonLongStep();
   (void)services_.simulation.post(simulator_->node(),
                                   [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body = body_, copy, id] {
                                     const auto owned = sdk::orThrow(copy->get(id));
@@ -248,6 +249,7 @@ void Controller::worldParameterChanged(const c3de_param_value &value) {
   const auto copy = std::make_shared<ParameterValues>(worldDeclarations());
   if (!copy->set(value)) return;
   const std::string id(sdk::text(value.id));
+  if (!isOfTheView(id)) simulator_->abandonLongStep();
   (void)services_.simulation.post(simulator_->node(), [simulator = sdk::Ref<WorldSimulator>::share(simulator_), copy, id] {
     const auto owned = sdk::orThrow(copy->get(id));
     sdk::orThrow(simulator->setWorld(&owned, 1, sizeof owned));

@@ -157,6 +157,7 @@ void PinchTool::drag(const c3de_event &event) {
 
 void PinchTool::release() {
   if (!hold_) return;
+  if (simulator_) simulator_->abandonLongStep();
   postToSimulation([id = hold_->body](WorldSimulator &s) { s.releaseGrab(id); });
   hold_.reset();
   hideMarker();

@@ -98,6 +98,7 @@ void WorldSimulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   record.values = std::make_shared<const ParameterValues>(std::move(values));
   record.surface = std::move(built.surface);
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
+  const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
   record.order = nextOrder_++;
   simulator_.reset();
@@ -184,8 +185,16 @@ void WorldSimulator::clear() {
 
 sdk::Result<void> WorldSimulator::step() {
   const std::lock_guard lock(mutex_);
-  if (auto stepped = simulator_.step(); !stepped) return Failure{C3DE_E_DIVERGED, stepped.error().text};
+  request_.beginStep();
+  auto stepped = simulator_.step(&request_);
+  request_.endStep();
+  if (!stepped) return Failure{stepped.error().ended ? C3DE_E_CANCELLED : C3DE_E_DIVERGED, stepped.error().text};
   return {};
+}
+
+void WorldSimulator::activity(c3de_sink text) {
+  if (const c3de_status status = sdk::put(text, simulator_.activity()); status < 0)
+    throw Error(status, "the text was not taken");
 }
 
 void WorldSimulator::reset() {
@@ -391,6 +400,7 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
     name = bodies_.at(body).name;
   }
   BuiltBody built = buildBody(context_.services, name, from->mesh->handle(), *from, values, progress);
+  const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
   const auto found = bodies_.find(body);
   if (found == bodies_.end()) throw Error(noSuch("body"));

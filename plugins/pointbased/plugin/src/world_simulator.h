@@ -8,6 +8,7 @@
 #include "c3de/sdk/simulator.hpp"
 #include "parameters.h"
 #include "snapshot.h"
+#include "step_request.h"
 
 namespace pointbased {
 
@@ -55,6 +56,8 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   sdk::Result<void> bodyInfo(c3de_handle body, c3de_sim_body_info *out);
   sdk::Result<void> phyxels(c3de_handle body, c3de_object **out);
   sdk::Result<void> surfels(c3de_handle body, c3de_object **out);
+  void interrupt(std::uint32_t raised) { request_.interrupt(raised != 0); }
+  void activity(c3de_sink text);
   void displacement(const c3de_sim_grid *grid, double rim, float *out, float *gaps) const;
 
   // For the controller, the view and the pinch of this plugin.
@@ -63,6 +66,8 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void setGrab(std::uint64_t body, Grab grab);
   void moveGrab(std::uint64_t body, const Vec3 &target);
   void releaseGrab(std::uint64_t body);
+  /// Of a step that has taken long, before something is posted that changes it: the state before it stays. Any thread.
+  void abandonLongStep() { request_.abandonLongStep(); }
   [[nodiscard]] ParameterValues worldValues() const;
   [[nodiscard]] std::optional<BodySource> source(std::uint64_t body) const;
   /// Builds the body again with other values and puts it in the place of the old one; the simulation is reset. The old one
@@ -91,6 +96,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
 
   PluginContext &context_;
   mutable std::mutex mutex_;
+  StepRequest request_;
   Simulator simulator_;
   ParameterValues world_{worldDeclarations()};
   std::map<std::uint64_t, BodyRecord> bodies_;

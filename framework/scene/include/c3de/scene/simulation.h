@@ -25,10 +25,12 @@ class Simulation {
   /// @param takeError  the text that the last failing call on the calling thread left, for messages; may be empty
   [[nodiscard]] static Expected<std::unique_ptr<Simulation>> create(c3de_object *simulator,
                                                                     std::function<std::string()> takeError = {});
-  /// Runs what was posted, joins the thread, lets go of the simulator. Waits for a step that is being computed.
+  /// Ends the step that is being computed, runs what was posted, joins the thread, lets go of the simulator. Waits for the
+  /// step of a simulator that cannot end one (below revision 4).
   ~Simulation();
 
-  /// C3DE_TRANSPORT_*; takes effect between two steps. Ignored: unknown actions, and play, pause and step while it has
+  /// C3DE_TRANSPORT_*; takes effect between two steps. Pause, stop and reset end the step that is being computed: the state
+  /// before it stays. Ignored: unknown actions, and play, pause and step while it has
   /// failed. Reset goes on playing if it was, and stands at the initial state (C3DE_SIM_STOPPED) otherwise. Any thread.
   void transport(std::uint32_t action);
   /// Simulated seconds per second; 0: as fast as it goes; what is negative or not finite counts as 0. When the simulator
@@ -40,6 +42,9 @@ class Simulation {
   /// Runs the command on the simulation's thread and waits for it: for loading and saving, never from a frame.
   void call(const std::function<void()> &command);
   [[nodiscard]] c3de_sim_transport state() const;  ///< any thread
+  /// What takes long in the step that is being computed and what would help, in one line; empty where nobody says. Any
+  /// thread, at once.
+  [[nodiscard]] std::string activity() const;
   /// Why it failed; empty while it has not.
   [[nodiscard]] std::string failure() const;
   /// Called on the simulation's thread after each published snapshot, for example to wake the window. When this returns,

@@ -10,6 +10,11 @@ namespace c3de::sdk {
 template <class D>
 inline constexpr bool kHasDisplacement = requires { &D::displacement; };
 template <class D>
+inline constexpr bool kHasInterrupt = requires {
+  &D::interrupt;
+  &D::activity;
+};
+template <class D>
 inline constexpr bool kHasTriangles = requires { &D::triangles; };
 
 template <class D>
@@ -20,14 +25,31 @@ constexpr auto displacementSlot() -> decltype(c3de_simulator_v0::displacement) {
     return nullptr;
 }
 
+template <class D>
+constexpr auto interruptSlot() -> decltype(c3de_simulator_v0::interrupt) {
+  if constexpr (kHasInterrupt<D>)
+    return thunk<D, &D::interrupt>;
+  else
+    return nullptr;
+}
+
+template <class D>
+constexpr auto activitySlot() -> decltype(c3de_simulator_v0::activity) {
+  if constexpr (kHasInterrupt<D>)
+    return thunk<D, &D::activity>;
+  else
+    return nullptr;
+}
+
 /// Static table of iface.simulator for an Object<Derived>; every slot has a member function of Derived (see
 /// thunk). addBody() has to serve fixes, loads, parts, refinements and velocities, or refuse them. It is of
-/// revision 3 where Derived has displacement(), and addBody() then has to serve or refuse `fill`, else of revision 2:
+/// revision 3 where Derived has displacement(), and addBody() then has to serve or refuse `fill`, else of revision 2;
+/// of revision 4 where it has displacement(), interrupt() and activity():
 ///
 ///   static std::array<Interface, 1> interfaces() { return {interfaceOf(kSimulatorTable<WorldSimulator>)}; }
 template <class D>
 inline constexpr c3de_simulator_v0 kSimulatorTable{sizeof(c3de_simulator_v0),
-                                                   kHasDisplacement<D> ? 3u : 2u,
+                                                   !kHasDisplacement<D> ? 2u : kHasInterrupt<D> ? 4u : 3u,
                                                    thunk<D, &D::attach>,
                                                    thunk<D, &D::declarations>,
                                                    thunk<D, &D::setWorld>,
@@ -48,7 +70,9 @@ inline constexpr c3de_simulator_v0 kSimulatorTable{sizeof(c3de_simulator_v0),
                                                    thunk<D, &D::bodyInfo>,
                                                    thunk<D, &D::phyxels>,
                                                    thunk<D, &D::surfels>,
-                                                   displacementSlot<D>()};
+                                                   displacementSlot<D>(),
+                                                   interruptSlot<D>(),
+                                                   activitySlot<D>()};
 
 template <class D>
 inline constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0), 1,

@@ -87,6 +87,11 @@ struct SimulationView {
   bool exists = false;
   std::string title;
   c3de_sim_transport transport{};
+  std::string activity;  ///< what takes long in the step that is being computed, and what would help; may be empty
+
+  /// Said while it lasts.
+  static constexpr double kLongStep_s = 1.0;
+  [[nodiscard]] bool isLongStep() const { return exists && transport.step_running_s > kLongStep_s; }
 };
 
 /// The program's window: an OpenGL context, menus, panels, the 3D view and its input. Main thread, except wake().

@@ -160,6 +160,7 @@ class Body {
   /// The state before a step, kept in case the step fails.
   void keepState();
   void restoreState();
+  [[nodiscard]] const State &keptState() const { return kept_; }
   /// To the initial state, bit for bit.
   void reset();
 

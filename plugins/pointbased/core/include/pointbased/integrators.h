@@ -4,6 +4,7 @@
 #include "pointbased/body.h"
 #include "pointbased/newton.h"
 #include "pointbased/stage_clock.h"
+#include "pointbased/stop_request.h"
 
 namespace pointbased {
 
@@ -32,6 +33,7 @@ struct Environment {
   Preconditioner preconditioner = Preconditioner::automatic;
   const ParallelFor *parallelFor = nullptr;
   StageClock *clock = nullptr;
+  const StopRequest *stop = nullptr;  ///< raised: Stopped is thrown, the body is left as it is
 
   [[nodiscard]] bool contact() const { return box.enabled || !obstacles.empty(); }
 };

@@ -4,6 +4,7 @@
 #include <Eigen/SparseCore>
 #include <memory>
 
+#include "pointbased/stop_request.h"
 #include "pointbased/types.h"
 
 namespace pointbased {
@@ -54,6 +55,7 @@ struct NewtonSettings {
   int maxLinearIterations = 2000;       ///< per Newton step; the direction so far is used then
   double linearTolerance = 1e-2;        ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)
   Preconditioner preconditioner = Preconditioner::automatic;
+  const StopRequest *stop = nullptr;    ///< raised, also within a factorisation: Stopped is thrown, u is as far as it came
 };
 
 enum class NewtonOutcome {

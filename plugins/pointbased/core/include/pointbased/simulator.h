@@ -8,12 +8,14 @@
 
 #include "pointbased/body.h"
 #include "pointbased/stage_clock.h"
+#include "pointbased/stop_request.h"
 #include "pointbased/world_settings.h"
 
 namespace pointbased {
 
 namespace detail {
 class BodyRunner;
+class StepActivity;
 struct StepOrder;
 }
 
@@ -31,9 +33,10 @@ struct SimulationEvent {
   std::string text;
 };
 
-/// Why a step was refused: no body is left that could move.
+/// Why there was no step: no body is left that could move, or it was ended half way.
 struct StepFailure {
-  std::string text;  ///< body, phyxel, quantity, and the setting that would help
+  std::string text;     ///< body, phyxel, quantity, and the setting that would help
+  bool ended = false;   ///< by the request; the state is that before the step
 };
 
 /// Bodies, obstacles and the clock. Composes the stages of a step from what the scene has: no viscous stage without
@@ -82,7 +85,12 @@ class Simulator {
 
   /// One step of the present size: explicit in the substeps that stability needs, up to 10 000 (then time goes on by
   /// what is done). Refused when every body has stopped. Quasi-static: one load increment; nothing when finished().
-  [[nodiscard]] tl::expected<void, StepFailure> step();
+  /// @param stop  null, or what ends the step when it is raised, in a fraction of a second: every body is then where it was
+  ///              before the step. Another thread may raise it.
+  [[nodiscard]] tl::expected<void, StepFailure> step(const StopRequest *stop = nullptr);
+  /// Of the step that is being computed: the body that it is at, why that may take long, what would help. Empty between
+  /// steps. Any thread.
+  [[nodiscard]] std::string activity() const;
   /// To the initial state of everything, bit for bit; time 0, nothing grabbed.
   void reset();
 
@@ -126,21 +134,25 @@ class Simulator {
   [[nodiscard]] std::vector<StageClock::Summary> stageTimes() const { return clock_.summary(); }
 
  private:
-  [[nodiscard]] detail::StepOrder order();
+  [[nodiscard]] detail::StepOrder order(const StopRequest *stop);
   /// Everybody on by dt. @return s that all have gone; less where a body's substeps were not enough
   double advanceBodies(const detail::StepOrder &order);
   void increaseLoad(const detail::StepOrder &order);
   /// Time, or load factor: what ramps count by.
   [[nodiscard]] double clockOfRamps() const { return quasiStatic() ? loadFactor_ : time_; }
   /// The present shape as the reference of a body that has flowed far (renewal.h); false: not due, or not possible.
-  bool renewIfDue(std::size_t body);
+  /// @param stop  raised: it is put off
+  bool renewIfDue(std::size_t body, const StopRequest *stop);
   void bindProbes(std::size_t body, std::span<const Vec3> ways);
   void note(const std::string &kind, const std::string &text);
+  void describe(std::size_t body);
 
-  ParallelFor parallelFor_;
+  StoppableLoops loops_;
+  const ParallelFor &parallelFor_ = loops_.parallelFor();
   WorldSettings world_;
   std::map<std::size_t, std::unique_ptr<detail::BodyRunner>> bodies_;
   std::map<std::size_t, std::vector<std::string>> warnings_;  // about shape and sampling, by body
+  std::unique_ptr<detail::StepActivity> activity_;
   std::vector<detail::BodyRunner *> ahead_;  // scratch of a step: those that have been advanced
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;

@@ -24,15 +24,18 @@ typedef struct c3de_sim_transport {
   uint64_t steps;
   double time_s;           /* simulated */
   double target_rate;      /* simulated seconds per second that are aimed at; 1 = real time */
-  double real_time_factor; /* achieved over the last second of playing */
-  double step_ms;          /* wall time of a step, mean of the last second */
+  double real_time_factor; /* achieved over the last second of playing, what is being computed
+                            * counts as nothing */
+  double step_ms;          /* wall time of a step, mean of the last second, or of the present one when that is longer */
+  double step_running_s;   /* may be absent (by size). Wall time of the step that is being computed, 0 between steps */
 } c3de_sim_transport;
 
 typedef struct c3de_simulation_v0 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
-  /* node: the simulation's scene node, as handed to iface.simulator attach(). Takes effect between two steps. [any] */
+  /* node: the simulation's scene node, as handed to iface.simulator attach(). Takes effect between two steps; pause, stop
+   * and reset end the one that is being computed, whose state before it stays. [any] */
   c3de_status(C3DE_CALL *transport)(void *ctx, c3de_handle node, uint32_t action);
   c3de_status(C3DE_CALL *set_target_rate)(void *ctx, c3de_handle node, double rate); /* 0: as fast as it goes [any] */
   c3de_status(C3DE_CALL *state)(void *ctx, c3de_handle node, c3de_sim_transport *out); /* [any] */

@@ -148,7 +148,8 @@ typedef struct c3de_sim_status {
 
 typedef struct c3de_simulator_v0 {
   uint32_t size;
-  uint32_t rev; /* 3: reads `fill` of c3de_sim_body and has displacement().
+  uint32_t rev; /* 4: has interrupt() and activity(). A step of an older one cannot be ended.
+                 * 3: reads `fill` of c3de_sim_body and has displacement().
                  * 2: reads what follows `progress` in c3de_sim_body, obstacles' motion, and answers `finished`. A host
                  * refuses scenes that need it when the simulator is of revision 1, which would ignore it in silence. */
   /* The host hands over the scene node that stands for this simulation (0: detach); what the simulator shows belongs
@@ -193,6 +194,13 @@ typedef struct c3de_simulator_v0 {
    * very large where X lies outside of the grid. [sim] */
   c3de_status(C3DE_CALL *displacement)(c3de_object *self, const c3de_sim_grid *grid, double rim_m, float *xyz_m,
                                        float *gap_m);
+  /* From revision 4. raised 1: a step that is being computed, and every one that is asked for from now on, answers
+   * C3DE_E_CANCELLED within a second or so and leaves the state before it; 0: steps are computed again. Who raises it
+   * lowers it. [any] */
+  c3de_status(C3DE_CALL *interrupt)(c3de_object *self, uint32_t raised);
+  /* From revision 4. What of the step that is being computed takes long and what would help, for people: one line, empty
+   * between steps. Does not wait for the step. [any] */
+  c3de_status(C3DE_CALL *activity)(c3de_object *self, c3de_sink text);
 } c3de_simulator_v0;
 
 #endif

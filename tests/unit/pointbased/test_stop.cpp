@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <atomic>
+#include <ctime>
+
+#include "contact_cases.h"
+#include "shapes.h"
+#include "support/catch.h"
+
+using namespace pointbased;
+using namespace shapes;
+
+namespace {
+
+/// Raised at a look.
+class AtLook final : public StopRequest {
+ public:
+  explicit AtLook(int look) : left_(look) {}
+  [[nodiscard]] bool isRaised() const noexcept override { return left_.fetch_sub(1) <= 0; }
+  [[nodiscard]] bool wasAsked() const { return left_ < 0; }
+
+ private:
+  mutable std::atomic<int> left_;
+};
+
+/// Never raised; measures how long nobody has looked, in processor time: the machine may be busy with others.
+class Listening final : public StopRequest {
+ public:
+  [[nodiscard]] bool isRaised() const noexcept override {
+    const std::clock_t now = std::clock();
+    longest_ = std::max(longest_, now - last_);
+    last_ = now;
+    return false;
+  }
+  [[nodiscard]] double longest_s() const {
+    (void)isRaised();
+    return static_cast<double>(longest_) / CLOCKS_PER_SEC;
+  }
+
+ private:
+  mutable std::clock_t last_ = std::clock(), longest_ = 0;
+};
+
+/// A box that falls on the ground beside another that is pulled along by its velocity.
+std::unique_ptr<Simulator> twoBoxes(Integrator integrator) {
+  auto simulator = std::make_unique<Simulator>();
+  WorldSettings world;
+  world.gravity = Vec3(0.0, -9.81, 0.0);
+  world.integrator = integrator;
+  world.dt = integrator == Integrator::quasiStatic ? 0.0 : 1.0 / 120.0;
+  world.sleep = false;
+  simulator->setWorld(world);
+  simulator->addObstacle(halfSpace(Vec3(0.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), 0.3));
+  for (const double x : {0.0, 0.3}) {
+    auto body = latticeBox(Vec3(x, 0.001, 0.0), Vec3(x + 0.1, 0.101, 0.1), 0.025, rubber(2e4, 20.0));
+    body->setInitialVelocity(Vec3(0.1, -0.3, 0.0), Vec3(0.0, 0.0, 2.0));
+    simulator->addBody(std::move(body));
+  }
+  return simulator;
+}
+
+}  // namespace
+
+TEST_CASE("a step that is ended half way leaves the state before it, wherever it is ended") {
+  for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler,
+                                      Integrator::quasiStatic}) {
+    INFO("integrator " << static_cast<int>(integrator));
+    const auto simulator = twoBoxes(integrator);
+    for (int k = 0; k < 4; ++k) REQUIRE(simulator->step());
+    const std::uint64_t before = simulator->stateHash(), steps = simulator->steps();
+    const double time = simulator->time(), load = simulator->loadFactor();
+    int ended = 0;
+    for (int look = 0;; look = 2 * look + 1) {
+      const AtLook stop(look);
+      const auto stepped = simulator->step(&stop);
+      if (stepped) break;
+      ++ended;
+      CHECK(stepped.error().ended);
+      CHECK(simulator->stateHash() == before);
+      CHECK(simulator->steps() == steps);
+      CHECK(simulator->time() == time);
+      CHECK(simulator->loadFactor() == load);
+      CHECK(simulator->stoppedBodies() == 0);
+      CHECK(simulator->activity().empty());
+    }
+    CHECK(ended >= 5);  // at the beginning, at the end and between
+    CHECK(simulator->stateHash() != before);
+    CHECK(simulator->steps() == steps + 1);
+  }
+}
+
+TEST_CASE("explicit steps go on with the same bits after one was ended half way") {
+  // Viscous forces at the beginning of a step are told with other velocities: there the bits are others.
+  const auto elastic = [] {
+    auto simulator = std::make_unique<Simulator>();
+    WorldSettings world;
+    world.integrator = Integrator::explicitVerlet;
+    world.gravity = Vec3(0.0, -9.81, 0.0);
+    simulator->setWorld(world);
+    auto body = latticeBox(Vec3::Zero(), Vec3::Constant(0.1), 0.025, rubber(2e4));
+    body->setInitialVelocity(Vec3(0.1, -0.3, 0.0), Vec3(0.0, 0.0, 9.0));
+    simulator->addBody(std::move(body));
+    return simulator;
+  };
+  const auto whole = elastic(), ended = elastic();
+  for (int k = 0; k < 20; ++k) {
+    const AtLook stop(3 * k);
+    if (const auto stepped = ended->step(&stop); !stepped) REQUIRE(ended->step());
+    REQUIRE(whole->step());
+    REQUIRE(whole->stateHash() == ended->stateHash());
+  }
+}
+
+TEST_CASE("reset after a step that was ended leads to the initial state, and a run from there has its bits") {
+  const auto simulator = twoBoxes(Integrator::implicitSdirk);
+  const std::uint64_t initial = simulator->stateHash();
+  for (int k = 0; k < 3; ++k) REQUIRE(simulator->step());
+  const std::uint64_t reached = simulator->stateHash();
+  const AtLook stop(40);
+  CHECK_FALSE(simulator->step(&stop));
+  simulator->reset();
+  CHECK(simulator->stateHash() == initial);
+  CHECK(simulator->time() == 0.0);
+  for (int k = 0; k < 3; ++k) REQUIRE(simulator->step());
+  CHECK(simulator->stateHash() == reached);
+}
+
+TEST_CASE("a heavy implicit step looks at its request several times a second, within factorisations as well") {
+  // Some 9 000 phyxels: the complete factorisation has fronts of hundreds of columns.
+  Simulator simulator;
+  WorldSettings world;
+  world.integrator = Integrator::backwardEuler;
+  world.gravity = Vec3(0.0, -9.81, 0.0);
+  world.preconditioner = Preconditioner::factorised;
+  simulator.setWorld(world);
+  Material stiff = rubber(1e6);
+  stiff.poissonRatio = 0.49;
+  auto body = latticeBox(Vec3::Zero(), Vec3::Constant(0.2), 0.01, stiff);
+  body->setInitialVelocity(Vec3::Zero(), Vec3(0.0, 6.0, 3.0));
+  simulator.addBody(std::move(body));
+  const Listening stop;
+  REQUIRE(simulator.step(&stop));
+  CHECK(stop.longest_s() < 0.6);
+}
+
+TEST_CASE("what is built from stoppable loops ends with Stopped, and loops go on when nobody watches") {
+  StoppableLoops loops(serialFor());
+  const AtLook stop(2);
+  std::size_t done = 0;
+  const auto count = [&](std::size_t begin, std::size_t end) { done += end - begin; };
+  {
+    const StoppableLoops::Watch watch(loops, &stop);
+    loops.parallelFor()(10, 1, count);
+    CHECK_THROWS_AS(loops.parallelFor()(10, 1, count), Stopped);
+    CHECK(done == 10);
+  }
+  loops.parallelFor()(10, 1, count);
+  CHECK(done == 20);
+
+  const BodyShape shape = box(Vec3::Zero(), Vec3::Constant(0.1));
+  BodyRecipe recipe;
+  recipe.sampling.spacing = 0.01;
+  for (int look = 0; look < 8; look = 2 * look + 1) {
+    const AtLook early(look);
+    const StoppableLoops::Watch watch(loops, &early);
+    CHECK_THROWS_AS(buildRestState(shape, recipe, {}, loops.parallelFor()), Stopped);
+  }
+}
+
+TEST_CASE("a simulator says what it is busy with, and what would help") {
+  Simulator simulator;
+  WorldSettings world;
+  world.integrator = Integrator::implicitSdirk;
+  simulator.setWorld(world);
+  Material material = rubber(2e6);
+  material.poissonRatio = 0.499;
+  auto body = latticeBox(Vec3::Zero(), Vec3::Constant(0.1), 0.025, material);
+  body->setInitialVelocity(Vec3::Zero(), Vec3(0.0, 3.0, 0.0));
+  const std::size_t id = simulator.addBody(std::move(body));
+  class Ask final : public StopRequest {
+   public:
+    explicit Ask(const Simulator &simulator) : simulator_(simulator) {}
+    [[nodiscard]] bool isRaised() const noexcept override {
+      if (line.empty()) line = simulator_.activity();
+      return false;
+    }
+    mutable std::string line;
+
+   private:
+    const Simulator &simulator_;
+  };
+  CHECK(simulator.activity().empty());
+  const Ask ask(simulator);
+  REQUIRE(simulator.step(&ask));
+  CHECK_THAT(ask.line, Contains("ν 0.499") && Contains("lower ν") && Contains("explicit"));
+  CHECK(simulator.activity().empty());
+
+  material.poissonRatio = 0.3;
+  simulator.setConstitution(id, {{material}});
+  world.integrator = Integrator::explicitVerlet;
+  simulator.setWorld(world);
+  const Ask again(simulator);
+  REQUIRE(simulator.step(&again));
+  CHECK_THAT(again.line, Contains("stable") && Contains("2e+06 Pa"));
+}
