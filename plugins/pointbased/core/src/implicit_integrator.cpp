@@ -180,6 +180,14 @@ class StageProblem final : public Equilibrium {
     }
   }
 
+  // The Hessian is at least that of inertia where nothing is crushed.
+  [[nodiscard]] double reach(std::span<const Vec3> gradient) const override {
+    if (!(stage_.h > 0.0)) return std::numeric_limits<double>::infinity();
+    double farthest = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) farthest = std::max(farthest, gradient[i].norm() / body_.masses()[i]);
+    return farthest / (a_ + damping_);
+  }
+
   void product(std::span<const Vec3> du, std::span<Vec3> out) override {
     const RestState &rest = body_.rest();
     if (vectorised_) {
@@ -341,6 +349,14 @@ std::vector<Vec3> beginningOf(StageProblem &problem, const std::vector<std::vect
   return offers[best];
 }
 
+// Where a stage would end if nothing but inertia, gravity and damping were there: of a body that falls the solution.
+void fallFreely(const Body &body, const Environment &env, const ImplicitStage &stage, std::span<Vec3> u) {
+  const bool falls = !body.held() && touching(body.contact).empty();
+  const Vec3 gained = falls ? Vec3(stage.h * stage.h * env.gravity) : Vec3(Vec3::Zero());
+  const double slower = falls ? 1.0 / (1.0 + env.damping * stage.h) : 1.0;
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = stage.p[i] + slower * (stage.h * stage.q[i] + gained);
+}
+
 // Solves a stage with its contacts; body.state() is the end of it. `from` is the time at which the planes are looked for.
 // `goesOn`: asked when the contacts are about known; false: the stage is given up unfinished.
 NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage, double from,
@@ -353,7 +369,7 @@ NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env
   const std::vector<Vec3> start = body.state().displacements;
   std::vector<Vec3> u = start;
   if (stage.h > 0.0)
-    for (std::size_t i = 0; i < u.size(); ++i) u[i] = stage.p[i] + stage.h * stage.q[i];
+    fallFreely(body, env, stage, u);
   // Held phyxels and whatever they carry start where they have to be.
   body.placeHeld(stage.end, false);
   const std::vector<Vec3> placed = body.state().displacements;

@@ -21,6 +21,7 @@ constexpr double kTightest = 1e-6;         // of the forcing terms
 constexpr double kConfirming = 1e-3;       // linear tolerance of a step that ends the solve
 constexpr double kResidualFall = 1e-6;     // of the first residual; see NewtonSettings::toleranceForce
 constexpr double kRounding = 1e-10;        // relative change of the energy that may be round-off of a cancelled sum
+constexpr double kFoundAtStart = 1e-3;     // of the displacement that is tolerated: what a step after the other may leave
 constexpr int kTrials = 48;
 constexpr int kDoublings = 16;
 constexpr int kPatience = 6;               // iterations without progress
@@ -260,6 +261,8 @@ NewtonResult NewtonSolver::Impl::solve(Equilibrium &problem, std::span<Vec3> u, 
   const bool finite = gradientHere(problem, gradient, at);
   tell();
   if (!finite) return end(NewtonOutcome::notFinite);
+
+  if (problem.reach(gradient) <= kFoundAtStart * settings.toleranceDisplacement) return end(NewtonOutcome::converged);
 
   const double first = at.residual.value;
   const auto fallen = [&] { return at.residual.value <= kResidualFall * first; };

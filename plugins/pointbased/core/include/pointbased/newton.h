@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <limits>
 #include <memory>
 
 #include "pointbased/stop_request.h"
@@ -23,6 +24,12 @@ class Equilibrium {
   /// Round-off of energy() that its size does not show, J: of a sum of parts that cancel.
   [[nodiscard]] virtual double roundOff() const { return 0.0; }
   virtual void gradient(std::span<Vec3> out) = 0;             ///< dE/du, N
+  /// How far the minimum may be from here, from a gradient here alone, m; infinite: nobody knows. Of a step in time it is no
+  /// farther than what inertia alone would allow.
+  [[nodiscard]] virtual double reach(std::span<const Vec3> gradient) const {
+    (void)gradient;
+    return std::numeric_limits<double>::infinity();
+  }
   virtual void product(std::span<const Vec3> du, std::span<Vec3> out) = 0;  ///< Hessian times du, N; matrix-free
   virtual void diagonalBlocks(std::span<Mat3> out) = 0;       ///< of the Hessian, positive definite
   /// All of the Hessian, or something close to it that is positive definite; false: not available.
@@ -41,6 +48,7 @@ enum class Preconditioner {
 
 /// Converged is
 ///  - a residual of at most toleranceForce (exactly zero where that is 0), also at the start; or
+///  - a start from which the minimum is within a thousandth of toleranceDisplacement (Equilibrium::reach()); or
 ///  - a Newton step that was taken whole (not cut by the line search, by largestStep() or by negative curvature), moved no
 ///    phyxel by more than toleranceDisplacement, did not raise the residual, and came from a linear solve to 1e-3 or
 ///    better; a solve that finds so small a step at a looser tolerance goes on to 1e-3 before it is believed. Where the
