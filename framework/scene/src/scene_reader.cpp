@@ -13,7 +13,7 @@ const std::vector<std::string> kBodyKeys{"name",  "mesh",     "mesh_unit", "posi
                                          "material", "sampling", "parts",     "velocity", "angular_velocity",
                                          "volume", "time", "label", "threshold", "mend", "edge_length"};
 const std::vector<std::string> kObstacleKeys{"name",  "mesh",     "mesh_unit",    "position",            "rotation_deg",
-                                             "scale", "friction", "displacement", "motion_rotation_deg", "centre", "ramp"};
+                                             "scale", "friction", "restitution", "displacement", "motion_rotation_deg", "centre", "ramp"};
 const std::vector<std::string> kProbeKeys{"name", "body", "at"};
 const std::vector<std::string> kRootKeys{"format", "title", "image", "world", "solver", "view", "body", "fix", "load", "obstacle", "probe"};
 const char *const kMotionRotation = "motion_rotation_deg";
@@ -236,7 +236,7 @@ bool SceneReader::obstacleKey(SceneObstacle &obstacle, const std::string &key, c
   if (key == "name") return readText(key, value, obstacle.name);
   if (key == "mesh") return meshKey(key, value, obstacle.mesh);
   if (key == "mesh_unit") return unitKey(key, value, obstacle.meshUnit);
-  if (key == "friction") return store(obstacle.params, key, value);
+  if (key == "friction" || key == "restitution") return store(obstacle.params, key, value);
   if (key == "position" || key == "rotation_deg" || key == "scale") return placementKey(obstacle.placement, key, value);
   if (key == "displacement" || key == kMotionRotation || key == "centre" || key == "ramp") {
     if (!obstacle.motion) obstacle.motion.emplace();

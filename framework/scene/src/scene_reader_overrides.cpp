@@ -85,7 +85,7 @@ bool SceneReader::refusePath(const std::string &path) {
   for (std::size_t i = 0; i < scene_.loads.size(); ++i)
     add("load." + nameOrNumber(scene_.loads[i], i), {"force", "pressure", "follower", "ramp", "region", "body"});
   for (const SceneObstacle &obstacle : scene_.obstacles)
-    add("obstacle." + obstacle.name, {"friction", "displacement", "ramp", "position", "rotation_deg", "scale"});
+    add("obstacle." + obstacle.name, {"friction", "restitution", "displacement", "ramp", "position", "rotation_deg", "scale"});
   for (const SceneProbe &probe : scene_.probes) add("probe." + probe.name, {"at"});
   const std::string nearest = nearestName(path, known);
   return refuse(0, "there is no such path; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +

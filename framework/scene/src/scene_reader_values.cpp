@@ -63,7 +63,8 @@ bool isKnownToTheFormat(std::string_view id) {
                                    "sampling.stabilisation",
                                    "sampling.surface_spacing",
                                    "sampling.jitter",
-                                   "friction"};
+                                   "friction",
+                                   "restitution"};
   return std::find(kIds.begin(), kIds.end(), id) != kIds.end();
 }
 

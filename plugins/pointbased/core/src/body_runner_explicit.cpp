@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Explicit steps of a body: how long its substeps may be.
+#include <algorithm>
 #include <cmath>
 
 #include "body_runner.h"
@@ -10,7 +11,15 @@ namespace {
 
 // Of the stable step at rest: below it a body stops (an impact at Mach 27: 1e-3).
 constexpr double kCrushed = 3e-4;
+// Of the usual step where points may bounce: what Verlet keeps is not quite the energy, and bounces turn the difference into
+// rattling. It falls with the square of the step.
+constexpr double kBouncing = 0.5;
 constexpr double kStride = 0.25;  // spacings a phyxel may go, relative to its body, in a substep
+
+bool bounces(const Environment &env) {
+  return (env.box.enabled && env.box.restitution > 0.0) ||
+         std::any_of(env.obstacles.begin(), env.obstacles.end(), [](const Obstacle &o) { return o.restitution > 0.0; });
+}
 
 }  // namespace
 
@@ -23,7 +32,7 @@ BodyRunner::Gone BodyRunner::substep(const StepOrder &order, double time, double
     if (!now.finite || now.speedBound * bare > stride) view = lookAt(body);
   });
   if (!view.finite) return refused(firstNonFinite(body));
-  const double part = kStepSafety * scale_ * rhythm_.care();
+  const double part = kStepSafety * scale_ * rhythm_.care() * (bounces(order.environment) ? kBouncing : 1.0);
   double stable = part * bare;
   if (view.fastest > 0.0) stable = std::min(stable, stride / view.fastest);
   // An impact sets phyxels in motion against each other that had the same velocity before.

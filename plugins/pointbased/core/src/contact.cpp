@@ -142,6 +142,7 @@ void addWalls(const WorldBox &box, double dt, double margin, const Looked &looke
     contact.normal = normal;
     contact.gap = gap;
     contact.friction = box.friction;
+    contact.restitution = box.restitution;
     contact.obstacle = Contact::kWall;
     active.push_back(contact);
   };
@@ -230,6 +231,7 @@ void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox 
         contact.gap = gap;
         contact.surfaceVelocity = step.surfaceVelocity(at);
         contact.friction = obstacle.friction;
+        contact.restitution = obstacle.restitution;
         contact.obstacle = static_cast<Index>(o);
         memory.active.push_back(contact);
       };

@@ -4,7 +4,7 @@
 
 #include "interpolation_at.h"
 #include "kernels/contact_kernel.h"
-#include "pointbased/contact.h"
+#include "contact_bounce.h"
 
 namespace pointbased {
 namespace {
@@ -172,6 +172,69 @@ double closingSpeed(const ContactMemory &memory, const Interpolation &binding, s
   for (const Contact &contact : memory.active)
     speed = std::max(speed, (contact.surfaceVelocity - detail::fieldAt(binding, contact.point, velocities)).dot(contact.normal));
   return speed;
+}
+
+bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities, double dt, double quietSpeed,
+                  ContactMemory &memory) {
+  std::vector<Contact> &arriving = memory.previous;  // which the next search overwrites
+  arriving.clear();
+  for (const Contact &contact : memory.active) {
+    if (!(contact.restitution > 0.0) || contact.normalImpulse > 0.0) continue;
+    const Vec3 v = detail::fieldAt(binding, contact.point, velocities) - contact.surfaceVelocity;
+    const double speed = -v.dot(contact.normal);
+    if (speed > quietSpeed && contact.gap - dt * speed < 0.0) arriving.push_back(contact);
+  }
+  return !arriving.empty();
+}
+
+Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
+                    ContactMemory &memory, std::span<Vec3> velocities) {
+  const Hand body{binding, inverseMasses, velocities};
+  std::vector<Contact> &arriving = memory.previous;
+  const auto relative = [&](const Contact &c) { return Vec3(body.velocity(c.point) - c.surfaceVelocity); };
+  std::erase_if(arriving, [&](const Contact &c) { return !(relative(c).dot(c.normal) < -quietSpeed); });
+  if (arriving.empty()) return Vec3::Zero();
+
+  ContactMemory::Solution &solution = memory.solution;
+  const std::size_t count = arriving.size();
+  std::vector<Vec3> &before = solution.arrivals;
+  before.resize(count);
+  for (std::size_t c = 0; c < count; ++c) before[c] = relative(arriving[c]);
+  prepare(body, arriving, solution);  // none may go on
+  sweep(body, arriving, ImpulseSettings{}, false, solution);
+
+  // e times the impulses on top. All together, with those of friction, they do no work as the obstacles see it,
+  // Σ P · (v before + v after)/2 <= 0: at most as much of them as that allows.
+  const auto push = [&](double part) {
+    for (std::size_t c = 0; c < count; ++c) {
+      const Vec3 impulse = part * arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
+      for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e)
+        velocities[solution.touched[solution.slots[e]]] += solution.pushes[e] * impulse;
+    }
+  };
+  std::vector<Vec3> &stopped = solution.change;
+  stopped.resize(count);
+  for (std::size_t c = 0; c < count; ++c) stopped[c] = relative(arriving[c]);
+  push(1.0);
+  double none = 0.0, slope = 0.0, curvature = 0.0;  // twice the work, in powers of the part
+  Vec3 total = Vec3::Zero();
+  for (std::size_t c = 0; c < count; ++c) {
+    const Vec3 both = before[c] + stopped[c], gained = relative(arriving[c]) - stopped[c];
+    const Vec3 first = solution.impulses[c] * arriving[c].normal + solution.tangential[c],
+               more = arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
+    none += first.dot(both);
+    slope += more.dot(both) + first.dot(gained);
+    curvature += more.dot(gained);
+    total += first + more;
+  }
+  if (!(none + slope + curvature > 0.0)) return total;
+  const double root = slope * slope - 4.0 * curvature * std::min(0.0, none);
+  const double part =
+      curvature > 0.0 ? std::clamp((-slope + std::sqrt(std::max(0.0, root))) / (2.0 * curvature), 0.0, 1.0) : 0.0;
+  push(part - 1.0);
+  for (std::size_t c = 0; c < count; ++c)
+    total += (part - 1.0) * arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
+  return total;
 }
 
 Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses, double dt,

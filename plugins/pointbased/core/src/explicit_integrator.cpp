@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 
+#include "contact_bounce.h"
 #include "kernels/field_kernel.h"
 #include "pointbased/integrators.h"
 
@@ -23,6 +24,9 @@ bool isFaster(std::span<const Vec3> velocities, double speed) {
 
 // Room in front of a surface within which a contact counts even when nothing moves, in spacings.
 constexpr double kContactMargin = 0.02;
+
+// What falls for two steps bounces no more.
+constexpr double kQuietKicks = 2.0;
 
 void evaluate(Body &body, const Environment &env, double time, double dt) {
   const ParallelFor &parallelFor = *env.parallelFor;
@@ -124,6 +128,12 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
       findContacts(env.obstacles, env.box, time, dt, kContactMargin * rest.spacing,
                    {rest.contact, rest.origin, state.displacements, state.velocities, rest.leverage}, body.contact,
                    parallelFor);
+      const double quiet = kQuietKicks * env.gravity.norm() * dt;
+      if (findArrivals(rest.contact.binding, state.velocities, dt, quiet, body.contact)) {
+        kick(-0.5 * dt, false);
+        bounceArrivals(rest.contact.binding, inverse, quiet, body.contact, state.velocities);
+        kick(0.5 * dt, false);
+      }
       solveContactImpulses(rest.contact.binding, inverse, dt, ImpulseSettings{}, body.contact, state.velocities);
     });
   // All of them: those that are held are put in their places below.

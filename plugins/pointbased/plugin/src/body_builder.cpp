@@ -177,10 +177,11 @@ sdk::MeshHandle copyMesh(const Services &services, c3de_handle mesh) {
 }
 
 Obstacle buildObstacle(const Services &services, const std::string &name, const std::shared_ptr<PlacedMesh> &mesh,
-                       double friction, const std::optional<Fix> &motion) {
+                       const ObstacleSurface &surface, const std::optional<Fix> &motion) {
   Obstacle obstacle;
   obstacle.name = name;
-  obstacle.friction = friction;
+  obstacle.friction = surface.friction;
+  obstacle.restitution = surface.restitution;
   if (motion) {
     HeldPart whole;
     whole.centroid = 0.5 * (mesh->min + mesh->max);

@@ -24,9 +24,13 @@ struct BuiltBody {
 /// A mesh of our own with the same triangles: the caller of add_body may let go of theirs. Errors as sdk::Error.
 [[nodiscard]] sdk::MeshHandle copyMesh(const Services &services, c3de_handle mesh);
 
+struct ObstacleSurface {
+  double friction = 0.0, restitution = 0.0;
+};
+
 /// The obstacle's questions answered by the host's collision service. Errors as sdk::Error.
 [[nodiscard]] Obstacle buildObstacle(const Services &services, const std::string &name,
-                                     const std::shared_ptr<PlacedMesh> &mesh, double friction,
+                                     const std::shared_ptr<PlacedMesh> &mesh, const ObstacleSurface &surface,
                                      const std::optional<Fix> &motion);
 
 }  // namespace pointbased

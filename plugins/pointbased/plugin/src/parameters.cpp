@@ -34,6 +34,11 @@ constexpr std::array kWorld{
               {1.0, 1.0, 1.0}),
     numberParam({"world.box.friction", "Wall friction", "", "Coulomb coefficient of the walls; 0: slippery", "World"},
                 {0.0, 10.0, 0.0, 1.0}, 0.3),
+    numberParam({"world.box.restitution", "Wall restitution", "",
+                 "Part of its speed with which a point of the skin leaves the walls in explicit steps; 0: what arrives stays, 1: "
+                 "contact takes no energy",
+                 "World"},
+                {0.0, 1.0, 0.0, 1.0}, 0.0, C3DE_PARAM_ADVANCED),
     choiceParam({"solver.integrator", "Integrator", "",
                  "auto: explicit or implicit, what is predicted to cost less for a body. explicit: velocity Verlet, in substeps where stability needs them. implicit: second order, for stiff bodies. "
                  "midpoint: second order without any damping. backward_euler: first order, damps. quasistatic: equilibrium "
@@ -169,6 +174,11 @@ constexpr std::array kBody{
 
 constexpr std::array kObstacle{
     numberParam({"friction", "Friction", "", "Coulomb coefficient; 0: slippery", "Obstacle"}, {0.0, 10.0, 0.0, 1.0}, 0.3),
+    numberParam({"restitution", "Restitution", "",
+                 "Part of its speed with which a point of a skin leaves it in explicit steps; 0: what arrives stays, 1: contact "
+                 "takes no energy",
+                 "Obstacle"},
+                {0.0, 1.0, 0.0, 1.0}, 0.0),
 };
 
 std::string format(double value) {
@@ -309,6 +319,7 @@ WorldSettings worldSettings(const ParameterValues &v) {
   world.box.min = v.vector("world.box.min");
   world.box.max = v.vector("world.box.max");
   world.box.friction = v.number("world.box.friction");
+  world.box.restitution = v.number("world.box.restitution");
   const std::string integrator = v.text("solver.integrator");
   world.integrator = integrator == "implicit"         ? Integrator::implicitSdirk
                      : integrator == "midpoint"       ? Integrator::implicitMidpoint

@@ -114,7 +114,7 @@ void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle 
   const std::string name(sdk::text(in.name));
   auto mesh = placeMesh(context_.services, in.mesh, placementOf(in));
   Obstacle built =
-      buildObstacle(context_.services, name, mesh, values.number("friction"), readMotion(in.motion, "obstacle"));
+      buildObstacle(context_.services, name, mesh, {values.number("friction"), values.number("restitution")}, readMotion(in.motion, "obstacle"));
   const std::lock_guard lock(mutex_);
   simulator_.reset();
   const std::uint64_t id = simulator_.addObstacle(std::move(built));

@@ -40,6 +40,7 @@ struct Contact {
   double gap = 0.0;                     ///< m, at the beginning of the step; negative: inside
   Vec3 surfaceVelocity = Vec3::Zero();  ///< m/s, of the obstacle there
   double friction = 0.0;                ///< Coulomb
+  double restitution = 0.0;             ///< 0 … 1: part of the speed of arrival with which a point leaves
   Index obstacle = 0;                   ///< number of the obstacle; kWall for the world box
   double normalImpulse = 0.0;           ///< N s, of the last solution (warm start)
   Vec3 frictionImpulse = Vec3::Zero();  ///< N s, likewise
@@ -109,6 +110,7 @@ struct ContactMemory {
     std::vector<Index> pressing;         ///< contacts that press after a sweep over all
     std::vector<Vec3> tangential;
     std::vector<Vec3> change;            ///< [slots] m/s
+    std::vector<Vec3> arrivals;          ///< [contacts that arrive] m/s, relative to the surface
     std::vector<Vec3> recovery;          ///< [phyxels] m/s, taken back when the step settles; empty: none
     // The contacts over the phyxels that they touch, side by side in memory (kernels/contact_kernel.h):
     std::vector<Index> rows, slots;      ///< [contacts + 1], [entries]

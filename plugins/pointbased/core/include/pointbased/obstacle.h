@@ -24,6 +24,7 @@ struct SurfacePoint {
 struct Obstacle {
   std::string name;
   double friction = 0.3;  ///< Coulomb, >= 0
+  double restitution = 0.0;  ///< 0 … 1, of points that arrive at it in explicit steps (ImpulseSettings)
   /// Empty: stands still. Else its rigid motion: where a material point of it (placed at rest) is at time t.
   std::function<RigidMotion(double t)> motion;
   /// Closest surface point of each point within its range, in the frame of the obstacle at rest. Several threads at once.
@@ -39,6 +40,7 @@ struct WorldBox {
   bool enabled = false;
   Vec3 min = Vec3::Constant(-1.0), max = Vec3::Constant(1.0);
   double friction = 0.3;
+  double restitution = 0.0;
 };
 
 }  // namespace pointbased
