@@ -109,6 +109,7 @@ void Body::layOut() {
   }
   const bool weighs = !conditions.held.empty() && !rest_->weightVolumes.empty();
   for (auto *values : {&weights_, &carriedWeights_, &gravityShares_}) values->assign(weighs ? n : 0, 0.0);
+  bindFoundation();
 }
 
 void Body::setConstitution(Constitution constitution, const ParallelFor &parallelFor) {
@@ -162,17 +163,22 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
   patches_.set(rows, weights, stiffness, inverseMasses_);
   vectorise();
   restFrequency_ = largestFrequency(constitution_, s, rest_->positions, masses_, {}, parallelFor);
+  foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));
   forcesCurrent = false;
 }
 
 double Body::stableStepFor(double tangentRatio) const {
-  if (!(restFrequency_ > 0.0)) return std::numeric_limits<double>::infinity();
-  const double frequency = restFrequency_ * std::sqrt(tangentRatio);
+  // No eigenvalue of a sum is above the sum of the largest ones.
+  const double elastic = restFrequency_ * restFrequency_, around = foundationFrequency_ * foundationFrequency_;
+  const double frequency = std::sqrt(elastic * tangentRatio + around);
+  if (!(frequency > 0.0)) return std::numeric_limits<double>::infinity();
   // Viscous forces are taken at the velocity half a step before: the bound of central differences with lagged damping.
   double relaxation = 0.0;
   for (const Material &m : constitution_.materials)
     relaxation = std::max(relaxation, 2.0 * m.viscosity / m.waveModulus());
-  const double xi = 0.5 * relaxation * restFrequency_;
+  const double xi = around > 0.0 ? 0.5 * (relaxation * elastic + foundation_.settings().retardationTime * around) /
+                                       std::sqrt(elastic + around)
+                                 : 0.5 * relaxation * restFrequency_;
   return 2.0 / frequency * (std::sqrt(1.0 + xi * xi) - xi);
 }
 
@@ -228,7 +234,7 @@ void Body::evaluate(double t, double dt, const ParallelFor &parallelFor) {
   const std::span<const Vec3> velocities = constitution_.viscous() ? state_.velocities : std::span<const Vec3>();
   tangentRatio_ = vectorForces_->evaluate(state_.displacements, velocities, forces_, parallelFor);
   gradientsOld_ = stressesOld_ = true;
-  addLoads(t);
+  addLoads(t, parallelFor);
 }
 
 std::span<const Mat3> Body::gradients() const {
@@ -313,10 +319,11 @@ void Body::computeInternalForces(const ParallelFor &parallelFor) {
 
 void Body::computeForces(double t, const ParallelFor &parallelFor) {
   computeInternalForces(parallelFor);
-  addLoads(t);
+  addLoads(t, parallelFor);
 }
 
-void Body::addLoads(double t) {
+void Body::addLoads(double t, const ParallelFor &parallelFor) {
+  foundation_.addForces(state_.displacements, state_.velocities, forces_, parallelFor);
   const BoundaryConditions &conditions = rest_->conditions;
   for (std::size_t l = 0; l < conditions.loads.size(); ++l)
     addLoadForces(conditions.loads[l], conditions.loaded[l], factor(conditions.loads[l].ramp, t), state_.displacements,

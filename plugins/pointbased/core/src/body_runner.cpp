@@ -116,6 +116,7 @@ void BodyRunner::undoStep(const ParallelFor &parallelFor) {
 }
 
 double BodyRunner::advance(const StepOrder &order, double span) {
+  if (body_->rigid()) return span;
   const StepRhythm rhythm = rhythm_;
   rhythm_.begin(order.dt);
   if (sleepsOn(order, span)) return span;

@@ -61,6 +61,11 @@ void Body::restoreState() {
   forcesCurrent = false;
 }
 
+void Body::setRigid(bool rigid) {
+  rigid_ = rigid;
+  reset();
+}
+
 void Body::reset() {
   if (rest_ != first_) {
     rest_ = first_;
@@ -84,6 +89,7 @@ void Body::reset() {
       state_.velocities[i] += initialAngularVelocity_.cross(rest_->positions[i] - centre);
   }
   for (const HeldPhyxel &held : heldPhyxels_) state_.velocities[held.phyxel].setZero();
+  if (rigid_) state_.velocities.assign(n, Vec3::Zero());
   forces_.assign(n, Vec3::Zero());
   std::fill(gradients_.begin(), gradients_.end(), Mat3::Identity());
   std::fill(stresses_.begin(), stresses_.end(), Mat3::Zero());

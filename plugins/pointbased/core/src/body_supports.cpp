@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // What holds a body: where its supports lead, and what they exert.
 #include <algorithm>
+#include <cmath>
 
 #include "pointbased/body.h"
 
 namespace pointbased {
+namespace {
+
+constexpr double kFoundationSampling = 0.5;  // spacings, of the surface
+
+}  // namespace
 
 void Body::placeHeld(double t, bool rates) {
   const BoundaryConditions &conditions = rest_->conditions;
@@ -73,6 +79,55 @@ std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
                                        [j](const HeldPhyxel &h) { return h.phyxel == j; });
       add(holder->fix, rest_->positions[j] + state_.displacements[j], -(patches_.weights()[e] * patches_.forces()[p]));
     }
+  return out;
+}
+
+// Points of its own: those of contact miss the first moments of the surface by a per cent.
+void Body::bindFoundation() {
+  foundation_.unbind();
+  if (!foundation_.settings().acts()) return;
+  Surface surface;
+  surface.positions.resize(rest_->surfels.count());
+  std::vector<Vec3> normals(rest_->surfelNormals.size());
+  const std::vector<Vec3> still(rest_->phyxelCount(), Vec3::Zero());
+  updateSurfels(rest_->surfels, rest_->surfelNormals, rest_->positions, still, surface.positions, normals, serialFor());
+  surface.triangles = rest_->skin;
+  SurfacePoints points = sampleSurface(surface, kFoundationSampling * rest_->spacing, EverywhereRegion{});
+  Interpolation binding = rest_->bind(points.positions, points.normals);
+  foundation_.bind(std::move(points), std::move(binding), rest_->phyxelCount());
+}
+
+Result<void> Body::setFoundation(const Foundation &foundation) {
+  if (auto valid = validate(foundation); !valid) return valid;
+  if (foundation.acts() && rest_->skin.empty())
+    return tl::make_unexpected(std::string("the body has no surface that its surroundings could hold"));
+  if (foundation.acts() && renewals_ > 0)
+    return tl::make_unexpected(
+        std::string("the body has flowed so far that its reference is a later shape; reset before its surroundings hold it"));
+  foundation_.set(foundation);
+  if (!foundation_.bound()) bindFoundation();
+  foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));
+  forcesCurrent = false;
+  return {};
+}
+
+Reaction Body::foundationReaction() const {
+  Reaction out;
+  double mass = 0.0;
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    out.centre += masses_[i] * rest_->positions[i];
+    mass += masses_[i];
+  }
+  if (mass > 0.0) out.centre /= mass;
+  const Vec3 centre = out.centre;
+  out.centre += rest_->origin;
+  if (!foundation_.acts()) return out;
+  std::vector<Vec3> forces(rest_->phyxelCount(), Vec3::Zero());
+  foundation_.addForces(state_.displacements, state_.velocities, forces, serialFor());
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    out.force += forces[i];
+    out.torque += (rest_->positions[i] + state_.displacements[i] - centre).cross(forces[i]);
+  }
   return out;
 }
 

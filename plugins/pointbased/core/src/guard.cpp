@@ -96,7 +96,8 @@ std::optional<GuardFinding> EnergyWatch::look(const Body &body, const Vec3 &grav
   const ElasticEnergy elastic = body.elasticEnergy(serialFor());
   const double stored = elastic.strain + elastic.stabilisation, kinetic = body.kineticEnergy();
   double total = kinetic + stored + potential(body, gravity) +
-                 body.patches().energy(body.lastPatchTargets(), body.state().displacements);
+                 body.patches().energy(body.lastPatchTargets(), body.state().displacements) +
+                 body.foundation().energy(body.state().displacements);
   const double scale = std::max(kinetic, stored);
   const bool comparable = known_ && !driven;
   const double before = total_;

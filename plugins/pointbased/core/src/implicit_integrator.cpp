@@ -140,6 +140,11 @@ class StageProblem final : public Equilibrium {
     sum += elastic.strain + elastic.stabilisation;
     if (body_.patches().rows() > 0) sum += body_.patches().energy(targets(), state.displacements);
     if (contact_) sum += contactEnergy(body_.rest().contact, body_.contact, penalty_, start_, state.displacements);
+    if (around()) {
+      // Damping, with the velocity of the end of the stage, has a potential of the way within it.
+      sum += foundation().energy(state.displacements);
+      if (lag() > 0.0) sum += lag() * foundation().energy(way());
+    }
     if (followers_ || dissipative_) {
       computeWork();
       if (reference_.empty()) setReference();
@@ -168,6 +173,9 @@ class StageProblem final : public Equilibrium {
     forces_.assign(body_.forces().begin(), body_.forces().end());
     if (body_.patches().rows() > 0) body_.patches().addForces(forces_);
     if (contact_) addContactForces(body_.rest().contact, body_.contact, penalty_, start_, state.displacements, forces_);
+    if (around())
+      foundation().addForces(state.displacements, stage_.h > 0.0 ? std::span<const Vec3>(state.velocities) : std::span<const Vec3>(),
+                             forces_, *env_.parallelFor);
     for (std::size_t i = 0; i < n_; ++i) {
       const double m = body_.masses()[i];
       Vec3 g = -forces_[i] - dead_[i] - work_[i];
@@ -202,6 +210,7 @@ class StageProblem final : public Equilibrium {
     if (body_.patches().rows() > 0) body_.patches().addProduct(du, out);
     if (contact_)
       addContactProduct(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, du, out);
+    foundation().addProduct(1.0 + lag(), du, out, *env_.parallelFor);
   }
 
   void diagonalBlocks(std::span<Mat3> out) override {
@@ -211,6 +220,7 @@ class StageProblem final : public Equilibrium {
     for (std::size_t i = 0; i < n_; ++i) out[i].diagonal().array() += (a_ + damping_) * body_.masses()[i];
     if (body_.patches().rows() > 0) body_.patches().addDiagonal(out);
     if (contact_) addContactBlocks(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, out);
+    foundation().addBlocks(1.0 + lag(), out);
   }
 
   [[nodiscard]] bool assemble(Eigen::SparseMatrix<double> &out) override {
@@ -226,6 +236,7 @@ class StageProblem final : public Equilibrium {
     if (body_.patches().rows() > 0) body_.patches().addTriplets(triplets_);
     if (contact_)
       addContactTriplets(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, triplets_);
+    foundation().addTriplets(1.0 + lag(), triplets_);
     out.resize(static_cast<Eigen::Index>(3 * n_), static_cast<Eigen::Index>(3 * n_));
     endIfRaised(env_.stop);
     out.setFromTriplets(AskedTriplets(triplets_.data(), env_.stop),
@@ -235,6 +246,15 @@ class StageProblem final : public Equilibrium {
 
  private:
   [[nodiscard]] std::span<const Vec3> targets() { return body_.patchTargets(stage_.end); }
+  [[nodiscard]] const ElasticFoundation &foundation() const { return body_.foundation(); }
+  [[nodiscard]] bool around() const { return foundation().acts(); }
+  // Of the foundation's damping to its stiffness, in the Hessian.
+  [[nodiscard]] double lag() const { return stage_.h > 0.0 ? foundation().settings().retardationTime / stage_.h : 0.0; }
+  [[nodiscard]] std::span<const Vec3> way() {
+    way_.resize(n_);
+    for (std::size_t i = 0; i < n_; ++i) way_[i] = body_.state().displacements[i] - stage_.p[i];
+    return way_;
+  }
   [[nodiscard]] double dt() const { return dissipative_ ? stage_.elapsed : 0.0; }
   [[nodiscard]] double viscousScale() const { return dissipative_ ? 1.0 / stage_.h : 0.0; }
   // At the beginning of the step: what relaxes is advanced from there by dt().
@@ -288,7 +308,7 @@ class StageProblem final : public Equilibrium {
   double a_ = 0.0, damping_ = 0.0;
   bool followers_ = false, dissipative_ = false, contact_ = false, workCurrent_ = false;
   bool vectorised_ = false, linearised_ = false;
-  std::vector<Vec3> dead_, work_, start_, forces_;
+  std::vector<Vec3> dead_, work_, start_, forces_, way_;
   std::vector<Vec3> reference_, referenceWork_;
   double referenceEnergy_ = 0.0, roundOff_ = 0.0;
   ContactPenalty penalty_;
@@ -604,15 +624,16 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
   const ParallelFor &parallelFor = *env.parallelFor;
   const double tolerance = settingsOf(body, env, true).toleranceDisplacement;
   ImplicitResult out;
+  const bool held = body.held() || body.foundation().settings().holds();
   // Held bodies are solved as they are; the others lean on their own inertia, less and less, until they lie still.
   double holding = 0.0;
-  if (!body.held()) {
+  if (!held) {
     const double frequency = body.restFrequency();
     // What has no stiffness at all (a phyxel alone) is let down by a spacing at a time.
     holding = frequency > 0.0 ? 1e-4 * frequency * frequency : env.gravity.norm() / body.rest().spacing;
   }
   const double stride = kStride * body.rest().spacing;
-  const double loads = body.held() ? 0.0 : loadsOf(body, env, to);
+  const double loads = held ? 0.0 : loadsOf(body, env, to);
   int flows = 0;
   for (int round = 0;; ++round) {
     const ImplicitStage stage{0.0, to, to - from, {}, {}, holding, 0.0};

@@ -169,6 +169,7 @@ Result<Renewal> renewedReference(const Body &body, const ParallelFor &parallelFo
   const State &state = body.state();
   const std::size_t n = old.phyxelCount();
   if (state.history.plasticInverse.empty()) return refuse("it does not flow");
+  if (body.foundation().acts()) return refuse("its surroundings hold it where it was in its first shape");
   if (old.evaluation == Evaluation::stressPoints) return renewedLattice(body, parallelFor);
 
   auto rest = std::make_shared<RestState>();

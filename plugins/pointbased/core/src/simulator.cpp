@@ -144,7 +144,7 @@ Integrator Simulator::integratorOf(std::size_t id) const {
 
 std::pair<double, double> Simulator::predictedCost(std::size_t id) const {
   const Body *target = body(id);
-  if (!target) return {0.0, 0.0};
+  if (!target || target->rigid()) return {0.0, 0.0};
   const detail::StepCost cost = detail::predictCost(*target, world_.dt);
   return {cost.explicitEvaluations, cost.implicitEvaluations};
 }
@@ -182,14 +182,32 @@ void Simulator::setConstitution(std::size_t id, Constitution constitution) {
   describe(id);
 }
 
+void Simulator::setRigid(std::size_t id, bool rigid) {
+  const auto found = bodies_.find(id);
+  if (found == bodies_.end() || found->second->body().rigid() == rigid) return;
+  const bool renewed = found->second->body().renewals() > 0;
+  found->second->body().setRigid(rigid);
+  found->second->forget();
+  if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
+}
+
+Result<void> Simulator::setFoundation(std::size_t id, const Foundation &foundation) {
+  const auto found = bodies_.find(id);
+  if (found == bodies_.end() || found->second->body().foundation().settings() == foundation) return {};
+  if (auto set = found->second->body().setFoundation(foundation); !set) return set;
+  found->second->forget();
+  return {};
+}
+
 double Simulator::stepSize() const {
   if (quasiStatic()) return 0.0;
   if (world_.dt > 0.0 && std::isfinite(world_.dt)) return world_.dt;
   double dt = std::numeric_limits<double>::infinity();
   for (const auto &[id, runner] : bodies_)
-    dt = std::min(dt, runner->integratorIn(world_) == Integrator::explicitVerlet
-                          ? kStepSafety * runner->body().stableStepAtRest()
-                          : kImplicitStep);
+    if (!runner->body().rigid())
+      dt = std::min(dt, runner->integratorIn(world_) == Integrator::explicitVerlet
+                            ? kStepSafety * runner->body().stableStepAtRest()
+                            : kImplicitStep);
   return std::isfinite(dt) ? dt : kStepWithoutBodies;
 }
 
@@ -229,7 +247,11 @@ std::uint64_t Simulator::changes(std::size_t id) const {
   return found == bodies_.end() ? 0 : found->second->changes();
 }
 
-bool Simulator::failed() const { return !bodies_.empty() && stoppedBodies() == bodies_.size(); }
+bool Simulator::failed() const {
+  const auto rigid = static_cast<std::size_t>(
+      std::count_if(bodies_.begin(), bodies_.end(), [](const auto &entry) { return entry.second->body().rigid(); }));
+  return bodies_.size() > rigid && stoppedBodies() + rigid == bodies_.size();
+}
 
 tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   const auto refusal = [this] {
@@ -257,7 +279,7 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   }
   if (!quasiStatic())
     for (auto &[id, runner] : bodies_)
-      if (!runner->asleep() && renewIfDue(id, stop)) runner->forget();
+      if (!runner->asleep() && !runner->body().rigid() && renewIfDue(id, stop)) runner->forget();
   activity_->enter(0);
   if (failed()) return refusal();
   time_ += gone;
@@ -271,7 +293,7 @@ void Simulator::increaseLoad(const detail::StepOrder &order) {
   double next = std::min(1.0, loadFactor_ + 1.0 / increments);
   if (next > 1.0 - 1e-9) next = 1.0;
   for (auto &[id, runner] : bodies_) {
-    if (runner->stopped()) continue;
+    if (runner->stopped() || runner->body().rigid()) continue;
     activity_->enter(id);
     runner->loadUpTo(order, next);
   }
@@ -283,7 +305,7 @@ double Simulator::advanceBodies(const detail::StepOrder &order) {
   std::vector<detail::BodyRunner *> &ahead = ahead_;
   ahead.clear();
   for (auto &[id, runner] : bodies_) {
-    if (runner->stopped()) continue;
+    if (runner->stopped() || runner->body().rigid()) continue;
     activity_->enter(id);
     const double gone = runner->advance(order, span);
     if (gone < span) {
@@ -314,7 +336,7 @@ void Simulator::reset() {
 
 void Simulator::setGrab(std::size_t id, Grab grab) {
   Body *target = body(id);
-  if (!target || grab.phyxels.empty()) return;
+  if (!target || grab.phyxels.empty() || target->rigid()) return;
   target->grab = std::move(grab);
   target->forcesCurrent = false;
 }
@@ -369,6 +391,7 @@ Simulator::Energy Simulator::energy(std::size_t id) const {
   out.elastic = elastic.strain;
   out.stabilisation = elastic.stabilisation;
   out.kinetic = target->kineticEnergy();
+  out.foundation = target->foundation().energy(target->state().displacements);
   for (std::size_t i = 0; i < target->masses().size(); ++i)
     out.gravity -= target->weights()[i] * world_.gravity.dot(target->state().displacements[i]);
   out.gravity -= world_.gravity.dot(target->carriedMoment());

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "pointbased/elastic_foundation.h"
 #include "pointbased/engine.h"
 #include "pointbased/patch_solver.h"
 #include "pointbased/rest_state.h"
@@ -75,7 +76,7 @@ class Body {
   [[nodiscard]] std::span<const Mat3> gradients() const;
   /// v P of the evaluation points, likewise.
   [[nodiscard]] std::span<const Mat3> stresses() const;
-  /// Internal forces and loads of the last evaluation, N; without gravity, supports and contact.
+  /// Internal forces, loads and the foundation's of the last evaluation, N; without gravity, supports and contact.
   [[nodiscard]] std::span<const Vec3> forces() const { return forces_; }
   [[nodiscard]] std::span<Vec3> forces() { return forces_; }
 
@@ -119,7 +120,7 @@ class Body {
   void computeTrialStresses(double dt, const ParallelFor &parallelFor);
   /// Stresses of the elastic and plastic part alone.
   void computeElasticStresses(const ParallelFor &parallelFor);
-  /// Internal forces, and loads at time (or load factor) t.
+  /// Internal forces, those of the foundation, and loads at time (or load factor) t.
   void computeForces(double t, const ParallelFor &parallelFor);
   void computeInternalForces(const ParallelFor &parallelFor);
 
@@ -136,6 +137,14 @@ class Body {
   [[nodiscard]] const PatchSolver &patches() const { return patches_; }
   [[nodiscard]] std::span<const std::uint8_t> heldMask() const { return heldMask_; }
   [[nodiscard]] bool held() const { return !heldPhyxels_.empty() || patches_.rows() > 0; }
+
+  /// How its surroundings hold it; takes effect with the next force evaluation. Errors: settings that validate() refuses; a
+  /// body without a surface, or whose reference has been renewed, if it is to act.
+  [[nodiscard]] Result<void> setFoundation(const Foundation &foundation);
+  [[nodiscard]] ElasticFoundation &foundation() { return foundation_; }
+  [[nodiscard]] const ElasticFoundation &foundation() const { return foundation_; }
+  /// What its surroundings exert now, about the body's centre in the reference.
+  [[nodiscard]] Reaction foundationReaction() const;
   /// What the supports exert now: from the forces on held phyxels (internal, loads, gravity) and those of the patches.
   [[nodiscard]] std::vector<Reaction> reactions(const Vec3 &gravity) const;
 
@@ -157,6 +166,11 @@ class Body {
   /// Σ m (way of the references from the first one to the present one), kg m.
   [[nodiscard]] const Vec3 &carriedMoment() const { return carriedMoment_; }
 
+  /// A rigid body stands as it is in its reference, without velocity: no stage runs, nothing moves it. Both ways it goes to
+  /// its initial state.
+  void setRigid(bool rigid);
+  [[nodiscard]] bool rigid() const { return rigid_; }
+
   /// The state before a step, kept in case the step fails.
   void keepState();
   void restoreState();
@@ -177,12 +191,13 @@ class Body {
     Index fix;
   };
   void layOut();
+  void bindFoundation();
   [[nodiscard]] Vec3 firstReference(Index phyxel) const;
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
   void vectorise();
   void makePoints() const;
   [[nodiscard]] detail::VectorForces &exactForces() const;
-  void addLoads(double t);
+  void addLoads(double t, const ParallelFor &parallelFor);
   void stressesInto(double dt, const PointHistory &before, PointHistory *after, bool viscous,
                     const ParallelFor &parallelFor);
 
@@ -200,6 +215,9 @@ class Body {
   std::vector<HeldPhyxel> heldPhyxels_;
   std::vector<std::uint8_t> heldMask_;
   PatchSolver patches_;
+  ElasticFoundation foundation_;
+  double foundationFrequency_ = 0.0;  // rad/s, a bound
+  bool rigid_ = false;
   std::vector<Index> fixOfPatch_;
   std::vector<Vec3> patchPoints_, patchShifts_, patchTargets_;
   std::vector<Vec3> forces_, entryForces_, contactPositions_, contactVelocities_;

@@ -36,7 +36,7 @@ struct Renewal {
 /// for figures.
 ///
 /// @param body  one whose gradients are those of its present displacements
-/// Errors: a phyxel whose neighbours no longer span space; a state that is not finite; for lattices: no
+/// Errors: a body that its surroundings hold (ElasticFoundation); a phyxel whose neighbours no longer span space; a state that is not finite; for lattices: no
 /// RestState::reshape, supports, loads, refinements or several materials, which are given in the first shape; a skin
 /// that holds another volume than the points do, by more than kSkinMismatch.
 inline constexpr double kSkinMismatch = 0.1;

@@ -82,6 +82,11 @@ class Simulator {
 
   /// Material of a body while it runs; forces and the step follow.
   void setConstitution(std::size_t body, Constitution constitution);
+  /// How its surroundings hold a body, while it runs. Errors of Body::setFoundation(); then nothing is changed.
+  [[nodiscard]] Result<void> setFoundation(std::size_t body, const Foundation &foundation);
+
+  /// Body::setRigid() while it runs: the body costs nothing then, and its stable step is nobody's. Nothing grabs it.
+  void setRigid(std::size_t body, bool rigid);
 
   /// One step of the present size: explicit in the substeps that stability needs, up to 10 000 (then time goes on by
   /// what is done). Refused when every body has stopped. Quasi-static: one load increment; nothing when finished().
@@ -123,6 +128,7 @@ class Simulator {
 
   struct Energy {
     double kinetic = 0.0, elastic = 0.0, stabilisation = 0.0, gravity = 0.0;  ///< J; gravity relative to the start
+    double foundation = 0.0;  ///< J, stored in the surroundings
   };
   [[nodiscard]] Energy energy(std::size_t body) const;
   [[nodiscard]] std::vector<Reaction> reactions(std::size_t body) const;
