@@ -63,6 +63,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   for (const char *key : {"bodies", "probes"}) report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
   if (simulator->contains("load_factor")) report["load_factor"] = simulator->at("load_factor");
   report["reactions"] = simulator->contains("reactions") ? simulator->at("reactions") : Json::array();
+  report["attachments"] = simulator->contains("attachments") ? simulator->at("attachments") : Json::array();
   report["stages"] = simulator->contains("stages") ? simulator->at("stages") : Json::object();
   report["events"] = simulator->contains("events") ? simulator->at("events") : Json::array();
   report["state_hash"] = hexadecimal(facts.stateHash);

@@ -12,7 +12,7 @@ namespace c3de::scene {
 namespace {
 
 const std::vector<std::string> kKeys{"density",           "youngs_modulus", "youngs_modulus_range", "poisson_ratio",
-                                     "poisson_ratio_range", "evidence",       "source",               "note"};
+                                     "poisson_ratio_range", "evidence",       "source",               "note", "rigid"};
 
 /// What is wrong with the preset, or nothing.
 std::optional<std::string> readPreset(const TomlValue &table, MaterialPreset &preset, int &line) {
@@ -34,6 +34,10 @@ std::optional<std::string> readPreset(const TomlValue &table, MaterialPreset &pr
     if (std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end()) {
       const std::string nearest = nearestName(key, kKeys);
       return "unknown key '" + key + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+    }
+    if (key == "rigid") {
+      if (value.kind != TomlValue::Kind::boolean) return "rigid is " + value.kindName() + "; accepted: true, false";
+      preset.isRigid = value.num != 0.0;
     }
     if (value.kind != TomlValue::Kind::text) continue;
     if (key == "evidence") preset.evidence = value.text;

@@ -11,11 +11,11 @@ namespace {
 
 const std::vector<std::string> kBodyKeys{"name",  "mesh",     "mesh_unit", "position", "rotation_deg",     "scale",
                                          "material", "sampling", "parts",     "velocity", "angular_velocity",
-                                         "volume", "time", "label", "threshold", "mend", "edge_length"};
+                                         "volume", "time", "label", "threshold", "mend", "edge_length", "rigid"};
 const std::vector<std::string> kObstacleKeys{"name",  "mesh",     "mesh_unit",    "position",            "rotation_deg",
                                              "scale", "friction", "restitution", "displacement", "motion_rotation_deg", "centre", "ramp"};
 const std::vector<std::string> kProbeKeys{"name", "body", "at"};
-const std::vector<std::string> kRootKeys{"format", "title", "image", "world", "solver", "view", "body", "fix", "load", "obstacle", "probe"};
+const std::vector<std::string> kRootKeys{"format", "title", "image", "world", "solver", "view", "body", "fix", "load", "attachment", "obstacle", "probe"};
 const char *const kMotionRotation = "motion_rotation_deg";
 
 bool hasControlCharacter(const std::string &text) {
@@ -57,6 +57,7 @@ bool SceneReader::readScene(const TomlValue &root) {
     if (key == "body") return &SceneReader::readBody;
     if (key == "fix") return &SceneReader::readFix;
     if (key == "load") return &SceneReader::readLoad;
+    if (key == "attachment") return &SceneReader::readAttachment;
     if (key == "obstacle") return &SceneReader::readObstacle;
     if (key == "probe") return &SceneReader::readProbe;
     return nullptr;
@@ -81,7 +82,7 @@ bool SceneReader::readScene(const TomlValue &root) {
   }
   if (scene_.bodies.empty()) return refuse(1, "the scene has no [[body]]; at least one is needed");
   if (scene_.title.empty()) scene_.title = scene_.source.stem().string();
-  return checkBox() && checkBodyNames();
+  return checkBox() && checkBodyNames() && attachBodies();
 }
 
 bool SceneReader::tables(const TomlValue &value, const std::string &key) {
@@ -223,6 +224,7 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
       if (!samplingKey(body, member, memberValue)) return false;
     return true;
   }
+  if (key == "rigid") return store(body.params, key, value);
   if (key == "parts") return readParts(value, body.parts);
   if (key == "velocity") return readVec3(key, value, body.velocity_m_s);
   if (key == "angular_velocity") return readVec3(key, value, body.angularVelocity_rad_s);

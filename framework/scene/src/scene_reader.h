@@ -13,7 +13,7 @@ namespace c3de::scene {
 /// Turns TOML into a SceneFile, for files and for `--set`. Functions answer false after the first error, which is kept.
 ///
 /// scene_reader.cpp reads tables, scene_reader_values.cpp what stands in them, scene_reader_supports.cpp regions and what
-/// acts there, scene_reader_overrides.cpp one value of the command line.
+/// acts there, scene_reader_attachments.cpp elastic layers, scene_reader_overrides.cpp one value of the command line.
 class SceneReader {
  public:
   SceneReader(SceneFile &scene, const MaterialLibrary *materials) : scene_(scene), materials_(materials) {}
@@ -35,10 +35,13 @@ class SceneReader {
   bool readProbe(const TomlValue &table);
   bool readFix(const TomlValue &table);
   bool readLoad(const TomlValue &table);
+  bool readAttachment(const TomlValue &table);
   bool checkBox();
   /// Gives probes, fixes and loads without a body the only one; refuses names of no body.
   bool checkBodyNames();
   bool checkBodyName(const std::string &what, int line, std::string &body);
+  /// Gives bodies what their attachments say.
+  bool attachBodies();
 
   bool bodyKey(SceneBody &body, const std::string &key, const TomlValue &value);
   bool obstacleKey(SceneObstacle &obstacle, const std::string &key, const TomlValue &value);
@@ -65,6 +68,7 @@ class SceneReader {
 
   // scene_reader_images.cpp
   bool readImage(const TomlValue &table);
+  bool readStill(const TomlValue &value, SceneStill &out);
   bool volumeKey(SceneVolume &volume, const std::string &key, const TomlValue &value);
   bool checkSource(const TomlValue &table, SceneBody &body);
   bool readImageFile(const std::string &key, const TomlValue &value, std::filesystem::path &out);
@@ -93,7 +97,15 @@ class SceneReader {
   bool overrideObstacle(const std::string &rest, const TomlValue &value);
   bool overrideProbe(const std::string &rest, const TomlValue &value);
 
+  /// What holds a body elastically: what its [[attachment]] says, as parameters of it.
+  struct Attachment {
+    std::string body;
+    std::vector<SceneValue> params;
+    int line = 0;
+  };
+
   SceneFile &scene_;
+  std::vector<Attachment> attachments_;
   const MaterialLibrary *materials_;
   std::string override_;  ///< path of the override that is being read; empty: a file
   Error error_;

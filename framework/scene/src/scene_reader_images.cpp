@@ -8,7 +8,10 @@
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kImageKeys{"file", "time", "labels", "warp", "rim"};
+const std::vector<std::string> kImageKeys{"file", "time", "labels", "warp", "rim", "still"};
+const std::vector<std::string> kStillKeys{"labels", "above", "below", "outside"};
+const char *const kStill = "\"auto\" (bone and air), \"nothing\", \"outside\" (all outside of the bodies), or a table such as "
+                           "{ labels = [\"rib*\"], above = 200, below = -400 }";
 const std::vector<std::string> kMendKeys{"opening", "closing", "largest", "fill_holes"};
 
 }  // namespace
@@ -54,12 +57,60 @@ bool SceneReader::readImage(const TomlValue &table) {
       if (!readNumber(key, "0 mm and more", value, image.rim_mm)) return false;
       if (image.rim_mm < 0.0)
         return refuse(value.line, "rim is " + formatNumber(image.rim_mm) + "; accepted: 0 mm and more");
+    } else if (key == "still") {
+      if (!readStill(value, image.still)) return false;
     } else {
       return refuseKey(value.line, key, "[image]", kImageKeys);
     }
   }
+  if (!image.still.labels.empty() && image.labels.empty())
+    return refuse(table.line, "[image] still names labels, and there is no 'labels', the file they are in");
   if (image.file.empty()) return refuse(table.line, "[image] has no 'file'; accepted: an image file or DICOM folder");
   scene_.image = std::move(image);
+  return true;
+}
+
+bool SceneReader::readStill(const TomlValue &value, SceneStill &out) {
+  SceneStill still;
+  if (value.kind == TomlValue::Kind::text) {
+    still.isAutomatic = value.text == "auto";
+    still.outside = value.text == "outside";
+    if (!still.isAutomatic && !still.outside && value.text != "nothing")
+      return refuse(value.line, "still is \"" + value.text + "\"; accepted: " + kStill);
+    out = still;
+    return true;
+  }
+  if (value.kind != TomlValue::Kind::table || value.entries.empty())
+    return refuse(value.line, "still is " + (value.kind == TomlValue::Kind::table ? "an empty table" : value.kindName()) +
+                                  "; accepted: " + kStill);
+  still.isAutomatic = false;
+  for (const auto &[key, member] : value.entries) {
+    if (key == "above" || key == "below") {
+      double limit = 0.0;
+      if (!readNumber("still." + key, "a value of the image", member, limit)) return false;
+      (key == "above" ? still.above : still.below) = limit;
+    } else if (key == "outside") {
+      if (!readBool("still.outside", member, still.outside)) return false;
+    } else if (key == "labels") {
+      if (member.kind != TomlValue::Kind::array || member.items.empty())
+        return refuse(member.line, "still.labels is " + member.kindName() +
+                                       "; accepted: names of labels ('*' for any text) or their numbers, [\"rib*\", 5]");
+      for (const TomlValue &label : member.items) {
+        const bool isNumber = label.isNumber() && label.num == std::floor(label.num) && label.num >= 1.0 && label.num <= 65535.0;
+        if (!isNumber && (label.kind != TomlValue::Kind::text || label.text.empty()))
+          return refuse(label.line, "a label of still.labels is " +
+                                        (label.isNumber() ? formatNumber(label.num) : label.kindName()) +
+                                        "; accepted: a name ('*' for any text), or a whole number 1 … 65535");
+        still.labels.push_back(isNumber ? formatNumber(label.num) : label.text);
+      }
+    } else {
+      return refuseKey(member.line, key, "still", kStillKeys);
+    }
+  }
+  if (still.above && still.below && !(*still.above > *still.below))
+    return refuse(value.line, "still: above " + formatNumber(*still.above) + " and below " + formatNumber(*still.below) +
+                                  " leave nothing that moves; accepted: above greater than below");
+  out = still;
   return true;
 }
 

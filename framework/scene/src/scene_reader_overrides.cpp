@@ -79,7 +79,8 @@ bool SceneReader::refusePath(const std::string &path) {
   };
   for (const SceneBody &body : scene_.bodies)
     add("body." + body.name, {"material.law", "material.density", "material.youngs_modulus", "material.poisson_ratio",
-                              "sampling.spacing", "sampling.count", "position", "rotation_deg", "scale"});
+                              "sampling.spacing", "sampling.count", "surroundings.stiffness", "rigid", "position",
+                              "rotation_deg", "scale"});
   for (std::size_t i = 0; i < scene_.fixes.size(); ++i)
     add("fix." + nameOrNumber(scene_.fixes[i], i), {"displacement", "rotation_deg", "centre", "ramp", "region", "body"});
   for (std::size_t i = 0; i < scene_.loads.size(); ++i)
@@ -100,6 +101,7 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
   if (key == "material.preset") return readMaterial(body->params, value);
   if (const auto member = keyUnder("material.", key)) return materialKey(body->params, *member, value);
   if (const auto member = keyUnder("sampling.", key)) return samplingKey(*body, *member, value);
+  if (keyUnder("surroundings.", key)) return store(body->params, key, value);
   if (const auto member = keyUnder("parts.", key)) return overridePart(*body, *member, value);
   const bool isOfVolume = key == "volume" || key == "label" || key == "threshold" || key == "mend" || key == "edge_length";
   if (isOfVolume && body->volume.file.empty()) return refuse(0, "'" + key + "' belongs to a body with a 'volume'; this one has a 'mesh'");

@@ -63,6 +63,10 @@ bool isKnownToTheFormat(std::string_view id) {
                                    "sampling.stabilisation",
                                    "sampling.surface_spacing",
                                    "sampling.jitter",
+                                   "surroundings.stiffness",
+                                   "surroundings.tangential",
+                                   "surroundings.retardation_time",
+                                   "rigid",
                                    "friction",
                                    "restitution"};
   return std::find(kIds.begin(), kIds.end(), id) != kIds.end();

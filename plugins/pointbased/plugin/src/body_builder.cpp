@@ -151,6 +151,9 @@ BuiltBody build(const Services &services, const std::string &name, c3de_handle m
   if (!request.tell(0.85, "finding the stable step")) throw cancelled();
   out.body = std::make_unique<Body>(name, std::move(*rest), std::move(constitution), parallelFor);
   out.body->setInitialVelocity(source.velocity, source.angularVelocity);
+  if (const auto held = out.body->setFoundation(foundationOf(values)); !held)
+    throw sdk::Error(C3DE_E_ARG, name + ": surroundings.stiffness: " + held.error());
+  if (isRigid(values)) out.body->setRigid(true);
   return out;
 }
 

@@ -8,6 +8,8 @@
 namespace pointbased {
 namespace {
 
+constexpr double kFarBelow = 5.0;  // stable steps of bodies that far apart are worth an offer
+
 const std::array<std::string, 4> kUnitNames{"as it says, else mm", "mm", "cm", "m"};
 constexpr std::array<std::uint32_t, 4> kUnits{C3DE_UNIT_UNKNOWN, C3DE_UNIT_MM, C3DE_UNIT_CM, C3DE_UNIT_M};
 
@@ -71,9 +73,13 @@ void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
 void Controller::followBody(const Snapshot *snapshot) {
   if (!snapshot) return;
   if (body_ != 0 && snapshot->body(body_)) return;
-  body_ = snapshot->bodies.empty() ? 0 : snapshot->bodies.front().id;
-  if (body_ == 0) return;
-  nextValues_ = *snapshot->body(body_)->values;
+  body_ = 0;
+  if (!snapshot->bodies.empty()) showBody(snapshot->bodies.front());
+}
+
+void Controller::showBody(const BodySnapshot &body) {
+  body_ = body.id;
+  nextValues_ = *body.values;
   for (const c3de_param_decl &d : bodyDeclarations())
     if (const auto value = nextValues_.get(sdk::text(d.id))) (void)bodyParameters_.set(*value);
 }
@@ -86,6 +92,7 @@ void Controller::draw(sdk::Ui &ui) {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   followBody(snapshot.get());
   drawRun(ui, snapshot.get());
+  if (snapshot) offerRigid(ui, *snapshot);
   drawOrgan(ui, snapshot.get());
   drawView(ui, snapshot.get());
   drawPinch(ui);
@@ -113,9 +120,10 @@ void Controller::drawOrgan(sdk::Ui &ui, const Snapshot *snapshot) {
     if (ui.button("rebuild", "Rebuild", body_ != 0)) rebuild();
     ui.tooltip("Fills the present organ again with the sampling below");
   }
+  if (snapshot && snapshot->bodies.size() > 1) chooseBody(ui, *snapshot);
   const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
   if (body) {
-    ui.value("Organ", body->name);
+    if (snapshot->bodies.size() == 1) ui.value("Organ", body->name);
     ui.value("Phyxels", std::to_string(body->phyxels.size()));
     ui.value("Surfels", std::to_string(body->surfels.size()));
     ui.value("Spacing", fixed(1e3 * body->rest->spacing, 2) + " mm");
@@ -130,6 +138,48 @@ void Controller::drawOrgan(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.params(bodyParameters_.handle(), "Sampling");
 }
 
+void Controller::chooseBody(sdk::Ui &ui, const Snapshot &snapshot) {
+  std::vector<std::string> names;
+  std::uint32_t index = 0;
+  for (const BodySnapshot &body : snapshot.bodies) {
+    if (body.id == body_) index = static_cast<std::uint32_t>(names.size());
+    names.push_back(body.name);
+  }
+  if (ui.choice("body", "Organ", index, names)) showBody(snapshot.bodies[index]);
+  ui.tooltip("Whose figures and parameters are shown");
+}
+
+// Bone beside soft tissue: no step of the whole is longer than its stable one, or it is solved at a high price.
+void Controller::offerRigid(sdk::Ui &ui, const Snapshot &snapshot) {
+  const BodySnapshot *stiffest = nullptr;
+  for (const BodySnapshot &body : snapshot.bodies)
+    if (!body.rigid && (!stiffest || body.stableStep < stiffest->stableStep)) stiffest = &body;
+  if (!stiffest) return;
+  const BodySnapshot *next = nullptr;
+  for (const BodySnapshot &body : snapshot.bodies)
+    if (!body.rigid && &body != stiffest && (!next || body.stableStep < next->stableStep)) next = &body;
+  if (!next || !(stiffest->stableStep * kFarBelow < next->stableStep)) return;
+  ui.text(stiffest->name + " makes everything slow: its stable step is " + significant(1e3 * stiffest->stableStep, 2) +
+          " ms, " + significant(next->stableStep / stiffest->stableStep, 2) + " times below that of " + next->name + ".");
+  if (ui.button("make_rigid", "Make " + stiffest->name + " rigid")) makeRigid(stiffest->id);
+  ui.tooltip("It stands as it is in its reference and costs nothing. Surroundings, Rigid takes it back");
+}
+
+void Controller::makeRigid(std::uint64_t body) {
+  c3de_param_value value{};
+  value.size = sizeof value;
+  value.id = sdk::str("rigid");
+  value.type = C3DE_PARAM_BOOL;
+  value.num = 1.0;
+  if (body == body_) {
+    (void)nextValues_.set(value);
+    (void)bodyParameters_.set(value);
+  }
+  (void)services_.simulation.post(simulator_->node(), [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body, value] {
+    sdk::orThrow(simulator->setBodyParam({body}, &value));
+  });
+}
+
 void Controller::drawMaterial(sdk::Ui &ui) {
   ui.heading("Material");
   ui.params(bodyParameters_.handle(), "Material");
@@ -137,6 +187,8 @@ void Controller::drawMaterial(sdk::Ui &ui) {
   ui.params(bodyParameters_.handle(), "Plasticity");
   ui.heading("Relaxation");
   ui.params(bodyParameters_.handle(), "Relaxation");
+  ui.heading("Surroundings");
+  ui.params(bodyParameters_.handle(), "Surroundings");
 }
 
 void Controller::drawWorld(sdk::Ui &ui) {

@@ -33,6 +33,10 @@ class Controller : public sdk::Panel {
   void finish(const char *what, const sdk::Result<void> &result);
   void transport(std::uint32_t action);
   void followBody(const Snapshot *snapshot);
+  void showBody(const BodySnapshot &body);
+  void chooseBody(sdk::Ui &ui, const Snapshot &snapshot);
+  void offerRigid(sdk::Ui &ui, const Snapshot &snapshot);
+  void makeRigid(std::uint64_t body);
   void bodyParameterChanged(const c3de_param_value &value);
   void worldParameterChanged(const c3de_param_value &value);
   void report(const std::string &title, const std::string &text);

@@ -22,6 +22,7 @@ constexpr std::array<c3de_str, 3> kPoints{str("evaluation_points"), str("phyxels
 constexpr std::array<c3de_str, 5> kColourings{str("material"), str("displacement"), str("von_mises"), str("error"),
                                               str("stabilisation")};
 constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kRetardationTime = 0.02;  // s: soft tissue of 3 kPa and 60 Pa s
 constexpr double kFar = 1e6;  // m: beyond it, doubles no longer resolve a micrometre next to a body
 
 constexpr std::array kWorld{
@@ -142,6 +143,22 @@ constexpr std::array kBody{
                 {0.0, 1.0, 0.0, 0.9}, 0.0, C3DE_PARAM_MAX_OPEN),
     numberParam({"material.prony2.time", "Relaxation 2, time", "s", "Relaxation time", "Relaxation"},
                 {0.0, 1e9, 0.01, 100.0}, 10.0, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
+    numberParam({"surroundings.stiffness", "Held by surroundings", "Pa/m",
+                 "Elastic foundation: the tissue around pulls every point of the surface to its place in the reference by this "
+                 "stress per way; 0: nothing holds it. 3e4: an organ sinks some millimetres under its own weight",
+                 "Surroundings"},
+                {0.0, 1e12, 0.0, 1e6}, 0.0),
+    autoParam({"surroundings.tangential", "Along the surface", "Pa/m", "The same across the normal; auto: as much", "Surroundings"},
+              {0.0, 1e12, 0.0, 1e6}, C3DE_PARAM_ADVANCED),
+    numberParam({"surroundings.retardation_time", "Retardation time", "s",
+                 "Of the tissue around (Kelvin-Voigt): it damps by its stiffness times this time; 0: swings undamped",
+                 "Surroundings"},
+                {0.0, 1e6, 0.0, 0.1}, kRetardationTime, C3DE_PARAM_ADVANCED),
+    boolParam({"rigid", "Rigid", "",
+               "It stands as it is in its reference and costs nothing: for bone, whose step would be everybody's. Other bodies "
+               "do not touch it",
+               "Surroundings"},
+              false),
     choiceParam({"sampling.evaluation", "Evaluation", "",
                  "stress_points: cells of a lattice cut by the body, accurate at any sampling; phyxels: the method of Müller et "
                  "al. 2004; auto: stress_points",
@@ -379,6 +396,18 @@ Material materialOf(const ParameterValues &v) {
              PronyTerm{v.number("material.prony2.share"), v.number("material.prony2.time")}};
   return m;
 }
+
+Foundation foundationOf(const ParameterValues &v) {
+  Foundation foundation;
+  foundation.stiffness = v.number("surroundings.stiffness");
+  foundation.tangential = v.isAuto("surroundings.tangential") ? foundation.stiffness : v.number("surroundings.tangential");
+  foundation.retardationTime = v.number("surroundings.retardation_time");
+  return foundation;
+}
+
+bool isOfTheSurroundings(std::string_view id) { return id.rfind("surroundings.", 0) == 0; }
+
+bool isRigid(const ParameterValues &v) { return v.number("rigid") != 0.0; }
 
 Evaluation evaluationOf(const ParameterValues &v) {
   return v.text("sampling.evaluation") == "phyxels" ? Evaluation::phyxels : Evaluation::stressPoints;

@@ -50,6 +50,9 @@ class ParameterValues {
 /// Whether a parameter of the world says only what is shown.
 [[nodiscard]] bool isOfTheView(std::string_view id);
 [[nodiscard]] Material materialOf(const ParameterValues &values);
+[[nodiscard]] Foundation foundationOf(const ParameterValues &values);
+[[nodiscard]] bool isOfTheSurroundings(std::string_view id);
+[[nodiscard]] bool isRigid(const ParameterValues &values);
 [[nodiscard]] Evaluation evaluationOf(const ParameterValues &values);
 [[nodiscard]] double stabilisationOf(const ParameterValues &values);
 /// Without refinements, held regions and materials.

@@ -95,6 +95,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
             {"elastic", energy.elastic},
             {"stabilisation", energy.stabilisation},
             {"gravity", energy.gravity},
+            {"attachment", energy.foundation},
             {"plastic", 0.0}}},
           {"momentum", json(momentum)},
           {"angular_momentum", json(angular)},
@@ -107,7 +108,24 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
           {"max_plastic_strain", plastic},
           {"deepest_penetration_m", body.contact.deepest},
           {"asleep", simulator.asleep(reported.id)},
+          {"rigid", body.rigid()},
           {"stopped", body.stopped}};
+}
+
+// What holds a body elastically where it is in the scan.
+Json attachmentJson(const Simulator &simulator, std::size_t id) {
+  const Body &body = *simulator.body(id);
+  const ElasticFoundation &foundation = body.foundation();
+  const Reaction reaction = body.foundationReaction();
+  return {{"name", body.name() + "/surroundings"},
+          {"bodies", {body.name(), "surroundings"}},
+          {"stiffness_Pa_m", foundation.settings().stiffness},
+          {"tangential_Pa_m", foundation.settings().tangential},
+          {"area_m2", foundation.area()},
+          {"force_N", json(reaction.force)},
+          {"torque_Nm", json(reaction.torque)},
+          {"centre_m", json(reaction.centre)},
+          {"energy_J", simulator.energy(id).foundation}};
 }
 
 }  // namespace
@@ -116,15 +134,17 @@ std::string howComputed(const Simulator &simulator, std::size_t id) {
   const Body &body = *simulator.body(id);
   const Integrator integrator = simulator.integratorOf(id);
   const bool single = integrator == Integrator::explicitVerlet && body.precision() == Precision::singlePrecision;
+  if (body.rigid()) return "rigid: it is not";
   if (!body.vectorised()) return std::string(nameOf(integrator)) + ", by stages";
   return std::string(nameOf(integrator)) + (single ? ", single" : ", double") + " precision, " + kernelTarget();
 }
 
 std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies) {
-  Json out = {{"bodies", Json::array()},     {"probes", Json::array()},  {"reactions", Json::array()},
+  Json out = {{"bodies", Json::array()},     {"probes", Json::array()},  {"reactions", Json::array()}, {"attachments", Json::array()},
               {"stages", Json::object()},    {"events", Json::array()}};
   for (const ReportedBody &body : bodies) {
     out["bodies"].push_back(bodyJson(simulator, body));
+    if (simulator.body(body.id)->foundation().acts()) out["attachments"].push_back(attachmentJson(simulator, body.id));
     const std::vector<Reaction> reactions = simulator.reactions(body.id);
     for (std::size_t f = 0; f < reactions.size(); ++f)
       out["reactions"].push_back({{"fix", f < body.fixNumbers.size() ? body.fixNumbers[f] : f},

@@ -20,6 +20,9 @@ struct BodySnapshot {
   std::shared_ptr<const ParameterValues> values;
   std::uint64_t changes = 0;            ///< of the simulator: the same number, the same places
   bool asleep = false;
+  bool rigid = false;
+  bool isExplicit = true;
+  double stableStep = 0.0;              ///< s, at rest
   std::string computed;                 ///< how: "explicit, double precision, AVX3"
   std::vector<Vec3> phyxels;            ///< world, m
   std::vector<Vec3f> surfels, normals;  ///< world, m; single precision, as a screen takes it

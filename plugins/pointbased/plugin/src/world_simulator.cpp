@@ -34,6 +34,16 @@ Placement placementOf(const T &in) {
           Vec3(in.rotation_deg[0], in.rotation_deg[1], in.rotation_deg[2]), in.scale == 0.0 ? 1.0 : in.scale};
 }
 
+// What a rigid body would not do must not be asked of it.
+void checkStandsStill(const std::string &name, const BodySource &source) {
+  const auto refuse = [](const std::string &where) {
+    throw Error(C3DE_E_ARG, where + "the body is rigid and stands still; accepted: rigid = false, or no fix, no load and no velocity");
+  };
+  if (!source.fixes.empty()) refuse("fix " + std::to_string(source.fixNumbers.front()) + ": ");
+  if (!source.loads.empty()) refuse("load " + std::to_string(source.loadNumbers.front()) + ": ");
+  if (!source.velocity.isZero(0.0) || !source.angularVelocity.isZero(0.0)) refuse(name + ": ");
+}
+
 Failure noSuch(const char *what) { return {C3DE_E_STALE, std::string("there is no such ") + what + " in this simulation"}; }
 
 }  // namespace
@@ -94,6 +104,7 @@ void WorldSimulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   ParameterValues values(bodyDeclarations());
   sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
   record.source = readSource(in, values);
+  if (isRigid(values)) checkStandsStill(record.name, record.source);
   BuiltBody built = buildBody(context_.services, record.name, in.mesh, record.source, values, sdk::Progress(in.progress));
   record.values = std::make_shared<const ParameterValues>(std::move(values));
   record.surface = std::move(built.surface);
@@ -146,12 +157,18 @@ sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_para
   for (const c3de_param_decl &d : bodyDeclarations())
     if (sdk::text(d.id) == id && (d.flags & C3DE_PARAM_NEEDS_RESET))
       return Failure{C3DE_E_STATE, std::string(id) + " takes effect when the body is built again"};
-  // Parts keep what they say themselves.
-  for (BodyPart &part : record.source.parts)
-    if (std::find(part.own.begin(), part.own.end(), id) == part.own.end()) sdk::orThrow(part.values.set(in));
-  Constitution constitution = constitutionOf(record.name, record.source, changed);
+  if (isOfTheSurroundings(id)) {
+    if (const auto set = simulator_.setFoundation(body.v, foundationOf(changed)); !set)
+      return Failure{C3DE_E_ARG, record.name + ": " + std::string(id) + ": " + set.error()};
+  } else if (id == "rigid") {
+    simulator_.setRigid(body.v, isRigid(changed));
+  } else {
+    // Parts keep what they say themselves.
+    for (BodyPart &part : record.source.parts)
+      if (std::find(part.own.begin(), part.own.end(), id) == part.own.end()) sdk::orThrow(part.values.set(in));
+    simulator_.setConstitution(body.v, constitutionOf(record.name, record.source, changed));
+  }
   record.values = std::make_shared<const ParameterValues>(std::move(changed));
-  simulator_.setConstitution(body.v, std::move(constitution));
   return {};
 }
 
@@ -226,6 +243,9 @@ void WorldSimulator::publish() {
     const bool samePlaces = sameBody && b.changes == changes;
     b.changes = changes;
     b.asleep = simulator_.asleep(id);
+    b.rigid = body.rigid();
+    b.stableStep = body.stableStepAtRest();
+    b.isExplicit = simulator_.integratorOf(id) == Integrator::explicitVerlet;
     b.computed = howComputed(simulator_, id);
     b.id = id;
     b.name = record.name;

@@ -18,6 +18,7 @@ struct MaterialPreset {
   double youngsModulusMin = 0.0, youngsModulusMax = 0.0;      ///< Pa
   double poissonRatio = 0.0;
   double poissonRatioMin = 0.0, poissonRatioMax = 0.0;
+  bool isRigid = false;  ///< an organ of it is proposed as rigid: it does not deform beside soft tissue
   std::string evidence;  ///< what was measured
   std::string source;
   std::string note;

@@ -77,6 +77,15 @@ struct SceneVolume {
   double edgeLength_mm = 0.0;            ///< of the triangles of the skin; 0: automatic
 };
 
+/// What of an image does not go with the bodies beside it.
+struct SceneStill {
+  bool isAutomatic = true;             ///< bone and air, where the image or its labels tell them
+  std::optional<double> above, below;  ///< values of the image beyond which it stays
+  std::vector<std::string> labels;     ///< names of labels, '*' for any text, or numbers
+  bool outside = false;                ///< all that belongs to no body
+  friend bool operator==(const SceneStill &, const SceneStill &) = default;
+};
+
 /// The image that is shown beside the simulation.
 struct SceneImage {
   std::filesystem::path file;
@@ -84,6 +93,7 @@ struct SceneImage {
   std::vector<std::filesystem::path> labels;
   bool warp = true;      ///< it deforms with the bodies
   double rim_mm = 10.0;  ///< within it their displacement falls to nothing around them
+  SceneStill still;      ///< and what stays there
   int line = 0;
 };
 
