@@ -161,3 +161,86 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
   window.waitUntil("the scan is as it was read",
                    [](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s, "coronal") == 0.0; });
 }
+
+TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes back, and nothing smears", "[image_returns]") {
+  C3DE_WINDOW_OR_SKIP();
+  C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
+  C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
+  WorkstationDriver window("image_returns");
+  window.start({image.string(), labels.string()});
+  const Json first = window.waitUntil("the scan and its labels are shown", [](const Json &s) {
+    return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "image/label_map").empty();
+  }, 60.0);
+  const Vec3 centre = crossHair(first);
+  window.moveTo(pixelOf(window, "coronal", centre, centre));
+  window.key("4");
+
+  // The spleen, as it is in the labels; what holds it is what is proposed.
+  window.click("organ/label_filter");
+  window.type("1");
+  window.click("organ/label.1");
+  window.waitUntil("it is picked", [](const Json &s) { return text(s, "organ/Picked").starts_with("261"); });
+  window.click("organ/name");
+  window.key("ctrl+a");
+  window.type("spleen");
+  window.key("Return");
+  window.waitForValue("organ/material", "spleen");
+  CHECK(window.value("organ/held") == "by its surroundings");
+  CHECK(window.number("organ/surroundings") == 30000.0);
+  (void)window.locate("organ/surroundings");
+  window.screenshot("held");
+  window.click("organ/make");
+  window.waitUntil("the organ lives", [](const Json &s) {
+    return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
+           number(s, "image/axial.outlines") + number(s, "image/coronal.outlines") + number(s, "image/sagittal.outlines") >= 0;
+  }, 90.0);
+
+  // The cross-hair into it.
+  const Vec3 spleen{95.0, -135.0, 375.0};
+  window.clickAt(pixelOf(window, "coronal", centre, {spleen[0], centre[1], spleen[2]}));
+  window.waitUntil("the height is set", [&](const Json &s) { return std::abs(crossHair(s)[2] - spleen[2]) < 2.0; });
+  window.clickAt(pixelOf(window, "axial", centre, spleen));
+  window.click("image/slices_in_space");
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("1");
+  window.key("f");
+  window.key("p");
+  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  window.waitUntil("it rests where the scan shows it", [](const Json &s) { return shift_mm(s, "axial") < 0.05; });
+  window.moveTo(window.inView(0.5, 0.5));
+  window.waitFrames(5);
+  window.screenshot("before");
+
+  const auto millimetres = [](const Json &s, const char *row) {
+    Vec3 at{};
+    std::istringstream(text(s, std::string("pointbased.controller/") + row)) >> at[0] >> at[1] >> at[2];
+    return at;
+  };
+  window.press();
+  const Json held = window.waitUntil("a surfel is held", [](const Json &s) {
+    const std::string surfel = text(s, "pointbased.controller/Held surfel");
+    return !surfel.empty() && surfel != "–";
+  });
+  const Vec3 from = millimetres(held, "Held point");
+  double u = 0.5, v = 0.5;
+  while (norm(millimetres(window.state(), "Hand") - from) < 30.0 && u > 0.05) {
+    u -= 0.02;
+    v += 0.01;
+    window.moveTo(window.inView(u, v));
+    window.waitFrames(2);
+  }
+  CHECK(norm(millimetres(window.state(), "Hand") - from) >= 30.0);
+  window.waitUntil("the organ gives way", [&](const Json &s) { return norm(millimetres(s, "Held point") - from) > 5.0; }, 30.0);
+  window.waitFrames(20);
+  window.screenshot("pulled");
+  window.release();
+  window.moveTo(window.inView(0.5, 0.5));
+  window.waitUntil("it has come back", [](const Json &s) { return shift_mm(s, "axial") < 0.05; }, 30.0);
+  window.waitFrames(10);
+  window.screenshot("returned");
+  CHECK(window.differingPixels("before", "pulled", "3D") > 300);
+  for (const char *pane : {"axial", "coronal", "sagittal", "3D"}) {
+    INFO(pane);
+    CHECK(window.differingPixels("before", "returned", pane) < 60);
+  }
+}

@@ -2,6 +2,7 @@
 #include "build_scene.h"
 
 #include "c3de/core/log.h"
+#include "export_image.h"
 
 namespace c3de::app {
 
@@ -18,6 +19,9 @@ Expected<void> readSceneImage(const scene::SceneFile &scene, OrganSources &sourc
     if (const auto read = sources.labels(labels, options); !read) return failInScene(read.error(), scene, image.line);
     for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, labels.string() + ": " + notice);
   }
+  // That the labels which are to stay are there; presets add none that are not.
+  if (!image.still.labels.empty())
+    if (auto warp = imageWarpOf(scene, sources, {}); !warp) return tl::unexpected(warp.error());
   return {};
 }
 

@@ -150,10 +150,10 @@ Expected<void> writeReport(const RunOptions &options, const RunFacts &facts, con
   return writeWholeFile(options.report, *json);
 }
 
-void writeImageExports(const RunOptions &options, const imaging::Volume &image, double rim_mm, const c3de_simulator_v0 *table,
+void writeImageExports(const RunOptions &options, const imaging::Volume &image, const ImageWarp &how, const c3de_simulator_v0 *table,
                        c3de_object *simulator, ThreadPool &threads, WrittenOutputs &outputs) {
   const ImageExport &wanted = options.exportImage;
-  const auto u = presentDisplacement(table, simulator, image.geometry, rim_mm);
+  const auto u = presentDisplacement(table, simulator, image, how);
   for (const auto &file : {wanted.image, wanted.displacement}) {
     if (file.empty()) continue;
     const ImageExport one = file == wanted.image ? ImageExport{file, {}} : ImageExport{{}, file};
@@ -225,7 +225,9 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, render
     atTime.time = scene->image->time;
     const auto image = sources.volume(scene->image->file, atTime);
     if (!image) return tl::unexpected(image.error());
-    writeImageExports(options, **image, scene->image->rim_mm, *table, simulator.get(), session.pool(), outputs);
+    const auto how = imageWarpOf(*scene, sources, session.materials());
+    if (!how) return tl::unexpected(how.error());
+    writeImageExports(options, **image, *how, *table, simulator.get(), session.pool(), outputs);
   }
   if (renderer != nullptr) {
     auto drawn = session.adopt(simulator.get(), scene->title);

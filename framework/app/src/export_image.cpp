@@ -17,6 +17,7 @@
 #include "c3de/ui/file_browser.h"
 #include "live_warp.h"
 #include "organ.h"
+#include "still_rule.h"
 
 namespace c3de::app {
 namespace {
@@ -57,13 +58,37 @@ Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFil
   return {};
 }
 
+Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sources, const scene::MaterialLibrary &materials) {
+  ImageWarp how;
+  if (!scene.image) return how;
+  const scene::SceneImage &asked = *scene.image;
+  how.rim_mm = asked.rim_mm;
+  const auto image = sources.volume(asked.file, {});
+  if (!image) return failInScene(image.error(), scene, asked.line);
+  if (!asked.labels.empty()) {
+    const auto labels = sources.labels(asked.labels.back(), {});
+    if (!labels) return failInScene(labels.error(), scene, asked.line);
+    how.labels = *labels;
+  }
+  auto rule = stillRuleOf(asked.still, **image, how.labels.get(), materials);
+  if (!rule) return failInScene(rule.error(), scene, asked.line);
+  how.still = std::move(*rule);
+  return how;
+}
+
 Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
-                                                        const imaging::VolumeGeometry &image, double rim_mm) {
+                                                        const imaging::Volume &image, const ImageWarp &how) {
   imaging::DisplacementGrid u;
-  u.geometry = gridOf(presentBodies(table, simulator), image, rim_mm);
-  if (!readDisplacement(table, simulator, rim_mm, u))
+  u.geometry = gridOf(presentBodies(table, simulator), image.geometry, how.rim_mm);
+  if (!readDisplacement(table, simulator, how.rim_mm, u))
     return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
-  u.bodies = referenceBodies(simulator, image);
+  const std::shared_ptr<imaging::Mask> bodies = referenceBodies(simulator, image.geometry);
+  if (bodies && !how.still.isEmpty()) {
+    if (auto marked = imaging::markStill(how.still, image, how.labels.get(), *bodies); !marked)
+      return tl::unexpected(marked.error());
+    u.hasStill = true;
+  }
+  u.bodies = bodies;
   return u;
 }
 

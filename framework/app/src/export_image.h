@@ -2,11 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "c3de/abi/draft/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/imaging/displacement.h"
 #include "c3de/imaging/reading.h"
+#include "c3de/imaging/still.h"
+#include "c3de/scene/materials.h"
 #include "c3de/scene/scene_file.h"
 
 namespace c3de {
@@ -14,6 +17,8 @@ class ThreadPool;
 }
 
 namespace c3de::app {
+
+class OrganSources;
 
 /// What of the deformed scan is written; empty paths: not wanted. NRRD, NIfTI or MetaImage, by extension.
 struct ImageExport {
@@ -23,12 +28,23 @@ struct ImageExport {
   [[nodiscard]] bool isWanted() const { return !image.empty() || !displacement.empty(); }
 };
 
+/// How an image goes with the bodies.
+struct ImageWarp {
+  double rim_mm = 10.0;       ///< within it their displacement falls to nothing around them
+  imaging::StillRule still;   ///< what stays
+  std::shared_ptr<const imaging::LabelMap> labels;  ///< that `still` speaks of; may be null
+};
+/// That of a scene, whose image and labels are read if they are not yet. Errors: those of reading and of stillRuleOf(), with
+/// the line of [image].
+[[nodiscard]] Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sources,
+                                              const scene::MaterialLibrary &materials);
+
 /// Before the simulation begins: that there is an image whose grid they take, and that the files can be written. Errors:
 /// usage, output.
 [[nodiscard]] Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene);
 /// How far the tissue has moved, finer than what is shown live, wherever bodies are in the image. [sim]
 [[nodiscard]] Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
-                                                                      const imaging::VolumeGeometry &image, double rim_mm);
+                                                                      const imaging::Volume &image, const ImageWarp &how);
 /// u.nrrd -> u-vacated.nrrd: 1 where a body has gone away and nothing is known of what is there now. The field itself has no
 /// mark: it stays finite, as programs that resample with it need it.
 [[nodiscard]] std::filesystem::path vacatedFile(const std::filesystem::path &displacement);

@@ -19,6 +19,17 @@ namespace {
 // Between two displacements while it plays.
 constexpr double kLeastMilliseconds = 50.0;
 
+// The bodies with what stays around them; null: nothing does, or too little memory is left.
+std::shared_ptr<const imaging::Mask> withStill(const std::shared_ptr<const imaging::Mask> &bodies, const StillPlaces &still) try {
+  if (!bodies || !still.image || still.rule.isEmpty()) return nullptr;
+  auto places = std::make_shared<imaging::Mask>(*bodies);
+  if (!imaging::markStill(still.rule, still.image->volume, still.labels ? &still.labels->map : nullptr, *places))
+    return nullptr;
+  return places;
+} catch (const std::bad_alloc &) {
+  return nullptr;
+}
+
 }  // namespace
 
 PresentBodies presentBodies(const c3de_simulator_v0 *table, c3de_object *simulator) {
@@ -49,7 +60,7 @@ bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, do
   return true;
 }
 
-std::shared_ptr<const imaging::Mask> referenceBodies(c3de_object *simulator, const imaging::VolumeGeometry &image) try {
+std::shared_ptr<imaging::Mask> referenceBodies(c3de_object *simulator, const imaging::VolumeGeometry &image) try {
   const auto bodies = readBodyStates(simulator, BodyParts::skin, {});
   if (!bodies || image.voxelCount() == 0) return nullptr;
   auto all = std::make_shared<imaging::Mask>();
@@ -76,10 +87,11 @@ void LiveWarp::begin() {
   newest_.reset();
 }
 
-void LiveWarp::want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image) {
+void LiveWarp::want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image, const StillPlaces &still) {
   const std::lock_guard lock(mutex_);
   if (image.size != image_.size || image.indexToWorld != image_.indexToWorld) ++serial_;
   image_ = image;
+  still_ = still;
   rim_mm_ = rim_mm;
   wanted_ = wanted;
 }
@@ -93,20 +105,30 @@ void LiveWarp::whenPublished(const scene::Simulation &simulation) {
   if (behind_) return;
   const double rim = rim_mm_;
   const std::uint64_t serial = serial_;
-  if (std::exchange(gridSerial_, serial) != serial) {
+  imaging::VolumeGeometry image;
+  StillPlaces still;
+  {
+    const std::lock_guard lock(mutex_);
+    image = image_;
+    still = still_;
+  }
+  const bool isNew = std::exchange(gridSerial_, serial) != serial;
+  if (isNew) {
     grid_.forget();
-    imaging::VolumeGeometry image;
-    {
-      const std::lock_guard lock(mutex_);
-      image = image_;
-    }
-    bodies_ = referenceBodies(simulation.object(), image);
+    reference_ = referenceBodies(simulation.object(), image);
+  }
+  if (isNew || !(still == marked_)) {
+    marked_ = still;
+    const std::shared_ptr<const imaging::Mask> places = withStill(reference_, still);
+    hasStill_ = places != nullptr;
+    bodies_ = hasStill_ ? places : reference_;
   }
   const PresentBodies bodies = presentBodies(simulation.table(), simulation.object());
   grid_.follow(bodies.box, bodies.spacing_mm, rim);
   auto grid = std::make_shared<imaging::DisplacementGrid>();
   grid->geometry = grid_.geometry();
   grid->bodies = bodies_;
+  grid->hasStill = hasStill_;
   if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return;
   last_ = std::chrono::steady_clock::now();
   milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();

@@ -24,7 +24,7 @@ void ShownDisplacement::showBodies(std::shared_ptr<const imaging::Mask> bodies) 
   images_->remove(std::exchange(handles.bodies, {}));
   if (bodies_) {
     std::vector<std::uint8_t> white(bodies_->voxels);
-    for (std::uint8_t &v : white) v = v != 0 ? 255 : 0;
+    for (std::uint8_t &v : white) v = v == imaging::kBodyVoxel ? 255 : v == imaging::kStillVoxel ? 64 : 0;
     // Without it the image stays where bodies have gone away; that is no reason to show nothing.
     if (auto handle = images_->addImage({placeOf(bodies_->geometry), render::VoxelType::uint8, white.data()}))
       handles.bodies = *handle;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,7 @@
 #include "file_kind.h"
 #include "live_warp.h"
 #include "simulator_access.h"
+#include "still_rule.h"
 #include "workstation_export.h"
 #include "workstation_images.h"
 #include "workstation_loader.h"
@@ -53,6 +55,7 @@ class Workstation {
   void watchForFailure();
   void whenImageShown();
   void askForWarp();
+  [[nodiscard]] StillPlaces stillPlaces();
   void takeWarp();
   void whenOrgansLive(const WorkstationOrgan::Result &result);
   void whenLoaded(const WorkstationLoader::Loaded &loaded);
@@ -70,6 +73,9 @@ class Workstation {
   LiveWarp warp_;                              ///< used by the simulation's thread
   std::unique_ptr<Session> session_;
   scene::SceneImage image_;                    ///< how images deform beside the simulation
+  using StillAsked = std::tuple<scene::SceneStill, std::shared_ptr<const scene::StoredImage>,
+                                std::shared_ptr<const scene::StoredLabels>>;
+  StillAsked stillAsked_;                      ///< what was wanted to stay when the warp was asked for
   bool playsWhenLoaded_ = false;
   bool hasReportedFailure_ = false;
   double targetRate_ = 1.0;
@@ -182,7 +188,11 @@ ui::WindowActions Workstation::actions() {
   actions.exportSurface = [this, tell](const std::filesystem::path &file) { exportPresentSurface(*session_, file, tell); };
   actions.exportFrame = [this, tell](const std::filesystem::path &file) { exportPresentFrame(*session_, file, tell); };
   const auto exportImage = [this, tell](const ImageExport &wanted) {
-    exportPresentImage(*session_, images_->views().sharedImage(), image_.rim_mm, wanted, tell);
+    const StillPlaces still = images_->views().image() ? stillPlaces() : StillPlaces{};
+    // The map of labels is lent by what holds it.
+    const std::shared_ptr<const imaging::LabelMap> labels =
+        still.labels ? std::shared_ptr<const imaging::LabelMap>(still.labels, &still.labels->map) : nullptr;
+    exportPresentImage(*session_, images_->views().sharedImage(), {image_.rim_mm, still.rule, labels}, wanted, tell);
   };
   actions.exportImage = [exportImage](const std::filesystem::path &file) { exportImage({file, {}}); };
   actions.exportDisplacement = [exportImage](const std::filesystem::path &file) { exportImage({{}, file}); };
@@ -316,13 +326,31 @@ void Workstation::whenOrgansLive(const WorkstationOrgan::Result &result) {
 void Workstation::askForWarp() {
   scene::Simulation *simulation = session_->simulation();
   const bool wanted = image_.warp && simulation && images_->views().image() && servesFills(simulation->table());
-  warp_.want(wanted, image_.rim_mm, wanted ? images_->views().image()->volume.geometry : imaging::VolumeGeometry{});
+  const ui::ImageViews &views = images_->views();
+  stillAsked_ = {views.options().still, views.sharedImage(), views.sharedLabels()};
+  warp_.want(wanted, image_.rim_mm, wanted ? views.image()->volume.geometry : imaging::VolumeGeometry{},
+             wanted ? stillPlaces() : StillPlaces{});
   if (!wanted) return images_->showDisplacement(nullptr);
   simulation->post([] {});  // publishes once more
 }
 
+/// What of the image stays, as the panel says it.
+StillPlaces Workstation::stillPlaces() {
+  const ui::ImageViews &views = images_->views();
+  StillPlaces places{views.sharedImage(), views.sharedLabels(), {}};
+  auto rule = stillRuleOf(views.options().still, places.image->volume, places.labels ? &places.labels->map : nullptr,
+                          session_->materials());
+  if (rule)
+    places.rule = std::move(*rule);
+  else
+    whenFailed("Everything in the image moves with the bodies", rule.error());
+  return places;
+}
+
 /// Before a frame, whose texts say it as its slices show it.
 void Workstation::takeWarp() {
+  const ui::ImageViews &views = images_->views();
+  if (warp_.wanted() && stillAsked_ != StillAsked{views.options().still, views.sharedImage(), views.sharedLabels()}) askForWarp();
   if (auto newest = warp_.take()) images_->showDisplacement(std::move(newest));
   scene::Simulation *simulation = session_->simulation();
   if (warp_.isBehind() && simulation && simulation->state().mode != C3DE_SIM_PLAYING) simulation->post([] {});
@@ -332,6 +360,9 @@ void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
   if (!loaded.isReload) window_->requestFit();
   checkSize(loaded.unit, loaded.size_mm);
   image_ = loaded.image.value_or(scene::SceneImage{});
+  ui::ImageOptions options = images_->views().options();
+  options.still = image_.still;
+  images_->views().setOptions(options);
   images_->whenOrgansAreGone();
   warp_.begin();
   images_->showDisplacement(nullptr);

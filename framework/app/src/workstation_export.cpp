@@ -55,8 +55,8 @@ void exportPresentFrame(Session &session, const std::filesystem::path &file, Exp
   whileStanding(session, write, std::move(told));
 }
 
-void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, double rim_mm, const ImageExport &wanted,
-                        ExportTold told) {
+void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, const ImageWarp &how,
+                        const ImageExport &wanted, ExportTold told) {
   scene::Simulation *simulation = session.simulation();
   if (simulation == nullptr || !image) return;
   const std::filesystem::path file = wanted.image.empty() ? wanted.displacement : wanted.image;
@@ -76,8 +76,8 @@ void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredIma
           if (result.error().code != ErrorCode::cancelled) told(tl::unexpected(result.error()));
         });
   };
-  simulation->post([simulation, queue = &session.mainQueue(), image, rim_mm, write, told] {
-    auto u = presentDisplacement(simulation->table(), simulation->object(), image->volume.geometry, rim_mm);
+  simulation->post([simulation, queue = &session.mainQueue(), image, how, write, told] {
+    auto u = presentDisplacement(simulation->table(), simulation->object(), image->volume, how);
     if (!u) return queue->post([told, error = u.error()] { told(tl::unexpected(error)); });
     queue->post([write, shared = std::make_shared<const imaging::DisplacementGrid>(std::move(*u))] { write(shared); });
   });

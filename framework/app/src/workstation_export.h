@@ -23,7 +23,7 @@ void exportPresentFrame(Session &session, const std::filesystem::path &file, Exp
 
 /// The image as the tissue now lies, or how far it has moved at its voxels. The displacement is of one moment; warping and
 /// writing are a job beside the window.
-void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, double rim_mm, const ImageExport &wanted,
-                        ExportTold told);
+void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, const ImageWarp &how,
+                        const ImageExport &wanted, ExportTold told);
 
 }  // namespace c3de::app

@@ -75,7 +75,13 @@ scene::SceneFile sceneOf(const ui::OrganRequest &request, imaging::Mask mask, co
     body.params.push_back(numberOf("material.youngs_modulus", preset->youngsModulus));
     body.params.push_back(numberOf("material.poisson_ratio", preset->poissonRatio));
   }
-  if (request.holdsLowestPart) {
+  if (request.isRigid) {
+    scene::SceneValue rigid = numberOf("rigid", 1.0);
+    rigid.value.type = C3DE_PARAM_BOOL;
+    body.params.push_back(rigid);
+  } else if (request.held == ui::Held::surroundings && request.surroundings_Pa_m > 0.0) {
+    body.params.push_back(numberOf("surroundings.stiffness", request.surroundings_Pa_m));
+  } else if (request.held == ui::Held::lowestPart) {
     const auto [low, high] = extentToTheBack(mask);
     scene::SceneFix fix;
     fix.name = "back";

@@ -9,14 +9,17 @@ Vec3 DisplacementGrid::at(const Vec3 &world) const {
   if (xyz_mm.empty()) return {};
   DisplacementRow row(*this, affineInverse(geometry.indexToWorld));
   row.startAt(world);
-  return row.at(0);
+  Vec3 u = row.at(0);
+  if (knowsVacated()) (void)Vacated(*this, kIdentity4).settles(row, 0, world, u);
+  return u;
 }
 
 bool DisplacementGrid::isVacated(const Vec3 &world) const {
   if (!knowsVacated() || xyz_mm.empty()) return false;
   DisplacementRow row(*this, affineInverse(geometry.indexToWorld));
   row.startAt(world);
-  return Vacated(*this, kIdentity4).has(row, 0, world, row.at(0));
+  Vec3 u = row.at(0);
+  return Vacated(*this, kIdentity4).settles(row, 0, world, u);
 }
 
 double DisplacementGrid::leastGap() const {

@@ -97,30 +97,45 @@ class DisplacementRow {
   Mat4 nodeFromVoxel_;
 };
 
-/// Which voxels of a grid are vacated.
+/// Which voxels of a grid are vacated, and which stay.
 class Vacated {
  public:
   /// @param worldFromVoxel  of the grid that is asked about; u.knowsVacated()
   Vacated(const DisplacementGrid &u, const Mat4 &worldFromVoxel)
-      : bodies_(*u.bodies), fromWorld_(affineInverse(bodies_.geometry.indexToWorld)),
+      : bodies_(*u.bodies), leastWay_(0.25 * u.leastGap()), fromWorld_(affineInverse(bodies_.geometry.indexToWorld)),
         fromVoxel_(multiply(fromWorld_, worldFromVoxel)) {}
 
-  /// @param row  that voxel i belongs to, which is `voxel`; its displacement is d
-  [[nodiscard]] bool has(const DisplacementRow &row, std::size_t i, const Vec3 &voxel, const Vec3 &d) const {
+  /// @param row  that voxel i belongs to, which is `voxel`
+  /// @param d    in: its displacement; out: 0 where it stays
+  /// @return whether it is vacated
+  [[nodiscard]] bool settles(const DisplacementRow &row, std::size_t i, const Vec3 &voxel, Vec3 &d) const {
     const Vec3 now = transformPoint(fromVoxel_, voxel);
-    std::size_t at = 0, stride = 1;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double X = now[a] - (fromWorld_[a] * d[0] + fromWorld_[4 + a] * d[1] + fromWorld_[8 + a] * d[2]);
-      const double nearest = std::floor(X + 0.5);
-      if (!(nearest >= 0.0 && nearest < static_cast<double>(bodies_.geometry.size[a]))) return false;
-      at += stride * static_cast<std::size_t>(nearest);
-      stride *= bodies_.geometry.size[a];
-    }
-    return bodies_.voxels[at] != 0 && row.hasGap(i);
+    const std::uint8_t was = shownAt({now[0] - (fromWorld_[0] * d[0] + fromWorld_[4] * d[1] + fromWorld_[8] * d[2]),
+                                      now[1] - (fromWorld_[1] * d[0] + fromWorld_[5] * d[1] + fromWorld_[9] * d[2]),
+                                      now[2] - (fromWorld_[2] * d[0] + fromWorld_[6] * d[1] + fromWorld_[10] * d[2])});
+    if (was == kBodyVoxel) return row.hasGap(i);
+    if (d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0) return false;
+    const bool leaves = was == kStillVoxel;
+    if (shownAt(now) != kStillVoxel && (!leaves || norm(d) > leastWay_)) return leaves;
+    d = {};
+    return false;
   }
 
  private:
+  /// 0 outside of the grid.
+  [[nodiscard]] std::uint8_t shownAt(const Vec3 &index) const {
+    std::size_t at = 0, stride = 1;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double nearest = std::floor(index[a] + 0.5);
+      if (!(nearest >= 0.0 && nearest < static_cast<double>(bodies_.geometry.size[a]))) return 0;
+      at += stride * static_cast<std::size_t>(nearest);
+      stride *= bodies_.geometry.size[a];
+    }
+    return bodies_.voxels[at];
+  }
+
   const Mask &bodies_;
+  double leastWay_;
   Mat4 fromWorld_, fromVoxel_;
 };
 

@@ -172,8 +172,8 @@ Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u, cons
             // What has gone may have been anywhere.
             if (vacated) part = {0, n[0]};
             for (std::size_t i = part.begin; i < part.end; ++i) {
-              const Vec3 d = displacement.at(i);
-              if (vacated && vacated->has(displacement, i, indexOf(i, j, k), d))
+              Vec3 d = displacement.at(i);
+              if (vacated && vacated->settles(displacement, i, indexOf(i, j, k), d))
                 voxel[i] = empty;
               else if (!isZero(d))
                 voxel[i] = linear(from, n, stride, source.of(i, j, k, d));
@@ -206,8 +206,8 @@ Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u, 
           std::uint16_t *voxel = out.voxels.data() + g.size[0] * (j + g.size[1] * k);
           if (vacated) part = {0, g.size[0]};
           for (std::size_t i = part.begin; i < part.end; ++i) {
-            const Vec3 d = row.at(i);
-            if (vacated && vacated->has(row, i, indexOf(i, j, k), d)) {
+            Vec3 d = row.at(i);
+            if (vacated && vacated->settles(row, i, indexOf(i, j, k), d)) {
               voxel[i] = 0;
               continue;
             }
@@ -237,11 +237,16 @@ Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &gr
     out.geometry = grid;
     out.unit = "mm";
     auto &values = out.voxels.emplace<std::vector<float>>(grid.voxelCount(), 0.0f);
+    const std::optional<Vacated> vacated = vacatedBy(u, grid);
     const auto done =
         forRows(u, grid, "amount of displacement", progress, threads,
                 [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
                   float *value = values.data() + grid.size[0] * (j + grid.size[1] * k);
-                  for (std::size_t i = part.begin; i < part.end; ++i) value[i] = static_cast<float>(norm(row.at(i)));
+                  for (std::size_t i = part.begin; i < part.end; ++i) {
+                    Vec3 d = row.at(i);
+                    if (vacated) (void)vacated->settles(row, i, indexOf(i, j, k), d);
+                    value[i] = static_cast<float>(norm(d));
+                  }
                 });
     if (!done) return tl::unexpected(done.error());
     return out;
@@ -277,12 +282,14 @@ Expected<DisplacementGrid> resampled(const DisplacementGrid &u, const VolumeGeom
   if (const auto good = checkDisplacement(u); !good) return tl::unexpected(good.error());
   try {
     DisplacementGrid out{grid, std::vector<float>(3 * grid.voxelCount(), 0.0f)};
+    const std::optional<Vacated> vacated = vacatedBy(u, grid);
     const auto done =
         forRows(u, grid, "displacement field", progress, threads,
                 [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
                   float *value = out.xyz_mm.data() + 3 * grid.size[0] * (j + grid.size[1] * k);
                   for (std::size_t i = part.begin; i < part.end; ++i) {
-                    const Vec3 d = row.at(i);
+                    Vec3 d = row.at(i);
+                    if (vacated) (void)vacated->settles(row, i, indexOf(i, j, k), d);
                     for (std::size_t a = 0; a < 3; ++a) value[3 * i + a] = static_cast<float>(d[a]);
                   }
                 });

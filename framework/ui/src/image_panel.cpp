@@ -166,9 +166,39 @@ void ImagePanel::drawVolume(const c3de_ui_v0 &ui, ImageOptions &options) {
   checkbox(ui, "cuts_bodies", "Cut bodies too", options.cutsBodies, "Their surfaces, not how they move");
 }
 
+void ImagePanel::drawStill(const c3de_ui_v0 &ui, scene::SceneStill &still) {
+  enum : std::uint32_t { kNothing, kBoneAndAir, kOutside, kValues };
+  const bool byValues = still.above || still.below || !still.labels.empty();
+  std::uint32_t index = still.outside ? kOutside : still.isAutomatic ? kBoneAndAir : byValues ? kValues : kNothing;
+  const bool isChanged =
+      choice(ui, "still", "Stays", index, {"nothing", "bone and air", "all outside of the bodies", "by values"});
+  tooltip(ui, "What does not go with the bodies: where they move away from it a gap opens. Bone and air: of a CT above 200 "
+              "and below -400 HU, and labels of bone");
+  const imaging::ValueRange &range = views_.image()->range;
+  if (isChanged) {
+    std::vector<std::string> labels = std::move(still.labels);
+    still = {};
+    still.isAutomatic = index == kBoneAndAir;
+    still.outside = index == kOutside;
+    if (index == kValues) {
+      still.above = range.high;
+      still.below = range.low;
+      still.labels = std::move(labels);
+    }
+  }
+  std::string names;
+  for (const std::string &name : still.labels) names += (names.empty() ? "" : ", ") + name;
+  if (!names.empty()) row(ui, "Labels that stay", names);
+  const std::string &unit = views_.image()->volume.unit;
+  if (still.below) slider(ui, "still_below", "Below", unit, *still.below, range.min, range.max, "Values that stay");
+  if (still.above) slider(ui, "still_above", "Above", unit, *still.above, range.min, range.max, "Values that stay");
+  if (still.above && still.below) still.above = std::max(*still.above, *still.below);
+}
+
 void ImagePanel::drawShift(const c3de_ui_v0 &ui, ImageOptions &options) {
   if (!views_.hasDisplacement()) return;
   heading(ui, "Displacement");
+  drawStill(ui, options.still);
   checkbox(ui, "shift", "Colours of |u|", options.showsShift, "How far the tissue has moved, over the slices");
   slider(ui, "shift_high", "Up to", "mm", options.shiftHigh, 0.1, 50.0, "");
   slider(ui, "shift_low", "From", "mm", options.shiftLow, 0.0, 20.0, "Below it nothing is laid over");

@@ -286,6 +286,7 @@ render::ImageLook ImageViews::look() const {
   look.labels = handles_.preview.isNull() || !options_.showsPreview ? handles_.labels : handles_.preview;
   look.displacement = handles_.displacement;
   look.bodies = handles_.bodies;
+  look.hasStill = displacement_ && displacement_->hasStill;
   look.leastGap = displacement_ ? displacement_->leastGap() : 0.0;
   look.window = options_.windowLevel.window;
   look.level = options_.windowLevel.level;

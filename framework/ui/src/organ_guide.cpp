@@ -66,6 +66,7 @@ void OrganGuide::setSources(MaskSources sources) {
   if (sources.image != before.image) {
     settings_ = {};
     isMaterialChosen_ = false;
+    rigid_.reset();
     if (sources.image) {
       // The upper half of what occurs: something is seen, and the slider shows where to go.
       const imaging::ValueRange &range = sources.image->range;
@@ -82,6 +83,7 @@ void OrganGuide::setSources(MaskSources sources) {
   ++serial_;
   labelVolumes_ml_.clear();
   labelMaterials_.clear();
+  labelRigid_.clear();
   if (mask_.sources().labels) countLabels();
 }
 
@@ -155,6 +157,7 @@ void OrganGuide::chooseLabel(std::uint16_t value) {
   settings_.isFromLabel = true;
   settings_.name = nameOf(value);
   isMaterialChosen_ = false;
+  rigid_.reset();
   preselectMaterial();
   MaskStep step;
   step.kind = MaskStep::Kind::label;
@@ -228,6 +231,7 @@ void OrganGuide::whenMaskChanged() {
       if (step.kind == MaskStep::Kind::label && settings_.name != nameOf(step.label)) {
         settings_.name = nameOf(step.label);
         isMaterialChosen_ = false;
+        rigid_.reset();
         preselectMaterial();
       }
       if (settings_.isFromLabel) continue;
@@ -280,11 +284,23 @@ const scene::MaterialPreset *OrganGuide::materialOf(std::uint16_t label) const {
 
 void OrganGuide::chooseMaterialOf(std::uint16_t label, const std::string &preset) { labelMaterials_[label] = preset; }
 
-void OrganGuide::setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm, bool holdsLowestPart) {
+void OrganGuide::setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm) {
   settings_.phyxels = phyxels;
   settings_.isEdgeAutomatic = isEdgeAutomatic;
   settings_.edge_mm = edge_mm;
-  settings_.holdsLowestPart = holdsLowestPart;
+}
+
+void OrganGuide::setHolding(Held held, double surroundings_Pa_m) {
+  settings_.held = held;
+  settings_.surroundings_Pa_m = surroundings_Pa_m;
+}
+
+bool OrganGuide::isRigid() const { return rigid_.value_or(material() && material()->isRigid); }
+
+bool OrganGuide::isRigid(std::uint16_t label) const {
+  if (const auto chosen = labelRigid_.find(label); chosen != labelRigid_.end()) return chosen->second;
+  const scene::MaterialPreset *preset = materialOf(label);
+  return preset && preset->isRigid;
 }
 
 void OrganGuide::setMending(bool keepsLargest, bool fillsHoles) {
@@ -315,7 +331,8 @@ OrganRequest OrganGuide::requestOfSettings() const {
   OrganRequest request;
   request.phyxels = static_cast<std::size_t>(std::lround(settings_.phyxels));
   request.edge_mm = settings_.isEdgeAutomatic ? 0.0 : settings_.edge_mm;
-  request.holdsLowestPart = settings_.holdsLowestPart;
+  request.held = settings_.held;
+  request.surroundings_Pa_m = settings_.surroundings_Pa_m;
   return request;
 }
 
@@ -328,6 +345,7 @@ void OrganGuide::makeAlive() {
     request.name = settings_.name;
     request.mask = mask_.mask();
     request.material = settings_.material;
+    request.isRigid = isRigid();
     if (!picked.empty()) request.label = picked.front(), request.labels = mask_.sources().labels;
     return events_.make(std::move(requests));
   }
@@ -342,6 +360,7 @@ void OrganGuide::makeAlive() {
     request.keepsLargest = settings_.keepsLargest;
     request.fillsHoles = settings_.fillsHoles;
     request.material = materialOf(label)->name;
+    request.isRigid = isRigid(label);
   }
   events_.make(std::move(requests));
 }

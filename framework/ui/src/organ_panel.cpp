@@ -12,6 +12,8 @@ namespace c3de::ui {
 namespace {
 
 constexpr double kFewestPhyxels = 50.0, kMostPhyxels = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
+constexpr double kStiffestSurroundings = 3e5;  // Pa/m
+constexpr const char *kRigid = "It stands where it is in the scan and costs nothing: for bone, whose small step would be everybody's";
 constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0;
 
 void swatch(const c3de_ui_v0 &ui, const render::Colour &colour) {
@@ -57,6 +59,7 @@ void OrganPanel::draw(const c3de_ui_v0 &ui) {
     drawMaterial(ui);
   heading(ui, several > 0 ? "3  Sampling, of each" : "3  Sampling");
   drawSampling(ui);
+  drawHolding(ui);
   heading(ui, "4  Simulate");
   const std::string reason = guide_.whyNot();
   const std::string makes = several > 0 ? fmt::format("Make {} organs alive", several) : std::string("Make it alive");
@@ -234,6 +237,8 @@ void OrganPanel::drawMaterials(const c3de_ui_v0 &ui) {
     const std::string id = "material." + std::to_string(label.value);
     if (choice(ui, id.c_str(), "Material", index, names))
       guide_.chooseMaterialOf(label.value, index > 0 ? names[index] : std::string());
+    bool isRigid = guide_.isRigid(label.value);
+    if (checkbox(ui, "rigid." + std::to_string(label.value), "Rigid", isRigid, kRigid)) guide_.setRigid(label.value, isRigid);
     if (!preset) continue;
     row(ui, "Young's modulus", stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
     row(ui, "ν, density",
@@ -250,9 +255,24 @@ void OrganPanel::drawSampling(const c3de_ui_v0 &ui) {
   checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic,
            "A twentieth of the cube root of the volume");
   if (!s.isEdgeAutomatic) slider(ui, "edge", "Edge length", "mm", s.edge_mm, kShortestEdge_mm, kLongestEdge_mm, "");
-  std::uint32_t held = s.holdsLowestPart ? 1 : 0;
-  choice(ui, "held", "Held", held, {"nothing", "the lowest part"});
-  guide_.setSampling(s.phyxels, s.isEdgeAutomatic, s.edge_mm, held == 1);
+  guide_.setSampling(s.phyxels, s.isEdgeAutomatic, s.edge_mm);
+}
+
+void OrganPanel::drawHolding(const c3de_ui_v0 &ui) {
+  if (!guide_.isSeveral()) {
+    bool isRigid = guide_.isRigid();
+    if (checkbox(ui, "rigid", "Rigid", isRigid, kRigid)) guide_.setRigid(isRigid);
+    if (isRigid) return;
+  }
+  OrganSettings s = guide_.settings();
+  auto held = static_cast<std::uint32_t>(s.held);
+  choice(ui, "held", "Held", held, {"by its surroundings", "the lowest part", "nothing"});
+  tooltip(ui, "By its surroundings: elastically, where it is in the scan, so that it comes back. Nothing: it drifts");
+  if (static_cast<Held>(held) == Held::surroundings)
+    slider(ui, "surroundings", "Surroundings", "Pa/m", s.surroundings_Pa_m, 0.0, kStiffestSurroundings,
+           "How the tissue around pulls the surface to its place: stress per way. 30 000: an organ sinks some millimetres under "
+           "its own weight; 0: not at all");
+  guide_.setHolding(static_cast<Held>(held), s.surroundings_Pa_m);
 }
 
 }  // namespace c3de::ui

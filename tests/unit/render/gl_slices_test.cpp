@@ -367,3 +367,45 @@ TEST_CASE("A colour image shows its colours, through window and level, moved lik
   look.displacement = added(gl.renderer->images()->addDisplacement({{2, 2, 2}, {100, 0, 0, 0, 0, 100, 0, 0, 0, 0, 100, 0, -50, -50, -50, 1}}, shift));
   shows(slice(*gl.renderer, look, plane), 9, -9, {200, 0, 0});
 }
+
+TEST_CASE("What stays is not displaced, and what has moved away from it leaves a gap", "[slices]") {
+  C3DE_GL_OR_SKIP(gl);
+  ImageRenderer &images = *gl.renderer->images();
+  const Phantom phantom = plainPhantom();
+  ImageLook look = lookAt(added(images.addImage(phantom.image())));
+  const SlicePlane plane = planeAt({0, 0, 0}, kLeft, kDown);
+  const Image still = slice(*gl.renderer, look, plane);
+  // Everything moves 6 mm to the left; the right half of the image stays. No bodies, no gaps between them.
+  const GridPlace place = phantom.place(), grid{{13, 13, 5}, {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 20, 0, -60, -60, -40, 1}};
+  const std::array<std::size_t, 3> &n = place.size;
+  std::vector<std::uint8_t> stays(n[0] * n[1] * n[2], 0);
+  for (std::size_t v = 0; v < stays.size(); ++v) stays[v] = v % n[0] < n[0] / 2 ? 64 : 0;
+  std::vector<float> u, gaps(13 * 13 * 5, 0.0f);
+  for (std::size_t i = 0; i < 13 * 13 * 5; ++i) u.insert(u.end(), {6.0f, 0.0f, 0.0f});
+  look.leastGap = 2.0;
+  look.displacement = added(images.addDisplacement(grid, u, gaps));
+  const Image bent = slice(*gl.renderer, look, plane);
+  look.bodies = added(images.addImage({place, VoxelType::uint8, stays.data()}));
+  CHECK(mostDifferent(slice(*gl.renderer, look, plane), bent) == 0);  // nobody has said that anything stays
+  look.hasStill = true;
+  const Image shown = slice(*gl.renderer, look, plane);
+  save(shown, "slice_still.png");
+  const auto isHatch = [](const Rgb &p) { return difference(p, {5, 5, 5}) <= 1 || difference(p, {51, 77, 82}) <= 1; };
+  int moved = 0, hatched = 0, kept = 0;
+  for (int y = 16; y < kSide - 16; ++y)
+    for (int x = 16; x < kSide - 16; ++x) {
+      const double across = 0.5 * (x + 0.5 - 72);
+      // The border between the halves is as coarse as a voxel.
+      if (across < -3.0) {
+        REQUIRE(difference(pixel(shown, x, y), pixel(still, x, y)) == 0);
+        ++kept;
+      } else if (across > 3.0 && across < 4.0) {
+        hatched += isHatch(pixel(shown, x, y)) ? 1 : 0;
+      } else if (across > 9.5) {
+        REQUIRE(difference(pixel(shown, x, y), pixel(bent, x, y)) == 0);
+        ++moved;
+      }
+    }
+  CHECK((kept > 1000 && moved > 1000));
+  CHECK(hatched == 2 * (kSide - 32));
+}

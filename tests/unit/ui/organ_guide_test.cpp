@@ -213,7 +213,8 @@ TEST_CASE("What is made alive is what was picked and chosen", "[organ]") {
   CHECK_THAT(f.guide.whyNot(), Contains("being computed"));
   f.settle();
   f.guide.setName("liver");
-  f.guide.setSampling(750.0, false, 3.5, true);
+  f.guide.setSampling(750.0, false, 3.5);
+  f.guide.setHolding(Held::lowestPart, 2e5);
   CHECK(f.guide.whyNot().empty());
   f.guide.makeAlive();
   REQUIRE(f.made.size() == 1);
@@ -221,11 +222,45 @@ TEST_CASE("What is made alive is what was picked and chosen", "[organ]") {
   CHECK(f.made[0].material == "liver");
   CHECK(f.made[0].phyxels == 750);
   CHECK(f.made[0].edge_mm == 3.5);
-  CHECK(f.made[0].holdsLowestPart);
+  CHECK(f.made[0].held == Held::lowestPart);
   CHECK(imaging::voxelCount(*f.made[0].mask) == Fixture::kLarge + Fixture::kSmall);
-  f.guide.setSampling(750.0, true, 3.5, false);
+  f.guide.setSampling(750.0, true, 3.5);
   f.guide.makeAlive();
   CHECK(f.made[1].edge_mm == 0.0);
+}
+
+TEST_CASE("An organ is held by its surroundings unless a person says otherwise, and bone is proposed as rigid", "[organ]") {
+  Fixture f;
+  f.guide.setLow(60.0);
+  f.settle();
+  f.guide.setName("liver");
+  f.guide.makeAlive();
+  REQUIRE(f.made.size() == 1);
+  CHECK(f.made[0].held == Held::surroundings);
+  CHECK(f.made[0].surroundings_Pa_m == kSurroundingsStiffness);
+  CHECK_FALSE(f.made[0].isRigid);
+  f.guide.setHolding(Held::nothing, 2e4);
+  f.guide.setName("vertebrae_L1");
+  CHECK(f.guide.settings().material == "bone_cortical");
+  CHECK(f.guide.isRigid());
+  f.guide.makeAlive();
+  CHECK(f.made[1].isRigid);
+  CHECK(f.made[1].held == Held::nothing);
+  f.guide.setRigid(false);
+  f.guide.makeAlive();
+  CHECK_FALSE(f.made[2].isRigid);
+  // Another label: as its material says, again.
+  f.guide.setSources(f.sources);
+  f.settle();
+  f.guide.chooseLabels({3, 8});
+  f.settle();
+  f.guide.chooseMaterialOf(8, "bone_cortical");
+  CHECK(f.guide.isRigid(8));
+  CHECK_FALSE(f.guide.isRigid(3));
+  f.guide.setRigid(3, true);
+  f.guide.makeAlive();
+  REQUIRE(f.made.size() == 5);
+  CHECK((f.made[3].isRigid && f.made[4].isRigid));
 }
 
 TEST_CASE("Several ticked labels become a request each, with the material of their names", "[organ]") {
@@ -245,13 +280,14 @@ TEST_CASE("Several ticked labels become a request each, with the material of the
   CHECK(f.made.empty());
   f.guide.chooseMaterialOf(8, "fat");
   f.guide.setMending(true, true);
-  f.guide.setSampling(640.0, true, 3.5, true);
+  f.guide.setSampling(640.0, true, 3.5);
+  f.guide.setHolding(Held::lowestPart, 2e5);
   f.guide.makeAlive();
   REQUIRE(f.made.size() == 2);
   CHECK((f.made[0].name == "thing" && f.made[0].material == "fat" && f.made[0].label == 8));
   CHECK((f.made[1].name == "kidney_left" && f.made[1].material == "kidney_cortex" && f.made[1].label == 3));
   for (const OrganRequest &request : f.made)
-    CHECK((request.phyxels == 640 && request.edge_mm == 0.0 && request.holdsLowestPart && request.fillsHoles &&
+    CHECK((request.phyxels == 640 && request.edge_mm == 0.0 && request.held == Held::lowestPart && request.fillsHoles &&
            request.keepsLargest));
   const auto mask = maskOf(f.made[0]);
   REQUIRE(mask);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shader texts of images. Positions are in the index spaces of the grids, found in double precision by whoever sets the
-// matrices. Variants are chosen by COLOURED, LABELLED, DISPLACED, VACATED, SHIFT, MAXIMUM, SHADED, LAYERED, because a software renderer
+// matrices. Variants are chosen by COLOURED, LABELLED, DISPLACED, VACATED, STILL, SHIFT, MAXIMUM, SHADED, LAYERED, because a software renderer
 // pays for both sides of a branch.
 #pragma once
 
@@ -61,7 +61,8 @@ FLOW vec3 vNode;
 )";
 
 /// Where the material of a point was: u is given at whole nodes, 0 outside; the fourth number is the gap, which is large
-/// outside. A place is vacated where a gap leads to a body of the reference (p: in the texture of the image).
+/// outside. A place is vacated where a gap leads to a body of the reference (p: in the texture of the image). STILL: what
+/// stays has u = 0, unless a body has come over it, and leaves a gap where something has moved away from it.
 inline constexpr const char *kDisplacementFunction = R"(
 layout(binding = 3) uniform sampler3D uDisplacement;
 vec4 shiftAt(vec3 node) {
@@ -72,8 +73,24 @@ vec4 shiftAt(vec3 node) {
 #ifdef VACATED
 layout(binding = 9) uniform sampler3D uBodies;
 layout(location = 16) uniform float uLeastGap;
-bool isVacated(float gap, vec3 p) {
-  return gap > uLeastGap && isWithin(p, vec3(0.0), vec3(1.0)) && texture(uBodies, p).r > 0.5;
+#ifdef STILL
+bool isStill(vec3 p) {
+  vec3 count = vec3(textureSize(uBodies, 0));
+  float shown = texelFetch(uBodies, ivec3(clamp(p * count, vec3(0.0), count - 1.0)), 0).r;
+  return isWithin(p, vec3(0.0), vec3(1.0)) && shown > 0.1 && shown < 0.4;
+}
+#endif
+/// @param now, p  the place now and that of its material; shift: (u, gap); what stays is put back
+bool isVacated(vec3 now, inout vec3 p, inout vec4 shift) {
+  if (isWithin(p, vec3(0.0), vec3(1.0)) && texture(uBodies, p).r > 0.5) return shift.w > uLeastGap;
+#ifdef STILL
+  if (shift.xyz == vec3(0.0)) return false;
+  bool leaves = isStill(p);
+  if (!isStill(now) && (!leaves || length(shift.xyz) > 0.25 * uLeastGap)) return leaves;
+  p = now;
+  shift.xyz = vec3(0.0);
+#endif
+  return false;
 }
 #endif
 )";
@@ -111,12 +128,19 @@ layout(binding = 10) uniform sampler3D uColours;
 out vec4 oColour;
 void main() {
   precise vec3 index = vImage;
+  vec3 count = vec3(textureSize(uImage, 0));
 #ifdef DISPLACED
   vec4 shift = shiftAt(vNode);
-  vec3 u = shift.xyz;
-  index -= uImageFromShift * u;
+  index -= uImageFromShift * shift.xyz;
+#ifdef VACATED
+  vec3 place = (index + 0.5) / count;
+  bool vacated = isVacated((vImage + 0.5) / count, place, shift);
+#ifdef STILL
+  if (shift.xyz == vec3(0.0)) index = vImage;
 #endif
-  vec3 count = vec3(textureSize(uImage, 0));
+#endif
+  vec3 u = shift.xyz;
+#endif
 #ifdef COLOURED
   vec3 texel = texture(uColours, (index + 0.5) / count).rgb;
 #else
@@ -143,7 +167,7 @@ void main() {
 #endif
 #ifdef VACATED
   // Hatched: nothing is known of what is there now.
-  if (isVacated(shift.w, (index + 0.5) / count))
+  if (vacated)
     colour = mod(gl_FragCoord.x + gl_FragCoord.y, 9.0) < 1.0 ? vec3(0.2, 0.3, 0.32) : vec3(0.02);
 #endif
   oColour = vec4(colour, 1.0);
@@ -252,11 +276,17 @@ void main() {
     precise vec3 p = textureOrigin + t * textureAlong;
 #ifdef DISPLACED
     vec4 shift = shiftAt(nodeOrigin + t * nodeAlong);
+    vec3 now = p;
     p -= uTextureFromShift * shift.xyz;
+#ifdef VACATED
+    vec3 place = p;
+    bool vacated = isVacated(now, place, shift);
+    p = place;
+#endif
 #endif
     float texel = isWithin(p, vec3(0.0), vec3(1.0)) ? texture(uImage, p).r : -1e30;
 #ifdef VACATED
-    if (isVacated(shift.w, p)) texel = -1e30;
+    if (vacated) texel = -1e30;
 #endif
 #ifdef LAYERED
     most = max(most, mix(vec3(-1e30), vec3(texel), bvec3(t < nearest, t >= nearest && t < next, t >= next)));
@@ -296,12 +326,18 @@ void main() {
       p = textureOrigin + t * textureAlong;
 #ifdef DISPLACED
       vec4 shift = shiftAt(nodeOrigin + t * nodeAlong);
+      vec3 now = p;
       p -= uTextureFromShift * shift.xyz;
+#ifdef VACATED
+      vec3 place = p;
+      bool vacated = isVacated(now, place, shift);
+      p = place;
+#endif
 #endif
       colour = texture(uTable, vec2(texture(uImage, p).r * uTransfer.x + uTransfer.y, 0.5));
       colour.a = isWithin(p, vec3(0.0), vec3(1.0)) ? colour.a : 0.0;
 #ifdef VACATED
-      if (isVacated(shift.w, p)) colour.a = 0.0;
+      if (vacated) colour.a = 0.0;
 #endif
 #ifdef LAYERED
       place = t;

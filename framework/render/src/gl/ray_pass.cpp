@@ -13,7 +13,7 @@
 namespace c3de::render {
 namespace {
 
-constexpr unsigned kDisplaced = 1, kMaximum = 2, kShaded = 4, kLayered = 8, kVacated = 16;
+constexpr unsigned kDisplaced = 1, kMaximum = 2, kShaded = 4, kLayered = 8, kVacated = 16, kStill = 32;
 constexpr std::size_t kTableSize = 1024;
 constexpr double kBand_ms = 30.0;  // of refinement in one frame: the window stays quick
 
@@ -65,6 +65,7 @@ const Program *RayPass::programFor(unsigned variant, RenderStatistics &statistic
     if (variant & kShaded) fragment.push_back("#define SHADED\n");
     if (variant & kLayered) fragment.push_back("#define LAYERED\n");
     if (variant & kVacated) fragment.push_back("#define VACATED\n");
+    if (variant & kStill) fragment.push_back("#define STILL\n");
     fragment.push_back(kGridFunction);
     if (variant & kDisplaced) fragment.push_back(kDisplacementFunction);
     fragment.push_back(kRayFragment);
@@ -135,7 +136,7 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
   const VolumeLook &look = scene.volume;
   const unsigned variant = (parts.displacement ? kDisplaced : 0) |
                            (look.isMaximum ? kMaximum : look.isShaded ? kShaded : 0) | (picture.layers ? kLayered : 0) |
-                           (parts.knowsVacated() ? kVacated : 0);
+                           (parts.knowsVacated() ? kVacated | (scene.look.hasStill ? kStill : 0) : 0);
   const Program *program = programFor(variant, statistics);
   rows = std::min(rows, picture.height - picture.rows);
   const int first = picture.rows;

@@ -58,7 +58,7 @@ class RayPass {
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
   void buildTable(const VolumeLook &look, double step_mm);
 
-  std::array<std::optional<Program>, 32> programs_;
+  std::array<std::optional<Program>, 64> programs_;
   std::optional<Program> composite_;
   Texture table_ = Texture::create();
   VertexArray array_ = VertexArray::create();

@@ -10,7 +10,7 @@
 namespace c3de::render {
 namespace {
 
-constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8, kColoured = 16;
+constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8, kColoured = 16, kStill = 32;
 
 const GridTexture &texturesOf(const ImageSlot &slot) { return static_cast<const GridTexture &>(*slot.backEnd); }
 
@@ -72,6 +72,7 @@ const Program *SlicePass::programFor(unsigned variant, RenderStatistics &statist
       if (variant & kShifted) texts->push_back("#define SHIFT\n");
       if (variant & kVacated) texts->push_back("#define VACATED\n");
       if (variant & kColoured) texts->push_back("#define COLOURED\n");
+      if (variant & kStill) texts->push_back("#define STILL\n");
     }
     vertex.insert(vertex.end(), {"#define FLOW out\n", kSlicePlaces, kSliceVertex});
     fragment.insert(fragment.end(), {"#define FLOW in\n", kSlicePlaces, kGridFunction});
@@ -147,7 +148,7 @@ void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<c
   unsigned variant = 0;
   if (parts.labels && look.labelOpacity > 0.0f) variant |= kLabelled;
   if (parts.displacement) variant |= kDisplaced | (look.showsShift && look.shiftOpacity > 0.0f ? kShifted : 0);
-  if (parts.knowsVacated()) variant |= kVacated;
+  if (parts.knowsVacated()) variant |= kVacated | (look.hasStill ? kStill : 0);
   if (parts.image->hasColours) variant |= kColoured;
   const Program *program = programFor(variant, statistics);
   if (!program) return;

@@ -28,7 +28,7 @@ namespace c3de::imaging {
 [[nodiscard]] Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u,
                                         const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
-/// |u| at every voxel centre as float, unit "mm".
+/// |u| at every voxel centre as float, unit "mm"; 0 in what stays.
 [[nodiscard]] Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &grid,
                                            const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
@@ -37,7 +37,7 @@ namespace c3de::imaging {
 [[nodiscard]] Expected<Mask> vacatedPlaces(const DisplacementGrid &u, const VolumeGeometry &grid,
                                            const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
-/// u at the points of another grid, for writeVectorField().
+/// u at the points of another grid, 0 in what stays, for writeVectorField().
 [[nodiscard]] Expected<DisplacementGrid> resampled(const DisplacementGrid &u, const VolumeGeometry &grid,
                                                    const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 

@@ -37,9 +37,11 @@ struct ImageVoxels {
 /// How an image is looked at. Null handles: without that part.
 struct ImageLook {
   Handle image, labels, displacement;
-  /// An image on the grid of `image`, above half its white where bodies are in the reference; with a displacement that has
-  /// gaps, places that they have left are hatched in slices and empty in volumes. Null: nothing is known of bodies.
+  /// An image on the grid of `image`, white where bodies are in the reference; with a displacement that has gaps, places that
+  /// they have left are hatched in slices and empty in volumes. Null: nothing is known of bodies.
   Handle bodies{};
+  /// A quarter of white in `bodies` is what stays: only bodies come over it, and what moves away from it leaves a gap.
+  bool hasStill = false;
   double leastGap = 0.0;             ///< mm; a gap above it counts
   double window = 1.0, level = 0.5;  ///< values: black at level - window/2, white at level + window/2
   bool isSmooth = true;              ///< linear interpolation of grey values; else the nearest voxel

@@ -32,6 +32,7 @@ class ImagePanel {
   void drawViews(const c3de_ui_v0 &ui, ImageOptions &options);
   void drawLabels(const c3de_ui_v0 &ui, ImageOptions &options);
   void drawVolume(const c3de_ui_v0 &ui, ImageOptions &options);
+  void drawStill(const c3de_ui_v0 &ui, scene::SceneStill &still);
   void drawShift(const c3de_ui_v0 &ui, ImageOptions &options);
 
   PanelRegistry &panels_;

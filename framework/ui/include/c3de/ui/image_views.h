@@ -10,6 +10,7 @@
 
 #include "c3de/imaging/displacement.h"
 #include "c3de/scene/image_store.h"
+#include "c3de/scene/scene_file.h"
 #include "c3de/ui/image_presets.h"
 #include "c3de/ui/slice_view.h"
 #include "c3de/ui/view_controller.h"
@@ -39,6 +40,7 @@ struct ImageOptions {
   bool cutsBodies = true;                   ///< and of what is beside the image there
   bool showsShift = false;                  ///< |u| over the slices
   double shiftLow = 0.0, shiftHigh = 10.0;  ///< mm
+  scene::SceneStill still;                  ///< what does not go with the bodies
   Convention convention = Convention::radiological;
   bool isAlignedWithImage = true;           ///< views along the image's axes; else along the patient's
   bool showsCrossHair = true;
@@ -87,6 +89,7 @@ class ImageViews {
   [[nodiscard]] const scene::StoredImage *image() const { return image_.get(); }
   [[nodiscard]] const std::shared_ptr<const scene::StoredImage> &sharedImage() const { return image_; }
   [[nodiscard]] const scene::StoredLabels *labels() const { return labels_.get(); }
+  [[nodiscard]] const std::shared_ptr<const scene::StoredLabels> &sharedLabels() const { return labels_; }
   [[nodiscard]] const imaging::DisplacementGrid *displacement() const { return displacement_.get(); }
   [[nodiscard]] bool hasDisplacement() const { return displacement_ != nullptr; }
 

@@ -25,7 +25,8 @@ struct OrganSettings {
   double phyxels = 1000.0;
   bool isEdgeAutomatic = true;
   double edge_mm = 4.0;  ///< when it is not automatic
-  bool holdsLowestPart = false;
+  Held held = Held::surroundings;
+  double surroundings_Pa_m = kSurroundingsStiffness;
   bool keepsLargest = false, fillsHoles = false;  ///< of each of several labels
 };
 
@@ -94,7 +95,14 @@ class OrganGuide {
   /// One of several labels; null: to be chosen.
   [[nodiscard]] const scene::MaterialPreset *materialOf(std::uint16_t label) const;
   void chooseMaterialOf(std::uint16_t label, const std::string &preset);
-  void setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm, bool holdsLowestPart);
+  void setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm);
+  void setHolding(Held held, double surroundings_Pa_m);
+  /// Bone is rigid until a person says otherwise: its step would be everybody's.
+  [[nodiscard]] bool isRigid() const;
+  void setRigid(bool isRigid) { rigid_ = isRigid; }
+  /// Of one of several labels.
+  [[nodiscard]] bool isRigid(std::uint16_t label) const;
+  void setRigid(std::uint16_t label, bool isRigid) { labelRigid_[label] = isRigid; }
   void setMending(bool keepsLargest, bool fillsHoles);
 
   /// Why it cannot be made alive yet, for a person; empty: it can.
@@ -122,6 +130,8 @@ class OrganGuide {
   std::uint64_t serial_ = 0;
   std::string clickProblem_;  ///< of tickLabelAt()
   std::map<std::uint16_t, std::string> labelMaterials_;  ///< chosen by a person for one of several
+  std::optional<bool> rigid_;                            ///< by a person; none: as the material says
+  std::map<std::uint16_t, bool> labelRigid_;
   bool isMaterialChosen_ = false;
   bool followsUndo_ = false;
   std::shared_ptr<bool> alive_;

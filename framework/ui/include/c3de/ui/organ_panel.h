@@ -30,6 +30,7 @@ class OrganPanel {
   void drawMaterial(const c3de_ui_v0 &ui);
   void drawMaterials(const c3de_ui_v0 &ui);
   void drawSampling(const c3de_ui_v0 &ui);
+  void drawHolding(const c3de_ui_v0 &ui);
 
   PanelRegistry &panels_;
   ImageViews &views_;

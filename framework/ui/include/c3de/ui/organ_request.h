@@ -11,6 +11,15 @@
 
 namespace c3de::ui {
 
+/// What holds an organ.
+enum class Held {
+  surroundings,  ///< elastically, where it is in the scan: the tissue around
+  lowestPart,    ///< what lies lowest, along gravity, stands still
+  nothing
+};
+/// Of the tissue around an organ, Pa/m: by so much that it moves some millimetres when its owner turns over, as scans show.
+inline constexpr double kSurroundingsStiffness = 3e4;
+
 /// What is to become a body: a mask, or a label of a label map.
 struct OrganRequest {
   std::string name;
@@ -21,7 +30,9 @@ struct OrganRequest {
   std::string material;                           ///< name of a preset
   std::size_t phyxels = 1000;                     ///< wanted
   double edge_mm = 0.0;                           ///< of the surface; 0: automatic
-  bool holdsLowestPart = false;                   ///< what lies lowest, along gravity, is held
+  Held held = Held::surroundings;
+  double surroundings_Pa_m = kSurroundingsStiffness;  ///< stress per way, where the surroundings hold it
+  bool isRigid = false;                               ///< it stands where it is in the scan and costs nothing
 };
 
 /// The voxels of the organ. Any thread. ErrorCode::usage: there are none; cancelled.

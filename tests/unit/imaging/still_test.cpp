@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/imaging/still.h"
+
+#include "c3de/imaging/warp.h"
+#include "phantoms.h"
+#include "support/catch.h"
+
+using namespace c3de;
+using namespace c3de::imaging;
+
+namespace {
+
+// A soft ball in a bony shell, with air around it; the ball goes five voxels along x, and all around it with it (a wide rim).
+struct Head {
+  VolumeGeometry g = phantoms::grid({48, 40, 40}, {1.5, 1.5, 1.5});
+  Vec3 centre = phantoms::centreOf(g);
+  Volume image;
+  std::shared_ptr<Mask> places = std::make_shared<Mask>(phantoms::ball(g, 12.0));
+  static constexpr double kWay = 7.5, kBody = 12.0, kInner = 16.0, kOuter = 20.0;
+
+  Head() {
+    image.geometry = g;
+    image.slope = 2.0;
+    image.intercept = -1000.0;
+    std::vector<std::int16_t> voxels;
+    forVoxels([&](std::size_t, double r) {
+      const double value = r < kBody ? 40.0 : r < kInner ? 10.0 : r < kOuter ? 900.0 : -1000.0;
+      voxels.push_back(static_cast<std::int16_t>((value + 1000.0) / 2.0));
+    });
+    image.voxels = voxels;
+  }
+  template <class Visit>
+  void forVoxels(const Visit &visit) const {
+    std::size_t v = 0;
+    for (std::size_t k = 0; k < g.size[2]; ++k)
+      for (std::size_t j = 0; j < g.size[1]; ++j)
+        for (std::size_t i = 0; i < g.size[0]; ++i, ++v) visit(v, norm(at(v) - centre));
+  }
+  [[nodiscard]] Vec3 at(std::size_t v) const {
+    return g.worldAt({double(v % g.size[0]), double(v / g.size[0] % g.size[1]), double(v / g.size[0] / g.size[1])});
+  }
+  [[nodiscard]] DisplacementGrid moved(const StillRule &rule, const LabelMap *labels = nullptr) const {
+    const auto marked = std::make_shared<Mask>(*places);
+    REQUIRE(markStill(rule, image, labels, *marked));
+    DisplacementGrid u{g, {}, std::vector<float>(g.voxelCount(), 0.0f), marked, !rule.isEmpty()};
+    for (std::size_t v = 0; v < g.voxelCount(); ++v) u.xyz_mm.insert(u.xyz_mm.end(), {float(kWay), 0.0f, 0.0f});
+    return u;
+  }
+};
+
+StillRule boneAndAir() { return {200.0, -400.0, {}, false}; }
+
+}  // namespace
+
+TEST_CASE("Bone and air stay where they are while a body and what is soft move", "[imaging][still]") {
+  const Head head;
+  const DisplacementGrid u = head.moved(boneAndAir()), all = head.moved({});
+  const auto out = warped(head.image, u);
+  const auto size = magnitudeOf(u, head.g), without = magnitudeOf(all, head.g);
+  const auto field = resampled(u, head.g);
+  REQUIRE((out && size && without && field));
+  const auto &lengths = std::get<std::vector<float>>(size->voxels);
+  std::size_t bone = 0, air = 0, gap = 0, tissue = 0, soft = 0;
+  head.forVoxels([&](std::size_t v, double r) {
+    const Vec3 x = head.at(v);
+    const double from = norm(x - Vec3{Head::kWay, 0, 0} - head.centre);  // of the material that would be there
+    const double value = out->slope * std::get<std::vector<std::int16_t>>(out->voxels)[v] + out->intercept;
+    REQUIRE(std::get<std::vector<float>>(without->voxels)[v] == Approx(Head::kWay));
+    if (from < Head::kBody) {
+      // The body goes over everything.
+      REQUIRE(lengths[v] == Approx(Head::kWay));
+      REQUIRE_FALSE(u.isVacated(x));
+      if (from < Head::kBody - 1.5) REQUIRE(value == 40.0);
+      ++tissue;
+    } else if (r >= Head::kInner) {
+      REQUIRE(u.at(x) == Vec3{});
+      REQUIRE(lengths[v] == 0.0f);
+      REQUIRE(field->xyz_mm[3 * v] == 0.0f);
+      REQUIRE_FALSE(u.isVacated(x));
+      REQUIRE(value == (r < Head::kOuter ? 900.0 : -1000.0));
+      ++(r < Head::kOuter ? bone : air);
+    } else if (from >= Head::kInner) {
+      // What was there has left the bone: a gap.
+      REQUIRE(u.isVacated(x));
+      REQUIRE(value == -1000.0);
+      ++gap;
+    } else {
+      REQUIRE(lengths[v] == Approx(Head::kWay));
+      REQUIRE_FALSE(u.isVacated(x));
+      ++soft;
+    }
+  });
+  CHECK((bone > 2000 && air > 10000 && gap > 500 && tissue > 1500 && soft > 500));
+  // Without a rule the bone bends with the ball.
+  CHECK(all.at(head.centre + Vec3{0, 18, 0}) == Vec3{Head::kWay, 0, 0});
+}
+
+TEST_CASE("What moves by less than is seen beside bone opens no gap", "[imaging][still]") {
+  const Head head;
+  DisplacementGrid u = head.moved(boneAndAir());
+  for (std::size_t p = 0; p < u.xyz_mm.size(); p += 3) u.xyz_mm[p] = 0.1f;
+  head.forVoxels([&](std::size_t v, double r) {
+    if (r > Head::kBody) REQUIRE_FALSE(u.isVacated(head.at(v)));
+  });
+}
+
+TEST_CASE("Labels stay, on a grid of their own, and all outside of bodies does", "[imaging][still]") {
+  const Head head;
+  LabelMap labels;
+  labels.geometry = phantoms::grid({25, 21, 21}, {3.0, 3.0, 3.0});
+  labels.labels = {{4, "left", {}}, {9, "right", {}}};
+  const auto right = [](double x) { return x > 36.0; };
+  for (std::size_t v = 0; v < labels.geometry.voxelCount(); ++v) labels.voxels.push_back(right(3.0 * double(v % 25)) ? 9 : 4);
+  const DisplacementGrid u = head.moved({{}, {}, {9}, false}, &labels), outside = head.moved({{}, {}, {}, true});
+  head.forVoxels([&](std::size_t v, double) {
+    const Vec3 x = head.at(v);
+    const bool comesFromBody = norm(x - Vec3{Head::kWay, 0, 0} - head.centre) < Head::kBody;
+    if (comesFromBody) {
+      REQUIRE(u.at(x) == Vec3{Head::kWay, 0, 0});
+      REQUIRE(outside.at(x) == Vec3{Head::kWay, 0, 0});
+      return;
+    }
+    if (right(x[0] + 1.5) && right(x[0] - 1.5)) REQUIRE(u.at(x) == Vec3{});
+    if (!right(x[0] + 1.5) && !right(x[0] - 1.5)) REQUIRE(u.at(x) == Vec3{Head::kWay, 0, 0});
+    // Where the body was and is not, nothing has come: u leads out of it, and there is a gap.
+    if (norm(x - head.centre) >= Head::kBody)
+      REQUIRE(outside.at(x) == Vec3{});
+    else
+      REQUIRE(outside.isVacated(x));
+  });
+}
+
+TEST_CASE("Voxels of bodies do not stay, whatever their value, and another grid is refused", "[imaging][still]") {
+  const Head head;
+  Mask marked = *head.places;
+  REQUIRE(markStill({-2000.0, {}, {}, false}, head.image, nullptr, marked));
+  head.forVoxels([&](std::size_t v, double r) { REQUIRE(marked.voxels[v] == (r < Head::kBody ? kBodyVoxel : kStillVoxel)); });
+  Mask other = phantoms::ball(phantoms::grid({10, 10, 10}), 3.0);
+  CHECK_FALSE(markStill(boneAndAir(), head.image, nullptr, other));
+}
