@@ -39,7 +39,7 @@ class SlicePass {
             const Mat4 &worldFromLocal, RenderStatistics &statistics);
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
 
-  std::array<std::optional<Program>, 32> programs_;
+  std::array<std::optional<Program>, 64> programs_;
   std::optional<Program> outline_;
   Texture shiftColours_ = Texture::create();
   VertexArray array_ = VertexArray::create();
