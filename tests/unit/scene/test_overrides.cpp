@@ -135,6 +135,27 @@ TEST_CASE("Overriding one of two ways to say the same thing takes the other away
   CHECK(findValue(scene.bodies[0].params, "sampling.spacing") == nullptr);
 }
 
+TEST_CASE("An override of what a body is made from counts, or is refused") {
+  const auto made = parse("format = 1\n[[body]]\nname = \"liver\"\nvolume = \".\"\nlabel = 5\n");
+  REQUIRE(made.has_value());
+  scene::SceneFile scene = *made;
+  REQUIRE(scene::applyOverride(scene, "body.liver.label=spleen", nullptr).has_value());
+  CHECK(scene.bodies[0].volume.labelName == "spleen");
+  CHECK_FALSE(scene.bodies[0].volume.label.has_value());
+  REQUIRE(scene::applyOverride(scene, "body.liver.threshold=[1, 2]", nullptr).has_value());
+  CHECK(scene.bodies[0].volume.labelName.empty());
+  REQUIRE(scene::applyOverride(scene, "body.liver.label=7", nullptr).has_value());
+  CHECK_FALSE(scene.bodies[0].volume.threshold.has_value());
+  CHECK(scene.bodies[0].volume.label == 7);
+  const auto mesh = scene::applyOverride(scene, "body.liver.mesh=beam.obj", nullptr);
+  REQUIRE_FALSE(mesh.has_value());
+  CHECK_THAT(mesh.error().message, Contains("'mesh' belongs to a body with a 'mesh'; this one has a 'volume'"));
+  scene::SceneFile ofMesh = liverScene();
+  const auto label = scene::applyOverride(ofMesh, "body.liver.label=5", nullptr);
+  REQUIRE_FALSE(label.has_value());
+  CHECK_THAT(label.error().message, Contains("'label' belongs to a body with a 'volume'; this one has a 'mesh'"));
+}
+
 TEST_CASE("An override of something that does not exist is a usage error that names the nearest") {
   const struct {
     const char *assignment, *contains;
