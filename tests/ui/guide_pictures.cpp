@@ -48,7 +48,7 @@ TEST_CASE("Pictures of the user guide", "[.guide]") {
   // Each picture begins where the organ has come to rest after its fall.
   const auto fallAgain = [&] {
     window.moveTo(window.inView(0.9, 0.1));
-    window.key("r");
+    window.key("ctrl+r");
     window.waitUntil("it is reset", [](const Json &s) { return s["transport"]["time_s"].get<double>() < 1.0; });
     rest(3.0);
   };

@@ -124,9 +124,75 @@ TEST_CASE("slices scroll by wheel and keys, each view by itself", "[image_scroll
   window.key("f");
   waitForSlice("coronal", coronal + 1);
   window.screenshot("scrolled");
+}
+
+TEST_CASE("modifiers count for the wheel and the mouse as they are held, not one event later", "[image_modifiers]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_modifiers");
+  startOn(window, {imageFile("image_modifiers").string()});
+  const double first = number(window.state(), "axial.slice"), scale = number(window.state(), "axial.scale_mm_per_px");
+  window.moveTo(inPane(window, "axial", 0.3, 0.4));
+  window.keyDown("ctrl");
+  window.wheel(1);
+  const Json zoomed = window.waitUntil("it zooms or scrolls", [&](const Json &s) {
+    return number(s, "axial.scale_mm_per_px") != scale || number(s, "axial.slice") != first;
+  });
+  CHECK(number(zoomed, "axial.slice") == first);
+  const double closer = number(zoomed, "axial.scale_mm_per_px");
+  CHECK(closer < scale);
+  window.keyUp("ctrl");
+  window.wheel(1);
+  const Json scrolled = window.waitUntil("it scrolls or zooms", [&](const Json &s) {
+    return number(s, "axial.scale_mm_per_px") != closer || number(s, "axial.slice") != first;
+  });
+  CHECK(number(scrolled, "axial.slice") == first + 1);
+  CHECK(number(scrolled, "axial.scale_mm_per_px") == closer);
+  window.keyDown("shift");
+  window.wheel(1);
+  window.waitUntil("ten slices", [&](const Json &s) { return number(s, "axial.slice") == first + 11; });
+  window.keyUp("shift");
+  window.wheel(-1);
+  window.waitUntil("one slice", [&](const Json &s) { return number(s, "axial.slice") == first + 10; });
+  // Shift and a move point, a move without it does not.
+  const Vec3 before = crossHair(window.state());
+  window.keyDown("shift");
+  window.moveTo(inPane(window, "axial", 0.4, 0.6));
+  const Json pointed = window.waitUntil("the cross-hair follows", [&](const Json &s) { return norm(crossHair(s) - before) > 1.0; });
+  window.keyUp("shift");
+  window.moveTo(inPane(window, "axial", 0.6, 0.45));
+  window.waitFrames(0);
+  CHECK(norm(crossHair(window.state()) - crossHair(pointed)) < 1e-9);
+}
+
+TEST_CASE("R is the reset of the view under the mouse, and Ctrl+R that of the simulation", "[image_reset]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_reset");
+  startOn(window, {imageFile("image_reset").string()});
+  const Json first = window.state();
+  window.moveTo(inPane(window, "axial", 0.3, 0.4));
+  window.wheel(3);
+  window.moveTo(inPane(window, "coronal", 0.3, 0.4));
+  window.wheel(2);
+  window.waitUntil("both have scrolled", [&](const Json &s) {
+    return number(s, "axial.slice") == number(first, "axial.slice") + 3 && number(s, "coronal.slice") == number(first, "coronal.slice") + 2;
+  });
   window.key("r");
-  waitForSlice("coronal", coronal);
-  CHECK(number(window.state(), "axial.slice") == axial + 11);
+  window.waitUntil("this one is as at the start", [&](const Json &s) { return number(s, "coronal.slice") == number(first, "coronal.slice"); });
+  CHECK(number(window.state(), "axial.slice") == number(first, "axial.slice") + 3);
+  window.drag(inPane(window, "3D", 0.5, 0.5), inPane(window, "3D", 0.7, 0.6), 3);
+  REQUIRE(window.state()["camera"]["yaw"] != first["camera"]["yaw"]);
+  window.key("r");
+  window.waitUntil("the camera is as at the start", [&](const Json &s) {
+    return s["camera"]["yaw"] == first["camera"]["yaw"] && s["camera"]["pitch"] == first["camera"]["pitch"];
+  });
+  CHECK(number(window.state(), "axial.slice") == number(first, "axial.slice") + 3);
+  // The hint says what the mouse does where it is.
+  CHECK_THAT(window.value("status/hint"), Contains("orbit"));
+  window.moveTo(inPane(window, "axial", 0.3, 0.4));
+  window.waitUntil("the hint is that of slices", [](const Json &s) {
+    const std::string hint = s["values"].value("status/hint", "");
+    return hint.find("cross-hair") != std::string::npos && hint.find("orbit") == std::string::npos;
+  });
 }
 
 TEST_CASE("a click sets the cross-hair in all views, and the read-out tells what is there", "[image_cross_hair]") {
@@ -184,6 +250,23 @@ TEST_CASE("a double click gives a view the whole area, and another one gives it 
   WorkstationDriver window("image_maximise");
   startOn(window, {imageFile("image_maximise").string()});
   const Json four = window.state();
+  // The cross-hair never leaves the image: beside it the nearest point of the image is taken.
+  window.clickAt(inPane(window, "axial", 0.02, 0.5));
+  const Json clicked = window.waitUntil("the click is taken", [&](const Json &s) { return norm(crossHair(s) - crossHair(four)) > 1.0; });
+  CHECK(crossHair(clicked)[0] == Approx(-80.0).margin(1e-3));  // the image ends there
+  CHECK_THAT(text(clicked, "coronal.readout"), Contains("["));
+  std::this_thread::sleep_for(std::chrono::milliseconds(450));
+  // A double click moves nothing but the views.
+  window.doubleClickAt(inPane(window, "axial", 0.8, 0.03));
+  const Json onlyAxial = window.waitUntil("one view", [&](const Json &s) { return s["panes"].size() == 1; });
+  CHECK(crossHair(onlyAxial) == crossHair(clicked));
+  std::this_thread::sleep_for(std::chrono::milliseconds(450));
+  window.doubleClickAt(inPane(window, "axial", 0.7, 0.2));
+  const Json fourAgain = window.waitUntil("four views", [](const Json &s) { return s["panes"].size() == 4; });
+  CHECK(crossHair(fourAgain) == crossHair(clicked));
+  for (const char *pane : {"axial", "sagittal", "coronal"})
+    CHECK(number(fourAgain, std::string(pane) + ".slice") == number(clicked, std::string(pane) + ".slice"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(450));
   for (const char *pane : {"coronal", "3D"}) {
     window.doubleClickAt(inPane(window, pane, 0.4, 0.4));
     const Json one = window.waitUntil("one view", [&](const Json &s) { return s["panes"].size() == 1 && s["panes"].contains(pane); });
@@ -401,7 +484,7 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
   CHECK(middle(after->volume) - middle(before->volume) == Approx(flown_mm).margin(0.5));
   CHECK(fs::file_size(field) > 1000);
   window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the key is the slice's
-  window.key("r");
+  window.key("ctrl+r");
   window.waitUntil("it is back", [&](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0; });
   CHECK(window.state()["notifications"].empty());
 }
@@ -443,7 +526,7 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
   CHECK_THAT(text(flown, "coronal.readout"), !Contains("   -1000"));
   window.screenshot("flown");
   CHECK(window.differingPixels("rest", "flown") > 500);
-  window.key("r");
+  window.key("ctrl+r");
   window.waitUntil("it is back", [&](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s) == 0.0; });
   CHECK(window.state()["notifications"].empty());
 }
@@ -456,6 +539,9 @@ TEST_CASE("a folder of several series asks for one, and for none", "[image_serie
   const auto isAsked = [](const Json &s) { return s["jobs"].empty() && s["widgets"].contains("series/series.1"); };
   window.waitUntil("a series is asked for", isAsked, 60.0);
   CHECK(window.state()["panes"].empty());
+  // In the view, where the picture is going to be, and nothing else is asked for there.
+  const Json asked = window.state();
+  CHECK(asked["widgets"]["series/series.1"][0].get<double>() > asked["area"]["x"].get<double>());
   window.screenshot("asked");
   window.click("series/series.1");
   window.waitUntil("the series is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);

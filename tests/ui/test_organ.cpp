@@ -149,7 +149,7 @@ TEST_CASE("play, pause, step and reset do what they say, and reset is exact", "[
   window.waitUntil("one step is made", [&](const Json &s) { return s["transport"]["steps"].get<long long>() == steps + 1; });
   CHECK(mode(window.state()) == "paused");
   window.screenshot("paused");
-  window.key("r");
+  window.key("ctrl+r");
   const Json reset = window.waitUntil("it is reset", [](const Json &s) { return s["transport"]["steps"] == 0; });
   CHECK(reset["transport"]["time_s"] == 0.0);
   window.waitUntil("the initial state is back, bit for bit", [&](const Json &s) { return row(s, "State hash") == initial; });
@@ -450,7 +450,7 @@ TEST_CASE("a step that takes long is said while it lasts, and reset and Escape e
   const auto seconds = [](Clock::time_point since) { return std::chrono::duration<double>(Clock::now() - since).count(); };
   // Reset goes on playing: a new step begins.
   const Clock::time_point reset = Clock::now();
-  window.key("r");
+  window.key("ctrl+r");
   window.waitUntil("another step has begun", [&](const Json &s) { return !isLong(s); });
   CHECK(seconds(reset) < 2.0 * C3DE_UI_PATIENCE);
   waitForLongStep();
@@ -459,4 +459,72 @@ TEST_CASE("a step that takes long is said while it lasts, and reset and Escape e
   const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
   CHECK(seconds(escape) < 2.0 * C3DE_UI_PATIENCE);
   CHECK(paused["transport"]["steps"] == 0);
+}
+
+TEST_CASE("quitting asks once a simulation has run, and Enter and Escape answer", "[organ_quit]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_quit");
+  startOrgan(window);
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return s["transport"]["steps"] > 5; });
+  window.key("space");
+  window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  const auto isAsked = [](const Json &s) { return s["values"].contains("quit/text"); };
+  window.key("ctrl+q");
+  const Json asked = window.waitUntil("it asks", isAsked);
+  CHECK_THAT(asked["values"]["quit/text"].get<std::string>(), Contains("has run to t = "));
+  window.screenshot("asked");
+  window.key("Escape");
+  window.waitUntil("it goes on", [&](const Json &s) { return !isAsked(s); });
+  CHECK(window.isRunning());
+  CHECK(window.state()["transport"]["steps"] > 5);
+  window.key("ctrl+q");
+  window.waitUntil("it asks again", isAsked);
+  window.key("Return");
+  CHECK(window.waitForExit() == 0);
+}
+
+TEST_CASE("quitting asks nothing while nothing would be lost", "[organ_quit]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_quit_at_start");
+  startOrgan(window);
+  window.key("ctrl+q");
+  CHECK(window.waitForExit() == 0);
+}
+
+/// Plays, pulls the middle of the organ towards the upper right and holds it there.
+void pull(WorkstationDriver &window) {
+  window.key("p");
+  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  const Point from = window.inView(0.5, 0.5);
+  window.moveTo(from);
+  window.press();
+  window.waitUntil("a surfel is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
+  for (int i = 1; i <= 6; ++i) window.moveTo({from.x + 18.0 * i, from.y - 16.0 * i});
+  window.waitUntil("the hand pulls", [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2; });
+}
+
+TEST_CASE("a reset while something is pinched ends the pinch", "[organ_pinch_reset]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_pinch_reset");
+  startOrgan(window);
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  const auto letGo = [](const Json &s) { return row(s, "Held surfel").empty() && row(s, "Pinch force") == "–"; };
+  pull(window);
+  window.key("ctrl+r");
+  window.waitUntil("the grip is gone with the state", letGo);
+  // The hand goes on, and holds nothing.
+  window.moveTo(window.inView(0.3, 0.3));
+  const Json after = window.state();
+  CHECK(letGo(after));
+  window.release();
+  // The next one holds again.
+  pull(window);
+  window.key("space");
+  window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  window.key("ctrl+r");
+  window.waitUntil("also while it stands", letGo);
+  window.screenshot("let_go");
+  window.release();
 }

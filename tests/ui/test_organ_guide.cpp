@@ -256,8 +256,12 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("alive");
 
-  // The same organ a second time is refused, and what lives goes on.
+  // Keys do not lay what the bodies were made of over them; the panel does, and says so.
   window.key("ctrl+z");
+  window.waitFrames(3);
+  CHECK(text(window.state(), "image/preview") == "none");
+  // The same organ a second time is refused, and what lives goes on.
+  window.click("organ/undo");
   // The panel grows row by row until the mask is shown, and what is below moves.
   window.waitUntil("it is picked again", [](const Json &s) {
     return text(s, "organ/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() && text(s, "organ/overlay") == "true" &&

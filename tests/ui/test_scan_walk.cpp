@@ -157,7 +157,7 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
   window.release();
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
-  window.key("r");
+  window.key("ctrl+r");
   window.waitUntil("the scan is as it was read",
                    [](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s, "coronal") == 0.0; });
 }

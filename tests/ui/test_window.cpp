@@ -157,6 +157,49 @@ TEST_CASE("a window is never larger than the screen, also where a unit is two pi
   CHECK(size[0].get<int>() > width / 2);
 }
 
+TEST_CASE("no character that is typed into a dialog is lost, however fast they come", "[typing]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("typing");
+  startGallery(window);
+  window.key("ctrl+m");
+  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  std::string text;
+  for (int i = 0; i < 12; ++i) text += "/Aorta_thoracica-" + std::to_string(i) + "/Liver..ooll";
+  for (const int delay_ms : {0, 12}) {
+    window.type(text, delay_ms);
+    window.waitForValue("dialog/path", text);
+    window.key("ctrl+a");
+    window.key("BackSpace");
+    window.waitForValue("dialog/path", "");
+  }
+  // Letters, Backspace and Ctrl in one go keep their order.
+  window.keys({"a", "b", "c", "BackSpace", "d", "Left", "e", "ctrl+a", "x", "y", "BackSpace", "z"});
+  window.waitForValue("dialog/path", "xz");
+  window.key("Escape");
+  window.key("Escape");
+  window.waitUntil("it is closed", [](const Json &s) { return !s["widgets"].contains("dialog/path"); });
+  // What is typed right after the keys that open the dialog is meant for it.
+  window.keys({"ctrl+o", "s", "c", "e", "n", "e"});
+  window.waitForValue("dialog/path", "scene");
+}
+
+TEST_CASE("messages cover no view, go by being closed, and can be read later", "[messages]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("messages");
+  startGallery(window);
+  window.click("test.gallery/notify");
+  const Json told = window.waitUntil("there is a message", [](const Json &s) { return s["widgets"].contains("notification/close.0"); });
+  CHECK(told["widgets"]["notification/close.0"][2].get<double>() <= told["area"]["x"].get<double>());
+  window.screenshot("told");
+  window.click("notification/close.0");
+  window.waitUntil("it is closed", [](const Json &s) { return s["notifications"].empty(); });
+  window.click("status/messages");
+  window.waitForValue("messages/count", "2");  // the file that is no mesh, and this one
+  window.screenshot("log");
+  window.key("Escape");
+  window.waitUntil("the list is closed", [](const Json &s) { return !s["values"].contains("messages/count"); });
+}
+
 TEST_CASE("mouse and keys move the camera", "[camera]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("camera");

@@ -247,9 +247,19 @@ void WorkstationDriver::key(const std::string &name) {
             [&](const Json &s) { return s["frame"].get<int>() >= first + 2 || s.value("closing", false); });
 }
 
-void WorkstationDriver::type(const std::string &text) {
-  xdotool({"type", "--delay", "40", text});
-  waitFrames(1);
+void WorkstationDriver::keys(const std::vector<std::string> &names) {
+  std::vector<std::string> arguments{"key", "--delay", "1"};
+  arguments.insert(arguments.end(), names.begin(), names.end());
+  xdotool(arguments);
+}
+
+void WorkstationDriver::keyDown(const std::string &name) { xdotool({"keydown", name}); }
+void WorkstationDriver::keyUp(const std::string &name) { xdotool({"keyup", name}); }
+
+void WorkstationDriver::type(const std::string &text, int delay_ms) {
+  const int first = state().value("frame", 0);
+  xdotool({"type", "--delay", std::to_string(delay_ms), text});
+  waitUntil("the text is seen", [&](const Json &s) { return s["frame"].get<int>() > first; });
 }
 
 void WorkstationDriver::screenshot(const std::string &name) {

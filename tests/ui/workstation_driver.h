@@ -66,7 +66,13 @@ class WorkstationDriver {
   [[nodiscard]] Point inView(double u, double v) const;
   void wheel(int clicks);
   void key(const std::string &name);
-  void type(const std::string &text);
+  /// One right after the other, from one process.
+  void keys(const std::vector<std::string> &names);
+  /// Holds a key (xdotool's name, for example "ctrl") until keyUp().
+  void keyDown(const std::string &name);
+  void keyUp(const std::string &name);
+  /// @param delay_ms  between characters
+  void type(const std::string &text, int delay_ms = 40);
   /// PNG beside the log.
   void screenshot(const std::string &name);
   /// How many pixels differ visibly between two screenshots: of the 3D view, or of one of the four views of an image.

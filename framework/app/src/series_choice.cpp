@@ -36,6 +36,7 @@ SeriesChoice::SeriesChoice(ui::PanelRegistry &panels, const std::filesystem::pat
   panel.owner = "c3de";
   panel.id = "series";
   panel.title = "Which series?";
+  panel.isInView = true;
   panel.self = this;
   panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<SeriesChoice *>(self)->draw(*ui); };
   panel_ = panels_.add(std::move(panel));

@@ -14,7 +14,7 @@ namespace c3de::app {
 /// What an image is called: its file or folder, never what is in it.
 [[nodiscard]] std::string imageName(const std::filesystem::path &path);
 
-/// A panel that asks which of several series to open; it goes with the object. Main thread.
+/// Asks in the view which of several series to open; it goes with the object. Main thread.
 class SeriesChoice {
  public:
   /// Called with the identifier, or with an empty one when none is wanted; the object may end in it.

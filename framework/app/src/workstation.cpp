@@ -17,9 +17,11 @@
 #include "c3de/imaging/reading.h"
 #include "c3de/render/renderer.h"
 #include "c3de/ui/file_browser.h"
+#include "c3de/ui/commands.h"
 #include "c3de/ui/panel_registry.h"
 #include "c3de/ui/parameter_registry.h"
 #include "c3de/ui/tool_registry.h"
+#include "c3de/ui/view_controller.h"
 #include "c3de/ui/workstation_window.h"
 #include "exit_code.h"
 #include "file_kind.h"
@@ -35,6 +37,11 @@
 namespace c3de::app {
 namespace {
 
+std::string keyOf(ui::Command command) {
+  const ui::CommandInfo &info = ui::commandInfo(command);
+  return ui::keyText(info.key, info.modifiers);
+}
+
 constexpr double kSmallOrgan_mm = 20.0, kLargeOrgan_mm = 5000.0;
 
 /// One run of the window. Members are destroyed from the last to the first: the session lets go of its plugins while
@@ -48,6 +55,7 @@ class Workstation {
   void open(const ui::OpenRequest &request);
   [[nodiscard]] ui::WindowActions actions();
   [[nodiscard]] std::string proposedName(ui::Command exported) const;
+  [[nodiscard]] std::string unsaved() const;
   [[nodiscard]] ui::AboutText about() const;
   [[nodiscard]] ui::SimulationView simulationView();
   void showPluginProblems();
@@ -197,6 +205,7 @@ ui::WindowActions Workstation::actions() {
   actions.exportImage = [exportImage](const std::filesystem::path &file) { exportImage({file, {}}); };
   actions.exportDisplacement = [exportImage](const std::filesystem::path &file) { exportImage({{}, file}); };
   actions.proposeName = [this](ui::Command exported) { return proposedName(exported); };
+  actions.unsaved = [this] { return unsaved(); };
   actions.beforeDraw = [this] {
     session_->plugins().syncScene();
     images_->followNode();
@@ -216,6 +225,19 @@ std::string Workstation::proposedName(ui::Command exported) const {
   if (exported == ui::Command::exportDisplacement) name += "-displacement";
   if (scene::Simulation *simulation = session_->simulation()) name += fmt::format("-{:.3f}s", simulation->state().time_s);
   return name;
+}
+
+/// What quitting would lose.
+std::string Workstation::unsaved() const {
+  std::string text;
+  const auto add = [&](const std::string &line) { text += (text.empty() ? "" : "\n") + line; };
+  if (const scene::Simulation *simulation = session_->simulation(); simulation && simulation->state().steps > 0)
+    add("The simulation has run to t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
+        " s. Its state is lost; File > Export… writes it.");
+  if (const ui::OrganGuide &guide = images_->guide(); guide.mask().mask() || !guide.pickedLabels().empty())
+    add("What is picked in the image has not been made an organ.");
+  for (const BackgroundJobs::Status &job : session_->jobs().running()) add("Still running: " + job.title + ".");
+  return text;
 }
 
 ui::AboutText Workstation::about() const {
@@ -267,7 +289,7 @@ void Workstation::watchForFailure() {
     const std::string why = simulation->failure();
     log(LogLevel::error, "the simulation stopped: " + why);
     panels_.notify(C3DE_LOG_ERROR, "The simulation stopped",
-                   why + "\nThe last good state is shown. Reset (R) goes back to the initial state.");
+                   why + "\nThe last good state is shown. Reset (" + keyOf(ui::Command::reset) + ") goes back to the initial state.");
   }
   hasReportedFailure_ = hasFailed;
 }
@@ -285,10 +307,8 @@ void Workstation::checkSize(const std::string &unit, double size_mm) {
 void Workstation::whenImageShown() {
   render::Camera &camera = window_->camera();
   if (camera.upAxis != render::UpAxis::z) {
-    // From the front, a little from the left and above.
     camera.upAxis = render::UpAxis::z;
-    camera.yaw = 0.6;
-    camera.pitch = 0.3;
+    ui::lookFromStart(camera);
   }
   window_->requestFit();
   askForWarp();
@@ -301,6 +321,7 @@ void Workstation::whenOrgansLive(const WorkstationOrgan::Result &result) {
     images_->whenOrgansAreGone();
   }
   images_->whenOrgansLive(result.made);
+  tools_.cancelActive();  // the simulation begins anew, and what a tool held is gone
   warp_.begin();
   askForWarp();
   simulation->transport(C3DE_TRANSPORT_PLAY);

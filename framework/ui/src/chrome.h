@@ -23,13 +23,20 @@ void drawStatusBar(FrameContext &frame, const PixelRect &area);
 void drawViewDecorations(FrameContext &frame);
 /// Over the slices: letters, cross-hair, outlines of bodies, scale bar, read-out. Nothing without an image.
 void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer);
-/// Over the view: messages and running jobs. Fills state.overlays.
-void drawNotifications(FrameContext &frame);
-void drawJobs(FrameContext &frame);
-/// A step that takes more than a second is said while it lasts.
-void drawLongStep(FrameContext &frame);
+/// Below the panels: messages and running jobs, until they go. Says in state.dock how high that is.
+void drawDock(FrameContext &frame, const PixelRect &area);
+/// Panels that ask something before there is anything to see, over the view. Fills state.overlays.
+void drawViewPanels(FrameContext &frame, ImGuiPanels &panels);
 void drawShortcuts(FrameContext &frame);
+void drawMessages(FrameContext &frame);
 void drawAbout(FrameContext &frame);
+/// Asks whether to quit while state.toLose says what that would lose.
+void drawQuitQuestion(FrameContext &frame);
+
+/// A window over all others, in the middle; `isShown` becomes false when it is closed. Logical pixels. When it is begun, endDialog()
+/// draws what closes it.
+[[nodiscard]] bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &isShown, ImVec2 size);
+void endDialog(FrameContext &frame, bool &isShown);
 
 /// Begins a window without decoration at a fixed place. Always followed by ImGui::End().
 void beginFixed(const char *name, const PixelRect &area, const ImVec4 &background, ImVec2 padding, int extraFlags = 0);

@@ -33,6 +33,9 @@ constexpr std::array kCommands{
     CommandInfo{Command::redo, "edit.redo", "Redo", "Make the change again that was taken back", 'Y', C3DE_MOD_CTRL, 'Z',
                 C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
     CommandInfo{Command::fitView, "view.fit", "Fit view", "Bring everything visible into the view", 'F', 0, 0},
+    CommandInfo{Command::resetView, "view.reset", "Reset view",
+                "The view under the mouse as at the start: the middle slice, or all of the 3D view from the front; beside the views, all",
+                'R', 0, 0},
     CommandInfo{Command::viewFront, "view.front", "Front (along −z)", "Look along −z", '1', 0, 0},
     CommandInfo{Command::viewBack, "view.back", "Back (along +z)", "Look along +z", '2', 0, 0},
     CommandInfo{Command::viewLeft, "view.left", "Left (along +x)", "Look along +x", '3', 0, 0},
@@ -56,10 +59,11 @@ constexpr std::array kCommands{
     CommandInfo{Command::playPause, "simulation.play", "Play / Pause", "Start, pause or continue", ' ', 0, 0},
     CommandInfo{Command::step, "simulation.step", "Step", "One step of the solver, then pause", keyRight, 0, 0},
     CommandInfo{Command::reset, "simulation.reset", "Reset", "Back to the initial state, exactly; goes on playing if it was",
-                'R', 0, 0},
+                'R', C3DE_MOD_CTRL, 0},
     CommandInfo{Command::stop, "simulation.stop", "Stop", "End and go back to the initial state", 0, 0, 0},
     CommandInfo{Command::orbitTool, "tools.orbit", "Orbit", "The left button turns the camera", 'O', 0, 0},
     CommandInfo{Command::showShortcuts, "help.shortcuts", "Shortcuts", "Keys and mouse", 'H', 0, keyF1},
+    CommandInfo{Command::showMessages, "help.messages", "Messages", "All messages since the start", 0, 0, 0},
     CommandInfo{Command::showAbout, "help.about", "About", "Versions, graphics and plugins", 0, 0, 0},
 };
 

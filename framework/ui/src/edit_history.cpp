@@ -19,6 +19,10 @@ void EditHistory::follow(ParameterRegistry *parameters, OrganGuide *organ) {
 
 std::string EditHistory::organLabel(bool isUndo) const {
   if (!organ_) return {};
+  // What was picked last has become organs that live, or nothing is picked any more: what they were made of would be laid
+  // over them. Its panel does that, and says so.
+  const std::vector<MaskStep> steps = isUndo ? organ_->mask().steps() : std::vector<MaskStep>();
+  if (!steps.empty() && steps.back().kind == MaskStep::Kind::labels && steps.back().labels.empty()) return {};
   return isUndo ? organ_->mask().undoLabel() : organ_->mask().redoLabel();
 }
 

@@ -12,6 +12,7 @@ namespace c3de::ui {
 namespace {
 
 constexpr const char *kArea = "dialog";
+constexpr int kMostFramesToFocus = 10;
 constexpr const char *kUnits[] = {"", "mm", "cm", "m"};
 constexpr const char *kUnitLabels[] = {"as the file says, else mm", "millimetres (mm)", "centimetres (cm)", "metres (m)"};
 
@@ -25,6 +26,7 @@ void FileDialog::open(Request request) {
   typed_[0] = '\0';
   isOpen_ = isNew_ = true;
   isDone_ = false;
+  framesToFocus_ = kMostFramesToFocus;
   openFolder();
   if (request_.isSaving && !request_.proposed.empty()) copyText(typed_, sizeof typed_, freeName(browser_.folder(), request_.proposed));
 }
@@ -158,6 +160,7 @@ void FileDialog::draw(FrameContext &frame) {
   isNew_ = false;
   const bool isEntered = ImGui::InputTextWithHint("##typed", request_.isSaving ? "Name of the file; a path may be typed" : "File or folder; a path may be typed", typed_, sizeof typed_,
                                                   ImGuiInputTextFlags_EnterReturnsTrue | (request_.isSaving ? ImGuiInputTextFlags_AutoSelectAll : 0));
+  framesToFocus_ = ImGui::IsItemActive() ? 0 : std::max(framesToFocus_ - 1, 0);
   markItem(frame, kArea, "path");
   frame.automation.value(kArea, "path", typed_);
   const bool hasText = typed_[0] != '\0';

@@ -26,6 +26,8 @@ class FileDialog {
   /// Shows the folder that was used last for these extensions.
   void open(Request request);
   [[nodiscard]] bool isOpen() const { return isOpen_; }
+  /// It has just opened, and the field does not have the keyboard yet: what is typed is meant for it.
+  [[nodiscard]] bool awaitsTyping() const { return isOpen_ && framesToFocus_ > 0; }
   void draw(FrameContext &frame);
 
  private:
@@ -40,7 +42,7 @@ class FileDialog {
   std::string error_;
   std::filesystem::path toReplace_;  ///< the person has been asked about it
   char typed_[1024] = "";
-  int unit_ = 0;
+  int unit_ = 0, framesToFocus_ = 0;
   bool isOpen_ = false, isNew_ = false, isDone_ = false;
 };
 

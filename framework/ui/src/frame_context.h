@@ -39,15 +39,24 @@ struct TooltipTimer {
   bool isWaiting = false;
 };
 
+/// Messages and running jobs below the panels, where they cover no image.
+struct Dock {
+  float height = 0.0f;  ///< that the last frame needed
+  std::map<std::uint64_t, double> since_s;  ///< when each message was first drawn, or last under the mouse
+  double ends_s = 0.0;  ///< until the next of them goes by itself, from the last frame on; 0: none does
+};
+
 /// Lives as long as the window.
 struct WindowState {
   TooltipTimer tooltip;
   Layout layout;
   EditHistory history;
-  bool showShortcuts = false, showAbout = false;
+  bool showShortcuts = false, showAbout = false, showMessages = false;
+  std::string toLose;  ///< what quitting would lose, while a person is asked about it
+  bool quits = false;  ///< the answer was yes
   AboutText about;
   std::map<std::string, std::array<AutomationState::Rect, 2>> openers;  ///< of closed menus and lists, and their clips
-  std::map<std::uint64_t, double> notificationsSince_s;  ///< when each was first drawn, or last under the mouse
+  Dock dock;
   std::vector<PixelRect> overlays;  ///< over the view, of the last frame: the mouse belongs to them
 };
 

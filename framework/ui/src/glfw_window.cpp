@@ -107,6 +107,30 @@ std::uint32_t modifiersOf(int mods) {
          ((mods & GLFW_MOD_ALT) ? C3DE_MOD_ALT : 0u);
 }
 
+/// Modifiers after an event of a key. X11 tells those of before it, so whether a modifier's own key is down is looked up.
+std::uint32_t modifiersAfter(GLFWwindow *window, int key, int mods) {
+  struct Keys {
+    int left, right;
+    std::uint32_t modifier;
+  };
+  static constexpr Keys kKeys[] = {{GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT, C3DE_MOD_SHIFT},
+                                   {GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL, C3DE_MOD_CTRL},
+                                   {GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT, C3DE_MOD_ALT}};
+  std::uint32_t modifiers = modifiersOf(mods);
+  for (const Keys &keys : kKeys) {
+    if (key != keys.left && key != keys.right) continue;
+    const bool isDown = glfwGetKey(window, keys.left) == GLFW_PRESS || glfwGetKey(window, keys.right) == GLFW_PRESS;
+    modifiers = isDown ? modifiers | keys.modifier : modifiers & ~keys.modifier;
+  }
+  return modifiers;
+}
+
+OsEvent::Role roleOf(int key) {
+  if (key == GLFW_KEY_LEFT_SHIFT || key == GLFW_KEY_RIGHT_SHIFT) return OsEvent::Role::shift;
+  const bool isModifier = key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_RIGHT_SUPER;
+  return isModifier ? OsEvent::Role::modifier : OsEvent::Role::other;
+}
+
 /// By what is printed on the key, so that Ctrl+Q is Q on every keyboard.
 std::uint32_t keyOf(int key, int scancode) {
   switch (key) {
@@ -205,10 +229,11 @@ void GlfwWindow::installCallbacks() {
   });
   glfwSetKeyCallback(window_, [](GLFWwindow *w, int key, int scancode, int action, int mods) {
     GlfwWindow &self = of(w);
-    self.modifiers_ = modifiersOf(mods);
+    self.modifiers_ = modifiersAfter(w, key, mods);
     OsEvent &event = self.add(action == GLFW_RELEASE ? Kind::keyUp : Kind::keyDown);
     event.key = keyOf(key, scancode);
     event.isRepeat = action == GLFW_REPEAT;
+    event.role = roleOf(key);
     event.rawKey = key;
     event.scanCode = scancode;
     event.rawModifiers = mods;
@@ -221,7 +246,11 @@ void GlfwWindow::installCallbacks() {
   });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow *w, int, int) { of(w).add(Kind::other); });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow *w) { of(w).add(Kind::other); });
-  glfwSetWindowCloseCallback(window_, [](GLFWwindow *w) { of(w).add(Kind::other); });
+  // The window decides: it may ask first.
+  glfwSetWindowCloseCallback(window_, [](GLFWwindow *w) {
+    glfwSetWindowShouldClose(w, GLFW_FALSE);
+    of(w).add(Kind::close);
+  });
   glfwSetCursorEnterCallback(window_, [](GLFWwindow *w, int entered) { of(w).add(entered ? Kind::move : Kind::leave); });
 }
 

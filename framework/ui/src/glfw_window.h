@@ -27,7 +27,8 @@ class GlfwWindow {
   /// Waits for an event or wake() for at most timeout_s (0: does not wait).
   void wait(double timeout_s);
   /// What this frame can show of what has come; the rest stays for the next.
-  [[nodiscard]] std::vector<OsEvent> takeEvents() { return takeFrameEvents(events_); }
+  [[nodiscard]] std::vector<OsEvent> takeEvents(bool holdsTyping) { return takeFrameEvents(events_, holdsTyping); }
+  [[nodiscard]] const std::vector<OsEvent> &events() const { return events_; }
   [[nodiscard]] bool hasEvents() const { return !events_.empty(); }
   void wake();
   /// True once after each wake().

@@ -7,26 +7,6 @@
 namespace c3de::ui {
 namespace {
 
-bool beginHelp(FrameContext &frame, const char *title, const char *id, bool &isShown, ImVec2 size) {
-  if (isShown) ImGui::OpenPopup((std::string(title) + "###" + id).c_str());
-  ImGui::SetNextWindowSize(ImVec2(std::min(frame.theme.px(size.x), 0.9f * static_cast<float>(frame.windowSize[0])),
-                                  std::min(frame.theme.px(size.y), 0.9f * static_cast<float>(frame.windowSize[1]))),
-                           ImGuiCond_Appearing);
-  ImGui::SetNextWindowPos(ImVec2(0.5f * static_cast<float>(frame.windowSize[0]), 0.5f * static_cast<float>(frame.windowSize[1])),
-                          ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
-  return ImGui::BeginPopupModal((std::string(title) + "###" + id).c_str(), &isShown, ImGuiWindowFlags_NoSavedSettings);
-}
-
-void endHelp(FrameContext &frame, bool &isShown) {
-  const bool isClosed = ImGui::Button("Close", ImVec2(frame.theme.px(96.0f), 0));
-  markItem(frame, "dialog", "close");
-  if (isClosed || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) {
-    isShown = false;
-    ImGui::CloseCurrentPopup();
-  }
-  ImGui::EndPopup();
-}
-
 void shortcutRow(const std::string &keys, const std::string &label) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
@@ -51,9 +31,29 @@ bool beginRows(const FrameContext &frame, const char *id) {
 
 }  // namespace
 
+bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &isShown, ImVec2 size) {
+  if (isShown) ImGui::OpenPopup((std::string(title) + "###" + id).c_str());
+  ImGui::SetNextWindowSize(ImVec2(std::min(frame.theme.px(size.x), 0.9f * static_cast<float>(frame.windowSize[0])),
+                                  std::min(frame.theme.px(size.y), 0.9f * static_cast<float>(frame.windowSize[1]))),
+                           ImGuiCond_Appearing);
+  ImGui::SetNextWindowPos(ImVec2(0.5f * static_cast<float>(frame.windowSize[0]), 0.5f * static_cast<float>(frame.windowSize[1])),
+                          ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
+  return ImGui::BeginPopupModal((std::string(title) + "###" + id).c_str(), &isShown, ImGuiWindowFlags_NoSavedSettings);
+}
+
+void endDialog(FrameContext &frame, bool &isShown) {
+  const bool isClosed = ImGui::Button("Close", ImVec2(frame.theme.px(96.0f), 0));
+  markItem(frame, "dialog", "close");
+  if (isClosed || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) {
+    isShown = false;
+    ImGui::CloseCurrentPopup();
+  }
+  ImGui::EndPopup();
+}
+
 void drawShortcuts(FrameContext &frame) {
   if (!frame.state.showShortcuts) return;
-  if (!beginHelp(frame, "Shortcuts", "shortcuts", frame.state.showShortcuts, ImVec2(640, 620))) return;
+  if (!beginDialog(frame, "Shortcuts", "shortcuts", frame.state.showShortcuts, ImVec2(640, 620))) return;
   ImGui::BeginChild("rows", ImVec2(0, -ImGui::GetFrameHeightWithSpacing() - frame.theme.px(4.0f)));
   heading(frame, "Mouse in the 3D view");
   if (beginRows(frame, "mouse")) {
@@ -67,11 +67,10 @@ void drawShortcuts(FrameContext &frame) {
   heading(frame, "In the slices of an image");
   if (beginRows(frame, "slices")) {
     shortcutRow("Left drag, Shift+move", "cross-hair; W: window and level instead");
-    shortcutRow("Double click", "one view, and back (3D view too)");
+    shortcutRow("Double click", "one view, and back (3D view too); the cross-hair stays");
     shortcutRow("Wheel, arrows, F and B", "next and previous slice; with Shift ten");
     shortcutRow("Middle, Shift+left drag", "pan");
     shortcutRow("Right, Ctrl+left drag, Ctrl+wheel", "zoom");
-    shortcutRow("R", "view as at the start");
     shortcutRow("T, Shift+T", "next, previous time point");
     for (const WindowLevelPreset &preset : windowLevelPresets())
       shortcutRow(keyText(preset.key, 0), std::string("window/level: ") + preset.name);
@@ -96,12 +95,12 @@ void drawShortcuts(FrameContext &frame) {
     ImGui::EndTable();
   }
   ImGui::EndChild();
-  endHelp(frame, frame.state.showShortcuts);
+  endDialog(frame, frame.state.showShortcuts);
 }
 
 void drawAbout(FrameContext &frame) {
   if (!frame.state.showAbout) return;
-  if (!beginHelp(frame, "About", "about", frame.state.showAbout, ImVec2(620, 460))) return;
+  if (!beginDialog(frame, "About", "about", frame.state.showAbout, ImVec2(620, 460))) return;
   const AboutText &about = frame.state.about;
   ImGui::BeginChild("text", ImVec2(0, -ImGui::GetFrameHeightWithSpacing() - frame.theme.px(4.0f)));
   ImGui::PushTextWrapPos(0.0f);
@@ -123,7 +122,7 @@ void drawAbout(FrameContext &frame) {
   frame.automation.value("about", "graphics", about.graphics);
   ImGui::PopTextWrapPos();
   ImGui::EndChild();
-  endHelp(frame, frame.state.showAbout);
+  endDialog(frame, frame.state.showAbout);
 }
 
 }  // namespace c3de::ui

@@ -56,6 +56,7 @@ void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
   labelOpacities_.clear();
   drag_ = Drag::none;
   maximised_.reset();
+  beforeClick_.reset();
   picked_ = nullptr;
   if (!image_) return;
   options_.windowLevel = automaticWindowLevel(image_->range);
@@ -119,10 +120,29 @@ std::vector<std::pair<std::uint16_t, render::Colour>> ImageViews::labelColours()
   return colours;
 }
 
-void ImageViews::setCrossHair(const Vec3 &world, std::optional<Pane> from) {
-  crossHair_ = world;
+void ImageViews::setCrossHair(const Vec3 &world) {
+  crossHair_ = nearestInImage(world);
   for (const Pane pane : kSlicePanes)
-    if (pane != from && !view(pane).isOnSlice(world)) view(pane).showPoint(world);
+    if (!view(pane).isOnSlice(crossHair_)) view(pane).showPoint(crossHair_);
+}
+
+Vec3 ImageViews::nearestInImage(const Vec3 &world) const {
+  if (!image_) return world;
+  // Of the voxels, whose middles are at whole numbers.
+  constexpr double kInside = 1e-6;
+  const imaging::VolumeGeometry &grid = image_->volume.geometry;
+  const Vec3 index = transformPoint(imaging::affineInverse(grid.indexToWorld), world);
+  Vec3 inside{};
+  for (std::size_t a = 0; a < 3; ++a)
+    inside[a] = std::clamp(index[a], -0.5 + kInside, static_cast<double>(grid.size[a]) - 0.5 - kInside);
+  return inside == index ? world : grid.worldAt(inside);
+}
+
+void ImageViews::takeBackClick() {
+  if (!beforeClick_) return;
+  crossHair_ = beforeClick_->crossHair;
+  views_ = beforeClick_->views;
+  beforeClick_.reset();
 }
 
 void ImageViews::resetViews() {
@@ -146,7 +166,6 @@ bool ImageViews::isSliceKey(std::uint32_t key, std::uint32_t modifiers) {
     case keyRight:
     case 'B':
     case 'F':
-    case 'R':
     case 'T': return true;
     default: {
       const auto presets = windowLevelPresets();
@@ -188,6 +207,7 @@ bool ImageViews::press(Pane slice, const ViewInput &input) {
   const bool isFirst = buttons_ == 0;
   buttons_ |= input.button;
   if (!isFirst) return false;
+  beforeClick_.reset();
   if (picked_ && input.button == C3DE_BUTTON_LEFT && input.modifiers == 0) {
     std::exchange(picked_, nullptr)(referenceAt(view(slice).worldAt(input.x, input.y)));
     return true;
@@ -207,7 +227,8 @@ bool ImageViews::press(Pane slice, const ViewInput &input) {
     drag_ = Drag::windowLevel;
   else {
     drag_ = Drag::crossHair;
-    setCrossHair(view(slice).worldAt(input.x, input.y), slice);
+    beforeClick_ = Click{crossHair_, views_};
+    setCrossHair(view(slice).worldAt(input.x, input.y));
   }
   return true;
 }
@@ -215,13 +236,13 @@ bool ImageViews::press(Pane slice, const ViewInput &input) {
 bool ImageViews::move(Pane slice, const ViewInput &input) {
   const double dx = input.x - lastX_, dy = input.y - lastY_;
   switch (drag_) {
-    case Drag::crossHair: setCrossHair(view(slice).worldAt(input.x, input.y), slice); return true;
+    case Drag::crossHair: setCrossHair(view(slice).worldAt(input.x, input.y)); return true;
     case Drag::windowLevel: options_.windowLevel = dragged(options_.windowLevel, dx, dy, image_->range); return true;
     case Drag::pan: view(slice).pan(dx, dy); return true;
     case Drag::zoom: view(slice).zoom(-dy / kPixelsPerZoomStep, startX_, startY_); return true;
     case Drag::none:
       if (buttons_ != 0 || !(input.modifiers & C3DE_MOD_SHIFT)) return false;
-      setCrossHair(view(slice).worldAt(input.x, input.y), slice);
+      setCrossHair(view(slice).worldAt(input.x, input.y));
       return true;
   }
   return false;
@@ -237,7 +258,6 @@ bool ImageViews::pressKey(Pane slice, const ViewInput &input) {
     case keyDown:
     case keyLeft:
     case 'B': view(slice).scroll(-slices); return true;
-    case 'R': view(slice).reset(); return true;
     case 'T':
       if ((input.modifiers & C3DE_MOD_SHIFT) == 0) chooseTime(image_->time + 1);
       else if (image_->time > 0) chooseTime(image_->time - 1);

@@ -194,6 +194,7 @@ float drawMenuBar(FrameContext &frame) {
     }
     if (beginMenu(frame, "View", "view")) {
       menuItem(frame, "menu", {Command::fitView});
+      menuItem(frame, "menu", {Command::resetView});
       ImGui::Separator();
       for (const Command view : {Command::viewFront, Command::viewBack, Command::viewLeft, Command::viewRight,
                                  Command::viewTop, Command::viewBottom})
@@ -227,6 +228,7 @@ float drawMenuBar(FrameContext &frame) {
     }
     if (beginMenu(frame, "Help", "help")) {
       menuItem(frame, "menu", {Command::showShortcuts});
+      menuItem(frame, "menu", {Command::showMessages});
       menuItem(frame, "menu", {Command::showAbout});
       ImGui::EndMenu();
     }

@@ -176,7 +176,7 @@ void OrganPanel::drawUndo(const c3de_ui_v0 &ui) {
   if (!mask.mask() && !mask.canUndo() && !mask.canRedo()) return;
   const std::string undone = mask.undoLabel(), redone = mask.redoLabel();
   if (button(ui, "undo", "Undo", !undone.empty())) guide_.undo();
-  tooltip(ui, ("Takes back the last step" + (undone.empty() ? "" : ": " + undone) + " (Ctrl+Z)").c_str());
+  tooltip(ui, ("Takes back the last step" + (undone.empty() ? "" : ": " + undone) + " (Ctrl+Z; not by keys after an organ was made: what it was made of is laid over it)").c_str());
   sameLine(ui);
   if (button(ui, "redo", "Redo", !redone.empty())) guide_.redo();
   tooltip(ui, ("Does it again" + (redone.empty() ? "" : ": " + redone) + " (Ctrl+Shift+Z)").c_str());

@@ -9,11 +9,13 @@ namespace c3de::ui {
 
 /// What came from the operating system. Positions in window pixels.
 struct OsEvent {
-  enum class Kind { press, release, move, wheel, keyDown, keyUp, character, focusLost, focusGained, leave, drop, other };
+  enum class Kind { press, release, move, wheel, keyDown, keyUp, character, focusLost, focusGained, leave, drop, close, other };
+  enum class Role { other, shift, modifier };  ///< of a key; modifier: Ctrl, Alt, Super
   Kind kind = Kind::other;
   std::uint32_t button = 0, modifiers = 0;  ///< C3DE_BUTTON_*, C3DE_MOD_*
   std::uint32_t key = 0;                    ///< of keyDown: ASCII upper case or ui::Key; 0: another key
   bool isRepeat = false;
+  Role role = Role::other;
   int rawKey = 0, scanCode = 0, rawModifiers = 0;  ///< of GLFW
   unsigned character = 0;
   double x = 0.0, y = 0.0, wheelX = 0.0, wheel = 0.0, time_s = 0.0;
@@ -32,7 +34,9 @@ class ClickPairs {
 };
 
 /// Takes from the front what one frame can show without losing any of it: Dear ImGui 1.86 looks at the state of mouse and
-/// keys once per frame, so a key that goes down and up, or a press and the move after it, need a frame each.
-[[nodiscard]] std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue);
+/// keys once per frame, so a key that goes down and up, or a press and the move after it, need a frame each. Characters it
+/// queues: any number of them shares a frame, and of the keys that make them nobody has to see that they were down.
+/// @param holdsTyping  a text field is about to take the keyboard: what is typed waits for it
+[[nodiscard]] std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue, bool holdsTyping = false);
 
 }  // namespace c3de::ui

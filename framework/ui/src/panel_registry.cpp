@@ -2,8 +2,21 @@
 #include "c3de/ui/panel_registry.h"
 
 #include <algorithm>
+#include <ctime>
 
 namespace c3de::ui {
+namespace {
+
+constexpr std::size_t kMostLogged = 1000;
+
+std::string timeOfDay() {
+  const std::time_t now = std::time(nullptr);
+  char text[16] = "";
+  if (const std::tm *local = std::localtime(&now)) std::strftime(text, sizeof text, "%H:%M:%S", local);
+  return text;
+}
+
+}  // namespace
 
 Handle PanelRegistry::add(Panel panel) {
   const Handle handle = panels_.add(std::move(panel));
@@ -32,7 +45,14 @@ std::vector<Panel *> PanelRegistry::panels() {
 
 void PanelRegistry::notify(std::uint32_t severity, std::string title, std::string text) {
   std::erase_if(notifications_, [&](const Notification &n) { return n.title == title; });
-  notifications_.push_back({severity, std::move(title), std::move(text), ++serial_});
+  notifications_.push_back({severity, std::move(title), std::move(text), ++serial_, timeOfDay()});
+  if (log_.size() == kMostLogged) log_.erase(log_.begin());
+  log_.push_back(notifications_.back());
+}
+
+bool PanelRegistry::hasViewPanel() {
+  const std::vector<Panel *> all = panels();
+  return std::any_of(all.begin(), all.end(), [](const Panel *panel) { return panel->isInView; });
 }
 
 void PanelRegistry::dismiss(std::uint64_t serial) {

@@ -58,7 +58,7 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
     // By handle and by value: a panel may remove itself or others while it is drawn.
     for (const Handle handle : std::vector<Handle>(frame.services.panels->handles())) {
       const Panel *found = frame.services.panels->find(handle);
-      if (!found) continue;
+      if (!found || found->isInView) continue;
       const Panel panel = *found;
       ImGui::Dummy(ImVec2(0, frame.theme.px(2.0f)));
       const bool isOpen = section(frame, panel.id, panel.title, panel.open);
@@ -68,6 +68,31 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
   frame.state.layout.resetSections = false;
   ImGui::EndChild();
   ImGui::End();
+}
+
+void drawViewPanels(FrameContext &frame, ImGuiPanels &panels) {
+  if (!frame.services.panels) return;
+  const PixelRect &area = frame.area;
+  for (const Handle handle : std::vector<Handle>(frame.services.panels->handles())) {
+    const Panel *found = frame.services.panels->find(handle);
+    if (!found || !found->isInView) continue;
+    const Panel panel = *found;
+    const float width = std::min(frame.theme.px(560.0f), 0.9f * area.w);
+    ImGui::SetNextWindowPos(ImVec2(area.x + 0.5f * area.w, area.y + 0.5f * area.h), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+    ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, 0.9f * area.h));
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(frame.theme.px(18.0f), frame.theme.px(14.0f)));
+    ImGui::Begin(("##view-" + panel.id).c_str(), nullptr,
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::PopStyleVar();
+    ImGui::PushFont(frame.theme.bold);
+    ImGui::TextUnformatted(panel.title.c_str());
+    ImGui::PopFont();
+    panels.draw(frame, panel);
+    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    frame.state.overlays.push_back({at.x, at.y, size.x, size.y});
+    ImGui::End();
+  }
 }
 
 void drawSplitter(FrameContext &frame, const PixelRect &area) {

@@ -15,11 +15,6 @@
 namespace c3de::ui {
 namespace {
 
-constexpr std::size_t kNotificationsShown = 4;
-constexpr double kInfoStays_s = 20.0;
-/// What ends sooner would only flicker.
-constexpr double kQuietJob_s = 0.25;
-
 std::string fixedText(double value, int decimals) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
@@ -51,31 +46,20 @@ void cell(FrameContext &frame, const char *name, const std::string &text, const 
   ImGui::SameLine(begin + width + frame.theme.px(18.0f));
 }
 
-ImVec4 severityTint(std::uint32_t severity) {
-  if (severity >= C3DE_LOG_ERROR) return colour::kError;
-  if (severity == C3DE_LOG_WARN) return colour::kWarn;
-  return colour::kAccent;
-}
-
-void rememberOverlay(FrameContext &frame) {
-  const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-  frame.state.overlays.push_back({at.x, at.y, size.x, size.y});
-}
-
-/// A box over the view; its height follows from what is in it.
-void beginOverlay(FrameContext &frame, const std::string &name, ImVec2 at, ImVec2 pivot, float width) {
-  ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
-  ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, 4096));
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, frame.theme.px(5.0f));
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1.0f);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(frame.theme.px(14.0f), frame.theme.px(10.0f)));
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.145f, 0.162f, 0.193f, 0.97f));
-  ImGui::Begin(name.c_str(), nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing |
-                   ImGuiWindowFlags_NoScrollbar);
-  ImGui::PopStyleColor();
-  ImGui::PopStyleVar(3);
+/// What the mouse does where it is.
+std::string hintOf(const FrameContext &frame) {
+  const auto isOver = [&](Pane pane) { return frame.panes[static_cast<std::size_t>(pane)].contains(frame.mouseX, frame.mouseY); };
+  if (const ImageViews *images = frame.shownImages(); images && std::any_of(kSlicePanes.begin(), kSlicePanes.end(), isOver)) {
+    const char *left = images->isPicking()                    ? "Click: pick what is there"
+                       : images->options().isWindowLevelMode ? "Left drag: window (sideways), level (upwards)"
+                                                             : "Left: cross-hair";
+    return std::string(left) +
+           "    Wheel: slices (Shift: ten)    Middle or Shift+left: pan    Right or Ctrl+wheel: zoom    Double click: only this view    R: reset";
+  }
+  if (!isOver(Pane::space)) return "H: keys and mouse";
+  if (frame.services.tools)
+    if (const Tool *tool = frame.services.tools->find(frame.services.tools->active())) return tool->label + ": " + tool->hint;
+  return "Left drag: orbit    Middle or Shift+left: pan    Right, Ctrl+left or wheel: zoom    F: fit    R: reset";
 }
 
 }  // namespace
@@ -106,16 +90,24 @@ void drawStatusBar(FrameContext &frame, const PixelRect &area) {
     cell(frame, "step_ms", fixedText(t.step_ms, 2) + " ms/step", simulation.isLongStep() ? colour::kWarn : colour::kText, 88,
          "Wall time of a step, mean of the last second; of the present one when that is longer");
   }
-  std::string hint = "Left drag: orbit    Middle or Shift+left: pan    Right, Ctrl+left or wheel: zoom    F: fit";
-  if (frame.services.tools)
-    if (const Tool *tool = frame.services.tools->find(frame.services.tools->active())) hint = tool->label + ": " + tool->hint;
+  const std::string hint = hintOf(frame);
   const std::string rate = frame.framesPerSecond > 0.0 ? fixedText(frame.framesPerSecond, 0) + " fps" : std::string("idle");
-  const float right = ImGui::GetWindowContentRegionMax().x - frame.theme.px(56.0f);
+  const std::size_t messages = frame.services.panels ? frame.services.panels->log().size() : 0;
+  const std::string messagesText = "Messages (" + std::to_string(messages) + ")";
+  const float rateAt = ImGui::GetWindowContentRegionMax().x - frame.theme.px(56.0f);
+  const float right = rateAt - ImGui::CalcTextSize(messagesText.c_str()).x - frame.theme.px(26.0f);
   const std::string shownHint = elided(hint, right - ImGui::GetCursorPosX() - frame.theme.px(12.0f));
   ImGui::TextColored(colour::kDim, "%s", shownHint.c_str());
   itemTooltip(frame, hint);
   frame.automation.value("status", "hint", hint);
   ImGui::SameLine(right);
+  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0, 0, 0, 0));
+  ImGui::PushStyleColor(ImGuiCol_Text, colour::kDim);
+  if (ImGui::SmallButton(messagesText.c_str())) frame.request(Command::showMessages);
+  ImGui::PopStyleColor(2);
+  markItem(frame, "status", "messages");
+  itemTooltip(frame, commandInfo(Command::showMessages).doc);
+  ImGui::SameLine(rateAt);
   ImGui::TextColored(colour::kDim, "%s", rate.c_str());
   itemTooltip(frame, "Frames drawn per second; nothing is drawn while nothing changes");
   ImGui::PopFont();
@@ -151,7 +143,8 @@ void drawViewDecorations(FrameContext &frame) {
                   axis.tint, axis.name);
   }
 
-  const bool isEmpty = !frame.simulation.exists && (!frame.services.scene || frame.services.scene->rows().empty());
+  const bool isAsked = frame.services.panels && frame.services.panels->hasViewPanel();
+  const bool isEmpty = !isAsked && !frame.simulation.exists && (!frame.services.scene || frame.services.scene->rows().empty());
   const bool isBusy = frame.services.jobs && !frame.services.jobs->running().empty();
   if (isEmpty && !isBusy) {
     const char *const lines[] = {"Open an image (Ctrl+I), a mesh (Ctrl+M) or a scene (Ctrl+O),", "or drop a file here"};
@@ -166,111 +159,6 @@ void drawViewDecorations(FrameContext &frame) {
     list->AddText(frame.theme.bold, frame.theme.bold->FontSize, ImVec2(view.x + frame.theme.px(14.0f), view.y + frame.theme.px(10.0f)),
                   ImGui::GetColorU32(colour::kText), frame.simulation.title.c_str());
   list->PopClipRect();
-}
-
-void drawNotifications(FrameContext &frame) {
-  PanelRegistry *panels = frame.services.panels;
-  if (!panels) return;
-  const std::vector<Notification> notifications = panels->notifications();
-  const float width = std::min(frame.theme.px(400.0f), 0.8f * frame.area.w);
-  float y = frame.area.y + frame.theme.px(12.0f);
-  std::size_t shown = 0;
-  // The newest stands on top.
-  for (auto it = notifications.rbegin(); it != notifications.rend() && shown < kNotificationsShown; ++it, ++shown) {
-    const Notification &n = *it;
-    beginOverlay(frame, "##notification" + std::to_string(n.serial),
-                 ImVec2(frame.area.x + frame.area.w - frame.theme.px(12.0f), y), ImVec2(1, 0), width);
-    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
-    ImDrawList *list = ImGui::GetWindowDrawList();
-    list->PushClipRect(at, ImVec2(at.x + frame.theme.px(4.0f), at.y + size.y));
-    list->AddRectFilled(at, ImVec2(at.x + frame.theme.px(10.0f), at.y + size.y),
-                        ImGui::GetColorU32(severityTint(n.severity)), frame.theme.px(5.0f));
-    list->PopClipRect();
-    const std::string index = std::to_string(shown);
-    ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0, 0, 0, 0));
-    const float buttonSize = ImGui::GetFrameHeight(), contentWidth = ImGui::GetContentRegionAvail().x;
-    ImGui::PushFont(frame.theme.bold);
-    ImGui::AlignTextToFramePadding();
-    ImGui::TextColored(severityTint(n.severity), "%s", elided(n.title, contentWidth - buttonSize).c_str());
-    ImGui::PopFont();
-    ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - buttonSize);
-    const bool isClosed = iconButton("close", Icon::close, buttonSize, colour::kDim, true);
-    markItem(frame, "notification", "close." + index);
-    ImGui::PopStyleColor();
-    ImGui::PushTextWrapPos(0.0f);
-    ImGui::TextUnformatted(n.text.c_str());
-    ImGui::PopTextWrapPos();
-    ImGui::PushFont(frame.theme.small);
-    if (ImGui::SmallButton("Copy")) ImGui::SetClipboardText((n.title + "\n" + n.text).c_str());
-    markItem(frame, "notification", "copy." + index);
-    ImGui::PopFont();
-    rememberOverlay(frame);
-    y += ImGui::GetWindowSize().y + frame.theme.px(8.0f);
-    // What only informs goes by itself, but not from under the mouse.
-    double &since_s = frame.state.notificationsSince_s.try_emplace(n.serial, ImGui::GetTime()).first->second;
-    if (ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows)) since_s = ImGui::GetTime();
-    const bool isOver = n.severity <= C3DE_LOG_INFO && ImGui::GetTime() - since_s > kInfoStays_s;
-    ImGui::End();
-    if (isClosed || isOver) panels->dismiss(n.serial);
-  }
-  std::erase_if(frame.state.notificationsSince_s, [&](const auto &seen) {
-    return std::none_of(notifications.begin(), notifications.end(), [&](const Notification &n) { return n.serial == seen.first; });
-  });
-  if (notifications.size() > kNotificationsShown) {
-    const std::string more = "and " + std::to_string(notifications.size() - kNotificationsShown) + " more";
-    const float textWidth = ImGui::CalcTextSize(more.c_str()).x;
-    ImGui::GetBackgroundDrawList()->AddText(
-        ImVec2(frame.area.x + frame.area.w - textWidth - frame.theme.px(16.0f), y), ImGui::GetColorU32(colour::kDim), more.c_str());
-  }
-}
-
-void drawLongStep(FrameContext &frame) {
-  if (!frame.simulation.isLongStep()) return;
-  const std::string title = "Step running for " + fixedText(frame.simulation.transport.step_running_s, 1) + " s";
-  const std::string hint = "Esc pauses, R goes back to the initial state";
-  beginOverlay(frame, "##longstep",
-               ImVec2(frame.area.x + frame.theme.px(12.0f), frame.area.y + frame.area.h - frame.theme.px(12.0f)), ImVec2(0, 1),
-               std::min(frame.theme.px(400.0f), 0.8f * frame.area.w));
-  ImGui::PushFont(frame.theme.bold);
-  ImGui::TextColored(colour::kWarn, "%s", title.c_str());
-  ImGui::PopFont();
-  ImGui::PushTextWrapPos(0.0f);
-  if (!frame.simulation.activity.empty()) ImGui::TextUnformatted(frame.simulation.activity.c_str());
-  ImGui::TextColored(colour::kDim, "%s", hint.c_str());
-  ImGui::PopTextWrapPos();
-  rememberOverlay(frame);
-  frame.automation.value("status", "long_step", title + ": " + frame.simulation.activity);
-  ImGui::End();
-}
-
-void drawJobs(FrameContext &frame) {
-  if (!frame.services.jobs) return;
-  float y = frame.area.y + frame.area.h - frame.theme.px(12.0f);
-  std::size_t index = 0;
-  for (const BackgroundJobs::Status &job : frame.services.jobs->running()) {
-    if (job.age_s < kQuietJob_s) continue;
-    beginOverlay(frame, "##job" + std::to_string(job.handle.bits()),
-                 ImVec2(frame.area.x + frame.area.w - frame.theme.px(12.0f), y), ImVec2(1, 1),
-                 std::min(frame.theme.px(340.0f), 0.8f * frame.area.w));
-    const float buttonWidth = frame.theme.px(76.0f), contentWidth = ImGui::GetContentRegionAvail().x;
-    ImGui::PushFont(frame.theme.bold);
-    ImGui::TextUnformatted(elided(job.title, contentWidth).c_str());
-    ImGui::PopFont();
-    ImGui::TextColored(colour::kDim, "%s", elided(job.cancelling ? "stopping…" : job.what.empty() ? "…" : job.what, contentWidth).c_str());
-    const bool isKnown = job.fraction >= 0.0;
-    const auto fraction = static_cast<float>(isKnown ? std::min(job.fraction, 1.0) : 0.5 + 0.5 * std::sin(3.0 * ImGui::GetTime()));
-    ImGui::ProgressBar(fraction, ImVec2(contentWidth - buttonWidth - ImGui::GetStyle().ItemSpacing.x, ImGui::GetFrameHeight()),
-                       isKnown ? (fixedText(100.0 * job.fraction, 0) + " %").c_str() : "");
-    ImGui::SameLine();
-    ImGui::BeginDisabled(job.cancelling);
-    if (ImGui::Button("Cancel", ImVec2(buttonWidth, 0))) frame.services.jobs->cancel(job.handle);
-    markItem(frame, "job", "cancel." + std::to_string(index), !job.cancelling);
-    ImGui::EndDisabled();
-    rememberOverlay(frame);
-    y -= ImGui::GetWindowSize().y + frame.theme.px(8.0f);
-    ImGui::End();
-    ++index;
-  }
 }
 
 }  // namespace c3de::ui

@@ -103,6 +103,12 @@ void ViewController::cancel() {
   drag_ = Drag::none;
 }
 
+void lookFromStart(render::Camera &camera) {
+  const bool isPatient = camera.upAxis == render::UpAxis::z;
+  camera.yaw = isPatient ? 0.6 : render::Camera().yaw;
+  camera.pitch = isPatient ? 0.3 : render::Camera().pitch;
+}
+
 void lookAlong(render::Camera &camera, const Vec3 &direction) {
   constexpr double kQuarter = std::numbers::pi / 2.0;
   // The six standard directions are quarter turns; which sign belongs to which is the camera's business.

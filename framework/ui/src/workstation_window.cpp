@@ -19,6 +19,7 @@
 #include "c3de/ui/tool_registry.h"
 #include "c3de/ui/view_controller.h"
 #include "chrome.h"
+#include "dock.h"
 #include "file_dialog.h"
 #include "glfw_window.h"
 #include "imgui_panel.h"
@@ -74,6 +75,8 @@ struct WorkstationWindow::Impl {
   void openImageDialog(bool areLabels);
   void openExportDialog(Command command);
   void lookFrom(const Vec3 &meshDirection, const Vec3 &patientDirection);
+  /// None: all of them.
+  void resetView(std::optional<Pane> pane);
   void fitIfWanted();
   void measureRate(double now_s);
   void layOutPanes();
@@ -122,6 +125,7 @@ void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
       click.x = event.x;
       click.y = event.y;
       if (ImageViews *images = shownImages(); images && isFirst && doubleClick.press(*pressedPane, click)) {
+        images->takeBackClick();
         images->setMaximised(images->maximised() ? std::nullopt : pressedPane);
         pressedPane.reset();  // the views have moved: the release belongs to none of them
         break;
@@ -210,6 +214,9 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
       case OsEvent::Kind::keyDown:
         takeKey(context, event);
         break;
+      case OsEvent::Kind::close:
+        context.request(Command::quit);
+        break;
       default: takeMouse(event);
     }
   }
@@ -275,18 +282,22 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   context.panes = panes;
 
   drawToolbar(context, {0, menuHeight, width, toolbarHeight});
-  drawSidePanel(context, panels, {0, top, sideWidth, middle});
+  // Its first frame measures it: a window without height would not lay out what is in it.
+  const float dockNeeds = isDockNeeded(context) ? std::max(state.dock.height, theme.px(60.0f)) : 0.0f;
+  const float dockHeight = std::min(std::ceil(dockNeeds), std::floor(0.5f * middle));
+  drawSidePanel(context, panels, {0, top, sideWidth, middle - dockHeight});
+  drawDock(context, {0, top + middle - dockHeight, sideWidth, dockHeight});
   drawSplitter(context, {sideWidth, top, grip, middle});
   drawStatusBar(context, {0, height - statusHeight, width, statusHeight});
   drawViewDecorations(context);
   drawSliceDecorations(context, renderer);
   state.overlays.clear();
-  drawNotifications(context);
-  drawJobs(context);
-  drawLongStep(context);
+  drawViewPanels(context, panels);
   fileDialog.draw(context);
   drawShortcuts(context);
+  drawMessages(context);
   drawAbout(context);
+  drawQuitQuestion(context);
 }
 
 void WorkstationWindow::Impl::openDialog(bool isMesh) {
@@ -335,6 +346,15 @@ void WorkstationWindow::Impl::openExportDialog(Command command) {
 
 void WorkstationWindow::Impl::lookFrom(const Vec3 &meshDirection, const Vec3 &patientDirection) {
   lookAlong(camera, camera.upAxis == render::UpAxis::z ? patientDirection : meshDirection);
+}
+
+void WorkstationWindow::Impl::resetView(std::optional<Pane> pane) {
+  ImageViews *images = shownImages();
+  for (const Pane slice : kSlicePanes)
+    if (images && pane.value_or(slice) == slice) images->view(slice).reset();
+  if (pane.value_or(Pane::space) != Pane::space) return;
+  lookFromStart(camera);
+  framesToFit = 1;
 }
 
 void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
@@ -394,7 +414,11 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::screenshot:
       if (actions.screenshot) actions.screenshot();
       break;
-    case Command::quit: window->requestClose(); break;
+    case Command::quit:
+      state.toLose = actions.unsaved ? actions.unsaved() : std::string();
+      if (state.toLose.empty()) window->requestClose();
+      break;
+    case Command::resetView: resetView(paneAt(context.mouseX, context.mouseY)); break;
     case Command::undo:
       state.history.undo();
       break;
@@ -417,12 +441,17 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
       transport(context.simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
       break;
     case Command::step: transport(C3DE_TRANSPORT_STEP); break;
-    case Command::reset: transport(C3DE_TRANSPORT_RESET); break;
-    case Command::stop: transport(C3DE_TRANSPORT_STOP); break;
+    // What a tool holds is gone with the state.
+    case Command::reset:
+    case Command::stop:
+      viewController->cancel();
+      transport(command == Command::reset ? C3DE_TRANSPORT_RESET : C3DE_TRANSPORT_STOP);
+      break;
     case Command::orbitTool:
       if (services.tools) services.tools->activate({});
       break;
     case Command::showShortcuts: state.showShortcuts = true; break;
+    case Command::showMessages: state.showMessages = true; break;
     case Command::showAbout: state.showAbout = true; break;
   }
 }
@@ -504,11 +533,16 @@ void WorkstationWindow::waitForFrame() {
     double wait_s = isDue ? kFrameTime_s - sinceFrame_s : kIdleWait_s;
     // The text cursor blinks, and a tooltip comes late.
     const bool isTimed = !isDue && (ImGui::GetIO().WantTextInput || impl.state.tooltip.isWaiting);
-    if (isTimed) wait_s = impl.state.tooltip.isWaiting ? kTooltipDelay_s : kCursorBlink_s;
+    if (isTimed) wait_s = std::min(wait_s, impl.state.tooltip.isWaiting ? kTooltipDelay_s : kCursorBlink_s);
     const double timedEnd_s = now_s + wait_s;
+    // A message goes by itself.
+    const double end_s = impl.lastFrame_s + impl.state.dock.ends_s;
+    const bool isEnding = !isDue && impl.state.dock.ends_s > 0.0;
+    if (isEnding) wait_s = std::min(wait_s, std::max(end_s - now_s, 0.0));
     if (const double write_s = impl.automation.secondsUntilWrite(now_s); write_s >= 0.0) wait_s = std::min(wait_s, write_s);
     impl.window->wait(std::max(wait_s, 1e-4));
     if (impl.window->takeWake()) impl.framesToSettle = std::max(impl.framesToSettle, 1);
+    if (isEnding && GlfwWindow::now_s() >= end_s - 1e-3) impl.framesToSettle = std::max(impl.framesToSettle, 1);
     if (isTimed && GlfwWindow::now_s() >= timedEnd_s - 1e-3) impl.framesToSettle = std::max(impl.framesToSettle, 1);
   }
   // Before anybody looks for what is new: what comes from here on asks for a frame of its own.
@@ -532,7 +566,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   context.view = impl.view;
   context.panes = impl.panes;
 
-  const std::vector<OsEvent> events = impl.window->takeEvents();
+  const std::vector<OsEvent> events = impl.window->takeEvents(impl.fileDialog.awaitsTyping());
   for (const OsEvent &event : events) impl.imgui->take(*impl.window, event);
   if (!events.empty())
     impl.framesToSettle = kFramesToSettle;
@@ -545,7 +579,10 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   impl.takeInput(context, events);
   impl.carryOut(context);
   impl.state.tooltip.isSeen = false;
+  const float dockHeight = impl.state.dock.height;
   impl.layOut(context, renderer);
+  if (impl.state.dock.height != dockHeight) impl.framesToSettle = std::max(impl.framesToSettle, 2);
+  if (impl.state.quits) impl.window->requestClose();
   if (!impl.state.tooltip.isSeen) impl.state.tooltip = {};
   impl.carryOut(context);
   impl.fitIfWanted();

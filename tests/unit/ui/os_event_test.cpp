@@ -32,8 +32,6 @@ TEST_CASE("a click that comes at once takes two frames, and the move after a pre
 TEST_CASE("a key that goes down and up takes two frames, keys pressed together one") {
   CHECK(sizesOfFrames({event(Kind::keyDown, 1), event(Kind::keyDown, 2), event(Kind::keyUp, 2), event(Kind::keyUp, 1)}) ==
         std::vector<std::size_t>{2, 2});
-  CHECK(sizesOfFrames({event(Kind::keyDown, 1), event(Kind::character), event(Kind::keyUp, 1)}) ==
-        std::vector<std::size_t>{2, 1});
   CHECK(sizesOfFrames({event(Kind::keyDown, 2), event(Kind::keyUp, 1)}) == std::vector<std::size_t>{1, 1});
   CHECK(sizesOfFrames({event(Kind::keyUp, 1), event(Kind::keyDown, 2)}) == std::vector<std::size_t>{2});
 }
@@ -60,4 +58,37 @@ TEST_CASE("two presses are a double click by the times they came at, however slo
   CHECK_FALSE(clicks.isSecond(press(11.6)));  // too late
   CHECK_FALSE(clicks.isSecond(press(11.7, 120.0)));  // elsewhere
   CHECK_FALSE(clicks.isSecond(press(11.8, 120.0, 2)));  // another button
+}
+
+TEST_CASE("what is typed shares a frame, however fast it comes") {
+  const OsEvent c = event(Kind::character);
+  std::vector<OsEvent> typed;
+  for (const int key : {1, 2, 2, 3})  // the same letter twice as well
+    for (const OsEvent &e : {event(Kind::keyDown, key), c, event(Kind::keyUp, key)}) typed.push_back(e);
+  CHECK(sizesOfFrames(typed) == std::vector<std::size_t>{12});
+  // A capital letter: Shift takes no frame.
+  OsEvent shift = event(Kind::keyDown, 9);
+  shift.role = OsEvent::Role::shift;
+  CHECK(sizesOfFrames({shift, event(Kind::keyDown, 1), c, event(Kind::keyUp, 1), event(Kind::keyUp, 9), event(Kind::keyDown, 2), c}) ==
+        std::vector<std::size_t>{7});
+}
+
+TEST_CASE("Backspace between letters deletes the one before it, and Ctrl drops none") {
+  const OsEvent c = event(Kind::character);
+  CHECK(sizesOfFrames({event(Kind::keyDown, 1), c, event(Kind::keyUp, 1), event(Kind::keyDown, 8), event(Kind::keyUp, 8),
+                       event(Kind::keyDown, 2), c}) == std::vector<std::size_t>{3, 1, 3});
+  OsEvent control = event(Kind::keyDown, 9);
+  control.role = OsEvent::Role::modifier;
+  CHECK(sizesOfFrames({event(Kind::keyDown, 1), c, control, event(Kind::keyDown, 3)}) == std::vector<std::size_t>{2, 2});
+  // Held, it repeats by itself.
+  OsEvent again = event(Kind::keyDown, 8);
+  again.isRepeat = true;
+  CHECK(sizesOfFrames({event(Kind::keyDown, 8), again, again}) == std::vector<std::size_t>{3});
+}
+
+TEST_CASE("what is typed waits for a field that is about to have the keyboard") {
+  std::vector<OsEvent> queue{event(Kind::keyUp, 5), event(Kind::keyDown, 1), event(Kind::character), event(Kind::keyUp, 1)};
+  CHECK(takeFrameEvents(queue, true).size() == 1);
+  CHECK(takeFrameEvents(queue, true).empty());
+  CHECK(takeFrameEvents(queue, false).size() == 3);
 }

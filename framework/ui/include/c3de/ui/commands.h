@@ -24,6 +24,7 @@ enum class Command {
   undo,
   redo,
   fitView,
+  resetView,
   viewFront,
   viewBack,
   viewLeft,
@@ -45,6 +46,7 @@ enum class Command {
   stop,
   orbitTool,
   showShortcuts,
+  showMessages,
   showAbout
 };
 

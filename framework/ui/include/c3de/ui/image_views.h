@@ -70,8 +70,8 @@ struct Readout {
 /// Image, three slice views and one cross-hair; mouse and keys in the slices. No drawing. Main thread.
 ///
 /// Wheel: next slice (Shift: ten, Ctrl: zoom). Left: cross-hair, or window and level while that mode is on. Shift+move:
-/// cross-hair. Middle or Shift+left: pan. Right or Ctrl+left: zoom. Keys: arrows, B and F: slices; R: view as at the
-/// start; T (Shift: back): time points; digits: window/level presets.
+/// cross-hair. Middle or Shift+left: pan. Right or Ctrl+left: zoom. Keys: arrows, B and F: slices; T (Shift: back): time
+/// points; digits: window/level presets.
 class ImageViews {
  public:
   /// A null image: nothing is shown. Views, window and level start anew with another image.
@@ -104,8 +104,10 @@ class ImageViews {
   [[nodiscard]] std::vector<std::pair<std::uint16_t, render::Colour>> labelColours() const;
 
   [[nodiscard]] const Vec3 &crossHair() const { return crossHair_; }
-  /// Slices that do not show the point move to it.
-  void setCrossHair(const Vec3 &world, std::optional<Pane> from = {});
+  /// The nearest point of the image; slices that do not show it move to it.
+  void setCrossHair(const Vec3 &world);
+  /// Cross-hair and slices are again where they were before the last press: it began a double click.
+  void takeBackClick();
   [[nodiscard]] SliceView &view(Pane slice) { return views_[static_cast<std::size_t>(slice)]; }
   [[nodiscard]] const SliceView &view(Pane slice) const { return views_[static_cast<std::size_t>(slice)]; }
   void resetViews();
@@ -137,6 +139,7 @@ class ImageViews {
   enum class Drag { none, crossHair, windowLevel, pan, zoom };
   void applyFrames();
   [[nodiscard]] Vec3 referenceAt(const Vec3 &world) const;
+  [[nodiscard]] Vec3 nearestInImage(const Vec3 &world) const;
   bool press(Pane slice, const ViewInput &input);
   bool move(Pane slice, const ViewInput &input);
   bool pressKey(Pane slice, const ViewInput &input);
@@ -151,6 +154,11 @@ class ImageViews {
   std::array<SliceView, 3> views_;
   std::optional<Pane> maximised_;
   Vec3 crossHair_{};
+  struct Click {
+    Vec3 crossHair;
+    std::array<SliceView, 3> views;
+  };
+  std::optional<Click> beforeClick_;  ///< that has set the cross-hair
   bool isVisibleInSpace_ = true;
   std::function<void(const Vec3 &)> picked_;
   std::function<void(std::size_t)> chooseTime_;

@@ -16,12 +16,14 @@ struct Panel {
   void *self = nullptr;
   void(C3DE_CALL *onUi)(void *self, const c3de_ui_v0 *ui) = nullptr;
   bool open = true;
+  bool isInView = false;  ///< it asks what to show: over the view instead of among the panels
 };
 
 struct Notification {
   std::uint32_t severity = 1;  ///< as in log.h
   std::string title, text;
   std::uint64_t serial = 0;
+  std::string time;  ///< of the day, "16:05:09"
 };
 
 /// The panels that plugins have registered, and messages to the person. Main thread only.
@@ -40,11 +42,14 @@ class PanelRegistry {
   void notify(std::uint32_t severity, std::string title, std::string text);
   [[nodiscard]] std::vector<Notification> &notifications() { return notifications_; }
   void dismiss(std::uint64_t serial);
+  /// All messages since the start, dismissed or not, the oldest first; of very many the latest.
+  [[nodiscard]] const std::vector<Notification> &log() const { return log_; }
+  [[nodiscard]] bool hasViewPanel();
 
  private:
   HandleTable<Panel> panels_;
   std::vector<Handle> order_;
-  std::vector<Notification> notifications_;
+  std::vector<Notification> notifications_, log_;
   std::uint64_t serial_ = 0;
 };
 

@@ -55,6 +55,8 @@ class ViewController {
   double lastX_ = 0.0, lastY_ = 0.0;
 };
 
+/// From where a view begins: the front; of a patient a little from the left and above.
+void lookFromStart(render::Camera &camera);
 /// Turns the camera so that it looks along the direction as closely as its pitch limit allows.
 void lookAlong(render::Camera &camera, const Vec3 &direction);
 

@@ -58,6 +58,7 @@ struct WindowActions {
   /// What a file of that export could be called, without folder and ending; empty: nothing is proposed.
   std::function<std::string(Command exported)> proposeName;
   std::function<void()> closeImage;
+  std::function<std::string()> unsaved;  ///< what quitting now would lose, for a person; empty: nothing
   std::function<void()> beforeDraw;  ///< panels have been handled, the 3D view is about to be drawn
 };
 
