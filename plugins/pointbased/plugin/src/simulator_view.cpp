@@ -2,14 +2,24 @@
 #include "simulator_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 namespace pointbased {
 namespace {
 
-constexpr sdk::Material kOrgan{{0.66f, 0.27f, 0.22f, 1.0f}, false};
-constexpr sdk::Material kOrganTransparent{{0.72f, 0.34f, 0.28f, 0.32f}, true};
+/// Told apart with every colour vision.
+/// @source  Okabe and Ito, Color Universal Design, 2008; the first one darkened to that of an organ
+constexpr std::array<std::array<float, 3>, 8> kBodies{{{0.66f, 0.27f, 0.22f},
+                                                       {0.34f, 0.71f, 0.91f},
+                                                       {0.94f, 0.89f, 0.26f},
+                                                       {0.00f, 0.62f, 0.45f},
+                                                       {0.80f, 0.47f, 0.65f},
+                                                       {0.00f, 0.45f, 0.70f},
+                                                       {0.90f, 0.62f, 0.00f},
+                                                       {0.86f, 0.86f, 0.86f}}};
+constexpr float kTransparent = 0.32f;
 constexpr sdk::Material kPoints{{0.95f, 0.78f, 0.42f, 1.0f}, false};
 constexpr sdk::Material kObstacle{{0.55f, 0.60f, 0.66f, 1.0f}, false};
 constexpr sdk::Material kBox{{0.45f, 0.52f, 0.62f, 1.0f}, false};
@@ -21,6 +31,15 @@ constexpr double kLeastRadius = 0.06;  // of the spacing: a point of a cell that
 sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
 
 c3de_view coloursView(std::span<const Rgba8> colours) { return {colours.data(), colours.size(), 4, C3DE_U8, 0}; }
+
+/// By the body's place among the others; from the ninth on colours begin again.
+sdk::Material materialOf(const Snapshot *snapshot, std::uint64_t body, bool isOpaque) {
+  std::size_t number = 0;
+  if (snapshot)
+    for (const BodySnapshot &other : snapshot->bodies) number += other.id < body ? 1u : 0u;
+  const std::array<float, 3> &c = kBodies[number % kBodies.size()];
+  return {{c[0], c[1], c[2], isOpaque ? 1.0f : kTransparent}, !isOpaque};
+}
 
 /// As large as the volume they stand for; phyxels all alike.
 std::vector<double> radiiOf(const RestState &rest, PointsShown points) {
@@ -40,7 +59,7 @@ SimulatorView::BodyView SimulatorView::makeBody(const BodySnapshot &body) const 
   BodyView view;
   view.node = sdk::orThrow(services_.scene.addNode(node_, body.name));
   view.surface = sdk::orThrow(services_.render.createMesh(
-      view.node.handle(), viewOf(body.surfels), sdk::rows<std::uint32_t, 3>(std::span(body.surface->triangles)), kOrgan));
+      view.node.handle(), viewOf(body.surfels), sdk::rows<std::uint32_t, 3>(std::span(body.surface->triangles)), materialOf(nullptr, body.id, true)));
   view.rest = body.rest.get();
   return view;
 }
@@ -49,7 +68,8 @@ void SimulatorView::updateBody(BodyView &view, const BodySnapshot &body, const V
   const c3de_handle surface = view.surface.handle();
   (void)services_.render.setVisible(surface, settings.surface != SurfaceShown::hidden);
   if (settings.surface != SurfaceShown::hidden) {
-    (void)services_.render.setMaterial(surface, settings.surface == SurfaceShown::opaque ? kOrgan : kOrganTransparent);
+    const auto snapshot = simulator_.snapshot();
+    (void)services_.render.setMaterial(surface, materialOf(snapshot.get(), body.id, settings.surface == SurfaceShown::opaque));
     if (!view.changes || *view.changes != body.changes) {
       (void)services_.render.update(surface, C3DE_ATTR_POSITIONS, viewOf(body.surfels));
       (void)services_.render.update(surface, C3DE_ATTR_NORMALS, viewOf(body.normals));
