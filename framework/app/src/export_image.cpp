@@ -63,12 +63,15 @@ Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sou
   if (!scene.image) return how;
   const scene::SceneImage &asked = *scene.image;
   how.rim_mm = asked.rim_mm;
-  const auto image = sources.volume(asked.file, {});
+  imaging::ReadOptions atTime;
+  atTime.time = asked.time;
+  const auto image = sources.volume(asked.file, atTime);
   if (!image) return failInScene(image.error(), scene, asked.line);
   if (!asked.labels.empty()) {
     const auto labels = sources.labels(asked.labels.back(), {});
     if (!labels) return failInScene(labels.error(), scene, asked.line);
-    how.labels = *labels;
+    // Of segments in layers the first are asked.
+    how.labels = std::shared_ptr<const imaging::LabelMap>(*labels, &(*labels)->front());
   }
   auto rule = stillRuleOf(asked.still, **image, how.labels.get(), materials);
   if (!rule) return failInScene(rule.error(), scene, asked.line);

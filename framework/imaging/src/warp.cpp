@@ -266,8 +266,10 @@ Expected<Mask> vacatedPlaces(const DisplacementGrid &u, const VolumeGeometry &gr
     const auto done = forRows(u, grid, "places left by bodies", progress, threads,
                               [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part) {
                                 std::uint8_t *voxel = out.voxels.data() + grid.size[0] * (j + grid.size[1] * k);
-                                for (std::size_t i = 0; i < grid.size[0]; ++i)
-                                  voxel[i] = vacated->has(row, i, indexOf(i, j, k), row.at(i)) ? 1 : 0;
+                                for (std::size_t i = 0; i < grid.size[0]; ++i) {
+                                  Vec3 d = row.at(i);
+                                  voxel[i] = vacated->settles(row, i, indexOf(i, j, k), d) ? 1 : 0;
+                                }
                               });
     if (!done) return tl::unexpected(done.error());
     return out;
