@@ -106,7 +106,7 @@ TEST_CASE("A held body that is thrown comes back to where it was, the same at an
   }
   CHECK(hashes[0] == hashes[1]);
   const auto report = folder / "rest.json";
-  const auto ran = runC3de({"run", file.string(), "--set", "body.box.surroundings.retardation_time=0.2", "--until", "4", "--report",
+  const auto ran = runC3de({"run", file.string(), "--set", "body.box.surroundings.retardation_time=0.2", "--set", "solver.damping=5", "--until", "4", "--report",
                             report.string(), "-q"});
   REQUIRE(ran.exitCode == 0);
   const auto body = readJson(report)["bodies"][0];
