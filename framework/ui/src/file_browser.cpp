@@ -136,7 +136,7 @@ std::string fileNamePart(const std::string &text) {
     else if (!part.empty() && part.back() != '-') part += '-';
   }
   while (!part.empty() && (part.back() == '-' || part.back() == '.')) part.pop_back();
-  while (!part.empty() && part.front() == '.') part.erase(0, 1);
+  part.erase(0, std::min(part.find_first_not_of(".-"), part.size()));
   return part;
 }
 
