@@ -52,7 +52,7 @@ void BodyRunner::wake() {
   asleep_ = false;
   watch_.forget();
   body_->forcesCurrent = false;
-  energy_.forget();
+  forgetEnergy();
 }
 
 bool BodyRunner::sleepsOn(const StepOrder &order, double span) {
@@ -84,7 +84,6 @@ void BodyRunner::forget() {
   wake();
   ++changes_;
   solver_.forget();
-  energy_.forget();
 }
 
 void BodyRunner::reset() {
@@ -152,13 +151,25 @@ double BodyRunner::tryToAdvance(const StepOrder &order, double span, std::uint64
     return span;
   }
   body.keepState();
+  bool again = false;  // from the mark
   while (true) {
-    Gone gone = integrator == Integrator::explicitVerlet ? advanceExplicit(order, span, mostSubsteps, glance)
-                                                         : advanceImplicit(order, span);
+    Gone gone = again ? againFromMark(order, span)
+                : integrator == Integrator::explicitVerlet ? advanceExplicit(order, span, mostSubsteps, glance)
+                                                           : advanceImplicit(order, span);
     if (gone && order.number % EnergyWatch::kEnergyInterval == 0)
       clock.measure(kGuard, [&] {
         const bool mayGrow = driven(body, order.environment.obstacles, order.time);
-        if (auto grown = energy_.look(body, order.world.gravity, mayGrow)) gone = refused(std::move(*grown));
+        const EnergyWatch before = energy_;
+        if (auto grown = energy_.look(body, order.world.gravity, mayGrow)) {
+          gone = refused(std::move(*grown));
+          energy_ = before;
+          if (mark_) backToMark();
+          again = mark_.has_value();
+        } else {
+          if (!mark_) mark_.emplace();
+          mark_->state = body.state();
+          mark_->time = order.time + *gone;
+        }
       });
     if (gone) {
       if (scale_ < 1.0 && ++goodSteps_ >= kPatience) {
@@ -179,9 +190,32 @@ double BodyRunner::tryToAdvance(const StepOrder &order, double span, std::uint64
     }
     scale_ *= 0.5;
     order.note("smaller_step", "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " +
-                                   finding.quantity + "; back to the state before, with steps " +
-                                   number(1.0 / scale_) + " times smaller");
+                                   finding.quantity + "; back to the state " +
+                                   (again ? "at " + number(mark_->time) + " s" : std::string("before")) +
+                                   ", with steps " + number(1.0 / scale_) + " times smaller");
   }
+}
+
+void BodyRunner::backToMark() {
+  if (underWay_ && !underWay_->state) underWay_->state = body_->keptState();
+  body_->state() = mark_->state;
+  body_->keepState();
+}
+
+BodyRunner::Gone BodyRunner::againFromMark(const StepOrder &order, double span) {
+  const double end = order.time + span;
+  const Integrator integrator = integratorIn(order.world);
+  StepOrder piece = order;
+  piece.time = mark_->time;
+  while (end - piece.time > 1e-9 * span) {
+    const double left = std::min(order.dt, end - piece.time);
+    const Gone gone = integrator == Integrator::explicitVerlet
+                          ? advanceExplicit(piece, left, std::numeric_limits<std::uint64_t>::max(), glanceAt(*body_))
+                          : advanceImplicit(piece, left);
+    if (!gone) return gone;
+    piece.time += left;
+  }
+  return span;
 }
 
 BodyRunner::Gone BodyRunner::advanceImplicit(const StepOrder &order, double span) {

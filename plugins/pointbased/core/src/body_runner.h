@@ -30,7 +30,8 @@ struct StepOrder {
 /// Advances one body and tells what it had to do.
 ///
 /// What the guard refuses is undone and tried again with steps half as long, down to 1/64 (crushed bodies: 1/4); good steps
-/// make them longer again. Where that does not help the body stops in the last good state.
+/// make them longer again. Energy that came from nothing has come within the steps since the last look at it, so these are
+/// all taken again, from the state of that look. Where nothing helps the body stops in the last good state.
 class BodyRunner {
  public:
   explicit BodyRunner(std::unique_ptr<Body> body) : body_(std::move(body)) {}
@@ -66,7 +67,10 @@ class BodyRunner {
   /// The body is not what it was: another material, another reference.
   void forget();
   /// Its energy may change from outside.
-  void forgetEnergy() { energy_.forget(); }
+  void forgetEnergy() {
+    energy_.forget();
+    mark_.reset();
+  }
   /// To the initial state, bit for bit.
   void reset();
 
@@ -88,6 +92,10 @@ class BodyRunner {
   [[nodiscard]] Gone advanceImplicit(const StepOrder &order, double span);
   /// Length of the substep that the body can take now, s.
   [[nodiscard]] Gone substep(const StepOrder &order, double time, double left, const GuardGlance *glance);
+  /// The state of the last look at the energy, with which the steps since then begin again.
+  void backToMark();
+  /// From the mark to the end of `span`, in steps of order.dt.
+  [[nodiscard]] Gone againFromMark(const StepOrder &order, double span);
   void tellSubsteps(const StepOrder &order, double span, double gone, std::uint64_t substeps, double needed);
   void tellSwitch(const StepOrder &order);
   void stop(const StepOrder &order, const GuardFinding &finding);
@@ -95,6 +103,11 @@ class BodyRunner {
   std::unique_ptr<Body> body_;
   NewtonSolver solver_;
   EnergyWatch energy_;
+  struct Mark {
+    State state;
+    double time = 0.0;  // s
+  };
+  std::optional<Mark> mark_;  // where the energy was looked at last; none: it could not be compared
   StepRhythm rhythm_;
   RestWatch watch_;
   bool asleep_ = false;

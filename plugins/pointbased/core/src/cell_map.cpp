@@ -16,6 +16,8 @@ constexpr double kReachOfSample = 0.23 + kInwards;
 // Samples of its part lie behind the point, but for those of a sliver: they lie up to half a small cell in front of it.
 constexpr double kBehind = 0.0;
 constexpr double kInFront = 0.13;
+// Up to so many edges outside of its cell a point is carried by the trilinear functions themselves.
+constexpr double kFarthestContinued = 0.5;
 
 struct Inverse {
   Vec3 place = Vec3::Zero();  // edges from the centre
@@ -218,6 +220,11 @@ Index LatticeCellMap::partOf(const Vec3 &local, const Vec3 &outward) const {
   return sliver != kNone && shareCorner(sliver, behind) ? sliver : behind;
 }
 
+double LatticeCellMap::outsideOf(Index part, const Vec3 &local) const {
+  const Cell &cell = set_.cells[parts_.parts[part].cell];
+  return ((local - set_.centre(cell)) / set_.edge(cell)).cwiseAbs().maxCoeff() - 0.5;
+}
+
 bool LatticeCellMap::shareCorner(Index a, Index b) const {
   const auto &first = parts_.parts[a].nodes, &second = parts_.parts[b].nodes;
   return std::any_of(first.begin(), first.end(), [&](Index node) {
@@ -231,8 +238,13 @@ void LatticeCellMap::functionsAt(Index part, const Vec3 &local, std::array<doubl
   if (!distorted(parts_.parts[part].cell)) {
     const double edge = set_.edge(cell);
     const Vec3 place = (local - set_.centre(cell)) / edge;
-    functions = trilinear(place);
-    gradients = trilinearGradients(place);
+    const bool far = place.cwiseAbs().maxCoeff() > 0.5 + kFarthestContinued;
+    // Products of three coordinates grow with the cube of the way; far from the cell the functions go on linearly.
+    const Vec3 within = far ? Vec3(place.cwiseMax(-0.5).cwiseMin(0.5)) : place;
+    functions = trilinear(within);
+    gradients = trilinearGradients(within);
+    if (far)
+      for (std::size_t j = 0; j < 8; ++j) functions[j] += gradients[j].dot(place - within);
     for (Vec3 &g : gradients) g /= edge;
     return;
   }
@@ -284,6 +296,11 @@ Interpolation LatticeCellMap::bind(std::span<const Vec3> points, std::span<const
     for (std::size_t p = begin; p < end; ++p) {
       const Vec3 local = axes.transpose() * points[p];
       parts[p] = partOf(local, normals.empty() ? Vec3(Vec3::Zero()) : Vec3(axes.transpose() * normals[p]));
+      if (const double outside = outsideOf(parts[p], local); outside > kFarthestContinued) {
+        // What it lay on has been dropped as a speck: the nearest of all, rather than one far behind it.
+        const Index near = nearestPart({local, Vec3::Zero(), local, 0.0});
+        if (outsideOf(near, local) < outside) parts[p] = near;
+      }
       if (distorted(parts_.parts[parts[p]].cell)) parts[p] = neighbourHolding(parts[p], local);
       row.clear();
       for (const Index node : parts_.parts[parts[p]].nodes) row.add(corners_, node, 0.0, Vec3::Zero());

@@ -57,6 +57,8 @@ class LatticeCellMap : public CellMap {
   [[nodiscard]] double squaredDistance(const Part &part, const Target &target) const;
   void nearestIn(std::size_t firstCell, std::size_t lastCell, const Target &target, double &best, Index &part) const;
   [[nodiscard]] Index nearestPart(const Target &target) const;
+  /// How far a point lies outside of the cell of a part, in its edges; negative inside.
+  [[nodiscard]] double outsideOf(Index part, const Vec3 &local) const;
   [[nodiscard]] bool shareCorner(Index a, Index b) const;
   [[nodiscard]] Index neighbourHolding(Index part, const Vec3 &local) const;
 

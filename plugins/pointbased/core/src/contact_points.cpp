@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <unordered_map>
 
 #include "pointbased/contact.h"
@@ -66,6 +67,42 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing) {
     }
   }
   return out;
+}
+
+SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::span<const Index> pieceOf) {
+  SurfacePoints all = chooseContactPoints(surface, spacing);
+  const auto pieceOfTriangle = [&](std::size_t t) { return pieceOf[surface.triangles[t][0]]; };
+  std::map<Index, std::size_t> counts;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) counts.try_emplace(pieceOfTriangle(t), 0);
+  for (const Index t : all.triangles) ++counts.at(pieceOfTriangle(t));
+  std::erase_if(counts, [](const auto &piece) { return piece.second >= kLeastOfPiece; });
+  if (counts.empty()) return all;
+
+  // Every small piece as a surface of its own, and what is left as one.
+  const auto ofSome = [&](double distance, const auto &isWanted) {
+    Surface some{surface.positions, {}};
+    std::vector<Index> numbers;
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+      if (isWanted(pieceOfTriangle(t))) {
+        some.triangles.push_back(surface.triangles[t]);
+        numbers.push_back(static_cast<Index>(t));
+      }
+    SurfacePoints points = chooseContactPoints(some, distance);
+    for (Index &t : points.triangles) t = numbers[t];
+    return points;
+  };
+  all = ofSome(spacing, [&](Index piece) { return !counts.contains(piece); });
+  for (const auto &[piece, count] : counts) {
+    constexpr double kClosest = 1.0 / 16;
+    SurfacePoints own;
+    for (double part = 0.5; part >= kClosest && own.count() < kLeastOfPiece; part *= 0.5)
+      own = ofSome(part * spacing, [&, wanted = piece](Index p) { return p == wanted; });
+    all.positions.insert(all.positions.end(), own.positions.begin(), own.positions.end());
+    all.normals.insert(all.normals.end(), own.normals.begin(), own.normals.end());
+    all.areas.insert(all.areas.end(), own.areas.begin(), own.areas.end());
+    all.triangles.insert(all.triangles.end(), own.triangles.begin(), own.triangles.end());
+  }
+  return all;
 }
 
 ContactPoints carriedContact(SurfacePoints chosen, Interpolation binding, std::span<const Vec3> phyxels, double spacing) {

@@ -218,6 +218,23 @@ void buildPoints(const LatticeCellMap &map, std::span<const PartContent> content
   buildGather(stencils, body.positions.size());
 }
 
+// Regions that refine nothing are a mistake in a place or a unit.
+Result<void> checkRefinements(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map) {
+  const CellSet &set = map.set();
+  for (std::size_t i = 0; i < sampling.refinements.size(); ++i) {
+    const Region local = shifted(sampling.refinements[i].region, set.frame.origin);
+    const auto meets = [&](const Part &part) {
+      const Cell &cell = set.cells[part.cell];
+      return part.kept && signedDistance(local, set.frame.axes * set.centre(cell)) <= 0.5 * std::sqrt(3.0) * set.edge(cell);
+    };
+    if (std::any_of(map.parts().begin(), map.parts().end(), meets)) continue;
+    const auto point = [](const Vec3 &x) { return "(" + number(x[0], 4) + ", " + number(x[1], 4) + ", " + number(x[2], 4) + ")"; };
+    return refuse("refinement " + std::to_string(i) + ": its region meets no part of the body, which spans " + point(shape.min) +
+                  " … " + point(shape.max) + " m; accepted: regions that hold some of it");
+  }
+  return {};
+}
+
 Result<void> assignMaterials(const LatticeSampling &sampling, LatticeBody &body) {
   if (sampling.materials.empty()) return {};
   body.stencils.materials.assign(body.pointCentres.size(), 0);
@@ -248,6 +265,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &s
   if (!cut) return refuse(cut.error());
 
   const auto map = std::make_shared<LatticeCellMap>(std::move(cut->set), std::move(cut->parts), std::move(cut->corners));
+  if (const auto met = checkRefinements(shape, sampling, *map); !met) return refuse(met.error());
   std::vector<PartContent> contents = measureParts(*map, parallelFor);
   if (progress && !progress(0.88)) return refuse("cancelled");
   const HeldPatches patches = findHeld(shape, sampling, *map, contents, parallelFor);

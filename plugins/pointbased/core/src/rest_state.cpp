@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "disjoint_sets.h"
 #include "rest_parts.h"
+#include "skin_tears.h"
 
 namespace pointbased {
 namespace {
@@ -175,6 +177,22 @@ std::shared_ptr<RestState> restOfCloud(const PhyxelCloud &cloud, const NeighborC
   return rest;
 }
 
+// The connected piece that carries a vertex of the skin, by its first phyxel.
+std::vector<Index> piecesOf(const RestState &rest) {
+  const Csr &rows = rest.stencils.phyxels;
+  DisjointSets sets(rest.phyxelCount());
+  for (std::size_t q = 0; q < rows.rows(); ++q)
+    for (Index e = rows.offsets[q]; e < rows.offsets[q + 1]; ++e)
+      (void)sets.join(rows.indices[rows.offsets[q]], rows.indices[e]);
+  std::vector<Index> pieces;
+  for (const CellPlace &place : rest.surfels.places()) {
+    const Interpolation &own = rest.surfels.rows();
+    pieces.push_back(sets.find(place.frame == Surfels::kRow ? own.phyxels.indices[own.phyxels.offsets[place.phyxels[0]]]
+                                                            : place.phyxels[0]));
+  }
+  return pieces;
+}
+
 std::string numbered(const char *what, std::size_t number, const std::string &text) {
   return std::string(what) + " " + std::to_string(number) + ": " + text;
 }
@@ -240,7 +258,9 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
       return cells->bind(points, normals, parallelFor);
     };
     const Surface local = shiftedSurface(shape.surface, rest->origin);
-    rest->surfels = Surfels(rest->bind(local.positions, surfelNormals));
+    Interpolation skin = rest->bind(local.positions, surfelNormals);
+    (void)detail::closeTears(local, rest->spacing, skin);
+    rest->surfels = Surfels(skin);
     rest->surfelNormals.assign(surfelNormals.begin(), surfelNormals.end());
     rest->skin = local.triangles;
     if (!local.triangles.empty()) {
@@ -249,7 +269,8 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
       for (const Refinement &refinement : sampling.refinements)
         while (finest > refinement.spacing * (1.0 + 1e-9)) finest *= 0.5;
       while (sampling.surfaceSpacing > 0.0 && finest > sampling.surfaceSpacing * (1.0 + 1e-9)) finest *= 0.5;
-      SurfacePoints chosen = chooseContactPoints(local, finest);
+      SurfacePoints chosen =
+          rest->components > 1 ? chooseContactPoints(local, finest, piecesOf(*rest)) : chooseContactPoints(local, finest);
       Interpolation binding = rest->bind(chosen.positions, chosen.normals);
       rest->contact = carriedContact(std::move(chosen), std::move(binding), rest->positions, rest->spacing);
     }

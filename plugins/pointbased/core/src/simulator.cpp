@@ -2,6 +2,7 @@
 #include "pointbased/simulator.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -262,6 +263,10 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   if (failed()) return refusal();
   if (finished()) return {};
   const detail::FlushDenormals flush;
+  if (steps_ == 0) {
+    tellWhoSetsTheStep();
+    lookAround();
+  }
   const detail::StepOrder order = this->order(stop);
   for (auto &[id, runner] : bodies_) runner->beginStep();
   double gone = 0.0;
@@ -283,7 +288,9 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   activity_->enter(0);
   if (failed()) return refusal();
   time_ += gone;
+  advanced_ += gone;
   ++steps_;
+  if (lookDue()) clock_.measure(kGuard, [this] { lookAround(); });
   clock_.commit();
   return {};
 }
@@ -307,7 +314,9 @@ double Simulator::advanceBodies(const detail::StepOrder &order) {
   for (auto &[id, runner] : bodies_) {
     if (runner->stopped() || runner->body().rigid()) continue;
     activity_->enter(id);
+    const auto begin = std::chrono::steady_clock::now();
     const double gone = runner->advance(order, span);
+    spent_[id] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (gone < span) {
       // Those before it have gone too far.
       span = gone;
@@ -332,6 +341,11 @@ void Simulator::reset() {
   for (const auto &[id, warnings] : warnings_)
     for (const std::string &warning : warnings) note("warning", warning);
   notRenewed_.clear();
+  skinDeepest_.clear();
+  overlaps_.clear();
+  toldStep_ = false;
+  spent_.clear();
+  advanced_ = 0.0;
 }
 
 void Simulator::setGrab(std::size_t id, Grab grab) {
@@ -339,6 +353,7 @@ void Simulator::setGrab(std::size_t id, Grab grab) {
   if (!target || grab.phyxels.empty() || target->rigid()) return;
   target->grab = std::move(grab);
   target->forcesCurrent = false;
+  bodies_.at(id)->forgetEnergy();
 }
 
 void Simulator::moveGrab(std::size_t id, const Vec3 &position) {
@@ -348,7 +363,10 @@ void Simulator::moveGrab(std::size_t id, const Vec3 &position) {
 void Simulator::releaseGrab(std::size_t id) {
   Body *target = body(id);
   if (!target) return;
-  if (target->grab) target->forcesCurrent = false;
+  if (target->grab) {
+    target->forcesCurrent = false;
+    bodies_.at(id)->forgetEnergy();  // what the hand has put in has not come from nothing
+  }
   target->grab.reset();
   target->grabStatus.reset();
 }

@@ -27,6 +27,12 @@ struct ContactPoints {
 /// @param spacing  of the phyxels, m: one point of every cube of half of it that the surface passes, so three or four per
 ///                 phyxel of the skin; more make contact slower, not better, because a cell's faces have no other shapes
 [[nodiscard]] SurfacePoints chooseContactPoints(const Surface &surface, double spacing);
+/// The same for a body of several connected pieces. A piece so small that fewer than kLeastOfPiece of these points lie on it
+/// gets closer ones, down to a sixteenth of the spacing: what is held up by a single point turns about it and leaves through
+/// the floor.
+/// @param pieceOf  [vertices] of the surface: the number of the piece that carries it
+[[nodiscard]] SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::span<const Index> pieceOf);
+inline constexpr std::size_t kLeastOfPiece = 12;
 /// Chosen points as `binding` carries them. The spacing of a point is that of its phyxels, in halvings of the body's.
 /// @param phyxels  m, at rest
 /// @param spacing  m, of the body

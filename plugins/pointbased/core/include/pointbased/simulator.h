@@ -29,7 +29,7 @@ struct Probe {
 
 struct SimulationEvent {
   double time = 0.0;  ///< s
-  std::string kind;   ///< substep | slowed | smaller_step | stopped | switched | renewed | note | warning
+  std::string kind;   ///< substep | slowed | smaller_step | stopped | switched | renewed | note | warning | skin | overlap | step
   std::string text;
 };
 
@@ -122,6 +122,12 @@ class Simulator {
   void releaseGrab(std::size_t body);
   [[nodiscard]] std::optional<GrabStatus> grabStatus(std::size_t body) const;
 
+  /// How deep the skin of a body has been beyond walls or in obstacles, m: the deepest point of contact of every step, and the
+  /// skin as it is drawn, now and every 128 explicit steps (walls only).
+  [[nodiscard]] double skinDepth(std::size_t body) const;
+  /// Wall-clock time that a body takes per simulated second, s; 0 before the first step and of quasi-static solutions.
+  [[nodiscard]] double costOf(std::size_t body) const;
+
   /// World positions and normals of a body's surfels; in single precision for a screen.
   void surfels(std::size_t body, std::vector<Vec3> &positions, std::vector<Vec3> &normals);
   void surfels(std::size_t body, std::vector<Vec3f> &positions, std::vector<Vec3f> &normals);
@@ -152,6 +158,9 @@ class Simulator {
   void bindProbes(std::size_t body, std::span<const Vec3> ways);
   void note(const std::string &kind, const std::string &text);
   void describe(std::size_t body);
+  [[nodiscard]] bool lookDue() const;
+  void lookAround();
+  void tellWhoSetsTheStep();
 
   StoppableLoops loops_;
   const ParallelFor &parallelFor_ = loops_.parallelFor();
@@ -169,6 +178,11 @@ class Simulator {
   std::uint64_t steps_ = 0;
   std::vector<SimulationEvent> events_;
   std::set<std::size_t> notRenewed_;  // bodies whose reference could not be
+  std::map<std::size_t, double> skinDeepest_;                // m, as drawn, beyond the walls
+  std::set<std::pair<std::size_t, std::size_t>> overlaps_;   // that have been told
+  bool toldStep_ = false;
+  std::map<std::size_t, double> spent_;                      // s of wall-clock time, by body
+  double advanced_ = 0.0;                                    // s simulated in that time
   StageClock clock_;
   ScreenPhyxels screenPhyxels_;
 };

@@ -36,7 +36,7 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   S = scaled(run.number(kVolume), S);
   V k[kCorners];
   if constexpr (!kModal) {
-    run.stiffnesses(ratio, k);
+    run.stiffnesses(ratio, hn::Zero(d), k);
     run.scatterStress(S, k);
   } else {
     const Mat3Lanes<V> A = run.amplitudes(x, y, z);
@@ -50,7 +50,8 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
       pull = D3 + times(G, D3);
     }
     // Of NaN and a number the maximum may be the number.
-    run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio), k);
+    run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio),
+                    kLaw == MaterialLaw::linear ? hn::Zero(d) : run.modalStiffness(A), k);
     run.scatterStress(S, pull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), k);
   }
 }

@@ -79,10 +79,22 @@ struct CellRun {
     return t;
   }
 
-  /// τ v (λ + 2 μ) |g_j|² of the corners.
-  HWY_INLINE void stiffnesses(V ratio, V (&k)[kCorners]) const {
+  /// What modes of these amplitudes add to τ v (λ + 2 μ), in the same unit: the second derivative of their energy by F is that
+  /// of v s μ |Fᵀa|², which grows with the square of the amplitudes and is nothing at rest.
+  HWY_INLINE V modalStiffness(const Mat3Lanes<V> &A) const {
+    const Vec3Lanes<V> root = roots();
+    const V vx = hn::Mul(root.x, root.x), vy = hn::Mul(root.y, root.y), vz = hn::Mul(root.z, root.z);
+    const V sum = hn::MulAdd(hn::Add(vx, vy), dot(A.c0, A.c0),
+                             hn::MulAdd(hn::Add(vx, vz), dot(A.c1, A.c1), hn::Mul(hn::Add(vy, vz), dot(A.c2, A.c2))));
+    return hn::Mul(hn::Set(d, 2 * law.modalMu + law.modalLambda), sum);
+  }
+
+  /// τ v (λ + 2 μ) |g_j|² of the corners, or `atLeast` |g_j|².
+  HWY_INLINE void stiffnesses(V ratio, V atLeast, V (&k)[kCorners]) const {
     const V g = number(kGradient);
-    const V scale = hn::Mul(hn::Mul(ratio, number(kVolume)), hn::Set(d, law.waveAtRest));
+    V scale = hn::Mul(hn::Mul(ratio, number(kVolume)), hn::Set(d, law.waveAtRest));
+    // Of NaN and a number the maximum may be the number.
+    scale = hn::IfThenElse(hn::Eq(scale, scale), hn::Max(scale, atLeast), scale);
     if (job.cells->whole[job.cells->blocks[slice]] != 0) {
       const V all = hn::Mul(scale, hn::Mul(hn::Set(d, T(3)), hn::Mul(g, g)));
       for (V &at : k) at = all;

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bodies that are thinner than their lattice: skins, points of contact, energy; and what bodies do to each other.
+#include <cmath>
+#include <map>
+
+#include "contact_cases.h"
+#include "lattice_cases.h"
+#include "pointbased/skin_watch.h"
+#include "support/catch.h"
+#include "surfaces.h"
+
+using namespace pointbased;
+using namespace shapes;
+
+namespace {
+
+Surface joined(Surface a, const Surface &b) {
+  const auto shift = static_cast<Index>(a.positions.size());
+  a.positions.insert(a.positions.end(), b.positions.begin(), b.positions.end());
+  for (const auto &t : b.triangles) a.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+  return a;
+}
+
+// Along x, with square sections of half widths h.
+Surface swept(const std::vector<std::pair<double, double>> &sections) {
+  Surface out;
+  for (const auto &[x, h] : sections)
+    for (const auto &[y, z] : {std::pair(-1.0, -1.0), std::pair(1.0, -1.0), std::pair(1.0, 1.0), std::pair(-1.0, 1.0)})
+      out.positions.emplace_back(x, h * y, h * z);
+  const auto rings = static_cast<Index>(sections.size());
+  for (Index r = 0; r + 1 < rings; ++r)
+    for (Index k = 0; k < 4; ++k) {
+      const Index a = 4 * r + k, b = 4 * r + (k + 1) % 4;
+      out.triangles.push_back({a, b, a + 4});
+      out.triangles.push_back({b, b + 4, a + 4});
+    }
+  const Index last = 4 * (rings - 1);
+  out.triangles.insert(out.triangles.end(), {{0, 2, 1}, {0, 3, 2}, {last, last + 1, last + 2}, {last, last + 2, last + 3}});
+  return out;
+}
+
+std::shared_ptr<const RestState> laidOut(const Surface &surface, double spacing) {
+  BodyRecipe recipe;
+  recipe.sampling.spacing = spacing;
+  recipe.sampling.count = 0;
+  const std::vector<Vec3> normals(surface.positions.size(), Vec3::Zero());
+  auto rest = buildRestState(inside(surface), recipe, normals, serialFor());
+  if (!rest) throw std::runtime_error(rest.error());
+  return *rest;
+}
+
+Constitution soft(double youngsModulus = 6000.0) {
+  return {{rubber(youngsModulus)}, kLatticeStabilisation};
+}
+
+}  // namespace
+
+TEST_CASE("a piece much smaller than its cell touches with as many points as hold it up") {
+  const Surface pieces = joined(boxSurface(Vec3(0, 0, 0), Vec3(0.1, 0.1, 0.1), 8),
+                                boxSurface(Vec3(0.15, 0.05, 0.05), Vec3(0.168, 0.068, 0.068), 6));
+  const auto rest = laidOut(pieces, 0.04);
+  REQUIRE(rest->components == 2);
+  std::size_t small = 0;
+  double area = 0.0;
+  for (std::size_t p = 0; p < rest->contact.count(); ++p) {
+    area += rest->contact.areas[p];
+    if (rest->origin[0] + rest->contact.binding.positions[p][0] > 0.12) ++small;
+  }
+  CHECK(small >= kLeastOfPiece);
+  CHECK_THAT(area, WithinRel(areaOf(pieces), 1e-9));
+}
+
+TEST_CASE("the skin of a bridge that the lattice cannot see spans the gap as a band, whatever its pieces do") {
+  std::vector<std::pair<double, double>> sections{{0.0, 0.03}, {0.06, 0.03}};
+  for (int k = 0; k <= 40; ++k) sections.emplace_back(0.0601 + 0.001 * k, 0.0006);
+  sections.emplace_back(0.1002, 0.03);
+  sections.emplace_back(0.16, 0.03);
+  const Surface dumbbell = swept(sections);
+  const double spacing = 0.02;
+  Body body("dumbbell", laidOut(dumbbell, spacing), soft(), serialFor());
+  const RestState &rest = body.rest();
+  REQUIRE(rest.components == 2);
+
+  std::vector<Vec3> skin(rest.surfels.count()), none;
+  const auto move = [&](const auto &displacement) {
+    for (std::size_t i = 0; i < rest.phyxelCount(); ++i) body.state().displacements[i] = displacement(rest.positions[i]);
+    updateSurfels(rest.surfels, {}, rest.positions, body.state().displacements, skin, none, serialFor());
+  };
+  // Affine motions are followed as everywhere.
+  Mat3 A;
+  A << 0.1, 0.2, 0.0, -0.1, 0.3, 0.1, 0.0, 0.1, -0.2;
+  move([&](const Vec3 &X) { return Vec3(A * X + Vec3(1, 2, 3)); });
+  double error = 0.0;
+  for (std::size_t p = 0; p < skin.size(); ++p) {
+    const Vec3 X = dumbbell.positions[p] - rest.origin;
+    error = std::max(error, (skin[p] - X - A * X - Vec3(1, 2, 3)).norm());
+  }
+  CHECK(error < 1e-12);
+
+  // One piece goes away by two spacings: no edge is longer than what a band of half a spacing on either side makes of it.
+  const double way = 2.0 * spacing;
+  move([&](const Vec3 &X) { return Vec3(rest.origin[0] + X[0] > 0.08 ? way : 0.0, 0.0, 0.0); });
+  double most = 0.0;
+  for (const auto &t : rest.skin)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index a = t[k], b = t[(k + 1) % 3];
+      most = std::max(most, (skin[a] - skin[b]).norm() / (dumbbell.positions[a] - dumbbell.positions[b]).norm());
+    }
+  INFO("longest edge " << most << " times its length");
+  CHECK(most > 1.5);
+  CHECK(most < 10.0);  // 41 where one edge takes all of it
+}
+
+TEST_CASE("points far outside of every cell are carried by functions that grow with the way, not with its cube") {
+  const LatticeBody body = lattice_cases::filled(lattice_cases::ball(Vec3::Zero(), 0.05), lattice_cases::withSpacing(0.02));
+  for (const double cells : {0.6, 1.0, 3.0, 10.0}) {
+    const Vec3 at = Vec3::Constant(0.05 / std::sqrt(3.0) + 0.02 * cells) - body.origin;
+    const Interpolation binding = body.cells->bind(std::span(&at, 1), {}, serialFor());
+    double sum = 0.0, size = 0.0;
+    Vec3 mean = Vec3::Zero();
+    for (Index e = 0; e < binding.phyxels.offsets[1]; ++e) {
+      sum += binding.weights[e];
+      size += std::abs(binding.weights[e]);
+      mean += binding.weights[e] * body.positions[binding.phyxels.indices[e]];
+    }
+    CHECK_THAT(sum, WithinAbs(1.0, 1e-12));
+    CHECK((mean - at).norm() < 1e-12);
+    CHECK(size < 1.0 + 6.0 * (cells + 1.0));
+  }
+}
+
+TEST_CASE("energy that comes from nothing is taken back with the steps that brought it") {
+  const auto run = [](bool poked, std::vector<SimulationEvent> *events) {
+    Simulator simulator;
+    WorldSettings world;
+    world.gravity = Vec3::Zero();
+    simulator.setWorld(world);
+    auto body = latticeBox(Vec3::Zero(), Vec3(0.08, 0.04, 0.04), 0.01, rubber(1e4), 4);
+    for (std::size_t i = 0; i < body->rest().phyxelCount(); ++i)
+      body->state().velocities[i] = Vec3(0, 0.2 * std::sin(40.0 * body->rest().positions[i][0]), 0);
+    const std::size_t id = simulator.addBody(std::move(body));
+    for (int k = 0; k < 384; ++k) {
+      // After the look at step 256, before the one at 384.
+      if (poked && k == 300)
+        for (Vec3 &v : simulator.body(id)->state().velocities) v *= 4.0;
+      REQUIRE(simulator.step());
+    }
+    if (events) *events = simulator.events();
+    return totalEnergy(simulator, id);
+  };
+  std::vector<SimulationEvent> events;
+  const double calm = run(false, nullptr), poked = run(true, &events);
+  CHECK_THAT(poked, WithinRel(calm, 0.02));
+  const bool told = std::any_of(events.begin(), events.end(), [](const SimulationEvent &e) { return e.kind == "smaller_step"; });
+  CHECK(told);
+}
+
+TEST_CASE("two skins that overlap are found, with their depth and volume") {
+  const auto boxAt = [](double x) {
+    return latticeBox(Vec3(x, 0, 0), Vec3(x + 0.06, 0.06, 0.06), 0.01, rubber(1e4), 12);
+  };
+  const auto fixed = boxAt(0.0);
+  CHECK(overlapOf(*fixed, *boxAt(0.2)).depth == 0.0);
+  CHECK(overlapOf(*fixed, *boxAt(0.0605)).depth == 0.0);
+  for (const double depth : {0.003, 0.008}) {
+    // A little beside each other, so that edges do not lie on edges.
+    const Overlap found = overlapOf(*fixed, *boxAt(0.06 - depth));
+    CHECK_THAT(found.depth, WithinRel(depth, 0.1));
+    CHECK_THAT(found.volume, WithinRel(depth * 0.06 * 0.06, 0.4));
+  }
+}
+
+TEST_CASE("bodies that pass through each other are told of once, and nobody else") {
+  Simulator simulator;
+  WorldSettings world;
+  world.gravity = Vec3::Zero();
+  simulator.setWorld(world);
+  auto thrown = latticeBox(Vec3(0, 0.062, 0), Vec3(0.04, 0.102, 0.04), 0.01, rubber(1e6), 8);
+  thrown->setInitialVelocity(Vec3(0, -1, 0), Vec3::Zero());
+  simulator.addBody(std::move(thrown));
+  simulator.addBody(latticeBox(Vec3(0, 0, 0), Vec3(0.06, 0.06, 0.06), 0.01, rubber(1e6), 8));
+  simulator.addBody(latticeBox(Vec3(0.3, 0, 0), Vec3(0.36, 0.06, 0.06), 0.01, rubber(1e6), 8));
+  while (simulator.time() < 0.03) REQUIRE(simulator.step());
+  std::size_t told = 0;
+  for (const SimulationEvent &event : simulator.events())
+    if (event.kind == "overlap") {
+      ++told;
+      CHECK(event.time > 0.002);
+    }
+  CHECK(told == 1);
+}
+
+TEST_CASE("the depth of a penetration is that of the skin that is drawn") {
+  Body body("tube", laidOut(boxSurface(Vec3(0, 0, 0), Vec3(0.06, 0.02, 0.02), 6), 0.02), soft(), serialFor());
+  WorldBox box;
+  box.enabled = true;
+  box.min = Vec3(-1, 0, -1);
+  CHECK(skinDepth(body, {}, box, 0.0, serialFor()) < 1e-12);
+  for (Vec3 &u : body.state().displacements) u[1] = -0.003;
+  CHECK_THAT(skinDepth(body, {}, box, 0.0, serialFor()), WithinRel(0.003, 1e-9));
+  const Obstacle ground = halfSpace(Vec3(0, 0.001, 0), Vec3(0, 1, 0), 0.3);
+  CHECK_THAT(skinDepth(body, std::span(&ground, 1), WorldBox(), 0.0, serialFor()), WithinRel(0.004, 1e-9));
+}
+
+TEST_CASE("a region to refine that meets no part of the body is refused by its number") {
+  LatticeSampling sampling = lattice_cases::withSpacing(0.02);
+  sampling.refinements.push_back({SphereRegion{Vec3(0.05, 0, 0), 0.01}, 0.01});
+  sampling.refinements.push_back({SphereRegion{Vec3(1.0, 0, 0), 0.01}, 0.01});
+  const auto filled = fillLattice(lattice_cases::ball(Vec3::Zero(), 0.05), sampling, serialFor());
+  REQUIRE_FALSE(filled);
+  CHECK_THAT(filled.error(), Contains("refinement 1:"));
+  CHECK_THAT(filled.error(), Contains("accepted"));
+  sampling.refinements.pop_back();
+  CHECK(fillLattice(lattice_cases::ball(Vec3::Zero(), 0.05), sampling, serialFor()));
+}
