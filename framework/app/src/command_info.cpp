@@ -269,6 +269,11 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
     out.json["probes"].push_back(Json{{"name", probe.name}, {"body", probe.body}, {"at_m", probe.at_m}});
   }
 
+  if (scene->bodies.size() > 1) {
+    const char *note = "bodies do not touch each other yet: what meets another body passes through it";
+    text << "note: " << note << "\n";
+    out.json["notes"].push_back(note);
+  }
   text << howFar;
   out.text = text.str();
   return out;

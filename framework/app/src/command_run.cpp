@@ -213,6 +213,8 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, render
   facts.scene = scene->title;
   facts.source = options.scene.string();
 
+  if (const auto simulatorJson = run.simulatorReport())
+    if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;
   if (!options.report.empty()) outputs.note(options.report, writeReport(options, facts, run));
   if (!options.exportSurface.empty()) {
     const auto states = readBodyStates(simulator.get(), BodyParts::skin, [&] { return session.plugins().takeError(); });
@@ -275,7 +277,10 @@ int runScene(const RunOptions &options) {
   }
   const RunFacts *facts = &simulated->facts;
 
-  if (!options.quiet) printSummary(*facts);
+  if (!options.quiet) {
+    printSummary(*facts);
+    for (const std::string &notice : facts->notices) std::printf("  note: %s\n", notice.c_str());
+  }
   const std::string kept = outputs.written().empty() ? "; --report FILE.json keeps the last good state"
                                                      : "; the last good state is in " + outputs.written();
   ExitCode exitCode = kDone;

@@ -66,8 +66,20 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["attachments"] = simulator->contains("attachments") ? simulator->at("attachments") : Json::array();
   report["stages"] = simulator->contains("stages") ? simulator->at("stages") : Json::object();
   report["events"] = simulator->contains("events") ? simulator->at("events") : Json::array();
+  if (simulator->contains("notices")) report["notices"] = simulator->at("notices");
   report["state_hash"] = hexadecimal(facts.stateHash);
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Expected<std::vector<std::string>> noticesOf(const std::string &simulatorJson) {
+  const auto simulator = parseSimulatorReport(simulatorJson);
+  if (!simulator) return tl::unexpected(simulator.error());
+  std::vector<std::string> lines;
+  const auto notices = simulator->find("notices");
+  if (notices == simulator->end() || !notices->is_array()) return lines;
+  for (const Json &notice : *notices)
+    if (notice.is_string()) lines.push_back(notice.get<std::string>());
+  return lines;
 }
 
 Expected<std::vector<ProbeSample>> probesOf(const std::string &simulatorJson) {

@@ -25,6 +25,7 @@ struct RunFacts {
   std::uint64_t stateHash = 0;
   std::optional<std::uint64_t> seed;
   Preparation preparation;
+  std::vector<std::string> notices;  ///< of the simulator, for people
   double firstStep_s = 0.0;    ///< the first step alone
   double toFirstStep_s = 0.0;  ///< from the start of the command, plugins and scene file included, to the end of that step
 };
@@ -32,6 +33,9 @@ struct RunFacts {
 /// The report of a run as JSON.
 /// @param simulatorJson  what the simulator reported; the error (ErrorCode::plugin) says why it is of no use
 [[nodiscard]] Expected<std::string> reportJson(const RunFacts &facts, const std::string &simulatorJson);
+
+/// The lines for people of a simulator's report ("notices"); empty where it has none.
+[[nodiscard]] Expected<std::vector<std::string>> noticesOf(const std::string &simulatorJson);
 
 struct ProbeSample {
   std::string name;

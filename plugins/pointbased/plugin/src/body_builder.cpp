@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "advice.h"
 #include "build_request.h"
 
 namespace pointbased {
@@ -90,6 +91,7 @@ std::optional<std::string> renumbered(const std::string &text, const BodySource 
     if (colon == std::string::npos || own >= numbers.size()) return std::nullopt;
     return prefix + std::to_string(numbers[own]) + text.substr(colon);
   };
+  if (text.rfind("refinement ", 0) == 0) return text;  // numbered per body in the scene, too
   if (auto fix = replace("fix", source.fixNumbers)) return fix;
   return replace("load", source.loadNumbers);
 }
@@ -148,6 +150,8 @@ BuiltBody build(const Services &services, const std::string &name, c3de_handle m
     const std::optional<std::string> spoken = renumbered(rest.error(), source);
     throw sdk::Error(C3DE_E_ARG, spoken ? *spoken : name + ": " + rest.error());
   }
+  if (const std::string thin = tooCoarse(**rest, areaOf(*out.surface)); !thin.empty() && !isRigid(values))
+    throw sdk::Error(C3DE_E_ARG, name + ": " + thin);
   if (!request.tell(0.85, "finding the stable step")) throw cancelled();
   out.body = std::make_unique<Body>(name, std::move(*rest), std::move(constitution), parallelFor);
   out.body->setInitialVelocity(source.velocity, source.angularVelocity);

@@ -227,10 +227,14 @@ void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.value("Kinetic energy", significant(body->energy.kinetic, 3) + " J");
     ui.value("Elastic energy", significant(body->energy.elastic, 3) + " J");
     const double total = body->energy.elastic + body->energy.stabilisation;
+    ui.value("Error estimate", fixed(100.0 * body->error, 0) + " %");
+    ui.tooltip("Part by which strains and stresses are off in the mean; displacements by about its square");
+    if (body->cost > 0.0) ui.value("Computing", significant(body->cost, 3) + " s per simulated second");
     ui.value("Stabilisation share", total > 0.0 ? fixed(100.0 * body->energy.stabilisation / total, 1) + " %" : std::string("–"));
     ui.tooltip("Part of the elastic energy that controls what the sampling cannot resolve; much above 5 %: use a smaller spacing");
   }
   ui.value("State hash", hexadecimal(snapshot->hash));
+  for (const std::string &notice : snapshot->notices) ui.text(notice);
 }
 
 void Controller::drawStages(sdk::Ui &ui, const Snapshot &snapshot) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "placed_mesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 
 namespace pointbased {
 
@@ -52,6 +55,31 @@ std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh
   placed->tree = sdk::orThrow(services.collision.create(
       viewOf(placed->positions), sdk::rows<std::uint32_t, 3>(std::span(placed->triangles))));
   return placed;
+}
+
+double distanceOff(const Services &services, const PlacedMesh &mesh, const Vec3 &point) {
+  // Far away distances cannot be squared; the box says enough there.
+  const Vec3 beyond = (mesh.min - point).cwiseMax(point - mesh.max).cwiseMax(0.0);
+  if (beyond.maxCoeff() > 1e3 * (mesh.max - mesh.min).norm()) return beyond.stableNorm();
+  c3de_closest found{};
+  const double everywhere = std::numeric_limits<double>::infinity();
+  const auto *table = services.collision.table();
+  sdk::orThrow(services.host.check(table->closest(table->ctx, mesh.tree.handle(), viewOf({&point, 1}),
+                                                  sdk::scalars(std::span<const double>(&everywhere, 1)), &found)));
+  return std::max(0.0, found.distance);
+}
+
+double areaOf(const PlacedMesh &mesh) {
+  double doubled = 0.0;
+  for (const auto &[a, b, c] : mesh.triangles)
+    doubled += (mesh.positions[b] - mesh.positions[a]).cross(mesh.positions[c] - mesh.positions[a]).norm();
+  return 0.5 * doubled;
+}
+
+std::string shortNumber(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
 }
 
 }  // namespace pointbased

@@ -41,4 +41,11 @@ class PlacementTransform {
 /// Errors of the services as sdk::Error. Any thread.
 [[nodiscard]] std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh, const Placement &placement);
 
+/// How far a point lies outside of a closed mesh, m; 0 inside. Errors of the services as sdk::Error.
+[[nodiscard]] double distanceOff(const Services &services, const PlacedMesh &mesh, const Vec3 &point);
+/// Area of its triangles, m².
+[[nodiscard]] double areaOf(const PlacedMesh &mesh);
+/// Four digits, for messages.
+[[nodiscard]] std::string shortNumber(double value);
+
 }  // namespace pointbased

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "advice.h"
 #include "pointbased/cloud_quality.h"
 #include "pointbased/error_estimate.h"
 #include "pointbased/plasticity.h"
@@ -30,7 +31,7 @@ const char *nameOf(Integrator integrator) {
   return "";
 }
 
-Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
+Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const ErrorEstimate &error) {
   const Body &body = *simulator.body(reported.id);
   const RestState &rest = body.rest();
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero(), centre = Vec3::Zero();
@@ -61,7 +62,6 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
   const PointHistory &history = body.state().history;
   for (std::size_t q = 0; q < history.plasticInverse.size(); ++q)
     plastic = std::max(plastic, henckyStrain(history.allFlow(q)).norm());
-  const ErrorEstimate error = estimateError(body);
   const Neighbours neighbours = countNeighbours(rest);
   Json near = {{"min", neighbours.min}, {"mean", neighbours.mean}, {"max", neighbours.max}};
   if (rest.evaluation == Evaluation::phyxels) {
@@ -106,7 +106,8 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported) {
           {"stabilisation_share", error.stabilisationShare},
           {"inverted_points", inverted},
           {"max_plastic_strain", plastic},
-          {"deepest_penetration_m", body.contact.deepest},
+          {"deepest_penetration_m", simulator.skinDepth(reported.id)},
+          {"cost_ms_per_s", 1e3 * simulator.costOf(reported.id)},
           {"asleep", simulator.asleep(reported.id)},
           {"rigid", body.rigid()},
           {"stopped", body.stopped}};
@@ -142,8 +143,11 @@ std::string howComputed(const Simulator &simulator, std::size_t id) {
 std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies) {
   Json out = {{"bodies", Json::array()},     {"probes", Json::array()},  {"reactions", Json::array()}, {"attachments", Json::array()},
               {"stages", Json::object()},    {"events", Json::array()}};
+  std::vector<std::string> errors;
   for (const ReportedBody &body : bodies) {
-    out["bodies"].push_back(bodyJson(simulator, body));
+    const ErrorEstimate error = estimateError(*simulator.body(body.id));
+    errors.push_back(errorAdvice(*simulator.body(body.id), body.meshArea, error.relative));
+    out["bodies"].push_back(bodyJson(simulator, body, error));
     if (simulator.body(body.id)->foundation().acts()) out["attachments"].push_back(attachmentJson(simulator, body.id));
     const std::vector<Reaction> reactions = simulator.reactions(body.id);
     for (std::size_t f = 0; f < reactions.size(); ++f)
@@ -171,6 +175,10 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
     out["stages"][stage.name] = {{"median_ms", stage.median_ms}, {"p99_ms", stage.p99_ms}, {"calls", stage.calls}};
   for (const SimulationEvent &event : simulator.events())
     out["events"].push_back({{"time_s", event.time}, {"kind", event.kind}, {"text", event.text}});
+  // How far off the end is, is an event of the end.
+  for (const std::string &error : errors)
+    if (!error.empty()) out["events"].push_back({{"time_s", simulator.time()}, {"kind", "sampling"}, {"text", error}});
+  out["notices"] = noticesOf(simulator, errors);
   return out.dump();
 }
 

@@ -11,13 +11,14 @@ namespace pointbased {
 struct ReportedBody {
   std::size_t id;
   double meshVolume;  ///< m³
+  double meshArea;    ///< m²
   std::vector<std::uint32_t> fixNumbers;
 };
 
 /// What integrates a body and what computes its forces, for people: "explicit, double precision, AVX3".
 [[nodiscard]] std::string howComputed(const Simulator &simulator, std::size_t body);
 
-/// The keys bodies, probes, reactions, stages and events of the run report, as one JSON object.
+/// The keys bodies, probes, reactions, stages, events and notices of the run report, as one JSON object.
 [[nodiscard]] std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies);
 
 }  // namespace pointbased

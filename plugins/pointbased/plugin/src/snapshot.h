@@ -31,6 +31,9 @@ struct BodySnapshot {
   std::uint64_t colours = 0;                    ///< the same number, the same colours
   double mass = 0.0;                            ///< kg
   double youngsModulus = 0.0;                   ///< Pa
+  double error = 0.0;                   ///< ErrorEstimate::relative, of now or a little before
+  std::string errorAdvice;              ///< empty: it is small
+  double cost = 0.0;                    ///< s of computing per simulated second
   Simulator::Energy energy;
   Neighbours neighbours;
   std::optional<GrabStatus> grab;
@@ -59,6 +62,7 @@ struct Snapshot {
   std::vector<ObstacleSnapshot> obstacles;
   std::vector<StageClock::Summary> stages;
   std::vector<SimulationEvent> events;
+  std::vector<std::string> notices;  ///< what people should know of the events and of now
 
   [[nodiscard]] const BodySnapshot *body(std::uint64_t id) const {
     for (const BodySnapshot &b : bodies)

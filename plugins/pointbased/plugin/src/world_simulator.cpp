@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "advice.h"
 #include "point_sets.h"
 #include "report.h"
 
@@ -42,6 +43,23 @@ void checkStandsStill(const std::string &name, const BodySource &source) {
   if (!source.fixes.empty()) refuse("fix " + std::to_string(source.fixNumbers.front()) + ": ");
   if (!source.loads.empty()) refuse("load " + std::to_string(source.loadNumbers.front()) + ": ");
   if (!source.velocity.isZero(0.0) || !source.angularVelocity.isZero(0.0)) refuse(name + ": ");
+}
+
+std::string millimetres(double metres) { return shortNumber(1e3 * metres) + " mm"; }
+
+// A body may begin a little inside of a wall, as in an obstacle: contact leads it out. What stands outside is a mistake.
+void mustBeInBox(const WorldBox &box, const std::string &name, const PlacedMesh &surface, double spacing) {
+  if (!box.enabled) return;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool upper : {false, true}) {
+      const double beyond = upper ? surface.max[axis] - box.max[axis] : box.min[axis] - surface.min[axis];
+      if (beyond <= 0.5 * spacing) continue;
+      throw Error(C3DE_E_ARG, "body '" + name + "' reaches " + millimetres(beyond) + " beyond world.box." +
+                                  (upper ? "max" : "min") + " on the " + "xyz"[axis] + " axis (" +
+                                  shortNumber(upper ? surface.max[axis] : surface.min[axis]) + " m against " +
+                                  shortNumber(upper ? box.max[axis] : box.min[axis]) +
+                                  " m); accepted: inside, or up to half a spacing (" + millimetres(0.5 * spacing) + ") beyond");
+    }
 }
 
 Failure noSuch(const char *what) { return {C3DE_E_STALE, std::string("there is no such ") + what + " in this simulation"}; }
@@ -111,6 +129,7 @@ void WorldSimulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
   const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
+  mustBeInBox(simulator_.world().box, record.name, *record.surface, built.body->rest().spacing);
   record.order = nextOrder_++;
   simulator_.reset();
   const std::uint64_t id = simulator_.addBody(std::move(built.body));
@@ -135,9 +154,21 @@ void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle 
 
 void WorldSimulator::addProbe(c3de_str name, c3de_handle body, const double *at_m3) {
   const std::lock_guard lock(mutex_);
-  (void)bodyOrThrow(body);
+  const BodyRecord &record = bodyOrThrow(body);
   const Vec3 at(at_m3[0], at_m3[1], at_m3[2]);
-  if (!at.allFinite()) throw Error(C3DE_E_ARG, "probe '" + std::string(sdk::text(name)) + "': the point is not finite");
+  const std::string which = "probe '" + std::string(sdk::text(name)) + "': ";
+  if (!at.allFinite()) throw Error(C3DE_E_ARG, which + "the point is not finite");
+  // A probe is carried by the cell it lies in, and off the skin by that of the skin, whose functions go on: within half a
+  // spacing they are as good as the sampling, farther off they tell of no tissue.
+  const double tolerance = 0.5 * simulator_.body(body.v)->rest().spacing;
+  const double off = distanceOff(context_.services, *record.surface, at);
+  if (!(off <= tolerance))
+    throw Error(C3DE_E_ARG, which + "(" + shortNumber(at[0]) + ", " + shortNumber(at[1]) + ", " + shortNumber(at[2]) + ") m lies " +
+                                millimetres(off) + " off body '" + record.name + "', which spans (" +
+                                shortNumber(record.surface->min[0]) + ", " + shortNumber(record.surface->min[1]) + ", " +
+                                shortNumber(record.surface->min[2]) + ") … (" + shortNumber(record.surface->max[0]) + ", " +
+                                shortNumber(record.surface->max[1]) + ", " + shortNumber(record.surface->max[2]) +
+                                ") m; accepted: inside, or up to half a spacing (" + millimetres(tolerance) + ") off its surface");
   simulator_.addProbe(std::string(sdk::text(name)), body.v, at);
 }
 
@@ -182,6 +213,7 @@ sdk::Result<void> WorldSimulator::getBodyParam(c3de_handle body, c3de_str id, c3
 
 sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
   const std::lock_guard lock(mutex_);
+  estimated_.erase(handle.v);
   if (bodies_.erase(handle.v) > 0) {
     simulator_.removeBody(handle.v);
     return {};
@@ -258,16 +290,36 @@ void WorldSimulator::publish() {
         b.phyxels[i] = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
       simulator_.surfels(id, b.surfels, b.normals);
     }
+    estimate(id, body, *record.surface, !samePlaces, b);
+    b.cost = simulator_.costOf(id);
     b.mass = body.totalMass();
     b.youngsModulus = body.material().youngsModulus;
     b.energy = simulator_.energy(id);
     b.grab = simulator_.grabStatus(id);
   }
+  std::vector<std::string> errors;
+  for (const BodySnapshot &b : s->bodies) errors.push_back(b.errorAdvice);
+  s->notices = noticesOf(simulator_, errors);
   s->obstacles.clear();
   for (const auto &[id, record] : obstacles_)
     s->obstacles.push_back({id, record.name, record.mesh, simulator_.obstacleMotion(id), record.moves});
   takeView(*s);
   exchange_.publish(s);
+}
+
+/// Now and then, so that it takes a fiftieth of the time at most.
+void WorldSimulator::estimate(std::uint64_t id, const Body &body, const PlacedMesh &surface, bool moved, BodySnapshot &out) {
+  using Clock = std::chrono::steady_clock;
+  Estimated &last = estimated_[id];
+  const Clock::time_point begin = Clock::now();
+  if (moved && begin >= last.next) {
+    last.error = estimateError(body, nullptr, last.scratch, context_.services.parallelFor()).relative;
+    last.advice = errorAdvice(body, areaOf(surface), last.error);
+    const Clock::time_point end = Clock::now();
+    last.next = end + std::max<Clock::duration>(50 * (end - begin), std::chrono::milliseconds(200));
+  }
+  out.error = last.error;
+  out.errorAdvice = last.advice;
 }
 
 /// Points of the inside and colours, where they are shown.
@@ -331,7 +383,7 @@ void WorldSimulator::report(c3de_sink json) {
   {
     const std::lock_guard lock(mutex_);
     std::vector<ReportedBody> bodies;
-    for (const auto &[id, record] : bodies_) bodies.push_back({id, record.surface->volume, record.source.fixNumbers});
+    for (const auto &[id, record] : bodies_) bodies.push_back({id, record.surface->volume, areaOf(*record.surface), record.source.fixNumbers});
     std::sort(bodies.begin(), bodies.end(),
               [&](const ReportedBody &a, const ReportedBody &b) { return bodies_.at(a.id).order < bodies_.at(b.id).order; });
     text = reportJson(simulator_, bodies);

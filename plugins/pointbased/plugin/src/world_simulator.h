@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <map>
 #include <mutex>
 
 #include "body_builder.h"
 #include "c3de/sdk/object.hpp"
 #include "c3de/sdk/simulator.hpp"
 #include "parameters.h"
+#include "pointbased/error_estimate.h"
 #include "snapshot.h"
 #include "step_request.h"
 
@@ -93,6 +96,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   };
   [[nodiscard]] BodyRecord &bodyOrThrow(c3de_handle body);
   void takeView(Snapshot &snapshot);
+  void estimate(std::uint64_t id, const Body &body, const PlacedMesh &surface, bool moved, BodySnapshot &out);
 
   PluginContext &context_;
   mutable std::mutex mutex_;
@@ -109,6 +113,13 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
     Interpolation binding;
   };
   std::map<std::uint64_t, BoundPoints> points_;  // while evaluation points are shown
+  struct Estimated {
+    std::chrono::steady_clock::time_point next{};  // not before
+    double error = 0.0;
+    std::string advice;
+    ErrorScratch scratch;
+  };
+  std::map<std::uint64_t, Estimated> estimated_;
   std::uint64_t generation_ = 0;
   c3de_handle node_{};
 };

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "advice.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pointbased {
+namespace {
+
+constexpr double kThinnest = 0.3;      // spacings, of the thickness: thinner is refused
+constexpr double kThinnestGood = 0.5;  // likewise, what is proposed instead
+constexpr double kMostPhyxels = 200'000.0;  // that are proposed: more is no simulation that one waits for
+// rms strain below which an error of the strain is an error of nothing
+constexpr double kLeastStrain = 1e-4;
+
+std::string rounded(double count) {
+  const double unit = std::pow(10.0, std::max(0.0, std::floor(std::log10(count)) - 1.0));
+  return std::to_string(static_cast<std::uint64_t>(std::ceil(count / unit) * unit));
+}
+
+std::string millimetres(double metres) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g mm", 1e3 * metres);
+  return text;
+}
+
+double finestOf(const RestState &rest) {
+  double finest = rest.spacing;
+  if (rest.sampling.surfaceSpacing > 0.0) finest = std::min(finest, rest.sampling.surfaceSpacing);
+  for (const Refinement &refinement : rest.sampling.refinements) finest = std::min(finest, refinement.spacing);
+  return finest;
+}
+
+}  // namespace
+
+double phyxelsAt(const RestState &rest, double area, double spacing) {
+  const double d = rest.spacing, n = static_cast<double>(rest.phyxelCount());
+  const double perArea = std::max(0.0, (n * d * d * d - rest.shapeVolume) / (area * d));
+  return (rest.shapeVolume + perArea * area * spacing) / (spacing * spacing * spacing);
+}
+
+std::string tooCoarse(const RestState &rest, double area) {
+  if (rest.evaluation != Evaluation::stressPoints || !(area > 0.0)) return {};
+  const double thickness = 2.0 * rest.shapeVolume / area;
+  if (!(thickness < kThinnest * finestOf(rest))) return {};
+  const double good = thickness / kThinnestGood;
+  char spacing[40];
+  std::snprintf(spacing, sizeof spacing, "%.2g", good);
+  return "the sampling is too coarse: a spacing of " + millimetres(rest.spacing) + " (" + std::to_string(rest.phyxelCount()) +
+         " phyxels) for a body that is " + millimetres(thickness) +
+         " thick in the mean (twice its volume over its area; of a tube the radius). Accepted: up to " +
+         millimetres(thickness / kThinnest) + "; sampling.spacing = " + spacing + " or sampling.count = " +
+         rounded(phyxelsAt(rest, area, good)) + " would do";
+}
+
+std::string errorAdvice(const Body &body, double area, double estimate) {
+  const RestState &rest = body.rest();
+  if (!(estimate > kErrorToTell) || !(area > 0.0)) return {};
+  const ElasticEnergy energy = body.elasticEnergy(serialFor());
+  const double scale = body.material().youngsModulus * rest.shapeVolume;
+  if (!(energy.strain + energy.stabilisation > 0.5 * kLeastStrain * kLeastStrain * scale)) return {};
+  const auto ratio = [](double e) { return std::sqrt(e * e / (1.0 - e * e)); };
+  char text[40];
+  std::snprintf(text, sizeof text, "%.2g", estimate);
+  std::string advice = "body '" + body.name() + "': strains and stresses are off by a part of about " + text +
+                       " (error_estimate) at a spacing of " + millimetres(rest.spacing) + "; ";
+  const double spacing = rest.spacing * std::pow(ratio(kErrorToTell) / ratio(std::min(estimate, 0.999)), 1.0 / kOrderOfEstimate);
+  const double count = phyxelsAt(rest, area, spacing);
+  if (!(count <= kMostPhyxels))
+    return advice + "no count up to " + rounded(kMostPhyxels) +
+           " brings that below 0.1 everywhere: use sampling.refine where it matters, or read displacements only";
+  return advice + "sampling.count = " + rounded(count) + " (" + millimetres(spacing) + ") would bring it to about 0.1";
+}
+
+std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector<std::string> &errors) {
+  std::vector<std::string> lines;
+  const std::vector<std::size_t> bodies = simulator.bodyIds();
+  for (const std::string &error : errors)
+    if (!error.empty()) lines.push_back(error);
+  constexpr std::size_t kMostOfAKind = 3;
+  for (const char *kind : {"stopped", "skin", "overlap", "step"}) {
+    std::size_t count = 0;
+    for (const SimulationEvent &event : simulator.events())
+      if (event.kind == kind && ++count <= kMostOfAKind) lines.push_back(event.text);
+    if (count > kMostOfAKind) lines.push_back("… and " + std::to_string(count - kMostOfAKind) + " more events '" + kind + "'");
+  }
+  if (bodies.size() < 2) return lines;
+  lines.emplace_back("bodies do not touch each other yet: what meets another body passes through it");
+  std::string costs;
+  for (const std::size_t id : bodies) {
+    const double cost = simulator.costOf(id);
+    if (!(cost > 0.0)) return lines;
+    char text[160];
+    std::snprintf(text, sizeof text, "'%.60s' %.3g s (stable step %.3g s)", simulator.body(id)->name().c_str(), cost,
+                  simulator.body(id)->stableStepAtRest());
+    costs += (costs.empty() ? "" : ", ") + std::string(text);
+  }
+  if (bodies.size() <= 8) lines.push_back("computing a simulated second takes " + costs);
+  return lines;
+}
+
+}  // namespace pointbased
