@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "c3de/imaging/mask_coverage.h"
 #include "c3de/imaging/masks.h"
 #include "mask_tools.h"
 
@@ -152,6 +153,31 @@ Expected<Mask> largestComponent(const Mask &mask, const ProgressFn &progress) {
   if (sizes.empty()) return mask;
   const auto largest = std::max_element(sizes.begin(), sizes.end());
   return onlyRoot(mask, *components, static_cast<std::uint32_t>(largest - sizes.begin()));
+}
+
+Expected<Unspecked> withoutSpecks(const Mask &mask, const ProgressFn &progress) {
+  constexpr std::size_t kMostVoxels = 64, kLeastShare = 1000;
+  if (const auto good = checkMask(mask); !good) return tl::unexpected(good.error());
+  auto components = Components::of(mask, true, stage(progress, 0.0, 0.9));
+  if (!components) return tl::unexpected(components.error());
+  const std::vector<std::size_t> sizes = components->sizes();
+  Unspecked out{mask, 0, 0};
+  if (sizes.empty()) return out;
+  const std::size_t largest = *std::max_element(sizes.begin(), sizes.end());
+  const auto isSpeck = [&](std::size_t size) { return size <= kMostVoxels && size * kLeastShare < largest; };
+  for (const std::size_t size : sizes)
+    if (size > 0 && isSpeck(size)) {
+      ++out.specks;
+      out.voxels += size;
+    }
+  if (out.specks == 0) return out;
+  components->forRuns([&](std::uint32_t r, std::size_t row, bool) {
+    if (!isSpeck(sizes[components->find(r)])) return;
+    const Run &run = components->run(r);
+    std::fill(out.mask.voxels.begin() + static_cast<std::ptrdiff_t>(row + run.begin),
+              out.mask.voxels.begin() + static_cast<std::ptrdiff_t>(row + run.end), std::uint8_t{0});
+  });
+  return out;
 }
 
 Expected<std::vector<std::size_t>> componentSizes(const Mask &mask, const ProgressFn &progress) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "c3de/imaging/mask_coverage.h"
 #include "c3de/imaging/masks.h"
 
 namespace c3de::imaging {
@@ -65,6 +66,26 @@ Mask maskOf(const geometry::TriangleMesh &closed, const VolumeGeometry &grid) {
   for (std::size_t row = 0; row < n[1] * n[2]; ++row)
     for (std::size_t i = 1; i < n[0]; ++i) mask.voxels[row * n[0] + i] ^= mask.voxels[row * n[0] + i - 1];
   return mask;
+}
+
+Mask notEnclosed(const Mask &mask, const geometry::TriangleMesh &surface) {
+  const Mask inside = maskOf(surface, mask.geometry);
+  const auto &n = mask.geometry.size;
+  const std::array<std::size_t, 3> step{1, n[0], n[0] * n[1]};
+  Mask out{mask.geometry, std::vector<std::uint8_t>(mask.voxels.size(), 0)};
+  std::size_t v = 0;
+  for (std::size_t k = 0; k < n[2]; ++k)
+    for (std::size_t j = 0; j < n[1]; ++j)
+      for (std::size_t i = 0; i < n[0]; ++i, ++v) {
+        if (mask.voxels[v] == 0 || inside.voxels[v] != 0) continue;
+        const std::array<std::size_t, 3> at{i, j, k};
+        bool isNear = false;
+        for (std::size_t a = 0; a < 3; ++a)
+          isNear = isNear || (at[a] > 0 && inside.voxels[v - step[a]] != 0) ||
+                   (at[a] + 1 < n[a] && inside.voxels[v + step[a]] != 0);
+        out.voxels[v] = isNear ? 0 : 1;
+      }
+  return out;
 }
 
 }  // namespace c3de::imaging

@@ -47,11 +47,19 @@ class Crossings {
       edge_ = std::max(edge_, (all_.max[a] - all_.min[a]) / 2e6);
   }
 
-  std::vector<unsigned> find() {
+  /// @param moved  by vertex; empty: everywhere
+  std::vector<unsigned> find(std::span<const std::uint8_t> moved) {
+    // Cells to look at, by a hash of their keys: one too many costs a little time.
+    std::vector<std::uint8_t> wanted(moved.empty() ? 0 : std::size_t{1} << kHashBits, 0);
+    for (unsigned t = 0; t < boxes_.size() && !moved.empty(); ++t)
+      if (mesh_.alive(3 * t) && (moved[mesh_.from(3 * t)] | moved[mesh_.from(3 * t + 1)] | moved[mesh_.from(3 * t + 2)]) != 0)
+        forCells(boxes_[t], [&](std::uint64_t key) { wanted[hashOf(key)] = 1; });
     std::vector<std::pair<std::uint64_t, unsigned>> places;
     for (unsigned t = 0; t < boxes_.size(); ++t)
       if (mesh_.alive(3 * t))
-        forCells(boxes_[t], [&](std::uint64_t key) { places.emplace_back(key, t); });
+        forCells(boxes_[t], [&](std::uint64_t key) {
+          if (wanted.empty() || wanted[hashOf(key)] != 0) places.emplace_back(key, t);
+        });
     std::sort(places.begin(), places.end());
     std::vector<std::uint8_t> crossed(boxes_.size(), 0);
     for (std::size_t first = 0, end = 0; first < places.size(); first = end) {
@@ -60,6 +68,7 @@ class Crossings {
         for (std::size_t j = i + 1; j < end; ++j) {
           const unsigned t = places[i].second, o = places[j].second;
           if ((crossed[t] != 0 && crossed[o] != 0) || !overlap(boxes_[t], boxes_[o])) continue;
+          if (firstCommonCell(boxes_[t], boxes_[o]) != places[i].first) continue;  // each pair once
           if (edgesGoThrough(t, o) || edgesGoThrough(o, t)) crossed[t] = crossed[o] = 1;
         }
     }
@@ -70,11 +79,21 @@ class Crossings {
   }
 
  private:
+  static constexpr int kHashBits = 20;
+  [[nodiscard]] static std::size_t hashOf(std::uint64_t key) {
+    return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15u) >> (64 - kHashBits));
+  }
   [[nodiscard]] const Vec3 &corner(unsigned t, unsigned c) const { return mesh_.points[mesh_.from(3 * t + c)]; }
   [[nodiscard]] static bool overlap(const Box &a, const Box &b) {
     for (std::size_t x = 0; x < 3; ++x)
       if (a.max[x] < b.min[x] || b.max[x] < a.min[x]) return false;
     return true;
+  }
+  [[nodiscard]] std::uint64_t firstCommonCell(const Box &a, const Box &b) const {
+    std::uint64_t key = 0;
+    for (std::size_t x = 0; x < 3; ++x)
+      key |= static_cast<std::uint64_t>((std::max(a.min[x], b.min[x]) - all_.min[x]) / edge_) << (21 * x);
+    return key;
   }
   template <class Visit>
   void forCells(const Box &box, const Visit &visit) const {
@@ -107,6 +126,9 @@ class Crossings {
 
 }  // namespace
 
-std::vector<unsigned> crossedTriangles(const EditMesh &mesh) { return Crossings(mesh).find(); }
+std::vector<unsigned> crossedTriangles(const EditMesh &mesh) { return Crossings(mesh).find({}); }
+std::vector<unsigned> crossedTriangles(const EditMesh &mesh, std::span<const std::uint8_t> moved) {
+  return Crossings(mesh).find(moved);
+}
 
 }  // namespace c3de::imaging

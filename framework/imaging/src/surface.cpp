@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "c3de/imaging/mask_coverage.h"
 #include "c3de/imaging/masks.h"
 #include "mask_tools.h"
 #include "remesh.h"
@@ -16,6 +17,11 @@ namespace c3de::imaging {
 namespace {
 
 constexpr double kMostTriangles = 5e6;
+// Automatic edges, see SurfaceSettings: triangles of a detailed skin, and of one that has to be finer because it is thin.
+constexpr double kDetail = 6e4, kThinDetail = 2.4e5;
+constexpr double kLongestOfVoxel = 1.5, kEdgesAcross = 3.0;
+constexpr double kAreaOfSteps = 1.5;        // steps make an area up to so many times that of what they stand for
+constexpr float kHalf = 0.5f;
 constexpr double kVoxelsPerEdge = 2.5;      // of the grid the mask is seen through
 constexpr double kRelaxations = 2.0, kMostRelaxations = 200.0;  // per squared length in voxels
 constexpr double kDefaultLength = 2.0;       // longest voxel edges
@@ -27,6 +33,66 @@ constexpr double kEven = 0.3, kInwards = 0.05;  // of the way to the mean of the
 constexpr double kNoise = 0.05;             // share of triangles that go through others and are let be
 constexpr int kHolds = 4;                   // turns of volume and border at the end
 constexpr int kCoarsely = 3, kFinely = 20;  // steps that restore volumes
+
+// Of what is inside, without the steps of its voxels, mm².
+double borderArea(const Mask &mask, const VoxelBox &box) {
+  const auto &n = mask.geometry.size;
+  const std::array<std::size_t, 3> step{1, n[0], n[0] * n[1]};
+  std::array<std::size_t, 3> faces{};
+  for (std::size_t k = box.min[2]; k < box.max[2]; ++k)
+    for (std::size_t j = box.min[1]; j < box.max[1]; ++j)
+      for (std::size_t i = box.min[0]; i < box.max[0]; ++i) {
+        const std::array<std::size_t, 3> at{i, j, k};
+        const std::size_t v = i + step[1] * j + step[2] * k;
+        if (mask.voxels[v] == 0) continue;
+        for (std::size_t a = 0; a < 3; ++a) {
+          faces[a] += static_cast<std::size_t>(at[a] == 0 || mask.voxels[v - step[a]] == 0);
+          faces[a] += static_cast<std::size_t>(at[a] + 1 == n[a] || mask.voxels[v + step[a]] == 0);
+        }
+      }
+  const Vec3 spacing = mask.geometry.spacing();
+  double area = 0.0;
+  for (std::size_t a = 0; a < 3; ++a)
+    area += static_cast<double>(faces[a]) * spacing[(a + 1) % 3] * spacing[(a + 2) % 3];
+  return area / kAreaOfSteps;
+}
+
+// Takes away what hangs together only in single blocks beside a large rest.
+void dropSpecks(Fill &grid) {
+  Mask half{grid.geometry, std::vector<std::uint8_t>(grid.values.size())};
+  for (std::size_t v = 0; v < grid.values.size(); ++v) half.voxels[v] = grid.values[v] >= kHalf ? 1 : 0;
+  const auto kept = withoutSpecks(half);
+  if (!kept || kept->specks == 0) return;
+  for (std::size_t v = 0; v < grid.values.size(); ++v)
+    if (half.voxels[v] != kept->mask.voxels[v]) grid.values[v] = 0.0f;
+}
+
+// Of the blocks that the surface goes around, and of those beside them, whose fill it takes along.
+double volumeSeen(const Fill &grid) {
+  const auto &n = grid.geometry.size;
+  double sum = 0.0;
+  for (std::size_t k = 1; k + 1 < n[2]; ++k)
+    for (std::size_t j = 1; j + 1 < n[1]; ++j)
+      for (std::size_t i = 1; i + 1 < n[0]; ++i) {
+        const float own = grid.values[i + n[0] * (j + n[1] * k)];
+        bool isSeen = own >= kHalf;
+        for (std::size_t c = 0; c < 27 && own > 0.0f && !isSeen; ++c)
+          isSeen = grid.values[i + c % 3 - 1 + n[0] * (j + c / 3 % 3 - 1 + n[1] * (k + c / 9 - 1))] >= kHalf;
+        if (isSeen) sum += static_cast<double>(own);
+      }
+  return sum * grid.geometry.voxelVolume();
+}
+
+double trianglesOf(double area, double edge) { return area / (0.25 * std::sqrt(3.0) * edge * edge); }
+
+// As long as the detail of the image and the count of triangles want, but short enough for what is thin.
+double automaticEdge(const Mask &mask, const VoxelBox &box, double volume) {
+  const double area = borderArea(mask, box), voxel = std::cbrt(mask.geometry.voxelVolume());
+  const double thickness = 4.0 * volume / area;  // the diameter of a tube, about that of branching ones
+  const double thin = std::max(voxel, thickness / kEdgesAcross);
+  const double wanted = std::max(std::min(kLongestOfVoxel * voxel, thin), std::sqrt(trianglesOf(area, 1.0) / kDetail));
+  return std::max(std::min(wanted, thin), std::sqrt(trianglesOf(area, 1.0) / kThinDetail));
+}
 
 // Numbers the connected parts into the tags.
 std::size_t tagParts(EditMesh &mesh) {
@@ -94,7 +160,8 @@ void restoreVolumes(EditMesh &mesh, std::span<const double> wanted, std::span<co
 }
 
 // Smooths where triangles go through others, and draws it inwards: what comes too near to itself is mostly a gap.
-void untangle(EditMesh &mesh, std::span<const unsigned> crossed, std::span<const double> edges) {
+// Returns what has moved.
+std::vector<std::uint8_t> untangle(EditMesh &mesh, std::span<const unsigned> crossed, std::span<const double> edges) {
   std::vector<std::uint8_t> moves(mesh.points.size(), 0);
   for (const unsigned h : crossed)
     for (unsigned c = 0; c < 3; ++c) {
@@ -116,6 +183,7 @@ void untangle(EditMesh &mesh, std::span<const unsigned> crossed, std::span<const
     if (length > 0.0) moved[v] = moved[v] - (kInwards * edges[mesh.tags[v]] / length) * normal;
   }
   mesh.points.swap(moved);
+  return moves;
 }
 
 }  // namespace
@@ -129,18 +197,18 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
                   fmt::format("{} = {} mm is not accepted: finite and > 0, or 0 to have it chosen", name, value));
   const VoxelBox box = boxAround(mask);
   if (box.empty()) return fail(ErrorCode::usage, "the mask is empty: there is no surface around nothing");
-  const double volume = volumeOf(mask), voxelVolume = mask.geometry.voxelVolume();
-  const double edge = settings.edgeLength > 0.0
-                          ? settings.edgeLength
-                          : std::max(std::cbrt(volume) / 20.0, 1.5 * std::cbrt(voxelVolume));
+  const double volume = volumeOf(mask);
+  const double edge = settings.edgeLength > 0.0 ? settings.edgeLength : automaticEdge(mask, box, volume);
   std::array<std::size_t, 3> block = blocksUpTo(mask.geometry, edge / kVoxelsPerEdge);
   const auto goOn = [&](double fraction) { return goesOn(progress, fraction, "surface"); };
 
   Fill grid = fillInBlocks(mask, box, block);
-  if (std::none_of(grid.values.begin(), grid.values.end(), [](float f) { return f >= 0.5f; })) {
+  if (std::none_of(grid.values.begin(), grid.values.end(), [](float f) { return f >= kHalf; })) {
     block = {1, 1, 1};
     grid = fillInBlocks(mask, box, block);
   }
+  const bool isCoarse = block != std::array<std::size_t, 3>{1, 1, 1};
+  if (isCoarse) dropSpecks(grid);
   if (!goOn(0.1)) return cancelled();
   SurfaceNet net = surfaceNetOf(grid, mask.geometry.handedness() < 0.0);
   EditMesh &surface = net.mesh;
@@ -153,9 +221,9 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
     area += wanted.areas[p];
     counted += wanted.volumes[p];
   }
-  for (double &v : wanted.volumes) v *= volume / counted;
-  // Steps make an area up to half as large again as that of what they stand for.
-  const double triangles = area / 1.5 / (0.25 * std::sqrt(3.0) * edge * edge);
+  // What has been lost among blocks stays lost: the rest would grow by it.
+  for (double &v : wanted.volumes) v *= (isCoarse ? volumeSeen(grid) : volume) / counted;
+  const double triangles = trianglesOf(area / kAreaOfSteps, edge);
   if (triangles > kMostTriangles)
     return fail(ErrorCode::usage, fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are "
                                               "accepted: choose longer edges",
@@ -210,10 +278,12 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   std::size_t fewest = crossed.size();
   const double noise = kNoise / 3.0 * surface.halfEdges();
   for (int t = 0; t < kUntanglings && !crossed.empty() && static_cast<double>(crossed.size()) < noise; ++t) {
-    untangle(surface, crossed, edges);
+    const std::vector<std::uint8_t> moved = untangle(surface, crossed, edges);
     holdAtBorder();
     restoreVolumes(surface, wanted.volumes, edges, kFinely);
-    crossed = crossedTriangles(surface);
+    crossed = crossedTriangles(surface, moved);
+    // All over once more: volumes have been restored everywhere.
+    if (crossed.empty()) crossed = crossedTriangles(surface);
     if (crossed.size() >= fewest) continue;
     fewest = crossed.size();
     best = surface.points;

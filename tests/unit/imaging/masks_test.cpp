@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "c3de/imaging/mask_coverage.h"
 #include "c3de/imaging/masks.h"
 
 #include <limits>
@@ -253,4 +254,33 @@ TEST_CASE("voxels within a closed surface are those whose centre is inside", "[i
     if (away < 8.0) REQUIRE(inside.voxels[v] == 1);
     if (away > 8.0) REQUIRE(inside.voxels[v] == 0);
   }
+}
+
+TEST_CASE("specks are components of few voxels beside a large one", "[imaging][masks]") {
+  Mask mask = phantoms::ball(phantoms::grid({60, 60, 60}), 20.0);
+  const std::size_t whole = voxelCount(mask);
+  phantoms::set(mask, {1, 1, 1});
+  phantoms::set(mask, {56, 56, 55});
+  phantoms::set(mask, {56, 56, 56});
+  const auto found = withoutSpecks(mask);
+  REQUIRE(found);
+  CHECK(found->specks == 2);
+  CHECK(found->voxels == 3);
+  CHECK(voxelCount(found->mask) == whole);
+  // Islands that are as large as everything else are no specks.
+  Mask few = phantoms::box(phantoms::grid({20, 20, 20}), {2, 2, 2}, {4, 4, 4});
+  phantoms::set(few, {10, 10, 10});
+  CHECK(withoutSpecks(few)->specks == 0);
+}
+
+TEST_CASE("what a surface leaves outside is told by voxels", "[imaging][masks]") {
+  const VolumeGeometry g = phantoms::oblique({80, 50, 50}, {1.0, 1.0, 1.5}, true);
+  const Mask ball = phantoms::where(g, [](const Vec3 &x) { return norm(x - Vec3{-8.0, 0.0, 0.0}) < 14.0; });
+  const auto skin = surfaceOf(ball);
+  REQUIRE(skin);
+  CHECK(voxelCount(notEnclosed(ball, *skin)) == 0);
+  Mask two = ball;
+  const Mask other = phantoms::where(g, [](const Vec3 &x) { return norm(x - Vec3{20.0, 5.0, 0.0}) < 6.0; });
+  for (std::size_t v = 0; v < two.voxels.size(); ++v) two.voxels[v] |= other.voxels[v];
+  CHECK(notEnclosed(two, *skin).voxels == other.voxels);
 }

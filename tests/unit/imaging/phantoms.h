@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <vector>
 
 #include "c3de/imaging/volume.h"
 
@@ -59,6 +60,37 @@ inline Mask where(const VolumeGeometry &g, const std::function<bool(const Vec3 &
 
 inline Mask ball(const VolumeGeometry &g, double radius) {
   return where(g, [radius](const Vec3 &x) { return dot(x, x) <= radius * radius; });
+}
+
+/// Tubes from `root` on that divide three times, turning in space; the widest 8 mm thick, the thinnest 2, each 24 mm long.
+inline std::function<bool(const Vec3 &)> vesselTree(const Vec3 &root, const Vec3 &along) {
+  struct Tube {
+    Vec3 from, to;
+    double radius;
+  };
+  std::vector<Tube> tubes;
+  const std::function<void(const Vec3 &, const Vec3 &, double, int)> grow = [&](const Vec3 &from, const Vec3 &way, double radius,
+                                                                                int level) {
+    const Vec3 to = from + 24.0 * way;
+    tubes.push_back({from, to, radius});
+    if (level == 3) return;
+    const Vec3 helper = std::abs(way[level % 3]) < 0.8 ? Vec3{level % 3 == 0 ? 1.0 : 0.0, level % 3 == 1 ? 1.0 : 0.0, level % 3 == 2 ? 1.0 : 0.0}
+                                                       : Vec3{0.6, 0.64, 0.48};
+    const Vec3 across = cross(way, helper);
+    for (const double side : {-0.7, 0.7}) {
+      const Vec3 turned = way + (side / norm(across)) * across;
+      grow(to, (1.0 / norm(turned)) * turned, radius * 0.63, level + 1);
+    }
+  };
+  grow(root, (1.0 / norm(along)) * along, 4.0, 0);
+  return [tubes](const Vec3 &x) {
+    for (const Tube &tube : tubes) {
+      const Vec3 way = tube.to - tube.from;
+      const double t = std::min(1.0, std::max(0.0, dot(x - tube.from, way) / dot(way, way)));
+      if (norm(x - tube.from - t * way) <= tube.radius) return true;
+    }
+    return false;
+  };
 }
 
 /// Voxels [min, max) of the index.
