@@ -48,11 +48,17 @@ std::string Readout::text() const {
   return text;
 }
 
+void viewOfImages(render::Camera &camera) {
+  camera.upAxis = render::UpAxis::z;
+  lookFromStart(camera);
+}
+
 void ImageViews::setImage(std::shared_ptr<const scene::StoredImage> image) {
   image_ = std::move(image);
   labels_.reset();
   displacement_.reset();
   handles_ = {};
+  missingText_.clear();
   labelOpacities_.clear();
   drag_ = Drag::none;
   maximised_.reset();
@@ -307,6 +313,7 @@ render::ImageLook ImageViews::look() const {
   look.displacement = handles_.displacement;
   look.bodies = handles_.bodies;
   look.hasStill = displacement_ && displacement_->hasStill;
+  look.missing = handles_.missing;
   look.leastGap = displacement_ ? displacement_->leastGap() : 0.0;
   look.window = options_.windowLevel.window;
   look.level = options_.windowLevel.level;

@@ -253,7 +253,7 @@ void OrganPanel::drawSampling(const c3de_ui_v0 &ui) {
   slider(ui, "phyxels", "Phyxels", "", s.phyxels, kFewestPhyxels, kMostPhyxels,
          "About so many; more are more exact and slower");
   checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic,
-           "A twentieth of the cube root of the volume");
+           "One and a half voxels, longer where that makes too many triangles, shorter for what is thin");
   if (!s.isEdgeAutomatic) slider(ui, "edge", "Edge length", "mm", s.edge_mm, kShortestEdge_mm, kLongestEdge_mm, "");
   guide_.setSampling(s.phyxels, s.isEdgeAutomatic, s.edge_mm);
 }

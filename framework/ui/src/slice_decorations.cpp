@@ -161,6 +161,23 @@ void drawShiftLegend(const SliceCanvas &canvas) {
   shadowed(canvas.list, ImVec2(x, y0 - 1.7f * line), kInk, "|u|");
 }
 
+/// What the hatching of missing tissue means.
+void drawMissingLegend(const SliceCanvas &canvas) {
+  const std::string &text = canvas.images.missingText();
+  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".missing", text.empty() ? "none" : text);
+  if (text.empty() || canvas.images.handles().missing.isNull()) return;
+  const PixelRect &r = canvas.rect;
+  const float line = ImGui::GetTextLineHeight(), size = 0.8f * line, edge = canvas.px(8.0f);
+  const ImVec2 at(r.x + edge, r.y + r.h - edge - 2.3f * line);
+  const ImU32 tint = IM_COL32(255, 115, 242, 255);
+  canvas.list->AddRectFilled(at, ImVec2(at.x + size, at.y + size), IM_COL32(90, 40, 85, 255));
+  for (const float part : {0.0f, 0.5f})
+    canvas.list->AddLine(ImVec2(at.x + part * size, at.y), ImVec2(at.x + size, at.y + (1.0f - part) * size), tint, canvas.px(1.5f));
+  canvas.list->AddRect(at, ImVec2(at.x + size, at.y + size), tint);
+  grounded(canvas.list, ImVec2(at.x + size + canvas.px(6.0f), at.y - 0.1f * line), kInk,
+           elided(text, r.w - 2 * edge - size - canvas.px(6.0f)));
+}
+
 void drawTexts(const SliceCanvas &canvas) {
   const PixelRect &r = canvas.rect;
   const ImageOptions &options = canvas.images.options();
@@ -229,6 +246,7 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
     drawLetters(canvas);
     drawScaleBar(canvas);
     drawShiftLegend(canvas);
+    drawMissingLegend(canvas);
     drawTexts(canvas);
     list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), kBorders[static_cast<std::size_t>(pane)], 0.0f, 0, 1.0f);
     list->PopClipRect();

@@ -21,6 +21,7 @@
 #include "chrome.h"
 #include "dock.h"
 #include "file_dialog.h"
+#include "four_views.h"
 #include "glfw_window.h"
 #include "imgui_panel.h"
 #include "imgui_session.h"
@@ -80,7 +81,6 @@ struct WorkstationWindow::Impl {
   void fitIfWanted();
   void measureRate(double now_s);
   void layOutPanes();
-  void drawImages(render::Renderer &renderer) const;
   bool handle(Pane pane, ViewInput input, const OsEvent &event);
   [[nodiscard]] ImageViews *shownImages() const { return services.images && services.images->image() ? services.images : nullptr; }
   /// Null over the side panel, an overlay or a menu.
@@ -222,48 +222,9 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
   }
 }
 
-/// Without an image the 3D view fills the area; with one, a quarter, or a single view of it all.
 void WorkstationWindow::Impl::layOutPanes() {
-  panes = {};
-  ImageViews *images = shownImages();
-  const auto put = [&](Pane pane, const PixelRect &rect) { panes[static_cast<std::size_t>(pane)] = rect; };
-  if (!images) {
-    put(Pane::space, area);
-  } else if (images->maximised()) {
-    put(*images->maximised(), area);
-  } else {
-    const float gap = 2.0f, w = std::floor(0.5f * (area.w - gap)), h = std::floor(0.5f * (area.h - gap));
-    const float x = area.x + w + gap, y = area.y + h + gap, w2 = area.w - w - gap, h2 = area.h - h - gap;
-    put(Pane::axial, {area.x, area.y, w, h});
-    put(Pane::sagittal, {x, area.y, w2, h});
-    put(Pane::coronal, {area.x, y, w, h2});
-    put(Pane::space, {x, y, w2, h2});
-  }
-  if (images)
-    for (const Pane pane : kSlicePanes)
-      if (const PixelRect &rect = panes[static_cast<std::size_t>(pane)]; !rect.isEmpty())
-        images->view(pane).setSize(static_cast<int>(rect.w), static_cast<int>(rect.h));
+  panes = layOutViews(area, shownImages());
   view = panes[static_cast<std::size_t>(Pane::space)];
-}
-
-void WorkstationWindow::Impl::drawImages(render::Renderer &renderer) const {
-  render::ImageRenderer *drawer = renderer.images();
-  const ImageViews *images = shownImages();
-  if (!drawer) return;
-  drawer->setScene(images ? images->scene() : render::ImageScene());
-  if (!images) return;
-  drawer->setLabelColours(images->handles().labels, images->labelColours());
-  const render::ImageLook look = images->look();
-  for (const Pane pane : kSlicePanes) {
-    const PixelRect &rect = panes[static_cast<std::size_t>(pane)];
-    if (rect.isEmpty()) continue;
-    const render::Viewport port = viewportOf(rect);
-    const SliceView &slice = images->view(pane);
-    render::SlicePlane plane = slice.plane();
-    plane.right = (static_cast<double>(slice.width()) / port.width) * plane.right;
-    plane.down = (static_cast<double>(slice.height()) / port.height) * plane.down;
-    drawer->drawSlice(look, plane, port);
-  }
 }
 
 void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Renderer &renderer) {
@@ -598,7 +559,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
     glClearColor(colour::kChrome.x, colour::kChrome.y, colour::kChrome.z, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     if (impl.actions.beforeDraw) impl.actions.beforeDraw();
-    impl.drawImages(renderer);
+    drawSlices(renderer, impl.shownImages(), impl.panes, [&](const PixelRect &rect) { return impl.viewportOf(rect); });
     if (!impl.view.isEmpty()) renderer.draw(impl.camera, impl.viewportOf(impl.view));
     impl.isRefining = !impl.view.isEmpty() && impl.shownImages() && renderer.images() && renderer.images()->wantsRefinement();
     glViewport(0, 0, pixels[0], pixels[1]);

@@ -9,7 +9,8 @@ namespace c3de::render {
 
 ImageParts GlImages::partsOf(const ImageLook &look) {
   return {find(look.image, ImageSlot::Kind::image), find(look.labels, ImageSlot::Kind::labels),
-          find(look.displacement, ImageSlot::Kind::displacement), find(look.bodies, ImageSlot::Kind::image)};
+          find(look.displacement, ImageSlot::Kind::displacement), find(look.bodies, ImageSlot::Kind::image),
+          find(look.missing, ImageSlot::Kind::image)};
 }
 
 void GlImages::drawSlice(const ImageLook &look, const SlicePlane &plane, const Viewport &v) {

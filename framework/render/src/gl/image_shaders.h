@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shader texts of images. Positions are in the index spaces of the grids, found in double precision by whoever sets the
-// matrices. Variants are chosen by COLOURED, LABELLED, DISPLACED, VACATED, STILL, SHIFT, MAXIMUM, SHADED, LAYERED, because a software renderer
+// matrices. Variants are chosen by COLOURED, LABELLED, DISPLACED, VACATED, STILL, MISSING, SHIFT, MAXIMUM, SHADED, LAYERED, because a software renderer
 // pays for both sides of a branch.
 #pragma once
 
@@ -17,7 +17,8 @@ enum ImageUnit : unsigned {
   kLayerUnit = 7,  // and the next one
   kBodiesUnit = 9,
   kColourUnit = 10,
-  kImageUnits = 11
+  kMissingUnit = 11,
+  kImageUnits = 12
 };
 enum SliceUniform : int {
   kClipFromLocal = 0,
@@ -125,6 +126,9 @@ layout(binding = 1) uniform usampler3D uLabels;
 layout(binding = 2) uniform sampler2D uLabelColours;
 layout(binding = 4) uniform sampler2D uShiftColours;
 layout(binding = 10) uniform sampler3D uColours;
+#ifdef MISSING
+layout(binding = 11) uniform sampler3D uMissing;
+#endif
 out vec4 oColour;
 void main() {
   precise vec3 index = vImage;
@@ -169,6 +173,12 @@ void main() {
   // Hatched: nothing is known of what is there now.
   if (vacated)
     colour = mod(gl_FragCoord.x + gl_FragCoord.y, 9.0) < 1.0 ? vec3(0.2, 0.3, 0.32) : vec3(0.02);
+#endif
+#ifdef MISSING
+  // Hatched the other way: meant to be a body, and in none.
+  vec3 there = (index + 0.5) / count;
+  if (isWithin(there, vec3(0.0), vec3(1.0)) && texture(uMissing, there).r > 0.5)
+    colour = mix(colour, vec3(1.0, 0.45, 0.95), mod(gl_FragCoord.x - gl_FragCoord.y, 6.0) < 2.5 ? 0.95 : 0.3);
 #endif
   oColour = vec4(colour, 1.0);
 }

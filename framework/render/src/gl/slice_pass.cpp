@@ -10,7 +10,7 @@
 namespace c3de::render {
 namespace {
 
-constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8, kColoured = 16, kStill = 32;
+constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8, kColoured = 16, kStill = 32, kMissing = 64;
 
 const GridTexture &texturesOf(const ImageSlot &slot) { return static_cast<const GridTexture &>(*slot.backEnd); }
 
@@ -36,6 +36,7 @@ void bindImageTextures(const ImageParts &parts, bool isSmooth) {
   }
   if (parts.displacement) bindTexture(kDisplacementUnit, GL_TEXTURE_3D, texturesOf(*parts.displacement).grid.name());
   if (parts.bodies) bindTexture(kBodiesUnit, GL_TEXTURE_3D, texturesOf(*parts.bodies).grid.name());
+  if (parts.missing) bindTexture(kMissingUnit, GL_TEXTURE_3D, texturesOf(*parts.missing).grid.name());
   const GLint filter = isSmooth ? GL_LINEAR : GL_NEAREST;
   const auto bindImage = [filter](GLuint unit, const Texture &texture) {
     bindTexture(unit, GL_TEXTURE_3D, texture.name());
@@ -73,6 +74,7 @@ const Program *SlicePass::programFor(unsigned variant, RenderStatistics &statist
       if (variant & kVacated) texts->push_back("#define VACATED\n");
       if (variant & kColoured) texts->push_back("#define COLOURED\n");
       if (variant & kStill) texts->push_back("#define STILL\n");
+      if (variant & kMissing) texts->push_back("#define MISSING\n");
     }
     vertex.insert(vertex.end(), {"#define FLOW out\n", kSlicePlaces, kSliceVertex});
     fragment.insert(fragment.end(), {"#define FLOW in\n", kSlicePlaces, kGridFunction});
@@ -150,6 +152,7 @@ void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<c
   if (parts.displacement) variant |= kDisplaced | (look.showsShift && look.shiftOpacity > 0.0f ? kShifted : 0);
   if (parts.knowsVacated()) variant |= kVacated | (look.hasStill ? kStill : 0);
   if (parts.image->hasColours) variant |= kColoured;
+  if (parts.missing) variant |= kMissing;
   const Program *program = programFor(variant, statistics);
   if (!program) return;
   using namespace shaders;

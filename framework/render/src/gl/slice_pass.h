@@ -14,7 +14,7 @@ namespace c3de::render {
 
 /// What a look refers to, found again for every frame.
 struct ImageParts {
-  const ImageSlot *image = nullptr, *labels = nullptr, *displacement = nullptr, *bodies = nullptr;
+  const ImageSlot *image = nullptr, *labels = nullptr, *displacement = nullptr, *bodies = nullptr, *missing = nullptr;
 
   [[nodiscard]] bool knowsVacated() const { return displacement && displacement->hasGaps && bodies; }
 };
@@ -39,7 +39,7 @@ class SlicePass {
             const Mat4 &worldFromLocal, RenderStatistics &statistics);
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
 
-  std::array<std::optional<Program>, 64> programs_;
+  std::array<std::optional<Program>, 128> programs_;
   std::optional<Program> outline_;
   Texture shiftColours_ = Texture::create();
   VertexArray array_ = VertexArray::create();

@@ -42,6 +42,9 @@ struct ImageLook {
   Handle bodies{};
   /// A quarter of white in `bodies` is what stays: only bodies come over it, and what moves away from it leaves a gap.
   bool hasStill = false;
+  /// An image on the grid of `image`, above half its white where tissue of the reference was meant to be a body and is in
+  /// none: marked in slices. Null: nothing is.
+  Handle missing{};
   double leastGap = 0.0;             ///< mm; a gap above it counts
   double window = 1.0, level = 0.5;  ///< values: black at level - window/2, white at level + window/2
   bool isSmooth = true;              ///< linear interpolation of grey values; else the nearest voxel

@@ -54,6 +54,7 @@ struct ImageHandles {
   Handle image, labels, displacement;
   Handle preview{};  ///< labels that are shown instead of `labels`
   Handle bodies{};   ///< where bodies are in the reference, ImageLook::bodies
+  Handle missing{};  ///< what of masks no body stands for, ImageLook::missing
 };
 
 /// What is known about a point of the world.
@@ -86,6 +87,9 @@ class ImageViews {
   void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) { displacement_ = std::move(displacement); }
   void setHandles(const ImageHandles &handles) { handles_ = handles; }
   [[nodiscard]] const ImageHandles &handles() const { return handles_; }
+  /// What is marked as missing, for the legend of the slices; empty: nothing is.
+  void setMissingText(std::string text) { missingText_ = std::move(text); }
+  [[nodiscard]] const std::string &missingText() const { return missingText_; }
   [[nodiscard]] const scene::StoredImage *image() const { return image_.get(); }
   [[nodiscard]] const std::shared_ptr<const scene::StoredImage> &sharedImage() const { return image_; }
   [[nodiscard]] const scene::StoredLabels *labels() const { return labels_.get(); }
@@ -147,7 +151,6 @@ class ImageViews {
   std::shared_ptr<const scene::StoredImage> image_;
   std::shared_ptr<const scene::StoredLabels> labels_;
   std::shared_ptr<const imaging::DisplacementGrid> displacement_;
-  ImageHandles handles_;
   ImageOptions options_;
   std::vector<std::pair<std::uint16_t, float>> labelOpacities_;
   std::vector<std::uint16_t> pickedLabels_;
@@ -165,7 +168,12 @@ class ImageViews {
   Drag drag_ = Drag::none;
   std::uint32_t buttons_ = 0, dragButton_ = 0;
   double lastX_ = 0.0, lastY_ = 0.0, startX_ = 0.0, startY_ = 0.0;
+  ImageHandles handles_;
+  std::string missingText_;
 };
+
+/// How a first image is looked at in space: the patient upright, from the front, a little from the left and above.
+void viewOfImages(render::Camera &camera);
 
 /// Recognises the second press of a double click in the same pane.
 class DoubleClick {
