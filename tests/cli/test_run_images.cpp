@@ -131,6 +131,76 @@ TEST_CASE("A threshold that leaves nothing and a simulator that cannot fill are 
   CHECK_THAT(old.errorOutput, Contains("'volume' is not served by this simulator") && Contains("needed: 3"));
 }
 
+TEST_CASE("What of a label is in no body is told in ml, in the report, as an event and in the summary") {
+  const auto folder = freshFolder("not_represented");
+  imaging::LabelMap map = twoBalls();
+  // A vessel of two voxels from the first ball on, and an island of one voxel.
+  for (std::size_t i = 30; i < 42; ++i)
+    for (std::size_t v : {i + 60 * (24 + 50 * 20), i + 60 * (25 + 50 * 20)})
+      if (map.voxels[v] == 0) map.voxels[v] = 1;
+  map.voxels[2 + 60 * (2 + 50 * 2)] = 1;
+  REQUIRE(imaging::writeLabelMap(folder / "organs.nrrd", map));
+  const auto report = folder / "report.json";
+  const auto run = [&](const std::string &more) {
+    const auto scene = writeFile(folder / "scene.toml", std::string(kBody) + "name = \"liver\"\nlabel = 1\n" + more);
+    const auto ran = runC3de({"run", scene.string(), "--steps", "1", "--report", report.string()});
+    INFO(ran.errorOutput);
+    REQUIRE(ran.exitCode == 0);
+    return std::pair(nlohmann::json::parse(readFile(report)), ran.output);
+  };
+  const auto [fine, fineSummary] = run("");
+  CHECK(fine["bodies"][0]["represented_part"].get<double>() > 0.98);
+  CHECK(fine["bodies"][0]["represented_part"].get<double>() <= 1.0);
+  const auto [coarse, summary] = run("edge_length = 9\n");
+  const auto &body = coarse["bodies"][0];
+  const double missing = body["not_represented_ml"].get<double>();
+  INFO(body.dump());
+  CHECK(missing > 0.02);
+  CHECK(body["represented_part"].get<double>() < 1.0 - 0.5 * missing / millilitres(map, 1));
+  REQUIRE_FALSE(coarse["events"].empty());
+  CHECK(coarse["events"][0]["kind"] == "not_represented");
+  CHECK_THAT(coarse["events"][0]["text"].get<std::string>(), Contains("'liver'") && Contains("ml") && Contains("1 loose island"));
+  CHECK_THAT(summary, Contains("is in no body"));
+}
+
+TEST_CASE("A scene with an image is drawn as four views, or as the one that was asked for", "[gpu]") {
+  const auto folder = freshFolder("views");
+  (void)writeBalls(folder);
+  const auto scene = writeFile(folder / "scene.toml",
+                               std::string(kBody) + "label = 1\n[image]\nfile = \"organs.nrrd\"\n");
+  const auto draw = [&](const std::string &name, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"run", scene.string(), "--steps", "2", "--screenshot", (folder / name).string(), "--size", "640x480"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto ran = runWithoutDisplay(arguments);
+    INFO(ran.errorOutput);
+    if (ran.exitCode == 6) C3DE_SKIP("no OpenGL here: " + ran.errorOutput);
+    REQUIRE(ran.exitCode == 0);
+    return readFile(folder / name);
+  };
+  const std::string four = draw("four.png", {});
+  CHECK(four.size() > 5000);
+  CHECK(draw("four_again.png", {"--view", "four-up"}) == four);
+  std::vector<std::string> all{four};
+  for (const std::string view : {"3d", "axial", "sagittal", "coronal"}) all.push_back(draw(view + ".png", {"--view", view}));
+  for (std::size_t a = 0; a < all.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b) CHECK(all[a] != all[b]);
+}
+
+TEST_CASE("A view of slices is refused where there is no image, and a name that is none") {
+  const auto folder = freshFolder("no_views");
+  const auto scene = writeBoxScene(folder).string();
+  const std::string picture = (folder / "a.png").string();
+  const auto refused = runWithoutDisplay({"run", scene, "--steps", "1", "--screenshot", picture, "--view", "axial"});
+  if (refused.exitCode == 6) C3DE_SKIP("no OpenGL here: " + refused.errorOutput);
+  CHECK(refused.exitCode == 2);
+  CHECK_THAT(refused.errorOutput, Contains("--view axial") && Contains("no [image]") && Contains("accepted: --view 3d"));
+  CHECK_FALSE(std::filesystem::exists(picture));
+  const auto misspelt = runWithoutDisplay({"run", scene, "--steps", "1", "--screenshot", picture, "--view", "top"});
+  CHECK(misspelt.exitCode == 2);
+  CHECK_THAT(misspelt.errorOutput, Contains("accepted: 3d, axial, sagittal, coronal, four-up"));
+  CHECK(runC3de({"run", scene, "--steps", "1", "--view", "3d"}).exitCode == 2);
+}
+
 TEST_CASE("Liver, spleen and kidneys of a CT live within ten seconds of its file", "[data]") {
   const std::filesystem::path labels = std::filesystem::path(testDataFolder()) / "volume/totalseg/example_seg_fast_force_split.nii.gz";
   if (!std::filesystem::exists(labels)) {

@@ -26,9 +26,9 @@ Expected<void> readSceneImage(const scene::SceneFile &scene, OrganSources &sourc
 }
 
 Expected<void> buildScene(Session &session, c3de_object *simulator, const scene::SceneFile &scene, OrganSources &sources,
-                          const ProgressFn &progress, Preparation *took) {
+                          const ProgressFn &progress, Prepared *prepared) {
   if (auto read = readSceneImage(scene, sources, progress); !read) return read;
-  return session.populate(simulator, scene, progress, took, &sources);
+  return session.populate(simulator, scene, progress, prepared, &sources);
 }
 
 }  // namespace c3de::app

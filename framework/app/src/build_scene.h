@@ -10,7 +10,7 @@ namespace c3de::app {
 /// label maps, then fills the simulator (Session::populate). Errors begin with the place in the scene.
 /// @param sources  keeps the images that were read
 [[nodiscard]] Expected<void> buildScene(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
-                                        OrganSources &sources, const ProgressFn &progress, Preparation *took = nullptr);
+                                        OrganSources &sources, const ProgressFn &progress, Prepared *prepared = nullptr);
 
 /// The part of it that needs no simulator. Any thread.
 [[nodiscard]] Expected<void> readSceneImage(const scene::SceneFile &scene, OrganSources &sources, const ProgressFn &progress);

@@ -12,14 +12,17 @@
 #include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
+#include "c3de/imaging/statistics.h"
 #include "c3de/render/renderer.h"
 #include "exit_code.h"
 #include "export_simulation.h"
 #include "file_kind.h"
 #include "headless_run.h"
 #include "interrupt.h"
+#include "organ.h"
 #include "progress_line.h"
 #include "screenshot.h"
+#include "series_choice.h"
 #include "simulator_access.h"
 #include "standard_output.h"
 #include "written_outputs.h"
@@ -82,12 +85,14 @@ RunLimits limitsOf(const scene::SceneFile &scene, c3de_object *simulator, const 
 void printSummary(const RunFacts &facts) {
   if (facts.integrator == kQuasistatic)
     return printOut(fmt::format("{}: {}, {} load steps in {:.3g} s\n", facts.scene, facts.outcome, facts.steps, facts.wall_s));
-  const Preparation &took = facts.preparation;
+  const Preparation &took = facts.prepared.took;
   if (took.masks_s > 0.0)
     printOut(fmt::format("{}: first step after {:.3g} s (reading {:.3g}, masks {:.3g}, surfaces {:.3g}, fills {:.3g}, bodies {:.3g}, "
                          "step {:.3g})\n",
                          facts.scene, facts.toFirstStep_s, took.reading_s, took.masks_s, took.surfaces_s, took.fills_s,
                          took.bodies_s, facts.firstStep_s));
+  for (const Coverage &body : facts.prepared.coverage)
+    if (const std::string text = sentenceOf(body); !text.empty()) printOut(fmt::format("{}: {}\n", facts.scene, text));
   const double factor = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
   printOut(fmt::format("{}: {}, {} steps of {:.4g} s, {:.6g} s simulated in {:.3g} s ({:.3g} times real time)\n", facts.scene,
                        facts.outcome, facts.steps, facts.dt_s, facts.time_s, facts.wall_s, factor));
@@ -165,6 +170,51 @@ void writeImageExports(const RunOptions &options, const imaging::Volume &image, 
   }
 }
 
+/// Before the run, so that a view that cannot be drawn costs none.
+Expected<PictureView> viewAsked(const RunOptions &options, const scene::SceneFile &scene) {
+  const PictureView view = options.view.value_or(scene.image ? PictureView::four : PictureView::space);
+  if (view == PictureView::space || scene.image) return view;
+  return fail(ErrorCode::usage, std::string("--view ") + nameOf(view) + " shows slices of an image, and " + scene.where(1) +
+                                    " has no [image]; accepted: --view 3d");
+}
+
+/// The scene's image has been read before, and is there.
+Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile &scene, OrganSources &sources,
+                                        const scene::MaterialLibrary &materials) {
+  PictureSources out;
+  out.view = view;
+  if (view == PictureView::space) return out;
+  imaging::ReadOptions atTime;
+  atTime.time = scene.image->time;
+  const auto image = sources.volume(scene.image->file, atTime);
+  if (!image) return tl::unexpected(image.error());
+  out.image = std::make_shared<scene::StoredImage>();
+  out.image->name = imageName(scene.image->file);
+  out.image->volume = **image;
+  out.image->range = imaging::robustRange(out.image->volume);
+  auto how = imageWarpOf(scene, sources, materials);
+  if (!how) return tl::unexpected(how.error());
+  out.how = std::move(*how);
+  out.warp = scene.image->warp;
+  if (scene.image->labels.empty()) return out;
+  const auto labels = sources.labels(scene.image->labels.back(), {});
+  if (!labels) return tl::unexpected(labels.error());
+  if ((*labels)->empty()) return out;
+  out.labels = std::make_shared<scene::StoredLabels>();
+  out.labels->name = imageName(scene.image->labels.back());
+  out.labels->map = (*labels)->back();
+  return out;
+}
+
+Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene::SceneFile &scene, const RunOptions &options,
+                           render::Renderer &renderer, PictureView view, OrganSources &sources,
+                           const std::vector<Coverage> &coverage) {
+  const auto shown = pictureSources(view, scene, sources, session.materials());
+  if (!shown) return tl::unexpected(shown.error());
+  if (auto adopted = session.adopt(simulator, scene.title); !adopted) return adopted;
+  return writeScreenshot(session, renderer, options.screenshot, options.width, options.height, *shown, coverage);
+}
+
 struct Simulated {
   RunFacts facts;
   std::string overBefore;  ///< the time limit, before the first step; empty: there are facts
@@ -179,6 +229,8 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, render
       return tl::unexpected(writable.error());
   if (const auto good = checkFiles(options, &*scene); !good) return tl::unexpected(good.error());
   if (const auto good = checkImageExport(options.exportImage, *scene); !good) return tl::unexpected(good.error());
+  const auto view = viewAsked(options, *scene);
+  if (!view) return tl::unexpected(view.error());
   auto created = session.createSimulator();
   if (!created) return tl::unexpected(created.error());
   const ObjectRef simulator(*created);
@@ -186,7 +238,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, render
   if (!table) return tl::unexpected(table.error());
 
   const RunLimits limits = limitsOf(*scene, simulator.get(), options, begin);
-  Preparation preparation;
+  Prepared prepared;
   OrganSources sources;
   {
     ProgressLine progress(options.quiet);
@@ -197,7 +249,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, render
       progress.update(fraction, what);
       isOver = isOver || (limits.deadline && std::chrono::steady_clock::now() >= *limits.deadline);
       return !isOver && !wasInterrupted();
-    }, &preparation);
+    }, &prepared);
     if (!populated && populated.error().code == ErrorCode::cancelled) {
       const std::string where = present + "; no step was made, and there is no state to keep";
       if (isOver) return Simulated{{}, "the time limit of " + formatNumber(*options.timeLimit_s) + " s was reached at " + where};
@@ -209,7 +261,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, render
   HeadlessRun run(session, simulator.get(), *table, options, limits, outputs);
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
   RunFacts facts = run.facts();
-  facts.preparation = preparation;
+  facts.prepared = std::move(prepared);
   facts.scene = scene->title;
   facts.source = options.scene.string();
 
@@ -232,9 +284,8 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, render
     writeImageExports(options, **image, *how, *table, simulator.get(), session.pool(), outputs);
   }
   if (renderer != nullptr) {
-    auto drawn = session.adopt(simulator.get(), scene->title);
-    if (drawn) drawn = writeScreenshot(session, *renderer, options.screenshot, options.width, options.height);
-    outputs.note(options.screenshot, drawn);
+    outputs.note(options.screenshot, drawPicture(session, simulator.get(), *scene, options, *renderer, *view, sources,
+                                                 facts.prepared.coverage));
   }
   return Simulated{facts, {}};
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "export_image.h"
+#include "screenshot.h"
 #include "session.h"
 
 namespace c3de::app {
@@ -29,6 +30,7 @@ struct RunOptions {
   double exportEvery_s = kDefaultExportEvery_s;
   ImageExport exportImage;
   int width = 1280, height = 720;
+  std::optional<PictureView> view;  ///< none: four-up where the scene has an image, else 3d
   std::optional<std::uint64_t> seed;
   bool quiet = false;
 };

@@ -29,7 +29,7 @@ struct Arguments {
   SessionOptions session;
   std::vector<std::string> plugins, pluginPaths, files;
   bool noPlugins = false, json = false, version = false, play = false, quiet = false, verbose = false, patientNames = false, infoQuick = false;
-  std::string unit, automationState, scene, exportList, exportSurface, exportImage, exportDisplacement;
+  std::string unit, view, automationState, scene, exportList, exportSurface, exportImage, exportDisplacement;
   std::optional<double> until_s, timeLimit_s;
   std::optional<double> exportEvery_s;
   std::optional<long long> steps, threads, seed, probesEvery;
@@ -170,6 +170,12 @@ int run(const Arguments &arguments) {
     options.width = arguments.size->width;
     options.height = arguments.size->height;
   }
+  if (!arguments.view.empty()) {
+    if (arguments.screenshot.empty()) return reportError({ErrorCode::usage, "--view is for --screenshot"});
+    options.view = pictureViewOf(arguments.view);
+    if (!options.view)
+      return reportError({ErrorCode::usage, "--view " + arguments.view + ": accepted: 3d, axial, sagittal, coronal, four-up"});
+  }
   return runScene(options);
 }
 
@@ -223,6 +229,10 @@ int dispatch(int argc, char **argv) {
   addCount(*runCommand, "--probes-every", arguments.probesEvery, 1, 1000000000LL, "Steps between two rows of --probes")->default_str("1");
   addFile(*runCommand, "--screenshot", arguments.screenshot, "FILE.png", "Draw the end state");
   addSize(*runCommand, arguments, "Size of the screenshot; default: 1280x720");
+  runCommand->add_option("--view", arguments.view,
+                         "What the screenshot shows: 3d, axial, sagittal, coronal or four-up; default: four-up where the scene has an "
+                         "image, else 3d")
+      ->type_name("VIEW");
   CLI::Option *exportList = addFile(*runCommand, "--export", arguments.exportList, "FILE.pvd",
                                     "Write the simulation for ParaView: phyxels and skins over time");
   addSeconds(*runCommand, "--export-every", arguments.exportEvery_s, 1e-9, "Simulated time between two frames of --export")

@@ -7,6 +7,7 @@
 
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
+#include "c3de/imaging/mask_coverage.h"
 #include "c3de/imaging/surface.h"
 #include "c3de/scene/simulation.h"
 
@@ -123,8 +124,14 @@ Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, con
 
 std::vector<std::string> OrganSources::takeNotices() { return std::exchange(notices_, {}); }
 
-Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxels, const ProgressFn &progress) {
+Expected<Organ> organOf(const imaging::Mask &asked, double edge_mm, double phyxels, const ProgressFn &progress) {
   Organ organ;
+  auto cleaned = [&] {
+    const TimeSpent masking(organ.took.masks_s);
+    return imaging::withoutSpecks(asked, progress);
+  }();
+  if (!cleaned) return tl::unexpected(cleaned.error());
+  const imaging::Mask &mask = cleaned->mask;
   organ.volume_mm3 = imaging::volumeOf(mask);
   imaging::SurfaceSettings settings;
   settings.edgeLength = edge_mm;
@@ -135,6 +142,7 @@ Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxel
     auto skin = geometry::buildMesh(std::move(*surface), geometry::LengthUnit::millimetre);
     if (!skin) return tl::unexpected(skin.error());
     organ.skin = std::move(*skin);
+    organ.coverage = coverageOf(asked, organ.skin.mesh, cleaned->specks);
   }
   {
     const TimeSpent filling(organ.took.fills_s);

@@ -15,6 +15,7 @@
 #include "c3de/imaging/masks.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/scene/scene_file.h"
+#include "coverage.h"
 #include "preparation.h"
 
 namespace c3de::app {
@@ -24,6 +25,7 @@ struct Organ {
   geometry::LoadedMesh skin;
   imaging::Fill fill;
   double volume_mm3 = 0.0;  ///< voxel count times voxel volume
+  Coverage coverage;        ///< of the mask; of a mesh: nothing
   Preparation took;         ///< what was done for it
 };
 
@@ -49,6 +51,7 @@ class OrganSources {
   std::vector<std::string> notices_;
 };
 
+/// Without the specks of the mask.
 /// @param edge_mm   of the triangles of the skin; 0: automatic
 /// @param phyxels   about how many there will be: voxels are averaged to a sixteenth of their distance
 [[nodiscard]] Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxels, const ProgressFn &progress);

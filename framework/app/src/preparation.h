@@ -2,6 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <vector>
+
+#include "coverage.h"
 
 namespace c3de::app {
 
@@ -21,6 +24,12 @@ struct Preparation {
     bodies_s += other.bodies_s;
     return *this;
   }
+};
+
+/// What there is to say about the bodies of a scene when they are made.
+struct Prepared {
+  Preparation took;
+  std::vector<Coverage> coverage;  ///< of the bodies that were made from images, in their order
 };
 
 /// Adds the wall time of its life to a number.

@@ -34,6 +34,21 @@ Vec3 vec3Of(const Json &probe, const char *key) {
   return out;
 }
 
+/// The part that a simulator says it stands for is of what it was given, which is less than what was asked for.
+void addCoverage(const std::vector<Coverage> &coverage, Json &report) {
+  for (const Coverage &one : coverage) {
+    for (Json &body : report["bodies"]) {
+      if (!body.is_object() || body.value("name", "") != one.body) continue;
+      const double own = body.contains("represented_part") && body["represented_part"].is_number()
+                             ? body["represented_part"].get<double>() : 1.0;
+      body["represented_part"] = own * one.part();
+      body["not_represented_ml"] = 1e-3 * one.missing_mm3;
+    }
+    if (const std::string text = sentenceOf(one); !text.empty())
+      report["events"].push_back(Json{{"time_s", 0.0}, {"kind", "not_represented"}, {"text", text}});
+  }
+}
+
 }  // namespace
 
 Expected<std::string> reportJson(const RunFacts &facts, const std::string &simulatorJson) {
@@ -51,7 +66,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["time_s"] = facts.time_s;
   report["wall_s"] = facts.wall_s;
   report["real_time_factor"] = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
-  const Preparation &took = facts.preparation;
+  const Preparation &took = facts.prepared.took;
   report["preparation"] = Json{{"reading_s", took.reading_s},   {"masks_s", took.masks_s},
                                {"surfaces_s", took.surfaces_s}, {"fills_s", took.fills_s},
                                {"bodies_s", took.bodies_s},     {"first_step_s", facts.firstStep_s},
@@ -67,6 +82,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["stages"] = simulator->contains("stages") ? simulator->at("stages") : Json::object();
   report["events"] = simulator->contains("events") ? simulator->at("events") : Json::array();
   if (simulator->contains("notices")) report["notices"] = simulator->at("notices");
+  addCoverage(facts.prepared.coverage, report);
   report["state_hash"] = hexadecimal(facts.stateHash);
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

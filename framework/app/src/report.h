@@ -24,7 +24,7 @@ struct RunFacts {
   std::string integrator;
   std::uint64_t stateHash = 0;
   std::optional<std::uint64_t> seed;
-  Preparation preparation;
+  Prepared prepared;
   std::vector<std::string> notices;  ///< of the simulator, for people
   double firstStep_s = 0.0;    ///< the first step alone
   double toFirstStep_s = 0.0;  ///< from the start of the command, plugins and scene file included, to the end of that step

@@ -224,7 +224,7 @@ struct Session::Impl {
   void letGo(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
   [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                              const scene::SceneFile &scene, const FittedScene &fitted,
-                                                             OrganSources &sources, const ProgressFn &progress, Preparation &took);
+                                                             OrganSources &sources, const ProgressFn &progress, Prepared &prepared);
 };
 
 Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
@@ -238,7 +238,7 @@ Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, 
 
 Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                             const scene::SceneFile &scene, const FittedScene &fitted,
-                                                            OrganSources &sources, const ProgressFn &progress, Preparation &took) {
+                                                            OrganSources &sources, const ProgressFn &progress, Prepared &prepared) {
   // All meshes before the first body: what is wrong with the last of them is not to be heard after minutes of building.
   std::vector<std::optional<Organ>> meshed(scene.bodies.size());
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -259,8 +259,13 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     Expected<Organ> source = meshed[i] ? Expected<Organ>(std::move(*meshed[i])) : organAsked(sources, body, reading);
     if (!source) return failInScene(source.error(), scene, body.line);
     for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, body.volume.file.string() + ": " + notice);
-    took += source->took;
-    const TimeSpent building(took.bodies_s);
+    prepared.took += source->took;
+    if (body.mesh.empty()) {
+      prepared.coverage.push_back(source->coverage);
+      prepared.coverage.back().body = body.name;
+      if (const std::string text = sentenceOf(prepared.coverage.back()); !text.empty()) log(LogLevel::warn, text);
+    }
+    const TimeSpent building(prepared.took.bodies_s);
     const MeshLease lease(meshes, std::move(source->skin));
     const std::vector<c3de_param_value> params = toAbi(fitted.bodies[i]);
     const c3de_sim_fill fill = toAbi(source->fill);
@@ -377,7 +382,7 @@ Expected<void> Session::checkValues(c3de_object *simulator, const scene::SceneFi
 }
 
 Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
-                                 Preparation *took, OrganSources *sources) {
+                                 Prepared *prepared, OrganSources *sources) {
   const auto tableOrError = simulatorTable(simulator);
   if (!tableOrError) return tl::unexpected(tableOrError.error());
   const c3de_simulator_v0 *table = *tableOrError;
@@ -409,12 +414,12 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
       return tl::unexpected(impl_->lastError(code, scene, obstacle.line, "adding obstacle '" + obstacle.name + "'"));
   }
 
-  Preparation unused;
+  Prepared unused;
   OrganSources ofThis;
   auto bodies = impl_->addBodies(table, simulator, scene, *fitted, sources != nullptr ? *sources : ofThis, [&](double f, const std::string &what) {
     const auto before = static_cast<double>(scene.obstacles.size()), own = static_cast<double>(scene.bodies.size());
     return !progress || progress(f < 0.0 ? f : (before + f * own) / (before + own), what);
-  }, took != nullptr ? *took : unused);
+  }, prepared != nullptr ? *prepared : unused);
   if (!bodies) return tl::unexpected(bodies.error());
 
   for (const scene::SceneProbe &probe : scene.probes) {
@@ -427,14 +432,16 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
   return {};
 }
 
-Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress) {
+Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
+                                  Prepared *prepared) {
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());
   const auto fitted = fitScene(simulator, scene);
   if (!fitted) return tl::unexpected(fitted.error());
-  Preparation unused;
+  Prepared unused;
   OrganSources sources;
-  const auto added = impl_->addBodies(*table, simulator, scene, *fitted, sources, progress, unused);
+  const auto added = impl_->addBodies(*table, simulator, scene, *fitted, sources, progress,
+                                       prepared != nullptr ? *prepared : unused);
   if (!added) return tl::unexpected(added.error());
   return {};
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shown_displacement.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 #include <vector>
 
@@ -9,6 +11,45 @@
 namespace c3de::app {
 
 render::GridPlace placeOf(const imaging::VolumeGeometry &geometry) { return {geometry.size, geometry.indexToWorld}; }
+
+render::ImageVoxels voxelsOf(const imaging::Volume &volume) {
+  static constexpr render::VoxelType kTypes[] = {render::VoxelType::int8,   render::VoxelType::uint8,  render::VoxelType::int16,
+                                                 render::VoxelType::uint16, render::VoxelType::int32,  render::VoxelType::uint32,
+                                                 render::VoxelType::float32, render::VoxelType::float64};
+  render::ImageVoxels voxels;
+  voxels.place = placeOf(volume.geometry);
+  voxels.type = kTypes[volume.voxels.index()];
+  voxels.voxels = std::visit([](const auto &all) { return static_cast<const void *>(all.data()); }, volume.voxels);
+  voxels.slope = volume.slope;
+  voxels.intercept = volume.intercept;
+  voxels.colours = volume.colours.empty() ? nullptr : volume.colours.data();
+  return voxels;
+}
+
+Expected<void> showMissing(render::ImageRenderer &images, ui::ImageViews &views, const std::vector<Coverage> &bodies) {
+  if (!views.image()) return {};
+  ui::ImageHandles handles = views.handles();
+  images.remove(std::exchange(handles.missing, {}));
+  views.setHandles(handles);
+  views.setMissingText({});
+  std::vector<Coverage> told;
+  double asked = 0.0, missing = 0.0;
+  for (const Coverage &body : bodies) {
+    if (sentenceOf(body).empty()) continue;
+    told.push_back(body);
+    asked += body.asked_mm3;
+    missing += body.missing_mm3;
+  }
+  imaging::Mask mask = missingOn(views.image()->volume.geometry, told);
+  if (mask.voxels.empty()) return {};
+  for (std::uint8_t &v : mask.voxels) v = v != 0 ? 255 : 0;
+  auto handle = images.addImage({placeOf(mask.geometry), render::VoxelType::uint8, mask.voxels.data()});
+  if (!handle) return tl::unexpected(handle.error());
+  handles.missing = *handle;
+  views.setHandles(handles);
+  views.setMissingText(fmt::format("in no body: {:.3g} ml ({:.2g} %)", 1e-3 * missing, 100.0 * missing / asked));
+  return {};
+}
 
 bool ShownDisplacement::takesValues(const imaging::DisplacementGrid &displacement) const {
   const imaging::DisplacementGrid *shown = views_.displacement();

@@ -7,10 +7,16 @@
 #include "c3de/imaging/displacement.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/ui/image_views.h"
+#include "coverage.h"
 
 namespace c3de::app {
 
 [[nodiscard]] render::GridPlace placeOf(const imaging::VolumeGeometry &geometry);
+[[nodiscard]] render::ImageVoxels voxelsOf(const imaging::Volume &volume);  ///< points into it
+
+/// Marks in the slices what of masks is in no body, with an entry in their legend; nothing where nothing is missing that is
+/// worth saying. Takes the place of what was marked. Without an image nothing is done.
+[[nodiscard]] Expected<void> showMissing(render::ImageRenderer &images, ui::ImageViews &views, const std::vector<Coverage> &bodies);
 
 /// The displacement that the views show, in the memory of the graphics: u and gaps, and where the bodies were. Main thread.
 class ShownDisplacement {

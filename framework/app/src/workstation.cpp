@@ -306,10 +306,7 @@ void Workstation::checkSize(const std::string &unit, double size_mm) {
 
 void Workstation::whenImageShown() {
   render::Camera &camera = window_->camera();
-  if (camera.upAxis != render::UpAxis::z) {
-    camera.upAxis = render::UpAxis::z;
-    ui::lookFromStart(camera);
-  }
+  if (camera.upAxis != render::UpAxis::z) ui::viewOfImages(camera);
   window_->requestFit();
   askForWarp();
 }
@@ -321,6 +318,7 @@ void Workstation::whenOrgansLive(const WorkstationOrgan::Result &result) {
     images_->whenOrgansAreGone();
   }
   images_->whenOrgansLive(result.made);
+  images_->showMissing(result.coverage, result.isNew);
   tools_.cancelActive();  // the simulation begins anew, and what a tool held is gone
   warp_.begin();
   askForWarp();
@@ -385,6 +383,7 @@ void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
   options.still = image_.still;
   images_->views().setOptions(options);
   images_->whenOrgansAreGone();
+  images_->showMissing(loaded.coverage, true);
   warp_.begin();
   images_->showDisplacement(nullptr);
   if (loaded.image && !loaded.isReload)

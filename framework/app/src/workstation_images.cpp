@@ -13,20 +13,6 @@
 namespace c3de::app {
 namespace {
 
-render::ImageVoxels voxelsOf(const imaging::Volume &volume) {
-  static constexpr render::VoxelType kTypes[] = {render::VoxelType::int8,   render::VoxelType::uint8,  render::VoxelType::int16,
-                                                 render::VoxelType::uint16, render::VoxelType::int32,  render::VoxelType::uint32,
-                                                 render::VoxelType::float32, render::VoxelType::float64};
-  render::ImageVoxels voxels;
-  voxels.place = placeOf(volume.geometry);
-  voxels.type = kTypes[volume.voxels.index()];
-  voxels.voxels = std::visit([](const auto &all) { return static_cast<const void *>(all.data()); }, volume.voxels);
-  voxels.slope = volume.slope;
-  voxels.intercept = volume.intercept;
-  voxels.colours = volume.colours.empty() ? nullptr : volume.colours.data();
-  return voxels;
-}
-
 /// What a job reads, handed over to the main thread when it is complete.
 struct ReadImage {
   std::shared_ptr<scene::StoredImage> image;
@@ -67,7 +53,7 @@ WorkstationImages::~WorkstationImages() {
   render::ImageRenderer *images = renderer_.images();
   if (!images) return;
   const ui::ImageHandles &handles = views_.handles();
-  for (const Handle handle : {handles.image, handles.labels, handles.preview}) images->remove(handle);
+  for (const Handle handle : {handles.image, handles.labels, handles.preview, handles.missing}) images->remove(handle);
 }
 
 void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels, const std::string &series,
@@ -161,7 +147,8 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
   close();
   storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
   views_.setImage(image);
-  views_.setHandles({*handle, {}, {}, {}});
+  views_.setHandles({*handle, {}, {}, {}, {}, {}});
+  markMissing();
   node_ = session_.sceneGraph().add({}, image->name);
   scene::Node *node = session_.sceneGraph().find(node_);
   node->hasBounds = true;
@@ -315,6 +302,24 @@ void WorkstationImages::showDisplacement(std::shared_ptr<const imaging::Displace
     events_.failed("Could not show the displacement", shown.error());
 }
 
+void WorkstationImages::showMissing(const std::vector<Coverage> &bodies, bool isNew) {
+  if (isNew) coverage_.clear();
+  coverage_.insert(coverage_.end(), bodies.begin(), bodies.end());
+  std::vector<std::string> sentences;
+  for (const Coverage &body : bodies)
+    if (std::string text = sentenceOf(body); !text.empty()) sentences.push_back(std::move(text));
+  if (!sentences.empty()) sentences.emplace_back("It is hatched in the slices.");
+  tell("Not all of it is there", sentences);
+  markMissing();
+}
+
+void WorkstationImages::markMissing() {
+  render::ImageRenderer *images = renderer_.images();
+  if (!images) return;
+  if (const auto marked = app::showMissing(*images, views_, coverage_); !marked)
+    events_.failed("What is in no body cannot be marked", marked.error());
+}
+
 void WorkstationImages::close() {
   ++timeSerial_;
   if (!timeJob_.isNull()) session_.jobs().cancel(std::exchange(timeJob_, {}));
@@ -326,7 +331,8 @@ void WorkstationImages::close() {
   guide_.setSources({});
   removeLabels();
   displacement_.forget();
-  if (render::ImageRenderer *images = renderer_.images()) images->remove(views_.handles().image);
+  if (render::ImageRenderer *images = renderer_.images())
+    for (const Handle handle : {views_.handles().image, views_.handles().missing}) images->remove(handle);
   views_.setImage(nullptr);
   session_.images().removeImage(std::exchange(storedImage_, {}));
   session_.sceneGraph().remove(std::exchange(node_, {}));

@@ -52,6 +52,9 @@ class WorkstationImages {
   void close();
   /// Shows how the tissue has moved. Null: as it was.
   void showDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
+  /// Marks what of the masks of bodies is in none of them, also in an image that is opened later, and says so.
+  /// @param isNew  in the place of what was marked; else beside it
+  void showMissing(const std::vector<Coverage> &bodies, bool isNew);
   /// Takes over whether the image's node is visible.
   void followNode();
 
@@ -71,6 +74,7 @@ class WorkstationImages {
   [[nodiscard]] std::size_t shownLabels() const;
   void removeLabels();
   void showPreview();
+  void markMissing();
   void askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
                     std::vector<imaging::SeriesInfo> series);
   void tell(const std::string &title, const std::vector<std::string> &notices);
@@ -91,6 +95,7 @@ class WorkstationImages {
   std::deque<std::filesystem::path> waitingLabels_;
   Handle job_, timeJob_, labelJob_, node_, storedImage_, storedLabels_;
   std::shared_ptr<const ui::MaskPreview> preview_;  ///< that is shown
+  std::vector<Coverage> coverage_;
   std::uint64_t serial_ = 0, timeSerial_ = 0, labelSerial_ = 0;
 };
 

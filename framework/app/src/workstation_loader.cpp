@@ -104,11 +104,12 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
   // The job and its end share the simulator; it goes with the last of them.
   const auto simulator = std::make_shared<ObjectRef>(*created);
   const auto shared = std::make_shared<const scene::SceneFile>(std::move(*scene));
+  const auto prepared = std::make_shared<Prepared>();
   const std::string sceneTitle = shared->title.empty() ? namesOf(files) : shared->title;
   job_ = session_.jobs().submit(
       kJobOwner, "Opening " + namesOf(files),
-      [this, simulator, shared, placed, needsFloor](const ProgressFn &progress) -> Expected<void> {
-        if (auto populated = session_.populate(simulator->get(), *shared, progress); !populated) return populated;
+      [this, simulator, shared, prepared, placed, needsFloor](const ProgressFn &progress) -> Expected<void> {
+        if (auto populated = session_.populate(simulator->get(), *shared, progress, prepared.get()); !populated) return populated;
         placed->bodies = boundsOfBodies(simulator->get());
         if (!needsFloor || !placed->bodies) return {};
         const auto room = putUpRoom(simulator->get(), *placed->bodies);
@@ -116,7 +117,7 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
         placed->room = *room;
         return {};
       },
-      [this, simulator, shared, placed, sceneTitle, title, files, meshUnit, isReload, serial](const Expected<void> &result) {
+      [this, simulator, shared, prepared, placed, sceneTitle, title, files, meshUnit, isReload, serial](const Expected<void> &result) {
         // A later request has taken over.
         if (serial != serial_) return;
         job_ = {};
@@ -134,7 +135,7 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
           node->boundsMax = framed.max;
           session_.sceneGraph().touch();
         }
-        events_.loaded({isReload, size_mm, unitText(files, meshUnit), shared->image});
+        events_.loaded({isReload, size_mm, unitText(files, meshUnit), shared->image, prepared->coverage});
       });
 }
 

@@ -20,6 +20,7 @@ class WorkstationLoader {
     double size_mm = 0.0;       ///< diagonal of all bodies; 0: not known
     std::string unit;           ///< that meshes were read in, and why, for a person; empty when only a scene was opened
     std::optional<scene::SceneImage> image;  ///< that the scene shows beside its bodies
+    std::vector<Coverage> coverage;  ///< of bodies from images
   };
   struct Events {
     /// The new simulation is the present one.

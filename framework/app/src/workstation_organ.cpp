@@ -118,12 +118,15 @@ Expected<void> WorkstationOrgan::makeAll(c3de_object *simulator, bool isNew, Res
                       what.starts_with(request.name) ? what : request.name + ": " + what);
     };
     Expected<void> made;
+    Prepared prepared;
     if (auto mask = ui::maskOf(request, part); !mask)
       made = tl::unexpected(mask.error());
     else
-      made = session_.addBodies(simulator, sceneOf(request, std::move(*mask), session_.materials().find(request.material)), part);
+      made = session_.addBodies(simulator, sceneOf(request, std::move(*mask), session_.materials().find(request.material)), part,
+                                 &prepared);
     if (made) {
       result.made.push_back(request);
+      result.coverage.insert(result.coverage.end(), prepared.coverage.begin(), prepared.coverage.end());
     } else if (made.error().code == ErrorCode::cancelled) {
       result.left.assign(requests.begin() + static_cast<std::ptrdiff_t>(i), requests.end());
       if (isNew || result.made.empty()) return made;

@@ -19,6 +19,7 @@ class WorkstationOrgan {
   struct Result {
     std::vector<ui::OrganRequest> made, left;  ///< left: not tried any more, because it was cancelled
     std::vector<std::pair<std::string, Error>> failed;  ///< by name
+    std::vector<Coverage> coverage;  ///< of those that live
     bool isNew = false;  ///< in a simulation of their own, which is the present one now; else beside what was there
   };
   struct Events {

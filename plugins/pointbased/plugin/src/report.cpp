@@ -84,6 +84,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
           {"volume_m3", volume},
           {"mesh_volume_m3", reported.meshVolume},
           {"counted_volume_m3", rest.countedVolume},
+          {"represented_part", volume > 0.0 && rest.countedVolume > 0.0 ? std::min(1.0, rest.countedVolume / volume) : 1.0},
           {"neighbours", near},
           {"stable_dt_s", body.stableStepAtRest()},
           {"integrator", nameOf(simulator.integratorOf(reported.id))},
