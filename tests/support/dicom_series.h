@@ -10,6 +10,7 @@
 #include <initializer_list>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "c3de/core/vec.h"
 
@@ -24,7 +25,8 @@ class DicomElements {
     number(group, 2);
     number(element, 2);
     bytes_ += vr;
-    const bool isLong = std::string(vr) == "OB" || std::string(vr) == "OW";
+    bool isLong = false;
+    for (const char *known : {"OB", "OW", "OF", "OD", "SQ", "UN"}) isLong = isLong || std::string(vr) == known;
     if (isLong) number(0, 2);
     number(static_cast<std::uint32_t>(value.size()), isLong ? 4 : 2);
     bytes_ += value;
@@ -42,6 +44,17 @@ class DicomElements {
     }
     add(group, element, "DS", text);
   }
+  /// A sequence of items, each the bytes of its elements.
+  void add(std::uint16_t group, std::uint16_t element, const std::vector<std::string> &items) {
+    DicomElements all;
+    for (const std::string &item : items) {
+      all.number(0xfffe, 2);
+      all.number(0xe000, 2);
+      all.number(static_cast<std::uint32_t>(item.size()), 4);
+      all.bytes_ += item;
+    }
+    add(group, element, "SQ", all.bytes_);
+  }
   [[nodiscard]] const std::string &bytes() const { return bytes_; }
 
  private:
@@ -50,6 +63,20 @@ class DicomElements {
   }
   std::string bytes_;
 };
+
+/// A file: what comes before the data set, and the data set.
+inline std::string dicomFile(const std::string &elements, const std::string &transferSyntax = "1.2.840.10008.1.2.1") {
+  DicomElements meta;
+  meta.add(0x0002, 0x0001, "OB", std::string("\0\1", 2));
+  meta.add(0x0002, 0x0002, "UI", "1.2.840.10008.5.1.4.1.1.4");
+  meta.add(0x0002, 0x0003, "UI", "2.25.3104.9");
+  meta.add(0x0002, 0x0010, "UI", transferSyntax);
+  meta.add(0x0002, 0x0012, "UI", "2.25.3104");
+  DicomElements length;
+  const auto bytes = static_cast<std::uint32_t>(meta.bytes().size());
+  length.add(0x0002, 0x0000, "UL", {static_cast<char>(bytes & 0xff), static_cast<char>(bytes >> 8), '\0', '\0'});
+  return std::string(128, '\0') + "DICM" + length.bytes() + meta.bytes() + elements;
+}
 
 /// Files 0001.dcm, … in a folder that is there; stored numbers are values + 1024. Rows and columns at right angles;
 /// slices may be shifted against each other, as with a tilted gantry, and lie in any order along their normal.
@@ -61,16 +88,6 @@ inline void writeDicomSeries(const std::filesystem::path &folder, const std::arr
   const std::string ct = "1.2.840.10008.5.1.4.1.1.2", root = "2.25.3104";
   for (std::size_t k = 0; k < size[2]; ++k) {
     const std::string instance = root + ".1.1." + std::to_string(k + 1);
-    DicomElements meta;
-    meta.add(0x0002, 0x0001, "OB", std::string("\0\1", 2));
-    meta.add(0x0002, 0x0002, "UI", ct);
-    meta.add(0x0002, 0x0003, "UI", instance);
-    meta.add(0x0002, 0x0010, "UI", "1.2.840.10008.1.2.1");
-    meta.add(0x0002, 0x0012, "UI", root);
-    DicomElements length;
-    const auto bytes = static_cast<std::uint32_t>(meta.bytes().size());
-    length.add(0x0002, 0x0000, "UL", {static_cast<char>(bytes & 0xff), static_cast<char>(bytes >> 8), '\0', '\0'});
-
     const Vec3 at = transformPoint(m, {0.0, 0.0, static_cast<double>(k)});
     DicomElements slice;
     slice.add(0x0008, 0x0016, "UI", ct);
@@ -105,7 +122,7 @@ inline void writeDicomSeries(const std::filesystem::path &folder, const std::arr
     char name[32];
     std::snprintf(name, sizeof name, "%04zu.dcm", k + 1);
     std::ofstream file(folder / name, std::ios::binary);
-    file << std::string(128, '\0') << "DICM" << length.bytes() << meta.bytes() << slice.bytes();
+    file << dicomFile(slice.bytes());
   }
 }
 

@@ -8,11 +8,16 @@
 #include <fstream>
 
 #include "c3de/core/text.h"
+#include "dicom_colours.h"
+#include "dicom_mosaic.h"
 #include "dicom_parser.h"
+#include "dicom_segments.h"
 #include "image_header.h"
 
 namespace c3de::imaging {
 namespace {
+
+constexpr const char *kParametricMap = "1.2.840.10008.5.1.4.1.1.30";
 
 /// Where the attributes of a frame stand: its own functional groups, the shared ones, or the file.
 struct Places {
@@ -27,6 +32,14 @@ struct Places {
     }
     return file.decimals(tag);
   }
+  /// The first item of a sequence.
+  [[nodiscard]] std::optional<DicomSet> item(std::uint32_t tag) const {
+    for (const DicomSet *set : {own, shared, &file}) {
+      if (!set) continue;
+      if (auto all = set->items(tag); !all.empty()) return std::move(all.front());
+    }
+    return std::nullopt;
+  }
 };
 
 double numberOr(const std::vector<double> &all, double otherwise) {
@@ -35,6 +48,19 @@ double numberOr(const std::vector<double> &all, double otherwise) {
 
 bool finite(const std::vector<double> &all, std::size_t count) {
   return all.size() >= count && std::all_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), [](double x) { return std::abs(x) < 1e6; });
+}
+
+/// Parametric maps say what their numbers mean by Real World Value Mapping, PS3.3 C.7.6.16.2.11.
+void scaleParameter(const Places &from, DicomFrame &frame, DicomFile &out) {
+  const auto mapping = from.item(0x00409096);
+  if (!mapping) return;
+  const double slope = numberOr(mapping->doubles(0x00409225), 1.0);
+  frame.slope = slope == 0.0 ? 1.0 : slope;
+  frame.intercept = numberOr(mapping->doubles(0x00409224), 0.0);
+  const auto units = mapping->items(0x004008ea);
+  if (units.empty() || !out.unit.empty()) return;
+  out.unit = units.front().text(0x00080100);  // UCUM
+  if (out.unit == "1" || out.unit == "no units") out.unit.clear();
 }
 
 DicomFrame readFrame(const Places &from, const DicomSet &file, const std::string &modality, DicomFile &out) {
@@ -73,6 +99,9 @@ DicomFrame readFrame(const Places &from, const DicomSet &file, const std::string
   frame.intercept = numberOr(from.decimals(0x00289145, 0x00281052), 0.0);
   if (frame.slope == 0.0) frame.slope = 1.0;
   if (modality == "RTDOSE") frame.slope = numberOr(file.decimals(0x3004000e), 1.0), frame.intercept = 0.0;
+  if (file.text(0x00080016) == kParametricMap) scaleParameter(from, frame, out);
+  if (out.segmentation)
+    if (const auto segment = from.item(0x0062000a)) frame.segment = static_cast<std::uint16_t>(segment->number(0x0062000b));
   return frame;
 }
 
@@ -82,6 +111,13 @@ std::string unitOf(const DicomSet &set, const std::string &modality) {
   const std::string type = set.text(0x00281054);
   if (!type.empty() && type != "US") return type;
   return modality == "CT" ? "HU" : "";
+}
+
+/// Frames of these modalities that have no place of their own follow each other in time; of the others they may be slices.
+bool isFilmed(const std::string &modality) {
+  for (const char *sliced : {"CT", "MR", "PT", "NM", "RTDOSE", "SEG"})
+    if (modality == sliced) return false;
+  return true;
 }
 
 /// Frames that the file places by one position and steps: dose grids and nuclear medicine.
@@ -94,6 +130,10 @@ void placeByOffsets(const DicomSet &set, DicomFile &out) {
   const double step = numberOr(set.decimals(0x00180088), 0.0);
   if (offsets.empty() && step != 0.0)
     for (std::size_t f = 0; f < out.frames.size(); ++f) offsets.push_back(step * static_cast<double>(f));
+  if (offsets.size() < out.frames.size() && isFilmed(out.modality)) {
+    out.isFilm = true;
+    return;
+  }
   if (offsets.size() < out.frames.size()) {
     out.refusal = "its " + std::to_string(out.frames.size()) + " frames have no places of their own (a film, not a volume)";
     return;
@@ -110,18 +150,28 @@ std::optional<DicomFile> describe(const std::filesystem::path &path, const Dicom
   if (out.rows == 0 || out.columns == 0) return std::nullopt;
   out.series = set.text(0x0020000e);
   out.instance = set.text(0x00080018);
-  out.description = set.text(0x0008103e);
+  out.number = set.text(0x00200011);
+  out.description = set.name(0x0008103e);
   out.modality = set.text(0x00080060);
-  out.patientName = set.text(0x00100010);
+  out.patientName = set.name(0x00100010);
   out.bits = static_cast<unsigned>(set.number(0x00280100));
   out.isSigned = set.number(0x00280103) == 1;
   out.unit = unitOf(set, out.modality);
   for (const std::uint32_t tag : {0x00200100, 0x00180086, 0x00200012, 0x00200013}) out.order.push_back(numberOr(set.decimals(tag), 0.0));
   const std::string colours = set.text(0x00280004);
-  if (set.number(0x00280002) > 1 || (!colours.empty() && !colours.starts_with("MONOCHROME")))
-    out.refusal = "holds colours (" + colours + "); images of one number per pixel are read";
-  else if (out.modality == "SEG")
-    out.refusal = "is a DICOM segmentation, which is not read; convert it to NRRD or NIfTI";
+  out.isReal = !set.has(kPixelData) && (set.has(kFloatPixels) || set.has(kDoublePixels));
+  if (out.isReal) out.bits = set.has(kFloatPixels) ? 32 : 64;
+  if (set.number(0x00280002) > 1 || (!colours.empty() && !colours.starts_with("MONOCHROME"))) {
+    out.isColoured = true;
+    out.refusal = refusalOfColours(set);
+    out.notices.push_back("A colour image: its values are the brightness of its colours, from 0 to 255.");
+  }
+  if (out.modality == "SEG" || set.has(0x00620002)) {
+    out.segmentation = segmentationOf(set);
+    out.isColoured = false;  // a segmentation's palette colours numbers of segments
+    out.refusal = out.segmentation ? "" : "is a DICOM segmentation of type '" + set.text(0x00620001) + "'; BINARY, FRACTIONAL and LABELMAP are read";
+    out.notices.clear();
+  }
   if (colours == "MONOCHROME1") out.notices.push_back("The image is meant to be shown with small values bright (MONOCHROME1).");
   if (set.has(0x00283000)) out.notices.push_back("The image has a table of values (Modality LUT), which is not applied.");
 
@@ -137,9 +187,11 @@ std::optional<DicomFile> describe(const std::filesystem::path &path, const Dicom
     out.frames.push_back(readFrame({f < own.size() ? &own[f] : nullptr, shared.empty() ? nullptr : &shared.front(), set}, set, out.modality, out));
     out.frames.back().time = static_cast<double>(f);
   }
-  placeByOffsets(set, out);
-  if (out.refusal.empty() && out.frames.size() > 1 && !out.frames.front().position)
-    out.refusal = "its " + std::to_string(out.frames.size()) + " frames have no place in the patient (a film, not a volume)";
+  if (!out.segmentation) placeByOffsets(set, out);
+  if (out.refusal.empty() && out.frames.size() > 1 && !out.frames.front().position) {
+    if (isFilmed(out.modality)) out.isFilm = true;
+    else out.refusal = "its " + std::to_string(out.frames.size()) + " frames have no place in the patient (a film, not a volume)";
+  }
   std::sort(out.notices.begin(), out.notices.end());
   out.notices.erase(std::unique(out.notices.begin(), out.notices.end()), out.notices.end());
   return out;
@@ -147,10 +199,11 @@ std::optional<DicomFile> describe(const std::filesystem::path &path, const Dicom
 
 /// What keeps the pixels from being read: a file that ends within them, or has none.
 std::string missingPixels(const DicomFile &file, const DicomContent &content) {
-  const DicomSet::Element *pixels = content.set.find(kPixelData);
+  const DicomSet::Element *pixels = content.pixels();
   if (!pixels) return content.damage.empty() ? "has no pixels" : "is truncated or damaged: " + content.damage;
   if (pixels->undefined) return fragmentsOf(content) ? "" : "is truncated or damaged within its compressed pixels";
-  const std::uint64_t need = (static_cast<std::uint64_t>(file.rows) * file.columns * file.frames.size() * file.bits + 7) / 8;
+  const std::uint64_t numbers = static_cast<std::uint64_t>(file.rows) * file.columns * file.frames.size() * samplesStored(content.set);
+  const std::uint64_t need = (numbers * file.bits + 7) / 8;
   const std::uint64_t there = std::min<std::uint64_t>(pixels->length, content.bytes->length() - pixels->at);
   if (there < need) return "is truncated: " + std::to_string(there) + " of " + std::to_string(need) + " bytes of pixels";
   return content.damage.empty() ? "" : "is damaged: " + content.damage;
@@ -169,7 +222,10 @@ std::optional<DicomFile> readDicomHeader(const std::filesystem::path &path) {
   const auto content = parseDicom(path);
   if (!content) return std::nullopt;
   auto out = describe(path, content->set);
-  if (out && out->refusal.empty()) out->refusal = missingPixels(*out, *content);
+  if (!out || !out->refusal.empty()) return out;
+  out->refusal = missingPixels(*out, *content);
+  if (isMosaic(content->set)) splitMosaic(content->set, *out);
+  if (out->isColoured || (out->segmentation && out->bits < 8)) out->bits = 8, out->isSigned = false;  // as they are decoded
   return out;
 }
 

@@ -2,6 +2,7 @@
 // What the headers of DICOM files say about their frames, and their pixels; GDCM stays behind this header.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -23,14 +24,34 @@ struct DicomFrame {
   double sliceStep = 0.0;                        ///< mm to the next slice as stated; 0: not stated
   double slope = 1.0, intercept = 0.0;
   double time = 0.0;                             ///< orders frames at one place
+  std::uint16_t segment = 0;                     ///< number of the one that a frame of a segmentation holds
+};
+
+/// What a segmentation says of one of its segments.
+struct DicomSegment {
+  std::uint16_t number = 0;
+  std::string name;
+  bool coloured = false;
+  std::array<float, 3> colour{};  ///< linear RGB
+};
+
+/// DICOM segmentation, PS3.3 C.8.20.
+struct DicomSegmentation {
+  enum class Kind { binary, fractional, labels };  ///< one bit; 0 … most; numbers of segments
+  Kind kind = Kind::binary;
+  double most = 1.0;
+  std::vector<DicomSegment> segments;
 };
 
 struct DicomFile {
   std::filesystem::path path;
-  std::string series, instance, description, modality, patientName, unit;
-  std::size_t rows = 0, columns = 0;
+  std::string series, number, instance, description, modality, patientName, unit;
+  std::size_t rows = 0, columns = 0;  ///< of a frame
+  std::size_t tiles = 0;              ///< frames beside and below each other in one picture (mosaic); 0: none
   unsigned bits = 0;
-  bool isSigned = false;
+  bool isSigned = false, isReal = false;  ///< floating-point numbers
+  bool isColoured = false, isFilm = false;  ///< frames without a place are one place at several times
+  std::optional<DicomSegmentation> segmentation;
   std::string refusal;               ///< why its frames make no volume; empty: none known
   std::vector<std::string> notices;
   std::vector<double> order;         ///< temporal position, echo, acquisition, instance
@@ -43,10 +64,12 @@ struct DicomFile {
 /// Reads a header without its pixels; nothing for what is no DICOM image (reports, plans, directories, other files).
 [[nodiscard]] std::optional<DicomFile> readDicomHeader(const std::filesystem::path &path);
 
-/// Decodes all frames of a file. Stored values, one after the other, in the type they decode to.
+/// Decodes all frames of a file. Stored values, one after the other, in the type they decode to; one byte for one bit.
+/// Of colours their luma. Mosaics are not taken apart.
 struct DicomPixels {
   std::size_t rows = 0, columns = 0, frames = 0;
   Voxels voxels;
+  std::vector<Rgba> colours;
 };
 [[nodiscard]] Expected<DicomPixels> decodeDicom(const std::filesystem::path &path);
 

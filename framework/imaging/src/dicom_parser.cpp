@@ -4,14 +4,17 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
+#include "dicom_text.h"
 #include "image_header.h"
 
 namespace c3de::imaging {
 namespace {
 
 constexpr std::uint32_t kUndefined = 0xffffffffu, kItem = 0xfffee000u, kItemEnd = 0xfffee00du, kSequenceEnd = 0xfffee0ddu;
+constexpr std::uint32_t kCharacterSet = 0x00080005u;
 constexpr int kDeepest = 16;
 constexpr std::size_t kWindow = 1u << 14;
 constexpr std::size_t kLongestText = 1u << 20;
@@ -152,7 +155,7 @@ class DicomParser {
       }
       if (head->tag == kItemEnd) break;
       DicomSet::Element element{head->value, head->length, head->length == kUndefined, head->representation == "UN", head->representation};
-      if (head->tag == kPixelData) {  // whether all are there is for missingPixels() to say
+      if (head->tag == kPixelData || head->tag == kFloatPixels || head->tag == kDoublePixels) {  // whether all are there is for missingPixels() to say
         set.elements_[head->tag] = element;
         break;
       }
@@ -164,6 +167,7 @@ class DicomParser {
       element.length = at - head->value;
       set.elements_[head->tag] = element;
     }
+    set.characterSet_ = set.text(kCharacterSet);
     return set;
   }
 
@@ -193,6 +197,35 @@ std::vector<double> DicomSet::decimals(std::uint32_t tag) const {
   return numbersIn(value);
 }
 
+std::string DicomSet::name(std::uint32_t tag) const { return dicomText(text(tag), characterSet_); }
+
+std::vector<char> DicomSet::bytes(std::uint32_t tag) const {
+  const Element *element = find(tag);
+  if (!element || element->undefined || element->length > kLongestText) return {};
+  std::vector<char> value(static_cast<std::size_t>(element->length));
+  if (!bytes_->read(element->at, value.data(), value.size())) value.clear();
+  return value;
+}
+
+std::vector<std::uint16_t> DicomSet::words(std::uint32_t tag) const {
+  const std::vector<char> raw = bytes(tag);
+  std::vector<std::uint16_t> all(raw.size() / 2);
+  for (std::size_t n = 0; n < all.size(); ++n)
+    all[n] = static_cast<std::uint16_t>(unsignedOf(reinterpret_cast<const unsigned char *>(raw.data()) + 2 * n, 2, syntax_.bigEndian));
+  return all;
+}
+
+std::vector<double> DicomSet::doubles(std::uint32_t tag) const {
+  std::vector<char> raw = bytes(tag);
+  std::vector<double> all(raw.size() / sizeof(double));
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    char *each = raw.data() + n * sizeof(double);
+    if (syntax_.bigEndian == (std::endian::native == std::endian::little)) std::reverse(each, each + sizeof(double));
+    std::memcpy(&all[n], each, sizeof(double));
+  }
+  return all;
+}
+
 std::size_t DicomSet::number(std::uint32_t tag) const {
   const Element *element = find(tag);
   unsigned char b[2];
@@ -214,6 +247,7 @@ std::vector<DicomSet> DicomSet::items(std::uint32_t tag) const {
     const std::uint64_t stop = item->length == kUndefined ? end : item->value + item->length;
     if (stop > end) break;
     all.push_back(DicomParser::parse(bytes_, item->value, stop, syntax, damage));
+    if (!all.back().has(kCharacterSet)) all.back().characterSet_ = characterSet_;
     if (!damage.empty()) break;
     if (item->length != kUndefined) {
       at = stop;
@@ -232,6 +266,12 @@ std::vector<DicomSet> DicomSet::items(std::uint32_t tag) const {
 bool DicomContent::isCompressed() const {
   const DicomSet::Element *pixels = set.find(kPixelData);
   return pixels && pixels->undefined;
+}
+
+const DicomSet::Element *DicomContent::pixels() const {
+  for (const std::uint32_t tag : {kPixelData, kFloatPixels, kDoublePixels})
+    if (const DicomSet::Element *found = set.find(tag)) return found;
+  return nullptr;
 }
 
 namespace {

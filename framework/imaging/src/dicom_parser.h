@@ -48,8 +48,12 @@ class DicomSet {
   [[nodiscard]] bool has(std::uint32_t tag) const { return elements_.contains(tag); }
   [[nodiscard]] const Element *find(std::uint32_t tag) const;
   [[nodiscard]] std::string text(std::uint32_t tag) const;              ///< without padding; "" if absent
+  [[nodiscard]] std::string name(std::uint32_t tag) const;              ///< text for a person, UTF-8
   [[nodiscard]] std::vector<double> decimals(std::uint32_t tag) const;  ///< of text such as 1\2\3
   [[nodiscard]] std::size_t number(std::uint32_t tag) const;            ///< of 16 bits; 0 if absent
+  [[nodiscard]] std::vector<std::uint16_t> words(std::uint32_t tag) const;  ///< of 16 bits, US or OW
+  [[nodiscard]] std::vector<double> doubles(std::uint32_t tag) const;   ///< of 64 bits (FD)
+  [[nodiscard]] std::vector<char> bytes(std::uint32_t tag) const;       ///< as stored, up to a megabyte
   /// Items of a sequence; empty where there is none or it is damaged.
   [[nodiscard]] std::vector<DicomSet> items(std::uint32_t tag) const;
 
@@ -57,10 +61,11 @@ class DicomSet {
   friend class DicomParser;
   std::shared_ptr<DicomBytes> bytes_;
   DicomSyntax syntax_;
+  std::string characterSet_;
   std::map<std::uint32_t, Element> elements_;
 };
 
-inline constexpr std::uint32_t kPixelData = 0x7fe00010;
+inline constexpr std::uint32_t kPixelData = 0x7fe00010, kFloatPixels = 0x7fe00008, kDoublePixels = 0x7fe00009;
 
 struct DicomContent {
   DicomSet set;
@@ -69,6 +74,7 @@ struct DicomContent {
   std::string transferSyntax;  ///< its UID
   std::string damage;          ///< where its structure breaks off; empty: it is whole, or ends with its pixels
   [[nodiscard]] bool isCompressed() const;
+  [[nodiscard]] const DicomSet::Element *pixels() const;  ///< of whichever kind; null: none
 };
 
 /// Nothing for what is no DICOM file.

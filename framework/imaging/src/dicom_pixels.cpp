@@ -17,6 +17,7 @@
 
 #include "c3de/core/log.h"
 #include "c3de/core/platform.h"
+#include "dicom_colours.h"
 #include "dicom_files.h"
 #include "dicom_parser.h"
 #include "image_header.h"
@@ -30,9 +31,11 @@ constexpr const char *kRle = "1.2.840.10008.1.2.5";
 struct Layout {
   std::size_t rows = 0, columns = 0, frames = 1;
   unsigned allocated = 0, stored = 0, high = 0;
-  bool isSigned = false;
+  std::size_t samples = 1;  ///< numbers per pixel
+  bool isSigned = false, isReal = false;
+  std::string colours;      ///< Photometric Interpretation where there are three samples
   [[nodiscard]] std::size_t pixels() const { return rows * columns * frames; }
-  [[nodiscard]] std::size_t bytes() const { return pixels() * (allocated / 8); }
+  [[nodiscard]] std::size_t bytes() const { return allocated == 1 ? (pixels() + 7) / 8 : pixels() * samples * (allocated / 8); }
 };
 
 /// What decoders print goes to the log, where nobody sees it unless he asks for debugging.
@@ -70,7 +73,23 @@ Voxels voxelsOf(const std::vector<char> &bytes, const Layout &layout) {
   return all;
 }
 
+template <class T>
+Voxels realsOf(const std::vector<char> &bytes) {
+  std::vector<T> all(bytes.size() / sizeof(T));
+  std::memcpy(all.data(), bytes.data(), all.size() * sizeof(T));
+  return all;
+}
+
+/// One byte for each bit; the lowest bit of a byte comes first, and frames follow without a gap (PS3.5 8.1.1).
+Voxels bitsOf(const std::vector<char> &bytes, const Layout &layout) {
+  std::vector<std::uint8_t> all(layout.pixels());
+  for (std::size_t p = 0; p < all.size(); ++p) all[p] = static_cast<unsigned char>(bytes[p / 8]) >> (p % 8) & 1u;
+  return all;
+}
+
 Expected<Voxels> toVoxels(const std::filesystem::path &path, const std::vector<char> &bytes, const Layout &layout) {
+  if (layout.isReal) return layout.allocated == 32 ? realsOf<float>(bytes) : realsOf<double>(bytes);
+  if (layout.allocated == 1) return bitsOf(bytes, layout);
   if (layout.allocated == 8) return layout.isSigned ? voxelsOf<std::int8_t>(bytes, layout) : voxelsOf<std::uint8_t>(bytes, layout);
   if (layout.allocated == 16) return layout.isSigned ? voxelsOf<std::int16_t>(bytes, layout) : voxelsOf<std::uint16_t>(bytes, layout);
   if (layout.allocated == 32) return layout.isSigned ? voxelsOf<std::int32_t>(bytes, layout) : voxelsOf<std::uint32_t>(bytes, layout);
@@ -78,18 +97,22 @@ Expected<Voxels> toVoxels(const std::filesystem::path &path, const std::vector<c
 }
 
 Expected<std::vector<char>> native(const std::filesystem::path &path, DicomContent &content, const Layout &layout) {
-  const DicomSet::Element &pixels = *content.set.find(kPixelData);
-  std::vector<char> bytes(layout.bytes());
+  const DicomSet::Element &pixels = *content.pixels();
+  const bool isPaired = layout.colours == "YBR_FULL_422";
+  std::vector<char> bytes(isPaired ? layout.pixels() * 2 : layout.bytes());
   if (bytes.size() > pixels.length || !content.bytes->read(pixels.at, bytes.data(), bytes.size())) return refuse(path, "is truncated within its pixels");
   // Words are turned; bytes too, where they were written as words.
   const std::size_t word = layout.allocated > 8 ? layout.allocated / 8 : pixels.representation == "OW" ? 2 : 1;
   if (content.syntax.bigEndian == (std::endian::native == std::endian::little))
     for (std::size_t at = 0; at + word <= bytes.size(); at += word) std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(at + word));
+  if (isPaired) return unpaired(bytes);
+  if (layout.samples == 3 && content.set.number(0x00280006) == 1) return interleaved(bytes, layout.rows * layout.columns, layout.allocated / 8);
   return bytes;
 }
 
-/// PS3.5 annex G: for each byte of the pixels, the most significant first, a segment of packed bits.
-bool unpackRle(const std::vector<char> &packed, char *to, std::size_t pixels, std::size_t each) {
+/// PS3.5 annex G: for each byte of the pixels, the most significant of each number first, a segment of packed bits.
+/// @param each  bytes of a pixel; @param bytes  of one of its numbers
+bool unpackRle(const std::vector<char> &packed, char *to, std::size_t pixels, std::size_t each, std::size_t bytes) {
   const auto number = [&](std::size_t at) {
     std::uint32_t value = 0;
     for (std::size_t b = 4; b-- > 0;) value = value << 8 | static_cast<unsigned char>(packed[at + b]);
@@ -99,7 +122,8 @@ bool unpackRle(const std::vector<char> &packed, char *to, std::size_t pixels, st
   for (std::size_t segment = 0; segment < each; ++segment) {
     std::size_t at = number(4 + 4 * segment), done = 0;
     const std::size_t end = segment + 1 < each ? std::min(number(8 + 4 * segment), packed.size()) : packed.size();
-    char *next = to + (std::endian::native == std::endian::little ? each - 1 - segment : segment);
+    const std::size_t sample = segment / bytes * bytes, place = segment % bytes;
+    char *next = to + sample + (std::endian::native == std::endian::little ? bytes - 1 - place : place);
     while (done < pixels && at < end) {
       const int count = static_cast<signed char>(packed[at++]);
       if (count == -128) continue;
@@ -117,9 +141,9 @@ bool unpackRle(const std::vector<char> &packed, char *to, std::size_t pixels, st
 Expected<std::vector<char>> rle(const std::filesystem::path &path, const std::vector<std::vector<char>> &pieces, const Layout &layout) {
   std::vector<char> bytes(layout.bytes());
   if (pieces.size() != layout.frames) return refuse(path, "has " + std::to_string(pieces.size()) + " packed frames instead of " + std::to_string(layout.frames));
-  const std::size_t pixels = layout.rows * layout.columns, each = layout.allocated / 8;
+  const std::size_t pixels = layout.rows * layout.columns, each = layout.samples * (layout.allocated / 8);
   for (std::size_t f = 0; f < pieces.size(); ++f)
-    if (!unpackRle(pieces[f], bytes.data() + f * pixels * each, pixels, each)) return refuse(path, "its packed pixels (RLE) are damaged");
+    if (!unpackRle(pieces[f], bytes.data() + f * pixels * each, pixels, each, layout.allocated / 8)) return refuse(path, "its packed pixels (RLE) are damaged");
   return bytes;
 }
 
@@ -177,7 +201,7 @@ bool isOfSize(const std::vector<std::vector<char>> &pieces, const std::string &s
   const bool waves = syntax.starts_with("1.2.840.10008.1.2.4.9");
   return std::all_of(pieces.begin(), pieces.end(), [&](const std::vector<char> &piece) {
     const auto size = waves ? sizeInJpeg2000(piece) : sizeInJpeg(piece);
-    return size && size->columns == layout.columns && size->rows == layout.rows && size->components == 1;
+    return size && size->columns == layout.columns && size->rows == layout.rows && size->components == layout.samples;
   });
 }
 
@@ -198,10 +222,18 @@ class JpegLs : public gdcm::JPEGLSCodec {
     return DecodeExtent(to, 0, size[0] - 1, 0, size[1] - 1, 0, 0, stream);
   }
   [[nodiscard]] static gdcm::PixelFormat formatOf(const Layout &layout) {
-    return gdcm::PixelFormat(1, static_cast<std::uint16_t>(layout.allocated), static_cast<std::uint16_t>(layout.stored),
+    return gdcm::PixelFormat(static_cast<std::uint16_t>(layout.samples), static_cast<std::uint16_t>(layout.allocated), static_cast<std::uint16_t>(layout.stored),
                              static_cast<std::uint16_t>(layout.high), static_cast<std::uint16_t>(layout.isSigned ? 1 : 0));
   }
 };
+
+/// GDCM gives the components of JPEG as they are in the stream, and turns those of JPEG 2000 back to red, green and blue.
+gdcm::PhotometricInterpretation::PIType photometricOf(const Layout &layout) {
+  if (layout.samples == 1) return gdcm::PhotometricInterpretation::MONOCHROME2;
+  if (layout.colours == "YBR_RCT") return gdcm::PhotometricInterpretation::YBR_RCT;
+  if (layout.colours == "YBR_ICT") return gdcm::PhotometricInterpretation::YBR_ICT;
+  return layout.colours == "RGB" ? gdcm::PhotometricInterpretation::RGB : gdcm::PhotometricInterpretation::YBR_FULL;
+}
 
 /// One frame of JPEG or JPEG 2000.
 bool decodeFrame(const std::vector<char> &frame, gdcm::TransferSyntax::TSType type, const Layout &layout, char *to) {
@@ -217,13 +249,15 @@ bool decodeFrame(const std::vector<char> &frame, gdcm::TransferSyntax::TSType ty
   image.SetDimension(0, static_cast<unsigned>(layout.columns));
   image.SetDimension(1, static_cast<unsigned>(layout.rows));
   image.SetPixelFormat(JpegLs::formatOf(layout));
-  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+  image.SetPhotometricInterpretation(photometricOf(layout));
+  image.SetPlanarConfiguration(0);
   image.SetTransferSyntax(type);
   image.SetDataElement(pixels);
-  const std::size_t bytes = layout.rows * layout.columns * (layout.allocated / 8);
+  const std::size_t bytes = layout.rows * layout.columns * layout.samples * (layout.allocated / 8);
   if (image.GetBufferLength() != bytes) return false;
   std::vector<char> buffer(bytes);  // GDCM changes its mind about the depth at times, and its buffer with it
-  if (!image.GetBuffer(buffer.data()) || image.GetBufferLength() != bytes || image.GetPixelFormat().GetPixelSize() * 8 != layout.allocated) return false;
+  if (!image.GetBuffer(buffer.data()) || image.GetBufferLength() != bytes || image.GetPixelFormat().GetPixelSize() * 8 != layout.allocated * layout.samples) return false;
+  if (layout.samples == 3 && image.GetPlanarConfiguration() == 1) buffer = interleaved(buffer, layout.rows * layout.columns, layout.allocated / 8);
   std::copy(buffer.begin(), buffer.end(), to);
   return true;
 }
@@ -231,6 +265,8 @@ bool decodeFrame(const std::vector<char> &frame, gdcm::TransferSyntax::TSType ty
 Expected<std::vector<char>> byCodec(const std::filesystem::path &path, std::vector<std::vector<char>> pieces, const std::string &syntax, const Layout &layout) {
   const gdcm::TransferSyntax::TSType type = gdcm::TransferSyntax::GetTSType(syntax.c_str());
   if (type == gdcm::TransferSyntax::TS_END) return refuse(path, "its encoding " + syntax + " is not read");
+  if (layout.samples == 1 && !layout.colours.empty() && (syntax == "1.2.840.10008.1.2.4.50" || syntax == "1.2.840.10008.1.2.4.51"))
+    return refuse(path, "its palette colours are packed by lossy JPEG, which changes them to others");
   if (layout.frames == 1)  // one frame may be cut into pieces
     for (; pieces.size() > 1; pieces.erase(pieces.begin() + 1)) pieces[0].insert(pieces[0].end(), pieces[1].begin(), pieces[1].end());
   if (pieces.size() != layout.frames) return refuse(path, "has " + std::to_string(pieces.size()) + " compressed pieces for " + std::to_string(layout.frames) + " frames");
@@ -239,6 +275,7 @@ Expected<std::vector<char>> byCodec(const std::filesystem::path &path, std::vect
   std::vector<char> bytes(layout.bytes());
   const std::size_t each = bytes.size() / layout.frames;
   const bool isJpegLs = type == gdcm::TransferSyntax::JPEGLSLossless || type == gdcm::TransferSyntax::JPEGLSNearLossless;
+  if (isJpegLs && layout.samples > 1) return refuse(path, "its colours are packed as JPEG-LS, which is read for grey images only");
   for (std::size_t f = 0; f < layout.frames; ++f) {
     char *to = bytes.data() + f * each;
     if (!(isJpegLs ? JpegLs().decode(pieces[f], layout, to) : decodeFrame(pieces[f], type, layout, to)))
@@ -247,27 +284,43 @@ Expected<std::vector<char>> byCodec(const std::filesystem::path &path, std::vect
   return bytes;
 }
 
-Expected<DicomPixels> decode(const std::filesystem::path &path) {
-  auto content = parseDicom(path);
-  if (!content || !content->set.has(kPixelData)) return refuse(path, "has no pixels");
-  const DicomSet &set = content->set;
+Expected<Layout> layoutOf(const std::filesystem::path &path, const DicomSet &set) {
   Layout layout;
   layout.rows = set.number(0x00280010);
   layout.columns = set.number(0x00280011);
   const auto frames = set.decimals(0x00280008);
   if (!frames.empty() && frames[0] >= 1.0 && frames[0] < 1e6) layout.frames = static_cast<std::size_t>(frames[0]);
-  layout.allocated = static_cast<unsigned>(set.number(0x00280100));
+  layout.isReal = !set.has(kPixelData);
+  layout.allocated = layout.isReal ? (set.has(kFloatPixels) ? 32 : 64) : static_cast<unsigned>(set.number(0x00280100));
+  if (layout.isReal) return layout;
   layout.stored = static_cast<unsigned>(set.number(0x00280101));
   layout.high = static_cast<unsigned>(set.number(0x00280102));
   layout.isSigned = set.number(0x00280103) == 1;
+  const std::string colours = set.text(0x00280004);
+  const bool isSegmentation = set.has(0x00620002);
+  if (!isSegmentation && (set.number(0x00280002) > 1 || (!colours.empty() && !colours.starts_with("MONOCHROME")))) {
+    if (const std::string refusal = refusalOfColours(set); !refusal.empty()) return refuse(path, refusal);
+    layout.colours = colours;
+    layout.samples = std::max<std::size_t>(1, set.number(0x00280002));
+  }
+  if (layout.allocated == 1 && isSegmentation) return layout;
   if (layout.allocated != 8 && layout.allocated != 16 && layout.allocated != 32)
     return refuse(path, "its pixels have " + std::to_string(layout.allocated) + " bits; 8, 16 and 32 are read");
   if (layout.stored > layout.allocated || layout.stored == 0 || layout.high >= layout.allocated || layout.high + 1 < layout.stored)
     return refuse(path, "its pixels have " + std::to_string(layout.stored) + " bits, the highest the " + std::to_string(layout.high) + "th, in " + std::to_string(layout.allocated));
+  return layout;
+}
+
+Expected<DicomPixels> decode(const std::filesystem::path &path) {
+  auto content = parseDicom(path);
+  if (!content || !content->pixels()) return refuse(path, "has no pixels");
+  const DicomSet &set = content->set;
+  const auto layout = layoutOf(path, set);
+  if (!layout) return tl::unexpected(layout.error());
 
   Expected<std::vector<char>> bytes;
   if (!content->isCompressed()) {
-    bytes = native(path, *content, layout);
+    bytes = native(path, *content, *layout);
   } else {
     const auto fragments = fragmentsOf(*content);
     if (!fragments || fragments->size() < 2) return refuse(path, "is truncated within its compressed pixels");
@@ -276,12 +329,23 @@ Expected<DicomPixels> decode(const std::filesystem::path &path) {
       pieces.emplace_back(static_cast<std::size_t>((*fragments)[f].length));
       if (!content->bytes->read((*fragments)[f].at, pieces.back().data(), pieces.back().size())) return refuse(path, "cannot be read");
     }
-    bytes = content->transferSyntax == kRle ? rle(path, pieces, layout) : byCodec(path, pieces, content->transferSyntax, layout);
+    if (layout->allocated == 1) return refuse(path, "its bits are compressed (" + content->transferSyntax + "), which is not read");
+    bytes = content->transferSyntax == kRle ? rle(path, pieces, *layout) : byCodec(path, pieces, content->transferSyntax, *layout);
   }
   if (!bytes) return tl::unexpected(bytes.error());
-  auto voxels = toVoxels(path, *bytes, layout);
-  if (!voxels) return tl::unexpected(voxels.error());
-  return DicomPixels{layout.rows, layout.columns, layout.frames, std::move(*voxels)};
+  DicomPixels out{layout->rows, layout->columns, layout->frames, {}, {}};
+  if (layout->samples == 3) {
+    const bool isDifference = layout->colours == "YBR_FULL" || layout->colours == "YBR_FULL_422";
+    out.colours = coloursOf({std::move(*bytes), layout->allocated, layout->stored, isDifference});
+  } else {
+    auto voxels = toVoxels(path, *bytes, *layout);
+    if (!voxels) return tl::unexpected(voxels.error());
+    out.voxels = std::move(*voxels);
+    if (!layout->colours.empty()) out.colours = paletteColours(set, out.voxels);
+    if (out.colours.empty() && !layout->colours.empty()) return refuse(path, "the tables of its palette are damaged or missing");
+  }
+  if (!out.colours.empty()) out.voxels = lumaOf(out.colours);
+  return out;
 }
 
 }  // namespace

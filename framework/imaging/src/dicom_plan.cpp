@@ -23,8 +23,16 @@ std::string rounded(double x) { return formatNumber(std::round(x * 1000.0) / 100
 
 class Planner {
  public:
-  Planner(const DicomFolder &folder, const DicomStack &stack, const std::filesystem::path &preferred)
-      : folder_(folder), stack_(stack), preferred_(preferred) {}
+  Planner(const DicomFolder &folder, const DicomStack &stack, const std::filesystem::path &preferred, std::size_t time)
+      : folder_(folder), stack_(stack), preferred_(time == 0 ? preferred : std::filesystem::path()), time_(time) {}
+
+  /// Where there are slices, mm along the normal; empty where they make no row.
+  std::vector<double> places() {
+    std::vector<double> along;
+    if (!sortSlices() || !dropCopies()) return along;
+    for (const Placed &slice : placed_) along.push_back(slice.along);
+    return along;
+  }
 
   Expected<StackPlan> plan() {
     for (const SliceRef &ref : stack_.slices)
@@ -59,18 +67,22 @@ class Planner {
   Expected<void> sortSlices() {
     const DicomFrame &first = frame(stack_.slices.front());
     normal_ = cross(first.alongRow, first.alongColumn);
-    const bool known = first.position.has_value();
+    const bool isFilm = file(stack_.slices.front()).isFilm, known = first.position.has_value() && !isFilm;
     std::vector<SliceRef> order = stack_.slices;
     std::stable_sort(order.begin(), order.end(), [&](const SliceRef &a, const SliceRef &b) { return earlier(a, b); });
     double step = first.sliceStep;
-    if (!known && order.size() > 1) {
+    if (isFilm) {
+      step = 0.0;  // one place
+      note("The " + std::to_string(order.size()) + " frames have no places of their own (a film): each is a time point.");
+    } else if (!known && order.size() > 1) {
       if (step == 0.0) step = 1.0;
       note("The slices have no positions: they are laid in the order of their numbers, " + rounded(step) + " mm apart.");
       // The file that was asked for comes first among equals only.
       std::stable_sort(order.begin(), order.end(), [&](const SliceRef &a, const SliceRef &b) { return file(a).order < file(b).order; });
     }
     for (std::size_t n = 0; n < order.size(); ++n) {
-      const Vec3 position = known ? *frame(order[n]).position : (static_cast<double>(n) * step) * normal_;
+      const Vec3 from = isFilm ? first.position.value_or(Vec3{}) : Vec3{};
+      const Vec3 position = known ? *frame(order[n]).position : from + (static_cast<double>(n) * step) * normal_;
       placed_.push_back({order[n], position, dot(position, normal_)});
     }
     std::stable_sort(placed_.begin(), placed_.end(), [](const Placed &a, const Placed &b) { return a.along < b.along; });
@@ -102,13 +114,21 @@ class Planner {
       }
       least = std::min(least, distinct.size());
       most = std::max(most, distinct.size());
-      placed_.push_back(distinct.front());
+      placed_.push_back(distinct[std::min(time_, distinct.size() - 1)]);
     }
     if (copies > 0) note(std::to_string(copies) + " pictures are copies of others in the folder and are left out.");
     if (most > 1 && least != most)
       return refused("at some places there is one slice, at others there are up to " + std::to_string(most) +
                      ": which of them belong together is not known");
-    if (most > 1) note("There are " + std::to_string(most) + " pictures at every place (several volumes): the first of each is read.");
+    if (time_ >= most)
+      return refused("time " + std::to_string(time_) + " is asked for; there " +
+                     (most == 1 ? "is one time point (0)" : "are " + std::to_string(most) + " time points (0 … " + std::to_string(most - 1) + ")"));
+    out_.times = most;
+    if (most > 1 && time_ == 0 && preferred_.empty())
+      note("There are " + std::to_string(most) + " pictures at every place (several volumes): the first of each is read.");
+    else if (most > 1)
+      note("There are " + std::to_string(most) + " pictures at every place (several volumes): " +
+           (time_ > 0 ? "time " + std::to_string(time_) + " of 0 … " + std::to_string(most - 1) + " is read." : "that of the file that was named, else the first, is read."));
     return {};
   }
 
@@ -120,6 +140,7 @@ class Planner {
     ImageHeader header;
     header.path = head.path;
     Vec3 k;
+    Vec3 origin = placed_.front().position;
     std::size_t count = n;
     if (n == 1) {
       const double step = first.sliceStep > 0.0 ? first.sliceStep : 1.0;
@@ -127,13 +148,15 @@ class Planner {
       k = step * normal_;
       out_.at = {0.0};
     } else {
-      const auto counted = evenSteps();
-      if (!counted) return tl::unexpected(counted.error());
-      count = *counted;
-      k = (1.0 / static_cast<double>(count - 1)) * (placed_.back().position - placed_.front().position);
+      const auto steps = evenSteps();
+      if (!steps) return tl::unexpected(steps.error());
+      count = steps->count;
+      const Vec3 whole = placed_.back().position - origin, along = (1.0 / norm(whole)) * whole;
+      k = steps->step * along;
+      origin = origin + steps->from * along;
     }
     if (const auto set = setSize(header, {static_cast<double>(head.columns), static_cast<double>(head.rows), static_cast<double>(count)}); !set) return set;
-    if (const auto set = setAffine(header, i, j, k, placed_.front().position); !set) return set;
+    if (const auto set = setAffine(header, i, j, k, origin); !set) return set;
     out_.geometry = header.geometry;
     const double tilt = std::acos(std::min(1.0, std::abs(dot(k, normal_)) / norm(k))) * 180.0 / 3.14159265358979323846;
     // 0.05 degrees move slices by less than a tenth of a pixel over a hand's breadth.
@@ -141,8 +164,14 @@ class Planner {
     return {};
   }
 
-  /// How many even slices the volume has: as many as there are, or more where some are missing or uneven.
-  Expected<std::size_t> evenSteps() {
+  /// The even slices of the volume, mm along the row of those that there are.
+  struct Steps {
+    std::size_t count = 0;
+    double step = 0.0, from = 0.0;
+  };
+
+  /// As many as there are, or more where some are missing or uneven.
+  Expected<Steps> evenSteps() {
     const std::size_t n = placed_.size();
     const Vec3 origin = placed_.front().position, whole = placed_.back().position - origin;
     const double length = norm(whole);
@@ -167,8 +196,9 @@ class Planner {
     if (uneven <= std::max(0.01 * mean, kSamePlace_mm)) {
       report(mean);
       for (std::size_t s = 0; s < n; ++s) out_.at[s] = static_cast<double>(s);
-      return n;
+      return Steps{n, mean, 0.0};
     }
+    if (const auto blocks = blocksIn(along); !blocks.empty()) return stepsOfBlocks(blocks, along);
     std::vector<double> sorted = gaps;
     std::sort(sorted.begin(), sorted.end());
     const double median = sorted[(sorted.size() - 1) / 2], least = sorted.front(), most = sorted.back();
@@ -188,12 +218,40 @@ class Planner {
            rounded(length / (count - 1.0)) + " mm by interpolation between neighbours.");
     out_.resampled = true;
     report(length / (count - 1.0));
-    return slices;
+    return Steps{slices, length / (count - 1.0), 0.0};
+  }
+
+  /// One grid for blocks of different spacing: that of the finest block, whose slices stay as they are, from end to end.
+  Expected<Steps> stepsOfBlocks(const std::vector<SliceBlock> &blocks, const std::vector<double> &along) {
+    std::string said;
+    const SliceBlock *finest = &blocks.front();
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      const SliceBlock &block = blocks[b];
+      if (block.spacing_mm < finest->spacing_mm * (1.0 - 1e-3)) finest = &block;
+      said += (b == 0 ? "" : ", ") + std::to_string(block.count) + " slices " + rounded(block.spacing_mm) + " mm apart";
+      if (b + 1 == blocks.size()) break;
+      const double gap = along[blocks[b + 1].first] - along[block.first + block.count - 1];
+      said += ", then " + rounded(gap) + " mm";
+      if (gap > 4.5 * std::max(block.spacing_mm, blocks[b + 1].spacing_mm))
+        return refused("the slices lie in " + std::to_string(blocks.size()) + " blocks with " + rounded(gap) + " mm between two of them, too far to be interpolated; each block can be read by itself as a part of its series (#1, #2, …)");
+    }
+    const double step = finest->spacing_mm, anchor = along[finest->first];
+    const auto below = static_cast<std::size_t>(std::lround(anchor / step)), above = static_cast<std::size_t>(std::lround((along.back() - anchor) / step));
+    const double count = static_cast<double>(below + above + 1);
+    if (count > 20.0 * static_cast<double>(along.size()))
+      return refused("the slices lie in blocks from " + rounded(step) + " mm apart, which would need " + formatNumber(count) + " slices; each block can be read by itself as a part of its series (#1, #2, …)");
+    note("The slices lie in " + std::to_string(blocks.size()) + " blocks: " + said + ". They are one volume, resampled to " + rounded(step) +
+         " mm by interpolation between neighbours; each block can be opened by itself as a part of the series (#1, #2, …).");
+    const double from = anchor - static_cast<double>(below) * step;
+    for (const double a : along) out_.at.push_back((a - from) / step);
+    out_.resampled = true;
+    return Steps{below + above + 1, step, from};
   }
 
   const DicomFolder &folder_;
   const DicomStack &stack_;
-  const std::filesystem::path &preferred_;
+  std::filesystem::path preferred_;
+  std::size_t time_;
   Vec3 normal_{};
   std::vector<Placed> placed_;
   StackPlan out_;
@@ -201,8 +259,45 @@ class Planner {
 
 }  // namespace
 
-Expected<StackPlan> planStack(const DicomFolder &folder, const DicomStack &stack, const std::filesystem::path &preferred) {
-  return Planner(folder, stack, preferred).plan();
+std::vector<SliceBlock> blocksIn(const std::vector<double> &along) {
+  std::vector<SliceBlock> blocks;
+  const auto same = [](double a, double b) { return std::abs(a - b) <= std::max(0.01 * a, 2.0 * kSamePlace_mm); };
+  for (std::size_t at = 0; at < along.size();) {
+    std::size_t end = at + 1;
+    while (end < along.size() && same(along[at + 1] - along[at], along[end] - along[end - 1])) ++end;
+    if (end - at < 3) return {};
+    blocks.push_back({at, end - at, (along[end - 1] - along[at]) / static_cast<double>(end - at - 1)});
+    at = end;
+  }
+  if (blocks.size() < 2) return {};
+  // Equal blocks a few spacings apart are one row with slices missing.
+  const double spacing = blocks.front().spacing_mm;
+  const bool isRow = std::all_of(blocks.begin(), blocks.end(), [&](const SliceBlock &block) {
+    const double steps = (along[block.first] - along.front()) / spacing;
+    return same(block.spacing_mm, spacing) && std::abs(steps - std::round(steps)) < 0.02;
+  });
+  return isRow ? std::vector<SliceBlock>() : blocks;
+}
+
+std::vector<DicomStack> blocksOf(const DicomFolder &folder, const DicomStack &stack) {
+  std::vector<DicomStack> out;
+  if (stack.slices.size() < 6) return out;
+  const std::vector<double> along = Planner(folder, stack, {}, 0).places();
+  for (const SliceBlock &block : blocksIn(along)) {
+    DicomStack &part = out.emplace_back();
+    part.info = stack.info;
+    for (const SliceRef &ref : stack.slices) {
+      const DicomFrame &frame = folder.files[ref.file].frames[ref.frame];
+      if (!frame.position) return {};
+      const double at = dot(*frame.position, cross(frame.alongRow, frame.alongColumn));
+      if (at > along[block.first] - kSamePlace_mm && at < along[block.first + block.count - 1] + kSamePlace_mm) part.slices.push_back(ref);
+    }
+  }
+  return out;
+}
+
+Expected<StackPlan> planStack(const DicomFolder &folder, const DicomStack &stack, const std::filesystem::path &preferred, std::size_t time) {
+  return Planner(folder, stack, preferred, time).plan();
 }
 
 }  // namespace c3de::imaging

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "dicom_series.h"
 #include "image_header.h"
@@ -14,6 +15,7 @@ namespace {
 bool alike(const DicomFile &a, const DicomFrame &x, const DicomFile &b, const DicomFrame &y) {
   // Pictures without a place are a stack only where sections are usual and their distance is stated.
   if (!x.position && &a != &b && !((a.modality == "CT" || a.modality == "MR" || a.modality == "PT") && x.sliceStep > 0.0)) return false;
+  if (&a != &b && (a.isFilm || b.isFilm || a.segmentation || b.segmentation)) return false;
   return a.series == b.series && a.rows == b.rows && a.columns == b.columns && a.refusal == b.refusal && a.modality == b.modality &&
          x.oriented == y.oriented && x.position.has_value() == y.position.has_value() && norm(x.alongRow - y.alongRow) < 1e-4 &&
          norm(x.alongColumn - y.alongColumn) < 1e-4 && std::abs(x.rowStep - y.rowStep) < 1e-4 * x.rowStep &&
@@ -50,6 +52,28 @@ std::vector<std::filesystem::path> filesBelow(const std::filesystem::path &path)
   return files;
 }
 
+/// Behind each stack of several blocks the blocks: `ID#1`, `ID#2`, or `ID#2.1`, … where the stack is itself a part.
+void addBlocks(DicomFolder &folder) {
+  std::vector<DicomStack> all;
+  for (DicomStack &stack : folder.stacks) {
+    std::vector<DicomStack> blocks;
+    if (stack.info.refusal.empty() && !stack.info.isSegmentation) blocks = blocksOf(folder, stack);
+    const std::string id = stack.info.id;
+    all.push_back(std::move(stack));
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      SeriesInfo &info = blocks[b].info;
+      info.id = id + (id.find('#') == std::string::npos ? "#" : ".") + std::to_string(b + 1);
+      info.isPart = true;
+      info.size[2] = blocks[b].slices.size();
+      std::set<std::size_t> files;
+      for (const SliceRef &ref : blocks[b].slices) files.insert(ref.file);
+      info.files = files.size();
+      all.push_back(std::move(blocks[b]));
+    }
+  }
+  folder.stacks = std::move(all);
+}
+
 }  // namespace
 
 Expected<DicomFolder> scanDicom(const std::filesystem::path &path, const ProgressFn &progress) {
@@ -74,7 +98,9 @@ Expected<DicomFolder> scanDicom(const std::filesystem::path &path, const Progres
       info.size = {file.columns, file.rows, stack.slices.size()};
       if (stack.slices.size() > 1) continue;
       info.id = file.series.empty() ? file.path.filename().string() : file.series;
+      info.number = file.number;
       info.description = file.description;
+      info.isSegmentation = file.segmentation.has_value();
       info.modality = file.modality;
       info.patientName = file.patientName;
       info.refusal = file.refusal;
@@ -87,6 +113,7 @@ Expected<DicomFolder> scanDicom(const std::filesystem::path &path, const Progres
   for (const DicomStack &stack : out.stacks) ++uses[stack.info.id];
   for (DicomStack &stack : out.stacks)
     if (const std::string id = stack.info.id; uses[id] > 1) stack.info.id += "#" + std::to_string(++counted[id]);
+  addBlocks(out);
   return out;
 }
 

@@ -51,73 +51,6 @@ Expected<ImageHeader> headerOf(const std::filesystem::path &path, Format format)
   return readMetaHeader(path);
 }
 
-/// ProgressFn for a part of the whole.
-ProgressFn partOf(const ProgressFn &progress, double from, double to) {
-  if (!progress) return {};
-  return [&progress, from, to](double fraction, const std::string &what) { return progress(from + (to - from) * fraction, what); };
-}
-
-std::string describe(const SeriesInfo &info) {
-  return "  " + info.id + "  " + info.modality + " " + std::to_string(info.size[0]) + " x " + std::to_string(info.size[1]) + " x " +
-         std::to_string(info.size[2]) + (info.orientation.empty() ? "" : " " + info.orientation) + (info.description.empty() ? "" : "  \"" + info.description + "\"") +
-         (info.refusal.empty() ? "" : "  (" + info.refusal + ")");
-}
-
-/// The stack that was asked for by name or by one of its files, or the only one that can be read.
-Expected<const DicomStack *> choose(const std::filesystem::path &path, const DicomFolder &folder, const ReadOptions &options,
-                                    std::vector<std::string> &notices) {
-  std::string list;
-  for (const DicomStack &stack : folder.stacks) list += "\n" + describe(stack.info);
-  if (!options.series.empty()) {
-    for (const DicomStack &stack : folder.stacks)
-      if (stack.info.id == options.series) return &stack;
-    return refuse(path, "has no series '" + options.series + "'; there are:" + list);
-  }
-  std::error_code code;
-  const bool isFolder = std::filesystem::is_directory(path, code);
-  std::vector<const DicomStack *> candidates;
-  for (const DicomStack &stack : folder.stacks) {
-    const bool asked = isFolder ? stack.info.refusal.empty()
-                                : std::any_of(stack.slices.begin(), stack.slices.end(), [&](const SliceRef &ref) {
-                                    return folder.files[ref.file].path.filename() == path.filename();
-                                  });
-    if (asked) candidates.push_back(&stack);
-  }
-  if (candidates.size() == 1) {
-    if (isFolder && folder.stacks.size() > 1)
-      notices.push_back("The folder also holds " + std::to_string(folder.stacks.size() - 1) + " series that cannot be read as a volume.");
-    return candidates.front();
-  }
-  if (candidates.empty() && folder.stacks.empty())
-    return refuse(path, isFolder ? "holds no DICOM image" : "is damaged or holds no image: no DICOM header with rows and columns can be read");
-  if (candidates.empty()) {
-    if (folder.stacks.size() == 1) return &folder.stacks.front();
-    return refuse(path, isFolder ? "holds no series that can be read:" + list : "is damaged or holds no image: no DICOM header with rows and columns can be read");
-  }
-  return refuse(path, "holds " + std::to_string(candidates.size()) + " series and none was chosen:" + list);
-}
-
-Expected<LoadedVolume> readDicom(const std::filesystem::path &path, const ReadOptions &options) {
-  std::error_code code;
-  std::vector<std::string> notices;
-  const auto folder = scanDicom(path, partOf(options.progress, 0.0, 0.2));
-  if (!folder) return tl::unexpected(folder.error());
-  const auto stack = choose(path, *folder, options, notices);
-  if (!stack) return tl::unexpected(stack.error());
-  const auto &files = folder->files;
-  std::filesystem::path preferred;
-  for (const SliceRef &ref : (*stack)->slices)
-    if (files[ref.file].path.filename() == path.filename()) preferred = files[ref.file].path;
-  if (!(*stack)->info.refusal.empty()) return refuse(preferred.empty() ? path : preferred, (*stack)->info.refusal);
-  const auto plan = planStack(*folder, **stack, preferred);
-  if (!plan) return tl::unexpected(plan.error());
-  ReadOptions rest = options;
-  rest.progress = partOf(options.progress, 0.2, 1.0);
-  auto out = readStack(*folder, **stack, *plan, rest);
-  if (out) out->notices.insert(out->notices.begin(), notices.begin(), notices.end());
-  return out;
-}
-
 Expected<LoadedVolume> readFile(const ImageHeader &header, const ReadOptions &options) {
   LoadedVolume out;
   out.notices = header.notices;
@@ -203,8 +136,12 @@ Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const Rea
   const auto format = formatOrError(path);
   if (!format) return tl::unexpected(format.error());
   if (*format == Format::dicom) {
+    auto segments = readDicomSegments(path, options);
+    if (!segments) return tl::unexpected(segments.error());
+    if (*segments) return std::move(**segments);
     const auto loaded = readDicom(path, options);
     if (!loaded) return tl::unexpected(loaded.error());
+    if (!loaded->volume.colours.empty()) return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0 to 65535, one per voxel");
     LoadedLabels out;
     out.notices = loaded->notices;
     auto map = labelsOf(path, loaded->volume, {});
@@ -252,14 +189,7 @@ Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const Rea
 Expected<std::vector<SeriesInfo>> listSeries(const std::filesystem::path &path, const ProgressFn &progress) {
   const auto format = formatOrError(path);
   if (!format) return tl::unexpected(format.error());
-  std::vector<SeriesInfo> all;
-  if (*format == Format::dicom) {
-    const auto folder = scanDicom(path, progress);
-    if (!folder) return tl::unexpected(folder.error());
-    for (const DicomStack &stack : folder->stacks) all.push_back(stack.info);
-    if (all.empty()) return refuse(path, "holds no DICOM image");
-    return all;
-  }
+  if (*format == Format::dicom) return listDicom(path, progress);
   const auto header = headerOf(path, *format);
   if (!header) return tl::unexpected(header.error());
   SeriesInfo info;
@@ -269,8 +199,7 @@ Expected<std::vector<SeriesInfo>> listSeries(const std::filesystem::path &path, 
   info.times = header->layered ? 1 : header->volumes;
   info.files = 1;
   info.folder = path.parent_path();
-  all.push_back(info);
-  return all;
+  return std::vector<SeriesInfo>{info};
 }
 
 bool looksLikeImage(const std::filesystem::path &path) {

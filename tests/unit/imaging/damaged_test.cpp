@@ -2,7 +2,7 @@
 // Damaged files give an error or say what is missing; under the preset `asan` also: no leak, no stray access.
 #include <random>
 
-#include "images.h"
+#include "dicom_made.h"
 
 using namespace images;
 
@@ -24,6 +24,50 @@ void readDamaged(const std::filesystem::path &copy, const LoadedVolume &whole) {
   const bool same = loaded->volume.voxels == whole.volume.voxels && sameGrid(loaded->volume.geometry, whole.volume.geometry);
   const bool said = std::any_of(loaded->notices.begin(), loaded->notices.end(), [&](const std::string &notice) { return !says(whole.notices, notice); });
   CHECK((same || said));
+}
+
+/// Small files of the kinds that are put together from private headers, sequences and tables.
+std::vector<std::string> hurtable() {
+  using made::item;
+  using made::packed;
+  using test::DicomElements;
+  std::vector<std::string> all;
+  std::string csa("SV10\4\3\2\1", 8);
+  const auto put = [&](std::uint32_t value) { csa += packed(std::vector<std::uint32_t>{value}); };
+  put(2), put(77);
+  for (const auto &[name, values] : {std::pair{"NumberOfImagesInMosaic", std::vector<std::string>{"7"}}, {"SliceNormalVector", {"0.0", "0.0", "1.0"}}}) {
+    csa += name + std::string(64 - std::strlen(name), '\0');
+    put(1), csa += std::string("FD\0\0", 4), put(3), put(static_cast<std::uint32_t>(values.size())), put(77);
+    for (const std::string &value : values) put(4), put(4), put(77), put(4), csa += value + std::string(4 - value.size(), '\0');
+  }
+  made::Picture mosaic(12, 15);
+  mosaic.text(0x00080008, "CS", "ORIGINAL\\MOSAIC").text(0x00180088, "DS", "3").text(0x00290011, "LO", "SIEMENS CSA HEADER").text(0x00291110, "OB", csa);
+  all.push_back(mosaic.pixels(std::vector<std::uint16_t>(180, 7)).file());
+
+  made::Picture palette(4, 4);
+  palette.bits(8).text(0x00280004, "CS", "PALETTE COLOR").pixels(std::vector<std::uint8_t>(16, 2)).text(0x00080005, "CS", "ISO 2022 IR 6\\ISO 2022 IR 87");
+  palette.text(0x0008103e, "LO", "\x1b$B;3ED\x1b(B");
+  for (std::uint32_t c = 0; c < 3; ++c)
+    palette.text(0x00281101 + c, "US", packed(std::vector<std::uint16_t>{4, 0, 16})).text(0x00281201 + c, "OW", packed(std::vector<std::uint16_t>{0, 256, 512, 768}));
+  all.push_back(palette.file());
+
+  made::Picture map(3, 2);
+  const std::string mapping = item([](DicomElements &e) { e.add(0x0040, 0x9225, "FD", packed(std::vector<double>{2.0})); });
+  map.text(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.30").number(0x00280100, 32).text(0x7fe00008, "OF", packed(std::vector<float>(6, 1.5f)));
+  all.push_back(map.sequence(0x52009229, {item([&](DicomElements &e) { e.add(0x0040, 0x9096, std::vector<std::string>{mapping}); })}).file());
+
+  made::Picture segments(8, 4);
+  std::vector<std::string> frames;
+  for (const double z : {0.0, 1.0, 2.0})
+    for (const std::uint16_t number : {1, 2})
+      frames.push_back(item([&](DicomElements &e) {
+        e.add(0x0020, 0x9113, std::vector<std::string>{item([&](DicomElements &p) { p.add(0x0020, 0x0032, {0.0, 0.0, z}); })});
+        e.add(0x0062, 0x000a, std::vector<std::string>{item([&](DicomElements &p) { p.add(0x0062, 0x000b, number); })});
+      }));
+  const std::string liver = item([](DicomElements &e) { e.add(0x0062, 0x0004, std::uint16_t{1}), e.add(0x0062, 0x0005, "LO", "liver"); });
+  segments.bits(1).text(0x00080060, "CS", "SEG").text(0x00280008, "IS", "6").text(0x00620001, "CS", "BINARY").sequence(0x00620002, {liver}).sequence(0x52009230, frames);
+  all.push_back(segments.text(0x7fe00010, "OB", std::string(24, '\x3c')).file());
+  return all;
 }
 
 }  // namespace
@@ -59,7 +103,9 @@ TEST_CASE("Copies of good files cut at fifty lengths never pass for the whole", 
                            Good{"dicom/mr_same_volume_5_encodings/compressed_jpegls/IM-0001-0001-0001.dcm", "cut.dcm"},
                            Good{"dicom/mr_same_volume_5_encodings/compressed_rle/IM-0001-0001-0001.dcm", "cut.dcm"},
                            Good{"dicom/pydicom_single/image_dfl.dcm", "cut.dcm"}, Good{"dicom/pydicom_single/JPGExtended.dcm", "cut.dcm"},
-                           Good{"dicom/pydicom_single/rtdose.dcm", "cut.dcm"}, Good{"dicom/seg_tiny_nonsquare/mf.dcm", "cut.dcm"}}) {
+                           Good{"dicom/pydicom_single/rtdose.dcm", "cut.dcm"}, Good{"dicom/seg_tiny_nonsquare/mf.dcm", "cut.dcm"},
+                           Good{"dicom/seg_tiny_nonsquare/label.seg", "cut.seg"}, Good{"dicom/pydicom_single/SC_rgb_rle_2frame.dcm", "cut.dcm"},
+                           Good{"dicom/pydicom_single/examples_jpeg2k.dcm", "cut.dcm"}, Good{"found/siemens_mosaic.dcm", "cut.dcm"}}) {
     C3DE_DATA_OR_SKIP(path, good.file);
     const std::string bytes = bytesOf(path);
     const auto folder = emptyFolder("cut");
@@ -97,7 +143,8 @@ TEST_CASE("Headers with bytes changed give an error or an image that is whole in
                                  {"volume/nrrd_mhd_detached/BrainProtonDensitySliceBorder20.nhdr", "hurt.nhdr"},
                                  {"volume/nrrd_mhd_detached/BrainProtonDensity3Slices.mha", "hurt.mha"},
                                  {"dicom/pydicom_single/CT_small.dcm", "hurt.dcm"}, {"dicom/seg_tiny_nonsquare/mf.dcm", "hurt.dcm"},
-                                 {"dicom/pydicom_single/MR_small_bigendian.dcm", "hurt.dcm"}, {"dicom/pydicom_single/image_dfl.dcm", "hurt.dcm"}}) {
+                                 {"dicom/pydicom_single/MR_small_bigendian.dcm", "hurt.dcm"}, {"dicom/pydicom_single/image_dfl.dcm", "hurt.dcm"},
+                                 {"dicom/pydicom_single/SC_rgb_rle_2frame.dcm", "hurt.dcm"}, {"dicom/seg_tiny_nonsquare/label.seg", "hurt.seg"}}) {
     C3DE_DATA_OR_SKIP(path, file);
     const std::string bytes = bytesOf(path);
     const auto folder = emptyFolder("hurt");
@@ -180,6 +227,46 @@ TEST_CASE("Compressed pixels with bytes changed crash no decoder", "[imaging]") 
       const auto loaded = readVolume(write(folder / "hurt.dcm", hurt));
       CHECK((loaded || !loaded.error().message.empty()));
     }
+  }
+}
+
+TEST_CASE("Mosaics, segmentations, palettes and maps with bytes changed anywhere crash nothing and take no memory they do not need", "[imaging]") {
+  std::mt19937 random(17);
+  const auto folder = emptyFolder("hurt");
+  ReadOptions options;
+  options.memoryLimit = 64u << 20;
+  std::size_t readAll = 0;
+  for (const std::string &bytes : hurtable()) {
+    REQUIRE(readVolume(write(folder / "hurt.dcm", bytes)));
+    for (int n = 0; n < 400; ++n) {
+      std::string hurt = bytes;
+      for (int changes = 0; changes <= n % 4; ++changes) hurt[std::uniform_int_distribution<std::size_t>(132, hurt.size() - 1)(random)] = static_cast<char>(random());
+      if (n % 5 == 4) hurt.resize(std::uniform_int_distribution<std::size_t>(132, hurt.size())(random));
+      const auto path = write(folder / "hurt.dcm", hurt);
+      const auto volume = readVolume(path, options);
+      CHECK((volume || !volume.error().message.empty()));
+      if (volume) CHECK(std::visit([](const auto &all) { return all.size(); }, volume->volume.voxels) == volume->volume.geometry.voxelCount());
+      const auto labels = readLabelMap(path, options);
+      CHECK((labels || !labels.error().message.empty()));
+      readAll += volume ? 1 : 0;
+    }
+  }
+  CHECK(readAll > 100);  // most changes are in pixels and names
+}
+
+TEST_CASE("Colours of JPEG 2000 with bytes changed crash no decoder", "[imaging]") {
+  C3DE_DATA_OR_SKIP(path, "dicom/pydicom_single/examples_jpeg2k.dcm");
+  const std::string bytes = bytesOf(path);
+  std::mt19937 random(19);
+  const auto folder = emptyFolder("hurt");
+  const std::size_t stream = bytes.find("\xff\x4f\xff\x51");
+  REQUIRE(stream != std::string::npos);
+  for (int n = 0; n < 60; ++n) {
+    std::string hurt = bytes;
+    for (int changes = 0; changes < 3; ++changes)
+      hurt[std::uniform_int_distribution<std::size_t>(stream, n % 2 == 0 ? stream + 150 : hurt.size() - 1)(random)] = static_cast<char>(random());
+    const auto loaded = readVolume(write(folder / "hurt.dcm", hurt));
+    CHECK((loaded || !loaded.error().message.empty()));
   }
 }
 
