@@ -98,3 +98,34 @@ TEST_CASE("info lists the series of a folder and shows the one that is chosen") 
   CHECK_THAT(runC3de({"info", named.string(), "--patient-names"}).output, Contains("patient: HEAD"));
   CHECK_THAT(runC3de({"info", named.string()}).output, !Contains("HEAD"));
 }
+
+TEST_CASE("A scene names a part of a series by the text that info prints") {
+  C3DE_DATA_OR_SKIP(data, "dicom/mr_mixed_orientation_4");
+  const auto list = runC3de({"info", data.string()});
+  REQUIRE(list.exitCode == 0);
+  const std::string prefix = "in a scene: ";
+  const auto at = list.output.rfind(prefix);
+  REQUIRE(at != std::string::npos);
+  const std::string key = list.output.substr(at + prefix.size(), list.output.find('\n', at) - at - prefix.size());
+  CHECK_THAT(key, Contains("series = ") && Contains("#2"));
+
+  const auto folder = freshFolder("info-series");
+  const auto described = [&](const std::string &series) {
+    const auto scene = writeFile(folder / "scene.toml", "format = 1\n[image]\nfile = \"" + data.generic_string() + "\"\n" + series +
+                                                            "\n[[body]]\nname = \"a\"\nvolume = \"" + data.generic_string() + "\"\n" + series +
+                                                            "\nthreshold = [100, 100000]\n");
+    return runC3de({"info", scene.string(), "--json", "--no-plugins"});
+  };
+  const auto both = described(key);
+  REQUIRE(both.exitCode == 0);
+  const auto parsed = nlohmann::json::parse(both.output);
+  CHECK(parsed.at("image").at("size") == nlohmann::json({288, 288, 2}));
+  CHECK(parsed.at("bodies").at(0).at("volume").at("voxels").get<int>() > 0);
+  const auto brief = described("series = \"#2\"");  // the only series that has parts
+  REQUIRE(brief.exitCode == 0);
+  CHECK(nlohmann::json::parse(brief.output).at("image").at("index_to_world_mm") == parsed.at("image").at("index_to_world_mm"));
+  CHECK(nlohmann::json::parse(described("series = \"#1\"").output).at("image").at("index_to_world_mm") != parsed.at("image").at("index_to_world_mm"));
+  const auto absent = described("series = 77");
+  CHECK(absent.exitCode == 3);
+  CHECK_THAT(absent.errorOutput, Contains("scene.toml:2: ") && Contains("has no series '77'; there are:") && Contains("oblique axial"));
+}

@@ -11,9 +11,10 @@ Expected<void> readSceneImage(const scene::SceneFile &scene, OrganSources &sourc
   imaging::ReadOptions options;
   options.progress = progress;
   const scene::SceneImage &image = *scene.image;
-  imaging::ReadOptions atTime = options;
-  atTime.time = image.time;
-  if (const auto read = sources.volume(image.file, atTime); !read) return failInScene(read.error(), scene, image.line);
+  imaging::ReadOptions chosen = options;
+  chosen.series = image.series;
+  chosen.time = image.time;
+  if (const auto read = sources.volume(image.file, chosen); !read) return failInScene(read.error(), scene, image.line);
   for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, image.file.string() + ": " + notice);
   for (const std::filesystem::path &labels : image.labels) {
     if (const auto read = sources.labels(labels, options); !read) return failInScene(read.error(), scene, image.line);

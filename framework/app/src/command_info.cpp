@@ -200,6 +200,7 @@ Expected<Json> describeSceneImage(const scene::SceneFile &scene, std::ostringstr
   const auto named = [&](const Error &error) { return failInScene(error, scene, image.line); };
   imaging::ReadOptions options;
   options.time = image.time;
+  options.series = image.series;
   const auto described = describeVolume(image.file, options);
   if (!described) return named(described.error());
   text << "image " << image.file.string() << "\n";

@@ -275,9 +275,10 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, render
   }
   if (options.exportImage.isWanted()) {
     // It has been read above, and is there.
-    imaging::ReadOptions atTime;
-    atTime.time = scene->image->time;
-    const auto image = sources.volume(scene->image->file, atTime);
+    imaging::ReadOptions chosen;
+    chosen.series = scene->image->series;
+    chosen.time = scene->image->time;
+    const auto image = sources.volume(scene->image->file, chosen);
     if (!image) return tl::unexpected(image.error());
     const auto how = imageWarpOf(*scene, sources, session.materials());
     if (!how) return tl::unexpected(how.error());

@@ -63,9 +63,10 @@ Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sou
   if (!scene.image) return how;
   const scene::SceneImage &asked = *scene.image;
   how.rim_mm = asked.rim_mm;
-  imaging::ReadOptions atTime;
-  atTime.time = asked.time;
-  const auto image = sources.volume(asked.file, atTime);
+  imaging::ReadOptions chosen;
+  chosen.series = asked.series;
+  chosen.time = asked.time;
+  const auto image = sources.volume(asked.file, chosen);
   if (!image) return failInScene(image.error(), scene, asked.line);
   if (!asked.labels.empty()) {
     const auto labels = sources.labels(asked.labels.back(), {});

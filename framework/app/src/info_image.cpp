@@ -65,16 +65,28 @@ std::optional<std::pair<double, double>> rangeOf(const Volume &volume) {
   return std::pair{std::min(a, b), std::max(a, b)};
 }
 
+/// What a scene says to name a series: its number where no other has it, else its identifier.
+std::string inScene(const SeriesInfo &info, const std::vector<SeriesInfo> &list) {
+  if (info.isSegmentation) return "labels = \"its file\"";
+  const auto alike = std::count_if(list.begin(), list.end(), [&](const SeriesInfo &other) { return !other.isPart && other.number == info.number; });
+  const std::size_t part = info.id.rfind('#');
+  if (info.number.empty() || alike != 1 || info.number.find_first_not_of("0123456789") != std::string::npos) return "series = \"" + info.id + "\"";
+  return part == std::string::npos ? "series = " + info.number : "series = \"" + info.number + info.id.substr(part) + "\"";
+}
+
 void describeSeries(const std::vector<SeriesInfo> &list, bool patientNames, Described &out) {
   std::ostringstream text;
   text << list.size() << " series:\n";
   out.json["series"] = Json::array();
   for (const SeriesInfo &info : list) {
-    Json json{{"id", info.id}, {"modality", info.modality}, {"description", info.description}, {"size", info.size}, {"files", info.files},
+    Json json{{"id", info.id}, {"number", info.number}, {"times", info.times}, {"part", info.isPart}, {"segmentation", info.isSegmentation}, {"modality", info.modality}, {"description", info.description}, {"size", info.size}, {"files", info.files},
               {"orientation", info.orientation}, {"folder", info.folder.string()}};
-    text << "  " << info.id << "\n    " << (info.modality.empty() ? "" : info.modality + " ") << sizeText(info.size)
+    text << "  " << info.id << "\n    " << (info.isPart ? "part: " : "") << (info.modality.empty() ? "" : info.modality + " ") << sizeText(info.size)
          << (info.orientation.empty() ? "" : " " + info.orientation) << ", " << info.files << (info.files == 1 ? " file" : " files");
+    if (!info.number.empty()) text << ", number " << info.number;
     if (!info.description.empty()) text << ", \"" << info.description << "\"";
+    if (info.times > 1) text << ", " << info.times << " time points";
+    text << "\n    in a scene: " << inScene(info, list);
     if (!info.refusal.empty()) {
       json["refused_because"] = info.refusal;
       text << "\n    not read: " << info.refusal;
@@ -179,9 +191,10 @@ Expected<Described> describeImage(const std::filesystem::path &path, const imagi
   out.json = Json{{"file", path.string()}, {"kind", "image"}};
   std::error_code code;
   const bool folder = std::filesystem::is_directory(path, code);
-  if (folder || list->front().files > 1 || patientNames) {
+  const bool hasParts = std::any_of(list->begin(), list->end(), [](const SeriesInfo &info) { return info.isPart; });
+  if (folder || list->front().files > 1 || hasParts || patientNames) {
     describeSeries(*list, patientNames, out);
-    const auto readable = std::count_if(list->begin(), list->end(), [](const SeriesInfo &info) { return info.refusal.empty(); });
+    const auto readable = std::count_if(list->begin(), list->end(), [](const SeriesInfo &info) { return info.refusal.empty() && !info.isPart && !info.isSegmentation; });
     if (folder && options.series.empty() && readable > 1) {
       out.text += "choose one by --series to see more\n";
       return out;

@@ -250,7 +250,7 @@ int dispatch(int argc, char **argv) {
 
   CLI::App *infoCommand = app.add_subcommand("info", "What a mesh, image, folder of images or scene contains, and what is wrong with it");
   infoCommand->add_option("FILE", arguments.files, "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files and scenes")->required();
-  infoCommand->add_option("--series", arguments.series, "The series of a folder that holds several")->type_name("ID");
+  infoCommand->add_option("--series", arguments.series, "The series of a folder that holds several: its identifier, number or description, a part behind a #")->type_name("ID");
   infoCommand->add_option("--time", arguments.time, "The time point of an image that holds several, from 0")->check(CLI::Range(0LL, 1000000LL))->type_name("N");
   infoCommand->add_flag("--patient-names", arguments.patientNames, "Show the names of patients, which are left out otherwise");
   infoCommand->add_flag("--quick", arguments.infoQuick, "Do not build the bodies of scenes; what only that can tell is not checked");

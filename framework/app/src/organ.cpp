@@ -62,7 +62,7 @@ Expected<FoundLabel> labelOf(const scene::SceneVolume &volume, const std::vector
 
 Expected<std::shared_ptr<const OrganSources::Layers>> OrganSources::labels(const std::filesystem::path &file,
                                                                            const imaging::ReadOptions &options) {
-  auto &stored = labels_[{file, options.time}];
+  auto &stored = labels_[{file, options.series, options.time}];
   if (stored) return stored;
   auto loaded = imaging::readLabelMap(file, options);
   if (!loaded) return tl::unexpected(loaded.error());
@@ -74,7 +74,7 @@ Expected<std::shared_ptr<const OrganSources::Layers>> OrganSources::labels(const
 
 Expected<std::shared_ptr<const imaging::Volume>> OrganSources::volume(const std::filesystem::path &file,
                                                                       const imaging::ReadOptions &options) {
-  auto &stored = volumes_[{file, options.time}];
+  auto &stored = volumes_[{file, options.series, options.time}];
   if (stored) return stored;
   auto loaded = imaging::readVolume(file, options);
   if (!loaded) return tl::unexpected(loaded.error());
@@ -86,6 +86,7 @@ Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, con
                                            Preparation &took) {
   imaging::ReadOptions options;
   options.progress = progress;
+  options.series = volume.series;
   options.time = volume.time;
   std::shared_ptr<const Layers> map;
   std::shared_ptr<const imaging::Volume> image;

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -45,7 +46,7 @@ class OrganSources {
   [[nodiscard]] std::vector<std::string> takeNotices();
 
  private:
-  using File = std::pair<std::filesystem::path, std::size_t>;  ///< at one of its time points
+  using File = std::tuple<std::filesystem::path, std::string, std::size_t>;  ///< one of its series at one of its time points
   std::map<File, std::shared_ptr<const Layers>> labels_;
   std::map<File, std::shared_ptr<const imaging::Volume>> volumes_;
   std::vector<std::string> notices_;

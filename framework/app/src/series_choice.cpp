@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "series_choice.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -11,7 +12,7 @@ namespace c3de::app {
 namespace {
 
 std::string kindOf(const imaging::SeriesInfo &s) {
-  std::string text = s.modality;
+  std::string text = (s.isPart ? "Part " + s.id.substr(s.id.rfind('#') + 1) + ": " : "") + s.modality;
   for (const std::string &part : {s.description, s.orientation})
     if (!part.empty()) text += (text.empty() ? "" : ", ") + part;
   return text.empty() ? "Series" : text;
@@ -45,7 +46,8 @@ SeriesChoice::SeriesChoice(ui::PanelRegistry &panels, const std::filesystem::pat
 SeriesChoice::~SeriesChoice() { panels_.remove(panel_); }
 
 void SeriesChoice::draw(const c3de_ui_v0 &ui) {
-  const std::string intro = name_ + " holds several series:";
+  const bool isOne = std::count_if(series_.begin(), series_.end(), [](const imaging::SeriesInfo &s) { return !s.isPart; }) == 1;
+  const std::string intro = name_ + (isOne ? " can be opened as a whole or in parts:" : " holds several series:");
   ui.text(ui.ctx, toAbi(intro));
   std::optional<std::string> chosen;
   for (std::size_t i = 0; i < series_.size(); ++i) {

@@ -69,11 +69,10 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         if (series.empty()) {
           auto found = imaging::listSeries(path, progress);
           if (!found) return tl::unexpected(found.error());
-          std::erase_if(*found, [](const imaging::SeriesInfo &s) { return !s.refusal.empty(); });
-          if (found->size() > 1) {
-            read->series = std::move(*found);
-            return {};
-          }
+          std::erase_if(*found, [](const imaging::SeriesInfo &s) { return !s.refusal.empty() || s.isSegmentation; });
+          const auto wholes = std::count_if(found->begin(), found->end(), [](const imaging::SeriesInfo &s) { return !s.isPart; });
+          if (found->size() > 1) read->series = std::move(*found);
+          if (wholes > 1) return {};  // one series in parts is opened as a whole, and its parts are offered
         }
         imaging::ReadOptions options;
         options.series = series;
@@ -94,6 +93,7 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
         series_ = series;
         tell("Opened " + name, read->notices);
         for (const std::filesystem::path &file : labels) openLabels(file);
+        if (!read->series.empty()) askForSeries(path, labels, read->series);
       });
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 const std::vector<std::string> kBodyKeys{"name",  "mesh",     "mesh_unit", "position", "rotation_deg",     "scale",
                                          "material", "sampling", "parts",     "velocity", "angular_velocity",
-                                         "volume", "time", "label", "threshold", "mend", "edge_length", "rigid"};
+                                         "volume", "series", "time", "label", "threshold", "mend", "edge_length", "rigid"};
 const std::vector<std::string> kObstacleKeys{"name",  "mesh",     "mesh_unit",    "position",            "rotation_deg",
                                              "scale", "friction", "restitution", "displacement", "motion_rotation_deg", "centre", "ramp"};
 const std::vector<std::string> kProbeKeys{"name", "body", "at"};
@@ -229,7 +229,7 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
   if (key == "velocity") return readVec3(key, value, body.velocity_m_s);
   if (key == "angular_velocity") return readVec3(key, value, body.angularVelocity_rad_s);
   if (key == "position" || key == "rotation_deg" || key == "scale") return placementKey(body.placement, key, value);
-  if (key == "volume" || key == "time" || key == "label" || key == "threshold" || key == "mend" || key == "edge_length")
+  if (key == "volume" || key == "series" || key == "time" || key == "label" || key == "threshold" || key == "mend" || key == "edge_length")
     return volumeKey(body.volume, key, value);
   return refuseKey(value.line, key, "[[body]]", kBodyKeys);
 }

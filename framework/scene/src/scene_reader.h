@@ -73,6 +73,7 @@ class SceneReader {
   bool checkSource(const TomlValue &table, SceneBody &body);
   bool readImageFile(const std::string &key, const TomlValue &value, std::filesystem::path &out);
   bool readTime(const TomlValue &value, std::size_t &out);
+  bool readSeries(const TomlValue &value, std::string &out);
 
   bool readName(const TomlValue &value, std::string &out);
   bool readText(const std::string &key, const TomlValue &value, std::string &out);

@@ -8,7 +8,7 @@
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kImageKeys{"file", "time", "labels", "warp", "rim", "still"};
+const std::vector<std::string> kImageKeys{"file", "series", "time", "labels", "warp", "rim", "still"};
 const std::vector<std::string> kStillKeys{"labels", "above", "below", "outside"};
 const char *const kStill = "\"auto\" (bone and air), \"nothing\", \"outside\" (all outside of the bodies), or a table such as "
                            "{ labels = [\"rib*\"], above = 200, below = -400 }";
@@ -38,6 +38,18 @@ bool SceneReader::readTime(const TomlValue &value, std::size_t &out) {
   return true;
 }
 
+bool SceneReader::readSeries(const TomlValue &value, std::string &out) {
+  const char *const accepted = "the identifier, the description or the number of a DICOM series, with a part behind it as in \"4#2\" (c3de info lists them)";
+  if (value.isNumber() && value.num == std::floor(value.num) && value.num >= 0.0 && value.num < 1e9) {
+    out = std::to_string(static_cast<long long>(value.num));
+    return true;
+  }
+  if (value.kind != TomlValue::Kind::text || value.text.empty())
+    return refuse(value.line, "series is " + (value.isNumber() ? formatNumber(value.num) : value.kind == TomlValue::Kind::text ? "empty" : value.kindName()) + "; accepted: " + accepted);
+  out = value.text;
+  return true;
+}
+
 bool SceneReader::readImage(const TomlValue &table) {
   if (table.kind != TomlValue::Kind::table)
     return refuse(table.line, "'image' is " + table.kindName() + "; accepted: a table, [image]");
@@ -48,6 +60,8 @@ bool SceneReader::readImage(const TomlValue &table) {
       if (!readImageFile(key, value, image.file)) return false;
     } else if (key == "time") {
       if (!readTime(value, image.time)) return false;
+    } else if (key == "series") {
+      if (!readSeries(value, image.series)) return false;
     } else if (key == "labels") {
       image.labels.emplace_back();
       if (!readImageFile(key, value, image.labels.back())) return false;
@@ -121,6 +135,7 @@ bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const T
   };
   if (key == "volume") return readImageFile(key, value, volume.file);
   if (key == "time") return readTime(value, volume.time);
+  if (key == "series") return readSeries(value, volume.series);
   if (key == "edge_length") return length(key, value, volume.edgeLength_mm);
   if (key == "label") {
     if (value.kind == TomlValue::Kind::text) {
@@ -168,7 +183,7 @@ bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {
   if (volume.file.empty()) {
     if (const TomlValue *stray = table.find("label"); stray != nullptr)
       return refuse(stray->line, "'label' belongs to a body with a 'volume'");
-    for (const char *key : {"threshold", "time", "mend", "edge_length"})
+    for (const char *key : {"series", "threshold", "time", "mend", "edge_length"})
       if (const TomlValue *stray = table.find(key); stray != nullptr)
         return refuse(stray->line, std::string("'") + key + "' belongs to a body with a 'volume'");
     if (body.mesh.empty())

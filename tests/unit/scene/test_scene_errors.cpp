@@ -170,6 +170,9 @@ TEST_CASE("Every mistake in a scene is refused with file, line, what is wrong an
       {"a misspelt key of the image", kMinimal + "[image]\nfiel = \".\"\n", ":6: ", "unknown key 'fiel'", "did you mean 'file'?"},
       {"a time that is no number of one", kMinimal + "[image]\nfile = \".\"\ntime = 1.5\n", ":7: ", "time is 1.5", "a whole number from 0"},
       {"a negative time", kMinimal + "[image]\nfile = \".\"\ntime = -1\n", ":7: ", "time is -1", "a whole number from 0"},
+      {"a series that is a list", kMinimal + "[image]\nfile = \".\"\nseries = [1]\n", ":7: ", "series is", "number of a DICOM series"},
+      {"a series between two numbers", kMinimal + "[image]\nfile = \".\"\nseries = 4.5\n", ":7: ", "series is 4.5", "\"4#2\""},
+      {"a series of a mesh", kMinimal + "series = 4\n", ":5: ", "'series' belongs to a body with a 'volume'", "volume"},
       {"a negative rim", kMinimal + "[image]\nfile = \".\"\nrim = -1\n", ":7: ", "rim is -1", "0 mm and more"},
   };
   for (const Refused &refused : cases) {

@@ -71,6 +71,7 @@ struct SceneVolume {
   std::shared_ptr<const imaging::Mask> mask;       ///< in the place of a file: picked in an image that is open
   std::optional<std::uint16_t> label;    ///< number of a label
   std::string labelName;                 ///< or its name; empty: not by name
+  std::string series;                    ///< imaging::ReadOptions::series of the file or folder
   std::optional<std::array<double, 2>> threshold;  ///< lowest and highest value that belong to it
   double opening_mm = 0.0, closing_mm = 0.0;       ///< 0: none
   bool largest = false, fillHoles = false;
@@ -92,6 +93,7 @@ struct SceneImage {
   std::size_t time = 0;  ///< of several time points, from 0
   std::vector<std::filesystem::path> labels;
   bool warp = true;      ///< it deforms with the bodies
+  std::string series;    ///< imaging::ReadOptions::series of the file or folder
   double rim_mm = 10.0;  ///< within it their displacement falls to nothing around them
   SceneStill still;      ///< and what stays there
   int line = 0;
