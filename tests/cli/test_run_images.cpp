@@ -168,16 +168,19 @@ TEST_CASE("A scene with an image is drawn as four views, or as the one that was 
   (void)writeBalls(folder);
   const auto scene = writeFile(folder / "scene.toml",
                                std::string(kBody) + "label = 1\n[image]\nfile = \"organs.nrrd\"\n");
-  const auto draw = [&](const std::string &name, std::vector<std::string> more) {
+  bool isDrawn = true;
+  const auto draw = [&](const std::string &name, std::vector<std::string> more) -> std::string {
     std::vector<std::string> arguments{"run", scene.string(), "--steps", "2", "--screenshot", (folder / name).string(), "--size", "640x480"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto ran = runWithoutDisplay(arguments);
     INFO(ran.errorOutput);
-    if (ran.exitCode == 6) C3DE_SKIP("no OpenGL here: " + ran.errorOutput);
+    isDrawn = ran.exitCode != 6;
+    if (!isDrawn) return {};
     REQUIRE(ran.exitCode == 0);
     return readFile(folder / name);
   };
   const std::string four = draw("four.png", {});
+  if (!isDrawn) C3DE_SKIP("no OpenGL here");
   CHECK(four.size() > 5000);
   CHECK(draw("four_again.png", {"--view", "four-up"}) == four);
   std::vector<std::string> all{four};

@@ -423,7 +423,7 @@ TEST_CASE("an organ from a scene can be filled again with another count", "[orga
 TEST_CASE("a step that takes long is said while it lasts, and reset and Escape end it", "[organ_long_step]") {
   C3DE_ORGAN_OR_SKIP();
   // Nearly incompressible in implicit steps: a minute and more for each.
-  const fs::path scene = fs::path(C3DE_TEST_OUTPUT) / "ui" / "heavy.toml";
+  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "heavy.toml";
   fs::create_directories(scene.parent_path());
   std::ofstream(scene) << "format = 1\ntitle = \"Heavy organ\"\n[solver]\nintegrator = \"implicit\"\n[[body]]\nname = \"organ\"\n"
                        << "mesh = \"" << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"

@@ -115,7 +115,7 @@ TEST_CASE("what is in the file list opens by a double click, and by Enter once i
     window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
     window.click("dialog/path");
     window.key("ctrl+a");
-    window.type((std::filesystem::path(C3DE_TEST_OUTPUT) / "ui").string());
+    window.type((std::filesystem::path(testOutputRoot()) / "ui").string());
     window.key("Return");
     window.waitUntil("the folder is listed", [](const Json &s) { return s["widgets"].contains("dialog/entry.no_mesh.obj"); });
     if (isDouble) {
@@ -136,10 +136,10 @@ TEST_CASE("what is in the file list opens by a double click, and by Enter once i
 TEST_CASE("a window is never larger than the screen, also where a unit is two pixels", "[screen_size]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("screen_size");
-  const std::filesystem::path noMesh = std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "no_mesh.obj";
+  const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
   std::ofstream(noMesh) << "this is no mesh\n";
   // The virtual screen forgets what it was told when the last program leaves it.
-  auto keeper = c3de::ChildProcess::start({"xprop", "-root", "-spy"}, std::filesystem::path(C3DE_TEST_OUTPUT) / "ui" / "xprop.log");
+  auto keeper = c3de::ChildProcess::start({"xprop", "-root", "-spy"}, std::filesystem::path(testOutputRoot()) / "ui" / "xprop.log");
   if (!keeper) C3DE_SKIP("xprop is not there to set the density of the display");
   std::this_thread::sleep_for(std::chrono::seconds(1));
   // What a desktop says of a display with twice the usual density.

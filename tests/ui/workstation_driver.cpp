@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "support/folders.h"
+
 namespace c3de::test {
 namespace {
 

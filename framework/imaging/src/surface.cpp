@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMostTriangles = 5e6;
 // Automatic edges, see SurfaceSettings: triangles of a detailed skin, and of one that has to be finer because it is thin.
-constexpr double kDetail = 6e4, kThinDetail = 2.4e5;
+constexpr double kDetail = 4e4, kThinDetail = 2.4e5;
 constexpr double kLongestOfVoxel = 1.5, kEdgesAcross = 3.0;
 constexpr double kAreaOfSteps = 1.5;        // steps make an area up to so many times that of what they stand for
 constexpr float kHalf = 0.5f;
