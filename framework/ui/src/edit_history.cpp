@@ -42,10 +42,11 @@ std::string EditHistory::redoLabel() const { return isOrgans(false) ? organLabel
 
 void EditHistory::undo() {
   isOrganLast_ = isOrgans(true);
-  if (isOrganLast_)
-    organ_->undo();
-  else if (parameters_)
+  if (isOrganLast_) {
+    if (organ_->mask().isBusy() || !organLabel(true).empty()) organ_->undo();
+  } else if (parameters_) {
     parameters_->history().undo(*parameters_);
+  }
 }
 
 void EditHistory::redo() {

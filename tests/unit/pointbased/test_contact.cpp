@@ -110,7 +110,9 @@ TEST_CASE("a phyxel that starts inside is led out without being thrown") {
   simulator.addObstacle(ground(0.0, 0.3));
   double highest = -1.0;
   for (int i = 0; i < 2000; ++i) {
-    REQUIRE(simulator.step());
+    const auto stepped = simulator.step();
+    INFO((stepped ? std::string() : stepped.error().text) << " at step " << i);
+    REQUIRE(stepped);
     highest = std::max(highest, -0.02 + simulator.body(id)->state().displacements[0][1]);
   }
   CHECK_THAT(-0.02 + simulator.body(id)->state().displacements[0][1], WithinAbs(0.005, 2e-4));

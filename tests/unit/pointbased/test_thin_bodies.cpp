@@ -195,11 +195,12 @@ TEST_CASE("the depth of a penetration is that of the skin that is drawn") {
   WorldBox box;
   box.enabled = true;
   box.min = Vec3(-1, 0, -1);
-  CHECK(skinDepth(body, {}, box, 0.0, serialFor()) < 1e-12);
+  std::vector<Vec3> skin;
+  CHECK(skinDepth(body, {}, box, 0.0, skin, serialFor()) < 1e-12);
   for (Vec3 &u : body.state().displacements) u[1] = -0.003;
-  CHECK_THAT(skinDepth(body, {}, box, 0.0, serialFor()), WithinRel(0.003, 1e-9));
+  CHECK_THAT(skinDepth(body, {}, box, 0.0, skin, serialFor()), WithinRel(0.003, 1e-9));
   const Obstacle ground = halfSpace(Vec3(0, 0.001, 0), Vec3(0, 1, 0), 0.3);
-  CHECK_THAT(skinDepth(body, std::span(&ground, 1), WorldBox(), 0.0, serialFor()), WithinRel(0.004, 1e-9));
+  CHECK_THAT(skinDepth(body, std::span(&ground, 1), WorldBox(), 0.0, skin, serialFor()), WithinRel(0.004, 1e-9));
 }
 
 TEST_CASE("a region to refine that meets no part of the body is refused by its number") {

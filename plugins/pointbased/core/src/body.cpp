@@ -170,8 +170,9 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
 double Body::stableStepFor(double tangentRatio) const {
   // No eigenvalue of a sum is above the sum of the largest ones.
   const double elastic = restFrequency_ * restFrequency_, around = foundationFrequency_ * foundationFrequency_;
-  const double frequency = std::sqrt(elastic * tangentRatio + around);
-  if (!(frequency > 0.0)) return std::numeric_limits<double>::infinity();
+  const double frequency =
+      around > 0.0 ? std::sqrt(elastic * tangentRatio + around) : restFrequency_ * std::sqrt(tangentRatio);
+  if (frequency == 0.0) return std::numeric_limits<double>::infinity();
   // Viscous forces are taken at the velocity half a step before: the bound of central differences with lagged damping.
   double relaxation = 0.0;
   for (const Material &m : constitution_.materials)

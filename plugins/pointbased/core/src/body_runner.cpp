@@ -170,6 +170,7 @@ double BodyRunner::tryToAdvance(const StepOrder &order, double span, std::uint64
           mark_->state = body.state();
           mark_->time = order.time + *gone;
         }
+        body.contact.ledOut.setZero();
       });
     if (gone) {
       if (scale_ < 1.0 && ++goodSteps_ >= kPatience) {

@@ -274,7 +274,10 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
     solution.tangential[c].setZero();
   }
   sweep(lead, active, settings, true, solution);
-  for (std::size_t j = 0; j < velocities.size(); ++j) velocities[j] += solution.recovery[j];
+  for (std::size_t j = 0; j < velocities.size(); ++j) {
+    velocities[j] += solution.recovery[j];
+    if (inverseMasses[j] > 0.0) memory.ledOut += dt / inverseMasses[j] * solution.recovery[j];
+  }
   return total;
 }
 

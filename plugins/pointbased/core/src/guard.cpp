@@ -101,7 +101,9 @@ std::optional<GuardFinding> EnergyWatch::look(const Body &body, const Vec3 &grav
   const double scale = std::max(kinetic, stored);
   const bool comparable = known_ && !driven;
   const double before = total_;
-  const double growth = total - total_, allowed = kGrowth * std::max(scale, scale_);
+  // What is led out of an obstacle is lifted by it.
+  const double lifted = std::max(0.0, -gravity.dot(body.contact.ledOut));
+  const double growth = total - total_, allowed = kGrowth * std::max(scale, scale_) + lifted * (1.0 + 1e-9);
   known_ = true;
   total_ = total;
   scale_ = scale;

@@ -31,9 +31,10 @@ std::string millimetres(double metres) { return number(1e3 * metres, 3) + " mm";
 double Simulator::skinDepth(std::size_t id) const {
   const Body *target = body(id);
   if (!target) return 0.0;
+  std::vector<Vec3> skin;
   const auto told = skinDeepest_.find(id);
   return std::max({target->contact.deepest, told == skinDeepest_.end() ? 0.0 : told->second,
-                   pointbased::skinDepth(*target, obstacles_, world_.box, clockOfRamps(), parallelFor_)});
+                   pointbased::skinDepth(*target, obstacles_, world_.box, clockOfRamps(), skin, parallelFor_)});
 }
 
 double Simulator::costOf(std::size_t id) const {
@@ -59,7 +60,7 @@ void Simulator::lookAround() {
       // A skin of many points is looked at less often, and not at all where the body touches nothing.
       const std::uint64_t every = kExplicitSteps * (1 + body.rest().surfels.count() / (16 * (1 + body.rest().pointCount())));
       if (runner->asleep() || body.contact.active.empty() || (steps_ % every != 0 && steps_ % kExplicitSteps == 0)) continue;
-      const double depth = pointbased::skinDepth(body, {}, world_.box, clockOfRamps(), parallelFor_);
+      const double depth = pointbased::skinDepth(body, {}, world_.box, clockOfRamps(), skin_, parallelFor_);
       double &deepest = skinDeepest_[id];
       const double through = kSkinThrough * body.rest().spacing;
       if (depth > through && deepest <= through)

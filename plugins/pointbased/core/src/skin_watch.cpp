@@ -76,17 +76,18 @@ Overlap behind(const Side &points, const Side &of, double reach) {
 }  // namespace
 
 double skinDepth(const Body &body, std::span<const Obstacle> obstacles, const WorldBox &box, double time,
-                 const ParallelFor &parallelFor) {
+                 std::vector<Vec3> &skin, const ParallelFor &parallelFor) {
   if (!box.enabled && obstacles.empty()) return 0.0;
   const RestState &rest = body.rest();
-  std::vector<Vec3> skin(rest.surfels.count()), none;
+  skin.resize(rest.surfels.count());
   if (skin.empty()) return 0.0;
-  updateSurfels(rest.surfels, {}, rest.positions, body.state().displacements, skin, none, parallelFor);
+  updateSurfels(rest.surfels, {}, rest.positions, body.state().displacements, skin, {}, parallelFor);
   double deepest = 0.0;
   for (Vec3 &x : skin) {
     x += rest.origin;
     if (box.enabled) deepest = std::max({deepest, (box.min - x).maxCoeff(), (x - box.max).maxCoeff()});
   }
+  if (obstacles.empty()) return std::isfinite(deepest) ? deepest : 0.0;
   const std::vector<double> ranges(skin.size(), std::numeric_limits<double>::infinity());
   std::vector<SurfacePoint> found(skin.size());
   for (const Obstacle &obstacle : obstacles) {

@@ -7,7 +7,7 @@
 namespace pointbased {
 namespace {
 
-constexpr double kThinnest = 0.3;      // spacings, of the thickness: thinner is refused
+constexpr double kThinnest = 0.15;      // spacings, of the thickness: thinner is refused
 constexpr double kThinnestGood = 0.5;  // likewise, what is proposed instead
 constexpr double kMostPhyxels = 200'000.0;  // that are proposed: more is no simulation that one waits for
 // rms strain below which an error of the strain is an error of nothing

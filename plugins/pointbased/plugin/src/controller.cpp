@@ -340,7 +340,7 @@ void Controller::load() {
     body.params_n = params.size();
     body.progress = progress.abi();
     c3de_handle added{};
-    simulator->addBody(&body, &added);
+    simulator->addLoadedBody(&body, &added);
     if (before != 0) (void)simulator->remove({before});
     return {};
   };

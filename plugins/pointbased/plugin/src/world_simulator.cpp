@@ -115,7 +115,22 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
   return {};
 }
 
-void WorldSimulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
+void WorldSimulator::makeRoom(const BodyRecord &body) {
+  const WorldBox &box = simulator_.world().box;
+  const Vec3 low = box.min.cwiseMin(body.surface->min), high = box.max.cwiseMax(body.surface->max);
+  if (!box.enabled || (low == box.min && high == box.max)) return;
+  ParameterValues changed = world_;
+  for (const auto &[id, corner] : {std::pair("world.box.min", low), std::pair("world.box.max", high)}) {
+    c3de_param_value value = sdk::orThrow(world_.get(id));
+    for (int axis = 0; axis < 3; ++axis) value.vec[axis] = corner[axis];
+    sdk::orThrow(changed.set(value));
+  }
+  world_ = std::move(changed);
+  simulator_.setWorld(worldSettings(world_));
+  context_.services.log.info("the walls of the world have made room for '" + body.name + "'");
+}
+
+void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls walls) {
   const c3de_sim_body in = readIn(body, "body");
   BodyRecord record;
   record.name = std::string(sdk::text(in.name));
@@ -129,6 +144,7 @@ void WorldSimulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
   const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
+  if (walls == Walls::makeRoom) makeRoom(record);
   mustBeInBox(simulator_.world().box, record.name, *record.surface, built.body->rest().spacing);
   record.order = nextOrder_++;
   simulator_.reset();

@@ -42,7 +42,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void attach(c3de_handle node);
   c3de_status declarations(std::uint32_t scope, const c3de_param_decl **decls, std::uint64_t *n, std::uint64_t *stride);
   sdk::Result<void> setWorld(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride);
-  void addBody(const c3de_sim_body *body, c3de_handle *out);
+  void addBody(const c3de_sim_body *body, c3de_handle *out) { add(body, out, Walls::stay); }
+  /// A body that reaches beyond world.box is a mistake of a scene; for one that a person loads the walls make room.
+  void addLoadedBody(const c3de_sim_body *body, c3de_handle *out) { add(body, out, Walls::makeRoom); }
   void addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle *out);
   void addProbe(c3de_str name, c3de_handle body, const double *at_m3);
   sdk::Result<void> setBodyParam(c3de_handle body, const c3de_param_value *value);
@@ -94,6 +96,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
     std::shared_ptr<PlacedMesh> mesh;
     bool moves = false;
   };
+  enum class Walls { stay, makeRoom };
+  void add(const c3de_sim_body *body, c3de_handle *out, Walls walls);
+  void makeRoom(const BodyRecord &body);
   [[nodiscard]] BodyRecord &bodyOrThrow(c3de_handle body);
   void takeView(Snapshot &snapshot);
   void estimate(std::uint64_t id, const Body &body, const PlacedMesh &surface, bool moved, BodySnapshot &out);

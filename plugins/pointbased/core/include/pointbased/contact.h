@@ -110,6 +110,7 @@ struct ContactMemory {
     std::vector<Index> points;        ///< that were looked at last, ascending
     std::vector<Vec3> positions, velocities;  ///< [points]
   } blocks;
+  Vec3 ledOut = Vec3::Zero();  ///< kg m, Σ mass · way by which penetrations were led out since the energy was looked at
   struct Solution {
     std::vector<double> inverseMasses;   ///< [contacts] 1/kg
     std::vector<double> impulses, least, friction;

@@ -179,6 +179,7 @@ class Simulator {
   std::vector<SimulationEvent> events_;
   std::set<std::size_t> notRenewed_;  // bodies whose reference could not be
   std::map<std::size_t, double> skinDeepest_;                // m, as drawn, beyond the walls
+  std::vector<Vec3> skin_;  // room for a look at one
   std::set<std::pair<std::size_t, std::size_t>> overlaps_;   // that have been told
   bool toldStep_ = false;
   std::map<std::size_t, double> spent_;                      // s of wall-clock time, by body

@@ -9,8 +9,9 @@ namespace pointbased {
 /// How deep the skin as it is drawn (RestState::surfels) reaches beyond the walls of the box and into closed obstacles, m; 0:
 /// nowhere. The points where contact is felt may be well away from it.
 /// @param time  s, or load factor: where obstacles that move are
+/// @param skin  room for the skin, used again by the next call; without obstacles nothing else is allocated
 [[nodiscard]] double skinDepth(const Body &body, std::span<const Obstacle> obstacles, const WorldBox &box, double time,
-                               const ParallelFor &parallelFor);
+                               std::vector<Vec3> &skin, const ParallelFor &parallelFor);
 
 /// Where the skins of two bodies overlap, by their points of contact: a point is inside of the other body if it lies behind
 /// the plane of that one's nearest point.
