@@ -387,8 +387,11 @@ TEST_CASE("An exported image follows a body far away, also while another one has
     leftAndMarked += isMarked ? 1 : 0;
   }
   CHECK(left > 900);
-  CHECK(leftAndMarked == left);
-  CHECK(marked <= balls);
+  // Single voxels are empty because they would come from outside of the image.
+  CHECK(leftAndMarked <= left);
+  CHECK(static_cast<double>(leftAndMarked) > 0.999 * static_cast<double>(left));
+  // Bodies are as large as their skins, which lie up to half a voxel off the border.
+  CHECK(static_cast<double>(marked) < 1.05 * static_cast<double>(balls));
   CHECK_THAT(ran.errorOutput + ran.output, Contains("u-vacated.nrrd: " + std::to_string(marked) + " voxels") && Contains("ml) are left by a body"));
   const auto u = readFile(field);
   CHECK(u.find("nan") == std::string::npos);

@@ -20,6 +20,8 @@ constexpr double kMostTriangles = 5e6;
 // Automatic edges, see SurfaceSettings: triangles of a detailed skin, and of one that has to be finer because it is thin.
 constexpr double kDetail = 4e4, kThinDetail = 2.4e5;
 constexpr double kLongestOfVoxel = 1.5, kEdgesAcross = 3.0;
+// Of masks less than so many voxels thick in the mean: parts that an opening of this radius takes away want such edges.
+constexpr double kSlender = 8.0, kThin = 1.5, kManyThin = 0.01, kShortestOfVoxel = 0.7;
 constexpr double kAreaOfSteps = 1.5;        // steps make an area up to so many times that of what they stand for
 constexpr float kHalf = 0.5f;
 constexpr double kVoxelsPerEdge = 2.5;      // of the grid the mask is seen through
@@ -85,11 +87,20 @@ double volumeSeen(const Fill &grid) {
 
 double trianglesOf(double area, double edge) { return area / (0.25 * std::sqrt(3.0) * edge * edge); }
 
+// What of the mask is nowhere three voxels thick: branches of vessels, walls.
+double thinPart(const Mask &mask, double voxel, double volume) {
+  const auto thick = opened(mask, kThin * voxel);
+  return thick ? std::max(0.0, 1.0 - volumeOf(*thick) / volume) : 0.0;
+}
+
 // As long as the detail of the image and the count of triangles want, but short enough for what is thin.
 double automaticEdge(const Mask &mask, const VoxelBox &box, double volume) {
   const double area = borderArea(mask, box), voxel = std::cbrt(mask.geometry.voxelVolume());
   const double thickness = 4.0 * volume / area;  // the diameter of a tube, about that of branching ones
-  const double thin = std::max(voxel, thickness / kEdgesAcross);
+  // Tubes of two voxels collapse under edges of one.
+  const double thin = thickness < kSlender * voxel && thinPart(mask, voxel, volume) > kManyThin
+                          ? kShortestOfVoxel * voxel
+                          : std::max(voxel, thickness / kEdgesAcross);
   const double wanted = std::max(std::min(kLongestOfVoxel * voxel, thin), std::sqrt(trianglesOf(area, 1.0) / kDetail));
   return std::max(std::min(wanted, thin), std::sqrt(trianglesOf(area, 1.0) / kThinDetail));
 }

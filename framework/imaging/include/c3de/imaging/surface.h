@@ -10,8 +10,8 @@ namespace c3de::imaging {
 
 struct SurfaceSettings {
   /// Wanted, mm; 0: so that the skin shows what the image does. One and a half voxels, longer where that would make more
-  /// than 40 000 triangles, shorter where the mask is thin: three across 4 V/A (the diameter of a tube), down to one voxel
-  /// and up to 240 000 triangles.
+  /// than 40 000 triangles, shorter where the mask is thin: three across 4 V/A (the diameter of a tube), down to one voxel,
+  /// 0.7 voxels where more than a hundredth of it is less than three voxels thick, and up to 240 000 triangles.
   double edgeLength = 0.0;
   /// Steps nearer to each other than about twice this are evened out, mm; 0: two of the longest voxel edges.
   double smoothingLength = 0.0;
