@@ -92,6 +92,7 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
   };
   enter("organ/low", "20");
   enter("organ/high", "100");
+  window.waitUntil("both ends count", [](const Json &s) { return text(s, "organ/Steps") == "threshold 20 … 100"; });
   const double between = picked(settled("soft tissue is picked", [](double ml) { return ml > 3000.0; }));
   CHECK(window.value("image/preview") == "shown");
   window.moveTo(pixelOf(window, "axial", centre, liver));
@@ -169,7 +170,7 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   WorkstationDriver window("image_returns");
   window.start({image.string(), labels.string()});
   const Json first = window.waitUntil("the scan and its labels are shown", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "image/label_map").empty();
+    return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "image/Label map").empty();
   }, 60.0);
   const Vec3 centre = crossHair(first);
   window.moveTo(pixelOf(window, "coronal", centre, centre));
