@@ -27,11 +27,14 @@ class Layers {
     return std::visit(
         [&](const auto &all) -> Expected<void> {
           const auto isIn = [&](std::size_t frame, std::size_t p) { return static_cast<double>(all[frame * each_ + p]) >= least; };
+          const auto isFree = [&](const std::vector<std::uint16_t> &layer) {
+            for (const auto &place : slices)
+              for (std::size_t p = 0; p < each_; ++p)
+                if (isIn(place.second, p) && layer[grid_.k[place.first] * each_ + p] != 0) return false;
+            return true;
+          };
           std::size_t layer = 0;
-          for (; layer < layers_.size(); ++layer) {
-            const std::size_t shared = count(slices, [&](std::size_t frame, std::size_t slice, std::size_t p) { return isIn(frame, p) && layers_[layer][slice * each_ + p] != 0; });
-            if (shared == 0) break;
-          }
+          while (layer < layers_.size() && !isFree(layers_[layer])) ++layer;
           if (auto room = makeRoom(layer); !room) return room;
           for (const auto &[slice, frame] : slices)
             for (std::size_t p = 0; p < each_; ++p)
@@ -64,13 +67,6 @@ class Layers {
   }
 
  private:
-  template <class Where>
-  std::size_t count(const std::vector<std::pair<std::size_t, std::size_t>> &slices, const Where &where) const {
-    std::size_t sum = 0;
-    for (const auto &[slice, frame] : slices)
-      for (std::size_t p = 0; p < each_; ++p) sum += where(frame, grid_.k[slice], p) ? 1 : 0;
-    return sum;
-  }
   Expected<void> makeRoom(std::size_t layer) {
     if (layer < layers_.size()) return {};
     const auto one = static_cast<double>(grid_.geometry.voxelCount());
