@@ -166,7 +166,7 @@ double BodyRunner::tryToAdvance(const StepOrder &order, double span, std::uint64
           if (mark_) backToMark();
           again = mark_.has_value();
         } else {
-          if (!mark_) mark_.emplace();
+          if (!mark_) mark_ = Mark();
           mark_->state = body.state();
           mark_->time = order.time + *gone;
         }
