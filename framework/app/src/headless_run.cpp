@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "c3de/core/text.h"
+#include "c3de/scene/text_sink.h"
 #include "interrupt.h"
 #include "progress_line.h"
 #include "step_limit.h"
@@ -24,17 +25,7 @@ std::string threeDigits(double value) {
 
 Expected<std::string> HeadlessRun::simulatorReport() const {
   std::string text;
-  c3de_sink sink{};
-  sink.self = &text;
-  sink.put = [](void *self, const void *bytes, std::uint64_t n) -> c3de_status {
-    try {
-      static_cast<std::string *>(self)->append(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
-      return C3DE_OK;
-    } catch (...) {
-      return C3DE_E_NOMEM;
-    }
-  };
-  const c3de_status code = table_->report(simulator_, sink);
+  const c3de_status code = table_->report(simulator_, scene::sinkInto(text));
   if (code >= 0) return text;
   const std::string reason = session_.plugins().takeError();
   return fail(ErrorCode::plugin, "the simulator gives no report: " +

@@ -15,6 +15,7 @@
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
+#include "c3de/scene/text_sink.h"
 #include "pace.h"
 
 namespace c3de::scene {
@@ -382,17 +383,7 @@ std::string Simulation::activity() const {
   const c3de_simulator_v0 *table = impl_->table;
   if (!impl_->has(offsetof(c3de_simulator_v0, activity) + sizeof table->activity) || table->activity == nullptr) return {};
   std::string text;
-  c3de_sink sink{};
-  sink.self = &text;
-  sink.put = [](void *self, const void *bytes, std::uint64_t n) -> c3de_status {
-    try {
-      static_cast<std::string *>(self)->append(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
-      return C3DE_OK;
-    } catch (...) {
-      return C3DE_E_NOMEM;
-    }
-  };
-  return table->activity(impl_->object, sink) < 0 ? std::string() : text;
+  return table->activity(impl_->object, sinkInto(text)) < 0 ? std::string() : text;
 }
 
 std::string Simulation::failure() const {

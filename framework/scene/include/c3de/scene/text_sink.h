@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "c3de/abi/draft/iface/simulator.h"
+
+namespace c3de::scene {
+
+/// What a simulator writes, at the end of a text, which outlives the sink. Running out of memory is answered as such.
+[[nodiscard]] inline c3de_sink sinkInto(std::string &text) {
+  c3de_sink sink{};
+  sink.self = &text;
+  sink.put = [](void *self, const void *bytes, std::uint64_t n) -> c3de_status {
+    try {
+      static_cast<std::string *>(self)->append(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
+      return C3DE_OK;
+    } catch (...) {
+      return C3DE_E_NOMEM;
+    }
+  };
+  return sink;
+}
+
+}  // namespace c3de::scene
