@@ -97,6 +97,15 @@ void BodyRunner::reset() {
   toldSlow_ = false;
 }
 
+bool BodyRunner::restore(const Checkpoint &checkpoint, const ParallelFor &parallelFor) {
+  if (!body_->restore(checkpoint.body, parallelFor)) return false;
+  forget();
+  rhythm_ = checkpoint.rhythm;
+  scale_ = checkpoint.scale;
+  goodSteps_ = checkpoint.goodSteps;
+  return true;
+}
+
 void BodyRunner::undoStep(const ParallelFor &parallelFor) {
   if (!underWay_) return;
   rhythm_ = underWay_->rhythm;

@@ -74,6 +74,17 @@ class BodyRunner {
   /// To the initial state, bit for bit.
   void reset();
 
+  /// The body as it is and how its steps are cut.
+  struct Checkpoint {
+    BodyCheckpoint body;
+    StepRhythm rhythm;
+    double scale = 1.0;
+    std::uint64_t goodSteps = 0;
+  };
+  [[nodiscard]] Checkpoint checkpoint() const { return {body_->checkpoint(), rhythm_, scale_, goodSteps_}; }
+  /// As Body::restore().
+  bool restore(const Checkpoint &checkpoint, const ParallelFor &parallelFor);
+
  private:
   struct Refusal {
     GuardFinding finding;

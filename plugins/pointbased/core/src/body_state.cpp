@@ -61,6 +61,32 @@ void Body::restoreState() {
   forcesCurrent = false;
 }
 
+BodyCheckpoint Body::checkpoint() const {
+  return {rest_, state_, contact, stopped, renewals_, carriedMoment_, rigid_};
+}
+
+bool Body::restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallelFor) {
+  if (checkpoint.rigid != rigid_) return false;
+  const bool sameReference = rest_ == checkpoint.rest;
+  rest_ = checkpoint.rest;
+  state_ = checkpoint.state;
+  if (!sameReference) layOut();
+  setConstitution(constitution_, parallelFor);  // fits the history to the material of now
+  renewals_ = checkpoint.renewals;
+  carriedMoment_ = checkpoint.carriedMoment;
+  contact = checkpoint.contact;
+  stopped = checkpoint.stopped;
+  grab.reset();
+  grabStatus.reset();
+  patches_.clearForces();
+  forces_.assign(rest_->phyxelCount(), Vec3::Zero());
+  computeGradients(parallelFor);
+  computeElasticStresses(parallelFor);
+  forcesCurrent = false;
+  keepState();
+  return true;
+}
+
 void Body::setRigid(bool rigid) {
   rigid_ = rigid;
   reset();

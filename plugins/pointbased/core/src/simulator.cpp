@@ -73,6 +73,7 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
     note("warning", warnings_[nextId_].back());
   }
   bodies_.emplace(nextId_, std::make_unique<detail::BodyRunner>(std::move(body)));
+  ++course_;
   describe(nextId_);
   return nextId_++;
 }
@@ -85,6 +86,7 @@ void Simulator::describe(std::size_t id) {
 std::string Simulator::activity() const { return activity_->line(); }
 
 std::size_t Simulator::addObstacle(Obstacle obstacle) {
+  ++course_;
   obstacles_.push_back(std::move(obstacle));
   obstacleIds_.push_back(nextId_);
   for (auto &[id, runner] : bodies_) {
@@ -96,6 +98,7 @@ std::size_t Simulator::addObstacle(Obstacle obstacle) {
 
 bool Simulator::removeBody(std::size_t id) {
   std::erase_if(probes_, [id](const Probe &p) { return p.body == id; });
+  ++course_;
   warnings_.erase(id);
   activity_->forget(id);
   return bodies_.erase(id) > 0;
@@ -104,6 +107,7 @@ bool Simulator::removeBody(std::size_t id) {
 bool Simulator::removeObstacle(std::size_t id) {
   const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), id);
   if (found == obstacleIds_.end()) return false;
+  ++course_;
   obstacles_.erase(obstacles_.begin() + (found - obstacleIds_.begin()));
   obstacleIds_.erase(found);
   for (auto &[other, runner] : bodies_) {
@@ -160,6 +164,7 @@ RigidMotion Simulator::obstacleMotion(std::size_t id) const {
 void Simulator::addProbe(std::string name, std::size_t id, const Vec3 &reference) {
   const Body *target = body(id);
   if (!target) return;
+  ++course_;
   const Vec3 local = reference - target->rest().origin;
   probes_.push_back(
       {std::move(name), id, reference, target->rest().bind(std::span<const Vec3>(&local, 1), {}), Vec3::Zero()});
@@ -334,6 +339,7 @@ void Simulator::reset() {
     runner->reset();
     if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
   }
+  ++course_;
   time_ = 0.0;
   loadFactor_ = 0.0;
   steps_ = 0;

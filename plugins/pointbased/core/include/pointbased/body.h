@@ -46,6 +46,17 @@ struct GrabStatus {
   double mass = 0.0;          ///< kg that it holds
 };
 
+/// What steps change of a body, kept so that it can go on from there.
+struct BodyCheckpoint {
+  std::shared_ptr<const RestState> rest;
+  State state;
+  ContactMemory contact;
+  std::string stopped;
+  std::size_t renewals = 0;
+  Vec3 carriedMoment = Vec3::Zero();  ///< kg m
+  bool rigid = false;
+};
+
 /// A deformable body: rest state, constitution, state, and the scratch of its step.
 class Body {
  public:
@@ -177,6 +188,11 @@ class Body {
   [[nodiscard]] const State &keptState() const { return kept_; }
   /// To the initial state, bit for bit.
   void reset();
+  [[nodiscard]] BodyCheckpoint checkpoint() const;
+  /// The state that was kept, with the material of now; nothing holds the body by hand then. History that the material of
+  /// then did not need starts fresh.
+  /// @return false: nothing is changed, because the body was rigid then and is not now, or the other way round
+  bool restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallelFor);
 
   /// Why the body stands still although the simulation goes on; empty: it does not.
   std::string stopped;

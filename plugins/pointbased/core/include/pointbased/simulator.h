@@ -17,7 +17,11 @@ namespace detail {
 class BodyRunner;
 class StepActivity;
 struct StepOrder;
+struct SimulatorCheckpoint;
 }
+
+/// The state of a simulation at one time, for Simulator::restore(). Cheap to copy.
+using Checkpoint = std::shared_ptr<const detail::SimulatorCheckpoint>;
 
 struct Probe {
   std::string name;
@@ -29,7 +33,7 @@ struct Probe {
 
 struct SimulationEvent {
   double time = 0.0;  ///< s
-  std::string kind;   ///< substep | slowed | smaller_step | stopped | switched | renewed | note | warning | skin | overlap | step
+  std::string kind;   ///< substep | slowed | smaller_step | stopped | switched | renewed | restored | note | warning | skin | overlap | step
   std::string text;
 };
 
@@ -98,6 +102,17 @@ class Simulator {
   [[nodiscard]] std::string activity() const;
   /// To the initial state of everything, bit for bit; time 0, nothing grabbed.
   void reset();
+
+  /// The state between two steps: of bodies, clock, probes and events.
+  [[nodiscard]] Checkpoint checkpoint() const;
+  /// Back to (or on to) a state of these bodies, nothing grabbed; materials, world and what holds the bodies are those of
+  /// now. From there explicit steps give the bits that they gave from there before, unless material flows (it flows once more
+  /// at the start). An event tells of it.
+  /// @return false: nothing is changed, because bodies or obstacles have come or gone since, or the simulation has been
+  ///         reset
+  bool restore(const Checkpoint &checkpoint);
+  /// Differs where checkpoints of before are refused.
+  [[nodiscard]] std::uint64_t course() const { return course_; }
 
   [[nodiscard]] double time() const { return quasiStatic() ? 0.0 : time_; }
   /// Quasi-static: 0 … 1.
@@ -173,6 +188,7 @@ class Simulator {
   std::vector<std::size_t> obstacleIds_;
   std::vector<Probe> probes_;
   std::size_t nextId_ = 1;
+  std::uint64_t course_ = 0;  // grows where what has been simulated ends: a reset, other bodies or obstacles
   double time_ = 0.0;        // s
   double loadFactor_ = 0.0;  // of a quasi-static solution
   std::uint64_t steps_ = 0;
