@@ -19,6 +19,7 @@
 #include "c3de/scene/mesh_store.h"
 #include "c3de/scene/scene_graph.h"
 #include "c3de/scene/simulation_directory.h"
+#include "c3de/ui/edit_list.h"
 #include "c3de/ui/panel_registry.h"
 #include "c3de/ui/parameter_registry.h"
 #include "c3de/ui/tool_registry.h"
@@ -47,6 +48,7 @@ class HostFixture {
       services.panels = &panels;
       services.parameters = &parameters;
       services.tools = &tools;
+      services.edits = &edits;
     }
     host = std::make_unique<plugin_host::PluginHost>(services);
   }
@@ -109,6 +111,7 @@ class HostFixture {
   ui::PanelRegistry panels;
   ui::ParameterRegistry parameters;
   ui::ToolRegistry tools;
+  ui::EditList edits;
   plugin_host::Services services;
   std::unique_ptr<plugin_host::PluginHost> host;
 

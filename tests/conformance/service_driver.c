@@ -690,6 +690,63 @@ static void drive_tools(void) {
   GIVES(C3DE_OK, tools->remove(tools->ctx, stubborn));
 }
 
+/* ---- history ---- */
+
+static c3de_status C3DE_CALL take_back(void *self) {
+  *(int *)self += 1;
+  return C3DE_OK;
+}
+static c3de_status C3DE_CALL do_again(void *self) {
+  *(int *)self += 10;
+  return C3DE_OK;
+}
+static void C3DE_CALL let_go_of(void *self) { *(int *)self += 100; }
+
+static void drive_history(void) {
+  const c3de_history_v0 *history = service(C3DE_HISTORY_ID);
+  static int calls, quiet;
+  c3de_edit edit = {sizeof edit, 1, TEXT("pull"), &calls, take_back, do_again, let_go_of};
+  c3de_handle h, none;
+  calls = quiet = 0;
+  GIVES(C3DE_OK, history->add(history->ctx, &edit, &h));
+  GIVES(C3DE_E_ARG, history->add(history->ctx, NULL, &none));
+  GIVES(C3DE_E_ARG, history->add(history->ctx, &edit, NULL));
+  edit.label = text("");
+  GIVES(C3DE_E_ARG, history->add(history->ctx, &edit, &none));
+  SAYS("label");
+  edit.label = text("cut");
+  edit.undo = NULL;
+  GIVES(C3DE_E_ARG, history->add(history->ctx, &edit, &none));
+  edit.undo = take_back;
+  edit.redo = NULL;
+  GIVES(C3DE_E_ARG, history->add(history->ctx, &edit, &none));
+  edit.redo = do_again;
+  edit.size = 8;
+  GIVES(C3DE_E_ARG, history->add(history->ctx, &edit, &none));
+  HOLDS(none.v == 0 && calls == 0);
+  GIVES(C3DE_E_STALE, history->remove(history->ctx, kNoSuch));
+  GIVES(C3DE_OK, history->remove(history->ctx, h));
+  HOLDS(calls == 100);
+  GIVES(C3DE_E_STALE, history->remove(history->ctx, h));
+  /* Two stay for the test program to undo and redo; the second without release. */
+  edit.size = sizeof edit;
+  edit.label = text("pull");
+  GIVES(C3DE_OK, history->add(history->ctx, &edit, &h));
+  edit.label = text("quiet");
+  edit.self = &quiet;
+  edit.release = NULL;
+  GIVES(C3DE_OK, history->add(history->ctx, &edit, &h));
+}
+
+/* After undo, undo, redo by the test program. */
+static void drive_history_after(void) {
+  const c3de_history_v0 *history = service(C3DE_HISTORY_ID);
+  static int last;
+  c3de_edit edit = {sizeof edit, 1, TEXT("last"), &last, take_back, do_again, let_go_of};
+  c3de_handle h;
+  GIVES(C3DE_OK, history->add(history->ctx, &edit, &h));
+}
+
 /* ---- jobs, time, simulation ---- */
 
 typedef struct range_sum {
@@ -1020,6 +1077,8 @@ static uint64_t C3DE_CALL run(c3de_object *self, c3de_str name, c3de_handle simu
   if (IS("params")) drive_params();
   if (IS("panels")) drive_panels();
   if (IS("tools")) drive_tools();
+  if (IS("history")) drive_history();
+  if (IS("history after")) drive_history_after();
   if (IS("jobs")) drive_jobs();
   if (IS("time")) drive_time();
   if (IS("simulation")) drive_simulation(simulation);

@@ -67,6 +67,24 @@ TEST_CASE("the collision service answers good and bad arguments") { check("colli
 TEST_CASE("the params service answers good and bad arguments") { check("params", 30); }
 TEST_CASE("the panels service answers good and bad arguments") { check("panels", 10); }
 TEST_CASE("the tools service answers good and bad arguments") { check("tools", 20); }
+
+TEST_CASE("the history service answers good and bad arguments, and its steps are undone and redone") {
+  DrivenHost f;
+  CHECK(f.run("history") == "");
+  CHECK(f.compared >= 12);
+  CHECK(f.edits.undoLabel() == "quiet");
+  f.edits.undo();
+  CHECK(f.edits.undoLabel() == "pull");
+  f.edits.undo();
+  CHECK(f.edits.undoLabel() == "");
+  f.edits.redo();
+  CHECK(f.edits.redoLabel() == "quiet");
+  CHECK(f.run("history after") == "");
+  CHECK(f.edits.undoLabel() == "last");
+  CHECK(f.edits.redoLabel() == "");
+  f.host.reset();
+  CHECK(f.edits.undoLabel() == "");  // a plugin that goes takes its steps along
+}
 TEST_CASE("the simulation service answers good and bad arguments") { check("simulation", 12); }
 
 TEST_CASE("the imaging service reads what is stored and refuses bad arguments") {

@@ -324,6 +324,7 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   services.panels = options.panels;
   services.parameters = options.parameters;
   services.tools = options.tools;
+  services.edits = options.edits;
   impl->host = std::make_unique<plugin_host::PluginHost>(services);
   std::unique_ptr<Session> session(new Session(std::move(impl)));
   if (!options.usePlugins) return session;

@@ -21,6 +21,7 @@
 #include "preparation.h"
 
 namespace c3de::ui {
+class EditList;
 class PanelRegistry;
 class ParameterRegistry;
 class ToolRegistry;
@@ -43,6 +44,7 @@ struct SessionOptions {
   ui::PanelRegistry *panels = nullptr;
   ui::ParameterRegistry *parameters = nullptr;
   ui::ToolRegistry *tools = nullptr;
+  ui::EditList *edits = nullptr;
 };
 
 /// What a run of the program holds: services, plugins, the present simulation. The same with and without a window.

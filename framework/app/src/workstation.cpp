@@ -16,6 +16,7 @@
 #include "c3de/imaging/label_names.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/render/renderer.h"
+#include "c3de/ui/edit_list.h"
 #include "c3de/ui/file_browser.h"
 #include "c3de/ui/commands.h"
 #include "c3de/ui/panel_registry.h"
@@ -73,6 +74,7 @@ class Workstation {
   ui::PanelRegistry panels_;
   ui::ParameterRegistry parameters_;
   ui::ToolRegistry tools_;
+  ui::EditList edits_;
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
   std::unique_ptr<WorkstationLoader> loader_;  ///< used by the session's jobs until they end
@@ -106,6 +108,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   sessionOptions.panels = &panels_;
   sessionOptions.parameters = &parameters_;
   sessionOptions.tools = &tools_;
+  sessionOptions.edits = &edits_;
   auto session = Session::create(sessionOptions);
   if (!session) return tl::unexpected(session.error());
   session_ = std::move(*session);
@@ -126,7 +129,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
                                 [this](const std::string &title, const Error &error) { whenFailed(title, error); },
                                 [this](std::vector<ui::OrganRequest> requests) { organ_->makeOrgans(std::move(requests)); }});
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
-                    &images_->guide()},
+                    &images_->guide(), &edits_},
                    actions());
   window_->setAbout(about());
   showPluginProblems();

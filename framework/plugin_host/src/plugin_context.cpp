@@ -10,6 +10,7 @@
 #include "c3de/core/text.h"
 #include "c3de/scene/mesh_store.h"
 #include "c3de/scene/scene_graph.h"
+#include "c3de/ui/edit_list.h"
 #include "c3de/ui/panel_registry.h"
 #include "c3de/ui/parameter_registry.h"
 #include "c3de/ui/tool_registry.h"
@@ -62,7 +63,7 @@ PluginContext::PluginContext(HostState &host, std::string id)
       tables_{makeLogTable(this),    makeRegistryTable(this), makeMeshTable(this),   makeSceneTable(this),
               makeRenderTable(this), makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
               makeToolsTable(this),  makeJobsTable(this),     makeTimeTable(this),   makeSimulationTable(this),
-              makeImagingTable(this)} {}
+              makeImagingTable(this), makeHistoryTable(this)} {}
 
 PluginContext::~PluginContext() = default;
 
@@ -86,6 +87,7 @@ c3de_str PluginContext::keptText(const std::string &text) {
 void PluginContext::settle() {
   // While the plugin is whole: afterwards its tool could no longer let go of what it holds.
   if (services().tools && tools.contains(services().tools->active().bits())) services().tools->activate({});
+  if (services().edits) services().edits->removeOwnedBy(id_);
   if (services().jobs) services().jobs->finishOwnedBy(id_);
   for (;;) {
     std::pair<void *, void(C3DE_CALL *)(void *)> next;
@@ -110,9 +112,11 @@ void PluginContext::takeBack() {
   }
   // Tools first: one of them may be active, and its callbacks are closed already.
   if (s.tools) s.tools->removeOwnedBy(id_);
+  if (s.edits) s.edits->removeOwnedBy(id_);
   if (s.panels) s.panels->removeOwnedBy(id_);
   if (s.parameters) s.parameters->removeOwnedBy(id_);
   tools.clear();
+  edits.clear();
   panels.clear();
   parameterSets.clear();
   host_.classes.removeOwnedBy(id_);

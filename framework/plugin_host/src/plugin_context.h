@@ -16,6 +16,7 @@ namespace c3de::plugin_host {
 
 struct PanelCallback;
 struct ToolCallback;
+struct EditCallback;
 struct ListenerCallback;
 
 /// Every table that one plugin can get; ctx of each is its PluginContext.
@@ -33,6 +34,7 @@ struct ServiceTables {
   c3de_time_v0 time;
   c3de_simulation_v0 simulation;
   c3de_imaging_v0 imaging;
+  c3de_history_v0 history;
 };
 
 /// Functions that a plugin has posted to the main thread and that have not run yet. Shared with the queue, which may
@@ -77,6 +79,7 @@ class PluginContext {
   std::set<std::uint64_t> nodes, frameCallbacks, jobs;
   std::map<std::uint64_t, std::shared_ptr<PanelCallback>> panels;
   std::map<std::uint64_t, std::shared_ptr<ToolCallback>> tools;
+  std::map<const EditCallback *, std::shared_ptr<EditCallback>> edits;
   std::map<std::uint64_t, std::shared_ptr<ListenerCallback>> parameterSets;
   std::shared_ptr<PostedFunctions> posted = std::make_shared<PostedFunctions>();
 

@@ -164,7 +164,7 @@ void Simulation::Impl::run() {
 /// True if there were any.
 bool Simulation::Impl::runCommands(std::vector<Command> &commands) {
   if (commands.empty()) return false;
-  const double timeBefore_s = status.time_s;
+  const c3de_sim_status before = status;
   for (Command &command : commands) {
     begin(command);
     try {
@@ -178,7 +178,11 @@ bool Simulation::Impl::runCommands(std::vector<Command> &commands) {
   commands.clear();
   readStatus();
   // A command may have added a body, which begins again at time 0.
-  if (status.time_s != timeBefore_s) pace.start(Clock::now(), status.time_s);
+  if (status.time_s != before.time_s) pace.start(Clock::now(), status.time_s);
+  if (mode == C3DE_SIM_FAILED && before.failed != 0 && status.failed == 0) {
+    mode = C3DE_SIM_PAUSED;  // it has gone to a state of before
+    failure.clear();
+  }
   unpublished = true;
   return true;
 }

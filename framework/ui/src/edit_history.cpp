@@ -1,60 +1,81 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/ui/edit_history.h"
 
+#include <algorithm>
+
+#include "c3de/ui/edit_list.h"
 #include "c3de/ui/organ_guide.h"
 #include "c3de/ui/parameter_registry.h"
 
 namespace c3de::ui {
 
-void EditHistory::follow(ParameterRegistry *parameters, OrganGuide *organ) {
+void EditHistory::follow(ParameterRegistry *parameters, OrganGuide *organ, EditList *steps) {
   parameters_ = parameters;
   organ_ = organ;
-  const std::uint64_t parameterEdits = parameters ? parameters->history().edits() : 0;
-  const std::uint64_t organEdits = organ ? organ->mask().edits() : 0;
-  if (parameterEdits != parameterEdits_) isOrganLast_ = false;
-  if (organEdits != organEdits_) isOrganLast_ = true;
-  parameterEdits_ = parameterEdits;
-  organEdits_ = organEdits;
-}
-
-std::string EditHistory::organLabel(bool isUndo) const {
-  if (!organ_) return {};
-  // What was picked last has become organs that live, or nothing is picked any more: what they were made of would be laid
-  // over them. Its panel does that, and says so.
-  const std::vector<MaskStep> steps = isUndo ? organ_->mask().steps() : std::vector<MaskStep>();
-  if (!steps.empty() && steps.back().kind == MaskStep::Kind::labels && steps.back().labels.empty()) return {};
-  return isUndo ? organ_->mask().undoLabel() : organ_->mask().redoLabel();
-}
-
-std::string EditHistory::parameterLabel(bool isUndo) const {
-  if (!parameters_) return {};
-  return isUndo ? parameters_->history().undoLabel() : parameters_->history().redoLabel();
-}
-
-bool EditHistory::isOrgans(bool isUndo) const {
-  const bool isLast = organ_ && isOrganLast_;
-  if (isLast) return organ_->mask().isBusy() || !organLabel(isUndo).empty() || parameterLabel(isUndo).empty();
-  return parameterLabel(isUndo).empty() && !organLabel(isUndo).empty();
-}
-
-std::string EditHistory::undoLabel() const { return isOrgans(true) ? organLabel(true) : parameterLabel(true); }
-std::string EditHistory::redoLabel() const { return isOrgans(false) ? organLabel(false) : parameterLabel(false); }
-
-void EditHistory::undo() {
-  isOrganLast_ = isOrgans(true);
-  if (isOrganLast_) {
-    if (organ_->mask().isBusy() || !organLabel(true).empty()) organ_->undo();
-  } else if (parameters_) {
-    parameters_->history().undo(*parameters_);
+  steps_ = steps;
+  for (const Source source : {Source::parameters, Source::organ, Source::steps}) {
+    std::uint64_t &seen = edits_[static_cast<std::size_t>(source)];
+    const std::uint64_t edits = editsOf(source);
+    if (edits != seen) bringForward(source);
+    seen = edits;
   }
 }
 
-void EditHistory::redo() {
-  isOrganLast_ = isOrgans(false);
-  if (isOrganLast_)
-    organ_->redo();
-  else if (parameters_)
-    parameters_->history().redo(*parameters_);
+std::uint64_t EditHistory::editsOf(Source source) const {
+  switch (source) {
+    case Source::parameters: return parameters_ ? parameters_->history().edits() : 0;
+    case Source::organ: return organ_ ? organ_->mask().edits() : 0;
+    case Source::steps: break;
+  }
+  return steps_ ? steps_->edits() : 0;
+}
+
+void EditHistory::bringForward(Source source) {
+  const auto found = std::find(latestFirst_.begin(), latestFirst_.end(), source);
+  std::rotate(latestFirst_.begin(), found, found + 1);
+}
+
+std::string EditHistory::label(Source source, bool isUndo) const {
+  switch (source) {
+    case Source::parameters:
+      if (!parameters_) return {};
+      return isUndo ? parameters_->history().undoLabel() : parameters_->history().redoLabel();
+    case Source::organ:
+      if (!organ_ || (isUndo && organ_->hasJustMade())) return {};
+      return isUndo ? organ_->mask().undoLabel() : organ_->mask().redoLabel();
+    case Source::steps: break;
+  }
+  if (!steps_) return {};
+  return isUndo ? steps_->undoLabel() : steps_->redoLabel();
+}
+
+EditHistory::Source EditHistory::source(bool isUndo) const {
+  for (const Source source : latestFirst_) {
+    // A person who undoes it twice quickly means its steps both times.
+    const bool isBusy = source == Source::organ && source == latestFirst_.front() && organ_ && organ_->mask().isBusy();
+    if (isBusy || !label(source, isUndo).empty()) return source;
+  }
+  return latestFirst_.front();
+}
+
+void EditHistory::carryOut(bool isUndo) {
+  const Source source = this->source(isUndo);
+  bringForward(source);
+  switch (source) {
+    case Source::parameters:
+      if (parameters_) isUndo ? parameters_->history().undo(*parameters_) : parameters_->history().redo(*parameters_);
+      break;
+    case Source::organ:
+      if (!organ_) break;
+      if (!isUndo)
+        organ_->redo();
+      else if (organ_->mask().isBusy() || !label(source, true).empty())
+        organ_->undo();
+      break;
+    case Source::steps:
+      if (steps_) isUndo ? steps_->undo() : steps_->redo();
+      break;
+  }
 }
 
 }  // namespace c3de::ui

@@ -152,14 +152,15 @@ void OrganGuide::tickLabel(std::uint16_t value, bool isPicked) {
   chooseLabels(picked);
 }
 
-void OrganGuide::chooseLabel(std::uint16_t value) {
+void OrganGuide::chooseLabel(std::uint16_t value) { chooseLabel(value, {}); }
+
+void OrganGuide::chooseLabel(std::uint16_t value, MaskStep step) {
   if (!mask_.sources().labels) return;
   settings_.isFromLabel = true;
   settings_.name = nameOf(value);
   isMaterialChosen_ = false;
   rigid_.reset();
   preselectMaterial();
-  MaskStep step;
   step.kind = MaskStep::Kind::label;
   step.label = value;
   mask_.carryOut(step);
@@ -376,11 +377,17 @@ void OrganGuide::whenMade(const std::vector<OrganRequest> &made) {
     isPickMade = true;
   }
   if (!isPickMade) return;
-  if (picked.size() == 1) return chooseLabel(picked.front());
   MaskStep rest;
+  rest.isRest = true;
+  if (picked.size() == 1) return chooseLabel(picked.front(), rest);
   rest.kind = MaskStep::Kind::labels;
   rest.labels = picked;
   mask_.carryOut(rest);
+}
+
+bool OrganGuide::hasJustMade() const {
+  const std::vector<MaskStep> steps = mask_.steps();
+  return !steps.empty() && steps.back().isRest;
 }
 
 }  // namespace c3de::ui

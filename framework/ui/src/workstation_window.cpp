@@ -381,6 +381,9 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
       break;
     case Command::resetView: resetView(paneAt(context.mouseX, context.mouseY)); break;
     case Command::undo:
+      // What a tool holds is let go, and is the first to be undone.
+      if (services.tools) services.tools->cancelActive();
+      state.history.follow(services.parameters, services.organ, services.edits);
       state.history.undo();
       break;
     case Command::redo:
@@ -518,7 +521,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
 
   FrameContext context{impl.services, impl.actions, simulation, impl.imgui->theme(), impl.automation, impl.state,
                        impl.fileDialog, impl.camera};
-  impl.state.history.follow(impl.services.parameters, impl.services.organ);
+  impl.state.history.follow(impl.services.parameters, impl.services.organ, impl.services.edits);
   context.windowSize = impl.window->windowSize();
   context.frame = ++impl.frame;
   context.framesPerSecond = impl.framesPerSecond;

@@ -414,6 +414,53 @@ TEST_CASE("Undo takes back what was edited last, of the parameters or of the org
   CHECK(f.guide.mask().mask());
 }
 
+TEST_CASE("Undo does not lay what a living organ was made of over it, whatever else is still picked", "[organ]") {
+  Fixture f;
+  EditHistory history;
+  const auto undoLabel = [&] {
+    history.follow(nullptr, &f.guide);
+    return history.undoLabel();
+  };
+  const auto make = [&] {
+    REQUIRE(f.guide.whyNot() == "");
+    f.guide.makeAlive();
+    const std::vector<OrganRequest> made = std::move(f.made);
+    f.made.clear();
+    return made;
+  };
+  f.guide.setSources(f.sources);
+  f.settle();
+  f.guide.chooseLabels({3, 8});
+  f.guide.chooseMaterialOf(8, "liver");
+  CHECK_FALSE(undoLabel().empty());
+  std::vector<OrganRequest> made = make();
+  REQUIRE(made.size() == 2);
+  made.pop_back();  // the other one could not be made
+  f.guide.whenMade(made);
+  f.settle();
+  CHECK(f.guide.pickedLabels() == std::vector<std::uint16_t>{8});
+  CHECK(undoLabel() == "");
+  history.undo();
+  f.settle();
+  CHECK(f.guide.pickedLabels() == std::vector<std::uint16_t>{8});
+  // What is picked after that can be undone, so far and no farther.
+  f.guide.carryOut(Kind::fillHoles);
+  f.settle();
+  CHECK(undoLabel() == "holes filled");
+  history.undo();
+  f.settle();
+  CHECK(undoLabel() == "");
+  // A threshold likewise.
+  f.guide.setFromLabel(false);
+  f.guide.setLow(60.0);
+  f.settle();
+  f.guide.setName("box");
+  f.guide.chooseMaterial("liver");
+  f.guide.whenMade(make());
+  CHECK_FALSE(f.guide.mask().mask());
+  CHECK(undoLabel() == "");
+}
+
 TEST_CASE("A map of many labels has a filter, and several are ticked at once", "[organ]") {
   Fixture f;
   auto labels = std::make_shared<scene::StoredLabels>(*f.sources.labels);

@@ -42,6 +42,27 @@ struct ToolCallback : std::enable_shared_from_this<ToolCallback> {
   c3de_tool real;
 };
 
+/// One step of the history. Ends when the list forgets it.
+struct EditCallback : std::enable_shared_from_this<EditCallback> {
+  EditCallback(PluginContext &p, const c3de_edit &r) : plugin(p), real(r) {}
+  static c3de_status C3DE_CALL undo(void *self) noexcept { return carryOut(self, &c3de_edit::undo, "undo of a step"); }
+  static c3de_status C3DE_CALL redo(void *self) noexcept { return carryOut(self, &c3de_edit::redo, "redo of a step"); }
+  static void C3DE_CALL release(void *self) noexcept {
+    const auto keep = static_cast<EditCallback *>(self)->shared_from_this();
+    if (keep->real.release) callPlugin(keep->plugin, "release of a step", [&] { keep->real.release(keep->real.self); });
+    keep->plugin.edits.erase(keep.get());
+  }
+  static c3de_status carryOut(void *self, c3de_status(C3DE_CALL *c3de_edit::*slot)(void *), const char *what) noexcept {
+    const auto keep = static_cast<EditCallback *>(self)->shared_from_this();
+    c3de_status status = C3DE_E_EXCEPTION;
+    callPlugin(keep->plugin, what, [&] { status = (keep->real.*slot)(keep->real.self); });
+    return status;
+  }
+  PluginContext &plugin;
+  c3de_edit real;
+  Handle handle;
+};
+
 struct ListenerCallback : std::enable_shared_from_this<ListenerCallback> {
   ListenerCallback(PluginContext &p, const c3de_param_listener &r) : plugin(p), real(r) {}
   [[nodiscard]] c3de_param_listener trampoline() { return {sizeof(c3de_param_listener), 0, this, &changed}; }

@@ -23,6 +23,7 @@ class SceneGraph;
 class SimulationDirectory;
 }  // namespace scene
 namespace ui {
+class EditList;
 class PanelRegistry;
 class ParameterRegistry;
 class ToolRegistry;
@@ -45,6 +46,7 @@ struct Services {
   ui::PanelRegistry *panels = nullptr;
   ui::ParameterRegistry *parameters = nullptr;
   ui::ToolRegistry *tools = nullptr;
+  ui::EditList *edits = nullptr;
 };
 
 enum class PluginState { loaded, refused };

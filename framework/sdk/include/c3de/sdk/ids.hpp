@@ -23,6 +23,7 @@ template <> inline constexpr std::string_view kTableId<c3de_tools_v0>{C3DE_TOOLS
 template <> inline constexpr std::string_view kTableId<c3de_jobs_v0>{C3DE_JOBS_ID};
 template <> inline constexpr std::string_view kTableId<c3de_time_v0>{C3DE_TIME_ID};
 template <> inline constexpr std::string_view kTableId<c3de_simulation_v0>{C3DE_SIMULATION_ID};
+template <> inline constexpr std::string_view kTableId<c3de_history_v0>{C3DE_HISTORY_ID};
 template <> inline constexpr std::string_view kTableId<c3de_imaging_v0>{C3DE_IMAGING_ID};
 
 template <> inline constexpr std::string_view kTableId<c3de_simulator_v0>{C3DE_IFACE_SIMULATOR_ID};

@@ -1,35 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
 namespace c3de::ui {
 
+class EditList;
 class OrganGuide;
 class ParameterRegistry;
 
-/// Undo and Redo of the window: of parameters, or of the steps that pick an organ, whichever a person has edited last;
-/// when that one has nothing to offer, the other. While a step of the organ is computed nothing is. Main thread.
+/// Undo and Redo of the window: of parameters, of the steps that pick an organ, or of the steps of plugins, whichever a person
+/// has edited last; when that one has nothing to offer, the one before it. While a step of the organ is computed nothing is.
+/// What an organ was picked by is not undone here once it lives: it would be laid over it. Main thread.
 class EditHistory {
  public:
   /// Once per frame; null: there is none. They must outlive the calls below.
-  void follow(ParameterRegistry *parameters, OrganGuide *organ);
+  void follow(ParameterRegistry *parameters, OrganGuide *organ, EditList *steps = nullptr);
   /// Of what would be undone or redone; empty: nothing.
-  [[nodiscard]] std::string undoLabel() const;
-  [[nodiscard]] std::string redoLabel() const;
-  void undo();
-  void redo();
+  [[nodiscard]] std::string undoLabel() const { return label(source(true), true); }
+  [[nodiscard]] std::string redoLabel() const { return label(source(false), false); }
+  void undo() { carryOut(true); }
+  void redo() { carryOut(false); }
 
  private:
-  [[nodiscard]] std::string organLabel(bool isUndo) const;
-  [[nodiscard]] std::string parameterLabel(bool isUndo) const;
-  [[nodiscard]] bool isOrgans(bool isUndo) const;
+  enum class Source { parameters, organ, steps };
+  static constexpr std::size_t kSources = 3;
+  [[nodiscard]] std::uint64_t editsOf(Source source) const;
+  [[nodiscard]] std::string label(Source source, bool isUndo) const;
+  /// Whose turn it is.
+  [[nodiscard]] Source source(bool isUndo) const;
+  void bringForward(Source source);
+  void carryOut(bool isUndo);
 
   ParameterRegistry *parameters_ = nullptr;
   OrganGuide *organ_ = nullptr;
-  std::uint64_t parameterEdits_ = 0, organEdits_ = 0;
-  bool isOrganLast_ = false;
+  EditList *steps_ = nullptr;
+  std::array<Source, kSources> latestFirst_{Source::parameters, Source::organ, Source::steps};
+  std::array<std::uint64_t, kSources> edits_{};  ///< that have been seen, by Source
 };
 
 }  // namespace c3de::ui

@@ -27,6 +27,7 @@ struct MaskStep {
   double low = 0.0, high = 0.0;  ///< threshold: values of the image
   Vec3 world{};                  ///< component: a point of it, LPS mm
   double radius_mm = 0.0;        ///< close, open
+  bool isRest = false;           ///< what is still picked after organs have been made of the others
 
   /// What was picked before does not matter to it.
   [[nodiscard]] bool startsAnew() const {

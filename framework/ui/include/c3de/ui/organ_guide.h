@@ -111,9 +111,12 @@ class OrganGuide {
   void makeAlive();
   /// What has been made is picked no more; what could not be made stays.
   void whenMade(const std::vector<OrganRequest> &made);
+  /// The last step is what was left of a making: a step farther back, and what lives would be laid over itself.
+  [[nodiscard]] bool hasJustMade() const;
 
  private:
   void countLabels();
+  void chooseLabel(std::uint16_t value, MaskStep step);
   void preselectMaterial();
   void whenMaskChanged();
   [[nodiscard]] std::string nameOf(std::uint16_t label) const;

@@ -26,6 +26,7 @@ class SceneGraph;
 
 namespace c3de::ui {
 
+class EditList;
 class ImageViews;
 class OrganGuide;
 class PanelRegistry;
@@ -71,6 +72,7 @@ struct WindowServices {
   BackgroundJobs *jobs = nullptr;
   ImageViews *images = nullptr;  ///< while it has an image, slices stand beside the 3D view
   OrganGuide *organ = nullptr;   ///< its steps are undone while they are what was edited last
+  EditList *edits = nullptr;     ///< of plugins, likewise
 };
 
 /// For Help > About.

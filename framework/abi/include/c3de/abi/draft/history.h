@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Undo and Redo of the window: what a plugin's tool has done becomes a step of them. */
+#ifndef C3DE_ABI_DRAFT_HISTORY_H
+#define C3DE_ABI_DRAFT_HISTORY_H
+
+#include "../base.h"
+
+#define C3DE_HISTORY_ID "draft/c3de.history/0"
+
+typedef struct c3de_edit { /* copied, strings included */
+  uint32_t size;
+  uint32_t rev;
+  c3de_str label; /* what was done, behind "Undo" and "Redo" of the menu: "pull on liver" */
+  void *self;
+  /* Take it back, do it again. What fails is forgotten and said in the log. [main] */
+  c3de_status(C3DE_CALL *undo)(void *self);
+  c3de_status(C3DE_CALL *redo)(void *self);
+  /* May be null. Called once, when the step is forgotten. [main] */
+  void(C3DE_CALL *release)(void *self);
+} c3de_edit;
+
+typedef struct c3de_history_v0 {
+  uint32_t size;
+  uint32_t rev;
+  void *ctx;
+  /* A step that has been done just now. Steps that were undone are forgotten; so is the oldest when there are more than
+   * 100. [main] */
+  c3de_status(C3DE_CALL *add)(void *ctx, const c3de_edit *edit, c3de_handle *out);
+  /* Forgets a step whose object is gone; C3DE_E_STALE when it is forgotten already. [main] */
+  c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle edit);
+} c3de_history_v0;
+
+#endif
