@@ -504,6 +504,55 @@ void pull(WorkstationDriver &window) {
   window.waitUntil("the hand pulls", [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2; });
 }
 
+TEST_CASE("a pull is undone by one step, back to the state before it, and done again", "[organ_undo_pull]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_undo_pull");
+  startOrgan(window);
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 5; });
+  pull(window);
+  window.waitFrames(30);
+  window.release();
+  window.moveTo(window.inView(0.9, 0.9));
+  window.key("space");
+  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
+  const auto steps = [](const Json &s) { return s["transport"]["steps"].get<long long>(); };
+  window.waitUntil("its state is shown", [&](const Json &s) { return row(s, "Steps") == std::to_string(steps(paused)); });
+  const std::string pulled = row(window.state(), "State hash");
+  window.screenshot("pulled");
+
+  window.key("ctrl+z");
+  const Json before = window.waitUntil("the pull is undone", [&](const Json &s) {
+    return steps(s) < steps(paused) && row(s, "Steps") == std::to_string(steps(s));
+  });
+  CHECK(mode(before) == "paused");
+  CHECK(before["transport"]["time_s"] < paused["transport"]["time_s"]);
+  window.screenshot("undone");
+  CHECK(window.differingPixels("pulled", "undone") > 300);
+  window.key("ctrl+y");
+  window.waitUntil("the pull is done again",
+                   [&](const Json &s) { return steps(s) == steps(paused) && row(s, "State hash") == pulled; });
+
+  // In the middle of a pull the hand lets go, and that pull is what is undone.
+  window.key("space");
+  window.waitUntil("it plays on", [&](const Json &s) { return mode(s) == "playing" && steps(s) > steps(paused) + 5; });
+  pull(window);
+  const long long late = steps(window.state());
+  window.waitUntil("it is pulled for a while", [&](const Json &s) { return steps(s) > late + 200; });
+  window.key("ctrl+z");
+  window.waitUntil("the hand has let go", [](const Json &s) { return row(s, "Held surfel").empty(); });
+  window.release();
+  window.moveTo(window.inView(0.9, 0.9));
+
+  // A reset begins anew: there is nothing to go back to.
+  window.key("space");
+  window.key("ctrl+r");
+  window.waitUntil("it begins anew", [&](const Json &s) { return steps(s) == 0 && row(s, "Steps") == "0"; });
+  window.key("ctrl+z");
+  window.waitFrames(2);
+  CHECK(steps(window.state()) == 0);
+}
+
 TEST_CASE("a reset while something is pinched ends the pinch", "[organ_pinch_reset]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_pinch_reset");

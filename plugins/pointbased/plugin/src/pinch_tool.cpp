@@ -53,11 +53,12 @@ std::string newtons(double force) {
 
 }  // namespace
 
-PinchTool::PinchTool(const Services &services) : services_(services) {}
+PinchTool::PinchTool(const Services &services) : services_(services), history_(services) {}
 
 void PinchTool::setSimulator(WorldSimulator *simulator) {
   if (simulator_.get() == simulator) return;
   release();
+  history_.forget();
   simulator_ = simulator ? sdk::Ref<WorldSimulator>::share(simulator) : sdk::Ref<WorldSimulator>();
 }
 
@@ -138,6 +139,7 @@ bool PinchTool::press(const c3de_event &event) {
   planeNormal_ = Vec3(event.view_direction);
   grabOffset_ = grabbed - under;
   hold_ = Hold{body->id, body->name, surfel, vectorOf(body->surfels[surfel]), under, 0.0, 0.0};
+  history_.begin(simulator_);
   postToSimulation([id = body->id, grab](WorldSimulator &s) { s.setGrab(id, grab); });
   showMarker();
   return true;
@@ -159,6 +161,7 @@ void PinchTool::release() {
   if (!hold_) return;
   if (simulator_) simulator_->abandonLongStep();
   postToSimulation([id = hold_->body](WorldSimulator &s) { s.releaseGrab(id); });
+  history_.end(hold_->bodyName);
   hold_.reset();
   hideMarker();
 }
@@ -188,6 +191,7 @@ void PinchTool::hideMarker() {
 }
 
 void PinchTool::update() {
+  history_.update();
   if (!hold_ || !simulator_) return;
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   const BodySnapshot *body = snapshot ? snapshot->body(hold_->body) : nullptr;

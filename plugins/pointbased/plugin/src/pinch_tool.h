@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "c3de/sdk/tool.hpp"
+#include "pull_history.h"
 #include "world_simulator.h"
 
 namespace pointbased {
@@ -58,6 +59,7 @@ class PinchTool : public sdk::Tool {
   sdk::Ref<WorldSimulator> simulator_;
   PinchSettings settings_;
   std::optional<Hold> hold_;
+  PullHistory history_;
   Vec3 planePoint_ = Vec3::Zero(), planeNormal_ = Vec3::UnitZ();
   Vec3 grabOffset_ = Vec3::Zero();  // grabbed point minus the point under the mouse
   sdk::Proxy marker_, line_, label_;

@@ -12,11 +12,11 @@ namespace pointbased {
 
 namespace sdk = c3de::sdk;
 
-/// What the plugin uses of the host. Scene, render, panels and tools may be absent.
+/// What the plugin uses of the host. Scene, render, panels, tools and history may be absent.
 struct Services {
   explicit Services(sdk::Host h)
       : host(h), log(h), registry(h), meshes(h), scene(h), render(h), collision(h), params(h), jobs(h), time(h),
-        simulation(h), notifier(h) {}
+        simulation(h), notifier(h), history(h) {}
 
   sdk::Host host;
   sdk::Log log;
@@ -30,6 +30,7 @@ struct Services {
   sdk::Time time;
   sdk::Simulation simulation;
   sdk::Notifier notifier;
+  sdk::History history;
 
   [[nodiscard]] ParallelFor parallelFor() const {
     return [j = jobs](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body) {

@@ -52,6 +52,7 @@ struct Snapshot {
   std::uint64_t generation = 0;
   double time = 0.0, dt = 0.0;
   std::uint64_t steps = 0, hash = 0;
+  std::uint64_t course = 0;  ///< differs where the simulation has begun anew
   bool failed = false;
   WorldBox box;
   Vec3 gravity = Vec3::Zero();

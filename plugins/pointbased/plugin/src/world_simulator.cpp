@@ -274,6 +274,7 @@ void WorldSimulator::publish() {
   s->time = simulator_.time();
   s->dt = simulator_.stepSize();
   s->steps = simulator_.steps();
+  s->course = simulator_.course();
   s->hash = simulator_.stateHash();
   s->failed = simulator_.failed();
   s->box = simulator_.world().box;
@@ -465,6 +466,17 @@ void WorldSimulator::moveGrab(std::uint64_t body, const Vec3 &target) {
 void WorldSimulator::releaseGrab(std::uint64_t body) {
   const std::lock_guard lock(mutex_);
   simulator_.releaseGrab(body);
+}
+
+Checkpoint WorldSimulator::checkpoint() const {
+  const std::lock_guard lock(mutex_);
+  return simulator_.checkpoint();
+}
+
+void WorldSimulator::exchange(Checkpoint &kept) {
+  const std::lock_guard lock(mutex_);
+  Checkpoint left = simulator_.checkpoint();
+  if (simulator_.restore(kept)) kept = std::move(left);
 }
 
 ParameterValues WorldSimulator::worldValues() const {

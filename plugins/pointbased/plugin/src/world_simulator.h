@@ -71,6 +71,10 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void setGrab(std::uint64_t body, Grab grab);
   void moveGrab(std::uint64_t body, const Vec3 &target);
   void releaseGrab(std::uint64_t body);
+  /// The state before the pull that begins; [sim].
+  [[nodiscard]] Checkpoint checkpoint() const;
+  /// Goes to the kept state and keeps the one that it leaves; nothing where the simulation has begun anew since. [sim]
+  void exchange(Checkpoint &kept);
   /// Of a step that has taken long, before something is posted that changes it: the state before it stays. Any thread.
   void abandonLongStep() { request_.abandonLongStep(); }
   [[nodiscard]] ParameterValues worldValues() const;

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <string>
+
+#include "world_simulator.h"
+
+namespace pointbased {
+
+/// Pulls as steps of the window's Undo: back to the state before the hand was laid on, and on again. What is simulated anew
+/// (a reset, another body) makes them go. Main thread.
+class PullHistory {
+ public:
+  explicit PullHistory(const Services &services) : services_(services) {}
+
+  /// Before the hand is laid on.
+  void begin(const sdk::Ref<WorldSimulator> &simulator);
+  /// The hand has let go. No step where nothing has been simulated meanwhile.
+  void end(const std::string &bodyName);
+  /// Forgets the steps of a simulation that has begun anew. Once per frame.
+  void update();
+  void forget();
+
+ private:
+  static constexpr std::size_t kMost = 20;  // each keeps a state of every body
+  struct Pull {
+    sdk::Ref<WorldSimulator> simulator;
+    std::shared_ptr<Checkpoint> state;  // of the simulation's thread
+    std::uint64_t course = 0, steps = 0;
+    c3de_handle step{};
+  };
+  [[nodiscard]] sdk::Result<void> exchange(const Pull &pull) const;
+  [[nodiscard]] static bool isOld(const Pull &pull);
+
+  const Services &services_;
+  std::optional<Pull> present_;
+  std::deque<Pull> done_;
+};
+
+}  // namespace pointbased
