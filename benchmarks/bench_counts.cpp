@@ -18,7 +18,7 @@
 
 #include "bench/bodies.h"
 #include "bench/machine.h"
-#include "kernels/cell_kernel.h"
+#include "forces/kernels/cell_kernel.h"
 #include "pointbased/simulator.h"
 
 // Callgrind counts inside of it alone: its name is an option there.

@@ -21,9 +21,9 @@
 #include "bench/report.h"
 #include "bench/timing.h"
 #include "force_counts.h"
-#include "kernels/aligned_vector.h"
-#include "kernels/cell_kernel.h"
-#include "kernels/cell_layout.h"
+#include "forces/kernels/aligned_vector.h"
+#include "forces/kernels/cell_kernel.h"
+#include "forces/kernels/cell_layout.h"
 #include "limit_kernels.h"
 
 namespace {

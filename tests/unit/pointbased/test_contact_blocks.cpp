@@ -4,7 +4,7 @@
 
 #include "contact_cases.h"
 #include "lattice_cases.h"
-#include "pointbased/guard.h"
+#include "stepping/guard.h"
 #include "pointbased/integrators.h"
 #include "support/catch.h"
 

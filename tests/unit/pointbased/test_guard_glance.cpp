@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pointbased/guard.h"
+#include "stepping/guard.h"
 #include "shapes.h"
 #include "support/catch.h"
 

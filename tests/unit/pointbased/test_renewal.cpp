@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pointbased/renewal.h"
+#include "rereferencing/renewal.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 
 #include "c3de/core/thread_pool.h"
 #include "contact_cases.h"
-#include "pointbased/renewal.h"
+#include "rereferencing/renewal.h"
 #include "shapes.h"
 #include "support/catch.h"
 #include "surfaces.h"

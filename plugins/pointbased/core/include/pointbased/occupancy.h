@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "pointbased/sampling.h"
+#include "pointbased/body_shape.h"
 
 namespace pointbased {
 

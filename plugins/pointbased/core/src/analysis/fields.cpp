@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/fields.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "forces/point_loops.h"
+
+namespace pointbased {
+
+using namespace detail;
+
+namespace {
+
+/// v P of every point into the scratch: no rates, so no viscous part, and no time, so the memory of relaxation stays.
+void firstPiolaStresses(const Body &body, StressScratch &scratch, const ParallelFor &parallelFor) {
+  const std::size_t points = body.rest().pointCount();
+  scratch.firstPiola.resize(points);
+  scratch.ratios.resize(points);
+  (void)pointStresses(body.constitution(), body.rest().stencils, body.gradients(), {}, body.state().history, 0.0, nullptr,
+                      scratch.firstPiola, scratch.ratios, parallelFor);
+}
+
+Mat3 symmetric(const Mat3 &m) { return 0.5 * (m + m.transpose()); }
+
+/// out[q] = stressOf(F, P) for every point, with the exceptions that both stresses share.
+template <class StressOf>
+void stressesInto(const Body &body, std::span<Mat3> out, StressScratch &scratch, const ParallelFor &parallelFor,
+                  const StressOf &stressOf) {
+  firstPiolaStresses(body, scratch, parallelFor);
+  const StencilSet &s = body.rest().stencils;
+  const std::span<const Mat3> gradients = body.gradients();
+  runLoop(parallelFor, out.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t q = begin; q < end; ++q) {
+      const Mat3 &F = gradients[q];
+      const Mat3 P = scratch.firstPiola[q] / s.volumes[q];
+      if (materialOfPoint(body.constitution(), s, q).law == MaterialLaw::linear) {
+        out[q] = symmetric(P);
+      } else if (F.determinant() > 0.0) {
+        out[q] = symmetric(stressOf(F, P));
+      } else {
+        out[q].setZero();
+      }
+    }
+  });
+}
+
+}  // namespace
+
+void secondPiolaStresses(const Body &body, std::span<Mat3> out, StressScratch &scratch, const ParallelFor &parallelFor) {
+  stressesInto(body, out, scratch, parallelFor, [](const Mat3 &F, const Mat3 &P) -> Mat3 { return F.inverse() * P; });
+}
+
+void cauchyStresses(const Body &body, std::span<Mat3> out, StressScratch &scratch, const ParallelFor &parallelFor) {
+  stressesInto(body, out, scratch, parallelFor,
+               [](const Mat3 &F, const Mat3 &P) -> Mat3 { return P * F.transpose() / F.determinant(); });
+}
+
+double vonMises(const Mat3 &stress) {
+  const Mat3 deviator = stress - stress.trace() / 3.0 * Mat3::Identity();
+  return std::sqrt(1.5) * deviator.norm();
+}
+
+Interpolation bindPoints(const RestState &rest) { return rest.bind(rest.pointCentres, {}); }
+
+void interpolateScalars(const Interpolation &binding, std::span<const double> field, std::span<double> out,
+                        const ParallelFor &parallelFor) {
+  runLoop(parallelFor, out.size(), 4 * kPointGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      double sum = 0.0, low = std::numeric_limits<double>::infinity(), high = -low;
+      for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e) {
+        const double value = field[binding.phyxels.indices[e]];
+        sum += binding.weights[e] * value;
+        low = std::min(low, value);
+        high = std::max(high, value);
+      }
+      out[p] = low <= high ? std::clamp(sum, low, high) : 0.0;
+    }
+  });
+}
+
+}  // namespace pointbased

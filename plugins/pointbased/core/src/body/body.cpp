@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "forces/vector_forces.h"
+
+namespace pointbased {
+namespace {
+
+// With several materials a phyxel has the mean density of the points around it, scaled so that the whole has the mass of
+// the points.
+std::vector<double> phyxelDensities(const Constitution &constitution, const RestState &rest) {
+  const StencilSet &s = rest.stencils;
+  std::vector<double> densities(rest.phyxelCount(), constitution.materials.front().restDensity);
+  if (!rest.materialShares.empty()) {
+    const std::size_t kinds = constitution.materials.size();
+    for (std::size_t i = 0; i < densities.size(); ++i) {
+      densities[i] = 0.0;
+      for (std::size_t m = 0; m < kinds; ++m)
+        densities[i] += rest.materialShares[i * kinds + m] * constitution.materials[m].restDensity;
+    }
+    return densities;
+  }
+  if (s.materials.empty()) return densities;
+  const std::vector<double> &volumes = rest.weightVolumes.empty() ? rest.volumes : rest.weightVolumes;
+  double mass = 0.0, shared = 0.0;
+  for (std::size_t q = 0; q < s.pointCount(); ++q)
+    mass += s.volumes[q] * constitution.materials[s.materials[q]].restDensity;
+  for (std::size_t i = 0; i < densities.size(); ++i) {
+    double sum = 0.0, volume = 0.0;
+    for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
+      const Index q = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
+      sum += s.volumes[q] * constitution.materials[s.materials[q]].restDensity;
+      volume += s.volumes[q];
+    }
+    if (volume > 0.0) densities[i] = sum / volume;
+    shared += densities[i] * (volumes[i] - (rest.heldVolumes.empty() ? 0.0 : rest.heldVolumes[i]));
+  }
+  if (shared > 0.0)
+    for (double &density : densities) density *= mass / shared;
+  return densities;
+}
+
+}  // namespace
+
+Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution constitution,
+           const ParallelFor &parallelFor)
+    : name_(std::move(name)), rest_(std::move(rest)), first_(rest_) {
+  layOut();
+  setConstitution(std::move(constitution), parallelFor);
+  reset();
+}
+
+Body::~Body() = default;
+Body::Body(Body &&) noexcept = default;
+Body &Body::operator=(Body &&) noexcept = default;
+
+Vec3 Body::firstReference(Index phyxel) const {
+  const Vec3 &X = rest_->positions[phyxel];
+  return rest_->carried.empty() ? X : Vec3(X - rest_->carried[phyxel]);
+}
+
+// Everything whose size or meaning follows from the rest state.
+void Body::layOut() {
+  const std::size_t n = rest_->phyxelCount();
+  masses_.resize(n);
+  inverseMasses_.resize(n);
+  forces_.assign(n, Vec3::Zero());
+  std::vector<Mat3>().swap(gradients_);
+  std::vector<Mat3>().swap(stresses_);
+  gradientsOld_ = stressesOld_ = false;
+  heldPhyxels_.clear();
+  patchPoints_.clear();
+  patchShifts_.clear();
+  fixOfPatch_.clear();
+  carriedMasses_.clear();
+  carrier_.clear();
+
+  heldMask_.assign(n, 0);
+  const BoundaryConditions &conditions = rest_->conditions;
+  for (std::size_t f = 0; f < conditions.held.size(); ++f) {
+    const HeldPart &part = conditions.held[f];
+    for (const Index i : part.phyxels)
+      if (!heldMask_[i]) {
+        heldMask_[i] = 1;
+        heldPhyxels_.push_back({i, static_cast<Index>(f)});
+      }
+    for (std::size_t p = 0; p < part.rows.rows(); ++p) {
+      Vec3 point = Vec3::Zero(), shift = Vec3::Zero();
+      for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e) {
+        const Index j = part.rows.indices[e];
+        point += part.weights[e] * firstReference(j);
+        if (!rest_->carried.empty()) shift += part.weights[e] * rest_->carried[j];
+      }
+      patchPoints_.push_back(point);
+      patchShifts_.push_back(shift);
+      fixOfPatch_.push_back(static_cast<Index>(f));
+    }
+  }
+  patchTargets_.resize(patchPoints_.size());
+  if (!rest_->heldVolumes.empty()) {
+    carriedMasses_.assign(n, 0.0);
+    carrier_.assign(n, 0);
+    for (std::size_t f = conditions.held.size(); f-- > 0;)
+      for (const Index i : conditions.held[f].rows.indices) carrier_[i] = static_cast<Index>(f);
+  }
+  const bool weighs = !conditions.held.empty() && !rest_->weightVolumes.empty();
+  for (auto *values : {&weights_, &carriedWeights_, &gravityShares_}) values->assign(weighs ? n : 0, 0.0);
+  bindFoundation();
+}
+
+void Body::setConstitution(Constitution constitution, const ParallelFor &parallelFor) {
+  const std::size_t points = rest_->pointCount();
+  const bool remembersFlow = !state_.history.plasticInverse.empty(), remembersStress = !state_.history.prony.empty();
+  const std::vector<Mat3> flow = std::move(state_.history.plasticInverse),
+                          flowBefore = std::move(state_.history.plasticBefore);
+  const std::vector<PronyPoint> stress = std::move(state_.history.prony);
+  const std::vector<ModalMemory> modes = std::move(state_.history.modes);
+  constitution_ = std::move(constitution);
+  state_.history = PointHistory();
+  state_.history.reset(constitution_, points, rest_->stencils.isLattice());
+  if (remembersFlow && !state_.history.plasticInverse.empty()) {
+    state_.history.plasticInverse = flow;
+    state_.history.plasticBefore = flowBefore;
+  }
+  if (remembersStress && !state_.history.prony.empty()) state_.history.prony = stress;
+  if (!modes.empty() && !state_.history.modes.empty()) state_.history.modes = modes;
+
+  const StencilSet &s = rest_->stencils;
+  const std::vector<double> densities = phyxelDensities(constitution_, *rest_);
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    const double density = densities[i];
+    masses_[i] = density * rest_->volumes[i];
+    if (!weights_.empty()) weights_[i] = density * rest_->weightVolumes[i];
+    if (!rest_->heldVolumes.empty() && !heldMask_[i]) {
+      // Not all of it: what deforms nothing still has to have an inertia.
+      constexpr double kMostCarried = 1.0 - 1e-6;
+      carriedMasses_[i] = std::clamp(rest_->carriedVolumes[i] / rest_->volumes[i], 0.0, kMostCarried) * masses_[i];
+      masses_[i] -= carriedMasses_[i];
+      carriedWeights_[i] = std::clamp(rest_->heldVolumes[i] / rest_->weightVolumes[i], 0.0, kMostCarried) * weights_[i];
+      weights_[i] -= carriedWeights_[i];
+    }
+    if (!weights_.empty()) gravityShares_[i] = weights_[i] / masses_[i];
+    inverseMasses_[i] = heldMask_[i] ? 0.0 : 1.0 / masses_[i];
+  }
+
+  Csr rows;
+  std::vector<double> weights, stiffness;
+  for (const HeldPart &part : rest_->conditions.held)
+    for (std::size_t p = 0; p < part.rows.rows(); ++p) {
+      for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e) {
+        rows.indices.push_back(part.rows.indices[e]);
+        weights.push_back(part.weights[e]);
+      }
+      rows.offsets.push_back(static_cast<Index>(rows.indices.size()));
+      double modulus = 0.0;
+      for (const Material &m : constitution_.materials) modulus = std::max(modulus, m.youngsModulus);
+      stiffness.push_back(kPatchStiffness * modulus * part.areas[p] / rest_->spacing);
+    }
+  patches_.set(rows, weights, stiffness, inverseMasses_);
+  vectorise();
+  restFrequency_ = largestFrequency(constitution_, s, rest_->positions, masses_, {}, parallelFor);
+  foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));
+  forcesCurrent = false;
+}
+
+double Body::stableStepFor(double tangentRatio) const {
+  // No eigenvalue of a sum is above the sum of the largest ones.
+  const double elastic = restFrequency_ * restFrequency_, around = foundationFrequency_ * foundationFrequency_;
+  const double frequency =
+      around > 0.0 ? std::sqrt(elastic * tangentRatio + around) : restFrequency_ * std::sqrt(tangentRatio);
+  if (frequency == 0.0) return std::numeric_limits<double>::infinity();
+  // Viscous forces are taken at the velocity half a step before: the bound of central differences with lagged damping.
+  double relaxation = 0.0;
+  for (const Material &m : constitution_.materials)
+    relaxation = std::max(relaxation, 2.0 * m.viscosity / m.waveModulus());
+  const double xi = around > 0.0 ? 0.5 * (relaxation * elastic + foundation_.settings().retardationTime * around) /
+                                       std::sqrt(elastic + around)
+                                 : 0.5 * relaxation * restFrequency_;
+  return 2.0 / frequency * (std::sqrt(1.0 + xi * xi) - xi);
+}
+
+void Body::setPrecision(Precision precision) {
+  if (precision == precision_) return;
+  precision_ = precision;
+  vectorise();
+  forcesCurrent = false;
+}
+
+void Body::vectorise() {
+  vectorForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, precision_);
+  exactForces_.reset();
+  if (!vectorForces_) makePoints();
+}
+
+// At rest as long as nothing has been evaluated.
+void Body::makePoints() const {
+  const std::size_t points = rest_->pointCount();
+  if (gradients_.size() != points) gradients_.assign(points, Mat3::Identity());
+  if (stresses_.size() != points) stresses_.assign(points, Mat3::Zero());
+}
+
+detail::VectorForces &Body::exactForces() const {
+  if (precision_ == Precision::doublePrecision) return *vectorForces_;
+  if (!exactForces_)
+    exactForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, Precision::doublePrecision);
+  return *exactForces_;
+}
+
+void Body::evaluateInternal(bool viscous, const ParallelFor &parallelFor) {
+  const std::span<const Vec3> velocities =
+      viscous && constitution_.viscous() ? state_.velocities : std::span<const Vec3>();
+  tangentRatio_ = exactForces().evaluate(state_.displacements, velocities, forces_, parallelFor);
+  gradientsOld_ = stressesOld_ = true;
+}
+
+void Body::linearise(const ParallelFor &parallelFor) { exactForces().linearise(state_.displacements, parallelFor); }
+
+void Body::forceDifferential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
+                             const ParallelFor &parallelFor) {
+  exactForces().differential(du, viscousScale, df, parallelFor);
+}
+
+void Body::evaluate(double t, double dt, const ParallelFor &parallelFor) {
+  if (!vectorForces_) {
+    computeGradients(parallelFor);
+    if (!state_.history.plasticInverse.empty() && dt > 0.0) computeFlow(dt, parallelFor);
+    computeStresses(dt, parallelFor);
+    computeForces(t, parallelFor);
+    return;
+  }
+  const std::span<const Vec3> velocities = constitution_.viscous() ? state_.velocities : std::span<const Vec3>();
+  tangentRatio_ = vectorForces_->evaluate(state_.displacements, velocities, forces_, parallelFor);
+  gradientsOld_ = stressesOld_ = true;
+  addLoads(t, parallelFor);
+}
+
+std::span<const Mat3> Body::gradients() const {
+  makePoints();
+  if (gradientsOld_) {
+    deformationGradients(rest_->stencils, state_.displacements, gradients_, serialFor());
+    gradientsOld_ = false;
+  }
+  return gradients_;
+}
+
+std::span<const Mat3> Body::stresses() const {
+  makePoints();
+  if (stressesOld_) {
+    // Only of bodies without a history: others are not vectorised.
+    tangentRatios_.resize(rest_->pointCount());
+    std::vector<Mat3> rates;
+    if (constitution_.viscous()) {
+      rates.resize(rest_->pointCount());
+      gradientRates(rest_->stencils, state_.velocities, rates, serialFor());
+    }
+    (void)pointStresses(constitution_, rest_->stencils, gradients(), rates, state_.history, 0.0, nullptr, stresses_,
+                        tangentRatios_, serialFor());
+    stressesOld_ = false;
+  }
+  return stresses_;
+}
+
+void Body::computeGradients(const ParallelFor &parallelFor) {
+  makePoints();
+  gradientsOld_ = false;
+  deformationGradients(rest_->stencils, state_.displacements, gradients_, parallelFor);
+}
+
+std::size_t Body::computeFlow(double dt, const ParallelFor &parallelFor) {
+  return plasticFlow(constitution_, rest_->stencils, gradients_, dt, state_.history, parallelFor);
+}
+
+void Body::stressesInto(double dt, const PointHistory &before, PointHistory *after, bool viscous,
+                        const ParallelFor &parallelFor) {
+  std::span<const Mat3> rates;
+  if (viscous && constitution_.viscous()) {
+    rates_.resize(rest_->pointCount());
+    gradientRates(rest_->stencils, state_.velocities, rates_, parallelFor);
+    rates = rates_;
+  }
+  tangentRatios_.resize(rest_->pointCount());
+  makePoints();
+  stressesOld_ = false;
+  tangentRatio_ = pointStresses(constitution_, rest_->stencils, gradients_, rates, before, dt, after, stresses_,
+                                tangentRatios_, parallelFor);
+  relaxedModes_.resize(before.modes.size());
+  if (!before.modes.empty())
+    relaxModes(constitution_, rest_->stencils, state_.displacements, gradients_, before, dt, after, relaxedModes_,
+               parallelFor);
+}
+
+void Body::computeStresses(double dt, const ParallelFor &parallelFor) {
+  stressesInto(dt, state_.history, state_.history.prony.empty() ? nullptr : &state_.history, true, parallelFor);
+}
+
+void Body::computeTrialStresses(double dt, const ParallelFor &parallelFor) {
+  if (state_.history.prony.empty()) return stressesInto(dt, state_.history, nullptr, true, parallelFor);
+  trial_.prony.resize(state_.history.prony.size());
+  trial_.modes.resize(state_.history.modes.size());
+  stressesInto(dt, state_.history, &trial_, true, parallelFor);
+}
+
+void Body::computeElasticStresses(const ParallelFor &parallelFor) {
+  if (state_.history.prony.empty()) return stressesInto(0.0, state_.history, nullptr, false, parallelFor);
+  // Only bodies that relax pay for this copy.
+  PointHistory elastic;
+  elastic.plasticInverse = state_.history.plasticInverse;
+  stressesInto(0.0, elastic, nullptr, false, parallelFor);
+}
+
+void Body::computeInternalForces(const ParallelFor &parallelFor) {
+  entryForces_.resize(rest_->stencils.phyxels.indices.size());
+  internalForces(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients_, stresses_,
+                 entryForces_, forces_, parallelFor, relaxedModes_);
+}
+
+void Body::computeForces(double t, const ParallelFor &parallelFor) {
+  computeInternalForces(parallelFor);
+  addLoads(t, parallelFor);
+}
+
+void Body::addLoads(double t, const ParallelFor &parallelFor) {
+  foundation_.addForces(state_.displacements, state_.velocities, forces_, parallelFor);
+  const BoundaryConditions &conditions = rest_->conditions;
+  for (std::size_t l = 0; l < conditions.loads.size(); ++l)
+    addLoadForces(conditions.loads[l], conditions.loaded[l], factor(conditions.loads[l].ramp, t), state_.displacements,
+                  forces_);
+}
+
+double Body::factor(double ramp, double t) const {
+  if (quasiStatic) return std::clamp(t, 0.0, 1.0);
+  return ramp > 0.0 ? std::clamp(t / ramp, 0.0, 1.0) : 1.0;
+}
+
+ElasticEnergy Body::elasticEnergy(const ParallelFor &parallelFor) const {
+  return vectorised() ? exactForces().energy(state_.displacements, parallelFor) : elasticEnergy();
+}
+
+ElasticEnergy Body::elasticEnergy(std::span<Eigen::Vector2d> perPoint) const {
+  return pointbased::elasticEnergy(constitution_, rest_->stencils, rest_->positions, state_.displacements, gradients(),
+                                   state_.history, perPoint);
+}
+
+double Body::kineticEnergy() const {
+  double energy = 0.0;
+  for (std::size_t i = 0; i < masses_.size(); ++i) energy += 0.5 * masses_[i] * state_.velocities[i].squaredNorm();
+  return energy;
+}
+
+double Body::totalMass() const {
+  double mass = 0.0;
+  for (const double m : masses_) mass += m;
+  for (const double m : carriedMasses_) mass += m;
+  return mass;
+}
+
+std::span<const Vec3> Body::contactPositions(const ParallelFor &parallelFor) {
+  const ContactPoints &points = rest_->contact;
+  contactPositions_.resize(points.count());
+  interpolateDisplacements(points.binding, rest_->positions, state_.displacements, contactPositions_, parallelFor);
+  for (std::size_t p = 0; p < contactPositions_.size(); ++p)
+    contactPositions_[p] += rest_->origin + points.binding.positions[p];
+  return contactPositions_;
+}
+
+std::span<const Vec3> Body::contactVelocities(const ParallelFor &parallelFor) {
+  contactVelocities_.resize(rest_->contact.count());
+  interpolateField(rest_->contact.binding, state_.velocities, contactVelocities_, parallelFor);
+  return contactVelocities_;
+}
+
+}  // namespace pointbased

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/cloud_quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/symmetric_eigen.h"
+
+namespace pointbased {
+
+std::string CloudQuality::warning() const {
+  std::string text;
+  const auto add = [&text, this](std::size_t count, const std::string &what) {
+    text += (text.empty() ? "" : "; ") + std::to_string(count) + " of " + std::to_string(phyxels) + " phyxels have " + what;
+  };
+  const std::string few12 = std::to_string(kFewNeighbours), many100 = std::to_string(kManyNeighbours);
+  const double enough = kUnusualPart * static_cast<double>(phyxels);
+  if (static_cast<double>(few) > enough) add(few, "fewer than " + few12 + " neighbours; " + few12 + " to " + many100 + " are usual");
+  if (static_cast<double>(many) > enough) add(many, "more than " + many100 + " neighbours; " + few12 + " to " + many100 + " are usual");
+  if (coincident > 0) add(coincident, "the place of another one and follow the same neighbours");
+  return text;
+}
+
+CloudQuality inspectCloud(const RestState &rest) {
+  CloudQuality out;
+  if (rest.evaluation != Evaluation::phyxels) return out;
+  const StencilSet &s = rest.stencils;
+  out.phyxels = rest.phyxelCount();
+  const double same = kCoincident * rest.spacing;
+  for (Index i = 0; i < rest.neighbors.rows(); ++i) {
+    const std::size_t count = rest.neighbors.offsets[i + 1] - rest.neighbors.offsets[i];
+    out.few += count < kFewNeighbours ? 1 : 0;
+    out.many += count > kManyNeighbours ? 1 : 0;
+    bool coincides = false;
+    for (Index k = rest.neighbors.offsets[i]; k < rest.neighbors.offsets[i + 1]; ++k) {
+      const Index j = rest.neighbors.indices[k];
+      coincides = coincides || (j < i && (rest.positions[j] - rest.positions[i]).squaredNorm() <= same * same);
+    }
+    out.coincident += coincides ? 1 : 0;
+  }
+  for (std::size_t q = 0; q < s.pointCount(); ++q) {
+    const int rank = s.rank[q];
+    out.flat += rank < 3 ? 1 : 0;
+    if (rank == 0) continue;
+    // The weights of the control are those of the fit but for a factor, which a condition number does not see.
+    const Vec3 anchor = rest.positions[s.phyxels.indices[s.phyxels.offsets[q]]];
+    Mat3 A = Mat3::Zero();
+    for (Index e = s.phyxels.offsets[q] + 1; e < s.phyxels.offsets[q + 1]; ++e) {
+      const Vec3 d = rest.positions[s.phyxels.indices[e]] - anchor;
+      A += s.weights[e] * d * d.transpose();
+    }
+    const Vec3 values = detail::symmetricEigenvalues(A);
+    out.condition = std::max(out.condition, values[2] / values[3 - rank]);
+  }
+  return out;
+}
+
+std::string volumeWarning(const RestState &rest) {
+  if (!(rest.countedVolume > 0.0) || std::abs(rest.countedVolume / rest.shapeVolume - 1.0) <= kVolumeMismatch) return {};
+  char text[300];
+  std::snprintf(text, sizeof text,
+                "its surface encloses %.4g mL, but %.4g mL were found inside: it is open, goes through itself, or is "
+                "in parts thinner than the distance of its phyxels, %.3g mm; the mass is that of the former",
+                1e6 * rest.shapeVolume, 1e6 * rest.countedVolume, 1e3 * rest.spacing);
+  return text;
+}
+
+}  // namespace pointbased

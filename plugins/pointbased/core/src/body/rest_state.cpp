@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/rest_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/disjoint_sets.h"
+#include "body/rest_parts.h"
+#include "skin/skin_tears.h"
+
+namespace pointbased {
+namespace {
+
+// Calls visit(row) for every phyxel with those that stand in a common stencil, ascending.
+template <class Visit>
+void forNeighbours(const StencilSet &stencils, std::size_t phyxels, const Visit &visit) {
+  std::vector<Index> row;
+  for (std::size_t i = 0; i < phyxels; ++i) {
+    row.clear();
+    for (Index k = stencils.entriesOfPhyxel.offsets[i]; k < stencils.entriesOfPhyxel.offsets[i + 1]; ++k) {
+      const Index q = stencils.pointOfEntry(stencils.entriesOfPhyxel.indices[k]);
+      for (Index e = stencils.phyxels.offsets[q]; e < stencils.phyxels.offsets[q + 1]; ++e)
+        if (stencils.phyxels.indices[e] != i) row.push_back(stencils.phyxels.indices[e]);
+    }
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    visit(row);
+  }
+}
+
+class NeighbourCounter {
+ public:
+  void add(std::size_t count) {
+    counted_.min = rows_ == 0 ? count : std::min(counted_.min, count);
+    counted_.max = std::max(counted_.max, count);
+    sum_ += count;
+    ++rows_;
+  }
+  [[nodiscard]] Neighbours counted() const {
+    Neighbours out = counted_;
+    if (rows_ > 0) out.mean = static_cast<double>(sum_) / static_cast<double>(rows_);
+    return out;
+  }
+
+ private:
+  Neighbours counted_;
+  std::size_t rows_ = 0, sum_ = 0;
+};
+
+}  // namespace
+
+std::size_t detail::countComponents(const Csr &neighbors) {
+  std::vector<std::uint8_t> seen(neighbors.rows(), 0);
+  std::vector<Index> open;
+  std::size_t components = 0;
+  for (Index start = 0; start < neighbors.rows(); ++start) {
+    if (seen[start]) continue;
+    ++components;
+    seen[start] = 1;
+    open.push_back(start);
+    while (!open.empty()) {
+      const Index i = open.back();
+      open.pop_back();
+      for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k) {
+        const Index j = neighbors.indices[k];
+        if (!seen[j]) {
+          seen[j] = 1;
+          open.push_back(j);
+        }
+      }
+    }
+  }
+  return components;
+}
+
+namespace {
+
+// Pairs whose straight way leaves the body do not act on each other: two lobes with a gap between them stay two.
+void dropPairsThatCannotSee(const BodyShape &shape, std::span<const Vec3> world, Csr &neighbors) {
+  if (!shape.crosses) return;
+  std::vector<Vec3> from, to;
+  std::vector<std::uint8_t> crosses;
+  for (Index i = 0; i < neighbors.rows(); ++i)
+    for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k)
+      if (neighbors.indices[k] > i) {
+        from.push_back(world[i]);
+        to.push_back(world[neighbors.indices[k]]);
+      }
+  crosses.resize(from.size());
+  shape.crosses(from, to, crosses);
+  std::vector<std::vector<Index>> kept(neighbors.rows());
+  std::size_t pair = 0;
+  for (Index i = 0; i < neighbors.rows(); ++i)
+    for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k)
+      if (const Index j = neighbors.indices[k]; j > i && !crosses[pair++]) {
+        kept[i].push_back(j);
+        kept[j].push_back(i);
+      }
+  Csr out;
+  for (std::vector<Index> &row : kept) {
+    std::sort(row.begin(), row.end());
+    out.indices.insert(out.indices.end(), row.begin(), row.end());
+    out.offsets.push_back(static_cast<Index>(out.indices.size()));
+  }
+  neighbors = std::move(out);
+}
+
+Surface shiftedSurface(const Surface &surface, const Vec3 &origin) {
+  Surface out = surface;
+  for (Vec3 &x : out.positions) x -= origin;
+  return out;
+}
+
+}  // namespace
+
+void detail::bindSkinToCloud(RestState &rest, const Surface &local, std::span<const Vec3> normals,
+                             const ParallelFor &parallelFor) {
+  rest.bind = [positions = rest.positions, parallelFor](std::span<const Vec3> points, std::span<const Vec3>) {
+    return bindToCloud(points, positions, parallelFor);
+  };
+  rest.surfels = Surfels(rest.bind(local.positions, normals));
+  rest.surfelNormals.assign(normals.begin(), normals.end());
+  rest.skin = local.triangles;
+  if (local.triangles.empty()) return;
+  SurfacePoints chosen = chooseContactPoints(local, rest.spacing);
+  Interpolation binding = rest.bind(chosen.positions, chosen.normals);
+  rest.contact = carriedContact(std::move(chosen), std::move(binding), rest.positions, rest.spacing);
+}
+
+namespace {
+
+// Skin, contact and the binder of a cloud; `rest` has positions already.
+void bindCloud(RestState &rest, const PhyxelCloud &cloud, const Surface &local, std::span<const Vec3> normals,
+               const ParallelFor &parallelFor) {
+  detail::bindSkinToCloud(rest, local, normals, parallelFor);
+  if (!local.triangles.empty()) return;
+  // Without a surface a phyxel touches as a ball.
+  const std::size_t n = rest.positions.size();
+  rest.contact.binding.positions = rest.positions;
+  for (std::size_t i = 0; i < n; ++i) {
+    rest.contact.binding.phyxels.indices.push_back(static_cast<Index>(i));
+    rest.contact.binding.phyxels.offsets.push_back(static_cast<Index>(i + 1));
+    const double radius = i < cloud.contactRadii.size() ? cloud.contactRadii[i] : 0.5 * rest.spacing;
+    rest.contact.areas.push_back(radius * radius);
+    rest.contact.radii.push_back(radius);
+  }
+  rest.contact.binding.weights.assign(n, 1.0);
+  rest.contact.binding.gradients.assign(n, Vec3::Zero());
+  rest.contact.normals.assign(n, Vec3::UnitZ());
+}
+
+std::shared_ptr<RestState> restOfCloud(const PhyxelCloud &cloud, const NeighborChoice &choice, double shapeVolume,
+                                       const Surface &surface, std::span<const Vec3> normals, const BodyShape *shape,
+                                       const ParallelFor &parallelFor) {
+  auto rest = std::make_shared<RestState>();
+  rest->evaluation = Evaluation::phyxels;
+  rest->spacing = cloud.spacing;
+  rest->shapeVolume = shapeVolume;
+  rest->countedVolume = cloud.countedVolume;
+  rest->volumes = cloud.volumes;
+  rest->neighborChoice = choice;
+  if (!cloud.positions.empty()) {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3 &x : cloud.positions) sum += x - cloud.positions[0];
+    rest->origin = cloud.positions[0] + sum / static_cast<double>(cloud.positions.size());
+  }
+  rest->positions.reserve(cloud.positions.size());
+  for (const Vec3 &x : cloud.positions) rest->positions.push_back(x - rest->origin);
+  Neighborhoods found = findNeighborhoods(rest->positions, choice, cloud.spacing, parallelFor);
+  if (shape) dropPairsThatCannotSee(*shape, cloud.positions, found.neighbors);
+  rest->stencils = buildPhyxelStencils(rest->positions, found.neighbors, found.supportRadii, rest->volumes, parallelFor);
+  rest->neighbors = std::move(found.neighbors);
+  rest->pointCentres = rest->positions;
+  rest->components = detail::countComponents(rest->neighbors);
+  bindCloud(*rest, cloud, shiftedSurface(surface, rest->origin), normals, parallelFor);
+  return rest;
+}
+
+// The connected piece that carries a vertex of the skin, by its first phyxel.
+std::vector<Index> piecesOf(const RestState &rest) {
+  const Csr &rows = rest.stencils.phyxels;
+  DisjointSets sets(rest.phyxelCount());
+  for (std::size_t q = 0; q < rows.rows(); ++q)
+    for (Index e = rows.offsets[q]; e < rows.offsets[q + 1]; ++e)
+      (void)sets.join(rows.indices[rows.offsets[q]], rows.indices[e]);
+  std::vector<Index> pieces;
+  for (const CellPlace &place : rest.surfels.places()) {
+    const Interpolation &own = rest.surfels.rows();
+    pieces.push_back(sets.find(place.frame == Surfels::kRow ? own.phyxels.indices[own.phyxels.offsets[place.phyxels[0]]]
+                                                            : place.phyxels[0]));
+  }
+  return pieces;
+}
+
+std::string numbered(const char *what, std::size_t number, const std::string &text) {
+  return std::string(what) + " " + std::to_string(number) + ": " + text;
+}
+
+}  // namespace
+
+std::shared_ptr<const RestState> buildRestState(const PhyxelCloud &cloud, const NeighborChoice &choice, double shapeVolume,
+                                                const Surface &surface, std::span<const Vec3> surfelNormals,
+                                                const ParallelFor &parallelFor) {
+  return restOfCloud(cloud, choice, shapeVolume, surface, surfelNormals, nullptr, parallelFor);
+}
+
+Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, const BodyRecipe &recipe,
+                                                        std::span<const Vec3> surfelNormals, const ParallelFor &parallelFor,
+                                                        const SamplingProgress &progress) {
+  const auto refuse = [](const std::string &text) { return tl::unexpected<std::string>(text); };
+  const auto part = [&](double from, double to) {
+    return [&progress, from, to](double f) { return !progress || progress(from + (to - from) * f); };
+  };
+  // What is far off in any case (a wrong unit) is not to be heard after minutes of building.
+  const double reach = 1.5 * (shape.max - shape.min).norm();
+  const auto check = [&](const Region &region) -> Result<void> {
+    if (const auto good = validate(region); !good) return good;
+    if (signedDistance(region, 0.5 * (shape.min + shape.max)) <= reach) return {};
+    return refuse("the region meets no part of the body; move or enlarge it until it does");
+  };
+  for (std::size_t i = 0; i < recipe.fixes.size(); ++i)
+    if (const auto good = check(recipe.fixes[i].region); !good) return refuse(numbered("fix", i, good.error()));
+  for (std::size_t i = 0; i < recipe.loads.size(); ++i)
+    if (const auto good = check(recipe.loads[i].region); !good) return refuse(numbered("load", i, good.error()));
+
+  std::shared_ptr<RestState> rest;
+  BoundaryConditions conditions{recipe.fixes, {}, recipe.loads, {}};
+  if (recipe.evaluation == Evaluation::stressPoints) {
+    LatticeSampling sampling = recipe.sampling;
+    sampling.held.clear();
+    for (const Fix &fix : recipe.fixes) sampling.held.push_back(fix.region);
+    auto filled = fillLattice(shape, sampling, parallelFor, part(0.0, 0.85));
+    if (!filled) return refuse(filled.error());
+    LatticeBody &body = *filled;
+    rest = std::make_shared<RestState>();
+    rest->evaluation = Evaluation::stressPoints;
+    rest->origin = body.origin;
+    rest->spacing = body.spacing;
+    rest->sampling = recipe.sampling;
+    rest->reshape = recipe.reshape;
+    rest->shapeVolume = shape.volume;
+    rest->countedVolume = body.countedVolume;
+    rest->positions = std::move(body.positions);
+    rest->volumes = std::move(body.volumes);
+    rest->weightVolumes = std::move(body.weightVolumes);
+    rest->heldVolumes = std::move(body.heldVolumes);
+    rest->carriedVolumes = std::move(body.carriedVolumes);
+    rest->stencils = std::move(body.stencils);
+    rest->pointCentres = std::move(body.pointCentres);
+    rest->components = body.components;
+    NeighbourCounter counter;
+    forNeighbours(rest->stencils, rest->positions.size(), [&](std::span<const Index> row) { counter.add(row.size()); });
+    rest->latticeNeighbours = counter.counted();
+    compactRows(rest->stencils);
+    conditions.held = std::move(body.held);
+    rest->bind = [cells = body.cells, parallelFor](std::span<const Vec3> points, std::span<const Vec3> normals) {
+      return cells->bind(points, normals, parallelFor);
+    };
+    const Surface local = shiftedSurface(shape.surface, rest->origin);
+    Interpolation skin = rest->bind(local.positions, surfelNormals);
+    (void)detail::closeTears(local, rest->spacing, skin);
+    rest->surfels = Surfels(skin);
+    rest->surfelNormals.assign(surfelNormals.begin(), surfelNormals.end());
+    rest->skin = local.triangles;
+    if (!local.triangles.empty()) {
+      // As fine as the finest cells: a refined place is refined to be touched.
+      double finest = rest->spacing;
+      for (const Refinement &refinement : sampling.refinements)
+        while (finest > refinement.spacing * (1.0 + 1e-9)) finest *= 0.5;
+      while (sampling.surfaceSpacing > 0.0 && finest > sampling.surfaceSpacing * (1.0 + 1e-9)) finest *= 0.5;
+      SurfacePoints chosen =
+          rest->components > 1 ? chooseContactPoints(local, finest, piecesOf(*rest)) : chooseContactPoints(local, finest);
+      Interpolation binding = rest->bind(chosen.positions, chosen.normals);
+      rest->contact = carriedContact(std::move(chosen), std::move(binding), rest->positions, rest->spacing);
+    }
+    rest->leverage = leverageOf(*rest);
+  } else {
+    const auto cloud = fill(shape, {recipe.sampling.spacing, recipe.sampling.count}, parallelFor, part(0.0, 0.7));
+    if (!cloud) return refuse(cloud.error());
+    rest = restOfCloud(*cloud, recipe.neighbors, shape.volume, shape.surface, surfelNormals, &shape, parallelFor);
+    const Surface local = shiftedSurface(shape.surface, rest->origin);
+    if (!recipe.sampling.materials.empty()) {
+      rest->stencils.materials.assign(rest->pointCount(), 0);
+      for (const auto &[region, material] : recipe.sampling.materials) {
+        const Region here = shifted(region, rest->origin);
+        for (std::size_t q = 0; q < rest->pointCount(); ++q)
+          if (contains(here, rest->pointCentres[q])) rest->stencils.materials[q] = material;
+      }
+    }
+    for (std::size_t i = 0; i < recipe.fixes.size(); ++i) {
+      auto held = holdCloud(shifted(recipe.fixes[i].region, rest->origin), rest->positions, rest->volumes, rest->spacing,
+                            local, parallelFor);
+      if (!held) return refuse(numbered("fix", i, held.error()));
+      conditions.held.push_back(std::move(*held));
+    }
+  }
+  if (progress && !progress(0.9)) return refuse("cancelled");
+
+  const Surface local = shiftedSurface(shape.surface, rest->origin);
+  for (std::size_t i = 0; i < recipe.loads.size(); ++i) {
+    Load here = recipe.loads[i];
+    here.region = shifted(here.region, rest->origin);
+    auto loaded = loadedPart(here, local, rest->spacing, rest->bind, rest->pointCentres, rest->stencils.volumes);
+    if (!loaded) return refuse(numbered("load", i, loaded.error()));
+    conditions.loaded.push_back(std::move(*loaded));
+  }
+  rest->conditions = std::move(conditions);
+  if (progress && !progress(1.0)) return refuse("cancelled");
+  return std::shared_ptr<const RestState>(std::move(rest));
+}
+
+std::vector<float> leverageOf(const RestState &rest) {
+  // |g| of a corner of a whole cell of edge d is √3/(4 d).
+  const double whole = std::sqrt(3.0) / (4.0 * rest.spacing);
+  std::vector<double> most(rest.phyxelCount(), 0.0);
+  const StencilSet &s = rest.stencils;
+  for (std::size_t q = 0; q < s.pointCount(); ++q) {
+    const GradientRows gradients(s, q);
+    for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e) {
+      double &own = most[s.phyxels.indices[e]];
+      own = std::max(own, std::min(1.0, gradients[e].norm() / whole));
+    }
+  }
+  const Interpolation &points = rest.contact.binding;
+  for (Index p = 0; p < points.count(); ++p)
+    for (Index e = points.phyxels.offsets[p]; e < points.phyxels.offsets[p + 1]; ++e) {
+      double &own = most[points.phyxels.indices[e]];
+      own = std::max(own, std::abs(points.weights[e]));
+    }
+  std::vector<float> out(most.size());
+  std::transform(most.begin(), most.end(), out.begin(), [](double x) {
+    return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());  // not less than |φ| by rounding
+  });
+  return out;
+}
+
+Csr neighboursOf(const RestState &rest) {
+  if (rest.evaluation == Evaluation::phyxels) return rest.neighbors;
+  Csr out;
+  out.offsets.reserve(rest.phyxelCount() + 1);
+  forNeighbours(rest.stencils, rest.phyxelCount(), [&](std::span<const Index> row) {
+    out.indices.insert(out.indices.end(), row.begin(), row.end());
+    out.offsets.push_back(static_cast<Index>(out.indices.size()));
+  });
+  return out;
+}
+
+Neighbours countNeighbours(const RestState &rest) {
+  if (rest.evaluation == Evaluation::stressPoints) return rest.latticeNeighbours;
+  NeighbourCounter counter;
+  for (std::size_t i = 0; i < rest.neighbors.rows(); ++i)
+    counter.add(rest.neighbors.offsets[i + 1] - rest.neighbors.offsets[i]);
+  return counter.counted();
+}
+
+void phyxelMeans(const RestState &rest, std::span<const Mat3> pointValues, std::span<Mat3> out) {
+  if (rest.evaluation == Evaluation::phyxels) {
+    std::copy(pointValues.begin(), pointValues.end(), out.begin());
+    return;
+  }
+  const StencilSet &s = rest.stencils;
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
+    Mat3 sum = Mat3::Zero();
+    double volume = 0.0;
+    for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
+      const Index q = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
+      sum += s.volumes[q] * pointValues[q];
+      volume += s.volumes[q];
+    }
+    out[i] = volume > 0.0 ? Mat3(sum / volume) : Mat3(Mat3::Zero());
+  }
+}
+
+void phyxelGradients(const RestState &rest, std::span<const Mat3> pointGradients, std::span<Mat3> out) {
+  phyxelMeans(rest, pointGradients, out);
+  const Csr &entries = rest.stencils.entriesOfPhyxel;
+  if (rest.evaluation == Evaluation::phyxels) return;
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
+    if (entries.offsets[i] == entries.offsets[i + 1]) out[i] = Mat3::Identity();
+}
+
+}  // namespace pointbased

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/contact_search.h"
+
+namespace pointbased {
+
+using namespace detail;
+
+namespace {
+
+using Known = ContactMemory::Known;
+using Side = ContactMemory::Side;
+
+// Obstacles are asked for surfaces within this many margins, or this many times the way of a step or since they were asked.
+constexpr double kReachMargins = 40.0;
+constexpr double kReachWays = 3.0;
+// A plane is used again while the point stays within this many margins of where it was found.
+constexpr double kSamePlane = 0.25;
+// Ways shorter than this many margins are those of a point at rest: nothing new is met on them.
+constexpr double kRest = 1e-3;
+// Points up to this many margins inside are followed sidewards, deeper ones are only led back to where they came in.
+constexpr double kFollow = 50.0;
+// Planes whose normals are closer than this cosine are the same side.
+constexpr double kSameSide = 0.9;
+
+// One obstacle during one step.
+struct Step {
+  const Obstacle &obstacle;
+  bool moves;
+  RigidMotion now, then;
+  double dt, margin;
+
+  // World to the frame at rest at the beginning of the step, and the way relative to the obstacle there.
+  [[nodiscard]] Vec3 local(const Vec3 &x) const { return moves ? toRest(now, x) : x; }
+  [[nodiscard]] Vec3 way(const Vec3 &x, const Vec3 &at, const Vec3 &velocity) const {
+    return moves ? Vec3(toRest(then, x + dt * velocity) - at) : Vec3(dt * velocity);
+  }
+  [[nodiscard]] Vec3 surfaceVelocity(const Vec3 &at) const {
+    return moves && dt > 0.0 ? Vec3((then.displacementOf(at) - now.displacementOf(at)) / dt) : Vec3(Vec3::Zero());
+  }
+  // First side met on the way, turned against it.
+  [[nodiscard]] bool meets(const Vec3 &from, const Vec3 &to, Vec3 &normal, double &offset) const {
+    if (!obstacle.crossing || from == to) return false;
+    const double t = obstacle.crossing(from, to, normal);
+    if (!(t >= 0.0)) return false;
+    if (normal.dot(to - from) > 0.0) normal = -normal;
+    offset = normal.dot(from + t * (to - from));
+    return true;
+  }
+};
+
+// Whether nothing new can be met: `free`, or what was found holds still.
+enum class Need { nothing, known, ask };
+
+Need needOf(const Known &known, const Vec3 &at, double way, double radius, double margin) {
+  if (known.reach < 0.0) return Need::ask;
+  const double moved = (at - known.at).norm();
+  // NaN asks as well; the guard finds it later.
+  if (std::min(known.distance, known.reach) - radius - margin - moved > way) return Need::nothing;
+  return moved <= kSamePlane * margin && moved + way <= known.swept ? Need::known : Need::ask;
+}
+
+// Takes what the obstacle has answered for a point: its plane, on which side it is, and what it meets on its way.
+void learn(const Step &step, const Vec3 &at, const Vec3 &way, double radius, const SurfacePoint &answer, double reach,
+           Known &known, Side &side) {
+  const double margin = step.margin;
+  known.at = at;
+  known.reach = reach;
+  known.distance = answer.distance;
+  known.normal = answer.normal;
+  known.ahead = false;
+  double offset = 0.0;
+  Vec3 normal;
+  if (side.known && step.meets(side.place, at, normal, offset)) {
+    known.normal = normal;
+    known.distance = normal.dot(at) - offset;
+    const Vec3 beside = at + (margin - known.distance) * normal;
+    Vec3 other;
+    if (known.distance > -kFollow * margin && !step.meets(side.place, beside, other, offset)) side.place = beside;
+  } else if (known.distance >= -margin) {
+    side.known = true;
+    side.place = at;
+    if (known.distance < margin) side.place += (margin - known.distance) * known.normal;
+  }
+
+  const double length = way.norm();
+  known.swept = length + 0.5 * margin;
+  if (!(length > kRest * margin) || (!side.known && known.distance < -margin)) return;
+  // What slides on a surface is followed above it, so that the surface does not hide what stands on it.
+  const bool touching = known.distance - radius <= margin;
+  Vec3 from = at, along = way;
+  if (touching) {
+    from += std::max(0.0, margin - known.distance) * known.normal;
+    along -= std::min(0.0, way.dot(known.normal)) * known.normal;
+  }
+  const double left = along.norm();
+  if (!(left > kRest * margin)) return;
+  if (!step.meets(from, from + along * ((left + radius + margin) / left), normal, offset)) return;
+  if (touching && normal.dot(known.normal) > kSameSide) return;
+  known.ahead = true;
+  known.aheadNormal = normal;
+  known.aheadOffset = offset;
+}
+
+Vec3 tangential(const Vec3 &v, const Vec3 &normal) { return v - normal.dot(v) * normal; }
+
+// What contacts that go on remember.
+void keepMemories(ContactMemory &memory) {
+  std::size_t from = 0;
+  const auto before = [](const Contact &a, const Contact &b) {
+    return a.point != b.point ? a.point < b.point : a.obstacle < b.obstacle;
+  };
+  for (Contact &contact : memory.active) {
+    while (from < memory.previous.size() && before(memory.previous[from], contact)) ++from;
+    bool goesOn = false;
+    for (std::size_t k = from; k < memory.previous.size() && !before(contact, memory.previous[k]); ++k) {
+      const Contact &was = memory.previous[k];
+      if (was.normal.dot(contact.normal) < kSameSide) continue;
+      goesOn = true;
+      contact.normalImpulse = was.normalImpulse;
+      contact.settleImpulse = was.settleImpulse;
+      contact.frictionImpulse = tangential(was.frictionImpulse, contact.normal);
+      contact.settleFriction = tangential(was.settleFriction, contact.normal);
+      contact.normalForce = was.normalForce;
+      contact.allowance = std::clamp(-contact.gap, 0.0, was.allowance);
+      contact.shear = tangential(was.shear, contact.normal);
+      break;
+    }
+    if (!goesOn) contact.allowance = std::max(0.0, -contact.gap);
+  }
+}
+
+void addWalls(const WorldBox &box, double dt, double margin, const Looked &looked, std::vector<Contact> &active) {
+  const auto add = [&](std::size_t k, const Vec3 &normal, double gap) {
+    if (gap > margin + std::max(0.0, -looked.velocities[k].dot(normal)) * dt) return;
+    Contact contact;
+    contact.point = looked.point(k);
+    contact.normal = normal;
+    contact.gap = gap;
+    contact.friction = box.friction;
+    contact.restitution = box.restitution;
+    contact.obstacle = Contact::kWall;
+    active.push_back(contact);
+  };
+  for (std::size_t k = 0; k < looked.count(); ++k) {
+    const double radius = looked.radius(k);
+    for (int axis = 0; axis < 3; ++axis) {
+      add(k, Vec3::Unit(axis), looked.positions[k][axis] - box.min[axis] - radius);
+      add(k, -Vec3::Unit(axis), box.max[axis] - looked.positions[k][axis] - radius);
+    }
+  }
+}
+
+Step stepOf(const Obstacle &obstacle, double time, double dt, double margin) {
+  const bool moves = static_cast<bool>(obstacle.motion);
+  return {obstacle, moves, moves ? obstacle.motion(time) : RigidMotion{},
+          moves ? obstacle.motion(time + dt) : RigidMotion{}, dt, margin};
+}
+
+}  // namespace
+
+void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt,
+                            double margin, std::size_t count, const Looked &looked, ContactMemory &memory,
+                            const ParallelFor &parallelFor) {
+  const std::size_t n = looked.count();
+  const std::span<const Vec3> positions = looked.positions, velocities = looked.velocities;
+  std::swap(memory.previous, memory.active);
+  memory.active.clear();
+  memory.margin = margin;
+  memory.clearance.resize(obstacles.size());
+  memory.sides.resize(obstacles.size());
+  ContactMemory::Questions &ask = memory.questions;
+
+  for (std::size_t o = 0; o < obstacles.size(); ++o) {
+    const Obstacle &obstacle = obstacles[o];
+    const Step step = stepOf(obstacle, time, dt, margin);
+    std::vector<Known> &clearance = memory.clearance[o];
+    std::vector<Side> &sides = memory.sides[o];
+    if (clearance.size() != count) clearance.assign(count, Known());
+    if (sides.size() != count) sides.assign(count, Side());
+
+    ask.points.clear();
+    ask.candidates.clear();
+    ask.positions.clear();
+    ask.ways.clear();
+    ask.ranges.clear();
+    for (std::size_t k = 0; k < n; ++k) {
+      const Known &known = clearance[looked.point(k)];
+      const Vec3 at = step.local(positions[k]), way = step.way(positions[k], at, velocities[k]);
+      const double length = way.norm();
+      const Need need = needOf(known, at, length, looked.radius(k), margin);
+      if (need == Need::nothing) continue;
+      ask.candidates.push_back(static_cast<Index>(k));
+      if (need == Need::known) continue;
+      ask.points.push_back(static_cast<Index>(k));
+      ask.positions.push_back(at);
+      ask.ways.push_back(way);
+      // Without limit at first and from inside, so that a point that is deep inside is known to be there; twice as far
+      // when it has gone far without meeting anything.
+      const bool unlimited = known.reach < 0.0 || known.distance < 0.0;
+      ask.ranges.push_back(unlimited ? std::numeric_limits<double>::infinity()
+                                     : looked.radius(k) + std::max({kReachMargins * margin, kReachWays * length,
+                                                             2.0 * (at - known.at).norm()}));
+    }
+    if (!ask.points.empty()) {
+      ask.answers.assign(ask.points.size(), SurfacePoint());
+      parallelFor(ask.points.size(), 16, [&](std::size_t begin, std::size_t end) {
+        obstacle.closest(std::span<const Vec3>(ask.positions).subspan(begin, end - begin),
+                         std::span<const double>(ask.ranges).subspan(begin, end - begin),
+                         std::span<SurfacePoint>(ask.answers).subspan(begin, end - begin));
+        for (std::size_t k = begin; k < end; ++k) {
+          const Index p = looked.point(ask.points[k]);
+          learn(step, ask.positions[k], ask.ways[k], looked.radius(ask.points[k]), ask.answers[k], ask.ranges[k],
+                clearance[p], sides[p]);
+        }
+      });
+    }
+
+    for (const Index k : ask.candidates) {
+      const Known &known = clearance[looked.point(k)];
+      const Vec3 at = step.local(positions[k]);
+      const double length = step.way(positions[k], at, velocities[k]).norm();
+      const auto add = [&](const Vec3 &normal, double gap) {
+        Contact contact;
+        contact.point = looked.point(k);
+        contact.normal = step.moves ? Vec3(step.now.rotation * normal) : normal;
+        contact.gap = gap;
+        contact.surfaceVelocity = step.surfaceVelocity(at);
+        contact.friction = obstacle.friction;
+        contact.restitution = obstacle.restitution;
+        contact.obstacle = static_cast<Index>(o);
+        memory.active.push_back(contact);
+      };
+      // What is not a number goes on, so that the guard finds it.
+      if (!(known.distance == std::numeric_limits<double>::infinity())) {
+        const double gap = known.distance + known.normal.dot(at - known.at) - looked.radius(k);
+        // Without a way to follow the plane has to do for all that is in reach.
+        if (!(gap > (obstacle.crossing ? margin : length + margin))) add(known.normal, gap);
+      }
+      if (known.ahead) {
+        const double gap = known.aheadNormal.dot(at) - known.aheadOffset - looked.radius(k);
+        if (!(gap > length + margin)) add(known.aheadNormal, gap);
+      }
+    }
+  }
+  if (box.enabled) addWalls(box, dt, margin, looked, memory.active);
+
+  const auto before = [](const Contact &a, const Contact &b) {
+    return a.point != b.point ? a.point < b.point : a.obstacle < b.obstacle;
+  };
+  // A stable sort takes memory, and with one obstacle there is nothing to sort.
+  if (!std::is_sorted(memory.active.begin(), memory.active.end(), before))
+    std::stable_sort(memory.active.begin(), memory.active.end(), before);
+  for (const Contact &contact : memory.active) memory.deepest = std::max(memory.deepest, -contact.gap);
+  keepMemories(memory);
+}
+
+void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
+                  std::span<const Vec3> positions, std::span<const Vec3> velocities, std::span<const double> radii,
+                  ContactMemory &memory, const ParallelFor &parallelFor) {
+  searchContacts(obstacles, box, time, dt, margin, positions.size(), {{}, positions, velocities, radii}, memory, parallelFor);
+}
+
+}  // namespace pointbased

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contacts of points that a body carries: those that cannot meet anything are not looked at.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <type_traits>
+
+#include "contact/contact_search.h"
+#include "discretisation/interpolation_at.h"
+#include "discretisation/lattice/lattice_grid.h"
+
+namespace pointbased {
+
+using namespace detail;
+
+namespace {
+
+using Blocks = ContactMemory::Blocks;
+
+// Points that wait together, phyxels whose largest way counts for all of them, and the part of the room of a block that is
+// used: rounding must not bring a point nearer.
+constexpr std::size_t kBlock = 16, kChunk = 16;
+constexpr double kRoomSafety = 1.0 - 1e-9;
+
+std::size_t blocksOf(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
+
+// Points along a space-filling curve.
+// @param width  m, of what counts as one place
+std::vector<Index> inSpace(std::span<const Vec3> points, double width) {
+  Vec3 low = points.front();
+  for (const Vec3 &x : points) low = low.cwiseMin(x);
+  constexpr double kMostPlaces = (1 << 20) - 1;
+  std::vector<std::uint64_t> codes(points.size());
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    lattice::Cell3 at;
+    for (int a = 0; a < 3; ++a)
+      at[static_cast<std::size_t>(a)] =
+          static_cast<std::int32_t>(std::min(kMostPlaces, std::floor((points[p][a] - low[a]) / width)));
+    codes[p] = lattice::mortonCode(at);
+  }
+  std::vector<Index> order(points.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return codes[a] < codes[b]; });
+  return order;
+}
+
+// Which points wait together, which chunks of phyxels carry them, and the farthest that a point of it goes where none of these goes farther than one
+// over its leverage: the largest Σ |φ|/leverage.
+void learnBlocks(const Interpolation &binding, std::span<const float> leverage, Blocks &blocks) {
+  blocks.chunks = Csr{};
+  blocks.gains.clear();
+  blocks.leverage.clear();
+  for (const float l : leverage) blocks.leverage.insert(blocks.leverage.end(), 3, l);
+  Vec3 low = binding.positions.front(), high = low;
+  for (const Vec3 &x : binding.positions) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  // Points cover a surface: about as many places along its length as their root.
+  const double width = std::max((high - low).maxCoeff() / (1.0 + std::sqrt(static_cast<double>(binding.count()))), 1e-300);
+  const std::vector<Index> order = inSpace(binding.positions, width);
+  blocks.blockOf.resize(binding.count());
+  std::vector<Index> row;
+  for (std::size_t begin = 0; begin < binding.count(); begin += kBlock) {
+    row.clear();
+    // Some turn with F besides.
+    double gain = binding.rank.empty() ? 1.0 : std::numeric_limits<double>::infinity();
+    for (std::size_t k = begin; k < std::min(binding.count(), begin + kBlock); ++k) {
+      const Index p = order[k];
+      blocks.blockOf[p] = static_cast<Index>(begin / kBlock);
+      double sum = 0.0;
+      for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e) {
+        const Index j = binding.phyxels.indices[e];
+        if (binding.weights[e] != 0.0)
+          sum += std::abs(binding.weights[e]) / (leverage.empty() ? 1.0 : static_cast<double>(leverage[j]));
+        row.push_back(static_cast<Index>(j / kChunk));
+      }
+      gain = std::max(gain, sum);
+    }
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    blocks.chunks.indices.insert(blocks.chunks.indices.end(), row.begin(), row.end());
+    blocks.chunks.offsets.push_back(static_cast<Index>(blocks.chunks.indices.size()));
+    blocks.gains.push_back(gain);
+  }
+}
+
+// Largest component of a way times the leverage over whole chunks, so that registers are compared: √3 of it bounds every
+// length.
+// @param ways(i, n)  x y z x y z of the n phyxels from i on
+template <class Ways>
+void largestOfChunks(std::size_t count, std::span<const float> leverage, const Ways &ways, std::vector<double> &out) {
+  using Four = Eigen::Array<double, 12, 1>;
+  using FourFloats = Eigen::Array<float, 12, 1>;
+  out.resize(blocksOf(count, kChunk));
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    const std::size_t end = std::min(count, (c + 1) * kChunk);
+    Four most = Four::Zero();
+    std::size_t i = c * kChunk;
+    for (; i + 4 <= end; i += 4) {
+      const Four way = ways(std::integral_constant<int, 4>(), i).abs();
+      most = most.max(leverage.empty() ? way
+                                       : Four(way * Eigen::Map<const FourFloats>(leverage.data() + 3 * i).cast<double>()));
+    }
+    double largest = most.maxCoeff();
+    for (; i < end; ++i)
+      largest = std::max(largest, ways(std::integral_constant<int, 1>(), i).abs().maxCoeff() *
+                                      (leverage.empty() ? 1.0 : static_cast<double>(leverage[3 * i])));
+    out[c] = std::sqrt(3.0) * largest;
+  }
+}
+
+// How far phyxels have gone since the last search, and go in this step, by chunks.
+void largestWays(const CarriedPoints &body, double dt, Blocks &blocks) {
+  const auto at = [](auto n, std::span<const Vec3> field, std::size_t i) {
+    return Eigen::Map<const Eigen::Array<double, 3 * decltype(n)::value, 1>>(field[i].data());
+  };
+  const std::span<const Vec3> now = body.displacements, before = blocks.before, v = body.velocities;
+  const auto went = [&](auto n, std::size_t i) { return (at(n, now, i) - at(n, before, i)).eval(); };
+  const auto goes = [&](auto n, std::size_t i) { return (dt * at(n, v, i)).eval(); };
+  largestOfChunks(now.size(), blocks.leverage, went, blocks.went);
+  largestOfChunks(v.size(), blocks.leverage, goes, blocks.goes);
+  std::copy_n(now.data()->data(), 3 * now.size(), blocks.before.data()->data());
+}
+
+double largestOf(std::span<const Index> chunks, std::span<const double> ways) {
+  double largest = 0.0;
+  for (const Index c : chunks) largest = std::max(largest, ways[c]);
+  return largest;
+}
+
+// The farthest that a point within `reach` of `centre` can go, seen from an obstacle, while that moves so.
+double wayOfObstacle(const RigidMotion &from, const RigidMotion &to, const Vec3 &centre, double reach) {
+  const double arm = (centre - to.centre - to.displacement).norm() + reach;
+  return (to.rotation - from.rotation).norm() * arm + (to.displacement - from.displacement).norm() +
+         2.0 * (to.centre - from.centre).norm();
+}
+
+// How far obstacles have gone since the last search, and go in this step, seen from any point of the body.
+struct ObstacleWays {
+  double went = 0.0, goes = 0.0;
+};
+ObstacleWays waysOfObstacles(std::span<const Obstacle> obstacles, double time, double dt, const CarriedPoints &body,
+                             Blocks &blocks) {
+  ObstacleWays ways;
+  if (std::none_of(obstacles.begin(), obstacles.end(), [](const Obstacle &o) { return static_cast<bool>(o.motion); }))
+    return ways;
+  // All points, around the first phyxel.
+  const Vec3 &first = body.displacements.front();
+  double spread = 0.0;
+  for (const Vec3 &u : body.displacements) spread = std::max(spread, (u - first).squaredNorm());
+  const double gain = *std::max_element(blocks.gains.begin(), blocks.gains.end());
+  const double reach = blocks.size + 2.0 * gain * std::sqrt(spread);
+  const Vec3 centre = body.origin + body.points.binding.positions.front() + first;
+  for (std::size_t o = 0; o < obstacles.size(); ++o) {
+    if (!obstacles[o].motion) continue;
+    const RigidMotion now = obstacles[o].motion(time);
+    ways.went = std::max(ways.went, wayOfObstacle(blocks.motions[o], now, centre, reach));
+    ways.goes = std::max(ways.goes, wayOfObstacle(now, obstacles[o].motion(time + dt), centre, reach));
+    blocks.motions[o] = now;
+  }
+  return ways;
+}
+
+// How much farther a point may go before it has to be looked at.
+double roomOf(const ContactMemory &memory, std::span<const Obstacle> obstacles, const WorldBox &box,
+              const Looked &looked, std::size_t k) {
+  double room = std::numeric_limits<double>::infinity();
+  const Vec3 &x = looked.positions[k];
+  for (std::size_t o = 0; o < obstacles.size(); ++o) {
+    const ContactMemory::Known &known = memory.clearance[o][looked.point(k)];
+    const Vec3 at = obstacles[o].motion ? toRest(memory.blocks.motions[o], x) : x;
+    room = std::min(room, std::min(known.distance, known.reach) - (at - known.at).norm());
+  }
+  if (box.enabled) room = std::min({room, (x - box.min).minCoeff(), (box.max - x).minCoeff()});
+  return room - looked.radius(k) - memory.margin;
+}
+
+// Everything is looked at once after a change of what there is.
+void beginBlocks(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double margin,
+                 const CarriedPoints &body, ContactMemory &memory) {
+  const Interpolation &binding = body.points.binding;
+  Blocks &blocks = memory.blocks;
+  const std::size_t count = blocksOf(binding.count(), kBlock);
+  if (blocks.gains.size() != count) learnBlocks(binding, body.leverage, blocks);
+  const bool sameBox = box.enabled == blocks.box.enabled && box.min == blocks.box.min && box.max == blocks.box.max;
+  if (blocks.room.size() == count && blocks.before.size() == body.displacements.size() && sameBox &&
+      blocks.margin == margin && memory.clearance.size() == obstacles.size())
+    return;
+  blocks.room.assign(count, -1.0);
+  blocks.before.assign(body.displacements.begin(), body.displacements.end());
+  blocks.size = 0.0;
+  for (const Vec3 &X : binding.positions) blocks.size = std::max(blocks.size, (X - binding.positions.front()).norm());
+  blocks.motions.assign(obstacles.size(), RigidMotion{});
+  for (std::size_t o = 0; o < obstacles.size(); ++o)
+    if (obstacles[o].motion) blocks.motions[o] = obstacles[o].motion(time);
+  blocks.box = box;
+  blocks.margin = margin;
+}
+
+}  // namespace
+
+void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
+                  const CarriedPoints &body, ContactMemory &memory, const ParallelFor &parallelFor) {
+  const Interpolation &binding = body.points.binding;
+  const std::size_t n = body.points.count();
+  Blocks &blocks = memory.blocks;
+  beginBlocks(obstacles, box, time, margin, body, memory);
+  largestWays(body, dt, blocks);
+  const ObstacleWays moved = waysOfObstacles(obstacles, time, dt, body, blocks);
+
+  blocks.near.assign(blocks.room.size(), 0);
+  for (std::size_t b = 0; b < blocks.room.size(); ++b) {
+    const std::span<const Index> chunks = blocks.chunks.row(b);
+    double &room = blocks.room[b];
+    room -= blocks.gains[b] * largestOf(chunks, blocks.went) + moved.went;
+    if (blocks.gains[b] * largestOf(chunks, blocks.goes) + moved.goes < room) continue;
+    blocks.near[b] = 1;
+    room = std::numeric_limits<double>::infinity();
+  }
+  // In their own order, which is that of the contacts.
+  blocks.points.clear();
+  for (Index p = 0; p < n; ++p)
+    if (blocks.near[blocks.blockOf[p]] != 0) blocks.points.push_back(p);
+  if (blocks.points.empty()) {
+    std::swap(memory.previous, memory.active);
+    memory.active.clear();
+    memory.margin = margin;
+    return;
+  }
+  blocks.positions.resize(blocks.points.size());
+  blocks.velocities.resize(blocks.points.size());
+  const auto carry = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Index p = blocks.points[k];
+      const Mat3 F = rankOf(binding, p) < 3 ? gradientAt(binding, p, body.displacements) : Mat3(Mat3::Identity());
+      blocks.positions[k] = body.origin + binding.positions[p] + displacementAt(binding, p, body.displacements, F);
+      blocks.velocities[k] = fieldAt(binding, p, body.velocities);
+    }
+  };
+  parallelFor(blocks.points.size(), 128, std::cref(carry));
+  const Looked looked{blocks.points, blocks.positions, blocks.velocities, body.points.radii};
+  searchContacts(obstacles, box, time, dt, margin, n, looked, memory, parallelFor);
+
+  for (std::size_t k = 0; k < looked.count(); ++k) {
+    double &room = blocks.room[blocks.blockOf[looked.point(k)]];
+    room = std::min(room, kRoomSafety * roomOf(memory, obstacles, box, looked, k));
+  }
+}
+
+}  // namespace pointbased

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "discretisation/interpolation_at.h"
+#include "contact/contact_kernel.h"
+#include "contact/contact_bounce.h"
+
+namespace pointbased {
+namespace {
+
+// Penetrations less than this many margins are left to the next steps: they are what an unfinished solution leaves.
+constexpr double kSlop = 0.02;
+// What these leave of a velocity the next step takes up.
+constexpr int kSettlingSweeps = 8;
+// Sweeps in a row over the contacts that press.
+constexpr int kSome = 4;
+// Contacts that open faster than this part of the largest speed do not press. Those between have to be swept: of points that
+// lie on one face some press by rounding alone, and what rounds otherwise must come to the same.
+constexpr double kOpen = 0.1;
+
+// The points of a body as a hand holds them: velocities of phyxels, moved by impulses on points.
+struct Hand {
+  const Interpolation &binding;
+  std::span<const double> inverseMasses;
+  std::span<Vec3> velocities;
+
+  [[nodiscard]] double inverseMass(Index p) const {
+    double sum = 0.0;
+    for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e)
+      sum += binding.weights[e] * binding.weights[e] * inverseMasses[binding.phyxels.indices[e]];
+    return sum;
+  }
+  [[nodiscard]] Vec3 velocity(Index p) const {
+    Vec3 v = Vec3::Zero();
+    for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e)
+      v += binding.weights[e] * velocities[binding.phyxels.indices[e]];
+    return v;
+  }
+};
+
+// Pushes by a part of the impulses in the solution, as large as lowers  T + Σ λ (-least)  most: the energy that the
+// projected Gauss-Seidel steps lower too, so however few of them follow, nothing is added.
+void warmStart(const Hand &body, std::span<const Contact> active, ContactMemory::Solution &solution) {
+  std::vector<Vec3> &change = solution.change;  // of those that are touched
+  change.assign(solution.touched.size(), Vec3::Zero());
+  double slope = 0.0, curvature = 0.0;
+  for (std::size_t c = 0; c < active.size(); ++c) {
+    const double impulse = solution.impulses[c];
+    if (!(impulse > 0.0)) continue;
+    const Vec3 v = body.velocity(active[c].point) - active[c].surfaceVelocity;
+    const Vec3 whole = impulse * active[c].normal + solution.tangential[c];
+    slope += whole.dot(v) - impulse * solution.least[c];
+    for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e) change[solution.slots[e]] += solution.pushes[e] * whole;
+  }
+  for (std::size_t s = 0; s < change.size(); ++s)
+    if (const double inverse = body.inverseMasses[solution.touched[s]]; inverse > 0.0)
+      curvature += change[s].squaredNorm() / inverse;
+  const double part = curvature > 0.0 && slope < 0.0 ? std::min(1.0, -slope / curvature) : 0.0;
+  for (double &impulse : solution.impulses) impulse *= part;
+  for (Vec3 &impulse : solution.tangential) impulse *= part;
+  if (part > 0.0)
+    for (std::size_t s = 0; s < change.size(); ++s) body.velocities[solution.touched[s]] += part * change[s];
+}
+
+// The contacts and the velocities of the phyxels that they touch, side by side. Sweeps go to and fro over these.
+void layOut(const Hand &body, std::span<const Contact> active, ContactMemory::Solution &solution) {
+  constexpr Index kNowhere = 0xffffffffu;
+  const Csr &phyxels = body.binding.phyxels;
+  if (solution.slotOf.size() != body.inverseMasses.size()) solution.slotOf.assign(body.inverseMasses.size(), kNowhere);
+  for (const Index j : solution.touched) solution.slotOf[j] = kNowhere;
+  solution.touched.clear();
+  solution.rows.assign(1, 0);
+  solution.slots.clear();
+  solution.shares.clear();
+  solution.pushes.clear();
+  solution.sides.assign(kernels::kContactNumbers * active.size(), 0.0);
+  for (std::size_t c = 0; c < active.size(); ++c) {
+    const Index p = active[c].point;
+    for (Index e = phyxels.offsets[p]; e < phyxels.offsets[p + 1]; ++e) {
+      const Index j = phyxels.indices[e];
+      Index &slot = solution.slotOf[j];
+      if (slot == kNowhere) {
+        slot = static_cast<Index>(solution.touched.size());
+        solution.touched.push_back(j);
+      }
+      solution.slots.push_back(slot);
+      solution.shares.push_back(body.binding.weights[e]);
+      solution.pushes.push_back(body.binding.weights[e] * body.inverseMasses[j]);
+    }
+    solution.rows.push_back(static_cast<Index>(solution.slots.size()));
+    for (std::size_t a = 0; a < 3; ++a)
+      solution.sides[kernels::kContactNumbers * c + kernels::kNormalOfContact + a] = active[c].normal[static_cast<Eigen::Index>(a)];
+  }
+  solution.velocities.resize(4 * solution.touched.size());
+}
+
+// Sweeps until nothing changes by more than the tolerance; impulses start as they are and have been applied. After layOut()
+// of the same contacts.
+// @param still  the obstacles count as if they did not move, and nothing is held by friction
+void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSettings &settings, bool still,
+           ContactMemory::Solution &solution) {
+  using kernels::kContactNumbers;
+  const std::size_t count = active.size();
+  solution.friction.resize(count);
+  for (std::size_t c = 0; c < count; ++c) {
+    double *side = solution.sides.data() + kContactNumbers * c;
+    solution.friction[c] = active[c].friction;
+    side[kernels::kMass] = 1.0 / solution.inverseMasses[c];
+    for (int a = 0; a < 3; ++a) {
+      side[kernels::kSurfaceVelocity + static_cast<std::size_t>(a)] = still ? 0.0 : active[c].surfaceVelocity[a];
+      side[kernels::kTangentialImpulse + static_cast<std::size_t>(a)] = solution.tangential[c][a];
+    }
+  }
+  for (std::size_t s = 0; s < solution.touched.size(); ++s) {
+    const Vec3 &v = body.velocities[solution.touched[s]];
+    for (int a = 0; a < 3; ++a) solution.velocities[4 * s + static_cast<std::size_t>(a)] = v[a];
+    solution.velocities[4 * s + 3] = 0.0;
+  }
+  kernels::SweepJob job;
+  job.count = count;
+  job.rows = solution.rows.data();
+  job.slots = solution.slots.data();
+  job.shares = solution.shares.data();
+  job.pushes = solution.pushes.data();
+  job.velocities = solution.velocities.data();
+  job.sides = solution.sides.data();
+  job.inverseMasses = solution.inverseMasses.data();
+  job.least = solution.least.data();
+  job.friction = still ? nullptr : solution.friction.data();
+  job.impulses = solution.impulses.data();
+  // Most contacts of a step do not press in the end. After two sweeps over all only those that do, or nearly, are swept, to
+  // and fro, so that the last is not always the same; the others have their say before it is good, and every kSome sweeps.
+  double speed = 0.0;
+  bool all = true;
+  for (int k = 0, some = 0; k < settings.sweeps; ++k) {
+    job.which = all ? nullptr : solution.pressing.data();
+    job.count = all ? count : solution.pressing.size();
+    const kernels::SweepResult result = kernels::sweepContacts(job, k % 2 != 0);
+    if (k == 0) speed = result.speed;
+    const bool good = result.change <= settings.tolerance * speed;
+    if (good && all) break;
+    some = all ? 0 : some + 1;
+    const bool askAll = k == 0 || good || some >= kSome || k + 2 >= settings.sweeps;
+    if (all && !askAll) {
+      solution.pressing.clear();
+      for (std::size_t c = 0; c < count; ++c)
+        if (!(solution.impulses[c] <= 0.0 && solution.sides[kContactNumbers * c + kernels::kRoomOfContact] > kOpen * speed))
+          solution.pressing.push_back(static_cast<Index>(c));
+    }
+    all = askAll;
+  }
+  for (std::size_t s = 0; s < solution.touched.size(); ++s)
+    body.velocities[solution.touched[s]] = Eigen::Map<const Vec3>(solution.velocities.data() + 4 * s);
+  for (std::size_t c = 0; c < count; ++c)
+    solution.tangential[c] = Eigen::Map<const Vec3>(solution.sides.data() + kContactNumbers * c + kernels::kTangentialImpulse);
+}
+
+void prepare(const Hand &body, std::span<const Contact> active, ContactMemory::Solution &solution) {
+  solution.inverseMasses.resize(active.size());
+  for (std::size_t c = 0; c < active.size(); ++c) solution.inverseMasses[c] = body.inverseMass(active[c].point);
+  solution.impulses.assign(active.size(), 0.0);
+  solution.tangential.assign(active.size(), Vec3::Zero());
+  solution.least.assign(active.size(), 0.0);
+  layOut(body, active, solution);
+}
+
+}  // namespace
+
+double closingSpeed(const ContactMemory &memory, const Interpolation &binding, std::span<const Vec3> velocities) {
+  double speed = 0.0;
+  for (const Contact &contact : memory.active)
+    speed = std::max(speed, (contact.surfaceVelocity - detail::fieldAt(binding, contact.point, velocities)).dot(contact.normal));
+  return speed;
+}
+
+bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities, double dt, double quietSpeed,
+                  ContactMemory &memory) {
+  std::vector<Contact> &arriving = memory.previous;  // which the next search overwrites
+  arriving.clear();
+  for (const Contact &contact : memory.active) {
+    if (!(contact.restitution > 0.0) || contact.normalImpulse > 0.0) continue;
+    const Vec3 v = detail::fieldAt(binding, contact.point, velocities) - contact.surfaceVelocity;
+    const double speed = -v.dot(contact.normal);
+    if (speed > quietSpeed && contact.gap - dt * speed < 0.0) arriving.push_back(contact);
+  }
+  return !arriving.empty();
+}
+
+Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
+                    ContactMemory &memory, std::span<Vec3> velocities) {
+  const Hand body{binding, inverseMasses, velocities};
+  std::vector<Contact> &arriving = memory.previous;
+  const auto relative = [&](const Contact &c) { return Vec3(body.velocity(c.point) - c.surfaceVelocity); };
+  std::erase_if(arriving, [&](const Contact &c) { return !(relative(c).dot(c.normal) < -quietSpeed); });
+  if (arriving.empty()) return Vec3::Zero();
+
+  ContactMemory::Solution &solution = memory.solution;
+  const std::size_t count = arriving.size();
+  std::vector<Vec3> &before = solution.arrivals;
+  before.resize(count);
+  for (std::size_t c = 0; c < count; ++c) before[c] = relative(arriving[c]);
+  prepare(body, arriving, solution);  // none may go on
+  sweep(body, arriving, ImpulseSettings{}, false, solution);
+
+  // e times the impulses on top. All together, with those of friction, they do no work as the obstacles see it,
+  // Σ P · (v before + v after)/2 <= 0: at most as much of them as that allows.
+  const auto push = [&](double part) {
+    for (std::size_t c = 0; c < count; ++c) {
+      const Vec3 impulse = part * arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
+      for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e)
+        velocities[solution.touched[solution.slots[e]]] += solution.pushes[e] * impulse;
+    }
+  };
+  std::vector<Vec3> &stopped = solution.change;
+  stopped.resize(count);
+  for (std::size_t c = 0; c < count; ++c) stopped[c] = relative(arriving[c]);
+  push(1.0);
+  double none = 0.0, slope = 0.0, curvature = 0.0;  // twice the work, in powers of the part
+  Vec3 total = Vec3::Zero();
+  for (std::size_t c = 0; c < count; ++c) {
+    const Vec3 both = before[c] + stopped[c], gained = relative(arriving[c]) - stopped[c];
+    const Vec3 first = solution.impulses[c] * arriving[c].normal + solution.tangential[c],
+               more = arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
+    none += first.dot(both);
+    slope += more.dot(both) + first.dot(gained);
+    curvature += more.dot(gained);
+    total += first + more;
+  }
+  if (!(none + slope + curvature > 0.0)) return total;
+  const double root = slope * slope - 4.0 * curvature * std::min(0.0, none);
+  const double part =
+      curvature > 0.0 ? std::clamp((-slope + std::sqrt(std::max(0.0, root))) / (2.0 * curvature), 0.0, 1.0) : 0.0;
+  push(part - 1.0);
+  for (std::size_t c = 0; c < count; ++c)
+    total += (part - 1.0) * arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
+  return total;
+}
+
+Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
+                          const ImpulseSettings &settings, ContactMemory &memory, std::span<Vec3> velocities) {
+  std::vector<Contact> &active = memory.active;
+  ContactMemory::Solution &solution = memory.solution;
+  solution.recovery.clear();
+  if (active.empty()) return Vec3::Zero();
+  const Hand body{binding, inverseMasses, velocities};
+  prepare(body, active, solution);
+  double deepest = 0.0;
+  for (std::size_t c = 0; c < active.size(); ++c) {
+    solution.impulses[c] = active[c].normalImpulse;
+    solution.tangential[c] = active[c].frictionImpulse;
+    solution.least[c] = -std::max(0.0, active[c].gap) / dt;
+    deepest = std::max(deepest, -active[c].gap);
+  }
+  warmStart(body, active, solution);
+  sweep(body, active, settings, false, solution);
+  Vec3 total = Vec3::Zero();
+  for (std::size_t c = 0; c < active.size(); ++c) {
+    active[c].normalImpulse = solution.impulses[c];
+    active[c].frictionImpulse = solution.tangential[c];
+    total += solution.impulses[c] * active[c].normal + solution.tangential[c];
+  }
+
+  const double slop = kSlop * memory.margin;
+  if (!(deepest > slop)) return total;
+  solution.recovery.assign(velocities.size(), Vec3::Zero());
+  const Hand lead{binding, inverseMasses, solution.recovery};
+  for (std::size_t c = 0; c < active.size(); ++c) {
+    const double depth = -active[c].gap - slop;
+    // Velocities of the recovery come on top of those of the body, which keep the others within their gaps.
+    solution.least[c] = depth > 0.0 ? std::min(settings.recovery * depth / dt, settings.recoverySpeed)
+                                    : -std::max(0.0, active[c].gap) / dt;
+    solution.impulses[c] = 0.0;
+    solution.tangential[c].setZero();
+  }
+  sweep(lead, active, settings, true, solution);
+  for (std::size_t j = 0; j < velocities.size(); ++j) {
+    velocities[j] += solution.recovery[j];
+    if (inverseMasses[j] > 0.0) memory.ledOut += dt / inverseMasses[j] * solution.recovery[j];
+  }
+  return total;
+}
+
+void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
+                             ContactMemory &memory, std::span<Vec3> velocities) {
+  (void)dt;
+  ContactMemory::Solution &solution = memory.solution;
+  if (!solution.recovery.empty())
+    for (std::size_t j = 0; j < velocities.size(); ++j)
+      if (inverseMasses[j] > 0.0) velocities[j] -= solution.recovery[j];
+  solution.recovery.clear();
+  // Contacts that the step has closed; in `previous`, which the next search overwrites.
+  std::vector<Contact> &closed = memory.previous;
+  closed.clear();
+  for (const Contact &contact : memory.active)
+    if (contact.normalImpulse > 0.0) closed.push_back(contact);
+  if (closed.empty()) return;
+  const Hand body{binding, inverseMasses, velocities};
+  prepare(body, closed, solution);
+  for (std::size_t c = 0; c < closed.size(); ++c) {
+    solution.impulses[c] = closed[c].settleImpulse;
+    solution.tangential[c] = closed[c].settleFriction;
+  }
+  warmStart(body, closed, solution);
+  ImpulseSettings few;
+  few.sweeps = kSettlingSweeps;
+  sweep(body, closed, few, false, solution);
+  std::size_t c = 0;
+  for (Contact &contact : memory.active) {
+    const bool closes = contact.normalImpulse > 0.0;
+    contact.settleImpulse = closes ? solution.impulses[c] : 0.0;
+    contact.settleFriction = closes ? solution.tangential[c] : Vec3(Vec3::Zero());
+    if (closes) ++c;
+  }
+}
+
+}  // namespace pointbased

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "contact/contact_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "contact/contact_kernel.cpp"
+#include "base/kernels/instruction_sets.h"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace pointbased::kernels::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Four doubles in as many registers as it takes.
+#if HWY_TARGET == HWY_SCALAR
+constexpr std::size_t kWide = 1;
+#elif HWY_MAX_BYTES >= 32
+constexpr std::size_t kWide = 4;
+#else
+constexpr std::size_t kWide = 2;
+#endif
+using Tag = hn::CappedTag<double, kWide>;
+using Part = hn::Vec<Tag>;
+constexpr std::size_t kParts = 4 / kWide;
+
+struct Four {
+  Part part[kParts];
+};
+
+HWY_INLINE Four load(const double *p) {
+  Four r;
+  for (std::size_t k = 0; k < kParts; ++k) r.part[k] = hn::LoadU(Tag(), p + k * kWide);
+  return r;
+}
+HWY_INLINE void store(const Four &a, double *p) {
+  for (std::size_t k = 0; k < kParts; ++k) hn::StoreU(a.part[k], Tag(), p + k * kWide);
+}
+HWY_INLINE Four zero() {
+  Four r;
+  for (std::size_t k = 0; k < kParts; ++k) r.part[k] = hn::Zero(Tag());
+  return r;
+}
+/// s a + b
+HWY_INLINE Four mulAdd(double s, const Four &a, const Four &b) {
+  Four r;
+  const Part by = hn::Set(Tag(), s);
+  for (std::size_t k = 0; k < kParts; ++k) r.part[k] = hn::MulAdd(by, a.part[k], b.part[k]);
+  return r;
+}
+HWY_INLINE Four add(const Four &a, const Four &b) {
+  Four r;
+  for (std::size_t k = 0; k < kParts; ++k) r.part[k] = hn::Add(a.part[k], b.part[k]);
+  return r;
+}
+HWY_INLINE Four sub(const Four &a, const Four &b) {
+  Four r;
+  for (std::size_t k = 0; k < kParts; ++k) r.part[k] = hn::Sub(a.part[k], b.part[k]);
+  return r;
+}
+HWY_INLINE double dot(const Four &a, const Four &b) {
+  double x[4];
+  Four product;
+  for (std::size_t k = 0; k < kParts; ++k) product.part[k] = hn::Mul(a.part[k], b.part[k]);
+  store(product, x);
+  return (x[0] + x[1]) + x[2];
+}
+
+SweepResult sweep(const SweepJob &job, bool backwards) {
+  SweepResult result;
+  double changeSquared = 0.0;
+  for (std::size_t at = 0; at < job.count; ++at) {
+    const std::size_t k = backwards ? job.count - 1 - at : at;
+    const std::size_t c = job.which != nullptr ? job.which[k] : k;
+    const double w = job.inverseMasses[c];
+    if (!(w > 0.0)) continue;
+    const Index first = job.rows[c], last = job.rows[c + 1];
+    // Two sums, so that one addition need not wait for the other.
+    Four even = zero(), odd = zero();
+    Index e = first;
+    for (; e + 1 < last; e += 2) {
+      even = mulAdd(job.shares[e], load(job.velocities + 4 * std::size_t{job.slots[e]}), even);
+      odd = mulAdd(job.shares[e + 1], load(job.velocities + 4 * std::size_t{job.slots[e + 1]}), odd);
+    }
+    if (e < last) even = mulAdd(job.shares[e], load(job.velocities + 4 * std::size_t{job.slots[e]}), even);
+    double *side = job.sides + kContactNumbers * c;
+    const Four n = load(side + kNormalOfContact);
+    const Four v = sub(add(even, odd), load(side + kSurfaceVelocity));
+    const double normal = dot(v, n), held = job.impulses[c];
+    result.speed = std::max(result.speed, w * held + std::abs(std::min(0.0, normal - job.least[c])));
+    side[kRoomOfContact] = normal - job.least[c];
+    const double mass = side[kMass];
+    const double wanted = held + (job.least[c] - normal) * mass;
+    const double next = wanted < 0.0 ? 0.0 : wanted;  // what is not a number goes on, so that the guard finds it
+    if (next == 0.0 && held == 0.0) continue;
+    job.impulses[c] = next;
+    Four impulse = mulAdd(next - held, n, zero());
+    if (job.friction != nullptr && job.friction[c] > 0.0) {
+      const Four before = load(side + kTangentialImpulse);
+      Four t = sub(before, mulAdd(mass, mulAdd(-normal, n, v), zero()));
+      // The root only where it slides: the next contact waits for it.
+      const double grip = job.friction[c] * next, squared = dot(t, t);
+      if (squared > grip * grip) t = mulAdd(grip / std::sqrt(squared), t, zero());
+      impulse = add(impulse, sub(t, before));
+      store(t, side + kTangentialImpulse);
+    }
+    for (e = first; e < last; ++e) {
+      double *velocity = job.velocities + 4 * std::size_t{job.slots[e]};
+      store(mulAdd(job.pushes[e], impulse, load(velocity)), velocity);
+    }
+    changeSquared = std::max(changeSquared, w * w * dot(impulse, impulse));
+  }
+  result.change = std::sqrt(changeSquared);
+  return result;
+}
+
+}  // namespace pointbased::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pointbased::kernels {
+
+HWY_EXPORT(sweep);
+
+SweepResult sweepContacts(const SweepJob &job, bool backwards) { return HWY_DYNAMIC_DISPATCH(sweep)(job, backwards); }
+
+}  // namespace pointbased::kernels
+#endif

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "discretisation/lattice/lattice_parts.h"
+
+namespace pointbased::lattice {
+
+/// Entries of one point over the phyxels, of corners that hang spread over those they hang on; scratch.
+struct Row {
+  std::vector<Index> phyxels;
+  std::vector<double> weights;
+  std::vector<Vec3> gradients;
+  std::vector<Eigen::Vector4d> modes;
+
+  void clear();
+  /// Adds `weight` etc. of a corner to the phyxels of its row.
+  void add(const Corners &corners, Index node, double weight, const Vec3 &gradient,
+           const Eigen::Vector4d &modes = Eigen::Vector4d::Zero());
+};
+
+/// The cells with their parts and corners; finds the part that a point belongs to.
+class LatticeCellMap : public CellMap {
+ public:
+  LatticeCellMap(CellSet &&set, PartSet &&parts, Corners &&corners);
+
+  [[nodiscard]] Interpolation bind(std::span<const Vec3> points, std::span<const Vec3> normals,
+                                   const ParallelFor &parallelFor) const override;
+
+  [[nodiscard]] const CellSet &set() const { return set_; }
+  [[nodiscard]] std::span<const Part> parts() const { return parts_.parts; }
+  /// Until release().
+  [[nodiscard]] std::span<const Link> links() const { return parts_.links; }
+  [[nodiscard]] std::size_t components() const { return parts_.components; }
+  [[nodiscard]] const Corners &corners() const { return corners_; }
+
+  /// The part a point belongs to.
+  /// @param local    lattice axes, m
+  /// @param outward  unit, lattice axes, or zero
+  [[nodiscard]] Index partOf(const Vec3 &local, const Vec3 &outward) const;
+  /// N_j and ∇N_j (1/m, lattice axes) of the cell of a part, continued where the point lies outside of it.
+  void functionsAt(Index part, const Vec3 &local, std::array<double, 8> &functions, std::array<Vec3, 8> &gradients) const;
+
+  /// Moves phyxels; `distorted`: cells (by index) that are no cubes any more.
+  void move(std::vector<Vec3> positions, std::vector<std::uint8_t> distorted);
+  [[nodiscard]] bool distorted(Index cell) const { return !distorted_.empty() && distorted_[cell] != 0; }
+  /// Corners of a cell that does not hang on anything.
+  [[nodiscard]] std::array<Vec3, 8> hexahedron(Index part) const;
+  /// Frees what only building needs.
+  void release();
+
+ private:
+  // A point of the surface, lattice axes, m: the point, its normal or zero, and a place a little inside.
+  struct Target {
+    Vec3 at, outward, within;
+    double inFront = 0.0;  // how far in front of the point samples may lie, edges
+  };
+  [[nodiscard]] double squaredDistance(const Part &part, const Target &target) const;
+  void nearestIn(std::size_t firstCell, std::size_t lastCell, const Target &target, double &best, Index &part) const;
+  [[nodiscard]] Index nearestPart(const Target &target) const;
+  /// How far a point lies outside of the cell of a part, in its edges; negative inside.
+  [[nodiscard]] double outsideOf(Index part, const Vec3 &local) const;
+  [[nodiscard]] bool shareCorner(Index a, Index b) const;
+  [[nodiscard]] Index neighbourHolding(Index part, const Vec3 &local) const;
+
+  CellSet set_;
+  PartSet parts_;
+  Corners corners_;
+  std::vector<std::uint8_t> distorted_;   // per cell, or empty
+};
+
+}  // namespace pointbased::lattice

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/lattice.h"
+
+#include <Eigen/LU>
+#include <optional>
+
+#include "discretisation/lattice/cell_map.h"
+#include "discretisation/lattice/lattice_held.h"
+#include "discretisation/lattice/lattice_jitter.h"
+#include "discretisation/lattice/lattice_masses.h"
+#include "base/look_for_end.h"
+#include "base/number_text.h"
+
+namespace pointbased {
+
+using namespace lattice;
+using detail::number;
+
+namespace {
+
+tl::unexpected<std::string> refuse(const std::string &text) { return tl::unexpected<std::string>(text); }
+
+Result<void> validate(const BodyShape &shape, const LatticeSampling &sampling) {
+  if (!(shape.volume > 0.0) || !std::isfinite(shape.volume))
+    return refuse("the body has a volume of " + number(shape.volume, 4) + " m³; a finite volume > 0 is needed");
+  if (!shape.inside) return refuse("the body cannot tell which points are inside");
+  const double extent = (shape.max - shape.min).minCoeff();
+  if (!(extent > 0.0) || !shape.min.allFinite() || !shape.max.allFinite())
+    return refuse("the bounds of the body have an edge of " + number(extent, 4) +
+                  " m; finite bounds with edges > 0 are needed");
+  if (!(sampling.spacing >= 0.0) || !std::isfinite(sampling.spacing))
+    return refuse("spacing = " + number(sampling.spacing, 4) + " m is not accepted: finite and > 0, or 0 with a count");
+  if (sampling.spacing == 0.0 && (sampling.count < 1 || sampling.count > kMaximumPhyxels))
+    return refuse("count = " + std::to_string(sampling.count) + " is not accepted: 1 … " + std::to_string(kMaximumPhyxels));
+  if (!(sampling.jitter >= 0.0 && sampling.jitter <= 0.3))
+    return refuse("jitter = " + number(sampling.jitter, 4) + " is not accepted: 0 … 0.3");
+  if (!(sampling.surfaceSpacing >= 0.0) || !std::isfinite(sampling.surfaceSpacing))
+    return refuse("surfaceSpacing = " + number(sampling.surfaceSpacing, 4) + " m is not accepted: finite and >= 0");
+  if (!((sampling.axes.transpose() * sampling.axes - Mat3::Identity()).norm() < 1e-9) || !(sampling.axes.determinant() > 0.0))
+    return refuse("axes are not a rotation");
+  const auto check = [](const char *name, std::size_t i, const Region &region) -> Result<void> {
+    const Result<void> valid = validate(region);
+    return valid ? valid : refuse(std::string(name) + " " + std::to_string(i) + ": " + valid.error());
+  };
+  for (std::size_t i = 0; i < sampling.refinements.size(); ++i) {
+    const Refinement &r = sampling.refinements[i];
+    if (!(r.spacing > 0.0) || !std::isfinite(r.spacing))
+      return refuse("refinement " + std::to_string(i) + ": spacing = " + number(r.spacing, 4) +
+                    " m is not accepted: finite and > 0");
+    if (const auto valid = check("refinement", i, r.region); !valid) return valid;
+  }
+  for (std::size_t i = 0; i < sampling.held.size(); ++i)
+    if (const auto valid = check("held region", i, sampling.held[i]); !valid) return valid;
+  for (std::size_t i = 0; i < sampling.materials.size(); ++i)
+    if (const auto valid = check("material region", i, sampling.materials[i].first); !valid) return valid;
+  return {};
+}
+
+struct Cut {
+  CellSet set;
+  PartSet parts;
+  Corners corners;
+};
+
+Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing, const ParallelFor &parallelFor,
+                     const SamplingProgress &progress) {
+  if (const auto fits = checkSize(shape, sampling, spacing); !fits) return refuse(fits.error());
+  auto set = findCells(shape, sampling, spacing, parallelFor, progress);
+  if (!set) return refuse(set.error());
+  if (set->cells.empty())
+    return refuse("no point of the body was found at a spacing of " + number(spacing, 4) +
+                  " m: the body is thinner than a tenth of it, or not closed; use a smaller spacing");
+  Cut cut;
+  cut.set = std::move(*set);
+  cut.parts = findParts(cut.set, shape, parallelFor);
+  detail::lookForEnd(parallelFor);
+  cut.corners = joinCorners(cut.set, cut.parts);
+  if (static_cast<double>(cut.corners.positions.size()) > kExpectationSlack * static_cast<double>(kMaximumPhyxels))
+    return refuse("a spacing of " + number(spacing, 4) + " m makes " + std::to_string(cut.corners.positions.size()) +
+                  " phyxels; at most " + std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
+  return cut;
+}
+
+// The number of corners falls in jumps as the spacing grows; a few corrections come within some per cent. Those of a cheap
+// estimate first, then of the real thing.
+Result<Cut> cutForCount(const BodyShape &shape, const LatticeSampling &sampling, const ParallelFor &parallelFor,
+                        const SamplingProgress &progress) {
+  constexpr int kEstimates = 16, kAttempts = 4;
+  constexpr double kCloseEnough = 0.03;
+  const auto wanted = static_cast<double>(sampling.count);
+  double target = wanted;
+  double spacing = std::cbrt(shape.volume / wanted);
+  std::optional<Cut> best;
+  double bestMiss = 1e300;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    double closest = spacing, closestMiss = 1e300, closestCount = target;
+    double tooFine = 0.0, tooCoarse = 1e300;
+    for (int i = 0; i < kEstimates; ++i) {
+      if (const auto fits = checkSize(shape, sampling, spacing); !fits) return refuse(fits.error());
+      const auto found = static_cast<double>(estimateCorners(shape, sampling, spacing, parallelFor));
+      const double miss = std::abs(found - target);
+      if (miss < closestMiss) {
+        closestMiss = miss;
+        closest = spacing;
+        closestCount = std::max(found, 1.0);
+      }
+      if (miss <= 0.01 * target) break;
+      (found > target ? tooFine : tooCoarse) = spacing;
+      spacing *= std::cbrt(std::max(found, 1.0) / target);
+      // Between two jumps the corrections would go to and fro.
+      if (spacing <= tooFine || spacing >= tooCoarse) spacing = 0.5 * (tooFine + tooCoarse);
+      if (spacing > 1e299 || tooCoarse - tooFine < 1e-4 * tooFine) break;
+    }
+    spacing = closest;
+    auto cut = cutCells(shape, sampling, spacing, parallelFor, progress);
+    if (!cut) return refuse(cut.error());
+    const auto found = static_cast<double>(cut->corners.positions.size());
+    if (std::abs(found - wanted) < bestMiss) {
+      bestMiss = std::abs(found - wanted);
+      best = std::move(*cut);
+    }
+    if (bestMiss <= kCloseEnough * wanted) break;
+    target = std::max(1.0, closestCount * wanted / found);
+    spacing *= std::cbrt(found / wanted);
+  }
+  return std::move(*best);
+}
+
+std::vector<PartContent> measureParts(const LatticeCellMap &map, const ParallelFor &parallelFor) {
+  std::vector<PartContent> contents(map.parts().size());
+  parallelFor(contents.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p)
+      if (map.parts()[p].kept) contents[p].all = contents[p].free = momentsOf(map.set(), map.parts()[p]);
+  });
+  return contents;
+}
+
+// s_mj: products of the signs of corner j.
+Eigen::Vector4d modeSigns(std::size_t corner) {
+  const int c = static_cast<int>(corner);
+  const double x = cornerSign(c, 0), y = cornerSign(c, 1), z = cornerSign(c, 2);
+  return {x * y, x * z, y * z, x * y * z};
+}
+
+struct PointGeometry {
+  double volume = 0.0;            // m³
+  Vec3 centre = Vec3::Zero();     // lattice axes, m
+  Vec3 spread = Vec3::Zero();     // m²
+  std::array<Vec3, 8> gradients;  // lattice axes, 1/m
+  std::array<Eigen::Vector4d, 8> modes;
+};
+
+PointGeometry pointOf(const LatticeCellMap &map, Index p, const PartContent &content) {
+  const Part &part = map.parts()[p];
+  const Cell &cell = map.set().cells[part.cell];
+  const double edge = map.set().edge(cell);
+  PointGeometry point;
+  std::array<Vec3, 8> corners;
+  if (map.distorted(part.cell)) {
+    const HexahedronMeans means = meansOf(corners = map.hexahedron(p));
+    point.volume = means.volume;
+    point.centre = means.centroid;
+    point.spread = means.variance;
+    point.gradients = means.gradients;
+    for (Vec3 &corner : corners) corner -= map.set().centre(cell);
+  } else {
+    point.volume = content.free.share * edge * edge * edge;
+    point.centre = map.set().centre(cell) + edge * content.free.centroid();
+    point.spread = edge * edge * content.free.variance();
+    point.gradients = content.free.gradients();
+    for (Vec3 &g : point.gradients) g /= edge;
+    for (int j = 0; j < 8; ++j)
+      corners[static_cast<std::size_t>(j)] = 0.5 * edge * Vec3(cornerSign(j, 0), cornerSign(j, 1), cornerSign(j, 2));
+  }
+  // Flanagan and Belytschko's projection: s - mean(s) - g · Σ s X sees no affine field.
+  Eigen::Matrix<double, 4, 3> moments = Eigen::Matrix<double, 4, 3>::Zero();
+  for (std::size_t j = 0; j < 8; ++j) moments += modeSigns(j) * corners[j].transpose();
+  const double plane = 0.5 / (edge * edge), space = 1.0 / (edge * edge * edge);
+  Eigen::Vector4d scale = Eigen::Vector4d(plane, plane, plane, space).cwiseProduct(modeFactors(map.set(), part));
+  // The mode xyz of a cut part is held as that of a whole cell: its spread would let corners outside of the body rattle.
+  scale[3] *= edge * edge / 12.0 / std::max(point.spread.mean(), 1e-3 * edge * edge);
+  for (std::size_t j = 0; j < 8; ++j)
+    point.modes[j] = scale.cwiseProduct(modeSigns(j) - moments * point.gradients[j]);
+  return point;
+}
+
+void buildPoints(const LatticeCellMap &map, std::span<const PartContent> contents, LatticeBody &body,
+                 const ParallelFor &parallelFor) {
+  StencilSet &stencils = body.stencils;
+  const Mat3 &axes = map.set().frame.axes;
+  stencils.axes = axes;
+  Row row;
+  for (std::size_t p = 0; p < contents.size(); ++p) {
+    if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
+    const Part &part = map.parts()[p];
+    if (!part.kept || !contents[p].isFree()) continue;
+    const PointGeometry point = pointOf(map, static_cast<Index>(p), contents[p]);
+    row.clear();
+    for (std::size_t j = 0; j < 8; ++j)
+      row.add(map.corners(), part.nodes[j], 0.0, axes * point.gradients[j], point.modes[j]);
+    stencils.phyxels.indices.insert(stencils.phyxels.indices.end(), row.phyxels.begin(), row.phyxels.end());
+    stencils.gradients.insert(stencils.gradients.end(), row.gradients.begin(), row.gradients.end());
+    stencils.modes.insert(stencils.modes.end(), row.modes.begin(), row.modes.end());
+    stencils.phyxels.offsets.push_back(static_cast<Index>(stencils.phyxels.indices.size()));
+    stencils.spreads.push_back(point.spread);
+    stencils.volumes.push_back(point.volume);
+    body.pointCentres.push_back(axes * point.centre);
+  }
+  stencils.phyxels.indices.shrink_to_fit();
+  stencils.phyxels.offsets.shrink_to_fit();
+  stencils.gradients.shrink_to_fit();
+  stencils.modes.shrink_to_fit();
+  stencils.spreads.shrink_to_fit();
+  stencils.volumes.shrink_to_fit();
+  body.pointCentres.shrink_to_fit();
+  stencils.rank.assign(stencils.volumes.size(), 3);
+  stencils.frameOf.assign(stencils.volumes.size(), StencilSet::kNoFrame);
+  buildGather(stencils, body.positions.size());
+}
+
+// Regions that refine nothing are a mistake in a place or a unit.
+Result<void> checkRefinements(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map) {
+  const CellSet &set = map.set();
+  for (std::size_t i = 0; i < sampling.refinements.size(); ++i) {
+    const Region local = shifted(sampling.refinements[i].region, set.frame.origin);
+    const auto meets = [&](const Part &part) {
+      const Cell &cell = set.cells[part.cell];
+      return part.kept && signedDistance(local, set.frame.axes * set.centre(cell)) <= 0.5 * std::sqrt(3.0) * set.edge(cell);
+    };
+    if (std::any_of(map.parts().begin(), map.parts().end(), meets)) continue;
+    const auto point = [](const Vec3 &x) { return "(" + number(x[0], 4) + ", " + number(x[1], 4) + ", " + number(x[2], 4) + ")"; };
+    return refuse("refinement " + std::to_string(i) + ": its region meets no part of the body, which spans " + point(shape.min) +
+                  " … " + point(shape.max) + " m; accepted: regions that hold some of it");
+  }
+  return {};
+}
+
+Result<void> assignMaterials(const LatticeSampling &sampling, LatticeBody &body) {
+  if (sampling.materials.empty()) return {};
+  body.stencils.materials.assign(body.pointCentres.size(), 0);
+  for (std::size_t i = 0; i < sampling.materials.size(); ++i) {
+    const auto &[region, material] = sampling.materials[i];
+    bool any = false;
+    for (std::size_t p = 0; p < body.pointCentres.size(); ++p)
+      if (contains(region, body.origin + body.pointCentres[p])) {
+        body.stencils.materials[p] = material;
+        any = true;
+      }
+    if (!any)
+      return refuse("material region " + std::to_string(i) +
+                    " holds the middle of no part of the body that can deform: it misses the body or is smaller than the "
+                    "cells");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &sampling, const ParallelFor &parallelFor,
+                                const SamplingProgress &progress) {
+  if (const auto valid = validate(shape, sampling); !valid) return refuse(valid.error());
+  const auto stage = [&](double fraction) { return !progress || progress(0.85 * fraction); };
+  auto cut = sampling.spacing > 0.0 ? cutCells(shape, sampling, sampling.spacing, parallelFor, stage)
+                                    : cutForCount(shape, sampling, parallelFor, stage);
+  if (!cut) return refuse(cut.error());
+
+  const auto map = std::make_shared<LatticeCellMap>(std::move(cut->set), std::move(cut->parts), std::move(cut->corners));
+  if (const auto met = checkRefinements(shape, sampling, *map); !met) return refuse(met.error());
+  std::vector<PartContent> contents = measureParts(*map, parallelFor);
+  if (progress && !progress(0.88)) return refuse("cancelled");
+  const HeldPatches patches = findHeld(shape, sampling, *map, contents, parallelFor);
+  if (sampling.jitter > 0.0) jitterPhyxels(*map, contents, sampling.jitter, sampling.seed);
+  if (progress && !progress(0.92)) return refuse("cancelled");
+
+  LatticeBody body;
+  const Frame &frame = map->set().frame;
+  body.origin = frame.origin;
+  body.spacing = frame.spacing;
+  body.components = map->components();
+  body.positions.reserve(map->corners().positions.size());
+  for (const Vec3 &local : map->corners().positions) body.positions.push_back(frame.axes * local);
+  PhyxelVolumes shared = shareVolumes(*map, contents, parallelFor);
+  body.volumes = std::move(shared.inertial);
+  body.weightVolumes = std::move(shared.weights);
+  body.heldVolumes = std::move(shared.held);
+  body.carriedVolumes = std::move(shared.carried);
+  buildPoints(*map, contents, body, parallelFor);
+
+  // What was counted comes to the volume of the body.
+  double counted = 0.0;
+  for (const double v : body.volumes) counted += v;
+  body.countedVolume = counted;
+  const double scale = shape.volume / counted;
+  for (auto *volumes : {&body.volumes, &body.weightVolumes, &body.heldVolumes, &body.carriedVolumes})
+    for (double &v : *volumes) v *= scale;
+  for (double &v : body.stencils.volumes) v *= scale;
+
+  if (const auto assigned = assignMaterials(sampling, body); !assigned) return refuse(assigned.error());
+  auto held = holdLattice(shape, sampling, *map, patches, contents, scale, parallelFor);
+  if (!held) return refuse(held.error());
+  body.held = std::move(*held);
+  map->release();
+  body.cells = map;
+  if (progress && !progress(1.0)) return refuse("cancelled");
+  return body;
+}
+
+}  // namespace pointbased

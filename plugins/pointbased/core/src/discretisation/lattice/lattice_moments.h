@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "discretisation/lattice/lattice_parts.h"
+
+namespace pointbased::lattice {
+
+/// Moments of some material about the centre of its cell, in edges of the cell. All that the mean of a trilinear function and
+/// of its gradient needs.
+struct Moments {
+  double share = 0.0;           ///< of the cell
+  Vec3 first = Vec3::Zero();
+  Vec3 mixed = Vec3::Zero();    ///< xy, xz, yz
+  double triple = 0.0;          ///< xyz
+  Vec3 second = Vec3::Zero();   ///< xx, yy, zz
+
+  void add(double part, const Vec3 &centre, const Vec3 &variance);
+  [[nodiscard]] Vec3 centroid() const { return first / share; }
+  /// Variance along the axes, edges².
+  [[nodiscard]] Vec3 variance() const;
+  /// Means of N_j.
+  [[nodiscard]] std::array<double, 8> functions() const;
+  /// Means of ∇N_j, 1/edge.
+  [[nodiscard]] std::array<Vec3, 8> gradients() const;
+};
+[[nodiscard]] Moments fullCell();
+
+/// N_j and ∇N_j (1/edge) at a place in edges from the centre of the cell.
+[[nodiscard]] std::array<double, 8> trilinear(const Vec3 &place);
+[[nodiscard]] std::array<Vec3, 8> trilinearGradients(const Vec3 &place);
+
+/// What of a small cell around a sample is inside.
+struct SampleContent {
+  double share = 0.0;             ///< of the small cell
+  Vec3 centre = Vec3::Zero();     ///< of that, in edges of the cell from its centre
+  Vec3 variance = Vec3::Zero();   ///< edges²
+  Vec3 normal = Vec3::Zero();     ///< of the surface that cuts the small cell, outwards, or zero
+};
+/// As if the surface were a plane across the small cell: its distance is known, its direction follows from the samples around.
+[[nodiscard]] SampleContent contentOf(const CellSet &set, const Cell &cell, int sample);
+
+/// Factors on the modes xy, xz, yz of a part of a cut cell: sqrt(max(0.02, 1 - 5 n_i² n_j²)), n the mean normal of the
+/// surface in it. A mode across a slanted surface is not the one that a free surface would take.
+[[nodiscard]] Eigen::Vector4d modeFactors(const CellSet &set, const Part &part);
+
+/// Of the whole part.
+[[nodiscard]] Moments momentsOf(const CellSet &set, const Part &part);
+
+}  // namespace pointbased::lattice

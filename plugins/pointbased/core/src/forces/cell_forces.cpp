@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector forces of lattices.
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+
+#include "forces/kernels/cell_kernel.h"
+#include "forces/kernels/cell_tangent_kernel.h"
+#include "forces/vector_forces_parts.h"
+
+namespace pointbased::detail {
+namespace {
+
+using namespace kernels;
+
+PhyxelField fieldOf(std::span<const Vec3> field) {
+  return {field.empty() ? nullptr : field.front().data(), field.size()};
+}
+
+template <class T>
+class CellForces final : public VectorForces {
+ public:
+  CellForces(const StencilSet &stencils, std::span<const Vec3> positions, std::span<const double> masses,
+             const Constitution &constitution, const CellPlan &plan)
+      : stencils_(stencils), masses_(masses), constitution_(constitution), cells_(sliceCells<T>(stencils, plan)),
+        laws_(lawsOf<T>(constitution)), others_(stencils, positions, constitution_, plan.others),
+        turned_(stencils.axes != Mat3::Identity()) {
+    layRows(positions.size());
+    stiffnessAtRest_ = largestStiffnessAtRest();
+  }
+
+  double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, std::span<Vec3> forces,
+                  const ParallelFor &parallelFor) override {
+    CellJob<T> job = this->job(u);
+    job.velocities = fieldOf(v);
+    const ScalarLaw scalar = scalarLaw(constitution_);
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellForces(job, scalar, begin, end); });
+    if (!others_.empty()) {
+      (void)others_.evaluate(u, v, parallelFor);
+      takeOthers(true);
+    }
+    const double stiffness = collect(masses_, forces, parallelFor);
+    // Round-off makes no body softer than at rest.
+    return stiffness <= stiffnessAtRest_ ? 1.0 : stiffness / stiffnessAtRest_;
+  }
+
+  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
+    energies_.resize(2 * cells_.count());
+    const CellJob<T> job = this->job(u);
+    const ScalarLaw scalar = scalarLaw(constitution_);
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellEnergies(job, scalar, begin, end); });
+    ElasticEnergy sum = others_.empty() ? ElasticEnergy() : others_.energy(u);
+    for (std::size_t slice = 0; slice < cells_.count(); ++slice) {
+      sum.strain += energies_[2 * slice];
+      sum.stabilisation += energies_[2 * slice + 1];
+    }
+    return sum;
+  }
+
+  void linearise(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
+    tangents_.resize(cells_.count() * kTangentNumbers * kLanes<T>);
+    const CellJob<T> job = this->job(u);
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellTangents(job, begin, end); });
+    if (!others_.empty()) others_.linearise(u, parallelFor);
+  }
+
+  void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
+                    const ParallelFor &parallelFor) override {
+    CellJob<T> job = this->job(du);
+    job.viscousScale = static_cast<T>(viscousScale);
+    const ScalarLaw scalar = scalarLaw(constitution_);
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellProducts(job, scalar, begin, end); });
+    if (!others_.empty()) {
+      others_.differential(du, viscousScale, parallelFor);
+      takeOthers(false);
+    }
+    (void)collect({}, df, parallelFor);
+  }
+
+ private:
+  [[nodiscard]] CellJob<T> job(std::span<const Vec3> u) {
+    CellJob<T> job;
+    job.cells = &cells_;
+    job.laws = laws_;
+    job.modal = controlOf(constitution_, stencils_) == Control::modal;
+    setAxes(job);
+    job.displacements = fieldOf(u);
+    job.partials = partials_.data();
+    job.tangents = tangents_.data();
+    job.energies = energies_.data();
+    return job;
+  }
+
+  template <class Job>
+  void setAxes(Job &job) const {
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) job.axes[r][c] = stencils_.axes(r, c);
+    job.turned = turned_;
+  }
+
+  template <class Body>
+  void forChunks(const ParallelFor &parallelFor, const Body &body) const {
+    runLoop(parallelFor, cells_.chunks(), 1, body);
+  }
+
+  // Which partials every phyxel sums, ascending: those of chunks, then entries of other points.
+  void layRows(std::size_t phyxels) {
+    const std::size_t own = cells_.phyxels.size(), all = own + others_.entries().size();
+    const auto phyxelOf = [&](std::size_t place) {
+      return place < own ? cells_.phyxels[place] : stencils_.phyxels.indices[others_.entries()[place - own]];
+    };
+    rows_.offsets.assign(phyxels + 1, 0);
+    for (std::size_t place = 0; place < all; ++place) ++rows_.offsets[phyxelOf(place) + 1];
+    for (std::size_t i = 0; i < phyxels; ++i) rows_.offsets[i + 1] += rows_.offsets[i];
+    rows_.indices.resize(all);
+    std::vector<Index> next(rows_.offsets.begin(), rows_.offsets.end() - 1);
+    for (std::size_t place = 0; place < all; ++place) rows_.indices[next[phyxelOf(place)]++] = static_cast<Index>(place);
+    partials_.assign(4 * all, T(0));
+  }
+
+  // Stiffness that an entry of a point gives its phyxel at rest, N/m.
+  [[nodiscard]] double stiffnessOf(std::size_t q, const GradientRows &gradients, Index entry) const {
+    return stencils_.volumes[q] * materialOfPoint(constitution_, stencils_, q).waveModulus() *
+           gradients[entry].squaredNorm();
+  }
+
+  [[nodiscard]] double largestStiffnessAtRest() const {
+    std::vector<double> sums(masses_.size(), 0.0);
+    for (std::size_t q = 0; q < stencils_.pointCount(); ++q) {
+      const GradientRows gradients(stencils_, q);
+      for (Index e = stencils_.phyxels.offsets[q]; e < stencils_.phyxels.offsets[q + 1]; ++e)
+        sums[stencils_.phyxels.indices[e]] += stiffnessOf(q, gradients, e);
+    }
+    double largest = 0.0;
+    for (std::size_t i = 0; i < sums.size(); ++i) largest = std::max(largest, sums[i] / masses_[i]);
+    return largest;
+  }
+
+  // Forces of the other points into their places, and their stiffness.
+  void takeOthers(bool stiffness) {
+    T *out = partials_.data() + 4 * cells_.phyxels.size();
+    for (std::size_t k = 0; k < others_.entries().size(); ++k) {
+      const Vec3 f = stencils_.axes.transpose() * others_.force(k);
+      for (int c = 0; c < 3; ++c) out[4 * k + static_cast<std::size_t>(c)] = static_cast<T>(f[c]);
+      const Index entry = others_.entries()[k], q = stencils_.pointOfEntry(entry);
+      out[4 * k + 3] = stiffness ? static_cast<T>(others_.ratio(q) * stiffnessOf(q, GradientRows(stencils_, q), entry)) : T(0);
+    }
+  }
+
+  // @return largest stiffness over mass, 1/s²
+  double collect(std::span<const double> masses, std::span<Vec3> forces, const ParallelFor &parallelFor) {
+    CollectJob<T> job;
+    job.offsets = rows_.offsets;
+    job.places = rows_.indices;
+    job.partials = partials_.data();
+    setAxes(job);
+    job.forces = forces.front().data();
+    job.masses = masses.empty() ? nullptr : masses.data();
+    // The bits of numbers that are not negative are in their order, and those of NaN come last: a maximum without a lock.
+    std::atomic<std::uint64_t> largest{0};
+    runLoop(parallelFor, forces.size(), kPhyxelGrain, [&](std::size_t begin, std::size_t end) {
+      const auto here = std::bit_cast<std::uint64_t>(std::abs(collectForces(job, begin, end)));
+      std::uint64_t known = largest.load(std::memory_order_relaxed);
+      while (here > known && !largest.compare_exchange_weak(known, here, std::memory_order_relaxed)) {
+      }
+    });
+    return std::bit_cast<double>(largest.load());
+  }
+
+  const StencilSet &stencils_;
+  std::span<const double> masses_;
+  const Constitution constitution_;
+  CellSlices<T> cells_;
+  std::vector<LawNumbers<T>> laws_;
+  OtherPoints others_;
+  bool turned_;
+  Csr rows_;                      // [phyxels] places in partials_
+  AlignedVector<T> partials_;     // [places][4]
+  double stiffnessAtRest_ = 0.0;  // largest of all phyxels over their mass, 1/s²
+  AlignedVector<T> tangents_;     // of differential(); empty before
+  std::vector<double> energies_;  // [slices][2]; empty before
+};
+
+}  // namespace
+
+std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
+                                           std::span<const double> masses, const Constitution &constitution,
+                                           Precision precision) {
+  std::vector<std::uint8_t> suits;
+  // The kernel's neo-Hookean law is the one with the square of the logarithm.
+  for (const Material &m : constitution.materials)
+    suits.push_back(m.law != MaterialLaw::neoHookean || m.lambda() >= 0.0 ? 1 : 0);
+  const bool single = precision == Precision::singlePrecision;
+  const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits);
+  if (2 * plan.others.size() > stencils.pointCount()) return nullptr;
+  if (single) return std::make_unique<CellForces<float>>(stencils, positions, masses, constitution, plan);
+  return std::make_unique<CellForces<double>>(stencils, positions, masses, constitution, plan);
+}
+
+}  // namespace pointbased::detail

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/engine.h"
+
+#include "forces/entry_forces.h"
+#include "forces/point_response.h"
+#include "forces/relaxing_modes.h"
+
+namespace pointbased {
+
+using namespace detail;
+
+namespace {
+
+// What every point of a run does to the phyxels of its stencil; the anchor takes the opposite of the sum.
+template <Control control>
+void pointForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> X,
+                 std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                 std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
+  const ModalEnergy modal(material, stabilisation);
+  const bool linear = material.law == MaterialLaw::linear;
+  for (std::size_t q = from; q < to; ++q) {
+    if constexpr (control == Control::modal) {
+      const ModalPoint point(modal, s, q, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u));
+      Mat3 stress = stresses[q];
+      if (!linear) stress += point.A * point.QD.transpose();
+      spread(ModalConjugates(stress, point.FQ * point.D, point.twistStiffness * point.twist), s, q, entryForces);
+    } else if constexpr (control == Control::isotropic) {
+      Mat3 stress = stresses[q];
+      const double scale = s.rank[q] > 0 ? residualScale(material, stabilisation, s.volumes[q]) : 0.0;
+      const ResidualPoint residual(s, q, gradients[q]);
+      if (s.rank[q] < 3) stress += scale * residual.stress(X, u);
+      const Index anchor = s.phyxels.indices[s.phyxels.offsets[q]];
+      spread(s, q, entryForces, [&](Index e) -> Vec3 {
+        const Offset offset(s, q, X, u, s.phyxels.indices[e], anchor);
+        return stress * s.gradients[e] + scale * s.weights[e] * residual.direction(offset);
+      });
+    } else {
+      const GradientRows rows(s, q);
+      spread(s, q, entryForces, [&](Index e) -> Vec3 { return stresses[q] * rows[e]; });
+    }
+  }
+}
+
+// The same of lattice cells whose modes relax.
+void relaxingForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> u,
+                    std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                    std::span<const ModalStrain> relaxed, std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
+  const RelaxingModes modes(material, stabilisation, 0.0);
+  const bool linear = material.law == MaterialLaw::linear;
+  for (std::size_t q = from; q < to; ++q) {
+    const RelaxingModalPoint point(modes, s, q, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u),
+                                   relaxed.empty() ? ModalStrain(ModalStrain::Zero()) : relaxed[q]);
+    Mat3 stress = stresses[q];
+    if (!linear) stress += point.A * point.QD.transpose();
+    const ModalStrain pull = point.FQ * point.D;
+    spread(ModalConjugates(stress, pull.leftCols<3>(), pull.col(3)), s, q, entryForces);
+  }
+}
+
+}  // namespace
+
+namespace detail {
+
+void entryForcesOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                   std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                   std::span<const ModalStrain> relaxed, std::span<Vec3> entryForces, const ParallelFor &parallelFor) {
+  const Control control = controlOf(constitution, s);
+  runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
+      if (control == Control::modal && material.relaxes())
+        return relaxingForces(material, constitution.stabilisation, s, u, gradients, stresses, relaxed, entryForces, from,
+                              to);
+      const auto run = control == Control::modal       ? pointForces<Control::modal>
+                       : control == Control::isotropic ? pointForces<Control::isotropic>
+                                                       : pointForces<Control::none>;
+      run(material, constitution.stabilisation, s, X, u, gradients, stresses, entryForces, from, to);
+    });
+  });
+}
+
+}  // namespace detail
+
+void internalForces(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                    std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
+                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor,
+                    std::span<const ModalStrain> relaxed) {
+  entryForcesOf(constitution, s, X, u, gradients, stresses, relaxed, entryForces, parallelFor);
+  gather<Vec3>(s, entryForces, forces, parallelFor);
+}
+
+}  // namespace pointbased

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "pointbased/engine.h"
+
+#include "forces/entry_forces.h"
+#include "forces/point_response.h"
+
+namespace pointbased {
+
+using namespace detail;
+
+namespace {
+
+// The present stiffness of a point against rest: of its law, and of its modes, which stiffen with the stretch.
+double ratioAt(const Material &material, const Mat3 &F, bool modal) {
+  const double ratio = tangentRatio(material, F);
+  return modal ? std::max(ratio, largestEigenvalueBound(F.transpose() * F)) : ratio;
+}
+
+double ratioAt(const Material &material, const Mat3 &F, const Mat3 &plasticInverse, bool modal) {
+  const double ratio = elastoplasticTangentRatio(material, F, plasticInverse);
+  return modal ? std::max(ratio, largestEigenvalueBound(F.transpose() * F)) : ratio;
+}
+
+}  // namespace
+
+double pointStresses(const Constitution &constitution, const StencilSet &s, std::span<const Mat3> gradients,
+                     std::span<const Mat3> rates, const PointHistory &before, double dt, PointHistory *after,
+                     std::span<Mat3> out, std::span<double> ratios, const ParallelFor &parallelFor) {
+  const bool modal = controlOf(constitution, s) == Control::modal;
+  runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
+      const PointResponse response(material, s, before, dt, !rates.empty());
+      if (response.elastic()) {
+        withLaw(material.law, [&](auto law) {
+          const Moduli moduli(material);
+          for (std::size_t q = from; q < to; ++q) {
+            const Mat3 F = lawGradient(law, s, q, gradients[q]);
+            out[q] = s.volumes[q] * law.stress(moduli, F);
+            ratios[q] = ratioAt(material, F, modal);
+          }
+        });
+      } else {
+        for (std::size_t q = from; q < to; ++q) {
+          PronyPoint fresh;
+          PronyPoint *memory = response.relaxing && after ? &after->prony[q] : &fresh;
+          const Mat3 P = response.stress(q, gradients[q], rates.empty() ? Mat3(Mat3::Zero()) : rates[q], *memory);
+          out[q] = s.volumes[q] * P;
+          ratios[q] = response.plastic ? ratioAt(material, gradients[q], before.plasticInverse[q], modal)
+                                       : ratioAt(material, gradients[q], modal);
+        }
+      }
+      if (!response.relaxing && after && after != &before && !before.prony.empty())
+        std::copy(before.prony.begin() + static_cast<std::ptrdiff_t>(from),
+                  before.prony.begin() + static_cast<std::ptrdiff_t>(to),
+                  after->prony.begin() + static_cast<std::ptrdiff_t>(from));
+    });
+  });
+  double largest = 1.0;
+  for (const double ratio : ratios) {
+    // A NaN must not be lost in the comparison.
+    if (!(ratio <= largest)) largest = ratio;
+    if (std::isnan(largest)) break;
+  }
+  return largest;
+}
+
+std::size_t plasticFlow(const Constitution &constitution, const StencilSet &s, std::span<const Mat3> gradients, double dt,
+                        PointHistory &history, const ParallelFor &parallelFor) {
+  if (history.plasticInverse.empty()) return 0;
+  std::atomic<std::size_t> flowed{0};
+  runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    std::size_t here = 0;
+    forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
+      if (!material.plastic.enabled()) return;
+      for (std::size_t q = from; q < to; ++q)
+        here += plasticFlow(material.plastic, gradients[q], dt, history.plasticInverse[q], nullptr,
+                            history.plasticBefore.empty() ? nullptr : &history.plasticBefore[q])
+                    ? 1
+                    : 0;
+    });
+    flowed += here;
+  });
+  return flowed;
+}
+
+ElasticEnergy elasticEnergy(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                            std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history,
+                            std::span<Eigen::Vector2d> perPoint) {
+  return elasticEnergyOf(constitution, s, X, u, gradients, history, perPoint, 0, s.pointCount());
+}
+
+ElasticEnergy detail::elasticEnergyOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                                      std::span<const Vec3> u, std::span<const Mat3> gradients,
+                                      const PointHistory &history, std::span<Eigen::Vector2d> perPoint, std::size_t begin,
+                                      std::size_t end) {
+  ElasticEnergy energy;
+  const Control control = controlOf(constitution, s);
+  for (std::size_t q = begin; q < end; ++q) {
+    const Material &material = materialOfPoint(constitution, s, q);
+    const bool linear = material.law == MaterialLaw::linear;
+    const bool plastic = !history.plasticInverse.empty() && material.plastic.enabled();
+    const Mat3 F = linear ? lawGradient(Law<MaterialLaw::linear>(), s, q, gradients[q]) : gradients[q];
+    const double strain =
+        s.volumes[q] *
+        (plastic ? elastoplasticEnergyDensity(material, F, history.plasticInverse[q]) : energyDensity(material, F));
+    double stabilisation = 0.0;
+    if (control == Control::modal && material.relaxes()) {
+      const RelaxingModalPoint point(RelaxingModes(material, constitution.stabilisation, 0.0), s, q,
+                                     linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u),
+                                     ModalStrain(ModalStrain::Zero()));
+      stabilisation = 0.5 * point.strain.cwiseProduct(point.D).sum();
+    } else if (control == Control::modal) {
+      stabilisation = ModalPoint(ModalEnergy(material, constitution.stabilisation), s, q,
+                                 linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u))
+                          .energy;
+    } else if (control == Control::isotropic && s.rank[q] > 0) {
+      const ResidualPoint residual(s, q, gradients[q]);
+      const Index first = s.phyxels.offsets[q], anchor = s.phyxels.indices[first];
+      double sum = 0.0;
+      for (Index e = first + 1; e < s.phyxels.offsets[q + 1]; ++e)
+        sum += s.weights[e] * residual.direction(Offset(s, q, X, u, s.phyxels.indices[e], anchor)).squaredNorm();
+      stabilisation = 0.5 * residualScale(material, constitution.stabilisation, s.volumes[q]) * sum;
+    }
+    energy.strain += strain;
+    energy.stabilisation += stabilisation;
+    if (!perPoint.empty()) perPoint[q] = {strain, stabilisation};
+  }
+  return energy;
+}
+
+}  // namespace pointbased

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/engine.h"
+
+#include "forces/entry_forces.h"
+#include "forces/point_response.h"
+#include "forces/relaxing_modes.h"
+
+namespace pointbased {
+
+using namespace detail;
+
+namespace {
+
+struct Field {
+  std::span<const Vec3> positions, displacements;
+  std::span<const Mat3> gradients;
+  std::span<const Vec3> change;
+};
+
+// Change of what a point pulls its phyxels with; dP is v dP of its stress.
+template <Control control>
+void spreadChange(const Material &material, double stabilisation, const ModalEnergy &modal, const StencilSet &s,
+                  std::size_t q, const Field &field, const Mat3 &dFit, Mat3 dP, const Amplitudes &dA,
+                  std::span<Vec3> entries) {
+  const Mat3 &F = field.gradients[q];
+  if constexpr (control == Control::modal) {
+    const bool linear = material.law == MaterialLaw::linear;
+    const ModalPoint point(modal, s, q, linear ? Mat3(Mat3::Identity()) : F, amplitudes(s, q, field.displacements));
+    const Mat3 dModes = dA.topLeftCorner<3, 3>();
+    Mat3 dB = point.FQ.transpose() * dModes;
+    if (!linear) dB += (dFit * s.axes).transpose() * point.A;
+    const Mat3 dD = modal.conjugate(dB, point.vs);
+    Mat3 dC = point.FQ * dD;
+    if (!linear) {
+      dC += dFit * point.QD;
+      dP += dModes * point.QD.transpose() + point.A * (s.axes * dD).transpose();
+    }
+    spread(ModalConjugates(dP, dC, point.twistStiffness * dA.topRightCorner<3, 1>()), s, q, entries);
+  } else if constexpr (control == Control::isotropic) {
+    const double scale = s.rank[q] > 0 ? residualScale(material, stabilisation, s.volumes[q]) : 0.0;
+    const ResidualPoint residual(s, q, F);
+    Mat3 dF = dFit;
+    if (s.rank[q] < 3) {
+      dF = completedWithoutTwist(F, dFit, s.rank[q], frameOfPoint(s, q));
+      dP += scale * residual.stressDifferential(field.positions, field.displacements, field.change, dF);
+    }
+    const Index anchor = s.phyxels.indices[s.phyxels.offsets[q]];
+    spread(s, q, entries, [&](Index e) -> Vec3 {
+      const Index k = s.phyxels.indices[e];
+      const Offset offset(s, q, field.positions, field.displacements, k, anchor);
+      const Vec3 dnow = field.change[k] - field.change[anchor];
+      return dP * s.gradients[e] + scale * s.weights[e] * residual.directionDifferential(offset, dnow, dF);
+    });
+  } else {
+    const GradientRows rows(s, q);
+    spread(s, q, entries, [&](Index e) -> Vec3 { return dP * rows[e]; });
+  }
+}
+
+template <Control control>
+void fittedChange(const StencilSet &s, std::size_t q, std::span<const Vec3> du, Mat3 &dFit, Amplitudes &dA) {
+  const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
+  const Vec3 anchor = du[s.phyxels.indices[first]];
+  const GradientRows gradients(s, q);
+  if constexpr (control == Control::modal) {
+    const ModeRows modes(s, q);
+    Eigen::Matrix<double, 4, 7> all = Eigen::Matrix<double, 4, 7>::Zero();
+    for (Index e = first + 1; e < last; ++e) {
+      const Eigen::Vector4d d = padded(du[s.phyxels.indices[e]] - anchor);
+      for (int c = 0; c < 3; ++c) all.col(c) += gradients[e][c] * d;
+      for (int m = 0; m < 4; ++m) all.col(3 + m) += modes[e][m] * d;
+    }
+    dFit = all.topLeftCorner<3, 3>();
+    dA = all.rightCols<4>();
+  } else {
+    dFit.setZero();
+    for (Index e = first + 1; e < last; ++e)
+      dFit += (du[s.phyxels.indices[e]] - anchor) * gradients[e].transpose();
+  }
+}
+
+template <Control control>
+void runChange(const Material &material, double stabilisation, const StencilSet &s, const Field &field,
+               const PointHistory &history, double dt, double viscousScale, std::span<Vec3> entries, std::size_t from,
+               std::size_t to) {
+  const ModalEnergy modal(material, stabilisation);
+  const PointResponse response(material, s, history, dt, viscousScale > 0.0);
+  const auto loop = [&](auto &&stressChange) {
+    for (std::size_t q = from; q < to; ++q) {
+      Mat3 dFit;
+      Amplitudes dA;
+      fittedChange<control>(s, q, field.change, dFit, dA);
+      const Mat3 dP = s.volumes[q] * stressChange(q, dFit);
+      spreadChange<control>(material, stabilisation, modal, s, q, field, dFit, dP, dA, entries);
+    }
+  };
+  if (response.elastic()) {
+    withLaw(material.law, [&](auto law) {
+      const Moduli moduli(material);
+      loop([&](std::size_t q, const Mat3 &dFit) -> Mat3 {
+        const Mat3 &F = field.gradients[q];
+        return law.differential(moduli, law.tangent(moduli, lawGradient(law, s, q, F)),
+                                lawGradientDifferential(law, s, q, F, dFit));
+      });
+    });
+  } else {
+    loop([&](std::size_t q, const Mat3 &dFit) -> Mat3 {
+      return response.differential(q, field.gradients[q], dFit, viscousScale);
+    });
+  }
+}
+
+// The same of lattice cells whose modes relax.
+void runRelaxingChange(const Material &material, double stabilisation, const StencilSet &s, const Field &field,
+                       const PointHistory &history, double dt, double viscousScale, std::span<Vec3> entries,
+                       std::size_t from, std::size_t to) {
+  const PointResponse response(material, s, history, dt, viscousScale > 0.0);
+  const PronyStep step = response.modalStep();
+  const RelaxingModes modes(material, stabilisation, step.freshSum);
+  const bool linear = material.law == MaterialLaw::linear;
+  for (std::size_t q = from; q < to; ++q) {
+    Mat3 dFit;
+    Amplitudes dA;
+    fittedChange<Control::modal>(s, q, field.change, dFit, dA);
+    const Mat3 &F = field.gradients[q];
+    const RelaxingModalPoint point(modes, s, q, linear ? Mat3(Mat3::Identity()) : F, amplitudes(s, q, field.displacements),
+                                   response.modalPast(q));
+    const ModalStrain dModes = dA.topRows<3>();
+    ModalStrain dStrain = point.FQ.transpose() * dModes;
+    if (!linear) dStrain += (dFit * s.axes).transpose() * point.A;
+    const ModalStrain dD = modes.conjugate(dStrain, s.volumes[q], s.spreads[q]);
+    ModalStrain dC = point.FQ * dD;
+    Mat3 dP = s.volumes[q] * response.differential(q, F, dFit, viscousScale);
+    if (!linear) {
+      dC += dFit * point.QD;
+      dP += dModes * point.QD.transpose() + point.A * (s.axes * dD).transpose();
+    }
+    spread(ModalConjugates(dP, dC.leftCols<3>(), dC.col(3)), s, q, entries);
+  }
+}
+
+}  // namespace
+
+namespace detail {
+
+void entryDifferentialsOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                          std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history, double dt,
+                          double viscousScale, std::span<const Vec3> du, std::span<Vec3> entries,
+                          const ParallelFor &parallelFor) {
+  const Field field{X, u, gradients, du};
+  const Control control = controlOf(constitution, s);
+  runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
+      if (control == Control::modal && material.relaxes())
+        return runRelaxingChange(material, constitution.stabilisation, s, field, history, dt, viscousScale, entries, from,
+                                 to);
+      const auto run = control == Control::modal       ? runChange<Control::modal>
+                       : control == Control::isotropic ? runChange<Control::isotropic>
+                                                       : runChange<Control::none>;
+      run(material, constitution.stabilisation, s, field, history, dt, viscousScale, entries, from, to);
+    });
+  });
+}
+
+}  // namespace detail
+
+void forceDifferential(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
+                       std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history, double dt,
+                       double viscousScale, std::span<const Vec3> du, TangentScratch &scratch, std::span<Vec3> df,
+                       const ParallelFor &parallelFor) {
+  scratch.entries.resize(s.phyxels.indices.size());
+  entryDifferentialsOf(constitution, s, X, u, gradients, history, dt, viscousScale, du, scratch.entries, parallelFor);
+  gather<Vec3>(s, scratch.entries, df, parallelFor);
+}
+
+}  // namespace pointbased

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "forces/kernels/cell_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "forces/modes.h"
+
+namespace pointbased::kernels {
+namespace {
+
+bool isWhole(const std::array<double, kCellNumbers> &n) {
+  const double edge = 0.25 / n[kGradient];
+  for (const CellNumber k : {kFirstX, kFirstY, kFirstZ, kMixedX, kMixedY, kMixedZ})
+    if (std::abs(n[k]) > 1e-9 * n[kGradient]) return false;
+  // Body volumes are scaled to what the surface encloses.
+  return n[kVolume] > 0.5 * edge * edge * edge;
+}
+
+// Numbers of slices; equal ones, up to round-off, are kept once.
+template <class T>
+class Blocks {
+ public:
+  Index of(const StencilSet &s, std::span<const Index> points, std::size_t used) {
+    std::vector<T> block(kCellNumbers * kLanes<T>);
+    std::vector<std::int64_t> key;
+    for (std::size_t lane = 0; lane < kLanes<T>; ++lane) {
+      std::array<double, kCellNumbers> n = *cellNumbers(s, points[lane]);
+      if (lane >= used)
+        for (const CellNumber extent : {kVolume, kRootX, kRootY, kRootZ, kTwist}) n[extent] = 0.0;
+      const double edge = 0.25 / n[kGradient], volume = edge * edge * edge, root = std::sqrt(volume) * edge;
+      const std::array<double, kCellNumbers> unit = {unitGradient(n[kGradient]), n[kGradient], n[kGradient], n[kGradient],
+                                                     n[kGradient], n[kGradient], n[kGradient], 1.0 / (edge * edge),
+                                                     1.0 / (edge * edge), 1.0 / (edge * edge), volume, root, root, root, edge};
+      for (std::size_t k = 0; k < kCellNumbers; ++k) {
+        block[k * kLanes<T> + lane] = static_cast<T>(n[k]);
+        key.push_back(std::llround(n[k] / unit[k] * 1e12));
+      }
+    }
+    bool whole = used == kLanes<T>;
+    for (const Index q : points) whole = whole && isWhole(*cellNumbers(s, q));
+    const auto [found, fresh] = known_.emplace(std::move(key), static_cast<Index>(known_.size()));
+    if (fresh) {
+      numbers_.insert(numbers_.end(), block.begin(), block.end());
+      whole_.push_back(whole ? 1 : 0);
+    }
+    return found->second;
+  }
+  [[nodiscard]] std::vector<std::uint8_t> whole() { return std::move(whole_); }
+  [[nodiscard]] AlignedVector<T> take() {
+    numbers_.shrink_to_fit();
+    return std::move(numbers_);
+  }
+
+ private:
+  double unitGradient(double g) {
+    if (!(first_ > 0.0)) first_ = g;
+    return first_;
+  }
+
+  double first_ = 0.0;
+  std::map<std::vector<std::int64_t>, Index> known_;
+  AlignedVector<T> numbers_;
+  std::vector<std::uint8_t> whole_;
+};
+
+}  // namespace
+
+std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s, std::size_t q) {
+  const auto shape = findShape(s, q);
+  if (!shape) return {};
+  std::array<double, kCellNumbers> n{};
+  n[kGradient] = shape->gradient;
+  for (int c = 0; c < 3; ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    n[kFirstX + k] = shape->first[c];
+    n[kMixedX + k] = shape->mixed[c];
+    n[kModeXY + k] = shape->modes[c];
+  }
+  const Vec3 root = (s.volumes[q] * s.spreads[q]).cwiseSqrt();
+  const double spread = s.spreads[q].mean();
+  n[kVolume] = s.volumes[q];
+  n[kRootX] = root[0];
+  n[kRootY] = root[1];
+  n[kRootZ] = root[2];
+  n[kTwist] = s.volumes[q] * spread * spread * shape->modes[3] * shape->modes[3];
+  return n;
+}
+
+CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::uint8_t> suits) {
+  CellPlan plan;
+  std::vector<std::vector<Index>> byMaterial(suits.size());
+  std::vector<std::uint8_t> whole(s.pointCount(), 0);
+  for (std::size_t q = 0; q < s.pointCount(); ++q) {
+    const std::size_t material = s.materials.empty() ? 0 : s.materials[q];
+    const auto numbers = suits[material] != 0 ? cellNumbers(s, q) : std::nullopt;
+    if (numbers) {
+      byMaterial[material].push_back(static_cast<Index>(q));
+      whole[q] = isWhole(*numbers) ? 1 : 0;
+    } else {
+      plan.others.push_back(static_cast<Index>(q));
+    }
+  }
+  for (std::size_t m = 0; m < byMaterial.size(); ++m) {
+    std::vector<Index> &points = byMaterial[m];
+    for (std::size_t first = 0; first < points.size(); first += kChunkCells) {
+      const auto begin = points.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto end = points.begin() + static_cast<std::ptrdiff_t>(std::min(first + kChunkCells, points.size()));
+      std::stable_partition(begin, end, [&](Index q) { return whole[q] != 0; });
+    }
+    for (std::size_t first = 0; first < points.size(); first += lanes) {
+      const std::size_t used = std::min(lanes, points.size() - first);
+      for (std::size_t lane = 0; lane < lanes; ++lane) plan.points.push_back(points[first + std::min(lane, used - 1)]);
+      plan.used.push_back(used);
+      plan.materials.push_back(static_cast<std::uint16_t>(m));
+    }
+  }
+  return plan;
+}
+
+template <class T>
+CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan) {
+  constexpr std::size_t kSlice = kLanes<T>;
+  CellSlices<T> out;
+  out.materials = plan.materials;
+  out.corners.resize(plan.points.size() * kCorners);
+  Blocks<T> blocks;
+  std::vector<Index> local;
+  for (std::size_t begin = 0; begin < out.count(); begin += kChunkSlices<T>) {
+    const std::size_t end = std::min(out.count(), begin + kChunkSlices<T>);
+    const auto phyxelAt = [&](std::size_t slice, std::size_t lane, std::size_t j) {
+      return s.phyxels.indices[s.phyxels.offsets[plan.points[slice * kSlice + lane]] + j];
+    };
+    local.clear();
+    for (std::size_t slice = begin; slice < end; ++slice)
+      for (std::size_t lane = 0; lane < kSlice; ++lane)
+        for (std::size_t j = 0; j < kCorners; ++j) local.push_back(phyxelAt(slice, lane, j));
+    std::sort(local.begin(), local.end());
+    local.erase(std::unique(local.begin(), local.end()), local.end());
+    for (std::size_t slice = begin; slice < end; ++slice) {
+      for (std::size_t lane = 0; lane < kSlice; ++lane)
+        for (std::size_t j = 0; j < kCorners; ++j)
+          out.corners[(slice * kCorners + j) * kSlice + lane] = static_cast<std::uint16_t>(
+              std::lower_bound(local.begin(), local.end(), phyxelAt(slice, lane, j)) - local.begin());
+      out.blocks.push_back(blocks.of(s, std::span(plan.points).subspan(slice * kSlice, kSlice), plan.used[slice]));
+    }
+    out.phyxels.insert(out.phyxels.end(), local.begin(), local.end());
+    out.firstLocals.push_back(static_cast<Index>(out.phyxels.size()));
+  }
+  out.phyxels.shrink_to_fit();
+  out.numbers = blocks.take();
+  out.whole = blocks.whole();
+  return out;
+}
+
+template <class T>
+LawNumbers<T> lawNumbers(const Material &m, double stabilisation) {
+  const detail::ModalEnergy modal(m, stabilisation);
+  const double lambda = m.lambda() + m.volumeStiffness;
+  LawNumbers<T> n;
+  n.law = static_cast<int>(m.law);
+  n.lambda = static_cast<T>(m.lambda());
+  n.mu = static_cast<T>(m.mu());
+  n.volume = static_cast<T>(m.volumeStiffness);
+  n.modalMu = static_cast<T>(modal.mu());
+  n.modalLambda = static_cast<T>(modal.lambda());
+  n.modalTwist = static_cast<T>(modal.twistModulus());
+  n.twoEta = static_cast<T>(2.0 * m.viscosity);
+  n.waveAtRest = static_cast<T>(lambda + 2.0 * m.mu());
+  n.allAtRest = static_cast<T>(std::max(3.0 * lambda, 0.0) + 2.0 * m.mu());
+  return n;
+}
+
+template CellSlices<float> sliceCells<float>(const StencilSet &, const CellPlan &);
+template CellSlices<double> sliceCells<double>(const StencilSet &, const CellPlan &);
+template LawNumbers<float> lawNumbers<float>(const Material &, double);
+template LawNumbers<double> lawNumbers<double>(const Material &, double);
+
+}  // namespace pointbased::kernels

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// Some lanes of a slice of cells: from the corners to G and back. Private to the kernels.
+#if defined(POINTBASED_KERNELS_CELL_RUN_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef POINTBASED_KERNELS_CELL_RUN_INL_H_
+#undef POINTBASED_KERNELS_CELL_RUN_INL_H_
+#else
+#define POINTBASED_KERNELS_CELL_RUN_INL_H_
+#endif
+
+#include "forces/kernels/corners-inl.h"
+#include "forces/kernels/slices.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pointbased::kernels::HWY_NAMESPACE {
+
+/// What belongs to the phyxels of the chunk at hand, and the forces of the slice at hand.
+template <class T>
+struct ChunkFields {
+  const T *displacements = nullptr, *velocities = nullptr;  ///< [locals][4]
+  T *entries = nullptr;                                     ///< [kCorners][lanes][4] out
+};
+
+template <class D>
+struct CellRun {
+  using T = Real<D>;
+  using V = hn::Vec<D>;
+  static constexpr std::size_t kSlice = kLanes<T>;
+
+  D d;
+  const CellJob<T> &job;
+  const LawNumbers<T> &law;
+  const ChunkFields<T> &fields;
+  std::size_t slice, lane;
+  const T *numbers;
+
+  HWY_INLINE CellRun(D tag, const CellJob<T> &of, const ChunkFields<T> &chunk, std::size_t s, std::size_t l)
+      : d(tag), job(of), law(of.laws[of.cells->materials[s]]), fields(chunk), slice(s), lane(l),
+        numbers(of.cells->numbers.data() + of.cells->blocks[s] * kCellNumbers * kSlice + l) {}
+
+  HWY_INLINE V number(CellNumber which) const { return hn::Load(d, numbers + which * kSlice); }
+
+  [[nodiscard]] HWY_INLINE std::size_t material() const { return job.cells->materials[slice]; }
+
+  HWY_INLINE void gatherCorners(const T *field, SignSums<V> &x, SignSums<V> &y, SignSums<V> &z) const {
+    const std::uint16_t *corners = job.cells->corners.data() + slice * kCorners * kSlice + lane;
+    V ux[kCorners], uy[kCorners], uz[kCorners];
+    for (std::size_t j = 0; j < kCorners; ++j) {
+      const Vec3Lanes<V> u = loadVectors(d, field, corners + j * kSlice);
+      ux[j] = u.x;
+      uy[j] = u.y;
+      uz[j] = u.z;
+    }
+    x = signSums(ux);
+    y = signSums(uy);
+    z = signSums(uz);
+  }
+
+  // One row of G (and of the amplitudes) per component.
+  HWY_INLINE void fit(const SignSums<V> &c, V &gx, V &gy, V &gz) const {
+    const V g = number(kGradient);
+    const V px = number(kFirstX), py = number(kFirstY), pz = number(kFirstZ);
+    gx = hn::MulAdd(g, c.x, hn::MulAdd(py, c.xy, hn::MulAdd(pz, c.xz, hn::Mul(number(kMixedX), c.xyz))));
+    gy = hn::MulAdd(g, c.y, hn::MulAdd(px, c.xy, hn::MulAdd(pz, c.yz, hn::Mul(number(kMixedY), c.xyz))));
+    gz = hn::MulAdd(g, c.z, hn::MulAdd(px, c.xz, hn::MulAdd(py, c.yz, hn::Mul(number(kMixedZ), c.xyz))));
+  }
+
+  // What one component of the stress and of the pulls of the modes does to the signs.
+  HWY_INLINE SignSums<V> unfit(V sx, V sy, V sz, V mxy, V mxz, V myz, V mxyz) const {
+    const V g = number(kGradient);
+    const V px = number(kFirstX), py = number(kFirstY), pz = number(kFirstZ);
+    SignSums<V> t;
+    t.x = hn::Mul(g, sx);
+    t.y = hn::Mul(g, sy);
+    t.z = hn::Mul(g, sz);
+    t.xy = hn::MulAdd(py, sx, hn::MulAdd(px, sy, mxy));
+    t.xz = hn::MulAdd(pz, sx, hn::MulAdd(px, sz, mxz));
+    t.yz = hn::MulAdd(pz, sy, hn::MulAdd(py, sz, myz));
+    t.xyz = hn::MulAdd(number(kMixedX), sx, hn::MulAdd(number(kMixedY), sy, hn::MulAdd(number(kMixedZ), sz, mxyz)));
+    return t;
+  }
+
+  /// What modes of these amplitudes add to τ v (λ + 2 μ), in the same unit: the second derivative of their energy by F is that
+  /// of v s μ |Fᵀa|², which grows with the square of the amplitudes and is nothing at rest.
+  HWY_INLINE V modalStiffness(const Mat3Lanes<V> &A) const {
+    const Vec3Lanes<V> root = roots();
+    const V vx = hn::Mul(root.x, root.x), vy = hn::Mul(root.y, root.y), vz = hn::Mul(root.z, root.z);
+    const V sum = hn::MulAdd(hn::Add(vx, vy), dot(A.c0, A.c0),
+                             hn::MulAdd(hn::Add(vx, vz), dot(A.c1, A.c1), hn::Mul(hn::Add(vy, vz), dot(A.c2, A.c2))));
+    return hn::Mul(hn::Set(d, 2 * law.modalMu + law.modalLambda), sum);
+  }
+
+  /// τ v (λ + 2 μ) |g_j|² of the corners, or `atLeast` |g_j|².
+  HWY_INLINE void stiffnesses(V ratio, V atLeast, V (&k)[kCorners]) const {
+    const V g = number(kGradient);
+    V scale = hn::Mul(hn::Mul(ratio, number(kVolume)), hn::Set(d, law.waveAtRest));
+    // Of NaN and a number the maximum may be the number.
+    scale = hn::IfThenElse(hn::Eq(scale, scale), hn::Max(scale, atLeast), scale);
+    if (job.cells->whole[job.cells->blocks[slice]] != 0) {
+      const V all = hn::Mul(scale, hn::Mul(hn::Set(d, T(3)), hn::Mul(g, g)));
+      for (V &at : k) at = all;
+      return;
+    }
+    const V px = number(kFirstX), py = number(kFirstY), pz = number(kFirstZ), zero = hn::Zero(d);
+    V gx[kCorners], gy[kCorners], gz[kCorners];  // less than nothing: only squares count
+    spreadSigns(SignSums<V>{g, zero, zero, py, pz, zero, number(kMixedX)}, gx);
+    spreadSigns(SignSums<V>{zero, g, zero, px, zero, pz, number(kMixedY)}, gy);
+    spreadSigns(SignSums<V>{zero, zero, g, zero, px, py, number(kMixedZ)}, gz);
+    for (std::size_t j = 0; j < kCorners; ++j)
+      k[j] = hn::Mul(scale, hn::MulAdd(gx[j], gx[j], hn::MulAdd(gy[j], gy[j], hn::Mul(gz[j], gz[j]))));
+  }
+
+  HWY_INLINE void scatter(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z, const V (&k)[kCorners]) const {
+    V fx[kCorners], fy[kCorners], fz[kCorners];
+    spreadSigns(x, fx);
+    spreadSigns(y, fy);
+    spreadSigns(z, fz);
+    T *out = fields.entries + 4 * lane;
+    for (std::size_t j = 0; j < kCorners; ++j) hn::StoreInterleaved4(fx[j], fy[j], fz[j], k[j], d, out + 4 * j * kSlice);
+  }
+
+  HWY_INLINE Mat3Lanes<V> gradient(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
+    Mat3Lanes<V> G;
+    fit(x, G.c0.x, G.c1.x, G.c2.x);
+    fit(y, G.c0.y, G.c1.y, G.c2.y);
+    fit(z, G.c0.z, G.c1.z, G.c2.z);
+    return G;
+  }
+  HWY_INLINE Mat3Lanes<V> amplitudes(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
+    const V kxy = number(kModeXY), kxz = number(kModeXZ), kyz = number(kModeYZ);
+    return {{hn::Mul(kxy, x.xy), hn::Mul(kxy, y.xy), hn::Mul(kxy, z.xy)},
+            {hn::Mul(kxz, x.xz), hn::Mul(kxz, y.xz), hn::Mul(kxz, z.xz)},
+            {hn::Mul(kyz, x.yz), hn::Mul(kyz, y.yz), hn::Mul(kyz, z.yz)}};
+  }
+  HWY_INLINE Vec3Lanes<V> roots() const { return {number(kRootX), number(kRootY), number(kRootZ)}; }
+  HWY_INLINE V twist() const { return hn::Mul(hn::Set(d, law.modalTwist), number(kTwist)); }
+
+  /// v P, what pulls the modes and what pulls xyz, back to the corners.
+  /// @param k  goes with the forces
+  HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const V (&k)[kCorners]) const {
+    const V zero = hn::Zero(d);
+    scatter(unfit(S.c0.x, S.c1.x, S.c2.x, zero, zero, zero, zero), unfit(S.c0.y, S.c1.y, S.c2.y, zero, zero, zero, zero),
+            unfit(S.c0.z, S.c1.z, S.c2.z, zero, zero, zero, zero), k);
+  }
+  HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const Mat3Lanes<V> &pull, const Vec3Lanes<V> &twisted,
+                                const V (&k)[kCorners]) const {
+    const V kxy = number(kModeXY), kxz = number(kModeXZ), kyz = number(kModeYZ);
+    scatter(unfit(S.c0.x, S.c1.x, S.c2.x, hn::Mul(kxy, pull.c0.x), hn::Mul(kxz, pull.c1.x), hn::Mul(kyz, pull.c2.x), twisted.x),
+            unfit(S.c0.y, S.c1.y, S.c2.y, hn::Mul(kxy, pull.c0.y), hn::Mul(kxz, pull.c1.y), hn::Mul(kyz, pull.c2.y), twisted.y),
+            unfit(S.c0.z, S.c1.z, S.c2.z, hn::Mul(kxy, pull.c0.z), hn::Mul(kxz, pull.c1.z), hn::Mul(kyz, pull.c2.z), twisted.z),
+            k);
+  }
+};
+
+enum class Sums : bool { none, perPhyxel };
+
+/// ofSlice(slice, fields) for the slices of a chunk; with Sums::perPhyxel what it leaves in fields.entries is summed for every
+/// phyxel of the chunk, slice by slice, corner by corner, lane by lane.
+template <Sums kSums, class T, class OfSlice>
+HWY_INLINE void forChunk(const CellJob<T> &job, std::size_t chunk, const OfSlice &ofSlice) {
+  const CellSlices<T> &cells = *job.cells;
+  HWY_ALIGN_MAX T displacements[4 * kMostLocals];
+  HWY_ALIGN_MAX T velocities[4 * kMostLocals];
+  HWY_ALIGN_MAX T entries[4 * kCorners * kLanes<T>];
+  const std::size_t first = cells.firstLocals[chunk], count = cells.firstLocals[chunk + 1] - first;
+  const Index *phyxels = cells.phyxels.data() + first;
+  Records<T>::load(job.displacements, job.axes, job.turned, phyxels, count, displacements);
+  ChunkFields<T> fields{displacements, nullptr, entries};
+  if (job.velocities.at) {
+    Records<T>::load(job.velocities, job.axes, job.turned, phyxels, count, velocities);
+    fields.velocities = velocities;
+  }
+  T *sums = job.partials + 4 * first;
+  if constexpr (kSums == Sums::perPhyxel)
+    for (std::size_t k = 0; k < 4 * count; ++k) sums[k] = T(0);
+  const std::size_t end = HWY_MIN(cells.count(), (chunk + 1) * kChunkSlices<T>);
+  for (std::size_t slice = chunk * kChunkSlices<T>; slice < end; ++slice) {
+    ofSlice(slice, fields);
+    if constexpr (kSums == Sums::perPhyxel) {
+      const std::uint16_t *corners = cells.corners.data() + slice * kCorners * kLanes<T>;
+      for (std::size_t k = 0; k < kCorners * kLanes<T>; ++k)
+        Records<T>::add(entries + 4 * k, sums + 4 * std::size_t{corners[k]});
+    }
+  }
+}
+
+}  // namespace pointbased::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

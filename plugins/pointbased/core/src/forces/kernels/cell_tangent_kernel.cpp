@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "forces/kernels/cell_tangent_kernel.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "forces/kernels/cell_tangent_kernel.cpp"
+#define C3DE_KERNEL_WITHOUT_SSE4
+#include "base/kernels/instruction_sets.h"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "forces/kernels/cell_run-inl.h"
+#include "forces/kernels/modes-inl.h"
+#include "forces/kernels/tangent-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pointbased::kernels::HWY_NAMESPACE {
+
+template <class D>
+HWY_INLINE TangentRows<D> rowsOf(const CellRun<D> &run) {
+  return {run.d, run.job.tangents + run.slice * kTangentNumbers * CellRun<D>::kSlice + run.lane};
+}
+
+template <MaterialLaw kLaw, class D>
+HWY_INLINE void tangentOfLanes(const CellRun<D> &run) {
+  using V = hn::Vec<D>;
+  SignSums<V> x, y, z;
+  run.gatherCorners(run.fields.displacements, x, y, z);
+  prepareTangent<kLaw>(run.d, run.law, Strain<D>(run.d, run.gradient(x, y, z)), rowsOf(run));
+  rowsOf(run).setMatrix(kTangentA, run.amplitudes(x, y, z));
+}
+
+template <MaterialLaw kLaw, class D>
+HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
+  using V = hn::Vec<D>;
+  const D d = run.d;
+  const TangentRows<D> at = rowsOf(run);
+  SignSums<V> x, y, z;
+  run.gatherCorners(run.fields.displacements, x, y, z);
+  const Mat3Lanes<V> dG = run.gradient(x, y, z);
+  Mat3Lanes<V> dS = stressChange<kLaw>(d, run.law, at, dG, scalar, run.material());
+  if (run.job.viscousScale > 0)
+    dS = dS + viscousStress(d, hn::Set(d, run.law.twoEta * run.job.viscousScale), at.getMatrix(kTangentG), dG);
+  dS = scaled(run.number(kVolume), dS);
+  const V nothing[kCorners] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
+                               hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  if (!run.job.modal) {
+    run.scatterStress(dS, nothing);
+    return;
+  }
+  const Mat3Lanes<V> dA = run.amplitudes(x, y, z);
+  Mat3Lanes<V> dPull;
+  if constexpr (kLaw == MaterialLaw::linear) {
+    dPull = modalConjugate(d, run.law, dA, run.roots());
+  } else {
+    // B = Fᵀ A, S += A Dᵀ, pull = F D
+    const Mat3Lanes<V> G = at.getMatrix(kTangentG), A = at.getMatrix(kTangentA);
+    const Mat3Lanes<V> D3 = modalConjugate(d, run.law, A + transposeTimes(G, A), run.roots());
+    const Mat3Lanes<V> dD =
+        modalConjugate(d, run.law, dA + transposeTimes(G, dA) + transposeTimes(dG, A), run.roots());
+    dS = dS + times(dA, transposed(D3)) + times(A, transposed(dD));
+    dPull = dD + times(G, dD) + times(dG, D3);
+  }
+  run.scatterStress(dS, dPull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), nothing);
+}
+
+// Strain and modes of some lanes, J.
+template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
+HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, V &strainEnergy, V &modalEnergy) {
+  const D d = run.d;
+  SignSums<V> x, y, z;
+  run.gatherCorners(run.fields.displacements, x, y, z);
+  const Mat3Lanes<V> G = run.gradient(x, y, z);
+  strainEnergy = hn::Mul(run.number(kVolume), energyOf<kLaw>(d, run.law, Strain<D>(d, G), scalar, run.material()));
+  modalEnergy = hn::Zero(d);
+  if (!run.job.modal) return;
+  const Mat3Lanes<V> A = run.amplitudes(x, y, z);
+  Mat3Lanes<V> B = A;
+  if constexpr (kLaw != MaterialLaw::linear) B = A + transposeTimes(G, A);
+  const V twisted = hn::MulAdd(x.xyz, x.xyz, hn::MulAdd(y.xyz, y.xyz, hn::Mul(z.xyz, z.xyz)));
+  modalEnergy = hn::Mul(hn::Set(d, Real<D>(0.5)),
+                        hn::MulAdd(run.twist(), twisted, product(B, modalConjugate(d, run.law, B, run.roots()))));
+}
+
+// step(run) for all lanes of a slice.
+template <class T, class Step>
+HWY_INLINE void forLanes(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice, const Step &step) {
+  using D = hn::CappedTag<T, kLanes<T>>;
+  const D d;
+  for (std::size_t lane = 0; lane < kLanes<T>; lane += hn::Lanes(d)) step(CellRun<D>(d, job, fields, slice, lane));
+}
+
+template <MaterialLaw kLaw, class T>
+HWY_NOINLINE void tangentsOfSlice(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice) {
+  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { tangentOfLanes<kLaw>(run); });
+}
+template <MaterialLaw kLaw, class T>
+HWY_NOINLINE void productsOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, const ChunkFields<T> &fields,
+                                  std::size_t slice) {
+  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { productOfLanes<kLaw>(run, scalar); });
+}
+template <MaterialLaw kLaw, class T>
+HWY_NOINLINE void energiesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, const ChunkFields<T> &fields,
+                                  std::size_t slice) {
+  HWY_ALIGN T strain[kLanes<T>];
+  HWY_ALIGN T modes[kLanes<T>];
+  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR {
+    hn::Vec<std::remove_const_t<decltype(run.d)>> strainEnergy, modalEnergy;
+    energiesOfLanes<kLaw>(run, scalar, strainEnergy, modalEnergy);
+    hn::Store(strainEnergy, run.d, strain + run.lane);
+    hn::Store(modalEnergy, run.d, modes + run.lane);
+  });
+  // One after the other: the same sum whatever the width.
+  double strainSum = 0.0, modalSum = 0.0;
+  for (std::size_t lane = 0; lane < kLanes<T>; ++lane) {
+    strainSum += static_cast<double>(strain[lane]);
+    modalSum += static_cast<double>(modes[lane]);
+  }
+  job.energies[2 * slice] = strainSum;
+  job.energies[2 * slice + 1] = modalSum;
+}
+
+// of(law, slice, fields) for the slices of some chunks.
+template <Sums kSums, class T, class Of>
+HWY_INLINE void forSlices(const CellJob<T> &job, std::size_t begin, std::size_t end, const Of &of) {
+  for (std::size_t chunk = begin; chunk < end; ++chunk)
+    forChunk<kSums>(job, chunk, [&](std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+      withLaw(job.laws[job.cells->materials[slice]].law, [&](auto law) HWY_ATTR { of(law, slice, fields); });
+    });
+}
+
+template <class T>
+void tangentsOf(const CellJob<T> &job, std::size_t begin, std::size_t end) {
+  forSlices<Sums::none>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+    tangentsOfSlice<decltype(law)::value>(job, fields, slice);
+  });
+}
+template <class T>
+void productsOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  forSlices<Sums::perPhyxel>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+    productsOfSlice<decltype(law)::value>(job, scalar, fields, slice);
+  });
+}
+template <class T>
+void energiesOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  forSlices<Sums::none>(job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+    energiesOfSlice<decltype(law)::value>(job, scalar, fields, slice);
+  });
+}
+
+void TangentsFloat(const CellJob<float> &job, std::size_t begin, std::size_t end) { tangentsOf(job, begin, end); }
+void TangentsDouble(const CellJob<double> &job, std::size_t begin, std::size_t end) { tangentsOf(job, begin, end); }
+void ProductsFloat(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  productsOf(job, scalar, begin, end);
+}
+void ProductsDouble(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  productsOf(job, scalar, begin, end);
+}
+void EnergiesFloat(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  energiesOf(job, scalar, begin, end);
+}
+void EnergiesDouble(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  energiesOf(job, scalar, begin, end);
+}
+
+}  // namespace pointbased::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pointbased::kernels {
+
+HWY_EXPORT(TangentsFloat);
+HWY_EXPORT(TangentsDouble);
+HWY_EXPORT(ProductsFloat);
+HWY_EXPORT(ProductsDouble);
+HWY_EXPORT(EnergiesFloat);
+HWY_EXPORT(EnergiesDouble);
+
+void cellTangents(const CellJob<float> &job, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(TangentsFloat)(job, begin, end);
+}
+void cellTangents(const CellJob<double> &job, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(TangentsDouble)(job, begin, end);
+}
+void cellProducts(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(ProductsFloat)(job, scalar, begin, end);
+}
+void cellProducts(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(ProductsDouble)(job, scalar, begin, end);
+}
+void cellEnergies(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(EnergiesFloat)(job, scalar, begin, end);
+}
+void cellEnergies(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(EnergiesDouble)(job, scalar, begin, end);
+}
+
+}  // namespace pointbased::kernels
+#endif

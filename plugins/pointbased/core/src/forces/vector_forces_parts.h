@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the vector forces of lattices and clouds share. Private to the core.
+#pragma once
+
+#include <cmath>
+
+#include "forces/entry_forces.h"
+#include "forces/kernels/cell_layout.h"
+#include "forces/point_loops.h"
+#include "pointbased/engine.h"
+#include "forces/vector_forces.h"
+
+namespace pointbased::detail {
+
+inline constexpr std::size_t kPhyxelGrain = 256;
+
+[[nodiscard]] std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
+                                                         std::span<const double> masses, const Constitution &constitution,
+                                                         Precision precision);
+[[nodiscard]] std::unique_ptr<VectorForces> cloudForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
+                                                          const Constitution &constitution, Precision precision);
+
+/// The laws of a constitution, which has to outlive it.
+[[nodiscard]] kernels::ScalarLaw scalarLaw(const Constitution &constitution);
+
+template <class T>
+[[nodiscard]] std::vector<kernels::LawNumbers<T>> lawsOf(const Constitution &constitution) {
+  std::vector<kernels::LawNumbers<T>> laws;
+  for (const Material &m : constitution.materials) laws.push_back(kernels::lawNumbers<T>(m, constitution.stabilisation));
+  return laws;
+}
+
+/// The largest of all and of `atLeast`; a NaN is not lost.
+template <class T>
+[[nodiscard]] double largestRatio(std::span<const T> ratios, double atLeast) {
+  for (const T r : ratios) {
+    if (!(r <= atLeast)) atLeast = r;
+    if (std::isnan(atLeast)) break;
+  }
+  return atLeast;
+}
+
+/// Points that no kernel takes, answered by the scalar engine.
+class OtherPoints {
+ public:
+  OtherPoints(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
+              std::span<const Index> points);
+  [[nodiscard]] bool empty() const { return runs_.empty(); }
+  /// Their entries, in the order of forces().
+  [[nodiscard]] std::span<const Index> entries() const { return entries_; }
+  /// @return largest ratio
+  double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities, const ParallelFor &parallelFor);
+  void linearise(std::span<const Vec3> displacements, const ParallelFor &parallelFor);
+  /// Changes of their forces, in force().
+  void differential(std::span<const Vec3> du, double viscousScale, const ParallelFor &parallelFor);
+  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> displacements) const;
+  [[nodiscard]] const Vec3 &force(std::size_t entry) const { return entryForces_[entries_[entry]]; }
+  /// Of a point, at the last evaluate().
+  [[nodiscard]] double ratio(std::size_t point) const { return ratios_[point]; }
+
+ private:
+  [[nodiscard]] ParallelFor loop(const ParallelFor &parallelFor) const;
+
+  const StencilSet &stencils_;
+  std::span<const Vec3> positions_;
+  const Constitution &constitution_;
+  std::vector<std::pair<Index, Index>> runs_;  // short ones, for the loops of the scalar engine
+  std::vector<Index> entries_;
+  std::vector<Vec3> entryForces_;
+  std::vector<Mat3> gradients_, rates_, stresses_;
+  std::vector<double> ratios_;
+  std::vector<Vec3> linearisedAt_;  // [phyxels] m
+};
+
+}  // namespace pointbased::detail

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "solvers/conjugate_gradients.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pointbased::detail {
+
+namespace {
+
+// Curvature below this part of what M says counts as none: the step along it would be without bound.
+constexpr double kFlat = 1e-12;
+
+const double *flat(std::span<const Vec3> v) { return v.front().data(); }
+double *flat(std::span<Vec3> v) { return v.front().data(); }
+
+}  // namespace
+
+double dot(std::span<const Vec3> a, std::span<const Vec3> b) {
+  if (a.empty()) return 0.0;
+  constexpr std::size_t kBlock = 512;
+  const double *x = flat(a), *y = flat(b);
+  const std::size_t n = 3 * a.size();
+  double sum = 0.0;
+  for (std::size_t begin = 0; begin < n; begin += kBlock) {
+    const std::size_t end = std::min(n, begin + kBlock), quads = begin + (end - begin) / 4 * 4;
+    double s[4] = {0.0, 0.0, 0.0, 0.0};
+    for (std::size_t i = begin; i < quads; i += 4)
+      for (std::size_t k = 0; k < 4; ++k) s[k] += x[i + k] * y[i + k];
+    for (std::size_t i = quads; i < end; ++i) s[i - quads] += x[i] * y[i];
+    sum += (s[0] + s[1]) + (s[2] + s[3]);
+  }
+  return sum;
+}
+
+void addScaled(double s, std::span<const Vec3> x, std::span<Vec3> y) {
+  if (x.empty()) return;
+  const double *from = flat(x);
+  double *to = flat(y);
+  const std::size_t n = 3 * x.size();
+  for (std::size_t i = 0; i < n; ++i) to[i] += s * from[i];
+}
+
+Largest largest(std::span<const Vec3> v) {
+  Largest out;
+  double best = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double squared = v[i].squaredNorm();
+    if (squared <= best) continue;
+    out.at = static_cast<Index>(i);
+    best = squared;
+    if (!std::isfinite(squared) && !v[i].allFinite())
+      return {std::numeric_limits<double>::quiet_NaN(), static_cast<Index>(i)};
+  }
+  // Vectors so small or large that their squares leave the range are measured without squares.
+  out.value = v.empty() ? 0.0 : v[out.at].stableNorm();
+  return out;
+}
+
+void ConjugateGradients::begin(std::span<const Vec3> b, const Apply &precondition) {
+  b_ = b;
+  x_.assign(b.size(), Vec3::Zero());
+  r_.assign(b.begin(), b.end());
+  steepest_.resize(b.size());
+  z_.resize(b.size());
+  q_.resize(b.size());
+  iterations_ = 0;
+  start(precondition);
+}
+
+void ConjugateGradients::restart(const Apply &product, const Apply &precondition) {
+  product(x_, q_);
+  for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = b_[i] - q_[i];
+  start(precondition);
+}
+
+void ConjugateGradients::start(const Apply &precondition) {
+  precondition(b_, steepest_);
+  reference_ = std::sqrt(std::max(0.0, dot(b_, steepest_)));
+  precondition(r_, z_);
+  p_.assign(z_.begin(), z_.end());
+  rz_ = pMp_ = dot(r_, z_);
+  // What x already gained: 1/2 b·x = 1/2 x·A x once x is exact; of use as a measure only.
+  gains_.clear();
+  total_ = std::max(0.0, dot(b_, x_));
+}
+
+bool ConjugateGradients::accurate(double tolerance) const {
+  if (rz_ == 0.0) return true;
+  if (gains_.empty() || std::sqrt(std::max(0.0, rz_)) > tolerance * reference_) return false;
+  const std::size_t window = 1 + gains_.size() / 8;
+  double tail = 0.0;
+  for (std::size_t i = gains_.size() - window; i < gains_.size(); ++i) tail += gains_[i];
+  return tail <= tolerance * tolerance * total_ || gains_.size() == 1;
+}
+
+LinearEnd ConjugateGradients::run(const Apply &product, const Apply &precondition, double tolerance, int iterations) {
+  if (!std::isfinite(rz_) || rz_ < 0.0) return LinearEnd::notFinite;
+  for (int k = 0;; ++k) {
+    if (accurate(tolerance)) return LinearEnd::tolerance;
+    if (k >= iterations) return LinearEnd::iterations;
+    product(p_, q_);
+    const double curvature = dot(p_, q_);
+    if (!std::isfinite(curvature)) return LinearEnd::notFinite;
+    if (curvature <= kFlat * pMp_) return LinearEnd::negativeCurvature;
+
+    const double alpha = rz_ / curvature;
+    addScaled(alpha, p_, x_);
+    addScaled(-alpha, q_, r_);
+    gains_.push_back(alpha * rz_);
+    total_ += gains_.back();
+    ++iterations_;
+
+    precondition(r_, z_);
+    const double next = dot(r_, z_);
+    if (!std::isfinite(next) || next < 0.0) return LinearEnd::notFinite;
+    const double beta = next / rz_;
+    for (std::size_t i = 0; i < p_.size(); ++i) p_[i] = z_[i] + beta * p_[i];
+    rz_ = next;
+    pMp_ = next + beta * beta * pMp_;  // z is M-orthogonal to the p before
+  }
+}
+
+}  // namespace pointbased::detail

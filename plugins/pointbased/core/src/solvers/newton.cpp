@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/newton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/conjugate_gradients.h"
+#include "solvers/preconditioner.h"
+
+namespace pointbased {
+
+using detail::addScaled;
+using detail::dot;
+using detail::LinearEnd;
+
+namespace {
+
+constexpr double kArmijo = 1e-4;           // part of the predicted decrease that a step must bring
+constexpr double kTightest = 1e-6;         // of the forcing terms
+constexpr double kConfirming = 1e-3;       // linear tolerance of a step that ends the solve
+constexpr double kResidualFall = 1e-6;     // of the first residual; see NewtonSettings::toleranceForce
+constexpr double kRounding = 1e-10;        // relative change of the energy that may be round-off of a cancelled sum
+constexpr double kFoundAtStart = 1e-3;     // of the displacement that is tolerated: what a step after the other may leave
+constexpr int kTrials = 48;
+constexpr int kDoublings = 16;
+constexpr int kPatience = 6;               // iterations without progress
+
+}  // namespace
+
+struct NewtonSolver::Impl {
+  detail::PreconditionerKeeper keeper;
+  detail::ConjugateGradients linear;
+  std::vector<Vec3> gradient, right, direction, trial, trialGradient;
+  const StopRequest *stop = nullptr;  // of the present solve
+
+  NewtonResult solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
+                     const std::function<bool(const NewtonResult &)> &goOn);
+
+ private:
+  struct Direction {
+    bool newton = false;     // solved to `tolerance`, without negative curvature
+    bool negative = false;   // cut short by negative curvature
+    double tolerance = 1.0;
+  };
+  struct Evaluation {
+    double energy = 0.0;
+    double norm = 0.0;            // of the gradient
+    detail::Largest residual;
+  };
+
+  bool gradientHere(Equilibrium &problem, std::vector<Vec3> &out, Evaluation &at);
+  bool tryAt(Equilibrium &problem, std::span<const Vec3> u, double scale, double &energy);
+  Direction findDirection(Equilibrium &problem, const NewtonSettings &settings, double forcing, NewtonResult &result);
+  double search(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings, Evaluation &at, bool grow);
+};
+
+NewtonSolver::NewtonSolver() : impl_(std::make_unique<Impl>()) {}
+NewtonSolver::~NewtonSolver() = default;
+NewtonSolver::NewtonSolver(NewtonSolver &&) noexcept = default;
+NewtonSolver &NewtonSolver::operator=(NewtonSolver &&) noexcept = default;
+void NewtonSolver::forget() { impl_->keeper.forget(); }
+
+NewtonResult NewtonSolver::solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
+                                 const std::function<bool(const NewtonResult &)> &goOn) {
+  try {
+    return impl_->solve(problem, u, settings, goOn);
+  } catch (const Stopped &) {
+    forget();  // a factorisation may be half done
+    throw;
+  }
+}
+
+namespace {
+
+// Change of the energy that may be nothing but round-off.
+double noise(const Equilibrium &problem, double a, double b) {
+  return kRounding * (std::abs(a) + std::abs(b)) + problem.roundOff();
+}
+
+void clearPrescribed(std::span<const std::uint8_t> prescribed, std::span<Vec3> v) {
+  for (std::size_t i = 0; i < prescribed.size(); ++i)
+    if (prescribed[i] != 0) v[i].setZero();
+}
+
+}  // namespace
+
+// Gradient of free phyxels where the problem stands.
+bool NewtonSolver::Impl::gradientHere(Equilibrium &problem, std::vector<Vec3> &out, Evaluation &at) {
+  problem.gradient(out);
+  clearPrescribed(problem.prescribed(), out);
+  at.residual = detail::largest(out);
+  at.norm = std::sqrt(dot(out, out));
+  return std::isfinite(at.residual.value);
+}
+
+// Moves to u + scale direction.
+bool NewtonSolver::Impl::tryAt(Equilibrium &problem, std::span<const Vec3> u, double scale, double &energy) {
+  endIfRaised(stop);
+  trial.assign(u.begin(), u.end());
+  addScaled(scale, direction, trial);
+  if (!problem.moveTo(trial)) return false;
+  energy = problem.energy();
+  return std::isfinite(energy);
+}
+
+NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(Equilibrium &problem, const NewtonSettings &settings,
+                                                                double forcing, NewtonResult &result) {
+  const std::size_t n = gradient.size();
+  const std::span<const std::uint8_t> prescribed = problem.prescribed();
+  const detail::Apply product = [&](std::span<const Vec3> in, std::span<Vec3> out) {
+    endIfRaised(settings.stop);
+    problem.product(in, out);
+    clearPrescribed(prescribed, out);
+  };
+  const detail::Apply precondition = [&](std::span<const Vec3> in, std::span<Vec3> out) { keeper.apply(in, out); };
+
+  keeper.prepare(problem, settings.preconditioner, settings.stop);
+  right.resize(n);
+  for (std::size_t i = 0; i < n; ++i) right[i] = -gradient[i];
+  linear.begin(right, precondition);
+
+  Direction out;
+  out.tolerance = forcing;
+  int before = 0;  // iterations with preconditioners that have been given up
+  LinearEnd end;
+  for (;;) {
+    const int most = settings.maxLinearIterations - linear.iterations();
+    const int spent = linear.iterations() - before;
+    const int patience = keeper.patience(out.tolerance, settings.maxLinearIterations) - spent;
+    end = linear.run(product, precondition, out.tolerance, std::max(0, std::min(most, patience)));
+    if (end == LinearEnd::iterations && patience < most) {  // what there is serves badly: something new is cheaper
+      keeper.book(linear.iterations() - before, out.tolerance, false);
+      keeper.renew(problem, settings.stop);
+      before = linear.iterations();
+      linear.restart(product, precondition);
+      continue;
+    }
+    // A step so small that it would end the solve must be one that can be trusted.
+    if (end == LinearEnd::tolerance && out.tolerance > kConfirming &&
+        detail::largest(linear.x()).value <= settings.toleranceDisplacement) {
+      out.tolerance = kConfirming;
+      continue;
+    }
+    break;
+  }
+  keeper.book(linear.iterations() - before, out.tolerance, end == LinearEnd::tolerance);
+  result.linearIterations += linear.iterations();
+
+  out.newton = end == LinearEnd::tolerance;
+  out.negative = end == LinearEnd::negativeCurvature;
+  const std::span<const Vec3> found = linear.iterations() > 0 ? linear.x() : linear.preconditioned();
+  direction.assign(found.begin(), found.end());
+  // Not downhill (round-off, or an operator that is not symmetric): the preconditioned gradient, at worst the plain one.
+  const auto downhill = [this] {
+    return dot(gradient, direction) < 0.0 && std::isfinite(detail::largest(direction).value);
+  };
+  if (!downhill()) {
+    out.newton = false;
+    direction.assign(linear.preconditioned().begin(), linear.preconditioned().end());
+    if (!downhill()) direction = right;
+  }
+  return out;
+}
+
+// Finds how far along the direction to go, moves u there, and leaves the problem, the gradient and `at` there. Returns the
+// scale, or 0: nothing found, all is as it was. `grow`: the direction has no natural length, try longer ones.
+double NewtonSolver::Impl::search(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
+                                  Evaluation &at, bool grow) {
+  const double slope = dot(gradient, direction);
+  const double length = detail::largest(direction).value;
+  const double limit = std::min(1.0, problem.largestStep(direction));
+  if (!(limit > 0.0) || !(slope < 0.0)) return 0.0;
+  // Shorter steps than this matter to nobody, or change no digit of u.
+  const double smallest = std::max(1e-3 * settings.toleranceDisplacement, 1e-17 * detail::largest(u).value);
+
+  Evaluation next;
+  double scale = limit;
+  bool found = false;
+  for (int k = 0; k < kTrials && !found; ++k) {
+    if (k > 0 && scale * length < smallest) break;
+    if (!tryAt(problem, u, scale, next.energy)) {
+      scale *= 0.5;
+      continue;
+    }
+    const double change = next.energy - at.energy;
+    if (change <= kArmijo * scale * slope) {
+      found = gradientHere(problem, trialGradient, next);
+      if (!found) scale *= 0.5;
+      continue;
+    }
+    // Below round-off of the energy the gradients decide: the slope along the step says that the energy fell, and the
+    // gradient falls as well, except on the way off a saddle.
+    found = std::abs(change) <= noise(problem, at.energy, next.energy) && gradientHere(problem, trialGradient, next) &&
+            (grow || next.norm < at.norm) && dot(trialGradient, direction) <= (2.0 * kArmijo - 1.0) * slope;
+    if (found) continue;
+    // The lowest point of the parabola through what is known.
+    const double lowest = -0.5 * slope * scale * scale / (change - slope * scale);
+    scale = std::isfinite(lowest) ? std::clamp(lowest, 0.1 * scale, 0.5 * scale) : 0.5 * scale;
+  }
+  if (!found) {
+    (void)problem.moveTo(u);
+    return 0.0;
+  }
+
+  if (grow && scale == 1.0) {
+    Evaluation longer;
+    for (int k = 0; k < kDoublings; ++k) {
+      for (Vec3 &d : direction) d *= 2.0;
+      bool lower = problem.largestStep(direction) >= 1.0 && tryAt(problem, u, 1.0, longer.energy);
+      if (lower && std::abs(longer.energy - next.energy) <= noise(problem, longer.energy, next.energy)) {
+        lower = gradientHere(problem, trialGradient, longer) && dot(trialGradient, direction) < 0.0;
+      } else {
+        lower = lower && longer.energy < next.energy;
+      }
+      if (!lower) {
+        for (Vec3 &d : direction) d *= 0.5;
+        break;
+      }
+      next.energy = longer.energy;
+    }
+    if (!tryAt(problem, u, 1.0, next.energy) || !gradientHere(problem, trialGradient, next)) {
+      (void)problem.moveTo(u);
+      return 0.0;
+    }
+  }
+
+  std::copy(trial.begin(), trial.end(), u.begin());
+  gradient.swap(trialGradient);
+  at = next;
+  return scale;
+}
+
+NewtonResult NewtonSolver::Impl::solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
+                                       const std::function<bool(const NewtonResult &)> &goOn) {
+  NewtonResult result;
+  stop = settings.stop;
+  const std::size_t n = problem.phyxels();
+  const int factorisationsBefore = keeper.factorisations();
+  gradient.resize(n);
+  trialGradient.resize(n);
+
+  Evaluation at;
+  const auto end = [&](NewtonOutcome outcome) {
+    result.outcome = outcome;
+    return result;
+  };
+  const auto tell = [&] {
+    result.residual = at.residual.value;
+    result.worst = at.residual.at;
+    result.factorisations = keeper.factorisations() - factorisationsBefore;
+  };
+  if (n == 0) return end(NewtonOutcome::converged);
+  const bool evaluated = u.size() == n && problem.moveTo(u) && std::isfinite(at.energy = problem.energy());
+  if (!evaluated) {
+    const detail::Largest where = detail::largest(u);
+    result.residual = std::numeric_limits<double>::quiet_NaN();
+    result.worst = std::isfinite(where.value) ? 0 : where.at;
+    return end(NewtonOutcome::notFinite);
+  }
+  const bool finite = gradientHere(problem, gradient, at);
+  tell();
+  if (!finite) return end(NewtonOutcome::notFinite);
+
+  if (problem.reach(gradient) <= kFoundAtStart * settings.toleranceDisplacement) return end(NewtonOutcome::converged);
+
+  const double first = at.residual.value;
+  const auto fallen = [&] { return at.residual.value <= kResidualFall * first; };
+  double forcing = settings.linearTolerance;
+  double bestResidual = first;
+  int idle = 0, small = 0;
+  for (;;) {
+    if (at.residual.value <= std::max(0.0, settings.toleranceForce)) return end(NewtonOutcome::converged);
+    if (result.iterations >= settings.maxIterations) return end(NewtonOutcome::iterationLimit);
+    if (goOn && !goOn(result)) return end(NewtonOutcome::cancelled);
+    ++result.iterations;
+
+    const Evaluation before = at;
+    const Direction found = findDirection(problem, settings, forcing, result);
+    bool newton = found.newton;
+    double length = detail::largest(direction).value;
+    double scale = search(problem, u, settings, at, found.negative);
+    if (scale == 0.0) {
+      // At the end of what the digits of u can express there is nothing left to find.
+      if (newton && length <= std::max(settings.toleranceDisplacement,
+                                       8.0 * std::numeric_limits<double>::epsilon() * detail::largest(u).value)) {
+        result.lastStep = length;
+        tell();
+        return end(NewtonOutcome::converged);
+      }
+      newton = false;
+      direction.assign(linear.preconditioned().begin(), linear.preconditioned().end());
+      length = detail::largest(direction).value;
+      scale = search(problem, u, settings, at, false);
+      if (scale == 0.0) {
+        tell();
+        return end(fallen() ? NewtonOutcome::converged : NewtonOutcome::noDescent);
+      }
+    } else {
+      length = detail::largest(direction).value;  // it may have grown
+    }
+    result.lastStep = scale * length;
+    tell();
+
+    // Converged: a whole, trustworthy Newton step that moved nothing by more than the tolerance, after which the residual
+    // is smaller; twice in a row where it cannot become smaller.
+    if (newton && scale == 1.0 && result.lastStep <= settings.toleranceDisplacement &&
+        (found.tolerance <= kConfirming || fallen())) {
+      if (at.residual.value <= before.residual.value || ++small >= 2) return end(NewtonOutcome::converged);
+    } else {
+      small = 0;
+    }
+
+    // Nothing gained, in energy or in balance, several times: it will not come.
+    const bool lower = before.energy - at.energy > noise(problem, before.energy, at.energy);
+    idle = lower || at.residual.value < 0.9 * bestResidual ? 0 : idle + 1;
+    bestResidual = std::min(bestResidual, at.residual.value);
+    if (idle >= kPatience) return end(fallen() ? NewtonOutcome::converged : NewtonOutcome::noDescent);
+
+    // Eisenstat and Walker's second choice, with their safeguard against tightening too soon.
+    const double ratio = at.norm / before.norm;
+    double wanted = 0.9 * ratio * ratio;
+    if (0.9 * forcing * forcing > 0.1) wanted = std::max(wanted, 0.9 * forcing * forcing);
+    forcing = std::clamp(wanted, std::min(kTightest, settings.linearTolerance), settings.linearTolerance);
+  }
+}
+
+}  // namespace pointbased

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "solvers/preconditioner.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/IterativeLinearSolvers>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/supernodal_cholesky.h"
+
+namespace pointbased::detail {
+
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+// Phyxels come sorted in space; keeping their order takes a third fewer iterations than minimum degree (measured).
+using Incomplete = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+
+// Costs in about nanoseconds, as bench_newton showed them; only their ratios matter.
+constexpr double kProductCost = 1.15;          // per entry of the Hessian, matrix-free
+constexpr double kAssemblyCost = 50.0;         // per entry of the Hessian
+constexpr double kIncompleteCost = 80.0;       // per entry of the factor
+constexpr double kIncompleteSolveCost = 0.8;   // per entry of the factor, both ways
+constexpr double kCompleteCost = 0.12;         // per multiply-add
+constexpr double kCompleteSolveCost = 0.5;     // per entry of the factor, both ways
+
+constexpr double kCheap = 200.0;               // iterations; see the header
+constexpr double kUsual = 8.0;                 // iterations of a solve with a complete one that is not quite fresh
+constexpr std::size_t kMostAnalysed = 30000;   // phyxels; beyond, `automatic` does not think of a complete one
+constexpr double kMostEntries = 2.5e8;         // of a complete factor: 1 GB
+
+double decimals(double tolerance) { return std::max(1.0, -std::log10(tolerance)); }
+
+}  // namespace
+
+struct PreconditionerKeeper::Impl {
+  Preconditioner choice = Preconditioner::blockJacobi;
+  Preconditioner kind = Preconditioner::blockJacobi;  // what `automatic` has come to
+  std::vector<std::uint8_t> mask;
+  std::size_t phyxels = 0;
+  bool valid = false;
+  bool blocksInstead = false;  // nothing could be factorised
+  int factorisations = 0;
+
+  std::vector<Mat3> blocks;
+  Sparse matrix;
+  std::vector<int> outer, inner;  // pattern that `complete` has been analysed for
+  SupernodalCholesky complete;
+  Incomplete incomplete;
+
+  // The books, in the unit of the costs. A fresh factorisation takes `rate` iterations per decimal of tolerance; -1: not
+  // known yet.
+  double price = 0.0, iteration = 1.0, rate = -1.0, excess = 0.0;
+  // Of a complete factorisation while an incomplete one is in use; infinite price: not to be had.
+  double completePrice = 0.0, completeIteration = 0.0, lost = 0.0;
+
+  [[nodiscard]] bool mayImprove() const {
+    return choice == Preconditioner::automatic && kind == Preconditioner::incomplete && std::isfinite(completePrice);
+  }
+  void invalidate() {
+    valid = false;
+    rate = -1.0;
+    excess = 0.0;
+  }
+  void decideAnew() {
+    invalidate();
+    kind = choice == Preconditioner::automatic ? Preconditioner::incomplete : choice;
+    completePrice = std::numeric_limits<double>::infinity();
+    lost = 0.0;
+    outer.clear();
+    inner.clear();
+  }
+  void makeBlocks(Equilibrium &problem);
+  bool assemble(Equilibrium &problem);
+  void analyse();
+  bool factoriseComplete(const StopRequest *stop);
+  bool factoriseIncomplete();
+};
+
+PreconditionerKeeper::PreconditionerKeeper() : impl_(std::make_unique<Impl>()) {}
+PreconditionerKeeper::~PreconditionerKeeper() = default;
+PreconditionerKeeper::PreconditionerKeeper(PreconditionerKeeper &&) noexcept = default;
+PreconditionerKeeper &PreconditionerKeeper::operator=(PreconditionerKeeper &&) noexcept = default;
+
+int PreconditionerKeeper::factorisations() const { return impl_->factorisations; }
+void PreconditionerKeeper::forget() { impl_->decideAnew(); }
+
+void PreconditionerKeeper::Impl::makeBlocks(Equilibrium &problem) {
+  blocks.resize(phyxels);
+  problem.diagonalBlocks(blocks);
+  for (std::size_t i = 0; i < phyxels; ++i) {
+    if (!mask.empty() && mask[i] != 0) {
+      blocks[i].setIdentity();
+      continue;
+    }
+    const Eigen::LLT<Mat3> llt(blocks[i]);
+    const double diagonal = blocks[i].diagonal().cwiseAbs().maxCoeff();
+    if (llt.info() == Eigen::Success && llt.matrixLLT().diagonal().minCoeff() > 0.0) {
+      const Mat3 inverse = llt.solve(Mat3::Identity());
+      blocks[i] = 0.5 * (inverse + inverse.transpose());
+    } else {
+      blocks[i] = (std::isfinite(diagonal) && diagonal > 0.0 ? 1.0 / diagonal : 1.0) * Mat3::Identity();
+    }
+  }
+}
+
+bool PreconditionerKeeper::Impl::assemble(Equilibrium &problem) {
+  if (!problem.assemble(matrix) || static_cast<std::size_t>(matrix.rows()) != 3 * phyxels) return false;
+  if (!mask.empty()) {
+    const auto free = [this](Eigen::Index i) { return mask[static_cast<std::size_t>(i / 3)] == 0; };
+    matrix.prune([&](Eigen::Index i, Eigen::Index j, double) { return i == j || (free(i) && free(j)); });
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+      if (!free(i)) matrix.coeffRef(i, i) = 1.0;
+  }
+  matrix.makeCompressed();
+  return true;
+}
+
+// Order and fronts of the complete factorisation, unless they are known for this pattern.
+void PreconditionerKeeper::Impl::analyse() {
+  const int *outerBegin = matrix.outerIndexPtr(), *outerEnd = outerBegin + matrix.outerSize() + 1;
+  const int *innerBegin = matrix.innerIndexPtr(), *innerEnd = innerBegin + matrix.nonZeros();
+  if (std::equal(outerBegin, outerEnd, outer.begin(), outer.end()) &&
+      std::equal(innerBegin, innerEnd, inner.begin(), inner.end()))
+    return;
+  outer.assign(outerBegin, outerEnd);
+  inner.assign(innerBegin, innerEnd);
+  complete.analyse(matrix);
+}
+
+bool PreconditionerKeeper::Impl::factoriseComplete(const StopRequest *stop) {
+  analyse();
+  if (complete.entries() > kMostEntries) return false;
+  // A matrix that is positive definite but for round-off, or singular (a free body), is lifted a little.
+  for (const double lift : {0.0, 1e-9, 1e-6, 1e-3, 1e-1})
+    if (complete.factorise(matrix, lift, stop)) return true;
+  return false;
+}
+
+bool PreconditionerKeeper::Impl::factoriseIncomplete() {
+  incomplete.compute(matrix);
+  return incomplete.info() == Eigen::Success;
+}
+
+void PreconditionerKeeper::prepare(Equilibrium &problem, Preconditioner choice, const StopRequest *stop) {
+  Impl &m = *impl_;
+  const std::size_t n = problem.phyxels();
+  const std::span<const std::uint8_t> mask = problem.prescribed();
+  if (n != m.phyxels || choice != m.choice) {
+    m.phyxels = n;
+    m.choice = choice;
+    m.decideAnew();
+  }
+  if (!std::equal(mask.begin(), mask.end(), m.mask.begin(), m.mask.end())) {
+    m.mask.assign(mask.begin(), mask.end());
+    m.invalidate();
+  }
+  if (m.kind == Preconditioner::blockJacobi || !m.valid || m.blocksInstead || m.excess > m.price) renew(problem, stop);
+}
+
+void PreconditionerKeeper::renew(Equilibrium &problem, const StopRequest *stop) {
+  Impl &m = *impl_;
+  endIfRaised(stop);
+  m.invalidate();
+  m.valid = true;
+  m.blocksInstead = m.kind != Preconditioner::blockJacobi && !m.assemble(problem);
+  if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) {
+    m.makeBlocks(problem);
+    return;
+  }
+
+  endIfRaised(stop);
+  const double entries = static_cast<double>(m.matrix.nonZeros()), half = 0.5 * entries;
+  m.price = kAssemblyCost * entries + kIncompleteCost * half;
+  m.iteration = kProductCost * entries + kIncompleteSolveCost * half;
+  if (m.kind == Preconditioner::factorised ||
+      (m.choice == Preconditioner::automatic && m.phyxels <= kMostAnalysed)) {
+    m.analyse();
+    m.completePrice = m.complete.entries() > kMostEntries ? std::numeric_limits<double>::infinity()
+                                                          : kAssemblyCost * entries + kCompleteCost * m.complete.work();
+    m.completeIteration = kProductCost * entries + kCompleteSolveCost * m.complete.entries();
+    if (m.mayImprove() && m.completePrice <= kCheap * m.iteration) m.kind = Preconditioner::factorised;
+  }
+  bool done = false;
+  if (m.kind == Preconditioner::factorised) {
+    m.price = m.completePrice;
+    m.iteration = m.completeIteration;
+    done = m.factoriseComplete(stop);
+  } else {
+    done = m.factoriseIncomplete();
+  }
+  if (done) {
+    ++m.factorisations;
+  } else {
+    m.blocksInstead = true;  // the next step tries again
+    m.makeBlocks(problem);
+  }
+}
+
+void PreconditionerKeeper::apply(std::span<const Vec3> in, std::span<Vec3> out) {
+  Impl &m = *impl_;
+  if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) {
+    for (std::size_t i = 0; i < in.size(); ++i) out[i] = m.blocks[i] * in[i];
+  } else if (m.kind == Preconditioner::factorised) {
+    m.complete.solve(in, out);
+  } else {
+    const auto size = static_cast<Eigen::Index>(3 * in.size());
+    Eigen::Map<Eigen::VectorXd>(out.front().data(), size) =
+        m.incomplete.solve(Eigen::Map<const Eigen::VectorXd>(in.front().data(), size));
+  }
+}
+
+int PreconditionerKeeper::patience(double tolerance, int most) const {
+  const Impl &m = *impl_;
+  if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) return most;
+  double left = most;
+  if (m.rate >= 0.0) left = std::min(left, m.rate * decimals(tolerance) + (m.price - m.excess) / m.iteration);
+  if (m.mayImprove())
+    left = std::min(left, (m.completePrice - m.lost + kUsual * m.completeIteration) / m.iteration);
+  return left < most ? std::max(0, static_cast<int>(left)) + 1 : most;
+}
+
+void PreconditionerKeeper::book(int iterations, double tolerance, bool complete) {
+  Impl &m = *impl_;
+  if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) return;
+  if (m.rate >= 0.0) {
+    m.excess += m.iteration * std::max(0.0, iterations - m.rate * decimals(tolerance));
+  } else if (complete) {
+    m.rate = std::max(1, iterations) / decimals(tolerance);
+  }
+  if (m.mayImprove()) {
+    m.lost = std::max(0.0, m.lost + iterations * m.iteration - kUsual * m.completeIteration);
+    if (m.lost > m.completePrice) {
+      m.kind = Preconditioner::factorised;
+      m.invalidate();
+    }
+  }
+}
+
+}  // namespace pointbased::detail

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "contact/contact_bounce.h"
+#include "base/kernels/field_kernel.h"
+#include "pointbased/integrators.h"
+
+namespace pointbased {
+namespace {
+
+constexpr std::size_t kPhyxelGrain = 256;
+
+// Whether a phyxel may be faster; asks each only where the bounds of all do not tell.
+bool isFaster(std::span<const Vec3> velocities, double speed) {
+  if (velocities.empty()) return false;
+  const kernels::FieldBounds bounds = kernels::boundsOf(velocities.front().data(), velocities.size());
+  double most = 0.0;
+  for (int c = 0; c < 3; ++c) most += std::pow(std::max(std::abs(bounds.low[c]), std::abs(bounds.high[c])), 2);
+  if (most <= speed * speed && std::isfinite(bounds.sum)) return false;
+  return std::any_of(velocities.begin(), velocities.end(), [&](const Vec3 &v) { return v.squaredNorm() > speed * speed; });
+}
+
+// Room in front of a surface within which a contact counts even when nothing moves, in spacings.
+constexpr double kContactMargin = 0.02;
+
+// What falls for two steps bounces no more.
+constexpr double kQuietKicks = 2.0;
+
+void evaluate(Body &body, const Environment &env, double time, double dt) {
+  const ParallelFor &parallelFor = *env.parallelFor;
+  StageClock &clock = *env.clock;
+  if (body.vectorised()) {
+    clock.measure(kForces, [&] { body.evaluate(time, dt, parallelFor); });
+    return;
+  }
+  clock.measure(kGradients, [&] { body.computeGradients(parallelFor); });
+  if (!body.state().history.plasticInverse.empty() && dt > 0.0)
+    clock.measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
+  clock.measure(kStresses, [&] { body.computeStresses(dt, parallelFor); });
+  clock.measure(kForces, [&] { body.computeForces(time, parallelFor); });
+}
+
+}  // namespace
+
+std::vector<std::string> stageNames() {
+  return {"deformation_gradients", "plastic_flow", "stresses", "internal_forces", "supports",
+          "contact",               "integrate",    "solve",    "guard",           "surfels"};
+}
+
+void applyGrab(Body &body, double stiffnessLimit) {
+  if (!body.grab) return;
+  const Grab &grab = *body.grab;
+  GrabStatus status;
+  Vec3 velocity = Vec3::Zero();
+  double inverseMass = 0.0;
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
+    const Index i = grab.phyxels[k];
+    const double w = grab.weights[k];
+    status.point += w * (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]);
+    velocity += w * body.state().velocities[i];
+    inverseMass += w * w / body.masses()[i];
+  }
+  status.mass = 1.0 / inverseMass;
+  const double omega = std::min(grab.frequency, stiffnessLimit);
+  status.force = status.mass * (omega * omega * (grab.target - status.point) - 2.0 * grab.dampingRatio * omega * velocity);
+  const double size = status.force.norm();
+  if (size > grab.maxForce) status.force *= grab.maxForce / size;
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) body.forces()[grab.phyxels[k]] += grab.weights[k] * status.force;
+  body.grabStatus = status;
+}
+
+double impactSpeed(Body &body, const Environment &env, double time, double dt, double stride, double meanSpeed) {
+  if (!env.contact() || body.rest().contact.count() == 0) return 0.0;
+  double closing = 0.0;
+  env.clock->measure(kContact, [&] {
+    bool fast = false;
+    for (const Obstacle &obstacle : env.obstacles) fast = fast || obstacle.motion;
+    if (!fast && (meanSpeed * dt <= 0.5 * stride || !isFaster(body.state().velocities, stride / dt))) return;
+    const CarriedPoints points{body.rest().contact, body.rest().origin, body.state().displacements,
+                               body.state().velocities, body.rest().leverage};
+    findContacts(env.obstacles, env.box, time, dt, kContactMargin * body.rest().spacing, points, body.contact,
+                 *env.parallelFor);
+    closing = closingSpeed(body.contact, points.points.binding, points.velocities);
+  });
+  return closing * dt > stride ? closing : 0.0;
+}
+
+void explicitSubstep(Body &body, const Environment &env, double time, double dt) {
+  const ParallelFor &parallelFor = *env.parallelFor;
+  StageClock &clock = *env.clock;
+  State &state = body.state();
+  const RestState &rest = body.rest();
+  const std::size_t n = rest.phyxelCount();
+  const std::span<const double> inverse = body.inverseMasses();
+  const bool contact = env.contact() && rest.contact.count() > 0;
+  const bool patches = body.patches().rows() > 0;
+  const double springLimit = 0.3 / dt;
+  if (!body.forcesCurrent) {
+    evaluate(body, env, time, 0.0);
+    applyGrab(body, springLimit);
+  }
+
+  // With nothing in between, half a kick and the drift are one loop.
+  const auto drift = [&](std::size_t begin, std::size_t end) {
+    kernels::addScaled(dt, state.velocities[begin].data(), state.displacements[begin].data(), 3 * (end - begin));
+  };
+  const bool together = !contact && !patches;
+  const auto kick = [&](double h, bool drifts) {
+    kernels::Kick all;
+    all.h = h;
+    all.inverseMasses = inverse.data();
+    all.gravityShares = body.held() && !body.gravityShares().empty() ? body.gravityShares().data() : nullptr;
+    std::copy_n(env.gravity.data(), 3, all.gravity);
+    all.forces = body.forces().front().data();
+    all.velocities = state.velocities.front().data();
+    const auto range = [&](std::size_t begin, std::size_t end) {
+      kernels::kick(all, begin, end);
+      if (drifts) drift(begin, end);
+    };
+    parallelFor(n, kPhyxelGrain, std::cref(range));
+    if (patches) body.patches().kick(h, state.velocities);
+  };
+  clock.measure(kIntegrate, [&] { kick(0.5 * dt, together); });
+  if (contact)
+    clock.measure(kContact, [&] {
+      findContacts(env.obstacles, env.box, time, dt, kContactMargin * rest.spacing,
+                   {rest.contact, rest.origin, state.displacements, state.velocities, rest.leverage}, body.contact,
+                   parallelFor);
+      const double quiet = kQuietKicks * env.gravity.norm() * dt;
+      if (findArrivals(rest.contact.binding, state.velocities, dt, quiet, body.contact)) {
+        kick(-0.5 * dt, false);
+        bounceArrivals(rest.contact.binding, inverse, quiet, body.contact, state.velocities);
+        kick(0.5 * dt, false);
+      }
+      solveContactImpulses(rest.contact.binding, inverse, dt, ImpulseSettings{}, body.contact, state.velocities);
+    });
+  // All of them: those that are held are put in their places below.
+  if (!together) clock.measure(kIntegrate, [&] { parallelFor(n, kPhyxelGrain, std::cref(drift)); });
+  if (body.held())
+    clock.measure(kSupports, [&] {
+      body.placeHeld(time + dt, true);
+      if (patches) body.patches().correct(dt, body.patchTargets(time + dt), state.displacements, state.velocities);
+    });
+  evaluate(body, env, time + dt, dt);
+  applyGrab(body, springLimit);
+  clock.measure(kIntegrate, [&] {
+    kick(0.5 * dt, false);
+    if (env.damping > 0.0) {
+      const double decay = std::exp(-env.damping * dt);
+      for (std::size_t i = 0; i < n; ++i)
+        if (inverse[i] > 0.0) state.velocities[i] *= decay;
+    }
+  });
+  if (contact)
+    clock.measure(kContact, [&] {
+      settleContactVelocities(rest.contact.binding, inverse, dt, body.contact, state.velocities);
+    });
+  body.forcesCurrent = true;
+}
+
+}  // namespace pointbased

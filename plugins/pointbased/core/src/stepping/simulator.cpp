@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/simulator.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "stepping/body_runner.h"
+#include "base/flush_denormals.h"
+#include "pointbased/cloud_quality.h"
+#include "body/state_hash.h"
+#include "stepping/step_activity.h"
+#include "stepping/step_cost.h"
+
+namespace pointbased {
+namespace {
+
+constexpr double kStepWithoutBodies = 1.0 / 60.0;  // s
+constexpr int kUsualLoadSteps = 10;
+constexpr std::size_t kMostEvents = 200;
+
+// The same loop with denormals flushed on every thread that takes a part of it.
+ParallelFor flushing(ParallelFor parallelFor) {
+  return [inner = std::move(parallelFor)](std::size_t n, std::size_t grain,
+                                          const std::function<void(std::size_t, std::size_t)> &loop) {
+    const auto part = [&loop](std::size_t begin, std::size_t end) {
+      const detail::FlushDenormals flush;
+      loop(begin, end);
+    };
+    inner(n, grain, std::cref(part));
+  };
+}
+
+}  // namespace
+
+Simulator::Simulator(ParallelFor parallelFor)
+    : loops_(flushing(std::move(parallelFor))), activity_(std::make_unique<detail::StepActivity>()), clock_(stageNames()) {}
+Simulator::~Simulator() = default;
+
+void Simulator::setWorld(const WorldSettings &world) {
+  const bool wasStatic = quasiStatic();
+  const bool otherEnergy = world.integrator != world_.integrator || world.gravity != world_.gravity ||
+                           world.box.enabled != world_.box.enabled || world.box.min != world_.box.min ||
+                           world.box.max != world_.box.max;
+  world_ = world;
+  if (!wasStatic && quasiStatic()) loadFactor_ = 0.0;
+  if (wasStatic && !quasiStatic())
+    for (const auto &[id, runner] : bodies_) {
+      const BoundaryConditions &conditions = runner->body().rest().conditions;
+      for (const Fix &fix : conditions.fixes) time_ = std::max(time_, loadFactor_ * fix.ramp);
+      for (const Load &load : conditions.loads) time_ = std::max(time_, loadFactor_ * load.ramp);
+    }
+  for (auto &[id, runner] : bodies_) {
+    runner->body().quasiStatic = quasiStatic();
+    runner->body().setPrecision(world.precision);
+    runner->body().forcesCurrent = false;
+    runner->wake();
+    if (otherEnergy) runner->forgetEnergy();
+    describe(id);
+  }
+}
+
+std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
+  body->quasiStatic = quasiStatic();
+  body->setPrecision(world_.precision);
+  std::string cloud = inspectCloud(body->rest()).warning();
+  if (!cloud.empty()) cloud += "; sampling.neighbours and the spacing change it";
+  for (const std::string &unusual : {volumeWarning(body->rest()), cloud}) {
+    if (unusual.empty()) continue;
+    warnings_[nextId_].push_back("body '" + body->name() + "': " + unusual);
+    note("warning", warnings_[nextId_].back());
+  }
+  bodies_.emplace(nextId_, std::make_unique<detail::BodyRunner>(std::move(body)));
+  ++course_;
+  describe(nextId_);
+  return nextId_++;
+}
+
+void Simulator::describe(std::size_t id) {
+  const detail::BodyRunner &runner = *bodies_.at(id);
+  activity_->describe(id, detail::whatWouldHelp(runner.body(), world_, runner.integratorIn(world_)));
+}
+
+std::string Simulator::activity() const { return activity_->line(); }
+
+std::size_t Simulator::addObstacle(Obstacle obstacle) {
+  ++course_;
+  obstacles_.push_back(std::move(obstacle));
+  obstacleIds_.push_back(nextId_);
+  for (auto &[id, runner] : bodies_) {
+    runner->body().contact = ContactMemory();
+    runner->wake();
+  }
+  return nextId_++;
+}
+
+bool Simulator::removeBody(std::size_t id) {
+  std::erase_if(probes_, [id](const Probe &p) { return p.body == id; });
+  ++course_;
+  warnings_.erase(id);
+  activity_->forget(id);
+  return bodies_.erase(id) > 0;
+}
+
+bool Simulator::removeObstacle(std::size_t id) {
+  const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), id);
+  if (found == obstacleIds_.end()) return false;
+  ++course_;
+  obstacles_.erase(obstacles_.begin() + (found - obstacleIds_.begin()));
+  obstacleIds_.erase(found);
+  for (auto &[other, runner] : bodies_) {
+    runner->body().contact = ContactMemory();
+    runner->wake();
+  }
+  return true;
+}
+
+void Simulator::clear() {
+  bodies_.clear();
+  warnings_.clear();
+  obstacles_.clear();
+  obstacleIds_.clear();
+  probes_.clear();
+  reset();
+}
+
+Body *Simulator::body(std::size_t id) {
+  const auto found = bodies_.find(id);
+  return found == bodies_.end() ? nullptr : &found->second->body();
+}
+
+const Body *Simulator::body(std::size_t id) const {
+  const auto found = bodies_.find(id);
+  return found == bodies_.end() ? nullptr : &found->second->body();
+}
+
+std::vector<std::size_t> Simulator::bodyIds() const {
+  std::vector<std::size_t> ids;
+  for (const auto &[id, runner] : bodies_) ids.push_back(id);
+  return ids;
+}
+
+Integrator Simulator::integratorOf(std::size_t id) const {
+  const auto found = bodies_.find(id);
+  return found == bodies_.end() ? world_.integrator : found->second->integratorIn(world_);
+}
+
+std::pair<double, double> Simulator::predictedCost(std::size_t id) const {
+  const Body *target = body(id);
+  if (!target || target->rigid()) return {0.0, 0.0};
+  const detail::StepCost cost = detail::predictCost(*target, world_.dt);
+  return {cost.explicitEvaluations, cost.implicitEvaluations};
+}
+
+RigidMotion Simulator::obstacleMotion(std::size_t id) const {
+  const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), id);
+  if (found == obstacleIds_.end()) return {};
+  const Obstacle &obstacle = obstacles_[static_cast<std::size_t>(found - obstacleIds_.begin())];
+  return obstacle.motion ? obstacle.motion(clockOfRamps()) : RigidMotion{};
+}
+
+void Simulator::addProbe(std::string name, std::size_t id, const Vec3 &reference) {
+  const Body *target = body(id);
+  if (!target) return;
+  ++course_;
+  const Vec3 local = reference - target->rest().origin;
+  probes_.push_back(
+      {std::move(name), id, reference, target->rest().bind(std::span<const Vec3>(&local, 1), {}), Vec3::Zero()});
+}
+
+Simulator::ProbeState Simulator::probeState(const Probe &probe) const {
+  const Body *target = body(probe.body);
+  if (!target) return {probe.reference, Vec3::Zero()};
+  Vec3 u, v;
+  interpolateDisplacements(probe.binding, target->rest().positions, target->state().displacements,
+                           std::span<Vec3>(&u, 1), serialFor());
+  interpolateField(probe.binding, target->state().velocities, std::span<Vec3>(&v, 1), serialFor());
+  return {probe.reference + probe.carried + u, v};
+}
+
+void Simulator::setConstitution(std::size_t id, Constitution constitution) {
+  const auto found = bodies_.find(id);
+  if (found == bodies_.end()) return;
+  found->second->body().setConstitution(std::move(constitution), parallelFor_);
+  found->second->forget();
+  describe(id);
+}
+
+void Simulator::setRigid(std::size_t id, bool rigid) {
+  const auto found = bodies_.find(id);
+  if (found == bodies_.end() || found->second->body().rigid() == rigid) return;
+  const bool renewed = found->second->body().renewals() > 0;
+  found->second->body().setRigid(rigid);
+  found->second->forget();
+  if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
+}
+
+Result<void> Simulator::setFoundation(std::size_t id, const Foundation &foundation) {
+  const auto found = bodies_.find(id);
+  if (found == bodies_.end() || found->second->body().foundation().settings() == foundation) return {};
+  if (auto set = found->second->body().setFoundation(foundation); !set) return set;
+  found->second->forget();
+  return {};
+}
+
+double Simulator::stepSize() const {
+  if (quasiStatic()) return 0.0;
+  if (world_.dt > 0.0 && std::isfinite(world_.dt)) return world_.dt;
+  double dt = std::numeric_limits<double>::infinity();
+  for (const auto &[id, runner] : bodies_)
+    if (!runner->body().rigid())
+      dt = std::min(dt, runner->integratorIn(world_) == Integrator::explicitVerlet
+                            ? kStepSafety * runner->body().stableStepAtRest()
+                            : kImplicitStep);
+  return std::isfinite(dt) ? dt : kStepWithoutBodies;
+}
+
+detail::StepOrder Simulator::order(const StopRequest *stop) {
+  Environment env;
+  env.gravity = world_.gravity;
+  env.damping = world_.damping;
+  env.obstacles = obstacles_;
+  env.box = world_.box;
+  env.tolerance = world_.tolerance;
+  env.preconditioner = world_.preconditioner;
+  env.parallelFor = &parallelFor_;
+  env.clock = &clock_;
+  env.stop = stop;
+  return {world_, env, time_, stepSize(), loadFactor_, steps_ + 1,
+          [this](const char *kind, const std::string &text) { note(kind, text); }};
+}
+
+bool Simulator::finished() const { return quasiStatic() && loadFactor_ >= 1.0 - 1e-12; }
+
+std::size_t Simulator::stoppedBodies() const {
+  return static_cast<std::size_t>(
+      std::count_if(bodies_.begin(), bodies_.end(), [](const auto &entry) { return entry.second->stopped(); }));
+}
+
+bool Simulator::asleep(std::size_t id) const {
+  const auto found = bodies_.find(id);
+  return found != bodies_.end() && found->second->asleep();
+}
+
+void Simulator::wake(std::size_t id) {
+  if (const auto found = bodies_.find(id); found != bodies_.end()) found->second->wake();
+}
+
+std::uint64_t Simulator::changes(std::size_t id) const {
+  const auto found = bodies_.find(id);
+  return found == bodies_.end() ? 0 : found->second->changes();
+}
+
+bool Simulator::failed() const {
+  const auto rigid = static_cast<std::size_t>(
+      std::count_if(bodies_.begin(), bodies_.end(), [](const auto &entry) { return entry.second->body().rigid(); }));
+  return bodies_.size() > rigid && stoppedBodies() + rigid == bodies_.size();
+}
+
+tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
+  const auto refusal = [this] {
+    std::string text;
+    for (const auto &[id, runner] : bodies_) text += (text.empty() ? "" : "; ") + runner->body().stopped;
+    return tl::unexpected<StepFailure>({text});
+  };
+  if (failed()) return refusal();
+  if (finished()) return {};
+  const detail::FlushDenormals flush;
+  if (steps_ == 0) {
+    tellWhoSetsTheStep();
+    lookAround();
+  }
+  const detail::StepOrder order = this->order(stop);
+  for (auto &[id, runner] : bodies_) runner->beginStep();
+  double gone = 0.0;
+  try {
+    const StoppableLoops::Watch watch(loops_, stop);
+    endIfRaised(stop);
+    if (quasiStatic())
+      increaseLoad(order);
+    else
+      gone = advanceBodies(order);
+  } catch (const Stopped &) {
+    activity_->enter(0);
+    for (auto &[id, runner] : bodies_) runner->undoStep(parallelFor_);
+    return tl::unexpected<StepFailure>({"the step was ended before it was done; the state before it stays", true});
+  }
+  if (!quasiStatic())
+    for (auto &[id, runner] : bodies_)
+      if (!runner->asleep() && !runner->body().rigid() && renewIfDue(id, stop)) runner->forget();
+  activity_->enter(0);
+  if (failed()) return refusal();
+  time_ += gone;
+  advanced_ += gone;
+  ++steps_;
+  if (lookDue()) clock_.measure(kGuard, [this] { lookAround(); });
+  clock_.commit();
+  return {};
+}
+
+void Simulator::increaseLoad(const detail::StepOrder &order) {
+  const int increments = world_.loadSteps > 0 ? world_.loadSteps : kUsualLoadSteps;
+  double next = std::min(1.0, loadFactor_ + 1.0 / increments);
+  if (next > 1.0 - 1e-9) next = 1.0;
+  for (auto &[id, runner] : bodies_) {
+    if (runner->stopped() || runner->body().rigid()) continue;
+    activity_->enter(id);
+    runner->loadUpTo(order, next);
+  }
+  if (!failed()) loadFactor_ = next;
+}
+
+double Simulator::advanceBodies(const detail::StepOrder &order) {
+  double span = order.dt;
+  std::vector<detail::BodyRunner *> &ahead = ahead_;
+  ahead.clear();
+  for (auto &[id, runner] : bodies_) {
+    if (runner->stopped() || runner->body().rigid()) continue;
+    activity_->enter(id);
+    const auto begin = std::chrono::steady_clock::now();
+    const double gone = runner->advance(order, span);
+    spent_[id] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (gone < span) {
+      // Those before it have gone too far.
+      span = gone;
+      for (detail::BodyRunner *other : ahead)
+        if (!other->stopped()) other->advanceAgain(order, span);
+    }
+    ahead.push_back(runner.get());
+  }
+  return span;
+}
+
+void Simulator::reset() {
+  for (auto &[id, runner] : bodies_) {
+    const bool renewed = runner->body().renewals() > 0;
+    runner->reset();
+    if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
+  }
+  ++course_;
+  time_ = 0.0;
+  loadFactor_ = 0.0;
+  steps_ = 0;
+  events_.clear();
+  for (const auto &[id, warnings] : warnings_)
+    for (const std::string &warning : warnings) note("warning", warning);
+  notRenewed_.clear();
+  skinDeepest_.clear();
+  overlaps_.clear();
+  toldStep_ = false;
+  spent_.clear();
+  advanced_ = 0.0;
+}
+
+void Simulator::setGrab(std::size_t id, Grab grab) {
+  Body *target = body(id);
+  if (!target || grab.phyxels.empty() || target->rigid()) return;
+  target->grab = std::move(grab);
+  target->forcesCurrent = false;
+  bodies_.at(id)->forgetEnergy();
+}
+
+void Simulator::moveGrab(std::size_t id, const Vec3 &position) {
+  if (Body *target = body(id); target && target->grab) target->grab->target = position;
+}
+
+void Simulator::releaseGrab(std::size_t id) {
+  Body *target = body(id);
+  if (!target) return;
+  if (target->grab) {
+    target->forcesCurrent = false;
+    bodies_.at(id)->forgetEnergy();  // what the hand has put in has not come from nothing
+  }
+  target->grab.reset();
+  target->grabStatus.reset();
+}
+
+std::optional<GrabStatus> Simulator::grabStatus(std::size_t id) const {
+  const Body *target = body(id);
+  return target ? target->grabStatus : std::nullopt;
+}
+
+void Simulator::surfels(std::size_t id, std::vector<Vec3> &positions, std::vector<Vec3> &normals) {
+  const Body *target = body(id);
+  if (!target) return;
+  const RestState &rest = target->rest();
+  positions.resize(rest.surfels.count());
+  normals.resize(rest.surfelNormals.size());
+  clock_.measure(kSurfels, [&] {
+    updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, target->state().displacements, positions, normals,
+                  parallelFor_);
+    for (Vec3 &x : positions) x += rest.origin;
+  });
+}
+
+void Simulator::surfels(std::size_t id, std::vector<Vec3f> &positions, std::vector<Vec3f> &normals) {
+  const Body *target = body(id);
+  if (!target) return;
+  const RestState &rest = target->rest();
+  positions.resize(rest.surfels.count());
+  normals.resize(rest.surfelNormals.size());
+  clock_.measure(kSurfels, [&] {
+    updateSurfels(rest.surfels, rest.surfelNormals, rest.origin, rest.positions, target->state().displacements,
+                  screenPhyxels_, positions, normals, parallelFor_);
+  });
+}
+
+Simulator::Energy Simulator::energy(std::size_t id) const {
+  Energy out;
+  const Body *target = body(id);
+  if (!target) return out;
+  const ElasticEnergy elastic = target->elasticEnergy(parallelFor_);
+  out.elastic = elastic.strain;
+  out.stabilisation = elastic.stabilisation;
+  out.kinetic = target->kineticEnergy();
+  out.foundation = target->foundation().energy(target->state().displacements);
+  for (std::size_t i = 0; i < target->masses().size(); ++i)
+    out.gravity -= target->weights()[i] * world_.gravity.dot(target->state().displacements[i]);
+  out.gravity -= world_.gravity.dot(target->carriedMoment());
+  return out;
+}
+
+std::vector<Reaction> Simulator::reactions(std::size_t id) const {
+  const Body *target = body(id);
+  return target ? target->reactions(world_.gravity) : std::vector<Reaction>{};
+}
+
+std::uint64_t Simulator::stateHash() const {
+  std::uint64_t hash = detail::kHashStart;
+  for (const auto &[id, runner] : bodies_) hash = detail::hashOf(runner->body(), hash);
+  return hash;
+}
+
+void Simulator::note(const std::string &kind, const std::string &text) {
+  if (events_.size() < kMostEvents) events_.push_back({time(), kind, text});
+}
+
+}  // namespace pointbased

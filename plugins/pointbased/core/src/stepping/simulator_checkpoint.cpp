@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stepping/body_runner.h"
+#include "base/number_text.h"
+#include "pointbased/simulator.h"
+
+namespace pointbased {
+
+struct detail::SimulatorCheckpoint {
+  std::uint64_t course = 0;
+  std::map<std::size_t, BodyRunner::Checkpoint> bodies;
+  std::vector<Probe> probes;
+  double time = 0.0, loadFactor = 0.0;
+  std::uint64_t steps = 0;
+  std::vector<SimulationEvent> events;
+  std::set<std::size_t> notRenewed;
+  std::map<std::size_t, double> skinDeepest;
+  std::set<std::pair<std::size_t, std::size_t>> overlaps;
+};
+
+Checkpoint Simulator::checkpoint() const {
+  auto kept = std::make_shared<detail::SimulatorCheckpoint>();
+  kept->course = course_;
+  for (const auto &[id, runner] : bodies_) kept->bodies.emplace(id, runner->checkpoint());
+  kept->probes = probes_;
+  kept->time = time_;
+  kept->loadFactor = loadFactor_;
+  kept->steps = steps_;
+  kept->events = events_;
+  kept->notRenewed = notRenewed_;
+  kept->skinDeepest = skinDeepest_;
+  kept->overlaps = overlaps_;
+  return kept;
+}
+
+bool Simulator::restore(const Checkpoint &checkpoint) {
+  if (!checkpoint || checkpoint->course != course_) return false;
+  for (auto &[id, runner] : bodies_) {
+    const auto found = checkpoint->bodies.find(id);
+    if (found != checkpoint->bodies.end()) runner->restore(found->second, parallelFor_);
+  }
+  probes_ = checkpoint->probes;
+  const double from = time();
+  time_ = checkpoint->time;
+  loadFactor_ = checkpoint->loadFactor;
+  steps_ = checkpoint->steps;
+  events_ = checkpoint->events;
+  notRenewed_ = checkpoint->notRenewed;
+  skinDeepest_ = checkpoint->skinDeepest;
+  overlaps_ = checkpoint->overlaps;
+  note("restored", "at " + detail::number(from) + " s the state of " + detail::number(time()) + " s was taken up again");
+  return true;
+}
+
+}  // namespace pointbased

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// What nobody prevents, and what costs most: looked at now and then, and told as events.
+#include <algorithm>
+#include <cmath>
+
+#include "stepping/body_runner.h"
+#include "base/number_text.h"
+#include "pointbased/simulator.h"
+#include "stepping/skin_watch.h"
+
+namespace pointbased {
+namespace {
+
+using detail::number;
+
+// Steps between two looks. One costs about as much as a few explicit steps, and less than one implicit step. Where explicit
+// steps are long, at least a look in a sixtieth of a second, if that is not too often.
+constexpr std::uint64_t kExplicitSteps = 128, kFewestExplicitSteps = 32, kOtherSteps = 4;
+constexpr double kTimeOfLook = 1.0 / 60.0;  // s
+// Of the spacing: what overlaps less is what label maps and the planes of nearest points leave.
+constexpr double kLeastOverlap = 0.1;
+// Of the spacing: edges between points of contact cut in by less.
+constexpr double kSkinThrough = 0.5;
+// One body's stable step in the other's: from here on it is told who sets the step of all.
+constexpr double kMuchSmaller = 0.5;
+
+std::string millimetres(double metres) { return number(1e3 * metres, 3) + " mm"; }
+
+}  // namespace
+
+double Simulator::skinDepth(std::size_t id) const {
+  const Body *target = body(id);
+  if (!target) return 0.0;
+  std::vector<Vec3> skin;
+  const auto told = skinDeepest_.find(id);
+  return std::max({target->contact.deepest, told == skinDeepest_.end() ? 0.0 : told->second,
+                   pointbased::skinDepth(*target, obstacles_, world_.box, clockOfRamps(), skin, parallelFor_)});
+}
+
+double Simulator::costOf(std::size_t id) const {
+  const auto found = spent_.find(id);
+  return found == spent_.end() || !(advanced_ > 0.0) ? 0.0 : found->second / advanced_;
+}
+
+bool Simulator::lookDue() const {
+  const bool isExplicit = std::any_of(bodies_.begin(), bodies_.end(), [this](const auto &entry) {
+    return entry.second->integratorIn(world_) == Integrator::explicitVerlet;
+  });
+  std::uint64_t every = kOtherSteps;
+  if (isExplicit)
+    every = static_cast<std::uint64_t>(std::clamp(std::ceil(kTimeOfLook / stepSize()), static_cast<double>(kFewestExplicitSteps),
+                                                  static_cast<double>(kExplicitSteps)));
+  return steps_ == 0 || steps_ % every == 0 || finished();
+}
+
+void Simulator::lookAround() {
+  if (world_.box.enabled)
+    for (const auto &[id, runner] : bodies_) {
+      const Body &body = runner->body();
+      // A skin of many points is looked at less often, and not at all where the body touches nothing.
+      const std::uint64_t every = kExplicitSteps * (1 + body.rest().surfels.count() / (16 * (1 + body.rest().pointCount())));
+      if (runner->asleep() || body.contact.active.empty() || (steps_ % every != 0 && steps_ % kExplicitSteps == 0)) continue;
+      const double depth = pointbased::skinDepth(body, {}, world_.box, clockOfRamps(), skin_, parallelFor_);
+      double &deepest = skinDeepest_[id];
+      const double through = kSkinThrough * body.rest().spacing;
+      if (depth > through && deepest <= through)
+        note("skin", "body '" + body.name() + "': its skin reaches " + millimetres(depth) +
+                         " through the world's box between the points where it feels contact; a smaller sampling.spacing (it is " +
+                         millimetres(body.rest().spacing) + ") helps");
+      deepest = std::max(deepest, depth);
+    }
+  for (auto a = bodies_.begin(); a != bodies_.end(); ++a)
+    for (auto b = std::next(a); b != bodies_.end(); ++b) {
+      if (overlaps_.contains({a->first, b->first}) || (a->second->asleep() && b->second->asleep())) continue;
+      const Body &first = a->second->body(), &second = b->second->body();
+      const Overlap found = overlapOf(first, second);
+      if (!(found.depth > kLeastOverlap * std::min(first.rest().spacing, second.rest().spacing))) continue;
+      overlaps_.insert({a->first, b->first});
+      note("overlap", "bodies '" + first.name() + "' and '" + second.name() + "' overlap " +
+                          (steps_ == 0 ? "from the start" : "from here on") + ": " + millimetres(found.depth) +
+                          " deep, some " + number(1e6 * found.volume, 2) + " ml; bodies do not touch each other yet");
+    }
+}
+
+void Simulator::tellWhoSetsTheStep() {
+  if (toldStep_ || quasiStatic() || bodies_.size() < 2 || world_.dt > 0.0) return;
+  toldStep_ = true;
+  const Body *slowest = nullptr;
+  double least = 0.0, next = 0.0;
+  for (const auto &[id, runner] : bodies_) {
+    if (runner->body().rigid()) continue;
+    if (runner->integratorIn(world_) != Integrator::explicitVerlet) return;
+    const double stable = kStepSafety * runner->body().stableStepAtRest();
+    if (!slowest || stable < least) {
+      next = least;
+      least = stable;
+      slowest = &runner->body();
+    } else if (next == 0.0 || stable < next) {
+      next = stable;
+    }
+  }
+  if (!slowest || !std::isfinite(next) || !(least < kMuchSmaller * next)) return;
+  note("step", "body '" + slowest->name() + "' sets the step of all: " + number(least, 3) + " s, where the others could take " +
+                   number(next, 3) + " s; make it rigid (an obstacle) or lower its modulus, or set solver.integrator = \"auto\"");
+}
+
+}  // namespace pointbased
