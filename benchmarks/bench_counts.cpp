@@ -96,7 +96,7 @@ Obstacle ballBelow(double radius) {
 
 // A fresh search, and one a step later, which knows what is far.
 Named contact(std::string name, std::shared_ptr<Body> body) {
-  auto memory = std::make_shared<ContactMemory>();
+  auto memory = std::make_shared<ContactState>();
   auto moved = std::make_shared<std::vector<Vec3>>();
   const std::span<const Vec3> from = body->contactPositions(serialFor());
   auto positions = std::make_shared<std::vector<Vec3>>(from.begin(), from.end());

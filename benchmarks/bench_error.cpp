@@ -253,7 +253,7 @@ int main(int argc, char **argv) {
     for (std::size_t q = 0; q < truth.pointCount(); ++q)
       for (int corner = 0; corner < 8; ++corner) {
         const Vec3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-        const Vec3 away = truth.stencils.spreads[q].cwiseSqrt().cwiseProduct(sign);
+        const Vec3 away = truth.stencils.variances[q].cwiseSqrt().cwiseProduct(sign);
         points.push_back(truth.origin + truth.pointCentres[q] + truth.stencils.axes * away);
         volumes.push_back(truth.stencils.volumes[q] / 8.0);
       }

@@ -92,7 +92,7 @@ class CellKernel {
     kernels::CellJob<T> job;
     job.cells = &slices_;
     job.laws = {&law_, 1};
-    job.modal = true;
+    job.hourglass = true;
     job.displacements = {displacements_.front().data(), displacements_.size()};
     job.partials = partials_.data();
     kernels::ScalarLaw scalar;

@@ -68,7 +68,7 @@ Beam makeBeam(int layers) {
           beam.volumes[at] += volume / 8.0;
         }
         s.phyxels.offsets.push_back(static_cast<Index>(s.phyxels.indices.size()));
-        s.spreads.push_back(Vec3::Constant(h * h / 12.0));
+        s.variances.push_back(Vec3::Constant(h * h / 12.0));
         s.volumes.push_back(volume);
         s.rank.push_back(3);
         s.frameOf.push_back(StencilSet::kNoFrame);
@@ -78,7 +78,7 @@ Beam makeBeam(int layers) {
 }
 
 // Σ U(u) - f·u + 1/(2 dt²) Σ m |u - target|²; inverseDt = 0: statics.
-class BeamProblem : public Equilibrium {
+class BeamProblem : public IncrementalPotential {
  public:
   BeamProblem(const Beam &beam, const Material &material) : beam_(beam) {
     constitution_.materials = {material};
@@ -94,7 +94,7 @@ class BeamProblem : public Equilibrium {
   }
   [[nodiscard]] std::size_t phyxels() const override { return u_.size(); }
   [[nodiscard]] std::span<const std::uint8_t> prescribed() const override { return beam_.held; }
-  [[nodiscard]] bool moveTo(std::span<const Vec3> u) override {
+  [[nodiscard]] bool setState(std::span<const Vec3> u) override {
     std::copy(u.begin(), u.end(), u_.begin());
     deformationGradients(beam_.stencils, u_, gradients_, serialFor());
     return true;

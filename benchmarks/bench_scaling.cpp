@@ -40,7 +40,7 @@ double bytes(const Interpolation &binding) {
          bytes(binding.rank) + bytes(binding.frames) + bytes(binding.frameOf) + bytes(binding.offsets);
 }
 double bytes(const StencilSet &s) {
-  return bytes(s.phyxels) + bytes(s.gradients) + bytes(s.shapes) + bytes(s.rowsOf) + bytes(s.weights) + bytes(s.modes) + bytes(s.spreads) +
+  return bytes(s.phyxels) + bytes(s.gradients) + bytes(s.shapes) + bytes(s.rowsOf) + bytes(s.weights) + bytes(s.modes) + bytes(s.variances) +
          bytes(s.materials) + bytes(s.volumes) + bytes(s.reference) + bytes(s.referenceInverse) + bytes(s.rank) +
          bytes(s.frames) + bytes(s.frameOf) + bytes(s.entriesOfPhyxel);
 }
@@ -134,7 +134,7 @@ int main(int argc, char **argv) {
   const ParallelFor parallelFor = bench::parallelForOf(pool);
   bench::Report report(line.name(), options);
 
-  std::map<std::string, std::map<std::string, Spread>> spreads;
+  std::map<std::string, std::map<std::string, Spread>> variances;
   for (const Kind &kind : kKinds) {
     std::string evaluation = bench::evaluationName(*build(kind, kSizes[0], 0, parallelFor).body);
     report.table("cost, " + evaluation, {{"evaluation", ""},
@@ -175,7 +175,7 @@ int main(int argc, char **argv) {
                   forces_ns / n, forces_ns / points, times[1].median_ms, times[1].p99_ms, substep_ns / n,
                   substep_ns / points});
       if (built.rest->phyxelCount() < kSpreadFrom) continue;
-      auto &of = spreads[evaluation];
+      auto &of = variances[evaluation];
       of["forces_per_phyxel"].add(forces_ns / n);
       of["forces_per_point"].add(forces_ns / points);
       of["substep_per_phyxel"].add(substep_ns / n);
@@ -183,7 +183,7 @@ int main(int argc, char **argv) {
     }
   }
   report.note("\nspread: largest cost over least, from 1 000 phyxels on");
-  for (const auto &[evaluation, of] : spreads)
+  for (const auto &[evaluation, of] : variances)
     for (const auto &[quantity, spread] : of) {
       char text[160];
       std::snprintf(text, sizeof text, "  %-20s  %-18s  %.2f", evaluation.c_str(), quantity.c_str(), spread.most / spread.least);

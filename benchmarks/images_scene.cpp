@@ -12,9 +12,9 @@
 #include "c3de/imaging/reading.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/ui/image_views.h"
-#include "live_warp.h"
+#include "displacement_sampler.h"
 #include "session.h"
-#include "shown_displacement.h"
+#include "displacement_presenter.h"
 #include "simulator_access.h"
 
 namespace bench {
@@ -124,7 +124,7 @@ class SceneBench {
   c3de_object *simulator_;
   double rim_mm_;
   ui::ImageViews views_;
-  app::ShownDisplacement displacement_{&images_, views_};
+  app::DisplacementPresenter displacement_{&images_, views_};
   std::shared_ptr<const imaging::Mask> bodies_;
   render::Camera camera_;
   imaging::FollowingGrid grid_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole way of a person with a CT: window by key, cross-hair by mouse, threshold, organ, simulation, a pull at it, and
-// the scan that follows. Steps by themselves are in test_images.cpp and test_organ_guide.cpp.
+// the scan that follows. Steps by themselves are in test_images.cpp and test_segmentation.cpp.
 #include <cmath>
 #include <filesystem>
 #include <sstream>

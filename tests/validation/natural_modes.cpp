@@ -79,7 +79,7 @@ std::vector<Mode> naturalModes(Body &body, int count) {
   for (int j = 0; j < count; ++j) {
     Mode mode;
     mode.frequency = frequencyOf(values[j] - spectrum.shift);
-    // So small that laws and modal energies are quadratic.
+    // So small that laws and hourglass energies are quadratic.
     std::vector<Vec3> u(n, Vec3::Zero());
     for (std::size_t i = 0; i < 3 * n; ++i)
       if (spectrum.number[i] >= 0) u[i / 3][static_cast<int>(i % 3)] = X(spectrum.number[i], j) / spectrum.root[spectrum.number[i]];

@@ -15,7 +15,7 @@
 #include "c3de/imaging/warp.h"
 #include "c3de/imaging/writing.h"
 #include "c3de/ui/file_browser.h"
-#include "live_warp.h"
+#include "displacement_sampler.h"
 #include "organ.h"
 #include "still_rule.h"
 

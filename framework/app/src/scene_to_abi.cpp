@@ -107,7 +107,7 @@ void BodyTables::fill(c3de_sim_body &out) const {
   copy(out.angular_velocity_rad_s, body_.angularVelocity_rad_s);
 }
 
-std::optional<int> lineSpokenOf(const scene::SceneFile &scene, const scene::SceneBody &body, std::string_view message) {
+std::optional<int> sceneLineOf(const scene::SceneFile &scene, const scene::SceneBody &body, std::string_view message) {
   const auto numberAfter = [&](std::string_view word) -> std::optional<std::size_t> {
     if (message.substr(0, word.size()) != word) return std::nullopt;
     const char *begin = message.data() + word.size(), *end = message.data() + message.size();

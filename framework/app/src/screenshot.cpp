@@ -9,9 +9,9 @@
 #include "c3de/render/renderer.h"
 #include "c3de/ui/views_picture.h"
 #include "export_image.h"
-#include "live_warp.h"
+#include "displacement_sampler.h"
 #include "session.h"
-#include "shown_displacement.h"
+#include "displacement_presenter.h"
 
 namespace c3de::app {
 namespace {
@@ -41,7 +41,7 @@ double longestShift(const imaging::DisplacementGrid &u) {
   return std::sqrt(most);
 }
 
-Expected<void> showWarp(Session &session, const PictureSources &sources, ui::ImageViews &views, ShownDisplacement &shown) {
+Expected<void> showWarp(Session &session, const PictureSources &sources, ui::ImageViews &views, DisplacementPresenter &shown) {
   scene::Simulation *simulation = session.simulation();
   if (!sources.warp || !simulation) return {};
   Expected<imaging::DisplacementGrid> u;
@@ -83,7 +83,7 @@ Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, con
   session.plugins().syncScene();
 
   ui::ImageViews views;
-  ShownDisplacement displacement(renderer.images(), views);
+  DisplacementPresenter displacement(renderer.images(), views);
   if (sources.image && renderer.images()) {
     render::ImageRenderer &drawer = *renderer.images();
     drawer.setShiftColours(ui::shiftColours());

@@ -51,7 +51,7 @@ std::optional<std::pair<int, std::string>> firstOfRevision3(const scene::SceneFi
 }
 
 /// The first table of the scene that a simulator of revision 1 would ignore without a word.
-std::optional<std::pair<int, std::string>> firstOfRevision2(const scene::SceneFile &scene) {
+std::optional<std::pair<int, std::string>> featureNeedingRevision2(const scene::SceneFile &scene) {
   for (const scene::SceneFix &fix : scene.fixes) return std::pair(fix.line, std::string("fix"));
   for (const scene::SceneLoad &load : scene.loads) return std::pair(load.line, std::string("load"));
   for (const scene::SceneBody &body : scene.bodies) {
@@ -70,7 +70,7 @@ Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &s
   if (!table) return tl::unexpected(table.error());
   for (const std::uint32_t needed : {2u, 3u}) {
     if ((*table)->rev >= needed) continue;
-    if (const auto unserved = needed == 2 ? firstOfRevision2(scene) : firstOfRevision3(scene))
+    if (const auto unserved = needed == 2 ? featureNeedingRevision2(scene) : firstOfRevision3(scene))
       return fail(ErrorCode::input, scene.where(unserved->first) + ": '" + unserved->second +
                                         "' is not served by this simulator, whose interface is of revision " +
                                         std::to_string((*table)->rev) + "; needed: " + std::to_string(needed));
@@ -153,7 +153,7 @@ Expected<Organ> meshOf(const scene::SceneBody &body, const ProgressFn &progress)
   return organ;
 }
 
-Expected<Organ> organAsked(OrganSources &sources, const scene::SceneBody &body, const ProgressFn &progress) {
+Expected<Organ> loadFromVolume(OrganSources &sources, const scene::SceneBody &body, const ProgressFn &progress) {
   Preparation took;
   const auto mask = sources.mask(body.volume, progress, took);
   if (!mask) return tl::unexpected(mask.error());
@@ -221,7 +221,7 @@ struct Session::Impl {
   /// @param line  of the scene, unless the message speaks of a table of the body
   [[nodiscard]] Error lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
                                 const scene::SceneBody *body = nullptr) const;
-  void letGo(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
+  void release(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
   [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                              const scene::SceneFile &scene, const FittedScene &fitted,
                                                              OrganSources &sources, const ProgressFn &progress, Prepared &prepared);
@@ -231,7 +231,7 @@ Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, 
                                const scene::SceneBody *body) const {
   if (code == C3DE_E_CANCELLED) return {ErrorCode::cancelled, what + " was cancelled"};
   const std::string text = host->takeError();
-  if (body != nullptr) line = lineSpokenOf(scene, *body, text).value_or(line);
+  if (body != nullptr) line = sceneLineOf(scene, *body, text).value_or(line);
   return {ErrorCode::input,
           scene.where(line) + ": " + (text.empty() ? what + " failed (status " + std::to_string(code) + ")" : text)};
 }
@@ -256,7 +256,7 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const ProgressFn reading = [&](double f, const std::string &what) {
       return partProgress.update(0.1 * std::max(f, 0.0), what);
     };
-    Expected<Organ> source = meshed[i] ? Expected<Organ>(std::move(*meshed[i])) : organAsked(sources, body, reading);
+    Expected<Organ> source = meshed[i] ? Expected<Organ>(std::move(*meshed[i])) : loadFromVolume(sources, body, reading);
     if (!source) return failInScene(source.error(), scene, body.line);
     for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, body.volume.file.string() + ": " + notice);
     prepared.took += source->took;
@@ -283,7 +283,7 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
 }
 
 /// Ends a simulation that has been detached from its node.
-void Session::Impl::letGo(std::shared_ptr<scene::Simulation> gone, Handle goneNode) {
+void Session::Impl::release(std::shared_ptr<scene::Simulation> gone, Handle goneNode) {
   if (!gone) return;
   gone->setPublishedListener({});
   simulations.remove(goneNode);
@@ -297,7 +297,7 @@ Session::~Session() {
   // Jobs of ours use simulators; simulators are code of plugins; plugins use everything else.
   impl_->jobs.finishOwnedBy(kJobOwner);
   if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
-  impl_->letGo(std::move(impl_->simulation), impl_->node);
+  impl_->release(std::move(impl_->simulation), impl_->node);
   impl_->host.reset();
 }
 
@@ -470,12 +470,12 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) 
   if (code < 0) {
     const std::string text = host->takeError();
     next->table()->attach(simulator, c3de_handle{0});
-    impl_->letGo(std::move(next), nextNode);
+    impl_->release(std::move(next), nextNode);
     if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{impl_->node.bits()});
     return fail(ErrorCode::plugin, "the simulator could not be shown: " +
                                        (text.empty() ? "status " + std::to_string(code) : text));
   }
-  impl_->letGo(std::exchange(impl_->simulation, std::move(next)), std::exchange(impl_->node, nextNode));
+  impl_->release(std::exchange(impl_->simulation, std::move(next)), std::exchange(impl_->node, nextNode));
   return {};
 }
 

@@ -26,13 +26,13 @@
 #include "c3de/ui/workstation_window.h"
 #include "exit_code.h"
 #include "file_kind.h"
-#include "live_warp.h"
+#include "displacement_sampler.h"
 #include "simulator_access.h"
 #include "still_rule.h"
 #include "workstation_export.h"
 #include "workstation_images.h"
 #include "workstation_loader.h"
-#include "workstation_organ.h"
+#include "body_creation.h"
 #include "workstation_screenshot.h"
 
 namespace c3de::app {
@@ -62,14 +62,14 @@ class Workstation {
   void showPluginProblems();
   void saveScreenshot();
   void watchForFailure();
-  void whenImageShown();
+  void onImageShown();
   void askForWarp();
   [[nodiscard]] StillPlaces stillPlaces();
   void takeWarp();
-  void whenOrgansLive(const WorkstationOrgan::Result &result);
-  void whenLoaded(const WorkstationLoader::Loaded &loaded);
+  void onBodiesReady(const BodyCreation::Result &result);
+  void onLoaded(const WorkstationLoader::Loaded &loaded);
   void checkSize(const std::string &unit, double size_mm);
-  void whenFailed(const std::string &title, const Error &error);
+  void onFailed(const std::string &title, const Error &error);
 
   ui::PanelRegistry panels_;
   ui::ParameterRegistry parameters_;
@@ -78,9 +78,9 @@ class Workstation {
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
   std::unique_ptr<WorkstationLoader> loader_;  ///< used by the session's jobs until they end
-  std::unique_ptr<WorkstationOrgan> organ_;    ///< likewise
+  std::unique_ptr<BodyCreation> organ_;    ///< likewise
   std::unique_ptr<WorkstationImages> images_;  ///< likewise
-  LiveWarp warp_;                              ///< used by the simulation's thread
+  DisplacementSampler warp_;                              ///< used by the simulation's thread
   std::unique_ptr<Session> session_;
   scene::SceneImage image_;                    ///< how images deform beside the simulation
   using StillAsked = std::tuple<scene::SceneStill, std::shared_ptr<const scene::StoredImage>,
@@ -112,22 +112,22 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   auto session = Session::create(sessionOptions);
   if (!session) return tl::unexpected(session.error());
   session_ = std::move(*session);
-  session_->setPublishedHook([this](const scene::Simulation &simulation) { warp_.whenPublished(simulation); });
+  session_->setPublishedHook([this](const scene::Simulation &simulation) { warp_.onPublished(simulation); });
 
   playsWhenLoaded_ = options.play;
   loader_ = std::make_unique<WorkstationLoader>(
       *session_, WorkstationLoader::Events{
-                      [this](const WorkstationLoader::Loaded &loaded) { whenLoaded(loaded); },
-                      [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
+                      [this](const WorkstationLoader::Loaded &loaded) { onLoaded(loaded); },
+                      [this](const std::string &title, const Error &error) { onFailed(title, error); }});
   session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
-  organ_ = std::make_unique<WorkstationOrgan>(
-      *session_, WorkstationOrgan::Events{[this](const WorkstationOrgan::Result &result) { whenOrgansLive(result); },
-                                          [this](const std::string &title, const Error &error) { whenFailed(title, error); }});
+  organ_ = std::make_unique<BodyCreation>(
+      *session_, BodyCreation::Events{[this](const BodyCreation::Result &result) { onBodiesReady(result); },
+                                          [this](const std::string &title, const Error &error) { onFailed(title, error); }});
   images_ = std::make_unique<WorkstationImages>(
       *session_, *renderer_, panels_,
-      WorkstationImages::Events{[this] { whenImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
-                                [this](const std::string &title, const Error &error) { whenFailed(title, error); },
-                                [this](std::vector<ui::OrganRequest> requests) { organ_->makeOrgans(std::move(requests)); }});
+      WorkstationImages::Events{[this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
+                                [this](const std::string &title, const Error &error) { onFailed(title, error); },
+                                [this](std::vector<ui::BodyRequest> requests) { organ_->makeOrgans(std::move(requests)); }});
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
                     &images_->guide(), &edits_},
                    actions());
@@ -164,7 +164,7 @@ void Workstation::open(const ui::OpenRequest &request) {
     const FileKind kind = request.areLabels ? FileKind::image : kindOf(file);
     // One that is nothing does not keep the others from being opened.
     if (kind == FileKind::unknown && std::filesystem::is_regular_file(file, ignored))
-      whenFailed("Could not open " + ui::pathText(file.filename()), unknownKind(file));
+      onFailed("Could not open " + ui::pathText(file.filename()), unknownKind(file));
     else
       (kind == FileKind::image ? images : others).push_back(file);
   }
@@ -194,7 +194,7 @@ ui::WindowActions Workstation::actions() {
   actions.screenshot = [this] { saveScreenshot(); };
   const auto tell = [this](const Expected<std::string> &written) {
     if (written) panels_.notify(C3DE_LOG_INFO, "Exported", *written);
-    else whenFailed("The export could not be written", written.error());
+    else onFailed("The export could not be written", written.error());
   };
   actions.exportSurface = [this, tell](const std::filesystem::path &file) { exportPresentSurface(*session_, file, tell); };
   actions.exportFrame = [this, tell](const std::filesystem::path &file) { exportPresentFrame(*session_, file, tell); };
@@ -237,7 +237,7 @@ std::string Workstation::unsaved() const {
   if (const scene::Simulation *simulation = session_->simulation(); simulation && simulation->state().steps > 0)
     add("The simulation has run to t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
         " s. Its state is lost; File > Export… writes it.");
-  if (const ui::OrganGuide &guide = images_->guide(); guide.mask().mask() || !guide.pickedLabels().empty())
+  if (const ui::SegmentationWorkflow &guide = images_->guide(); guide.mask().mask() || !guide.pickedLabels().empty())
     add("What is picked in the image has not been made an organ.");
   for (const BackgroundJobs::Status &job : session_->jobs().running()) add("Still running: " + job.title + ".");
   return text;
@@ -281,7 +281,7 @@ void Workstation::saveScreenshot() {
   if (file)
     panels_.notify(C3DE_LOG_INFO, "Screenshot saved", ui::pathText(*file));
   else
-    whenFailed("The screenshot could not be saved", file.error());
+    onFailed("The screenshot could not be saved", file.error());
 }
 
 /// A failed simulation says so once, with the way out.
@@ -307,20 +307,20 @@ void Workstation::checkSize(const std::string &unit, double size_mm) {
                        " mm across. File > Open mesh… asks for another unit; on the command line it is --unit.");
 }
 
-void Workstation::whenImageShown() {
+void Workstation::onImageShown() {
   render::Camera &camera = window_->camera();
   if (camera.upAxis != render::UpAxis::z) ui::viewOfImages(camera);
   window_->requestFit();
   askForWarp();
 }
 
-void Workstation::whenOrgansLive(const WorkstationOrgan::Result &result) {
+void Workstation::onBodiesReady(const BodyCreation::Result &result) {
   scene::Simulation *simulation = session_->simulation();
   if (result.isNew) {
     simulation->setTargetRate(targetRate_);
-    images_->whenOrgansAreGone();
+    images_->onBodiesRemoved();
   }
-  images_->whenOrgansLive(result.made);
+  images_->onBodiesReady(result.made);
   images_->showMissing(result.coverage, result.isNew);
   tools_.cancelActive();  // the simulation begins anew, and what a tool held is gone
   warp_.begin();
@@ -365,7 +365,7 @@ StillPlaces Workstation::stillPlaces() {
   if (rule)
     places.rule = std::move(*rule);
   else
-    whenFailed("Everything in the image moves with the bodies", rule.error());
+    onFailed("Everything in the image moves with the bodies", rule.error());
   return places;
 }
 
@@ -378,14 +378,14 @@ void Workstation::takeWarp() {
   if (warp_.isBehind() && simulation && simulation->state().mode != C3DE_SIM_PLAYING) simulation->post([] {});
 }
 
-void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
+void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   if (!loaded.isReload) window_->requestFit();
   checkSize(loaded.unit, loaded.size_mm);
   image_ = loaded.image.value_or(scene::SceneImage{});
   ui::ImageOptions options = images_->views().options();
   options.still = image_.still;
   images_->views().setOptions(options);
-  images_->whenOrgansAreGone();
+  images_->onBodiesRemoved();
   images_->showMissing(loaded.coverage, true);
   warp_.begin();
   images_->showDisplacement(nullptr);
@@ -398,7 +398,7 @@ void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
   if (std::exchange(playsWhenLoaded_, false)) simulation->transport(C3DE_TRANSPORT_PLAY);
 }
 
-void Workstation::whenFailed(const std::string &title, const Error &error) {
+void Workstation::onFailed(const std::string &title, const Error &error) {
   const bool isCancelled = error.code == ErrorCode::cancelled;
   const std::string stays = session_ && session_->simulation() ? "\nWhat was open before stays as it is." : "";
   if (!isCancelled) log(LogLevel::error, title + ": " + error.message);

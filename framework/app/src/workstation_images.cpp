@@ -254,17 +254,17 @@ void WorkstationImages::showLabels(const OpenLabels &open) {
   views_.setHandles(handles);
 }
 
-void WorkstationImages::whenOrgansLive(const std::vector<ui::OrganRequest> &organs) {
-  for (const ui::OrganRequest &organ : organs)
+void WorkstationImages::onBodiesReady(const std::vector<ui::BodyRequest> &organs) {
+  for (const ui::BodyRequest &organ : organs)
     for (OpenLabels &open : labelMaps_) {
       if (!organ.labels || open.labels != organ.labels) continue;
       open.hidden.push_back(organ.label);
       if (open.labels.get() == views_.labels()) views_.setLabelOpacity(organ.label, 0.0f);
     }
-  guide_.whenMade(organs);
+  guide_.onBodiesCreated(organs);
 }
 
-void WorkstationImages::whenOrgansAreGone() {
+void WorkstationImages::onBodiesRemoved() {
   for (OpenLabels &open : labelMaps_)
     for (const std::uint16_t label : std::exchange(open.hidden, {}))
       if (open.labels.get() == views_.labels()) views_.setLabelOpacity(label, 1.0f);

@@ -12,10 +12,10 @@
 #include "c3de/imaging/displacement.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/ui/image_panel.h"
-#include "c3de/ui/organ_panel.h"
+#include "c3de/ui/segmentation_panel.h"
 #include "series_choice.h"
 #include "session.h"
-#include "shown_displacement.h"
+#include "displacement_presenter.h"
 
 namespace c3de::render {
 class Renderer;
@@ -31,7 +31,7 @@ class WorkstationImages {
     std::function<void()> shown;   ///< another image is in the views
     std::function<void()> closed;  ///< there is none any more
     std::function<void(const std::string &title, const Error &error)> failed;
-    std::function<void(std::vector<ui::OrganRequest>)> makeOrgans;
+    std::function<void(std::vector<ui::BodyRequest>)> makeOrgans;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, ui::PanelRegistry &panels, Events events);
   ~WorkstationImages();
@@ -39,16 +39,16 @@ class WorkstationImages {
   WorkstationImages &operator=(const WorkstationImages &) = delete;
 
   [[nodiscard]] ui::ImageViews &views() { return views_; }
-  [[nodiscard]] ui::OrganGuide &guide() { return guide_; }
+  [[nodiscard]] ui::SegmentationWorkflow &guide() { return guide_; }
   /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for one.
   void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {}, const std::string &series = {},
             std::size_t time = 0);
   /// Over the image that is open, one after the other; the last one is shown, the panel leads back to the others.
   void openLabels(const std::filesystem::path &path);
   /// The outlines of the organs take the place of their labels, and nothing of them is picked any more.
-  void whenOrgansLive(const std::vector<ui::OrganRequest> &organs);
+  void onBodiesReady(const std::vector<ui::BodyRequest> &organs);
   /// The bodies are gone: their labels are shown again.
-  void whenOrgansAreGone();
+  void onBodiesRemoved();
   void close();
   /// Shows how the tissue has moved. Null: as it was.
   void showDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
@@ -84,10 +84,10 @@ class WorkstationImages {
   ui::PanelRegistry &panels_;
   Events events_;
   ui::ImageViews views_;
-  ShownDisplacement displacement_;
+  DisplacementPresenter displacement_;
   std::optional<ui::ImagePanel> panel_;
-  ui::OrganGuide guide_;
-  std::optional<ui::OrganPanel> organPanel_;
+  ui::SegmentationWorkflow guide_;
+  std::optional<ui::SegmentationPanel> organPanel_;
   std::unique_ptr<SeriesChoice> choice_;
   std::filesystem::path path_;  ///< of the image that is open
   std::string series_;

@@ -12,7 +12,7 @@ namespace c3de::imaging {
 namespace {
 
 /// Equal up to rounding in files; 1e-4 rad moves the rim of a 500 mm picture by 0.05 mm.
-bool alike(const DicomFile &a, const DicomFrame &x, const DicomFile &b, const DicomFrame &y) {
+bool isSameStack(const DicomFile &a, const DicomFrame &x, const DicomFile &b, const DicomFrame &y) {
   // Pictures without a place are a stack only where sections are usual and their distance is stated.
   if (!x.position && &a != &b && !((a.modality == "CT" || a.modality == "MR" || a.modality == "PT") && x.sliceStep > 0.0)) return false;
   if (&a != &b && (a.isFilm || b.isFilm || a.segmentation || b.segmentation)) return false;
@@ -80,7 +80,7 @@ Expected<DicomFolder> scanDicom(const std::filesystem::path &path, const Progres
   DicomFolder out;
   const auto files = filesBelow(path);
   for (std::size_t i = 0; i < files.size(); ++i) {
-    if (!goOn(progress, static_cast<double>(i) / static_cast<double>(files.size()), "Looking at files")) return cancelled(path);
+    if (!shouldContinue(progress, static_cast<double>(i) / static_cast<double>(files.size()), "Looking at files")) return cancelled(path);
     if (auto file = readDicomHeader(files[i])) out.files.push_back(std::move(*file));
     else ++out.others;
   }
@@ -89,7 +89,7 @@ Expected<DicomFolder> scanDicom(const std::filesystem::path &path, const Progres
     for (std::size_t k = 0; k < file.frames.size(); ++k) {
       const auto found = std::find_if(out.stacks.begin(), out.stacks.end(), [&](const DicomStack &stack) {
         const SliceRef first = stack.slices.front();
-        return alike(out.files[first.file], out.files[first.file].frames[first.frame], file, file.frames[k]);
+        return isSameStack(out.files[first.file], out.files[first.file].frames[first.frame], file, file.frames[k]);
       });
       DicomStack &stack = found != out.stacks.end() ? *found : out.stacks.emplace_back();
       stack.slices.push_back({f, k});

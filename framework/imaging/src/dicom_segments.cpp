@@ -196,7 +196,7 @@ Expected<LoadedLabels> readSegments(const DicomFolder &folder, const DicomStack 
   const double decoded = static_cast<double>(file.rows * file.columns * file.frames.size()) * std::max(8u, file.bits) / 8.0;
   const double needed = 1.2 * decoded + 2.0 * static_cast<double>(grid->geometry.voxelCount());
   if (const auto fits = checkMemory(file.path, needed, options.memoryLimit); !fits) return tl::unexpected(fits.error());
-  if (!goOn(options.progress, 0.0, "Decoding segments")) return cancelled(file.path);
+  if (!shouldContinue(options.progress, 0.0, "Decoding segments")) return cancelled(file.path);
   const auto pixels = decodeDicom(file.path);
   if (!pixels) return tl::unexpected(pixels.error());
   if (pixels->columns != file.columns || pixels->rows != file.rows || pixels->frames < file.frames.size())
@@ -217,7 +217,7 @@ Expected<LoadedLabels> readSegments(const DicomFolder &folder, const DicomStack 
       const double least = said.kind == DicomSegmentation::Kind::binary ? 1.0 : 0.5 * said.most;
       std::size_t done = 0;
       for (const auto &[segment, slices] : slicesOf) {
-        if (!goOn(options.progress, static_cast<double>(done++) / static_cast<double>(slicesOf.size()), "Placing segments")) return cancelled(file.path);
+        if (!shouldContinue(options.progress, static_cast<double>(done++) / static_cast<double>(slicesOf.size()), "Placing segments")) return cancelled(file.path);
         if (const auto added = layers.add(segment, slices, least); !added) return tl::unexpected(added.error());
       }
       if (said.kind == DicomSegmentation::Kind::fractional)

@@ -31,7 +31,7 @@ class Builder {
     for (std::size_t n = 0; n < order.size(); ++n) {
       const SliceRef ref = plan_.slices[order[n]];
       const DicomFile &file = folder_.files[ref.file];
-      if (!goOn(options.progress, static_cast<double>(n) / static_cast<double>(order.size()), "Decoding slices")) return cancelled(file.path);
+      if (!shouldContinue(options.progress, static_cast<double>(n) / static_cast<double>(order.size()), "Decoding slices")) return cancelled(file.path);
       if (decoded != ref.file) {
         auto read = decodeDicom(file.path);
         if (!read) return tl::unexpected(read.error());

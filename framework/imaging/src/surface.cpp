@@ -211,7 +211,7 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   const double volume = volumeOf(mask);
   const double edge = settings.edgeLength > 0.0 ? settings.edgeLength : automaticEdge(mask, box, volume);
   std::array<std::size_t, 3> block = blocksUpTo(mask.geometry, edge / kVoxelsPerEdge);
-  const auto goOn = [&](double fraction) { return goesOn(progress, fraction, "surface"); };
+  const auto shouldContinue = [&](double fraction) { return goesOn(progress, fraction, "surface"); };
 
   Fill grid = fillInBlocks(mask, box, block);
   if (std::none_of(grid.values.begin(), grid.values.end(), [](float f) { return f >= kHalf; })) {
@@ -220,7 +220,7 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   }
   const bool isCoarse = block != std::array<std::size_t, 3>{1, 1, 1};
   if (isCoarse) dropSpecks(grid);
-  if (!goOn(0.1)) return cancelled();
+  if (!shouldContinue(0.1)) return cancelled();
   SurfaceNet net = surfaceNetOf(grid, mask.geometry.handedness() < 0.0);
   EditMesh &surface = net.mesh;
   const std::size_t parts = tagParts(surface);
@@ -239,7 +239,7 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
     return fail(ErrorCode::usage, fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are "
                                               "accepted: choose longer edges",
                                               edge, triangles, kMostTriangles));
-  if (!goOn(0.3)) return cancelled();
+  if (!shouldContinue(0.3)) return cancelled();
 
   const Vec3 voxels = grid.geometry.spacing();
   const double shortest = *std::min_element(voxels.begin(), voxels.end());
@@ -248,7 +248,7 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   const double relaxations = std::ceil(kRelaxations * length * length / (shortest * shortest));
   relax(net, static_cast<std::size_t>(std::min(kMostRelaxations, relaxations)));
   for (Vec3 &point : surface.points) point = transformPoint(grid.geometry.indexToWorld, point);
-  if (!goOn(0.5)) return cancelled();
+  if (!shouldContinue(0.5)) return cancelled();
   // Small parts need shorter edges to have a shape.
   std::vector<double> edges(parts);
   for (std::size_t p = 0; p < parts; ++p)
@@ -266,7 +266,7 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   const auto round = [&](double fraction) {
     restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
     holdAtBorder();
-    return goOn(0.5 + 0.4 * fraction);
+    return shouldContinue(0.5 + 0.4 * fraction);
   };
   // Fairing reaches over some edges only. Edges far shorter than voxels come by halves, each evened out, or the steps of
   // the voxels would stay as knobs.
@@ -300,7 +300,7 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
     best = surface.points;
   }
   surface.points.swap(best);
-  if (!goOn(1.0)) return cancelled();
+  if (!shouldContinue(1.0)) return cancelled();
   return surface.mesh();
 }
 

@@ -33,7 +33,7 @@ Expected<std::size_t> countVolumes(const ImageHeader &header, const ReadOptions 
   std::vector<char> away(1u << 20);
   const double all = bytesOfAll(header);
   while (bytes.at() < all) {
-    if (!goOn(options.progress, bytes.at() / all, "Looking whether the file is whole")) return cancelled(header.path);
+    if (!shouldContinue(options.progress, bytes.at() / all, "Looking whether the file is whole")) return cancelled(header.path);
     if (!bytes.read(away.data(), static_cast<std::size_t>(std::min(static_cast<double>(away.size()), all - bytes.at())))) break;
   }
   return static_cast<std::size_t>(bytes.at() / bytesOfVolume(header));
@@ -52,7 +52,7 @@ Expected<void> readBinary(const ImageHeader &header, const ReadOptions &options,
   const std::size_t chunk = std::max<std::size_t>(1, (4u << 20) / (sizeof(T) * together));
   std::vector<T> mixed(together > kept ? chunk * together : 0);
   for (std::size_t at = 0; at < all.size(); at += chunk * kept) {
-    if (!goOn(options.progress, static_cast<double>(at) / static_cast<double>(all.size()), "Reading voxels")) return cancelled(header.path);
+    if (!shouldContinue(options.progress, static_cast<double>(at) / static_cast<double>(all.size()), "Reading voxels")) return cancelled(header.path);
     const std::size_t groups = std::min(chunk, (all.size() - at) / kept);
     T *to = mixed.empty() ? all.data() + at : mixed.data();
     if (auto read = bytes.read(to, groups * together * sizeof(T)); !read) return read;
@@ -132,7 +132,7 @@ Expected<void> readText(const ImageHeader &header, const ReadOptions &options, s
   bool isGood = true, isEnd = false;
   while (count < total && isGood && !isEnd) {
     const std::size_t got = (*opened)->read(chunk.data(), chunk.size());
-    if (!goOn(options.progress, static_cast<double>(count) / static_cast<double>(total), "Reading voxels")) return cancelled(header.path);
+    if (!shouldContinue(options.progress, static_cast<double>(count) / static_cast<double>(total), "Reading voxels")) return cancelled(header.path);
     for (std::size_t i = 0; i < got && count < total && isGood; ++i) isGood = take(static_cast<unsigned char>(chunk[i]));
     isEnd = got == 0;
     if (isEnd) isGood = take(EOF);
@@ -203,7 +203,7 @@ std::string listOf(const ImageHeader &header, std::size_t count) {
 
 }  // namespace
 
-bool goOn(const ProgressFn &progress, double fraction, const std::string &what) { return !progress || progress(fraction, what); }
+bool shouldContinue(const ProgressFn &progress, double fraction, const std::string &what) { return !progress || progress(fraction, what); }
 
 tl::unexpected<Error> cancelled(const std::filesystem::path &path) { return fail(ErrorCode::cancelled, path.string() + ": reading was cancelled"); }
 

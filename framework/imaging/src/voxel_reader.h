@@ -14,7 +14,7 @@ namespace c3de::imaging {
 [[nodiscard]] Expected<void> checkMemory(const std::filesystem::path &path, double bytes, std::size_t limit);
 
 /// Whether to go on; a missing function says yes.
-[[nodiscard]] bool goOn(const ProgressFn &progress, double fraction, const std::string &what);
+[[nodiscard]] bool shouldContinue(const ProgressFn &progress, double fraction, const std::string &what);
 [[nodiscard]] tl::unexpected<Error> cancelled(const std::filesystem::path &path);
 
 }  // namespace c3de::imaging

@@ -84,7 +84,7 @@ c3de_str PluginContext::keptText(const std::string &text) {
   return {kept.data(), kept.size()};
 }
 
-void PluginContext::settle() {
+void PluginContext::drainPending() {
   // While the plugin is whole: afterwards its tool could no longer let go of what it holds.
   if (services().tools && tools.contains(services().tools->active().bits())) services().tools->activate({});
   if (services().edits) services().edits->removeOwnedBy(id_);
@@ -101,7 +101,7 @@ void PluginContext::settle() {
   }
 }
 
-void PluginContext::takeBack() {
+void PluginContext::revokeAll() {
   closed_ = true;
   const Services &s = services();
   if (s.jobs) s.jobs->finishOwnedBy(id_);

@@ -66,9 +66,9 @@ class PluginContext {
   [[nodiscard]] bool isClosed() const { return closed_.load(); }
 
   /// Cancels its tool, waits for its jobs, runs what it has posted: before destroy. Main thread.
-  void settle();
+  void drainPending();
   /// From here on the plugin is not called and its calls are refused; takes back all it has registered. Main thread.
-  void takeBack();
+  void revokeAll();
 
   /// A text that stays until the host goes; each is kept once. Any thread.
   [[nodiscard]] c3de_str keptText(const std::string &text);

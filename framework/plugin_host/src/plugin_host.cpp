@@ -84,9 +84,9 @@ PluginHost::~PluginHost() {
 }
 
 void PluginHost::Impl::destroy(Loaded &plugin) {
-  plugin.context->settle();
+  plugin.context->drainPending();
   callPlugin(*plugin.context, "destroy", [&] { plugin.candidate.plugin.destroy(plugin.self); });
-  plugin.context->takeBack();
+  plugin.context->revokeAll();
   closed.push_back(std::move(plugin.context));
 }
 
@@ -111,7 +111,7 @@ Expected<Loaded> PluginHost::Impl::tryLoad(const std::filesystem::path &file, Pl
   const auto created = call(*plugin.context, "create",
                             [&] { return plugin.candidate.plugin.create(plugin.context->abi(), &plugin.self); });
   if (!created) {
-    plugin.context->takeBack();
+    plugin.context->revokeAll();
     closed.push_back(std::move(plugin.context));
     return tl::unexpected(created.error());
   }

@@ -4,12 +4,12 @@
 #include <algorithm>
 
 #include "c3de/ui/edit_list.h"
-#include "c3de/ui/organ_guide.h"
+#include "c3de/ui/segmentation_workflow.h"
 #include "c3de/ui/parameter_registry.h"
 
 namespace c3de::ui {
 
-void EditHistory::follow(ParameterRegistry *parameters, OrganGuide *organ, EditList *steps) {
+void EditHistory::follow(ParameterRegistry *parameters, SegmentationWorkflow *organ, EditList *steps) {
   parameters_ = parameters;
   organ_ = organ;
   steps_ = steps;
@@ -41,7 +41,7 @@ std::string EditHistory::label(Source source, bool isUndo) const {
       if (!parameters_) return {};
       return isUndo ? parameters_->history().undoLabel() : parameters_->history().redoLabel();
     case Source::organ:
-      if (!organ_ || (isUndo && organ_->hasJustMade())) return {};
+      if (!organ_ || (isUndo && organ_->hasJustCreated())) return {};
       return isUndo ? organ_->mask().undoLabel() : organ_->mask().redoLabel();
     case Source::steps: break;
   }

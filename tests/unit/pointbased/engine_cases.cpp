@@ -87,7 +87,7 @@ EngineCase makeLattice(int nx, int ny, int nz, bool cut, double jitter) {
         addModes(c, first, h);
         s.phyxels.offsets.push_back(static_cast<Index>(s.phyxels.indices.size()));
         s.volumes.push_back(volume);
-        s.spreads.push_back(h * h / 12.0 * size.cwiseAbs2());
+        s.variances.push_back(h * h / 12.0 * size.cwiseAbs2());
         s.rank.push_back(3);
         s.frameOf.push_back(StencilSet::kNoFrame);
       }
@@ -182,7 +182,7 @@ Evaluated evaluate(const EngineCase &c, const Constitution &constitution, std::s
   }
   out.ratio = pointStresses(constitution, c.stencils, out.gradients, rates, history, dt, nullptr, out.stresses, out.ratios,
                             parallelFor);
-  std::vector<ModalStrain> relaxed(history.modes.size());
+  std::vector<HourglassStrain> relaxed(history.modes.size());
   if (!history.modes.empty())
     relaxModes(constitution, c.stencils, u, out.gradients, history, dt, nullptr, relaxed, parallelFor);
   internalForces(constitution, c.stencils, c.positions, u, out.gradients, out.stresses, entries, out.forces, parallelFor,

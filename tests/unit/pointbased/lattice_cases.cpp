@@ -193,7 +193,7 @@ LinearSolution solveLinear(const LatticeBody &body, const BodyShape &shape, cons
         pr[3 * k + p] = 0.5 * mode(r, axis)[k];
       }
       const Eigen::VectorXd trace = pp + rr;
-      K += kModal * s.spreads[q][axis] *
+      K += kModal * s.variances[q][axis] *
            (2.0 * mu * (pp * pp.transpose() + rr * rr.transpose() + 2.0 * pr * pr.transpose()) +
             plane * trace * trace.transpose());
     }
@@ -211,7 +211,7 @@ LinearSolution solveLinear(const LatticeBody &body, const BodyShape &shape, cons
       }
   }
   std::vector<std::uint8_t> fixed(n, 0);
-  for (const HeldPart &held : body.held) {
+  for (const ConstrainedRegion &held : body.held) {
     for (const Index i : held.phyxels) fixed[i] = 1;
     for (std::size_t p = 0; p < held.areas.size(); ++p) {
       const double stiffness = kPatchStiffness * kYoungsModulus * held.areas[p] / body.spacing;

@@ -136,7 +136,7 @@ TEST_CASE("the walls of the world box hold on all sides") {
 
 TEST_CASE("a point that has come through a sheet is led back to the side it came from") {
   const Obstacle obstacle = shapes::sheet(0.0, 1.0, 0.3);
-  ContactMemory memory;
+  ContactState memory;
   Vec3 x(0.1, 0.01, 0.2), v(0, -1, 0);
   const auto find = [&] {
     findContacts({&obstacle, 1}, WorldBox{}, 0.0, 1e-3, 2e-4, {&x, 1}, {&v, 1}, {}, memory, serialFor());
@@ -173,7 +173,7 @@ TEST_CASE("a point that slides on the floor of an obstacle meets its wall") {
     }
     return best;
   };
-  ContactMemory memory;
+  ContactState memory;
   // Slightly below the floor, as a body that lies on it is.
   Vec3 x(0.0105, -1e-6, 0), v(-1, 0, 0);
   bool met = false;
@@ -198,7 +198,7 @@ TEST_CASE("impulses add no kinetic energy, whatever they start from, and are the
     const Interpolation &binding = body->rest().contact.binding;
     std::vector<Vec3> v(body->masses().size());
     for (Vec3 &one : v) one = random.vector();
-    ContactMemory memory;
+    ContactState memory;
     memory.margin = 4e-4;
     for (std::size_t p = 0; p < binding.count(); p += 2) {
       Contact contact;

@@ -25,8 +25,8 @@ std::unique_ptr<Body> ballOnLattice(const Vec3 &centre, double youngsModulus = 6
 }
 
 Index lightest(const Body &body) {
-  const auto &leverage = body.rest().leverage;
-  return static_cast<Index>(std::min_element(leverage.begin(), leverage.end()) - leverage.begin());
+  const auto &maxInfluence = body.rest().maxInfluence;
+  return static_cast<Index>(std::min_element(maxInfluence.begin(), maxInfluence.end()) - maxInfluence.begin());
 }
 
 }  // namespace
@@ -46,16 +46,16 @@ TEST_CASE("blocks of points that wait miss no contact, however phyxels and obsta
   shapes::Random random(3);
   std::vector<Vec3> u(rest.phyxelCount(), Vec3::Zero()), v(rest.phyxelCount(), Vec3::Zero());
   std::vector<Vec3> positions(rest.contact.count()), velocities(rest.contact.count());
-  ContactMemory waiting, all;
+  ContactState waiting, all;
   std::size_t found = 0, looked = 0;
   for (int step = 0; step < 400; ++step) {
     // The body swings, its corners each for themselves, and those that move little of it far.
     const double time = step * dt;
     for (std::size_t i = 0; i < u.size(); ++i) {
       v[i] = Vec3(0.2 * std::cos(15.0 * time), 0.4 * std::cos(9.0 * time) - 0.1, 0.1) +
-             0.05 / static_cast<double>(rest.leverage[i]) * random.vector();
+             0.05 / static_cast<double>(rest.maxInfluence[i]) * random.vector();
     }
-    const CarriedPoints carried{rest.contact, rest.origin, u, v, rest.leverage};
+    const CarriedPoints carried{rest.contact, rest.origin, u, v, rest.maxInfluence};
     findContacts(obstacles, box, time, dt, margin, carried, waiting, serialFor());
     interpolateDisplacements(rest.contact.binding, rest.positions, u, positions, serialFor());
     interpolateField(rest.contact.binding, v, velocities, serialFor());
@@ -74,16 +74,16 @@ TEST_CASE("blocks of points that wait miss no contact, however phyxels and obsta
   CHECK(looked < 400 * rest.contact.count() / 2);
 }
 
-TEST_CASE("the leverage of a phyxel bounds what a point of contact goes with it, and is 1 within the body") {
+TEST_CASE("the largest influence of a phyxel bounds what a point of contact goes with it, and is 1 within the body") {
   const std::unique_ptr<Body> body = ballOnLattice(Vec3::Zero());
   const RestState &rest = body->rest();
-  REQUIRE(rest.leverage.size() == rest.phyxelCount());
+  REQUIRE(rest.maxInfluence.size() == rest.phyxelCount());
   const Interpolation &points = rest.contact.binding;
   for (std::size_t e = 0; e < points.weights.size(); ++e)
-    REQUIRE(static_cast<double>(rest.leverage[points.phyxels.indices[e]]) >= std::abs(points.weights[e]));
+    REQUIRE(static_cast<double>(rest.maxInfluence[points.phyxels.indices[e]]) >= std::abs(points.weights[e]));
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
-    if (rest.positions[i].norm() < 0.02) CHECK(rest.leverage[i] == Approx(1.0));
-  CHECK(rest.leverage[lightest(*body)] < 0.2);
+    if (rest.positions[i].norm() < 0.02) CHECK(rest.maxInfluence[i] == Approx(1.0));
+  CHECK(rest.maxInfluence[lightest(*body)] < 0.2);
 }
 
 TEST_CASE("a corner that hardly anything of the body reaches may be fast without dividing the steps") {
@@ -103,7 +103,7 @@ TEST_CASE("a corner that hardly anything of the body reaches may be fast without
   };
   CHECK(partsAt([](const Body &body) { return lightest(body); }) == 0);
   CHECK(partsAt([](const Body &body) {
-          const auto &leverage = body.rest().leverage;
-          return std::max_element(leverage.begin(), leverage.end()) - leverage.begin();
+          const auto &maxInfluence = body.rest().maxInfluence;
+          return std::max_element(maxInfluence.begin(), maxInfluence.end()) - maxInfluence.begin();
         }) > 0);
 }

@@ -10,7 +10,7 @@ using namespace shapes;
 
 namespace {
 
-// A body pressed into a plane that moves, with normal forces and stored shear: every branch of the energy is met.
+// A body pressed into a plane that moves, with normal forces and stored tangentialDisplacement: every branch of the energy is met.
 struct Pressed {
   std::unique_ptr<Body> body = latticeBox(Vec3(-0.03, 0, -0.03), Vec3(0.03, 0.06, 0.03), 0.02, rubber(2e4));
   ContactPenalty penalty{6e5, 0.02, 0.01};
@@ -22,18 +22,18 @@ struct Pressed {
     start.assign(n, Vec3::Zero());
     now.assign(n, Vec3::Zero());
     for (Vec3 &u : now) u = Vec3(2e-4, -1e-4, 0) + 3e-4 * random.vector();
-    ContactMemory &memory = body->contact;
+    ContactState &memory = body->contact;
     for (std::size_t p = 0; p < points().count(); ++p) {
       Contact c;
       c.point = static_cast<Index>(p);
       c.normal = (Vec3::UnitY() + 0.2 * random.vector()).normalized();
       c.gap = 1e-4 * random();
-      c.allowance = 5e-5 * (1.0 + random());
+      c.initialPenetration = 5e-5 * (1.0 + random());
       c.surfaceVelocity = 1e-2 * random.vector();
       c.friction = p % 3 == 0 ? 0.0 : 0.3;
       c.normalForce = p % 5 == 0 ? 0.0 : 0.05 * (1.0 + random());
-      c.shear = 1e-5 * random.vector();
-      c.shear -= c.normal.dot(c.shear) * c.normal;
+      c.tangentialDisplacement = 1e-5 * random.vector();
+      c.tangentialDisplacement -= c.normal.dot(c.tangentialDisplacement) * c.normal;
       memory.active.push_back(c);
     }
   }
@@ -126,8 +126,8 @@ TEST_CASE("friction of a stage that is over holds no more than Coulomb allows") 
   std::size_t holding = 0;
   for (const Contact &c : scene.body->contact.active) {
     const double k = scene.penalty.stiffness * scene.points().areas[c.point] / scene.penalty.spacing;
-    CHECK(k * c.shear.norm() <= c.friction * c.normalForce * (1.0 + 1e-12));
-    if (c.shear.norm() > 0.0) ++holding;
+    CHECK(k * c.tangentialDisplacement.norm() <= c.friction * c.normalForce * (1.0 + 1e-12));
+    if (c.tangentialDisplacement.norm() > 0.0) ++holding;
   }
   CHECK(holding > 0);
 }

@@ -44,7 +44,7 @@ struct Led {
     const std::size_t points = c.stencils.pointCount();
     std::vector<Mat3> gradients(points), stresses(points);
     std::vector<double> ratios(points);
-    std::vector<ModalStrain> modes(points);
+    std::vector<HourglassStrain> modes(points);
     std::vector<Vec3> entries(c.stencils.phyxels.indices.size()), forces(c.phyxels());
     deformationGradients(c.stencils, u, gradients, serialFor());
     pointStresses(constitution, c.stencils, gradients, {}, history, dt, &history, stresses, ratios, serialFor());

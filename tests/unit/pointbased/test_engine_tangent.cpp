@@ -116,7 +116,7 @@ TEST_CASE("engine: the differential is exact at fixed history of plastic and rel
     REQUIRE(plasticFlow(constitution, c.stencils, then.gradients, 0.02, history, serialFor()) > 0);
     pointStresses(constitution, c.stencils, then.gradients, {}, history, 0.05, &history, stresses, ratios, serialFor());
     if (!history.modes.empty()) {
-      std::vector<ModalStrain> relaxed(c.stencils.pointCount());
+      std::vector<HourglassStrain> relaxed(c.stencils.pointCount());
       relaxModes(constitution, c.stencils, past, then.gradients, history, 0.05, &history, relaxed, serialFor());
       REQUIRE(history.modes[0].relaxed[0].norm() > 0.0);
     }

@@ -173,7 +173,7 @@ TEST_CASE("a box whose edges are multiples of the spacing has phyxels on its fac
   REQUIRE(body.positions.size() == 21 * 5 * 5);
   REQUIRE(body.stencils.pointCount() == 20 * 4 * 4);
   for (const double v : body.stencils.volumes) CHECK_THAT(v, WithinRel(1e-6, 1e-9));
-  for (const Vec3 &s : body.stencils.spreads) CHECK((s - Vec3::Constant(1e-4 / 12.0)).norm() < 1e-12);
+  for (const Vec3 &s : body.stencils.variances) CHECK((s - Vec3::Constant(1e-4 / 12.0)).norm() < 1e-12);
   double top = -1.0;
   for (const Vec3 &X : body.positions) top = std::max(top, (body.origin + X)[2]);
   CHECK_THAT(top, WithinAbs(0.02, 1e-12));
@@ -187,7 +187,7 @@ TEST_CASE("a cut cell stands for what is inside it") {
     CHECK_THAT(body.stencils.volumes[q], WithinRel(0.008 * 0.008 * 0.008, 1e-6));
     // Distances at the edges see one face at a time, not both.
     CHECK((body.pointCentres[q].cwiseAbs() - Vec3::Constant(0.004)).norm() < 1e-4);
-    CHECK((body.stencils.spreads[q] - Vec3::Constant(0.008 * 0.008 / 12.0)).norm() < 0.05 * 1e-4 / 12.0);
+    CHECK((body.stencils.variances[q] - Vec3::Constant(0.008 * 0.008 / 12.0)).norm() < 0.05 * 1e-4 / 12.0);
   }
 }
 

@@ -29,7 +29,7 @@ TEST_CASE("cells of a refined region are as small as it wants and grow by two") 
     const double x = (body.origin + body.pointCentres[q])[0], edge = std::cbrt(body.stencils.volumes[q]);
     if (x < 0.05) CHECK_THAT(edge, WithinRel(0.005, 1e-9));
     if (x > 0.081) CHECK_THAT(edge, WithinRel(0.02, 1e-9));
-    CHECK((body.stencils.spreads[q] - Vec3::Constant(edge * edge / 12.0)).norm() < 1e-6 * edge * edge);
+    CHECK((body.stencils.variances[q] - Vec3::Constant(edge * edge / 12.0)).norm() < 1e-6 * edge * edge);
   }
 }
 

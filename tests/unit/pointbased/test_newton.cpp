@@ -26,11 +26,11 @@ void addBlock(Triplets &out, std::size_t i, std::size_t j, const Mat3 &m) {
 Mat3 outer(const Vec3 &v) { return v * v.transpose(); }
 
 // What the problems below have in common: a Hessian that is assembled anyway, and counters.
-class Assembled : public Equilibrium {
+class Assembled : public IncrementalPotential {
  public:
   [[nodiscard]] std::size_t phyxels() const override { return u_.size(); }
   [[nodiscard]] std::span<const std::uint8_t> prescribed() const override { return held; }
-  [[nodiscard]] bool moveTo(std::span<const Vec3> u) override {
+  [[nodiscard]] bool setState(std::span<const Vec3> u) override {
     ++moves;
     u_.assign(u.begin(), u.end());
     current_ = false;
@@ -312,7 +312,7 @@ TEST_CASE("a pressed column gives way although its Hessian is not positive there
   std::vector<std::vector<Vec3>> found;
   for (const Preconditioner p : kAll) {
     std::vector<Vec3> u = column.start(0.05, 1e-6);
-    REQUIRE(column.moveTo(u));
+    REQUIRE(column.setState(u));
     const double straight = column.energy();
     NewtonSettings settings = with(p);
     settings.maxIterations = 100;
@@ -415,7 +415,7 @@ TEST_CASE("out of iterations, the worst phyxel and its residual are named") {
   CHECK(result.outcome == NewtonOutcome::iterationLimit);
   CHECK(result.iterations == 2);
   std::vector<Vec3> g(u.size());
-  REQUIRE(column.moveTo(u));
+  REQUIRE(column.setState(u));
   column.gradient(g);
   double worst = 0.0;
   for (std::size_t i = 0; i < g.size(); ++i)

@@ -87,7 +87,7 @@ double spreadOf(const LatticeBody &body, const Vec3 &c) {
   double total = 0.0;
   for (std::size_t q = 0; q < body.pointCentres.size(); ++q)
     total += body.stencils.volumes[q] *
-             ((body.origin + body.pointCentres[q] - c).squaredNorm() + body.stencils.spreads[q].sum());
+             ((body.origin + body.pointCentres[q] - c).squaredNorm() + body.stencils.variances[q].sum());
   return total;
 }
 

@@ -214,7 +214,7 @@ TEST_CASE("Points that wait have no contacts, and the others the same as if all 
   for (const Obstacle &obstacle : obstacles) simulator.addObstacle(obstacle);
   Body &body = *simulator.body(id);
   const RestState &rest = body.rest();
-  ContactMemory all, some;
+  ContactState all, some;
   std::size_t looked = 0, contacts = 0, searches = 0;
   const double margin = 0.02 * rest.spacing;
   while (simulator.time() < 0.6) {
@@ -247,7 +247,7 @@ TEST_CASE("A body in free flight asks for none of its points") {
   const std::size_t id = simulator.addBody(block());
   simulator.addObstacle(halfSpace(Vec3(0, -10.0, 0), Vec3::UnitY(), 0.3));
   REQUIRE(simulator.step());
-  const ContactMemory &memory = simulator.body(id)->contact;
+  const ContactState &memory = simulator.body(id)->contact;
   CHECK(memory.blocks.points.size() == simulator.body(id)->rest().contact.count());
   while (simulator.time() < 0.5) {
     REQUIRE(simulator.step());

@@ -26,7 +26,7 @@ struct Beam {
         for (int z = 0; z < 4; ++z) positions.push_back(kSpacing * Vec3(x + 0.5, y + 0.5, z + 0.5));
     volumes.assign(positions.size(), std::pow(kSpacing, 3));
   }
-  [[nodiscard]] Result<HeldPart> hold(const Region &region) const {
+  [[nodiscard]] Result<ConstrainedRegion> hold(const Region &region) const {
     return holdCloud(region, positions, volumes, kSpacing, surface, serialFor());
   }
   [[nodiscard]] Result<LoadedPart> load(const Load &load, double spacing = kSpacing) const {
@@ -169,7 +169,7 @@ TEST_CASE("A region that meets nothing is refused with a reason", "[supports]") 
 }
 
 TEST_CASE("A fix turns about x, then y, then z, through its centre, and then moves", "[supports]") {
-  HeldPart part;
+  ConstrainedRegion part;
   part.centroid = Vec3(0.1, 0, 0);
   Fix fix;
   fix.rotation_deg = Vec3(90, 0, 90);
@@ -191,7 +191,7 @@ TEST_CASE("A fix turns about x, then y, then z, through its centre, and then mov
 }
 
 TEST_CASE("The rate of a prescribed motion is its derivative", "[supports]") {
-  HeldPart part;
+  ConstrainedRegion part;
   part.centroid = Vec3(0.1, -0.2, 0.05);
   Fix fix;
   fix.displacement = Vec3(0.3, 0.1, -0.2);

@@ -30,7 +30,7 @@ c3de_status C3DE_CALL postToMain(void *ctx, void *self, void(C3DE_CALL *fn)(void
     requireNonNull(fn, "fn");
     {
       const std::lock_guard lock(plugin.posted->mutex);
-      // Again, under the lock that takeBack() clears the list with.
+      // Again, under the lock that revokeAll() clears the list with.
       if (plugin.isClosed()) throw Refusal(C3DE_E_STATE, "the plugin is being taken back");
       plugin.posted->waiting.emplace_back(self, fn);
     }

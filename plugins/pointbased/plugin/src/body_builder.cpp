@@ -190,7 +190,7 @@ Obstacle buildObstacle(const Services &services, const std::string &name, const 
   obstacle.friction = surface.friction;
   obstacle.restitution = surface.restitution;
   if (motion) {
-    HeldPart whole;
+    ConstrainedRegion whole;
     whole.centroid = 0.5 * (mesh->min + mesh->max);
     obstacle.motion = [fix = *motion, whole](double t) {
       const double s = fix.ramp > 0.0 ? std::clamp(t / fix.ramp, 0.0, 1.0) : 1.0;

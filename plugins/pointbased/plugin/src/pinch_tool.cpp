@@ -26,7 +26,7 @@ Grab patchAround(const RestState &rest, std::size_t surfel, double radius) {
   const Interpolation binding = rest.surfels.expanded(surfel, rest.positions);
   const Vec3 &at = binding.positions.front();
   std::vector<std::uint8_t> held(rest.phyxelCount(), 0);
-  for (const HeldPart &part : rest.conditions.held)
+  for (const ConstrainedRegion &part : rest.conditions.held)
     for (const Index i : part.phyxels) held[i] = 1;
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
     if (held[i]) continue;

@@ -37,7 +37,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero(), centre = Vec3::Zero();
   double mass = 0.0, volume = 0.0;
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
-    const double m = body.masses()[i] + (body.carriedMasses().empty() ? 0.0 : body.carriedMasses()[i]);
+    const double m = body.masses()[i] + (body.supportMasses().empty() ? 0.0 : body.supportMasses()[i]);
     const Vec3 x = rest.origin + rest.positions[i] + body.state().displacements[i];
     const Vec3 &v = body.state().velocities[i];
     momentum += m * v;

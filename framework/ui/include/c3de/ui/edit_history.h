@@ -9,7 +9,7 @@
 namespace c3de::ui {
 
 class EditList;
-class OrganGuide;
+class SegmentationWorkflow;
 class ParameterRegistry;
 
 /// Undo and Redo of the window: of parameters, of the steps that pick an organ, or of the steps of plugins, whichever a person
@@ -18,7 +18,7 @@ class ParameterRegistry;
 class EditHistory {
  public:
   /// Once per frame; null: there is none. They must outlive the calls below.
-  void follow(ParameterRegistry *parameters, OrganGuide *organ, EditList *steps = nullptr);
+  void follow(ParameterRegistry *parameters, SegmentationWorkflow *organ, EditList *steps = nullptr);
   /// Of what would be undone or redone; empty: nothing.
   [[nodiscard]] std::string undoLabel() const { return label(source(true), true); }
   [[nodiscard]] std::string redoLabel() const { return label(source(false), false); }
@@ -36,7 +36,7 @@ class EditHistory {
   void carryOut(bool isUndo);
 
   ParameterRegistry *parameters_ = nullptr;
-  OrganGuide *organ_ = nullptr;
+  SegmentationWorkflow *organ_ = nullptr;
   EditList *steps_ = nullptr;
   std::array<Source, kSources> latestFirst_{Source::parameters, Source::organ, Source::steps};
   std::array<std::uint64_t, kSources> edits_{};  ///< that have been seen, by Source

@@ -28,7 +28,7 @@ namespace c3de::ui {
 
 class EditList;
 class ImageViews;
-class OrganGuide;
+class SegmentationWorkflow;
 class PanelRegistry;
 class ParameterRegistry;
 class ToolRegistry;
@@ -71,7 +71,7 @@ struct WindowServices {
   scene::SceneGraph *scene = nullptr;
   BackgroundJobs *jobs = nullptr;
   ImageViews *images = nullptr;  ///< while it has an image, slices stand beside the 3D view
-  OrganGuide *organ = nullptr;   ///< its steps are undone while they are what was edited last
+  SegmentationWorkflow *organ = nullptr;   ///< its steps are undone while they are what was edited last
   EditList *edits = nullptr;     ///< of plugins, likewise
 };
 

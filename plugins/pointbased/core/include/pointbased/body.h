@@ -50,10 +50,10 @@ struct GrabStatus {
 struct BodyCheckpoint {
   std::shared_ptr<const RestState> rest;
   State state;
-  ContactMemory contact;
+  ContactState contact;
   std::string stopped;
-  std::size_t renewals = 0;
-  Vec3 carriedMoment = Vec3::Zero();  ///< kg m
+  std::size_t rereferenceCount = 0;
+  Vec3 referenceShiftMoment = Vec3::Zero();  ///< kg m
   bool rigid = false;
 };
 
@@ -74,7 +74,7 @@ class Body {
   [[nodiscard]] State &state() { return state_; }
   [[nodiscard]] std::span<const double> masses() const { return masses_; }
   /// Mass around a phyxel that moves with a support and takes no part in the motion of the others, kg; empty: none.
-  [[nodiscard]] std::span<const double> carriedMasses() const { return carriedMasses_; }
+  [[nodiscard]] std::span<const double> supportMasses() const { return supportMasses_; }
   /// kg: gravity pulls with weights()[i] g. Of a free body its masses, so that it falls without a strain; of a held one
   /// ρ ∫N_j, the load that is right for statics.
   [[nodiscard]] std::span<const double> weights() const { return weights_.empty() ? masses_ : weights_; }
@@ -169,13 +169,13 @@ class Body {
   std::span<const Vec3> contactPositions(const ParallelFor &parallelFor);
   std::span<const Vec3> contactVelocities(const ParallelFor &parallelFor);
 
-  /// Goes on from another reference with the same shape, velocities, elastic strain and mass (renewal.h). What was kept
+  /// Goes on from another reference with the same shape, velocities, elastic strain and mass (rereferencing.h). What was kept
   /// is then the new state; contact is looked for anew; a grab goes on where the phyxels stay the same ones.
-  void renew(std::shared_ptr<const RestState> rest, State state, const ParallelFor &parallelFor);
+  void rereference(std::shared_ptr<const RestState> rest, State state, const ParallelFor &parallelFor);
   /// How often since the start.
-  [[nodiscard]] std::size_t renewals() const { return renewals_; }
+  [[nodiscard]] std::size_t rereferenceCount() const { return rereferenceCount_; }
   /// Σ m (way of the references from the first one to the present one), kg m.
-  [[nodiscard]] const Vec3 &carriedMoment() const { return carriedMoment_; }
+  [[nodiscard]] const Vec3 &referenceShiftMoment() const { return referenceShiftMoment_; }
 
   /// A rigid body stands as it is in its reference, without velocity: no stage runs, nothing moves it. Both ways it goes to
   /// its initial state.
@@ -198,7 +198,7 @@ class Body {
   std::string stopped;
   std::optional<Grab> grab;
   std::optional<GrabStatus> grabStatus;
-  ContactMemory contact;
+  ContactState contact;
   bool forcesCurrent = false;
 
  private:
@@ -219,14 +219,14 @@ class Body {
 
   std::string name_;
   std::shared_ptr<const RestState> rest_, first_;
-  std::size_t renewals_ = 0;
-  Vec3 carriedMoment_ = Vec3::Zero();
+  std::size_t rereferenceCount_ = 0;
+  Vec3 referenceShiftMoment_ = Vec3::Zero();
   Constitution constitution_;
   State state_, kept_;
   PointHistory trial_;
   Vec3 initialVelocity_ = Vec3::Zero(), initialAngularVelocity_ = Vec3::Zero();
-  std::vector<double> masses_, inverseMasses_, carriedMasses_;
-  std::vector<double> weights_, carriedWeights_, gravityShares_;
+  std::vector<double> masses_, inverseMasses_, supportMasses_;
+  std::vector<double> weights_, supportWeights_, gravityShares_;
   std::vector<Index> carrier_;  // fix that carries it
   std::vector<HeldPhyxel> heldPhyxels_;
   std::vector<std::uint8_t> heldMask_;
@@ -245,7 +245,7 @@ class Body {
   std::unique_ptr<detail::VectorForces> vectorForces_;
   mutable std::unique_ptr<detail::VectorForces> exactForces_;  // of a body in single precision, once somebody needs them
   Precision precision_ = Precision::doublePrecision;
-  std::vector<ModalStrain> relaxedModes_;  // of the last evaluation of stresses; empty: nothing
+  std::vector<HourglassStrain> relaxedModes_;  // of the last evaluation of stresses; empty: nothing
   double tangentRatio_ = 1.0;
   double restFrequency_ = 0.0;  // rad/s
 };

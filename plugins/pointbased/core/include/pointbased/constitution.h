@@ -10,7 +10,7 @@ namespace pointbased {
 /// What a body is made of.
 struct Constitution {
   std::vector<Material> materials{Material{}};  ///< by StencilSet::materials; at least one
-  /// Control of the modes that one evaluation per point cannot see: kLatticeStabilisation on lattices,
+  /// Stabilisation of the modes that one evaluation per point cannot see: kLatticeStabilisation on lattices,
   /// kCloudStabilisation for clouds.
   double stabilisation = 0.0;
 
@@ -24,11 +24,11 @@ struct PointHistory {
   std::vector<Mat3> plasticInverse;  ///< [points] F_p^-1, det 1, since the reference was made
   std::vector<Mat3> plasticBefore;   ///< [points] F_p^-1 of the flow before that; empty: the reference is the first one
   std::vector<PronyPoint> prony;     ///< [points]
-  std::vector<ModalMemory> modes;    ///< [points] of lattices; empty: modes do not relax
+  std::vector<HourglassHistory> modes;    ///< [points] of lattices; empty: modes do not relax
 
   /// Fresh and of the right size for a constitution.
-  /// @param modal  whether the points have modes (StencilSet::modes)
-  void reset(const Constitution &constitution, std::size_t points, bool modal = false);
+  /// @param hourglass  whether the points have modes (StencilSet::modes)
+  void reset(const Constitution &constitution, std::size_t points, bool hourglass = false);
 
   /// F_p^-1 of all flow; with plasticity only.
   [[nodiscard]] Mat3 allFlow(std::size_t q) const {

@@ -54,16 +54,16 @@ struct Contact {
   Vec3 settleFriction = Vec3::Zero();   ///< N s, likewise
   // Of implicit and static solutions:
   double normalForce = 0.0;             ///< N, of the last solution
-  double allowance = 0.0;               ///< m, penetration that it began with and that is not pushed back at once
-  Vec3 shear = Vec3::Zero();            ///< m, elastic tangential way at the beginning of the stage: what friction holds
+  double initialPenetration = 0.0;               ///< m, penetration that it began with and that is not pushed back at once
+  Vec3 tangentialDisplacement = Vec3::Zero();            ///< m, elastic tangential way at the beginning of the stage: what friction holds
   static constexpr Index kWall = 0xffffffffu;
 };
 
 /// What contact remembers of one body between steps.
-struct ContactMemory {
+struct ContactState {
   /// What is known of a point and an obstacle, in the frame of the obstacle at rest. While the point stays within what is
   /// known nobody is asked: free flight and rest are cheap, and the obstacle's own motion counts like the point's.
-  struct Known {
+  struct ClearanceCache {
     Vec3 at = Vec3::Zero();  ///< m, where it was asked
     double distance = 0.0;   ///< m, of the surface; +inf: more than reach
     double reach = -1.0;     ///< m; negative: never asked
@@ -73,7 +73,7 @@ struct ContactMemory {
     Vec3 aheadNormal = Vec3::Zero();
     double aheadOffset = 0.0;  ///< m, aheadNormal · x on it
   };
-  std::vector<std::vector<Known>> clearance;  ///< [obstacles][points]
+  std::vector<std::vector<ClearanceCache>> clearance;  ///< [obstacles][points]
   /// The last place of a point on the right side of an obstacle. A point that has come to the other side, even of a sheet
   /// without inside, is known by the crossing on the way from there.
   struct Side {
@@ -85,7 +85,7 @@ struct ContactMemory {
   double deepest = 0.0;                  ///< m, deepest penetration of a point at the beginning of a step since the start
   double margin = 0.0;                   ///< m, of the last findContacts()
   // scratch, so that a step allocates nothing
-  struct Questions {
+  struct ClosestPointQueries {
     std::vector<Index> points, candidates;
     std::vector<Vec3> positions, ways;
     std::vector<double> ranges;
@@ -96,8 +96,8 @@ struct ContactMemory {
   /// can have come as near as the nearest of them was away.
   struct Blocks {
     std::vector<double> room;         ///< [blocks] m: up to here none of them meets anything
-    std::vector<double> gains;        ///< [blocks] of ways times leverage to the way of a point: the largest Σ |φ|/leverage
-    std::vector<float> leverage;      ///< [phyxels][3], or empty
+    std::vector<double> gains;        ///< [blocks] of ways times maxInfluence to the way of a point: the largest Σ |φ|/maxInfluence
+    std::vector<float> maxInfluence;      ///< [phyxels][3], or empty
     Csr chunks;                       ///< [blocks] chunks of phyxels that carry them
     std::vector<double> went, goes;   ///< [chunks] m: the farthest a phyxel has gone since the last search, and will go
     double margin = 0.0;
@@ -118,7 +118,7 @@ struct ContactMemory {
     std::vector<Vec3> tangential;
     std::vector<Vec3> change;            ///< [slots] m/s
     std::vector<Vec3> arrivals;          ///< [contacts that arrive] m/s, relative to the surface
-    std::vector<Vec3> recovery;          ///< [phyxels] m/s, taken back when the step settles; empty: none
+    std::vector<Vec3> splitImpulse;          ///< [phyxels] m/s, taken back when the step settles; empty: none
     // The contacts over the phyxels that they touch, side by side in memory (kernels/contact_kernel.h):
     std::vector<Index> rows, slots;      ///< [contacts + 1], [entries]
     std::vector<double> shares, pushes;  ///< [entries] φ, φ/m
@@ -141,31 +141,31 @@ struct ContactMemory {
 /// @param radii      [points] m, taken from the gaps; empty: 0
 void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
                   std::span<const Vec3> positions, std::span<const Vec3> velocities, std::span<const double> radii,
-                  ContactMemory &memory, const ParallelFor &parallelFor);
+                  ContactState &memory, const ParallelFor &parallelFor);
 
 /// Points of a body as its phyxels carry them now.
 struct CarriedPoints {
   const ContactPoints &points;
   Vec3 origin = Vec3::Zero();  ///< world, m, of the frame of the phyxels
   std::span<const Vec3> displacements, velocities;  ///< [phyxels] m, m/s
-  std::span<const float> leverage = {};             ///< [phyxels] at least the largest |φ| of each; empty: 1
+  std::span<const float> maxInfluence = {};             ///< [phyxels] at least the largest |φ| of each; empty: 1
 };
 
 /// The same contacts, without looking at points that cannot meet anything: blocks of points wait until the body and the
 /// obstacles have gone as far as the nearest of them was away. A body in free flight costs one look at its phyxels.
 void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
-                  const CarriedPoints &body, ContactMemory &memory, const ParallelFor &parallelFor);
+                  const CarriedPoints &body, ContactState &memory, const ParallelFor &parallelFor);
 
 /// Largest speed at which a point and an obstacle of memory.active approach each other, m/s: what an impact can change
 /// within a step, and the step has to be as short as that needs.
 /// @param velocities  [phyxels] m/s
-[[nodiscard]] double closingSpeed(const ContactMemory &memory, const Interpolation &binding,
+[[nodiscard]] double closingSpeed(const ContactState &memory, const Interpolation &binding,
                                   std::span<const Vec3> velocities);
 
 struct ImpulseSettings {
   int sweeps = 20;             ///< of projected Gauss-Seidel; ends earlier when nothing changes by more than tolerance
   double tolerance = 5e-3;     ///< of the largest normal speed
-  double recovery = 0.2;       ///< part of a penetration undone per step
+  double splitImpulse = 0.2;       ///< part of a penetration undone per step
   double recoverySpeed = 0.1;  ///< m/s, most for it: a body that starts inside is led out, not thrown
 };
 
@@ -177,43 +177,43 @@ struct ImpulseSettings {
 /// Penetrations are undone by a velocity that counts for the drift alone: settleContactVelocities() takes it back.
 ///
 /// @param inverseMasses  [phyxels] 1/kg; 0 for held ones
-/// @return total impulse on the body, N s (for reports; without that of the recovery)
+/// @return total impulse on the body, N s (for reports; without that of the splitImpulse)
 /// @source  Jean, The non-smooth contact dynamics method, CMAME 177, 1999 (impulses, Gauss-Seidel); Cline and Pai, Post-stabilization
 ///          for rigid body simulation with contact and constraints, ICRA 2003 (positions apart from velocities)
 Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
-                          const ImpulseSettings &settings, ContactMemory &memory, std::span<Vec3> velocities);
+                          const ImpulseSettings &settings, ContactState &memory, std::span<Vec3> velocities);
 
 /// After the second half of a step: takes from the velocities what led points out of penetrations, and what points into
 /// the surfaces of contacts that are closed, with friction, so that a resting body has no velocity. Never adds kinetic
 /// energy (relative to the obstacles) and never pulls.
 void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
-                             ContactMemory &memory, std::span<Vec3> velocities);
+                             ContactState &memory, std::span<Vec3> velocities);
 
 /// Contact as an energy, for implicit and quasi-static steps, over the planes of memory.active, moved by surfaceVelocity · h;
 /// `start` and `now` are displacements of the phyxels at the beginning of the stage and at present:
 ///
 ///     U = Σ_p  k_p/2 min(0, g_p)²  +  (|s_p| <= r_p ? k_p/2 |s_p|² : μ N_p (|s_p| - r_p/2)),   k_p = k A_p / d_p
 ///
-/// g gap (with what the contact began with, Contact::allowance), s = Contact::shear + tangential way, N the normal force of
+/// g gap (with what the contact began with, Contact::initialPenetration), s = Contact::tangentialDisplacement + tangential way, N the normal force of
 /// the last solution (lagged), r = μ N / k_p. Friction is a spring until it slides, so what holds does not creep.
 struct ContactPenalty {
   double stiffness = 0.0;  ///< k, Pa: some multiple of Young's modulus
   double spacing = 0.0;    ///< d, m, where ContactPoints::spacings does not say
   double h = 0.0;          ///< s, of the stage; quasi-static: of the load factor
 };
-[[nodiscard]] double contactEnergy(const ContactPoints &points, const ContactMemory &memory,
+[[nodiscard]] double contactEnergy(const ContactPoints &points, const ContactState &memory,
                                    const ContactPenalty &penalty, std::span<const Vec3> start, std::span<const Vec3> now);
 /// Adds forces (minus the gradient) to the phyxels.
-void addContactForces(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+void addContactForces(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                       std::span<const Vec3> start, std::span<const Vec3> now, std::span<Vec3> forces);
 /// Adds Hessian · du (positive semi-definite).
-void addContactProduct(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+void addContactProduct(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                        std::span<const Vec3> start, std::span<const Vec3> now, std::span<const Vec3> du,
                        std::span<Vec3> out);
 /// Adds the Hessian's diagonal blocks; and all of it as triplets.
-void addContactBlocks(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+void addContactBlocks(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                       std::span<const Vec3> start, std::span<const Vec3> now, std::span<Mat3> blocks);
-void addContactTriplets(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+void addContactTriplets(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                         std::span<const Vec3> start, std::span<const Vec3> now,
                         std::vector<Eigen::Triplet<double>> &out);
 /// What contact does at every point of a skin, to be compared.
@@ -221,19 +221,19 @@ class ContactForces {
  public:
   /// Remembers the forces on the points, N, as they are now.
   void tell(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-            std::span<const Vec3> now, const ContactMemory &memory);
+            std::span<const Vec3> now, const ContactState &memory);
   /// Σ_p |change of the force on p since tell()| over Σ_p of all that presses now; 0 where nothing presses and nothing did.
   [[nodiscard]] double changeTo(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                                std::span<const Vec3> now, const ContactMemory &memory);
+                                std::span<const Vec3> now, const ContactState &memory);
 
  private:
   std::vector<Vec3> then_, now_;  // [points] N
 };
 /// Stores the normal forces of the present state in the contacts: what friction of the next solution uses.
 void updateNormalForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                        std::span<const Vec3> now, ContactMemory &memory);
+                        std::span<const Vec3> now, ContactState &memory);
 /// Once, at the end of a stage: what friction has stored and what is left of allowances goes to the next one.
 void finishContactStage(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                        std::span<const Vec3> now, ContactMemory &memory);
+                        std::span<const Vec3> now, ContactState &memory);
 
 }  // namespace pointbased

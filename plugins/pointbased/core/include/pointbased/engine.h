@@ -10,7 +10,7 @@
 
 namespace pointbased {
 
-/// Factor of the modal energies of lattices (see modalEnergy in the theory page): 1 would be the energy of an assumed
+/// Factor of the hourglass energies of lattices (see hourglassEnergy in the theory page): 1 would be the energy of an assumed
 /// linear strain in plane stress within each cell; 0.92 makes a cantilever of 3 and 5 layers right to 0.2 %.
 inline constexpr double kLatticeStabilisation = 0.92;
 /// Isotropic control for clouds: U_q = 1/2 alpha E v_q Σ_k w_qk |r_qk|².
@@ -58,14 +58,14 @@ std::size_t plasticFlow(const Constitution &constitution, const StencilSet &sten
 /// @param relaxed    [points] out: Σ_k β_k at the end of the step, for internalForces()
 void relaxModes(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> displacements,
                 std::span<const Mat3> gradients, const PointHistory &before, double dt, PointHistory *after,
-                std::span<ModalStrain> relaxed, const ParallelFor &parallelFor);
+                std::span<HourglassStrain> relaxed, const ParallelFor &parallelFor);
 
 /// f_j = -Σ_q (v_q P_q g_qj + dU_q/dx_j), N: the negative gradient of elastic and stabilisation energy.
-/// @param relaxed  [points] of relaxModes(): that part of the modal strain pulls no longer; empty: nothing has relaxed
+/// @param relaxed  [points] of relaxModes(): that part of the hourglass strain pulls no longer; empty: nothing has relaxed
 void internalForces(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                     std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
                     std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor,
-                    std::span<const ModalStrain> relaxed = {});
+                    std::span<const HourglassStrain> relaxed = {});
 
 /// Scratch of forceDifferential(), so that it allocates nothing when called again.
 struct TangentScratch {

@@ -66,10 +66,10 @@ struct ImplicitResult {
 [[nodiscard]] ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment &environment, double time,
                                           double dt, Integrator scheme);
 
-/// Equilibrium at load factor `to`, from that at `from`. A body that nothing holds is held by its own inertia in a pseudo
+/// IncrementalPotential at load factor `to`, from that at `from`. A body that nothing holds is held by its own inertia in a pseudo
 /// time that grows until it rests.
 [[nodiscard]] ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environment &environment, double from,
-                                             double to, const std::function<bool()> &goOn = {});
+                                             double to, const std::function<bool()> &shouldContinue = {});
 
 /// The spring of a grab at the present state: adds its force to body.forces() and fills grabStatus.
 /// @param stiffnessLimit  rad/s: explicit steps keep the spring below it; inf: none

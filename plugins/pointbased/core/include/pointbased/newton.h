@@ -12,14 +12,14 @@ namespace pointbased {
 
 /// A smooth energy over the positions of phyxels, of which a minimum is sought: a static equilibrium, or the step of an
 /// implicit integrator (incremental potential). Unknowns are displacements, three per phyxel.
-class Equilibrium {
+class IncrementalPotential {
  public:
-  virtual ~Equilibrium() = default;
+  virtual ~IncrementalPotential() = default;
   [[nodiscard]] virtual std::size_t phyxels() const = 0;
   /// 1 for phyxels whose displacement is prescribed (they stay as they are), 0 else; empty: none.
   [[nodiscard]] virtual std::span<const std::uint8_t> prescribed() const = 0;
   /// Moves to u: everything below refers to it. False: u cannot be evaluated (not finite).
-  [[nodiscard]] virtual bool moveTo(std::span<const Vec3> u) = 0;
+  [[nodiscard]] virtual bool setState(std::span<const Vec3> u) = 0;
   [[nodiscard]] virtual double energy() = 0;                  ///< J
   /// Round-off of energy() that its size does not show, J: of a sum of parts that cancel.
   [[nodiscard]] virtual double roundOff() const { return 0.0; }
@@ -48,7 +48,7 @@ enum class Preconditioner {
 
 /// Converged is
 ///  - a residual of at most toleranceForce (exactly zero where that is 0), also at the start; or
-///  - a start from which the minimum is within a thousandth of toleranceDisplacement (Equilibrium::reach()); or
+///  - a start from which the minimum is within a thousandth of toleranceDisplacement (IncrementalPotential::reach()); or
 ///  - a Newton step that was taken whole (not cut by the line search, by largestStep() or by negative curvature), moved no
 ///    phyxel by more than toleranceDisplacement, did not raise the residual, and came from a linear solve to 1e-3 or
 ///    better; a solve that finds so small a step at a looser tolerance goes on to 1e-3 before it is believed. Where the
@@ -103,9 +103,9 @@ class NewtonSolver {
 
   /// @param u          in: the start; out: the minimum, or the lowest state that was found. The problem has been moved
   ///                   there (unless the start cannot be evaluated)
-  /// @param goOn       asked before every Newton step; false: stop (cancelled)
-  [[nodiscard]] NewtonResult solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
-                                   const std::function<bool(const NewtonResult &)> &goOn = {});
+  /// @param shouldContinue       asked before every Newton step; false: stop (cancelled)
+  [[nodiscard]] NewtonResult solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
+                                   const std::function<bool(const NewtonResult &)> &shouldContinue = {});
   /// Forgets the factorisation: the problem has changed its shape or stiffness.
   void forget();
 

@@ -9,7 +9,7 @@
 
 namespace pointbased {
 
-/// The held patches of a body (HeldPart::rows of all its fixes) as springs between their mean displacement and a target:
+/// The held patches of a body (ConstrainedRegion::rows of all its fixes) as springs between their mean displacement and a target:
 ///
 ///     U = ½ Σ_p k_p |Σ_j φ_pj u_j - t_p|²
 ///

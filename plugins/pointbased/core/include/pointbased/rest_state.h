@@ -20,7 +20,7 @@ enum class Evaluation {
 /// What holds and loads a body, resolved onto its phyxels.
 struct BoundaryConditions {
   std::vector<Fix> fixes;
-  std::vector<HeldPart> held;  ///< one per fix
+  std::vector<ConstrainedRegion> held;  ///< one per fix
   std::vector<Load> loads;
   std::vector<LoadedPart> loaded;  ///< one per load
 };
@@ -46,7 +46,7 @@ struct RestState {
   std::vector<double> volumes;     ///< [phyxels] m³
   std::vector<double> weightVolumes; ///< [phyxels] m³, shares of a load on the material of a held body; empty: `volumes`
   std::vector<double> heldVolumes; ///< [phyxels] m³, part of `weightVolumes` that supports carry; empty: none
-  std::vector<double> carriedVolumes; ///< [phyxels] m³, part of `volumes`, of the mass, that supports carry; empty: none
+  std::vector<double> supportVolumes; ///< [phyxels] m³, part of `volumes`, of the mass, that supports carry; empty: none
   Csr neighbors;                   ///< of clouds: [phyxels] those of their stencils; symmetric, without itself; see neighboursOf()
   Neighbours latticeNeighbours;    ///< of lattices: countNeighbours()
   StencilSet stencils;             ///< evaluation points
@@ -59,12 +59,12 @@ struct RestState {
   std::vector<Vec3> surfelNormals; ///< unit; empty: points without normals
   ContactPoints contact;
   /// [phyxels] how far the body goes with a phyxel, of the phyxel's own way: leverageOf(). Empty: as far.
-  std::vector<float> leverage;
+  std::vector<float> maxInfluence;
   Binder bind;                     ///< material points, frame of the phyxels
   BoundaryConditions conditions;
   std::size_t components = 1;      ///< connected parts
-  // Of a reference that has been renewed (renewal.h); empty in the first one:
-  std::vector<Vec3> carried;  ///< [phyxels] way from the first reference to this one, m: supports move what was there
+  // Of a reference that has been renewed (rereferencing.h); empty in the first one:
+  std::vector<Vec3> referenceShift;  ///< [phyxels] way from the first reference to this one, m: supports move what was there
   std::vector<double> materialShares;  ///< [phyxels][materials] of the mass; empty: by the points around
 
   [[nodiscard]] std::size_t phyxelCount() const { return positions.size(); }
@@ -83,7 +83,7 @@ struct BodyRecipe {
   NeighborChoice neighbors;  ///< of Evaluation::phyxels
   std::vector<Fix> fixes;
   std::vector<Load> loads;
-  Reshape reshape;           ///< lattices: for renewed references (renewal.h); may be empty
+  Reshape reshape;           ///< lattices: for renewed references (rereferencing.h); may be empty
 };
 
 /// Fills a shape and binds everything that belongs to it: surfels at the vertices of shape.surface with the given normals,

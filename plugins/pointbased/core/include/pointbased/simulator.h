@@ -14,9 +14,9 @@
 namespace pointbased {
 
 namespace detail {
-class BodyRunner;
+class BodyStepper;
 class StepActivity;
-struct StepOrder;
+struct StepContext;
 struct SimulatorCheckpoint;
 }
 
@@ -28,7 +28,7 @@ struct Probe {
   std::size_t body = 0;
   Vec3 reference = Vec3::Zero();  ///< world, m
   Interpolation binding;          ///< one point
-  Vec3 carried = Vec3::Zero();    ///< m, way of the point from `reference` to where it is bound (renewal.h)
+  Vec3 referenceShift = Vec3::Zero();    ///< m, way of the point from `reference` to where it is bound (rereferencing.h)
 };
 
 struct SimulationEvent {
@@ -161,29 +161,29 @@ class Simulator {
   [[nodiscard]] std::vector<StageClock::Summary> stageTimes() const { return clock_.summary(); }
 
  private:
-  [[nodiscard]] detail::StepOrder order(const StopRequest *stop);
+  [[nodiscard]] detail::StepContext order(const StopRequest *stop);
   /// Everybody on by dt. @return s that all have gone; less where a body's substeps were not enough
-  double advanceBodies(const detail::StepOrder &order);
-  void increaseLoad(const detail::StepOrder &order);
+  double advanceBodies(const detail::StepContext &order);
+  void increaseLoad(const detail::StepContext &order);
   /// Time, or load factor: what ramps count by.
   [[nodiscard]] double clockOfRamps() const { return quasiStatic() ? loadFactor_ : time_; }
-  /// The present shape as the reference of a body that has flowed far (renewal.h); false: not due, or not possible.
+  /// The present shape as the reference of a body that has flowed far (rereferencing.h); false: not due, or not possible.
   /// @param stop  raised: it is put off
-  bool renewIfDue(std::size_t body, const StopRequest *stop);
+  bool rereferenceIfNeeded(std::size_t body, const StopRequest *stop);
   void bindProbes(std::size_t body, std::span<const Vec3> ways);
-  void note(const std::string &kind, const std::string &text);
+  void reportEvent(const std::string &kind, const std::string &text);
   void describe(std::size_t body);
-  [[nodiscard]] bool lookDue() const;
-  void lookAround();
-  void tellWhoSetsTheStep();
+  [[nodiscard]] bool isSkinCheckDue() const;
+  void checkSkins();
+  void reportLimitingBody();
 
   StoppableLoops loops_;
   const ParallelFor &parallelFor_ = loops_.parallelFor();
   WorldSettings world_;
-  std::map<std::size_t, std::unique_ptr<detail::BodyRunner>> bodies_;
+  std::map<std::size_t, std::unique_ptr<detail::BodyStepper>> bodies_;
   std::map<std::size_t, std::vector<std::string>> warnings_;  // about shape and sampling, by body
   std::unique_ptr<detail::StepActivity> activity_;
-  std::vector<detail::BodyRunner *> ahead_;  // scratch of a step: those that have been advanced
+  std::vector<detail::BodyStepper *> ahead_;  // scratch of a step: those that have been advanced
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
   std::vector<Probe> probes_;
@@ -193,11 +193,11 @@ class Simulator {
   double loadFactor_ = 0.0;  // of a quasi-static solution
   std::uint64_t steps_ = 0;
   std::vector<SimulationEvent> events_;
-  std::set<std::size_t> notRenewed_;  // bodies whose reference could not be
+  std::set<std::size_t> notRereferenced_;  // bodies whose reference could not be
   std::map<std::size_t, double> skinDeepest_;                // m, as drawn, beyond the walls
   std::vector<Vec3> skin_;  // room for a look at one
   std::set<std::pair<std::size_t, std::size_t>> overlaps_;   // that have been told
-  bool toldStep_ = false;
+  bool stepReported_ = false;
   std::map<std::size_t, double> spent_;                      // s of wall-clock time, by body
   double advanced_ = 0.0;                                    // s simulated in that time
   StageClock clock_;

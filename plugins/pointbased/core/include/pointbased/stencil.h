@@ -54,12 +54,12 @@ struct StencilSet {
   /// where its rows begin in `gradients` and `modes`. Empty: entry e has gradients[e] and modes[e]. See GradientRows.
   std::vector<CellShape> shapes;
   std::vector<Index> rowsOf;
-  std::vector<Vec3> spreads;      ///< per point, lattices: variance of the part's material along the lattice axes, m²
-  Mat3 axes = Mat3::Identity();   ///< lattice axes, columns; x, y, z of modes and spreads
+  std::vector<Vec3> variances;      ///< per point, lattices: variance of the part's material along the lattice axes, m²
+  Mat3 axes = Mat3::Identity();   ///< lattice axes, columns; x, y, z of modes and variances
   std::vector<std::uint16_t> materials;  ///< per point: which of the body's materials; empty: the first
   std::vector<double> volumes;    ///< per point: rest volume it stands for, m³
   /// Per point: F of the reference shape itself, symmetric; empty: the identity everywhere. A body whose reference has
-  /// been renewed (renewal.h) is strained in it: F_q = S_q + Σ_k u_k g_qk^T, and g_qk is S_q times the gradient of the
+  /// been renewed (rereferencing.h) is strained in it: F_q = S_q + Σ_k u_k g_qk^T, and g_qk is S_q times the gradient of the
   /// fit, so that Σ_k X_k g_qk^T = S_q and forces, energies and tangents need not know.
   std::vector<Mat3> reference;
   std::vector<Mat3> referenceInverse;  ///< per point: S^-1; empty where `reference` is
@@ -72,7 +72,7 @@ struct StencilSet {
 
   static constexpr Index kNoFrame = 0xffffffffu;
   [[nodiscard]] std::size_t pointCount() const { return volumes.size(); }
-  [[nodiscard]] bool isLattice() const { return !spreads.empty(); }
+  [[nodiscard]] bool isLattice() const { return !variances.empty(); }
   /// The shape of a point of a compact set, or null.
   [[nodiscard]] const CellShape *shapeOf(std::size_t q) const {
     return !rowsOf.empty() && rowsOf[q] < shapes.size() ? &shapes[rowsOf[q]] : nullptr;

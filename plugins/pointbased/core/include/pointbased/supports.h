@@ -35,7 +35,7 @@ struct Load {
 ///
 /// Means per patch, not every point, because a trilinear cell that is held at every point of a plane through it cannot
 /// deform at all.
-struct HeldPart {
+struct ConstrainedRegion {
   std::vector<Index> phyxels;        ///< held themselves, ascending
   Csr rows;                          ///< per patch: phyxels
   std::vector<double> weights;       ///< per entry: φ, sum 1 per patch
@@ -64,15 +64,15 @@ struct RigidMotion {
   Vec3 centre = Vec3::Zero(), displacement = Vec3::Zero();  ///< m, in the frame of the phyxels
   [[nodiscard]] Vec3 displacementOf(const Vec3 &X) const { return rotation * (X - centre) + centre + displacement - X; }
 };
-[[nodiscard]] RigidMotion motionAt(const Fix &fix, const HeldPart &part, const Vec3 &origin, double s);
+[[nodiscard]] RigidMotion motionAt(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s);
 /// The velocity field of the same motion: dx/ds at X.
-[[nodiscard]] Vec3 motionRate(const Fix &fix, const HeldPart &part, const Vec3 &origin, double s, const Vec3 &X);
+[[nodiscard]] Vec3 motionRate(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s, const Vec3 &X);
 
 /// Holds the phyxels of a cloud inside the region, and patches of its surface there by moving least squares: a patch is
 /// what is nearest to one phyxel, and has no row where all that moves it is held. A cloud without surface holds only by
 /// its phyxels. Region, positions and surface are in the frame of the phyxels.
 /// Errors: a region that validate() refuses, or that meets no part of the body.
-[[nodiscard]] Result<HeldPart> holdCloud(const Region &region, std::span<const Vec3> positions,
+[[nodiscard]] Result<ConstrainedRegion> holdCloud(const Region &region, std::span<const Vec3> positions,
                                          std::span<const double> volumes, double spacing, const Surface &surface,
                                          const ParallelFor &parallelFor);
 

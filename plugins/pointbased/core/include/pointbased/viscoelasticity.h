@@ -13,12 +13,12 @@ struct PronyPoint {
 
 /// Strain of the modes of a lattice cell (see the theory page of the lattice) in the frame of X, 1/m: Q^T F^T (a_xy, a_xz,
 /// a_yz), and Q^T F^T a_xyz, 1/m².
-using ModalStrain = Eigen::Matrix<double, 3, 4>;
+using HourglassStrain = Eigen::Matrix<double, 3, 4>;
 
 /// What the modes of a cell remember. All zero: never strained.
-struct ModalMemory {
-  ModalStrain previous = ModalStrain::Zero();  ///< deviatoric modal strain at the end of the last step
-  std::array<ModalStrain, 2> relaxed{ModalStrain::Zero(), ModalStrain::Zero()};  ///< β: strain each term has relaxed so far
+struct HourglassHistory {
+  HourglassStrain previous = HourglassStrain::Zero();  ///< deviatoric hourglass strain at the end of the last step
+  std::array<HourglassStrain, 2> relaxed{HourglassStrain::Zero(), HourglassStrain::Zero()};  ///< β: strain each term has relaxed so far
 };
 
 /// Factors of one step, the same for all points; compute once per step.

@@ -23,8 +23,8 @@ struct WorldSettings {
   int loadSteps = 0;       ///< static: load increments; 0: 10
   Preconditioner preconditioner = Preconditioner::automatic;
   Precision precision = Precision::doublePrecision;  ///< of the forces of explicit steps; implicit and static ones are double
-  bool sleep = false;      ///< bodies that have come to rest cost nothing until something changes (rest_watch.h)
-  bool renewReferences = true;  ///< of clouds that have flowed far (renewal.h); false: to compare
+  bool sleep = false;      ///< bodies that have come to rest cost nothing until something changes (sleep_detector.h)
+  bool rereference = true;  ///< of clouds that have flowed far (rereferencing.h); false: to compare
 };
 
 }  // namespace pointbased

@@ -34,7 +34,7 @@ Vec3 presentPlace(const Body &body, std::size_t q, const Mat3 &F) {
 Vec3 carriedBy(const RestState &rest, std::size_t q) {
   Vec3 sum = Vec3::Zero();
   const std::span<const Index> row = rest.stencils.phyxels.row(q);
-  for (const Index j : row) sum += rest.carried[j];
+  for (const Index j : row) sum += rest.referenceShift[j];
   return sum / static_cast<double>(row.size());
 }
 
@@ -73,11 +73,11 @@ void DisplacementField::add(const Body &body) {
   const RestState &rest = body.rest();
   const double reach = kReach * rest.spacing, inverseSquare = 1.0 / (reach * reach);
   const std::span<const Mat3> gradients = body.gradients();
-  const bool renewed = !rest.carried.empty();
+  const bool renewed = !rest.referenceShift.empty();
   // Rows of the inverse steps: how far an index goes with a way in space.
   const Vec3 indexPerMetre(toIndex_.row(0).norm(), toIndex_.row(1).norm(), toIndex_.row(2).norm());
   for (std::size_t q = 0; q < rest.pointCount(); ++q) {
-    // Of a reference that has been renewed F counts from a state nobody keeps: what flows is carried, not turned.
+    // Of a reference that has been renewed F counts from a state nobody keeps: what flows is referenceShift, not turned.
     const Mat3 F = renewed ? Mat3(Mat3::Identity()) : gradients[q];
     if (!(F.determinant() > kLeastVolume) || !F.allFinite()) continue;
     const Mat3 back = F.inverse();

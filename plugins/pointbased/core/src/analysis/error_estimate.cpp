@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "forces/modes.h"
+#include "forces/hourglass_energy.h"
 #include "forces/point_loops.h"
 
 namespace pointbased {
@@ -50,8 +50,8 @@ void add(Moments &m, const Moments &other, const Vec3 &d) {
   m.strainFirst += other.strainFirst + other.strain * d.transpose();
 }
 
-/// What the modes of a cell say about the strain within it: linear in plane stress, as in ModalEnergy.
-Slopes modalSlopes(const Material &material, const StencilSet &s, std::size_t q, const Mat3 &F,
+/// What the modes of a cell say about the strain within it: linear in plane stress, as in HourglassEnergy.
+Slopes hourglassSlopes(const Material &material, const StencilSet &s, std::size_t q, const Mat3 &F,
                    std::span<const Vec3> displacements) {
   const Amplitudes all = amplitudes(s, q, displacements);
   const Mat3 turn = material.law == MaterialLaw::linear ? s.axes : Mat3(F * s.axes);
@@ -174,14 +174,14 @@ class Recovery {
       }
     }
     Slopes own = Slopes::Zero();
-    if (controlOf(body_.constitution(), s_) == Control::modal)
-      own = modalSlopes(material, s_, q, gradients_[q], body_.state().displacements);
+    if (stabilisationOf(body_.constitution(), s_) == Stabilisation::hourglass)
+      own = hourglassSlopes(material, s_, q, gradients_[q], body_.state().displacements);
     const double size = std::cbrt(s_.volumes[q]);
     const Fit better = fit(around, own, size);
-    const Vec3 spreads = lattice_ ? s_.spreads[q] : Vec3(Vec3::Constant(size * size / 12.0));
+    const Vec3 variances = lattice_ ? s_.variances[q] : Vec3(Vec3::Constant(size * size / 12.0));
     double density = energyOf(material, better.value - scratch_.strains[q]);
     for (int axis = 0; axis < 3; ++axis)
-      density += spreads[axis] * energyOf(material, better.slopes.col(axis) - own.col(axis));
+      density += variances[axis] * energyOf(material, better.slopes.col(axis) - own.col(axis));
     return s_.volumes[q] * density;
   }
 

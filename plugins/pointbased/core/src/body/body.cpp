@@ -60,7 +60,7 @@ Body &Body::operator=(Body &&) noexcept = default;
 
 Vec3 Body::firstReference(Index phyxel) const {
   const Vec3 &X = rest_->positions[phyxel];
-  return rest_->carried.empty() ? X : Vec3(X - rest_->carried[phyxel]);
+  return rest_->referenceShift.empty() ? X : Vec3(X - rest_->referenceShift[phyxel]);
 }
 
 // Everything whose size or meaning follows from the rest state.
@@ -76,13 +76,13 @@ void Body::layOut() {
   patchPoints_.clear();
   patchShifts_.clear();
   fixOfPatch_.clear();
-  carriedMasses_.clear();
+  supportMasses_.clear();
   carrier_.clear();
 
   heldMask_.assign(n, 0);
   const BoundaryConditions &conditions = rest_->conditions;
   for (std::size_t f = 0; f < conditions.held.size(); ++f) {
-    const HeldPart &part = conditions.held[f];
+    const ConstrainedRegion &part = conditions.held[f];
     for (const Index i : part.phyxels)
       if (!heldMask_[i]) {
         heldMask_[i] = 1;
@@ -93,7 +93,7 @@ void Body::layOut() {
       for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e) {
         const Index j = part.rows.indices[e];
         point += part.weights[e] * firstReference(j);
-        if (!rest_->carried.empty()) shift += part.weights[e] * rest_->carried[j];
+        if (!rest_->referenceShift.empty()) shift += part.weights[e] * rest_->referenceShift[j];
       }
       patchPoints_.push_back(point);
       patchShifts_.push_back(shift);
@@ -102,13 +102,13 @@ void Body::layOut() {
   }
   patchTargets_.resize(patchPoints_.size());
   if (!rest_->heldVolumes.empty()) {
-    carriedMasses_.assign(n, 0.0);
+    supportMasses_.assign(n, 0.0);
     carrier_.assign(n, 0);
     for (std::size_t f = conditions.held.size(); f-- > 0;)
       for (const Index i : conditions.held[f].rows.indices) carrier_[i] = static_cast<Index>(f);
   }
   const bool weighs = !conditions.held.empty() && !rest_->weightVolumes.empty();
-  for (auto *values : {&weights_, &carriedWeights_, &gravityShares_}) values->assign(weighs ? n : 0, 0.0);
+  for (auto *values : {&weights_, &supportWeights_, &gravityShares_}) values->assign(weighs ? n : 0, 0.0);
   bindFoundation();
 }
 
@@ -118,7 +118,7 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
   const std::vector<Mat3> flow = std::move(state_.history.plasticInverse),
                           flowBefore = std::move(state_.history.plasticBefore);
   const std::vector<PronyPoint> stress = std::move(state_.history.prony);
-  const std::vector<ModalMemory> modes = std::move(state_.history.modes);
+  const std::vector<HourglassHistory> modes = std::move(state_.history.modes);
   constitution_ = std::move(constitution);
   state_.history = PointHistory();
   state_.history.reset(constitution_, points, rest_->stencils.isLattice());
@@ -138,10 +138,10 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
     if (!rest_->heldVolumes.empty() && !heldMask_[i]) {
       // Not all of it: what deforms nothing still has to have an inertia.
       constexpr double kMostCarried = 1.0 - 1e-6;
-      carriedMasses_[i] = std::clamp(rest_->carriedVolumes[i] / rest_->volumes[i], 0.0, kMostCarried) * masses_[i];
-      masses_[i] -= carriedMasses_[i];
-      carriedWeights_[i] = std::clamp(rest_->heldVolumes[i] / rest_->weightVolumes[i], 0.0, kMostCarried) * weights_[i];
-      weights_[i] -= carriedWeights_[i];
+      supportMasses_[i] = std::clamp(rest_->supportVolumes[i] / rest_->volumes[i], 0.0, kMostCarried) * masses_[i];
+      masses_[i] -= supportMasses_[i];
+      supportWeights_[i] = std::clamp(rest_->heldVolumes[i] / rest_->weightVolumes[i], 0.0, kMostCarried) * weights_[i];
+      weights_[i] -= supportWeights_[i];
     }
     if (!weights_.empty()) gravityShares_[i] = weights_[i] / masses_[i];
     inverseMasses_[i] = heldMask_[i] ? 0.0 : 1.0 / masses_[i];
@@ -149,7 +149,7 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
 
   Csr rows;
   std::vector<double> weights, stiffness;
-  for (const HeldPart &part : rest_->conditions.held)
+  for (const ConstrainedRegion &part : rest_->conditions.held)
     for (std::size_t p = 0; p < part.rows.rows(); ++p) {
       for (Index e = part.rows.offsets[p]; e < part.rows.offsets[p + 1]; ++e) {
         rows.indices.push_back(part.rows.indices[e]);
@@ -354,7 +354,7 @@ double Body::kineticEnergy() const {
 double Body::totalMass() const {
   double mass = 0.0;
   for (const double m : masses_) mass += m;
-  for (const double m : carriedMasses_) mass += m;
+  for (const double m : supportMasses_) mass += m;
   return mass;
 }
 

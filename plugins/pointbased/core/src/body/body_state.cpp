@@ -23,14 +23,14 @@ void Body::keepState() {
   kept_.history = state_.history;
 }
 
-void Body::renew(std::shared_ptr<const RestState> rest, State state, const ParallelFor &parallelFor) {
+void Body::rereference(std::shared_ptr<const RestState> rest, State state, const ParallelFor &parallelFor) {
   const auto moment = [this](std::span<const Vec3> u) {
     Vec3 sum = Vec3::Zero();
     for (std::size_t i = 0; i < masses_.size(); ++i)
       sum += masses_[i] * (rest_->origin - first_->origin + rest_->positions[i] + u[i]);
     return sum;
   };
-  Vec3 way = carriedMoment_;
+  Vec3 way = referenceShiftMoment_;
   for (std::size_t i = 0; i < masses_.size(); ++i) way += masses_[i] * state_.displacements[i];
   const Vec3 before = moment(state_.displacements);
   const double deepest = contact.deepest;
@@ -39,9 +39,9 @@ void Body::renew(std::shared_ptr<const RestState> rest, State state, const Paral
   layOut();
   setConstitution(constitution_, parallelFor);
   // What gravity has done goes on; a centre of mass that the new phyxels miss would show.
-  carriedMoment_ = way + moment(state_.displacements) - before;
-  ++renewals_;
-  contact = ContactMemory();
+  referenceShiftMoment_ = way + moment(state_.displacements) - before;
+  ++rereferenceCount_;
+  contact = ContactState();
   contact.deepest = deepest;
   forces_.assign(rest_->phyxelCount(), Vec3::Zero());
   if (rest_->evaluation == Evaluation::stressPoints) {  // they are others
@@ -62,7 +62,7 @@ void Body::restoreState() {
 }
 
 BodyCheckpoint Body::checkpoint() const {
-  return {rest_, state_, contact, stopped, renewals_, carriedMoment_, rigid_};
+  return {rest_, state_, contact, stopped, rereferenceCount_, referenceShiftMoment_, rigid_};
 }
 
 bool Body::restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallelFor) {
@@ -72,8 +72,8 @@ bool Body::restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallel
   state_ = checkpoint.state;
   if (!sameReference) layOut();
   setConstitution(constitution_, parallelFor);  // fits the history to the material of now
-  renewals_ = checkpoint.renewals;
-  carriedMoment_ = checkpoint.carriedMoment;
+  rereferenceCount_ = checkpoint.rereferenceCount;
+  referenceShiftMoment_ = checkpoint.referenceShiftMoment;
   contact = checkpoint.contact;
   stopped = checkpoint.stopped;
   grab.reset();
@@ -99,8 +99,8 @@ void Body::reset() {
     layOut();
     setConstitution(constitution_, serialFor());
   }
-  renewals_ = 0;
-  carriedMoment_.setZero();
+  rereferenceCount_ = 0;
+  referenceShiftMoment_.setZero();
   const std::size_t n = rest_->phyxelCount();
   state_.displacements.assign(n, Vec3::Zero());
   state_.velocities.assign(n, initialVelocity_);
@@ -122,7 +122,7 @@ void Body::reset() {
   gradientsOld_ = stressesOld_ = false;
   tangentRatio_ = 1.0;
   patches_.clearForces();
-  contact = ContactMemory();
+  contact = ContactState();
   stopped.clear();
   grab.reset();
   grabStatus.reset();

@@ -59,9 +59,9 @@ std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
   for (const HeldPhyxel &held : heldPhyxels_)
     add(held.fix, rest_->positions[held.phyxel] + state_.displacements[held.phyxel],
         -(forces_[held.phyxel] + weights()[held.phyxel] * gravity));
-  for (std::size_t i = 0; i < carriedWeights_.size(); ++i)
-    if (carriedWeights_[i] > 0.0)
-      add(carrier_[i], rest_->positions[i] + state_.displacements[i], -carriedWeights_[i] * gravity);
+  for (std::size_t i = 0; i < supportWeights_.size(); ++i)
+    if (supportWeights_[i] > 0.0)
+      add(carrier_[i], rest_->positions[i] + state_.displacements[i], -supportWeights_[i] * gravity);
   const Csr &rows = patches_.phyxels();
   for (std::size_t p = 0; p < patches_.rows(); ++p) {
     // A patch's force acts where its phyxels are, which keeps the torque that the body feels.
@@ -101,7 +101,7 @@ Result<void> Body::setFoundation(const Foundation &foundation) {
   if (auto valid = validate(foundation); !valid) return valid;
   if (foundation.acts() && rest_->skin.empty())
     return tl::make_unexpected(std::string("the body has no surface that its surroundings could hold"));
-  if (foundation.acts() && renewals_ > 0)
+  if (foundation.acts() && rereferenceCount_ > 0)
     return tl::make_unexpected(
         std::string("the body has flowed so far that its reference is a later shape; reset before its surroundings hold it"));
   foundation_.set(foundation);

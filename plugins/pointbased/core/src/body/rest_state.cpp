@@ -245,7 +245,7 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
     rest->volumes = std::move(body.volumes);
     rest->weightVolumes = std::move(body.weightVolumes);
     rest->heldVolumes = std::move(body.heldVolumes);
-    rest->carriedVolumes = std::move(body.carriedVolumes);
+    rest->supportVolumes = std::move(body.supportVolumes);
     rest->stencils = std::move(body.stencils);
     rest->pointCentres = std::move(body.pointCentres);
     rest->components = body.components;
@@ -274,7 +274,7 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
       Interpolation binding = rest->bind(chosen.positions, chosen.normals);
       rest->contact = carriedContact(std::move(chosen), std::move(binding), rest->positions, rest->spacing);
     }
-    rest->leverage = leverageOf(*rest);
+    rest->maxInfluence = leverageOf(*rest);
   } else {
     const auto cloud = fill(shape, {recipe.sampling.spacing, recipe.sampling.count}, parallelFor, part(0.0, 0.7));
     if (!cloud) return refuse(cloud.error());

@@ -26,11 +26,11 @@ std::uint64_t hashOf(const Body &body, std::uint64_t hash) {
     hashBytes(hash, point.previous.data(), 9 * sizeof(double));
     hashAll(hash, point.internal);
   }
-  for (const ModalMemory &modes : state.history.modes) {
+  for (const HourglassHistory &modes : state.history.modes) {
     hashBytes(hash, modes.previous.data(), 12 * sizeof(double));
     hashAll(hash, modes.relaxed);
   }
-  if (body.renewals() == 0) return hash;
+  if (body.rereferenceCount() == 0) return hash;
   hashAll(hash, body.rest().positions);
   hashAll(hash, body.rest().stencils.reference);
   return hash;

@@ -12,8 +12,8 @@ using namespace detail;
 
 namespace {
 
-using Known = ContactMemory::Known;
-using Side = ContactMemory::Side;
+using ClearanceCache = ContactState::ClearanceCache;
+using Side = ContactState::Side;
 
 // Obstacles are asked for surfaces within this many margins, or this many times the way of a step or since they were asked.
 constexpr double kReachMargins = 40.0;
@@ -56,7 +56,7 @@ struct Step {
 // Whether nothing new can be met: `free`, or what was found holds still.
 enum class Need { nothing, known, ask };
 
-Need needOf(const Known &known, const Vec3 &at, double way, double radius, double margin) {
+Need needOf(const ClearanceCache &known, const Vec3 &at, double way, double radius, double margin) {
   if (known.reach < 0.0) return Need::ask;
   const double moved = (at - known.at).norm();
   // NaN asks as well; the guard finds it later.
@@ -66,7 +66,7 @@ Need needOf(const Known &known, const Vec3 &at, double way, double radius, doubl
 
 // Takes what the obstacle has answered for a point: its plane, on which side it is, and what it meets on its way.
 void learn(const Step &step, const Vec3 &at, const Vec3 &way, double radius, const SurfacePoint &answer, double reach,
-           Known &known, Side &side) {
+           ClearanceCache &known, Side &side) {
   const double margin = step.margin;
   known.at = at;
   known.reach = reach;
@@ -109,7 +109,7 @@ void learn(const Step &step, const Vec3 &at, const Vec3 &way, double radius, con
 Vec3 tangential(const Vec3 &v, const Vec3 &normal) { return v - normal.dot(v) * normal; }
 
 // What contacts that go on remember.
-void keepMemories(ContactMemory &memory) {
+void keepMemories(ContactState &memory) {
   std::size_t from = 0;
   const auto before = [](const Contact &a, const Contact &b) {
     return a.point != b.point ? a.point < b.point : a.obstacle < b.obstacle;
@@ -126,11 +126,11 @@ void keepMemories(ContactMemory &memory) {
       contact.frictionImpulse = tangential(was.frictionImpulse, contact.normal);
       contact.settleFriction = tangential(was.settleFriction, contact.normal);
       contact.normalForce = was.normalForce;
-      contact.allowance = std::clamp(-contact.gap, 0.0, was.allowance);
-      contact.shear = tangential(was.shear, contact.normal);
+      contact.initialPenetration = std::clamp(-contact.gap, 0.0, was.initialPenetration);
+      contact.tangentialDisplacement = tangential(was.tangentialDisplacement, contact.normal);
       break;
     }
-    if (!goesOn) contact.allowance = std::max(0.0, -contact.gap);
+    if (!goesOn) contact.initialPenetration = std::max(0.0, -contact.gap);
   }
 }
 
@@ -164,7 +164,7 @@ Step stepOf(const Obstacle &obstacle, double time, double dt, double margin) {
 }  // namespace
 
 void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt,
-                            double margin, std::size_t count, const Looked &looked, ContactMemory &memory,
+                            double margin, std::size_t count, const Looked &looked, ContactState &memory,
                             const ParallelFor &parallelFor) {
   const std::size_t n = looked.count();
   const std::span<const Vec3> positions = looked.positions, velocities = looked.velocities;
@@ -173,14 +173,14 @@ void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox 
   memory.margin = margin;
   memory.clearance.resize(obstacles.size());
   memory.sides.resize(obstacles.size());
-  ContactMemory::Questions &ask = memory.questions;
+  ContactState::ClosestPointQueries &ask = memory.questions;
 
   for (std::size_t o = 0; o < obstacles.size(); ++o) {
     const Obstacle &obstacle = obstacles[o];
     const Step step = stepOf(obstacle, time, dt, margin);
-    std::vector<Known> &clearance = memory.clearance[o];
+    std::vector<ClearanceCache> &clearance = memory.clearance[o];
     std::vector<Side> &sides = memory.sides[o];
-    if (clearance.size() != count) clearance.assign(count, Known());
+    if (clearance.size() != count) clearance.assign(count, ClearanceCache());
     if (sides.size() != count) sides.assign(count, Side());
 
     ask.points.clear();
@@ -189,7 +189,7 @@ void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox 
     ask.ways.clear();
     ask.ranges.clear();
     for (std::size_t k = 0; k < n; ++k) {
-      const Known &known = clearance[looked.point(k)];
+      const ClearanceCache &known = clearance[looked.point(k)];
       const Vec3 at = step.local(positions[k]), way = step.way(positions[k], at, velocities[k]);
       const double length = way.norm();
       const Need need = needOf(known, at, length, looked.radius(k), margin);
@@ -221,7 +221,7 @@ void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox 
     }
 
     for (const Index k : ask.candidates) {
-      const Known &known = clearance[looked.point(k)];
+      const ClearanceCache &known = clearance[looked.point(k)];
       const Vec3 at = step.local(positions[k]);
       const double length = step.way(positions[k], at, velocities[k]).norm();
       const auto add = [&](const Vec3 &normal, double gap) {
@@ -261,7 +261,7 @@ void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox 
 
 void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
                   std::span<const Vec3> positions, std::span<const Vec3> velocities, std::span<const double> radii,
-                  ContactMemory &memory, const ParallelFor &parallelFor) {
+                  ContactState &memory, const ParallelFor &parallelFor) {
   searchContacts(obstacles, box, time, dt, margin, positions.size(), {{}, positions, velocities, radii}, memory, parallelFor);
 }
 

@@ -17,7 +17,7 @@ using namespace detail;
 
 namespace {
 
-using Blocks = ContactMemory::Blocks;
+using Blocks = ContactState::Blocks;
 
 // Points that wait together, phyxels whose largest way counts for all of them, and the part of the room of a block that is
 // used: rounding must not bring a point nearer.
@@ -47,12 +47,12 @@ std::vector<Index> inSpace(std::span<const Vec3> points, double width) {
 }
 
 // Which points wait together, which chunks of phyxels carry them, and the farthest that a point of it goes where none of these goes farther than one
-// over its leverage: the largest Σ |φ|/leverage.
-void learnBlocks(const Interpolation &binding, std::span<const float> leverage, Blocks &blocks) {
+// over its maxInfluence: the largest Σ |φ|/maxInfluence.
+void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluence, Blocks &blocks) {
   blocks.chunks = Csr{};
   blocks.gains.clear();
-  blocks.leverage.clear();
-  for (const float l : leverage) blocks.leverage.insert(blocks.leverage.end(), 3, l);
+  blocks.maxInfluence.clear();
+  for (const float l : maxInfluence) blocks.maxInfluence.insert(blocks.maxInfluence.end(), 3, l);
   Vec3 low = binding.positions.front(), high = low;
   for (const Vec3 &x : binding.positions) {
     low = low.cwiseMin(x);
@@ -74,7 +74,7 @@ void learnBlocks(const Interpolation &binding, std::span<const float> leverage, 
       for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e) {
         const Index j = binding.phyxels.indices[e];
         if (binding.weights[e] != 0.0)
-          sum += std::abs(binding.weights[e]) / (leverage.empty() ? 1.0 : static_cast<double>(leverage[j]));
+          sum += std::abs(binding.weights[e]) / (maxInfluence.empty() ? 1.0 : static_cast<double>(maxInfluence[j]));
         row.push_back(static_cast<Index>(j / kChunk));
       }
       gain = std::max(gain, sum);
@@ -87,11 +87,11 @@ void learnBlocks(const Interpolation &binding, std::span<const float> leverage, 
   }
 }
 
-// Largest component of a way times the leverage over whole chunks, so that registers are compared: √3 of it bounds every
+// Largest component of a way times the maxInfluence over whole chunks, so that registers are compared: √3 of it bounds every
 // length.
 // @param ways(i, n)  x y z x y z of the n phyxels from i on
 template <class Ways>
-void largestOfChunks(std::size_t count, std::span<const float> leverage, const Ways &ways, std::vector<double> &out) {
+void largestOfChunks(std::size_t count, std::span<const float> maxInfluence, const Ways &ways, std::vector<double> &out) {
   using Four = Eigen::Array<double, 12, 1>;
   using FourFloats = Eigen::Array<float, 12, 1>;
   out.resize(blocksOf(count, kChunk));
@@ -101,13 +101,13 @@ void largestOfChunks(std::size_t count, std::span<const float> leverage, const W
     std::size_t i = c * kChunk;
     for (; i + 4 <= end; i += 4) {
       const Four way = ways(std::integral_constant<int, 4>(), i).abs();
-      most = most.max(leverage.empty() ? way
-                                       : Four(way * Eigen::Map<const FourFloats>(leverage.data() + 3 * i).cast<double>()));
+      most = most.max(maxInfluence.empty() ? way
+                                       : Four(way * Eigen::Map<const FourFloats>(maxInfluence.data() + 3 * i).cast<double>()));
     }
     double largest = most.maxCoeff();
     for (; i < end; ++i)
       largest = std::max(largest, ways(std::integral_constant<int, 1>(), i).abs().maxCoeff() *
-                                      (leverage.empty() ? 1.0 : static_cast<double>(leverage[3 * i])));
+                                      (maxInfluence.empty() ? 1.0 : static_cast<double>(maxInfluence[3 * i])));
     out[c] = std::sqrt(3.0) * largest;
   }
 }
@@ -120,8 +120,8 @@ void largestWays(const CarriedPoints &body, double dt, Blocks &blocks) {
   const std::span<const Vec3> now = body.displacements, before = blocks.before, v = body.velocities;
   const auto went = [&](auto n, std::size_t i) { return (at(n, now, i) - at(n, before, i)).eval(); };
   const auto goes = [&](auto n, std::size_t i) { return (dt * at(n, v, i)).eval(); };
-  largestOfChunks(now.size(), blocks.leverage, went, blocks.went);
-  largestOfChunks(v.size(), blocks.leverage, goes, blocks.goes);
+  largestOfChunks(now.size(), blocks.maxInfluence, went, blocks.went);
+  largestOfChunks(v.size(), blocks.maxInfluence, goes, blocks.goes);
   std::copy_n(now.data()->data(), 3 * now.size(), blocks.before.data()->data());
 }
 
@@ -165,12 +165,12 @@ ObstacleWays waysOfObstacles(std::span<const Obstacle> obstacles, double time, d
 }
 
 // How much farther a point may go before it has to be looked at.
-double roomOf(const ContactMemory &memory, std::span<const Obstacle> obstacles, const WorldBox &box,
+double roomOf(const ContactState &memory, std::span<const Obstacle> obstacles, const WorldBox &box,
               const Looked &looked, std::size_t k) {
   double room = std::numeric_limits<double>::infinity();
   const Vec3 &x = looked.positions[k];
   for (std::size_t o = 0; o < obstacles.size(); ++o) {
-    const ContactMemory::Known &known = memory.clearance[o][looked.point(k)];
+    const ContactState::ClearanceCache &known = memory.clearance[o][looked.point(k)];
     const Vec3 at = obstacles[o].motion ? toRest(memory.blocks.motions[o], x) : x;
     room = std::min(room, std::min(known.distance, known.reach) - (at - known.at).norm());
   }
@@ -180,11 +180,11 @@ double roomOf(const ContactMemory &memory, std::span<const Obstacle> obstacles, 
 
 // Everything is looked at once after a change of what there is.
 void beginBlocks(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double margin,
-                 const CarriedPoints &body, ContactMemory &memory) {
+                 const CarriedPoints &body, ContactState &memory) {
   const Interpolation &binding = body.points.binding;
   Blocks &blocks = memory.blocks;
   const std::size_t count = blocksOf(binding.count(), kBlock);
-  if (blocks.gains.size() != count) learnBlocks(binding, body.leverage, blocks);
+  if (blocks.gains.size() != count) learnBlocks(binding, body.maxInfluence, blocks);
   const bool sameBox = box.enabled == blocks.box.enabled && box.min == blocks.box.min && box.max == blocks.box.max;
   if (blocks.room.size() == count && blocks.before.size() == body.displacements.size() && sameBox &&
       blocks.margin == margin && memory.clearance.size() == obstacles.size())
@@ -203,7 +203,7 @@ void beginBlocks(std::span<const Obstacle> obstacles, const WorldBox &box, doubl
 }  // namespace
 
 void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
-                  const CarriedPoints &body, ContactMemory &memory, const ParallelFor &parallelFor) {
+                  const CarriedPoints &body, ContactState &memory, const ParallelFor &parallelFor) {
   const Interpolation &binding = body.points.binding;
   const std::size_t n = body.points.count();
   Blocks &blocks = memory.blocks;

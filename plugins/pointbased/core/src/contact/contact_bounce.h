@@ -10,7 +10,7 @@ namespace pointbased {
 /// remembered for bounceArrivals().
 /// @param velocities  [phyxels] m/s, with which the step would go on
 [[nodiscard]] bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities, double dt,
-                                double quietSpeed, ContactMemory &memory);
+                                double quietSpeed, ContactState &memory);
 
 /// Lets them bounce: 1 + e times the impulses that stop them all, so that each leaves with e times its speed where nothing
 /// else pushes. Of the kinetic energy that the impulses take at e = 0 they take 1 - e², nothing at e = 1, and never add any,
@@ -22,6 +22,6 @@ namespace pointbased {
 /// @return total impulse on the body, N s
 /// @source  Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988 (restitution at several contacts)
 Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
-                    ContactMemory &memory, std::span<Vec3> velocities);
+                    ContactState &memory, std::span<Vec3> velocities);
 
 }  // namespace pointbased

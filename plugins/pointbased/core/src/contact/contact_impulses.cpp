@@ -41,7 +41,7 @@ struct Hand {
 
 // Pushes by a part of the impulses in the solution, as large as lowers  T + Σ λ (-least)  most: the energy that the
 // projected Gauss-Seidel steps lower too, so however few of them follow, nothing is added.
-void warmStart(const Hand &body, std::span<const Contact> active, ContactMemory::Solution &solution) {
+void warmStart(const Hand &body, std::span<const Contact> active, ContactState::Solution &solution) {
   std::vector<Vec3> &change = solution.change;  // of those that are touched
   change.assign(solution.touched.size(), Vec3::Zero());
   double slope = 0.0, curvature = 0.0;
@@ -64,7 +64,7 @@ void warmStart(const Hand &body, std::span<const Contact> active, ContactMemory:
 }
 
 // The contacts and the velocities of the phyxels that they touch, side by side. Sweeps go to and fro over these.
-void layOut(const Hand &body, std::span<const Contact> active, ContactMemory::Solution &solution) {
+void layOut(const Hand &body, std::span<const Contact> active, ContactState::Solution &solution) {
   constexpr Index kNowhere = 0xffffffffu;
   const Csr &phyxels = body.binding.phyxels;
   if (solution.slotOf.size() != body.inverseMasses.size()) solution.slotOf.assign(body.inverseMasses.size(), kNowhere);
@@ -99,7 +99,7 @@ void layOut(const Hand &body, std::span<const Contact> active, ContactMemory::So
 // of the same contacts.
 // @param still  the obstacles count as if they did not move, and nothing is held by friction
 void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSettings &settings, bool still,
-           ContactMemory::Solution &solution) {
+           ContactState::Solution &solution) {
   using kernels::kContactNumbers;
   const std::size_t count = active.size();
   solution.friction.resize(count);
@@ -156,7 +156,7 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
     solution.tangential[c] = Eigen::Map<const Vec3>(solution.sides.data() + kContactNumbers * c + kernels::kTangentialImpulse);
 }
 
-void prepare(const Hand &body, std::span<const Contact> active, ContactMemory::Solution &solution) {
+void prepare(const Hand &body, std::span<const Contact> active, ContactState::Solution &solution) {
   solution.inverseMasses.resize(active.size());
   for (std::size_t c = 0; c < active.size(); ++c) solution.inverseMasses[c] = body.inverseMass(active[c].point);
   solution.impulses.assign(active.size(), 0.0);
@@ -167,7 +167,7 @@ void prepare(const Hand &body, std::span<const Contact> active, ContactMemory::S
 
 }  // namespace
 
-double closingSpeed(const ContactMemory &memory, const Interpolation &binding, std::span<const Vec3> velocities) {
+double closingSpeed(const ContactState &memory, const Interpolation &binding, std::span<const Vec3> velocities) {
   double speed = 0.0;
   for (const Contact &contact : memory.active)
     speed = std::max(speed, (contact.surfaceVelocity - detail::fieldAt(binding, contact.point, velocities)).dot(contact.normal));
@@ -175,7 +175,7 @@ double closingSpeed(const ContactMemory &memory, const Interpolation &binding, s
 }
 
 bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities, double dt, double quietSpeed,
-                  ContactMemory &memory) {
+                  ContactState &memory) {
   std::vector<Contact> &arriving = memory.previous;  // which the next search overwrites
   arriving.clear();
   for (const Contact &contact : memory.active) {
@@ -188,14 +188,14 @@ bool findArrivals(const Interpolation &binding, std::span<const Vec3> velocities
 }
 
 Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> inverseMasses, double quietSpeed,
-                    ContactMemory &memory, std::span<Vec3> velocities) {
+                    ContactState &memory, std::span<Vec3> velocities) {
   const Hand body{binding, inverseMasses, velocities};
   std::vector<Contact> &arriving = memory.previous;
   const auto relative = [&](const Contact &c) { return Vec3(body.velocity(c.point) - c.surfaceVelocity); };
   std::erase_if(arriving, [&](const Contact &c) { return !(relative(c).dot(c.normal) < -quietSpeed); });
   if (arriving.empty()) return Vec3::Zero();
 
-  ContactMemory::Solution &solution = memory.solution;
+  ContactState::Solution &solution = memory.solution;
   const std::size_t count = arriving.size();
   std::vector<Vec3> &before = solution.arrivals;
   before.resize(count);
@@ -238,10 +238,10 @@ Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> invers
 }
 
 Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
-                          const ImpulseSettings &settings, ContactMemory &memory, std::span<Vec3> velocities) {
+                          const ImpulseSettings &settings, ContactState &memory, std::span<Vec3> velocities) {
   std::vector<Contact> &active = memory.active;
-  ContactMemory::Solution &solution = memory.solution;
-  solution.recovery.clear();
+  ContactState::Solution &solution = memory.solution;
+  solution.splitImpulse.clear();
   if (active.empty()) return Vec3::Zero();
   const Hand body{binding, inverseMasses, velocities};
   prepare(body, active, solution);
@@ -263,32 +263,32 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
 
   const double slop = kSlop * memory.margin;
   if (!(deepest > slop)) return total;
-  solution.recovery.assign(velocities.size(), Vec3::Zero());
-  const Hand lead{binding, inverseMasses, solution.recovery};
+  solution.splitImpulse.assign(velocities.size(), Vec3::Zero());
+  const Hand lead{binding, inverseMasses, solution.splitImpulse};
   for (std::size_t c = 0; c < active.size(); ++c) {
     const double depth = -active[c].gap - slop;
-    // Velocities of the recovery come on top of those of the body, which keep the others within their gaps.
-    solution.least[c] = depth > 0.0 ? std::min(settings.recovery * depth / dt, settings.recoverySpeed)
+    // Velocities of the splitImpulse come on top of those of the body, which keep the others within their gaps.
+    solution.least[c] = depth > 0.0 ? std::min(settings.splitImpulse * depth / dt, settings.recoverySpeed)
                                     : -std::max(0.0, active[c].gap) / dt;
     solution.impulses[c] = 0.0;
     solution.tangential[c].setZero();
   }
   sweep(lead, active, settings, true, solution);
   for (std::size_t j = 0; j < velocities.size(); ++j) {
-    velocities[j] += solution.recovery[j];
-    if (inverseMasses[j] > 0.0) memory.ledOut += dt / inverseMasses[j] * solution.recovery[j];
+    velocities[j] += solution.splitImpulse[j];
+    if (inverseMasses[j] > 0.0) memory.ledOut += dt / inverseMasses[j] * solution.splitImpulse[j];
   }
   return total;
 }
 
 void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
-                             ContactMemory &memory, std::span<Vec3> velocities) {
+                             ContactState &memory, std::span<Vec3> velocities) {
   (void)dt;
-  ContactMemory::Solution &solution = memory.solution;
-  if (!solution.recovery.empty())
+  ContactState::Solution &solution = memory.solution;
+  if (!solution.splitImpulse.empty())
     for (std::size_t j = 0; j < velocities.size(); ++j)
-      if (inverseMasses[j] > 0.0) velocities[j] -= solution.recovery[j];
-  solution.recovery.clear();
+      if (inverseMasses[j] > 0.0) velocities[j] -= solution.splitImpulse[j];
+  solution.splitImpulse.clear();
   // Contacts that the step has closed; in `previous`, which the next search overwrites.
   std::vector<Contact> &closed = memory.previous;
   closed.clear();

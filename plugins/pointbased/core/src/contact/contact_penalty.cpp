@@ -14,10 +14,10 @@ constexpr double kTrace = 1e-6;          // spacings
 
 struct Penalised {
   double gap = 0.0;          // m
-  Vec3 shear = Vec3::Zero(); // m
+  Vec3 tangentialDisplacement = Vec3::Zero(); // m
   double k = 0.0;            // N/m
   double grip = 0.0;         // N, mu N
-  double elastic = 0.0;      // m, shear that friction holds
+  double elastic = 0.0;      // m, tangentialDisplacement that friction holds
 };
 
 Penalised penalised(const ContactPoints &points, const ContactPenalty &penalty, const Contact &contact,
@@ -30,8 +30,8 @@ Penalised penalised(const ContactPoints &points, const ContactPenalty &penalty, 
   }
   Penalised out;
   const double normal = way.dot(contact.normal);
-  out.gap = contact.gap + contact.allowance + normal;
-  out.shear = contact.shear + way - normal * contact.normal;
+  out.gap = contact.gap + contact.initialPenetration + normal;
+  out.tangentialDisplacement = contact.tangentialDisplacement + way - normal * contact.normal;
   const double spacing = points.spacings.empty() ? penalty.spacing : points.spacings[contact.point];
   out.k = penalty.stiffness * points.areas[contact.point] / spacing;
   out.grip = contact.friction * contact.normalForce;
@@ -43,8 +43,8 @@ Vec3 forceOf(const Penalised &s, const Vec3 &normal) {
   Vec3 force = Vec3::Zero();
   if (s.gap < 0.0) force -= s.k * s.gap * normal;
   if (s.grip > 0.0) {
-    const double size = s.shear.norm();
-    force -= (size <= s.elastic ? s.k : s.grip / size) * s.shear;
+    const double size = s.tangentialDisplacement.norm();
+    force -= (size <= s.elastic ? s.k : s.grip / size) * s.tangentialDisplacement;
   }
   return force;
 }
@@ -55,18 +55,18 @@ Mat3 hessianOf(const Penalised &s, const Vec3 &normal) {
   if (s.gap < 0.0) H += s.k * nn;
   if (s.grip > 0.0) {
     const Mat3 T = Mat3::Identity() - nn;
-    const double size = s.shear.norm();
+    const double size = s.tangentialDisplacement.norm();
     if (size <= s.elastic)
       H += s.k * T;
     else
-      H += s.grip / size * (T - s.shear * s.shear.transpose() / (size * size));
+      H += s.grip / size * (T - s.tangentialDisplacement * s.tangentialDisplacement.transpose() / (size * size));
   }
   return H;
 }
 
 // visit(contact, penalised) for every contact that presses or grips.
 template <class Visit>
-void forActing(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+void forActing(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                std::span<const Vec3> start, std::span<const Vec3> now, const Visit &visit) {
   for (const Contact &contact : memory.active) {
     const Penalised s = penalised(points, penalty, contact, start, now);
@@ -76,21 +76,21 @@ void forActing(const ContactPoints &points, const ContactMemory &memory, const C
 
 }  // namespace
 
-double contactEnergy(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+double contactEnergy(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                      std::span<const Vec3> start, std::span<const Vec3> now) {
   double energy = 0.0;
   for (const Contact &contact : memory.active) {
     const Penalised s = penalised(points, penalty, contact, start, now);
     if (s.gap < 0.0) energy += 0.5 * s.k * s.gap * s.gap;
     if (s.grip > 0.0) {
-      const double size = s.shear.norm();
+      const double size = s.tangentialDisplacement.norm();
       energy += size <= s.elastic ? 0.5 * s.k * size * size : s.grip * (size - 0.5 * s.elastic);
     }
   }
   return energy;
 }
 
-void addContactForces(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+void addContactForces(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                       std::span<const Vec3> start, std::span<const Vec3> now, std::span<Vec3> forces) {
   const Interpolation &b = points.binding;
   forActing(points, memory, penalty, start, now, [&](const Contact &contact, const Penalised &s) {
@@ -100,7 +100,7 @@ void addContactForces(const ContactPoints &points, const ContactMemory &memory, 
   });
 }
 
-void addContactProduct(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+void addContactProduct(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                        std::span<const Vec3> start, std::span<const Vec3> now, std::span<const Vec3> du,
                        std::span<Vec3> out) {
   const Interpolation &b = points.binding;
@@ -114,7 +114,7 @@ void addContactProduct(const ContactPoints &points, const ContactMemory &memory,
   });
 }
 
-void addContactBlocks(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+void addContactBlocks(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                       std::span<const Vec3> start, std::span<const Vec3> now, std::span<Mat3> blocks) {
   const Interpolation &b = points.binding;
   forActing(points, memory, penalty, start, now, [&](const Contact &contact, const Penalised &s) {
@@ -124,7 +124,7 @@ void addContactBlocks(const ContactPoints &points, const ContactMemory &memory, 
   });
 }
 
-void addContactTriplets(const ContactPoints &points, const ContactMemory &memory, const ContactPenalty &penalty,
+void addContactTriplets(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                         std::span<const Vec3> start, std::span<const Vec3> now,
                         std::vector<Eigen::Triplet<double>> &out) {
   const Interpolation &b = points.binding;
@@ -143,7 +143,7 @@ namespace {
 
 // Force on every point; returns the sum of what presses.
 double forcesOnPoints(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                      std::span<const Vec3> now, const ContactMemory &memory, std::vector<Vec3> &out) {
+                      std::span<const Vec3> now, const ContactState &memory, std::vector<Vec3> &out) {
   out.assign(points.count(), Vec3::Zero());
   double pressing = 0.0;
   for (const Contact &contact : memory.active) {
@@ -157,12 +157,12 @@ double forcesOnPoints(const ContactPoints &points, const ContactPenalty &penalty
 }  // namespace
 
 void ContactForces::tell(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                         std::span<const Vec3> now, const ContactMemory &memory) {
+                         std::span<const Vec3> now, const ContactState &memory) {
   (void)forcesOnPoints(points, penalty, start, now, memory, then_);
 }
 
 double ContactForces::changeTo(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                               std::span<const Vec3> now, const ContactMemory &memory) {
+                               std::span<const Vec3> now, const ContactState &memory) {
   const double pressing = forcesOnPoints(points, penalty, start, now, memory, now_);
   double change = 0.0;
   for (std::size_t p = 0; p < now_.size(); ++p) change += (now_[p] - then_[p]).norm();
@@ -171,7 +171,7 @@ double ContactForces::changeTo(const ContactPoints &points, const ContactPenalty
 }
 
 void updateNormalForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                        std::span<const Vec3> now, ContactMemory &memory) {
+                        std::span<const Vec3> now, ContactState &memory) {
   for (Contact &contact : memory.active) {
     const Penalised s = penalised(points, penalty, contact, start, now);
     contact.normalForce = s.gap < 0.0 ? -s.k * s.gap : 0.0;
@@ -180,14 +180,14 @@ void updateNormalForces(const ContactPoints &points, const ContactPenalty &penal
 }
 
 void finishContactStage(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                        std::span<const Vec3> now, ContactMemory &memory) {
+                        std::span<const Vec3> now, ContactState &memory) {
   for (Contact &contact : memory.active) {
     const Penalised s = penalised(points, penalty, contact, start, now);
-    const double size = s.shear.norm();
-    contact.shear = size > s.elastic ? Vec3(s.elastic / size * s.shear) : s.shear;
+    const double size = s.tangentialDisplacement.norm();
+    contact.tangentialDisplacement = size > s.elastic ? Vec3(s.elastic / size * s.tangentialDisplacement) : s.tangentialDisplacement;
     // A trace is left, so that the step which leads it out of the last of it knows that it does.
-    const double left = contact.allowance - kRecoverySpeed * penalty.h, trace = kTrace * penalty.spacing;
-    contact.allowance = left > trace ? left : contact.allowance > trace ? trace : 0.0;
+    const double left = contact.initialPenetration - kRecoverySpeed * penalty.h, trace = kTrace * penalty.spacing;
+    contact.initialPenetration = left > trace ? left : contact.initialPenetration > trace ? trace : 0.0;
   }
 }
 

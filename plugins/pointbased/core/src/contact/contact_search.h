@@ -25,6 +25,6 @@ struct Looked {
 /// Fills memory.active from those that are looked at; see findContacts().
 /// @param count  of all points of the body
 void searchContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
-                    std::size_t count, const Looked &looked, ContactMemory &memory, const ParallelFor &parallelFor);
+                    std::size_t count, const Looked &looked, ContactState &memory, const ParallelFor &parallelFor);
 
 }  // namespace pointbased::detail

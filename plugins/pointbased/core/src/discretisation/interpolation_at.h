@@ -2,7 +2,7 @@
 // One point of an interpolation: what the loops over all points are made of. Private to the core.
 #pragma once
 
-#include "discretisation/completion.h"
+#include "discretisation/rank_deficient_gradient.h"
 #include "pointbased/interpolation.h"
 
 namespace pointbased::detail {

@@ -37,13 +37,13 @@ Mat3 rateAbout(int axis, double angle) {
   return rate;
 }
 
-Vec3 centreOf(const Fix &fix, const HeldPart &part, const Vec3 &origin) {
+Vec3 centreOf(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin) {
   return fix.centre ? Vec3(*fix.centre - origin) : part.centroid;
 }
 
 // The mean φ of the samples around each nearest phyxel; one row per such phyxel that has something free to hold.
 void addPatches(const SurfacePoints &samples, std::span<const Vec3> positions, std::span<const std::uint8_t> isHeld,
-                const ParallelFor &parallelFor, HeldPart &part) {
+                const ParallelFor &parallelFor, ConstrainedRegion &part) {
   const Interpolation binding = bindToCloud(samples.positions, positions, parallelFor);
   const PointTree tree(positions);
   std::vector<Index> nearest(samples.count());
@@ -83,7 +83,7 @@ void addPatches(const SurfacePoints &samples, std::span<const Vec3> positions, s
 
 }  // namespace
 
-RigidMotion motionAt(const Fix &fix, const HeldPart &part, const Vec3 &origin, double s) {
+RigidMotion motionAt(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s) {
   const Vec3 angles = s * kRadians * fix.rotation_deg;
   RigidMotion motion;
   motion.rotation = about(2, angles[2]) * about(1, angles[1]) * about(0, angles[0]);
@@ -92,7 +92,7 @@ RigidMotion motionAt(const Fix &fix, const HeldPart &part, const Vec3 &origin, d
   return motion;
 }
 
-Vec3 motionRate(const Fix &fix, const HeldPart &part, const Vec3 &origin, double s, const Vec3 &X) {
+Vec3 motionRate(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s, const Vec3 &X) {
   const Vec3 rates = kRadians * fix.rotation_deg, angles = s * rates;
   const Mat3 Rx = about(0, angles[0]), Ry = about(1, angles[1]), Rz = about(2, angles[2]);
   const Mat3 rate = rates[2] * rateAbout(2, angles[2]) * Ry * Rx + rates[1] * Rz * rateAbout(1, angles[1]) * Rx +
@@ -100,10 +100,10 @@ Vec3 motionRate(const Fix &fix, const HeldPart &part, const Vec3 &origin, double
   return rate * (X - centreOf(fix, part, origin)) + fix.displacement;
 }
 
-Result<HeldPart> holdCloud(const Region &region, std::span<const Vec3> positions, std::span<const double> volumes,
+Result<ConstrainedRegion> holdCloud(const Region &region, std::span<const Vec3> positions, std::span<const double> volumes,
                            double spacing, const Surface &surface, const ParallelFor &parallelFor) {
   if (const auto valid = validate(region); !valid) return tl::make_unexpected(valid.error());
-  HeldPart part;
+  ConstrainedRegion part;
 
   // Phyxels stand for the volume inside.
   std::vector<std::uint8_t> isHeld(positions.size(), 0);

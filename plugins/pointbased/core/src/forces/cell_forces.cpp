@@ -24,7 +24,7 @@ class CellForces final : public VectorForces {
   CellForces(const StencilSet &stencils, std::span<const Vec3> positions, std::span<const double> masses,
              const Constitution &constitution, const CellPlan &plan)
       : stencils_(stencils), masses_(masses), constitution_(constitution), cells_(sliceCells<T>(stencils, plan)),
-        laws_(lawsOf<T>(constitution)), others_(stencils, positions, constitution_, plan.others),
+        laws_(lawsOf<T>(constitution)), fallback_(stencils, positions, constitution_, plan.others),
         turned_(stencils.axes != Mat3::Identity()) {
     layRows(positions.size());
     stiffnessAtRest_ = largestStiffnessAtRest();
@@ -36,8 +36,8 @@ class CellForces final : public VectorForces {
     job.velocities = fieldOf(v);
     const ScalarLaw scalar = scalarLaw(constitution_);
     forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellForces(job, scalar, begin, end); });
-    if (!others_.empty()) {
-      (void)others_.evaluate(u, v, parallelFor);
+    if (!fallback_.empty()) {
+      (void)fallback_.evaluate(u, v, parallelFor);
       takeOthers(true);
     }
     const double stiffness = collect(masses_, forces, parallelFor);
@@ -50,7 +50,7 @@ class CellForces final : public VectorForces {
     const CellJob<T> job = this->job(u);
     const ScalarLaw scalar = scalarLaw(constitution_);
     forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellEnergies(job, scalar, begin, end); });
-    ElasticEnergy sum = others_.empty() ? ElasticEnergy() : others_.energy(u);
+    ElasticEnergy sum = fallback_.empty() ? ElasticEnergy() : fallback_.energy(u);
     for (std::size_t slice = 0; slice < cells_.count(); ++slice) {
       sum.strain += energies_[2 * slice];
       sum.stabilisation += energies_[2 * slice + 1];
@@ -62,7 +62,7 @@ class CellForces final : public VectorForces {
     tangents_.resize(cells_.count() * kTangentNumbers * kLanes<T>);
     const CellJob<T> job = this->job(u);
     forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellTangents(job, begin, end); });
-    if (!others_.empty()) others_.linearise(u, parallelFor);
+    if (!fallback_.empty()) fallback_.linearise(u, parallelFor);
   }
 
   void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
@@ -71,8 +71,8 @@ class CellForces final : public VectorForces {
     job.viscousScale = static_cast<T>(viscousScale);
     const ScalarLaw scalar = scalarLaw(constitution_);
     forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellProducts(job, scalar, begin, end); });
-    if (!others_.empty()) {
-      others_.differential(du, viscousScale, parallelFor);
+    if (!fallback_.empty()) {
+      fallback_.differential(du, viscousScale, parallelFor);
       takeOthers(false);
     }
     (void)collect({}, df, parallelFor);
@@ -83,7 +83,7 @@ class CellForces final : public VectorForces {
     CellJob<T> job;
     job.cells = &cells_;
     job.laws = laws_;
-    job.modal = controlOf(constitution_, stencils_) == Control::modal;
+    job.hourglass = stabilisationOf(constitution_, stencils_) == Stabilisation::hourglass;
     setAxes(job);
     job.displacements = fieldOf(u);
     job.partials = partials_.data();
@@ -106,9 +106,9 @@ class CellForces final : public VectorForces {
 
   // Which partials every phyxel sums, ascending: those of chunks, then entries of other points.
   void layRows(std::size_t phyxels) {
-    const std::size_t own = cells_.phyxels.size(), all = own + others_.entries().size();
+    const std::size_t own = cells_.phyxels.size(), all = own + fallback_.entries().size();
     const auto phyxelOf = [&](std::size_t place) {
-      return place < own ? cells_.phyxels[place] : stencils_.phyxels.indices[others_.entries()[place - own]];
+      return place < own ? cells_.phyxels[place] : stencils_.phyxels.indices[fallback_.entries()[place - own]];
     };
     rows_.offsets.assign(phyxels + 1, 0);
     for (std::size_t place = 0; place < all; ++place) ++rows_.offsets[phyxelOf(place) + 1];
@@ -140,11 +140,11 @@ class CellForces final : public VectorForces {
   // Forces of the other points into their places, and their stiffness.
   void takeOthers(bool stiffness) {
     T *out = partials_.data() + 4 * cells_.phyxels.size();
-    for (std::size_t k = 0; k < others_.entries().size(); ++k) {
-      const Vec3 f = stencils_.axes.transpose() * others_.force(k);
+    for (std::size_t k = 0; k < fallback_.entries().size(); ++k) {
+      const Vec3 f = stencils_.axes.transpose() * fallback_.force(k);
       for (int c = 0; c < 3; ++c) out[4 * k + static_cast<std::size_t>(c)] = static_cast<T>(f[c]);
-      const Index entry = others_.entries()[k], q = stencils_.pointOfEntry(entry);
-      out[4 * k + 3] = stiffness ? static_cast<T>(others_.ratio(q) * stiffnessOf(q, GradientRows(stencils_, q), entry)) : T(0);
+      const Index entry = fallback_.entries()[k], q = stencils_.pointOfEntry(entry);
+      out[4 * k + 3] = stiffness ? static_cast<T>(fallback_.ratio(q) * stiffnessOf(q, GradientRows(stencils_, q), entry)) : T(0);
     }
   }
 
@@ -173,7 +173,7 @@ class CellForces final : public VectorForces {
   const Constitution constitution_;
   CellSlices<T> cells_;
   std::vector<LawNumbers<T>> laws_;
-  OtherPoints others_;
+  ScalarFallback fallback_;
   bool turned_;
   Csr rows_;                      // [phyxels] places in partials_
   AlignedVector<T> partials_;     // [places][4]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vector forces of clouds.
 #include "forces/kernels/cloud_kernel.h"
-#include "forces/residual.h"
+#include "forces/cloud_stabilisation.h"
 #include "forces/vector_forces_parts.h"
 
 namespace pointbased::detail {
@@ -40,15 +40,15 @@ class CloudForces final : public VectorForces {
   CloudForces(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
               const CloudPlan &plan)
       : stencils_(stencils), positions_(positions), constitution_(constitution), points_(plan.points), materials_(plan.materials), laws_(lawsOf<T>(constitution)),
-        others_(stencils, positions, constitution_, plan.others) {
+        fallback_(stencils, positions, constitution_, plan.others) {
     const std::size_t n = positions.size();
     layPairs(stencils, positions, plan.full);
     layPoints(stencils, positions, plan.full);
     tensors_.assign(16 * n, T(0));
     own_.assign(4 * n, T(0));
     ratios_.resize(materials_.size());
-    for (std::size_t k = 0; k < others_.entries().size(); ++k)
-      phyxelOfOther_.push_back(stencils.phyxels.indices[others_.entries()[k]]);
+    for (std::size_t k = 0; k < fallback_.entries().size(); ++k)
+      phyxelOfOther_.push_back(stencils.phyxels.indices[fallback_.entries()[k]]);
   }
 
   double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, std::span<Vec3> forces,
@@ -61,7 +61,7 @@ class CloudForces final : public VectorForces {
     runLoop(parallelFor, materials_.size(), 1,
             [&](std::size_t begin, std::size_t end) { cloudTensors(job, scalar, begin, end); });
     collect(job, forces, parallelFor);
-    const double others = others_.empty() ? 1.0 : others_.evaluate(u, v, parallelFor);
+    const double others = fallback_.empty() ? 1.0 : fallback_.evaluate(u, v, parallelFor);
     addOthers(forces);
     return largestRatio<T>(ratios_, others);
   }
@@ -79,7 +79,7 @@ class CloudForces final : public VectorForces {
     const ScalarLaw scalar = scalarLaw(constitution_);
     runLoop(parallelFor, materials_.size(), 1,
             [&](std::size_t begin, std::size_t end) { cloudTangents(job, scalar, begin, end); });
-    if (!others_.empty()) others_.linearise(u, parallelFor);
+    if (!fallback_.empty()) fallback_.linearise(u, parallelFor);
   }
 
   void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
@@ -91,7 +91,7 @@ class CloudForces final : public VectorForces {
     runLoop(parallelFor, materials_.size(), 1,
             [&](std::size_t begin, std::size_t end) { cloudProducts(job, scalar, begin, end); });
     collect(job, df, parallelFor);
-    if (!others_.empty()) others_.differential(du, viscousScale, parallelFor);
+    if (!fallback_.empty()) fallback_.differential(du, viscousScale, parallelFor);
     addOthers(df);
   }
 
@@ -131,12 +131,12 @@ class CloudForces final : public VectorForces {
   }
 
   void addOthers(std::span<Vec3> forces) {
-    for (std::size_t k = 0; k < phyxelOfOther_.size(); ++k) forces[phyxelOfOther_[k]] += others_.force(k);
+    for (std::size_t k = 0; k < phyxelOfOther_.size(); ++k) forces[phyxelOfOther_[k]] += fallback_.force(k);
   }
 
   // The stiffness of the control of a point over the factor of its weights; of other points the kernel does nothing.
   double controlOfPoint(const StencilSet &s, std::size_t q, bool full) const {
-    if (!full || detail::controlOf(constitution_, s) != Control::isotropic) return 0.0;
+    if (!full || detail::stabilisationOf(constitution_, s) != Stabilisation::isotropic) return 0.0;
     return s.weightFactors[q] * residualScale(materialOfPoint(constitution_, s, q), constitution_.stabilisation, s.volumes[q]);
   }
 
@@ -197,7 +197,7 @@ class CloudForces final : public VectorForces {
   std::vector<std::uint16_t> materials_;
   AlignedVector<T> numbers_;
   std::vector<LawNumbers<T>> laws_;
-  OtherPoints others_;
+  ScalarFallback fallback_;
   std::vector<Index> phyxelOfOther_;  // [entries of other points]
   AlignedVector<T> displacements_, velocities_, tensors_, own_, ratios_, tangents_;
   std::vector<Mat3> gradients_;  // of energy(); empty before

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/engine.h"
 
-#include "discretisation/completion.h"
+#include "discretisation/rank_deficient_gradient.h"
 #include "forces/point_loops.h"
 
 namespace pointbased {

@@ -3,7 +3,7 @@
 
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
-#include "forces/relaxing_modes.h"
+#include "forces/relaxing_hourglass.h"
 
 namespace pointbased {
 
@@ -12,19 +12,19 @@ using namespace detail;
 namespace {
 
 // What every point of a run does to the phyxels of its stencil; the anchor takes the opposite of the sum.
-template <Control control>
+template <Stabilisation control>
 void pointForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> X,
                  std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
                  std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
-  const ModalEnergy modal(material, stabilisation);
+  const HourglassEnergy hourglass(material, stabilisation);
   const bool linear = material.law == MaterialLaw::linear;
   for (std::size_t q = from; q < to; ++q) {
-    if constexpr (control == Control::modal) {
-      const ModalPoint point(modal, s, q, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u));
+    if constexpr (control == Stabilisation::hourglass) {
+      const ModalPoint point(hourglass, s, q, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u));
       Mat3 stress = stresses[q];
       if (!linear) stress += point.A * point.QD.transpose();
       spread(ModalConjugates(stress, point.FQ * point.D, point.twistStiffness * point.twist), s, q, entryForces);
-    } else if constexpr (control == Control::isotropic) {
+    } else if constexpr (control == Stabilisation::isotropic) {
       Mat3 stress = stresses[q];
       const double scale = s.rank[q] > 0 ? residualScale(material, stabilisation, s.volumes[q]) : 0.0;
       const ResidualPoint residual(s, q, gradients[q]);
@@ -44,15 +44,15 @@ void pointForces(const Material &material, double stabilisation, const StencilSe
 // The same of lattice cells whose modes relax.
 void relaxingForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> u,
                     std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                    std::span<const ModalStrain> relaxed, std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
+                    std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
   const RelaxingModes modes(material, stabilisation, 0.0);
   const bool linear = material.law == MaterialLaw::linear;
   for (std::size_t q = from; q < to; ++q) {
     const RelaxingModalPoint point(modes, s, q, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u),
-                                   relaxed.empty() ? ModalStrain(ModalStrain::Zero()) : relaxed[q]);
+                                   relaxed.empty() ? HourglassStrain(HourglassStrain::Zero()) : relaxed[q]);
     Mat3 stress = stresses[q];
     if (!linear) stress += point.A * point.QD.transpose();
-    const ModalStrain pull = point.FQ * point.D;
+    const HourglassStrain pull = point.FQ * point.D;
     spread(ModalConjugates(stress, pull.leftCols<3>(), pull.col(3)), s, q, entryForces);
   }
 }
@@ -63,16 +63,16 @@ namespace detail {
 
 void entryForcesOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                    std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                   std::span<const ModalStrain> relaxed, std::span<Vec3> entryForces, const ParallelFor &parallelFor) {
-  const Control control = controlOf(constitution, s);
+                   std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces, const ParallelFor &parallelFor) {
+  const Stabilisation control = stabilisationOf(constitution, s);
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
-      if (control == Control::modal && material.relaxes())
+      if (control == Stabilisation::hourglass && material.relaxes())
         return relaxingForces(material, constitution.stabilisation, s, u, gradients, stresses, relaxed, entryForces, from,
                               to);
-      const auto run = control == Control::modal       ? pointForces<Control::modal>
-                       : control == Control::isotropic ? pointForces<Control::isotropic>
-                                                       : pointForces<Control::none>;
+      const auto run = control == Stabilisation::hourglass       ? pointForces<Stabilisation::hourglass>
+                       : control == Stabilisation::isotropic ? pointForces<Stabilisation::isotropic>
+                                                       : pointForces<Stabilisation::none>;
       run(material, constitution.stabilisation, s, X, u, gradients, stresses, entryForces, from, to);
     });
   });
@@ -83,7 +83,7 @@ void entryForcesOf(const Constitution &constitution, const StencilSet &s, std::s
 void internalForces(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                     std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
                     std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor,
-                    std::span<const ModalStrain> relaxed) {
+                    std::span<const HourglassStrain> relaxed) {
   entryForcesOf(constitution, s, X, u, gradients, stresses, relaxed, entryForces, parallelFor);
   gather<Vec3>(s, entryForces, forces, parallelFor);
 }

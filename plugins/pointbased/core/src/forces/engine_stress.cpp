@@ -15,14 +15,14 @@ using namespace detail;
 namespace {
 
 // The present stiffness of a point against rest: of its law, and of its modes, which stiffen with the stretch.
-double ratioAt(const Material &material, const Mat3 &F, bool modal) {
+double ratioAt(const Material &material, const Mat3 &F, bool hourglass) {
   const double ratio = tangentRatio(material, F);
-  return modal ? std::max(ratio, largestEigenvalueBound(F.transpose() * F)) : ratio;
+  return hourglass ? std::max(ratio, largestEigenvalueBound(F.transpose() * F)) : ratio;
 }
 
-double ratioAt(const Material &material, const Mat3 &F, const Mat3 &plasticInverse, bool modal) {
+double ratioAt(const Material &material, const Mat3 &F, const Mat3 &plasticInverse, bool hourglass) {
   const double ratio = elastoplasticTangentRatio(material, F, plasticInverse);
-  return modal ? std::max(ratio, largestEigenvalueBound(F.transpose() * F)) : ratio;
+  return hourglass ? std::max(ratio, largestEigenvalueBound(F.transpose() * F)) : ratio;
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ double ratioAt(const Material &material, const Mat3 &F, const Mat3 &plasticInver
 double pointStresses(const Constitution &constitution, const StencilSet &s, std::span<const Mat3> gradients,
                      std::span<const Mat3> rates, const PointHistory &before, double dt, PointHistory *after,
                      std::span<Mat3> out, std::span<double> ratios, const ParallelFor &parallelFor) {
-  const bool modal = controlOf(constitution, s) == Control::modal;
+  const bool hourglass = stabilisationOf(constitution, s) == Stabilisation::hourglass;
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
       const PointResponse response(material, s, before, dt, !rates.empty());
@@ -40,7 +40,7 @@ double pointStresses(const Constitution &constitution, const StencilSet &s, std:
           for (std::size_t q = from; q < to; ++q) {
             const Mat3 F = lawGradient(law, s, q, gradients[q]);
             out[q] = s.volumes[q] * law.stress(moduli, F);
-            ratios[q] = ratioAt(material, F, modal);
+            ratios[q] = ratioAt(material, F, hourglass);
           }
         });
       } else {
@@ -49,8 +49,8 @@ double pointStresses(const Constitution &constitution, const StencilSet &s, std:
           PronyPoint *memory = response.relaxing && after ? &after->prony[q] : &fresh;
           const Mat3 P = response.stress(q, gradients[q], rates.empty() ? Mat3(Mat3::Zero()) : rates[q], *memory);
           out[q] = s.volumes[q] * P;
-          ratios[q] = response.plastic ? ratioAt(material, gradients[q], before.plasticInverse[q], modal)
-                                       : ratioAt(material, gradients[q], modal);
+          ratios[q] = response.plastic ? ratioAt(material, gradients[q], before.plasticInverse[q], hourglass)
+                                       : ratioAt(material, gradients[q], hourglass);
         }
       }
       if (!response.relaxing && after && after != &before && !before.prony.empty())
@@ -98,7 +98,7 @@ ElasticEnergy detail::elasticEnergyOf(const Constitution &constitution, const St
                                       const PointHistory &history, std::span<Eigen::Vector2d> perPoint, std::size_t begin,
                                       std::size_t end) {
   ElasticEnergy energy;
-  const Control control = controlOf(constitution, s);
+  const Stabilisation control = stabilisationOf(constitution, s);
   for (std::size_t q = begin; q < end; ++q) {
     const Material &material = materialOfPoint(constitution, s, q);
     const bool linear = material.law == MaterialLaw::linear;
@@ -108,16 +108,16 @@ ElasticEnergy detail::elasticEnergyOf(const Constitution &constitution, const St
         s.volumes[q] *
         (plastic ? elastoplasticEnergyDensity(material, F, history.plasticInverse[q]) : energyDensity(material, F));
     double stabilisation = 0.0;
-    if (control == Control::modal && material.relaxes()) {
+    if (control == Stabilisation::hourglass && material.relaxes()) {
       const RelaxingModalPoint point(RelaxingModes(material, constitution.stabilisation, 0.0), s, q,
                                      linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u),
-                                     ModalStrain(ModalStrain::Zero()));
+                                     HourglassStrain(HourglassStrain::Zero()));
       stabilisation = 0.5 * point.strain.cwiseProduct(point.D).sum();
-    } else if (control == Control::modal) {
-      stabilisation = ModalPoint(ModalEnergy(material, constitution.stabilisation), s, q,
+    } else if (control == Stabilisation::hourglass) {
+      stabilisation = ModalPoint(HourglassEnergy(material, constitution.stabilisation), s, q,
                                  linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u))
                           .energy;
-    } else if (control == Control::isotropic && s.rank[q] > 0) {
+    } else if (control == Stabilisation::isotropic && s.rank[q] > 0) {
       const ResidualPoint residual(s, q, gradients[q]);
       const Index first = s.phyxels.offsets[q], anchor = s.phyxels.indices[first];
       double sum = 0.0;

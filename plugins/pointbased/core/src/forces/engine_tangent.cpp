@@ -3,7 +3,7 @@
 
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
-#include "forces/relaxing_modes.h"
+#include "forces/relaxing_hourglass.h"
 
 namespace pointbased {
 
@@ -18,25 +18,25 @@ struct Field {
 };
 
 // Change of what a point pulls its phyxels with; dP is v dP of its stress.
-template <Control control>
-void spreadChange(const Material &material, double stabilisation, const ModalEnergy &modal, const StencilSet &s,
+template <Stabilisation control>
+void spreadChange(const Material &material, double stabilisation, const HourglassEnergy &hourglass, const StencilSet &s,
                   std::size_t q, const Field &field, const Mat3 &dFit, Mat3 dP, const Amplitudes &dA,
                   std::span<Vec3> entries) {
   const Mat3 &F = field.gradients[q];
-  if constexpr (control == Control::modal) {
+  if constexpr (control == Stabilisation::hourglass) {
     const bool linear = material.law == MaterialLaw::linear;
-    const ModalPoint point(modal, s, q, linear ? Mat3(Mat3::Identity()) : F, amplitudes(s, q, field.displacements));
+    const ModalPoint point(hourglass, s, q, linear ? Mat3(Mat3::Identity()) : F, amplitudes(s, q, field.displacements));
     const Mat3 dModes = dA.topLeftCorner<3, 3>();
     Mat3 dB = point.FQ.transpose() * dModes;
     if (!linear) dB += (dFit * s.axes).transpose() * point.A;
-    const Mat3 dD = modal.conjugate(dB, point.vs);
+    const Mat3 dD = hourglass.conjugate(dB, point.vs);
     Mat3 dC = point.FQ * dD;
     if (!linear) {
       dC += dFit * point.QD;
       dP += dModes * point.QD.transpose() + point.A * (s.axes * dD).transpose();
     }
     spread(ModalConjugates(dP, dC, point.twistStiffness * dA.topRightCorner<3, 1>()), s, q, entries);
-  } else if constexpr (control == Control::isotropic) {
+  } else if constexpr (control == Stabilisation::isotropic) {
     const double scale = s.rank[q] > 0 ? residualScale(material, stabilisation, s.volumes[q]) : 0.0;
     const ResidualPoint residual(s, q, F);
     Mat3 dF = dFit;
@@ -57,12 +57,12 @@ void spreadChange(const Material &material, double stabilisation, const ModalEne
   }
 }
 
-template <Control control>
+template <Stabilisation control>
 void fittedChange(const StencilSet &s, std::size_t q, std::span<const Vec3> du, Mat3 &dFit, Amplitudes &dA) {
   const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
   const Vec3 anchor = du[s.phyxels.indices[first]];
   const GradientRows gradients(s, q);
-  if constexpr (control == Control::modal) {
+  if constexpr (control == Stabilisation::hourglass) {
     const ModeRows modes(s, q);
     Eigen::Matrix<double, 4, 7> all = Eigen::Matrix<double, 4, 7>::Zero();
     for (Index e = first + 1; e < last; ++e) {
@@ -79,11 +79,11 @@ void fittedChange(const StencilSet &s, std::size_t q, std::span<const Vec3> du, 
   }
 }
 
-template <Control control>
+template <Stabilisation control>
 void runChange(const Material &material, double stabilisation, const StencilSet &s, const Field &field,
                const PointHistory &history, double dt, double viscousScale, std::span<Vec3> entries, std::size_t from,
                std::size_t to) {
-  const ModalEnergy modal(material, stabilisation);
+  const HourglassEnergy hourglass(material, stabilisation);
   const PointResponse response(material, s, history, dt, viscousScale > 0.0);
   const auto loop = [&](auto &&stressChange) {
     for (std::size_t q = from; q < to; ++q) {
@@ -91,7 +91,7 @@ void runChange(const Material &material, double stabilisation, const StencilSet 
       Amplitudes dA;
       fittedChange<control>(s, q, field.change, dFit, dA);
       const Mat3 dP = s.volumes[q] * stressChange(q, dFit);
-      spreadChange<control>(material, stabilisation, modal, s, q, field, dFit, dP, dA, entries);
+      spreadChange<control>(material, stabilisation, hourglass, s, q, field, dFit, dP, dA, entries);
     }
   };
   if (response.elastic()) {
@@ -115,21 +115,21 @@ void runRelaxingChange(const Material &material, double stabilisation, const Ste
                        const PointHistory &history, double dt, double viscousScale, std::span<Vec3> entries,
                        std::size_t from, std::size_t to) {
   const PointResponse response(material, s, history, dt, viscousScale > 0.0);
-  const PronyStep step = response.modalStep();
+  const PronyStep step = response.hourglassStep();
   const RelaxingModes modes(material, stabilisation, step.freshSum);
   const bool linear = material.law == MaterialLaw::linear;
   for (std::size_t q = from; q < to; ++q) {
     Mat3 dFit;
     Amplitudes dA;
-    fittedChange<Control::modal>(s, q, field.change, dFit, dA);
+    fittedChange<Stabilisation::hourglass>(s, q, field.change, dFit, dA);
     const Mat3 &F = field.gradients[q];
     const RelaxingModalPoint point(modes, s, q, linear ? Mat3(Mat3::Identity()) : F, amplitudes(s, q, field.displacements),
-                                   response.modalPast(q));
-    const ModalStrain dModes = dA.topRows<3>();
-    ModalStrain dStrain = point.FQ.transpose() * dModes;
+                                   response.hourglassPast(q));
+    const HourglassStrain dModes = dA.topRows<3>();
+    HourglassStrain dStrain = point.FQ.transpose() * dModes;
     if (!linear) dStrain += (dFit * s.axes).transpose() * point.A;
-    const ModalStrain dD = modes.conjugate(dStrain, s.volumes[q], s.spreads[q]);
-    ModalStrain dC = point.FQ * dD;
+    const HourglassStrain dD = modes.conjugate(dStrain, s.volumes[q], s.variances[q]);
+    HourglassStrain dC = point.FQ * dD;
     Mat3 dP = s.volumes[q] * response.differential(q, F, dFit, viscousScale);
     if (!linear) {
       dC += dFit * point.QD;
@@ -148,15 +148,15 @@ void entryDifferentialsOf(const Constitution &constitution, const StencilSet &s,
                           double viscousScale, std::span<const Vec3> du, std::span<Vec3> entries,
                           const ParallelFor &parallelFor) {
   const Field field{X, u, gradients, du};
-  const Control control = controlOf(constitution, s);
+  const Stabilisation control = stabilisationOf(constitution, s);
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
-      if (control == Control::modal && material.relaxes())
+      if (control == Stabilisation::hourglass && material.relaxes())
         return runRelaxingChange(material, constitution.stabilisation, s, field, history, dt, viscousScale, entries, from,
                                  to);
-      const auto run = control == Control::modal       ? runChange<Control::modal>
-                       : control == Control::isotropic ? runChange<Control::isotropic>
-                                                       : runChange<Control::none>;
+      const auto run = control == Stabilisation::hourglass       ? runChange<Stabilisation::hourglass>
+                       : control == Stabilisation::isotropic ? runChange<Stabilisation::isotropic>
+                                                       : runChange<Stabilisation::none>;
       run(material, constitution.stabilisation, s, field, history, dt, viscousScale, entries, from, to);
     });
   });

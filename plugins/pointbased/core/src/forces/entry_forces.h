@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a point's stress and modal forces reach the phyxels of its stencil. Private to the core.
+// How a point's stress and hourglass forces reach the phyxels of its stencil. Private to the core.
 #pragma once
 
-#include "forces/modes.h"
+#include "forces/hourglass_energy.h"
 #include "pointbased/engine.h"
 
 namespace pointbased::detail {
@@ -10,7 +10,7 @@ namespace pointbased::detail {
 /// The part of internalForces() up to the entries, for the points that parallelFor runs over.
 void entryForcesOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                    std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                   std::span<const ModalStrain> relaxed, std::span<Vec3> entryForces, const ParallelFor &parallelFor);
+                   std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces, const ParallelFor &parallelFor);
 
 /// The part of forceDifferential() up to the entries, likewise.
 void entryDifferentialsOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,

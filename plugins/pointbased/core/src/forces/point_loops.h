@@ -50,12 +50,12 @@ void gather(const StencilSet &s, std::span<const T> entries, std::span<T> out, c
 }
 
 /// Which energy controls the modes that one evaluation per point cannot see.
-enum class Control { none, modal, isotropic };
+enum class Stabilisation { none, hourglass, isotropic };
 
-inline Control controlOf(const Constitution &constitution, const StencilSet &s) {
-  if (!(constitution.stabilisation > 0.0)) return Control::none;
-  if (s.isLattice()) return Control::modal;
-  return s.weights.empty() ? Control::none : Control::isotropic;
+inline Stabilisation stabilisationOf(const Constitution &constitution, const StencilSet &s) {
+  if (!(constitution.stabilisation > 0.0)) return Stabilisation::none;
+  if (s.isLattice()) return Stabilisation::hourglass;
+  return s.weights.empty() ? Stabilisation::none : Stabilisation::isotropic;
 }
 
 }  // namespace pointbased::detail

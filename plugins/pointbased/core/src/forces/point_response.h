@@ -2,12 +2,12 @@
 // Stress of one point and its change, with what the material remembers. Private to the core.
 #pragma once
 
-#include "discretisation/completion.h"
-#include "forces/modes.h"
+#include "discretisation/rank_deficient_gradient.h"
+#include "forces/hourglass_energy.h"
 #include "pointbased/plasticity.h"
 #include "forces/point_loops.h"
-#include "forces/relaxing_modes.h"
-#include "forces/residual.h"
+#include "forces/relaxing_hourglass.h"
+#include "forces/cloud_stabilisation.h"
 
 namespace pointbased::detail {
 
@@ -76,9 +76,9 @@ struct PointResponse {
   [[nodiscard]] bool elastic() const { return !plastic && !relaxing && !viscous; }
 
   /// Of the modes, which relax where there is a memory of them.
-  [[nodiscard]] PronyStep modalStep() const { return before.modes.empty() ? PronyStep() : step; }
-  [[nodiscard]] ModalStrain modalPast(std::size_t q) const {
-    return before.modes.empty() ? ModalStrain(ModalStrain::Zero()) : pastOf(step, before.modes[q]);
+  [[nodiscard]] PronyStep hourglassStep() const { return before.modes.empty() ? PronyStep() : step; }
+  [[nodiscard]] HourglassStrain hourglassPast(std::size_t q) const {
+    return before.modes.empty() ? HourglassStrain(HourglassStrain::Zero()) : pastOf(step, before.modes[q]);
   }
 
   /// P with history, Pa.

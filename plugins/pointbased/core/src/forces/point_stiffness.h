@@ -13,7 +13,7 @@ using Matrix9 = Eigen::Matrix<double, 9, 9>;
 /// A symmetric matrix without its negative eigenvalues.
 Matrix9 positivePart(const Matrix9 &C);
 
-/// K_jl = Σ g_jc g_ld C_cd + B_j^T H B_l + twist γ_j γ_l: C the 9x9 tangent of v P, B_j the change of B (ModalEnergy) by the
+/// K_jl = Σ g_jc g_ld C_cd + B_j^T H B_l + twist γ_j γ_l: C the 9x9 tangent of v P, B_j the change of B (HourglassEnergy) by the
 /// displacement of entry j.
 ///
 /// The isotropic control adds scale Σ_k w_k c_kj c_kl, c_kj = δ_kj - δ_aj - g_j (X_k - X_a): what r_k changes by. At flat
@@ -32,19 +32,19 @@ class PointStiffness {
   PointStiffness(const Constitution &constitution, const StencilSet &s, std::size_t q, std::span<const Vec3> X,
                  std::span<const Vec3> u, std::span<const Mat3> gradients, const PointResponse &response,
                  double viscousScale)
-      : s_(s), q_(q), gradientRows_(s, q), modeRows_(s, q), X_(X), control_(controlOf(constitution, s)),
+      : s_(s), q_(q), gradientRows_(s, q), modeRows_(s, q), X_(X), control_(stabilisationOf(constitution, s)),
         modal_(response.material, constitution.stabilisation),
         linear_(response.material.law == MaterialLaw::linear),
         point_(modal_, s, q, linear_ ? Mat3(Mat3::Identity()) : gradients[q],
-               control_ == Control::modal ? amplitudes(s, q, u) : Amplitudes(Amplitudes::Zero()),
-               control_ == Control::modal ? s.spreads[q] : Vec3(Vec3::Zero())) {
-    if (control_ == Control::modal && response.material.relaxes()) {
-      relaxing_.emplace(response.material, constitution.stabilisation, response.modalStep().freshSum);
+               control_ == Stabilisation::hourglass ? amplitudes(s, q, u) : Amplitudes(Amplitudes::Zero()),
+               control_ == Stabilisation::hourglass ? s.variances[q] : Vec3(Vec3::Zero())) {
+    if (control_ == Stabilisation::hourglass && response.material.relaxes()) {
+      relaxing_.emplace(response.material, constitution.stabilisation, response.hourglassStep().freshSum);
       const RelaxingModalPoint point(*relaxing_, s, q, linear_ ? Mat3(Mat3::Identity()) : gradients[q],
-                                     amplitudes(s, q, u), response.modalPast(q));
+                                     amplitudes(s, q, u), response.hourglassPast(q));
       point_.QD = point.QD.leftCols<3>();
       twistQD_ = point.QD.col(3);
-      point_.twistStiffness = relaxing_->present().twist(s.volumes[q], s.spreads[q]);
+      point_.twistStiffness = relaxing_->present().twist(s.volumes[q], s.variances[q]);
     }
     const bool flat = s.rank[q] < 3;
     const Mat3 seen = flat ? seenDirections(s.rank[q], frameOfPoint(s, q)) : Mat3(Mat3::Identity());
@@ -57,7 +57,7 @@ class PointStiffness {
       elastic_.col(c) = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(dP.data());
     }
     elastic_ = Matrix9(0.5 * (elastic_ + elastic_.transpose()));
-    if (control_ == Control::isotropic && s.rank[q] > 0) {
+    if (control_ == Stabilisation::isotropic && s.rank[q] > 0) {
       scale_ = residualScale(response.material, constitution.stabilisation, s.volumes[q]);
       const ResidualPoint residual(s, q, gradients[q]);
       visible_ = residual.visibleDirections();
@@ -77,7 +77,7 @@ class PointStiffness {
     Entry out;
     const Vec3 &g = gradientRows_[e];
     out.stress = g[0] * elastic_.leftCols<3>() + g[1] * elastic_.middleCols<3>(3) + g[2] * elastic_.rightCols<3>();
-    if (control_ != Control::modal) return out;
+    if (control_ != Stabilisation::hourglass) return out;
     const Vec3 row = modeRows_[e].head<3>(), turned = s_.axes.transpose() * g;
     for (int i = 0; i < 3; ++i) {
       Mat3 dB = point_.FQ.row(i).transpose() * row.transpose();
@@ -98,7 +98,7 @@ class PointStiffness {
   [[nodiscard]] Mat3 block(Index j, const Entry &ofJ, Index l, const Entry &ofL) const {
     const Vec3 &g = gradientRows_[j];
     Mat3 K = g[0] * ofL.stress.topRows<3>() + g[1] * ofL.stress.middleRows<3>(3) + g[2] * ofL.stress.bottomRows<3>();
-    if (control_ == Control::modal) {
+    if (control_ == Stabilisation::hourglass) {
       // Eigen takes its product of large matrices from this size on, which costs ten times as much here.
       K += ofJ.modes.transpose().lazyProduct(ofL.conjugate);
       if (relaxing_)
@@ -113,7 +113,7 @@ class PointStiffness {
 
   /// What the second derivative of B adds to the diagonal block of an entry.
   [[nodiscard]] double curvature(Index e) const {
-    if (control_ != Control::modal || linear_) return 0.0;
+    if (control_ != Stabilisation::hourglass || linear_) return 0.0;
     double sum = 2.0 * gradientRows_[e].dot(point_.QD * modeRows_[e].head<3>());
     if (relaxing_) sum += 2.0 * modeRows_[e][3] * gradientRows_[e].dot(twistQD_);
     return sum;
@@ -143,8 +143,8 @@ class PointStiffness {
   GradientRows gradientRows_;
   ModeRows modeRows_;
   std::span<const Vec3> X_;
-  Control control_;
-  ModalEnergy modal_;
+  Stabilisation control_;
+  HourglassEnergy modal_;
   bool linear_;
   ModalPoint point_;
   std::optional<RelaxingModes> relaxing_;

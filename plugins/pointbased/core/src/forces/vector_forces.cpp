@@ -36,7 +36,7 @@ kernels::ScalarLaw scalarLaw(const Constitution &constitution) {
   return law;
 }
 
-OtherPoints::OtherPoints(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
+ScalarFallback::ScalarFallback(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
                          std::span<const Index> points)
     : stencils_(stencils), positions_(positions), constitution_(constitution) {
   if (points.empty()) return;
@@ -54,7 +54,7 @@ OtherPoints::OtherPoints(const StencilSet &stencils, std::span<const Vec3> posit
   ratios_.assign(stencils.pointCount(), 1.0);
 }
 
-ParallelFor OtherPoints::loop(const ParallelFor &parallelFor) const {
+ParallelFor ScalarFallback::loop(const ParallelFor &parallelFor) const {
   return [this, &parallelFor](std::size_t, std::size_t, const std::function<void(std::size_t, std::size_t)> &body) {
     const auto some = [&](std::size_t begin, std::size_t end) {
       for (std::size_t r = begin; r < end; ++r) body(runs_[r].first, runs_[r].second);
@@ -63,7 +63,7 @@ ParallelFor OtherPoints::loop(const ParallelFor &parallelFor) const {
   };
 }
 
-double OtherPoints::evaluate(std::span<const Vec3> u, std::span<const Vec3> v, const ParallelFor &parallelFor) {
+double ScalarFallback::evaluate(std::span<const Vec3> u, std::span<const Vec3> v, const ParallelFor &parallelFor) {
   const ParallelFor own = loop(parallelFor);
   deformationGradients(stencils_, u, gradients_, own);
   rates_.resize(v.empty() ? 0 : gradients_.size());
@@ -74,17 +74,17 @@ double OtherPoints::evaluate(std::span<const Vec3> u, std::span<const Vec3> v, c
   return ratio;
 }
 
-void OtherPoints::linearise(std::span<const Vec3> u, const ParallelFor &parallelFor) {
+void ScalarFallback::linearise(std::span<const Vec3> u, const ParallelFor &parallelFor) {
   linearisedAt_.assign(u.begin(), u.end());
   deformationGradients(stencils_, linearisedAt_, gradients_, loop(parallelFor));
 }
 
-void OtherPoints::differential(std::span<const Vec3> du, double viscousScale, const ParallelFor &parallelFor) {
+void ScalarFallback::differential(std::span<const Vec3> du, double viscousScale, const ParallelFor &parallelFor) {
   entryDifferentialsOf(constitution_, stencils_, positions_, linearisedAt_, gradients_, PointHistory(), 0.0, viscousScale, du,
                        entryForces_, loop(parallelFor));
 }
 
-ElasticEnergy OtherPoints::energy(std::span<const Vec3> u) const {
+ElasticEnergy ScalarFallback::energy(std::span<const Vec3> u) const {
   std::vector<Mat3> gradients(stencils_.pointCount());
   ElasticEnergy sum;
   for (const auto &[begin, end] : runs_) {

@@ -41,9 +41,9 @@ template <class T>
 }
 
 /// Points that no kernel takes, answered by the scalar engine.
-class OtherPoints {
+class ScalarFallback {
  public:
-  OtherPoints(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
+  ScalarFallback(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
               std::span<const Index> points);
   [[nodiscard]] bool empty() const { return runs_.empty(); }
   /// Their entries, in the order of forces().

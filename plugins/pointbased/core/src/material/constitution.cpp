@@ -25,11 +25,11 @@ bool Constitution::plastic() const {
   return anyOf(*this, [](const Material &m) { return m.plastic.enabled(); });
 }
 
-void PointHistory::reset(const Constitution &constitution, std::size_t points, bool modal) {
+void PointHistory::reset(const Constitution &constitution, std::size_t points, bool hourglass) {
   plasticInverse.assign(constitution.plastic() ? points : 0, Mat3::Identity());
   plasticBefore.clear();
   prony.assign(constitution.relaxing() ? points : 0, PronyPoint());
-  modes.assign(constitution.relaxing() && modal ? points : 0, ModalMemory());
+  modes.assign(constitution.relaxing() && hourglass ? points : 0, HourglassHistory());
 }
 
 }  // namespace pointbased

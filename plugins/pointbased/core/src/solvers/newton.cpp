@@ -29,13 +29,13 @@ constexpr int kPatience = 6;               // iterations without progress
 }  // namespace
 
 struct NewtonSolver::Impl {
-  detail::PreconditionerKeeper keeper;
+  detail::AdaptivePreconditioner keeper;
   detail::ConjugateGradients linear;
   std::vector<Vec3> gradient, right, direction, trial, trialGradient;
   const StopRequest *stop = nullptr;  // of the present solve
 
-  NewtonResult solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
-                     const std::function<bool(const NewtonResult &)> &goOn);
+  NewtonResult solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
+                     const std::function<bool(const NewtonResult &)> &shouldContinue);
 
  private:
   struct Direction {
@@ -49,10 +49,10 @@ struct NewtonSolver::Impl {
     detail::Largest residual;
   };
 
-  bool gradientHere(Equilibrium &problem, std::vector<Vec3> &out, Evaluation &at);
-  bool tryAt(Equilibrium &problem, std::span<const Vec3> u, double scale, double &energy);
-  Direction findDirection(Equilibrium &problem, const NewtonSettings &settings, double forcing, NewtonResult &result);
-  double search(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings, Evaluation &at, bool grow);
+  bool gradientHere(IncrementalPotential &problem, std::vector<Vec3> &out, Evaluation &at);
+  bool tryAt(IncrementalPotential &problem, std::span<const Vec3> u, double scale, double &energy);
+  Direction findDirection(IncrementalPotential &problem, const NewtonSettings &settings, double forcing, NewtonResult &result);
+  double search(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings, Evaluation &at, bool grow);
 };
 
 NewtonSolver::NewtonSolver() : impl_(std::make_unique<Impl>()) {}
@@ -61,10 +61,10 @@ NewtonSolver::NewtonSolver(NewtonSolver &&) noexcept = default;
 NewtonSolver &NewtonSolver::operator=(NewtonSolver &&) noexcept = default;
 void NewtonSolver::forget() { impl_->keeper.forget(); }
 
-NewtonResult NewtonSolver::solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
-                                 const std::function<bool(const NewtonResult &)> &goOn) {
+NewtonResult NewtonSolver::solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
+                                 const std::function<bool(const NewtonResult &)> &shouldContinue) {
   try {
-    return impl_->solve(problem, u, settings, goOn);
+    return impl_->solve(problem, u, settings, shouldContinue);
   } catch (const Stopped &) {
     forget();  // a factorisation may be half done
     throw;
@@ -74,7 +74,7 @@ NewtonResult NewtonSolver::solve(Equilibrium &problem, std::span<Vec3> u, const 
 namespace {
 
 // Change of the energy that may be nothing but round-off.
-double noise(const Equilibrium &problem, double a, double b) {
+double noise(const IncrementalPotential &problem, double a, double b) {
   return kRounding * (std::abs(a) + std::abs(b)) + problem.roundOff();
 }
 
@@ -86,7 +86,7 @@ void clearPrescribed(std::span<const std::uint8_t> prescribed, std::span<Vec3> v
 }  // namespace
 
 // Gradient of free phyxels where the problem stands.
-bool NewtonSolver::Impl::gradientHere(Equilibrium &problem, std::vector<Vec3> &out, Evaluation &at) {
+bool NewtonSolver::Impl::gradientHere(IncrementalPotential &problem, std::vector<Vec3> &out, Evaluation &at) {
   problem.gradient(out);
   clearPrescribed(problem.prescribed(), out);
   at.residual = detail::largest(out);
@@ -95,16 +95,16 @@ bool NewtonSolver::Impl::gradientHere(Equilibrium &problem, std::vector<Vec3> &o
 }
 
 // Moves to u + scale direction.
-bool NewtonSolver::Impl::tryAt(Equilibrium &problem, std::span<const Vec3> u, double scale, double &energy) {
+bool NewtonSolver::Impl::tryAt(IncrementalPotential &problem, std::span<const Vec3> u, double scale, double &energy) {
   endIfRaised(stop);
   trial.assign(u.begin(), u.end());
   addScaled(scale, direction, trial);
-  if (!problem.moveTo(trial)) return false;
+  if (!problem.setState(trial)) return false;
   energy = problem.energy();
   return std::isfinite(energy);
 }
 
-NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(Equilibrium &problem, const NewtonSettings &settings,
+NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPotential &problem, const NewtonSettings &settings,
                                                                 double forcing, NewtonResult &result) {
   const std::size_t n = gradient.size();
   const std::span<const std::uint8_t> prescribed = problem.prescribed();
@@ -127,9 +127,9 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(Equilibrium &pro
   for (;;) {
     const int most = settings.maxLinearIterations - linear.iterations();
     const int spent = linear.iterations() - before;
-    const int patience = keeper.patience(out.tolerance, settings.maxLinearIterations) - spent;
-    end = linear.run(product, precondition, out.tolerance, std::max(0, std::min(most, patience)));
-    if (end == LinearEnd::iterations && patience < most) {  // what there is serves badly: something new is cheaper
+    const int iterationBudget = keeper.iterationBudget(out.tolerance, settings.maxLinearIterations) - spent;
+    end = linear.run(product, precondition, out.tolerance, std::max(0, std::min(most, iterationBudget)));
+    if (end == LinearEnd::iterations && iterationBudget < most) {  // what there is serves badly: something new is cheaper
       keeper.book(linear.iterations() - before, out.tolerance, false);
       keeper.renew(problem, settings.stop);
       before = linear.iterations();
@@ -165,7 +165,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(Equilibrium &pro
 
 // Finds how far along the direction to go, moves u there, and leaves the problem, the gradient and `at` there. Returns the
 // scale, or 0: nothing found, all is as it was. `grow`: the direction has no natural length, try longer ones.
-double NewtonSolver::Impl::search(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
+double NewtonSolver::Impl::search(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
                                   Evaluation &at, bool grow) {
   const double slope = dot(gradient, direction);
   const double length = detail::largest(direction).value;
@@ -199,7 +199,7 @@ double NewtonSolver::Impl::search(Equilibrium &problem, std::span<Vec3> u, const
     scale = std::isfinite(lowest) ? std::clamp(lowest, 0.1 * scale, 0.5 * scale) : 0.5 * scale;
   }
   if (!found) {
-    (void)problem.moveTo(u);
+    (void)problem.setState(u);
     return 0.0;
   }
 
@@ -220,7 +220,7 @@ double NewtonSolver::Impl::search(Equilibrium &problem, std::span<Vec3> u, const
       next.energy = longer.energy;
     }
     if (!tryAt(problem, u, 1.0, next.energy) || !gradientHere(problem, trialGradient, next)) {
-      (void)problem.moveTo(u);
+      (void)problem.setState(u);
       return 0.0;
     }
   }
@@ -231,8 +231,8 @@ double NewtonSolver::Impl::search(Equilibrium &problem, std::span<Vec3> u, const
   return scale;
 }
 
-NewtonResult NewtonSolver::Impl::solve(Equilibrium &problem, std::span<Vec3> u, const NewtonSettings &settings,
-                                       const std::function<bool(const NewtonResult &)> &goOn) {
+NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
+                                       const std::function<bool(const NewtonResult &)> &shouldContinue) {
   NewtonResult result;
   stop = settings.stop;
   const std::size_t n = problem.phyxels();
@@ -251,7 +251,7 @@ NewtonResult NewtonSolver::Impl::solve(Equilibrium &problem, std::span<Vec3> u, 
     result.factorisations = keeper.factorisations() - factorisationsBefore;
   };
   if (n == 0) return end(NewtonOutcome::converged);
-  const bool evaluated = u.size() == n && problem.moveTo(u) && std::isfinite(at.energy = problem.energy());
+  const bool evaluated = u.size() == n && problem.setState(u) && std::isfinite(at.energy = problem.energy());
   if (!evaluated) {
     const detail::Largest where = detail::largest(u);
     result.residual = std::numeric_limits<double>::quiet_NaN();
@@ -272,7 +272,7 @@ NewtonResult NewtonSolver::Impl::solve(Equilibrium &problem, std::span<Vec3> u, 
   for (;;) {
     if (at.residual.value <= std::max(0.0, settings.toleranceForce)) return end(NewtonOutcome::converged);
     if (result.iterations >= settings.maxIterations) return end(NewtonOutcome::iterationLimit);
-    if (goOn && !goOn(result)) return end(NewtonOutcome::cancelled);
+    if (shouldContinue && !shouldContinue(result)) return end(NewtonOutcome::cancelled);
     ++result.iterations;
 
     const Evaluation before = at;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "solvers/supernodal_cholesky.h"
+#include "solvers/multifrontal_cholesky.h"
 
 namespace pointbased::detail {
 
@@ -34,7 +34,7 @@ double decimals(double tolerance) { return std::max(1.0, -std::log10(tolerance))
 
 }  // namespace
 
-struct PreconditionerKeeper::Impl {
+struct AdaptivePreconditioner::Impl {
   Preconditioner choice = Preconditioner::blockJacobi;
   Preconditioner kind = Preconditioner::blockJacobi;  // what `automatic` has come to
   std::vector<std::uint8_t> mask;
@@ -46,7 +46,7 @@ struct PreconditionerKeeper::Impl {
   std::vector<Mat3> blocks;
   Sparse matrix;
   std::vector<int> outer, inner;  // pattern that `complete` has been analysed for
-  SupernodalCholesky complete;
+  MultifrontalCholesky complete;
   Incomplete incomplete;
 
   // The books, in the unit of the costs. A fresh factorisation takes `rate` iterations per decimal of tolerance; -1: not
@@ -71,22 +71,22 @@ struct PreconditionerKeeper::Impl {
     outer.clear();
     inner.clear();
   }
-  void makeBlocks(Equilibrium &problem);
-  bool assemble(Equilibrium &problem);
+  void makeBlocks(IncrementalPotential &problem);
+  bool assemble(IncrementalPotential &problem);
   void analyse();
   bool factoriseComplete(const StopRequest *stop);
   bool factoriseIncomplete();
 };
 
-PreconditionerKeeper::PreconditionerKeeper() : impl_(std::make_unique<Impl>()) {}
-PreconditionerKeeper::~PreconditionerKeeper() = default;
-PreconditionerKeeper::PreconditionerKeeper(PreconditionerKeeper &&) noexcept = default;
-PreconditionerKeeper &PreconditionerKeeper::operator=(PreconditionerKeeper &&) noexcept = default;
+AdaptivePreconditioner::AdaptivePreconditioner() : impl_(std::make_unique<Impl>()) {}
+AdaptivePreconditioner::~AdaptivePreconditioner() = default;
+AdaptivePreconditioner::AdaptivePreconditioner(AdaptivePreconditioner &&) noexcept = default;
+AdaptivePreconditioner &AdaptivePreconditioner::operator=(AdaptivePreconditioner &&) noexcept = default;
 
-int PreconditionerKeeper::factorisations() const { return impl_->factorisations; }
-void PreconditionerKeeper::forget() { impl_->decideAnew(); }
+int AdaptivePreconditioner::factorisations() const { return impl_->factorisations; }
+void AdaptivePreconditioner::forget() { impl_->decideAnew(); }
 
-void PreconditionerKeeper::Impl::makeBlocks(Equilibrium &problem) {
+void AdaptivePreconditioner::Impl::makeBlocks(IncrementalPotential &problem) {
   blocks.resize(phyxels);
   problem.diagonalBlocks(blocks);
   for (std::size_t i = 0; i < phyxels; ++i) {
@@ -105,7 +105,7 @@ void PreconditionerKeeper::Impl::makeBlocks(Equilibrium &problem) {
   }
 }
 
-bool PreconditionerKeeper::Impl::assemble(Equilibrium &problem) {
+bool AdaptivePreconditioner::Impl::assemble(IncrementalPotential &problem) {
   if (!problem.assemble(matrix) || static_cast<std::size_t>(matrix.rows()) != 3 * phyxels) return false;
   if (!mask.empty()) {
     const auto free = [this](Eigen::Index i) { return mask[static_cast<std::size_t>(i / 3)] == 0; };
@@ -118,7 +118,7 @@ bool PreconditionerKeeper::Impl::assemble(Equilibrium &problem) {
 }
 
 // Order and fronts of the complete factorisation, unless they are known for this pattern.
-void PreconditionerKeeper::Impl::analyse() {
+void AdaptivePreconditioner::Impl::analyse() {
   const int *outerBegin = matrix.outerIndexPtr(), *outerEnd = outerBegin + matrix.outerSize() + 1;
   const int *innerBegin = matrix.innerIndexPtr(), *innerEnd = innerBegin + matrix.nonZeros();
   if (std::equal(outerBegin, outerEnd, outer.begin(), outer.end()) &&
@@ -129,21 +129,21 @@ void PreconditionerKeeper::Impl::analyse() {
   complete.analyse(matrix);
 }
 
-bool PreconditionerKeeper::Impl::factoriseComplete(const StopRequest *stop) {
+bool AdaptivePreconditioner::Impl::factoriseComplete(const StopRequest *stop) {
   analyse();
   if (complete.entries() > kMostEntries) return false;
   // A matrix that is positive definite but for round-off, or singular (a free body), is lifted a little.
-  for (const double lift : {0.0, 1e-9, 1e-6, 1e-3, 1e-1})
-    if (complete.factorise(matrix, lift, stop)) return true;
+  for (const double diagonalShift : {0.0, 1e-9, 1e-6, 1e-3, 1e-1})
+    if (complete.factorise(matrix, diagonalShift, stop)) return true;
   return false;
 }
 
-bool PreconditionerKeeper::Impl::factoriseIncomplete() {
+bool AdaptivePreconditioner::Impl::factoriseIncomplete() {
   incomplete.compute(matrix);
   return incomplete.info() == Eigen::Success;
 }
 
-void PreconditionerKeeper::prepare(Equilibrium &problem, Preconditioner choice, const StopRequest *stop) {
+void AdaptivePreconditioner::prepare(IncrementalPotential &problem, Preconditioner choice, const StopRequest *stop) {
   Impl &m = *impl_;
   const std::size_t n = problem.phyxels();
   const std::span<const std::uint8_t> mask = problem.prescribed();
@@ -159,7 +159,7 @@ void PreconditionerKeeper::prepare(Equilibrium &problem, Preconditioner choice, 
   if (m.kind == Preconditioner::blockJacobi || !m.valid || m.blocksInstead || m.excess > m.price) renew(problem, stop);
 }
 
-void PreconditionerKeeper::renew(Equilibrium &problem, const StopRequest *stop) {
+void AdaptivePreconditioner::renew(IncrementalPotential &problem, const StopRequest *stop) {
   Impl &m = *impl_;
   endIfRaised(stop);
   m.invalidate();
@@ -198,7 +198,7 @@ void PreconditionerKeeper::renew(Equilibrium &problem, const StopRequest *stop) 
   }
 }
 
-void PreconditionerKeeper::apply(std::span<const Vec3> in, std::span<Vec3> out) {
+void AdaptivePreconditioner::apply(std::span<const Vec3> in, std::span<Vec3> out) {
   Impl &m = *impl_;
   if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) {
     for (std::size_t i = 0; i < in.size(); ++i) out[i] = m.blocks[i] * in[i];
@@ -211,7 +211,7 @@ void PreconditionerKeeper::apply(std::span<const Vec3> in, std::span<Vec3> out) 
   }
 }
 
-int PreconditionerKeeper::patience(double tolerance, int most) const {
+int AdaptivePreconditioner::iterationBudget(double tolerance, int most) const {
   const Impl &m = *impl_;
   if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) return most;
   double left = most;
@@ -221,7 +221,7 @@ int PreconditionerKeeper::patience(double tolerance, int most) const {
   return left < most ? std::max(0, static_cast<int>(left)) + 1 : most;
 }
 
-void PreconditionerKeeper::book(int iterations, double tolerance, bool complete) {
+void AdaptivePreconditioner::book(int iterations, double tolerance, bool complete) {
   Impl &m = *impl_;
   if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) return;
   if (m.rate >= 0.0) {

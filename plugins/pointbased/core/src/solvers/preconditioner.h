@@ -17,26 +17,26 @@ namespace pointbased::detail {
 ///
 /// `automatic` factorises completely where that costs no more than some kCheap iterations with an incomplete
 /// factorisation, which it takes else, until the iterations have paid for the complete one.
-class PreconditionerKeeper {
+class AdaptivePreconditioner {
  public:
-  PreconditionerKeeper();
-  ~PreconditionerKeeper();
-  PreconditionerKeeper(PreconditionerKeeper &&) noexcept;
-  PreconditionerKeeper &operator=(PreconditionerKeeper &&) noexcept;
+  AdaptivePreconditioner();
+  ~AdaptivePreconditioner();
+  AdaptivePreconditioner(AdaptivePreconditioner &&) noexcept;
+  AdaptivePreconditioner &operator=(AdaptivePreconditioner &&) noexcept;
 
   /// Makes it ready at the problem's present state; keeps what there is if that still serves.
   /// @param stop  null, or what ends a factorisation half way, with Stopped; forget() then
-  void prepare(Equilibrium &problem, Preconditioner choice, const StopRequest *stop = nullptr);
+  void prepare(IncrementalPotential &problem, Preconditioner choice, const StopRequest *stop = nullptr);
   /// out = M^-1 in; zero on prescribed phyxels if `in` is.
   void apply(std::span<const Vec3> in, std::span<Vec3> out);
 
   /// Iterations of one solve after which something better would have cost less; `most` if there is nothing better.
-  [[nodiscard]] int patience(double tolerance, int most) const;
-  /// Books the iterations of a solve, or of the part of it that ran out of patience.
+  [[nodiscard]] int iterationBudget(double tolerance, int most) const;
+  /// Books the iterations of a solve, or of the part of it that ran out of iterationBudget.
   /// @param complete  it reached its tolerance
   void book(int iterations, double tolerance, bool complete);
   /// Factorises at the problem's present state, whatever the books say.
-  void renew(Equilibrium &problem, const StopRequest *stop = nullptr);
+  void renew(IncrementalPotential &problem, const StopRequest *stop = nullptr);
 
   [[nodiscard]] int factorisations() const;  ///< since it was made
   void forget();

@@ -79,7 +79,7 @@ double impactSpeed(Body &body, const Environment &env, double time, double dt, d
     for (const Obstacle &obstacle : env.obstacles) fast = fast || obstacle.motion;
     if (!fast && (meanSpeed * dt <= 0.5 * stride || !isFaster(body.state().velocities, stride / dt))) return;
     const CarriedPoints points{body.rest().contact, body.rest().origin, body.state().displacements,
-                               body.state().velocities, body.rest().leverage};
+                               body.state().velocities, body.rest().maxInfluence};
     findContacts(env.obstacles, env.box, time, dt, kContactMargin * body.rest().spacing, points, body.contact,
                  *env.parallelFor);
     closing = closingSpeed(body.contact, points.points.binding, points.velocities);
@@ -126,7 +126,7 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
   if (contact)
     clock.measure(kContact, [&] {
       findContacts(env.obstacles, env.box, time, dt, kContactMargin * rest.spacing,
-                   {rest.contact, rest.origin, state.displacements, state.velocities, rest.leverage}, body.contact,
+                   {rest.contact, rest.origin, state.displacements, state.velocities, rest.maxInfluence}, body.contact,
                    parallelFor);
       const double quiet = kQuietKicks * env.gravity.norm() * dt;
       if (findArrivals(rest.contact.binding, state.velocities, dt, quiet, body.contact)) {

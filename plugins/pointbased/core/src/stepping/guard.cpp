@@ -42,7 +42,7 @@ double potential(const Body &body, const Vec3 &gravity) {
 
 bool isFinite(std::span<const Vec3> field) { return std::isfinite(sumOfSquares(field)); }
 
-GuardGlance glanceAt(const Body &body) {
+QuickCheckResult quickCheck(const Body &body) {
   const std::span<const Vec3> v = body.state().velocities;
   if (v.empty()) return {};
   const kernels::FieldBounds bounds = kernels::boundsOf(v.front().data(), v.size());
@@ -52,18 +52,18 @@ GuardGlance glanceAt(const Body &body) {
   return {finite && std::isfinite(sumOfSquares(body.state().displacements)), (high - low).norm()};
 }
 
-GuardView lookAt(const Body &body) {
+GuardView fullCheck(const Body &body) {
   GuardView view;
   const State &state = body.state();
-  view.finite = glanceAt(body).finite;
+  view.finite = quickCheck(body).finite;
   if (!view.finite || state.velocities.empty()) return view;
   Vec3 sum = Vec3::Zero();
   for (const Vec3 &v : state.velocities) sum += v;
   const Vec3 mean = sum / static_cast<double>(state.velocities.size());
   double largest = 0.0;
-  const std::span<const float> leverage = body.rest().leverage;
+  const std::span<const float> maxInfluence = body.rest().maxInfluence;
   for (std::size_t i = 0; i < state.velocities.size(); ++i) {
-    const double part = leverage.empty() ? 1.0 : static_cast<double>(leverage[i]);
+    const double part = maxInfluence.empty() ? 1.0 : static_cast<double>(maxInfluence[i]);
     const double squared = (state.velocities[i] - mean).squaredNorm() * part * part;
     if (squared > largest) {
       largest = squared;
@@ -109,7 +109,7 @@ std::optional<GuardFinding> EnergyWatch::look(const Body &body, const Vec3 &grav
   scale_ = scale;
   if (!comparable || growth <= allowed || growth <= 1e-12 * (std::abs(total) + std::abs(before))) return std::nullopt;
   known_ = false;
-  const GuardView view = lookAt(body);
+  const GuardView view = fullCheck(body);
   return GuardFinding{view.fastestPhyxel,
                       "the energy has grown by " + number(growth) + " J with nothing driving it (kinetic " +
                           number(kinetic) + " J, elastic " + number(stored) + " J)",

@@ -19,25 +19,25 @@ struct GuardFinding {
 struct GuardView {
   bool finite = true;
   /// m/s, largest speed relative to the body's mean velocity at which a phyxel takes some of the body along
-  /// (RestState::leverage)
+  /// (RestState::maxInfluence)
   double fastest = 0.0;
   Index fastestPhyxel = 0;
   double meanSpeed = std::numeric_limits<double>::infinity();  ///< m/s, of the body
 };
 
 /// Everything, exactly.
-[[nodiscard]] GuardView lookAt(const Body &body);
+[[nodiscard]] GuardView fullCheck(const Body &body);
 
 /// What every step asks first, in one pass over the state that costs less than a percent of the elastic stages.
-struct GuardGlance {
+struct QuickCheckResult {
   bool finite = true;       ///< squares included, because energies are made of them: 1e300 m/s is as good as infinite
   double speedBound = 0.0;  ///< m/s: no phyxel is faster relative to the body's mean velocity
 };
-[[nodiscard]] GuardGlance glanceAt(const Body &body);
+[[nodiscard]] QuickCheckResult quickCheck(const Body &body);
 /// Of one field, likewise with its squares.
 [[nodiscard]] bool isFinite(std::span<const Vec3> field);
 
-/// Of a state that is not finite, in the sense of GuardGlance: the first phyxel whose displacement or velocity is not.
+/// Of a state that is not finite, in the sense of QuickCheckResult: the first phyxel whose displacement or velocity is not.
 [[nodiscard]] GuardFinding firstNonFinite(const Body &body);
 
 /// Watches the energy of a body that nothing drives: it may not grow. Asked every kEnergyInterval steps, because

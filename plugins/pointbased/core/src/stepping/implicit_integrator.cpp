@@ -62,7 +62,7 @@ class AskedTriplets {
   std::size_t seen_ = 0;
 };
 
-class StageProblem final : public Equilibrium {
+class StageProblem final : public IncrementalPotential {
  public:
   StageProblem(Body &body, const Environment &env, const ImplicitStage &stage)
       : body_(body), env_(env), stage_(stage), n_(body.rest().phyxelCount()) {
@@ -105,7 +105,7 @@ class StageProblem final : public Equilibrium {
   [[nodiscard]] std::size_t phyxels() const override { return n_; }
   [[nodiscard]] std::span<const std::uint8_t> prescribed() const override { return body_.heldMask(); }
 
-  [[nodiscard]] bool moveTo(std::span<const Vec3> u) override {
+  [[nodiscard]] bool setState(std::span<const Vec3> u) override {
     State &state = body_.state();
     double sum = 0.0;
     for (std::size_t i = 0; i < n_; ++i) {
@@ -348,7 +348,7 @@ void addWork(const NewtonResult &solved, NewtonResult &sum) {
 }
 
 // Points that press on something, ascending.
-std::vector<Index> touching(const ContactMemory &contact) {
+std::vector<Index> touching(const ContactState &contact) {
   std::vector<Index> points;
   for (const Contact &c : contact.active)
     if (c.normalForce > 0.0 && (points.empty() || points.back() != c.point)) points.push_back(c.point);
@@ -361,7 +361,7 @@ std::vector<Vec3> beginningOf(StageProblem &problem, const std::vector<std::vect
   std::size_t best = 0;
   double lowest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < offers.size() && offers.size() > 1; ++k) {
-    const double energy = problem.moveTo(offers[k]) ? problem.energy() : std::numeric_limits<double>::infinity();
+    const double energy = problem.setState(offers[k]) ? problem.energy() : std::numeric_limits<double>::infinity();
     if (!(energy < lowest)) continue;
     lowest = energy;
     best = k;
@@ -380,7 +380,7 @@ void fallFreely(const Body &body, const Environment &env, const ImplicitStage &s
 // Solves a stage with its contacts; body.state() is the end of it. `from` is the time at which the planes are looked for.
 // `goesOn`: asked when the contacts are about known; false: the stage is given up unfinished.
 NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage, double from,
-                        const std::function<bool()> &goOn, std::span<const Vec3> offer = {},
+                        const std::function<bool()> &shouldContinue, std::span<const Vec3> offer = {},
                         const std::function<bool()> &goesOn = {}) {
   const bool contact = env.contact() && body.rest().contact.count() > 0;
   const ParallelFor &parallelFor = *env.parallelFor;
@@ -412,10 +412,10 @@ NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env
     env.clock->measure(kSolve, [&] { addWork(solver.solve(problem, u, settings, watch), result); });
     return result.good();
   };
-  const auto wanted = [&](const NewtonResult &) { return !goOn || goOn(); };
+  const auto wanted = [&](const NewtonResult &) { return !shouldContinue || shouldContinue(); };
   if (!contact) {
     (void)solve(wanted);
-    (void)problem.moveTo(u);
+    (void)problem.setState(u);
     return result;
   }
 
@@ -428,7 +428,7 @@ NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env
     u = beginningOf(problem, offers);
   }
   const ContactPoints &points = body.rest().contact;
-  ContactMemory &memory = body.contact;
+  ContactState &memory = body.contact;
   std::vector<Contact> kept;
   ContactForces forces;
   const auto change = [&] { return forces.changeTo(points, problem.penalty(), start, u, memory); };
@@ -475,13 +475,13 @@ NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env
     updateNormalForces(points, problem.penalty(), start, u, memory);
     if (goesOn && !goesOn()) {
       // Whoever solves it in another way may begin where this one has got to.
-      (void)problem.moveTo(u);
+      (void)problem.setState(u);
       return result;
     }
     if (enough) continue;
     if (change() <= kSettled || (round > 0 && memory.active.size() == before)) break;
   }
-  (void)problem.moveTo(u);
+  (void)problem.setState(u);
   if (result.good()) finishContactStage(body.rest().contact, problem.penalty(), start, u, body.contact);
   return result;
 }
@@ -557,7 +557,7 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
       out.newton = run(time, [&] {
         const std::vector<Index> touched = touching(body.contact);
         const bool leadsOut = std::any_of(body.contact.active.begin(), body.contact.active.end(),
-                                          [](const Contact &c) { return c.allowance > 0.0; });
+                                          [](const Contact &c) { return c.initialPenetration > 0.0; });
         impact = leadsOut || !std::includes(touchedBefore.begin(), touchedBefore.end(), touched.begin(), touched.end());
         return !impact;
       });
@@ -619,7 +619,7 @@ double loadsOf(Body &body, const Environment &env, double at) {
 }  // namespace
 
 ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environment &env, double from, double to,
-                               const std::function<bool()> &goOn) {
+                               const std::function<bool()> &shouldContinue) {
   State &state = body.state();
   const ParallelFor &parallelFor = *env.parallelFor;
   const double tolerance = settingsOf(body, env, true).toleranceDisplacement;
@@ -639,7 +639,7 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
     const ImplicitStage stage{0.0, to, to - from, {}, {}, holding, 0.0};
     const std::vector<Vec3> before = state.displacements;
     const std::vector<Contact> contactsBefore = body.contact.active;
-    out.newton = solveStage(body, solver, env, stage, from, goOn);
+    out.newton = solveStage(body, solver, env, stage, from, shouldContinue);
     double moved = 0.0, leaning = 0.0;  // m, N
     for (std::size_t i = 0; i < before.size(); ++i) {
       const double way = (state.displacements[i] - before[i]).norm();

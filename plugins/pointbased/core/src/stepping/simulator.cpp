@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-#include "stepping/body_runner.h"
+#include "stepping/body_stepper.h"
 #include "base/flush_denormals.h"
 #include "pointbased/cloud_quality.h"
 #include "body/state_hash.h"
@@ -70,16 +70,16 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
   for (const std::string &unusual : {volumeWarning(body->rest()), cloud}) {
     if (unusual.empty()) continue;
     warnings_[nextId_].push_back("body '" + body->name() + "': " + unusual);
-    note("warning", warnings_[nextId_].back());
+    reportEvent("warning", warnings_[nextId_].back());
   }
-  bodies_.emplace(nextId_, std::make_unique<detail::BodyRunner>(std::move(body)));
+  bodies_.emplace(nextId_, std::make_unique<detail::BodyStepper>(std::move(body)));
   ++course_;
   describe(nextId_);
   return nextId_++;
 }
 
 void Simulator::describe(std::size_t id) {
-  const detail::BodyRunner &runner = *bodies_.at(id);
+  const detail::BodyStepper &runner = *bodies_.at(id);
   activity_->describe(id, detail::whatWouldHelp(runner.body(), world_, runner.integratorIn(world_)));
 }
 
@@ -90,7 +90,7 @@ std::size_t Simulator::addObstacle(Obstacle obstacle) {
   obstacles_.push_back(std::move(obstacle));
   obstacleIds_.push_back(nextId_);
   for (auto &[id, runner] : bodies_) {
-    runner->body().contact = ContactMemory();
+    runner->body().contact = ContactState();
     runner->wake();
   }
   return nextId_++;
@@ -111,7 +111,7 @@ bool Simulator::removeObstacle(std::size_t id) {
   obstacles_.erase(obstacles_.begin() + (found - obstacleIds_.begin()));
   obstacleIds_.erase(found);
   for (auto &[other, runner] : bodies_) {
-    runner->body().contact = ContactMemory();
+    runner->body().contact = ContactState();
     runner->wake();
   }
   return true;
@@ -177,7 +177,7 @@ Simulator::ProbeState Simulator::probeState(const Probe &probe) const {
   interpolateDisplacements(probe.binding, target->rest().positions, target->state().displacements,
                            std::span<Vec3>(&u, 1), serialFor());
   interpolateField(probe.binding, target->state().velocities, std::span<Vec3>(&v, 1), serialFor());
-  return {probe.reference + probe.carried + u, v};
+  return {probe.reference + probe.referenceShift + u, v};
 }
 
 void Simulator::setConstitution(std::size_t id, Constitution constitution) {
@@ -191,7 +191,7 @@ void Simulator::setConstitution(std::size_t id, Constitution constitution) {
 void Simulator::setRigid(std::size_t id, bool rigid) {
   const auto found = bodies_.find(id);
   if (found == bodies_.end() || found->second->body().rigid() == rigid) return;
-  const bool renewed = found->second->body().renewals() > 0;
+  const bool renewed = found->second->body().rereferenceCount() > 0;
   found->second->body().setRigid(rigid);
   found->second->forget();
   if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
@@ -217,7 +217,7 @@ double Simulator::stepSize() const {
   return std::isfinite(dt) ? dt : kStepWithoutBodies;
 }
 
-detail::StepOrder Simulator::order(const StopRequest *stop) {
+detail::StepContext Simulator::order(const StopRequest *stop) {
   Environment env;
   env.gravity = world_.gravity;
   env.damping = world_.damping;
@@ -229,7 +229,7 @@ detail::StepOrder Simulator::order(const StopRequest *stop) {
   env.clock = &clock_;
   env.stop = stop;
   return {world_, env, time_, stepSize(), loadFactor_, steps_ + 1,
-          [this](const char *kind, const std::string &text) { note(kind, text); }};
+          [this](const char *kind, const std::string &text) { reportEvent(kind, text); }};
 }
 
 bool Simulator::finished() const { return quasiStatic() && loadFactor_ >= 1.0 - 1e-12; }
@@ -269,10 +269,10 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   if (finished()) return {};
   const detail::FlushDenormals flush;
   if (steps_ == 0) {
-    tellWhoSetsTheStep();
-    lookAround();
+    reportLimitingBody();
+    checkSkins();
   }
-  const detail::StepOrder order = this->order(stop);
+  const detail::StepContext order = this->order(stop);
   for (auto &[id, runner] : bodies_) runner->beginStep();
   double gone = 0.0;
   try {
@@ -289,18 +289,18 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   }
   if (!quasiStatic())
     for (auto &[id, runner] : bodies_)
-      if (!runner->asleep() && !runner->body().rigid() && renewIfDue(id, stop)) runner->forget();
+      if (!runner->asleep() && !runner->body().rigid() && rereferenceIfNeeded(id, stop)) runner->forget();
   activity_->enter(0);
   if (failed()) return refusal();
   time_ += gone;
   advanced_ += gone;
   ++steps_;
-  if (lookDue()) clock_.measure(kGuard, [this] { lookAround(); });
+  if (isSkinCheckDue()) clock_.measure(kGuard, [this] { checkSkins(); });
   clock_.commit();
   return {};
 }
 
-void Simulator::increaseLoad(const detail::StepOrder &order) {
+void Simulator::increaseLoad(const detail::StepContext &order) {
   const int increments = world_.loadSteps > 0 ? world_.loadSteps : kUsualLoadSteps;
   double next = std::min(1.0, loadFactor_ + 1.0 / increments);
   if (next > 1.0 - 1e-9) next = 1.0;
@@ -312,9 +312,9 @@ void Simulator::increaseLoad(const detail::StepOrder &order) {
   if (!failed()) loadFactor_ = next;
 }
 
-double Simulator::advanceBodies(const detail::StepOrder &order) {
+double Simulator::advanceBodies(const detail::StepContext &order) {
   double span = order.dt;
-  std::vector<detail::BodyRunner *> &ahead = ahead_;
+  std::vector<detail::BodyStepper *> &ahead = ahead_;
   ahead.clear();
   for (auto &[id, runner] : bodies_) {
     if (runner->stopped() || runner->body().rigid()) continue;
@@ -325,7 +325,7 @@ double Simulator::advanceBodies(const detail::StepOrder &order) {
     if (gone < span) {
       // Those before it have gone too far.
       span = gone;
-      for (detail::BodyRunner *other : ahead)
+      for (detail::BodyStepper *other : ahead)
         if (!other->stopped()) other->advanceAgain(order, span);
     }
     ahead.push_back(runner.get());
@@ -335,7 +335,7 @@ double Simulator::advanceBodies(const detail::StepOrder &order) {
 
 void Simulator::reset() {
   for (auto &[id, runner] : bodies_) {
-    const bool renewed = runner->body().renewals() > 0;
+    const bool renewed = runner->body().rereferenceCount() > 0;
     runner->reset();
     if (renewed) bindProbes(id, std::vector<Vec3>(probes_.size(), Vec3::Zero()));
   }
@@ -345,11 +345,11 @@ void Simulator::reset() {
   steps_ = 0;
   events_.clear();
   for (const auto &[id, warnings] : warnings_)
-    for (const std::string &warning : warnings) note("warning", warning);
-  notRenewed_.clear();
+    for (const std::string &warning : warnings) reportEvent("warning", warning);
+  notRereferenced_.clear();
   skinDeepest_.clear();
   overlaps_.clear();
-  toldStep_ = false;
+  stepReported_ = false;
   spent_.clear();
   advanced_ = 0.0;
 }
@@ -418,7 +418,7 @@ Simulator::Energy Simulator::energy(std::size_t id) const {
   out.foundation = target->foundation().energy(target->state().displacements);
   for (std::size_t i = 0; i < target->masses().size(); ++i)
     out.gravity -= target->weights()[i] * world_.gravity.dot(target->state().displacements[i]);
-  out.gravity -= world_.gravity.dot(target->carriedMoment());
+  out.gravity -= world_.gravity.dot(target->referenceShiftMoment());
   return out;
 }
 
@@ -433,7 +433,7 @@ std::uint64_t Simulator::stateHash() const {
   return hash;
 }
 
-void Simulator::note(const std::string &kind, const std::string &text) {
+void Simulator::reportEvent(const std::string &kind, const std::string &text) {
   if (events_.size() < kMostEvents) events_.push_back({time(), kind, text});
 }
 

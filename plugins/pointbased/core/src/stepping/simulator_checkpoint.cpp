@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stepping/body_runner.h"
+#include "stepping/body_stepper.h"
 #include "base/number_text.h"
 #include "pointbased/simulator.h"
 
@@ -7,12 +7,12 @@ namespace pointbased {
 
 struct detail::SimulatorCheckpoint {
   std::uint64_t course = 0;
-  std::map<std::size_t, BodyRunner::Checkpoint> bodies;
+  std::map<std::size_t, BodyStepper::Checkpoint> bodies;
   std::vector<Probe> probes;
   double time = 0.0, loadFactor = 0.0;
   std::uint64_t steps = 0;
   std::vector<SimulationEvent> events;
-  std::set<std::size_t> notRenewed;
+  std::set<std::size_t> notRereferenced;
   std::map<std::size_t, double> skinDeepest;
   std::set<std::pair<std::size_t, std::size_t>> overlaps;
 };
@@ -26,7 +26,7 @@ Checkpoint Simulator::checkpoint() const {
   kept->loadFactor = loadFactor_;
   kept->steps = steps_;
   kept->events = events_;
-  kept->notRenewed = notRenewed_;
+  kept->notRereferenced = notRereferenced_;
   kept->skinDeepest = skinDeepest_;
   kept->overlaps = overlaps_;
   return kept;
@@ -44,10 +44,10 @@ bool Simulator::restore(const Checkpoint &checkpoint) {
   loadFactor_ = checkpoint->loadFactor;
   steps_ = checkpoint->steps;
   events_ = checkpoint->events;
-  notRenewed_ = checkpoint->notRenewed;
+  notRereferenced_ = checkpoint->notRereferenced;
   skinDeepest_ = checkpoint->skinDeepest;
   overlaps_ = checkpoint->overlaps;
-  note("restored", "at " + detail::number(from) + " s the state of " + detail::number(time()) + " s was taken up again");
+  reportEvent("restored", "at " + detail::number(from) + " s the state of " + detail::number(time()) + " s was taken up again");
   return true;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stepping/body_runner.h"
+#include "stepping/body_stepper.h"
 #include "base/number_text.h"
 #include "pointbased/simulator.h"
 #include "stepping/skin_watch.h"
@@ -42,7 +42,7 @@ double Simulator::costOf(std::size_t id) const {
   return found == spent_.end() || !(advanced_ > 0.0) ? 0.0 : found->second / advanced_;
 }
 
-bool Simulator::lookDue() const {
+bool Simulator::isSkinCheckDue() const {
   const bool isExplicit = std::any_of(bodies_.begin(), bodies_.end(), [this](const auto &entry) {
     return entry.second->integratorIn(world_) == Integrator::explicitVerlet;
   });
@@ -53,7 +53,7 @@ bool Simulator::lookDue() const {
   return steps_ == 0 || steps_ % every == 0 || finished();
 }
 
-void Simulator::lookAround() {
+void Simulator::checkSkins() {
   if (world_.box.enabled)
     for (const auto &[id, runner] : bodies_) {
       const Body &body = runner->body();
@@ -64,7 +64,7 @@ void Simulator::lookAround() {
       double &deepest = skinDeepest_[id];
       const double through = kSkinThrough * body.rest().spacing;
       if (depth > through && deepest <= through)
-        note("skin", "body '" + body.name() + "': its skin reaches " + millimetres(depth) +
+        reportEvent("skin", "body '" + body.name() + "': its skin reaches " + millimetres(depth) +
                          " through the world's box between the points where it feels contact; a smaller sampling.spacing (it is " +
                          millimetres(body.rest().spacing) + ") helps");
       deepest = std::max(deepest, depth);
@@ -76,15 +76,15 @@ void Simulator::lookAround() {
       const Overlap found = overlapOf(first, second);
       if (!(found.depth > kLeastOverlap * std::min(first.rest().spacing, second.rest().spacing))) continue;
       overlaps_.insert({a->first, b->first});
-      note("overlap", "bodies '" + first.name() + "' and '" + second.name() + "' overlap " +
+      reportEvent("overlap", "bodies '" + first.name() + "' and '" + second.name() + "' overlap " +
                           (steps_ == 0 ? "from the start" : "from here on") + ": " + millimetres(found.depth) +
                           " deep, some " + number(1e6 * found.volume, 2) + " ml; bodies do not touch each other yet");
     }
 }
 
-void Simulator::tellWhoSetsTheStep() {
-  if (toldStep_ || quasiStatic() || bodies_.size() < 2 || world_.dt > 0.0) return;
-  toldStep_ = true;
+void Simulator::reportLimitingBody() {
+  if (stepReported_ || quasiStatic() || bodies_.size() < 2 || world_.dt > 0.0) return;
+  stepReported_ = true;
   const Body *slowest = nullptr;
   double least = 0.0, next = 0.0;
   for (const auto &[id, runner] : bodies_) {
@@ -100,7 +100,7 @@ void Simulator::tellWhoSetsTheStep() {
     }
   }
   if (!slowest || !std::isfinite(next) || !(least < kMuchSmaller * next)) return;
-  note("step", "body '" + slowest->name() + "' sets the step of all: " + number(least, 3) + " s, where the others could take " +
+  reportEvent("step", "body '" + slowest->name() + "' sets the step of all: " + number(least, 3) + " s, where the others could take " +
                    number(next, 3) + " s; make it rigid (an obstacle) or lower its modulus, or set solver.integrator = \"auto\"");
 }
 

@@ -108,7 +108,7 @@ double spacingForCount(const BodyShape &shape, std::size_t count, const Parallel
 Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const ParallelFor &parallelFor,
                          const SamplingProgress &progress) {
   const auto refuse = [](const std::string &text) { return tl::unexpected<std::string>(text); };
-  const auto goOn = [&](double fraction) { return !progress || progress(fraction); };
+  const auto shouldContinue = [&](double fraction) { return !progress || progress(fraction); };
   if (!(shape.volume > 0.0) || !std::isfinite(shape.volume))
     return refuse("the body has a volume of " + number(shape.volume, 4) + " m³; a finite volume > 0 is needed");
   if (!(sampling.spacing >= 0.0) || !std::isfinite(sampling.spacing))
@@ -124,7 +124,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
     return refuse("a spacing of " + number(spacing, 4) + " m makes about " +
                   number(shape.volume / (spacing * spacing * spacing), 4) +
                   " phyxels; at most " + std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
-  if (!goOn(0.05)) return refuse("cancelled");
+  if (!shouldContinue(0.05)) return refuse("cancelled");
 
   // Which cells are inside, by their centres; which are cut, by a neighbour that differs or by the distance.
   const Lattice lattice = latticeOver(shape, spacing);
@@ -132,7 +132,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   std::vector<Vec3> centres(cells);
   for (std::size_t c = 0; c < cells; ++c) centres[c] = lattice.centre(c);
   const std::vector<std::uint8_t> inside = insideFlags(shape, centres, parallelFor);
-  if (!goOn(0.2)) return refuse("cancelled");
+  if (!shouldContinue(0.2)) return refuse("cancelled");
 
   PhyxelCloud cloud;
   cloud.spacing = spacing;
@@ -153,7 +153,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
     const double halfDiagonal = 0.5 * std::sqrt(3.0) * spacing;
     for (std::size_t c = 0; c < cells; ++c) cut[c] = distances[c] <= halfDiagonal * (1.0 + 1e-9) ? 1 : 0;
   }
-  if (!goOn(0.35)) return refuse("cancelled");
+  if (!shouldContinue(0.35)) return refuse("cancelled");
 
   // Points of the finer lattice that lie in the body go to the nearest phyxel around; those that find none start a
   // phyxel of their own per cell.
@@ -213,7 +213,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
         }
     if (points.size() >= kBatch * kPerCell / 16) {
       flush();
-      if (!goOn(0.35 + 0.6 * static_cast<double>(c) / static_cast<double>(cells))) return refuse("cancelled");
+      if (!shouldContinue(0.35 + 0.6 * static_cast<double>(c) / static_cast<double>(cells))) return refuse("cancelled");
     }
   }
   flush();
@@ -259,7 +259,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   } else {
     for (std::size_t i = 0; i < order.size(); ++i) sorted.contactRadii[i] = 0.5 * std::cbrt(sorted.volumes[i]);
   }
-  if (!goOn(1.0)) return refuse("cancelled");
+  if (!shouldContinue(1.0)) return refuse("cancelled");
   return sorted;
 }
 

@@ -64,7 +64,7 @@ void Row::clear() {
   modes.clear();
 }
 
-void Row::add(const Corners &corners, Index node, double weight, const Vec3 &gradient, const Eigen::Vector4d &mode) {
+void Row::add(const NodeTable &corners, Index node, double weight, const Vec3 &gradient, const Eigen::Vector4d &mode) {
   corners.visit(node, [&](Index phyxel, double part) {
     std::size_t at = 0;
     while (at < phyxels.size() && phyxels[at] != phyxel) ++at;
@@ -81,7 +81,7 @@ void Row::add(const Corners &corners, Index node, double weight, const Vec3 &gra
   });
 }
 
-LatticeCellMap::LatticeCellMap(CellSet &&set, PartSet &&parts, Corners &&corners)
+LatticeCellMap::LatticeCellMap(CellSet &&set, PartSet &&parts, NodeTable &&corners)
     : set_(std::move(set)), parts_(std::move(parts)), corners_(std::move(corners)) {}
 
 void LatticeCellMap::release() {
@@ -107,7 +107,7 @@ std::array<Vec3, 8> LatticeCellMap::hexahedron(Index part) const {
 }
 
 // From `within` to the nearest sample that does not lie in front of the surface.
-double LatticeCellMap::squaredDistance(const Part &part, const Target &target) const {
+double LatticeCellMap::squaredDistance(const CutCellFragment &part, const Target &target) const {
   const Cell &cell = set_.cells[part.cell];
   const double edge = set_.edge(cell);
   const Vec3 place = (target.within - set_.centre(cell)) / edge;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "discretisation/lattice/lattice_parts.h"
+#include "discretisation/lattice/cut_cell_fragments.h"
 
 namespace pointbased::lattice {
 
@@ -14,24 +14,24 @@ struct Row {
 
   void clear();
   /// Adds `weight` etc. of a corner to the phyxels of its row.
-  void add(const Corners &corners, Index node, double weight, const Vec3 &gradient,
+  void add(const NodeTable &corners, Index node, double weight, const Vec3 &gradient,
            const Eigen::Vector4d &modes = Eigen::Vector4d::Zero());
 };
 
 /// The cells with their parts and corners; finds the part that a point belongs to.
 class LatticeCellMap : public CellMap {
  public:
-  LatticeCellMap(CellSet &&set, PartSet &&parts, Corners &&corners);
+  LatticeCellMap(CellSet &&set, PartSet &&parts, NodeTable &&corners);
 
   [[nodiscard]] Interpolation bind(std::span<const Vec3> points, std::span<const Vec3> normals,
                                    const ParallelFor &parallelFor) const override;
 
   [[nodiscard]] const CellSet &set() const { return set_; }
-  [[nodiscard]] std::span<const Part> parts() const { return parts_.parts; }
+  [[nodiscard]] std::span<const CutCellFragment> parts() const { return parts_.parts; }
   /// Until release().
-  [[nodiscard]] std::span<const Link> links() const { return parts_.links; }
+  [[nodiscard]] std::span<const FragmentLink> links() const { return parts_.links; }
   [[nodiscard]] std::size_t components() const { return parts_.components; }
-  [[nodiscard]] const Corners &corners() const { return corners_; }
+  [[nodiscard]] const NodeTable &corners() const { return corners_; }
 
   /// The part a point belongs to.
   /// @param local    lattice axes, m
@@ -43,7 +43,7 @@ class LatticeCellMap : public CellMap {
   /// Moves phyxels; `distorted`: cells (by index) that are no cubes any more.
   void move(std::vector<Vec3> positions, std::vector<std::uint8_t> distorted);
   [[nodiscard]] bool distorted(Index cell) const { return !distorted_.empty() && distorted_[cell] != 0; }
-  /// Corners of a cell that does not hang on anything.
+  /// NodeTable of a cell that does not hang on anything.
   [[nodiscard]] std::array<Vec3, 8> hexahedron(Index part) const;
   /// Frees what only building needs.
   void release();
@@ -54,7 +54,7 @@ class LatticeCellMap : public CellMap {
     Vec3 at, outward, within;
     double inFront = 0.0;  // how far in front of the point samples may lie, edges
   };
-  [[nodiscard]] double squaredDistance(const Part &part, const Target &target) const;
+  [[nodiscard]] double squaredDistance(const CutCellFragment &part, const Target &target) const;
   void nearestIn(std::size_t firstCell, std::size_t lastCell, const Target &target, double &best, Index &part) const;
   [[nodiscard]] Index nearestPart(const Target &target) const;
   /// How far a point lies outside of the cell of a part, in its edges; negative inside.
@@ -64,7 +64,7 @@ class LatticeCellMap : public CellMap {
 
   CellSet set_;
   PartSet parts_;
-  Corners corners_;
+  NodeTable corners_;
   std::vector<std::uint8_t> distorted_;   // per cell, or empty
 };
 

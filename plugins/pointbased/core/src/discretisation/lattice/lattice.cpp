@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "discretisation/lattice/cell_map.h"
-#include "discretisation/lattice/lattice_held.h"
+#include "discretisation/lattice/lattice_constraints.h"
 #include "discretisation/lattice/lattice_jitter.h"
 #include "discretisation/lattice/lattice_masses.h"
 #include "base/look_for_end.h"
@@ -59,7 +59,7 @@ Result<void> validate(const BodyShape &shape, const LatticeSampling &sampling) {
 struct Cut {
   CellSet set;
   PartSet parts;
-  Corners corners;
+  NodeTable corners;
 };
 
 Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing, const ParallelFor &parallelFor,
@@ -151,7 +151,7 @@ struct PointGeometry {
 };
 
 PointGeometry pointOf(const LatticeCellMap &map, Index p, const PartContent &content) {
-  const Part &part = map.parts()[p];
+  const CutCellFragment &part = map.parts()[p];
   const Cell &cell = map.set().cells[part.cell];
   const double edge = map.set().edge(cell);
   PointGeometry point;
@@ -192,7 +192,7 @@ void buildPoints(const LatticeCellMap &map, std::span<const PartContent> content
   Row row;
   for (std::size_t p = 0; p < contents.size(); ++p) {
     if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
-    const Part &part = map.parts()[p];
+    const CutCellFragment &part = map.parts()[p];
     if (!part.kept || !contents[p].isFree()) continue;
     const PointGeometry point = pointOf(map, static_cast<Index>(p), contents[p]);
     row.clear();
@@ -202,7 +202,7 @@ void buildPoints(const LatticeCellMap &map, std::span<const PartContent> content
     stencils.gradients.insert(stencils.gradients.end(), row.gradients.begin(), row.gradients.end());
     stencils.modes.insert(stencils.modes.end(), row.modes.begin(), row.modes.end());
     stencils.phyxels.offsets.push_back(static_cast<Index>(stencils.phyxels.indices.size()));
-    stencils.spreads.push_back(point.spread);
+    stencils.variances.push_back(point.spread);
     stencils.volumes.push_back(point.volume);
     body.pointCentres.push_back(axes * point.centre);
   }
@@ -210,7 +210,7 @@ void buildPoints(const LatticeCellMap &map, std::span<const PartContent> content
   stencils.phyxels.offsets.shrink_to_fit();
   stencils.gradients.shrink_to_fit();
   stencils.modes.shrink_to_fit();
-  stencils.spreads.shrink_to_fit();
+  stencils.variances.shrink_to_fit();
   stencils.volumes.shrink_to_fit();
   body.pointCentres.shrink_to_fit();
   stencils.rank.assign(stencils.volumes.size(), 3);
@@ -223,7 +223,7 @@ Result<void> checkRefinements(const BodyShape &shape, const LatticeSampling &sam
   const CellSet &set = map.set();
   for (std::size_t i = 0; i < sampling.refinements.size(); ++i) {
     const Region local = shifted(sampling.refinements[i].region, set.frame.origin);
-    const auto meets = [&](const Part &part) {
+    const auto meets = [&](const CutCellFragment &part) {
       const Cell &cell = set.cells[part.cell];
       return part.kept && signedDistance(local, set.frame.axes * set.centre(cell)) <= 0.5 * std::sqrt(3.0) * set.edge(cell);
     };
@@ -283,7 +283,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &s
   body.volumes = std::move(shared.inertial);
   body.weightVolumes = std::move(shared.weights);
   body.heldVolumes = std::move(shared.held);
-  body.carriedVolumes = std::move(shared.carried);
+  body.supportVolumes = std::move(shared.carried);
   buildPoints(*map, contents, body, parallelFor);
 
   // What was counted comes to the volume of the body.
@@ -291,7 +291,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &s
   for (const double v : body.volumes) counted += v;
   body.countedVolume = counted;
   const double scale = shape.volume / counted;
-  for (auto *volumes : {&body.volumes, &body.weightVolumes, &body.heldVolumes, &body.carriedVolumes})
+  for (auto *volumes : {&body.volumes, &body.weightVolumes, &body.heldVolumes, &body.supportVolumes})
     for (double &v : *volumes) v *= scale;
   for (double &v : body.stencils.volumes) v *= scale;
 

@@ -12,7 +12,7 @@ enum class State : std::uint8_t { kEmpty, kFull, kCut, kSplit, kUnknown };
 
 using detail::number;
 
-// Corners of cells along a refined surface, and of the coarser ones that grading puts inside of them, for each that the
+// NodeTable of cells along a refined surface, and of the coarser ones that grading puts inside of them, for each that the
 // surface adds to a lattice that is as fine everywhere.
 constexpr double kLayersOfSurface = 2.2;
 
@@ -203,7 +203,7 @@ double halvedTo(double spacing, double wanted) {
   return spacing / std::exp2(std::max(0.0, std::ceil(std::log2(spacing / wanted) - 1e-6)));
 }
 
-// Part of a cell that lies in a region.
+// CutCellFragment of a cell that lies in a region.
 double partIn(const Region &region, const Frame &frame, const Vec3 &centre, double edge) {
   const double distance = signedDistance(region, frame.world(centre));
   if (std::abs(distance) > kHalfDiagonal * edge) return distance < 0.0 ? 1.0 : 0.0;

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "base/disjoint_sets.h"
-#include "discretisation/lattice/lattice_parts.h"
+#include "discretisation/lattice/cut_cell_fragments.h"
 
 namespace pointbased::lattice {
 namespace {
@@ -16,14 +16,14 @@ Cell3 placeOf(const Cell &cell, int corner) {
 }
 
 // The corners of a larger cell's edge or face that a place in its middle follows.
-struct Masters {
+struct HangingNodeMasters {
   int count = 0;
   std::array<Index, 4> corners{};
 };
 
-// Corners of part a's face against those of part b, of a cell of the same size or twice as large.
+// NodeTable of part a's face against those of part b, of a cell of the same size or twice as large.
 template <class Join, class Hang>
-void matchFaces(const CellSet &set, const PartSet &parts, const Link &link, const Join &join, const Hang &hang) {
+void matchFaces(const CellSet &set, const PartSet &parts, const FragmentLink &link, const Join &join, const Hang &hang) {
   const Cell &a = set.cells[parts.parts[link.a].cell], &b = set.cells[parts.parts[link.b].cell];
   const int axis = link.face / 2, up = link.face % 2;
   for (int corner = 0; corner < 8; ++corner) {
@@ -43,7 +43,7 @@ void matchFaces(const CellSet &set, const PartSet &parts, const Link &link, cons
       join(cornerOf(link.a, corner), cornerOf(link.b, fixed));
       continue;
     }
-    Masters masters;
+    HangingNodeMasters masters;
     for (int m = 0; m < 1 << middles; ++m) {
       int master = fixed;
       for (int i = 0; i < middles; ++i)
@@ -56,15 +56,15 @@ void matchFaces(const CellSet &set, const PartSet &parts, const Link &link, cons
 
 }  // namespace
 
-Corners joinCorners(const CellSet &set, PartSet &parts) {
+NodeTable joinCorners(const CellSet &set, PartSet &parts) {
   DisjointSets sets(8 * parts.parts.size());
-  std::vector<std::pair<Index, Masters>> hanging;
-  for (const Link &link : parts.links)
+  std::vector<std::pair<Index, HangingNodeMasters>> hanging;
+  for (const FragmentLink &link : parts.links)
     matchFaces(set, parts, link, [&](Index a, Index b) { sets.join(a, b); },
-               [&](Index corner, const Masters &masters) { hanging.emplace_back(corner, masters); });
+               [&](Index corner, const HangingNodeMasters &masters) { hanging.emplace_back(corner, masters); });
 
   // A corner that hangs on two larger cells joins their corners: the body goes on around their common edge.
-  std::unordered_map<Index, Masters> mastersOf;
+  std::unordered_map<Index, HangingNodeMasters> mastersOf;
   for (bool joined = true; joined;) {
     joined = false;
     mastersOf.clear();
@@ -82,7 +82,7 @@ Corners joinCorners(const CellSet &set, PartSet &parts) {
     }
   }
 
-  // Corners of what is kept, and those they hang on, in the order of their places.
+  // NodeTable of what is kept, and those they hang on, in the order of their places.
   std::vector<Index> nodeOf(8 * parts.parts.size(), kNone);  // by root
   std::vector<Index> roots;
   const auto use = [&](const auto &self, Index corner) -> void {
@@ -105,7 +105,7 @@ Corners joinCorners(const CellSet &set, PartSet &parts) {
   for (const Index root : roots) order.emplace_back(codeOf(root), root);
   std::sort(order.begin(), order.end());
 
-  Corners corners;
+  NodeTable corners;
   std::vector<Index> phyxelOf(order.size(), kNone);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Index root = order[i].second;
@@ -146,7 +146,7 @@ Corners joinCorners(const CellSet &set, PartSet &parts) {
   return corners;
 }
 
-void Corners::compact() {
+void NodeTable::compact() {
   positions.clear();
   positions.shrink_to_fit();
   for (std::size_t row = 0; row + 1 < offsets.size(); ++row)

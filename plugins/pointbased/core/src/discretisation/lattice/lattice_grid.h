@@ -93,7 +93,7 @@ struct CellSet {
   }
 };
 
-/// Part of a small cell of edge `width` that is inside, from the signed distance of its centre.
+/// CutCellFragment of a small cell of edge `width` that is inside, from the signed distance of its centre.
 [[nodiscard]] inline double shareOf(double distance, double width) {
   const double share = 0.5 - distance / width;
   // Rounding of far coordinates must not turn a full cell into a cut one.

@@ -19,10 +19,10 @@ double randomOf(std::uint64_t seed, std::uint64_t counter) {
 
 void jitterPhyxels(LatticeCellMap &map, std::span<const PartContent> contents, double jitter, std::uint64_t seed) {
   const CellSet &set = map.set();
-  const Corners &corners = map.corners();
+  const NodeTable &corners = map.corners();
   std::vector<std::uint8_t> fullCells(corners.positions.size(), 0), others(corners.positions.size(), 0);
   for (std::size_t p = 0; p < map.parts().size(); ++p) {
-    const Part &part = map.parts()[p];
+    const CutCellFragment &part = map.parts()[p];
     if (!part.kept) continue;
     const bool full = set.cells[part.cell].samples == kNone && set.cells[part.cell].size == set.frame.finest() &&
                       !contents[p].touched;
@@ -37,7 +37,7 @@ void jitterPhyxels(LatticeCellMap &map, std::span<const PartContent> contents, d
       for (int a = 0; a < 3; ++a)
         positions[i][a] += jitter * set.frame.spacing * randomOf(seed, 3 * i + static_cast<std::size_t>(a));
   std::vector<std::uint8_t> distorted(set.cells.size(), 0);
-  for (const Part &part : map.parts()) {
+  for (const CutCellFragment &part : map.parts()) {
     if (!part.kept) continue;
     for (const Index node : part.nodes)
       for (std::uint32_t e = corners.offsets[node]; e < corners.offsets[node + 1]; ++e)

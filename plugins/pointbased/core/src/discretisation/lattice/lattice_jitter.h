@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "discretisation/lattice/lattice_held.h"
+#include "discretisation/lattice/lattice_constraints.h"
 
 namespace pointbased::lattice {
 

@@ -35,7 +35,7 @@ struct Sharing {
 };
 
 template <class Add>
-void forPhyxels(const Corners &corners, Index node, const Add &add) {
+void forPhyxels(const NodeTable &corners, Index node, const Add &add) {
   for (std::uint32_t e = corners.offsets[node]; e < corners.offsets[node + 1]; ++e)
     add(corners.phyxels[e], corners.weights[e]);
 }
@@ -44,8 +44,8 @@ void forPhyxels(const Corners &corners, Index node, const Add &add) {
 std::vector<std::array<std::vector<Index>, 6>> neighboursOf(const LatticeCellMap &map) {
   std::vector<std::array<std::vector<Index>, 6>> out(map.parts().size());
   const CellSet &set = map.set();
-  for (const Link &link : map.links()) {
-    const Part &a = map.parts()[link.a], &b = map.parts()[link.b];
+  for (const FragmentLink &link : map.links()) {
+    const CutCellFragment &a = map.parts()[link.a], &b = map.parts()[link.b];
     if (!a.kept || !b.kept || set.cells[a.cell].size != set.cells[b.cell].size) continue;
     out[link.a][link.face].push_back(link.b);
     out[link.b][link.face ^ 1].push_back(link.a);
@@ -63,7 +63,7 @@ std::vector<Row3> secondDifferences(const Sharing &sharing, const ParallelFor &p
   std::vector<Row3> rows;
   for (std::size_t p = 0; p < shares.size(); ++p) {
     if (p % detail::kLookEvery == 0) detail::lookForEnd(parallelFor);
-    const Part &part = sharing.map.parts()[p];
+    const CutCellFragment &part = sharing.map.parts()[p];
     if (!part.kept) continue;
     const Moments &all = sharing.contents[p].all;
     const Vec3 excess = (Vec3::Constant(0.25) - all.second / all.share).cwiseMax(0.0);
@@ -96,7 +96,7 @@ class Least {
     scale_ = edge * edge / most;
   }
   /// @param gradients  1/m
-  void add(const Part &part, double volume, const std::array<Vec3, 8> &gradients) {
+  void add(const CutCellFragment &part, double volume, const std::array<Vec3, 8> &gradients) {
     row_.clear();
     for (std::size_t j = 0; j < 8; ++j) row_.add(map_.corners(), part.nodes[j], 0.0, gradients[j]);
     for (std::size_t e = 0; e < row_.phyxels.size(); ++e)
@@ -118,7 +118,7 @@ std::array<Vec3, 8> gradientsOf(const Moments &moments, double edge) {
 }
 
 // Takes the rows off, each as far as its ends can bear it.
-void correctSecondMoments(const Corners &corners, std::span<const Row3> rows, const Least &least,
+void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
                           std::vector<double> &volumes, const ParallelFor &parallelFor) {
   std::vector<double> changed, allowed(volumes.size(), 1.0);
   for (bool settled = false; !settled;) {
@@ -145,7 +145,7 @@ void correctSecondMoments(const Corners &corners, std::span<const Row3> rows, co
 
 // Gives phyxels that are still too light what they lack, from the middles of rows that they end: the same second
 // differences the other way round, so that volume and centre stay.
-void giveToLight(const Corners &corners, std::span<const Row3> rows, const Least &least, std::vector<double> &volumes) {
+void giveToLight(const NodeTable &corners, std::span<const Row3> rows, const Least &least, std::vector<double> &volumes) {
   const auto phyxelOf = [&](Index node) {
     return corners.offsets[node + 1] - corners.offsets[node] == 1 ? corners.phyxels[corners.offsets[node]] : kNone;
   };
@@ -179,7 +179,7 @@ void giveToLight(const Corners &corners, std::span<const Row3> rows, const Least
 
 PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartContent> contents,
                            const ParallelFor &parallelFor) {
-  const Corners &corners = map.corners();
+  const NodeTable &corners = map.corners();
   PhyxelVolumes out;
   out.weights.assign(corners.positions.size(), 0.0);
   out.inertial.assign(corners.positions.size(), 0.0);
@@ -187,7 +187,7 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   Least least(map, kMostStiffness), leastFree(map, kMostBesideHeld);
   std::vector<double> evenFree;  // m³, by phyxel
   for (std::size_t p = 0; p < contents.size(); ++p) {
-    const Part &part = map.parts()[p];
+    const CutCellFragment &part = map.parts()[p];
     if (!part.kept) continue;
     const double edge = sharing.edge(p);
     std::array<double, 8> functions = contents[p].all.functions();

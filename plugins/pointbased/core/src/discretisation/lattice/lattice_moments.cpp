@@ -92,7 +92,7 @@ SampleContent contentOf(const CellSet &set, const Cell &cell, int sample) {
   return content;
 }
 
-Eigen::Vector4d modeFactors(const CellSet &set, const Part &part) {
+Eigen::Vector4d modeFactors(const CellSet &set, const CutCellFragment &part) {
   Eigen::Vector4d factors = Eigen::Vector4d::Ones();
   const Cell &cell = set.cells[part.cell];
   if (cell.samples == kNone || part.share > 0.999) return factors;
@@ -113,7 +113,7 @@ Eigen::Vector4d modeFactors(const CellSet &set, const Part &part) {
   return factors;
 }
 
-Moments momentsOf(const CellSet &set, const Part &part) {
+Moments momentsOf(const CellSet &set, const CutCellFragment &part) {
   const Cell &cell = set.cells[part.cell];
   if (cell.samples == kNone) return fullCell();
   Moments moments;

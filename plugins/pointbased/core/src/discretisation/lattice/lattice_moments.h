@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "discretisation/lattice/lattice_parts.h"
+#include "discretisation/lattice/cut_cell_fragments.h"
 
 namespace pointbased::lattice {
 
@@ -41,9 +41,9 @@ struct SampleContent {
 
 /// Factors on the modes xy, xz, yz of a part of a cut cell: sqrt(max(0.02, 1 - 5 n_i² n_j²)), n the mean normal of the
 /// surface in it. A mode across a slanted surface is not the one that a free surface would take.
-[[nodiscard]] Eigen::Vector4d modeFactors(const CellSet &set, const Part &part);
+[[nodiscard]] Eigen::Vector4d modeFactors(const CellSet &set, const CutCellFragment &part);
 
 /// Of the whole part.
-[[nodiscard]] Moments momentsOf(const CellSet &set, const Part &part);
+[[nodiscard]] Moments momentsOf(const CellSet &set, const CutCellFragment &part);
 
 }  // namespace pointbased::lattice

@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 
 #include "forces/kernels/cell_run-inl.h"
-#include "forces/kernels/modes-inl.h"
+#include "forces/kernels/hourglass-inl.h"
 #include "forces/kernels/stress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -42,16 +42,16 @@ HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
     const Mat3Lanes<V> A = run.amplitudes(x, y, z);
     Mat3Lanes<V> pull;
     if constexpr (kLaw == MaterialLaw::linear) {
-      pull = modalConjugate(d, run.law, A, run.roots());
+      pull = hourglassConjugate(d, run.law, A, run.roots());
     } else {
       // B = Fᵀ A, S += A Dᵀ, pull = F D
-      const Mat3Lanes<V> D3 = modalConjugate(d, run.law, A + transposeTimes(G, A), run.roots());
+      const Mat3Lanes<V> D3 = hourglassConjugate(d, run.law, A + transposeTimes(G, A), run.roots());
       S = S + times(A, transposed(D3));
       pull = D3 + times(G, D3);
     }
     // Of NaN and a number the maximum may be the number.
     run.stiffnesses(hn::IfThenElse(hn::Eq(ratio, ratio), hn::Max(ratio, stretch2), ratio),
-                    kLaw == MaterialLaw::linear ? hn::Zero(d) : run.modalStiffness(A), k);
+                    kLaw == MaterialLaw::linear ? hn::Zero(d) : run.hourglassStiffness(A), k);
     run.scatterStress(S, pull, scaled(run.twist(), Vec3Lanes<V>{x.xyz, y.xyz, z.xyz}), k);
   }
 }
@@ -70,7 +70,7 @@ void forcesOf(const CellJob<T> &job, const ScalarLaw &scalar, std::size_t begin,
   for (std::size_t chunk = begin; chunk < end; ++chunk)
     forChunk<Sums::perPhyxel>(job, chunk, [&](std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
       withLaw(job.laws[job.cells->materials[slice]].law, [&](auto law) HWY_ATTR {
-        if (job.modal) {
+        if (job.hourglass) {
           forcesOfSlice<decltype(law)::value, true>(job, scalar, fields, slice);
         } else {
           forcesOfSlice<decltype(law)::value, false>(job, scalar, fields, slice);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Elastic and modal forces of lattice cells, several cells at a time. Private to the core.
+// Elastic and hourglass forces of lattice cells, several cells at a time. Private to the core.
 #pragma once
 
 #include "slices.h"

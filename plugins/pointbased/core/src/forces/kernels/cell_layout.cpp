@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "forces/modes.h"
+#include "forces/hourglass_energy.h"
 
 namespace pointbased::kernels {
 namespace {
@@ -78,8 +78,8 @@ std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s,
     n[kMixedX + k] = shape->mixed[c];
     n[kModeXY + k] = shape->modes[c];
   }
-  const Vec3 root = (s.volumes[q] * s.spreads[q]).cwiseSqrt();
-  const double spread = s.spreads[q].mean();
+  const Vec3 root = (s.volumes[q] * s.variances[q]).cwiseSqrt();
+  const double spread = s.variances[q].mean();
   n[kVolume] = s.volumes[q];
   n[kRootX] = root[0];
   n[kRootY] = root[1];
@@ -156,16 +156,16 @@ CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan) {
 
 template <class T>
 LawNumbers<T> lawNumbers(const Material &m, double stabilisation) {
-  const detail::ModalEnergy modal(m, stabilisation);
+  const detail::HourglassEnergy hourglass(m, stabilisation);
   const double lambda = m.lambda() + m.volumeStiffness;
   LawNumbers<T> n;
   n.law = static_cast<int>(m.law);
   n.lambda = static_cast<T>(m.lambda());
   n.mu = static_cast<T>(m.mu());
   n.volume = static_cast<T>(m.volumeStiffness);
-  n.modalMu = static_cast<T>(modal.mu());
-  n.modalLambda = static_cast<T>(modal.lambda());
-  n.modalTwist = static_cast<T>(modal.twistModulus());
+  n.hourglassMu = static_cast<T>(hourglass.mu());
+  n.hourglassLambda = static_cast<T>(hourglass.lambda());
+  n.hourglassTwist = static_cast<T>(hourglass.twistModulus());
   n.twoEta = static_cast<T>(2.0 * m.viscosity);
   n.waveAtRest = static_cast<T>(lambda + 2.0 * m.mu());
   n.allAtRest = static_cast<T>(std::max(3.0 * lambda, 0.0) + 2.0 * m.mu());

@@ -81,12 +81,12 @@ struct CellRun {
 
   /// What modes of these amplitudes add to τ v (λ + 2 μ), in the same unit: the second derivative of their energy by F is that
   /// of v s μ |Fᵀa|², which grows with the square of the amplitudes and is nothing at rest.
-  HWY_INLINE V modalStiffness(const Mat3Lanes<V> &A) const {
+  HWY_INLINE V hourglassStiffness(const Mat3Lanes<V> &A) const {
     const Vec3Lanes<V> root = roots();
     const V vx = hn::Mul(root.x, root.x), vy = hn::Mul(root.y, root.y), vz = hn::Mul(root.z, root.z);
     const V sum = hn::MulAdd(hn::Add(vx, vy), dot(A.c0, A.c0),
                              hn::MulAdd(hn::Add(vx, vz), dot(A.c1, A.c1), hn::Mul(hn::Add(vy, vz), dot(A.c2, A.c2))));
-    return hn::Mul(hn::Set(d, 2 * law.modalMu + law.modalLambda), sum);
+    return hn::Mul(hn::Set(d, 2 * law.hourglassMu + law.hourglassLambda), sum);
   }
 
   /// τ v (λ + 2 μ) |g_j|² of the corners, or `atLeast` |g_j|².
@@ -132,7 +132,7 @@ struct CellRun {
             {hn::Mul(kyz, x.yz), hn::Mul(kyz, y.yz), hn::Mul(kyz, z.yz)}};
   }
   HWY_INLINE Vec3Lanes<V> roots() const { return {number(kRootX), number(kRootY), number(kRootZ)}; }
-  HWY_INLINE V twist() const { return hn::Mul(hn::Set(d, law.modalTwist), number(kTwist)); }
+  HWY_INLINE V twist() const { return hn::Mul(hn::Set(d, law.hourglassTwist), number(kTwist)); }
 
   /// v P, what pulls the modes and what pulls xyz, back to the corners.
   /// @param k  goes with the forces

@@ -9,7 +9,7 @@
 #include <hwy/highway.h>
 
 #include "forces/kernels/cell_run-inl.h"
-#include "forces/kernels/modes-inl.h"
+#include "forces/kernels/hourglass-inl.h"
 #include "forces/kernels/tangent-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -43,20 +43,20 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
   dS = scaled(run.number(kVolume), dS);
   const V nothing[kCorners] = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d),
                                hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  if (!run.job.modal) {
+  if (!run.job.hourglass) {
     run.scatterStress(dS, nothing);
     return;
   }
   const Mat3Lanes<V> dA = run.amplitudes(x, y, z);
   Mat3Lanes<V> dPull;
   if constexpr (kLaw == MaterialLaw::linear) {
-    dPull = modalConjugate(d, run.law, dA, run.roots());
+    dPull = hourglassConjugate(d, run.law, dA, run.roots());
   } else {
     // B = Fᵀ A, S += A Dᵀ, pull = F D
     const Mat3Lanes<V> G = at.getMatrix(kTangentG), A = at.getMatrix(kTangentA);
-    const Mat3Lanes<V> D3 = modalConjugate(d, run.law, A + transposeTimes(G, A), run.roots());
+    const Mat3Lanes<V> D3 = hourglassConjugate(d, run.law, A + transposeTimes(G, A), run.roots());
     const Mat3Lanes<V> dD =
-        modalConjugate(d, run.law, dA + transposeTimes(G, dA) + transposeTimes(dG, A), run.roots());
+        hourglassConjugate(d, run.law, dA + transposeTimes(G, dA) + transposeTimes(dG, A), run.roots());
     dS = dS + times(dA, transposed(D3)) + times(A, transposed(dD));
     dPull = dD + times(G, dD) + times(dG, D3);
   }
@@ -65,20 +65,20 @@ HWY_INLINE void productOfLanes(const CellRun<D> &run, const ScalarLaw &scalar) {
 
 // Strain and modes of some lanes, J.
 template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
-HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, V &strainEnergy, V &modalEnergy) {
+HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, V &strainEnergy, V &hourglassEnergy) {
   const D d = run.d;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
   const Mat3Lanes<V> G = run.gradient(x, y, z);
   strainEnergy = hn::Mul(run.number(kVolume), energyOf<kLaw>(d, run.law, Strain<D>(d, G), scalar, run.material()));
-  modalEnergy = hn::Zero(d);
-  if (!run.job.modal) return;
+  hourglassEnergy = hn::Zero(d);
+  if (!run.job.hourglass) return;
   const Mat3Lanes<V> A = run.amplitudes(x, y, z);
   Mat3Lanes<V> B = A;
   if constexpr (kLaw != MaterialLaw::linear) B = A + transposeTimes(G, A);
   const V twisted = hn::MulAdd(x.xyz, x.xyz, hn::MulAdd(y.xyz, y.xyz, hn::Mul(z.xyz, z.xyz)));
-  modalEnergy = hn::Mul(hn::Set(d, Real<D>(0.5)),
-                        hn::MulAdd(run.twist(), twisted, product(B, modalConjugate(d, run.law, B, run.roots()))));
+  hourglassEnergy = hn::Mul(hn::Set(d, Real<D>(0.5)),
+                        hn::MulAdd(run.twist(), twisted, product(B, hourglassConjugate(d, run.law, B, run.roots()))));
 }
 
 // step(run) for all lanes of a slice.
@@ -104,19 +104,19 @@ HWY_NOINLINE void energiesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar
   HWY_ALIGN T strain[kLanes<T>];
   HWY_ALIGN T modes[kLanes<T>];
   forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR {
-    hn::Vec<std::remove_const_t<decltype(run.d)>> strainEnergy, modalEnergy;
-    energiesOfLanes<kLaw>(run, scalar, strainEnergy, modalEnergy);
+    hn::Vec<std::remove_const_t<decltype(run.d)>> strainEnergy, hourglassEnergy;
+    energiesOfLanes<kLaw>(run, scalar, strainEnergy, hourglassEnergy);
     hn::Store(strainEnergy, run.d, strain + run.lane);
-    hn::Store(modalEnergy, run.d, modes + run.lane);
+    hn::Store(hourglassEnergy, run.d, modes + run.lane);
   });
   // One after the other: the same sum whatever the width.
-  double strainSum = 0.0, modalSum = 0.0;
+  double strainSum = 0.0, hourglassSum = 0.0;
   for (std::size_t lane = 0; lane < kLanes<T>; ++lane) {
     strainSum += static_cast<double>(strain[lane]);
-    modalSum += static_cast<double>(modes[lane]);
+    hourglassSum += static_cast<double>(modes[lane]);
   }
   job.energies[2 * slice] = strainSum;
-  job.energies[2 * slice + 1] = modalSum;
+  job.energies[2 * slice + 1] = hourglassSum;
 }
 
 // of(law, slice, fields) for the slices of some chunks.

@@ -29,7 +29,7 @@ enum CellNumber : std::size_t {
   kMixedX, kMixedY, kMixedZ,  ///< <ηζ>/h, <ξζ>/h, <ξη>/h, 1/m
   kModeXY, kModeXZ, kModeYZ,  ///< k_m, 1/m²
   kVolume,                    ///< v, m³; 0 in lanes that stand for nothing
-  kRootX, kRootY, kRootZ,     ///< √(v s), s the spreads, m^2.5
+  kRootX, kRootY, kRootZ,     ///< √(v s), s the variances, m^2.5
   kTwist,                     ///< t, m
   kCellNumbers
 };
@@ -61,7 +61,7 @@ template <class T>
 struct LawNumbers {
   int law = 0;                         ///< MaterialLaw
   T lambda{}, mu{}, volume{};          ///< Pa
-  T modalMu{}, modalLambda{}, modalTwist{};  ///< Pa; stabilisation × μ, λ*, kTwistStiffness E
+  T hourglassMu{}, hourglassLambda{}, hourglassTwist{};  ///< Pa; stabilisation × μ, λ*, kTwistStiffness E
   T waveAtRest{}, allAtRest{};         ///< Pa: what tangentRatio() divides by
   T twoEta{};                          ///< Pa s: twice the viscosity
 };
@@ -100,7 +100,7 @@ template <class T>
 struct CellJob {
   const CellSlices<T> *cells = nullptr;
   std::span<const LawNumbers<T>> laws;   ///< [materials]
-  bool modal = false;                    ///< with the energy of the modes
+  bool hourglass = false;                    ///< with the energy of the modes
   double axes[3][3] = {};                ///< of the lattice, columns
   bool turned = false;                   ///< axes are not those of the world
   PhyxelField displacements;             ///< m; of products: their changes

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "c3de/ui/image_views.h"
+#include "c3de/ui/segmentation_workflow.h"
+#include "c3de/ui/panel_registry.h"
+
+namespace c3de::ui {
+
+/// The panel of the path from an image to a living organ, in numbered steps. It stands in the registry while it lives.
+/// Main thread.
+class SegmentationPanel {
+ public:
+  SegmentationPanel(PanelRegistry &panels, ImageViews &views, SegmentationWorkflow &guide);
+  ~SegmentationPanel();
+  SegmentationPanel(const SegmentationPanel &) = delete;
+  SegmentationPanel &operator=(const SegmentationPanel &) = delete;
+
+ private:
+  void draw(const c3de_ui_v0 &ui);
+  /// A button that waits for a click in a slice, and stops waiting when it is pressed again.
+  void clickButton(const c3de_ui_v0 &ui, const char *id, const char *label, const char *doc,
+                   void (SegmentationWorkflow::*clicked)(const Vec3 &));
+  void drawSource(const c3de_ui_v0 &ui);
+  void drawLabels(const c3de_ui_v0 &ui);
+  void drawThreshold(const c3de_ui_v0 &ui);
+  void drawSteps(const c3de_ui_v0 &ui);
+  void drawUndo(const c3de_ui_v0 &ui);
+  void drawSeveral(const c3de_ui_v0 &ui);
+  void drawMaterial(const c3de_ui_v0 &ui);
+  void drawMaterials(const c3de_ui_v0 &ui);
+  void drawSampling(const c3de_ui_v0 &ui);
+  void drawHolding(const c3de_ui_v0 &ui);
+
+  PanelRegistry &panels_;
+  ImageViews &views_;
+  SegmentationWorkflow &guide_;
+  Handle panel_;
+  std::string filter_;  ///< of the labels that are listed
+  const char *awaited_ = nullptr;  ///< id of the button that was pressed last
+};
+
+}  // namespace c3de::ui

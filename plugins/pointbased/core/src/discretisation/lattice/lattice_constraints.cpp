@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "discretisation/lattice/lattice_constraints.h"
+
+namespace pointbased::lattice {
+namespace {
+
+constexpr double kSmall = 1.0 / kSamplesPerAxis;
+// Rows with less weight than this on phyxels that are not held themselves say nothing new.
+constexpr double kLoose = 0.05;
+
+// How a region cuts one small cell, as if its border were a plane there.
+struct RegionCut {
+  double distance = 0.0;             // of the centre of the small cell, m
+  Vec3 normal = Vec3::Zero();        // lattice axes
+  double share = 0.0;                // of the small cell, inside the region
+};
+
+RegionCut cutOf(const CellSet &set, const Region &region, const Cell &cell, int sample) {
+  RegionCut cut;
+  const double edge = set.edge(cell);
+  const Vec3 x = set.frame.world(set.centre(cell) + edge * sampleOffset(sample));
+  cut.distance = signedDistance(region, x);
+  cut.share = shareOf(cut.distance, kSmall * edge);
+  cut.normal = set.frame.axes.transpose() * borderNormal(region, x);
+  return cut;
+}
+
+struct Divided {
+  SampleContent held, free;
+  double border = 0.0;  // part of the border within the small cell that lies inside the body
+};
+
+// The content of a small cell on both sides of a region's border. Where border and surface run along each other they are
+// ends of intervals on one line; elsewhere each cuts the same part off what the other leaves.
+Divided divide(const SampleContent &content, const Vec3 &middle, const RegionCut &cut) {
+  Divided result{content, content};
+  const double along = content.normal.dot(cut.normal);
+  if (content.share < 1.0 && std::abs(along) < 0.7) {
+    const auto keep = [&](SampleContent &side, double share, const Vec3 &towards) {
+      side.share *= share;
+      side.centre += 0.5 * (1.0 - share) * kSmall * towards;
+      side.variance = (side.variance - kSmall * kSmall / 12.0 * (1.0 - share * share) * towards.cwiseAbs2()).cwiseMax(0.0);
+    };
+    keep(result.held, cut.share, -cut.normal);
+    keep(result.free, 1.0 - cut.share, cut.normal);
+    result.border = content.share;
+    return result;
+  }
+  const double low = along < 0.0 ? 0.5 - content.share : -0.5, high = low + content.share, at = cut.share - 0.5;
+  const auto interval = [&](double from, double to) {
+    SampleContent side;
+    side.share = std::max(0.0, to - from);
+    side.centre = middle + 0.5 * (from + to) * kSmall * cut.normal;
+    side.variance = kSmall * kSmall / 12.0 * (Vec3::Ones() - (1.0 - side.share * side.share) * cut.normal.cwiseAbs2());
+    return side;
+  };
+  result.held = interval(low, std::min(high, at));
+  result.free = interval(std::max(low, at), high);
+  result.border = at >= low && at <= high ? 1.0 : 0.0;
+  return result;
+}
+
+// A box thinner than what acts as a surface holds no volume, wherever in a cell it lies.
+bool isSheet(const Region &region, double edge) {
+  const auto *box = std::get_if<BoxRegion>(&region);
+  return box != nullptr && (box->max - box->min).minCoeff() < kThinLayer * edge;
+}
+
+// Whether a region can hold a part of a cell (> 0), all of it (< 0), or must be looked at (0).
+int sideOf(const CellSet &set, const Region &region, const Cell &cell) {
+  const double distance = signedDistance(region, set.frame.world(set.centre(cell)));
+  const double reach = 1.4 * set.edge(cell);  // half a diagonal, and one of a small cell
+  return distance > reach ? 1 : distance < -reach ? -1 : 0;
+}
+
+// Σ over the samples of the part.
+HeldPatch measureVolume(const CellSet &set, const CutCellFragment &part, const Moments &all, const Region &region) {
+  HeldPatch patch;
+  const Cell &cell = set.cells[part.cell];
+  const int side = sideOf(set, region, cell);
+  if (side > 0) return patch;
+  if (side < 0) {
+    patch.held = all;
+    return patch;
+  }
+  const double edge = set.edge(cell), width = kSmall * edge;
+  for (int s = 0; s < kSamples; ++s) {
+    if ((part.samples >> s & 1) == 0) continue;
+    const SampleContent content = contentOf(set, cell, s);
+    if (content.share <= 0.0) continue;
+    const RegionCut cut = cutOf(set, region, cell, s);
+    const Divided divided = divide(content, sampleOffset(s), cut);
+    if (cut.share > 0.0 && divided.held.share > 0.0)
+      patch.held.add(divided.held.share / kSamples, divided.held.centre, divided.held.variance);
+    // The border as a smeared delta, one small cell wide along its normal. Between two cells it belongs to the outer one,
+    // which is the one that can deform.
+    const double reach = 0.5 * cut.normal.lpNorm<1>();
+    const double layers = cut.distance / width - 1e-3;
+    if (!(layers > -reach && layers <= reach) || divided.border <= 0.0) continue;
+    const double area = divided.border * width * width / (2.0 * reach);
+    const double off = cut.distance / edge + cut.normal.dot(content.centre - sampleOffset(s));
+    const std::array<double, 8> functions = trilinear(content.centre - off * cut.normal);
+    patch.borderArea += area;
+    for (std::size_t j = 0; j < 8; ++j) patch.border[j] += area * functions[j];
+  }
+  return patch;
+}
+
+// A layer between the border and a surface that runs along it, or a surface without any border inside the part.
+bool isThin(const HeldPatch &patch, const Moments &all, double edge) {
+  if (!(patch.borderArea > 0.0)) return patch.surfaceArea > 0.0 && patch.held.share < 1e-3 * all.share;
+  return patch.facingArea > 0.5 * patch.borderArea &&
+         patch.held.share * edge * edge * edge < kThinLayer * edge * patch.facingArea;
+}
+
+Moments freeMoments(const CellSet &set, const CutCellFragment &part, std::span<const Region *const> regions) {
+  Moments moments;
+  const Cell &cell = set.cells[part.cell];
+  for (int s = 0; s < kSamples; ++s) {
+    if ((part.samples >> s & 1) == 0) continue;
+    SampleContent content = contentOf(set, cell, s);
+    for (const Region *region : regions) {
+      const RegionCut cut = cutOf(set, *region, cell, s);
+      if (cut.share > 0.0) content = divide(content, sampleOffset(s), cut).free;
+    }
+    if (content.share > 0.0) moments.add(content.share / kSamples, content.centre, content.variance);
+  }
+  return moments;
+}
+
+void addSurface(const BodyShape &shape, const Region &region, const LatticeCellMap &map, std::vector<Index> &slots,
+                std::vector<HeldPatch> &patches, const ParallelFor &parallelFor) {
+  if (shape.surface.triangles.empty()) return;
+  const Frame &frame = map.set().frame;
+  const SurfacePoints points = sampleSurface(shape.surface, kSmall * frame.unit(), region);
+  std::vector<Index> parts(points.count());
+  std::vector<Vec3> local(points.count());
+  parallelFor(points.count(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      local[i] = frame.axes.transpose() * (points.positions[i] - frame.origin);
+      parts[i] = map.partOf(local[i], frame.axes.transpose() * points.normals[i]);
+    }
+  });
+  for (std::size_t i = 0; i < points.count(); ++i) {
+    if (slots[parts[i]] == kNone) {
+      slots[parts[i]] = static_cast<Index>(patches.size());
+      patches.emplace_back().part = parts[i];
+    }
+    HeldPatch &patch = patches[slots[parts[i]]];
+    std::array<double, 8> functions{};
+    std::array<Vec3, 8> gradients;
+    map.functionsAt(parts[i], local[i], functions, gradients);
+    patch.surfaceArea += points.areas[i];
+    patch.surfaceCentre += points.areas[i] * local[i];
+    for (std::size_t j = 0; j < 8; ++j) patch.surface[j] += points.areas[i] * functions[j];
+    if (borderNormal(region, points.positions[i]).dot(points.normals[i]) > -0.5) continue;
+    patch.facingArea += points.areas[i];
+    for (std::size_t j = 0; j < 8; ++j) patch.facing[j] += points.areas[i] * functions[j];
+  }
+}
+
+template <class Visit>
+void forPhyxels(const LatticeCellMap &map, Index part, const Visit &visit) {
+  const NodeTable &corners = map.corners();
+  for (const Index node : map.parts()[part].nodes)
+    for (std::uint32_t e = corners.offsets[node]; e < corners.offsets[node + 1]; ++e) visit(corners.phyxels[e]);
+}
+
+// One region's rows and phyxels.
+class Holder {
+ public:
+  Holder(const BodyShape &shape, const Region &region, const LatticeCellMap &map, const std::vector<HeldPatch> &patches,
+         std::span<const PartContent> contents, std::span<const std::uint8_t> movable)
+      : shape_(shape), region_(region), map_(map), patches_(patches), contents_(contents), movable_(movable) {}
+
+  ConstrainedRegion hold(double scale) {
+    measure(scale);
+    findPhyxels();
+    for (const HeldPatch &patch : patches_) {
+      if (hasBorder(patch)) addRow(patch, patch.borderArea, patch.border);
+      else if (patch.thin && patch.borderArea > 0.0) addRow(patch, patch.facingArea, patch.facing);
+      else if (patch.thin) addRow(patch, patch.surfaceArea, patch.surface);
+    }
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] double edgeOf(const HeldPatch &patch) const {
+    return map_.set().edge(map_.set().cells[map_.parts()[patch.part].cell]);
+  }
+  // Where all of a part is held, its corners are.
+  [[nodiscard]] bool hasBorder(const HeldPatch &patch) const {
+    return !patch.thin && contents_[patch.part].isFree() && patch.borderArea > 0.0;
+  }
+
+  void measure(double scale) {
+    Vec3 sum = Vec3::Zero(), surface = Vec3::Zero();
+    double thick = 0.0;
+    for (const HeldPatch &patch : patches_) {
+      const double edge = edgeOf(patch), cube = edge * edge * edge;
+      result_.volume += scale * cube * patch.held.share;
+      result_.area += patch.surfaceArea;
+      surface += patch.surfaceCentre;
+      if (patch.thin || !(patch.held.share > 0.0)) continue;
+      thick += cube * patch.held.share;
+      const Vec3 centre = map_.set().centre(map_.set().cells[map_.parts()[patch.part].cell]);
+      sum += cube * (patch.held.share * centre + edge * patch.held.first);
+    }
+    const Mat3 &axes = map_.set().frame.axes;
+    // Slivers of volume beside a held face say nothing of where it is.
+    const double cell = map_.set().frame.spacing * map_.set().frame.spacing * map_.set().frame.spacing;
+    const bool hasVolume = thick > 1e-3 * cell && (result_.area <= 0.0 || thick > 1e-3 * result_.area * map_.set().frame.spacing);
+    if (hasVolume) result_.centroid = axes * (sum / thick);
+    else if (result_.area > 0.0) result_.centroid = axes * (surface / result_.area);
+  }
+
+  void findPhyxels() {
+    const std::size_t n = map_.corners().positions.size();
+    std::vector<std::uint8_t> candidate(n, 0), onThin(n, 0);
+    held_.assign(n, 0);
+    for (const HeldPatch &patch : patches_) {
+      if (patch.thin) forPhyxels(map_, patch.part, [&](Index i) { onThin[i] = 1; });
+      else if (!contents_[patch.part].isFree())
+        forPhyxels(map_, patch.part, [&](Index i) { candidate[i] = 1; });
+    }
+    for (std::size_t i = 0; i < n; ++i) held_[i] = candidate[i] != 0 && movable_[i] == 0 ? 1 : 0;
+    // On a held surface, or in a held layer so thin that it acts as its surface; not where the border cuts the cell.
+    for (const HeldPatch &patch : patches_)
+      if (hasBorder(patch)) forPhyxels(map_, patch.part, [&](Index i) { onThin[i] = 0; });
+    const Frame &frame = map_.set().frame;
+    std::vector<Index> asked;
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 &local = map_.corners().positions[i];
+      if (onThin[i] == 0 || signedDistance(region_, frame.world(local)) > 1e-9 * frame.spacing) continue;
+      asked.push_back(static_cast<Index>(i));
+      points.push_back(local);
+    }
+    if (!points.empty()) {
+      const Questions ask(shape_, frame);
+      std::vector<std::uint8_t> inside(points.size());
+      std::vector<double> distances(points.size(), 1e300);
+      ask.inside(points, inside);
+      if (ask.measures()) ask.distances(points, distances);
+      for (std::size_t k = 0; k < asked.size(); ++k)
+        if (inside[k] != 0 || distances[k] < 1e-3 * frame.spacing) held_[asked[k]] = 1;
+    }
+    for (std::size_t i = 0; i < n; ++i)
+      if (held_[i] != 0) result_.phyxels.push_back(static_cast<Index>(i));
+  }
+
+  void addRow(const HeldPatch &patch, double area, const std::array<double, 8> &functions) {
+    const double edge = edgeOf(patch);
+    if (!(area > 1e-6 * edge * edge)) return;
+    row_.clear();
+    for (std::size_t j = 0; j < 8; ++j)
+      row_.add(map_.corners(), map_.parts()[patch.part].nodes[j], functions[j] / area, Vec3::Zero());
+    double loose = 0.0;
+    for (std::size_t e = 0; e < row_.phyxels.size(); ++e)
+      if (held_[row_.phyxels[e]] == 0) loose += std::abs(row_.weights[e]);
+    if (loose < kLoose) return;
+    for (std::size_t e = 0; e < row_.phyxels.size(); ++e) {
+      result_.rows.indices.push_back(row_.phyxels[e]);
+      result_.weights.push_back(row_.weights[e]);
+    }
+    result_.rows.offsets.push_back(static_cast<Index>(result_.rows.indices.size()));
+    result_.areas.push_back(area);
+  }
+
+  const BodyShape &shape_;
+  const Region &region_;
+  const LatticeCellMap &map_;
+  const std::vector<HeldPatch> &patches_;
+  std::span<const PartContent> contents_;
+  std::span<const std::uint8_t> movable_;  // phyxels that free material touches
+  std::vector<std::uint8_t> held_;
+  ConstrainedRegion result_;
+  Row row_;
+};
+
+}  // namespace
+
+HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map,
+                     std::vector<PartContent> &contents, const ParallelFor &parallelFor) {
+  HeldPatches result(sampling.held.size());
+  if (result.empty()) return result;
+  const CellSet &set = map.set();
+  std::vector<std::vector<const Region *>> holding(map.parts().size());
+  for (std::size_t r = 0; r < sampling.held.size(); ++r) {
+    const Region &region = sampling.held[r];
+    std::vector<HeldPatch> measured(map.parts().size());
+    parallelFor(measured.size(), 64, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p)
+        if (map.parts()[p].kept && !isSheet(region, set.edge(set.cells[map.parts()[p].cell])))
+          measured[p] = measureVolume(set, map.parts()[p], contents[p].all, region);
+    });
+    std::vector<Index> slots(map.parts().size(), kNone);
+    for (std::size_t p = 0; p < measured.size(); ++p) {
+      if (!(measured[p].held.share > 0.0) && !(measured[p].borderArea > 0.0)) continue;
+      slots[p] = static_cast<Index>(result[r].size());
+      result[r].push_back(measured[p]);
+      result[r].back().part = static_cast<Index>(p);
+    }
+    addSurface(shape, region, map, slots, result[r], parallelFor);
+    for (HeldPatch &patch : result[r]) {
+      contents[patch.part].touched = true;
+      patch.thin = isThin(patch, contents[patch.part].all, set.edge(set.cells[map.parts()[patch.part].cell]));
+      if (!patch.thin && patch.held.share > 0.0) holding[patch.part].push_back(&region);
+    }
+  }
+  parallelFor(contents.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p)
+      if (!holding[p].empty()) contents[p].free = freeMoments(set, map.parts()[p], holding[p]);
+  });
+  return result;
+}
+
+Result<std::vector<ConstrainedRegion>> holdLattice(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map,
+                                          const HeldPatches &patches, std::span<const PartContent> contents, double scale,
+                                          const ParallelFor &) {
+  std::vector<ConstrainedRegion> result;
+  if (patches.empty()) return result;
+  std::vector<std::uint8_t> movable(map.corners().positions.size(), 0);
+  for (std::size_t p = 0; p < contents.size(); ++p)
+    if (map.parts()[p].kept && contents[p].isFree())
+      forPhyxels(map, static_cast<Index>(p), [&](Index i) { movable[i] = 1; });
+  std::vector<std::uint8_t> taken(movable.size(), 0);
+  for (std::size_t r = 0; r < patches.size(); ++r) {
+    ConstrainedRegion part = Holder(shape, sampling.held[r], map, patches[r], contents, movable).hold(scale);
+    // A phyxel that two regions hold follows the first.
+    std::erase_if(part.phyxels, [&](Index i) { return taken[i] != 0; });
+    for (const Index i : part.phyxels) taken[i] = 1;
+    if (part.empty())
+      return tl::unexpected("fix " + std::to_string(r) + ": the region meets no part of the body; move or enlarge it until it does");
+    result.push_back(std::move(part));
+  }
+  return result;
+}
+
+}  // namespace pointbased::lattice

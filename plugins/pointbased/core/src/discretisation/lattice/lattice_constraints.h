@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "discretisation/lattice/cell_map.h"
+#include "discretisation/lattice/lattice_moments.h"
+
+namespace pointbased::lattice {
+
+/// What a part holds: all of it, and what is free to deform.
+struct PartContent {
+  Moments all, free;
+  bool touched = false;   ///< by a held region
+  [[nodiscard]] bool isFree() const { return free.share > 1e-3 * all.share; }
+};
+
+/// What a held region has in common with one part; means are area-weighted.
+struct HeldPatch {
+  Index part = 0;
+  Moments held;                           ///< material inside the region
+  double borderArea = 0.0;                ///< of the region's border inside the body, m²
+  std::array<double, 8> border{};         ///< Σ area N_j there, m²
+  double surfaceArea = 0.0;               ///< of the body's surface inside the region, m²
+  std::array<double, 8> surface{};        ///< Σ area N_j there, m²
+  double facingArea = 0.0;                ///< of that, what faces away from the border: the other side of a held layer, m²
+  std::array<double, 8> facing{};         ///< Σ area N_j there, m²
+  Vec3 surfaceCentre = Vec3::Zero();      ///< Σ area X, lattice axes, m³
+  bool thin = false;                      ///< acts as its surface: its material stays free
+};
+
+/// By region, then by part.
+using HeldPatches = std::vector<std::vector<HeldPatch>>;
+
+/// Measures what the regions hold, and takes it off `contents`.
+[[nodiscard]] HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map,
+                                   std::vector<PartContent> &contents, const ParallelFor &parallelFor);
+
+/// @param scale  of the volumes
+/// Errors: a region that meets no part of the body.
+[[nodiscard]] Result<std::vector<ConstrainedRegion>> holdLattice(const BodyShape &shape, const LatticeSampling &sampling,
+                                                        const LatticeCellMap &map, const HeldPatches &patches,
+                                                        std::span<const PartContent> contents, double scale,
+                                                        const ParallelFor &parallelFor);
+
+}  // namespace pointbased::lattice

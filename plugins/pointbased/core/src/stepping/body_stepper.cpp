@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stepping/body_stepper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/number_text.h"
+#include "stepping/step_cost.h"
+
+namespace pointbased::detail {
+namespace {
+
+constexpr std::uint64_t kMostSubsteps = 10'000, kLeastSubsteps = 1'000;  // of a step, before it ends early
+constexpr double kMostWork = 2e7;  // evaluations of points in a step: some seconds, so that a run can be interrupted
+constexpr double kSmallestScale = 1.0 / 64;  // of the steps that are tried before a body stops
+constexpr double kCrushedScale = 1.0 / 4;    // likewise where it is crushed, which smaller steps seldom change
+
+std::uint64_t substepLimit(const Body &body) {
+  const double points = static_cast<double>(std::max<std::size_t>(1, body.rest().pointCount()));
+  return static_cast<std::uint64_t>(
+      std::clamp(kMostWork / points, static_cast<double>(kLeastSubsteps), static_cast<double>(kMostSubsteps)));
+}
+
+// Something outside puts energy into the body, or it takes up what it has lost.
+bool driven(const Body &body, std::span<const Obstacle> obstacles, double time) {
+  if (body.grab) return true;
+  for (const Obstacle &obstacle : obstacles)
+    if (obstacle.motion) return true;
+  const BoundaryConditions &conditions = body.rest().conditions;
+  for (const Fix &fix : conditions.fixes)
+    if (fix.ramp > 0.0 && time <= 1.5 * fix.ramp) return true;
+  for (const Load &load : conditions.loads)
+    if ((load.ramp > 0.0 && time <= 1.5 * load.ramp) || (load.pressure != 0.0 && load.follower)) return true;
+  return body.constitution().relaxing();
+}
+
+}  // namespace
+
+Integrator BodyStepper::integratorIn(const WorldSettings &world) const {
+  if (world.integrator == Integrator::automatic)
+    return predictCost(*body_, world.dt).implicitIsCheaper() ? Integrator::implicitSdirk : Integrator::explicitVerlet;
+  if (world.integrator == Integrator::explicitVerlet && world.dt <= 0.0 &&
+      kStepSafety * body_->stableStepAtRest() < kSmallestExplicitStep)
+    return Integrator::implicitSdirk;
+  // Without damping of its own the midpoint rule does not settle what relaxes.
+  if (world.integrator == Integrator::implicitMidpoint && body_->constitution().relaxing())
+    return Integrator::implicitSdirk;
+  return world.integrator;
+}
+
+void BodyStepper::wake() {
+  asleep_ = false;
+  watch_.forget();
+  body_->forcesCurrent = false;
+  forgetEnergy();
+}
+
+bool BodyStepper::sleepsOn(const StepContext &order, double span) {
+  if (!asleep_) return false;
+  const Body &body = *body_;
+  // Whoever has pushed it from outside has given it a velocity.
+  const bool pushed = std::any_of(body.state().velocities.begin(), body.state().velocities.end(),
+                                  [](const Vec3 &v) { return !v.isZero(0.0); });
+  if (!pushed && order.world.sleep && !isDriven(body, order.environment.obstacles, order.time, span)) return true;
+  wake();
+  return false;
+}
+
+void BodyStepper::fallAsleepIfStill(const StepContext &order, double span) {
+  if (!order.world.sleep || stopped() || isDriven(*body_, order.environment.obstacles, order.time, span)) {
+    watch_.forget();
+    return;
+  }
+  const double tolerance =
+      order.world.tolerance > 0.0 ? order.world.tolerance : SleepDetector::kTolerance * body_->rest().spacing;
+  if (!watch_.look(*body_, tolerance, span)) return;
+  asleep_ = true;
+  std::fill(body_->state().velocities.begin(), body_->state().velocities.end(), Vec3(Vec3::Zero()));
+  if (underWay_) underWay_->state = body_->keptState();
+  body_->keepState();
+}
+
+void BodyStepper::forget() {
+  wake();
+  ++changes_;
+  solver_.forget();
+}
+
+void BodyStepper::reset() {
+  body_->reset();
+  forget();
+  substeps_ = SubstepController();
+  scale_ = 1.0;
+  goodSteps_ = 0;
+  mostSubsteps_ = 1;
+  integratorReported_ = false;
+  slowReported_ = false;
+}
+
+bool BodyStepper::restore(const Checkpoint &checkpoint, const ParallelFor &parallelFor) {
+  if (!body_->restore(checkpoint.body, parallelFor)) return false;
+  forget();
+  substeps_ = checkpoint.substeps;
+  scale_ = checkpoint.scale;
+  goodSteps_ = checkpoint.goodSteps;
+  return true;
+}
+
+void BodyStepper::undoStep(const ParallelFor &parallelFor) {
+  if (!underWay_) return;
+  substeps_ = underWay_->substeps;
+  if (underWay_->state) {
+    body_->state() = *underWay_->state;
+    body_->keepState();
+  }
+  underWay_.reset();
+  body_->restoreState();
+  body_->contact.blocks = ContactState::Blocks();
+  body_->computeGradients(parallelFor);
+  body_->computeStresses(0.0, parallelFor);
+  wake();
+  solver_.forget();
+  ++changes_;
+}
+
+double BodyStepper::advance(const StepContext &order, double span) {
+  if (body_->rigid()) return span;
+  const SubstepController substeps = substeps_;
+  substeps_.begin(order.dt);
+  if (sleepsOn(order, span)) return span;
+  ++changes_;
+  if (order.environment.stop != nullptr) underWay_ = Start{substeps, {}};
+  const double gone = tryToAdvance(order, span, substepLimit(*body_));
+  fallAsleepIfStill(order, gone);
+  return gone;
+}
+
+void BodyStepper::advanceAgain(const StepContext &order, double span) {
+  if (asleep_) return;  // the state is the same at every time
+  body_->restoreState();
+  (void)tryToAdvance(order, span, std::numeric_limits<std::uint64_t>::max());
+}
+
+double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uint64_t mostSubsteps) {
+  Body &body = *body_;
+  StageClock &clock = *order.environment.clock;
+  const Integrator integrator = integratorIn(order.world);
+  if (integrator != order.world.integrator) reportIntegrator(order);
+  // What somebody has put in from outside is caught before it becomes the state to go back to.
+  QuickCheckResult glance;
+  clock.measure(kGuard, [&] { glance = quickCheck(body); });
+  if (!glance.finite) {
+    const GuardFinding poisoned = firstNonFinite(body);
+    body.restoreState();
+    stop(order, poisoned);
+    return span;
+  }
+  if (body.grab && !body.grab->target.allFinite()) {
+    stop(order, {body.grab->phyxels.front(), "the hand that holds it is at no finite place", "to let go and reset"});
+    return span;
+  }
+  body.keepState();
+  bool again = false;  // from the mark
+  while (true) {
+    Gone gone = again ? againFromMark(order, span)
+                : integrator == Integrator::explicitVerlet ? advanceExplicit(order, span, mostSubsteps, glance)
+                                                           : advanceImplicit(order, span);
+    if (gone && order.number % EnergyWatch::kEnergyInterval == 0)
+      clock.measure(kGuard, [&] {
+        const bool mayGrow = driven(body, order.environment.obstacles, order.time);
+        const EnergyWatch before = energy_;
+        if (auto grown = energy_.look(body, order.world.gravity, mayGrow)) {
+          gone = refused(std::move(*grown));
+          energy_ = before;
+          if (mark_) backToMark();
+          again = mark_.has_value();
+        } else {
+          if (!mark_) mark_ = Mark();
+          mark_->state = body.state();
+          mark_->time = order.time + *gone;
+        }
+        body.contact.ledOut.setZero();
+      });
+    if (gone) {
+      if (scale_ < 1.0 && ++goodSteps_ >= kPatience) {
+        scale_ = std::min(1.0, 2.0 * scale_);
+        goodSteps_ = 0;
+      }
+      return *gone;
+    }
+    body.restoreState();
+    body.computeGradients(*order.environment.parallelFor);
+    body.computeStresses(0.0, *order.environment.parallelFor);
+    solver_.forget();
+    goodSteps_ = 0;
+    const GuardFinding &finding = gone.error().finding;
+    if (!(scale_ > (gone.error().crushed ? kCrushedScale : kSmallestScale))) {
+      stop(order, finding);
+      return span;
+    }
+    scale_ *= 0.5;
+    order.reportEvent("smaller_step", "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " +
+                                   finding.quantity + "; back to the state " +
+                                   (again ? "at " + number(mark_->time) + " s" : std::string("before")) +
+                                   ", with steps " + number(1.0 / scale_) + " times smaller");
+  }
+}
+
+void BodyStepper::backToMark() {
+  if (underWay_ && !underWay_->state) underWay_->state = body_->keptState();
+  body_->state() = mark_->state;
+  body_->keepState();
+}
+
+BodyStepper::Gone BodyStepper::againFromMark(const StepContext &order, double span) {
+  const double end = order.time + span;
+  const Integrator integrator = integratorIn(order.world);
+  StepContext piece = order;
+  piece.time = mark_->time;
+  while (end - piece.time > 1e-9 * span) {
+    const double left = std::min(order.dt, end - piece.time);
+    const Gone gone = integrator == Integrator::explicitVerlet
+                          ? advanceExplicit(piece, left, std::numeric_limits<std::uint64_t>::max(), quickCheck(*body_))
+                          : advanceImplicit(piece, left);
+    if (!gone) return gone;
+    piece.time += left;
+  }
+  return span;
+}
+
+BodyStepper::Gone BodyStepper::advanceImplicit(const StepContext &order, double span) {
+  const Integrator scheme = integratorIn(order.world);
+  const auto pieces = static_cast<int>(std::llround(std::ceil(1.0 / scale_)));
+  const double piece = span / pieces;
+  for (int k = 0; k < pieces; ++k) {
+    const ImplicitResult result =
+        implicitStep(*body_, solver_, order.environment, order.time + k * piece, piece, scheme);
+    if (!result.failure.empty())
+      return refused({result.newton.worst, result.failure,
+                      "a smaller solver.dt, solver.integrator = \"backward_euler\", or material.law = \"neo_hookean\""});
+    bool finite = true;
+    order.environment.clock->measure(kGuard, [&] { finite = quickCheck(*body_).finite; });
+    if (!finite) return refused(firstNonFinite(*body_));
+  }
+  return span;
+}
+
+void BodyStepper::reportIntegrator(const StepContext &order) {
+  if (integratorReported_) return;
+  integratorReported_ = true;
+  const std::string body = "body '" + body_->name() + "' ";
+  if (order.world.integrator == Integrator::automatic) {
+    if (integratorIn(order.world) != Integrator::implicitSdirk) return;
+    const StepCost cost = predictCost(*body_, order.world.dt);
+    order.reportEvent("chosen", body + "is integrated implicitly: predicted to cost " + number(cost.implicitEvaluations) +
+                             " force evaluations per simulated second instead of " + number(cost.explicitEvaluations) +
+                             "; solver.integrator = \"explicit\" resolves its vibrations");
+  } else if (order.world.integrator == Integrator::implicitMidpoint)
+    order.reportEvent("switched", body + "relaxes, which the midpoint rule does not settle; it is given \"implicit\"");
+  else
+    order.reportEvent("switched", body + "is so stiff that explicit steps would be " +
+                               number(kStepSafety * body_->stableStepAtRest()) +
+                               " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
+}
+
+void BodyStepper::stop(const StepContext &order, const GuardFinding &finding) {
+  Body &body = *body_;
+  const ParallelFor &parallelFor = *order.environment.parallelFor;
+  // Forces and strains of the state that stays, not of the step that failed.
+  body.computeGradients(parallelFor);
+  body.computeStresses(0.0, parallelFor);
+  body.computeForces(body.quasiStatic ? order.loadFactor : order.time, parallelFor);
+  body.stopped = "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " + finding.quantity +
+                 "; it stands still in the last good state. Help: " + finding.help;
+  order.reportEvent("stopped", body.stopped);
+}
+
+}  // namespace pointbased::detail

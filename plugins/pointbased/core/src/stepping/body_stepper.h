@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// One body through the steps of its world. Private to the core.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "stepping/guard.h"
+#include "pointbased/world_settings.h"
+#include "stepping/sleep_detector.h"
+#include "stepping/substep_controller.h"
+
+namespace pointbased::detail {
+
+/// One step of the world, as its bodies are asked to take it.
+struct StepContext {
+  const WorldSettings &world;
+  Environment environment;
+  double time = 0.0;         ///< s, at its beginning
+  double dt = 0.0;           ///< s, its size
+  double loadFactor = 0.0;   ///< that has been reached; quasi-static
+  std::uint64_t number = 1;  ///< steps with this one
+  std::function<void(const char *kind, const std::string &text)> reportEvent;  ///< who hears what had to be done
+};
+
+/// Advances one body and tells what it had to do.
+///
+/// What the guard refuses is undone and tried again with steps half as long, down to 1/64 (crushed bodies: 1/4); good steps
+/// make them longer again. Energy that came from nothing has come within the steps since the last look at it, so these are
+/// all taken again, from the state of that look. Where nothing helps the body stops in the last good state.
+class BodyStepper {
+ public:
+  explicit BodyStepper(std::unique_ptr<Body> body) : body_(std::move(body)) {}
+
+  [[nodiscard]] Body &body() { return *body_; }
+  [[nodiscard]] const Body &body() const { return *body_; }
+  [[nodiscard]] bool stopped() const { return !body_->stopped.empty(); }
+  /// The world's, or another where that would not do (noted once).
+  [[nodiscard]] Integrator integratorIn(const WorldSettings &world) const;
+
+  /// On by `span`, of a step of order.dt.
+  /// @param span  s, <= order.dt: what another body has left of the step
+  /// @return s that it has gone: less where the substeps of a step were not enough; `span` where it has stopped
+  [[nodiscard]] double advance(const StepContext &order, double span);
+  /// The last advance() again, only as far as another body has come, in as many substeps as that takes.
+  void advanceAgain(const StepContext &order, double span);
+  /// Quasi-static: from order.loadFactor on, in smaller increments where this one is too large.
+  void loadUpTo(const StepContext &order, double factor);
+
+  /// Before a step of the world that somebody may end.
+  void beginStep() { underWay_.reset(); }
+  /// The step was ended half way: back to where the body was before it. What is remembered of distances, friction and
+  /// factorisations starts anew.
+  void undoStep(const ParallelFor &parallelFor);
+
+  /// It rests, and steps leave it as it is: no stage runs. Only where WorldSettings::sleep allows.
+  [[nodiscard]] bool asleep() const { return asleep_; }
+  /// Something around it or of it has changed.
+  void wake();
+  /// Grows with every step that may have changed the state.
+  [[nodiscard]] std::uint64_t changes() const { return changes_; }
+
+  /// The body is not what it was: another material, another reference.
+  void forget();
+  /// Its energy may change from outside.
+  void forgetEnergy() {
+    energy_.forget();
+    mark_.reset();
+  }
+  /// To the initial state, bit for bit.
+  void reset();
+
+  /// The body as it is and how its steps are cut.
+  struct Checkpoint {
+    BodyCheckpoint body;
+    SubstepController substeps;
+    double scale = 1.0;
+    std::uint64_t goodSteps = 0;
+  };
+  [[nodiscard]] Checkpoint checkpoint() const { return {body_->checkpoint(), substeps_, scale_, goodSteps_}; }
+  /// As Body::restore().
+  bool restore(const Checkpoint &checkpoint, const ParallelFor &parallelFor);
+
+ private:
+  struct Refusal {
+    GuardFinding finding;
+    bool crushed = false;
+  };
+  using Gone = tl::expected<double, Refusal>;  // s
+  [[nodiscard]] static tl::unexpected<Refusal> refused(GuardFinding finding, bool crushed = false) {
+    return tl::unexpected<Refusal>(Refusal{std::move(finding), crushed});
+  }
+
+  [[nodiscard]] bool sleepsOn(const StepContext &order, double span);
+  void fallAsleepIfStill(const StepContext &order, double span);
+  [[nodiscard]] double tryToAdvance(const StepContext &order, double span, std::uint64_t mostSubsteps);
+  [[nodiscard]] Gone advanceExplicit(const StepContext &order, double span, std::uint64_t mostSubsteps,
+                                     const QuickCheckResult &glance);
+  [[nodiscard]] Gone advanceImplicit(const StepContext &order, double span);
+  /// Length of the substep that the body can take now, s.
+  [[nodiscard]] Gone maxSubstep(const StepContext &order, double time, double left, const QuickCheckResult *glance);
+  /// The state of the last look at the energy, with which the steps since then begin again.
+  void backToMark();
+  /// From the mark to the end of `span`, in steps of order.dt.
+  [[nodiscard]] Gone againFromMark(const StepContext &order, double span);
+  void reportSubsteps(const StepContext &order, double span, double gone, std::uint64_t substeps, double needed);
+  void reportIntegrator(const StepContext &order);
+  void stop(const StepContext &order, const GuardFinding &finding);
+
+  std::unique_ptr<Body> body_;
+  NewtonSolver solver_;
+  EnergyWatch energy_;
+  struct Mark {
+    State state;
+    double time = 0.0;  // s
+  };
+  std::optional<Mark> mark_;  // where the energy was looked at last; none: it could not be compared
+  SubstepController substeps_;
+  SleepDetector watch_;
+  bool asleep_ = false;
+  /// What the state that the body keeps does not say of the beginning of the step; empty: nothing of it was touched.
+  struct Start {
+    SubstepController substeps;
+    std::optional<State> state;  // where the body keeps a later one
+  };
+  std::optional<Start> underWay_;
+  std::uint64_t changes_ = 0;
+  double scale_ = 1.0;  // part of the usual step in use, after failures
+  std::uint64_t goodSteps_ = 0;
+  std::uint64_t mostSubsteps_ = 1;  // that have been told
+  bool integratorReported_ = false, slowReported_ = false;
+};
+
+}  // namespace pointbased::detail

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stepping/sleep_detector.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pointbased::detail {
+namespace {
+
+bool same(const RigidMotion &a, const RigidMotion &b) {
+  return a.rotation == b.rotation && a.displacement == b.displacement && a.centre == b.centre;
+}
+
+}  // namespace
+
+bool SleepDetector::look(const Body &body, double tolerance, double dt) {
+  unseen_ += dt;
+  if (unseen_ < kLookEvery) return false;
+  const double passed = unseen_;
+  unseen_ = 0.0;
+  const State &state = body.state();
+  if (state.displacements.empty()) return false;
+  const double farthest = tolerance * tolerance;
+  bool still = from_.size() == state.displacements.size();
+  // What is not a number is not still.
+  for (std::size_t i = 0; still && i < from_.size(); ++i)
+    still = (state.displacements[i] - from_[i]).squaredNorm() <= farthest;
+  if (still) {
+    since_ += passed;
+    return since_ >= kStillFor;
+  }
+  since_ = 0.0;
+  from_ = state.displacements;
+  return false;
+}
+
+bool isDriven(const Body &body, std::span<const Obstacle> obstacles, double time, double dt) {
+  if (body.grab || body.constitution().relaxing()) return true;
+  for (const Obstacle &obstacle : obstacles)
+    if (obstacle.motion && !same(obstacle.motion(time), obstacle.motion(time + dt))) return true;
+  const BoundaryConditions &conditions = body.rest().conditions;
+  const auto goesOn = [time](const auto &one) { return one.ramp > 0.0 && time < one.ramp; };
+  return std::any_of(conditions.fixes.begin(), conditions.fixes.end(), goesOn) ||
+         std::any_of(conditions.loads.begin(), conditions.loads.end(), goesOn);
+}
+
+}  // namespace pointbased::detail

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+// From an image to an organ by the panel: threshold, a click on the part, filled holes, material, the button.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <regex>
+
+#include "c3de/imaging/writing.h"
+#include "support/catch.h"
+#include "ui/workstation_driver.h"
+
+using namespace c3de;  // operators of Vec3
+using c3de::test::Json;
+using c3de::test::Point;
+using c3de::test::WorkstationDriver;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+#define C3DE_WINDOW_OR_SKIP() \
+  if (const std::string reason = WorkstationDriver::blockingReason(); !reason.empty()) C3DE_SKIP(reason)
+
+constexpr double kSpacing_mm = 2.0;
+constexpr Vec3 kOrgan{-15, 0, 0}, kRadii{30, 26, 22}, kOther{42, 0, 0};
+
+/// 70 x 50 x 40 voxels around the origin. An ellipsoid of value 100 with a cavity of 8 mm, and a ball of 14 mm apart.
+struct Phantom {
+  imaging::Volume volume;
+  std::size_t organ = 0, cavity = 0, other = 0;  ///< voxels
+
+  Phantom() {
+    constexpr std::array<std::size_t, 3> n{70, 50, 40};
+    volume.geometry = {n, {kSpacing_mm, 0, 0, 0, 0, kSpacing_mm, 0, 0, 0, 0, kSpacing_mm, 0, -69, -49, -39, 1}};
+    std::vector<std::int16_t> voxels;
+    for (std::size_t k = 0; k < n[2]; ++k)
+      for (std::size_t j = 0; j < n[1]; ++j)
+        for (std::size_t i = 0; i < n[0]; ++i) {
+          const Vec3 x = volume.geometry.worldAt({double(i), double(j), double(k)}), r = x - kOrgan;
+          const bool isCavity = norm(r) < 8.0, isOther = norm(x - kOther) < 14.0;
+          const bool isOrgan = !isCavity && norm({r[0] / kRadii[0], r[1] / kRadii[1], r[2] / kRadii[2]}) < 1.0;
+          organ += isOrgan;
+          cavity += isCavity;
+          other += isOther;
+          voxels.push_back(isOrgan || isOther ? 100 : 0);
+        }
+    volume.voxels = voxels;
+  }
+};
+
+std::string pickedText(std::size_t voxels) {
+  return fmt::format("{:.1f} ml, {} voxels",
+                     static_cast<double>(voxels) * kSpacing_mm * kSpacing_mm * kSpacing_mm / 1000.0, voxels);
+}
+
+std::string text(const Json &state, const std::string &key) { return state["values"].value(key, std::string()); }
+
+/// In the axial view of an image along the axes, not zoomed.
+Point axialPixel(const WorkstationDriver &window, const Vec3 &world) {
+  const Json state = window.state(), r = state["panes"]["axial"];
+  const double scale = std::stod(text(state, "image/axial.scale_mm_per_px"));
+  return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + world[0] / scale,
+          r["y"].get<double>() + 0.5 * r["h"].get<double>() + world[1] / scale};
+}
+
+}  // namespace
+
+TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "[image_guide]") {
+  C3DE_WINDOW_OR_SKIP();
+  const Phantom phantom;
+  const fs::path file = fs::path(testOutputRoot()) / "ui" / "image_guide_phantom.nii.gz";
+  fs::create_directories(file.parent_path());
+  if (const auto written = imaging::writeVolume(file, phantom.volume); !written) FAIL(written.error().message);
+  WorkstationDriver window("image_guide");
+  window.start({file.string()});
+  window.waitUntil(
+      "the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  CHECK(window.value("image/preview") == "none");
+  window.screenshot("before");
+
+  window.controlClick("organ/low");
+  window.key("ctrl+a");
+  window.type("60");
+  window.key("Return");
+  window.waitForValue("organ/Picked", pickedText(phantom.organ + phantom.other));
+  CHECK(window.value("image/preview") == "shown");
+  window.moveTo(axialPixel(window, {0, -45, 0}));
+  window.screenshot("threshold");
+  CHECK(window.differingPixels("before", "threshold") > 500);
+
+  window.click("organ/component");
+  window.waitUntil("a click is waited for", [](const Json &s) { return text(s, "image/picking") == "on"; });
+  window.clickAt(axialPixel(window, {0, -40, 0}));
+  window.waitUntil("a click beside it is told", [](const Json &s) {
+    return text(s, "organ/Problem").find("outside of the mask") != std::string::npos;
+  });
+  CHECK(window.value("organ/Picked") == pickedText(phantom.organ + phantom.other));
+  const std::string cross = window.value("image/cross_hair");
+  window.click("organ/component");
+  window.waitUntil("a click is waited for again", [](const Json &s) { return text(s, "image/picking") == "on"; });
+  window.screenshot("picking");
+  window.clickAt(axialPixel(window, {-35, 0, 0}));
+  window.waitForValue("organ/Picked", pickedText(phantom.organ));
+  CHECK(window.value("image/cross_hair") == cross);
+  CHECK(window.value("image/picking") == "off");
+
+  window.click("organ/fill_holes");
+  window.waitForValue("organ/Picked", pickedText(phantom.organ + phantom.cavity));
+  window.click("organ/undo");
+  window.waitForValue("organ/Picked", pickedText(phantom.organ));
+  window.click("organ/fill_holes");
+  window.waitForValue("organ/Picked", pickedText(phantom.organ + phantom.cavity));
+
+  CHECK(window.value("organ/material") == "– choose –");
+  window.click("organ/name");
+  window.key("ctrl+a");
+  window.type("liver");
+  window.key("Return");
+  window.waitForValue("organ/material", "liver");
+  CHECK_THAT(window.value("organ/Young's modulus"), Contains("6 kPa (1 kPa … 15 kPa)"));
+  window.screenshot("material");
+  window.click("organ/make");
+  window.waitUntil(
+      "the organ lives",
+      [](const Json &s) {
+        return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["mode"] == "playing" &&
+               s["transport"]["time_s"] > 0.0;
+      },
+      60.0);
+  const Json state = window.state();
+  CHECK(std::any_of(state["nodes"].begin(), state["nodes"].end(), [](const Json &node) { return node["name"] == "liver"; }));
+  REQUIRE(state["notifications"].size() == 1);
+  CHECK(state["notifications"][0]["title"] == "liver lives");
+  window.moveTo(axialPixel(window, {0, -45, 0}));
+  window.screenshot("made");
+}
+
+namespace {
+
+/// 60 x 60 x 60 voxels of 8 mm: two kidneys of 24 mm radius, a trunk of 0.4 m, and single voxels with names.
+imaging::LabelMap manyLabels() {
+  constexpr std::size_t n = 60;
+  imaging::LabelMap map;
+  map.geometry = {{n, n, n}, {8, 0, 0, 0, 0, 8, 0, 0, 0, 0, 8, 0, -236, -236, -236, 1}};
+  map.voxels.assign(n * n * n, 0);
+  map.labels = {{2, "kidney_right", {0.2f, 0.2f, 1.0f}},
+                {3, "kidney_left", {1.0f, 1.0f, 0.2f}},
+                {4, "muscle_trunk", {0.8f, 0.3f, 0.3f}}};
+  const auto at = [&](std::size_t i, std::size_t j, std::size_t k) -> std::uint16_t & {
+    return map.voxels[i + n * (j + n * k)];
+  };
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t i = 0; i < n; ++i) {
+        if (i >= 8 && j >= 8 && k >= 8 && i < 58 && j < 58 && k < 58) at(i, j, k) = 4;
+        for (const auto &[label, middle] : {std::pair{std::uint16_t{2}, Vec3{3.5, 3.5, 10}}, {std::uint16_t{3}, Vec3{3.5, 3.5, 50}}})
+          if (norm(Vec3{double(i), double(j), double(k)} - middle) < 3.0) at(i, j, k) = label;
+      }
+  for (std::uint16_t v = 20; v < 32; ++v) {
+    map.labels.push_back({v, "vertebra_" + std::to_string(v), {0.5f, 0.5f, 0.5f}});
+    at(59, 59, v) = v;
+  }
+  return map;
+}
+
+bool hasNode(const Json &state, const std::string &name) {
+  return std::any_of(state["nodes"].begin(), state["nodes"].end(), [&](const Json &node) { return node["name"] == name; });
+}
+
+Json notification(const Json &state, const std::string &title) {
+  for (const Json &one : state["notifications"])
+    if (one["title"] == title) return one;
+  return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("several labels become bodies at once, one that fails is named, and steps are undone by keys", "[image_organs]") {
+  C3DE_WINDOW_OR_SKIP();
+  const fs::path folder = fs::path(testOutputRoot()) / "ui";
+  fs::create_directories(folder);
+  const fs::path image = folder / "image_organs.nii.gz", many = folder / "image_organs_many.nrrd",
+                 other = folder / "image_organs_other.nrrd";
+  const imaging::LabelMap map = manyLabels();
+  imaging::Volume volume;
+  volume.geometry = map.geometry;
+  volume.voxels = std::vector<std::int16_t>(map.voxels.begin(), map.voxels.end());
+  imaging::LabelMap few = map;
+  std::replace_if(few.voxels.begin(), few.voxels.end(), [](std::uint16_t v) { return v != 4; }, std::uint16_t{0});
+  few.labels = {{4, "block", {0.0f, 1.0f, 0.0f}}};
+  REQUIRE(imaging::writeVolume(image, volume));
+  REQUIRE(imaging::writeLabelMap(many, map));
+  REQUIRE(imaging::writeLabelMap(other, few));
+
+  WorkstationDriver window("image_organs");
+  window.start({image.string(), many.string(), other.string()});
+  window.waitUntil("both label maps are open", [](const Json &s) {
+    return s["jobs"].empty() && text(s, "image/label_map") == "image_organs_other.nrrd";
+  }, 60.0);
+  CHECK(window.has("organ/label.4"));
+  CHECK_FALSE(window.has("organ/label_filter"));
+  window.click("image/label_map");
+  window.click("image/label_map.option.image_organs_many.nrrd");
+  window.waitForValue("image/label_map", "image_organs_many.nrrd");
+
+  window.click("organ/label_filter");
+  window.type("kidney");
+  window.click("organ/tick_listed");
+  window.waitUntil("both are picked", [](const Json &s) { return text(s, "organ/Picked").starts_with("2 labels"); });
+  CHECK(window.value("organ/material.2") == "kidney_cortex");
+  CHECK(window.value("organ/Young's modulus") == "5 kPa (2 kPa … 15 kPa)");
+  CHECK_THAT(window.value("organ/Source"), Contains("PMID"));
+  window.click("organ/label_filter");
+  window.key("ctrl+a");
+  window.type("trunk");
+  window.click("organ/label.4");
+  window.waitUntil("three are picked", [](const Json &s) { return text(s, "organ/Picked").starts_with("3 labels"); });
+  window.moveTo(axialPixel(window, {0, -45, 0}));
+  window.screenshot("picked");
+  window.key("ctrl+z");
+  window.waitUntil("the last is taken back", [](const Json &s) { return text(s, "organ/Picked").starts_with("2 labels"); });
+  window.key("ctrl+shift+z");
+  window.waitUntil("it is there again", [](const Json &s) { return text(s, "organ/Picked").starts_with("3 labels"); });
+
+  // Edges of half a millimetre are too many for the trunk alone.
+  window.click("organ/edge_automatic");
+  window.controlClick("organ/edge");
+  window.key("ctrl+a");
+  window.type("0.5");
+  window.key("Return");
+  window.click("organ/make");
+  const Json made = window.waitUntil("the kidneys live", [](const Json &s) {
+    return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["time_s"] > 0.0 &&
+           hasNode(s, "kidney_left");
+  }, 120.0);
+  CHECK(hasNode(made, "kidney_right"));
+  CHECK_FALSE(hasNode(made, "muscle_trunk"));
+  CHECK_FALSE(notification(made, "kidney_right and kidney_left live").is_null());
+  const Json refused = notification(made, "muscle_trunk could not be made");
+  REQUIRE_FALSE(refused.is_null());
+  CHECK(refused["severity"] == "error");
+  CHECK_THAT(refused["text"].get<std::string>(), Contains("edge length of 0.5 mm") && Contains("It stays picked"));
+  window.waitUntil("it is what is picked", [](const Json &s) { return text(s, "organ/Picked").ends_with(" 125000 voxels"); });
+  // Outlines have taken the place of labels.
+  CHECK(window.value("image/label.2") == "false");
+  CHECK(window.value("image/label.3") == "false");
+  CHECK(window.value("image/label.4") == "true");
+
+  window.click("organ/edge_automatic");
+  window.click("organ/make");
+  window.waitUntil("the trunk has joined them", [](const Json &s) {
+    return s["jobs"].empty() && hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left");
+  }, 60.0);
+  window.waitForValue("image/label.4", "false");
+  window.moveTo(axialPixel(window, {0, -45, 0}));
+  window.screenshot("alive");
+
+  // Keys do not lay what the bodies were made of over them; the panel does, and says so.
+  window.key("ctrl+z");
+  window.waitFrames(3);
+  CHECK(text(window.state(), "image/preview") == "none");
+  // The same organ a second time is refused, and what lives goes on.
+  window.click("organ/undo");
+  // The panel grows row by row until the mask is shown, and what is below moves.
+  window.waitUntil("it is picked again", [](const Json &s) {
+    return text(s, "organ/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() && text(s, "organ/overlay") == "true" &&
+           text(s, "image/preview") == "shown";
+  });
+  window.waitFrames(3);
+  window.click("organ/make");
+  const Json again = window.waitUntil("it is refused", [](const Json &s) {
+    return !notification(s, "Could not make muscle_trunk").is_null();
+  });
+  CHECK_THAT(notification(again, "Could not make muscle_trunk")["text"].get<std::string>(), Contains("has a body of this name"));
+  CHECK(again["transport"]["mode"] == "playing");
+}
