@@ -30,9 +30,10 @@
 
 #include "c3de/core/platform.h"
 #include "c3de/render/renderer.h"
-#include "resources.h"
-#include "session.h"
-#include "simulator_access.h"
+#include "c3de/render_gl/gl_renderer.h"
+#include "c3de/session/resources.h"
+#include "c3de/session/session.h"
+#include "c3de/session/simulator_access.h"
 
 namespace {
 
@@ -134,7 +135,7 @@ void writeOrgan(const std::filesystem::path &file, std::size_t vertices) {
 
 std::filesystem::path writeLargeScene(const std::filesystem::path &folder) {
   writeOrgan(folder / "organ.obj", kSurfels);
-  const std::filesystem::path block = orStop(app::findResource("meshes/obstacle_block.obj"));
+  const std::filesystem::path block = orStop(session::findResource("meshes/obstacle_block.obj"));
   std::filesystem::copy_file(block, folder / "block.obj", std::filesystem::copy_options::overwrite_existing);
   const std::filesystem::path file = folder / "lattice_10000.toml";
   std::ofstream out(file);
@@ -212,12 +213,12 @@ struct Row {
 Json measure(const std::string &name, const std::filesystem::path &file, const Options &options) {
   auto context = orStop(render::OffscreenContext::create());
   auto renderer = orStop(render::createGlRenderer());
-  app::SessionOptions sessionOptions;
+  session::SessionOptions sessionOptions;
   sessionOptions.threads = 1;
   sessionOptions.renderer = renderer.get();
-  auto session = orStop(app::Session::create(sessionOptions));
-  const app::ObjectRef simulator(orStop(session->createSimulator()));
-  const c3de_simulator_v0 &table = *orStop(app::simulatorTable(simulator.get()));
+  auto session = orStop(session::Session::create(sessionOptions));
+  const session::ObjectRef simulator(orStop(session->createSimulator()));
+  const c3de_simulator_v0 &table = *orStop(session::simulatorTable(simulator.get()));
   auto scene = orStop(scene::loadScene(file, &session->materials()));
   const std::string dt = "solver.dt=" + std::to_string(1.0 / 60.0);
   for (const std::string &assignment : {dt, std::string(options.colours ? "view.colour=von_mises" : "view.colour=material")})
@@ -300,7 +301,7 @@ int main(int argc, char **argv) {
   Json out = {{"machine", cpuName()}, {"physics_threads", 1}, {"scenes", Json::array()}};
   std::printf("%s\n", cpuName().c_str());
   if (options.only.empty() || options.only == "first_light")
-    out["scenes"].push_back(measure("first_light", orStop(app::findResource("scenes/first_light.toml")), options));
+    out["scenes"].push_back(measure("first_light", orStop(session::findResource("scenes/first_light.toml")), options));
   if (options.only.empty() || options.only == "lattice_10000") {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "c3de_bench_frame";
     std::filesystem::create_directories(folder);

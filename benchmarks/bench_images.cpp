@@ -15,8 +15,9 @@
 #include "bench/timing.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/render/renderer.h"
+#include "c3de/render_gl/gl_renderer.h"
 #include "images_scene.h"
-#include "resources.h"
+#include "c3de/session/resources.h"
 
 namespace {
 
@@ -88,7 +89,7 @@ int main(int argc, char **argv) {
   bench::Report report(line.name(), line.options());
   report.fact("graphics", renderer.description());
   if (!scenePath.empty()) {
-    auto file = scenePath == "default" ? app::findResource("scenes/brain_shift.toml") : Expected<std::filesystem::path>(scenePath);
+    auto file = scenePath == "default" ? session::findResource("scenes/brain_shift.toml") : Expected<std::filesystem::path>(scenePath);
     const Expected<void> done = file ? bench::measureScene(renderer, *file, line.options(), report) : tl::unexpected(file.error());
     if (!done) {
       std::fprintf(stderr, "bench_images: %s\n", done.error().message.c_str());

@@ -12,10 +12,10 @@
 #include "c3de/imaging/reading.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/ui/image_views.h"
-#include "displacement_sampler.h"
-#include "session.h"
+#include "c3de/session/displacement_sampler.h"
+#include "c3de/session/session.h"
 #include "displacement_presenter.h"
-#include "simulator_access.h"
+#include "c3de/session/simulator_access.h"
 
 namespace bench {
 namespace {
@@ -38,7 +38,7 @@ render::VoxelType typeOf(const imaging::Voxels &voxels) {
 
 class SceneBench {
  public:
-  SceneBench(render::Renderer &renderer, app::Session &session, const c3de_simulator_v0 &table, c3de_object *simulator,
+  SceneBench(render::Renderer &renderer, session::Session &session, const c3de_simulator_v0 &table, c3de_object *simulator,
              std::shared_ptr<scene::StoredImage> image, double rim_mm)
       : renderer_(renderer), images_(*renderer.images()), session_(session), table_(table), simulator_(simulator), rim_mm_(rim_mm) {
     views_.setImage(std::move(image));
@@ -54,7 +54,7 @@ class SceneBench {
     if (!handle) return tl::unexpected(handle.error());
     ui::ImageHandles handles{*handle, {}, {}};
     views_.setHandles(handles);
-    bodies_ = app::referenceBodies(simulator_, volume.geometry);
+    bodies_ = session::referenceBodies(simulator_, volume.geometry);
     const imaging::WorldBox box = imaging::boxOf(volume.geometry);
     camera_.upAxis = render::UpAxis::z;
     camera_.yaw = 0.6;
@@ -79,12 +79,12 @@ class SceneBench {
       std::shared_ptr<imaging::DisplacementGrid> u;
       if (part.isWarped) {
         from = wall_ms();
-        const app::PresentBodies bodies = app::presentBodies(&table_, simulator_);
+        const session::PresentBodies bodies = session::presentBodies(&table_, simulator_);
         grid_.follow(bodies.box, bodies.spacing_mm, rim_mm_);
         u = std::make_shared<imaging::DisplacementGrid>();
         u->geometry = grid_.geometry();
         u->bodies = bodies_;
-        if (!app::readDisplacement(&table_, simulator_, rim_mm_, *u)) return fail(ErrorCode::plugin, "no displacement");
+        if (!session::readDisplacement(&table_, simulator_, rim_mm_, *u)) return fail(ErrorCode::plugin, "no displacement");
         field_ms.push_back(wall_ms() - from);
       }
       from = wall_ms();
@@ -119,7 +119,7 @@ class SceneBench {
 
   render::Renderer &renderer_;
   render::ImageRenderer &images_;
-  app::Session &session_;
+  session::Session &session_;
   const c3de_simulator_v0 &table_;
   c3de_object *simulator_;
   double rim_mm_;
@@ -134,15 +134,15 @@ class SceneBench {
 
 Expected<void> measureScene(render::Renderer &renderer, const std::filesystem::path &file, const Options &options,
                             Report &report) {
-  app::SessionOptions sessionOptions;
+  session::SessionOptions sessionOptions;
   sessionOptions.threads = options.threads;
   sessionOptions.renderer = &renderer;
-  auto session = app::Session::create(sessionOptions);
+  auto session = session::Session::create(sessionOptions);
   if (!session) return tl::unexpected(session.error());
   auto made = (*session)->createSimulator();
   if (!made) return tl::unexpected(made.error());
-  const app::ObjectRef simulator(*made);
-  auto table = app::simulatorTable(simulator.get());
+  const session::ObjectRef simulator(*made);
+  auto table = session::simulatorTable(simulator.get());
   if (!table) return tl::unexpected(table.error());
   auto scene = scene::loadScene(file, &(*session)->materials());
   if (!scene) return tl::unexpected(scene.error());

@@ -19,10 +19,10 @@
 #include "c3de/scene/mesh_store.h"
 #include "c3de/scene/scene_graph.h"
 #include "c3de/scene/simulation_directory.h"
-#include "c3de/ui/edit_list.h"
-#include "c3de/ui/panel_registry.h"
-#include "c3de/ui/parameter_registry.h"
-#include "c3de/ui/tool_registry.h"
+#include "c3de/registry/edit_list.h"
+#include "c3de/registry/panel_registry.h"
+#include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/tool_registry.h"
 #include "support/catch.h"
 
 namespace c3de::test {
@@ -108,10 +108,10 @@ class HostFixture {
   scene::ImageStore images;
   scene::SimulationDirectory simulations;
   std::unique_ptr<render::Renderer> renderer = render::createNullRenderer();
-  ui::PanelRegistry panels;
-  ui::ParameterRegistry parameters;
-  ui::ToolRegistry tools;
-  ui::EditList edits;
+  registry::PanelRegistry panels;
+  registry::ParameterRegistry parameters;
+  registry::ToolRegistry tools;
+  registry::EditList edits;
   plugin_host::Services services;
   std::unique_ptr<plugin_host::PluginHost> host;
 

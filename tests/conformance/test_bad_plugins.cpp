@@ -2,7 +2,7 @@
 // Every bad plugin ends in the intended verdict, leaves nothing behind, and a good one loads after it.
 #include <cstring>
 
-#include "c3de/ui/text_panel.h"
+#include "c3de/registry/text_panel.h"
 #include "host_fixture.h"
 
 using namespace c3de;
@@ -194,7 +194,7 @@ TEST_CASE("exceptions that leave callbacks become lines in the log and do not en
   CHECK(f.linesWith("thrown in a frame").size() == 2);
   CHECK(f.linesWith("thrown in a posted function").size() == 1);
   REQUIRE(f.panels.panels().size() == 1);
-  ui::TextPanel text(&f.parameters);
+  registry::TextPanel text(&f.parameters);
   (void)text.draw(*f.panels.panels().front());
   CHECK(f.linesWith("thrown in a panel").size() == 1);
   REQUIRE(f.tools.tools().size() == 1);

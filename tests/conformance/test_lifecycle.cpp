@@ -4,7 +4,7 @@
 #include <cmath>
 #include <thread>
 
-#include "c3de/ui/text_panel.h"
+#include "c3de/registry/text_panel.h"
 #include "greeter.h"
 #include "host_fixture.h"
 
@@ -118,7 +118,7 @@ TEST_CASE("hello has a panel with a button where there is a window, and does wit
     HostFixture f;
     REQUIRE(f.refusalOf(HostFixture::hello()).empty());
     REQUIRE(f.panels.panels().size() == 1);
-    ui::TextPanel panel(&f.parameters);
+    registry::TextPanel panel(&f.parameters);
     (void)panel.draw(*f.panels.panels().front());
     panel.press("hello");
     (void)panel.draw(*f.panels.panels().front());
@@ -134,7 +134,7 @@ TEST_CASE("a plugin written with the SDK has its panel, tool, parameters, job an
   HostFixture f;
   REQUIRE(f.refusalOf(HostFixture::testPlugin("probe")).empty());
   REQUIRE(f.panels.panels().size() == 1);
-  ui::TextPanel panel(&f.parameters);
+  registry::TextPanel panel(&f.parameters);
   CHECK_THAT(panel.draw(*f.panels.panels().front()), Contains("Measure"));
   CHECK(panel.value("Frames").has_value());
 

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 #define C3DE_WINDOW_OR_SKIP() \
-  if (const std::string reason = WorkstationDriver::blockingReason(); !reason.empty()) C3DE_SKIP(reason)
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason)
 
 constexpr double kSpacing_mm = 2.0;
 constexpr Vec3 kOrgan{-15, 0, 0}, kRadii{30, 26, 22}, kOther{42, 0, 0};

@@ -9,12 +9,12 @@
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/reading.h"
-#include "build_scene.h"
+#include "c3de/session/build_scene.h"
 #include "exit_code.h"
-#include "file_kind.h"
+#include "c3de/session/file_kind.h"
 #include "info_image.h"
-#include "progress_line.h"
-#include "simulator_access.h"
+#include "c3de/session/progress_line.h"
+#include "c3de/session/simulator_access.h"
 #include "standard_output.h"
 
 namespace c3de::app {

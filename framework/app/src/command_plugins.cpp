@@ -7,7 +7,7 @@
 #include "c3de/abi/draft/all.h"
 #include "c3de/core/log.h"
 #include "exit_code.h"
-#include "file_kind.h"
+#include "c3de/session/file_kind.h"
 #include "standard_output.h"
 
 namespace c3de::app {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "session.h"
+#include "app.h"
+#include "c3de/session/session.h"
 
 namespace c3de::app {
 

@@ -7,25 +7,23 @@
 #include <span>
 #include <utility>
 
-#include "build_scene.h"
+#include "c3de/session/build_scene.h"
 #include "c3de/core/log.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/statistics.h"
-#include "c3de/render/renderer.h"
 #include "exit_code.h"
-#include "export_simulation.h"
-#include "file_kind.h"
-#include "headless_run.h"
-#include "interrupt.h"
-#include "organ.h"
-#include "progress_line.h"
-#include "screenshot.h"
-#include "series_choice.h"
-#include "simulator_access.h"
+#include "c3de/session/export_simulation.h"
+#include "c3de/session/file_kind.h"
+#include "c3de/session/headless_run.h"
+#include "c3de/session/interrupt.h"
+#include "c3de/session/organ.h"
+#include "c3de/session/progress_line.h"
+#include "run_picture.h"
+#include "c3de/session/simulator_access.h"
 #include "standard_output.h"
-#include "written_outputs.h"
+#include "c3de/session/written_outputs.h"
 
 namespace c3de::app {
 namespace {
@@ -207,12 +205,12 @@ Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile
 }
 
 Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene::SceneFile &scene, const RunOptions &options,
-                           render::Renderer &renderer, PictureView view, OrganSources &sources,
+                           RunPicture &picture, PictureView view, OrganSources &sources,
                            const std::vector<Coverage> &coverage) {
   const auto shown = pictureSources(view, scene, sources, session.materials());
   if (!shown) return tl::unexpected(shown.error());
   if (auto adopted = session.adopt(simulator, scene.title); !adopted) return adopted;
-  return writeScreenshot(session, renderer, options.screenshot, options.width, options.height, *shown, coverage);
+  return picture.write(session, options.screenshot, options.width, options.height, *shown, coverage);
 }
 
 struct Simulated {
@@ -220,7 +218,7 @@ struct Simulated {
   std::string overBefore;  ///< the time limit, before the first step; empty: there are facts
 };
 
-Expected<Simulated> simulate(const RunOptions &options, Session &session, render::Renderer *renderer,
+Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPicture *picture,
                              std::chrono::steady_clock::time_point begin, WrittenOutputs &outputs) {
   auto scene = readScene(options, session.materials());
   if (!scene) return tl::unexpected(scene.error());
@@ -284,8 +282,8 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, render
     if (!how) return tl::unexpected(how.error());
     writeImageExports(options, **image, *how, *table, simulator.get(), session.pool(), outputs);
   }
-  if (renderer != nullptr) {
-    outputs.note(options.screenshot, drawPicture(session, simulator.get(), *scene, options, *renderer, *view, sources,
+  if (picture != nullptr) {
+    outputs.note(options.screenshot, drawPicture(session, simulator.get(), *scene, options, *picture, *view, sources,
                                                  facts.prepared.coverage));
   }
   return Simulated{facts, {}};
@@ -302,23 +300,18 @@ int runScene(const RunOptions &options) {
     if (const auto writable = checkSurfaceExport(options.exportSurface, {}); !writable) return reportError(writable.error());
   if (const auto good = checkFiles(options, nullptr); !good) return reportError(good.error());
 
-  // The context outlives the renderer, the renderer the session.
-  std::unique_ptr<render::OffscreenContext> context;
-  std::unique_ptr<render::Renderer> renderer;
+  std::unique_ptr<RunPicture> picture;
   SessionOptions sessionOptions = options.session;
   if (!options.screenshot.empty()) {
-    auto made = render::OffscreenContext::create();
+    auto made = RunPicture::create();
     if (!made) return reportError(made.error());
-    context = std::move(*made);
-    auto gl = render::createGlRenderer();
-    if (!gl) return reportError(gl.error());
-    renderer = std::move(*gl);
-    sessionOptions.renderer = renderer.get();
+    picture = std::move(*made);
+    sessionOptions.renderer = &picture->renderer();
   }
   auto session = Session::create(sessionOptions);
   if (!session) return reportError(session.error());
   WrittenOutputs outputs;
-  const auto simulated = simulate(options, **session, renderer.get(), begin, outputs);
+  const auto simulated = simulate(options, **session, picture.get(), begin, outputs);
   if (!simulated) {
     if (!outputs.areComplete()) reportError(outputs.error());
     return reportError(simulated.error());

@@ -1,43 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "export_image.h"
-#include "screenshot.h"
-#include "session.h"
+#include "app.h"
+#include "c3de/session/run_options.h"
 
 namespace c3de::app {
-
-/// Simulated time between two frames of an export: 25 a second, as players of films take it.
-inline constexpr double kDefaultExportEvery_s = 0.04;
-
-struct RunOptions {
-  SessionOptions session;
-  std::filesystem::path scene;  ///< a scene, or a mesh as one body
-  std::string meshUnit;         ///< of a mesh; empty: what the file says, else mm
-  std::optional<double> until_s;
-  std::optional<std::uint64_t> steps;  ///< neither: kDefaultDuration_s, or until a quasi-static solution is finished
-  std::optional<double> timeLimit_s;   ///< wall clock, since the command began
-  std::vector<std::string> overrides;  ///< PATH=VALUE
-  std::filesystem::path report, probes, screenshot;  ///< empty: not wanted
-  std::uint64_t probesEvery = 1;                     ///< steps
-  std::filesystem::path exportList, exportSurface;   ///< empty: not wanted
-  double exportEvery_s = kDefaultExportEvery_s;
-  ImageExport exportImage;
-  int width = 1280, height = 720;
-  std::optional<PictureView> view;  ///< none: four-up where the scene has an image, else 3d
-  std::optional<std::uint64_t> seed;
-  bool quiet = false;
-};
-
-inline constexpr double kDefaultDuration_s = 1.0;
-/// The integrator without time: load steps to the full load.
-inline constexpr const char *kQuasistatic = "quasistatic";
 
 /// `c3de run`: simulates without a window. Returns the exit code.
 [[nodiscard]] int runScene(const RunOptions &options);

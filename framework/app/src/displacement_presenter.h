@@ -3,11 +3,12 @@
 
 #include <memory>
 
+#include "app.h"
 #include "c3de/core/expected.h"
 #include "c3de/imaging/displacement.h"
 #include "c3de/render/image_renderer.h"
 #include "c3de/ui/image_views.h"
-#include "coverage.h"
+#include "c3de/session/coverage.h"
 
 namespace c3de::app {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "app.h"
 #include "c3de/core/expected.h"
 
 namespace c3de::app {

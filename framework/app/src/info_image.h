@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "app.h"
 #include "c3de/core/expected.h"
 #include "c3de/imaging/reading.h"
 

@@ -15,9 +15,12 @@
 #include "command_run.h"
 #include "exit_code.h"
 #include "option_values.h"
-#include "resources.h"
+#include "c3de/session/resources.h"
 #include "standard_output.h"
+#include "window_program.h"
+#ifdef C3DE_HAS_WINDOW
 #include "workstation.h"
+#endif
 
 namespace {
 
@@ -101,6 +104,8 @@ SessionOptions sessionOptions(const Arguments &arguments) {
   return options;
 }
 
+#ifdef C3DE_HAS_WINDOW
+
 bool hasDisplay() {
 #if defined(_WIN32) || defined(__APPLE__)
   return true;
@@ -145,6 +150,8 @@ int openWorkstation(const Arguments &arguments) {
                                              "SCENE.toml --report FILE.json --screenshot FILE.png` works without one"});
   return runWorkstation(options);
 }
+
+#endif
 
 int run(const Arguments &arguments) {
   RunOptions options;
@@ -284,6 +291,9 @@ int dispatch(int argc, char **argv) {
     printVersion(arguments.json);
     return kDone;
   }
+#ifndef C3DE_HAS_WINDOW
+  if (runCommand->parsed() && !arguments.screenshot.empty()) return continueInWindowProgram(argc, argv);
+#endif
   if (runCommand->parsed()) return run(arguments);
   if (infoCommand->parsed()) {
     InfoOptions options;
@@ -299,7 +309,11 @@ int dispatch(int argc, char **argv) {
   }
   if (pluginsCommand->parsed()) return listPlugins(sessionOptions(arguments), arguments.json);
   if (arguments.json) return reportError({ErrorCode::usage, "--json is for --version, info and plugins"});
+#ifdef C3DE_HAS_WINDOW
   return openWorkstation(arguments);
+#else
+  return continueInWindowProgram(argc, argv);
+#endif
 }
 
 }  // namespace

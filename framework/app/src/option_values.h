@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "app.h"
 #include "c3de/core/expected.h"
 
 namespace c3de::app {

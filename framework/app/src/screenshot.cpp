@@ -8,19 +8,14 @@
 
 #include "c3de/render/renderer.h"
 #include "c3de/ui/views_picture.h"
-#include "export_image.h"
-#include "displacement_sampler.h"
-#include "session.h"
+#include "c3de/session/export_image.h"
+#include "c3de/session/displacement_sampler.h"
+#include "c3de/session/session.h"
 #include "displacement_presenter.h"
 
 namespace c3de::app {
 namespace {
 
-constexpr std::array<std::pair<PictureView, const char *>, 5> kNames{{{PictureView::space, "3d"},
-                                                                      {PictureView::axial, "axial"},
-                                                                      {PictureView::sagittal, "sagittal"},
-                                                                      {PictureView::coronal, "coronal"},
-                                                                      {PictureView::four, "four-up"}}};
 constexpr double kLeastShift_mm = 0.1;  // below it colours would show noise
 
 // 1, 2 or 5 times a power of ten.
@@ -59,16 +54,6 @@ Expected<void> showWarp(Session &session, const PictureSources &sources, ui::Ima
 }
 
 }  // namespace
-
-const char *nameOf(PictureView view) {
-  return std::find_if(kNames.begin(), kNames.end(), [&](const auto &name) { return name.first == view; })->second;
-}
-
-std::optional<PictureView> pictureViewOf(const std::string &name) {
-  const auto found = std::find_if(kNames.begin(), kNames.end(), [&](const auto &one) { return one.second == name; });
-  if (found == kNames.end()) return {};
-  return found->first;
-}
 
 Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, const std::filesystem::path &file, int width,
                                int height, const PictureSources &sources, const std::vector<Coverage> &coverage) {

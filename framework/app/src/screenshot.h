@@ -7,32 +7,21 @@
 #include <string>
 #include <vector>
 
+#include "app.h"
+#include "run_picture.h"
 #include "c3de/core/expected.h"
-#include "c3de/scene/image_store.h"
-#include "coverage.h"
-#include "export_image.h"
+#include "c3de/session/coverage.h"
+#include "c3de/session/export_image.h"
 
 namespace c3de::render {
 class Renderer;
 }
 
-namespace c3de::app {
-
+namespace c3de::session {
 class Session;
+}
 
-/// What `--view` chooses.
-enum class PictureView { space, axial, sagittal, coronal, four };
-[[nodiscard]] const char *nameOf(PictureView view);  ///< as on the command line: "3d", "axial", …, "four-up"
-[[nodiscard]] std::optional<PictureView> pictureViewOf(const std::string &name);
-
-/// What is drawn beside the bodies.
-struct PictureSources {
-  PictureView view = PictureView::space;
-  std::shared_ptr<scene::StoredImage> image;    ///< null: none; then only the 3D view can be drawn
-  std::shared_ptr<scene::StoredLabels> labels;  ///< null: none
-  ImageWarp how;
-  bool warp = true;                             ///< the image as the bodies have deformed it, with |u| in colours
-};
+namespace c3de::app {
 
 /// Draws what the session's scene shows, as the window would, and writes it as PNG. The slices go through the middle of the
 /// bodies; what of masks is in no body is marked in them. Main thread.

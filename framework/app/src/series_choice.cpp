@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "series_choice.h"
 
+#include "c3de/session/file_kind.h"
+
 #include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "c3de/core/text.h"
-#include "c3de/ui/file_browser.h"
+#include "c3de/core/path_text.h"
 
 namespace c3de::app {
 namespace {
@@ -25,15 +27,10 @@ std::string sizeOf(const imaging::SeriesInfo &s) {
 
 }  // namespace
 
-std::string imageName(const std::filesystem::path &path) {
-  const std::filesystem::path clean = path.lexically_normal();
-  return ui::pathText(clean.has_filename() ? clean.filename() : clean.parent_path().filename());
-}
-
-SeriesChoice::SeriesChoice(ui::PanelRegistry &panels, const std::filesystem::path &path,
+SeriesChoice::SeriesChoice(registry::PanelRegistry &panels, const std::filesystem::path &path,
                            std::vector<imaging::SeriesInfo> series, Chosen chosen)
     : panels_(panels), name_(imageName(path)), series_(std::move(series)), chosen_(std::move(chosen)) {
-  ui::Panel panel;
+  registry::Panel panel;
   panel.owner = "c3de";
   panel.id = "series";
   panel.title = "Which series?";

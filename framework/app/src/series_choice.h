@@ -6,20 +6,18 @@
 #include <string>
 #include <vector>
 
+#include "app.h"
 #include "c3de/imaging/reading.h"
-#include "c3de/ui/panel_registry.h"
+#include "c3de/registry/panel_registry.h"
 
 namespace c3de::app {
-
-/// What an image is called: its file or folder, never what is in it.
-[[nodiscard]] std::string imageName(const std::filesystem::path &path);
 
 /// Asks in the view which of several series to open; it goes with the object. Main thread.
 class SeriesChoice {
  public:
   /// Called with the identifier, or with an empty one when none is wanted; the object may end in it.
   using Chosen = std::function<void(const std::string &id)>;
-  SeriesChoice(ui::PanelRegistry &panels, const std::filesystem::path &path, std::vector<imaging::SeriesInfo> series,
+  SeriesChoice(registry::PanelRegistry &panels, const std::filesystem::path &path, std::vector<imaging::SeriesInfo> series,
                Chosen chosen);
   ~SeriesChoice();
   SeriesChoice(const SeriesChoice &) = delete;
@@ -28,7 +26,7 @@ class SeriesChoice {
  private:
   void draw(const c3de_ui_v0 &ui);
 
-  ui::PanelRegistry &panels_;
+  registry::PanelRegistry &panels_;
   std::string name_;
   std::vector<imaging::SeriesInfo> series_;
   Chosen chosen_;

@@ -3,6 +3,8 @@
 
 #include <string_view>
 
+#include "app.h"
+
 namespace c3de::app {
 
 /// Writes to standard output, at once, so that a failure is seen and its reason known.

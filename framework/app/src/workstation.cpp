@@ -16,23 +16,24 @@
 #include "c3de/imaging/label_names.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/render/renderer.h"
-#include "c3de/ui/edit_list.h"
+#include "c3de/render_gl/gl_renderer.h"
+#include "c3de/registry/edit_list.h"
 #include "c3de/ui/file_browser.h"
 #include "c3de/ui/commands.h"
-#include "c3de/ui/panel_registry.h"
-#include "c3de/ui/parameter_registry.h"
-#include "c3de/ui/tool_registry.h"
+#include "c3de/registry/panel_registry.h"
+#include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/tool_registry.h"
 #include "c3de/ui/view_controller.h"
 #include "c3de/ui/workstation_window.h"
 #include "exit_code.h"
-#include "file_kind.h"
-#include "displacement_sampler.h"
-#include "simulator_access.h"
-#include "still_rule.h"
+#include "c3de/session/file_kind.h"
+#include "c3de/session/displacement_sampler.h"
+#include "c3de/session/simulator_access.h"
+#include "c3de/session/still_rule.h"
 #include "workstation_export.h"
 #include "workstation_images.h"
 #include "workstation_loader.h"
-#include "body_creation.h"
+#include "c3de/session/body_creation.h"
 #include "workstation_screenshot.h"
 
 namespace c3de::app {
@@ -71,10 +72,10 @@ class Workstation {
   void checkSize(const std::string &unit, double size_mm);
   void onFailed(const std::string &title, const Error &error);
 
-  ui::PanelRegistry panels_;
-  ui::ParameterRegistry parameters_;
-  ui::ToolRegistry tools_;
-  ui::EditList edits_;
+  registry::PanelRegistry panels_;
+  registry::ParameterRegistry parameters_;
+  registry::ToolRegistry tools_;
+  registry::EditList edits_;
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
   std::unique_ptr<WorkstationLoader> loader_;  ///< used by the session's jobs until they end
@@ -127,7 +128,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
       *session_, *renderer_, panels_,
       WorkstationImages::Events{[this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
                                 [this](const std::string &title, const Error &error) { onFailed(title, error); },
-                                [this](std::vector<ui::BodyRequest> requests) { organ_->makeOrgans(std::move(requests)); }});
+                                [this](std::vector<segmentation::BodyRequest> requests) { organ_->makeOrgans(std::move(requests)); }});
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
                     &images_->guide(), &edits_},
                    actions());
@@ -164,7 +165,7 @@ void Workstation::open(const ui::OpenRequest &request) {
     const FileKind kind = request.areLabels ? FileKind::image : kindOf(file);
     // One that is nothing does not keep the others from being opened.
     if (kind == FileKind::unknown && std::filesystem::is_regular_file(file, ignored))
-      onFailed("Could not open " + ui::pathText(file.filename()), unknownKind(file));
+      onFailed("Could not open " + pathText(file.filename()), unknownKind(file));
     else
       (kind == FileKind::image ? images : others).push_back(file);
   }
@@ -221,7 +222,7 @@ std::string Workstation::proposedName(ui::Command exported) const {
   const scene::StoredImage *image = images_->views().image();
   const scene::Node *node = session_->sceneGraph().find(session_->simulationNode());
   const bool isOfImage = exported == ui::Command::exportImage || exported == ui::Command::exportDisplacement;
-  std::string name = isOfImage && image ? imaging::nameFromFile(ui::pathFromText(image->name)) : node ? node->name : std::string();
+  std::string name = isOfImage && image ? imaging::nameFromFile(pathFromText(image->name)) : node ? node->name : std::string();
   if (name.empty()) name = isOfImage ? "image" : "bodies";
   name = ui::fileNamePart(name);
   if (exported == ui::Command::exportImage) name += "-deformed";
@@ -237,7 +238,7 @@ std::string Workstation::unsaved() const {
   if (const scene::Simulation *simulation = session_->simulation(); simulation && simulation->state().steps > 0)
     add("The simulation has run to t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
         " s. Its state is lost; File > Export… writes it.");
-  if (const ui::SegmentationWorkflow &guide = images_->guide(); guide.mask().mask() || !guide.pickedLabels().empty())
+  if (const segmentation::SegmentationWorkflow &guide = images_->guide(); guide.mask().mask() || !guide.pickedLabels().empty())
     add("What is picked in the image has not been made an organ.");
   for (const BackgroundJobs::Status &job : session_->jobs().running()) add("Still running: " + job.title + ".");
   return text;
@@ -248,10 +249,10 @@ ui::AboutText Workstation::about() const {
   about.version = "C3DE " C3DE_VERSION ", plugin ABI " + std::to_string(C3DE_ABI_MAJOR) + "." + std::to_string(C3DE_ABI_MINOR);
   about.graphics = renderer_->description();
   for (const plugin_host::PluginInfo &plugin : session_->plugins().plugins()) {
-    const std::string file = ui::pathText(plugin.path);
+    const std::string file = pathText(plugin.path);
     const std::string name = !plugin.displayName.empty() ? plugin.displayName
                              : !plugin.id.empty()        ? plugin.id
-                                                         : ui::pathText(plugin.path.filename());
+                                                         : pathText(plugin.path.filename());
     const bool isRefused = plugin.state == plugin_host::PluginState::refused;
     about.plugins.push_back({name, plugin.version, plugin.vendor, plugin.license, file, isRefused ? plugin.reason : ""});
   }
@@ -273,13 +274,13 @@ ui::SimulationView Workstation::simulationView() {
 void Workstation::showPluginProblems() {
   for (const plugin_host::PluginInfo &plugin : session_->plugins().plugins())
     if (plugin.state == plugin_host::PluginState::refused)
-      panels_.notify(C3DE_LOG_WARN, "Plugin " + ui::pathText(plugin.path.filename()) + " was refused", plugin.reason);
+      panels_.notify(C3DE_LOG_WARN, "Plugin " + pathText(plugin.path.filename()) + " was refused", plugin.reason);
 }
 
 void Workstation::saveScreenshot() {
   const auto file = saveViewScreenshot(*renderer_, window_->camera(), window_->viewWidth(), window_->viewHeight());
   if (file)
-    panels_.notify(C3DE_LOG_INFO, "Screenshot saved", ui::pathText(*file));
+    panels_.notify(C3DE_LOG_INFO, "Screenshot saved", pathText(*file));
   else
     onFailed("The screenshot could not be saved", file.error());
 }

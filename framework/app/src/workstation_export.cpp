@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "c3de/ui/file_browser.h"
-#include "export_simulation.h"
+#include "c3de/core/path_text.h"
+#include "c3de/session/export_simulation.h"
 
 namespace c3de::app {
 namespace {
@@ -29,7 +29,7 @@ void exportPresentSurface(Session &session, const std::filesystem::path &file, E
     ErrorCode code = ErrorCode::output;
     writeSurfaces(file, *states, [&](const std::filesystem::path &one, const Expected<void> &result) {
       std::string &text = result ? written : failed;
-      text += (text.empty() ? "" : "\n") + (result ? ui::pathText(one) : result.error().message);
+      text += (text.empty() ? "" : "\n") + (result ? pathText(one) : result.error().message);
       if (!result) code = result.error().code;
     });
     if (failed.empty()) return written;
@@ -50,7 +50,7 @@ void exportPresentFrame(Session &session, const std::filesystem::path &file, Exp
     SimulationExport frame(file);
     if (auto added = frame.addFrame(status.time_s, *states); !added) return tl::unexpected(added.error());
     if (auto finished = frame.finish(); !finished) return tl::unexpected(finished.error());
-    return ui::pathText(file) + "\n" + ui::pathText(framesFolder(file));
+    return pathText(file) + "\n" + pathText(framesFolder(file));
   };
   whileStanding(session, write, std::move(told));
 }
@@ -64,7 +64,7 @@ void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredIma
   const auto write = [&session, image, wanted, file, told](std::shared_ptr<const imaging::DisplacementGrid> u) {
     const auto written = std::make_shared<std::string>();
     (void)session.jobs().submit(
-        kJobOwner, "Writing " + ui::pathText(file.filename()),
+        kJobOwner, "Writing " + pathText(file.filename()),
         [image, wanted, u, written](const ProgressFn &progress) -> Expected<void> {
           auto answer = writeImages(wanted, image->volume, *u, progress, nullptr);
           if (!answer) return tl::unexpected(answer.error());

@@ -6,9 +6,10 @@
 #include <memory>
 #include <string>
 
+#include "app.h"
 #include "c3de/scene/image_store.h"
-#include "export_image.h"
-#include "session.h"
+#include "c3de/session/export_image.h"
+#include "c3de/session/session.h"
 
 namespace c3de::app {
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "workstation_images.h"
 
+#include "c3de/session/file_kind.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +10,7 @@
 #include "c3de/core/text.h"
 #include "c3de/imaging/warp_grid.h"
 #include "c3de/render/image_renderer.h"
-#include "c3de/ui/file_browser.h"
+#include "c3de/core/path_text.h"
 
 namespace c3de::app {
 namespace {
@@ -37,7 +39,7 @@ Expected<std::shared_ptr<scene::StoredImage>> readStored(const std::filesystem::
 
 }  // namespace
 
-WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, ui::PanelRegistry &panels, Events events)
+WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels, Events events)
     : session_(session),
       renderer_(renderer),
       panels_(panels),
@@ -254,8 +256,8 @@ void WorkstationImages::showLabels(const OpenLabels &open) {
   views_.setHandles(handles);
 }
 
-void WorkstationImages::onBodiesReady(const std::vector<ui::BodyRequest> &organs) {
-  for (const ui::BodyRequest &organ : organs)
+void WorkstationImages::onBodiesReady(const std::vector<segmentation::BodyRequest> &organs) {
+  for (const segmentation::BodyRequest &organ : organs)
     for (OpenLabels &open : labelMaps_) {
       if (!organ.labels || open.labels != organ.labels) continue;
       open.hidden.push_back(organ.label);

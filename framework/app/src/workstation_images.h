@@ -9,12 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "app.h"
 #include "c3de/imaging/displacement.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/ui/image_panel.h"
 #include "c3de/ui/segmentation_panel.h"
 #include "series_choice.h"
-#include "session.h"
+#include "c3de/session/session.h"
 #include "displacement_presenter.h"
 
 namespace c3de::render {
@@ -31,22 +32,22 @@ class WorkstationImages {
     std::function<void()> shown;   ///< another image is in the views
     std::function<void()> closed;  ///< there is none any more
     std::function<void(const std::string &title, const Error &error)> failed;
-    std::function<void(std::vector<ui::BodyRequest>)> makeOrgans;
+    std::function<void(std::vector<segmentation::BodyRequest>)> makeOrgans;
   };
-  WorkstationImages(Session &session, render::Renderer &renderer, ui::PanelRegistry &panels, Events events);
+  WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels, Events events);
   ~WorkstationImages();
   WorkstationImages(const WorkstationImages &) = delete;
   WorkstationImages &operator=(const WorkstationImages &) = delete;
 
   [[nodiscard]] ui::ImageViews &views() { return views_; }
-  [[nodiscard]] ui::SegmentationWorkflow &guide() { return guide_; }
+  [[nodiscard]] segmentation::SegmentationWorkflow &guide() { return guide_; }
   /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for one.
   void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {}, const std::string &series = {},
             std::size_t time = 0);
   /// Over the image that is open, one after the other; the last one is shown, the panel leads back to the others.
   void openLabels(const std::filesystem::path &path);
   /// The outlines of the organs take the place of their labels, and nothing of them is picked any more.
-  void onBodiesReady(const std::vector<ui::BodyRequest> &organs);
+  void onBodiesReady(const std::vector<segmentation::BodyRequest> &organs);
   /// The bodies are gone: their labels are shown again.
   void onBodiesRemoved();
   void close();
@@ -81,12 +82,12 @@ class WorkstationImages {
 
   Session &session_;
   render::Renderer &renderer_;
-  ui::PanelRegistry &panels_;
+  registry::PanelRegistry &panels_;
   Events events_;
   ui::ImageViews views_;
   DisplacementPresenter displacement_;
   std::optional<ui::ImagePanel> panel_;
-  ui::SegmentationWorkflow guide_;
+  segmentation::SegmentationWorkflow guide_;
   std::optional<ui::SegmentationPanel> organPanel_;
   std::unique_ptr<SeriesChoice> choice_;
   std::filesystem::path path_;  ///< of the image that is open
@@ -94,7 +95,7 @@ class WorkstationImages {
   std::vector<OpenLabels> labelMaps_;
   std::deque<std::filesystem::path> waitingLabels_;
   Handle job_, timeJob_, labelJob_, node_, storedImage_, storedLabels_;
-  std::shared_ptr<const ui::MaskPreview> preview_;  ///< that is shown
+  std::shared_ptr<const segmentation::MaskPreview> preview_;  ///< that is shown
   std::vector<Coverage> coverage_;
   std::uint64_t serial_ = 0, timeSerial_ = 0, labelSerial_ = 0;
 };

@@ -5,16 +5,16 @@
 #include <memory>
 
 #include "c3de/geometry/mesh_io.h"
-#include "c3de/ui/file_browser.h"
-#include "default_floor.h"
-#include "simulator_access.h"
+#include "c3de/core/path_text.h"
+#include "c3de/session/default_floor.h"
+#include "c3de/session/simulator_access.h"
 
 namespace c3de::app {
 namespace {
 
 std::string namesOf(const std::vector<std::filesystem::path> &files) {
   std::string text;
-  for (const auto &file : files) text += (text.empty() ? "" : ", ") + ui::pathText(file.filename());
+  for (const auto &file : files) text += (text.empty() ? "" : ", ") + pathText(file.filename());
   return text;
 }
 
@@ -65,7 +65,7 @@ Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesy
     if (scene::isScenePath(file)) continue;
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error))
-      return fail(ErrorCode::input, ui::pathText(file) + ": not a file; accepted: meshes, images and scenes (.toml)");
+      return fail(ErrorCode::input, pathText(file) + ": not a file; accepted: meshes, images and scenes (.toml)");
     scene::SceneFile one = scene::sceneForMesh(
         file, meshUnit.empty() ? geometry::unitInFile(file).value_or(geometry::LengthUnit::millimetre) : *stated);
     if (!hasResult) {

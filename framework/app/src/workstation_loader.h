@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "session.h"
+#include "app.h"
+#include "c3de/session/session.h"
 
 namespace c3de::app {
 

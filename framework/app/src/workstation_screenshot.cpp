@@ -7,7 +7,7 @@
 
 #include "c3de/core/platform.h"
 #include "c3de/render/renderer.h"
-#include "c3de/ui/file_browser.h"
+#include "c3de/core/path_text.h"
 
 namespace c3de::app {
 namespace {
@@ -39,11 +39,11 @@ Expected<fs::path> saveViewScreenshot(render::Renderer &renderer, const render::
   for (const fs::path &folder : {fs::current_path(error) / "out", userDataDirectory() / "screenshots"}) {
     fs::create_directories(folder, error);
     if (error) {
-      reasons += (reasons.empty() ? "" : "; ") + ui::pathText(folder) + ": " + error.message();
+      reasons += (reasons.empty() ? "" : "; ") + pathText(folder) + ": " + error.message();
       continue;
     }
     const fs::path file = freeName(folder);
-    const auto written = render::writePng(ui::pathText(file), *image);
+    const auto written = render::writePng(pathText(file), *image);
     if (written) return file;
     reasons += (reasons.empty() ? "" : "; ") + written.error().message;
   }

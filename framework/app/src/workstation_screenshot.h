@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "app.h"
 #include "c3de/core/expected.h"
 #include "c3de/render/camera.h"
 

@@ -11,7 +11,7 @@
 #include "c3de/core/log.h"
 #include "c3de/scene/scene_graph.h"
 #include "c3de/ui/file_browser.h"
-#include "c3de/ui/panel_registry.h"
+#include "c3de/registry/panel_registry.h"
 #include "frame_context.h"
 
 namespace c3de::ui {
@@ -117,7 +117,7 @@ void AutomationState::endFrame(const FrameContext &frame, double now_s) {
   s["tool"] = frame.activeToolId();
   s["notifications"] = Json::array();
   if (frame.services.panels)
-    for (const Notification &n : frame.services.panels->notifications())
+    for (const registry::Notification &n : frame.services.panels->notifications())
       s["notifications"].push_back({{"severity", severityName(n.severity)}, {"title", n.title}, {"text", n.text}});
   s["jobs"] = Json::array();
   if (frame.services.jobs)

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
-#include "c3de/ui/edit_list.h"
-#include "c3de/ui/segmentation_workflow.h"
-#include "c3de/ui/parameter_registry.h"
+#include "c3de/registry/edit_list.h"
+#include "c3de/segmentation/segmentation_workflow.h"
+#include "c3de/registry/parameter_registry.h"
 
 namespace c3de::ui {
 
-void EditHistory::follow(ParameterRegistry *parameters, SegmentationWorkflow *organ, EditList *steps) {
+void EditHistory::follow(registry::ParameterRegistry *parameters, segmentation::SegmentationWorkflow *organ, registry::EditList *steps) {
   parameters_ = parameters;
   organ_ = organ;
   steps_ = steps;

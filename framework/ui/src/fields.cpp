@@ -8,7 +8,7 @@
 #include "c3de/abi/draft/panels.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
-#include "number_text.h"
+#include "c3de/registry/number_text.h"
 
 namespace c3de::ui {
 namespace {
@@ -37,7 +37,7 @@ double valueOf(const NumberSpec &spec, double t) {
   // Through text, so that 0.30000000000000004 becomes 0.3.
   char text[32];
   std::snprintf(text, sizeof text, "%.12g", rounded);
-  return std::clamp(parseNumber(text, {}).value_or(rounded), spec.low, spec.high);
+  return std::clamp(registry::parseNumber(text, {}).value_or(rounded), spec.low, spec.high);
 }
 
 std::string literalFormat(const std::string &text) {
@@ -73,7 +73,7 @@ void startTyping(FieldState &state, const std::string &text) {
   state.isTyping = true;
   state.typingFrames = 0;
   state.buffer.assign(std::max(kTypedCapacity, text.size() + 1), '\0');
-  copyText(state.buffer.data(), state.buffer.size(), text);
+  registry::copyText(state.buffer.data(), state.buffer.size(), text);
   state.error.clear();
 }
 
@@ -90,8 +90,8 @@ std::uint32_t typedField(FieldState &state, const NumberSpec &spec, double &valu
 
   // Escape has put the first text back, which changes nothing.
   state.isTyping = false;
-  const std::string typed(bufferText(state.buffer.data(), state.buffer.size()));
-  const auto number = parseNumber(typed, spec.unit);
+  const std::string typed(registry::bufferText(state.buffer.data(), state.buffer.size()));
+  const auto number = registry::parseNumber(typed, spec.unit);
   if (!number) {
     state.error = typed + ": not a number; write for example 0.3 or 5e3";
     return 0;

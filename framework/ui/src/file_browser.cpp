@@ -25,13 +25,6 @@ fs::path homeDirectory() {
 
 }  // namespace
 
-std::string pathText(const fs::path &path) {
-  const std::u8string text = path.u8string();
-  return {text.begin(), text.end()};
-}
-
-fs::path pathFromText(const std::string &text) { return fs::path(std::u8string(text.begin(), text.end())); }
-
 void FileBrowser::setExtensions(const std::string &extensions) {
   extensions_.clear();
   for (std::size_t begin = 0; begin <= extensions.size();) {

@@ -6,7 +6,7 @@
 
 #include "c3de/core/platform.h"
 #include "frame_context.h"
-#include "number_text.h"
+#include "c3de/registry/number_text.h"
 
 namespace c3de::ui {
 namespace {
@@ -28,7 +28,7 @@ void FileDialog::open(Request request) {
   isDone_ = false;
   framesToFocus_ = kMostFramesToFocus;
   openFolder();
-  if (request_.isSaving && !request_.proposed.empty()) copyText(typed_, sizeof typed_, freeName(browser_.folder(), request_.proposed));
+  if (request_.isSaving && !request_.proposed.empty()) registry::copyText(typed_, sizeof typed_, freeName(browser_.folder(), request_.proposed));
 }
 
 void FileDialog::openFolder() {
@@ -109,7 +109,7 @@ void FileDialog::drawList(FrameContext &frame) {
   ImGui::EndChild();
   ImGui::PopStyleColor();
   if (picked.empty()) return;
-  copyText(typed_, sizeof typed_, picked);
+  registry::copyText(typed_, sizeof typed_, picked);
   if (isPickedFinal) choose(picked);
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "frame_context.h"
 
-#include "c3de/ui/tool_registry.h"
+#include "c3de/registry/tool_registry.h"
 
 namespace c3de::ui {
 
 std::string FrameContext::activeToolId() const {
   if (services.tools)
-    if (const Tool *tool = services.tools->find(services.tools->active())) return tool->id;
+    if (const registry::Tool *tool = services.tools->find(services.tools->active())) return tool->id;
   return "orbit";
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "c3de/ui/tool_registry.h"
+#include "c3de/registry/tool_registry.h"
 #include "chrome.h"
 
 namespace c3de::ui {
@@ -85,7 +85,7 @@ void drawShortcuts(FrameContext &frame) {
       shortcutRow(keys, info.doc);
     }
     if (frame.services.tools)
-      for (const ToolRegistry::Entry &entry : frame.services.tools->tools())
+      for (const registry::ToolRegistry::Entry &entry : frame.services.tools->tools())
         if (isFreeForTools(entry.tool->shortcut)) shortcutRow(keyText(entry.tool->shortcut, 0), entry.tool->label + " tool");
     ImGui::EndTable();
   }

@@ -31,9 +31,9 @@ constexpr std::array<CutNames, 3> kCutNames{{
 
 }  // namespace
 
-ImagePanel::ImagePanel(PanelRegistry &panels, ImageViews &views, LabelMaps labelMaps)
+ImagePanel::ImagePanel(registry::PanelRegistry &panels, ImageViews &views, LabelMaps labelMaps)
     : panels_(panels), views_(views), labelMaps_(std::move(labelMaps)) {
-  Panel panel;
+  registry::Panel panel;
   panel.owner = "c3de";
   panel.id = "image";
   panel.title = "Image";
@@ -126,7 +126,7 @@ void ImagePanel::drawLabels(const c3de_ui_v0 &ui, ImageOptions &options) {
     for (const imaging::LabelMap::Label &label : all) {
       if (!isShownInList(label)) continue;
       bool isShown = views_.labelOpacity(label.value) > 0.0f;
-      const render::Colour colour = shownColour(label.colour);
+      const render::Colour colour = render::shownColour(label.colour);
       ui.swatch(ui.ctx, colour[0], colour[1], colour[2]);
       sameLine(ui);
       if (checkbox(ui, "label." + std::to_string(label.value), fmt::format("{}  {}", label.value, label.name), isShown, ""))

@@ -93,11 +93,6 @@ render::VolumeLook volumeLook(VolumePreset preset, const imaging::ValueRange &ra
   return look;
 }
 
-render::Colour shownColour(const std::array<float, 3> &linear, float opacity) {
-  const auto encoded = [](float c) { return c < 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f; };
-  return {encoded(linear[0]), encoded(linear[1]), encoded(linear[2]), opacity};
-}
-
 std::span<const render::Colour> shiftColours() {
   static const auto kColours = [] {
     std::array<render::Colour, 64> colours{};

@@ -121,7 +121,7 @@ std::vector<std::pair<std::uint16_t, render::Colour>> ImageViews::labelColours()
   for (const imaging::LabelMap::Label &label : labels_->map.labels) {
     const bool isFaint = !pickedLabels_.empty() &&
                          std::find(pickedLabels_.begin(), pickedLabels_.end(), label.value) == pickedLabels_.end();
-    colours.push_back({label.value, shownColour(label.colour, (isFaint ? kFaint : 1.0f) * labelOpacity(label.value))});
+    colours.push_back({label.value, render::shownColour(label.colour, (isFaint ? kFaint : 1.0f) * labelOpacity(label.value))});
   }
   return colours;
 }

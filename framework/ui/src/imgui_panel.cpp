@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "c3de/core/text.h"
-#include "c3de/ui/parameter_registry.h"
+#include "c3de/registry/parameter_registry.h"
 #include "file_dialog.h"
-#include "number_text.h"
+#include "c3de/registry/number_text.h"
 
 namespace c3de::ui {
 namespace {
@@ -26,7 +26,7 @@ void wrappedText(const std::string &shown) {
 
 ImGuiPanels::ImGuiPanels() { fillTable(); }
 
-void ImGuiPanels::draw(FrameContext &frame, const Panel &panel) {
+void ImGuiPanels::draw(FrameContext &frame, const registry::Panel &panel) {
   if (!panel.onUi) return;
   frame_ = &frame;
   thread_ = std::this_thread::get_id();
@@ -123,7 +123,7 @@ std::uint32_t ImGuiPanels::inputText(c3de_str id, c3de_str label, char *buffer, 
   if (ImGui::IsItemDeactivatedAfterEdit()) result |= C3DE_UI_COMMITTED;
   markItem(*frame_, area_, unique);
   endRow();
-  frame_->automation.value(area_, unique, std::string(bufferText(buffer, capacity)));
+  frame_->automation.value(area_, unique, std::string(registry::bufferText(buffer, capacity)));
   return result;
 }
 
@@ -136,7 +136,7 @@ std::uint32_t ImGuiPanels::fileButton(c3de_str id, c3de_str label, c3de_str exte
   std::uint32_t result = 0;
   if (state.chosenFile) {
     if (state.chosenFile->size() < capacity) {
-      copyText(buffer, capacity, *state.chosenFile);
+      registry::copyText(buffer, capacity, *state.chosenFile);
       result = C3DE_UI_CHANGED | C3DE_UI_COMMITTED;
       state.error.clear();
     } else {
@@ -158,7 +158,7 @@ std::uint32_t ImGuiPanels::fileButton(c3de_str id, c3de_str label, c3de_str exte
     frame_->fileDialog.open(std::move(request));
   }
   markItem(*frame_, area_, unique);
-  const std::string chosen(bufferText(buffer, capacity));
+  const std::string chosen(registry::bufferText(buffer, capacity));
   ImGui::SameLine();
   const std::string name = chosen.empty() ? "no file" : pathText(pathFromText(chosen).filename());
   ImGui::AlignTextToFramePadding();
@@ -224,9 +224,9 @@ void ImGuiPanels::progress(double fraction, c3de_str shown) {
 }
 
 void ImGuiPanels::parameterRows(Handle handle, const std::string &group, bool isAdvanced) {
-  ParameterRegistry &registry = *frame_->services.parameters;
+  registry::ParameterRegistry &registry = *frame_->services.parameters;
   if (!ImGui::IsAnyItemActive()) registry.history().endGesture();
-  const ParameterSet *set = registry.find(handle);
+  const registry::ParameterSet *set = registry.find(handle);
   if (!set) return;
   // A copy: a listener may change or remove the set.
   const std::vector<ParameterDecl> decls = set->decls;
@@ -255,7 +255,7 @@ void ImGuiPanels::parameterRows(Handle handle, const std::string &group, bool is
 void ImGuiPanels::params(c3de_handle set, c3de_str group) {
   isSameLine_ = false;
   const Handle handle = Handle::fromBits(set.v);
-  const ParameterSet *found = frame_->services.parameters ? frame_->services.parameters->find(handle) : nullptr;
+  const registry::ParameterSet *found = frame_->services.parameters ? frame_->services.parameters->find(handle) : nullptr;
   if (!found) return;
   const std::string wanted = text(group);
   bool hasAdvanced = false, needsRebuild = false;

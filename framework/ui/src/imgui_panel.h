@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "c3de/abi/draft/panels.h"
-#include "c3de/ui/panel_registry.h"
+#include "c3de/registry/panel_registry.h"
 #include "fields.h"
 #include "frame_context.h"
 
@@ -22,7 +22,7 @@ class ImGuiPanels {
   ImGuiPanels &operator=(const ImGuiPanels &) = delete;
 
   /// Into the present ImGui window.
-  void draw(FrameContext &frame, const Panel &panel);
+  void draw(FrameContext &frame, const registry::Panel &panel);
 
  private:
   static ImGuiPanels &of(void *ctx) { return *static_cast<ImGuiPanels *>(ctx); }

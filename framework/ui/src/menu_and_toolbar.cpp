@@ -4,8 +4,8 @@
 
 #include "c3de/abi/draft/tools.h"
 #include "c3de/core/text.h"
-#include "c3de/ui/parameter_registry.h"
-#include "c3de/ui/tool_registry.h"
+#include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/tool_registry.h"
 #include "chrome.h"
 
 namespace c3de::ui {
@@ -59,10 +59,10 @@ bool beginMenu(FrameContext &frame, const char *label, const char *id) {
 }
 
 void toolsMenu(FrameContext &frame) {
-  ToolRegistry *tools = frame.services.tools;
+  registry::ToolRegistry *tools = frame.services.tools;
   menuItem(frame, "menu", {Command::orbitTool}, !tools || tools->active().isNull());
   if (!tools) return;
-  for (const ToolRegistry::Entry &entry : tools->tools()) {
+  for (const registry::ToolRegistry::Entry &entry : tools->tools()) {
     const std::string key = isFreeForTools(entry.tool->shortcut) ? keyText(entry.tool->shortcut, 0) : std::string();
     const std::string label = entry.tool->label + "###" + entry.tool->id, id = "tools." + entry.tool->id;
     const std::string hint = entry.tool->hint;
@@ -133,12 +133,12 @@ bool toolButton(FrameContext &frame, const std::string &id, const std::string &l
 }
 
 void toolButtons(FrameContext &frame) {
-  ToolRegistry *tools = frame.services.tools;
+  registry::ToolRegistry *tools = frame.services.tools;
   const bool isOrbit = !tools || tools->active().isNull();
   if (toolButton(frame, "tool.orbit", "Orbit", isOrbit, "The left button turns the camera  (O)"))
     frame.request(Command::orbitTool);
   if (!tools) return;
-  for (const ToolRegistry::Entry &entry : tools->tools()) {
+  for (const registry::ToolRegistry::Entry &entry : tools->tools()) {
     const std::string key = isFreeForTools(entry.tool->shortcut) ? "  (" + keyText(entry.tool->shortcut, 0) + ")" : "";
     if (toolButton(frame, "tool." + entry.tool->id, entry.tool->label, tools->active() == entry.handle,
                    entry.tool->hint + key)) {

@@ -7,7 +7,7 @@
 
 #include "c3de/abi/draft/log.h"
 #include "c3de/core/background_jobs.h"
-#include "c3de/ui/panel_registry.h"
+#include "c3de/registry/panel_registry.h"
 #include "chrome.h"
 #include "dock.h"
 
@@ -25,7 +25,7 @@ ImVec4 severityTint(std::uint32_t severity) {
   return colour::kAccent;
 }
 
-void copyButton(const FrameContext &frame, const Notification &n, const std::string &id) {
+void copyButton(const FrameContext &frame, const registry::Notification &n, const std::string &id) {
   ImGui::PushFont(frame.theme.small);
   if (ImGui::SmallButton("Copy")) ImGui::SetClipboardText((n.title + "\n" + n.text).c_str());
   ImGui::PopFont();
@@ -33,7 +33,7 @@ void copyButton(const FrameContext &frame, const Notification &n, const std::str
 }
 
 /// True: it was closed.
-bool message(const FrameContext &frame, const Notification &n, const std::string &index) {
+bool message(const FrameContext &frame, const registry::Notification &n, const std::string &index) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::BeginGroup();
   ImGui::Indent(frame.theme.px(10.0f));
@@ -62,16 +62,16 @@ bool message(const FrameContext &frame, const Notification &n, const std::string
 }
 
 void messages(FrameContext &frame) {
-  PanelRegistry *panels = frame.services.panels;
+  registry::PanelRegistry *panels = frame.services.panels;
   if (!panels) return;
   Dock &dock = frame.state.dock;
-  const std::vector<Notification> all = panels->notifications();
+  const std::vector<registry::Notification> all = panels->notifications();
   const double now_s = ImGui::GetTime();
   const bool isLookedAt = ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem);
   std::size_t shown = 0;
   // The newest stands on top.
   for (auto it = all.rbegin(); it != all.rend(); ++it) {
-    const Notification &n = *it;
+    const registry::Notification &n = *it;
     // They go by themselves, the list keeps them; not from under the mouse.
     double &since_s = dock.since_s.try_emplace(n.serial, now_s).first->second;
     if (isLookedAt) since_s = now_s;
@@ -89,7 +89,7 @@ void messages(FrameContext &frame) {
       dock.ends_s = left_s;
   }
   std::erase_if(dock.since_s, [&](const auto &seen) {
-    return std::none_of(all.begin(), all.end(), [&](const Notification &n) { return n.serial == seen.first; });
+    return std::none_of(all.begin(), all.end(), [&](const registry::Notification &n) { return n.serial == seen.first; });
   });
   if (all.size() > shown && ImGui::SmallButton(("and " + std::to_string(all.size() - shown) + " more").c_str()))
     frame.request(Command::showMessages);
@@ -168,7 +168,7 @@ void drawMessages(FrameContext &frame) {
   if (!frame.state.showMessages || !frame.services.panels) return;
   if (!beginDialog(frame, "Messages", "messages", frame.state.showMessages, ImVec2(720, 560))) return;
   ImGui::BeginChild("rows", ImVec2(0, -ImGui::GetFrameHeightWithSpacing() - frame.theme.px(4.0f)));
-  const std::vector<Notification> &log = frame.services.panels->log();
+  const std::vector<registry::Notification> &log = frame.services.panels->log();
   if (log.empty()) ImGui::TextColored(colour::kDim, "There has been none since the start");
   for (auto n = log.rbegin(); n != log.rend(); ++n) {
     ImGui::PushID(static_cast<int>(n->serial));

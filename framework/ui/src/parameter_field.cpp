@@ -5,7 +5,7 @@
 #include "c3de/abi/draft/panels.h"
 #include "c3de/core/text.h"
 #include "fields.h"
-#include "number_text.h"
+#include "c3de/registry/number_text.h"
 
 namespace c3de::ui {
 namespace {
@@ -100,7 +100,7 @@ std::optional<ParameterValue> textParameter(const FrameContext &frame, const std
   constexpr std::size_t kCapacity = 512;
   if (!state.isTyping) {
     state.buffer.assign(std::max(kCapacity, value.text.size() + 1), '\0');
-    copyText(state.buffer.data(), state.buffer.size(), value.text);
+    registry::copyText(state.buffer.data(), state.buffer.size(), value.text);
   }
   ImGui::InputText("##text", state.buffer.data(), state.buffer.size());
   state.isTyping = ImGui::IsItemActive();
@@ -111,7 +111,7 @@ std::optional<ParameterValue> textParameter(const FrameContext &frame, const std
   ParameterValue wanted = value;
   wanted.id = decl.id;
   wanted.type = C3DE_PARAM_TEXT;
-  wanted.text = bufferText(state.buffer.data(), state.buffer.size());
+  wanted.text = registry::bufferText(state.buffer.data(), state.buffer.size());
   return wanted;
 }
 

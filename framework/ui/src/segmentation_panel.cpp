@@ -23,9 +23,9 @@ void swatch(const c3de_ui_v0 &ui, const render::Colour &colour) {
 
 }  // namespace
 
-SegmentationPanel::SegmentationPanel(PanelRegistry &panels, ImageViews &views, SegmentationWorkflow &guide)
+SegmentationPanel::SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views, segmentation::SegmentationWorkflow &guide)
     : panels_(panels), views_(views), guide_(guide) {
-  Panel panel;
+  registry::Panel panel;
   panel.owner = "c3de";
   panel.id = "organ";
   panel.title = "Organ";
@@ -69,7 +69,7 @@ void SegmentationPanel::draw(const c3de_ui_v0 &ui) {
 }
 
 void SegmentationPanel::clickButton(const c3de_ui_v0 &ui, const char *id, const char *label, const char *doc,
-                             void (SegmentationWorkflow::*clicked)(const Vec3 &)) {
+                             void (segmentation::SegmentationWorkflow::*clicked)(const Vec3 &)) {
   const bool isAwaited = views_.isPicking() && awaited_ && std::string_view(awaited_) == id;
   const bool isPressed = button(ui, id, isAwaited ? "Click it in a slice…" : label);
   tooltip(ui, doc);
@@ -93,14 +93,14 @@ void SegmentationPanel::drawSource(const c3de_ui_v0 &ui) {
 }
 
 void SegmentationPanel::drawLabels(const c3de_ui_v0 &ui) {
-  const std::vector<SegmentationWorkflow::LabelRow> rows = guide_.labels();
-  std::vector<const SegmentationWorkflow::LabelRow *> listed;
-  for (const SegmentationWorkflow::LabelRow &row : rows)
+  const std::vector<segmentation::SegmentationWorkflow::LabelRow> rows = guide_.labels();
+  std::vector<const segmentation::SegmentationWorkflow::LabelRow *> listed;
+  for (const segmentation::SegmentationWorkflow::LabelRow &row : rows)
     if (rows.size() <= kManyLabels || isListed(row.name, filter_)) listed.push_back(&row);
   clickButton(ui, "label_click", "Tick the label I click",
-              "The next click in a slice: the label that is there. Esc: no click", &SegmentationWorkflow::tickLabelAt);
+              "The next click in a slice: the label that is there. Esc: no click", &segmentation::SegmentationWorkflow::tickLabelAt);
   labelList(ui, rows.size(), listed.size(), filter_, [&] {
-    for (const SegmentationWorkflow::LabelRow *row : listed) {
+    for (const segmentation::SegmentationWorkflow::LabelRow *row : listed) {
       swatch(ui, row->colour);
       bool isPicked = row->isChosen;
       const std::string volume = row->volume_ml ? fmt::format("{:.1f} ml", *row->volume_ml) : std::string("… ml");
@@ -111,7 +111,7 @@ void SegmentationPanel::drawLabels(const c3de_ui_v0 &ui) {
   if (rows.size() < 2) return;
   if (button(ui, "tick_listed", "Tick the listed", !listed.empty())) {
     std::vector<std::uint16_t> values = guide_.pickedLabels();
-    for (const SegmentationWorkflow::LabelRow *row : listed)
+    for (const segmentation::SegmentationWorkflow::LabelRow *row : listed)
       if (!row->isChosen) values.push_back(row->value);
     guide_.chooseLabels(values);
   }
@@ -129,14 +129,14 @@ void SegmentationPanel::drawThreshold(const c3de_ui_v0 &ui) {
   if (slider(ui, "high", "Highest", image.volume.unit, high, least, most, "The highest value that belongs to the organ"))
     guide_.setHigh(high);
   bool isShown = false;
-  for (const MaskStep &step : guide_.mask().steps())
-    if (step.startsAnew()) isShown = step.kind == MaskStep::Kind::threshold;
+  for (const segmentation::MaskStep &step : guide_.mask().steps())
+    if (step.startsAnew()) isShown = step.kind == segmentation::MaskStep::Kind::threshold;
   if (!isShown && button(ui, "threshold", "Show what lies between")) guide_.showThreshold();
 }
 
 void SegmentationPanel::drawSteps(const c3de_ui_v0 &ui) {
-  using Kind = MaskStep::Kind;
-  const MaskEditor &mask = guide_.mask();
+  using Kind = segmentation::MaskStep::Kind;
+  const segmentation::MaskEditor &mask = guide_.mask();
   const bool hasMask = mask.mask() != nullptr;
   std::string volume =
       hasMask ? fmt::format("{:.1f} ml, {} voxels", mask.volume_ml(), mask.voxels()) : std::string("nothing yet");
@@ -150,14 +150,14 @@ void SegmentationPanel::drawSteps(const c3de_ui_v0 &ui) {
     views_.setOptions(options);
   if (mask.preview() && mask.preview()->stride > 1)
     row(ui, "Overlay", fmt::format("every {}. voxel", mask.preview()->stride));
-  const std::vector<MaskStep> steps = mask.steps();
+  const std::vector<segmentation::MaskStep> steps = mask.steps();
   std::string done;
-  for (const MaskStep &step : steps) done = step.startsAnew() ? step.text() : done + ", " + step.text();
+  for (const segmentation::MaskStep &step : steps) done = step.startsAnew() ? step.text() : done + ", " + step.text();
   if (!done.empty()) row(ui, "Steps", done);
 
   clickButton(ui, "component", "Keep only the part I click",
               "The next click in a slice: what hangs together with that voxel stays. Esc: no click",
-              &SegmentationWorkflow::keepComponentAt);
+              &segmentation::SegmentationWorkflow::keepComponentAt);
   if (button(ui, "largest", "Keep the largest part")) guide_.carryOut(Kind::largest);
   sameLine(ui);
   if (button(ui, "fill_holes", "Fill holes")) guide_.carryOut(Kind::fillHoles);
@@ -172,7 +172,7 @@ void SegmentationPanel::drawSteps(const c3de_ui_v0 &ui) {
 }
 
 void SegmentationPanel::drawUndo(const c3de_ui_v0 &ui) {
-  const MaskEditor &mask = guide_.mask();
+  const segmentation::MaskEditor &mask = guide_.mask();
   if (!mask.mask() && !mask.canUndo() && !mask.canRedo()) return;
   const std::string undone = mask.undoLabel(), redone = mask.redoLabel();
   if (button(ui, "undo", "Undo", !undone.empty())) guide_.undo();
@@ -186,7 +186,7 @@ void SegmentationPanel::drawSeveral(const c3de_ui_v0 &ui) {
   double volume_ml = 0.0;
   bool isCounted = true;
   std::string names;
-  for (const SegmentationWorkflow::LabelRow &row : guide_.labels()) {
+  for (const segmentation::SegmentationWorkflow::LabelRow &row : guide_.labels()) {
     if (!row.isChosen) continue;
     names += (names.empty() ? "" : ", ") + row.name;
     isCounted = isCounted && row.volume_ml;
@@ -214,7 +214,7 @@ void SegmentationPanel::drawMaterial(const c3de_ui_v0 &ui) {
   if (choice(ui, "material", "Material", index, names)) guide_.chooseMaterial(index > 0 ? names[index] : std::string());
   const scene::MaterialPreset *preset = guide_.material();
   if (!preset) return;
-  row(ui, "Young's modulus", stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
+  row(ui, "Young's modulus", segmentation::stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
   row(ui, "Poisson's ratio",
       fmt::format("{:.4g} ({:.4g} … {:.4g})", preset->poissonRatio, preset->poissonRatioMin, preset->poissonRatioMax));
   row(ui, "Density", fmt::format("{:.4g} kg/m³", preset->density));
@@ -226,7 +226,7 @@ void SegmentationPanel::drawMaterial(const c3de_ui_v0 &ui) {
 void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
   std::vector<std::string> names{"– choose –"};
   for (const scene::MaterialPreset &preset : guide_.materials().presets()) names.push_back(preset.name);
-  for (const SegmentationWorkflow::LabelRow &label : guide_.labels()) {
+  for (const segmentation::SegmentationWorkflow::LabelRow &label : guide_.labels()) {
     if (!label.isChosen) continue;
     const scene::MaterialPreset *preset = guide_.materialOf(label.value);
     std::uint32_t index = 0;
@@ -240,7 +240,7 @@ void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
     bool isRigid = guide_.isRigid(label.value);
     if (checkbox(ui, "rigid." + std::to_string(label.value), "Rigid", isRigid, kRigid)) guide_.setRigid(label.value, isRigid);
     if (!preset) continue;
-    row(ui, "Young's modulus", stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
+    row(ui, "Young's modulus", segmentation::stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
     row(ui, "ν, density",
         fmt::format("{:.4g} ({:.4g} … {:.4g}), {:.4g} kg/m³", preset->poissonRatio, preset->poissonRatioMin,
                     preset->poissonRatioMax, preset->density));
@@ -249,7 +249,7 @@ void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
 }
 
 void SegmentationPanel::drawSampling(const c3de_ui_v0 &ui) {
-  SegmentationSettings s = guide_.settings();
+  segmentation::SegmentationSettings s = guide_.settings();
   slider(ui, "phyxels", "Phyxels", "", s.phyxels, kFewestPhyxels, kMostPhyxels,
          "About so many; more are more exact and slower");
   checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic,
@@ -264,15 +264,15 @@ void SegmentationPanel::drawHolding(const c3de_ui_v0 &ui) {
     if (checkbox(ui, "rigid", "Rigid", isRigid, kRigid)) guide_.setRigid(isRigid);
     if (isRigid) return;
   }
-  SegmentationSettings s = guide_.settings();
+  segmentation::SegmentationSettings s = guide_.settings();
   auto held = static_cast<std::uint32_t>(s.held);
   choice(ui, "held", "Held", held, {"by its surroundings", "the lowest part", "nothing"});
   tooltip(ui, "By its surroundings: elastically, where it is in the scan, so that it comes back. Nothing: it drifts");
-  if (static_cast<Held>(held) == Held::surroundings)
+  if (static_cast<segmentation::Held>(held) == segmentation::Held::surroundings)
     slider(ui, "surroundings", "Surroundings", "Pa/m", s.surroundings_Pa_m, 0.0, kStiffestSurroundings,
            "How the tissue around pulls the surface to its place: stress per way. 30 000: an organ sinks some millimetres under "
            "its own weight; 0: not at all");
-  guide_.setHolding(static_cast<Held>(held), s.surroundings_Pa_m);
+  guide_.setHolding(static_cast<segmentation::Held>(held), s.surroundings_Pa_m);
 }
 
 }  // namespace c3de::ui

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "c3de/scene/scene_graph.h"
-#include "c3de/ui/panel_registry.h"
+#include "c3de/registry/panel_registry.h"
 #include "chrome.h"
 
 namespace c3de::ui {
@@ -57,9 +57,9 @@ void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &ar
   if (frame.services.panels) {
     // By handle and by value: a panel may remove itself or others while it is drawn.
     for (const Handle handle : std::vector<Handle>(frame.services.panels->handles())) {
-      const Panel *found = frame.services.panels->find(handle);
+      const registry::Panel *found = frame.services.panels->find(handle);
       if (!found || found->isInView) continue;
-      const Panel panel = *found;
+      const registry::Panel panel = *found;
       ImGui::Dummy(ImVec2(0, frame.theme.px(2.0f)));
       const bool isOpen = section(frame, panel.id, panel.title, panel.open);
       if (isOpen) panels.draw(frame, panel);
@@ -74,9 +74,9 @@ void drawViewPanels(FrameContext &frame, ImGuiPanels &panels) {
   if (!frame.services.panels) return;
   const PixelRect &area = frame.area;
   for (const Handle handle : std::vector<Handle>(frame.services.panels->handles())) {
-    const Panel *found = frame.services.panels->find(handle);
+    const registry::Panel *found = frame.services.panels->find(handle);
     if (!found || !found->isInView) continue;
-    const Panel panel = *found;
+    const registry::Panel panel = *found;
     const float width = std::min(frame.theme.px(560.0f), 0.9f * area.w);
     ImGui::SetNextWindowPos(ImVec2(area.x + 0.5f * area.w, area.y + 0.5f * area.h), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
     ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, 0.9f * area.h));

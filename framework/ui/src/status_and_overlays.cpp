@@ -8,8 +8,8 @@
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/text.h"
 #include "c3de/scene/scene_graph.h"
-#include "c3de/ui/panel_registry.h"
-#include "c3de/ui/tool_registry.h"
+#include "c3de/registry/panel_registry.h"
+#include "c3de/registry/tool_registry.h"
 #include "chrome.h"
 
 namespace c3de::ui {
@@ -58,7 +58,7 @@ std::string hintOf(const FrameContext &frame) {
   }
   if (!isOver(Pane::space)) return "H: keys and mouse";
   if (frame.services.tools)
-    if (const Tool *tool = frame.services.tools->find(frame.services.tools->active())) return tool->label + ": " + tool->hint;
+    if (const registry::Tool *tool = frame.services.tools->find(frame.services.tools->active())) return tool->label + ": " + tool->hint;
   return "Left drag: orbit    Middle or Shift+left: pan    Right, Ctrl+left or wheel: zoom    F: fit    R: reset";
 }
 

@@ -7,7 +7,7 @@
 #include <backends/imgui_impl_opengl3.h>
 #endif
 
-#include "c3de/render/picture.h"
+#include "c3de/render_gl/picture.h"
 #include "c3de/scene/scene_graph.h"
 #include "chrome.h"
 #include "file_dialog.h"

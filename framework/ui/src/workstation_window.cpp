@@ -13,10 +13,11 @@
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/log.h"
 #include "c3de/render/image_renderer.h"
+#include "c3de/render_gl/gl_renderer.h"
 #include "c3de/scene/scene_graph.h"
-#include "c3de/ui/panel_registry.h"
-#include "c3de/ui/parameter_registry.h"
-#include "c3de/ui/tool_registry.h"
+#include "c3de/registry/panel_registry.h"
+#include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/tool_registry.h"
 #include "c3de/ui/view_controller.h"
 #include "chrome.h"
 #include "dock.h"
@@ -51,7 +52,7 @@ struct WorkstationWindow::Impl {
   FileDialog fileDialog;
   ImGuiPanels panels;
   render::Camera camera;
-  ToolRegistry noTools;
+  registry::ToolRegistry noTools;
   std::optional<ViewController> viewController;
 
   PixelRect area, view;              ///< as in FrameContext
@@ -181,7 +182,7 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
   }
   if (command != Command::none) return context.request(command);
   if (event.modifiers == 0 && services.tools && isFreeForTools(event.key))
-    for (const ToolRegistry::Entry &entry : services.tools->tools())
+    for (const registry::ToolRegistry::Entry &entry : services.tools->tools())
       if (entry.tool->shortcut == event.key) {
         services.tools->activate(entry.handle);
         return;

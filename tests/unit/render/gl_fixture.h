@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "c3de/render/renderer.h"
+#include "c3de/render_gl/gl_renderer.h"
 #include "support/catch.h"
 
 namespace c3de::render::test {

@@ -3,8 +3,8 @@
 #include <random>
 
 #include "c3de/core/platform.h"
-#include "gl/depth_order.h"
-#include "gl/font_atlas.h"
+#include "depth_order.h"
+#include "font_atlas.h"
 #include "mesh_normals.h"
 #include "support/catch.h"
 #include "view_math.h"

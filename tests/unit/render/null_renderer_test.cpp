@@ -26,14 +26,6 @@ TEST_CASE("An image without size is a usage error that names the size") {
   CHECK_THAT(image.error().message, Contains("0 x 5"));
 }
 
-TEST_CASE("Without a context the OpenGL renderer is refused with the version it needs") {
-  // No context is current on this thread: this program makes none.
-  const auto renderer = createGlRenderer();
-  REQUIRE(!renderer.has_value());
-  CHECK(renderer.error().code == ErrorCode::graphics);
-  CHECK_THAT(renderer.error().message, Contains("OpenGL 4.3 core is needed"));
-}
-
 TEST_CASE("Without graphics images are kept and refused as with them") {
   const auto renderer = createNullRenderer();
   ImageRenderer *images = renderer->images();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "c3de/ui/edit_list.h"
+#include "c3de/registry/edit_list.h"
 
 #include "c3de/ui/edit_history.h"
 #include "support/catch.h"
@@ -13,11 +13,11 @@ namespace {
 struct Counter {
   int value = 1, released = 0;
   bool fails = false;
-  EditList *removesItselfFrom = nullptr;
+  registry::EditList *removesItselfFrom = nullptr;
   Handle handle;
 
-  Edit edit(const std::string &label, const std::string &owner = "test.plugin") {
-    Edit made;
+  registry::Edit edit(const std::string &label, const std::string &owner = "test.plugin") {
+    registry::Edit made;
     made.owner = owner;
     made.label = label;
     made.self = this;
@@ -37,7 +37,7 @@ struct Counter {
 }  // namespace
 
 TEST_CASE("steps of plugins are undone and redone in order") {
-  EditList list;
+  registry::EditList list;
   Counter a, b;
   CHECK(list.undoLabel().empty());
   list.undo();
@@ -67,7 +67,7 @@ TEST_CASE("steps of plugins are undone and redone in order") {
 }
 
 TEST_CASE("a step that fails is forgotten, and one may remove itself") {
-  EditList list;
+  registry::EditList list;
   Counter a, b, c;
   list.add(a.edit("a"));
   b.handle = list.add(b.edit("b"));
@@ -85,10 +85,10 @@ TEST_CASE("a step that fails is forgotten, and one may remove itself") {
 }
 
 TEST_CASE("the oldest steps, and those of a plugin that goes, are forgotten") {
-  EditList list;
+  registry::EditList list;
   Counter old, many, other;
   list.add(old.edit("old"));
-  for (std::size_t i = 0; i < EditList::kMost; ++i) list.add(many.edit("many"));
+  for (std::size_t i = 0; i < registry::EditList::kMost; ++i) list.add(many.edit("many"));
   CHECK(old.released == 1);
   CHECK(many.released == 0);
   list.undo();
@@ -96,7 +96,7 @@ TEST_CASE("the oldest steps, and those of a plugin that goes, are forgotten") {
   CHECK(many.released == 1);
   list.undo();
   list.removeOwnedBy("test.plugin");
-  CHECK(many.released == static_cast<int>(EditList::kMost));
+  CHECK(many.released == static_cast<int>(registry::EditList::kMost));
   CHECK(list.undoLabel().empty());
   CHECK(list.redoLabel() == "other");
   list.removeOwnedBy("test.other");
@@ -106,14 +106,14 @@ TEST_CASE("the oldest steps, and those of a plugin that goes, are forgotten") {
 TEST_CASE("a list that goes lets go of its steps") {
   Counter a;
   {
-    EditList list;
+    registry::EditList list;
     list.add(a.edit("a"));
   }
   CHECK(a.released == 1);
 }
 
 TEST_CASE("steps of plugins are a part of the window's history") {
-  EditList list;
+  registry::EditList list;
   EditHistory history;
   Counter a;
   history.follow(nullptr, nullptr, &list);

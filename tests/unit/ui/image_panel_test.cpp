@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/ui/image_panel.h"
 
-#include "c3de/ui/text_panel.h"
+#include "c3de/registry/text_panel.h"
 #include "support/catch.h"
 
 using namespace c3de;
@@ -24,12 +24,12 @@ std::shared_ptr<scene::StoredImage> headImage() {
 }  // namespace
 
 TEST_CASE("The panel of an image shows and changes what the views show", "[image_panel]") {
-  PanelRegistry panels;
+  registry::PanelRegistry panels;
   ImageViews views;
   views.setImage(headImage());
   const ImagePanel panel(panels, views);
   REQUIRE(panels.panels().size() == 1);
-  TextPanel text(nullptr);
+  registry::TextPanel text(nullptr);
   const auto draw = [&] { return text.draw(*panels.panels().front()); };
   CHECK_THAT(draw(), Contains("head") && Contains("10 × 10 × 10"));
   text.setNumber("window", 123.0);
@@ -55,14 +55,14 @@ TEST_CASE("The panel of an image shows and changes what the views show", "[image
 }
 
 TEST_CASE("Labels are listed by name and hidden one by one", "[image_panel]") {
-  PanelRegistry panels;
+  registry::PanelRegistry panels;
   ImageViews views;
   views.setImage(headImage());
   auto labels = std::make_shared<scene::StoredLabels>();
   labels->map.labels = {{5, "liver", {1, 0, 0}}, {7, "spleen", {0, 1, 0}}};
   views.setLabels(labels);
   const ImagePanel panel(panels, views);
-  TextPanel text(nullptr);
+  registry::TextPanel text(nullptr);
   CHECK_THAT(text.draw(*panels.panels().front()), Contains("5  liver") && Contains("7  spleen"));
   text.check("label.7", false);
   text.setNumber("label_opacity", 0.75);
@@ -74,7 +74,7 @@ TEST_CASE("Labels are listed by name and hidden one by one", "[image_panel]") {
 }
 
 TEST_CASE("The panel goes with the image", "[image_panel]") {
-  PanelRegistry panels;
+  registry::PanelRegistry panels;
   ImageViews views;
   {
     const ImagePanel panel(panels, views);
@@ -84,13 +84,13 @@ TEST_CASE("The panel goes with the image", "[image_panel]") {
 }
 
 TEST_CASE("A time point is chosen in the panel and by T, and everything else stays", "[image_panel]") {
-  PanelRegistry panels;
+  registry::PanelRegistry panels;
   ImageViews views;
   std::vector<std::size_t> asked;
   views.setTimeChooser([&](std::size_t time) { asked.push_back(time); });
   views.setImage(headImage());
   const ImagePanel panel(panels, views);
-  TextPanel text(nullptr);
+  registry::TextPanel text(nullptr);
   const auto draw = [&] { return text.draw(*panels.panels().front()); };
   draw();
   CHECK_FALSE(text.find("time"));  // it has one

@@ -16,8 +16,8 @@ struct Recorder {
   int cancels = 0;
   bool consumes = true;
 
-  Tool asTool() {
-    Tool tool;
+  registry::Tool asTool() {
+    registry::Tool tool;
     tool.id = "recorder";
     tool.self = this;
     tool.cancel = [](void *self) { ++static_cast<Recorder *>(self)->cancels; };
@@ -31,7 +31,7 @@ struct Recorder {
 };
 
 struct View {
-  ToolRegistry tools;
+  registry::ToolRegistry tools;
   render::Camera camera;
   ViewController controller{tools, camera};
   Recorder recorder;

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "arguments.h"
-#include "c3de/ui/edit_list.h"
+#include "c3de/registry/edit_list.h"
 #include "services/callbacks.h"
 #include "services/services.h"
 
@@ -13,7 +13,7 @@ c3de_status C3DE_CALL add(void *ctx, const c3de_edit *edit, c3de_handle *out) no
   return serveOnMain(ctx, "history.add", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
     const c3de_edit in = structOf(edit, "edit");
-    ui::Edit made;
+    registry::Edit made;
     made.owner = plugin.id();
     made.label = textOf(in.label, "edit label");
     if (made.label.empty()) throw Refusal(C3DE_E_ARG, "edit label is empty");

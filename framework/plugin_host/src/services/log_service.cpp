@@ -5,7 +5,7 @@
 #include "c3de/core/log.h"
 #include "c3de/core/main_queue.h"
 #include "c3de/core/text.h"
-#include "c3de/ui/panel_registry.h"
+#include "c3de/registry/panel_registry.h"
 #include "services/services.h"
 
 namespace c3de::plugin_host {
@@ -22,7 +22,7 @@ std::string lineOf(c3de_str message) {
 void showToPerson(PluginContext &plugin, std::uint32_t severity, const std::string &line) {
   const Services &services = plugin.services();
   if (!services.panels) return;
-  ui::PanelRegistry *panels = services.panels;
+  registry::PanelRegistry *panels = services.panels;
   const auto show = [panels, severity, title = plugin.id(), line] { panels->notify(severity, title, line); };
   if (std::this_thread::get_id() == plugin.host().mainThread)
     show();

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "arguments.h"
-#include "c3de/ui/panel_registry.h"
+#include "c3de/registry/panel_registry.h"
 #include "services/callbacks.h"
 #include "services/services.h"
 
@@ -13,13 +13,13 @@ c3de_status C3DE_CALL add(void *ctx, const c3de_panel *panel, c3de_handle *out) 
   return serveOnMain(ctx, "panels.add", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
     const c3de_panel in = structOf(panel, "panel");
-    ui::Panel made;
+    registry::Panel made;
     made.owner = plugin.id();
     made.id = idOf(in.id, "panel id");
     made.title = textOf(in.title, "panel title");
     if (made.title.empty()) throw Refusal(C3DE_E_ARG, fmt::format("{}: title is empty", made.id));
     requireNonNull(in.on_ui, "on_ui");
-    for (const ui::Panel *other : plugin.services().panels->panels())
+    for (const registry::Panel *other : plugin.services().panels->panels())
       if (other->id == made.id)
         throw Refusal(C3DE_E_EXISTS, fmt::format("panel {} is registered by plugin {} already", made.id, other->owner));
     auto callback = std::make_shared<PanelCallback>(plugin, in);

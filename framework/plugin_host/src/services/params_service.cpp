@@ -5,7 +5,7 @@
 #include <set>
 
 #include "arguments.h"
-#include "c3de/ui/parameter_registry.h"
+#include "c3de/registry/parameter_registry.h"
 #include "services/callbacks.h"
 #include "services/services.h"
 
@@ -41,13 +41,13 @@ ParameterDecl declarationOf(const c3de_param_decl *decl) {
   return out;
 }
 
-ui::ParameterSet &find(PluginContext &plugin, c3de_handle set) {
-  ui::ParameterSet *found = plugin.services().parameters->find(handleOf(set));
+registry::ParameterSet &find(PluginContext &plugin, c3de_handle set) {
+  registry::ParameterSet *found = plugin.services().parameters->find(handleOf(set));
   if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no parameter set of handle {:#x}", set.v));
   return *found;
 }
 
-const ParameterDecl &declarationIn(const ui::ParameterSet &set, const std::string &id) {
+const ParameterDecl &declarationIn(const registry::ParameterSet &set, const std::string &id) {
   const auto decl = findParameter(set.decls, id);
   if (!decl) throw Refusal(C3DE_E_NOT_FOUND, decl.error().message);
   return **decl;
@@ -57,7 +57,7 @@ c3de_status C3DE_CALL declare(void *ctx, c3de_str title, const c3de_param_decl *
                               std::uint64_t stride, const c3de_param_listener *listener, c3de_handle *out) noexcept {
   return serveOnMain(ctx, "params.declare", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
-    ui::ParameterSet set;
+    registry::ParameterSet set;
     set.owner = plugin.id();
     set.title = textOf(title, "title");
     if (n == 0 || n > kMostDeclarations)
@@ -89,7 +89,7 @@ c3de_status C3DE_CALL declare(void *ctx, c3de_str title, const c3de_param_decl *
 
 c3de_status C3DE_CALL removeSet(void *ctx, c3de_handle set) noexcept {
   return serveOnMain(ctx, "params.remove", [&](PluginContext &plugin) {
-    const ui::ParameterSet &found = find(plugin, set);
+    const registry::ParameterSet &found = find(plugin, set);
     if (found.owner != plugin.id())
       throw Refusal(C3DE_E_STATE, fmt::format("the set '{}' belongs to plugin {}", found.title, found.owner));
     plugin.services().parameters->remove(handleOf(set));
@@ -99,7 +99,7 @@ c3de_status C3DE_CALL removeSet(void *ctx, c3de_handle set) noexcept {
 
 c3de_status C3DE_CALL get(void *ctx, c3de_handle set, c3de_str id, c3de_param_value *out) noexcept {
   return serveOnMain(ctx, "params.get", [&](PluginContext &plugin) {
-    const ui::ParameterSet &found = find(plugin, set);
+    const registry::ParameterSet &found = find(plugin, set);
     const ParameterDecl &decl = declarationIn(found, textOf(id, "id"));
     const auto index = static_cast<std::size_t>(&decl - found.decls.data());
     writeStruct(out, found.values[index].abi(), "out");
@@ -108,7 +108,7 @@ c3de_status C3DE_CALL get(void *ctx, c3de_handle set, c3de_str id, c3de_param_va
 
 c3de_status C3DE_CALL setValue(void *ctx, c3de_handle set, const c3de_param_value *value) noexcept {
   return serveOnMain(ctx, "params.set", [&](PluginContext &plugin) {
-    const ui::ParameterSet &found = find(plugin, set);
+    const registry::ParameterSet &found = find(plugin, set);
     const c3de_param_value in = structOf(value, "value");
     (void)textOf(in.text, "text");
     const ParameterDecl &decl = declarationIn(found, textOf(in.id, "id"));

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "arguments.h"
-#include "c3de/ui/tool_registry.h"
+#include "c3de/registry/tool_registry.h"
 #include "last_error.h"
 #include "services/callbacks.h"
 #include "services/services.h"
@@ -11,7 +11,7 @@ namespace c3de::plugin_host {
 namespace {
 
 bool isLive(PluginContext &plugin, c3de_handle tool) {
-  for (const ui::ToolRegistry::Entry &entry : plugin.services().tools->tools())
+  for (const registry::ToolRegistry::Entry &entry : plugin.services().tools->tools())
     if (entry.handle == handleOf(tool)) return true;
   return false;
 }
@@ -24,7 +24,7 @@ c3de_status C3DE_CALL add(void *ctx, const c3de_tool *tool, c3de_handle *out) no
   return serveOnMain(ctx, "tools.add", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
     const c3de_tool in = structOf(tool, "tool");
-    ui::Tool made;
+    registry::Tool made;
     made.owner = plugin.id();
     made.id = idOf(in.id, "tool id");
     made.label = textOf(in.label, "tool label");
@@ -38,7 +38,7 @@ c3de_status C3DE_CALL add(void *ctx, const c3de_tool *tool, c3de_handle *out) no
     requireNonNull(in.activate, "activate");
     requireNonNull(in.cancel, "cancel");
     requireNonNull(in.on_event, "on_event");
-    for (const ui::ToolRegistry::Entry &other : plugin.services().tools->tools())
+    for (const registry::ToolRegistry::Entry &other : plugin.services().tools->tools())
       if (other.tool->id == made.id)
         throw Refusal(C3DE_E_EXISTS, fmt::format("tool {} is registered by plugin {} already", made.id, other.tool->owner));
     auto callback = std::make_shared<ToolCallback>(plugin, in);

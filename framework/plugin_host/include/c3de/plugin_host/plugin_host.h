@@ -22,12 +22,12 @@ class MeshStore;
 class SceneGraph;
 class SimulationDirectory;
 }  // namespace scene
-namespace ui {
+namespace registry {
 class EditList;
 class PanelRegistry;
 class ParameterRegistry;
 class ToolRegistry;
-}  // namespace ui
+}  // namespace registry
 }  // namespace c3de
 
 namespace c3de::plugin_host {
@@ -43,10 +43,10 @@ struct Services {
   scene::ImageStore *images = nullptr;
   scene::SimulationDirectory *simulations = nullptr;
   render::Renderer *renderer = nullptr;
-  ui::PanelRegistry *panels = nullptr;
-  ui::ParameterRegistry *parameters = nullptr;
-  ui::ToolRegistry *tools = nullptr;
-  ui::EditList *edits = nullptr;
+  registry::PanelRegistry *panels = nullptr;
+  registry::ParameterRegistry *parameters = nullptr;
+  registry::ToolRegistry *tools = nullptr;
+  registry::EditList *edits = nullptr;
 };
 
 enum class PluginState { loaded, refused };

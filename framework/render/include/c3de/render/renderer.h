@@ -18,6 +18,8 @@ namespace c3de::render {
 
 using Vec3f = std::array<float, 3>;
 using Colour = std::array<float, 4>;  ///< sRGB and opacity, 0 … 1
+/// As sRGB, from the linear colour of a label.
+[[nodiscard]] Colour shownColour(const std::array<float, 3> &linear, float opacity = 1.0f);
 
 struct Material {
   Colour colour{0.8f, 0.8f, 0.8f, 1.0f};  ///< opacity below 1 blends
@@ -126,20 +128,7 @@ class Renderer {
   [[nodiscard]] virtual RenderStatistics statistics() const { return {}; }
 };
 
-/// Needs a current OpenGL 4.3 core context (4.5 is asked for by the window); the error names what was found.
-[[nodiscard]] Expected<std::unique_ptr<Renderer>> createGlRenderer();
 /// Keeps what it is told and draws a flat background: logic can be tested without graphics.
 [[nodiscard]] std::unique_ptr<Renderer> createNullRenderer();
-
-/// An OpenGL context without a window, current on the thread that made it (EGL surfaceless; a hidden window on
-/// Windows). The context of a window must not be current on that thread at the same time.
-class OffscreenContext {
- public:
-  [[nodiscard]] static Expected<std::unique_ptr<OffscreenContext>> create();
-  virtual ~OffscreenContext() = default;
-};
-
-/// Error when the current context is below 4.3: "OpenGL 4.3 is needed, found …".
-[[nodiscard]] Expected<void> checkGlVersion();
 
 }  // namespace c3de::render

@@ -6,11 +6,17 @@
 #include <cstdint>
 #include <string>
 
+namespace c3de::segmentation {
+class SegmentationWorkflow;
+}  // namespace c3de::segmentation
+
+namespace c3de::registry {
+class EditList;
+class ParameterRegistry;
+}  // namespace c3de::registry
+
 namespace c3de::ui {
 
-class EditList;
-class SegmentationWorkflow;
-class ParameterRegistry;
 
 /// Undo and Redo of the window: of parameters, of the steps that pick an organ, or of the steps of plugins, whichever a person
 /// has edited last; when that one has nothing to offer, the one before it. While a step of the organ is computed nothing is.
@@ -18,7 +24,7 @@ class ParameterRegistry;
 class EditHistory {
  public:
   /// Once per frame; null: there is none. They must outlive the calls below.
-  void follow(ParameterRegistry *parameters, SegmentationWorkflow *organ, EditList *steps = nullptr);
+  void follow(registry::ParameterRegistry *parameters, segmentation::SegmentationWorkflow *organ, registry::EditList *steps = nullptr);
   /// Of what would be undone or redone; empty: nothing.
   [[nodiscard]] std::string undoLabel() const { return label(source(true), true); }
   [[nodiscard]] std::string redoLabel() const { return label(source(false), false); }
@@ -35,9 +41,9 @@ class EditHistory {
   void bringForward(Source source);
   void carryOut(bool isUndo);
 
-  ParameterRegistry *parameters_ = nullptr;
-  SegmentationWorkflow *organ_ = nullptr;
-  EditList *steps_ = nullptr;
+  registry::ParameterRegistry *parameters_ = nullptr;
+  segmentation::SegmentationWorkflow *organ_ = nullptr;
+  registry::EditList *steps_ = nullptr;
   std::array<Source, kSources> latestFirst_{Source::parameters, Source::organ, Source::steps};
   std::array<std::uint64_t, kSources> edits_{};  ///< that have been seen, by Source
 };

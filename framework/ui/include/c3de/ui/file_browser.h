@@ -6,12 +6,9 @@
 #include <vector>
 
 #include "c3de/core/expected.h"
+#include "c3de/core/path_text.h"
 
 namespace c3de::ui {
-
-/// UTF-8 text of a path, and back.
-[[nodiscard]] std::string pathText(const std::filesystem::path &path);
-[[nodiscard]] std::filesystem::path pathFromText(const std::string &text);
 
 /// What a file dialog shows: one folder, its folders first, then its files that match. No drawing. Main thread.
 class FileBrowser {

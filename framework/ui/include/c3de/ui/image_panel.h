@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "c3de/ui/image_views.h"
-#include "c3de/ui/panel_registry.h"
+#include "c3de/registry/panel_registry.h"
 
 namespace c3de::ui {
 
@@ -20,7 +20,7 @@ class ImagePanel {
     std::function<std::size_t()> shown;  ///< position among the names
     std::function<void(std::size_t)> show;
   };
-  ImagePanel(PanelRegistry &panels, ImageViews &views, LabelMaps labelMaps = {});
+  ImagePanel(registry::PanelRegistry &panels, ImageViews &views, LabelMaps labelMaps = {});
   ~ImagePanel();
   ImagePanel(const ImagePanel &) = delete;
   ImagePanel &operator=(const ImagePanel &) = delete;
@@ -35,7 +35,7 @@ class ImagePanel {
   void drawStill(const c3de_ui_v0 &ui, scene::SceneStill &still);
   void drawShift(const c3de_ui_v0 &ui, ImageOptions &options);
 
-  PanelRegistry &panels_;
+  registry::PanelRegistry &panels_;
   ImageViews &views_;
   LabelMaps labelMaps_;
   std::string labelFilter_;

@@ -42,7 +42,4 @@ struct VolumePresetInfo {
 /// From dark blue to yellow, of steadily rising lightness, so that it reads with every colour vision.
 [[nodiscard]] std::span<const render::Colour> shiftColours();
 
-/// As sRGB, from the linear colour of a label.
-[[nodiscard]] render::Colour shownColour(const std::array<float, 3> &linear, float opacity = 1.0f);
-
 }  // namespace c3de::ui

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "c3de/ui/image_views.h"
-#include "c3de/ui/segmentation_workflow.h"
-#include "c3de/ui/panel_registry.h"
+#include "c3de/segmentation/segmentation_workflow.h"
+#include "c3de/registry/panel_registry.h"
 
 namespace c3de::ui {
 
@@ -11,7 +11,7 @@ namespace c3de::ui {
 /// Main thread.
 class SegmentationPanel {
  public:
-  SegmentationPanel(PanelRegistry &panels, ImageViews &views, SegmentationWorkflow &guide);
+  SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views, segmentation::SegmentationWorkflow &guide);
   ~SegmentationPanel();
   SegmentationPanel(const SegmentationPanel &) = delete;
   SegmentationPanel &operator=(const SegmentationPanel &) = delete;
@@ -20,7 +20,7 @@ class SegmentationPanel {
   void draw(const c3de_ui_v0 &ui);
   /// A button that waits for a click in a slice, and stops waiting when it is pressed again.
   void clickButton(const c3de_ui_v0 &ui, const char *id, const char *label, const char *doc,
-                   void (SegmentationWorkflow::*clicked)(const Vec3 &));
+                   void (segmentation::SegmentationWorkflow::*clicked)(const Vec3 &));
   void drawSource(const c3de_ui_v0 &ui);
   void drawLabels(const c3de_ui_v0 &ui);
   void drawThreshold(const c3de_ui_v0 &ui);
@@ -32,9 +32,9 @@ class SegmentationPanel {
   void drawSampling(const c3de_ui_v0 &ui);
   void drawHolding(const c3de_ui_v0 &ui);
 
-  PanelRegistry &panels_;
+  registry::PanelRegistry &panels_;
   ImageViews &views_;
-  SegmentationWorkflow &guide_;
+  segmentation::SegmentationWorkflow &guide_;
   Handle panel_;
   std::string filter_;  ///< of the labels that are listed
   const char *awaited_ = nullptr;  ///< id of the button that was pressed last

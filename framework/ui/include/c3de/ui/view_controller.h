@@ -8,7 +8,7 @@
 #include "c3de/core/handle.h"
 #include "c3de/render/camera.h"
 #include "c3de/render/image_renderer.h"
-#include "c3de/ui/tool_registry.h"
+#include "c3de/registry/tool_registry.h"
 
 namespace c3de::ui {
 
@@ -28,7 +28,7 @@ struct ViewInput {
 /// camera; middle or Shift+left shifts; right or Ctrl+left and the wheel zoom. Main thread.
 class ViewController {
  public:
-  ViewController(ToolRegistry &tools, render::Camera &camera) : tools_(tools), camera_(camera) {}
+  ViewController(registry::ToolRegistry &tools, render::Camera &camera) : tools_(tools), camera_(camera) {}
 
   void setViewSize(int width, int height);
   /// What is cut away cannot be grasped: the ray of a press begins where it enters what is left.
@@ -45,7 +45,7 @@ class ViewController {
   [[nodiscard]] bool tellTool(const ViewInput &input, std::uint32_t type);
   [[nodiscard]] Drag dragOf(const ViewInput &input);
 
-  ToolRegistry &tools_;
+  registry::ToolRegistry &tools_;
   render::Camera &camera_;
   int width_ = 1, height_ = 1;
   std::vector<render::CutPlane> cuts_;

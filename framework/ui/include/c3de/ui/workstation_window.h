@@ -14,6 +14,17 @@
 #include "c3de/render/camera.h"
 #include "c3de/ui/commands.h"
 
+namespace c3de::segmentation {
+class SegmentationWorkflow;
+}  // namespace c3de::segmentation
+
+namespace c3de::registry {
+class EditList;
+class PanelRegistry;
+class ParameterRegistry;
+class ToolRegistry;
+}  // namespace c3de::registry
+
 namespace c3de {
 class BackgroundJobs;
 namespace render {
@@ -26,12 +37,7 @@ class SceneGraph;
 
 namespace c3de::ui {
 
-class EditList;
 class ImageViews;
-class SegmentationWorkflow;
-class PanelRegistry;
-class ParameterRegistry;
-class ToolRegistry;
 
 struct WindowOptions {
   std::string title = "C3DE";
@@ -65,14 +71,14 @@ struct WindowActions {
 
 /// What the window shows; must outlive its last drawFrame(). Null members show nothing.
 struct WindowServices {
-  PanelRegistry *panels = nullptr;
-  ToolRegistry *tools = nullptr;
-  ParameterRegistry *parameters = nullptr;
+  registry::PanelRegistry *panels = nullptr;
+  registry::ToolRegistry *tools = nullptr;
+  registry::ParameterRegistry *parameters = nullptr;
   scene::SceneGraph *scene = nullptr;
   BackgroundJobs *jobs = nullptr;
   ImageViews *images = nullptr;  ///< while it has an image, slices stand beside the 3D view
-  SegmentationWorkflow *organ = nullptr;   ///< its steps are undone while they are what was edited last
-  EditList *edits = nullptr;     ///< of plugins, likewise
+  segmentation::SegmentationWorkflow *organ = nullptr;   ///< its steps are undone while they are what was edited last
+  registry::EditList *edits = nullptr;     ///< of plugins, likewise
 };
 
 /// For Help > About.

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "app.h"
+#include "c3de/core/expected.h"
+#include "c3de/scene/image_store.h"
+#include "c3de/session/coverage.h"
+#include "c3de/session/export_image.h"
+#include "c3de/session/picture_view.h"
+
+namespace c3de::render {
+class Renderer;
+}
+namespace c3de::session {
+class Session;
+}
+
+namespace c3de::app {
+
+/// What is drawn beside the bodies.
+struct PictureSources {
+  PictureView view = PictureView::space;
+  std::shared_ptr<scene::StoredImage> image;    ///< null: none; then only the 3D view can be drawn
+  std::shared_ptr<scene::StoredLabels> labels;  ///< null: none
+  ImageWarp how;
+  bool warp = true;                             ///< the image as the bodies have deformed it, with |u| in colours
+};
+
+/// Draws the end of a run without a window. It outlives the session.
+class RunPicture {
+ public:
+  /// ErrorCode::graphics: no OpenGL on this machine, or a program without.
+  [[nodiscard]] static Expected<std::unique_ptr<RunPicture>> create();
+  virtual ~RunPicture() = default;
+  [[nodiscard]] virtual render::Renderer &renderer() = 0;
+  /// As writeScreenshot().
+  [[nodiscard]] virtual Expected<void> write(Session &session, const std::filesystem::path &file, int width, int height,
+                                             const PictureSources &sources, const std::vector<Coverage> &coverage) = 0;
+};
+
+}  // namespace c3de::app

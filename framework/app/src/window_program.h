@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "app.h"
+
+namespace c3de::app {
+
+/// The program that has a window and draws pictures, beside this one, with the same arguments in its place: `c3de run` stays
+/// free of OpenGL and windows until one is asked for. Returns an exit code: that of the other program where it cannot take
+/// the place of this one (Windows), or of an error.
+[[nodiscard]] int continueInWindowProgram(int argc, char **argv);
+
+}  // namespace c3de::app

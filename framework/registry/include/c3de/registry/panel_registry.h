@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "c3de/abi/draft/panels.h"
+#include "c3de/core/handle.h"
+
+namespace c3de::registry {
+
+struct Panel {
+  std::string owner;  ///< plugin id
+  std::string id, title;
+  void *self = nullptr;
+  void(C3DE_CALL *onUi)(void *self, const c3de_ui_v0 *ui) = nullptr;
+  bool open = true;
+  bool isInView = false;  ///< it asks what to show: over the view instead of among the panels
+};
+
+struct Notification {
+  std::uint32_t severity = 1;  ///< as in log.h
+  std::string title, text;
+  std::uint64_t serial = 0;
+  std::string time;  ///< of the day, "16:05:09"
+};
+
+/// The panels that plugins have registered, and messages to the person. Main thread only.
+class PanelRegistry {
+ public:
+  Handle add(Panel panel);
+  bool remove(Handle panel);
+  void removeOwnedBy(const std::string &plugin);
+  /// In the order they were added.
+  [[nodiscard]] std::vector<Panel *> panels();
+  /// The same as handles: they survive a panel that adds or removes panels while it is drawn.
+  [[nodiscard]] std::vector<Handle> handles() const { return order_; }
+  [[nodiscard]] Panel *find(Handle panel) { return panels_.find(panel); }
+
+  /// Replaces an earlier message of the same title.
+  void notify(std::uint32_t severity, std::string title, std::string text);
+  [[nodiscard]] std::vector<Notification> &notifications() { return notifications_; }
+  void dismiss(std::uint64_t serial);
+  /// All messages since the start, dismissed or not, the oldest first; of very many the latest.
+  [[nodiscard]] const std::vector<Notification> &log() const { return log_; }
+  [[nodiscard]] bool hasViewPanel();
+
+ private:
+  HandleTable<Panel> panels_;
+  std::vector<Handle> order_;
+  std::vector<Notification> notifications_, log_;
+  std::uint64_t serial_ = 0;
+};
+
+}  // namespace c3de::registry

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "c3de/abi/draft/tools.h"
+#include "c3de/core/handle.h"
+
+namespace c3de::registry {
+
+struct Tool {
+  std::string owner;  ///< plugin id
+  std::string id, label, hint;
+  std::uint32_t shortcut = 0;
+  void *self = nullptr;
+  c3de_status(C3DE_CALL *activate)(void *self) = nullptr;
+  void(C3DE_CALL *cancel)(void *self) = nullptr;
+  c3de_status(C3DE_CALL *onEvent)(void *self, const c3de_event *event, std::uint32_t *consumed) = nullptr;
+};
+
+/// The tools that plugins have registered; at most one is active. Main thread only.
+class ToolRegistry {
+ public:
+  Handle add(Tool tool);
+  bool remove(Handle tool);
+  void removeOwnedBy(const std::string &plugin);
+  /// Cancels the tool before. Null handle: none. False: stale handle, or the tool refused.
+  bool activate(Handle tool);
+  [[nodiscard]] Handle active() const { return active_; }
+  /// Cancels what the active tool is doing; it stays active.
+  void cancelActive();
+  [[nodiscard]] const Tool *find(Handle tool) const { return tools_.find(tool); }
+  /// True: the tool took the event.
+  bool dispatch(const c3de_event &event);
+
+  struct Entry {
+    Handle handle;
+    const Tool *tool;
+  };
+  [[nodiscard]] std::vector<Entry> tools() const;
+
+ private:
+  HandleTable<Tool> tools_;
+  std::vector<Handle> order_;
+  Handle active_;
+};
+
+}  // namespace c3de::registry

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/registry/edit_list.h"
+
+#include <algorithm>
+
+#include "c3de/core/log.h"
+
+namespace c3de::registry {
+
+// A callback may add or remove steps, its own included, so every call works on a copy of the function and its `self`.
+
+EditList::~EditList() {
+  while (!order_.empty()) forget(order_.size() - 1);
+}
+
+Handle EditList::add(Edit edit) {
+  ++edits_;
+  while (order_.size() > done_) forget(order_.size() - 1);
+  if (order_.size() == kMost) forget(0);
+  const Handle handle = table_.add(std::move(edit));
+  order_.push_back(handle);
+  done_ = order_.size();
+  return handle;
+}
+
+bool EditList::remove(Handle edit) {
+  const auto found = std::find(order_.begin(), order_.end(), edit);
+  if (found == order_.end()) return false;
+  forget(static_cast<std::size_t>(found - order_.begin()));
+  return true;
+}
+
+void EditList::removeOwnedBy(const std::string &plugin) {
+  const std::vector<Handle> all = order_;
+  for (const Handle handle : all)
+    if (const Edit *edit = table_.find(handle); edit && edit->owner == plugin) remove(handle);
+}
+
+void EditList::forget(std::size_t index) {
+  const Handle handle = order_[index];
+  const Edit edit = *table_.find(handle);
+  order_.erase(order_.begin() + static_cast<std::ptrdiff_t>(index));
+  if (index < done_) --done_;
+  table_.remove(handle);
+  if (edit.release) edit.release(edit.self);
+}
+
+bool EditList::carryOut(std::size_t index, bool isUndo) {
+  const Handle handle = order_[index];
+  const Edit edit = *table_.find(handle);
+  if ((isUndo ? edit.undo : edit.redo)(edit.self) >= 0) return true;
+  log(LogLevel::warn, std::string(isUndo ? "undoing '" : "redoing '") + edit.label + "' failed; the step is forgotten");
+  remove(handle);
+  return false;
+}
+
+void EditList::undo() {
+  if (done_ == 0) return;
+  --done_;
+  carryOut(done_, true);
+}
+
+void EditList::redo() {
+  if (done_ == order_.size()) return;
+  if (carryOut(done_, false)) ++done_;
+}
+
+}  // namespace c3de::registry

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/registry/parameter_registry.h"
+
+#include <algorithm>
+
+namespace c3de::registry {
+
+Handle ParameterRegistry::declare(ParameterSet set) {
+  // One value per declaration, in its order, whatever the caller has filled in.
+  std::vector<ParameterValue> values;
+  values.reserve(set.decls.size());
+  for (const ParameterDecl &decl : set.decls) {
+    const auto given = std::find_if(set.values.begin(), set.values.end(),
+                                    [&](const ParameterValue &v) { return v.id == decl.id; });
+    values.push_back(given != set.values.end() ? *given : decl.fallbackValue());
+  }
+  set.values = std::move(values);
+  return sets_.add(std::move(set));
+}
+
+bool ParameterRegistry::remove(Handle set) { return sets_.remove(set); }
+
+void ParameterRegistry::removeOwnedBy(const std::string &plugin) {
+  std::vector<Handle> owned;
+  sets_.forEach([&](Handle handle, const ParameterSet &set) {
+    if (set.owner == plugin) owned.push_back(handle);
+  });
+  for (const Handle handle : owned) sets_.remove(handle);
+}
+
+ParameterSet *ParameterRegistry::find(Handle set) { return sets_.find(set); }
+
+Expected<void> ParameterRegistry::set(Handle handle, const ParameterValue &value, bool tellListener) {
+  ParameterSet *set = sets_.find(handle);
+  if (!set) return fail(ErrorCode::state, "the parameter set of '" + value.id + "' does not exist any more");
+  const auto decl = findParameter(set->decls, value.id);
+  if (!decl) return tl::unexpected(decl.error());
+  if (auto checked = checkParameter(**decl, value); !checked) return checked;
+
+  const auto index = static_cast<std::size_t>(*decl - set->decls.data());
+  set->values[index] = value;
+  if (!tellListener) history_.forget(handle);
+  if (tellListener && set->listener.changed) {
+    // The listener may remove the set, so it gets a copy that outlives it.
+    const c3de_param_listener listener = set->listener;
+    const ParameterValue copy = value;
+    const c3de_param_value abi = copy.abi();
+    listener.changed(listener.self, &abi);
+  }
+  return {};
+}
+
+Expected<void> ParameterRegistry::edit(Handle handle, const ParameterValue &value) {
+  const ParameterSet *set = sets_.find(handle);
+  if (!set) return this->set(handle, value, true);
+  const auto decl = findParameter(set->decls, value.id);
+  if (!decl) return tl::unexpected(decl.error());
+  const std::string label = (*decl)->label.empty() ? value.id : (*decl)->label;
+  const ParameterValue before = set->values[static_cast<std::size_t>(*decl - set->decls.data())];
+  auto done = this->set(handle, value, true);
+  // The listener may have removed the set or shown other values, and then there is nothing to go back to.
+  if (done && sets_.find(handle)) history_.record(handle, label, before, value);
+  return done;
+}
+
+}  // namespace c3de::registry

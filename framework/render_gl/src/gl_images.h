@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "ray_pass.h"
+
+namespace c3de::render {
+
+/// Images of the OpenGL back end; the renderer calls it between its passes.
+class GlImages final : public RetainedImages {
+ public:
+  explicit GlImages(RenderStatistics &statistics) : statistics_(statistics) { shiftColoursChanged(); }
+
+  void drawSlice(const ImageLook &look, const SlicePlane &plane, const Viewport &viewport) override;
+  Expected<Image> drawSliceToImage(const ImageLook &look, const SlicePlane &plane, int width, int height) override;
+  [[nodiscard]] bool wantsRefinement() const override { return scene_.showsVolume && wantsRefinement_; }
+
+  /// The slices that stand in space, opaque.
+  void drawOpaque(const Frame &frame);
+  /// What is cast by rays. True: what blends was drawn between its parts.
+  bool drawVolume(const Camera &camera, const Frame &frame, const Viewport &viewport, std::uint64_t changesOfProxies,
+                  bool isFinal, const RayPass::DrawDepth &drawDepth, LayerPass &layers);
+  /// Those of the scene, for everything the frame draws.
+  void setCuts(Frame &frame) const;
+
+ private:
+  Expected<void> uploadImage(ImageSlot &slot, const ImageVoxels &image, std::string *notice) override {
+    return uploadGreyValues(slot, image, notice);
+  }
+  Expected<void> uploadLabels(ImageSlot &slot, std::span<const std::uint16_t> voxels) override {
+    return uploadLabelValues(slot, voxels);
+  }
+  Expected<void> uploadDisplacement(ImageSlot &slot, std::span<const float> xyz_mm,
+                                    std::span<const float> gap_mm) override {
+    return uploadDisplacementValues(slot, xyz_mm, gap_mm);
+  }
+  void labelColoursChanged(ImageSlot &slot) override { uploadLabelTable(slot); }
+  void shiftColoursChanged() override { slices_.setShiftColours(shiftColours_); }
+  [[nodiscard]] ImageParts partsOf(const ImageLook &look);
+
+  RenderStatistics &statistics_;
+  SlicePass slices_;
+  RayPass rays_;
+  bool wantsRefinement_ = false;
+};
+
+}  // namespace c3de::render

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "c3de/core/log.h"
+#include "c3de/render_gl/gl_renderer.h"
+#include "blended_pass.h"
+#include "frame.h"
+#include "gl_images.h"
+#include "image_target.h"
+#include "label_pass.h"
+#include "layer_pass.h"
+#include "opaque_pass.h"
+#include "shaders.h"
+#include "retained_renderer.h"
+
+namespace c3de::render {
+namespace {
+
+constexpr std::size_t kPrograms = 5;
+
+#ifndef NDEBUG
+void GLAPIENTRY reportGlMessage(GLenum, GLenum type, GLuint id, GLenum severity, GLsizei length, const GLchar *text,
+                                const void *) {
+  if (type != GL_DEBUG_TYPE_ERROR && severity != GL_DEBUG_SEVERITY_HIGH) return;
+  const std::string_view message(text, static_cast<std::size_t>(length));
+  log(LogLevel::error, fmt::format("OpenGL message {}: {}", id, message));
+}
+#endif
+
+class GlRenderer final : public RetainedRenderer {
+ public:
+  explicit GlRenderer(Programs programs)
+      : programs_(std::move(programs)), backgroundArray_(VertexArray::create()), images_(statistics_) {
+    statistics_.programsLinked = kPrograms;
+    GLint renderbuffer = 0, viewport[2] = {0, 0};
+    glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbuffer);
+    glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    largestImage_ = std::min({renderbuffer, viewport[0], viewport[1]});
+#ifndef NDEBUG
+    glEnable(GL_DEBUG_OUTPUT);
+    glDebugMessageCallback(reportGlMessage, nullptr);
+#endif
+  }
+
+  void draw(const Camera &camera, const Viewport &viewport) override { draw(camera, viewport, false); }
+
+  Expected<Image> drawToImage(const Camera &camera, int width, int height) override {
+    if (auto size = checkImageSize(width, height, largestImage_); !size) return tl::unexpected(size.error());
+    auto target = ImageTarget::create(width, height);
+    if (!target) return tl::unexpected(target.error());
+    draw(camera, {0, 0, width, height}, true);
+    return target->read();
+  }
+
+  ImageRenderer *images() override { return &images_; }
+
+  std::string description() const override {
+    return fmt::format("OpenGL {}, {}", reinterpret_cast<const char *>(glGetString(GL_VERSION)),
+                       reinterpret_cast<const char *>(glGetString(GL_RENDERER)));
+  }
+
+  RenderStatistics statistics() const override { return statistics_; }
+
+ private:
+  /// @param isFinal  a picture that is not drawn again: nothing is left coarse
+  void draw(const Camera &camera, const Viewport &viewport, bool isFinal) {
+    if (viewport.width <= 0 || viewport.height <= 0) return;
+    Frame frame = makeFrame(camera, viewport);
+    images_.setCuts(frame);
+    statistics_.drawCalls = statistics_.sortedPrimitives = statistics_.uploadedBytes = 0;
+    statistics_.sort_ms = statistics_.upload_ms = 0.0;
+    enterState(viewport);
+    drawBackground();
+    blended_.begin();
+    labels_.begin();
+    proxies_.forEach([&](Handle, Proxy &proxy) {
+      if (proxy.isHidden()) return;
+      if (proxy.kind == ProxyKind::label)
+        labels_.add(proxy, frame);
+      else if (proxy.kind == ProxyKind::legend)
+        labels_.addLegend(proxy.legend);
+      else if (proxy.isTransparent())
+        blended_.add(proxy, frame);
+    });
+    drawSolids(frame);
+    blended_.prepare(statistics_);
+    const auto drawDepth = [this](const Frame &small) {
+      glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+      drawSolids(small);
+      glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    };
+    // Surfaces that blend are drawn between the parts of the volume, where there is one.
+    if (!images_.drawVolume(camera, frame, viewport, changes_, isFinal, drawDepth, layers_))
+      blended_.draw(frame, programs_, statistics_);
+    labels_.draw(frame, programs_, statistics_);
+    leaveState();
+  }
+
+  void drawSolids(const Frame &frame) {
+    {
+      const CutProxies cut(frame);
+      proxies_.forEach([&](Handle, Proxy &proxy) {
+        const bool isText = proxy.kind == ProxyKind::label || proxy.kind == ProxyKind::legend;
+        if (!proxy.isHidden() && !isText && !proxy.isTransparent()) drawOpaque(proxy, frame, programs_, statistics_);
+      });
+    }
+    images_.drawOpaque(frame);
+  }
+
+  static Frame makeFrame(const Camera &camera, const Viewport &viewport) {
+    Frame frame;
+    frame.width = viewport.width;
+    frame.height = viewport.height;
+    frame.view = camera.viewMatrix();
+    frame.projection = camera.projectionMatrix(static_cast<double>(viewport.width) / viewport.height);
+    frame.projectionF = toFloat(frame.projection);
+    frame.nearPlane = static_cast<float>(camera.nearPlane);
+    GLint samples = 0;
+    glGetIntegerv(GL_SAMPLE_BUFFERS, &samples);
+    frame.multisampled = samples > 0;
+    return frame;
+  }
+
+  /// Whoever drew before may have left anything on: everything that matters here is set.
+  static void enterState(const Viewport &v) {
+    glViewport(v.x, v.y, v.width, v.height);
+    glScissor(v.x, v.y, v.width, v.height);
+    glEnable(GL_SCISSOR_TEST);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_TRUE);
+    glDepthFunc(GL_LEQUAL);
+    glDepthRange(0.0, 1.0);
+    glClearDepth(1.0);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    glCullFace(GL_BACK);
+    glFrontFace(GL_CCW);
+    glBlendEquation(GL_FUNC_ADD);
+    // Over; the last pair keeps the opacity of the framebuffer right as well.
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    for (const GLenum off : {GL_CULL_FACE, GL_BLEND, GL_STENCIL_TEST, GL_FRAMEBUFFER_SRGB, GL_SAMPLE_ALPHA_TO_COVERAGE,
+                             GL_POLYGON_OFFSET_FILL, GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_COLOR_LOGIC_OP,
+                             GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1, GL_CLIP_DISTANCE2})
+      glDisable(off);
+    glEnable(GL_MULTISAMPLE);
+    glEnable(GL_DEPTH_TEST);
+  }
+
+  static void leaveState() {
+    for (const GLenum off : {GL_DEPTH_TEST, GL_SCISSOR_TEST, GL_CULL_FACE, GL_BLEND}) glDisable(off);
+    glDepthFunc(GL_LESS);
+    glUseProgram(0);
+    glBindVertexArray(0);
+    glBindBuffer(GL_ARRAY_BUFFER, 0);
+  }
+
+  void drawBackground() {
+    glClear(GL_DEPTH_BUFFER_BIT);
+    glDisable(GL_DEPTH_TEST);
+    glUseProgram(programs_.background.name());
+    glUniform3fv(shaders::kTopColour, 1, background_.top.data());
+    glUniform3fv(shaders::kBottomColour, 1, background_.bottom.data());
+    glBindVertexArray(backgroundArray_.name());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glEnable(GL_DEPTH_TEST);
+    ++statistics_.drawCalls;
+  }
+
+  Programs programs_;
+  VertexArray backgroundArray_;
+  BlendedPass blended_;
+  LayerPass layers_{blended_};
+  LabelPass labels_;
+  RenderStatistics statistics_;
+  GlImages images_;
+  int largestImage_ = 0;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<Renderer>> createGlRenderer() {
+  if (auto version = checkGlVersion(); !version) return tl::unexpected(version.error());
+  auto programs = buildPrograms();
+  if (!programs) return tl::unexpected(programs.error());
+  return std::make_unique<GlRenderer>(std::move(*programs));
+}
+
+}  // namespace c3de::render

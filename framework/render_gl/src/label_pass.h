@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Text above points of the scene, of constant size, over everything else, and legends, which are text beside a bar. The
+// atlas is drawn at the first of them.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "c3de/render/renderer.h"
+#include "font_atlas.h"
+#include "frame.h"
+#include "retained_renderer.h"
+
+namespace c3de::render {
+
+class LabelPass {
+ public:
+  LabelPass();
+
+  /// Starts an empty frame.
+  void begin();
+  void add(const Proxy &proxy, const Frame &frame);
+  void addLegend(const Legend &legend) { legends_.push_back(&legend); }
+  void draw(const Frame &frame, const Programs &programs, RenderStatistics &statistics);
+
+ private:
+  struct Vertex {
+    float x, y, u, v;
+    Rgba8 colour;
+  };
+  struct Placed {
+    const Proxy *proxy;
+    float x, y, depth;
+  };
+  void buildAtlas();
+  void layOut(const Placed &label);
+  void layOutLegends(int width, int height);
+  [[nodiscard]] float widthOf(std::u32string_view line) const;
+  /// From x on, standing on the base line.
+  void addLine(std::u32string_view line, float x, float baseLine, Rgba8 colour);
+  void addRectangle(float x0, float y0, float x1, float y1, Rgba8 bottom, Rgba8 top);
+
+  std::optional<FontAtlas> atlas_;
+  Texture texture_;
+  VertexArray array_;
+  Buffer buffer_;
+  std::vector<Placed> labels_;
+  std::vector<const Legend *> legends_;
+  std::vector<Vertex> vertices_;
+};
+
+}  // namespace c3de::render

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Planes of an image, flat in a view of their own or standing in space.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "frame.h"
+#include "volume_texture.h"
+
+namespace c3de::render {
+
+/// What a look refers to, found again for every frame.
+struct ImageParts {
+  const ImageSlot *image = nullptr, *labels = nullptr, *displacement = nullptr, *bodies = nullptr, *missing = nullptr;
+
+  [[nodiscard]] bool knowsVacated() const { return displacement && displacement->hasGaps && bodies; }
+};
+
+/// Where a value lies on the grey ramp: grey = gain * texel + bias.
+[[nodiscard]] std::array<float, 2> greyRamp(const ImageSlot &image, double window, double level);
+
+class SlicePass {
+ public:
+  SlicePass();
+  void setShiftColours(std::span<const Colour> colours) { uploadColourRow(shiftColours_, colours); }
+  /// Fills the bound viewport.
+  void drawFlat(const ImageParts &parts, const ImageLook &look, const SlicePlane &plane, int width, int height,
+                RenderStatistics &statistics);
+  /// A convex polygon of the world, depth-tested.
+  void drawInSpace(const ImageParts &parts, const ImageLook &look, std::span<const Vec3> corners, const Colour &border,
+                   const Frame &frame, RenderStatistics &statistics);
+
+ private:
+  /// Corners in local coordinates, as a fan.
+  void draw(const ImageParts &parts, const ImageLook &look, std::span<const Vec3f> corners, const Mat4 &clipFromLocal,
+            const Mat4 &worldFromLocal, RenderStatistics &statistics);
+  [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
+
+  std::array<std::optional<Program>, 128> programs_;
+  std::optional<Program> outline_;
+  Texture shiftColours_ = Texture::create();
+  VertexArray array_ = VertexArray::create();
+  Buffer buffer_ = Buffer::create();
+};
+
+/// Binds the textures of a look; unbindImageTextures() ends it.
+void bindImageTextures(const ImageParts &parts, bool isSmooth);
+void bindTexture(GLuint unit, GLenum target, GLuint name);
+void unbindImageTextures();
+
+}  // namespace c3de::render

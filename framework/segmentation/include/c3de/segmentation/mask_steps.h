@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/core/progress.h"
+#include "c3de/scene/image_store.h"
+
+namespace c3de::segmentation {
+
+/// What masks are made from. Null members: there is none.
+struct MaskSources {
+  std::shared_ptr<const scene::StoredImage> image;
+  std::shared_ptr<const scene::StoredLabels> labels;
+};
+
+/// One thing a person does to pick an organ.
+struct MaskStep {
+  enum class Kind { label, labels, threshold, component, largest, fillHoles, close, open };
+  Kind kind = Kind::threshold;
+  std::uint16_t label = 0;       ///< label: its value
+  std::vector<std::uint16_t> labels{};  ///< labels: several, or none; no mask is made of them
+  double low = 0.0, high = 0.0;  ///< threshold: values of the image
+  Vec3 world{};                  ///< component: a point of it, LPS mm
+  double radius_mm = 0.0;        ///< close, open
+  bool isRest = false;           ///< what is still picked after organs have been made of the others
+
+  /// What was picked before does not matter to it.
+  [[nodiscard]] bool startsAnew() const {
+    return kind == Kind::label || kind == Kind::labels || kind == Kind::threshold;
+  }
+  /// For a person: "threshold 150 … 900".
+  [[nodiscard]] std::string text() const;
+};
+
+/// The mask after a step, on the grid of the label map or the image. Any thread.
+/// @param before  null: nothing was picked yet
+/// Errors (ErrorCode::usage) are sentences for the panel: nothing picked yet, a point outside of the mask, what the
+/// mask functions refuse; cancelled.
+[[nodiscard]] Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sources,
+                                                 const imaging::Mask *before, const ProgressFn &progress = {});
+
+/// A mask as a label map to be laid over slices: 1 inside, cut to the box of what is inside.
+struct MaskPreview {
+  imaging::VolumeGeometry geometry;
+  std::vector<std::uint16_t> voxels;
+  std::size_t stride = 1;  ///< every voxel, every second (third, …) in each direction
+};
+/// Without voxels for an empty mask.
+[[nodiscard]] MaskPreview previewOf(const imaging::Mask &mask, std::size_t mostVoxels);
+
+/// One bit per voxel: what a history keeps.
+class PackedMask {
+ public:
+  explicit PackedMask(const imaging::Mask &mask);
+  [[nodiscard]] imaging::Mask mask() const;
+
+ private:
+  imaging::VolumeGeometry geometry_;
+  std::vector<std::uint8_t> bits_;
+};
+
+}  // namespace c3de::segmentation

@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/segmentation/segmentation_workflow.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "c3de/core/background_jobs.h"
+#include "c3de/core/text.h"
+#include "c3de/scene/material_names.h"
+
+namespace c3de::segmentation {
+namespace {
+
+constexpr render::Colour kThresholdColour{1.0f, 0.70f, 0.15f, 1.0f};
+
+std::string modulusText(double pascal) {
+  const bool isGiga = pascal >= 1e9, isMega = pascal >= 1e6;
+  return fmt::format("{:.4g} {}",
+                     pascal / (isGiga   ? 1e9
+                               : isMega ? 1e6
+                                        : 1e3),
+                     isGiga   ? "GPa"
+                     : isMega ? "MPa"
+                              : "kPa");
+}
+
+/// ml of each label.
+Expected<std::vector<double>> volumesOf(const imaging::LabelMap &map, const ProgressFn &progress) {
+  std::vector<std::size_t> counts(65536);
+  constexpr std::size_t kChunk = std::size_t{1} << 22;
+  for (std::size_t begin = 0; begin < map.voxels.size(); begin += kChunk) {
+    const std::size_t end = std::min(map.voxels.size(), begin + kChunk);
+    for (std::size_t v = begin; v < end; ++v) ++counts[map.voxels[v]];
+    if (progress && !progress(static_cast<double>(end) / static_cast<double>(map.voxels.size()), "counting voxels"))
+      return fail(ErrorCode::cancelled, "counting voxels was cancelled");
+  }
+  std::vector<double> volumes;
+  for (const imaging::LabelMap::Label &label : map.labels)
+    volumes.push_back(static_cast<double>(counts[label.value]) * map.geometry.voxelVolume() / 1000.0);
+  return volumes;
+}
+
+}  // namespace
+
+std::string stiffnessText(double value, double low, double high) {
+  return modulusText(value) + " (" + modulusText(low) + " … " + modulusText(high) + ")";
+}
+
+SegmentationWorkflow::SegmentationWorkflow(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials,
+                       Events events)
+    : jobs_(jobs),
+      jobOwner_(std::move(jobOwner)),
+      materials_(materials),
+      events_(std::move(events)),
+      mask_(jobs, jobOwner_, [this] { onMaskChanged(); }),
+      alive_(std::make_shared<bool>(true)) {}
+
+SegmentationWorkflow::~SegmentationWorkflow() { *alive_ = false; }
+
+void SegmentationWorkflow::setSources(MaskSources sources) {
+  const MaskSources before = mask_.sources();
+  if (sources.image != before.image) {
+    settings_ = {};
+    isMaterialChosen_ = false;
+    rigid_.reset();
+    if (sources.image) {
+      // The upper half of what occurs: something is seen, and the slider shows where to go.
+      const imaging::ValueRange &range = sources.image->range;
+      settings_.low = 0.5 * (range.low + range.high);
+      settings_.high = range.max;
+    }
+  }
+  const bool hasOtherLabels = sources.labels != before.labels;
+  settings_.isFromLabel = sources.labels != nullptr && (hasOtherLabels || settings_.isFromLabel);
+  followsUndo_ = false;
+  mask_.setSources(std::move(sources));
+  if (!hasOtherLabels) return;
+  if (!counting_.isNull()) jobs_.cancel(std::exchange(counting_, {}));
+  ++serial_;
+  labelVolumes_ml_.clear();
+  labelMaterials_.clear();
+  labelRigid_.clear();
+  if (mask_.sources().labels) countLabels();
+}
+
+void SegmentationWorkflow::countLabels() {
+  const auto volumes = std::make_shared<std::vector<double>>();
+  counting_ = jobs_.submit(
+      jobOwner_, "Measuring labels",
+      [labels = mask_.sources().labels, volumes](const ProgressFn &progress) -> Expected<void> {
+        auto counted = volumesOf(labels->map, progress);
+        if (!counted) return tl::unexpected(counted.error());
+        *volumes = std::move(*counted);
+        return {};
+      },
+      [this, alive = alive_, serial = serial_, volumes](const Expected<void> &done) {
+        if (!*alive || serial != serial_) return;
+        counting_ = {};
+        if (done) labelVolumes_ml_ = std::move(*volumes);
+      });
+}
+
+std::vector<SegmentationWorkflow::LabelRow> SegmentationWorkflow::labels() const {
+  std::vector<LabelRow> rows;
+  const auto &labels = mask_.sources().labels;
+  if (!labels) return rows;
+  const std::vector<std::uint16_t> picked = pickedLabels();
+  for (std::size_t i = 0; i < labels->map.labels.size(); ++i) {
+    const imaging::LabelMap::Label &label = labels->map.labels[i];
+    const bool isChosen = std::find(picked.begin(), picked.end(), label.value) != picked.end();
+    LabelRow row{label.value, label.name, render::shownColour(label.colour), {}, isChosen};
+    if (i < labelVolumes_ml_.size()) row.volume_ml = labelVolumes_ml_[i];
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::vector<std::uint16_t> SegmentationWorkflow::pickedLabels() const {
+  std::vector<std::uint16_t> picked;
+  for (const MaskStep &step : mask_.plannedSteps()) {
+    if (!step.startsAnew()) continue;
+    picked = step.labels;
+    if (step.kind == MaskStep::Kind::label) picked = {step.label};
+  }
+  return picked;
+}
+
+std::string SegmentationWorkflow::nameOf(std::uint16_t label) const {
+  const auto &labels = mask_.sources().labels;
+  const std::string name = labels ? labels->nameOf(label) : std::string();
+  return name.empty() ? "label " + std::to_string(label) : name;
+}
+
+void SegmentationWorkflow::chooseLabels(const std::vector<std::uint16_t> &values) {
+  if (!mask_.sources().labels || values == pickedLabels()) return;
+  if (values.size() == 1) return chooseLabel(values.front());
+  settings_.isFromLabel = true;
+  MaskStep step;
+  step.kind = MaskStep::Kind::labels;
+  step.labels = values;
+  mask_.carryOut(step);
+}
+
+void SegmentationWorkflow::tickLabel(std::uint16_t value, bool isPicked) {
+  std::vector<std::uint16_t> picked = pickedLabels();
+  std::erase(picked, value);
+  if (isPicked) picked.push_back(value);
+  chooseLabels(picked);
+}
+
+void SegmentationWorkflow::chooseLabel(std::uint16_t value) { chooseLabel(value, {}); }
+
+void SegmentationWorkflow::chooseLabel(std::uint16_t value, MaskStep step) {
+  if (!mask_.sources().labels) return;
+  settings_.isFromLabel = true;
+  settings_.name = nameOf(value);
+  isMaterialChosen_ = false;
+  rigid_.reset();
+  preselectMaterial();
+  step.kind = MaskStep::Kind::label;
+  step.label = value;
+  mask_.carryOut(step);
+}
+
+void SegmentationWorkflow::tickLabelAt(const Vec3 &world) {
+  const auto &labels = mask_.sources().labels;
+  if (!labels) return;
+  if (const std::uint16_t value = labels->at(world); value != 0) return tickLabel(value, true);
+  clickProblem_ = fmt::format(
+      "the click at LPS {:.1f}, {:.1f}, {:.1f} mm is on no label; the line below each view names what is under the "
+      "mouse",
+      world[0], world[1], world[2]);
+}
+
+void SegmentationWorkflow::setLow(double low) {
+  settings_.low = low;
+  settings_.high = std::max(settings_.high, low);
+  showThreshold();
+}
+
+void SegmentationWorkflow::setHigh(double high) {
+  settings_.high = high;
+  settings_.low = std::min(settings_.low, high);
+  showThreshold();
+}
+
+void SegmentationWorkflow::showThreshold() {
+  settings_.isFromLabel = false;
+  MaskStep step;
+  step.kind = MaskStep::Kind::threshold;
+  step.low = settings_.low;
+  step.high = settings_.high;
+  mask_.carryOut(step);
+}
+
+void SegmentationWorkflow::keepComponentAt(const Vec3 &world) {
+  MaskStep step;
+  step.kind = MaskStep::Kind::component;
+  step.world = world;
+  mask_.carryOut(step);
+}
+
+void SegmentationWorkflow::carryOut(MaskStep::Kind kind) {
+  MaskStep step;
+  step.kind = kind;
+  step.radius_mm = settings_.radius_mm;
+  mask_.carryOut(step);
+}
+
+void SegmentationWorkflow::undo() {
+  followsUndo_ = true;
+  mask_.undo();
+}
+
+void SegmentationWorkflow::redo() {
+  followsUndo_ = true;
+  mask_.redo();
+}
+
+/// After an undo or redo the controls say what the mask was made with.
+void SegmentationWorkflow::onMaskChanged() {
+  clickProblem_.clear();
+  if (followsUndo_ && !mask_.isBusy()) {
+    followsUndo_ = false;
+    for (const MaskStep &step : mask_.steps()) {
+      if (!step.startsAnew()) continue;
+      settings_.isFromLabel = step.kind != MaskStep::Kind::threshold;
+      if (step.kind == MaskStep::Kind::label && settings_.name != nameOf(step.label)) {
+        settings_.name = nameOf(step.label);
+        isMaterialChosen_ = false;
+        rigid_.reset();
+        preselectMaterial();
+      }
+      if (settings_.isFromLabel) continue;
+      settings_.low = step.low;
+      settings_.high = step.high;
+    }
+  }
+  if (events_.maskChanged) events_.maskChanged();
+}
+
+render::Colour SegmentationWorkflow::colour() const {
+  if (!isSeveral())
+    for (const LabelRow &row : labels())
+      if (row.isChosen) return row.colour;
+  return kThresholdColour;
+}
+
+std::string SegmentationWorkflow::maskProblem() const {
+  if (!clickProblem_.empty()) return clickProblem_;
+  if (!mask_.problem().empty() || !mask_.mask() || mask_.voxels() > 0) return mask_.problem();
+  const std::vector<MaskStep> steps = mask_.steps();
+  const bool isThreshold = !steps.empty() && steps.back().kind == MaskStep::Kind::threshold;
+  if (!isThreshold) return "the mask is empty: nothing is left after the last step; Undo goes back";
+  const std::string &unit = mask_.sources().image->volume.unit;
+  return "the mask is empty: no voxel has a value from " + formatNumber(steps.back().low) + " to " +
+         formatNumber(steps.back().high) + (unit.empty() ? "" : " " + unit) + "; widen the limits";
+}
+
+void SegmentationWorkflow::preselectMaterial() {
+  if (isMaterialChosen_) return;
+  const scene::MaterialPreset *preset = scene::presetForOrgan(materials_, settings_.name);
+  settings_.material = preset ? preset->name : std::string();
+}
+
+void SegmentationWorkflow::chooseMaterial(const std::string &preset) {
+  settings_.material = preset;
+  isMaterialChosen_ = true;
+}
+
+void SegmentationWorkflow::setName(const std::string &name) {
+  settings_.name = name;
+  preselectMaterial();
+}
+
+const scene::MaterialPreset *SegmentationWorkflow::materialOf(std::uint16_t label) const {
+  if (const auto chosen = labelMaterials_.find(label); chosen != labelMaterials_.end())
+    return materials_.find(chosen->second);
+  return scene::presetForOrgan(materials_, nameOf(label));
+}
+
+void SegmentationWorkflow::chooseMaterialOf(std::uint16_t label, const std::string &preset) { labelMaterials_[label] = preset; }
+
+void SegmentationWorkflow::setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm) {
+  settings_.phyxels = phyxels;
+  settings_.isEdgeAutomatic = isEdgeAutomatic;
+  settings_.edge_mm = edge_mm;
+}
+
+void SegmentationWorkflow::setHolding(Held held, double surroundings_Pa_m) {
+  settings_.held = held;
+  settings_.surroundings_Pa_m = surroundings_Pa_m;
+}
+
+bool SegmentationWorkflow::isRigid() const { return rigid_.value_or(material() && material()->isRigid); }
+
+bool SegmentationWorkflow::isRigid(std::uint16_t label) const {
+  if (const auto chosen = labelRigid_.find(label); chosen != labelRigid_.end()) return chosen->second;
+  const scene::MaterialPreset *preset = materialOf(label);
+  return preset && preset->isRigid;
+}
+
+void SegmentationWorkflow::setMending(bool keepsLargest, bool fillsHoles) {
+  settings_.keepsLargest = keepsLargest;
+  settings_.fillsHoles = fillsHoles;
+}
+
+std::string SegmentationWorkflow::blockingReason() const {
+  const std::vector<std::uint16_t> picked = pickedLabels();
+  if (picked.size() > 1) {
+    constexpr std::size_t kMostNames = 6;
+    std::string without;
+    std::size_t count = 0;
+    for (const std::uint16_t label : picked)
+      if (!materialOf(label) && ++count <= kMostNames) without += (without.empty() ? "" : ", ") + nameOf(label);
+    if (count > kMostNames) without += " and " + std::to_string(count - kMostNames) + " more";
+    return without.empty() ? without : "no material is chosen for " + without + " (2)";
+  }
+  if (!mask_.mask() && !mask_.isBusy()) return "nothing is picked yet (1)";
+  if (mask_.isBusy()) return "the mask is being computed";
+  if (mask_.voxels() == 0) return "the mask is empty (1)";
+  if (!material()) return "no material is chosen (2)";
+  if (settings_.name.empty()) return "the organ has no name (2)";
+  return {};
+}
+
+BodyRequest SegmentationWorkflow::requestOfSettings() const {
+  BodyRequest request;
+  request.phyxels = static_cast<std::size_t>(std::lround(settings_.phyxels));
+  request.edge_mm = settings_.isEdgeAutomatic ? 0.0 : settings_.edge_mm;
+  request.held = settings_.held;
+  request.surroundings_Pa_m = settings_.surroundings_Pa_m;
+  return request;
+}
+
+void SegmentationWorkflow::createBodies() {
+  if (!blockingReason().empty() || !events_.make) return;
+  const std::vector<std::uint16_t> picked = pickedLabels();
+  std::vector<BodyRequest> requests;
+  if (picked.size() < 2) {
+    BodyRequest &request = requests.emplace_back(requestOfSettings());
+    request.name = settings_.name;
+    request.mask = mask_.mask();
+    request.material = settings_.material;
+    request.isRigid = isRigid();
+    if (!picked.empty()) request.label = picked.front(), request.labels = mask_.sources().labels;
+    return events_.make(std::move(requests));
+  }
+  for (const std::uint16_t label : picked) {
+    BodyRequest &request = requests.emplace_back(requestOfSettings());
+    const std::string name = nameOf(label);
+    const bool isTaken = std::any_of(picked.begin(), picked.end(),
+                                     [&](std::uint16_t other) { return other != label && nameOf(other) == name; });
+    request.name = isTaken ? name + " (" + std::to_string(label) + ")" : name;
+    request.labels = mask_.sources().labels;
+    request.label = label;
+    request.keepsLargest = settings_.keepsLargest;
+    request.fillsHoles = settings_.fillsHoles;
+    request.material = materialOf(label)->name;
+    request.isRigid = isRigid(label);
+  }
+  events_.make(std::move(requests));
+}
+
+void SegmentationWorkflow::onBodiesCreated(const std::vector<BodyRequest> &made) {
+  std::vector<std::uint16_t> picked = pickedLabels();
+  bool isPickMade = false;
+  for (const BodyRequest &one : made) {
+    const bool isOfThisMap = one.labels && one.labels == mask_.sources().labels;
+    if (!one.mask && isOfThisMap) isPickMade = std::erase(picked, one.label) > 0 || isPickMade;
+    if (!one.mask || one.mask != mask_.mask()) continue;
+    picked.clear();
+    isPickMade = true;
+  }
+  if (!isPickMade) return;
+  MaskStep rest;
+  rest.isRest = true;
+  if (picked.size() == 1) return chooseLabel(picked.front(), rest);
+  rest.kind = MaskStep::Kind::labels;
+  rest.labels = picked;
+  mask_.carryOut(rest);
+}
+
+bool SegmentationWorkflow::hasJustCreated() const {
+  const std::vector<MaskStep> steps = mask_.steps();
+  return !steps.empty() && steps.back().isRest;
+}
+
+}  // namespace c3de::segmentation

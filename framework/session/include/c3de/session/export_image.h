@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/core/expected.h"
+#include "c3de/imaging/displacement.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/imaging/still.h"
+#include "c3de/scene/materials.h"
+#include "c3de/scene/scene_file.h"
+
+namespace c3de {
+class ThreadPool;
+}
+
+namespace c3de::session {
+
+class OrganSources;
+
+/// What of the deformed scan is written; empty paths: not wanted. NRRD, NIfTI or MetaImage, by extension.
+struct ImageExport {
+  std::filesystem::path image;         ///< the scene's image as the tissue now lies, on its own grid and in its own type
+  /// u(x) in mm at its voxels (x, y, z in LPS): the material at x was at x - u. Beside it vacatedFile() is written.
+  std::filesystem::path displacement;
+  [[nodiscard]] bool isWanted() const { return !image.empty() || !displacement.empty(); }
+};
+
+/// How an image goes with the bodies.
+struct ImageWarp {
+  double rim_mm = 10.0;       ///< within it their displacement falls to nothing around them
+  imaging::StillRule still;   ///< what stays
+  std::shared_ptr<const imaging::LabelMap> labels;  ///< that `still` speaks of; may be null
+};
+/// That of a scene, whose image and labels are read if they are not yet. Errors: those of reading and of stillRuleOf(), with
+/// the line of [image].
+[[nodiscard]] Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sources,
+                                              const scene::MaterialLibrary &materials);
+
+/// Before the simulation begins: that there is an image whose grid they take, and that the files can be written. Errors:
+/// usage, output.
+[[nodiscard]] Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene);
+/// How far the tissue has moved, finer than what is shown live, wherever bodies are in the image. [sim]
+[[nodiscard]] Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
+                                                                      const imaging::Volume &image, const ImageWarp &how);
+/// u.nrrd -> u-vacated.nrrd: 1 where a body has gone away and nothing is known of what is there now. The field itself has no
+/// mark: it stays finite, as programs that resample with it need it.
+[[nodiscard]] std::filesystem::path vacatedFile(const std::filesystem::path &displacement);
+/// Warps and writes. Any thread. The answer is for a person: the files, and how much of the image is vacated.
+/// @param threads  null: the calling one alone
+[[nodiscard]] Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, const imaging::DisplacementGrid &u,
+                                         const ProgressFn &progress, ThreadPool *threads);
+/// That the name has an ending that can be written, and can be written to. Errors: usage, output.
+[[nodiscard]] Expected<void> checkImageFile(const std::filesystem::path &file);
+
+}  // namespace c3de::session

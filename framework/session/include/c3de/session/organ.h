@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/core/expected.h"
+#include "c3de/core/progress.h"
+#include "c3de/geometry/mesh_io.h"
+#include "c3de/imaging/masks.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/scene/scene_file.h"
+#include "c3de/session/coverage.h"
+#include "c3de/session/preparation.h"
+
+namespace c3de::session {
+
+/// A part of an image as a simulator takes it: a skin and what it fills.
+struct Organ {
+  geometry::LoadedMesh skin;
+  imaging::Fill fill;
+  double volume_mm3 = 0.0;  ///< voxel count times voxel volume
+  Coverage coverage;        ///< of the mask; of a mesh: nothing
+  Preparation took;         ///< what was done for it
+};
+
+/// Files of images, read once for all bodies of a scene. One thread at a time.
+class OrganSources {
+ public:
+  /// What the scene asks for. Errors say which file, which label and which labels there are.
+  /// @param took  reading and masks are added
+  [[nodiscard]] Expected<imaging::Mask> mask(const scene::SceneVolume &volume, const ProgressFn &progress,
+                                             Preparation &took);
+  using Layers = std::vector<imaging::LabelMap>;
+  /// An image, or the layers of a label map as a whole, at the time point of the options. Errors are those of the readers.
+  [[nodiscard]] Expected<std::shared_ptr<const Layers>> labels(const std::filesystem::path &file, const imaging::ReadOptions &options);
+  [[nodiscard]] Expected<std::shared_ptr<const imaging::Volume>> volume(const std::filesystem::path &file,
+                                                                        const imaging::ReadOptions &options);
+  /// Sentences of the readers since the last call.
+  [[nodiscard]] std::vector<std::string> takeNotices();
+
+ private:
+  using File = std::tuple<std::filesystem::path, std::string, std::size_t>;  ///< one of its series at one of its time points
+  std::map<File, std::shared_ptr<const Layers>> labels_;
+  std::map<File, std::shared_ptr<const imaging::Volume>> volumes_;
+  std::vector<std::string> notices_;
+};
+
+/// Without the specks of the mask.
+/// @param edge_mm   of the triangles of the skin; 0: automatic
+/// @param phyxels   about how many there will be: voxels are averaged to a sixteenth of their distance
+[[nodiscard]] Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxels, const ProgressFn &progress);
+
+/// What goes wrong with a file or a value that a scene names, with the place in the scene; a value that cannot be used is
+/// input then, not usage.
+[[nodiscard]] tl::unexpected<Error> failInScene(const Error &error, const scene::SceneFile &scene, int line);
+
+/// The fill in metres for a simulator; points into `fill`.
+[[nodiscard]] c3de_sim_fill toAbi(const imaging::Fill &fill);
+[[nodiscard]] c3de_sim_grid toAbi(const imaging::VolumeGeometry &grid);
+
+}  // namespace c3de::session

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "c3de/core/expected.h"
+#include "c3de/core/vec.h"
+#include "c3de/session/preparation.h"
+
+namespace c3de::session {
+
+/// What the program knows about a run; the simulator adds bodies, probes, stages and events.
+struct RunFacts {
+  std::string scene;  ///< title
+  std::string source;
+  std::string outcome;  ///< done | diverged | failed | interrupted | time_limit
+  std::string failure;  ///< why, when it is not done
+  unsigned threads = 1;
+  std::uint64_t steps = 0;
+  double time_s = 0.0, wall_s = 0.0, dt_s = 0.0;
+  std::string integrator;
+  std::uint64_t stateHash = 0;
+  std::optional<std::uint64_t> seed;
+  Prepared prepared;
+  std::vector<std::string> notices;  ///< of the simulator, for people
+  double firstStep_s = 0.0;    ///< the first step alone
+  double toFirstStep_s = 0.0;  ///< from the start of the command, plugins and scene file included, to the end of that step
+};
+
+/// The report of a run as JSON.
+/// @param simulatorJson  what the simulator reported; the error (ErrorCode::plugin) says why it is of no use
+[[nodiscard]] Expected<std::string> reportJson(const RunFacts &facts, const std::string &simulatorJson);
+
+/// The lines for people of a simulator's report ("notices"); empty where it has none.
+[[nodiscard]] Expected<std::vector<std::string>> noticesOf(const std::string &simulatorJson);
+
+struct ProbeSample {
+  std::string name;
+  Vec3 position_m{}, velocity_m_s{};
+};
+/// The probes of a simulator's report.
+[[nodiscard]] Expected<std::vector<ProbeSample>> probesOf(const std::string &simulatorJson);
+
+}  // namespace c3de::session

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "c3de/abi/draft/iface/simulator.h"
+
+namespace c3de::session {
+
+/// While it lives, the steps of a simulator end half way once the program is interrupted or the deadline is over; those of
+/// a simulator that cannot (below revision 4) go on to their end.
+class StepLimit {
+ public:
+  StepLimit(c3de_object *simulator, const c3de_simulator_v0 *table,
+            std::optional<std::chrono::steady_clock::time_point> deadline);
+  ~StepLimit();
+  StepLimit(const StepLimit &) = delete;
+  StepLimit &operator=(const StepLimit &) = delete;
+
+ private:
+  void watch();
+
+  c3de_object *simulator_;
+  const c3de_simulator_v0 *table_;
+  std::optional<std::chrono::steady_clock::time_point> deadline_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool over_ = false;
+  std::thread thread_;
+};
+
+}  // namespace c3de::session

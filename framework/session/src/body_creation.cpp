@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/body_creation.h"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "c3de/session/simulator_access.h"
+
+namespace c3de::session {
+namespace {
+
+// Of the extent along gravity: how much is held of an organ that lies.
+constexpr double kHeldPart = 0.12;
+
+scene::SceneValue numberOf(const std::string &id, double value) {
+  scene::SceneValue out;
+  out.value.id = id;
+  out.value.type = C3DE_PARAM_F64;
+  out.value.num = value;
+  return out;
+}
+
+// Lowest and highest y of the voxels of a mask, with half a voxel, mm.
+std::pair<double, double> extentToTheBack(const imaging::Mask &mask) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  const auto &size = mask.geometry.size;
+  for (std::size_t k = 0; k < size[2]; ++k)
+    for (std::size_t j = 0; j < size[1]; ++j)
+      for (std::size_t i = 0; i < size[0]; ++i) {
+        if (mask.voxels[i + size[0] * (j + size[1] * k)] == 0) continue;
+        const double y =
+            mask.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)})[1];
+        low = std::min(low, y);
+        high = std::max(high, y);
+      }
+  return {low, high};
+}
+
+// What the present simulation shows.
+std::set<std::string> bodyNames(Session &session) {
+  std::set<std::string> names;
+  const scene::SceneGraph &graph = session.sceneGraph();
+  for (const scene::SceneGraph::Row &row : graph.rows())
+    if (const scene::Node *node = graph.find(row.node);
+        node && !node->parent.isNull() && node->parent == session.simulationNode())
+      names.insert(node->name);
+  return names;
+}
+
+}  // namespace
+
+scene::SceneFile sceneWithoutOrgans() {
+  scene::SceneFile scene;
+  scene::SceneValue gravity;
+  gravity.value.id = "world.gravity";
+  gravity.value.type = C3DE_PARAM_VEC3;
+  gravity.value.vec = {0.0, 0.0, 0.0};  // the scan shows the organs in balance with it
+  scene.world.push_back(gravity);
+  scene.world.push_back(numberOf("solver.damping", 2.0));
+  return scene;
+}
+
+scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask mask, const scene::MaterialPreset *preset) {
+  scene::SceneFile scene;
+  scene.title = request.name;
+  scene::SceneBody body;
+  body.name = request.name;
+  body.params.push_back(numberOf("sampling.count", static_cast<double>(request.phyxels)));
+  body.params.back().value.type = C3DE_PARAM_I64;
+  if (preset) {
+    body.params.push_back(numberOf("material.density", preset->density));
+    body.params.push_back(numberOf("material.youngs_modulus", preset->youngsModulus));
+    body.params.push_back(numberOf("material.poisson_ratio", preset->poissonRatio));
+  }
+  if (request.isRigid) {
+    scene::SceneValue rigid = numberOf("rigid", 1.0);
+    rigid.value.type = C3DE_PARAM_BOOL;
+    body.params.push_back(rigid);
+  } else if (request.held == segmentation::Held::surroundings && request.surroundings_Pa_m > 0.0) {
+    body.params.push_back(numberOf("surroundings.stiffness", request.surroundings_Pa_m));
+  } else if (request.held == segmentation::Held::lowestPart) {
+    const auto [low, high] = extentToTheBack(mask);
+    scene::SceneFix fix;
+    fix.name = "back";
+    fix.body = request.name;
+    fix.region.kind = scene::SceneRegion::Kind::halfSpace;
+    fix.region.a = {0.0, (high - kHeldPart * (high - low)) / scene::kMillimetresPerMetre, 0.0};
+    fix.region.b = {0.0, -1.0, 0.0};
+    scene.fixes.push_back(fix);
+  }
+  body.volume.edgeLength_mm = request.edge_mm;
+  body.volume.mask = std::make_shared<const imaging::Mask>(std::move(mask));
+  scene.bodies.push_back(std::move(body));
+  return scene;
+}
+
+std::string namesOf(const std::vector<segmentation::BodyRequest> &organs) {
+  constexpr std::size_t kMost = 4;
+  if (organs.size() > kMost) return std::to_string(organs.size()) + " organs";
+  std::string names;
+  for (std::size_t i = 0; i < organs.size(); ++i)
+    names += (i == 0 ? "" : i + 1 == organs.size() ? " and " : ", ") + organs[i].name;
+  return names;
+}
+
+Expected<void> BodyCreation::makeAll(c3de_object *simulator, bool isNew, Result &result, const ProgressFn &progress) {
+  if (isNew)
+    if (auto begun = session_.populate(simulator, sceneWithoutOrgans(), {}); !begun) return begun;
+  const std::vector<segmentation::BodyRequest> requests = std::exchange(result.left, {});
+  const auto count = static_cast<double>(requests.size());
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const segmentation::BodyRequest &request = requests[i];
+    const ProgressFn part = [&](double fraction, const std::string &what) {
+      return progress((static_cast<double>(i) + std::clamp(fraction, 0.0, 1.0)) / count,
+                      what.starts_with(request.name) ? what : request.name + ": " + what);
+    };
+    Expected<void> made;
+    Prepared prepared;
+    if (auto mask = segmentation::maskOf(request, part); !mask)
+      made = tl::unexpected(mask.error());
+    else
+      made = session_.addBodies(simulator, sceneOf(request, std::move(*mask), session_.materials().find(request.material)), part,
+                                 &prepared);
+    if (made) {
+      result.made.push_back(request);
+      result.coverage.insert(result.coverage.end(), prepared.coverage.begin(), prepared.coverage.end());
+    } else if (made.error().code == ErrorCode::cancelled) {
+      result.left.assign(requests.begin() + static_cast<std::ptrdiff_t>(i), requests.end());
+      if (isNew || result.made.empty()) return made;
+      break;
+    } else {
+      // Some errors name it already.
+      Error error = made.error();
+      if (!error.message.starts_with(request.name + ": ")) error.message = request.name + ": " + error.message;
+      result.failed.emplace_back(request.name, std::move(error));
+    }
+  }
+  if (!result.made.empty()) return {};
+  std::string text;
+  for (const auto &[name, error] : result.failed)
+    text += (text.empty() ? "" : "\n") + error.message;
+  return fail(result.failed.empty() ? ErrorCode::state : result.failed.front().second.code, text);
+}
+
+void BodyCreation::makeOrgans(std::vector<segmentation::BodyRequest> requests) {
+  if (requests.empty()) return;
+  if (!job_.isNull()) session_.jobs().cancel(job_);
+  const std::uint64_t serial = ++serial_;
+  const std::string names = namesOf(requests), title = "Could not make " + names;
+
+  scene::Simulation *present = session_.simulation();
+  const auto result = std::make_shared<Result>();
+  result->isNew = !present || !servesFills(present->table());
+  // Two bodies of one name would lie in the same place, and could not be told apart.
+  const std::set<std::string> taken = result->isNew ? std::set<std::string>() : bodyNames(session_);
+  for (segmentation::BodyRequest &request : requests) {
+    if (taken.contains(request.name))
+      result->failed.emplace_back(request.name,
+                                  Error{ErrorCode::usage, request.name + ": the simulation has a body of this name already; "
+                                                                         "accepted: another name"});
+    else
+      result->left.push_back(std::move(request));
+  }
+  if (result->left.empty()) return events_.failed(title, result->failed.front().second);
+  std::shared_ptr<ObjectRef> simulator;
+  if (!result->isNew) {
+    c3de_object *object = present->object();
+    object->vt->retain(object);
+    simulator = std::make_shared<ObjectRef>(object);
+  } else {
+    auto created = session_.createSimulator();
+    if (!created) return events_.failed(title, created.error());
+    simulator = std::make_shared<ObjectRef>(*created);
+  }
+  job_ = session_.jobs().submit(
+      kJobOwner, "Making " + names,
+      [this, simulator, result](const ProgressFn &progress) {
+        return makeAll(simulator->get(), result->isNew, *result, progress);
+      },
+      [this, serial, simulator, result, title](const Expected<void> &done) {
+        if (serial != serial_) return;
+        job_ = {};
+        if (!done) return events_.failed(title, done.error());
+        if (result->isNew)
+          if (auto adopted = session_.adopt(simulator->get(), namesOf(result->made)); !adopted)
+            return events_.failed(title, adopted.error());
+        events_.made(*result);
+      });
+}
+
+}  // namespace c3de::session

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/displacement_sampler.h"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <limits>
+#include <new>
+#include <utility>
+
+#include "c3de/session/body_states.h"
+#include "c3de/imaging/masks.h"
+#include "c3de/session/organ.h"
+#include "c3de/session/simulator_access.h"
+
+namespace c3de::session {
+namespace {
+
+// Between two displacements while it plays.
+constexpr double kLeastMilliseconds = 50.0;
+
+// The bodies with what stays around them; null: nothing does, or too little memory is left.
+std::shared_ptr<const imaging::Mask> withStill(const std::shared_ptr<const imaging::Mask> &bodies, const StillPlaces &still) try {
+  if (!bodies || !still.image || still.rule.isEmpty()) return nullptr;
+  auto places = std::make_shared<imaging::Mask>(*bodies);
+  if (!imaging::markStill(still.rule, still.image->volume, still.labels ? &still.labels->map : nullptr, *places))
+    return nullptr;
+  return places;
+} catch (const std::bad_alloc &) {
+  return nullptr;
+}
+
+}  // namespace
+
+PresentBodies presentBodies(const c3de_simulator_v0 *table, c3de_object *simulator) {
+  PresentBodies bodies;
+  bodies.spacing_mm = std::numeric_limits<double>::infinity();
+  c3de_handle body{};
+  for (std::uint64_t i = 0; table->body_at(simulator, i, &body) >= 0 && body.v != 0; ++i) {
+    c3de_sim_body_info info{};
+    info.size = sizeof info;
+    if (table->body_info(simulator, body, &info) < 0) continue;
+    bodies.spacing_mm = std::min(bodies.spacing_mm, info.spacing_m * scene::kMillimetresPerMetre);
+    for (const Vec3 &x : surfelPositions(simulator, body)) bodies.box.add(scene::kMillimetresPerMetre * x);
+  }
+  return bodies;
+}
+
+bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm,
+                      imaging::DisplacementGrid &grid) {
+  if (!servesFills(table) || grid.geometry.voxelCount() == 0) return false;
+  grid.xyz_mm.resize(3 * grid.geometry.voxelCount());
+  grid.gap_mm.resize(grid.geometry.voxelCount());
+  const c3de_sim_grid asked = toAbi(grid.geometry);
+  if (table->displacement(simulator, &asked, rim_mm / scene::kMillimetresPerMetre, grid.xyz_mm.data(),
+                          grid.gap_mm.data()) < 0)
+    return false;
+  for (float &u : grid.xyz_mm) u *= static_cast<float>(scene::kMillimetresPerMetre);
+  for (float &gap : grid.gap_mm) gap *= static_cast<float>(scene::kMillimetresPerMetre);
+  return true;
+}
+
+std::shared_ptr<imaging::Mask> referenceBodies(c3de_object *simulator, const imaging::VolumeGeometry &image) try {
+  const auto bodies = readBodyStates(simulator, BodyParts::skin, {});
+  if (!bodies || image.voxelCount() == 0) return nullptr;
+  auto all = std::make_shared<imaging::Mask>();
+  for (const BodyState &body : *bodies) {
+    if (body.skin.triangles.empty()) continue;
+    geometry::TriangleMesh reference = body.skin;
+    const std::vector<double> &moved = body.skinArrays.front().values;
+    for (std::size_t v = 0; v < reference.vertices.size(); ++v)
+      for (std::size_t a = 0; a < 3; ++a) reference.vertices[v][a] -= moved[3 * v + a];
+    imaging::Mask one = imaging::maskOf(reference, image);
+    if (all->voxels.empty())
+      *all = std::move(one);
+    else
+      std::transform(one.voxels.begin(), one.voxels.end(), all->voxels.begin(), all->voxels.begin(), std::bit_or<>());
+  }
+  return all->voxels.empty() ? nullptr : all;
+} catch (const std::bad_alloc &) {
+  return nullptr;
+}
+
+void DisplacementSampler::begin() {
+  ++serial_;
+  const std::lock_guard lock(mutex_);
+  newest_.reset();
+}
+
+void DisplacementSampler::want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image, const StillPlaces &still) {
+  const std::lock_guard lock(mutex_);
+  if (image.size != image_.size || image.indexToWorld != image_.indexToWorld) ++serial_;
+  image_ = image;
+  still_ = still;
+  rim_mm_ = rim_mm;
+  wanted_ = wanted;
+}
+
+void DisplacementSampler::onPublished(const scene::Simulation &simulation) {
+  if (!wanted_) return;
+  const std::lock_guard asking(askingMutex_);
+  const auto from = std::chrono::steady_clock::now();
+  const std::chrono::duration<double, std::milli> since = from - last_;
+  behind_ = simulation.state().mode == C3DE_SIM_PLAYING && since.count() < std::max(kLeastMilliseconds, 5.0 * milliseconds_);
+  if (behind_) return;
+  const double rim = rim_mm_;
+  const std::uint64_t serial = serial_;
+  imaging::VolumeGeometry image;
+  StillPlaces still;
+  {
+    const std::lock_guard lock(mutex_);
+    image = image_;
+    still = still_;
+  }
+  const bool isNew = std::exchange(gridSerial_, serial) != serial;
+  if (isNew) {
+    grid_.forget();
+    reference_ = referenceBodies(simulation.object(), image);
+  }
+  if (isNew || !(still == marked_)) {
+    marked_ = still;
+    const std::shared_ptr<const imaging::Mask> places = withStill(reference_, still);
+    hasStill_ = places != nullptr;
+    bodies_ = hasStill_ ? places : reference_;
+  }
+  const PresentBodies bodies = presentBodies(simulation.table(), simulation.object());
+  grid_.follow(bodies.box, bodies.spacing_mm, rim);
+  auto grid = std::make_shared<imaging::DisplacementGrid>();
+  grid->geometry = grid_.geometry();
+  grid->bodies = bodies_;
+  grid->hasStill = hasStill_;
+  if (!readDisplacement(simulation.table(), simulation.object(), rim, *grid)) return;
+  last_ = std::chrono::steady_clock::now();
+  milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
+  const std::lock_guard lock(mutex_);
+  if (serial == serial_) newest_ = std::move(grid);
+}
+
+std::shared_ptr<const imaging::DisplacementGrid> DisplacementSampler::take() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(newest_, nullptr);
+}
+
+}  // namespace c3de::session

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/export_image.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+#include <string_view>
+
+#include "c3de/core/output_file.h"
+#include "c3de/core/text.h"
+#include "c3de/imaging/masks.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/imaging/warp.h"
+#include "c3de/imaging/writing.h"
+#include "c3de/core/path_text.h"
+#include "c3de/session/displacement_sampler.h"
+#include "c3de/session/organ.h"
+#include "c3de/session/still_rule.h"
+
+namespace c3de::session {
+namespace {
+
+/// Around all bodies as they are now, as far as the image reaches: only there something is written.
+imaging::VolumeGeometry gridOf(const PresentBodies &bodies, const imaging::VolumeGeometry &image, double rim_mm) {
+  // Nothing waits for a file as for a frame: finer than the live grid, and whatever is in the image is warped.
+  imaging::FollowingGrid grid({.mostPoints = 144, .coarsestStep = std::numeric_limits<double>::infinity()});
+  imaging::WorldBox box = bodies.box;
+  box.cutTo(imaging::boxOf(image).grown(rim_mm + bodies.spacing_mm));
+  grid.follow(box.isEmpty() ? bodies.box : box, bodies.spacing_mm, rim_mm);
+  return grid.geometry();
+}
+
+}  // namespace
+
+Expected<void> checkImageFile(const std::filesystem::path &file) {
+  std::string name = file.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto endsWith = [&](std::string_view end) {
+    return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+  };
+  if (!endsWith(".nrrd") && !endsWith(".nii") && !endsWith(".nii.gz") && !endsWith(".mha"))
+    return fail(ErrorCode::usage, file.string() + ": accepted: .nrrd, .nii, .nii.gz, .mha");
+  return checkOutputs({&file, 1}, {});
+}
+
+Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene) {
+  if (!wanted.isWanted()) return {};
+  if (!scene.image)
+    return fail(ErrorCode::usage, "--export-image and --export-displacement need a scene with an [image], whose grid they take; " +
+                                      scene.where(1) + " has none");
+  if (!wanted.image.empty())
+    if (auto good = checkImageFile(wanted.image); !good) return good;
+  if (!wanted.displacement.empty())
+    for (const std::filesystem::path &file : {wanted.displacement, vacatedFile(wanted.displacement)})
+      if (auto good = checkImageFile(file); !good) return good;
+  return {};
+}
+
+Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sources, const scene::MaterialLibrary &materials) {
+  ImageWarp how;
+  if (!scene.image) return how;
+  const scene::SceneImage &asked = *scene.image;
+  how.rim_mm = asked.rim_mm;
+  imaging::ReadOptions chosen;
+  chosen.series = asked.series;
+  chosen.time = asked.time;
+  const auto image = sources.volume(asked.file, chosen);
+  if (!image) return failInScene(image.error(), scene, asked.line);
+  if (!asked.labels.empty()) {
+    const auto labels = sources.labels(asked.labels.back(), {});
+    if (!labels) return failInScene(labels.error(), scene, asked.line);
+    // Of segments in layers the first are asked.
+    how.labels = std::shared_ptr<const imaging::LabelMap>(*labels, &(*labels)->front());
+  }
+  auto rule = stillRuleOf(asked.still, **image, how.labels.get(), materials);
+  if (!rule) return failInScene(rule.error(), scene, asked.line);
+  how.still = std::move(*rule);
+  return how;
+}
+
+Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
+                                                        const imaging::Volume &image, const ImageWarp &how) {
+  imaging::DisplacementGrid u;
+  u.geometry = gridOf(presentBodies(table, simulator), image.geometry, how.rim_mm);
+  if (!readDisplacement(table, simulator, how.rim_mm, u))
+    return fail(ErrorCode::state, "the simulator does not say how far its bodies have moved");
+  const std::shared_ptr<imaging::Mask> bodies = referenceBodies(simulator, image.geometry);
+  if (bodies && !how.still.isEmpty()) {
+    if (auto marked = imaging::markStill(how.still, image, how.labels.get(), *bodies); !marked)
+      return tl::unexpected(marked.error());
+    u.hasStill = true;
+  }
+  u.bodies = bodies;
+  return u;
+}
+
+std::filesystem::path vacatedFile(const std::filesystem::path &displacement) {
+  if (displacement.empty()) return {};
+  std::filesystem::path ending = displacement.extension(), stem = displacement.stem();
+  if (ending == ".gz") ending = stem.extension().native() + ending.native(), stem = stem.stem();
+  stem += "-vacated";
+  stem += ending;
+  return displacement.parent_path() / stem;
+}
+
+Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, const imaging::DisplacementGrid &u,
+                                  const ProgressFn &progress, ThreadPool *threads) {
+  std::string told;
+  if (!wanted.image.empty()) {
+    const auto warped = imaging::warped(image, u, progress, threads);
+    if (!warped) return tl::unexpected(warped.error());
+    if (auto written = imaging::writeVolume(wanted.image, *warped); !written) return tl::unexpected(written.error());
+    told = pathText(wanted.image);
+    if (!image.colours.empty()) told += ": brightness of the colours";
+  }
+  if (wanted.displacement.empty()) return told;
+  const auto field = imaging::resampled(u, image.geometry, progress, threads);
+  if (!field) return tl::unexpected(field.error());
+  auto vacated = imaging::vacatedPlaces(u, image.geometry, progress, threads);
+  if (!vacated) return tl::unexpected(vacated.error());
+  if (auto written = imaging::writeVectorField(wanted.displacement, field->geometry, field->xyz_mm); !written)
+    return tl::unexpected(written.error());
+  const std::size_t voxels = imaging::voxelCount(*vacated);
+  const double millilitres = static_cast<double>(voxels) * image.geometry.voxelVolume() / 1000.0;
+  const std::filesystem::path mask = vacatedFile(wanted.displacement);
+  imaging::Volume marks;
+  marks.geometry = vacated->geometry;
+  marks.voxels = std::move(vacated->voxels);
+  if (auto written = imaging::writeVolume(mask, marks); !written) return tl::unexpected(written.error());
+  told += (told.empty() ? "" : "\n") + pathText(wanted.displacement) + "\n" + pathText(mask) + ": " +
+          (voxels == 0 ? std::string("no voxel is left by a body")
+                       : fmt::format("{} voxels ({:.2f} ml) are left by a body: nothing is known of what is there now", voxels, millilitres));
+  return told;
+}
+
+}  // namespace c3de::session

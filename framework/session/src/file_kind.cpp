@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/file_kind.h"
+
+#include "c3de/core/path_text.h"
+
+#include <string>
+
+#include "c3de/geometry/mesh_io.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/scene/scene_file.h"
+
+namespace c3de::session {
+
+FileKind kindOf(const std::filesystem::path &path) {
+  std::error_code code;
+  if (std::filesystem::is_directory(path, code)) return FileKind::image;
+  if (scene::isScenePath(path)) return FileKind::scene;
+  if (geometry::isMeshFile(path)) return FileKind::mesh;
+  return imaging::looksLikeImage(path) ? FileKind::image : FileKind::unknown;
+}
+
+Error unknownKind(const std::filesystem::path &path) {
+  std::string meshes;
+  for (const std::string_view one : geometry::meshExtensions()) meshes.append(meshes.empty() ? "" : ", ").append(one);
+  return {ErrorCode::input, path.string() + ": is nothing that can be read; accepted: scenes (.toml), images (NIfTI, NRRD, "
+                                         "MetaImage, DICOM), meshes (" + meshes + ")"};
+}
+
+std::string notAFolder(const std::filesystem::path &path) {
+  std::error_code code;
+  return path.string() + (std::filesystem::exists(path, code) ? ": is a file, not a folder" : ": no such folder") +
+         "; accepted: a folder of plugins";
+}
+
+std::string imageName(const std::filesystem::path &path) {
+  const std::filesystem::path clean = path.lexically_normal();
+  return pathText(clean.has_filename() ? clean.filename() : clean.parent_path().filename());
+}
+
+}  // namespace c3de::session

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/headless_run.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "c3de/core/text.h"
+#include "c3de/scene/text_sink.h"
+#include "c3de/session/interrupt.h"
+#include "c3de/session/progress_line.h"
+#include "c3de/session/step_limit.h"
+
+namespace c3de::session {
+namespace {
+
+/// For people: 0.0984 rather than 0.09838074452694451.
+std::string threeDigits(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
+}  // namespace
+
+Expected<std::string> HeadlessRun::simulatorReport() const {
+  std::string text;
+  const c3de_status code = table_->report(simulator_, scene::sinkInto(text));
+  if (code >= 0) return text;
+  const std::string reason = session_.plugins().takeError();
+  return fail(ErrorCode::plugin, "the simulator gives no report: " +
+                                     (reason.empty() ? "status " + std::to_string(code) : reason));
+}
+
+Expected<void> HeadlessRun::readStatus() {
+  c3de_sim_status status{};
+  status.size = sizeof status;
+  if (const c3de_status code = table_->status(simulator_, &status); code < 0)
+    return fail(ErrorCode::plugin, "the simulator does not say its status (" + std::to_string(code) + ")");
+  facts_.steps = status.steps;
+  facts_.time_s = status.time_s;
+  facts_.dt_s = status.dt_s;
+  finished_ = status.finished != 0;
+  stopped_ = status.stopped;
+  return {};
+}
+
+bool HeadlessRun::isDone() const {
+  if (finished_) return true;
+  if (options_.steps) return facts_.steps >= *options_.steps;
+  if (isQuasistatic()) return false;
+  // Many steps add up to a hair below the end; that hair is no step.
+  const double until_s = options_.until_s.value_or(kDefaultDuration_s);
+  return facts_.time_s >= until_s - 1e-6 * facts_.dt_s;
+}
+
+double HeadlessRun::fraction() const {
+  const auto steps = static_cast<double>(facts_.steps);
+  if (options_.steps) return steps / static_cast<double>(*options_.steps);
+  if (isQuasistatic()) return limits_.loadSteps ? steps / *limits_.loadSteps : 0.0;
+  return facts_.time_s / options_.until_s.value_or(kDefaultDuration_s);
+}
+
+std::string HeadlessRun::position() const {
+  if (isQuasistatic()) return "load step " + std::to_string(facts_.steps);
+  return formatNumber(facts_.time_s) + " s";
+}
+
+Expected<void> HeadlessRun::addFrame() {
+  const auto states = readBodyStates(simulator_, BodyParts::skinAndPhyxels, [this] { return session_.plugins().takeError(); });
+  if (!states) return tl::unexpected(states.error());
+  return export_->addFrame(isQuasistatic() ? static_cast<double>(facts_.steps) : facts_.time_s, *states);
+}
+
+void HeadlessRun::exportFrame(bool isEnd) {
+  if (!export_ || exportedStep_ == facts_.steps) return;
+  // Many steps add up to a hair below the time of a frame. Load steps have no time: each is a frame.
+  const bool isDue = isQuasistatic() || facts_.time_s >= nextFrame_s_ - 1e-6 * facts_.dt_s;
+  if (!isDue && !isEnd) return;
+  if (const auto added = addFrame(); !added) {
+    outputs_.addFailure(options_.exportList, {added.error().code, added.error().message + "; the frames before it are kept, and the run goes on"});
+    export_.reset();
+    return;
+  }
+  exportedStep_ = facts_.steps;
+  if (isDue)
+    nextFrame_s_ = options_.exportEvery_s * (std::floor((facts_.time_s + 1e-6 * facts_.dt_s) / options_.exportEvery_s) + 1.0);
+}
+
+Expected<void> HeadlessRun::sampleProbes() {
+  sampledStep_ = facts_.steps;
+  const auto json = simulatorReport();
+  if (!json) return tl::unexpected(json.error());
+  const auto samples = probesOf(*json);
+  if (!samples) return tl::unexpected(samples.error());
+  Expected<void> written;
+  if (!probes_) {
+    auto created = ProbeTable::create(options_.probes, *samples);
+    if (created) probes_ = std::move(*created);
+    else written = tl::unexpected(created.error());
+  }
+  if (written) written = probes_->add(facts_.time_s, *samples);
+  if (!written) {
+    outputs_.addFailure(options_.probes, {written.error().code, written.error().message + "; the whole rows before it are kept, and the run goes on"});
+    wantsProbes_ = false;
+  }
+  return {};
+}
+
+void HeadlessRun::finishOutputs() {
+  if (export_) outputs_.note(options_.exportList, export_->finish());
+  if (wantsProbes_ && probes_) outputs_.note(options_.probes, probes_->close());
+}
+
+Expected<void> HeadlessRun::run() {
+  using Clock = std::chrono::steady_clock;
+  facts_.threads = session_.pool().threadCount();
+  facts_.seed = options_.seed;
+  if (const auto read = readStatus(); !read) return read;
+  wantsProbes_ = !options_.probes.empty();
+  if (wantsProbes_)
+    if (const auto sampled = sampleProbes(); !sampled) return sampled;
+  if (!options_.exportList.empty()) export_ = std::make_unique<SimulationExport>(options_.exportList);
+  exportFrame(false);
+
+  std::optional<StepLimit> limit(std::in_place, simulator_, table_, limits_.deadline);
+  ProgressLine progress(options_.quiet);
+  double wall_s = 0.0;
+  facts_.outcome = "done";
+  while (!isDone()) {
+    if (wasInterrupted()) {
+      facts_.outcome = "interrupted";
+      facts_.failure = "interrupted at " + position();
+      break;
+    }
+    if (limits_.deadline && Clock::now() >= *limits_.deadline) {
+      facts_.outcome = "time_limit";
+      facts_.failure = "the time limit of " + formatNumber(*options_.timeLimit_s) + " s was reached at " + position();
+      break;
+    }
+    const double timeBefore_s = facts_.time_s;
+    const std::uint64_t stepsBefore = facts_.steps;
+    const Clock::time_point begin = Clock::now();
+    const c3de_status code = table_->step(simulator_);
+    wall_s += std::chrono::duration<double>(Clock::now() - begin).count();
+    if (facts_.firstStep_s == 0.0) {
+      facts_.firstStep_s = wall_s;
+      facts_.toFirstStep_s = std::chrono::duration<double>(Clock::now() - limits_.begin).count();
+    }
+    facts_.wall_s = wall_s;
+    if (code == C3DE_E_CANCELLED) {
+      (void)session_.plugins().takeError();
+      // By the limit or by a signal: the next look at them says which.
+      if (wasInterrupted() || (limits_.deadline && Clock::now() >= *limits_.deadline)) continue;
+    }
+    if (code < 0) {
+      const std::string reason = session_.plugins().takeError();
+      facts_.outcome = code == C3DE_E_DIVERGED ? "diverged" : "failed";
+      const std::string step = "step " + std::to_string(stepsBefore + 1);
+      facts_.failure = (isQuasistatic() ? "load " + step : step + " at " + formatNumber(timeBefore_s) + " s") + " failed: " + (reason.empty() ? "status " + std::to_string(code) : reason);
+      break;
+    }
+    if (const auto read = readStatus(); !read) return read;
+    if (!finished_ && facts_.steps == stepsBefore && facts_.time_s == timeBefore_s) {
+      facts_.outcome = "failed";
+      facts_.failure = "the simulator answers that it has made a step, but neither step count nor time has grown";
+      break;
+    }
+    if (wantsProbes_ && facts_.steps % options_.probesEvery == 0)
+      if (const auto sampled = sampleProbes(); !sampled) return sampled;
+    exportFrame(false);
+    if (progress.isDue())
+      progress.update(fraction(), isQuasistatic() ? position() + " in " + threeDigits(wall_s) + " s"
+                                                  : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) +
+                                                        " s, step " + std::to_string(facts_.steps));
+  }
+  limit.reset();
+  if (facts_.outcome == "done" && stopped_ > 0) {
+    facts_.outcome = "diverged";
+    facts_.failure = std::to_string(stopped_) + (stopped_ == 1 ? " body" : " bodies") +
+                     " stopped on the way; \"events\" of the report say which, where and what would help";
+  }
+  // The end, whatever brought it about, is the last row.
+  if (wantsProbes_ && sampledStep_ != facts_.steps)
+    if (const auto sampled = sampleProbes(); !sampled) return sampled;
+  exportFrame(true);
+  finishOutputs();
+  if (table_->state_hash(simulator_, &facts_.stateHash) < 0)
+    return fail(ErrorCode::plugin, "the simulator gives no state hash");
+  return {};
+}
+
+}  // namespace c3de::session

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/organ.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "c3de/core/text.h"
+#include "c3de/imaging/label_names.h"
+#include "c3de/imaging/mask_coverage.h"
+#include "c3de/imaging/surface.h"
+#include "c3de/scene/simulation.h"
+
+namespace c3de::session {
+namespace {
+
+constexpr double kVoxelsPerSpacing = 16.0;
+
+std::string listOf(const std::vector<imaging::LabelMap> &layers) {
+  constexpr std::size_t kMost = 12;
+  std::string text;
+  std::size_t count = 0;
+  for (const imaging::LabelMap &map : layers)
+    for (const imaging::LabelMap::Label &label : map.labels)
+      if (count++ < kMost) text += (text.empty() ? "" : ", ") + std::to_string(label.value) + " " + label.name;
+  return count > kMost ? text + " and " + std::to_string(count - kMost) + " more" : text;
+}
+
+bool isMeant(const scene::SceneVolume &volume, const imaging::LabelMap::Label &label) {
+  if (volume.label) return label.value == *volume.label;
+  return label.name == volume.labelName || imaging::readableName(label.name) == imaging::readableName(volume.labelName) ||
+         "label " + std::to_string(label.value) == volume.labelName;
+}
+
+/// A label, and the layer it is in.
+struct FoundLabel {
+  const imaging::LabelMap *map = nullptr;
+  std::uint16_t value = 0;
+};
+
+Expected<FoundLabel> labelOf(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers) {
+  std::vector<FoundLabel> found;
+  std::vector<std::string> names;
+  for (const imaging::LabelMap &map : layers)
+    for (const imaging::LabelMap::Label &label : map.labels) {
+      names.push_back(label.name);
+      if (!volume.label && label.name == volume.labelName) return FoundLabel{&map, label.value};
+      if (isMeant(volume, label)) found.push_back({&map, label.value});
+    }
+  if (found.size() == 1) return found.front();
+  const std::string wanted = volume.label ? std::to_string(*volume.label) : "'" + volume.labelName + "'";
+  if (found.size() > 1)
+    return fail(ErrorCode::input, volume.file.string() + " has label " + wanted + " in " + std::to_string(found.size()) +
+                                      " of its layers; accepted: the name of one: " + listOf(layers));
+  const std::string nearest = volume.label ? "" : nearestName(volume.labelName, names);
+  return fail(ErrorCode::input, volume.file.string() + " has no label " + wanted + "; " +
+                                    (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "there are: " +
+                                    (names.empty() ? "none" : listOf(layers)));
+}
+
+}  // namespace
+
+Expected<std::shared_ptr<const OrganSources::Layers>> OrganSources::labels(const std::filesystem::path &file,
+                                                                           const imaging::ReadOptions &options) {
+  auto &stored = labels_[{file, options.series, options.time}];
+  if (stored) return stored;
+  auto loaded = imaging::readLabelMap(file, options);
+  if (!loaded) return tl::unexpected(loaded.error());
+  notices_.insert(notices_.end(), loaded->notices.begin(), loaded->notices.end());
+  auto layers = std::make_shared<Layers>(std::move(loaded->layers));
+  layers->insert(layers->begin(), std::move(loaded->labels));
+  return stored = std::move(layers);
+}
+
+Expected<std::shared_ptr<const imaging::Volume>> OrganSources::volume(const std::filesystem::path &file,
+                                                                      const imaging::ReadOptions &options) {
+  auto &stored = volumes_[{file, options.series, options.time}];
+  if (stored) return stored;
+  auto loaded = imaging::readVolume(file, options);
+  if (!loaded) return tl::unexpected(loaded.error());
+  notices_.insert(notices_.end(), loaded->notices.begin(), loaded->notices.end());
+  return stored = std::make_shared<const imaging::Volume>(std::move(loaded->volume));
+}
+
+Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, const ProgressFn &progress,
+                                           Preparation &took) {
+  imaging::ReadOptions options;
+  options.progress = progress;
+  options.series = volume.series;
+  options.time = volume.time;
+  std::shared_ptr<const Layers> map;
+  std::shared_ptr<const imaging::Volume> image;
+  if (!volume.mask) {
+    const TimeSpent reading(took.reading_s);
+    if (volume.threshold) {
+      auto read = this->volume(volume.file, options);
+      if (!read) return tl::unexpected(read.error());
+      image = *read;
+    } else {
+      auto read = labels(volume.file, options);
+      if (!read) return tl::unexpected(read.error());
+      map = *read;
+    }
+  }
+  const TimeSpent masking(took.masks_s);
+  Expected<imaging::Mask> mask = imaging::Mask{};
+  if (volume.mask) {
+    mask = *volume.mask;
+  } else if (image) {
+    mask = imaging::threshold(*image, (*volume.threshold)[0], (*volume.threshold)[1], progress);
+  } else {
+    const auto label = labelOf(volume, *map);
+    if (!label) return tl::unexpected(label.error());
+    mask = imaging::maskOf(*label->map, label->value);
+  }
+  if (mask && volume.opening_mm > 0.0) mask = imaging::opened(*mask, volume.opening_mm, progress);
+  if (mask && volume.closing_mm > 0.0) mask = imaging::closed(*mask, volume.closing_mm, progress);
+  if (mask && volume.largest) mask = imaging::largestComponent(*mask, progress);
+  if (mask && volume.fillHoles) mask = imaging::fillHoles(*mask, progress);
+  if (mask && imaging::voxelCount(*mask) == 0)
+    return fail(ErrorCode::input, volume.file.string() + ": nothing is left of what was asked for; accepted: a label or a "
+                                                         "threshold, mended, that holds voxels");
+  return mask;
+}
+
+std::vector<std::string> OrganSources::takeNotices() { return std::exchange(notices_, {}); }
+
+Expected<Organ> organOf(const imaging::Mask &asked, double edge_mm, double phyxels, const ProgressFn &progress) {
+  Organ organ;
+  auto cleaned = [&] {
+    const TimeSpent masking(organ.took.masks_s);
+    return imaging::withoutSpecks(asked, progress);
+  }();
+  if (!cleaned) return tl::unexpected(cleaned.error());
+  const imaging::Mask &mask = cleaned->mask;
+  organ.volume_mm3 = imaging::volumeOf(mask);
+  imaging::SurfaceSettings settings;
+  settings.edgeLength = edge_mm;
+  {
+    const TimeSpent surfacing(organ.took.surfaces_s);
+    auto surface = imaging::surfaceOf(mask, settings, progress);
+    if (!surface) return tl::unexpected(surface.error());
+    auto skin = geometry::buildMesh(std::move(*surface), geometry::LengthUnit::millimetre);
+    if (!skin) return tl::unexpected(skin.error());
+    organ.skin = std::move(*skin);
+    organ.coverage = coverageOf(asked, organ.skin.mesh, cleaned->specks);
+  }
+  {
+    const TimeSpent filling(organ.took.fills_s);
+    auto fill = imaging::fillOf(mask, std::cbrt(organ.volume_mm3 / std::max(phyxels, 1.0)) / kVoxelsPerSpacing);
+    if (!fill) return tl::unexpected(fill.error());
+    organ.fill = std::move(*fill);
+  }
+  return organ;
+}
+
+tl::unexpected<Error> failInScene(const Error &error, const scene::SceneFile &scene, int line) {
+  return fail(error.code == ErrorCode::usage ? ErrorCode::input : error.code, scene.where(line) + ": " + error.message);
+}
+
+c3de_sim_grid toAbi(const imaging::VolumeGeometry &grid) {
+  c3de_sim_grid out{};
+  out.size = sizeof out;
+  const Mat4 &m = grid.indexToWorld;
+  for (std::size_t a = 0; a < 3; ++a) {
+    out.points[a] = grid.size[a];
+    out.step_i_m[a] = m[a] / scene::kMillimetresPerMetre;
+    out.step_j_m[a] = m[4 + a] / scene::kMillimetresPerMetre;
+    out.step_k_m[a] = m[8 + a] / scene::kMillimetresPerMetre;
+    out.origin_m[a] = m[12 + a] / scene::kMillimetresPerMetre;
+  }
+  return out;
+}
+
+c3de_sim_fill toAbi(const imaging::Fill &fill) {
+  c3de_sim_fill out{};
+  out.size = sizeof out;
+  out.grid = toAbi(fill.geometry);
+  out.values = fill.values.data();
+  return out;
+}
+
+}  // namespace c3de::session

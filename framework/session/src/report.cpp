@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/report.h"
+
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "c3de/core/platform.h"
+
+namespace c3de::session {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Expected<Json> parseSimulatorReport(const std::string &text) {
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded() || !json.is_object())
+    return fail(ErrorCode::plugin, "the simulator's report is not a JSON object; it begins with: " + text.substr(0, 60));
+  return json;
+}
+
+std::string hexadecimal(std::uint64_t value) {
+  std::array<char, 17> text{};
+  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
+  return text.data();
+}
+
+Vec3 vec3Of(const Json &probe, const char *key) {
+  const auto found = probe.find(key);
+  Vec3 out{};
+  if (found == probe.end() || !found->is_array() || found->size() != 3) return out;
+  for (std::size_t i = 0; i < 3; ++i)
+    if ((*found)[i].is_number()) out[i] = (*found)[i].get<double>();
+  return out;
+}
+
+/// The part that a simulator says it stands for is of what it was given, which is less than what was asked for.
+void addCoverage(const std::vector<Coverage> &coverage, Json &report) {
+  for (const Coverage &one : coverage) {
+    for (Json &body : report["bodies"]) {
+      if (!body.is_object() || body.value("name", "") != one.body) continue;
+      const double own = body.contains("represented_part") && body["represented_part"].is_number()
+                             ? body["represented_part"].get<double>() : 1.0;
+      body["represented_part"] = own * one.part();
+      body["not_represented_ml"] = 1e-3 * one.missing_mm3;
+    }
+    if (const std::string text = sentenceOf(one); !text.empty())
+      report["events"].push_back(Json{{"time_s", 0.0}, {"kind", "not_represented"}, {"text", text}});
+  }
+}
+
+}  // namespace
+
+Expected<std::string> reportJson(const RunFacts &facts, const std::string &simulatorJson) {
+  const auto simulator = parseSimulatorReport(simulatorJson);
+  if (!simulator) return tl::unexpected(simulator.error());
+  Json report;
+  report["format"] = 1;
+  report["scene"] = facts.scene;
+  report["source"] = facts.source;
+  report["version"] = C3DE_VERSION;
+  report["machine"] = Json{{"cpu", cpuName()}, {"threads", facts.threads}};
+  report["outcome"] = facts.outcome;
+  if (!facts.failure.empty()) report["failure"] = facts.failure;
+  report["steps"] = facts.steps;
+  report["time_s"] = facts.time_s;
+  report["wall_s"] = facts.wall_s;
+  report["real_time_factor"] = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
+  const Preparation &took = facts.prepared.took;
+  report["preparation"] = Json{{"reading_s", took.reading_s},   {"masks_s", took.masks_s},
+                               {"surfaces_s", took.surfaces_s}, {"fills_s", took.fills_s},
+                               {"bodies_s", took.bodies_s},     {"first_step_s", facts.firstStep_s},
+                               {"to_first_step_s", facts.toFirstStep_s}};
+  report["dt_s"] = facts.dt_s;
+  report["integrator"] = simulator->contains("integrator") ? simulator->at("integrator") : Json(facts.integrator);
+  if (facts.seed) report["seed"] = *facts.seed;
+  // What the simulator says stays as it is; what it does not say is empty rather than absent.
+  for (const char *key : {"bodies", "probes"}) report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
+  if (simulator->contains("load_factor")) report["load_factor"] = simulator->at("load_factor");
+  report["reactions"] = simulator->contains("reactions") ? simulator->at("reactions") : Json::array();
+  report["attachments"] = simulator->contains("attachments") ? simulator->at("attachments") : Json::array();
+  report["stages"] = simulator->contains("stages") ? simulator->at("stages") : Json::object();
+  report["events"] = simulator->contains("events") ? simulator->at("events") : Json::array();
+  if (simulator->contains("notices")) report["notices"] = simulator->at("notices");
+  addCoverage(facts.prepared.coverage, report);
+  report["state_hash"] = hexadecimal(facts.stateHash);
+  return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Expected<std::vector<std::string>> noticesOf(const std::string &simulatorJson) {
+  const auto simulator = parseSimulatorReport(simulatorJson);
+  if (!simulator) return tl::unexpected(simulator.error());
+  std::vector<std::string> lines;
+  const auto notices = simulator->find("notices");
+  if (notices == simulator->end() || !notices->is_array()) return lines;
+  for (const Json &notice : *notices)
+    if (notice.is_string()) lines.push_back(notice.get<std::string>());
+  return lines;
+}
+
+Expected<std::vector<ProbeSample>> probesOf(const std::string &simulatorJson) {
+  const auto simulator = parseSimulatorReport(simulatorJson);
+  if (!simulator) return tl::unexpected(simulator.error());
+  std::vector<ProbeSample> samples;
+  const auto probes = simulator->find("probes");
+  if (probes == simulator->end() || !probes->is_array()) return samples;
+  for (const Json &probe : *probes) {
+    if (!probe.is_object()) continue;
+    const auto name = probe.find("name");
+    samples.push_back({name != probe.end() && name->is_string() ? name->get<std::string>() : std::string(),
+                       vec3Of(probe, "position_m"), vec3Of(probe, "velocity_m_s")});
+  }
+  return samples;
+}
+
+}  // namespace c3de::session

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/resources.h"
+
+#include <array>
+
+#include "c3de/core/platform.h"
+#include "c3de/scene/scene_file.h"
+
+namespace c3de::session {
+
+Expected<std::filesystem::path> findResource(const std::filesystem::path &name) {
+  const std::filesystem::path programFolder = executablePath().parent_path();
+  const std::array folders{programFolder / ".." / "share" / "c3de", programFolder / C3DE_SOURCE_RESOURCES};
+  std::string looked;
+  for (const std::filesystem::path &folder : folders) {
+    const std::filesystem::path candidate = (folder / name).lexically_normal();
+    std::error_code code;
+    if (std::filesystem::exists(candidate, code)) return candidate;
+    looked += (looked.empty() ? "" : ", ") + candidate.string();
+  }
+  return fail(ErrorCode::input, "the resource '" + name.generic_string() + "' is missing; looked for: " + looked);
+}
+
+Expected<DefaultScene> findDefaultScene() {
+  std::string why;
+  if (const auto head = findResource("scenes/brain_shift.toml"); !head)
+    why = head.error().message;
+  else if (const auto scene = scene::loadScene(*head, nullptr); !scene)
+    why = scene.error().message;
+  else
+    return DefaultScene{*head, ""};
+  auto organ = findResource("scenes/first_light.toml");
+  if (!organ) return tl::unexpected(organ.error());
+  return DefaultScene{std::move(*organ), "The head is not here (" + why + "); on Debian the package mricron-data has it"};
+}
+
+}  // namespace c3de::session

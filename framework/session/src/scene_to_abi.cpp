@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/scene_to_abi.h"
+
+#include <charconv>
+
+#include "c3de/core/text.h"
+
+namespace c3de::session {
+namespace {
+
+void copy(double (&out)[3], const Vec3 &in) {
+  for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = in[axis];
+}
+
+}  // namespace
+
+std::vector<c3de_param_value> toAbi(const std::vector<ParameterValue> &values) {
+  std::vector<c3de_param_value> out;
+  for (const ParameterValue &value : values) out.push_back(value.abi());
+  return out;
+}
+
+c3de_sim_region toAbi(const scene::SceneRegion &region) {
+  c3de_sim_region out{};
+  out.size = sizeof out;
+  switch (region.kind) {
+    case scene::SceneRegion::Kind::everywhere: out.kind = C3DE_SIM_REGION_EVERYWHERE; break;
+    case scene::SceneRegion::Kind::box: out.kind = C3DE_SIM_REGION_BOX; break;
+    case scene::SceneRegion::Kind::sphere: out.kind = C3DE_SIM_REGION_SPHERE; break;
+    case scene::SceneRegion::Kind::halfSpace: out.kind = C3DE_SIM_REGION_HALF_SPACE; break;
+  }
+  copy(out.a, region.a);
+  copy(out.b, region.b);
+  out.radius = region.radius;
+  return out;
+}
+
+c3de_sim_motion toAbi(const scene::SceneMotion &motion) {
+  c3de_sim_motion out{};
+  out.size = sizeof out;
+  out.flags = motion.centre_m ? C3DE_SIM_HAS_CENTRE : 0u;
+  copy(out.displacement_m, motion.displacement_m);
+  copy(out.rotation_deg, motion.rotation_deg);
+  copy(out.centre_m, motion.centre_m.value_or(Vec3{}));
+  out.ramp_s = motion.ramp_s;
+  return out;
+}
+
+BodyTables::BodyTables(const scene::SceneFile &scene, const scene::SceneBody &body,
+                       const std::vector<std::vector<ParameterValue>> &partValues)
+    : body_(body) {
+  for (std::size_t i = 0; i < scene.fixes.size(); ++i) {
+    const scene::SceneFix &fix = scene.fixes[i];
+    if (fix.body != body.name) continue;
+    c3de_sim_fix out{};
+    out.size = sizeof out;
+    out.index = static_cast<std::uint32_t>(i);
+    out.name = c3de::toAbi(fix.name);
+    out.region = toAbi(fix.region);
+    out.motion = toAbi(fix.motion);
+    fixes_.push_back(out);
+  }
+  for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+    const scene::SceneLoad &load = scene.loads[i];
+    if (load.body != body.name) continue;
+    c3de_sim_load out{};
+    out.size = sizeof out;
+    out.flags = (load.pressure_Pa ? C3DE_SIM_LOAD_PRESSURE : 0u) | (load.follower ? 0u : C3DE_SIM_LOAD_DEAD);
+    out.index = static_cast<std::uint32_t>(i);
+    out.name = c3de::toAbi(load.name);
+    out.region = toAbi(load.region);
+    copy(out.force_N, load.force_N.value_or(Vec3{}));
+    out.pressure_Pa = load.pressure_Pa.value_or(0.0);
+    out.ramp_s = load.ramp_s;
+    loads_.push_back(out);
+  }
+  for (const std::vector<ParameterValue> &values : partValues) partValues_.push_back(toAbi(values));
+  for (std::size_t i = 0; i < body.parts.size(); ++i) {
+    c3de_sim_part out{};
+    out.size = sizeof out;
+    out.params_stride = sizeof(c3de_param_value);
+    out.region = toAbi(body.parts[i].region);
+    out.params = partValues_[i].data();
+    out.params_n = partValues_[i].size();
+    parts_.push_back(out);
+  }
+  for (const scene::SceneRefinement &refinement : body.refinements) {
+    c3de_sim_refinement out{};
+    out.size = sizeof out;
+    out.region = toAbi(refinement.region);
+    out.spacing_m = refinement.spacing_m;
+    refinements_.push_back(out);
+  }
+}
+
+void BodyTables::fill(c3de_sim_body &out) const {
+  const auto hand = [](const auto &rows, auto &pointer, std::uint64_t &n, std::uint64_t &stride) {
+    pointer = rows.empty() ? nullptr : rows.data();
+    n = rows.size();
+    stride = sizeof rows.front();
+  };
+  hand(fixes_, out.fixes, out.fixes_n, out.fixes_stride);
+  hand(loads_, out.loads, out.loads_n, out.loads_stride);
+  hand(parts_, out.parts, out.parts_n, out.parts_stride);
+  hand(refinements_, out.refinements, out.refinements_n, out.refinements_stride);
+  copy(out.velocity_m_s, body_.velocity_m_s);
+  copy(out.angular_velocity_rad_s, body_.angularVelocity_rad_s);
+}
+
+std::optional<int> sceneLineOf(const scene::SceneFile &scene, const scene::SceneBody &body, std::string_view message) {
+  const auto numberAfter = [&](std::string_view word) -> std::optional<std::size_t> {
+    if (message.substr(0, word.size()) != word) return std::nullopt;
+    const char *begin = message.data() + word.size(), *end = message.data() + message.size();
+    std::size_t number = 0;
+    const auto [rest, code] = std::from_chars(begin, end, number);
+    if (code != std::errc() || rest == end || *rest != ':') return std::nullopt;
+    return number;
+  };
+  const auto lineOf = [](const auto &tables, std::size_t number) -> std::optional<int> {
+    if (number >= tables.size()) return std::nullopt;
+    return tables[number].line;
+  };
+  if (const auto number = numberAfter("fix ")) return lineOf(scene.fixes, *number);
+  if (const auto number = numberAfter("load ")) return lineOf(scene.loads, *number);
+  if (const auto number = numberAfter("part ")) return lineOf(body.parts, *number);
+  if (const auto number = numberAfter("refinement ")) return lineOf(body.refinements, *number);
+  return std::nullopt;
+}
+
+}  // namespace c3de::session

@@ -1,0 +1,482 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "c3de/core/log.h"
+#include "c3de/core/text.h"
+#include "c3de/geometry/mesh_io.h"
+#include "c3de/session/file_kind.h"
+#include "c3de/session/organ.h"
+#include "c3de/session/resources.h"
+#include "c3de/session/scene_to_abi.h"
+#include "c3de/session/simulator_access.h"
+
+namespace c3de::session {
+namespace {
+
+std::string listOf(const std::vector<std::filesystem::path> &paths) {
+  std::string text;
+  for (const auto &path : paths) text += (text.empty() ? "" : ", ") + path.string();
+  return text.empty() ? "none" : text;
+}
+
+/// The values of one table of the scene as the simulator wants them.
+Expected<std::vector<ParameterValue>> fitAll(const scene::SceneFile &scene, const std::vector<scene::SceneValue> &values,
+                                             const std::vector<ParameterDecl> &decls) {
+  std::vector<ParameterValue> fitted;
+  for (const scene::SceneValue &value : values) {
+    auto one = scene::fitToDeclaration(scene, value, decls);
+    if (!one) return tl::unexpected(one.error());
+    fitted.push_back(std::move(*one));
+  }
+  return fitted;
+}
+
+/// A scene whose every value has been checked.
+struct FittedScene {
+  std::vector<ParameterValue> world;
+  std::vector<std::vector<ParameterValue>> bodies, obstacles;
+  std::vector<std::vector<std::vector<ParameterValue>>> parts;  ///< per body and part
+};
+
+/// The first body that a simulator of revision 2 would fill by its skin without a word.
+std::optional<std::pair<int, std::string>> firstOfRevision3(const scene::SceneFile &scene) {
+  for (const scene::SceneBody &body : scene.bodies)
+    if (body.mesh.empty()) return std::pair(body.line, std::string("volume"));
+  return std::nullopt;
+}
+
+/// The first table of the scene that a simulator of revision 1 would ignore without a word.
+std::optional<std::pair<int, std::string>> featureNeedingRevision2(const scene::SceneFile &scene) {
+  for (const scene::SceneFix &fix : scene.fixes) return std::pair(fix.line, std::string("fix"));
+  for (const scene::SceneLoad &load : scene.loads) return std::pair(load.line, std::string("load"));
+  for (const scene::SceneBody &body : scene.bodies) {
+    for (const scene::ScenePart &part : body.parts) return std::pair(part.line, std::string("parts"));
+    for (const scene::SceneRefinement &one : body.refinements) return std::pair(one.line, std::string("sampling.refine"));
+    if (body.velocity_m_s != Vec3{}) return std::pair(body.line, std::string("velocity"));
+    if (body.angularVelocity_rad_s != Vec3{}) return std::pair(body.line, std::string("angular_velocity"));
+  }
+  for (const scene::SceneObstacle &obstacle : scene.obstacles)
+    if (obstacle.motion) return std::pair(obstacle.line, std::string("the motion of an obstacle"));
+  return std::nullopt;
+}
+
+Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &scene) {
+  const auto table = simulatorTable(simulator);
+  if (!table) return tl::unexpected(table.error());
+  for (const std::uint32_t needed : {2u, 3u}) {
+    if ((*table)->rev >= needed) continue;
+    if (const auto unserved = needed == 2 ? featureNeedingRevision2(scene) : firstOfRevision3(scene))
+      return fail(ErrorCode::input, scene.where(unserved->first) + ": '" + unserved->second +
+                                        "' is not served by this simulator, whose interface is of revision " +
+                                        std::to_string((*table)->rev) + "; needed: " + std::to_string(needed));
+  }
+  const auto world = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
+  if (!world) return tl::unexpected(world.error());
+  const auto body = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_BODY);
+  if (!body) return tl::unexpected(body.error());
+  const auto obstacle = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_OBSTACLE);
+  if (!obstacle) return tl::unexpected(obstacle.error());
+
+  FittedScene fitted;
+  auto values = fitAll(scene, scene.world, *world);
+  if (!values) return tl::unexpected(values.error());
+  fitted.world = std::move(*values);
+  for (const scene::SceneBody &one : scene.bodies) {
+    values = fitAll(scene, one.params, *body);
+    if (!values) return tl::unexpected(values.error());
+    fitted.bodies.push_back(std::move(*values));
+    fitted.parts.emplace_back();
+    for (const scene::ScenePart &part : one.parts) {
+      values = fitAll(scene, part.params, *body);
+      if (!values) return tl::unexpected(values.error());
+      fitted.parts.back().push_back(std::move(*values));
+    }
+  }
+  for (const scene::SceneObstacle &one : scene.obstacles) {
+    values = fitAll(scene, one.params, *obstacle);
+    if (!values) return tl::unexpected(values.error());
+    fitted.obstacles.push_back(std::move(*values));
+  }
+  return fitted;
+}
+
+/// Shows the progress of one of several parts as a share of the whole, and hands it on through the C boundary.
+class PartProgress {
+ public:
+  PartProgress(const ProgressFn &whole, std::string what, std::size_t index, std::size_t count)
+      : whole_(whole), what_(std::move(what)), index_(static_cast<double>(index)),
+        count_(static_cast<double>(std::max<std::size_t>(count, 1))) {
+    abi_.size = sizeof abi_;
+    abi_.self = this;
+    abi_.update = [](void *self, double fraction, c3de_str text) -> c3de_status {
+      // Nothing may be thrown through the boundary.
+      try {
+        return static_cast<PartProgress *>(self)->update(fraction, std::string(fromAbi(text))) ? C3DE_OK
+                                                                                            : C3DE_E_CANCELLED;
+      } catch (...) {
+        return C3DE_E_EXCEPTION;
+      }
+    };
+  }
+  PartProgress(const PartProgress &) = delete;
+  PartProgress &operator=(const PartProgress &) = delete;
+
+  bool update(double fraction, const std::string &text) const {
+    if (!whole_) return true;
+    const double part = fraction < 0.0 ? 0.0 : std::min(fraction, 1.0);
+    return whole_((index_ + part) / count_, text.empty() ? what_ : what_ + ": " + text);
+  }
+  [[nodiscard]] const c3de_progress *abi() const { return &abi_; }
+
+ private:
+  const ProgressFn &whole_;
+  std::string what_;
+  double index_, count_;
+  c3de_progress abi_{};
+};
+
+Expected<Organ> meshOf(const scene::SceneBody &body, const ProgressFn &progress) {
+  Organ organ;
+  {
+    const TimeSpent reading(organ.took.reading_s);
+    auto mesh = geometry::loadMesh(body.mesh, body.meshUnit, progress);
+    if (!mesh) return tl::unexpected(mesh.error());
+    organ.skin = std::move(*mesh);
+  }
+  if (const auto fillable = geometry::checkFillable(organ.skin.mesh, organ.skin.report); !fillable)
+    return tl::unexpected(fillable.error());
+  return organ;
+}
+
+Expected<Organ> loadFromVolume(OrganSources &sources, const scene::SceneBody &body, const ProgressFn &progress) {
+  Preparation took;
+  const auto mask = sources.mask(body.volume, progress, took);
+  if (!mask) return tl::unexpected(mask.error());
+  // As many phyxels as the scene says, or as fit its spacing.
+  double phyxels = 1000.0;
+  for (const scene::SceneValue &value : body.params) {
+    if (value.value.id == "sampling.count") phyxels = value.value.num;
+    if (value.value.id == "sampling.spacing" && value.value.num > 0.0)
+      phyxels = imaging::volumeOf(*mask) / std::pow(value.value.num * scene::kMillimetresPerMetre, 3);
+  }
+  auto organ = organOf(*mask, body.volume.edgeLength_mm, phyxels, progress);
+  if (organ) organ->took += took;
+  return organ;
+}
+
+/// Keeps a mesh in the store for the duration of a call.
+class MeshLease {
+ public:
+  MeshLease(scene::MeshStore &store, geometry::LoadedMesh mesh) : store_(store), handle_(store.add(std::move(mesh))) {}
+  ~MeshLease() { store_.remove(handle_); }
+  MeshLease(const MeshLease &) = delete;
+  MeshLease &operator=(const MeshLease &) = delete;
+  [[nodiscard]] c3de_handle abi() const { return {handle_.bits()}; }
+
+ private:
+  scene::MeshStore &store_;
+  Handle handle_;
+};
+
+/// What bodies and obstacles have in common; it points into what it is made of.
+template <class Described>
+Described toAbi(const std::string &name, const MeshLease &mesh, const scene::ScenePlacement &placement,
+                const std::vector<c3de_param_value> &params) {
+  Described abi{};
+  abi.size = sizeof abi;
+  abi.params_stride = sizeof(c3de_param_value);
+  abi.name = c3de::toAbi(name);
+  abi.mesh = mesh.abi();
+  place(abi, placement);
+  abi.params = params.data();
+  abi.params_n = params.size();
+  return abi;
+}
+
+}  // namespace
+
+struct Session::Impl {
+  explicit Impl(unsigned threads) : pool(threads), jobs(mainQueue) {}
+
+  ThreadPool pool;
+  MainQueue mainQueue;
+  BackgroundJobs jobs;
+  scene::SceneGraph sceneGraph;
+  scene::MeshStore meshes;
+  scene::ImageStore images;
+  scene::SimulationDirectory simulations;
+  scene::MaterialLibrary materials;
+  std::vector<std::filesystem::path> folders;
+  std::function<void(const scene::Simulation &)> publishedHook;
+  std::unique_ptr<plugin_host::PluginHost> host;  ///< after everything that plugins reach
+  std::shared_ptr<scene::Simulation> simulation;
+  Handle node;
+
+  /// Why the last call of a simulator failed.
+  /// @param line  of the scene, unless the message speaks of a table of the body
+  [[nodiscard]] Error lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
+                                const scene::SceneBody *body = nullptr) const;
+  void release(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
+  [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
+                                                             const scene::SceneFile &scene, const FittedScene &fitted,
+                                                             OrganSources &sources, const ProgressFn &progress, Prepared &prepared);
+};
+
+Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
+                               const scene::SceneBody *body) const {
+  if (code == C3DE_E_CANCELLED) return {ErrorCode::cancelled, what + " was cancelled"};
+  const std::string text = host->takeError();
+  if (body != nullptr) line = sceneLineOf(scene, *body, text).value_or(line);
+  return {ErrorCode::input,
+          scene.where(line) + ": " + (text.empty() ? what + " failed (status " + std::to_string(code) + ")" : text)};
+}
+
+Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
+                                                            const scene::SceneFile &scene, const FittedScene &fitted,
+                                                            OrganSources &sources, const ProgressFn &progress, Prepared &prepared) {
+  // All meshes before the first body: what is wrong with the last of them is not to be heard after minutes of building.
+  std::vector<std::optional<Organ>> meshed(scene.bodies.size());
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const scene::SceneBody &body = scene.bodies[i];
+    if (body.mesh.empty()) continue;
+    auto read = meshOf(body, [&](double, const std::string &what) { return !progress || progress(0.0, body.name + ": " + what); });
+    if (!read) return failInScene(read.error(), scene, body.line);
+    meshed[i] = std::move(*read);
+  }
+  std::vector<c3de_handle> bodies;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const scene::SceneBody &body = scene.bodies[i];
+    const PartProgress partProgress(progress, body.name, i, scene.bodies.size());
+    // Reading is a small share of what building a body takes.
+    const ProgressFn reading = [&](double f, const std::string &what) {
+      return partProgress.update(0.1 * std::max(f, 0.0), what);
+    };
+    Expected<Organ> source = meshed[i] ? Expected<Organ>(std::move(*meshed[i])) : loadFromVolume(sources, body, reading);
+    if (!source) return failInScene(source.error(), scene, body.line);
+    for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, body.volume.file.string() + ": " + notice);
+    prepared.took += source->took;
+    if (body.mesh.empty()) {
+      prepared.coverage.push_back(source->coverage);
+      prepared.coverage.back().body = body.name;
+      if (const std::string text = sentenceOf(prepared.coverage.back()); !text.empty()) log(LogLevel::warn, text);
+    }
+    const TimeSpent building(prepared.took.bodies_s);
+    const MeshLease lease(meshes, std::move(source->skin));
+    const std::vector<c3de_param_value> params = toAbi(fitted.bodies[i]);
+    const c3de_sim_fill fill = toAbi(source->fill);
+    auto abi = toAbi<c3de_sim_body>(body.name, lease, body.placement, params);
+    if (body.mesh.empty()) abi.fill = &fill;
+    abi.progress = partProgress.abi();
+    const BodyTables tables(scene, body, fitted.parts[i]);
+    tables.fill(abi);
+    c3de_handle added{};
+    if (const c3de_status code = table->add_body(simulator, &abi, &added); code < 0)
+      return tl::unexpected(lastError(code, scene, body.line, "building body '" + body.name + "'", &body));
+    bodies.push_back(added);
+  }
+  return bodies;
+}
+
+/// Ends a simulation that has been detached from its node.
+void Session::Impl::release(std::shared_ptr<scene::Simulation> gone, Handle goneNode) {
+  if (!gone) return;
+  gone->setPublishedListener({});
+  simulations.remove(goneNode);
+  gone.reset();
+  sceneGraph.remove(goneNode);
+}
+
+Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Session::~Session() {
+  // Jobs of ours use simulators; simulators are code of plugins; plugins use everything else.
+  impl_->jobs.finishOwnedBy(kJobOwner);
+  if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
+  impl_->release(std::move(impl_->simulation), impl_->node);
+  impl_->host.reset();
+}
+
+Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options) {
+  auto impl = std::make_unique<Impl>(options.threads);
+
+  const auto materialsFile = findResource("materials.toml");
+  auto materials = materialsFile ? scene::MaterialLibrary::load(*materialsFile)
+                                 : Expected<scene::MaterialLibrary>(tl::unexpected(materialsFile.error()));
+  if (materials)
+    impl->materials = std::move(*materials);
+  else
+    log(LogLevel::warn, "no material presets: " + materials.error().message);
+
+  plugin_host::Services services;
+  services.pool = &impl->pool;
+  services.mainQueue = &impl->mainQueue;
+  services.jobs = &impl->jobs;
+  services.sceneGraph = &impl->sceneGraph;
+  services.meshes = &impl->meshes;
+  services.images = &impl->images;
+  services.simulations = &impl->simulations;
+  services.renderer = options.renderer;
+  services.panels = options.panels;
+  services.parameters = options.parameters;
+  services.tools = options.tools;
+  services.edits = options.edits;
+  impl->host = std::make_unique<plugin_host::PluginHost>(services);
+  std::unique_ptr<Session> session(new Session(std::move(impl)));
+  if (!options.usePlugins) return session;
+
+  // Named plugins first, so that they shadow those of the folders.
+  plugin_host::PluginHost &host = *session->impl_->host;
+  for (const auto &file : options.pluginFiles)
+    if (const auto loaded = host.load(file); !loaded) return fail(ErrorCode::plugin, loaded.error().message);
+  auto &folders = session->impl_->folders;
+  for (const auto &folder : options.pluginFolders) {
+    std::error_code code;
+    if (!std::filesystem::is_directory(folder, code))
+      return fail(ErrorCode::plugin, "--plugin-path " + notAFolder(folder));
+    folders.push_back(folder);
+  }
+  for (const auto &folder : plugin_host::defaultPluginFolders()) folders.push_back(folder);
+  for (const auto &folder : folders) host.loadFolder(folder);
+  host.start();
+  // A named plugin may load and then fail to start.
+  for (const plugin_host::PluginInfo &plugin : host.plugins())
+    for (const auto &file : options.pluginFiles) {
+      std::error_code code;
+      if (plugin.state == plugin_host::PluginState::refused && std::filesystem::equivalent(file, plugin.path, code))
+        return fail(ErrorCode::plugin, "plugin " + plugin.path.string() + " refused: " + plugin.reason);
+    }
+  return session;
+}
+
+ThreadPool &Session::pool() { return impl_->pool; }
+MainQueue &Session::mainQueue() { return impl_->mainQueue; }
+BackgroundJobs &Session::jobs() { return impl_->jobs; }
+scene::SceneGraph &Session::sceneGraph() { return impl_->sceneGraph; }
+scene::MeshStore &Session::meshes() { return impl_->meshes; }
+scene::ImageStore &Session::images() { return impl_->images; }
+plugin_host::PluginHost &Session::plugins() { return *impl_->host; }
+const scene::MaterialLibrary &Session::materials() const { return impl_->materials; }
+const std::vector<std::filesystem::path> &Session::pluginFolders() const { return impl_->folders; }
+scene::Simulation *Session::simulation() { return impl_->simulation.get(); }
+Handle Session::simulationNode() const { return impl_->node; }
+
+void Session::setPublishedHook(std::function<void(const scene::Simulation &)> hook) { impl_->publishedHook = std::move(hook); }
+
+Expected<c3de_object *> Session::createSimulator() {
+  const std::vector<std::string> ids = impl_->host->classesWith(C3DE_IFACE_SIMULATOR_ID);
+  if (ids.empty())
+    return fail(ErrorCode::plugin, std::string("no loaded plugin offers a class that answers ") + C3DE_IFACE_SIMULATOR_ID +
+                                       "; folders searched: " + listOf(impl_->folders) +
+                                       "; `c3de plugins` says what was found and why it was refused");
+  return impl_->host->createObject(ids.front());
+}
+
+Expected<void> Session::checkValues(c3de_object *simulator, const scene::SceneFile &scene) {
+  const auto fitted = fitScene(simulator, scene);
+  if (!fitted) return tl::unexpected(fitted.error());
+  return {};
+}
+
+Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
+                                 Prepared *prepared, OrganSources *sources) {
+  const auto tableOrError = simulatorTable(simulator);
+  if (!tableOrError) return tl::unexpected(tableOrError.error());
+  const c3de_simulator_v0 *table = *tableOrError;
+  const auto fitted = fitScene(simulator, scene);
+  if (!fitted) return tl::unexpected(fitted.error());
+
+  const std::vector<c3de_param_value> world = toAbi(fitted->world);
+  if (const c3de_status code = table->set_world(simulator, world.data(), world.size(), sizeof(c3de_param_value)); code < 0)
+    return tl::unexpected(impl_->lastError(code, scene, 0, "setting the world"));
+
+  const std::size_t parts = scene.obstacles.size() + scene.bodies.size();
+  std::size_t part = 0;
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const scene::SceneObstacle &obstacle = scene.obstacles[i];
+    const PartProgress partProgress(progress, obstacle.name, part++, parts);
+    auto mesh = geometry::loadMesh(obstacle.mesh, obstacle.meshUnit,
+                                   [&](double f, const std::string &what) { return partProgress.update(f, what); });
+    if (!mesh) return fail(mesh.error().code, scene.where(obstacle.line) + ": " + mesh.error().message);
+    const MeshLease lease(impl_->meshes, std::move(*mesh));
+    const std::vector<c3de_param_value> params = toAbi(fitted->obstacles[i]);
+    auto abi = toAbi<c3de_sim_obstacle>(obstacle.name, lease, obstacle.placement, params);
+    c3de_sim_motion motion{};
+    if (obstacle.motion) {
+      motion = toAbi(*obstacle.motion);
+      abi.motion = &motion;
+    }
+    c3de_handle added{};
+    if (const c3de_status code = table->add_obstacle(simulator, &abi, &added); code < 0)
+      return tl::unexpected(impl_->lastError(code, scene, obstacle.line, "adding obstacle '" + obstacle.name + "'"));
+  }
+
+  Prepared unused;
+  OrganSources ofThis;
+  auto bodies = impl_->addBodies(table, simulator, scene, *fitted, sources != nullptr ? *sources : ofThis, [&](double f, const std::string &what) {
+    const auto before = static_cast<double>(scene.obstacles.size()), own = static_cast<double>(scene.bodies.size());
+    return !progress || progress(f < 0.0 ? f : (before + f * own) / (before + own), what);
+  }, prepared != nullptr ? *prepared : unused);
+  if (!bodies) return tl::unexpected(bodies.error());
+
+  for (const scene::SceneProbe &probe : scene.probes) {
+    const auto body = std::find_if(scene.bodies.begin(), scene.bodies.end(),
+                                   [&](const scene::SceneBody &candidate) { return candidate.name == probe.body; });
+    const c3de_handle handle = (*bodies)[static_cast<std::size_t>(body - scene.bodies.begin())];
+    if (const c3de_status code = table->add_probe(simulator, c3de::toAbi(probe.name), handle, probe.at_m.data()); code < 0)
+      return tl::unexpected(impl_->lastError(code, scene, probe.line, "adding probe '" + probe.name + "'"));
+  }
+  return {};
+}
+
+Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
+                                  Prepared *prepared) {
+  const auto table = simulatorTable(simulator);
+  if (!table) return tl::unexpected(table.error());
+  const auto fitted = fitScene(simulator, scene);
+  if (!fitted) return tl::unexpected(fitted.error());
+  Prepared unused;
+  OrganSources sources;
+  const auto added = impl_->addBodies(*table, simulator, scene, *fitted, sources, progress,
+                                       prepared != nullptr ? *prepared : unused);
+  if (!added) return tl::unexpected(added.error());
+  return {};
+}
+
+Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) {
+  plugin_host::PluginHost *host = impl_->host.get();
+  auto created = scene::Simulation::create(simulator, [host] { return host->takeError(); });
+  if (!created) return tl::unexpected(created.error());
+  std::shared_ptr<scene::Simulation> next = std::move(*created);
+  next->setPublishedListener([queue = &impl_->mainQueue, hook = impl_->publishedHook, simulation = next.get()] {
+    if (hook) hook(*simulation);
+    queue->requestRedraw();
+  });
+
+  const Handle nextNode = impl_->sceneGraph.add({}, title);
+  Mat4 worldFromSimulation = kIdentity4;
+  for (std::size_t axis = 0; axis < 3; ++axis) worldFromSimulation[5 * axis] = scene::kMillimetresPerMetre;
+  impl_->sceneGraph.find(nextNode)->parentFromNode = worldFromSimulation;
+  impl_->sceneGraph.touch();
+  impl_->simulations.add(nextNode, next);
+
+  // The one before lets go of its panels and proxies first, so that there is never a second set of them.
+  if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});
+  const c3de_status code = next->table()->attach(simulator, c3de_handle{nextNode.bits()});
+  if (code < 0) {
+    const std::string text = host->takeError();
+    next->table()->attach(simulator, c3de_handle{0});
+    impl_->release(std::move(next), nextNode);
+    if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{impl_->node.bits()});
+    return fail(ErrorCode::plugin, "the simulator could not be shown: " +
+                                       (text.empty() ? "status " + std::to_string(code) : text));
+  }
+  impl_->release(std::exchange(impl_->simulation, std::move(next)), std::exchange(impl_->node, nextNode));
+  return {};
+}
+
+}  // namespace c3de::session

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/still_rule.h"
+
+#include <algorithm>
+
+#include "c3de/core/text.h"
+#include "c3de/imaging/statistics.h"
+#include "c3de/scene/material_names.h"
+
+namespace c3de::session {
+namespace {
+
+constexpr double kBone_HU = 200.0, kAir_HU = -400.0;  // between them lies all that is soft
+constexpr double kLeastOfTomography = -900.0;
+
+/// '*' stands for any text.
+bool matches(std::string_view pattern, std::string_view text) {
+  if (pattern.empty()) return text.empty();
+  if (pattern.front() == '*') {
+    for (std::size_t n = 0; n <= text.size(); ++n)
+      if (matches(pattern.substr(1), text.substr(n))) return true;
+    return false;
+  }
+  return !text.empty() && pattern.front() == text.front() && matches(pattern.substr(1), text.substr(1));
+}
+
+bool isMeant(const std::string &wanted, const imaging::LabelMap::Label &label) {
+  return wanted == std::to_string(label.value) || matches(wanted, label.name);
+}
+
+}  // namespace
+
+Expected<imaging::StillRule> stillRuleOf(const scene::SceneStill &wanted, const imaging::Volume &image,
+                                         const imaging::LabelMap *labels, const scene::MaterialLibrary &materials) {
+  imaging::StillRule rule;
+  rule.outside = wanted.outside;
+  if (rule.outside) return rule;
+  rule.above = wanted.above;
+  rule.below = wanted.below;
+  if (wanted.isAutomatic) {
+    if (image.unit == "HU" || (image.unit.empty() && imaging::robustRange(image).min <= kLeastOfTomography)) {
+      rule.above = kBone_HU;
+      rule.below = kAir_HU;
+    }
+    for (std::size_t i = 0; labels != nullptr && i < labels->labels.size(); ++i) {
+      const scene::MaterialPreset *preset = scene::presetForOrgan(materials, labels->labels[i].name);
+      if (preset != nullptr && preset->isRigid) rule.labels.push_back(labels->labels[i].value);
+    }
+  }
+  if (labels == nullptr) return rule;
+  for (const std::string &name : wanted.labels) {
+    const std::size_t before = rule.labels.size();
+    std::vector<std::string> names;
+    for (const imaging::LabelMap::Label &label : labels->labels) {
+      if (isMeant(name, label)) rule.labels.push_back(label.value);
+      names.push_back(label.name);
+    }
+    if (rule.labels.size() > before) continue;
+    const std::string nearest = nearestName(name, names);
+    std::string known;
+    for (const std::string &one : names) known += (known.empty() ? "" : ", ") + one;
+    return fail(ErrorCode::usage, "still: there is no label '" + name + "'; " +
+                                      (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
+                                      "there are: " + (known.empty() ? "none" : known));
+  }
+  return rule;
+}
+
+}  // namespace c3de::session

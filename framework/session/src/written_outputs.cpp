@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/session/written_outputs.h"
+
+#include "c3de/core/log.h"
+
+namespace c3de::session {
+namespace {
+
+std::string listOf(const std::vector<std::filesystem::path> &files) {
+  std::string text;
+  for (const auto &file : files) text += (text.empty() ? "" : ", ") + file.string();
+  return text;
+}
+
+}  // namespace
+
+void WrittenOutputs::addFailure(const std::filesystem::path &file, const Error &error) {
+  log(LogLevel::error, error.message);
+  if (failed_.empty()) code_ = error.code;
+  failed_.push_back(file);
+}
+
+std::string WrittenOutputs::written() const { return listOf(written_); }
+
+Error WrittenOutputs::error() const {
+  return {code_, "not or not wholly written: " + listOf(failed_) + "; written: " + (written_.empty() ? "nothing" : written())};
+}
+
+}  // namespace c3de::session

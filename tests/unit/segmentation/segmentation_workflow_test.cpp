@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/segmentation/segmentation_workflow.h"
+
+#include "c3de/imaging/masks.h"
+#include "workflow_fixture.h"
+
+using namespace c3de;
+using namespace c3de::segmentation;
+using namespace c3de::segmentation::test;
+
+TEST_CASE("An organ is picked by threshold, part and filled holes, and each step is undone", "[organ]") {
+  Fixture f;
+  f.guide.setLow(60.0);
+  f.guide.keepComponentAt({25, 25, 30});  // waits for the threshold
+  f.guide.carryOut(Kind::fillHoles);
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + 1);
+  CHECK(f.guide.mask().volume_ml() == Approx(216 * 0.125));
+  f.guide.undo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge);
+  f.guide.undo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  REQUIRE(f.guide.mask().preview());
+  CHECK(f.guide.mask().preview()->geometry.size == std::array<std::size_t, 3>{14, 14, 14});
+  f.guide.undo();
+  f.settle();
+  CHECK_FALSE(f.guide.mask().mask());
+  CHECK_FALSE(f.guide.mask().preview());
+  CHECK_FALSE(f.guide.mask().canUndo());
+}
+
+TEST_CASE("Many thresholds of a dragged slider are few jobs and one step", "[organ]") {
+  Fixture f;
+  f.guide.setLow(1000.0);  // nothing
+  for (int i = 0; i < 50; ++i) f.guide.setLow(99.0 - i);
+  CHECK(f.jobs.running().size() == 1);
+  const int before = f.changes;
+  f.settle();
+  CHECK(f.changes - before <= 3);  // the first one, the last one; none in between
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  REQUIRE(f.guide.mask().steps().size() == 1);
+  CHECK(f.guide.mask().steps()[0].low == 50.0);
+}
+
+TEST_CASE("Undo gives the limits of the threshold back that the mask was made with", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.guide.setLow(60.0);
+  f.settle();
+  f.guide.carryOut(Kind::largest);
+  f.settle();
+  f.guide.setLow(90.0);
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  f.guide.chooseLabel(8);
+  f.settle();
+  CHECK(f.voxels() == Fixture::kSmall);
+  f.guide.undo();
+  f.settle();
+  CHECK(f.guide.settings().low == 90.0);
+  CHECK_FALSE(f.guide.settings().isFromLabel);
+  f.guide.undo();
+  f.settle();
+  CHECK(f.guide.settings().low == 60.0);
+  CHECK(f.voxels() == Fixture::kLarge);
+}
+
+TEST_CASE("Problems with the mask are said and leave it as it was", "[organ]") {
+  Fixture f;
+  f.guide.setLow(60.0);
+  f.settle();
+  f.guide.keepComponentAt({0, 0, 0});
+  f.guide.carryOut(Kind::fillHoles);  // not carried out after a step that failed
+  f.settle();
+  CHECK_THAT(f.guide.maskProblem(), Contains("outside of the mask"));
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  CHECK(f.guide.mask().steps().size() == 1);
+  f.guide.setLow(200.0);
+  f.settle();
+  CHECK_THAT(f.guide.maskProblem(), Contains("empty") && Contains("from 200 to 200 HU"));
+  CHECK_THAT(f.guide.blockingReason(), Contains("empty"));
+  f.guide.createBodies();
+  CHECK(f.made.empty());
+  f.guide.setLow(60.0);
+  f.settle();
+  CHECK(f.guide.maskProblem().empty());
+}
+
+TEST_CASE("A label brings its name, colour, volume and material along", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.settle();
+  const auto rows = f.guide.labels();
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[0].volume_ml == Approx(216 * 0.125));
+  CHECK(rows[1].volume_ml == Approx(64 * 0.125));
+  CHECK(f.guide.settings().isFromLabel);
+  f.guide.chooseLabel(3);
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + 1);
+  CHECK(f.guide.settings().name == "kidney_left");
+  REQUIRE(f.guide.material());
+  CHECK(f.guide.material()->name == "kidney_cortex");
+  CHECK(f.guide.colour() == rows[0].colour);
+  CHECK(f.guide.labels()[0].isChosen);
+  CHECK_FALSE(f.guide.labels()[1].isChosen);
+  f.guide.chooseLabel(8);
+  f.settle();
+  CHECK_FALSE(f.guide.material());
+  CHECK_THAT(f.guide.blockingReason(), Contains("no material"));
+}
+
+TEST_CASE("A label is chosen by a click on it", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.settle();
+  f.guide.tickLabelAt({50, 50, 50});
+  CHECK_THAT(f.guide.maskProblem(), Contains("50.0, 50.0, 50.0 mm is on no label"));
+  CHECK_FALSE(f.guide.mask().mask());
+  f.guide.tickLabelAt({70, 65, 61});
+  f.settle();
+  CHECK(f.voxels() == Fixture::kSmall);
+  CHECK(f.guide.settings().name == "thing");
+  CHECK(f.guide.maskProblem().empty());
+}
+
+TEST_CASE("A chosen material stays when the name changes", "[organ]") {
+  Fixture f;
+  f.guide.setName("spleen");
+  CHECK(f.guide.settings().material == "spleen");
+  f.guide.setName("left lung");
+  CHECK(f.guide.settings().material == "lung_inflated");
+  f.guide.chooseMaterial("fat");
+  f.guide.setName("liver");
+  CHECK(f.guide.settings().material == "fat");
+}
+
+TEST_CASE("What is made alive is what was picked and chosen", "[organ]") {
+  Fixture f;
+  CHECK_THAT(f.guide.blockingReason(), Contains("nothing is picked"));
+  f.guide.setLow(60.0);
+  CHECK_THAT(f.guide.blockingReason(), Contains("being computed"));
+  f.settle();
+  f.guide.setName("liver");
+  f.guide.setSampling(750.0, false, 3.5);
+  f.guide.setHolding(Held::lowestPart, 2e5);
+  CHECK(f.guide.blockingReason().empty());
+  f.guide.createBodies();
+  REQUIRE(f.made.size() == 1);
+  CHECK(f.made[0].name == "liver");
+  CHECK(f.made[0].material == "liver");
+  CHECK(f.made[0].phyxels == 750);
+  CHECK(f.made[0].edge_mm == 3.5);
+  CHECK(f.made[0].held == Held::lowestPart);
+  CHECK(imaging::voxelCount(*f.made[0].mask) == Fixture::kLarge + Fixture::kSmall);
+  f.guide.setSampling(750.0, true, 3.5);
+  f.guide.createBodies();
+  CHECK(f.made[1].edge_mm == 0.0);
+}
+
+TEST_CASE("An organ is held by its surroundings unless a person says otherwise, and bone is proposed as rigid", "[organ]") {
+  Fixture f;
+  f.guide.setLow(60.0);
+  f.settle();
+  f.guide.setName("liver");
+  f.guide.createBodies();
+  REQUIRE(f.made.size() == 1);
+  CHECK(f.made[0].held == Held::surroundings);
+  CHECK(f.made[0].surroundings_Pa_m == kSurroundingsStiffness);
+  CHECK_FALSE(f.made[0].isRigid);
+  f.guide.setHolding(Held::nothing, 2e4);
+  f.guide.setName("vertebrae_L1");
+  CHECK(f.guide.settings().material == "bone_cortical");
+  CHECK(f.guide.isRigid());
+  f.guide.createBodies();
+  CHECK(f.made[1].isRigid);
+  CHECK(f.made[1].held == Held::nothing);
+  f.guide.setRigid(false);
+  f.guide.createBodies();
+  CHECK_FALSE(f.made[2].isRigid);
+  // Another label: as its material says, again.
+  f.guide.setSources(f.sources);
+  f.settle();
+  f.guide.chooseLabels({3, 8});
+  f.settle();
+  f.guide.chooseMaterialOf(8, "bone_cortical");
+  CHECK(f.guide.isRigid(8));
+  CHECK_FALSE(f.guide.isRigid(3));
+  f.guide.setRigid(3, true);
+  f.guide.createBodies();
+  REQUIRE(f.made.size() == 5);
+  CHECK((f.made[3].isRigid && f.made[4].isRigid));
+}
+
+TEST_CASE("Several ticked labels become a request each, with the material of their names", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.settle();
+  f.guide.tickLabel(8, true);
+  f.guide.tickLabel(3, true);  // the mask of the first is still being made
+  CHECK(f.guide.isSeveral());
+  CHECK(f.guide.pickedLabels() == std::vector<std::uint16_t>{8, 3});
+  f.settle();
+  CHECK(f.guide.isSeveral());
+  CHECK_FALSE(f.guide.mask().mask());
+  CHECK(f.guide.materialOf(3)->name == "kidney_cortex");
+  CHECK_THAT(f.guide.blockingReason(), Contains("no material is chosen for thing"));
+  f.guide.createBodies();
+  CHECK(f.made.empty());
+  f.guide.chooseMaterialOf(8, "fat");
+  f.guide.setMending(true, true);
+  f.guide.setSampling(640.0, true, 3.5);
+  f.guide.setHolding(Held::lowestPart, 2e5);
+  f.guide.createBodies();
+  REQUIRE(f.made.size() == 2);
+  CHECK((f.made[0].name == "thing" && f.made[0].material == "fat" && f.made[0].label == 8));
+  CHECK((f.made[1].name == "kidney_left" && f.made[1].material == "kidney_cortex" && f.made[1].label == 3));
+  for (const BodyRequest &request : f.made)
+    CHECK((request.phyxels == 640 && request.edge_mm == 0.0 && request.held == Held::lowestPart && request.fillsHoles &&
+           request.keepsLargest));
+  const auto mask = maskOf(f.made[0]);
+  REQUIRE(mask);
+  CHECK(imaging::voxelCount(*mask) == Fixture::kSmall);
+}
+
+TEST_CASE("What has been made is picked no more, what could not be made stays", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.guide.chooseLabels({8, 3});
+  f.guide.chooseMaterialOf(8, "fat");
+  f.guide.createBodies();
+  REQUIRE(f.made.size() == 2);
+  f.guide.onBodiesCreated({f.made[1]});
+  f.settle();
+  CHECK(f.guide.pickedLabels() == std::vector<std::uint16_t>{8});
+  CHECK(f.voxels() == Fixture::kSmall);
+  f.guide.chooseMaterial("fat");
+  f.guide.createBodies();
+  REQUIRE(f.made.size() == 3);
+  CHECK((f.made[2].label == 8 && f.made[2].mask));
+  f.guide.onBodiesCreated({f.made[2]});
+  CHECK(f.guide.pickedLabels().empty());
+  CHECK_FALSE(f.guide.mask().mask());
+  f.guide.undo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kSmall);
+}
+
+TEST_CASE("A label without voxels names itself", "[organ]") {
+  Fixture f;
+  BodyRequest request;
+  request.name = "ghost";
+  auto labels = std::make_shared<scene::StoredLabels>(*f.sources.labels);
+  labels->name = "map.nrrd";
+  request.labels = labels;
+  request.label = 77;
+  const auto mask = maskOf(request);
+  REQUIRE_FALSE(mask);
+  CHECK_THAT(mask.error().message, Contains("map.nrrd has label 77"));
+}
+
+TEST_CASE("Steps that were undone are redone, until another one is made", "[organ]") {
+  Fixture f;
+  f.guide.setSources(f.sources);
+  f.guide.setLow(60.0);
+  f.settle();
+  f.guide.carryOut(Kind::largest);
+  f.settle();
+  f.guide.chooseLabels({3, 8});
+  CHECK_FALSE(f.guide.mask().canRedo());
+  f.guide.undo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge);
+  f.guide.undo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + Fixture::kSmall);
+  CHECK(f.guide.mask().undoLabel() == "threshold 60 … 100");
+  CHECK(f.guide.mask().redoLabel() == "the largest part");
+  f.guide.redo();
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge);
+  f.guide.redo();
+  CHECK(f.guide.isSeveral());
+  CHECK(f.guide.settings().isFromLabel);
+  CHECK_FALSE(f.guide.mask().canRedo());
+  f.guide.undo();
+  f.settle();
+  f.guide.carryOut(Kind::fillHoles);
+  f.settle();
+  CHECK(f.voxels() == Fixture::kLarge + 1);
+  CHECK_FALSE(f.guide.mask().canRedo());
+}
+
+TEST_CASE("Another image starts anew, also while a step runs", "[organ]") {
+  Fixture f;
+  f.guide.setLow(60.0);
+  f.guide.carryOut(Kind::close);
+  f.guide.setSources({});
+  f.settle();
+  CHECK_FALSE(f.guide.mask().mask());
+  CHECK(f.guide.mask().steps().empty());
+  CHECK(f.guide.maskProblem().empty());
+}
+
+TEST_CASE("The guide may go while its jobs run, and the jobs may go first", "[organ]") {
+  MainQueue queue;
+  const scene::MaterialLibrary none;
+  auto jobs = std::make_unique<BackgroundJobs>(queue);
+  const Fixture f;
+  {
+    SegmentationWorkflow first(*jobs, "test", none, {});
+    first.setSources(f.sources);
+    first.setLow(60.0);
+  }
+  SegmentationWorkflow second(*jobs, "test", none, {});
+  second.setSources(f.sources);
+  second.setLow(60.0);
+  second.carryOut(Kind::largest);
+  jobs.reset();
+  queue.runFrame();
+  CHECK_FALSE(second.mask().isBusy());
+}
