@@ -21,8 +21,9 @@ std::uint64_t substepLimit(const Body &body) {
       std::clamp(kMostWork / points, static_cast<double>(kLeastSubsteps), static_cast<double>(kMostSubsteps)));
 }
 
-// Something outside puts energy into the body, or it takes up what it has lost.
-bool driven(const Body &body, std::span<const Obstacle> obstacles, double time) {
+// Something outside puts energy into the body, or it takes up what it has lost. Wider than isDriven(): after a ramp what
+// swings still exchanges energy with its support.
+bool mayGainEnergy(const Body &body, std::span<const Obstacle> obstacles, double time) {
   if (body.grab) return true;
   for (const Obstacle &obstacle : obstacles)
     if (obstacle.motion) return true;
@@ -167,7 +168,7 @@ double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uin
                                                            : advanceImplicit(order, span);
     if (gone && order.number % EnergyWatch::kEnergyInterval == 0)
       clock.measure(kGuard, [&] {
-        const bool mayGrow = driven(body, order.environment.obstacles, order.time);
+        const bool mayGrow = mayGainEnergy(body, order.environment.obstacles, order.time);
         const EnergyWatch before = energy_;
         if (auto grown = energy_.look(body, order.world.gravity, mayGrow)) {
           gone = refused(std::move(*grown));
