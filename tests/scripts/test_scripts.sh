@@ -268,7 +268,7 @@ case $machine in
       >"$place/err" </dev/null || status=$?
     : >"$place/out"
     ends_with_status 0
-    says $'\r\033[Kc3de: building: step 2 of 40'
+    says $'\r\033[Kc3de: building: step '
     grep -q 'step 1[0-4] of 40 ([0-9]* %), about [0-9]* s left' "$place/err" || fail "an estimate was expected"
     ;;
   interrupt)
