@@ -67,7 +67,7 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
   body->setPrecision(world_.precision);
   std::string cloud = inspectCloud(body->rest()).warning();
   if (!cloud.empty()) cloud += "; sampling.neighbours and the spacing change it";
-  for (const std::string &unusual : {volumeWarning(body->rest()), cloud}) {
+  for (const std::string &unusual : {volumeWarning(body->rest()), tornWarning(body->rest()), cloud}) {
     if (unusual.empty()) continue;
     warnings_[nextId_].push_back("body '" + body->name() + "': " + unusual);
     note("warning", warnings_[nextId_].back());

@@ -78,7 +78,7 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
   for (const std::string &error : errors)
     if (!error.empty()) lines.push_back(error);
   constexpr std::size_t kMostOfAKind = 3;
-  for (const char *kind : {"stopped", "skin", "overlap", "step"}) {
+  for (const char *kind : {"warning", "stopped", "skin", "overlap", "step"}) {
     std::size_t count = 0;
     for (const SimulationEvent &event : simulator.events())
       if (event.kind == kind && ++count <= kMostOfAKind) lines.push_back(event.text);
