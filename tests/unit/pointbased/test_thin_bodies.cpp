@@ -211,6 +211,35 @@ TEST_CASE("bodies that pass through each other are told of once, and nobody else
   CHECK(told == 1);
 }
 
+TEST_CASE("pairs of many bodies are looked at in turn, and each that overlaps is found") {
+  Simulator simulator;
+  WorldSettings world;
+  world.gravity = Vec3::Zero();
+  simulator.setWorld(world);
+  // They come together in the middle.
+  constexpr int kBodies = 6;
+  for (int k = 0; k < kBodies; ++k) {
+    const double x = 0.05 * (k - 0.5 * (kBodies - 1));
+    auto body = latticeBox(Vec3(x, 0, 0), Vec3(x + 0.04, 0.04, 0.04), 0.01, rubber(1e5), 8);
+    body->setInitialVelocity(Vec3(-1.5 * x, 0, 0), Vec3::Zero());
+    simulator.addBody(std::move(body));
+  }
+  std::vector<std::string> told;
+  const auto look = [&] {
+    told.clear();
+    for (const SimulationEvent &event : simulator.events())
+      if (event.kind == "overlap") told.push_back(event.text);
+  };
+  REQUIRE(simulator.step());
+  look();
+  CHECK(told.empty());
+  while (simulator.time() < 0.9) REQUIRE(simulator.step());
+  look();
+  CHECK(told.size() == kBodies * (kBodies - 1) / 2);
+  std::sort(told.begin(), told.end());
+  CHECK(std::unique(told.begin(), told.end()) == told.end());
+}
+
 TEST_CASE("the depth of a penetration is that of the skin that is drawn") {
   Body body("tube", laidOut(boxSurface(Vec3(0, 0, 0), Vec3(0.06, 0.02, 0.02), 6), 0.02), soft(), serialFor());
   WorldBox box;

@@ -269,7 +269,7 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   if (finished()) return {};
   const detail::FlushDenormals flush;
   if (steps_ == 0) {
-    tellWhoSetsTheStep();
+    tellAtStart();
     lookAround();
   }
   const detail::StepOrder order = this->order(stop);
@@ -349,7 +349,8 @@ void Simulator::reset() {
   notRenewed_.clear();
   skinDeepest_.clear();
   overlaps_.clear();
-  toldStep_ = false;
+  lastPair_ = {0, 0};
+  toldAtStart_ = false;
   spent_.clear();
   advanced_ = 0.0;
 }
