@@ -200,9 +200,9 @@ void tryAll(const std::vector<double> &ratios, const std::vector<Course> &course
         if (std::getenv("C3DE_THIN")) std::cout << what << std::endl;
       }
     }
-  row("bodies 1 … 6 times thinner than a spacing fall, spin and are pulled",
+  row("bodies thinner than a spacing (up to 6 times) fall, spin and are pulled",
       std::to_string(runs) + " runs: energy at most " + text(100.0 * gained) + " % above what was put in, edges of skins at most " +
-          text(longest) + " times their length, where the sampling has not torn the body (which is told)");
+          text(longest) + " times as stretched as the tissue, but where the sampling has torn a body (which is told)");
 }
 
 }  // namespace
