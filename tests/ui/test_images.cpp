@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a person does with an image in the window: scroll, point, change window and level, maximise, lay labels over it,
 // see an organ cut by the slices and pull it.
+#include <algorithm>
 #include <thread>
 #include <chrono>
 #include <cmath>
@@ -286,6 +287,59 @@ TEST_CASE("a double click gives a view the whole area, and another one gives it 
     return s["panes"].empty() && s["view"]["w"] > 600 && !s["widgets"].contains("image/header");  // a frame later
   });
   CHECK(closed["nodes"].empty());
+}
+
+TEST_CASE("a view shows what has changed in it at once, and no more than that", "[image_kept]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_kept");
+  startOn(window, {imageFile("image_kept").string(), labelFile("image_kept").string()});
+  window.waitUntil("the labels are there", [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  const auto shot = [&](const char *name) {
+    window.moveTo(inPane(window, "3D", 0.9, 0.9));
+    window.waitUntil("notices are gone", [](const Json &s) { return s["notifications"].empty(); }, 60.0);
+    window.screenshot(name);
+  };
+  const auto differ = [&](const char *before, const char *after, const std::vector<std::string> &changed) {
+    for (const std::string pane : {"axial", "sagittal", "coronal", "3D"}) {
+      INFO(before << " and " << after << ": " << pane);
+      const bool isMeant = std::find(changed.begin(), changed.end(), pane) != changed.end();
+      CHECK((window.differingPixels(before, after, pane) > 200.0) == isMeant);
+    }
+  };
+  const std::vector<std::string> all{"axial", "sagittal", "coronal", "3D"};
+  shot("first");
+  // The views lie over each other, and come back.
+  window.doubleClickAt(inPane(window, "axial", 0.5, 0.5));
+  window.waitForValue("image/layout", "axial");
+  window.screenshot("alone");
+  window.doubleClickAt(inPane(window, "axial", 0.5, 0.5));
+  window.waitForValue("image/layout", "four");
+  shot("four_again");
+  differ("first", "four_again", {});
+  window.moveTo(inPane(window, "axial", 0.5, 0.5));
+  window.wheel(3);
+  window.waitUntil("another slice", [&](const Json &s) { return number(s, "axial.slice") == 27.0; });
+  shot("scrolled");
+  CHECK(window.differingPixels("first", "scrolled", "axial") > 50.0);
+  CHECK(window.differingPixels("first", "scrolled", "3D") > 50.0);
+  window.click("image/label.1");
+  window.waitForValue("image/label.1", "false");
+  shot("without_block");
+  differ("scrolled", "without_block", all);
+  window.click("image/label.1");
+  window.waitForValue("image/label.1", "true");
+  shot("with_block");
+  differ("scrolled", "with_block", {});
+  window.moveTo(inPane(window, "axial", 0.5, 0.5));
+  window.key("4");
+  shot("preset");
+  differ("with_block", "preset", all);
+  window.drag(inPane(window, "3D", 0.4, 0.5), inPane(window, "3D", 0.6, 0.6), 4);
+  shot("turned");
+  differ("preset", "turned", {"3D"});
+  window.click("scene/" + imageFile("image_kept").filename().string());
+  shot("hidden");
+  differ("turned", "hidden", {"3D"});
 }
 
 TEST_CASE("volume rendering, presets and labels are chosen in the panel", "[image_panel]") {

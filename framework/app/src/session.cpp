@@ -201,7 +201,7 @@ Described toAbi(const std::string &name, const MeshLease &mesh, const scene::Sce
 }  // namespace
 
 struct Session::Impl {
-  explicit Impl(unsigned threads) : pool(threads), jobs(mainQueue) {}
+  Impl(unsigned threads, bool hasWindow) : pool(threads, hasWindow), jobs(mainQueue) {}
 
   ThreadPool pool;
   MainQueue mainQueue;
@@ -302,7 +302,7 @@ Session::~Session() {
 }
 
 Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options) {
-  auto impl = std::make_unique<Impl>(options.threads);
+  auto impl = std::make_unique<Impl>(options.threads, options.panels != nullptr);
 
   const auto materialsFile = findResource("materials.toml");
   auto materials = materialsFile ? scene::MaterialLibrary::load(*materialsFile)

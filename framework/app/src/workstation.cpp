@@ -143,12 +143,14 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
 
 void Workstation::run() {
   while (!window_->closeRequested()) {
-    window_->waitForFrame();
-    session_->mainQueue().runFrame();
-    watchForFailure();
+    const bool takesNews = window_->waitForFrame();
+    if (takesNews) {
+      session_->mainQueue().runFrame();
+      watchForFailure();
+    }
     // The state first: one that stands is the last that draws a frame, and its displacement is asked for after it.
     const ui::SimulationView simulation = simulationView();
-    takeWarp();
+    if (takesNews) takeWarp();
     window_->drawFrame(*renderer_, simulation);
   }
   window_->writeAutomationState();
