@@ -68,8 +68,13 @@ TEST_CASE("Names of a table may have several words, which end where numbers begi
 
 TEST_CASE("Names and colours of Slicer's segments are read", "[imaging]") {
   const std::string segments = "Segment0_LabelValue:=5\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment1_LabelValue:=1\nSegment1_Name:=spleen\nSegment1_Layer:=0\n";
-  const auto loaded = readLabelMap(textNrrd("a.seg.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced + segments));
+  const auto file = textNrrd("a.seg.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced + segments);
+  const auto loaded = readLabelMap(file);
   REQUIRE(loaded);
+  const auto list = listSeries(file), plain = listSeries(textNrrd("plain.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced));
+  REQUIRE((list && plain));
+  CHECK(list->front().isSegmentation);
+  CHECK_FALSE(plain->front().isSegmentation);
   CHECK(loaded->labels.labels[0].name == "spleen");
   CHECK(loaded->labels.labels[1].name == "label 2");
   CHECK(loaded->labels.labels[2].name == "liver");
