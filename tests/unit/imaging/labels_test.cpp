@@ -271,7 +271,8 @@ TEST_CASE("Organs of TotalSegmentator have their names", "[imaging]") {
   REQUIRE(loaded->labels.labels.size() == 41);
   for (const auto &[number, name] : {std::pair{1, "spleen"}, {2, "kidney_right"}, {3, "kidney_left"}, {5, "liver"}}) {
     const auto &all = loaded->labels.labels;
-    const auto found = std::find_if(all.begin(), all.end(), [&](const LabelMap::Label &l) { return l.value == number; });
+    const auto found = std::find_if(all.begin(), all.end(),
+                                    [wanted = number](const LabelMap::Label &l) { return l.value == wanted; });
     REQUIRE(found != all.end());
     CHECK(found->name == name);
   }
