@@ -51,13 +51,13 @@ fs::path imageFile(const std::string &scenario) {
   return file;
 }
 
-fs::path labelFile(const std::string &scenario) {
+fs::path labelFile(const std::string &scenario, const std::string &extension = ".nii.gz") {
   const Phantom p = phantom();
   c3de::imaging::LabelMap map;
   map.geometry = {p.size, p.worldFromIndex};
   map.voxels = p.labels;
   map.labels = {{1, "block", {0.1f, 0.6f, 0.1f}}, {2, "letters", {1.0f, 0.2f, 0.1f}}};
-  const fs::path file = outputFile(scenario + "_labels.nii.gz");
+  const fs::path file = outputFile(scenario + "_labels" + extension);
   const auto written = c3de::imaging::writeLabelMap(file, map);
   if (!written) FAIL(written.error().message);
   return file;
@@ -607,4 +607,40 @@ TEST_CASE("a folder of several series asks for one, and for none", "[image_serie
   other.click("series/cancel");
   other.waitUntil("the question is gone", [](const Json &s) { return !s["widgets"].contains("series/series.1"); });
   CHECK(other.state()["panes"].empty());
+}
+
+TEST_CASE("a segmentation that is opened as an image is a label map", "[image_segmentation]") {
+  C3DE_WINDOW_OR_SKIP();
+  C3DE_DATA_OR_SKIP(segments, "dicom/ct_3slice_plus_seg/liver.dcm");
+  C3DE_DATA_OR_SKIP(scan, "dicom/ct_3slice_plus_seg/01.dcm");
+  // By itself: over its own numbers.
+  for (const fs::path &file : {segments, labelFile("image_segmentation", ".seg.nrrd")}) {
+    WorkstationDriver alone("image_segmentation" + file.extension().string());
+    alone.start({file.string()});
+    const Json state = alone.waitUntil("its labels are there", [](const Json &s) {
+      return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "Label map").empty();
+    }, 60.0);
+    CHECK(text(state, "Label map") == file.filename().string());
+    std::string all;
+    for (const Json &n : state["notifications"]) all += n["text"].get<std::string>() + "\n";
+    CHECK_THAT(all, Contains("Its segments lie over its numbers as labels"));
+  }
+  // Over a scan, which stays.
+  WorkstationDriver window("image_segmentation_scan");
+  startOn(window, {scan.string()});
+  const std::string shown = text(window.state(), "Image");
+  window.key("ctrl+i");
+  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.click("dialog/path");
+  window.key("ctrl+a");
+  window.type(segments.string());
+  window.key("Return");
+  const Json state = window.waitUntil("its labels are there", [](const Json &s) {
+    return s["jobs"].empty() && !text(s, "Label map").empty();
+  }, 60.0);
+  CHECK(text(state, "Image") == shown);
+  CHECK(text(state, "Label map") == "liver.dcm");
+  std::string all;
+  for (const Json &n : state["notifications"]) all += n["text"].get<std::string>() + "\n";
+  CHECK_THAT(all, Contains("lie over the image that is open, as labels"));
 }

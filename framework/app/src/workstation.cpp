@@ -392,7 +392,8 @@ void Workstation::whenLoaded(const WorkstationLoader::Loaded &loaded) {
   warp_.begin();
   images_->showDisplacement(nullptr);
   if (loaded.image && !loaded.isReload)
-    images_->open(loaded.image->file, loaded.image->labels, loaded.image->series, loaded.image->time);
+    images_->open(loaded.image->file, loaded.image->labels, loaded.image->series, loaded.image->time,
+                  WorkstationImages::Segmentation::image);
   else
     askForWarp();
   scene::Simulation *simulation = session_->simulation();
