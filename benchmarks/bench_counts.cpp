@@ -60,14 +60,14 @@ Named forces(std::string name, std::shared_ptr<Body> body) {
 Named tangent(std::string name, std::shared_ptr<Body> body) {
   return {std::move(name), [body = std::move(body)] { body->linearise(serialFor()); }};
 }
-Named product(std::string name, std::shared_ptr<Body> body) {
+Named product(std::string name, const std::shared_ptr<Body> &body) {
   auto df = std::make_shared<std::vector<Vec3>>(body->rest().phyxelCount());
   body->linearise(serialFor());
   return {std::move(name),
           [=] { body->forceDifferential(body->state().displacements, 0.0, *df, serialFor()); }};
 }
 
-Named surfels(std::string name, std::shared_ptr<Body> body) {
+Named surfels(std::string name, const std::shared_ptr<Body> &body) {
   auto positions = std::make_shared<std::vector<Vec3>>(kSurfelCount), normals = std::make_shared<std::vector<Vec3>>(kSurfelCount);
   return {std::move(name), [=] {
             const RestState &rest = body->rest();
@@ -95,7 +95,7 @@ Obstacle ballBelow(double radius) {
 }
 
 // A fresh search, and one a step later, which knows what is far.
-Named contact(std::string name, std::shared_ptr<Body> body) {
+Named contact(std::string name, const std::shared_ptr<Body> &body) {
   auto memory = std::make_shared<ContactState>();
   auto moved = std::make_shared<std::vector<Vec3>>();
   const std::span<const Vec3> from = body->contactPositions(serialFor());

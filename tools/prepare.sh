@@ -40,10 +40,17 @@ c3de_watched() {
 
 c3de_seconds() { echo "($2 s)"; }
 
-# The last "[done/all]" that ninja wrote, and how long the rest takes if it goes on like this.
+# The last "[done/all]" that ninja wrote, and how long the rest takes if it goes on like this. Before ninja counts what is to
+# be built it has cmake write its files anew where that is due, and counts that by itself.
 c3de_build_steps() {
-  local steps=0 all=0 left=""
-  read -r steps all < <(tail -c 4000 "$1" 2>/dev/null | sed -n 's|^\[\([0-9]*\)/\([0-9]*\)\].*|\1 \2|p' | tail -n 1) || true
+  local steps=0 all=0 what="" left=""
+  read -r steps all what < <(tail -c 4000 "$1" 2>/dev/null | sed -n 's|^\[\([0-9]*\)/\([0-9]*\)\]|\1 \2 |p' | tail -n 1) || true
+  case $what in
+    Re-running\ CMake* | Re-checking\ *)
+      echo "cmake configures anew ($2 s)"
+      return
+      ;;
+  esac
   if [ "${all:-0}" -eq 0 ]; then
     echo "($2 s)"
     return

@@ -105,7 +105,8 @@ class Recorder : public sdk::Object<Recorder> {
               {"loads", Json::array()},
               {"parts", Json::array()},
               {"refinements", Json::array()},
-              {"fill", json(in->fill)}};
+              {"fill", json(in->fill)},
+              {"colour", in->colour ? Json{in->colour[0], in->colour[1], in->colour[2]} : Json()}};
     for (std::uint64_t i = 0; i < in->fixes_n; ++i) {
       const c3de_sim_fix &fix = sdk::strided(in->fixes, i, in->fixes_stride);
       findSomething(fix.region, "fix " + std::to_string(fix.index));

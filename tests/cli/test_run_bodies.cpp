@@ -116,6 +116,36 @@ TEST_CASE("An error estimate above a tenth is said in the summary and as an even
   if (count <= 12000) CHECK(fineJson["bodies"][0]["error_estimate"].get<double>() < 0.12);
 }
 
+TEST_CASE("With the count that is proposed the error estimate of bars is below a tenth") {
+  const auto folder = freshFolder("error-kept");
+  const auto report = folder / "report.json";
+  writeFile(folder / "box.obj", boxObj());
+  const auto end = std::string("region = { half_space = { point = [0.9999, 0, 0], normal = [-1, 0, 0] } }\n");
+  for (const std::string &what :
+       {"[[load]]\n" + end + "force = [15, 0, 0]\n", "[[fix]]\n" + end + "displacement = [-0.05, 0, 0]\n",
+        "[[fix]]\n" + end + "displacement = [0.03, 0, 0]\nrotation_deg = [3, 0, 0]\n"}) {
+    std::string coarse;
+    const auto estimateAt = [&](unsigned long count) {
+      const auto scene = writeFile(folder / "scene.toml",
+                                   "format = 1\n[solver]\nintegrator = \"quasistatic\"\nload_steps = 1\n[[body]]\nmesh = \"box.obj\"\n"
+                                   "mesh_unit = \"m\"\nsampling = { count = " + std::to_string(count) +
+                                       " }\n[[fix]]\nregion = { half_space = { point = [0.0001, 0, 0], normal = [1, 0, 0] } }\n" + what);
+      const auto result = runC3de({"run", scene.string(), "--report", report.string()});
+      INFO(result.output << result.errorOutput);
+      REQUIRE(result.exitCode == 0);
+      coarse = result.output;
+      return readJson(report)["bodies"][0]["error_estimate"].get<double>();
+    };
+    REQUIRE(estimateAt(100) > 0.1);
+    INFO(what << coarse);
+    const std::string key = "sampling.count = ";
+    REQUIRE_THAT(coarse, Contains(key));
+    const auto count = std::stoul(coarse.substr(coarse.find(key) + key.size()));
+    CHECK(count < 6000);
+    CHECK(estimateAt(count) < 0.1);
+  }
+}
+
 TEST_CASE("A tube far thinner than the spacing is refused, with what would do") {
   C3DE_DATA_OR_SKIP(scene, "found/energy_from_nothing.toml");
   const auto folder = freshFolder("too-coarse");

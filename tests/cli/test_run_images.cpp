@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bodies from label maps and images: from the file to the first step, without a mesh.
 #include <algorithm>
+#include <array>
 #include <chrono>
 
 #include "c3de/imaging/reading.h"
@@ -38,7 +39,8 @@ std::filesystem::path writeBalls(const std::filesystem::path &folder) {
 }
 
 double millilitres(const imaging::LabelMap &map, std::uint16_t label) {
-  return static_cast<double>(std::count(map.voxels.begin(), map.voxels.end(), label)) * map.geometry.voxelVolume() / 1000.0;
+  return static_cast<double>(std::count(map.voxels.begin(), map.voxels.end(), label)) * map.geometry.voxelVolume() /
+         1000.0;
 }
 
 const char *const kBody = "format = 1\n[[body]]\nvolume = \"organs.nrrd\"\nsampling = { count = 300 }\n";
@@ -49,8 +51,10 @@ TEST_CASE("Labels become bodies with the volume of their voxels, by number and b
   const auto folder = freshFolder("labels");
   (void)writeBalls(folder);
   const auto report = folder / "report.json";
-  const auto scene = writeFile(folder / "scene.toml", std::string(kBody) + "name = \"big\"\nlabel = 1\n[[body]]\nvolume = "
-                                                      "\"organs.nrrd\"\nsampling = { count = 300 }\nlabel = \"spleen\"\n");
+  const auto scene =
+      writeFile(folder / "scene.toml", std::string(kBody) +
+                                           "name = \"big\"\nlabel = 1\n[[body]]\nvolume = "
+                                           "\"organs.nrrd\"\nsampling = { count = 300 }\nlabel = \"spleen\"\n");
   const auto ran = runC3de({"run", scene.string(), "--steps", "2", "--report", report.string()});
   INFO(ran.errorOutput);
   REQUIRE(ran.exitCode == 0);
@@ -71,7 +75,7 @@ TEST_CASE("Labels become bodies with the volume of their voxels, by number and b
   }
 }
 
-TEST_CASE("A simulator is handed the voxels of the label in metres, and none for a mesh") {
+TEST_CASE("A simulator is handed the voxels of the label in metres and its colour, and none for a mesh") {
   const auto folder = freshFolder("fill");
   (void)writeBalls(folder);
   const auto report = folder / "report.json";
@@ -86,6 +90,12 @@ TEST_CASE("A simulator is handed the voxels of the label in metres, and none for
   const auto json = nlohmann::json::parse(readFile(report));
   REQUIRE(json["bodies"].size() == 2);
   CHECK(json["bodies"][1]["fill"].is_null());
+  // The label is (0.3, 0.1, 0.4) of light; as screens encode it (IEC 61966-2-1):
+  const auto &colour = json["bodies"][0]["colour"];
+  REQUIRE(colour.is_array());
+  const std::array<double, 3> encoded{0.584, 0.349, 0.665};
+  for (std::size_t c = 0; c < 3; ++c) CHECK_THAT(colour[c].get<double>(), WithinAbs(encoded[c], 2e-3));
+  CHECK(json["bodies"][1]["colour"].is_null());
   const auto &fill = json["bodies"][0]["fill"];
   REQUIRE(fill.is_object());
   const auto vector = [&](const char *key) {
@@ -111,8 +121,10 @@ TEST_CASE("A simulator is handed the voxels of the label in metres, and none for
 TEST_CASE("A label that does not occur is refused with those that do") {
   const auto folder = freshFolder("no_label");
   (void)writeBalls(folder);
-  for (const auto &[line, expected] : {std::pair{"label = 7\n", "no label 7"}, {"label = \"splen\"\n", "did you mean 'spleen'?"}}) {
-    const auto refused = runC3de({"run", writeFile(folder / "scene.toml", std::string(kBody) + line).string(), "--steps", "1"});
+  for (const auto &[line, expected] :
+       {std::pair{"label = 7\n", "no label 7"}, {"label = \"splen\"\n", "did you mean 'spleen'?"}}) {
+    const auto refused =
+        runC3de({"run", writeFile(folder / "scene.toml", std::string(kBody) + line).string(), "--steps", "1"});
     CHECK(refused.exitCode == 3);
     CHECK_THAT(refused.errorOutput, Contains("scene.toml:2: ") && Contains(expected) && Contains("1 liver, 2 spleen"));
   }
@@ -159,7 +171,8 @@ TEST_CASE("What of a label is in no body is told in ml, in the report, as an eve
   CHECK(body["represented_part"].get<double>() < 1.0 - 0.5 * missing / millilitres(map, 1));
   REQUIRE_FALSE(coarse["events"].empty());
   CHECK(coarse["events"][0]["kind"] == "not_represented");
-  CHECK_THAT(coarse["events"][0]["text"].get<std::string>(), Contains("'liver'") && Contains("ml") && Contains("1 loose island"));
+  CHECK_THAT(coarse["events"][0]["text"].get<std::string>(),
+             Contains("'liver'") && Contains("ml") && Contains("1 loose island"));
   CHECK_THAT(summary, Contains("is in no body"));
 }
 
@@ -170,7 +183,8 @@ TEST_CASE("A scene with an image is drawn as four views, or as the one that was 
                                std::string(kBody) + "label = 1\n[image]\nfile = \"organs.nrrd\"\n");
   bool isDrawn = true;
   const auto draw = [&](const std::string &name, std::vector<std::string> more) -> std::string {
-    std::vector<std::string> arguments{"run", scene.string(), "--steps", "2", "--screenshot", (folder / name).string(), "--size", "640x480"};
+    std::vector<std::string> arguments{"run",          scene.string(),           "--steps", "2",
+                                       "--screenshot", (folder / name).string(), "--size",  "640x480"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto ran = runWithoutDisplay(arguments);
     INFO(ran.errorOutput);
@@ -184,7 +198,8 @@ TEST_CASE("A scene with an image is drawn as four views, or as the one that was 
   CHECK(four.size() > 5000);
   CHECK(draw("four_again.png", {"--view", "four-up"}) == four);
   std::vector<std::string> all{four};
-  for (const std::string view : {"3d", "axial", "sagittal", "coronal"}) all.push_back(draw(view + ".png", {"--view", view}));
+  for (const std::string view : {"3d", "axial", "sagittal", "coronal"})
+    all.push_back(draw(view + ".png", {"--view", view}));
   for (std::size_t a = 0; a < all.size(); ++a)
     for (std::size_t b = 0; b < a; ++b) CHECK(all[a] != all[b]);
 }
@@ -196,7 +211,8 @@ TEST_CASE("A view of slices is refused where there is no image, and a name that 
   const auto refused = runWithoutDisplay({"run", scene, "--steps", "1", "--screenshot", picture, "--view", "axial"});
   if (refused.exitCode == 6) C3DE_SKIP("no OpenGL here: " + refused.errorOutput);
   CHECK(refused.exitCode == 2);
-  CHECK_THAT(refused.errorOutput, Contains("--view axial") && Contains("no [image]") && Contains("accepted: --view 3d"));
+  CHECK_THAT(refused.errorOutput,
+             Contains("--view axial") && Contains("no [image]") && Contains("accepted: --view 3d"));
   CHECK_FALSE(std::filesystem::exists(picture));
   const auto misspelt = runWithoutDisplay({"run", scene, "--steps", "1", "--screenshot", picture, "--view", "top"});
   CHECK(misspelt.exitCode == 2);
@@ -205,7 +221,8 @@ TEST_CASE("A view of slices is refused where there is no image, and a name that 
 }
 
 TEST_CASE("Liver, spleen and kidneys of a CT live within ten seconds of its file", "[data]") {
-  const std::filesystem::path labels = std::filesystem::path(testDataFolder()) / "volume/totalseg/example_seg_fast_force_split.nii.gz";
+  const std::filesystem::path labels =
+      std::filesystem::path(testDataFolder()) / "volume/totalseg/example_seg_fast_force_split.nii.gz";
   if (!std::filesystem::exists(labels)) {
     WARN("skipped: " << labels << " is not there");
     return;
@@ -213,8 +230,8 @@ TEST_CASE("Liver, spleen and kidneys of a CT live within ten seconds of its file
   const auto folder = freshFolder("totalseg");
   std::string text = "format = 1\n";
   for (const int label : {5, 1, 2, 3})
-    text += "[[body]]\nname = \"label " + std::to_string(label) + "\"\nvolume = \"" + labels.generic_string() + "\"\nlabel = " +
-            std::to_string(label) + "\nsampling = { count = 1000 }\n";
+    text += "[[body]]\nname = \"label " + std::to_string(label) + "\"\nvolume = \"" + labels.generic_string() +
+            "\"\nlabel = " + std::to_string(label) + "\nsampling = { count = 1000 }\n";
   const auto report = folder / "report.json";
   const auto begin = std::chrono::steady_clock::now();
   const auto ran =
@@ -248,8 +265,8 @@ TEST_CASE("An image is exported as the tissue lies at the end, with the way it h
                                "format = 1\n[image]\nfile = \"organs.nrrd\"\nrim = 4\n[world]\ngravity = [0, 0, 0]\n" +
                                    std::string(kBody).substr(11) + "label = 2\nvelocity = [0, 0, -0.1]\n");
   const auto image = folder / "warped.nii.gz", field = folder / "u.nrrd";
-  const auto ran = runC3de({"run", scene.string(), "--until", "0.04", "--export-image", image.string(), "--export-displacement",
-                            field.string()});
+  const auto ran = runC3de({"run", scene.string(), "--until", "0.04", "--export-image", image.string(),
+                            "--export-displacement", field.string()});
   INFO(ran.errorOutput);
   REQUIRE(ran.exitCode == 0);
   const auto warped = imaging::readVolume(image);
@@ -263,12 +280,15 @@ TEST_CASE("An image is exported as the tissue lies at the end, with the way it h
       for (std::size_t j = 0; j < 50; ++j)
         for (std::size_t i = 0; i < 60; ++i)
           if (valueAt(i, j, k) == label) {
-            sum = sum + before.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+            sum =
+                sum + before.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
             count += 1.0;
           }
     return (1.0 / count) * sum;
   };
-  const auto was = [&](std::size_t i, std::size_t j, std::size_t k) { return static_cast<double>(before.voxels[i + 60 * (j + 50 * k)]); };
+  const auto was = [&](std::size_t i, std::size_t j, std::size_t k) {
+    return static_cast<double>(before.voxels[i + 60 * (j + 50 * k)]);
+  };
   const auto is = [&](std::size_t i, std::size_t j, std::size_t k) { return warped->volume.value(i, j, k); };
   const Vec3 flown = centreOf(is, 2.0) - centreOf(was, 2.0), stayed = centreOf(is, 1.0) - centreOf(was, 1.0);
   // Voxels of 1.6 mm, and a rim of 4 mm that is squeezed and stretched: a quarter of a voxel.
@@ -289,7 +309,8 @@ TEST_CASE("No output takes the place of a file that is read, nor of another outp
   const auto folder = freshFolder("outputs_apart");
   const auto organs = writeBalls(folder);
   const auto before = readFile(organs);
-  const auto scene = writeFile(folder / "scene.toml", "format = 1\n[image]\nfile = \"organs.nrrd\"\n" + std::string(kBody).substr(11) + "label = 2\n");
+  const auto scene = writeFile(folder / "scene.toml", "format = 1\n[image]\nfile = \"organs.nrrd\"\n" +
+                                                          std::string(kBody).substr(11) + "label = 2\n");
   std::filesystem::create_directories(folder / "sub");
   const auto roundabout = folder / "sub" / ".." / "organs.nrrd";
   for (const auto &file : {organs, roundabout}) {
@@ -301,7 +322,8 @@ TEST_CASE("No output takes the place of a file that is read, nor of another outp
   const auto own = runC3de({"run", scene.string(), "--steps", "1", "--report", scene.string()});
   CHECK(own.exitCode == 2);
   const auto both = folder / "both.nrrd";
-  const auto twice = runC3de({"run", scene.string(), "--steps", "1", "--export-image", both.string(), "--export-displacement", both.string()});
+  const auto twice = runC3de(
+      {"run", scene.string(), "--steps", "1", "--export-image", both.string(), "--export-displacement", both.string()});
   CHECK(twice.exitCode == 2);
   CHECK_THAT(twice.errorOutput, Contains("two outputs"));
   CHECK_FALSE(std::filesystem::exists(both));
@@ -311,16 +333,20 @@ TEST_CASE("An image that cannot be read is refused before anything is simulated,
   const auto folder = freshFolder("unread_image");
   const auto organs = readFile(writeBalls(folder));
   (void)writeFile(folder / "cut.nrrd", organs.substr(0, organs.size() / 2));
-  const auto scene = writeFile(folder / "scene.toml", "format = 1\n[image]\nfile = \"cut.nrrd\"\n" + std::string(kBody).substr(11) + "label = 2\n");
+  const auto scene = writeFile(folder / "scene.toml", "format = 1\n[image]\nfile = \"cut.nrrd\"\n" +
+                                                          std::string(kBody).substr(11) + "label = 2\n");
   const auto report = folder / "report.json";
-  const auto ran = runC3de({"run", scene.string(), "--steps", "1", "--report", report.string(), "--export-image", (folder / "w.nrrd").string()});
+  const auto ran = runC3de({"run", scene.string(), "--steps", "1", "--report", report.string(), "--export-image",
+                            (folder / "w.nrrd").string()});
   CHECK(ran.exitCode == 3);
   CHECK_THAT(ran.errorOutput, Contains("scene.toml:2") && Contains("cut.nrrd"));
   CHECK_FALSE(std::filesystem::exists(report));
   const auto info = runC3de({"info", scene.string()});
   CHECK(info.exitCode == 3);
   CHECK_THAT(info.errorOutput, Contains("cut.nrrd"));
-  const auto good = writeFile(folder / "good.toml", "format = 1\n[image]\nfile = \"organs.nrrd\"\nlabels = \"organs.nrrd\"\n" + std::string(kBody).substr(11) + "label = 2.0\n");
+  const auto good =
+      writeFile(folder / "good.toml", "format = 1\n[image]\nfile = \"organs.nrrd\"\nlabels = \"organs.nrrd\"\n" +
+                                          std::string(kBody).substr(11) + "label = 2.0\n");
   const auto told = runC3de({"info", good.string()});
   CHECK(told.exitCode == 0);
   CHECK_THAT(told.output, Contains("60 x 50 x 44 voxels") && Contains("labels "));
@@ -342,13 +368,14 @@ TEST_CASE("An exported image follows a body far away, also while another one has
   const auto folder = freshFolder("exported_far");
   (void)writeBalls(folder);
   // 20 mm towards -z, twice the ball's radius; the other ball is 10 m away by then.
-  const auto scene = writeFile(folder / "scene.toml",
-                               "format = 1\n[image]\nfile = \"organs.nrrd\"\nrim = 4\n[world]\ngravity = [0, 0, 0]\n" +
-                                   std::string(kBody).substr(11) + "name = \"near\"\nlabel = 2\nvelocity = [0, 0, -0.1]\n" +
-                                   std::string(kBody).substr(11) + "name = \"far\"\nlabel = 1\nvelocity = [-50, 0, 0]\n");
+  const auto scene =
+      writeFile(folder / "scene.toml",
+                "format = 1\n[image]\nfile = \"organs.nrrd\"\nrim = 4\n[world]\ngravity = [0, 0, 0]\n" +
+                    std::string(kBody).substr(11) + "name = \"near\"\nlabel = 2\nvelocity = [0, 0, -0.1]\n" +
+                    std::string(kBody).substr(11) + "name = \"far\"\nlabel = 1\nvelocity = [-50, 0, 0]\n");
   const auto image = folder / "warped.nrrd", field = folder / "u.nrrd";
-  const auto ran = runC3de({"run", scene.string(), "--until", "0.2", "--export-image", image.string(), "--export-displacement",
-                            field.string()});
+  const auto ran = runC3de({"run", scene.string(), "--until", "0.2", "--export-image", image.string(),
+                            "--export-displacement", field.string()});
   INFO(ran.errorOutput);
   REQUIRE(ran.exitCode == 0);
   const auto warped = imaging::readVolume(image);
@@ -359,11 +386,13 @@ TEST_CASE("An exported image follows a body far away, also while another one has
   for (std::size_t k = 0; k < 44; ++k)
     for (std::size_t j = 0; j < 50; ++j)
       for (std::size_t i = 0; i < 60; ++i) {
-        const Vec3 x = before.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        const Vec3 x =
+            before.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
         const double r = norm(x - there), value = warped->volume.value(i, j, k);
         // The border of a ball is as coarse as its voxels, of 1.6 mm.
         if (r < 9.0) ++inside, right += value == 2.0 ? 1 : 0;
-        if (r > 13.0 && x[2] < there[2]) ++beside, empty += value == static_cast<double>(before.voxels[i + 60 * (j + 50 * k)]) ? 1 : 0;
+        if (r > 13.0 && x[2] < there[2])
+          ++beside, empty += value == static_cast<double>(before.voxels[i + 60 * (j + 50 * k)]) ? 1 : 0;
       }
   CHECK(inside > 900);
   CHECK(right == inside);
@@ -392,7 +421,8 @@ TEST_CASE("An exported image follows a body far away, also while another one has
   CHECK(static_cast<double>(leftAndMarked) > 0.999 * static_cast<double>(left));
   // Bodies are as large as their skins, which lie up to half a voxel off the border.
   CHECK(static_cast<double>(marked) < 1.05 * static_cast<double>(balls));
-  CHECK_THAT(ran.errorOutput + ran.output, Contains("u-vacated.nrrd: " + std::to_string(marked) + " voxels") && Contains("ml) are left by a body"));
+  CHECK_THAT(ran.errorOutput + ran.output,
+             Contains("u-vacated.nrrd: " + std::to_string(marked) + " voxels") && Contains("ml) are left by a body"));
   const auto u = readFile(field);
   CHECK(u.find("nan") == std::string::npos);
 }
@@ -409,10 +439,13 @@ std::string cubesNrrd(bool areLayers, const std::string &keys) {
   };
   const auto voxel = [&](int v, int n) { return isIn(v, n == 0 ? 4 : 6) ? '\1' : '\0'; };
   for (int outer = 0; outer < (areLayers ? 8000 : 2); ++outer)
-    for (int inner = 0; inner < (areLayers ? 2 : 8000); ++inner) voxels += areLayers ? voxel(outer, inner) : voxel(inner, outer);
+    for (int inner = 0; inner < (areLayers ? 2 : 8000); ++inner)
+      voxels += areLayers ? voxel(outer, inner) : voxel(inner, outer);
   return std::string("NRRD0004\ntype: uchar\ndimension: 4\nspace: LPS\nencoding: raw\nspace origin: (0,0,0)\n") +
-         (areLayers ? "sizes: 2 20 20 20\nkinds: list domain domain domain\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\n"
-                    : "sizes: 20 20 20 2\nkinds: domain domain domain time\nspace directions: (1,0,0) (0,1,0) (0,0,1) none\n") +
+         (areLayers
+              ? "sizes: 2 20 20 20\nkinds: list domain domain domain\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\n"
+              : "sizes: 20 20 20 2\nkinds: domain domain domain time\nspace directions: (1,0,0) (0,1,0) (0,0,1) "
+                "none\n") +
          keys + "\n" + voxels;
 }
 
@@ -434,19 +467,23 @@ TEST_CASE("A time point is chosen by a scene and by info, and one that is not th
 
   const auto report = folder / "report.json";
   for (const auto &[time, millilitre] : {std::pair{"0", 0.512}, {"1", 1.728}}) {
-    const auto scene = writeFile(folder / "scene.toml", std::string("format = 1\n[image]\nfile = \"moving.nrrd\"\ntime = ") + time +
-                                                            "\n[[body]]\nvolume = \"moving.nrrd\"\ntime = " + time +
-                                                            "\nlabel = 1\nsampling = { count = 200 }\n");
-    const auto ran = runC3de({"run", scene.string(), "--steps", "1", "--report", report.string(), "--export-image", (folder / "w.nrrd").string()});
+    const auto scene =
+        writeFile(folder / "scene.toml", std::string("format = 1\n[image]\nfile = \"moving.nrrd\"\ntime = ") + time +
+                                             "\n[[body]]\nvolume = \"moving.nrrd\"\ntime = " + time +
+                                             "\nlabel = 1\nsampling = { count = 200 }\n");
+    const auto ran = runC3de({"run", scene.string(), "--steps", "1", "--report", report.string(), "--export-image",
+                              (folder / "w.nrrd").string()});
     INFO(ran.errorOutput);
     REQUIRE(ran.exitCode == 0);
-    CHECK(1e6 * nlohmann::json::parse(readFile(report))["bodies"][0]["volume_m3"].get<double>() == Approx(millilitre).epsilon(1e-6));
+    CHECK(1e6 * nlohmann::json::parse(readFile(report))["bodies"][0]["volume_m3"].get<double>() ==
+          Approx(millilitre).epsilon(1e-6));
     const auto written = imaging::readVolume(folder / "w.nrrd");
     REQUIRE(written);
     CHECK(written->volume.value(5, 10, 10) == (std::string(time) == "1" ? 1.0 : 0.0));
     CHECK_THAT(runC3de({"info", scene.string()}).output, Contains(std::string("time point ") + time + " of 2"));
   }
-  const auto scene = writeFile(folder / "scene.toml", "format = 1\n[[body]]\nvolume = \"moving.nrrd\"\ntime = 5\nlabel = 1\n");
+  const auto scene =
+      writeFile(folder / "scene.toml", "format = 1\n[[body]]\nvolume = \"moving.nrrd\"\ntime = 5\nlabel = 1\n");
   const auto refused = runC3de({"run", scene.string(), "--steps", "1"});
   CHECK(refused.exitCode == 3);
   CHECK_THAT(refused.errorOutput, Contains("scene.toml:2: ") && Contains("2 time points (0 … 1)"));
@@ -454,7 +491,10 @@ TEST_CASE("A time point is chosen by a scene and by info, and one that is not th
 
 TEST_CASE("Segments in layers become bodies by name, and a number that is in two layers is asked about") {
   const auto folder = freshFolder("layers");
-  const auto file = writeFile(folder / "organs.seg.nrrd", cubesNrrd(true, "Segment0_Layer:=0\nSegment0_LabelValue:=1\nSegment0_Name:=tumour\nSegment1_Layer:=1\nSegment1_LabelValue:=1\nSegment1_Name:=liver\n"));
+  const auto file = writeFile(folder / "organs.seg.nrrd",
+                              cubesNrrd(true,
+                                        "Segment0_Layer:=0\nSegment0_LabelValue:=1\nSegment0_Name:=tumour\nSegment1_"
+                                        "Layer:=1\nSegment1_LabelValue:=1\nSegment1_Name:=liver\n"));
   const auto info = runC3de({"info", file.string(), "--json"});
   REQUIRE(info.exitCode == 0);
   const auto labels = nlohmann::json::parse(info.output)["labels"];
@@ -462,14 +502,19 @@ TEST_CASE("Segments in layers become bodies by name, and a number that is in two
   CHECK((labels[0]["name"] == "tumour" && labels[0]["layer"] == 0));
   CHECK((labels[1]["name"] == "liver" && labels[1]["layer"] == 1));
   const auto scene = [&](const std::string &label) {
-    return writeFile(folder / "scene.toml", "format = 1\n[[body]]\nvolume = \"organs.seg.nrrd\"\nsampling = { count = 200 }\nlabel = " + label + "\n").string();
+    return writeFile(folder / "scene.toml",
+                     "format = 1\n[[body]]\nvolume = \"organs.seg.nrrd\"\nsampling = { count = 200 }\nlabel = " +
+                         label + "\n")
+        .string();
   };
   const auto report = folder / "report.json";
   for (const auto &[name, millilitre] : {std::pair{"tumour", 0.512}, {"liver", 1.728}}) {
-    const auto ran = runC3de({"run", scene("\"" + std::string(name) + "\""), "--steps", "1", "--report", report.string()});
+    const auto ran =
+        runC3de({"run", scene("\"" + std::string(name) + "\""), "--steps", "1", "--report", report.string()});
     INFO(ran.errorOutput);
     REQUIRE(ran.exitCode == 0);
-    CHECK(1e6 * nlohmann::json::parse(readFile(report))["bodies"][0]["volume_m3"].get<double>() == Approx(millilitre).epsilon(1e-6));
+    CHECK(1e6 * nlohmann::json::parse(readFile(report))["bodies"][0]["volume_m3"].get<double>() ==
+          Approx(millilitre).epsilon(1e-6));
   }
   const auto asked = runC3de({"run", scene("1"), "--steps", "1"});
   CHECK(asked.exitCode == 3);

@@ -7,15 +7,15 @@ place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
 mkdir -p "$place/tree/tools" "$place/bin" "$place/state"
 cp "$root/run" "$root/check" "$place/tree"
-cp "$root"/tools/prepare.sh "$root"/tools/debian-packages*.txt "$place/tree/tools"
+cp "$root"/tools/*.sh "$root"/tools/debian-packages*.txt "$place/tree/tools"
 state=$place/state
 touch "$state/installed" "$state/log"
 sed -e 's/#.*//' -e '/^ *$/d' "$root"/tools/debian-packages*.txt >"$state/sources"
 required() { sed -e 's/#.*//' -e '/^ *$/d' "$root/tools/debian-packages.txt"; }
 
 # PATH holds the stand-ins and what scripts need of the system, nothing else.
-for tool in awk bash basename cat chmod cp date dirname env false grep head kill ls mkdir mktemp nproc printf pwd rm sed seq setsid \
-            sleep sort tail tr true; do
+for tool in awk bash basename cat chmod cp date dirname env false find grep head kill ln ls mkdir mktemp ninja nproc paste printf pwd \
+            rm sed seq setsid sh sleep sort tail tr true wc; do
   path=$(type -P "$tool") && ln -s "$path" "$place/bin/$tool"
 done
 stand_in() {
@@ -67,13 +67,18 @@ stand_in cmake <<EOF
 echo "cmake \$*" >>"$state/log"
 if [ "\$1" = --preset ]; then
   [ ! -f "$state/bad_configure" ] || { printf 'CMake Error at CMakeLists.txt:1:\n  no such library\n'; exit 1; }
-  mkdir -p build/release/bin
+  mkdir -p build/release/bin build/clang
   touch build/release/build.ninja
+  for file in \$(find framework -name '*.cpp' ! -name '*_win32.cpp' 2>/dev/null); do
+    printf '{\n  "directory": "%s",\n  "command": "c++ -I%s/framework -isystem /usr/include/x -DTEXT=%s -O3 -o a.o -c a",\n  "file": "%s"\n},\n' \
+      "\$PWD" "\$PWD" '\\\\\\"it\\\\\\"' "\$PWD/\$file"
+  done >build/clang/compile_commands.json
   tests=OFF
   for a in "\$@"; do [ "\$a" != -DC3DE_BUILD_TESTS=ON ] || tests=ON; done
   echo "C3DE_BUILD_TESTS:BOOL=\$tests" >build/release/CMakeCache.txt
   exit 0
 fi
+[ ! -f "$state/anew" ] || { echo "[0/2] Re-checking globbed directories..."; sleep 5; }
 [ ! -f "$state/slow" ] || for i in \$(seq 1 "\$(cat "$state/slow")"); do echo "[\$i/40] Building"; sleep 1; done
 [ ! -f "$state/bad_build" ] || { printf '[1/2] Building a\nFAILED: a.o\na.cpp:7: error: no such thing\n'; exit 1; }
 printf '#!%s\necho "program: \$*"\n' "$(type -P bash)" >build/release/bin/c3de
@@ -83,6 +88,38 @@ stand_in ctest <<EOF
 #!$(type -P bash)
 echo "ctest \$*" >>"$state/log"
 EOF
+# Compilers that complain about every line of a source with BAD, and about headers that are not there.
+compilers_stand_in() {
+  stand_in clang++ </dev/null
+  stand_in clang-tidy <<EOF
+#!$(type -P bash)
+echo "clang-tidy \$*" >>"$state/log"
+grep -n BAD "\${@: -1}" | sed "s|^\([0-9]*\):.*|\$PWD/\${@: -1}:\1:1: error: this is bad [bugprone-x,-warnings-as-errors]|"
+! grep -q BAD "\${@: -1}"
+EOF
+  stand_in x86_64-w64-mingw32-g++-posix <<EOF
+#!$(type -P bash)
+echo "for-windows \$*" >>"$state/log"
+file=\${@: -1}
+grep -q 'include <unistd.h>\|include <epoxy/wgl.h>\|WORSE' "\$file" || exit 0
+sed -n "s,#include <\(unistd.h\|epoxy/wgl.h\)>,\$file:1:10: fatal error: \1: No such file or directory,p" "\$file"
+grep -q WORSE "\$file" && echo "\$file:2:3: error: worse"
+exit 1
+EOF
+  stand_in git <<EOF
+#!$(type -P bash)
+case \$1 in
+  rev-parse) [ "\${@: -1}" = "HEAD~1^{commit}" ] ;;
+  diff) echo framework/core/include/changed.h ;;
+esac
+EOF
+  mkdir -p "$place/tree/framework/core/src"
+  echo '#include "changed.h"' >"$place/tree/framework/core/src/a.cpp"
+  echo 'int b;' >"$place/tree/framework/core/src/b.cpp"
+  echo 'int c;' >"$place/tree/framework/core/src/platform_posix.cpp"
+  echo 'int d;' >"$place/tree/framework/core/src/platform_win32.cpp"
+  cp "$state/sources" "$state/installed"
+}
 sudo_stands_in() {
   stand_in sudo <<EOF
 #!$(type -P bash)
@@ -255,9 +292,73 @@ case $machine in
     echo 5 >"$state/slow"
     launch run info
     ends_with_status 0
-    says "c3de: building: step 3 of 40 (7 %)"
+    grep -qE 'c3de: building: step ([2-5]) of 40 \((5|7|10|12) %\)' "$place/err" || fail "the step was expected"
     grep -q $'\r' "$place/err" && fail "a log should have no carriage returns"
     [ "$(cat "$place/out")" = "program: info" ] || fail "only the program was expected on stdout"
+    ;;
+  progress_while_cmake_runs)
+    cp "$state/sources" "$state/installed"
+    touch "$state/anew"
+    launch run info
+    ends_with_status 0
+    says "c3de: building: cmake configures anew ("
+    says_not "step 0 of 2"
+    ;;
+  analyse)
+    compilers_stand_in
+    launch check --analyse
+    ends_with_status 0
+    called 'cmake --preset clang'
+    never_called 'ctest'
+    never_called 'cmake --build'
+    called 'clang-tidy .* framework/core/src/platform_posix.cpp$'
+    never_called 'clang-tidy .*_win32'
+    never_called 'for-windows .*_posix'
+    says "clang-tidy: 3 files, 0 findings"
+    called "for-windows -fsyntax-only -I$place/tree/framework -DTEXT=.it. -DNOMINMAX .* framework/core/src/platform_win32.cpp"
+    says "for Windows: 3 files, 0 not looked at, 0 with errors"
+    ;;
+  analyse_finds)
+    compilers_stand_in
+    echo 'BAD' >>"$place/tree/framework/core/src/b.cpp"
+    echo '#include <unistd.h>' >"$place/tree/framework/core/src/a.cpp"
+    launch check --analyse
+    ends_with_status 1
+    grep -qxF 'framework/core/src/b.cpp:2:1: error: this is bad [bugprone-x,-warnings-as-errors]' "$place/out" || fail "the finding was expected"
+    grep -qxF 'framework/core/src/a.cpp:1:10: fatal error: unistd.h: No such file or directory' "$place/out" || fail "the header was expected"
+    says "clang-tidy: 3 files, 1 findings"
+    says "for Windows: 3 files, 0 not looked at, 1 with errors"
+    ;;
+  analyse_says_what_it_left_out)
+    compilers_stand_in
+    echo '#include <epoxy/wgl.h>' >"$place/tree/framework/core/src/a.cpp"
+    launch check --analyse
+    ends_with_status 0
+    says "c3de: framework/core/src/a.cpp: not looked at, epoxy/wgl.h cannot be had for Windows here"
+    says "for Windows: 3 files, 1 not looked at, 0 with errors"
+    ;;
+  analyse_since)
+    compilers_stand_in
+    launch check --analyse --since HEAD~1
+    ends_with_status 0
+    called 'clang-tidy .* framework/core/src/a.cpp$'
+    never_called 'framework/core/src/b.cpp$'
+    says "clang-tidy: 1 files, 0 findings"
+    launch check --analyse --since nowhere
+    ends_with_status 1
+    one_error_line
+    says "--since 'nowhere' names no commit"
+    ;;
+  analyse_without_tools)
+    required >"$state/installed"
+    sed -i -e '/^clang-tidy$/d' -e '/^g++-mingw/d' "$state/sources"
+    launch check --analyse
+    ends_with_status 0
+    says "could not be installed, goes on without: clang clang-tidy g++-mingw-w64-x86-64-posix"
+    says "goes on without clang-tidy"
+    says "goes on without the syntax pass for Windows"
+    one_of_everything=$(grep -c 'goes on without the syntax pass' "$place/err")
+    [ "$one_of_everything" -eq 1 ] || fail "one line was expected"
     ;;
   progress_on_a_terminal)
     type -P script >/dev/null || { echo "[C3DE-SKIPPED] script (bsdutils) is not installed"; exit 0; }
@@ -268,7 +369,7 @@ case $machine in
       >"$place/err" </dev/null || status=$?
     : >"$place/out"
     ends_with_status 0
-    says $'\r\033[Kc3de: building: step 2 of 40'
+    says $'\r\033[Kc3de: building: step '
     grep -q 'step 1[0-4] of 40 ([0-9]* %), about [0-9]* s left' "$place/err" || fail "an estimate was expected"
     ;;
   interrupt)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a person does with an image in the window: scroll, point, change window and level, maximise, lay labels over it,
 // see an organ cut by the slices and pull it.
+#include <algorithm>
 #include <thread>
 #include <chrono>
 #include <cmath>
@@ -50,13 +51,13 @@ fs::path imageFile(const std::string &scenario) {
   return file;
 }
 
-fs::path labelFile(const std::string &scenario) {
+fs::path labelFile(const std::string &scenario, const std::string &extension = ".nii.gz") {
   const Phantom p = phantom();
   c3de::imaging::LabelMap map;
   map.geometry = {p.size, p.worldFromIndex};
   map.voxels = p.labels;
   map.labels = {{1, "block", {0.1f, 0.6f, 0.1f}}, {2, "letters", {1.0f, 0.2f, 0.1f}}};
-  const fs::path file = outputFile(scenario + "_labels.nii.gz");
+  const fs::path file = outputFile(scenario + "_labels" + extension);
   const auto written = c3de::imaging::writeLabelMap(file, map);
   if (!written) FAIL(written.error().message);
   return file;
@@ -286,6 +287,59 @@ TEST_CASE("a double click gives a view the whole area, and another one gives it 
     return s["panes"].empty() && s["view"]["w"] > 600 && !s["widgets"].contains("image/header");  // a frame later
   });
   CHECK(closed["nodes"].empty());
+}
+
+TEST_CASE("a view shows what has changed in it at once, and no more than that", "[image_kept]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("image_kept");
+  startOn(window, {imageFile("image_kept").string(), labelFile("image_kept").string()});
+  window.waitUntil("the labels are there", [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  const auto shot = [&](const char *name) {
+    window.moveTo(inPane(window, "3D", 0.9, 0.9));
+    window.waitUntil("notices are gone", [](const Json &s) { return s["notifications"].empty(); }, 60.0);
+    window.screenshot(name);
+  };
+  const auto differ = [&](const char *before, const char *after, const std::vector<std::string> &changed) {
+    for (const std::string pane : {"axial", "sagittal", "coronal", "3D"}) {
+      INFO(before << " and " << after << ": " << pane);
+      const bool isMeant = std::find(changed.begin(), changed.end(), pane) != changed.end();
+      CHECK((window.differingPixels(before, after, pane) > 200.0) == isMeant);
+    }
+  };
+  const std::vector<std::string> all{"axial", "sagittal", "coronal", "3D"};
+  shot("first");
+  // The views lie over each other, and come back.
+  window.doubleClickAt(inPane(window, "axial", 0.5, 0.5));
+  window.waitForValue("image/layout", "axial");
+  window.screenshot("alone");
+  window.doubleClickAt(inPane(window, "axial", 0.5, 0.5));
+  window.waitForValue("image/layout", "four");
+  shot("four_again");
+  differ("first", "four_again", {});
+  window.moveTo(inPane(window, "axial", 0.5, 0.5));
+  window.wheel(3);
+  window.waitUntil("another slice", [&](const Json &s) { return number(s, "axial.slice") == 27.0; });
+  shot("scrolled");
+  CHECK(window.differingPixels("first", "scrolled", "axial") > 50.0);
+  CHECK(window.differingPixels("first", "scrolled", "3D") > 50.0);
+  window.click("image/label.1");
+  window.waitForValue("image/label.1", "false");
+  shot("without_block");
+  differ("scrolled", "without_block", all);
+  window.click("image/label.1");
+  window.waitForValue("image/label.1", "true");
+  shot("with_block");
+  differ("scrolled", "with_block", {});
+  window.moveTo(inPane(window, "axial", 0.5, 0.5));
+  window.key("4");
+  shot("preset");
+  differ("with_block", "preset", all);
+  window.drag(inPane(window, "3D", 0.4, 0.5), inPane(window, "3D", 0.6, 0.6), 4);
+  shot("turned");
+  differ("preset", "turned", {"3D"});
+  window.click("scene/" + imageFile("image_kept").filename().string());
+  shot("hidden");
+  differ("turned", "hidden", {"3D"});
 }
 
 TEST_CASE("volume rendering, presets and labels are chosen in the panel", "[image_panel]") {
@@ -553,4 +607,40 @@ TEST_CASE("a folder of several series asks for one, and for none", "[image_serie
   other.click("series/cancel");
   other.waitUntil("the question is gone", [](const Json &s) { return !s["widgets"].contains("series/series.1"); });
   CHECK(other.state()["panes"].empty());
+}
+
+TEST_CASE("a segmentation that is opened as an image is a label map", "[image_segmentation]") {
+  C3DE_WINDOW_OR_SKIP();
+  C3DE_DATA_OR_SKIP(segments, "dicom/ct_3slice_plus_seg/liver.dcm");
+  C3DE_DATA_OR_SKIP(scan, "dicom/ct_3slice_plus_seg/01.dcm");
+  // By itself: over its own numbers.
+  for (const fs::path &file : {segments, labelFile("image_segmentation", ".seg.nrrd")}) {
+    WorkstationDriver alone("image_segmentation" + file.extension().string());
+    alone.start({file.string()});
+    const Json state = alone.waitUntil("its labels are there", [](const Json &s) {
+      return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "Label map").empty();
+    }, 60.0);
+    CHECK(text(state, "Label map") == file.filename().string());
+    std::string all;
+    for (const Json &n : state["notifications"]) all += n["text"].get<std::string>() + "\n";
+    CHECK_THAT(all, Contains("Its segments lie over its numbers as labels"));
+  }
+  // Over a scan, which stays.
+  WorkstationDriver window("image_segmentation_scan");
+  startOn(window, {scan.string()});
+  const std::string shown = text(window.state(), "Image");
+  window.key("ctrl+i");
+  window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+  window.click("dialog/path");
+  window.key("ctrl+a");
+  window.type(segments.string());
+  window.key("Return");
+  const Json state = window.waitUntil("its labels are there", [](const Json &s) {
+    return s["jobs"].empty() && !text(s, "Label map").empty();
+  }, 60.0);
+  CHECK(text(state, "Image") == shown);
+  CHECK(text(state, "Label map") == "liver.dcm");
+  std::string all;
+  for (const Json &n : state["notifications"]) all += n["text"].get<std::string>() + "\n";
+  CHECK_THAT(all, Contains("lie over the image that is open, as labels"));
 }

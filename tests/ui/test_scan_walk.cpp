@@ -47,6 +47,42 @@ double shift_mm(const Json &state, const std::string &pane) {
   return at == std::string::npos ? std::nan("") : std::strtod(readout.c_str() + at + 4, nullptr);
 }
 
+/// The cross-hair by the mouse, from `centre` to `target`. A pixel of these views is about 1 mm.
+Json pointAt(WorkstationDriver &window, const Vec3 &centre, const Vec3 &target) {
+  window.clickAt(pixelOf(window, "coronal", centre, {target[0], centre[1], target[2]}));
+  window.waitUntil("the height is set", [&](const Json &s) { return std::abs(crossHair(s)[2] - target[2]) < 2.0; });
+  window.clickAt(pixelOf(window, "axial", centre, target));
+  return window.waitUntil("the cross-hair is in the organ", [&](const Json &s) { return norm(crossHair(s) - target) < 3.0; });
+}
+
+/// The material of the same name follows.
+void nameOrgan(WorkstationDriver &window, const char *name) {
+  window.click("organ/name");
+  window.key("ctrl+a");
+  window.type(name);
+  window.key("Return");
+  window.waitForValue("organ/material", name);
+}
+
+/// In the 3D view from the front, without the planes of the slices, which would be in the way of the mouse.
+void takePinchTool(WorkstationDriver &window) {
+  window.click("image/slices_in_space");
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("1");
+  window.key("f");
+  window.key("p");
+  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+}
+
+/// Presses where the mouse is.
+Json pinch(WorkstationDriver &window) {
+  window.press();
+  return window.waitUntil("a surfel is held", [](const Json &s) {
+    const std::string held = text(s, "pointbased.controller/Held surfel");
+    return !held.empty() && held != "–";
+  });
+}
+
 }  // namespace
 
 TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows when it is pulled", "[image_walk]") {
@@ -66,14 +102,8 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
     return text(s, "image/preset") == "CT abdomen (4)" && number(s, "image/window") == 400.0 && number(s, "image/level") == 50.0;
   });
 
-  // The cross-hair by the mouse: into the liver, and its place read.
   const Vec3 liver{-66.5, -185.0, 392.0};
-  window.clickAt(pixelOf(window, "coronal", centre, {liver[0], centre[1], liver[2]}));
-  window.waitUntil("the height is set", [&](const Json &s) { return std::abs(crossHair(s)[2] - liver[2]) < 2.0; });
-  window.clickAt(pixelOf(window, "axial", centre, liver));
-  // A pixel of these views is about 1 mm.
-  const Json pointed =
-      window.waitUntil("the cross-hair is in the liver", [&](const Json &s) { return norm(crossHair(s) - liver) < 3.0; });
+  const Json pointed = pointAt(window, centre, liver);
   const std::string readout = text(pointed, "image/coronal.readout");
   INFO(readout);
   CHECK(readout.find("mm") != std::string::npos);
@@ -110,11 +140,7 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
   CHECK(organ > 700.0);
   CHECK(organ < 1240.0);
 
-  window.click("organ/name");
-  window.key("ctrl+a");
-  window.type("liver");
-  window.key("Return");
-  window.waitForValue("organ/material", "liver");
+  nameOrgan(window, "liver");
   // Held by nothing it goes far enough to leave its place.
   window.click("organ/held");
   window.click("organ/held.option.nothing");
@@ -129,22 +155,12 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
       },
       90.0);
 
-  // Pulled in the 3D view, where the planes of the slices would be in the way of the mouse.
   window.click("notification/close.0");
-  window.click("image/slices_in_space");
-  window.moveTo(window.inView(0.5, 0.5));
-  window.key("1");
-  window.key("f");
-  window.key("p");
-  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  takePinchTool(window);
   window.waitUntil("the scan knows its displacement", [](const Json &s) { return shift_mm(s, "coronal") < 0.5; });
   window.screenshot("alive");
   window.moveTo(window.inView(0.38, 0.4));
-  window.press();
-  window.waitUntil("a surfel is held", [](const Json &s) {
-    const std::string held = text(s, "pointbased.controller/Held surfel");
-    return !held.empty() && held != "–";
-  });
+  (void)pinch(window);
   for (int i = 1; i <= 8; ++i) window.moveTo(window.inView(0.38 + 0.03 * i, 0.4 + 0.04 * i));
   const Json pulled = window.waitUntil(
       "the tissue at the cross-hair has moved", [](const Json &s) { return shift_mm(s, "coronal") > 2.0; }, 30.0);
@@ -185,11 +201,7 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   window.type("spleen");
   window.click("organ/label.1");
   window.waitUntil("it is picked", [](const Json &s) { return text(s, "organ/Picked").starts_with("261"); });
-  window.click("organ/name");
-  window.key("ctrl+a");
-  window.type("spleen");
-  window.key("Return");
-  window.waitForValue("organ/material", "spleen");
+  nameOrgan(window, "spleen");
   CHECK(window.value("organ/held") == "by its surroundings");
   CHECK(window.number("organ/surroundings") == 30000.0);
   (void)window.locate("organ/surroundings");
@@ -200,17 +212,8 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
            number(s, "image/axial.outlines") + number(s, "image/coronal.outlines") + number(s, "image/sagittal.outlines") >= 0;
   }, 90.0);
 
-  // The cross-hair into it.
-  const Vec3 spleen{95.0, -135.0, 375.0};
-  window.clickAt(pixelOf(window, "coronal", centre, {spleen[0], centre[1], spleen[2]}));
-  window.waitUntil("the height is set", [&](const Json &s) { return std::abs(crossHair(s)[2] - spleen[2]) < 2.0; });
-  window.clickAt(pixelOf(window, "axial", centre, spleen));
-  window.click("image/slices_in_space");
-  window.moveTo(window.inView(0.5, 0.5));
-  window.key("1");
-  window.key("f");
-  window.key("p");
-  window.waitUntil("the pinch tool is active", [](const Json &s) { return s["tool"] == "pointbased.pinch"; });
+  (void)pointAt(window, centre, {95.0, -135.0, 375.0});
+  takePinchTool(window);
   window.waitUntil("it rests where the scan shows it", [](const Json &s) { return shift_mm(s, "axial") < 0.05; });
   window.moveTo(window.inView(0.5, 0.5));
   window.waitFrames(5);
@@ -221,11 +224,7 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
     std::istringstream(text(s, std::string("pointbased.controller/") + row)) >> at[0] >> at[1] >> at[2];
     return at;
   };
-  window.press();
-  const Json held = window.waitUntil("a surfel is held", [](const Json &s) {
-    const std::string surfel = text(s, "pointbased.controller/Held surfel");
-    return !surfel.empty() && surfel != "–";
-  });
+  const Json held = pinch(window);
   const Vec3 from = millimetres(held, "Held point");
   double u = 0.5, v = 0.5;
   while (norm(millimetres(window.state(), "Hand") - from) < 30.0 && u > 0.05) {

@@ -242,6 +242,9 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   CHECK(refused["severity"] == "error");
   CHECK_THAT(refused["text"].get<std::string>(), Contains("edge length of 0.5 mm") && Contains("It stays picked"));
   window.waitUntil("it is what is picked", [](const Json &s) { return text(s, "organ/Picked").ends_with(" 125000 voxels"); });
+  // Bodies have the colours of their labels: both are blue ones.
+  window.screenshot("kidneys");
+  CHECK(window.shareOfColour("kidneys", "b > 1.5*r && b > 0.25") > 0.002);
   // Outlines have taken the place of labels.
   CHECK(window.value("image/label.2") == "false");
   CHECK(window.value("image/label.3") == "false");

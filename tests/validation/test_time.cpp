@@ -234,6 +234,44 @@ TEST_CASE("free fall and a bar against a wall", "[truth]") {
   }
 }
 
+TEST_CASE("Hertz: a ball bounces off a wall", "[truth]") {
+  // Slow against the waves in it: contact lasts long against its vibrations, which get next to nothing of its energy.
+  const double radius = 0.05, speed = 0.01 * std::sqrt(kE / 1000.0), nu = 0.3;
+  for (const int cells : {8, 14}) {  // across the radius
+    Problem problem = moving(solids::ball(Vec3(0, 0, 0), radius), radius / cells, Integrator::explicitVerlet, MaterialLaw::neoHookean);
+    problem.material.poissonRatio = nu;
+    problem.world.box.enabled = true;
+    problem.world.box.min = Vec3(-1, -1, -radius - 1e-4);
+    problem.world.box.max = Vec3(1, 1, 1);
+    problem.world.box.friction = 0.0;
+    SolvedBody body(problem);
+    body.body().setInitialVelocity(Vec3(0, 0, -speed), Vec3::Zero());
+    body.simulator().reset();
+    const double mass = body.body().totalMass(), start = body.momentum()[2];
+    const double truth = 2.868 * std::pow(std::pow(mass * (1 - nu * nu) / kE, 2) / (radius * speed), 0.2);
+    const auto energy = [&] {
+      const Simulator::Energy e = body.simulator().energy(body.id());
+      return e.kinetic + e.elastic + e.stabilisation;
+    };
+    const double before = energy();
+    double first = -1.0, last = 0.0;
+    while (body.simulator().time() < 1e-4 / speed + 1.5 * truth) {
+      REQUIRE(body.simulator().step());
+      const auto &active = body.body().contact.active;
+      if (std::none_of(active.begin(), active.end(), [](const Contact &c) { return c.normalImpulse > 0.0; })) continue;
+      last = body.simulator().time();
+      if (first < 0.0) first = last;
+    }
+    const std::string name = "ball of " + std::to_string(cells) + " cells against a wall, 0.01 c";
+    judge({.body = name, .quantity = "time of contact, s", .truth = truth, .ours = last - first, .limit = cells == 8 ? 0.1 : 0.08,
+           .milliseconds = body.milliseconds()});
+    judge({.body = name, .quantity = "speed afterwards / before", .truth = 1.0, .ours = -body.momentum()[2] / start,
+           .limit = cells == 8 ? 0.03 : 0.02, .milliseconds = body.milliseconds()});
+    judge({.body = name, .quantity = "energy afterwards / before", .truth = 1.0, .ours = energy() / before,
+           .limit = cells == 8 ? 0.02 : 0.01, .milliseconds = body.milliseconds()});
+  }
+}
+
 TEST_CASE("Prony relaxation of a bar that is held twisted", "[truth]") {
   // Torsion strains nothing but shear, so the torque falls as the shear modulus. Mass damping takes what rings.
   const double a = 0.02, L = 0.04, share = 0.6, tau = 1.0, ramp = 0.2;

@@ -144,11 +144,12 @@ Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::
 
 Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, OrganSources &sources, std::ostringstream &text) {
   Preparation took;
-  const auto mask = sources.mask(body.volume, {}, took);
-  if (!mask) return failInScene(mask.error(), scene, body.line);
-  const double millilitres = imaging::volumeOf(*mask) / 1000.0;
-  text << "  volume " << body.volume.file.string() << ": " << imaging::voxelCount(*mask) << " voxels, " << millilitres << " ml\n";
-  return Json{{"file", body.volume.file.string()}, {"voxels", imaging::voxelCount(*mask)}, {"volume_ml", millilitres}};
+  const auto picked = sources.pick(body.volume, {}, took);
+  if (!picked) return failInScene(picked.error(), scene, body.line);
+  const std::size_t voxels = imaging::voxelCount(picked->mask);
+  const double millilitres = imaging::volumeOf(picked->mask) / 1000.0;
+  text << "  volume " << body.volume.file.string() << ": " << voxels << " voxels, " << millilitres << " ml\n";
+  return Json{{"file", body.volume.file.string()}, {"voxels", voxels}, {"volume_ml", millilitres}};
 }
 
 /// What the simulator has made of a body; nothing where it does not say.

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kServices{C3DE_COLLISION_ID, C3DE_IMAGING_ID, C3DE_JOBS_ID,     C3DE_LOG_ID,    C3DE_MESH_ID,
+constexpr std::array kServices{C3DE_COLLISION_ID, C3DE_HISTORY_ID, C3DE_IMAGING_ID, C3DE_JOBS_ID,     C3DE_LOG_ID,    C3DE_MESH_ID,
                                C3DE_PANELS_ID,    C3DE_PARAMS_ID,  C3DE_REGISTRY_ID, C3DE_RENDER_ID, C3DE_SCENE_ID,
                                C3DE_SIMULATION_ID, C3DE_TIME_ID,   C3DE_TOOLS_ID};
 

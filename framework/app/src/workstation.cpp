@@ -144,12 +144,14 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
 
 void Workstation::run() {
   while (!window_->closeRequested()) {
-    window_->waitForFrame();
-    session_->mainQueue().runFrame();
-    watchForFailure();
+    const bool takesNews = window_->waitForFrame();
+    if (takesNews) {
+      session_->mainQueue().runFrame();
+      watchForFailure();
+    }
     // The state first: one that stands is the last that draws a frame, and its displacement is asked for after it.
     const ui::SimulationView simulation = simulationView();
-    takeWarp();
+    if (takesNews) takeWarp();
     window_->drawFrame(*renderer_, simulation);
   }
   window_->writeAutomationState();
@@ -391,7 +393,8 @@ void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
   warp_.begin();
   images_->showDisplacement(nullptr);
   if (loaded.image && !loaded.isReload)
-    images_->open(loaded.image->file, loaded.image->labels, loaded.image->series, loaded.image->time);
+    images_->open(loaded.image->file, loaded.image->labels, loaded.image->series, loaded.image->time,
+                  WorkstationImages::Segmentation::image);
   else
     askForWarp();
   scene::Simulation *simulation = session_->simulation();

@@ -20,21 +20,44 @@ struct ReadImage {
   std::shared_ptr<scene::StoredImage> image;
   std::vector<std::string> notices;
   std::vector<imaging::SeriesInfo> series;  ///< to choose from; nothing was read then
+  bool isSegmentation = false;              ///< to be opened as labels
 };
 
-Expected<std::shared_ptr<scene::StoredImage>> readStored(const std::filesystem::path &path, const std::string &name, const imaging::ReadOptions &options,
-                                                         std::vector<std::string> &notices) {
-  auto loaded = imaging::readVolume(path, options);
+/// A file, or one of its series at one of its time points.
+struct ImageToRead {
+  std::filesystem::path path;
+  std::string series;
+  std::size_t time = 0;
+  std::string name;  ///< for people
+};
+
+/// For a job.
+Expected<void> readStored(const ImageToRead &wanted, const ProgressFn &progress, ReadImage &read) {
+  imaging::ReadOptions options;
+  options.series = wanted.series;
+  options.time = wanted.time;
+  options.progress = progress;
+  auto loaded = imaging::readVolume(wanted.path, options);
   if (!loaded) return tl::unexpected(loaded.error());
-  if (options.progress && !options.progress(-1.0, "looking at the values")) return fail(ErrorCode::cancelled, "opening " + name + " was cancelled");
+  if (progress && !progress(-1.0, "looking at the values"))
+    return fail(ErrorCode::cancelled, "opening " + wanted.name + " was cancelled");
   auto image = std::make_shared<scene::StoredImage>();
-  image->name = name;
+  image->name = wanted.name;
   image->volume = std::move(loaded->volume);
   image->range = imaging::robustRange(image->volume);
-  image->time = options.time;
+  image->time = wanted.time;
   image->times = loaded->times;
-  notices = std::move(loaded->notices);
-  return image;
+  read.image = std::move(image);
+  read.notices = std::move(loaded->notices);
+  return {};
+}
+
+/// Whether a segmentation was meant: by the file that was named, or because there is nothing else.
+bool isSegmentation(const std::vector<imaging::SeriesInfo> &readable) {
+  const auto segments = [](const imaging::SeriesInfo &s) { return s.isSegmentation; };
+  return (!readable.empty() && std::all_of(readable.begin(), readable.end(), segments)) ||
+         std::any_of(readable.begin(), readable.end(),
+                     [&](const imaging::SeriesInfo &s) { return s.holdsNamedFile && segments(s); });
 }
 
 }  // namespace
@@ -59,67 +82,65 @@ WorkstationImages::~WorkstationImages() {
 }
 
 void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels, const std::string &series,
-                             std::size_t time) {
+                             std::size_t time, Segmentation segmentation) {
   choice_.reset();
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
   const auto read = std::make_shared<ReadImage>();
-  const std::string name = imageName(path);
+  const ImageToRead wanted{path, series, time, imageName(path)};
+  const bool laysOver = segmentation == Segmentation::labels && views_.image() != nullptr;
   job_ = session_.jobs().submit(
-      kJobOwner, "Opening " + name,
-      [path, series, time, read, name](const ProgressFn &progress) -> Expected<void> {
-        if (series.empty()) {
-          auto found = imaging::listSeries(path, progress);
+      kJobOwner, "Opening " + wanted.name,
+      [wanted, read, laysOver](const ProgressFn &progress) -> Expected<void> {
+        if (wanted.series.empty()) {
+          auto found = imaging::listSeries(wanted.path, progress);
           if (!found) return tl::unexpected(found.error());
-          std::erase_if(*found, [](const imaging::SeriesInfo &s) { return !s.refusal.empty() || s.isSegmentation; });
+          std::erase_if(*found, [](const imaging::SeriesInfo &s) { return !s.refusal.empty(); });
+          read->isSegmentation = isSegmentation(*found);
+          if (read->isSegmentation && laysOver) return {};
+          std::erase_if(*found, [&](const imaging::SeriesInfo &s) { return s.isSegmentation != read->isSegmentation; });
           const auto wholes = std::count_if(found->begin(), found->end(), [](const imaging::SeriesInfo &s) { return !s.isPart; });
-          if (found->size() > 1) read->series = std::move(*found);
-          if (wholes > 1) return {};  // one series in parts is opened as a whole, and its parts are offered
+          if (found->size() > 1 && !read->isSegmentation) read->series = std::move(*found);
+          if (wholes > 1 && !read->isSegmentation) return {};  // one series in parts is opened as a whole, and its parts are offered
         }
-        imaging::ReadOptions options;
-        options.series = series;
-        options.time = time;
-        options.progress = progress;
-        auto image = readStored(path, name, options, read->notices);
-        if (!image) return tl::unexpected(image.error());
-        read->image = std::move(*image);
-        return {};
+        return readStored(wanted, progress, *read);
       },
-      [this, path, labels = std::move(labels), series, read, name, serial](const Expected<void> &result) {
+      [this, wanted, labels = std::move(labels), read, serial](const Expected<void> &result) {
         if (serial != serial_) return;  // a later request has taken over
         job_ = {};
-        if (!result) return events_.failed("Could not open " + name, result.error());
-        if (!read->image) return askForSeries(path, labels, read->series);
-        show(read->image);
-        path_ = path;
-        series_ = series;
-        tell("Opened " + name, read->notices);
-        for (const std::filesystem::path &file : labels) openLabels(file);
-        if (!read->series.empty()) askForSeries(path, labels, read->series);
+        if (!result) return events_.failed("Could not open " + wanted.name, result.error());
+        if (!read->image && !read->isSegmentation) return askForSeries(wanted.path, labels, read->series);
+        std::vector<std::filesystem::path> maps = labels;
+        if (read->isSegmentation) maps.insert(maps.begin(), wanted.path);
+        if (read->image) {
+          show(read->image);
+          path_ = wanted.path;
+          series_ = wanted.series;
+          if (read->isSegmentation)
+            read->notices.emplace_back("Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file again.");
+          tell("Opened " + wanted.name, read->notices);
+        } else {
+          tell("Opened " + wanted.name,
+               {"A segmentation: its segments lie over the image that is open, as labels. Close the image first to see it alone."});
+        }
+        for (const std::filesystem::path &file : maps) openLabels(file);
+        if (!read->series.empty()) askForSeries(wanted.path, labels, read->series);
       });
 }
 
 void WorkstationImages::readTime(std::size_t time) {
   if (!timeJob_.isNull()) session_.jobs().cancel(timeJob_);
   const std::uint64_t serial = ++timeSerial_;
-  const std::string name = imageName(path_);
+  const ImageToRead wanted{path_, series_, time, imageName(path_)};
   const auto read = std::make_shared<ReadImage>();
   timeJob_ = session_.jobs().submit(
-      kJobOwner, "Reading time point " + std::to_string(time) + " of " + name,
-      [path = path_, series = series_, time, read, name](const ProgressFn &progress) -> Expected<void> {
-        imaging::ReadOptions options;
-        options.series = series;
-        options.time = time;
-        options.progress = progress;
-        auto image = readStored(path, name, options, read->notices);
-        if (!image) return tl::unexpected(image.error());
-        read->image = std::move(*image);
-        return {};
-      },
-      [this, read, time, name, serial](const Expected<void> &result) {
+      kJobOwner, "Reading time point " + std::to_string(time) + " of " + wanted.name,
+      [wanted, read](const ProgressFn &progress) { return readStored(wanted, progress, *read); },
+      [this, read, wanted, serial](const Expected<void> &result) {
         if (serial != timeSerial_) return;
         timeJob_ = {};
-        if (!result) return events_.failed("Could not read time point " + std::to_string(time) + " of " + name, result.error());
+        if (!result)
+          return events_.failed("Could not read time point " + std::to_string(wanted.time) + " of " + wanted.name, result.error());
         showTime(read->image);
       });
 }

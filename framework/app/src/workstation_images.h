@@ -41,9 +41,14 @@ class WorkstationImages {
 
   [[nodiscard]] ui::ImageViews &views() { return views_; }
   [[nodiscard]] segmentation::SegmentationWorkflow &guide() { return guide_; }
+  /// What is to be done with a segmentation that is opened as an image.
+  enum class Segmentation {
+    labels,  ///< it is laid over the image that is open; where none is, over its own numbers
+    image    ///< likewise over its own numbers, in the place of the image that is open
+  };
   /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for one.
   void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {}, const std::string &series = {},
-            std::size_t time = 0);
+            std::size_t time = 0, Segmentation segmentation = Segmentation::labels);
   /// Over the image that is open, one after the other; the last one is shown, the panel leads back to the others.
   void openLabels(const std::filesystem::path &path);
   /// The outlines of the organs take the place of their labels, and nothing of them is picked any more.

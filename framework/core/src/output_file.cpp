@@ -35,12 +35,20 @@ fs::path targetOf(fs::path path) {
   return path;
 }
 
+fs::path folderOf(const fs::path &path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
+
+/// Beside its place, the i-th name to try.
+fs::path temporaryName(fs::path target, int i) {
+  target += i == 1 ? std::string(".part") : "." + std::to_string(i) + ".part";
+  return target;
+}
+
 /// @param error  errno
 tl::unexpected<Error> failed(const fs::path &path, int error) {
   const std::string name = textOf(path);
   std::error_code code;
   if (fs::is_directory(path, code)) return fail(ErrorCode::output, name + ": is a folder; accepted: a file name");
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const fs::path folder = folderOf(path);
   if (error == ENOENT && !fs::is_directory(folder, code))
     return fail(ErrorCode::output, name + ": cannot be written: there is no folder " + textOf(folder));
   return fail(ErrorCode::output, name + ": could not be written: " +
@@ -66,9 +74,13 @@ Expected<OutputFile> OutputFile::open(const fs::path &path) {
   if (fs::is_directory(status)) return failed(path, EISDIR);
   int error = 0;
   if (!fs::exists(status) || fs::is_regular_file(status)) {
+    out.file_.reset(detail::openUnnamed(folderOf(out.target_)));
+    if (out.file_) {
+      out.unnamed_ = true;
+      return out;
+    }
     for (int i = 1; i <= kMostNames && !out.file_; ++i) {
-      out.temporary_ = out.target_;
-      out.temporary_ += i == 1 ? std::string(".part") : "." + std::to_string(i) + ".part";
+      out.temporary_ = temporaryName(out.target_, i);
       errno = 0;
       out.file_.reset(openFile(out.temporary_, OpenMode::createNew));
       error = errno;
@@ -99,7 +111,25 @@ void OutputFile::write(std::string_view bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) error_ = errno != 0 ? errno : EIO;
 }
 
+int OutputFile::giveName() {
+  int error = EEXIST;
+  for (int i = 1; i <= kMostNames && error == EEXIST; ++i) {
+    temporary_ = temporaryName(target_, i);
+    error = detail::nameFile(file_.get(), temporary_);
+  }
+  if (error != 0) temporary_.clear();
+  return error;
+}
+
 Expected<void> OutputFile::commit() {
+  if (unnamed_) {
+    if (error_ == 0 && std::fflush(file_.get()) != 0) error_ = errno;
+    if (error_ == 0) error_ = giveName();
+    if (error_ != 0) {
+      file_.reset();
+      return failed(path_, error_);
+    }
+  }
   const int error = closed(file_, error_);
   std::error_code code, ignored;
   if (temporary_.empty()) return error == 0 ? Expected<void>{} : failed(path_, error);

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -97,6 +98,26 @@ std::string cpuName() {
 std::FILE *detail::openFile(const std::filesystem::path &path, OpenMode mode) {
   return std::fopen(path.c_str(), mode == OpenMode::replace ? "wb" : mode == OpenMode::createNew ? "wbx" : "ab");
 }
+
+#ifdef O_TMPFILE
+std::FILE *detail::openUnnamed(const std::filesystem::path &folder) {
+  const int descriptor = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+  if (descriptor < 0) return nullptr;
+  // It is named by way of /proc.
+  const std::string name = "/proc/self/fd/" + std::to_string(descriptor);
+  std::FILE *file = access(name.c_str(), F_OK) == 0 ? fdopen(descriptor, "wb") : nullptr;
+  if (file == nullptr) close(descriptor);
+  return file;
+}
+
+int detail::nameFile(std::FILE *file, const std::filesystem::path &path) {
+  const std::string name = "/proc/self/fd/" + std::to_string(fileno(file));
+  return linkat(AT_FDCWD, name.c_str(), AT_FDCWD, path.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+}
+#else
+std::FILE *detail::openUnnamed(const std::filesystem::path &) { return nullptr; }
+int detail::nameFile(std::FILE *, const std::filesystem::path &) { return ENOSYS; }
+#endif
 
 bool stderrIsTerminal() { return isatty(STDERR_FILENO) == 1; }
 

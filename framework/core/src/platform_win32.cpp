@@ -142,6 +142,9 @@ std::FILE *detail::openFile(const std::filesystem::path &path, OpenMode mode) {
   return _wfopen(path.c_str(), mode == OpenMode::replace ? L"wb" : mode == OpenMode::createNew ? L"wbx" : L"ab");
 }
 
+std::FILE *detail::openUnnamed(const std::filesystem::path &) { return nullptr; }
+int detail::nameFile(std::FILE *, const std::filesystem::path &) { return ENOSYS; }
+
 bool stderrIsTerminal() { return _isatty(2) != 0; }
 
 int duplicateDescriptor(int descriptor) { return _dup(descriptor); }

@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "c3de/core/thread_priority.h"
+
 #if defined(__x86_64__) || defined(_M_X64)
 #include <emmintrin.h>
 #define C3DE_RELAX() _mm_pause()
@@ -147,10 +149,14 @@ struct ThreadPool::Impl {
   }
 };
 
-ThreadPool::ThreadPool(unsigned threads) {
+ThreadPool::ThreadPool(unsigned threads, bool isBackground) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   impl_ = std::make_unique<Impl>(threads);
-  for (unsigned i = 1; i < threads; ++i) impl_->workers.emplace_back([impl = impl_.get(), i] { impl->workerLoop(i); });
+  for (unsigned i = 1; i < threads; ++i)
+    impl_->workers.emplace_back([impl = impl_.get(), i, isBackground] {
+      if (isBackground) giveWay();
+      impl->workerLoop(i);
+    });
 }
 
 ThreadPool::~ThreadPool() {

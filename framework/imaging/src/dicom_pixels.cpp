@@ -35,7 +35,9 @@ struct Layout {
   bool isSigned = false, isReal = false;
   std::string colours;      ///< Photometric Interpretation where there are three samples
   [[nodiscard]] std::size_t pixels() const { return rows * columns * frames; }
-  [[nodiscard]] std::size_t bytes() const { return allocated == 1 ? (pixels() + 7) / 8 : pixels() * samples * (allocated / 8); }
+  [[nodiscard]] std::size_t bytes() const {
+    return allocated == 1 ? (pixels() + 7) / 8 : pixels() * samples * (allocated / 8);
+  }
 };
 
 /// What decoders print goes to the log, where nobody sees it unless he asks for debugging.
@@ -90,9 +92,12 @@ Voxels bitsOf(const std::vector<char> &bytes, const Layout &layout) {
 Expected<Voxels> toVoxels(const std::filesystem::path &path, const std::vector<char> &bytes, const Layout &layout) {
   if (layout.isReal) return layout.allocated == 32 ? realsOf<float>(bytes) : realsOf<double>(bytes);
   if (layout.allocated == 1) return bitsOf(bytes, layout);
-  if (layout.allocated == 8) return layout.isSigned ? voxelsOf<std::int8_t>(bytes, layout) : voxelsOf<std::uint8_t>(bytes, layout);
-  if (layout.allocated == 16) return layout.isSigned ? voxelsOf<std::int16_t>(bytes, layout) : voxelsOf<std::uint16_t>(bytes, layout);
-  if (layout.allocated == 32) return layout.isSigned ? voxelsOf<std::int32_t>(bytes, layout) : voxelsOf<std::uint32_t>(bytes, layout);
+  if (layout.allocated == 8)
+    return layout.isSigned ? voxelsOf<std::int8_t>(bytes, layout) : voxelsOf<std::uint8_t>(bytes, layout);
+  if (layout.allocated == 16)
+    return layout.isSigned ? voxelsOf<std::int16_t>(bytes, layout) : voxelsOf<std::uint16_t>(bytes, layout);
+  if (layout.allocated == 32)
+    return layout.isSigned ? voxelsOf<std::int32_t>(bytes, layout) : voxelsOf<std::uint32_t>(bytes, layout);
   return refuse(path, "its pixels have " + std::to_string(layout.allocated) + " bits; 8, 16 and 32 are read");
 }
 
@@ -100,13 +105,17 @@ Expected<std::vector<char>> native(const std::filesystem::path &path, DicomConte
   const DicomSet::Element &pixels = *content.pixels();
   const bool isPaired = layout.colours == "YBR_FULL_422";
   std::vector<char> bytes(isPaired ? layout.pixels() * 2 : layout.bytes());
-  if (bytes.size() > pixels.length || !content.bytes->read(pixels.at, bytes.data(), bytes.size())) return refuse(path, "is truncated within its pixels");
+  if (bytes.size() > pixels.length || !content.bytes->read(pixels.at, bytes.data(), bytes.size()))
+    return refuse(path, "is truncated within its pixels");
   // Words are turned; bytes too, where they were written as words.
   const std::size_t word = layout.allocated > 8 ? layout.allocated / 8 : pixels.representation == "OW" ? 2 : 1;
   if (content.syntax.bigEndian == (std::endian::native == std::endian::little))
-    for (std::size_t at = 0; at + word <= bytes.size(); at += word) std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(at + word));
+    for (std::size_t at = 0; at + word <= bytes.size(); at += word)
+      std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                   bytes.begin() + static_cast<std::ptrdiff_t>(at + word));
   if (isPaired) return unpaired(bytes);
-  if (layout.samples == 3 && content.set.number(0x00280006) == 1) return interleaved(bytes, layout.rows * layout.columns, layout.allocated / 8);
+  if (layout.samples == 3 && content.set.number(0x00280006) == 1)
+    return interleaved(bytes, layout.rows * layout.columns, layout.allocated / 8);
   return bytes;
 }
 
@@ -138,12 +147,16 @@ bool unpackRle(const std::vector<char> &packed, char *to, std::size_t pixels, st
   return true;
 }
 
-Expected<std::vector<char>> rle(const std::filesystem::path &path, const std::vector<std::vector<char>> &pieces, const Layout &layout) {
+Expected<std::vector<char>> rle(const std::filesystem::path &path, const std::vector<std::vector<char>> &pieces,
+                                const Layout &layout) {
   std::vector<char> bytes(layout.bytes());
-  if (pieces.size() != layout.frames) return refuse(path, "has " + std::to_string(pieces.size()) + " packed frames instead of " + std::to_string(layout.frames));
+  if (pieces.size() != layout.frames)
+    return refuse(
+        path, "has " + std::to_string(pieces.size()) + " packed frames instead of " + std::to_string(layout.frames));
   const std::size_t pixels = layout.rows * layout.columns, each = layout.samples * (layout.allocated / 8);
   for (std::size_t f = 0; f < pieces.size(); ++f)
-    if (!unpackRle(pieces[f], bytes.data() + f * pixels * each, pixels, each, layout.allocated / 8)) return refuse(path, "its packed pixels (RLE) are damaged");
+    if (!unpackRle(pieces[f], bytes.data() + f * pixels * each, pixels, each, layout.allocated / 8))
+      return refuse(path, "its packed pixels (RLE) are damaged");
   return bytes;
 }
 
@@ -162,10 +175,12 @@ std::optional<StatedSize> sizeInJpeg2000(const std::vector<char> &s) {
   std::size_t at = 0;  // the stream may stand in a file of its own, behind some boxes
   while (at + 46 < s.size() && at < 4096 && bigEndianAt(s, at, 4) != 0xff4fff51u) ++at;
   if (at + 46 >= s.size() || bigEndianAt(s, at, 4) != 0xff4fff51u) return std::nullopt;
-  const auto field = [&](std::size_t n) { return bigEndianAt(s, at + 8 + 4 * n, 4); };  // Xsiz Ysiz XOsiz YOsiz XTsiz YTsiz XTOsiz YTOsiz
+  // Xsiz Ysiz XOsiz YOsiz XTsiz YTsiz XTOsiz YTOsiz
+  const auto field = [&](std::size_t n) { return bigEndianAt(s, at + 8 + 4 * n, 4); };
   const StatedSize size{field(0) - field(2), field(1) - field(3), bigEndianAt(s, at + 40, 2)};
   if (field(4) == 0 || field(5) == 0) return std::nullopt;
-  const double tiles = (static_cast<double>(field(0)) / static_cast<double>(field(4)) + 1.0) * (static_cast<double>(field(1)) / static_cast<double>(field(5)) + 1.0);
+  const double tiles = (static_cast<double>(field(0)) / static_cast<double>(field(4)) + 1.0) *
+                       (static_cast<double>(field(1)) / static_cast<double>(field(5)) + 1.0);
   return tiles < 10000.0 ? std::optional(size) : std::nullopt;  // each takes kilobytes
 }
 
@@ -183,7 +198,8 @@ std::optional<StatedSize> sizeInJpeg(const std::vector<char> &s) {
     if (marker == 0xffda) return size;
     const std::size_t length = bigEndianAt(s, at + 2, 2);
     if (marker < 0xffc0 || (marker >= 0xffd0 && marker <= 0xffd9) || length < 2) return std::nullopt;
-    const bool frame = (marker <= 0xffcf && marker != 0xffc4 && marker != 0xffc8 && marker != 0xffcc) || marker == 0xfff7;
+    const bool frame =
+        (marker <= 0xffcf && marker != 0xffc4 && marker != 0xffc8 && marker != 0xffcc) || marker == 0xfff7;
     if (frame) {
       const std::size_t bits = bigEndianAt(s, at + 4, 1);
       if (bits < 2 || bits > 16) return std::nullopt;  // GDCM has no codec, and calls it all the same
@@ -222,8 +238,9 @@ class JpegLs : public gdcm::JPEGLSCodec {
     return DecodeExtent(to, 0, size[0] - 1, 0, size[1] - 1, 0, 0, stream);
   }
   [[nodiscard]] static gdcm::PixelFormat formatOf(const Layout &layout) {
-    return gdcm::PixelFormat(static_cast<std::uint16_t>(layout.samples), static_cast<std::uint16_t>(layout.allocated), static_cast<std::uint16_t>(layout.stored),
-                             static_cast<std::uint16_t>(layout.high), static_cast<std::uint16_t>(layout.isSigned ? 1 : 0));
+    return gdcm::PixelFormat(static_cast<std::uint16_t>(layout.samples), static_cast<std::uint16_t>(layout.allocated),
+                             static_cast<std::uint16_t>(layout.stored), static_cast<std::uint16_t>(layout.high),
+                             static_cast<std::uint16_t>(layout.isSigned ? 1 : 0));
   }
 };
 
@@ -256,30 +273,42 @@ bool decodeFrame(const std::vector<char> &frame, gdcm::TransferSyntax::TSType ty
   const std::size_t bytes = layout.rows * layout.columns * layout.samples * (layout.allocated / 8);
   if (image.GetBufferLength() != bytes) return false;
   std::vector<char> buffer(bytes);  // GDCM changes its mind about the depth at times, and its buffer with it
-  if (!image.GetBuffer(buffer.data()) || image.GetBufferLength() != bytes || image.GetPixelFormat().GetPixelSize() * 8 != layout.allocated * layout.samples) return false;
-  if (layout.samples == 3 && image.GetPlanarConfiguration() == 1) buffer = interleaved(buffer, layout.rows * layout.columns, layout.allocated / 8);
+  if (!image.GetBuffer(buffer.data()) || image.GetBufferLength() != bytes ||
+      image.GetPixelFormat().GetPixelSize() * 8 != layout.allocated * layout.samples)
+    return false;
+  if (layout.samples == 3 && image.GetPlanarConfiguration() == 1)
+    buffer = interleaved(buffer, layout.rows * layout.columns, layout.allocated / 8);
   std::copy(buffer.begin(), buffer.end(), to);
   return true;
 }
 
-Expected<std::vector<char>> byCodec(const std::filesystem::path &path, std::vector<std::vector<char>> pieces, const std::string &syntax, const Layout &layout) {
+Expected<std::vector<char>> byCodec(const std::filesystem::path &path, std::vector<std::vector<char>> pieces,
+                                    const std::string &syntax, const Layout &layout) {
   const gdcm::TransferSyntax::TSType type = gdcm::TransferSyntax::GetTSType(syntax.c_str());
   if (type == gdcm::TransferSyntax::TS_END) return refuse(path, "its encoding " + syntax + " is not read");
-  if (layout.samples == 1 && !layout.colours.empty() && (syntax == "1.2.840.10008.1.2.4.50" || syntax == "1.2.840.10008.1.2.4.51"))
+  if (layout.samples == 1 && !layout.colours.empty() &&
+      (syntax == "1.2.840.10008.1.2.4.50" || syntax == "1.2.840.10008.1.2.4.51"))
     return refuse(path, "its palette colours are packed by lossy JPEG, which changes them to others");
   if (layout.frames == 1)  // one frame may be cut into pieces
-    for (; pieces.size() > 1; pieces.erase(pieces.begin() + 1)) pieces[0].insert(pieces[0].end(), pieces[1].begin(), pieces[1].end());
-  if (pieces.size() != layout.frames) return refuse(path, "has " + std::to_string(pieces.size()) + " compressed pieces for " + std::to_string(layout.frames) + " frames");
-  if (!isOfSize(pieces, syntax, layout)) return refuse(path, "its compressed pixels are damaged or not of the stated size");
+    for (; pieces.size() > 1; pieces.erase(pieces.begin() + 1))
+      pieces[0].insert(pieces[0].end(), pieces[1].begin(), pieces[1].end());
+  if (pieces.size() != layout.frames)
+    return refuse(path, "has " + std::to_string(pieces.size()) + " compressed pieces for " +
+                            std::to_string(layout.frames) + " frames");
+  if (!isOfSize(pieces, syntax, layout))
+    return refuse(path, "its compressed pixels are damaged or not of the stated size");
   const PrintedText printed;
   std::vector<char> bytes(layout.bytes());
   const std::size_t each = bytes.size() / layout.frames;
-  const bool isJpegLs = type == gdcm::TransferSyntax::JPEGLSLossless || type == gdcm::TransferSyntax::JPEGLSNearLossless;
-  if (isJpegLs && layout.samples > 1) return refuse(path, "its colours are packed as JPEG-LS, which is read for grey images only");
+  const bool isJpegLs =
+      type == gdcm::TransferSyntax::JPEGLSLossless || type == gdcm::TransferSyntax::JPEGLSNearLossless;
+  if (isJpegLs && layout.samples > 1)
+    return refuse(path, "its colours are packed as JPEG-LS, which is read for grey images only");
   for (std::size_t f = 0; f < layout.frames; ++f) {
     char *to = bytes.data() + f * each;
     if (!(isJpegLs ? JpegLs().decode(pieces[f], layout, to) : decodeFrame(pieces[f], type, layout, to)))
-      return refuse(path, "its compressed pixels (" + std::string(gdcm::TransferSyntax(type).GetString()) + ") are damaged");
+      return refuse(path,
+                    "its compressed pixels (" + std::string(gdcm::TransferSyntax(type).GetString()) + ") are damaged");
   }
   return bytes;
 }
@@ -306,8 +335,10 @@ Expected<Layout> layoutOf(const std::filesystem::path &path, const DicomSet &set
   if (layout.allocated == 1 && isSegmentation) return layout;
   if (layout.allocated != 8 && layout.allocated != 16 && layout.allocated != 32)
     return refuse(path, "its pixels have " + std::to_string(layout.allocated) + " bits; 8, 16 and 32 are read");
-  if (layout.stored > layout.allocated || layout.stored == 0 || layout.high >= layout.allocated || layout.high + 1 < layout.stored)
-    return refuse(path, "its pixels have " + std::to_string(layout.stored) + " bits, the highest the " + std::to_string(layout.high) + "th, in " + std::to_string(layout.allocated));
+  if (layout.stored > layout.allocated || layout.stored == 0 || layout.high >= layout.allocated ||
+      layout.high + 1 < layout.stored)
+    return refuse(path, "its pixels have " + std::to_string(layout.stored) + " bits, the highest the " +
+                            std::to_string(layout.high) + "th, in " + std::to_string(layout.allocated));
   return layout;
 }
 
@@ -327,10 +358,13 @@ Expected<DicomPixels> decode(const std::filesystem::path &path) {
     std::vector<std::vector<char>> pieces;
     for (std::size_t f = 1; f < fragments->size(); ++f) {  // the first is a table of offsets
       pieces.emplace_back(static_cast<std::size_t>((*fragments)[f].length));
-      if (!content->bytes->read((*fragments)[f].at, pieces.back().data(), pieces.back().size())) return refuse(path, "cannot be read");
+      if (!content->bytes->read((*fragments)[f].at, pieces.back().data(), pieces.back().size()))
+        return refuse(path, "cannot be read");
     }
-    if (layout->allocated == 1) return refuse(path, "its bits are compressed (" + content->transferSyntax + "), which is not read");
-    bytes = content->transferSyntax == kRle ? rle(path, pieces, *layout) : byCodec(path, pieces, content->transferSyntax, *layout);
+    if (layout->allocated == 1)
+      return refuse(path, "its bits are compressed (" + content->transferSyntax + "), which is not read");
+    bytes = content->transferSyntax == kRle ? rle(path, pieces, *layout)
+                                            : byCodec(path, pieces, content->transferSyntax, *layout);
   }
   if (!bytes) return tl::unexpected(bytes.error());
   DicomPixels out{layout->rows, layout->columns, layout->frames, {}, {}};
@@ -342,7 +376,8 @@ Expected<DicomPixels> decode(const std::filesystem::path &path) {
     if (!voxels) return tl::unexpected(voxels.error());
     out.voxels = std::move(*voxels);
     if (!layout->colours.empty()) out.colours = paletteColours(set, out.voxels);
-    if (out.colours.empty() && !layout->colours.empty()) return refuse(path, "the tables of its palette are damaged or missing");
+    if (out.colours.empty() && !layout->colours.empty())
+      return refuse(path, "the tables of its palette are damaged or missing");
   }
   if (!out.colours.empty()) out.voxels = lumaOf(out.colours);
   return out;

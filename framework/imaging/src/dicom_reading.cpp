@@ -163,6 +163,9 @@ Expected<std::vector<SeriesInfo>> listDicom(const std::filesystem::path &path, c
   std::vector<SeriesInfo> all;
   for (const DicomStack &stack : folder->stacks) {
     SeriesInfo &info = all.emplace_back(stack.info);
+    info.holdsNamedFile = std::any_of(stack.slices.begin(), stack.slices.end(), [&](const SliceRef &slice) {
+      return folder->files[slice.file].path.filename() == path.filename();
+    });
     if (!info.refusal.empty()) continue;
     if (info.isSegmentation) {
       if (const auto grid = gridOfSegments(*folder, stack)) info.size = grid->geometry.size;

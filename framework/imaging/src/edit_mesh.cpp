@@ -4,6 +4,12 @@
 #include <algorithm>
 
 namespace c3de::imaging {
+namespace {
+
+// Of the tetrahedron between o and the triangle (a, b, c), six times.
+double volume6(const Vec3 &o, const Vec3 &a, const Vec3 &b, const Vec3 &c) { return dot(a - o, cross(b - o, c - o)); }
+
+}  // namespace
 
 EditMesh::EditMesh(std::vector<Vec3> points_, std::span<const Triangle> triangles, std::vector<unsigned> twins)
     : points(std::move(points_)), twins_(std::move(twins)) {
@@ -17,6 +23,7 @@ void EditMesh::splitFans() {
   const std::size_t before = points.size();
   leaving_.assign(before, kNone);
   tags.assign(before, 0);
+  owed.assign(before, 0.0);
   std::vector<std::uint8_t> seen(corners_.size(), 0);
   for (unsigned h = 0; h < corners_.size(); ++h) {
     if (seen[h] != 0) continue;
@@ -24,6 +31,7 @@ void EditMesh::splitFans() {
     if (leaving_[v] != kNone) {
       points.push_back(points[v]);
       tags.push_back(0);
+      owed.push_back(0.0);
       leaving_.push_back(kNone);
       v = static_cast<unsigned>(points.size() - 1);
     }
@@ -77,6 +85,7 @@ unsigned EditMesh::split(unsigned h0) {
   const auto m = static_cast<unsigned>(points.size());
   points.push_back(0.5 * (points[a] + points[b]));
   tags.push_back(tags[a]);
+  owed.push_back(0.0);
   const auto n0 = halfEdges(), k0 = n0 + 3;
   corners_.insert(corners_.end(), {m, b, c, b, m, d});
   twins_.resize(corners_.size());
@@ -101,6 +110,10 @@ bool EditMesh::flip(unsigned h0) {
   const unsigned a = corners_[h0], b = corners_[g0], c = corners_[h2], d = corners_[g2];
   if (c == d || valence(a) <= 3 || valence(b) <= 3 || areNeighbours(c, d)) return false;
   const unsigned outerH = twins_[h1], outerG = twins_[g1];
+  // Less the tetrahedron between what was and what will be.
+  const double gained = volume6(points[a], points[d], points[b], points[c]) / 6.0;
+  owed[c] -= 0.5 * gained;
+  owed[d] -= 0.5 * gained;
   // (a, d, c) and (b, c, d).
   corners_[h1] = d;
   corners_[g1] = c;
@@ -137,6 +150,13 @@ bool EditMesh::collapse(unsigned h0, const Vec3 &at) {
     else tooMany = true;
   });
   if (tooMany) return false;
+  // Triangles with a corner at `at` have no volume about it: all that was there is booked.
+  double lost = 0.0;
+  const auto volumeAt = [&](unsigned h) { return volume6(at, points[from(h)], points[to(h)], points[from(previous(h))]) / 6.0; };
+  around(a, [&](unsigned h) { lost += volumeAt(h); });
+  for (std::size_t i = 0; i < count; ++i)
+    if (ring[i] != h1 && ring[i] != g0) lost += volumeAt(ring[i]);  // those two are triangles of a as well
+  owed[a] += owed[b] + lost;
   for (std::size_t i = 0; i < count; ++i) corners_[ring[i]] = a;
   const unsigned th1 = twins_[h1], th2 = twins_[h2], tg1 = twins_[g1], tg2 = twins_[g2];
   pair(th1, th2);

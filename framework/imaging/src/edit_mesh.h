@@ -21,6 +21,8 @@ class EditMesh {
 
   std::vector<Vec3> points;    ///< dead ones included
   std::vector<unsigned> tags;  ///< [points] for the caller; a vertex made by split() has that of an end of the edge
+  /// [points] Volume that is enclosed too little there: volume_ledger.h. What flip() and collapse() change is booked.
+  std::vector<double> owed;
 
   [[nodiscard]] unsigned halfEdges() const { return static_cast<unsigned>(corners_.size()); }
   [[nodiscard]] bool alive(unsigned h) const { return corners_[h] != kNone; }

@@ -32,6 +32,7 @@ struct ImageHeader {
   std::size_t channels = 1;  ///< numbers per voxel, together: 1, or 3 and 4 for colours
   std::size_t volumes = 1;   ///< time points or layers in the file
   bool interleaved = false;  ///< the volumes of a voxel stand together
+  bool segmented = false;    ///< the voxels are numbers of segments, which the header names
   bool layered = false;      ///< the volumes are layers of a segmentation
   Encoding encoding = Encoding::raw;
   std::vector<Part> parts;     ///< files that hold equal shares of all volumes, one after the other

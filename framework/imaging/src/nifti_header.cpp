@@ -244,6 +244,7 @@ Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path) {
   header.parts = {{data, zipped ? 0 : static_cast<std::uint64_t>(offset)}};
   header.skip = zipped ? static_cast<std::uint64_t>(offset) : 0;
   header.labelXml = labelXmlOf(path, n);
+  header.segmented = !header.labelXml.empty();
   return header;
 }
 

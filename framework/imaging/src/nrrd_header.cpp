@@ -345,7 +345,8 @@ Expected<ImageHeader> readNrrdHeader(const std::filesystem::path &path) {
   if (dimension.empty() || sizes.size() < 2 || sizes.size() > 16 || dimension[0] != static_cast<double>(sizes.size()))
     return refuse(path, "the header says dimension '" + field("dimension") + "' with " + std::to_string(sizes.size()) + " sizes; 2 to 16 are read");
   if (const auto placed = place(header, *parsed, sizes); !placed) return tl::unexpected(placed.error());
-  header.layered = header.volumes > 1 && std::any_of(header.keys.begin(), header.keys.end(), [](const auto &key) { return key.first.starts_with("Segment0_"); });
+  header.segmented = std::any_of(header.keys.begin(), header.keys.end(), [](const auto &key) { return key.first.starts_with("Segment0_"); });
+  header.layered = header.volumes > 1 && header.segmented;
   if (const auto found = findData(header, *parsed); !found) return tl::unexpected(found.error());
   return header;
 }

@@ -198,6 +198,8 @@ Expected<std::vector<SeriesInfo>> listSeries(const std::filesystem::path &path, 
   info.size = header->geometry.size;
   info.times = header->layered ? 1 : header->volumes;
   info.files = 1;
+  info.isSegmentation = header->segmented;
+  info.holdsNamedFile = true;
   info.folder = path.parent_path();
   return std::vector<SeriesInfo>{info};
 }

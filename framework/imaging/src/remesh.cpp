@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volume_ledger.h"
+
 namespace c3de::imaging {
 namespace {
 
@@ -128,6 +130,7 @@ void spreadInSurface(EditMesh &mesh) {
     moved[v] = mesh.points[v] + kStep * (way - dot(way, n) * n);
   }
   mesh.points.swap(moved);
+  bookMoves(mesh, moved);
 }
 
 }  // namespace
@@ -149,13 +152,15 @@ bool remesh(EditMesh &mesh, std::span<const double> edges, const std::function<b
 
 void fair(EditMesh &mesh, std::size_t times) {
   constexpr double kIn = 0.5, kOut = -0.53;
-  std::vector<Vec3> moved = mesh.points;
+  const std::vector<Vec3> before = mesh.points;
+  std::vector<Vec3> moved = before;
   for (std::size_t t = 0; t < times; ++t)
     for (const double step : {kIn, kOut}) {
       for (unsigned v = 0; v < moved.size(); ++v)
         if (mesh.isUsed(v)) moved[v] = mesh.points[v] + step * (lookAround(mesh, v).mean - mesh.points[v]);
       mesh.points.swap(moved);
     }
+  bookMoves(mesh, before);
 }
 
 }  // namespace c3de::imaging

@@ -12,6 +12,7 @@
 #include "remesh.h"
 #include "self_crossings.h"
 #include "surface_net.h"
+#include "volume_ledger.h"
 
 namespace c3de::imaging {
 namespace {
@@ -34,7 +35,8 @@ constexpr int kUntanglings = 12;
 constexpr double kEven = 0.3, kInwards = 0.05;  // of the way to the mean of the neighbours, of an edge
 constexpr double kNoise = 0.05;             // share of triangles that go through others and are let be
 constexpr int kHolds = 4;                   // turns of volume and border at the end
-constexpr int kCoarsely = 3, kFinely = 20;  // steps that restore volumes
+constexpr int kCoarsely = 2, kFinely = 20;  // steps that restore volumes
+constexpr double kReach = 2.0;              // within which volume is kept, in smoothing lengths
 
 // Of what is inside, without the steps of its voxels, mm².
 double borderArea(const Mask &mask, const VoxelBox &box) {
@@ -69,38 +71,50 @@ void dropSpecks(Fill &grid) {
     if (half.voxels[v] != kept->mask.voxels[v]) grid.values[v] = 0.0f;
 }
 
-// Of the blocks that the surface goes around, and of those beside them, whose fill it takes along.
-double volumeSeen(const Fill &grid) {
+// Books to the vertices around it what a block at the border holds more, or less, than the whole or the nothing that it is
+// drawn as. Returns the volume of all blocks that the surface goes around, and of those beside them, whose fill it takes along.
+double bookBlocks(const Fill &grid, SurfaceNet &net) {
   const auto &n = grid.geometry.size;
-  double sum = 0.0;
+  const std::array<std::size_t, 3> step{1, n[0], n[0] * n[1]};
+  const auto nodeOf = [&](std::size_t i, std::size_t j, std::size_t k) { return i + step[1] * j + step[2] * k; };
+  std::vector<unsigned> vertexAt(grid.values.size(), EditMesh::kNone);  // by the lowest of the eight blocks around it
+  for (unsigned v = 0; v < net.homes.size(); ++v)
+    vertexAt[nodeOf(static_cast<std::size_t>(net.homes[v][0]), static_cast<std::size_t>(net.homes[v][1]),
+                    static_cast<std::size_t>(net.homes[v][2]))] = v;
+  const double block = grid.geometry.voxelVolume();
+  double seen = 0.0;
   for (std::size_t k = 1; k + 1 < n[2]; ++k)
     for (std::size_t j = 1; j + 1 < n[1]; ++j)
       for (std::size_t i = 1; i + 1 < n[0]; ++i) {
-        const float own = grid.values[i + n[0] * (j + n[1] * k)];
-        bool isSeen = own >= kHalf;
-        for (std::size_t c = 0; c < 27 && own > 0.0f && !isSeen; ++c)
-          isSeen = grid.values[i + c % 3 - 1 + n[0] * (j + c / 3 % 3 - 1 + n[1] * (k + c / 9 - 1))] >= kHalf;
-        if (isSeen) sum += static_cast<double>(own);
+        const std::size_t at = nodeOf(i, j, k);
+        const float own = grid.values[at];
+        const bool isInside = own >= kHalf;
+        if (isInside) seen += static_cast<double>(own);
+        if (own == 0.0f || own == 1.0f) continue;
+        std::array<unsigned, 8> around{};
+        std::size_t count = 0;
+        for (std::size_t c = 0; c < 8; ++c)
+          if (const unsigned v = vertexAt[at - (c & 1) - step[1] * (c >> 1 & 1) - step[2] * (c >> 2)]; v != EditMesh::kNone)
+            around[count++] = v;
+        if (count > 0 && !isInside) seen += static_cast<double>(own);
+        const double more = block * (static_cast<double>(own) - (isInside ? 1.0 : 0.0));
+        for (std::size_t c = 0; c < count; ++c) net.mesh.owed[around[c]] += more / static_cast<double>(count);
       }
-  return sum * grid.geometry.voxelVolume();
+  return seen * block;
 }
 
 double trianglesOf(double area, double edge) { return area / (0.25 * std::sqrt(3.0) * edge * edge); }
 
-// What of the mask is nowhere three voxels thick: branches of vessels, walls.
-double thinPart(const Mask &mask, double voxel, double volume) {
+// Whether a part of the mask is nowhere three voxels thick: branches of vessels, walls.
+bool hasThinParts(const Mask &mask, double thickness, double voxel, double volume) {
+  if (!(thickness < kSlender * voxel)) return false;
   const auto thick = opened(mask, kThin * voxel);
-  return thick ? std::max(0.0, 1.0 - volumeOf(*thick) / volume) : 0.0;
+  return thick && 1.0 - volumeOf(*thick) / volume > kManyThin;
 }
 
 // As long as the detail of the image and the count of triangles want, but short enough for what is thin.
-double automaticEdge(const Mask &mask, const VoxelBox &box, double volume) {
-  const double area = borderArea(mask, box), voxel = std::cbrt(mask.geometry.voxelVolume());
-  const double thickness = 4.0 * volume / area;  // the diameter of a tube, about that of branching ones
-  // Tubes of two voxels collapse under edges of one.
-  const double thin = thickness < kSlender * voxel && thinPart(mask, voxel, volume) > kManyThin
-                          ? kShortestOfVoxel * voxel
-                          : std::max(voxel, thickness / kEdgesAcross);
+double automaticEdge(double area, double thickness, double voxel, bool isThin) {
+  const double thin = isThin ? kShortestOfVoxel * voxel : std::max(voxel, thickness / kEdgesAcross);
   const double wanted = std::max(std::min(kLongestOfVoxel * voxel, thin), std::sqrt(trianglesOf(area, 1.0) / kDetail));
   return std::max(std::min(wanted, thin), std::sqrt(trianglesOf(area, 1.0) / kThinDetail));
 }
@@ -167,6 +181,7 @@ void restoreVolumes(EditMesh &mesh, std::span<const double> wanted, std::span<co
       if (length > 0.0) moved[v] = moved[v] + (way[mesh.tags[v]] / length) * normal;
     }
     mesh.points.swap(moved);
+    bookMoves(mesh, moved);
   }
 }
 
@@ -194,6 +209,7 @@ std::vector<std::uint8_t> untangle(EditMesh &mesh, std::span<const unsigned> cro
     if (length > 0.0) moved[v] = moved[v] - (kInwards * edges[mesh.tags[v]] / length) * normal;
   }
   mesh.points.swap(moved);
+  bookMoves(mesh, moved);
   return moves;
 }
 
@@ -209,7 +225,11 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   const VoxelBox box = boxAround(mask);
   if (box.empty()) return fail(ErrorCode::usage, "the mask is empty: there is no surface around nothing");
   const double volume = volumeOf(mask);
-  const double edge = settings.edgeLength > 0.0 ? settings.edgeLength : automaticEdge(mask, box, volume);
+  const double voxel = std::cbrt(mask.geometry.voxelVolume()), visible = borderArea(mask, box);
+  const double thickness = 4.0 * volume / visible;  // the diameter of a tube, about that of branching ones
+  // Tubes of two voxels collapse under edges of one.
+  const bool isThin = hasThinParts(mask, thickness, voxel, volume);
+  const double edge = settings.edgeLength > 0.0 ? settings.edgeLength : automaticEdge(visible, thickness, voxel, isThin);
   std::array<std::size_t, 3> block = blocksUpTo(mask.geometry, edge / kVoxelsPerEdge);
   const auto shouldContinue = [&](double fraction) { return goesOn(progress, fraction, "surface"); };
 
@@ -224,16 +244,19 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   SurfaceNet net = surfaceNetOf(grid, mask.geometry.handedness() < 0.0);
   EditMesh &surface = net.mesh;
   const std::size_t parts = tagParts(surface);
-  for (Vec3 &home : net.homes) home = transformPoint(grid.geometry.indexToWorld, home);
-  PartMeasures wanted = measure(surface, net.homes, parts, net.homes.front());
-  for (Vec3 &home : net.homes) home = transformPoint(affineInverse(grid.geometry.indexToWorld), home);
+  // What has been lost among blocks stays lost: the rest would grow by it.
+  const double seen = isCoarse ? bookBlocks(grid, net) : volume;
+  std::vector<Vec3> homes(net.homes.size());
+  std::transform(net.homes.begin(), net.homes.end(), homes.begin(),
+                 [&](const Vec3 &home) { return transformPoint(grid.geometry.indexToWorld, home); });
+  PartMeasures wanted = measure(surface, homes, parts, homes.front());
   double area = 0.0, counted = 0.0;
+  for (unsigned v = 0; v < homes.size(); ++v) wanted.volumes[surface.tags[v]] += surface.owed[v];
   for (std::size_t p = 0; p < parts; ++p) {
     area += wanted.areas[p];
     counted += wanted.volumes[p];
   }
-  // What has been lost among blocks stays lost: the rest would grow by it.
-  for (double &v : wanted.volumes) v *= (isCoarse ? volumeSeen(grid) : volume) / counted;
+  for (double &v : wanted.volumes) v *= seen / counted;
   const double triangles = trianglesOf(area / kAreaOfSteps, edge);
   if (triangles > kMostTriangles)
     return fail(ErrorCode::usage, fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are "
@@ -248,41 +271,49 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   const double relaxations = std::ceil(kRelaxations * length * length / (shortest * shortest));
   relax(net, static_cast<std::size_t>(std::min(kMostRelaxations, relaxations)));
   for (Vec3 &point : surface.points) point = transformPoint(grid.geometry.indexToWorld, point);
+  bookMoves(surface, homes);
   if (!shouldContinue(0.5)) return cancelled();
   // Small parts need shorter edges to have a shape.
   std::vector<double> edges(parts);
   for (std::size_t p = 0; p < parts; ++p)
     edges[p] = std::min(edge, kMostOfPart * std::cbrt(std::abs(wanted.volumes[p])));
-  restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
+  const double reach = kReach * length;
+  settle(surface, edges, reach / std::cbrt(grid.geometry.voxelVolume()), kCoarsely);
   const BorderCells cells(grid, *std::min_element(edges.begin(), edges.end()) / longest);
   const Mat4 indexOf = affineInverse(grid.geometry.indexToWorld);
   const auto holdAtBorder = [&] {
+    const std::vector<Vec3> before = surface.points;
     for (unsigned v = 0; v < surface.points.size(); ++v) {
       if (!surface.isUsed(v)) continue;
       const Vec3 held = cells.nearest(transformPoint(indexOf, surface.points[v]));
       surface.points[v] = transformPoint(grid.geometry.indexToWorld, held);
     }
+    bookMoves(surface, before);
   };
+  double present = edge;  // of the edges there are
   const auto round = [&](double fraction) {
-    restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
+    settle(surface, edges, reach / present, kCoarsely);
     holdAtBorder();
     return shouldContinue(0.5 + 0.4 * fraction);
   };
   // Fairing reaches over some edges only. Edges far shorter than voxels come by halves, each evened out, or the steps of
   // the voxels would stay as knobs.
-  for (double level = kFirstLevel * longest; level > 1.5 * edge; level *= 0.5) {
+  for (double level = isThin ? kShortestOfVoxel * voxel : kFirstLevel * longest; level > 1.5 * edge; level *= 0.5) {
     std::vector<double> coarser(edges);
     for (std::size_t p = 0; p < parts; ++p)
       coarser[p] = std::max(edges[p], std::min(level, 0.5 * kMostOfPart * std::cbrt(std::abs(wanted.volumes[p]))));
+    present = level;
     if (!remesh(surface, coarser, round)) return cancelled();
     fair(surface, kFairings);
   }
+  present = edge;
   if (!remesh(surface, edges, round)) return cancelled();
   fair(surface, kFairings);
   for (int t = 0; t < kHolds; ++t) {
-    restoreVolumes(surface, wanted.volumes, edges, kCoarsely);
+    settle(surface, edges, reach / edge, kCoarsely);
     holdAtBorder();
   }
+  settle(surface, edges, reach / edge, kCoarsely);
   restoreVolumes(surface, wanted.volumes, edges, kFinely);
   std::vector<unsigned> crossed = crossedTriangles(surface);
   std::vector<Vec3> best = surface.points;

@@ -140,7 +140,7 @@ void RetainedImages::setScene(ImageScene scene) {
   scene.movingDivisor = std::max(scene.movingDivisor, 1);
   if (scene == scene_) return;
   scene_ = std::move(scene);
-  ++changes_;
+  ++sceneChanges_;
 }
 
 std::vector<Vec3> sliceOutline(const GridPlace &place, const Vec3 &point, const Vec3 &normal) {

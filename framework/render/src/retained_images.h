@@ -38,6 +38,9 @@ class RetainedImages : public ImageRenderer {
   bool setShiftColours(std::span<const Colour> colours) override;
   bool remove(Handle handle) override;
   void setScene(ImageScene scene) override;
+  [[nodiscard]] std::uint64_t changes() const override { return changes_; }
+  /// Of what is drawn in space: of the images as well as of the scene.
+  [[nodiscard]] std::uint64_t changesInSpace() const { return changes_ + sceneChanges_; }
 
  protected:
   /// Fill `slot.backEnd`; `slot.place` and its scale may be changed to what was kept.
@@ -52,7 +55,7 @@ class RetainedImages : public ImageRenderer {
   HandleTable<ImageSlot> slots_;
   std::vector<Colour> shiftColours_{{0.05f, 0.05f, 0.4f, 1.0f}, {0.95f, 0.9f, 0.2f, 1.0f}};
   ImageScene scene_;
-  std::uint64_t changes_ = 0;  ///< grows with everything that changes what is drawn in space
+  std::uint64_t changes_ = 0, sceneChanges_ = 0;
 };
 
 }  // namespace c3de::render

@@ -178,6 +178,11 @@ bool RetainedRenderer::destroy(Handle handle) {
   return proxies_.remove(handle);
 }
 
+void RetainedRenderer::setBackground(const Background &background) {
+  background_ = background;
+  ++changes_;
+}
+
 void RetainedRenderer::forEachMesh(const std::function<void(const MeshView &)> &visit) const {
   proxies_.forEach([&](Handle, const Proxy &proxy) {
     if (proxy.kind == ProxyKind::mesh && !proxy.isHidden())

@@ -71,12 +71,13 @@ class RetainedRenderer : public Renderer {
   bool setTransform(Handle proxy, const Mat4 &worldFromProxy) override;
   bool setVisible(Handle proxy, bool visible) override;
   bool destroy(Handle proxy) override;
-  void setBackground(const Background &background) override { background_ = background; }
+  void setBackground(const Background &background) override;
+  [[nodiscard]] std::uint64_t changes() const override { return changes_; }
   void forEachMesh(const std::function<void(const MeshView &)> &visit) const override;
 
  protected:
   HandleTable<Proxy> proxies_;
-  std::uint64_t changes_ = 0;  ///< grows with every change of a proxy
+  std::uint64_t changes_ = 0;  ///< grows with every change of a proxy, and of the background
   Background background_;
 };
 

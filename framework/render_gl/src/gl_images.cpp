@@ -74,7 +74,7 @@ bool GlImages::drawVolume(const Camera &camera, const Frame &frame, const Viewpo
     wantsRefinement_ = false;
     return false;
   }
-  const RayKey key{camera, frame.width, frame.height, changes_ + changesOfProxies};
+  const RayKey key{camera, frame.width, frame.height, changesInSpace() + changesOfProxies};
   const bool hasBlended = rays_.draw(parts, scene_, key, frame, viewport.x, viewport.y, isFinal, drawDepth, layers, statistics_);
   if (!isFinal) wantsRefinement_ = !rays_.isRefined();
   return hasBlended;

@@ -55,6 +55,7 @@ class GlRenderer final : public RetainedRenderer {
   }
 
   ImageRenderer *images() override { return &images_; }
+  std::uint64_t changes() const override { return changes_ + images_.changesInSpace(); }
 
   std::string description() const override {
     return fmt::format("OpenGL {}, {}", reinterpret_cast<const char *>(glGetString(GL_VERSION)),

@@ -15,6 +15,7 @@
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
+#include "c3de/core/thread_priority.h"
 #include "c3de/scene/text_sink.h"
 #include "pace.h"
 
@@ -122,6 +123,7 @@ void Simulation::Impl::begin(Command &command) {
 }
 
 void Simulation::Impl::run() {
+  giveWay();
   readStatus();
   publish();
   show();

@@ -93,6 +93,9 @@ scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask
   }
   body.volume.edgeLength_mm = request.edge_mm;
   body.volume.mask = std::make_shared<const imaging::Mask>(std::move(mask));
+  if (request.labels)
+    for (const imaging::LabelMap::Label &label : request.labels->map.labels)
+      if (label.value == request.label) body.volume.colour = label.colour;
   scene.bodies.push_back(std::move(body));
   return scene;
 }

@@ -35,7 +35,7 @@ bool isMeant(const scene::SceneVolume &volume, const imaging::LabelMap::Label &l
 /// A label, and the layer it is in.
 struct FoundLabel {
   const imaging::LabelMap *map = nullptr;
-  std::uint16_t value = 0;
+  const imaging::LabelMap::Label *label = nullptr;
 };
 
 Expected<FoundLabel> labelOf(const scene::SceneVolume &volume, const std::vector<imaging::LabelMap> &layers) {
@@ -44,8 +44,8 @@ Expected<FoundLabel> labelOf(const scene::SceneVolume &volume, const std::vector
   for (const imaging::LabelMap &map : layers)
     for (const imaging::LabelMap::Label &label : map.labels) {
       names.push_back(label.name);
-      if (!volume.label && label.name == volume.labelName) return FoundLabel{&map, label.value};
-      if (isMeant(volume, label)) found.push_back({&map, label.value});
+      if (!volume.label && label.name == volume.labelName) return FoundLabel{&map, &label};
+      if (isMeant(volume, label)) found.push_back({&map, &label});
     }
   if (found.size() == 1) return found.front();
   const std::string wanted = volume.label ? std::to_string(*volume.label) : "'" + volume.labelName + "'";
@@ -82,8 +82,8 @@ Expected<std::shared_ptr<const imaging::Volume>> OrganSources::volume(const std:
   return stored = std::make_shared<const imaging::Volume>(std::move(loaded->volume));
 }
 
-Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, const ProgressFn &progress,
-                                           Preparation &took) {
+Expected<PickedVoxels> OrganSources::pick(const scene::SceneVolume &volume, const ProgressFn &progress,
+                                          Preparation &took) {
   imaging::ReadOptions options;
   options.progress = progress;
   options.series = volume.series;
@@ -104,6 +104,7 @@ Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, con
   }
   const TimeSpent masking(took.masks_s);
   Expected<imaging::Mask> mask = imaging::Mask{};
+  std::optional<std::array<float, 3>> colour = volume.colour;
   if (volume.mask) {
     mask = *volume.mask;
   } else if (image) {
@@ -111,7 +112,8 @@ Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, con
   } else {
     const auto label = labelOf(volume, *map);
     if (!label) return tl::unexpected(label.error());
-    mask = imaging::maskOf(*label->map, label->value);
+    mask = imaging::maskOf(*label->map, label->label->value);
+    colour = label->label->colour;
   }
   if (mask && volume.opening_mm > 0.0) mask = imaging::opened(*mask, volume.opening_mm, progress);
   if (mask && volume.closing_mm > 0.0) mask = imaging::closed(*mask, volume.closing_mm, progress);
@@ -120,7 +122,8 @@ Expected<imaging::Mask> OrganSources::mask(const scene::SceneVolume &volume, con
   if (mask && imaging::voxelCount(*mask) == 0)
     return fail(ErrorCode::input, volume.file.string() + ": nothing is left of what was asked for; accepted: a label or a "
                                                          "threshold, mended, that holds voxels");
-  return mask;
+  if (!mask) return tl::unexpected(mask.error());
+  return PickedVoxels{std::move(*mask), colour};
 }
 
 std::vector<std::string> OrganSources::takeNotices() { return std::exchange(notices_, {}); }

@@ -2,6 +2,7 @@
 #include "c3de/session/session.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "c3de/session/resources.h"
 #include "c3de/session/scene_to_abi.h"
 #include "c3de/session/simulator_access.h"
+#include "c3de/render/renderer.h"
 
 namespace c3de::session {
 namespace {
@@ -155,17 +157,19 @@ Expected<Organ> meshOf(const scene::SceneBody &body, const ProgressFn &progress)
 
 Expected<Organ> loadFromVolume(OrganSources &sources, const scene::SceneBody &body, const ProgressFn &progress) {
   Preparation took;
-  const auto mask = sources.mask(body.volume, progress, took);
-  if (!mask) return tl::unexpected(mask.error());
+  const auto picked = sources.pick(body.volume, progress, took);
+  if (!picked) return tl::unexpected(picked.error());
   // As many phyxels as the scene says, or as fit its spacing.
   double phyxels = 1000.0;
   for (const scene::SceneValue &value : body.params) {
     if (value.value.id == "sampling.count") phyxels = value.value.num;
     if (value.value.id == "sampling.spacing" && value.value.num > 0.0)
-      phyxels = imaging::volumeOf(*mask) / std::pow(value.value.num * scene::kMillimetresPerMetre, 3);
+      phyxels = imaging::volumeOf(picked->mask) / std::pow(value.value.num * scene::kMillimetresPerMetre, 3);
   }
-  auto organ = organOf(*mask, body.volume.edgeLength_mm, phyxels, progress);
-  if (organ) organ->took += took;
+  auto organ = organOf(picked->mask, body.volume.edgeLength_mm, phyxels, progress);
+  if (!organ) return organ;
+  organ->took += took;
+  organ->colour = picked->colour;
   return organ;
 }
 
@@ -201,7 +205,7 @@ Described toAbi(const std::string &name, const MeshLease &mesh, const scene::Sce
 }  // namespace
 
 struct Session::Impl {
-  explicit Impl(unsigned threads) : pool(threads), jobs(mainQueue) {}
+  Impl(unsigned threads, bool hasWindow) : pool(threads, hasWindow), jobs(mainQueue) {}
 
   ThreadPool pool;
   MainQueue mainQueue;
@@ -271,6 +275,8 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const c3de_sim_fill fill = toAbi(source->fill);
     auto abi = toAbi<c3de_sim_body>(body.name, lease, body.placement, params);
     if (body.mesh.empty()) abi.fill = &fill;
+    const render::Colour colour = render::shownColour(source->colour.value_or(std::array<float, 3>{}));
+    if (source->colour) abi.colour = colour.data();
     abi.progress = partProgress.abi();
     const BodyTables tables(scene, body, fitted.parts[i]);
     tables.fill(abi);
@@ -302,7 +308,7 @@ Session::~Session() {
 }
 
 Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options) {
-  auto impl = std::make_unique<Impl>(options.threads);
+  auto impl = std::make_unique<Impl>(options.threads, options.panels != nullptr);
 
   const auto materialsFile = findResource("materials.toml");
   auto materials = materialsFile ? scene::MaterialLibrary::load(*materialsFile)

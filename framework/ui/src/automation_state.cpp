@@ -2,6 +2,7 @@
 #include "automation_state.h"
 
 #include <algorithm>
+#include <chrono>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -19,6 +20,7 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr double kSecondsBetweenWrites = 0.05;
+constexpr std::size_t kAnswers = 128;  // more than frames in a second
 
 const char *modeName(std::uint32_t mode) {
   switch (mode) {
@@ -54,6 +56,8 @@ struct AutomationState::Impl {
   std::filesystem::path file;
   Json state = Json::object();
   Json widgets = Json::object(), scrolledOut = Json::object(), disabled = Json::array(), values = Json::object();
+  Json answers = Json::array();
+  std::size_t characters = 0;
   double lastWrite_s = -1e9;
   bool isWaiting = false, hasFailed = false;
 };
@@ -136,6 +140,15 @@ void AutomationState::endFrame(const FrameContext &frame, double now_s) {
   writeIfDue(now_s);
 }
 
+void AutomationState::shown(const FrameContext &frame, std::size_t characters) {
+  if (!isOn()) return;
+  const double now_s = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  impl_->characters += characters;
+  if (impl_->answers.size() >= kAnswers) impl_->answers.erase(impl_->answers.begin());
+  impl_->answers.push_back({frame.frame, frame.mouseX, frame.mouseY, impl_->characters, now_s});
+  impl_->isWaiting = true;
+}
+
 double AutomationState::secondsUntilWrite(double now_s) const {
   if (!isOn() || !impl_->isWaiting) return -1.0;
   return std::max(0.0, impl_->lastWrite_s + kSecondsBetweenWrites - now_s);
@@ -150,6 +163,7 @@ void AutomationState::writeIfDue(double now_s) {
 void AutomationState::writeNow(bool isClosing) {
   if (!isOn()) return;
   impl_->isWaiting = false;
+  impl_->state["answers"] = impl_->answers;
   impl_->state["closing"] = isClosing;
   std::filesystem::path temporary = impl_->file;
   temporary += ".new";

@@ -23,6 +23,8 @@
 //   jobs           [{title, what, fraction}]
 //   camera         {yaw, pitch, distance, focus: [x, y, z]}
 //   nodes          [{name, depth, visible}] of the scene
+//   answers        [[frame, x, y, characters, shown_s], …] of the newest frames that took input: the mouse as in `mouse`,
+//                  characters that had been taken in all, and when the frame had been shown, s on the steady clock
 //   closing        true in the last state that is written
 #pragma once
 
@@ -47,6 +49,8 @@ class AutomationState {
   void value(const std::string &area, const std::string &name, const std::string &text);
   /// Takes over the rest of the frame; writes when a write is due.
   void endFrame(const FrameContext &frame, double now_s);
+  /// The frame is on the screen. @param characters  it has taken
+  void shown(const FrameContext &frame, std::size_t characters);
 
   [[nodiscard]] bool isOn() const;
   /// Seconds until what has changed may be written; negative: nothing waits.

@@ -30,24 +30,23 @@ std::array<PixelRect, 4> layOutViews(const PixelRect &area, ImageViews *images) 
   return panes;
 }
 
-void drawSlices(render::Renderer &renderer, const ImageViews *images, const std::array<PixelRect, 4> &panes,
-                const std::function<render::Viewport(const PixelRect &)> &viewportOf) {
+void showInSpace(render::Renderer &renderer, const ImageViews *images) {
   render::ImageRenderer *drawer = renderer.images();
   if (!drawer) return;
   drawer->setScene(images ? images->scene() : render::ImageScene());
-  if (!images) return;
-  drawer->setLabelColours(images->handles().labels, images->labelColours());
-  const render::ImageLook look = images->look();
-  for (const Pane pane : kSlicePanes) {
-    const PixelRect &rect = panes[static_cast<std::size_t>(pane)];
-    if (rect.isEmpty()) continue;
-    const render::Viewport port = viewportOf(rect);
-    const SliceView &slice = images->view(pane);
-    render::SlicePlane plane = slice.plane();
-    plane.right = (static_cast<double>(slice.width()) / port.width) * plane.right;
-    plane.down = (static_cast<double>(slice.height()) / port.height) * plane.down;
-    drawer->drawSlice(look, plane, port);
-  }
+  if (images) drawer->setLabelColours(images->handles().labels, images->labelColours());
+}
+
+render::SlicePlane planeOf(const ImageViews &images, Pane pane, const render::Viewport &port) {
+  const SliceView &slice = images.view(pane);
+  render::SlicePlane plane = slice.plane();
+  plane.right = (static_cast<double>(slice.width()) / port.width) * plane.right;
+  plane.down = (static_cast<double>(slice.height()) / port.height) * plane.down;
+  return plane;
+}
+
+void drawSlice(render::Renderer &renderer, const ImageViews &images, Pane pane, const render::Viewport &port) {
+  renderer.images()->drawSlice(images.look(), planeOf(images, pane, port), port);
 }
 
 }  // namespace c3de::ui

@@ -2,12 +2,11 @@
 // Where the views of an image lie, and its slices in them: the same for the window and for pictures without one.
 #pragma once
 
-#include <functional>
-
 #include "frame_context.h"
 
 namespace c3de::render {
 class Renderer;
+struct SlicePlane;
 struct Viewport;
 }  // namespace c3de::render
 
@@ -18,10 +17,12 @@ namespace c3de::ui {
 /// @param images  null: there is no image
 [[nodiscard]] std::array<PixelRect, 4> layOutViews(const PixelRect &area, ImageViews *images);
 
-/// Draws the slices, and tells the renderer what it is to show of the image in space.
-/// @param images      null: there is no image
-/// @param viewportOf  pixels of the framebuffer of a rectangle
-void drawSlices(render::Renderer &renderer, const ImageViews *images, const std::array<PixelRect, 4> &panes,
-                const std::function<render::Viewport(const PixelRect &)> &viewportOf);
+/// Tells the renderer what it is to show of the image in space, and the colours of its labels everywhere.
+/// @param images  null: there is no image
+void showInSpace(render::Renderer &renderer, const ImageViews *images);
+/// @param port  pixels of the framebuffer
+[[nodiscard]] render::SlicePlane planeOf(const ImageViews &images, Pane pane, const render::Viewport &port);
+/// Of a renderer that has images.
+void drawSlice(render::Renderer &renderer, const ImageViews &images, Pane pane, const render::Viewport &port);
 
 }  // namespace c3de::ui

@@ -89,7 +89,10 @@ Expected<render::Image> pictureOfViews(render::Renderer &renderer, ImageViews &i
     return port;
   };
   return render::paintPicture(width, height, [&] {
-    drawSlices(renderer, shown, panes, viewportOf);
+    showInSpace(renderer, shown);
+    for (const Pane pane : kSlicePanes)
+      if (const PixelRect &rect = panes[static_cast<std::size_t>(pane)]; shown && renderer.images() && !rect.isEmpty())
+        drawSlice(renderer, *shown, pane, viewportOf(rect));
     if (!space.isEmpty()) renderer.draw(camera, viewportOf(space));
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   });

@@ -26,6 +26,7 @@
 #include "glfw_window.h"
 #include "imgui_panel.h"
 #include "imgui_session.h"
+#include "kept_views.h"
 
 namespace c3de::ui {
 namespace {
@@ -52,6 +53,7 @@ struct WorkstationWindow::Impl {
   FileDialog fileDialog;
   ImGuiPanels panels;
   render::Camera camera;
+  std::optional<KeptViews> views;
   registry::ToolRegistry noTools;
   std::optional<ViewController> viewController;
 
@@ -66,6 +68,9 @@ struct WorkstationWindow::Impl {
   int framesToSettle = kFramesToSettle;
   int framesToFit = 0;
   bool isMoving = false;  ///< something changes by itself: playing, jobs
+  bool takesNews = true;  ///< the frame shows what is new, else what is there and what the input has made of it
+  double frameBegan_s = 0.0;
+  double newsFrame_s = 0.0;  ///< that the last frame took that showed what was new
 
   void takeInput(FrameContext &context, const std::vector<OsEvent> &events);
   void takeMouse(const OsEvent &event);
@@ -472,6 +477,7 @@ Expected<std::unique_ptr<WorkstationWindow>> WorkstationWindow::create(const Win
 WorkstationWindow::WorkstationWindow(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 WorkstationWindow::~WorkstationWindow() {
+  impl_->views.reset();
   impl_->imgui.reset();
   impl_->window.reset();
 }
@@ -484,7 +490,7 @@ void WorkstationWindow::connect(const WindowServices &services, WindowActions ac
 
 void WorkstationWindow::setAbout(AboutText about) { impl_->state.about = std::move(about); }
 
-void WorkstationWindow::waitForFrame() {
+bool WorkstationWindow::waitForFrame() {
   Impl &impl = *impl_;
   for (;;) {
     const double now_s = GlfwWindow::now_s();
@@ -512,6 +518,11 @@ void WorkstationWindow::waitForFrame() {
   }
   // Before anybody looks for what is new: what comes from here on asks for a frame of its own.
   (void)impl.window->takeWake();
+  // Where frames are slow, input that came during one is answered by a quick one.
+  const bool isSlow = impl.newsFrame_s > kFrameTime_s;
+  impl.takesNews = !(impl.isMoving && isSlow && impl.takesNews && impl.window->hasEvents());
+  impl.frameBegan_s = GlfwWindow::now_s();
+  return impl.takesNews;
 }
 
 void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationView &simulation) {
@@ -531,12 +542,14 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   context.view = impl.view;
   context.panes = impl.panes;
 
+  impl.window->wait(0.0);  // what has come since the frame was due
   const std::vector<OsEvent> events = impl.window->takeEvents(impl.fileDialog.awaitsTyping());
   for (const OsEvent &event : events) impl.imgui->take(*impl.window, event);
   if (!events.empty())
     impl.framesToSettle = kFramesToSettle;
   else if (impl.framesToSettle > 0)
     --impl.framesToSettle;
+  if (!impl.takesNews) impl.framesToSettle = std::max(impl.framesToSettle, 1);  // what is new waits
   impl.imgui->beginFrame();
   impl.automation.beginFrame();
   context.mouseX = ImGui::GetIO().MousePos.x;
@@ -561,15 +574,21 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
     glViewport(0, 0, pixels[0], pixels[1]);
     glDisable(GL_SCISSOR_TEST);
     glClearColor(colour::kChrome.x, colour::kChrome.y, colour::kChrome.z, 1.0f);
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glClear(GL_COLOR_BUFFER_BIT);
     if (impl.actions.beforeDraw) impl.actions.beforeDraw();
-    drawSlices(renderer, impl.shownImages(), impl.panes, [&](const PixelRect &rect) { return impl.viewportOf(rect); });
-    if (!impl.view.isEmpty()) renderer.draw(impl.camera, impl.viewportOf(impl.view));
+    if (!impl.views) impl.views.emplace();
+    impl.views->draw(renderer, impl.shownImages(), impl.camera,
+                     {impl.area, impl.panes, [&](const PixelRect &rect) { return impl.viewportOf(rect); }, pixels});
     impl.isRefining = !impl.view.isEmpty() && impl.shownImages() && renderer.images() && renderer.images()->wantsRefinement();
     glViewport(0, 0, pixels[0], pixels[1]);
     impl.imgui->draw();
   }
   impl.window->swap();
+  if (impl.takesNews) impl.newsFrame_s = GlfwWindow::now_s() - impl.frameBegan_s;
+  if (!events.empty())
+    impl.automation.shown(context, static_cast<std::size_t>(std::count_if(events.begin(), events.end(), [](const OsEvent &event) {
+      return event.kind == OsEvent::Kind::character;
+    })));
 }
 
 void WorkstationWindow::wake() { impl_->window->wake(); }

@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/core/output_file.h"
 
+#ifdef __linux__
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
+
 #include <array>
 #include <fstream>
 #include <iterator>
@@ -48,7 +55,7 @@ TEST_CASE("A file takes its place when it is whole, and leaves nothing else behi
     REQUIRE(out.has_value());
     out->write("half");
     CHECK(textIn(file) == "before");
-    CHECK(filesIn(folder) == 2);
+    CHECK(filesIn(folder) <= 2);
   }
   CHECK(textIn(file) == "before");
   CHECK(filesIn(folder) == 1);
@@ -58,6 +65,29 @@ TEST_CASE("A file takes its place when it is whole, and leaves nothing else behi
   CHECK(textIn(file) == "after");
   CHECK(textIn(folder / "a.json.part") == "mine");
   CHECK(filesIn(folder) == 2);
+}
+
+TEST_CASE("What is written when the program is killed leaves nothing behind") {
+#ifdef __linux__
+  const fs::path folder = emptyFolder(), file = write(folder / "a.json", "before");
+  const int unnamed = open(folder.c_str(), O_TMPFILE | O_WRONLY, 0600);
+  if (unnamed < 0) C3DE_SKIP("this disk has no files without a name");
+  close(unnamed);
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    auto out = OutputFile::open(file);
+    if (out) out->write(std::string(100000, 'x'));
+    raise(SIGKILL);
+  }
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(WIFSIGNALED(status));
+  CHECK(textIn(file) == "before");
+  CHECK(filesIn(folder) == 1);
+#else
+  C3DE_SKIP("files without a name are those of Linux");
+#endif
 }
 
 TEST_CASE("A disk that is full is named as the reason, and what was there stays") {

@@ -3,9 +3,15 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <map>
+#include <mutex>
 #include <numeric>
 #include <thread>
 #include <vector>
+
+#ifdef __linux__
+#include <sys/resource.h>
+#endif
 
 #include "c3de/core/thread_pool.h"
 #include "support/catch.h"
@@ -116,3 +122,25 @@ TEST_CASE("many more threads than processors end their loops") {
     });
   CHECK(std::count(values.begin(), values.end(), 200) == 4096);
 }
+
+#ifdef __linux__
+TEST_CASE("the threads of a background pool give way, and no other thread does") {
+  const auto niceness = [] { return getpriority(PRIO_PROCESS, 0); };  // of the calling thread
+  const int before = niceness();
+  for (const bool isBackground : {false, true}) {
+    ThreadPool pool(2, isBackground);
+    std::mutex mutex;
+    std::map<std::thread::id, int> found;
+    CHECK(comesTrue([&] {
+      pool.parallelFor(16, 1, [&](std::size_t, std::size_t) {
+        const std::lock_guard lock(mutex);
+        found[std::this_thread::get_id()] = niceness();
+        std::this_thread::yield();
+      });
+      return found.size() == 2;
+    }));
+    for (const auto &[thread, nice] : found)
+      CHECK(nice == (isBackground && thread != std::this_thread::get_id() ? std::min(before + 5, 19) : before));
+  }
+}
+#endif

@@ -123,6 +123,26 @@ TEST_CASE("Segmentations that cannot be placed or decoded are refused by name", 
   CHECK_THAT(reason(segmentation("SURFACE", {segment(1, "a")}, {frame(0, 1)}).pixels(std::vector<std::uint8_t>(kEach))), Contains("type 'SURFACE'"));
 }
 
+TEST_CASE("A list of series tells segmentations, and which series the named file is of", "[imaging]") {
+  C3DE_DATA_OR_SKIP(scan, "dicom/ct_3slice_plus_seg/01.dcm");
+  C3DE_DATA_OR_SKIP(segments, "dicom/ct_3slice_plus_seg/liver.dcm");
+  for (const auto &[file, isSegmentation] : {std::pair{scan, false}, {segments, true}}) {
+    const auto list = listSeries(file);
+    REQUIRE(list);
+    std::size_t named = 0;
+    for (const SeriesInfo &series : *list) {
+      if (!series.holdsNamedFile) continue;
+      ++named;
+      CHECK(series.isSegmentation == isSegmentation);
+    }
+    CHECK(named == 1);
+  }
+  C3DE_DATA_OR_SKIP(slicer, "dicom/ct_3slice_plus_seg/liver_seg.nrrd");
+  const auto list = listSeries(slicer);
+  REQUIRE((list && list->size() == 1));
+  CHECK(list->front().holdsNamedFile);
+}
+
 TEST_CASE("Segmentations of 3D Slicer are the label maps they were written from", "[imaging]") {
   for (const auto &[segments, labels, scale] : {std::tuple{"dicom/seg_tiny_nonsquare/label.seg", "dicom/seg_tiny_nonsquare/label.nrrd", 1},
                                                 {"dicom/ct_3slice_plus_seg/liver.dcm", "dicom/ct_3slice_plus_seg/liver_seg.nrrd", 1}}) {

@@ -68,8 +68,13 @@ TEST_CASE("Names of a table may have several words, which end where numbers begi
 
 TEST_CASE("Names and colours of Slicer's segments are read", "[imaging]") {
   const std::string segments = "Segment0_LabelValue:=5\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment1_LabelValue:=1\nSegment1_Name:=spleen\nSegment1_Layer:=0\n";
-  const auto loaded = readLabelMap(textNrrd("a.seg.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced + segments));
+  const auto file = textNrrd("a.seg.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced + segments);
+  const auto loaded = readLabelMap(file);
   REQUIRE(loaded);
+  const auto list = listSeries(file), plain = listSeries(textNrrd("plain.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced));
+  REQUIRE((list && plain));
+  CHECK(list->front().isSegmentation);
+  CHECK_FALSE(plain->front().isSegmentation);
   CHECK(loaded->labels.labels[0].name == "spleen");
   CHECK(loaded->labels.labels[1].name == "label 2");
   CHECK(loaded->labels.labels[2].name == "liver");
@@ -266,7 +271,8 @@ TEST_CASE("Organs of TotalSegmentator have their names", "[imaging]") {
   REQUIRE(loaded->labels.labels.size() == 41);
   for (const auto &[number, name] : {std::pair{1, "spleen"}, {2, "kidney_right"}, {3, "kidney_left"}, {5, "liver"}}) {
     const auto &all = loaded->labels.labels;
-    const auto found = std::find_if(all.begin(), all.end(), [&](const LabelMap::Label &l) { return l.value == number; });
+    const auto found = std::find_if(all.begin(), all.end(),
+                                    [wanted = number](const LabelMap::Label &l) { return l.value == wanted; });
     REQUIRE(found != all.end());
     CHECK(found->name == name);
   }

@@ -2,6 +2,7 @@
 // Bodies in voxels, with the geometry that makes each of them awkward.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -93,6 +94,10 @@ inline std::function<bool(const Vec3 &)> vesselTree(const Vec3 &root, const Vec3
   };
 }
 
+/// The same with random directions, lengths and numbers of branches: from `root` on, the widest tubes of radius `widest`, the
+/// thinnest of `thinnest`, dividing four times at most, about 18 mm each.
+inline std::function<bool(const Vec3 &)> randomTree(std::uint64_t seed, double widest, double thinnest);
+
 /// Voxels [min, max) of the index.
 inline Mask box(const VolumeGeometry &g, std::array<std::size_t, 3> min, std::array<std::size_t, 3> max) {
   Mask mask{g, std::vector<std::uint8_t>(g.voxelCount(), 0)};
@@ -121,5 +126,35 @@ class Dice {
  private:
   std::uint64_t state_;
 };
+
+inline std::function<bool(const Vec3 &)> randomTree(std::uint64_t seed, double widest, double thinnest) {
+  struct Tube {
+    Vec3 from, to;
+    double radius;
+  };
+  std::vector<Tube> tubes;
+  Dice dice(seed);
+  const auto number = [&](double low, double high) { return low + (high - low) * dice(1001) / 1000.0; };
+  constexpr int kLevels = 4;
+  const std::function<void(const Vec3 &, const Vec3 &, int)> grow = [&](const Vec3 &from, const Vec3 &way, int level) {
+    const Vec3 to = from + number(13.0, 23.0) * way;
+    tubes.push_back({from, to, widest * std::pow(thinnest / widest, static_cast<double>(level) / kLevels)});
+    if (level == kLevels) return;
+    const std::uint32_t branches = 1 + (dice(3) > 0 ? 1 : 0);
+    for (std::uint32_t b = 0; b < branches; ++b) {
+      const Vec3 turned = way + Vec3{number(-0.9, 0.9), number(-0.9, 0.9), number(-0.9, 0.9)};
+      grow(to, (1.0 / norm(turned)) * turned, level + 1);
+    }
+  };
+  const Vec3 first{number(0.5, 1.0), number(-0.6, 0.6), number(-0.6, 0.6)};
+  grow({-44.0, 0.0, 0.0}, (1.0 / norm(first)) * first, 0);
+  return [tubes](const Vec3 &x) {
+    return std::any_of(tubes.begin(), tubes.end(), [&](const Tube &tube) {
+      const Vec3 way = tube.to - tube.from;
+      const double t = std::min(1.0, std::max(0.0, dot(x - tube.from, way) / dot(way, way)));
+      return norm(x - tube.from - t * way) <= tube.radius;
+    });
+  };
+}
 
 }  // namespace phantoms

@@ -138,6 +138,14 @@ TEST_CASE("surfaces of scattered voxels do not go through each other", "[imaging
   checkPlace(mask, 0.0, kHalfVoxel);
 }
 
+TEST_CASE("surfaces of branching vessels stay at their border and do not go through themselves", "[imaging][surface]") {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    CAPTURE(seed);
+    checkPlace(phantoms::where(phantoms::grid({100, 100, 100}), phantoms::randomTree(seed, 3.0, 0.6)), 0.0, 0.7);
+    checkPlace(phantoms::where(phantoms::oblique({140, 140, 70}, {0.7, 0.7, 1.5}), phantoms::randomTree(seed, 3.0, 1.0)), 0.0, 0.7);
+  }
+}
+
 TEST_CASE("surfaces of organs stay at their border and do not go through themselves", "[imaging][surface]") {
   for (const std::string file : {"example_seg.nii.gz", "example_seg_fast_force_split.nii.gz"}) {
     C3DE_DATA_OR_SKIP(path, "volume/totalseg/" + file);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <tuple>
 
 #include "c3de/geometry/mesh_report.h"
 #include "c3de/imaging/mask_coverage.h"
@@ -259,6 +261,61 @@ Vec3 centroidOf(const TriangleMesh &mesh) {
   return (1.0 / volume) * sum;
 }
 
+// Share of the volume that is in another cube of eight voxels than in the mask; the surface by 27 points per voxel.
+double misplacedPart(const TriangleMesh &mesh, const Mask &mask) {
+  constexpr std::size_t kFiner = 3, kCube = 8;
+  const auto &n = mask.geometry.size;
+  VolumeGeometry fine = mask.geometry;
+  const double shift = 0.5 / kFiner - 0.5;
+  const Vec3 origin = mask.geometry.worldAt({shift, shift, shift});
+  for (std::size_t a = 0; a < 3; ++a) {
+    fine.size[a] *= kFiner;
+    for (std::size_t c = 0; c < 3; ++c) fine.indexToWorld[4 * a + c] /= kFiner;
+    fine.indexToWorld[12 + a] = origin[a];
+  }
+  const auto cubeOf = [&](std::size_t v, const std::array<std::size_t, 3> &size, std::size_t edge) {
+    return v % size[0] / edge + (n[0] / kCube + 1) * (v / size[0] % size[1] / edge + (n[1] / kCube + 1) * (v / (size[0] * size[1]) / edge));
+  };
+  std::vector<double> difference((n[0] / kCube + 1) * (n[1] / kCube + 1) * (n[2] / kCube + 1), 0.0);
+  for (std::size_t v = 0; v < mask.voxels.size(); ++v)
+    if (mask.voxels[v] != 0) difference[cubeOf(v, n, kCube)] += 1.0;
+  const Mask inside = maskOf(mesh, fine);
+  for (std::size_t v = 0; v < inside.voxels.size(); ++v)
+    if (inside.voxels[v] != 0) difference[cubeOf(v, fine.size, kCube * kFiner)] -= 1.0 / (kFiner * kFiner * kFiner);
+  double sum = 0.0;
+  for (const double d : difference) sum += std::abs(d);
+  return 0.5 * sum / static_cast<double>(voxelCount(mask));
+}
+
+// Of what lies below a plane x = at, mm from the middle of the grid, which lies between voxels.
+double volumeBelow(const Mask &mask, double at) {
+  Mask part = mask;
+  const auto &n = mask.geometry.size;
+  const double middle = phantoms::centreOf(mask.geometry)[0];
+  for (std::size_t v = 0; v < part.voxels.size(); ++v)
+    if (mask.geometry.worldAt({static_cast<double>(v % n[0]), 0.0, 0.0})[0] - middle > at) part.voxels[v] = 0;
+  return volumeOf(part);
+}
+double volumeBelow(const TriangleMesh &mesh, const VolumeGeometry &grid, double at) {
+  const double plane = phantoms::centreOf(grid)[0] + at;
+  // ∫∫ (plane - x) over the surface's projection along x: triangles that reach beyond count up to the plane, cut by halving.
+  double sum = 0.0;
+  const std::function<void(const Vec3 &, const Vec3 &, const Vec3 &, int)> add = [&](const Vec3 &a, const Vec3 &b, const Vec3 &c, int depth) {
+    const int below = (a[0] < plane) + (b[0] < plane) + (c[0] < plane);
+    if (below == 0) return;
+    if (below < 3 && depth < 6) {
+      const Vec3 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
+      add(a, ab, ca, depth + 1);
+      add(ab, b, bc, depth + 1);
+      add(ca, bc, c, depth + 1);
+      return add(ab, bc, ca, depth + 1);
+    }
+    sum -= (plane - (a[0] + b[0] + c[0]) / 3.0) * 0.5 * cross(b - a, c - a)[0];
+  };
+  for (const Triangle &t : mesh.triangles) add(mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]], 0);
+  return sum;
+}
+
 // Vessels alone, and on an organ whose size made the automatic edges six voxels long.
 Mask vessels(bool onOrgan) {
   if (!onOrgan) return phantoms::where(phantoms::grid({110, 90, 90}), phantoms::vesselTree({-48.0, 0.0, 0.0}, {1.0, 0.1, 0.2}));
@@ -282,12 +339,31 @@ TEST_CASE("branching vessels of two to eight millimetres are in their skin", "[i
     CHECK(report.components == 1);
     // Tubes of two voxels are as thick as the skin is exact: 9 % of them were missing with edges of 1.5 voxels.
     CHECK(missing < 2e-3);
-    // Known miss: the volume of a part is kept as a whole, and thick branches take over what thin ones lose.
-    CHECK_NOFAIL(shift < 0.1);
-    CHECK(shift < (onOrgan ? 0.2 : 3.5));
+    // A tenth of a voxel; 0.02 mm measured. Tips lose what tubes get, over two voxels. 3 mm where thick branches take over
+    // what thin ones lose.
+    CHECK(shift < 0.1);
     CHECK_THAT(report.volume_mm3, WithinRel(volumeOf(mask), 1e-3));
     CHECK(mesh.triangles.size() < 250000);
   }
+}
+
+TEST_CASE("branching vessels of one to six voxels keep their volume where it is", "[imaging][surface]") {
+  for (const std::uint64_t seed : {1u, 2u, 3u})
+    for (const auto &[grid, widest, thinnest] :
+         {std::tuple{phantoms::grid({100, 100, 100}), 3.0, 1.0}, std::tuple{phantoms::grid({100, 100, 100}), 2.0, 0.6},
+          std::tuple{phantoms::oblique({140, 140, 70}, {0.7, 0.7, 1.5}, seed == 2), 3.0, 1.0}}) {
+      const Mask mask = phantoms::where(grid, phantoms::randomTree(seed, widest, thinnest));
+      const TriangleMesh mesh = surface(mask);
+      checkSound(mesh, mask);
+      const double missing = volumeOf(notEnclosed(mask, mesh)) / volumeOf(mask);
+      const double shift = norm(centroidOf(mesh) - centroidOf(mask)), misplaced = misplacedPart(mesh, mask);
+      CAPTURE(seed, thinnest, grid.spacing()[2], missing, shift, misplaced);
+      CHECK(missing < 1e-3);
+      // 0.05 mm measured; 2 … 8 mm where thick branches pay for thin ones.
+      CHECK(shift < 0.1);
+      // Cubes cut surfaces that are half a voxel off in places; 2 % measured, 5 … 18 where thick branches pay.
+      CHECK(misplaced < 0.03);
+    }
 }
 
 TEST_CASE("what long edges lose is not made up by the rest, and can be told", "[imaging][surface]") {
@@ -299,11 +375,12 @@ TEST_CASE("what long edges lose is not made up by the rest, and can be told", "[
   // Branches of 2 mm among blocks of 2 voxels.
   CHECK(missing > 100.0);
   CHECK(missing < 0.05 * all);
-  // Voxels beside the skin count as enclosed, so a little more may be missing than is told.
-  // Known miss: pieces of branches that stay blocks take the volume of those beside them along.
-  CHECK_NOFAIL(volume < all - 0.8 * missing);
-  CHECK(volume < all);
-  CHECK(volume > all - 6.0 * missing);
+  // Pieces of branches that stay blocks take the volume of those beside them along, so a half of what is told.
+  CHECK(volume < all - 0.4 * missing);
+  CHECK(volume > all - missing);
+  // What far branches lose is nothing to the organ: 1.4e-5 measured, 1.8e-3 where the rest pays.
+  const double organ = -6.0;  // of the branches' root
+  CHECK(std::abs(volumeBelow(mesh, mask.geometry, organ) / volumeBelow(mask, organ) - 1.0) < 5e-5);
   for (std::size_t v = 0; v < lost.voxels.size(); ++v)
     if (lost.voxels[v] != 0) REQUIRE(mask.voxels[v] != 0);
 }

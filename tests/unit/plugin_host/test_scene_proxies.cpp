@@ -53,6 +53,7 @@ class RecordingRenderer : public render::Renderer {
   bool destroy(Handle h) override { return placed.erase(h.bits()) > 0; }
   void setBackground(const Background &) override {}
   void draw(const render::Camera &, const render::Viewport &) override {}
+  std::uint64_t changes() const override { return 0; }
   Expected<render::Image> drawToImage(const render::Camera &, int, int) override { return render::Image{}; }
   std::string description() const override { return "recording"; }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Impacts in explicit steps: what they take, and what restitution leaves.
+#include <algorithm>
 #include <cmath>
 
 #include "contact_cases.h"
@@ -103,6 +104,22 @@ TEST_CASE("an elastic bar leaves the ground after 2 L/c with the speed with whic
     before = 1.0 - bar.kept;
     CHECK(bar.rebound > 1.0 - 0.75 / cells);
     CHECK(bar.rebound < 1.0);
+  }
+}
+
+TEST_CASE("restitution that implicit steps do not know is told of at the start, once") {
+  for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk}) {
+    Simulator simulator;
+    WorldSettings world;
+    world.integrator = integrator;
+    simulator.setWorld(world);
+    simulator.addBody(latticeBox(Vec3(0, 0.1, 0), Vec3(0.1, 0.2, 0.1), 0.05, rubber(1e5), 2));
+    simulator.addObstacle(ground(0.5));
+    for (int k = 0; k < 3; ++k) REQUIRE(simulator.step());
+    const auto told = std::count_if(simulator.events().begin(), simulator.events().end(), [](const SimulationEvent &e) {
+      return e.kind == "warning" && Contains("restitution counts in explicit steps alone").match(e.text);
+    });
+    CHECK(told == (integrator == Integrator::explicitVerlet ? 0 : 1));
   }
 }
 

@@ -111,6 +111,27 @@ TEST_CASE("the skin of a bridge that the lattice cannot see spans the gap as a b
   CHECK(most < 10.0);  // 41 where one edge takes all of it
 }
 
+TEST_CASE("a body that the sampling has torn is told of, one of as many pieces is not") {
+  const auto warned = [](const Surface &surface, double spacing) {
+    Simulator simulator;
+    const auto rest = laidOut(surface, spacing);
+    REQUIRE(rest->components == 2);
+    simulator.addBody(std::make_unique<Body>("body", rest, soft(), serialFor()));
+    const auto tells = [](const SimulationEvent &e) {
+      return e.kind == "warning" && Contains("1 connected piece,").match(e.text) && Contains("make 2 parts").match(e.text);
+    };
+    const auto count = [&] { return std::count_if(simulator.events().begin(), simulator.events().end(), tells); };
+    const auto before = count();
+    simulator.reset();
+    CHECK(count() == before);
+    return before;
+  };
+  std::vector<std::pair<double, double>> dumbbell{{0.0, 0.03}, {0.06, 0.03}, {0.0601, 0.0006}, {0.1001, 0.0006}, {0.1002, 0.03}, {0.16, 0.03}};
+  CHECK(warned(swept(dumbbell), 0.02) == 1);
+  CHECK(warned(joined(boxSurface(Vec3(0, 0, 0), Vec3(0.06, 0.06, 0.06), 4), boxSurface(Vec3(0.1, 0, 0), Vec3(0.16, 0.06, 0.06), 4)),
+               0.02) == 0);
+}
+
 TEST_CASE("points far outside of every cell are carried by functions that grow with the way, not with its cube") {
   const LatticeBody body = lattice_cases::filled(lattice_cases::ball(Vec3::Zero(), 0.05), lattice_cases::withSpacing(0.02));
   for (const double cells : {0.6, 1.0, 3.0, 10.0}) {
@@ -188,6 +209,35 @@ TEST_CASE("bodies that pass through each other are told of once, and nobody else
       CHECK(event.time > 0.002);
     }
   CHECK(told == 1);
+}
+
+TEST_CASE("pairs of many bodies are looked at in turn, and each that overlaps is found") {
+  Simulator simulator;
+  WorldSettings world;
+  world.gravity = Vec3::Zero();
+  simulator.setWorld(world);
+  // They come together in the middle.
+  constexpr int kBodies = 6;
+  for (int k = 0; k < kBodies; ++k) {
+    const double x = 0.05 * (k - 0.5 * (kBodies - 1));
+    auto body = latticeBox(Vec3(x, 0, 0), Vec3(x + 0.04, 0.04, 0.04), 0.01, rubber(1e5), 8);
+    body->setInitialVelocity(Vec3(-1.5 * x, 0, 0), Vec3::Zero());
+    simulator.addBody(std::move(body));
+  }
+  std::vector<std::string> told;
+  const auto look = [&] {
+    told.clear();
+    for (const SimulationEvent &event : simulator.events())
+      if (event.kind == "overlap") told.push_back(event.text);
+  };
+  REQUIRE(simulator.step());
+  look();
+  CHECK(told.empty());
+  while (simulator.time() < 0.9) REQUIRE(simulator.step());
+  look();
+  CHECK(told.size() == kBodies * (kBodies - 1) / 2);
+  std::sort(told.begin(), told.end());
+  CHECK(std::unique(told.begin(), told.end()) == told.end());
 }
 
 TEST_CASE("the depth of a penetration is that of the skin that is drawn") {

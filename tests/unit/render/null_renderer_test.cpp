@@ -67,3 +67,58 @@ TEST_CASE("Every visible mesh can be looked at where it is drawn") {
   });
   CHECK(count == 1);
 }
+
+TEST_CASE("Whatever changes the picture counts as a change, and what is set again does not") {
+  const auto renderer = createNullRenderer();
+  ImageRenderer *images = renderer->images();
+  REQUIRE(images);
+  const std::vector<Vec3f> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const std::vector<Triangle> triangle{{0, 1, 2}};
+  const std::vector<std::uint8_t> voxels(8, 1);
+  const GridPlace place{{2, 2, 2}, kIdentity4};
+  std::uint64_t all = renderer->changes(), ofImages = images->changes();
+  const auto counts = [&](const char *what, bool isOfImages, auto &&change) {
+    INFO(what);
+    change();
+    CHECK(renderer->changes() > all);
+    CHECK((images->changes() > ofImages) == isOfImages);
+    all = renderer->changes();
+    ofImages = images->changes();
+  };
+  Handle mesh{}, spheres{}, label{}, legend{}, image{}, labels{}, shift{};
+  Mat4 moved = kIdentity4;
+  moved[12] = 1.0;
+  const Legend scale{"|u|", "mm", "", 0.0, 1.0, {{0, 0, 0, 1}, {1, 1, 1, 1}}};
+  counts("createMesh", false, [&] { mesh = renderer->createMesh(corners, triangle, {}); });
+  counts("createSpheres", false, [&] { spheres = renderer->createSpheres(corners, 1.0f, {}); });
+  counts("createLines", false, [&] { renderer->createLines(std::span(corners).first(2), 1.0f, {}); });
+  counts("createLabel", false, [&] { label = renderer->createLabel({0, 0, 0}, "a", {}); });
+  counts("createLegend", false, [&] { legend = renderer->createLegend(scale); });
+  counts("setPositions", false, [&] { renderer->setPositions(mesh, corners); });
+  counts("setNormals", false, [&] { renderer->setNormals(mesh, corners); });
+  counts("setColours", false, [&] { renderer->setColours(mesh, std::vector<Colour>(3)); });
+  counts("setRadii", false, [&] { renderer->setRadii(spheres, std::vector<float>(3, 2.0f)); });
+  counts("setLabel", false, [&] { renderer->setLabel(label, {0, 0, 0}, "b"); });
+  counts("setLegend", false, [&] { renderer->setLegend(legend, scale); });
+  counts("setMaterial", false, [&] { renderer->setMaterial(mesh, {}); });
+  counts("setTransform", false, [&] { renderer->setTransform(mesh, moved); });
+  counts("setVisible", false, [&] { renderer->setVisible(mesh, false); });
+  counts("setBackground", false, [&] { renderer->setBackground({}); });
+  counts("destroy", false, [&] { renderer->destroy(spheres); });
+  counts("addImage", true, [&] { image = *images->addImage({place, VoxelType::uint8, voxels.data()}); });
+  counts("addLabels", true, [&] { labels = *images->addLabels(place, std::vector<std::uint16_t>(8, 1)); });
+  const std::vector<std::pair<std::uint16_t, Colour>> colours{{std::uint16_t{1}, Colour{1, 0, 0, 1}}};
+  counts("setLabelColours", true, [&] { images->setLabelColours(labels, colours); });
+  counts("addDisplacement", true, [&] { shift = *images->addDisplacement(place, std::vector<float>(24)); });
+  counts("setDisplacement", true, [&] { images->setDisplacement(shift, std::vector<float>(24, 1.0f)); });
+  counts("setShiftColours", true, [&] { images->setShiftColours(std::vector<Colour>(2)); });
+  ImageScene scene;
+  scene.look.image = image;
+  counts("setScene", false, [&] { images->setScene(scene); });  // slices are drawn by looks of their own
+  counts("remove", true, [&] { images->remove(labels); });
+
+  images->setScene(scene);
+  renderer->setTransform(mesh, moved);
+  renderer->setVisible(mesh, false);
+  CHECK(renderer->changes() == all);
+}

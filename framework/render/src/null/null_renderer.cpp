@@ -43,6 +43,7 @@ class NullRenderer final : public RetainedRenderer {
   }
 
   ImageRenderer *images() override { return &images_; }
+  std::uint64_t changes() const override { return changes_ + images_.changesInSpace(); }
   std::string description() const override { return "null (no graphics)"; }
 
  private:

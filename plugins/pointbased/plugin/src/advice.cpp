@@ -12,6 +12,7 @@ constexpr double kThinnestGood = 0.5;  // likewise, what is proposed instead
 constexpr double kMostPhyxels = 200'000.0;  // that are proposed: more is no simulation that one waits for
 // rms strain below which an error of the strain is an error of nothing
 constexpr double kLeastStrain = 1e-4;
+constexpr double kErrorAimedAt = 0.95 * kErrorToTell;  // what is proposed keeps the promise
 
 std::string rounded(double count) {
   const double unit = std::pow(10.0, std::max(0.0, std::floor(std::log10(count)) - 1.0));
@@ -64,7 +65,9 @@ std::string errorAdvice(const Body &body, double area, double estimate) {
   std::snprintf(text, sizeof text, "%.2g", estimate);
   std::string advice = "body '" + body.name() + "': strains and stresses are off by a part of about " + text +
                        " (error_estimate) at a spacing of " + millimetres(rest.spacing) + "; ";
-  const double spacing = rest.spacing * std::pow(ratio(kErrorToTell) / ratio(std::min(estimate, 0.999)), 1.0 / kOrderOfEstimate);
+  // Cells wider than the body is thick do not see how it bends: the estimate begins to fall where they are as thick.
+  const double from = std::min(rest.spacing, 2.0 * rest.shapeVolume / area);
+  const double spacing = from * std::pow(ratio(kErrorAimedAt) / ratio(std::min(estimate, 0.999)), 1.0 / kOrderOfEstimate);
   const double count = phyxelsAt(rest, area, spacing);
   if (!(count <= kMostPhyxels))
     return advice + "no count up to " + rounded(kMostPhyxels) +
@@ -78,7 +81,7 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
   for (const std::string &error : errors)
     if (!error.empty()) lines.push_back(error);
   constexpr std::size_t kMostOfAKind = 3;
-  for (const char *kind : {"stopped", "skin", "overlap", "step"}) {
+  for (const char *kind : {"warning", "stopped", "skin", "overlap", "step"}) {
     std::size_t count = 0;
     for (const SimulationEvent &event : simulator.events())
       if (event.kind == kind && ++count <= kMostOfAKind) lines.push_back(event.text);

@@ -17,7 +17,7 @@ namespace pointbased {
 
 /// Why a lattice is too coarse for what it is laid into, with the spacing and count that would do; empty: it is not.
 ///
-/// The thickness is twice the volume over the area: that of a sheet, the radius of a tube. Below 0.3 spacings most cells
+/// The thickness is twice the volume over the area: that of a sheet, the radius of a tube. Below 0.15 spacings most cells
 /// hold hardly anything, pieces of the body hang on single cells, and what moves is the lattice rather than the body. Above
 /// that the error estimate tells how good it is.
 [[nodiscard]] std::string tooCoarse(const RestState &rest, double area);
@@ -25,7 +25,8 @@ namespace pointbased {
 /// What to say of an error estimate above 0.1: how large, and the count that brings it below; empty: nothing.
 ///
 /// The estimate of bodies that are held, hang or lie falls with the spacing to the power kOrderOfEstimate, in the sense of
-/// e²/(1 - e²), which is error energy over energy: measured on organs (docs/theory/time.md).
+/// e²/(1 - e²), which is error energy over energy: measured on organs (docs/theory/time.md). Of a body that is thinner than a
+/// spacing it begins to fall at a spacing of the thickness.
 /// @param estimate  ErrorEstimate::relative of the present state
 [[nodiscard]] std::string errorAdvice(const Body &body, double area, double estimate);
 inline constexpr double kOrderOfEstimate = 0.7;

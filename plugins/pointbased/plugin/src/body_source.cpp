@@ -122,6 +122,13 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
   source.angularVelocity = vec(body.angular_velocity_rad_s);
   if (!source.velocity.allFinite() || !source.angularVelocity.allFinite())
     refuse("velocity", "velocity and angular velocity have to be finite");
+  if (body.colour != nullptr) {
+    source.colour.emplace();
+    for (std::size_t c = 0; c < 3; ++c) {
+      (*source.colour)[c] = body.colour[c];
+      if (!(body.colour[c] >= 0.0f && body.colour[c] <= 1.0f)) refuse("colour", "is not in 0 ... 1");
+    }
+  }
   if (body.fill != nullptr) source.fill = readFill(*body.fill, source.placement);
   return source;
 }

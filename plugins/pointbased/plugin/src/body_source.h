@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -42,6 +43,7 @@ struct BodySource {
   std::vector<std::uint32_t> loadNumbers;
   std::vector<BodyPart> parts;            ///< later ones win
   std::vector<Refinement> refinements;
+  std::optional<std::array<float, 3>> colour;  ///< sRGB; none: any
   Vec3 velocity = Vec3::Zero(), angularVelocity = Vec3::Zero();  ///< m/s, rad/s; at the start
 };
 

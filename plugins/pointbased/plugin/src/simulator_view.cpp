@@ -32,12 +32,12 @@ sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
 
 c3de_view coloursView(std::span<const Rgba8> colours) { return {colours.data(), colours.size(), 4, C3DE_U8, 0}; }
 
-/// By the body's place among the others; from the ninth on colours begin again.
-sdk::Material materialOf(const Snapshot *snapshot, std::uint64_t body, bool isOpaque) {
+/// That of its label; else by the body's place among the others that have none, from the ninth on colours begin again.
+sdk::Material materialOf(const Snapshot *snapshot, const BodySnapshot &body, bool isOpaque) {
   std::size_t number = 0;
   if (snapshot)
-    for (const BodySnapshot &other : snapshot->bodies) number += other.id < body ? 1u : 0u;
-  const std::array<float, 3> &c = kBodies[number % kBodies.size()];
+    for (const BodySnapshot &other : snapshot->bodies) number += other.id < body.id && !other.colour ? 1u : 0u;
+  const std::array<float, 3> c = body.colour.value_or(kBodies[number % kBodies.size()]);
   return {{c[0], c[1], c[2], isOpaque ? 1.0f : kTransparent}, !isOpaque};
 }
 
@@ -59,7 +59,7 @@ SimulatorView::BodyView SimulatorView::makeBody(const BodySnapshot &body) const 
   BodyView view;
   view.node = sdk::orThrow(services_.scene.addNode(node_, body.name));
   view.surface = sdk::orThrow(services_.render.createMesh(
-      view.node.handle(), viewOf(body.surfels), sdk::rows<std::uint32_t, 3>(std::span(body.surface->triangles)), materialOf(nullptr, body.id, true)));
+      view.node.handle(), viewOf(body.surfels), sdk::rows<std::uint32_t, 3>(std::span(body.surface->triangles)), materialOf(nullptr, body, true)));
   view.rest = body.rest.get();
   return view;
 }
@@ -69,7 +69,7 @@ void SimulatorView::updateBody(BodyView &view, const BodySnapshot &body, const V
   (void)services_.render.setVisible(surface, settings.surface != SurfaceShown::hidden);
   if (settings.surface != SurfaceShown::hidden) {
     const auto snapshot = simulator_.snapshot();
-    (void)services_.render.setMaterial(surface, materialOf(snapshot.get(), body.id, settings.surface == SurfaceShown::opaque));
+    (void)services_.render.setMaterial(surface, materialOf(snapshot.get(), body, settings.surface == SurfaceShown::opaque));
     if (!view.changes || *view.changes != body.changes) {
       (void)services_.render.update(surface, C3DE_ATTR_POSITIONS, viewOf(body.surfels));
       (void)services_.render.update(surface, C3DE_ATTR_NORMALS, viewOf(body.normals));

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "colouring.h"
 #include "parameters.h"
@@ -18,6 +19,7 @@ struct BodySnapshot {
   std::shared_ptr<const RestState> rest;
   std::shared_ptr<PlacedMesh> surface;
   std::shared_ptr<const ParameterValues> values;
+  std::optional<std::array<float, 3>> colour;  ///< sRGB, of the surface by the material; none: by its place among the bodies
   std::uint64_t changes = 0;            ///< of the simulator: the same number, the same places
   bool asleep = false;
   bool rigid = false;

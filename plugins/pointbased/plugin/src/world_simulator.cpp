@@ -301,6 +301,7 @@ void WorldSimulator::publish() {
     b.rest = body.sharedRest();
     b.surface = record.surface;
     b.values = record.values;
+    b.colour = record.source.colour;
     if (!samePlaces) {
       b.phyxels.resize(body.rest().phyxelCount());
       for (std::size_t i = 0; i < b.phyxels.size(); ++i)

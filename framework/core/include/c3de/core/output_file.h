@@ -19,8 +19,9 @@ struct FileCloser {
 using FilePointer = std::unique_ptr<std::FILE, FileCloser>;
 }  // namespace detail
 
-/// A file that appears complete or not at all: it is written beside its place under a name of its own (FILE.part) and takes
-/// its place when commit() succeeds. What was there stays until then. A link is followed; a device or pipe, which nothing can
+/// A file that appears complete or not at all: it is written beside its place without a name, which the system takes
+/// back when the program is killed, or (where it knows no such files) under a name of its own (FILE.part), and takes its place
+/// when commit() succeeds. What was there stays until then. A link is followed; a device or pipe, which nothing can
 /// take the place of, and a file in a folder that may not be written to, are written directly.
 /// All errors are ErrorCode::output and say the reason of the system ("No space left on device").
 class OutputFile {
@@ -37,9 +38,11 @@ class OutputFile {
  private:
   OutputFile() = default;
   void discard();
+  int giveName();  ///< errno, 0: done
   std::filesystem::path path_;       ///< as it was named, for messages
   std::filesystem::path target_;     ///< what is replaced
-  std::filesystem::path temporary_;  ///< empty: written directly
+  std::filesystem::path temporary_;  ///< empty: written directly, or unnamed
+  bool unnamed_ = false;             ///< has no name before it is committed
   detail::FilePointer file_;
   int error_ = 0;
 };

@@ -12,8 +12,9 @@ namespace c3de {
 /// for some 100 µs before they sleep.
 class ThreadPool {
  public:
-  /// @param threads  threads that work in parallelFor, the caller included; 0: as many as the machine has
-  explicit ThreadPool(unsigned threads = 0);
+  /// @param threads      threads that work in parallelFor, the caller included; 0: as many as the machine has
+  /// @param isBackground  the threads of the pool give way to those that answer a person (thread_priority.h)
+  explicit ThreadPool(unsigned threads = 0, bool isBackground = false);
   ~ThreadPool();
   ThreadPool(const ThreadPool &) = delete;
   ThreadPool &operator=(const ThreadPool &) = delete;

@@ -42,7 +42,9 @@ struct SeriesInfo {
   std::size_t files = 0;
   std::size_t times = 1;              ///< time points that ReadOptions::time chooses from
   bool isPart = false;          ///< of the series before it, which is read unless this one is asked for
-  bool isSegmentation = false;  ///< for readLabelMap(); readVolume() takes it only where there is nothing else
+  bool isSegmentation = false;  ///< for readLabelMap(): of DICOM, or with the segments of 3D Slicer or a label table of NIfTI.
+                                ///< Of DICOM readVolume() takes it only where there is nothing else
+  bool holdsNamedFile = false;  ///< the file that listSeries() was asked for is one of its files
   std::filesystem::path folder;
   std::string refusal;      ///< why readVolume() would not take it; empty: it would try
   std::string patientName;  ///< show it only where the user asks; it is in no message, notice or log

@@ -59,6 +59,7 @@ struct ImageLook {
 /// the viewport; the centre of the first pixel is at 0.5.
 struct SlicePlane {
   Vec3 origin{}, right{1, 0, 0}, down{0, 1, 0};  ///< mm, mm per pixel
+  friend bool operator==(const SlicePlane &, const SlicePlane &) = default;
 };
 
 /// A slice as a plane in space; cut to the image's box.
@@ -127,6 +128,8 @@ class ImageRenderer {
 
   /// Draws a slice into the bound framebuffer; black where there is no image.
   virtual void drawSlice(const ImageLook &look, const SlicePlane &plane, const Viewport &viewport) = 0;
+  /// Grows with everything that changes what drawSlice() shows for the same look and plane.
+  [[nodiscard]] virtual std::uint64_t changes() const = 0;
   /// The same as a picture.
   [[nodiscard]] virtual Expected<Image> drawSliceToImage(const ImageLook &look, const SlicePlane &plane, int width,
                                                          int height) = 0;

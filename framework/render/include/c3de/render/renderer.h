@@ -44,6 +44,7 @@ struct Image {
 /// Where a frame goes: pixels from the lower left corner of the framebuffer.
 struct Viewport {
   int x = 0, y = 0, width = 0, height = 0;
+  friend bool operator==(const Viewport &, const Viewport &) = default;
 };
 
 /// Work of the last frame, and what was made since the renderer was.
@@ -116,6 +117,9 @@ class Renderer {
   /// Draws everything visible into the bound framebuffer, which needs a depth buffer; clears that region's depth.
   /// Leaves depth test, culling, blending and scissor off and nothing bound.
   virtual void draw(const Camera &camera, const Viewport &viewport) = 0;
+  /// Grows with everything that changes what draw() shows for the same camera, images included: as long as it stays, so does
+  /// the picture. Refinement (ImageRenderer::wantsRefinement) does not count.
+  [[nodiscard]] virtual std::uint64_t changes() const = 0;
   /// Draws into an image of its own, independent of the window's size, with smoothed edges.
   [[nodiscard]] virtual Expected<Image> drawToImage(const Camera &camera, int width, int height) = 0;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -69,6 +70,7 @@ struct SceneVolume {
   std::filesystem::path file;            ///< file or DICOM folder; empty: the body has a mesh, or `mask`
   std::size_t time = 0;                  ///< of several time points of the file, from 0
   std::shared_ptr<const imaging::Mask> mask;       ///< in the place of a file: picked in an image that is open
+  std::optional<std::array<float, 3>> colour;      ///< linear RGB, of the label that `mask` is; none: of no label
   std::optional<std::uint16_t> label;    ///< number of a label
   std::string labelName;                 ///< or its name; empty: not by name
   std::string series;                    ///< imaging::ReadOptions::series of the file or folder

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -27,7 +29,14 @@ struct Organ {
   imaging::Fill fill;
   double volume_mm3 = 0.0;  ///< voxel count times voxel volume
   Coverage coverage;        ///< of the mask; of a mesh: nothing
+  std::optional<std::array<float, 3>> colour;  ///< linear RGB of its label; none: it is of no label
   Preparation took;         ///< what was done for it
+};
+
+/// What of an image is to become a body.
+struct PickedVoxels {
+  imaging::Mask mask;
+  std::optional<std::array<float, 3>> colour;  ///< linear RGB of its label; none: it is of no label
 };
 
 /// Files of images, read once for all bodies of a scene. One thread at a time.
@@ -35,8 +44,8 @@ class OrganSources {
  public:
   /// What the scene asks for. Errors say which file, which label and which labels there are.
   /// @param took  reading and masks are added
-  [[nodiscard]] Expected<imaging::Mask> mask(const scene::SceneVolume &volume, const ProgressFn &progress,
-                                             Preparation &took);
+  [[nodiscard]] Expected<PickedVoxels> pick(const scene::SceneVolume &volume, const ProgressFn &progress,
+                                            Preparation &took);
   using Layers = std::vector<imaging::LabelMap>;
   /// An image, or the layers of a label map as a whole, at the time point of the options. Errors are those of the readers.
   [[nodiscard]] Expected<std::shared_ptr<const Layers>> labels(const std::filesystem::path &file, const imaging::ReadOptions &options);

@@ -39,4 +39,8 @@ inline constexpr double kVolumeMismatch = 0.05;
 /// surface's volume. Empty: nothing to tell.
 [[nodiscard]] std::string volumeWarning(const RestState &rest);
 
+/// The sampling has torn what its surface holds together: it has more connected parts than the surface has pieces. Else empty.
+/// These parts move apart, because nothing joins them.
+[[nodiscard]] std::string tornWarning(const RestState &rest);
+
 }  // namespace pointbased

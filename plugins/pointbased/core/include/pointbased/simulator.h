@@ -173,8 +173,12 @@ class Simulator {
   void bindProbes(std::size_t body, std::span<const Vec3> ways);
   void reportEvent(const std::string &kind, const std::string &text);
   void describe(std::size_t body);
+  [[nodiscard]] std::uint64_t lookEvery() const;
   [[nodiscard]] bool isSkinCheckDue() const;
   void checkSkins();
+  void lookAtPairs();
+  void tellAtStart();
+  void tellWhereRestitutionIsLost();
   void reportLimitingBody();
 
   StoppableLoops loops_;
@@ -197,7 +201,8 @@ class Simulator {
   std::map<std::size_t, double> skinDeepest_;                // m, as drawn, beyond the walls
   std::vector<Vec3> skin_;  // room for a look at one
   std::set<std::pair<std::size_t, std::size_t>> overlaps_;   // that have been told
-  bool stepReported_ = false;
+  std::pair<std::size_t, std::size_t> lastPair_{0, 0};        // that was looked at for overlaps
+  bool toldAtStart_ = false;
   std::map<std::size_t, double> spent_;                      // s of wall-clock time, by body
   double advanced_ = 0.0;                                    // s simulated in that time
   StageClock clock_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/disjoint_sets.h"
 #include "base/symmetric_eigen.h"
 
 namespace pointbased {
@@ -63,6 +64,27 @@ std::string volumeWarning(const RestState &rest) {
                 "its surface encloses %.4g mL, but %.4g mL were found inside: it is open, goes through itself, or is "
                 "in parts thinner than the distance of its phyxels, %.3g mm; the mass is that of the former",
                 1e6 * rest.shapeVolume, 1e6 * rest.countedVolume, 1e3 * rest.spacing);
+  return text;
+}
+
+std::string tornWarning(const RestState &rest) {
+  if (rest.components < 2 || rest.skin.empty()) return {};
+  DisjointSets joined(rest.surfels.count());
+  std::vector<std::uint8_t> used(rest.surfels.count(), 0);
+  for (const auto &[a, b, c] : rest.skin) {
+    used[a] = used[b] = used[c] = 1;
+    joined.join(a, b);
+    joined.join(a, c);
+  }
+  std::size_t pieces = 0;
+  for (Index i = 0; i < used.size(); ++i)
+    if (used[i] != 0 && joined.find(i) == i) ++pieces;
+  if (rest.components <= pieces) return {};
+  char text[300];
+  std::snprintf(text, sizeof text,
+                "its surface has %zu connected piece%s, but its phyxels, %.3g mm apart, make %zu parts that nothing joins and that "
+                "move apart: it is in places too thin for them; a smaller sampling.spacing keeps it together",
+                pieces, pieces == 1 ? "" : "s", 1e3 * rest.spacing, rest.components);
   return text;
 }
 

@@ -67,7 +67,7 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
   body->setPrecision(world_.precision);
   std::string cloud = inspectCloud(body->rest()).warning();
   if (!cloud.empty()) cloud += "; sampling.neighbours and the spacing change it";
-  for (const std::string &unusual : {volumeWarning(body->rest()), cloud}) {
+  for (const std::string &unusual : {volumeWarning(body->rest()), tornWarning(body->rest()), cloud}) {
     if (unusual.empty()) continue;
     warnings_[nextId_].push_back("body '" + body->name() + "': " + unusual);
     reportEvent("warning", warnings_[nextId_].back());
@@ -269,7 +269,7 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   if (finished()) return {};
   const detail::FlushDenormals flush;
   if (steps_ == 0) {
-    reportLimitingBody();
+    tellAtStart();
     checkSkins();
   }
   const detail::StepContext order = this->order(stop);
@@ -349,7 +349,8 @@ void Simulator::reset() {
   notRereferenced_.clear();
   skinDeepest_.clear();
   overlaps_.clear();
-  stepReported_ = false;
+  lastPair_ = {0, 0};
+  toldAtStart_ = false;
   spent_.clear();
   advanced_ = 0.0;
 }

@@ -15,6 +15,7 @@ struct detail::SimulatorCheckpoint {
   std::set<std::size_t> notRereferenced;
   std::map<std::size_t, double> skinDeepest;
   std::set<std::pair<std::size_t, std::size_t>> overlaps;
+  std::pair<std::size_t, std::size_t> lastPair;
 };
 
 Checkpoint Simulator::checkpoint() const {
@@ -29,6 +30,7 @@ Checkpoint Simulator::checkpoint() const {
   kept->notRereferenced = notRereferenced_;
   kept->skinDeepest = skinDeepest_;
   kept->overlaps = overlaps_;
+  kept->lastPair = lastPair_;
   return kept;
 }
 
@@ -47,6 +49,7 @@ bool Simulator::restore(const Checkpoint &checkpoint) {
   notRereferenced_ = checkpoint->notRereferenced;
   skinDeepest_ = checkpoint->skinDeepest;
   overlaps_ = checkpoint->overlaps;
+  lastPair_ = checkpoint->lastPair;
   reportEvent("restored", "at " + detail::number(from) + " s the state of " + detail::number(time()) + " s was taken up again");
   return true;
 }

@@ -2,6 +2,7 @@
 // What nobody prevents, and what costs most: looked at now and then, and told as events.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "stepping/body_stepper.h"
 #include "base/number_text.h"
@@ -19,6 +20,8 @@ constexpr std::uint64_t kExplicitSteps = 128, kFewestExplicitSteps = 32, kOtherS
 constexpr double kTimeOfLook = 1.0 / 60.0;  // s
 // Of the spacing: what overlaps less is what label maps and the planes of nearest points leave.
 constexpr double kLeastOverlap = 0.1;
+// Points of contact per phyxel and step that are looked at for overlaps: one costs about as much as three phyxels of a step.
+constexpr double kPointsOfLook = 1.0 / 64.0;
 // Of the spacing: edges between points of contact cut in by less.
 constexpr double kSkinThrough = 0.5;
 // One body's stable step in the other's: from here on it is told who sets the step of all.
@@ -42,16 +45,16 @@ double Simulator::costOf(std::size_t id) const {
   return found == spent_.end() || !(advanced_ > 0.0) ? 0.0 : found->second / advanced_;
 }
 
-bool Simulator::isSkinCheckDue() const {
+std::uint64_t Simulator::lookEvery() const {
   const bool isExplicit = std::any_of(bodies_.begin(), bodies_.end(), [this](const auto &entry) {
     return entry.second->integratorIn(world_) == Integrator::explicitVerlet;
   });
-  std::uint64_t every = kOtherSteps;
-  if (isExplicit)
-    every = static_cast<std::uint64_t>(std::clamp(std::ceil(kTimeOfLook / stepSize()), static_cast<double>(kFewestExplicitSteps),
-                                                  static_cast<double>(kExplicitSteps)));
-  return steps_ == 0 || steps_ % every == 0 || finished();
+  if (!isExplicit) return kOtherSteps;
+  return static_cast<std::uint64_t>(std::clamp(std::ceil(kTimeOfLook / stepSize()), static_cast<double>(kFewestExplicitSteps),
+                                               static_cast<double>(kExplicitSteps)));
 }
+
+bool Simulator::isSkinCheckDue() const { return steps_ == 0 || steps_ % lookEvery() == 0 || finished(); }
 
 void Simulator::checkSkins() {
   if (world_.box.enabled)
@@ -69,22 +72,55 @@ void Simulator::checkSkins() {
                          millimetres(body.rest().spacing) + ") helps");
       deepest = std::max(deepest, depth);
     }
-  for (auto a = bodies_.begin(); a != bodies_.end(); ++a)
-    for (auto b = std::next(a); b != bodies_.end(); ++b) {
-      if (overlaps_.contains({a->first, b->first}) || (a->second->asleep() && b->second->asleep())) continue;
-      const Body &first = a->second->body(), &second = b->second->body();
-      const Overlap found = overlapOf(first, second);
-      if (!(found.depth > kLeastOverlap * std::min(first.rest().spacing, second.rest().spacing))) continue;
-      overlaps_.insert({a->first, b->first});
-      reportEvent("overlap", "bodies '" + first.name() + "' and '" + second.name() + "' overlap " +
-                          (steps_ == 0 ? "from the start" : "from here on") + ": " + millimetres(found.depth) +
-                          " deep, some " + number(1e6 * found.volume, 2) + " ml; bodies do not touch each other yet");
-    }
+  lookAtPairs();
+}
+
+// At the start all of them, and in implicit steps, which cost more; else in turn, as many at a time as cost a few per cent of the steps in between.
+void Simulator::lookAtPairs() {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  double phyxels = 0.0;
+  for (auto a = bodies_.begin(); a != bodies_.end(); ++a) {
+    phyxels += static_cast<double>(a->second->body().rest().phyxelCount());
+    for (auto b = std::next(a); b != bodies_.end(); ++b)
+      if (!overlaps_.contains({a->first, b->first}) && !(a->second->asleep() && b->second->asleep()))
+        pairs.emplace_back(a->first, b->first);
+  }
+  // From the pair after the one that was looked at last.
+  std::rotate(pairs.begin(), std::upper_bound(pairs.begin(), pairs.end(), lastPair_), pairs.end());
+  double left = steps_ == 0 || lookEvery() == kOtherSteps ? std::numeric_limits<double>::infinity() : kPointsOfLook * phyxels * static_cast<double>(lookEvery());
+  for (const auto &pair : pairs) {
+    if (!(left > 0.0)) break;
+    lastPair_ = pair;
+    const Body &first = bodies_.at(pair.first)->body(), &second = bodies_.at(pair.second)->body();
+    const Overlap found = overlapOf(first, second);
+    left -= static_cast<double>(found.looked);
+    if (!(found.depth > kLeastOverlap * std::min(first.rest().spacing, second.rest().spacing))) continue;
+    overlaps_.insert(pair);
+    reportEvent("overlap", "bodies '" + first.name() + "' and '" + second.name() + "' overlap " +
+                        (steps_ == 0 ? "from the start" : "from here on") + ": " + millimetres(found.depth) +
+                        " deep, some " + number(1e6 * found.volume, 2) + " ml; bodies do not touch each other yet");
+  }
+}
+
+void Simulator::tellAtStart() {
+  if (toldAtStart_) return;
+  toldAtStart_ = true;
+  tellWhereRestitutionIsLost();
+  reportLimitingBody();
+}
+
+void Simulator::tellWhereRestitutionIsLost() {
+  const bool bounces = (world_.box.enabled && world_.box.restitution > 0.0) ||
+                       std::any_of(obstacles_.begin(), obstacles_.end(), [](const Obstacle &o) { return o.restitution > 0.0; });
+  if (!bounces) return;
+  for (const auto &[id, runner] : bodies_)
+    if (!runner->body().rigid() && runner->integratorIn(world_) != Integrator::explicitVerlet)
+      reportEvent("warning", "body '" + runner->body().name() + "' does not bounce: restitution counts in explicit steps alone, and it is " +
+                          (quasiStatic() ? "solved quasi-statically" : "integrated implicitly; solver.integrator = \"explicit\" has it"));
 }
 
 void Simulator::reportLimitingBody() {
-  if (stepReported_ || quasiStatic() || bodies_.size() < 2 || world_.dt > 0.0) return;
-  stepReported_ = true;
+  if (quasiStatic() || bodies_.size() < 2 || world_.dt > 0.0) return;
   const Body *slowest = nullptr;
   double least = 0.0, next = 0.0;
   for (const auto &[id, runner] : bodies_) {

@@ -114,7 +114,7 @@ Overlap overlapOf(const Body &a, const Body &b) {
   if (!boundsA.meets(boundsB, 0.0)) return {};
   const Side sideA = sideOf(a, boundsB, reach), sideB = sideOf(b, boundsA, reach);
   const Overlap inB = behind(sideA, sideB, reach), inA = behind(sideB, sideA, reach);
-  return {std::max(inA.depth, inB.depth), 0.5 * (inA.volume + inB.volume)};
+  return {std::max(inA.depth, inB.depth), 0.5 * (inA.volume + inB.volume), a.rest().contact.count() + b.rest().contact.count()};
 }
 
 }  // namespace pointbased

@@ -18,6 +18,7 @@ namespace pointbased {
 struct Overlap {
   double depth = 0.0;   ///< m, deepest point; 0: they do not
   double volume = 0.0;  ///< m³, roughly: area times depth, the mean of both sides
+  std::size_t looked = 0;  ///< points of contact that this has cost; 0: their boxes do not meet
 };
 [[nodiscard]] Overlap overlapOf(const Body &a, const Body &b);
 

@@ -113,6 +113,8 @@ typedef struct c3de_sim_body {
   double angular_velocity_rad_s[3];   /* at the start, about the centre of mass */
   const c3de_sim_fill *fill; /* may be absent (by size) or null. What the body fills instead of the inside of the mesh,
                               * which is its skin then. The simulator keeps its own copy. */
+  const float *colour;       /* may be absent (by size) or null: the simulator chooses. [3], sRGB, 0 ... 1: the one in which
+                              * people know the body, that of its label. Of no effect on the physics. */
 } c3de_sim_body;
 
 typedef struct c3de_sim_obstacle { /* rigid; stands still or follows a prescribed motion */

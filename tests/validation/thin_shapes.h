@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Closed surfaces of thin bodies, by formulas; their lowest point is at y = 0. Metres.
+#pragma once
+
+#include "pointbased/surface.h"
+
+namespace validation {
+
+/// Hollow, along x: outer radius, wall, length.
+[[nodiscard]] pointbased::Surface tubeSurface(double radius, double wall, double length);
+/// Lying flat: edge by thickness by edge.
+[[nodiscard]] pointbased::Surface sheetSurface(double edge, double thickness);
+/// A torus that stands upright: radius of the ring and of its section.
+[[nodiscard]] pointbased::Surface ringSurface(double radius, double section);
+/// A round wire wound about y.
+[[nodiscard]] pointbased::Surface helixSurface(double radius, double section, double pitch, int turns);
+/// Square fingers, as wide as the gaps between them, that hang down from a beam twice as high.
+[[nodiscard]] pointbased::Surface combSurface(int fingers, double width, double length);
+/// A ball with spikes in seven directions: how far the spikes reach, radius of the ball.
+[[nodiscard]] pointbased::Surface starSurface(double reach, double radius);
+
+}  // namespace validation
