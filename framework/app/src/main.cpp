@@ -104,8 +104,6 @@ SessionOptions sessionOptions(const Arguments &arguments) {
   return options;
 }
 
-#ifdef C3DE_HAS_WINDOW
-
 bool hasDisplay() {
 #if defined(_WIN32) || defined(__APPLE__)
   return true;
@@ -114,7 +112,42 @@ bool hasDisplay() {
 #endif
 }
 
-int openWorkstation(const Arguments &arguments) {
+/// What the window is to open, and what is to be said about it.
+struct Opened {
+  std::vector<std::filesystem::path> files;
+  std::string notice;
+};
+
+/// Refused before there is a window.
+Expected<Opened> whatToOpen(const Arguments &arguments) {
+  Opened opened;
+  for (const std::string &file : arguments.files) {
+    std::error_code code;
+    if (!std::filesystem::exists(file, code)) {
+      // A single word is more likely a misspelt command than a file.
+      const std::vector<std::string> commands{"run", "info", "plugins", "study"};
+      if (file.find_first_of("./\\") == std::string::npos) {
+        const std::string nearest = nearestName(file, commands);
+        return fail(ErrorCode::usage, "'" + file + "' is neither a command nor a file; " +
+                                          (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "commands: run, info, plugins");
+      }
+      return fail(ErrorCode::input, file + ": no such file; accepted: meshes, images and scenes (.toml)");
+    }
+    opened.files.emplace_back(file);
+  }
+  if (opened.files.empty()) {
+    const auto scene = findDefaultScene();
+    if (!scene) return tl::unexpected(scene.error());
+    opened = {{scene->file}, scene->notice};
+  }
+  if (!hasDisplay())
+    return fail(ErrorCode::graphics, "there is no display (DISPLAY and WAYLAND_DISPLAY are empty); `c3de run "
+                                     "SCENE.toml --report FILE.json --screenshot FILE.png` works without one");
+  return opened;
+}
+
+#ifdef C3DE_HAS_WINDOW
+int openWorkstation(const Arguments &arguments, const Opened &opened) {
   WorkstationOptions options;
   options.session = sessionOptions(arguments);
   options.meshUnit = arguments.unit;
@@ -124,33 +157,10 @@ int openWorkstation(const Arguments &arguments) {
     options.width = arguments.size->width;
     options.height = arguments.size->height;
   }
-  for (const std::string &file : arguments.files) {
-    std::error_code code;
-    if (!std::filesystem::exists(file, code)) {
-      // A single word is more likely a misspelt command than a file.
-      const std::vector<std::string> commands{"run", "info", "plugins", "study"};
-      if (file.find_first_of("./\\") == std::string::npos) {
-        const std::string nearest = nearestName(file, commands);
-        return reportError({ErrorCode::usage, "'" + file + "' is neither a command nor a file; " +
-                                                  (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
-                                                  "commands: run, info, plugins"});
-      }
-      return reportError({ErrorCode::input, file + ": no such file; accepted: meshes, images and scenes (.toml)"});
-    }
-    options.files.emplace_back(file);
-  }
-  if (options.files.empty()) {
-    const auto scene = findDefaultScene();
-    if (!scene) return reportError(scene.error());
-    options.files.push_back(scene->file);
-    options.notice = scene->notice;
-  }
-  if (!hasDisplay())
-    return reportError({ErrorCode::graphics, "there is no display (DISPLAY and WAYLAND_DISPLAY are empty); `c3de run "
-                                             "SCENE.toml --report FILE.json --screenshot FILE.png` works without one"});
+  options.files = opened.files;
+  options.notice = opened.notice;
   return runWorkstation(options);
 }
-
 #endif
 
 int run(const Arguments &arguments) {
@@ -292,7 +302,7 @@ int dispatch(int argc, char **argv) {
     return kDone;
   }
 #ifndef C3DE_HAS_WINDOW
-  if (runCommand->parsed() && !arguments.screenshot.empty()) return continueInWindowProgram(argc, argv);
+  if (runCommand->parsed() && !arguments.screenshot.empty() && hasWindowProgram()) return continueInWindowProgram(argc, argv);
 #endif
   if (runCommand->parsed()) return run(arguments);
   if (infoCommand->parsed()) {
@@ -309,8 +319,10 @@ int dispatch(int argc, char **argv) {
   }
   if (pluginsCommand->parsed()) return listPlugins(sessionOptions(arguments), arguments.json);
   if (arguments.json) return reportError({ErrorCode::usage, "--json is for --version, info and plugins"});
+  const auto opened = whatToOpen(arguments);
+  if (!opened) return reportError(opened.error());
 #ifdef C3DE_HAS_WINDOW
-  return openWorkstation(arguments);
+  return openWorkstation(arguments, *opened);
 #else
   return continueInWindowProgram(argc, argv);
 #endif

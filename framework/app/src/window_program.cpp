@@ -18,12 +18,23 @@
 #include "exit_code.h"
 
 namespace c3de::app {
+namespace {
+
+std::filesystem::path windowProgram() {
+  const std::filesystem::path self = executablePath();
+  return self.parent_path() / ("c3de-workstation" + self.extension().string());
+}
+
+}  // namespace
+
+bool hasWindowProgram() {
+  std::error_code code;
+  return std::filesystem::exists(windowProgram(), code);
+}
 
 int continueInWindowProgram(int argc, char **argv) {
-  const std::filesystem::path self = executablePath();
-  const std::filesystem::path other = self.parent_path() / ("c3de-workstation" + self.extension().string());
-  std::error_code code;
-  if (!std::filesystem::exists(other, code))
+  const std::filesystem::path other = windowProgram();
+  if (!hasWindowProgram())
     return reportError({ErrorCode::graphics, "a window and pictures need " + pathText(other) +
                                                  ", which is not there; without it: c3de run SCENE.toml --report FILE.json"});
 #ifdef _WIN32
