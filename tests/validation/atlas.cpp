@@ -147,7 +147,7 @@ Image drawAtlas(const std::vector<AtlasRun> &runs) {
     const int middle = kLeft + across * s + panelWidth / 2;
     if (s == 0 || schemes[static_cast<std::size_t>(s - 1)].first != scheme) {
       const auto steps = static_cast<int>(
-          std::count_if(schemes.begin(), schemes.end(), [&](const auto &other) { return other.first == scheme; }));
+          std::count_if(schemes.begin(), schemes.end(), [name = &scheme](const auto &other) { return other.first == *name; }));
       write(image, kLeft + across * s + (across * steps - kGap) / 2, kTop - 78, scheme, Anchor::middle);
     }
     if (dt > 0.0) write(image, middle, kTop - 44, "dt " + stepText(dt), Anchor::middle);
