@@ -368,6 +368,23 @@ TEST_CASE("a long job shows its progress beside a live window and can be cancell
   window.waitForValue("test.gallery/Job", "-12");
 }
 
+TEST_CASE("a job that appears does not end what the mouse does", "[job_mid_press]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("job_mid_press");
+  startGallery(window);
+  const Point at = window.locate("test.gallery/press");
+  window.click("test.gallery/job");
+  // Pressed before the job is old enough to be shown, released after.
+  window.moveTo(at);
+  window.press();
+  window.waitUntil("the job is shown", [](const Json &s) { return s["widgets"].contains("job/cancel.0"); });
+  window.waitFrames(3);
+  window.release();
+  window.waitForValue("test.gallery/Presses", "1");
+  window.click("job/cancel.0");
+  window.waitForValue("test.gallery/Job", "-12");
+}
+
 TEST_CASE("F12 writes a picture and says where", "[screenshot]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("screenshot");

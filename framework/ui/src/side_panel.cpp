@@ -83,7 +83,7 @@ void drawViewPanels(FrameContext &frame, ImGuiPanels &panels) {
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(frame.theme.px(18.0f), frame.theme.px(14.0f)));
     ImGui::Begin(("##view-" + panel.id).c_str(), nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                     ImGuiWindowFlags_AlwaysAutoResize);
+                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::PopStyleVar();
     ImGui::PushFont(frame.theme.bold);
     ImGui::TextUnformatted(panel.title.c_str());
