@@ -130,6 +130,26 @@ TEST_CASE("info tells what was built of a body") {
   CHECK(parsed.at("bodies").at(0).at("phyxels") < 600);
 }
 
+TEST_CASE("Without a count a thin body has more phyxels than a thick one") {
+  const auto folder = folderOfFiles("automatic");
+  writeFile(folder / "thin.obj", "v 0 0 0\nv 1 0 0\nv 1 0.2 0\nv 0 0.2 0\nv 0 0 0.05\nv 1 0 0.05\nv 1 0.2 0.05\nv 0 0.2 0.05\n"
+                                 "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+  const auto phyxelsOf = [&](const std::string &mesh, const std::string &sampling) {
+    std::string text = kBox + sampling;
+    text.replace(text.find("box.obj"), 7, mesh);
+    const auto told = runC3de({"info", writeFile(folder / "scene.toml", text).string(), "--json"});
+    INFO(told.errorOutput);
+    REQUIRE(told.exitCode == 0);
+    return nlohmann::json::parse(told.output).at("bodies").at(0).at("phyxels").get<double>();
+  };
+  CHECK(phyxelsOf("box.obj", "") == Approx(1000).epsilon(0.08));
+  // V = 0.01 m³, A = 0.52 m²: 2A³/V² = 2812.
+  const double thin = phyxelsOf("thin.obj", "");
+  CHECK(thin == Approx(2812).epsilon(0.05));
+  CHECK(phyxelsOf("thin.obj", "sampling = { count = \"auto\" }\n") == thin);
+  CHECK(phyxelsOf("thin.obj", "sampling = { count = 1000 }\n") == Approx(1000).epsilon(0.05));
+}
+
 TEST_CASE("Too many phyxels are refused before they are made") {
   const auto folder = folderOfFiles("too-many");
   for (const std::string sampling : {"surface_spacing = 1e-6", "surface_spacing = 1e-4", "spacing = 2.6e-3", "spacing = 1e-6",

@@ -284,12 +284,6 @@ const scene::MaterialPreset *SegmentationWorkflow::materialOf(std::uint16_t labe
 
 void SegmentationWorkflow::chooseMaterialOf(std::uint16_t label, const std::string &preset) { labelMaterials_[label] = preset; }
 
-void SegmentationWorkflow::setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm) {
-  settings_.phyxels = phyxels;
-  settings_.isEdgeAutomatic = isEdgeAutomatic;
-  settings_.edge_mm = edge_mm;
-}
-
 void SegmentationWorkflow::setHolding(Held held, double surroundings_Pa_m) {
   settings_.held = held;
   settings_.surroundings_Pa_m = surroundings_Pa_m;
@@ -329,8 +323,9 @@ std::string SegmentationWorkflow::blockingReason() const {
 
 BodyRequest SegmentationWorkflow::requestOfSettings() const {
   BodyRequest request;
-  request.phyxels = static_cast<std::size_t>(std::lround(settings_.phyxels));
-  request.edge_mm = settings_.isEdgeAutomatic ? 0.0 : settings_.edge_mm;
+  const SamplingChoice &sampling = settings_.sampling;
+  request.phyxels = sampling.isCountAutomatic ? 0 : static_cast<std::size_t>(std::lround(sampling.phyxels));
+  request.edge_mm = sampling.isEdgeAutomatic ? 0.0 : sampling.edge_mm;
   request.held = settings_.held;
   request.surroundings_Pa_m = settings_.surroundings_Pa_m;
   return request;

@@ -68,8 +68,10 @@ scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask
   scene.title = request.name;
   scene::SceneBody body;
   body.name = request.name;
-  body.params.push_back(numberOf("sampling.count", static_cast<double>(request.phyxels)));
-  body.params.back().value.type = C3DE_PARAM_I64;
+  if (request.phyxels > 0) {
+    body.params.push_back(numberOf("sampling.count", static_cast<double>(request.phyxels)));
+    body.params.back().value.type = C3DE_PARAM_I64;
+  }
   if (preset) {
     body.params.push_back(numberOf("material.density", preset->density));
     body.params.push_back(numberOf("material.youngs_modulus", preset->youngsModulus));

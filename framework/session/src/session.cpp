@@ -162,7 +162,7 @@ Expected<Organ> loadFromVolume(OrganSources &sources, const scene::SceneBody &bo
   // As many phyxels as the scene says, or as fit its spacing.
   double phyxels = 1000.0;
   for (const scene::SceneValue &value : body.params) {
-    if (value.value.id == "sampling.count") phyxels = value.value.num;
+    if (value.value.id == "sampling.count" && value.value.num > 0.0) phyxels = value.value.num;
     if (value.value.id == "sampling.spacing" && value.value.num > 0.0)
       phyxels = imaging::volumeOf(picked->mask) / std::pow(value.value.num * scene::kMillimetresPerMetre, 3);
   }

@@ -249,13 +249,16 @@ void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
 }
 
 void SegmentationPanel::drawSampling(const c3de_ui_v0 &ui) {
-  segmentation::SegmentationSettings s = guide_.settings();
-  slider(ui, "phyxels", "Phyxels", "", s.phyxels, kFewestPhyxels, kMostPhyxels,
-         "About so many; more are more exact and slower");
+  segmentation::SamplingChoice s = guide_.settings().sampling;
+  checkbox(ui, "count_automatic", "Phyxels by the thickness", s.isCountAutomatic,
+           "1000, of what is thin up to 4000, so that their distance is at most half of the thickness");
+  if (!s.isCountAutomatic)
+    slider(ui, "phyxels", "Phyxels", "", s.phyxels, kFewestPhyxels, kMostPhyxels,
+           "About so many; more are more exact and slower");
   checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic,
            "One and a half voxels, longer where that makes too many triangles, shorter for what is thin");
   if (!s.isEdgeAutomatic) slider(ui, "edge", "Edge length", "mm", s.edge_mm, kShortestEdge_mm, kLongestEdge_mm, "");
-  guide_.setSampling(s.phyxels, s.isEdgeAutomatic, s.edge_mm);
+  guide_.setSampling(s);
 }
 
 void SegmentationPanel::drawHolding(const c3de_ui_v0 &ui) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <limits>
 #include <numeric>
 
+#include "pointbased/lattice.h"
 #include "pointbased/sampling.h"
 #include "shapes.h"
 #include "support/catch.h"
@@ -45,6 +47,25 @@ TEST_CASE("a wanted count is met within five per cent") {
     const auto cloud = fill(shapes::ball(Vec3(0, 0, 0), 0.05), {0.0, count}, serialFor());
     REQUIRE(cloud);
     CHECK_THAT(static_cast<double>(cloud->positions.size()), WithinRel(static_cast<double>(count), 0.05));
+  }
+}
+
+TEST_CASE("The automatic count follows the thickness, from 1000 to 4000") {
+  const double pi = 3.14159265358979;
+  CHECK(automaticCount(4.0 / 3.0 * pi * 1e-3, 4.0 * pi * 1e-2) == 1000);  // a ball, of any size
+  CHECK(automaticCount(1e-9, 6e-6) == 1000);
+  CHECK(automaticCount(0.1 * 0.1 * 0.001, 2 * 0.1 * 0.1) == 4000);  // a sheet too thin for any
+  CHECK(automaticCount(1e-3, std::numeric_limits<double>::infinity()) == 1000);
+  // Sheets between the bounds: the spacing is half of the thickness, within what the rounding to whole cells leaves.
+  for (const double thickness : {0.010, 0.012, 0.014}) {
+    const auto sheet = shapes::box(Vec3(0, 0, 0), Vec3(0.1, 0.1, thickness));
+    const double area = 2 * 0.1 * 0.1 + 4 * 0.1 * thickness, mean = 2.0 * sheet.volume / area;
+    LatticeSampling sampling;
+    sampling.count = automaticCount(sheet.volume, area);
+    REQUIRE((sampling.count > 1000 && sampling.count < 4000));
+    const auto lattice = fillLattice(sheet, sampling, serialFor());
+    REQUIRE(lattice);
+    CHECK_THAT(lattice->spacing, WithinRel(0.5 * mean, 0.15));
   }
 }
 

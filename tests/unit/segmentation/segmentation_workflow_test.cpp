@@ -144,7 +144,7 @@ TEST_CASE("What is made alive is what was picked and chosen", "[organ]") {
   CHECK_THAT(f.guide.blockingReason(), Contains("being computed"));
   f.settle();
   f.guide.setName("liver");
-  f.guide.setSampling(750.0, false, 3.5);
+  f.guide.setSampling({false, 750.0, false, 3.5});
   f.guide.setHolding(Held::lowestPart, 2e5);
   CHECK(f.guide.blockingReason().empty());
   f.guide.createBodies();
@@ -155,9 +155,10 @@ TEST_CASE("What is made alive is what was picked and chosen", "[organ]") {
   CHECK(f.made[0].edge_mm == 3.5);
   CHECK(f.made[0].held == Held::lowestPart);
   CHECK(imaging::voxelCount(*f.made[0].mask) == Fixture::kLarge + Fixture::kSmall);
-  f.guide.setSampling(750.0, true, 3.5);
+  f.guide.setSampling({true, 750.0, true, 3.5});
   f.guide.createBodies();
   CHECK(f.made[1].edge_mm == 0.0);
+  CHECK(f.made[1].phyxels == 0);
 }
 
 TEST_CASE("An organ is held by its surroundings unless a person says otherwise, and bone is proposed as rigid", "[organ]") {
@@ -211,7 +212,7 @@ TEST_CASE("Several ticked labels become a request each, with the material of the
   CHECK(f.made.empty());
   f.guide.chooseMaterialOf(8, "fat");
   f.guide.setMending(true, true);
-  f.guide.setSampling(640.0, true, 3.5);
+  f.guide.setSampling({false, 640.0, true, 3.5});
   f.guide.setHolding(Held::lowestPart, 2e5);
   f.guide.createBodies();
   REQUIRE(f.made.size() == 2);

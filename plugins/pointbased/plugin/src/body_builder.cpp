@@ -143,6 +143,7 @@ BuiltBody build(const Services &services, const std::string &name, c3de_handle m
   auto shape = source.fill ? shapeOf(source.fill->occupancy, surfaceOf(*out.surface), parallelFor)
                            : Result<BodyShape>(shapeOf(services, mesh, source.placement, out.surface));
   if (!shape) throw sdk::Error(C3DE_E_ARG, name + ": its fill: " + shape.error());
+  if (recipe.sampling.count == 0) recipe.sampling.count = automaticCount(shape->volume, areaOf(*out.surface));
   auto rest = buildRestState(*shape, recipe, out.surface->normals, parallelFor,
                              [&](double fraction) { return request.tell(0.05 + 0.8 * fraction, "filling with phyxels"); });
   if (!rest) {

@@ -92,14 +92,17 @@ constexpr std::array kWorld{
               {0.0, 1e15, 0.1, 1000.0}, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_MIN_OPEN),
 };
 
-constexpr c3de_param_decl neighboursParam() {
-  c3de_param_decl d = autoParam({"sampling.neighbours", "Neighbours", "",
-                                 "Nearest neighbours of a phyxel (26: a lattice's first shells); auto: all within the support. "
-                                 "More: softer and slower, not better",
-                                 "Sampling"},
-                                {3.0, 500.0, 8.0, 100.0}, C3DE_PARAM_NEEDS_RESET);
+constexpr c3de_param_decl integerOrAuto(c3de_param_decl d) {
   d.type = C3DE_PARAM_I64;
   return d;
+}
+
+constexpr c3de_param_decl neighboursParam() {
+  return integerOrAuto(autoParam({"sampling.neighbours", "Neighbours", "",
+                                  "Nearest neighbours of a phyxel (26: a lattice's first shells); auto: all within the "
+                                  "support. More: softer and slower, not better",
+                                  "Sampling"},
+                                 {3.0, 500.0, 8.0, 100.0}, C3DE_PARAM_NEEDS_RESET));
 }
 
 constexpr std::array kBody{
@@ -169,9 +172,12 @@ constexpr std::array kBody{
                "count and step both",
                "Sampling"},
               {0.0, 1e4, 0.001, 0.05}, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
-    integerParam({"sampling.count", "Count", "", "How many phyxels, within some per cent, when the spacing is auto", "Sampling"},
-                 {1.0, static_cast<double>(kMaximumPhyxels), 50.0, 5000.0}, 1000.0,
-                 C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE),
+    integerOrAuto(autoParam({"sampling.count", "Count", "",
+                             "How many phyxels, within some per cent, when the spacing is auto. auto: 1000, of thin bodies up "
+                             "to 4000, so that the spacing is at most half of the thickness",
+                             "Sampling"},
+                            {1.0, static_cast<double>(kMaximumPhyxels), 50.0, 5000.0},
+                            C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE)),
     numberParam({"sampling.surface_spacing", "Surface spacing", "m",
                  "stress_points: cells that the surface cuts are divided until they are at most this; 0: as inside",
                  "Sampling"},
@@ -421,7 +427,7 @@ double stabilisationOf(const ParameterValues &v) {
 LatticeSampling samplingOf(const ParameterValues &v) {
   LatticeSampling sampling;
   sampling.spacing = v.isAuto("sampling.spacing") ? 0.0 : v.number("sampling.spacing");
-  sampling.count = static_cast<std::size_t>(v.number("sampling.count"));
+  sampling.count = v.isAuto("sampling.count") ? 0 : static_cast<std::size_t>(v.number("sampling.count"));
   sampling.surfaceSpacing = v.number("sampling.surface_spacing");
   sampling.jitter = v.number("sampling.jitter");
   return sampling;

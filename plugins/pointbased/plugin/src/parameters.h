@@ -56,6 +56,7 @@ class ParameterValues {
 [[nodiscard]] Evaluation evaluationOf(const ParameterValues &values);
 [[nodiscard]] double stabilisationOf(const ParameterValues &values);
 /// Without refinements, held regions and materials.
+/// Count 0: automatic.
 [[nodiscard]] LatticeSampling samplingOf(const ParameterValues &values);
 [[nodiscard]] NeighborChoice neighborChoiceOf(const ParameterValues &values);
 

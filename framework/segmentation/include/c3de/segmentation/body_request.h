@@ -28,7 +28,7 @@ struct BodyRequest {
   std::uint16_t label = 0;
   bool keepsLargest = false, fillsHoles = false;  ///< of the label: its largest part alone; with its holes filled
   std::string material;                           ///< name of a preset
-  std::size_t phyxels = 1000;                     ///< wanted
+  std::size_t phyxels = 0;                        ///< wanted; 0: by the thickness
   double edge_mm = 0.0;                           ///< of the surface; 0: automatic
   Held held = Held::surroundings;
   double surroundings_Pa_m = kSurroundingsStiffness;  ///< stress per way, where the surroundings hold it

@@ -15,6 +15,14 @@
 
 namespace c3de::segmentation {
 
+/// How finely a body and its surface are divided.
+struct SamplingChoice {
+  bool isCountAutomatic = true;  ///< by the thickness
+  double phyxels = 1000.0;       ///< when it is not automatic
+  bool isEdgeAutomatic = true;
+  double edge_mm = 4.0;  ///< of the surface, when it is not automatic
+};
+
 /// What a person chooses beside the mask.
 struct SegmentationSettings {
   bool isFromLabel = false;      ///< labels are picked, else voxels by a threshold
@@ -22,9 +30,7 @@ struct SegmentationSettings {
   double radius_mm = 3.0;        ///< of closing and opening
   std::string name = "organ";
   std::string material;  ///< name of a preset; empty: none fits, to be chosen
-  double phyxels = 1000.0;
-  bool isEdgeAutomatic = true;
-  double edge_mm = 4.0;  ///< when it is not automatic
+  SamplingChoice sampling;
   Held held = Held::surroundings;
   double surroundings_Pa_m = kSurroundingsStiffness;
   bool keepsLargest = false, fillsHoles = false;  ///< of each of several labels
@@ -95,7 +101,7 @@ class SegmentationWorkflow {
   /// One of several labels; null: to be chosen.
   [[nodiscard]] const scene::MaterialPreset *materialOf(std::uint16_t label) const;
   void chooseMaterialOf(std::uint16_t label, const std::string &preset);
-  void setSampling(double phyxels, bool isEdgeAutomatic, double edge_mm);
+  void setSampling(const SamplingChoice &sampling) { settings_.sampling = sampling; }
   void setHolding(Held held, double surroundings_Pa_m);
   /// Bone is rigid until a person says otherwise: its step would be everybody's.
   [[nodiscard]] bool isRigid() const;

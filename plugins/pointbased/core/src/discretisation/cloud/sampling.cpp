@@ -105,6 +105,12 @@ double spacingForCount(const BodyShape &shape, std::size_t count, const Parallel
 
 }  // namespace
 
+std::size_t automaticCount(double volume, double area) {
+  constexpr double kFewest = 1000.0, kMost = 4000.0;
+  const double count = 2.0 * area * area * area / (volume * volume);
+  return static_cast<std::size_t>(std::isfinite(count) ? std::clamp(count, kFewest, kMost) : kFewest);
+}
+
 Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const ParallelFor &parallelFor,
                          const SamplingProgress &progress) {
   const auto refuse = [](const std::string &text) { return tl::unexpected<std::string>(text); };
