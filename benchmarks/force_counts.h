@@ -14,7 +14,8 @@ inline constexpr double kFit = 9 * 7;          // G: one product, three multiply
 inline constexpr double kStrain = 30 + 15      // GᵀG: six times 5; E: 3 multiply-adds, 3 times two sums and a product
                                   + 27 + 9     // cof G: nine times 3; minors
                                   + 2 + 9;     // tr G; J - 1: tr cof G, G·cof G, two sums
-inline constexpr double kStretch = 3 + 6 + 5 + 5 + 2 + 2 + 2;  // mean, diagonal, its squares, across, scatter, width, bound
+// mean, diagonal, its squares, across, scatter, width, bound
+inline constexpr double kStretch = 3 + 6 + 5 + 5 + 2 + 2 + 2;
 inline constexpr double kLogarithm = 25;       // log(1 + x) of Highway: about 8 multiply-adds, a division, sums
 inline constexpr double kLaw = 1 + kLogarithm + 1 + 1 + 5  // J, ln J, 1/J, λ ln J, push
                                + 4 + 12                    // cof F, F - cof F

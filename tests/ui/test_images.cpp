@@ -447,7 +447,8 @@ TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside
   window.waitUntil("the organ is cut by all slices", [](const Json &s) {
     return number(s, "axial.outlines") >= 1 && number(s, "sagittal.outlines") >= 1 && number(s, "coronal.outlines") >= 1;
   }, 60.0);
-  window.click("scene/" + imageFile("image_organ").filename().string());  // the planes would hide the organ from the mouse
+  // the planes would hide the organ from the mouse
+  window.click("scene/" + imageFile("image_organ").filename().string());
   window.moveTo(inPane(window, "3D", 0.5, 0.5));
   window.key("f");
   window.screenshot("rest");

@@ -47,7 +47,8 @@ struct Course {
 
 struct Outcome {
   double gained = 0.0;    // energy above what was put in, of that
-  double longest = 1.0;   // edge of the skin, of its length or a quarter of the spacing, over the largest stretch of a point
+  // edge of the skin, of its length or a quarter of the spacing, over the largest stretch of a point
+  double longest = 1.0;
   double through = 0.0;   // m, skin below the floor at a look
   double error = 0.0;     // estimate, largest at a look
   double told = 0.0;      // m, of that in the report at the end

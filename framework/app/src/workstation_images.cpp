@@ -101,7 +101,8 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
           std::erase_if(*found, [&](const imaging::SeriesInfo &s) { return s.isSegmentation != read->isSegmentation; });
           const auto wholes = std::count_if(found->begin(), found->end(), [](const imaging::SeriesInfo &s) { return !s.isPart; });
           if (found->size() > 1 && !read->isSegmentation) read->series = std::move(*found);
-          if (wholes > 1 && !read->isSegmentation) return {};  // one series in parts is opened as a whole, and its parts are offered
+          // one series in parts is opened as a whole, and its parts are offered
+          if (wholes > 1 && !read->isSegmentation) return {};
         }
         return readStored(wanted, progress, *read);
       },

@@ -225,7 +225,8 @@ std::optional<DicomFile> readDicomHeader(const std::filesystem::path &path) {
   if (!out || !out->refusal.empty()) return out;
   out->refusal = missingPixels(*out, *content);
   if (isMosaic(content->set)) splitMosaic(content->set, *out);
-  if (out->isColoured || (out->segmentation && out->bits < 8)) out->bits = 8, out->isSigned = false;  // as they are decoded
+  // as they are decoded
+  if (out->isColoured || (out->segmentation && out->bits < 8)) out->bits = 8, out->isSigned = false;
   return out;
 }
 

@@ -155,7 +155,8 @@ class DicomParser {
       }
       if (head->tag == kItemEnd) break;
       DicomSet::Element element{head->value, head->length, head->length == kUndefined, head->representation == "UN", head->representation};
-      if (head->tag == kPixelData || head->tag == kFloatPixels || head->tag == kDoublePixels) {  // whether all are there is for missingPixels() to say
+      // whether all are there is for missingPixels() to say
+      if (head->tag == kPixelData || head->tag == kFloatPixels || head->tag == kDoublePixels) {
         set.elements_[head->tag] = element;
         break;
       }

@@ -83,7 +83,8 @@ Expected<void> checkFileSize(const ImageHeader &header, double bytes) {
     there += static_cast<double>(size) - static_cast<double>(part.offset);
   }
   const double least = header.encoding == ImageHeader::Encoding::raw        ? bytes
-                       : header.encoding == ImageHeader::Encoding::deflated ? bytes / 1040.0 - 1000.0  // deflate's best is 1:1032
+                       // deflate's best is 1:1032
+                       : header.encoding == ImageHeader::Encoding::deflated ? bytes / 1040.0 - 1000.0
                                                                             : bytes / 8.0;
   if (there >= least) return {};
   return refuse(header.path, "is truncated or damaged: the header says " + whole(bytes) + " bytes of voxels" +

@@ -46,7 +46,8 @@ Expected<void> readBinary(const ImageHeader &header, const ReadOptions &options,
   const double share = bytesOfAll(header) / static_cast<double>(header.parts.size());
   if (share != std::floor(share)) return refuse(header.path, "its voxels do not divide evenly into " + std::to_string(header.parts.size()) + " files");
   VoxelBytes bytes(header);
-  const std::size_t together = header.interleaved ? header.volumes * header.channels : 1;  // of which `channels` are kept
+  // of which `channels` are kept
+  const std::size_t together = header.interleaved ? header.volumes * header.channels : 1;
   const std::size_t kept = header.interleaved ? header.channels : 1;
   if (!header.interleaved) bytes.skip(static_cast<double>(options.time) * bytesOfVolume(header));
   const std::size_t chunk = std::max<std::size_t>(1, (4u << 20) / (sizeof(T) * together));

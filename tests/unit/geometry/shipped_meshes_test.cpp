@@ -83,7 +83,8 @@ TEST_CASE("The shipped organ is hollow on its underside") {
   const auto organ = shipped("organ.obj");
   const double hull = hullVolume(organ.mesh, organ.report.box);
   const auto convex = shapes::sphere({0, 0, 0}, 50.0, 3);
-  CHECK_THAT(signedVolume(convex) / hullVolume(convex, boundingBox(convex)), WithinAbs(1.0, 0.02));  // the measure itself
+  // the measure itself
+  CHECK_THAT(signedVolume(convex) / hullVolume(convex, boundingBox(convex)), WithinAbs(1.0, 0.02));
   CHECK(organ.report.volume_mm3 < 0.88 * hull);
 }
 

@@ -106,7 +106,8 @@ TEST_CASE("Slices of a tilted gantry stay a sheared grid, with a notice", "[imag
   C3DE_DATA_OR_SKIP(path, "dicom/ct_gantry_tilt_4");
   const auto loaded = readVolume(path);
   REQUIRE(loaded);
-  CHECK_THAT(loaded->volume.geometry.shear(), WithinAbs(0.2419218955997, 1e-6));  // sine of 14 degrees, as in the header
+  // sine of 14 degrees, as in the header
+  CHECK_THAT(loaded->volume.geometry.shear(), WithinAbs(0.2419218955997, 1e-6));
   CHECK(says(loaded->notices, "tilted by 14 degrees"));
 }
 

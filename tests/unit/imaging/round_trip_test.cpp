@@ -81,10 +81,12 @@ TEST_CASE("Slope and intercept are kept by NIfTI and applied for the others", "[
       REQUIRE(writeVolume(file, volume));
       const auto loaded = readVolume(file);
       REQUIRE(loaded);
-      const bool kept = std::string(ending).starts_with(".nii") && slope != 0.1;  // 0.1 is no number of single precision
+      // 0.1 is no number of single precision
+      const bool kept = std::string(ending).starts_with(".nii") && slope != 0.1;
       CHECK(loaded->volume.slope == (kept ? slope : 1.0));
       if (kept) CHECK(loaded->volume.voxels == volume.voxels);
-      for (const std::size_t k : {0u, 1u, 2u}) CHECK_THAT(loaded->volume.value(3, 2, k), WithinAbs(volume.value(3, 2, k), 1e-5));  // single precision of 18
+      // single precision of 18
+      for (const std::size_t k : {0u, 1u, 2u}) CHECK_THAT(loaded->volume.value(3, 2, k), WithinAbs(volume.value(3, 2, k), 1e-5));
     }
   }
 }

@@ -142,12 +142,14 @@ TEST_CASE("More memory than allowed is refused before it is taken, with both fig
   C3DE_DATA_OR_SKIP(series, kSeries);
   const auto dicom = readVolume(series, options);
   REQUIRE_FALSE(dicom);
-  CHECK_THAT(dicom.error().message, Contains("needs 17 MB") && Contains("allowed are 10 MB"));  // 28 slices of 0.5 MB, and the last file twice
+  // 28 slices of 0.5 MB, and the last file twice
+  CHECK_THAT(dicom.error().message, Contains("needs 17 MB") && Contains("allowed are 10 MB"));
   options.memoryLimit = 1'000'000;
   C3DE_DATA_OR_SKIP(file, "volume/totalseg/example_ct.nii.gz");
   const auto nifti = readVolume(file, options);
   REQUIRE_FALSE(nifti);
-  CHECK_THAT(nifti.error().message, Contains("needs 6 MB") && Contains("allowed are 1 MB"));  // 122 * 101 * 112 voxels of four bytes
+  // 122 * 101 * 112 voxels of four bytes
+  CHECK_THAT(nifti.error().message, Contains("needs 6 MB") && Contains("allowed are 1 MB"));
 }
 
 TEST_CASE("Reading ends when it is cancelled, and tells how far it is", "[imaging]") {

@@ -89,7 +89,8 @@ TEST_CASE("relaxing modes: a twisted cell holds G(t) of its force, whatever the 
       Led led(c, relaxing(c, law, 0.45, kFast, kSlow));
       const std::vector<Vec3> atOnce = led.to(u, 0.0);
       REQUIRE(largest(atOnce) > 0.0);
-      CHECK(apart(atOnce, evaluate(c, constitution(c, law), u).forces) > 0.0);  // another nu: the case compares with itself
+      // another nu: the case compares with itself
+      CHECK(apart(atOnce, evaluate(c, constitution(c, law), u).forces) > 0.0);
       std::vector<Vec3> after;
       const double t = 0.7;
       for (int k = 0; k < steps; ++k) after = led.to(u, t / steps);

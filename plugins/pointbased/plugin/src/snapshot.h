@@ -19,7 +19,8 @@ struct BodySnapshot {
   std::shared_ptr<const RestState> rest;
   std::shared_ptr<PlacedMesh> surface;
   std::shared_ptr<const ParameterValues> values;
-  std::optional<std::array<float, 3>> colour;  ///< sRGB, of the surface by the material; none: by its place among the bodies
+  /// sRGB, of the surface by the material; none: by its place among the bodies
+  std::optional<std::array<float, 3>> colour;
   std::uint64_t changes = 0;            ///< of the simulator: the same number, the same places
   bool asleep = false;
   bool rigid = false;

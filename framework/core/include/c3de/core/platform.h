@@ -32,7 +32,8 @@ class DynamicLibrary {
 [[nodiscard]] char pathListSeparator();                           ///< ':' or ';'
 [[nodiscard]] const char *pluginExtension();                      ///< ".so" or ".dll"
 [[nodiscard]] std::string cpuName();
-[[nodiscard]] std::uint64_t availableMemory();                    ///< bytes that can be taken now without swapping; 0: unknown
+/// Bytes that can be taken now without swapping; 0: unknown
+[[nodiscard]] std::uint64_t availableMemory();
 [[nodiscard]] bool stderrIsTerminal();
 
 /// Takes what is written to the error stream of the process, by any thread, until it ends; for libraries that print.

@@ -10,7 +10,8 @@ namespace c3de::imaging {
 
 /// What a voxel of DisplacementGrid::bodies shows in the reference; 0: what goes with the bodies beside it.
 inline constexpr std::uint8_t kBodyVoxel = 1;   ///< a body
-inline constexpr std::uint8_t kStillVoxel = 2;  ///< what stays, bone or air: a body may come over it, nothing else moves it
+/// What stays, bone or air: a body may come over it, nothing else moves it
+inline constexpr std::uint8_t kStillVoxel = 2;
 
 /// A spatial displacement: the material that is now at x was at x - u(x) in the reference image. Linear between the
 /// points of the grid, zero outside; a millionth of a cell outside still counts as the border.
@@ -25,7 +26,8 @@ struct DisplacementGrid {
   VolumeGeometry geometry;
   std::vector<float> xyz_mm;           ///< 3 for each point, i fastest
   std::vector<float> gap_mm{};         ///< for each point, how far the material of X is from it now; empty: not known
-  std::shared_ptr<const Mask> bodies{};  ///< the reference, on a grid of its own: 0 or k…Voxel; null: nothing is vacated or stays
+  /// The reference, on a grid of its own: 0 or k…Voxel; null: nothing is vacated or stays
+  std::shared_ptr<const Mask> bodies{};
   bool hasStill = false;                 ///< kStillVoxel occurs
 
   /// u at a point of the world, mm; 0 in what stays.

@@ -14,7 +14,8 @@ namespace c3de::imaging {
 
 /// What a caller may ask of a reader. All functions here may run on any thread, several at a time.
 struct ReadOptions {
-  std::string series;           ///< of a folder with several: SeriesInfo::id, number or description; empty: the only one
+  /// Of a folder with several: SeriesInfo::id, number or description; empty: the only one
+  std::string series;
   std::size_t time = 0;         ///< of several time points, from 0
   ProgressFn progress;          ///< answering false ends the reading with ErrorCode::cancelled
   std::size_t memoryLimit = 0;  ///< bytes that reading may take at its peak; 0: what the machine has free
@@ -42,7 +43,8 @@ struct SeriesInfo {
   std::size_t files = 0;
   std::size_t times = 1;              ///< time points that ReadOptions::time chooses from
   bool isPart = false;          ///< of the series before it, which is read unless this one is asked for
-  bool isSegmentation = false;  ///< for readLabelMap(): of DICOM, or with the segments of 3D Slicer or a label table of NIfTI.
+  /// For readLabelMap(): of DICOM, or with the segments of 3D Slicer or a label table of NIfTI.
+  bool isSegmentation = false;
                                 ///< Of DICOM readVolume() takes it only where there is nothing else
   bool holdsNamedFile = false;  ///< the file that listSeries() was asked for is one of its files
   std::filesystem::path folder;

@@ -95,7 +95,8 @@ struct ImageScene {
   std::vector<SliceInSpace> slices;
   bool showsVolume = false;
   VolumeLook volume;
-  std::vector<CutPlane> cuts;  ///< 3 at most count; of volume and slices, but not of a slice that lies in a plane of them
+  /// 3 at most count; of volume and slices, but not of a slice that lies in a plane of them
+  std::vector<CutPlane> cuts;
   bool cutsProxies = false;    ///< and of the proxies: meshes and lines to the plane, spheres as wholes
   int movingDivisor = 4;  ///< a ray for so many pixels in each direction while something changes; at least 1
   friend bool operator==(const ImageScene &, const ImageScene &) = default;

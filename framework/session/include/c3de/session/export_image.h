@@ -22,7 +22,8 @@ class OrganSources;
 
 /// What of the deformed scan is written; empty paths: not wanted. NRRD, NIfTI or MetaImage, by extension.
 struct ImageExport {
-  std::filesystem::path image;         ///< the scene's image as the tissue now lies, on its own grid and in its own type
+  /// The scene's image as the tissue now lies, on its own grid and in its own type
+  std::filesystem::path image;
   /// u(x) in mm at its voxels (x, y, z in LPS): the material at x was at x - u. Beside it vacatedFile() is written.
   std::filesystem::path displacement;
   [[nodiscard]] bool isWanted() const { return !image.empty() || !displacement.empty(); }

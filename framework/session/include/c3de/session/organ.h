@@ -55,7 +55,8 @@ class OrganSources {
   [[nodiscard]] std::vector<std::string> takeNotices();
 
  private:
-  using File = std::tuple<std::filesystem::path, std::string, std::size_t>;  ///< one of its series at one of its time points
+  /// One of its series at one of its time points
+  using File = std::tuple<std::filesystem::path, std::string, std::size_t>;
   std::map<File, std::shared_ptr<const Layers>> labels_;
   std::map<File, std::shared_ptr<const imaging::Volume>> volumes_;
   std::vector<std::string> notices_;

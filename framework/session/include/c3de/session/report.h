@@ -27,7 +27,8 @@ struct RunFacts {
   Prepared prepared;
   std::vector<std::string> notices;  ///< of the simulator, for people
   double firstStep_s = 0.0;    ///< the first step alone
-  double toFirstStep_s = 0.0;  ///< from the start of the command, plugins and scene file included, to the end of that step
+  /// From the start of the command, plugins and scene file included, to the end of that step
+  double toFirstStep_s = 0.0;
 };
 
 /// The report of a run as JSON.

@@ -61,7 +61,8 @@ struct WindowActions {
   std::function<void(double rate)> setTargetRate;       ///< 0: as fast as it goes
   std::function<void()> screenshot;
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
-  std::function<void(const std::filesystem::path &)> exportImage, exportDisplacement;  ///< the scan as it now lies; how far
+  /// The scan as it now lies; how far
+  std::function<void(const std::filesystem::path &)> exportImage, exportDisplacement;
   /// What a file of that export could be called, without folder and ending; empty: nothing is proposed.
   std::function<std::string(Command exported)> proposeName;
   std::function<void()> closeImage;

@@ -37,7 +37,8 @@ struct Grab {
   Vec3 target = Vec3::Zero();   ///< world, m
   double frequency = 50.0;      ///< rad/s of the mass it holds; lowered where the step would not carry it
   double dampingRatio = 1.0;
-  double maxForce = std::numeric_limits<double>::infinity();  ///< N: a tool that is torn away must not tear the body apart
+  /// N: a tool that is torn away must not tear the body apart
+  double maxForce = std::numeric_limits<double>::infinity();
 };
 
 struct GrabStatus {
@@ -243,7 +244,8 @@ class Body {
   mutable bool gradientsOld_ = false, stressesOld_ = false;
   std::vector<Mat3> rates_;
   std::unique_ptr<detail::VectorForces> vectorForces_;
-  mutable std::unique_ptr<detail::VectorForces> exactForces_;  // of a body in single precision, once somebody needs them
+  // of a body in single precision, once somebody needs them
+  mutable std::unique_ptr<detail::VectorForces> exactForces_;
   Precision precision_ = Precision::doublePrecision;
   std::vector<HourglassStrain> relaxedModes_;  // of the last evaluation of stresses; empty: nothing
   double tangentRatio_ = 1.0;

@@ -17,7 +17,8 @@ struct ContactPoints {
   Interpolation binding;
   std::vector<Vec3> normals;   ///< N, unit
   std::vector<double> areas;   ///< m²; their sum is the area of the surface
-  std::vector<double> radii;   ///< m, kept between a point and an obstacle; empty: 0. Bodies without a surface touch with
+  /// M, kept between a point and an obstacle; empty: 0. Bodies without a surface touch with
+  std::vector<double> radii;
                                ///< their phyxels, which are balls
   std::vector<double> spacings = {};  ///< m, of the cells that carry a point; empty: all are ContactPenalty::spacing
 
@@ -54,8 +55,10 @@ struct Contact {
   Vec3 settleFriction = Vec3::Zero();   ///< N s, likewise
   // Of implicit and static solutions:
   double normalForce = 0.0;             ///< N, of the last solution
-  double initialPenetration = 0.0;               ///< m, penetration that it began with and that is not pushed back at once
-  Vec3 tangentialDisplacement = Vec3::Zero();            ///< m, elastic tangential way at the beginning of the stage: what friction holds
+  /// M, penetration that it began with and that is not pushed back at once
+  double initialPenetration = 0.0;
+  /// M, elastic tangential way at the beginning of the stage: what friction holds
+  Vec3 tangentialDisplacement = Vec3::Zero();
   static constexpr Index kWall = 0xffffffffu;
 };
 
@@ -82,7 +85,8 @@ struct ContactState {
   };
   std::vector<std::vector<Side>> sides;  ///< [obstacles][points]
   std::vector<Contact> active;           ///< of the present step: by point, then obstacle
-  double deepest = 0.0;                  ///< m, deepest penetration of a point at the beginning of a step since the start
+  /// M, deepest penetration of a point at the beginning of a step since the start
+  double deepest = 0.0;
   double margin = 0.0;                   ///< m, of the last findContacts()
   // scratch, so that a step allocates nothing
   struct ClosestPointQueries {
@@ -96,7 +100,8 @@ struct ContactState {
   /// can have come as near as the nearest of them was away.
   struct Blocks {
     std::vector<double> room;         ///< [blocks] m: up to here none of them meets anything
-    std::vector<double> gains;        ///< [blocks] of ways times maxInfluence to the way of a point: the largest Σ |φ|/maxInfluence
+    /// [blocks] of ways times maxInfluence to the way of a point: the largest Σ |φ|/maxInfluence
+    std::vector<double> gains;
     std::vector<float> maxInfluence;      ///< [phyxels][3], or empty
     Csr chunks;                       ///< [blocks] chunks of phyxels that carry them
     std::vector<double> went, goes;   ///< [chunks] m: the farthest a phyxel has gone since the last search, and will go
@@ -177,7 +182,7 @@ struct ImpulseSettings {
 /// Penetrations are undone by a velocity that counts for the drift alone: settleContactVelocities() takes it back.
 ///
 /// @param inverseMasses  [phyxels] 1/kg; 0 for held ones
-/// @return total impulse on the body, N s (for reports; without that of the splitImpulse)
+/// @return total impulse on the body, N s (for reports; without that of the split impulses)
 /// @source  Jean, The non-smooth contact dynamics method, CMAME 177, 1999 (impulses, Gauss-Seidel); Cline and Pai, Post-stabilization
 ///          for rigid body simulation with contact and constraints, ICRA 2003 (positions apart from velocities)
 Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
@@ -194,7 +199,7 @@ void settleContactVelocities(const Interpolation &binding, std::span<const doubl
 ///
 ///     U = Σ_p  k_p/2 min(0, g_p)²  +  (|s_p| <= r_p ? k_p/2 |s_p|² : μ N_p (|s_p| - r_p/2)),   k_p = k A_p / d_p
 ///
-/// g gap (with what the contact began with, Contact::initialPenetration), s = Contact::tangentialDisplacement + tangential way, N the normal force of
+/// g gap (with what the contact began with, Contact::initialPenetration), s = Contact::tangentialDisplacement + what came since, N the normal force of
 /// the last solution (lagged), r = μ N / k_p. Friction is a spring until it slides, so what holds does not creep.
 struct ContactPenalty {
   double stiffness = 0.0;  ///< k, Pa: some multiple of Young's modulus

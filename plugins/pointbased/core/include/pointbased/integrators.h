@@ -9,7 +9,8 @@
 namespace pointbased {
 
 enum class Integrator {
-  automatic,       ///< explicitVerlet or implicitSdirk, for each body what is predicted to cost less (Simulator::predictedCost)
+  /// ExplicitVerlet or implicitSdirk, for each body what is predicted to cost less (Simulator::predictedCost)
+  automatic,
   explicitVerlet,  ///< velocity Verlet in substeps below the stable step
   implicitSdirk,   ///< two-stage diagonally implicit Runge-Kutta: second order, damps only what dt does not resolve
   implicitMidpoint,///< second order, no numerical damping: keeps energy and momenta, keeps what rings ringing

@@ -23,9 +23,11 @@ struct LatticeSampling {
   std::vector<Refinement> refinements;
   double surfaceSpacing = 0.0;         ///< > 0: cells that the surface cuts are at most this large, m
   Mat3 axes = Mat3::Identity();        ///< of the lattice, columns; a rotation
-  double jitter = 0.0;                 ///< 0 … 0.3: phyxels whose cells lie wholly inside are moved by up to this part of the spacing
+  /// 0 … 0.3: phyxels whose cells lie wholly inside are moved by up to this part of the spacing
+  double jitter = 0.0;
   std::uint64_t seed = 1;              ///< of the jitter
-  std::vector<Region> held;            ///< world, m: parts that will follow a prescribed motion (one ConstrainedRegion each)
+  /// World, m: parts that will follow a prescribed motion (one ConstrainedRegion each)
+  std::vector<Region> held;
   std::vector<std::pair<Region, std::uint16_t>> materials;  ///< later ones win; elsewhere material 0
 };
 
@@ -49,8 +51,10 @@ struct LatticeBody {
   std::vector<Vec3> positions;     ///< [phyxels] X, m, sorted in space; some lie outside of the body
   std::vector<double> volumes;     ///< [phyxels] m³, > 0; sum: the body's volume (density times it is the mass)
   std::vector<double> weightVolumes; ///< [phyxels] m³, ∫N_j: what a uniform load on the material gives each; same sum
-  std::vector<double> heldVolumes; ///< [phyxels] m³: the part of `weightVolumes` that moves with a support; empty: nothing is held
-  std::vector<double> supportVolumes; ///< [phyxels] m³: the part of `volumes`, of the mass, that moves with a support; likewise
+  /// [phyxels] m³: the part of `weightVolumes` that moves with a support; empty: nothing is held
+  std::vector<double> heldVolumes;
+  /// [phyxels] m³: the part of `volumes`, of the mass, that moves with a support; likewise
+  std::vector<double> supportVolumes;
   StencilSet stencils;
   std::shared_ptr<const CellMap> cells;
   std::vector<ConstrainedRegion> held;      ///< one per LatticeSampling::held
@@ -68,8 +72,8 @@ struct LatticeBody {
 ///
 /// the mean gradient makes Σ_q v_q g_qj = ∫ N_j n dA over the body's border: constant stress is in exact balance with its
 /// tractions however the surface cuts the cells (gradients at the centre of the cell instead made a beam 22 % too stiff).
-/// NodeTable are shared by parts of neighbouring cells only where the body goes on through the common face; parts on two
-/// sides of a gap have corners of their own, so nothing couples across it. NodeTable that hang on a larger cell follow its
+/// Nodes are shared by parts of neighbouring cells only where the body goes on through the common face; parts on two
+/// sides of a gap have corners of their own, so nothing couples across it. Nodes that hang on a larger cell follow its
 /// corners linearly, so affine fields stay exact and forces balanced across a change of spacing.
 ///
 /// Parts of less than a fiftieth of their cell are dropped where the body goes on beside them; what is left is scaled to the

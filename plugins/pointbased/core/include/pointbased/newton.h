@@ -39,7 +39,8 @@ class IncrementalPotential {
 };
 
 enum class Preconditioner {
-  automatic,    ///< complete where that is cheap (some 3000 phyxels on a lattice), else incomplete until its iterations have
+  /// Complete where that is cheap (some 3000 phyxels on a lattice), else incomplete until its iterations have
+  automatic,
                 ///< paid for a complete one (at most 30 000 phyxels); blocks where the Hessian cannot be assembled
   blockJacobi,  ///< 3x3 blocks
   incomplete,   ///< incomplete Cholesky of the assembled Hessian
@@ -63,7 +64,8 @@ struct NewtonSettings {
   int maxLinearIterations = 2000;       ///< per Newton step; the direction so far is used then
   double linearTolerance = 1e-2;        ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)
   Preconditioner preconditioner = Preconditioner::automatic;
-  const StopRequest *stop = nullptr;    ///< raised, also within a factorisation: Stopped is thrown, u is as far as it came
+  /// Raised, also within a factorisation: Stopped is thrown, u is as far as it came
+  const StopRequest *stop = nullptr;
 };
 
 enum class NewtonOutcome {

@@ -10,9 +10,11 @@ namespace pointbased {
 /// How much of every voxel of a regular grid belongs to a body. A view: shapeOf() copies what it needs.
 struct Occupancy {
   std::array<std::size_t, 3> size{};   ///< voxels along i, j, k
-  std::span<const float> fill;         ///< [size[2]][size[1]][size[0]] 0 … 1, i fastest; beyond the grid nothing is filled
+  /// [size[2]][size[1]][size[0]] 0 … 1, i fastest; beyond the grid nothing is filled
+  std::span<const float> fill;
   Vec3 origin = Vec3::Zero();          ///< world, m: the middle of voxel (0, 0, 0)
-  Mat3 steps = Mat3::Identity();       ///< columns: from a voxel to the next along i, j, k, m; any direction, handedness, shear
+  /// Columns: from a voxel to the next along i, j, k, m; any direction, handedness, shear
+  Mat3 steps = Mat3::Identity();
 };
 
 /// The body that an occupancy stands for, without a mesh: a shape for fillLattice(), fill() and buildRestState().

@@ -44,10 +44,13 @@ struct RestState {
   double countedVolume = 0.0;      ///< m³, that the sampling has found inside of it; 0: nobody has counted
   std::vector<Vec3> positions;     ///< [phyxels] X, m
   std::vector<double> volumes;     ///< [phyxels] m³
-  std::vector<double> weightVolumes; ///< [phyxels] m³, shares of a load on the material of a held body; empty: `volumes`
+  /// [phyxels] m³, shares of a load on the material of a held body; empty: `volumes`
+  std::vector<double> weightVolumes;
   std::vector<double> heldVolumes; ///< [phyxels] m³, part of `weightVolumes` that supports carry; empty: none
-  std::vector<double> supportVolumes; ///< [phyxels] m³, part of `volumes`, of the mass, that supports carry; empty: none
-  Csr neighbors;                   ///< of clouds: [phyxels] those of their stencils; symmetric, without itself; see neighboursOf()
+  /// [phyxels] m³, part of `volumes`, of the mass, that supports carry; empty: none
+  std::vector<double> supportVolumes;
+  /// Of clouds: [phyxels] those of their stencils; symmetric, without itself; see neighboursOf()
+  Csr neighbors;
   Neighbours latticeNeighbours;    ///< of lattices: countNeighbours()
   StencilSet stencils;             ///< evaluation points
   std::vector<Vec3> pointCentres;  ///< [points] m
@@ -64,7 +67,8 @@ struct RestState {
   BoundaryConditions conditions;
   std::size_t components = 1;      ///< connected parts
   // Of a reference that has been renewed (rereferencing.h); empty in the first one:
-  std::vector<Vec3> referenceShift;  ///< [phyxels] way from the first reference to this one, m: supports move what was there
+  /// [phyxels] way from the first reference to this one, m: supports move what was there
+  std::vector<Vec3> referenceShift;
   std::vector<double> materialShares;  ///< [phyxels][materials] of the mass; empty: by the points around
 
   [[nodiscard]] std::size_t phyxelCount() const { return positions.size(); }

@@ -28,12 +28,14 @@ struct Probe {
   std::size_t body = 0;
   Vec3 reference = Vec3::Zero();  ///< world, m
   Interpolation binding;          ///< one point
-  Vec3 referenceShift = Vec3::Zero();    ///< m, way of the point from `reference` to where it is bound (rereferencing.h)
+  /// M, way of the point from `reference` to where it is bound (rereferencing.h)
+  Vec3 referenceShift = Vec3::Zero();
 };
 
 struct SimulationEvent {
   double time = 0.0;  ///< s
-  std::string kind;   ///< substep | slowed | smaller_step | stopped | switched | renewed | restored | note | warning | skin | overlap | step
+  /// Substep | slowed | smaller_step | stopped | switched | renewed | restored | note | warning | skin | overlap | step
+  std::string kind;
   std::string text;
 };
 

@@ -27,7 +27,8 @@ struct Csr {
 ///     γ_m = modes_m s_m,   s_m the products of the signs
 struct CellShape {
   double gradient = 0.0;   ///< 1/(4h), 1/m
-  Vec3 first, mixed;       ///< means of place and of its products over the part: see CellNumber in src/kernels/slices.h, 1/m
+  /// Means of place and of its products over the part: see CellNumber in src/kernels/slices.h, 1/m
+  Vec3 first, mixed;
   Eigen::Vector4d modes;   ///< 1/m², of xyz 1/m³
   bool operator==(const CellShape &) const = default;
 };
@@ -44,8 +45,10 @@ struct CellShape {
 struct StencilSet {
   Csr phyxels;                    ///< per point: the anchor, then the others
   std::vector<Vec3> gradients;    ///< per entry: g, 1/m; of compact sets only where `rowsOf` points
-  std::vector<double> weights;    ///< per entry, clouds: stabilisation weight, 0 for the anchor; Σ w |X - X_anchor|² = 3 m²; else empty
-  std::vector<double> weightFactors;  ///< per point, clouds: weights over those of kernelWeight(), which are symmetric; else empty
+  /// Per entry, clouds: stabilisation weight, 0 for the anchor; Σ w |X - X_anchor|² = 3 m²; else empty
+  std::vector<double> weights;
+  /// Per point, clouds: weights over those of kernelWeight(), which are symmetric; else empty
+  std::vector<double> weightFactors;
   /// Per entry, lattices: rows γ of the four modes (xy, xz, yz, xyz) that the affine fit does not see, in lattice axes:
   /// a_m = Σ_j γ_mj x_j is the coefficient of ξη, ξζ, ηζ (1/m² · m) and ξηζ (1/m³ · m) in the motion of the cell. Each row is
   /// zero on affine fields: Σ γ = 0, Σ γ X = 0 (Flanagan and Belytschko's projection). Empty for clouds.

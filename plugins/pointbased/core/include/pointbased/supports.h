@@ -22,7 +22,8 @@ struct Fix {
 /// A force or a pressure on a part of a body.
 struct Load {
   Region region;                      ///< material coordinates, world, m
-  Vec3 force = Vec3::Zero();          ///< N, total over the surface in the region (over its volume where no surface is inside)
+  /// N, total over the surface in the region (over its volume where no surface is inside)
+  Vec3 force = Vec3::Zero();
   double pressure = 0.0;              ///< Pa, pushes into the body
   bool follower = true;               ///< a pressure turns with the surface and grows with it: -p cof(F) N; else -p N
   double ramp = 0.0;                  ///< s, >= 0

@@ -38,7 +38,8 @@ class Surfels {
   // For the loops over all points.
   [[nodiscard]] std::span<const CellPlace> places() const { return places_; }
   [[nodiscard]] std::span<const Mat3> frames() const { return frames_; }  ///< columns ∇ξ_a, 1/m
-  [[nodiscard]] std::span<const std::array<float, 12>> normalFrames() const { return normalFrames_; }  ///< cof(∂ξ/∂X), columns
+  /// Cof(∂ξ/∂X), columns
+  [[nodiscard]] std::span<const std::array<float, 12>> normalFrames() const { return normalFrames_; }
   [[nodiscard]] const Interpolation &rows() const { return rows_; }
   [[nodiscard]] std::span<const Index> rowOwners() const { return rowOwners_; }  ///< [rows] point
   /// [entries of rows] ∂φ/∂x, ∂φ/∂y, ∂φ/∂z, φ.

@@ -18,7 +18,8 @@ using HourglassStrain = Eigen::Matrix<double, 3, 4>;
 /// What the modes of a cell remember. All zero: never strained.
 struct HourglassHistory {
   HourglassStrain previous = HourglassStrain::Zero();  ///< deviatoric hourglass strain at the end of the last step
-  std::array<HourglassStrain, 2> relaxed{HourglassStrain::Zero(), HourglassStrain::Zero()};  ///< β: strain each term has relaxed so far
+  /// Β: strain each term has relaxed so far
+  std::array<HourglassStrain, 2> relaxed{HourglassStrain::Zero(), HourglassStrain::Zero()};
 };
 
 /// Factors of one step, the same for all points; compute once per step.

@@ -22,7 +22,8 @@ struct WorldSettings {
   double tolerance = 0.0;  ///< m, of implicit and static solutions; 0: by the spacing
   int loadSteps = 0;       ///< static: load increments; 0: 10
   Preconditioner preconditioner = Preconditioner::automatic;
-  Precision precision = Precision::doublePrecision;  ///< of the forces of explicit steps; implicit and static ones are double
+  /// Of the forces of explicit steps; implicit and static ones are double
+  Precision precision = Precision::doublePrecision;
   bool sleep = false;      ///< bodies that have come to rest cost nothing until something changes (sleep_detector.h)
   bool rereference = true;  ///< of clouds that have flowed far (rereferencing.h); false: to compare
 };

@@ -77,7 +77,7 @@ void DisplacementField::add(const Body &body) {
   // Rows of the inverse steps: how far an index goes with a way in space.
   const Vec3 indexPerMetre(toIndex_.row(0).norm(), toIndex_.row(1).norm(), toIndex_.row(2).norm());
   for (std::size_t q = 0; q < rest.pointCount(); ++q) {
-    // Of a reference that has been renewed F counts from a state nobody keeps: what flows is referenceShift, not turned.
+    // Of a reference that has been renewed F counts from a state nobody keeps: what flows is shifted, not turned.
     const Mat3 F = renewed ? Mat3(Mat3::Identity()) : gradients[q];
     if (!(F.determinant() > kLeastVolume) || !F.allFinite()) continue;
     const Mat3 back = F.inverse();

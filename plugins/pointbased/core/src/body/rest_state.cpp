@@ -330,7 +330,8 @@ std::vector<float> leverageOf(const RestState &rest) {
     }
   std::vector<float> out(most.size());
   std::transform(most.begin(), most.end(), out.begin(), [](double x) {
-    return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());  // not less than |φ| by rounding
+    // not less than |φ| by rounding
+    return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
   });
   return out;
 }

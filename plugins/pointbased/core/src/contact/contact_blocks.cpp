@@ -47,7 +47,7 @@ std::vector<Index> inSpace(std::span<const Vec3> points, double width) {
 }
 
 // Which points wait together, which chunks of phyxels carry them, and the farthest that a point of it goes where none of these goes farther than one
-// over its maxInfluence: the largest Σ |φ|/maxInfluence.
+// over its largest influence: the largest Σ |φ|/maxInfluence.
 void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluence, Blocks &blocks) {
   blocks.chunks = Csr{};
   blocks.gains.clear();
@@ -87,7 +87,7 @@ void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluen
   }
 }
 
-// Largest component of a way times the maxInfluence over whole chunks, so that registers are compared: √3 of it bounds every
+// Largest component of a way times the largest influence over whole chunks, so that registers are compared: √3 of it bounds every
 // length.
 // @param ways(i, n)  x y z x y z of the n phyxels from i on
 template <class Ways>

@@ -267,7 +267,7 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
   const Hand lead{binding, inverseMasses, solution.splitImpulse};
   for (std::size_t c = 0; c < active.size(); ++c) {
     const double depth = -active[c].gap - slop;
-    // Velocities of the splitImpulse come on top of those of the body, which keep the others within their gaps.
+    // Velocities of the split impulses come on top of those of the body, which keep the others within their gaps.
     solution.least[c] = depth > 0.0 ? std::min(settings.splitImpulse * depth / dt, settings.recoverySpeed)
                                     : -std::max(0.0, active[c].gap) / dt;
     solution.impulses[c] = 0.0;

@@ -21,7 +21,8 @@ constexpr double kTightest = 1e-6;         // of the forcing terms
 constexpr double kConfirming = 1e-3;       // linear tolerance of a step that ends the solve
 constexpr double kResidualFall = 1e-6;     // of the first residual; see NewtonSettings::toleranceForce
 constexpr double kRounding = 1e-10;        // relative change of the energy that may be round-off of a cancelled sum
-constexpr double kFoundAtStart = 1e-3;     // of the displacement that is tolerated: what a step after the other may leave
+// of the displacement that is tolerated: what a step after the other may leave
+constexpr double kFoundAtStart = 1e-3;
 constexpr int kTrials = 48;
 constexpr int kDoublings = 16;
 constexpr int kPatience = 6;               // iterations without progress
@@ -129,7 +130,8 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
     const int spent = linear.iterations() - before;
     const int iterationBudget = keeper.iterationBudget(out.tolerance, settings.maxLinearIterations) - spent;
     end = linear.run(product, precondition, out.tolerance, std::max(0, std::min(most, iterationBudget)));
-    if (end == LinearEnd::iterations && iterationBudget < most) {  // what there is serves badly: something new is cheaper
+    // what there is serves badly: something new is cheaper
+    if (end == LinearEnd::iterations && iterationBudget < most) {
       keeper.book(linear.iterations() - before, out.tolerance, false);
       keeper.renew(problem, settings.stop);
       before = linear.iterations();

@@ -32,7 +32,7 @@ class AdaptivePreconditioner {
 
   /// Iterations of one solve after which something better would have cost less; `most` if there is nothing better.
   [[nodiscard]] int iterationBudget(double tolerance, int most) const;
-  /// Books the iterations of a solve, or of the part of it that ran out of iterationBudget.
+  /// Books the iterations of a solve, or of the part of it that ran out of its budget.
   /// @param complete  it reached its tolerance
   void book(int iterations, double tolerance, bool complete);
   /// Factorises at the problem's present state, whatever the books say.

@@ -14,7 +14,8 @@ constexpr double kContactStiffness = 30.0;
 constexpr double kContactMargin = 0.02;  // spacings
 constexpr int kContactRounds = 4;        // solutions of a stage until no point meets a surface that was not known
 constexpr double kRough = 100.0;        // tolerances within which a solution already tells what the contacts are
-constexpr double kSettled = 1e-2;        // change of the contact forces that is left to the next stage, of all that presses
+// change of the contact forces that is left to the next stage, of all that presses
+constexpr double kSettled = 1e-2;
 constexpr int kFlowRounds = 30;          // of a static equilibrium with plastic flow
 constexpr int kHoldingRounds = 200;       // of a static equilibrium of what only contact holds
 constexpr double kStride = 0.5;          // spacings that it may move in one of them

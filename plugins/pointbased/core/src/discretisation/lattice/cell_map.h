@@ -43,7 +43,7 @@ class LatticeCellMap : public CellMap {
   /// Moves phyxels; `distorted`: cells (by index) that are no cubes any more.
   void move(std::vector<Vec3> positions, std::vector<std::uint8_t> distorted);
   [[nodiscard]] bool distorted(Index cell) const { return !distorted_.empty() && distorted_[cell] != 0; }
-  /// NodeTable of a cell that does not hang on anything.
+  /// Nodes of a cell that does not hang on anything.
   [[nodiscard]] std::array<Vec3, 8> hexahedron(Index part) const;
   /// Frees what only building needs.
   void release();

@@ -12,7 +12,7 @@ enum class State : std::uint8_t { kEmpty, kFull, kCut, kSplit, kUnknown };
 
 using detail::number;
 
-// NodeTable of cells along a refined surface, and of the coarser ones that grading puts inside of them, for each that the
+// Nodes of cells along a refined surface, and of the coarser ones that grading puts inside of them, for each that the
 // surface adds to a lattice that is as fine everywhere.
 constexpr double kLayersOfSurface = 2.2;
 

@@ -21,7 +21,8 @@ struct HeldPatch {
   std::array<double, 8> border{};         ///< Σ area N_j there, m²
   double surfaceArea = 0.0;               ///< of the body's surface inside the region, m²
   std::array<double, 8> surface{};        ///< Σ area N_j there, m²
-  double facingArea = 0.0;                ///< of that, what faces away from the border: the other side of a held layer, m²
+  /// Of that, what faces away from the border: the other side of a held layer, m²
+  double facingArea = 0.0;
   std::array<double, 8> facing{};         ///< Σ area N_j there, m²
   Vec3 surfaceCentre = Vec3::Zero();      ///< Σ area X, lattice axes, m³
   bool thin = false;                      ///< acts as its surface: its material stays free

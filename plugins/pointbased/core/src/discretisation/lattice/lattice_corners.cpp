@@ -21,7 +21,7 @@ struct HangingNodeMasters {
   std::array<Index, 4> corners{};
 };
 
-// NodeTable of part a's face against those of part b, of a cell of the same size or twice as large.
+// Nodes of part a's face against those of part b, of a cell of the same size or twice as large.
 template <class Join, class Hang>
 void matchFaces(const CellSet &set, const PartSet &parts, const FragmentLink &link, const Join &join, const Hang &hang) {
   const Cell &a = set.cells[parts.parts[link.a].cell], &b = set.cells[parts.parts[link.b].cell];
@@ -82,7 +82,7 @@ NodeTable joinCorners(const CellSet &set, PartSet &parts) {
     }
   }
 
-  // NodeTable of what is kept, and those they hang on, in the order of their places.
+  // Nodes of what is kept, and those they hang on, in the order of their places.
   std::vector<Index> nodeOf(8 * parts.parts.size(), kNone);  // by root
   std::vector<Index> roots;
   const auto use = [&](const auto &self, Index corner) -> void {
