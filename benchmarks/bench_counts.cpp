@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many instructions do fixed kernels take? A gate against getting slower that no clock and no other program disturbs.
+// How many instructions do fixed kernels take? A gate against getting slower that no clock and no other program
+// disturbs.
 //
 //   bench_counts
 //
@@ -63,12 +64,12 @@ Named tangent(std::string name, std::shared_ptr<Body> body) {
 Named product(std::string name, const std::shared_ptr<Body> &body) {
   auto df = std::make_shared<std::vector<Vec3>>(body->rest().phyxelCount());
   body->linearise(serialFor());
-  return {std::move(name),
-          [=] { body->forceDifferential(body->state().displacements, 0.0, *df, serialFor()); }};
+  return {std::move(name), [=] { body->forceDifferential(body->state().displacements, 0.0, *df, serialFor()); }};
 }
 
 Named surfels(std::string name, const std::shared_ptr<Body> &body) {
-  auto positions = std::make_shared<std::vector<Vec3>>(kSurfelCount), normals = std::make_shared<std::vector<Vec3>>(kSurfelCount);
+  auto positions = std::make_shared<std::vector<Vec3>>(kSurfelCount),
+       normals = std::make_shared<std::vector<Vec3>>(kSurfelCount);
   return {std::move(name), [=] {
             const RestState &rest = body->rest();
             updateSurfels(rest.surfels, rest.surfelNormals, rest.positions, body->state().displacements, *positions,
@@ -137,9 +138,9 @@ int main() {
   const auto cloud = bench::cloudBall(kPhyxels, kSurfelCount, serialFor());
   const auto touching = bench::cloudBall(kPhyxels, 0, serialFor());
   std::vector<Named> workloads;
-  for (const auto &[law, name] : {std::pair{MaterialLaw::linear, "linear"}, std::pair{MaterialLaw::stVenantKirchhoff, "stvk"},
-                                  std::pair{MaterialLaw::corotated, "corotated"},
-                                  std::pair{MaterialLaw::neoHookean, "neo_hookean"}}) {
+  for (const auto &[law, name] :
+       {std::pair{MaterialLaw::linear, "linear"}, std::pair{MaterialLaw::stVenantKirchhoff, "stvk"},
+        std::pair{MaterialLaw::corotated, "corotated"}, std::pair{MaterialLaw::neoHookean, "neo_hookean"}}) {
     workloads.push_back(forces(std::string("forces, lattice, ") + name, makeBody(lattice, law)));
     workloads.push_back(forces(std::string("forces, cloud, ") + name, makeBody(cloud, law)));
   }

@@ -85,11 +85,16 @@ std::vector<Problem> problems(int finest) {
   out.push_back({"bending", beam, 0.04, {held(left)}, {shear}, 0.3, {3, 5, 8}, fine});
   out.push_back({"bending, nu 0.45", beam, 0.04, {held(left)}, {shear}, 0.45, {3, 5}, fine});
   out.push_back({"twist by 30 degrees", beam, 0.04, {held(left), twisting}, {}, 0.3, {3, 5, 8}, fine});
-  out.push_back({"bonded cube, -10 %", cube, 0.1, {held(bottom), held(top, Vec3(0, 0, -0.01))}, {}, 0.3,
-                 {4, 6, 8}, 2 * fine});
-  out.push_back({"indentation", cube, 0.1,
-                 {held(bottom), held(BoxRegion{Vec3(0.03, 0.03, 0.1), Vec3(0.07, 0.07, 0.1)}, Vec3(0, 0, -0.005))}, {},
-                 0.3, {5, 8, 10}, 2 * fine});
+  out.push_back(
+      {"bonded cube, -10 %", cube, 0.1, {held(bottom), held(top, Vec3(0, 0, -0.01))}, {}, 0.3, {4, 6, 8}, 2 * fine});
+  out.push_back({"indentation",
+                 cube,
+                 0.1,
+                 {held(bottom), held(BoxRegion{Vec3(0.03, 0.03, 0.1), Vec3(0.07, 0.07, 0.1)}, Vec3(0, 0, -0.005))},
+                 {},
+                 0.3,
+                 {5, 8, 10},
+                 2 * fine});
   out.push_back({"half ball", ballShape(0.05), 0.05, {held(bottom)}, {push}, 0.3, {3, 5, 8}, fine});
   return out;
 }
@@ -104,7 +109,9 @@ struct Layout {
 std::vector<Layout> layouts() {
   const Mat3 turned =
       (Eigen::AngleAxisd(0.35, Vec3::UnitX()) * Eigen::AngleAxisd(0.5, Vec3::UnitY())).toRotationMatrix();
-  return {{"aligned"}, {"offset", Evaluation::stressPoints, 0.3}, {"turned", Evaluation::stressPoints, 0.0, turned},
+  return {{"aligned"},
+          {"offset", Evaluation::stressPoints, 0.3},
+          {"turned", Evaluation::stressPoints, 0.0, turned},
           {"phyxels", Evaluation::phyxels}};
 }
 
@@ -187,8 +194,8 @@ std::vector<Mat3> strainsAt(const Body &body, std::vector<Vec3> points) {
       const Index candidate = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
       const Index *from = &s.phyxels.indices[s.phyxels.offsets[candidate]];
       const Index *to = from + (s.phyxels.offsets[candidate + 1] - s.phyxels.offsets[candidate]);
-      const auto common = static_cast<std::size_t>(
-          std::count_if(first, last, [&](Index j) { return std::find(from, to, j) != to; }));
+      const auto common =
+          static_cast<std::size_t>(std::count_if(first, last, [&](Index j) { return std::find(from, to, j) != to; }));
       const double distance = (rest.pointCentres[candidate] - points[p]).norm();
       if (common > most || (common == most && distance < nearest)) {
         most = common;

@@ -8,8 +8,8 @@
 //   first_light     the scene that opens by itself
 //   lattice_10000   an organ of 10 000 phyxels and 50 000 surfels that falls on a block in a box
 // A step is a whole frame, in the substeps that stability needs, on one thread. The simulator's own stages are those of
-// its report; "step, other" is what they leave of the step. In the program the step has a thread of its own: "solver" is
-// that thread's share of the frame, "screen" the window's.
+// its report; "step, other" is what they leave of the step. In the program the step has a thread of its own: "solver"
+// is that thread's share of the frame, "screen" the window's.
 //
 // A share is that of the median of a stage in the sum of step, publishing, handing over and drawing.
 #include <epoxy/gl.h>
@@ -76,7 +76,8 @@ Options optionsOf(int argc, char **argv) {
       options.frames = static_cast<std::size_t>(std::strtoul(value, nullptr, 10));
       good = options.frames > 0;
     } else if (good && key == "--size") {
-      good = std::sscanf(value, "%dx%d", &options.width, &options.height) == 2 && options.width > 0 && options.height > 0;
+      good =
+          std::sscanf(value, "%dx%d", &options.width, &options.height) == 2 && options.width > 0 && options.height > 0;
     } else if (good && key == "--only") {
       options.only = value;
     } else if (good && key == "--json") {
@@ -85,8 +86,9 @@ Options optionsOf(int argc, char **argv) {
       good = false;
     }
     if (good) continue;
-    std::fprintf(stderr, "usage: bench_frame [--frames N] [--size WIDTHxHEIGHT] [--colours] "
-                         "[--only first_light|lattice_10000] [--json FILE]\n");
+    std::fprintf(stderr,
+                 "usage: bench_frame [--frames N] [--size WIDTHxHEIGHT] [--colours] "
+                 "[--only first_light|lattice_10000] [--json FILE]\n");
     std::exit(2);
   }
   return options;
@@ -221,7 +223,8 @@ Json measure(const std::string &name, const std::filesystem::path &file, const O
   const c3de_simulator_v0 &table = *orStop(session::simulatorTable(simulator.get()));
   auto scene = orStop(scene::loadScene(file, &session->materials()));
   const std::string dt = "solver.dt=" + std::to_string(1.0 / 60.0);
-  for (const std::string &assignment : {dt, std::string(options.colours ? "view.colour=von_mises" : "view.colour=material")})
+  for (const std::string &assignment :
+       {dt, std::string(options.colours ? "view.colour=von_mises" : "view.colour=material")})
     if (auto set = scene::applyOverride(scene, assignment, &session->materials()); !set) stop(set.error().message);
   if (auto done = session->populate(simulator.get(), scene, {}); !done) stop(done.error().message);
   // One count for the simulation of the program, which stays paused; steps are asked for below.
@@ -272,7 +275,8 @@ Json measure(const std::string &name, const std::filesystem::path &file, const O
     }
   }
   rows.push_back({"step, other", std::max(0.0, step.at(0.5) - known), 0.0});
-  rows.push_back({"publish, without surfels", publish.at(0.5) - surfels, std::max(0.0, publish.at(0.99) - surfelsLate)});
+  rows.push_back(
+      {"publish, without surfels", publish.at(0.5) - surfels, std::max(0.0, publish.at(0.99) - surfelsLate)});
   rows.push_back({"handing over", view.at(0.5), view.at(0.99)});
   rows.push_back({"upload", upload.at(0.5), upload.at(0.99)});
   rows.push_back({"drawing", bare.at(0.5), bare.at(0.99)});
@@ -281,7 +285,8 @@ Json measure(const std::string &name, const std::filesystem::path &file, const O
   Json stages = Json::object();
   std::printf("  %-26s %10s %10s %8s\n", "stage", "median ms", "p99 ms", "share");
   for (const Row &row : rows) {
-    std::printf("  %-26s %10.3f %10.3f %7.1f%%\n", row.name.c_str(), row.median_ms, row.p99_ms, 100.0 * row.median_ms / whole);
+    std::printf("  %-26s %10.3f %10.3f %7.1f%%\n", row.name.c_str(), row.median_ms, row.p99_ms,
+                100.0 * row.median_ms / whole);
     stages[row.name] = {{"median_ms", row.median_ms}, {"p99_ms", row.p99_ms}, {"share", row.median_ms / whole}};
   }
   std::printf("  %-26s %10.3f\n\n", "frame", whole);

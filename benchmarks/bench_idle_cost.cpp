@@ -53,7 +53,9 @@ Constitution constitution() {
   return {{material}, kLatticeStabilisation};
 }
 
-Vec3 velocityAt(const Vec3 &X) { return Vec3(1, 2, 0.5).cross(X) + 0.1 * Vec3(std::sin(40 * X[0]), 0, std::cos(30 * X[0])); }
+Vec3 velocityAt(const Vec3 &X) {
+  return Vec3(1, 2, 0.5).cross(X) + 0.1 * Vec3(std::sin(40 * X[0]), 0, std::cos(30 * X[0]));
+}
 
 /// FNV-1a, as Simulator::stateHash().
 std::uint64_t hashOf(std::span<const Vec3> u, std::span<const Vec3> v) {
@@ -97,7 +99,8 @@ std::uint64_t byHand(const std::shared_ptr<const RestState> &rest, double dt, in
   };
   const auto drift = [&] {
     const auto numbers = static_cast<Eigen::Index>(3 * n);
-    Eigen::Map<Eigen::VectorXd>(u.front().data(), numbers) += dt * Eigen::Map<const Eigen::VectorXd>(v.front().data(), numbers);
+    Eigen::Map<Eigen::VectorXd>(u.front().data(), numbers) +=
+        dt * Eigen::Map<const Eigen::VectorXd>(v.front().data(), numbers);
   };
   evaluate();
   for (int step = 0; step < steps; ++step) {

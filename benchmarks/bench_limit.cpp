@@ -3,9 +3,11 @@
 //
 //   bench_limit [--target AVX3|AVX2|SSE4|SSSE3] [--seconds S] [--csv FILE] [--json FILE]
 //
-// machine  flop/s of chains of multiply-adds in registers, in single and double precision; bytes/s of a triad a = b + s c
+// machine  flop/s of chains of multiply-adds in registers, in single and double precision; bytes/s of a triad a = b + s
+// c
 //          whose arrays fit into the second-level cache, into the last one perhaps, and into none
-// forces   flop/s and bytes/s of the kernel of cells alone and of a whole evaluation, neo-Hookean with the energy of the
+// forces   flop/s and bytes/s of the kernel of cells alone and of a whole evaluation, neo-Hookean with the energy of
+// the
 //          modes, on balls: operations and bytes of force_counts.h over the median time; in turns with the chains of
 //          multiply-adds, so that the per cent are of the same minute
 //
@@ -47,12 +49,14 @@ std::function<void()> chains(double &operations) {
 double perSecond(double count, const Timing &t) { return count / (1e-3 * t.median_ms); }
 
 struct Limits {
-  double single = 0.0, twofold = 0.0;  // flop/s
+  double single = 0.0, twofold = 0.0;                 // flop/s
   double cache = 0.0, lastCache = 0.0, memory = 0.0;  // bytes/s
 };
 
 Limits machine(bench::Report &report, double seconds) {
-  report.table("machine", {{"what", "what                "}, {"size_MB", "MB", 2}, {"gflops", "GFLOP/s", 1}, {"gbytes", "GB/s", 1}});
+  report.table(
+      "machine",
+      {{"what", "what                "}, {"size_MB", "MB", 2}, {"gflops", "GFLOP/s", 1}, {"gbytes", "GB/s", 1}});
   Limits out;
   double singles = 0.0, doubles = 0.0;
   const std::vector<Timing> t = bench::measureInTurns(seconds, {chains<float>(singles), chains<double>(doubles)});
@@ -86,7 +90,6 @@ class CellKernel {
     for (const std::size_t used : plan.used) cells_ += used;
     displacements_ = body.state().displacements;
     partials_.resize(4 * slices_.phyxels.size());
-
   }
   void run() {
     kernels::CellJob<T> job;
@@ -141,8 +144,9 @@ void forces(bench::Report &report, const Limits &limit, double seconds, std::siz
   };
   row("kernel of cells", t[0], cells * counts::kCellOperations, kernelBytes);
   row("evaluation", t[1], cells * counts::kCellOperations + locals * counts::kCollectOperations, allBytes);
-  report.fact("percent_of_peak, " + std::string(kSingle ? "float" : "double") + ", " + std::to_string(rest->phyxelCount()),
-              100.0 * perSecond(cells * counts::kCellOperations, t[0]) / peak);
+  report.fact(
+      "percent_of_peak, " + std::string(kSingle ? "float" : "double") + ", " + std::to_string(rest->phyxelCount()),
+      100.0 * perSecond(cells * counts::kCellOperations, t[0]) / peak);
 }
 
 }  // namespace

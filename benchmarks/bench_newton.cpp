@@ -6,7 +6,8 @@
 // A cantilever of 0.2 x 0.04 x 0.04 m on an uncut lattice (one evaluation point per cell, neo-Hookean, stabilised), its
 // end held:
 //   static    a force on the other end that bends it down by about a fifth of its length, found in one solve from rest
-//   implicit  steps of backward Euler, dt = 1/60 s, falling under gravity from rest: the first, and the mean of five more
+//   implicit  steps of backward Euler, dt = 1/60 s, falling under gravity from rest: the first, and the mean of five
+//   more
 // The state is solved to 1e-7 m. Times are of the processor, one thread, so what else the machine does counts little.
 #include <algorithm>
 #include <cmath>
@@ -63,8 +64,9 @@ Beam makeBeam(int layers) {
           const std::size_t at = id(x + i, y + j, z + k);
           s.phyxels.indices.push_back(static_cast<Index>(at));
           s.gradients.push_back(sign / (4.0 * h));
-          s.modes.push_back(Eigen::Vector4d(sign[0] * sign[1], sign[0] * sign[2], sign[1] * sign[2],
-                                            2.0 / h * sign.prod()) / (2.0 * h * h));
+          s.modes.push_back(
+              Eigen::Vector4d(sign[0] * sign[1], sign[0] * sign[2], sign[1] * sign[2], 2.0 / h * sign.prod()) /
+              (2.0 * h * h));
           beam.volumes[at] += volume / 8.0;
         }
         s.phyxels.offsets.push_back(static_cast<Index>(s.phyxels.indices.size()));
@@ -108,7 +110,8 @@ class BeamProblem : public IncrementalPotential {
   }
   void gradient(std::span<Vec3> out) override {
     pointStresses(constitution_, beam_.stencils, gradients_, {}, {}, 0.0, nullptr, stresses_, ratios_, serialFor());
-    internalForces(constitution_, beam_.stencils, beam_.positions, u_, gradients_, stresses_, entries_, out, serialFor());
+    internalForces(constitution_, beam_.stencils, beam_.positions, u_, gradients_, stresses_, entries_, out,
+                   serialFor());
     for (std::size_t i = 0; i < u_.size(); ++i) out[i] = inertia(i) * (u_[i] - target[i]) - out[i] - forces[i];
   }
   void product(std::span<const Vec3> du, std::span<Vec3> out) override {
@@ -204,8 +207,8 @@ class Rows {
                              {"assembly_ms", "assembly ms", 2},
                              {"converged", "converged"}});
   }
-  void row(const BeamProblem &problem, const char *name, const Material &m, const char *preconditioner, const Cost &cost,
-           double per, double tip) {
+  void row(const BeamProblem &problem, const char *name, const Material &m, const char *preconditioner,
+           const Cost &cost, double per, double tip) {
     report_.row({problem.phyxels(), name, m.youngsModulus, m.poissonRatio, preconditioner, cost.result.iterations / per,
                  cost.result.linearIterations / per, cost.result.factorisations / per, cost.ms / per, 1e3 * tip,
                  mean(problem.productTime, problem.products), mean(problem.blocksTime, problem.blocks),

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Does a phyxel cost the same in a small body and in a large one, and how many bytes is it?
 //
-//   bench_scaling [--least PHYXELS] [--most PHYXELS] [--surfels N] [--threads N] [--seconds S] [--csv FILE] [--json FILE]
+//   bench_scaling [--least PHYXELS] [--most PHYXELS] [--surfels N] [--threads N] [--seconds S] [--csv FILE] [--json
+//   FILE]
 //
 // Balls of 56 to 200 000 phyxels, on a lattice (stress points, in double and single precision) and as clouds (phyxels),
 // neo-Hookean with stabilisation:
@@ -33,16 +34,18 @@ constexpr std::size_t kSizes[] = {56, 200, 1000, 3000, 10000, 30000, 100000, 200
 constexpr std::size_t kSpreadFrom = 900;  // phyxels: lattices have only about as many as asked for
 
 template <class T>
-double bytes(const std::vector<T> &v) { return static_cast<double>(v.size() * sizeof(T)); }
+double bytes(const std::vector<T> &v) {
+  return static_cast<double>(v.size() * sizeof(T));
+}
 double bytes(const Csr &csr) { return bytes(csr.offsets) + bytes(csr.indices); }
 double bytes(const Interpolation &binding) {
   return bytes(binding.positions) + bytes(binding.phyxels) + bytes(binding.weights) + bytes(binding.gradients) +
          bytes(binding.rank) + bytes(binding.frames) + bytes(binding.frameOf) + bytes(binding.offsets);
 }
 double bytes(const StencilSet &s) {
-  return bytes(s.phyxels) + bytes(s.gradients) + bytes(s.shapes) + bytes(s.rowsOf) + bytes(s.weights) + bytes(s.modes) + bytes(s.variances) +
-         bytes(s.materials) + bytes(s.volumes) + bytes(s.reference) + bytes(s.referenceInverse) + bytes(s.rank) +
-         bytes(s.frames) + bytes(s.frameOf) + bytes(s.entriesOfPhyxel);
+  return bytes(s.phyxels) + bytes(s.gradients) + bytes(s.shapes) + bytes(s.rowsOf) + bytes(s.weights) + bytes(s.modes) +
+         bytes(s.variances) + bytes(s.materials) + bytes(s.volumes) + bytes(s.reference) + bytes(s.referenceInverse) +
+         bytes(s.rank) + bytes(s.frames) + bytes(s.frameOf) + bytes(s.entriesOfPhyxel);
 }
 
 struct Built {
@@ -55,7 +58,8 @@ struct Kind {
   bool lattice = true;
   Precision precision = Precision::doublePrecision;
 };
-constexpr Kind kKinds[] = {{true, Precision::doublePrecision}, {true, Precision::singlePrecision}, {false, Precision::doublePrecision}};
+constexpr Kind kKinds[] = {
+    {true, Precision::doublePrecision}, {true, Precision::singlePrecision}, {false, Precision::doublePrecision}};
 
 Built build(const Kind &kind, std::size_t phyxels, std::size_t surfels, const ParallelFor &parallelFor) {
   Built out;
@@ -78,8 +82,9 @@ void memoryRow(bench::Report &report, const Built &built) {
   const double state = bytes(body.state().displacements) + bytes(body.state().velocities) +
                        static_cast<double>(body.masses().size_bytes() + body.weights().size_bytes() +
                                            body.inverseMasses().size_bytes() + body.forces().size_bytes());
-  report.row({bench::evaluationName(body), rest.phyxelCount(), rest.pointCount(), (built.restBytes + built.bodyBytes) / n,
-              built.restBytes / n, bytes(rest.stencils) / n, bytes(rest.neighbors) / n,
+  report.row({bench::evaluationName(body), rest.phyxelCount(), rest.pointCount(),
+              (built.restBytes + built.bodyBytes) / n, built.restBytes / n, bytes(rest.stencils) / n,
+              bytes(rest.neighbors) / n,
               (bytes(rest.contact.binding) + bytes(rest.contact.normals) + bytes(rest.contact.areas)) / n,
               built.bodyBytes / n, state / n});
 }
@@ -101,8 +106,8 @@ void surfelMemory(bench::Report &report, std::size_t surfels, const ParallelFor 
     std::vector<Vec3f> x(surfels), normals(surfels);
     ScreenPhyxels scratch;
     const Timing t = bench::measure(0.3, [&] {
-      updateSurfels(rest.surfels, rest.surfelNormals, rest.origin, rest.positions, built.body->state().displacements, scratch,
-                    x, normals, parallelFor);
+      updateSurfels(rest.surfels, rest.surfelNormals, rest.origin, rest.positions, built.body->state().displacements,
+                    scratch, x, normals, parallelFor);
     });
     report.row({lattice ? "stress points" : "phyxels", surfels, rest.phyxelCount(), counted / count,
                 static_cast<double>(rest.surfels.bytes()) / count, 1e6 * t.median_ms / count});
@@ -138,16 +143,16 @@ int main(int argc, char **argv) {
   for (const Kind &kind : kKinds) {
     std::string evaluation = bench::evaluationName(*build(kind, kSizes[0], 0, parallelFor).body);
     report.table("cost, " + evaluation, {{"evaluation", ""},
-                                                      {"phyxels", "phyxels"},
-                                                      {"points", "points"},
-                                                      {"forces_median_ms", "forces ms", 4},
-                                                      {"forces_p99_ms", "99 % ms", 4},
-                                                      {"forces_ns_per_phyxel", "ns/phyxel", 1},
-                                                      {"forces_ns_per_point", "ns/point", 1},
-                                                      {"substep_median_ms", "substep ms", 4},
-                                                      {"substep_p99_ms", "99 % ms", 4},
-                                                      {"substep_ns_per_phyxel", "ns/phyxel", 1},
-                                                      {"substep_ns_per_point", "ns/point", 1}});
+                                         {"phyxels", "phyxels"},
+                                         {"points", "points"},
+                                         {"forces_median_ms", "forces ms", 4},
+                                         {"forces_p99_ms", "99 % ms", 4},
+                                         {"forces_ns_per_phyxel", "ns/phyxel", 1},
+                                         {"forces_ns_per_point", "ns/point", 1},
+                                         {"substep_median_ms", "substep ms", 4},
+                                         {"substep_p99_ms", "99 % ms", 4},
+                                         {"substep_ns_per_phyxel", "ns/phyxel", 1},
+                                         {"substep_ns_per_point", "ns/point", 1}});
     for (const std::size_t size : kSizes) {
       if (size < least || size > most) continue;
       Built built = build(kind, size, 0, parallelFor);
@@ -162,14 +167,15 @@ int main(int argc, char **argv) {
       simulator.body(id)->setPrecision(kind.precision);
       bench::deform(*simulator.body(id));
       bool failed = false;
-      const std::vector<Timing> times = bench::measureInTurns(
-          options.seconds, {[&] { bench::evaluateForces(*built.body, parallelFor); },
-                            [&] { failed = failed || !simulator.step().has_value(); }});
+      const std::vector<Timing> times =
+          bench::measureInTurns(options.seconds, {[&] { bench::evaluateForces(*built.body, parallelFor); },
+                                                  [&] { failed = failed || !simulator.step().has_value(); }});
       if (failed || simulator.stoppedBodies() > 0) {
         std::fprintf(stderr, "bench_scaling: a step of %zu phyxels failed\n", size);
         return 1;
       }
-      const auto n = static_cast<double>(built.rest->phyxelCount()), points = static_cast<double>(built.rest->pointCount());
+      const auto n = static_cast<double>(built.rest->phyxelCount()),
+                 points = static_cast<double>(built.rest->pointCount());
       const double forces_ns = 1e6 * times[0].median_ms, substep_ns = 1e6 * times[1].median_ms;
       report.row({evaluation, built.rest->phyxelCount(), built.rest->pointCount(), times[0].median_ms, times[0].p99_ms,
                   forces_ns / n, forces_ns / points, times[1].median_ms, times[1].p99_ms, substep_ns / n,
@@ -186,7 +192,8 @@ int main(int argc, char **argv) {
   for (const auto &[evaluation, of] : variances)
     for (const auto &[quantity, spread] : of) {
       char text[160];
-      std::snprintf(text, sizeof text, "  %-20s  %-18s  %.2f", evaluation.c_str(), quantity.c_str(), spread.most / spread.least);
+      std::snprintf(text, sizeof text, "  %-20s  %-18s  %.2f", evaluation.c_str(), quantity.c_str(),
+                    spread.most / spread.least);
       report.note(text);
       report.fact("spread_" + quantity + ", " + evaluation, spread.most / spread.least);
     }

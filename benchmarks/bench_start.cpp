@@ -4,13 +4,14 @@
 //   xvfb-run -a -s "-screen 0 1280x800x24" bench_start [--program c3de] [--runs N] [--csv FILE] [--json FILE]
 //
 // window  c3de on its default scene: first frame, frame with the simulation ready to play, first step after --play
-// organ   a scene with an organ of 30 000 triangles made here and 3 000 phyxels on a lattice: likewise, and `c3de run` to
+// organ   a scene with an organ of 30 000 triangles made here and 3 000 phyxels on a lattice: likewise, and `c3de run`
+// to
 //         the end of its first step, without a window
 //
-// Wall time is from the start of the process to the moment this program sees the frame in the file of --automation-state
-// (looked at every 2 ms; the program writes it at most 20 times a second). Processor time is the program's own, of all
-// its threads, drawing included (there may be no graphics processor): what else the machine does counts little. The
-// first run stands apart: files may have to come from the disk.
+// Wall time is from the start of the process to the moment this program sees the frame in the file of
+// --automation-state (looked at every 2 ms; the program writes it at most 20 times a second). Processor time is the
+// program's own, of all its threads, drawing included (there may be no graphics processor): what else the machine does
+// counts little. The first run stands apart: files may have to come from the disk.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -111,7 +112,8 @@ c3de::Expected<Start> openWindow(const std::string &program, const std::filesyst
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  return tl::unexpected(c3de::Error{c3de::ErrorCode::internal, "no step was seen; see " + (folder / "log.txt").string()});
+  return tl::unexpected(
+      c3de::Error{c3de::ErrorCode::internal, "no step was seen; see " + (folder / "log.txt").string()});
 }
 
 std::vector<bench::Column> columns() {
@@ -155,7 +157,8 @@ int main(int argc, char **argv) {
 
   report.table("window", columns());
 #ifndef _WIN32
-  const bool display = !c3de::environmentVariable("DISPLAY").empty() || !c3de::environmentVariable("WAYLAND_DISPLAY").empty();
+  const bool display =
+      !c3de::environmentVariable("DISPLAY").empty() || !c3de::environmentVariable("WAYLAND_DISPLAY").empty();
 #else
   const bool display = true;
 #endif

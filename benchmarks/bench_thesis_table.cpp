@@ -5,10 +5,10 @@
 //   bench_thesis_table [--threads N] [--seconds S] [--csv FILE] [--json FILE]
 //
 // "plain" is tests/support/reference on one thread: St. Venant-Kirchhoff without stabilisation, built by the same
-// compiler with the same flags. "plain/ours" divides medians of runs in turns: above 1 the engine is faster. The engine does
-// more (another law, stabilisation, the bound of the tangent); "plain/alike" is the ratio with the plain loop's law and
-// without stabilisation. A lattice has no loop of the thesis: its rows are compared, per phyxel, with the
-// plain loop on the cloud of that size.
+// compiler with the same flags. "plain/ours" divides medians of runs in turns: above 1 the engine is faster. The engine
+// does more (another law, stabilisation, the bound of the tangent); "plain/alike" is the ratio with the plain loop's
+// law and without stabilisation. A lattice has no loop of the thesis: its rows are compared, per phyxel, with the plain
+// loop on the cloud of that size.
 //
 // Surfels are updated as a screen is given them, positions and normals in single precision.
 // The clouds are the N lattice points nearest to a centre, the surfels a Fibonacci sphere around them, so the sizes are
@@ -112,17 +112,18 @@ Largest forces(bench::Report &report, double seconds, const ParallelFor &paralle
     reference::Body plain = referenceBody(*cloudRest, bench::kNeighbours, cloud.material(), parallelFor);
     plain.u = cloud.state().displacements;
     const std::vector<Timing> times = bench::measureInTurns(
-        seconds, {[&] { bench::evaluateForces(cloud, parallelFor); }, [&] { bench::evaluateForces(lattice, parallelFor); },
-                  [&] { reference::computeForces(plain); }, [&] { bench::evaluateForces(alike, parallelFor); },
-                  [&] { bench::evaluateForces(single, parallelFor); }});
+        seconds,
+        {[&] { bench::evaluateForces(cloud, parallelFor); }, [&] { bench::evaluateForces(lattice, parallelFor); },
+         [&] { reference::computeForces(plain); }, [&] { bench::evaluateForces(alike, parallelFor); },
+         [&] { bench::evaluateForces(single, parallelFor); }});
     const double plain_ms = times[2].median_ms;
     const auto row = [&](const Body &body, const Timing &t, bench::Report::Cell alikeRatio) {
       const auto n = static_cast<double>(body.rest().phyxelCount());
       const double share = n / static_cast<double>(size.phyxels);
-      report.row({bench::evaluationName(body), body.rest().phyxelCount(), body.rest().pointCount(), countNeighbours(body.rest()).mean,
-                  t.median_ms, t.p95_ms, t.p99_ms, 1e6 * t.median_ms / n, share * plain_ms, share * plain_ms / t.median_ms,
-                  std::move(alikeRatio), size.thesisForces_ms, share * size.thesisForces_ms / t.median_ms,
-                  hashAfter(kSteps, body, parallelFor)});
+      report.row({bench::evaluationName(body), body.rest().phyxelCount(), body.rest().pointCount(),
+                  countNeighbours(body.rest()).mean, t.median_ms, t.p95_ms, t.p99_ms, 1e6 * t.median_ms / n,
+                  share * plain_ms, share * plain_ms / t.median_ms, std::move(alikeRatio), size.thesisForces_ms,
+                  share * size.thesisForces_ms / t.median_ms, hashAfter(kSteps, body, parallelFor)});
     };
     row(cloud, times[0], plain_ms / times[3].median_ms);
     row(lattice, times[1], nullptr);
@@ -154,8 +155,8 @@ Largest surfels(bench::Report &report, double seconds, const ParallelFor &parall
         std::vector<Vec3f> x(size.surfels), n(size.surfels);
         ScreenPhyxels scratch;
         const Timing t = bench::measure(seconds, [&] {
-          updateSurfels(rest->surfels, rest->surfelNormals, rest->origin, rest->positions, body.state().displacements, scratch, x, n,
-                        parallelFor);
+          updateSurfels(rest->surfels, rest->surfelNormals, rest->origin, rest->positions, body.state().displacements,
+                        scratch, x, n, parallelFor);
         });
         report.row({onLattice ? "stress points" : "phyxels", size.surfels, rest->phyxelCount(), t.median_ms, t.p95_ms,
                     t.p99_ms, 1e6 * t.median_ms / static_cast<double>(size.surfels), size.thesisUpdate_ms,

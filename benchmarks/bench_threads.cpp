@@ -29,8 +29,8 @@
 #include "bench/bodies.h"
 #include "bench/report.h"
 #include "bench/timing.h"
-#include "pointbased/simulator.h"
 #include "limit_kernels.h"
+#include "pointbased/simulator.h"
 
 namespace {
 
@@ -53,7 +53,8 @@ double roundsPerMicrosecond() {
   return static_cast<double>(kRounds) / (1e3 * t.least_ms);
 }
 
-using Loop = std::function<void(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &)>;
+using Loop =
+    std::function<void(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &)>;
 struct Way {
   std::string name;
   Loop loop;
@@ -64,9 +65,9 @@ template <class Partitioner>
 Way tbbWay(const char *name, tbb::task_arena &arena) {
   return {name, [&arena](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body) {
             arena.execute([&] {
-              tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
-                                [&](const tbb::blocked_range<std::size_t> &r) { body(r.begin(), r.end()); },
-                                Partitioner());
+              tbb::parallel_for(
+                  tbb::blocked_range<std::size_t>(0, n, grain),
+                  [&](const tbb::blocked_range<std::size_t> &r) { body(r.begin(), r.end()); }, Partitioner());
             });
           }};
 }
@@ -104,10 +105,11 @@ void forkJoin(bench::Report &report, const std::vector<Way> &ways, unsigned thre
         const auto us = [gap_ms](double ms) { return 1e3 * std::max(0.0, ms - gap_ms); };
         const double ideal = us(times[0].p01_ms) / threads;
         const bool hasWork = size > 0.0 && i > 0;
-        report.row({ways[i].name, size, gap, us(times[i].median_ms), us(times[i].p01_ms), us(times[i].p99_ms),
-                    hasWork ? bench::Report::Cell(us(times[0].median_ms) / us(times[i].median_ms)) : bench::Report::Cell(),
-                    hasWork ? bench::Report::Cell(us(times[0].p01_ms) / us(times[i].p01_ms)) : bench::Report::Cell(),
-                    i == 0 ? bench::Report::Cell() : bench::Report::Cell(us(times[i].p01_ms) - ideal)});
+        report.row(
+            {ways[i].name, size, gap, us(times[i].median_ms), us(times[i].p01_ms), us(times[i].p99_ms),
+             hasWork ? bench::Report::Cell(us(times[0].median_ms) / us(times[i].median_ms)) : bench::Report::Cell(),
+             hasWork ? bench::Report::Cell(us(times[0].p01_ms) / us(times[i].p01_ms)) : bench::Report::Cell(),
+             i == 0 ? bench::Report::Cell() : bench::Report::Cell(us(times[i].p01_ms) - ideal)});
       }
     }
 }
@@ -144,31 +146,35 @@ bool steps(bench::Report &report, std::size_t phyxels, c3de::ThreadPool &pool, d
                          {"speedup_median", "speed-up", 2},
                          {"speedup_p01", "1 %", 2}});
   const auto single = Precision::singlePrecision, twofold = Precision::doublePrecision;
-  for (const auto &[lattice, precision] : {std::pair{true, twofold}, std::pair{true, single}, std::pair{false, twofold}}) {
+  for (const auto &[lattice, precision] :
+       {std::pair{true, twofold}, std::pair{true, single}, std::pair{false, twofold}}) {
     const auto rest = lattice ? bench::latticeBall(phyxels, 0, serialFor()) : bench::cloudBall(phyxels, 0, serialFor());
     Stepping serial(rest, precision, serialFor()), parallel(rest, precision, bench::parallelForOf(pool));
     const auto step = [](Stepping &s) { s.failed = s.failed || !s.simulator.step().has_value(); };
-    const std::vector<Timing> times = bench::measureInTurns(
-        seconds, {[&] { bench::evaluateForces(*serial.forces, serial.parallelFor); },
-                  [&] { bench::evaluateForces(*parallel.forces, parallel.parallelFor); }, [&] { step(serial); },
-                  [&] { step(parallel); }});
+    const std::vector<Timing> times =
+        bench::measureInTurns(seconds, {[&] { bench::evaluateForces(*serial.forces, serial.parallelFor); },
+                                        [&] { bench::evaluateForces(*parallel.forces, parallel.parallelFor); },
+                                        [&] { step(serial); }, [&] { step(parallel); }});
     if (serial.failed || parallel.failed) return false;
     for (const std::size_t i : {0u, 2u}) {
       const Timing &one = times[i], &many = times[i + 1];
       report.row({bench::evaluationName(*serial.forces), rest->phyxelCount(), i == 0 ? "forces" : "substep",
                   1e3 * one.median_ms, 1e3 * many.median_ms, 1e3 * one.p01_ms, 1e3 * many.p01_ms,
                   one.median_ms / many.median_ms, one.p01_ms / many.p01_ms});
-      report.fact(std::string("speedup_p01_") + (i == 0 ? "forces, " : "substep, ") + bench::evaluationName(*serial.forces),
-                  one.p01_ms / many.p01_ms);
+      report.fact(
+          std::string("speedup_p01_") + (i == 0 ? "forces, " : "substep, ") + bench::evaluationName(*serial.forces),
+          one.p01_ms / many.p01_ms);
     }
   }
   return true;
 }
 
-// What the processors give when all of them multiply and add in registers alone: those that share the units of one core give
-// together what one gives, and no program of this kind can gain from the second.
+// What the processors give when all of them multiply and add in registers alone: those that share the units of one core
+// give together what one gives, and no program of this kind can gain from the second.
 void processors(bench::Report &report, c3de::ThreadPool &pool, unsigned threads, double seconds) {
-  report.table("processors", {{"what", "what                "}, {"one_gflops", "1 thread GFLOP/s", 1}, {"all_gflops", "all GFLOP/s", 1},
+  report.table("processors", {{"what", "what                "},
+                              {"one_gflops", "1 thread GFLOP/s", 1},
+                              {"all_gflops", "all GFLOP/s", 1},
                               {"speedup", "speed-up", 2}});
   constexpr std::size_t kRounds = 200000;
   double operations = 0.0;

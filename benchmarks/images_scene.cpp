@@ -11,11 +11,11 @@
 #include "bench/timing.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/render/image_renderer.h"
-#include "c3de/ui/image_views.h"
 #include "c3de/session/displacement_sampler.h"
 #include "c3de/session/session.h"
-#include "displacement_presenter.h"
 #include "c3de/session/simulator_access.h"
+#include "c3de/ui/image_views.h"
+#include "displacement_presenter.h"
 
 namespace bench {
 namespace {
@@ -26,21 +26,23 @@ struct Part {
   const char *name;
   bool isWarped, hasVolume;
 };
-constexpr Part kParts[] = {{"slices", false, false}, {"slices + warp", true, false}, {"slices + warp + volume, moving", true, true}};
+constexpr Part kParts[] = {
+    {"slices", false, false}, {"slices + warp", true, false}, {"slices + warp + volume, moving", true, true}};
 
 render::VoxelType typeOf(const imaging::Voxels &voxels) {
   // In the order of the variant's alternatives.
-  constexpr render::VoxelType kTypes[] = {render::VoxelType::int8,  render::VoxelType::uint8,  render::VoxelType::int16,
-                                          render::VoxelType::uint16, render::VoxelType::int32,  render::VoxelType::uint32,
-                                          render::VoxelType::float32, render::VoxelType::float64};
+  constexpr render::VoxelType kTypes[] = {
+      render::VoxelType::int8,  render::VoxelType::uint8,  render::VoxelType::int16,   render::VoxelType::uint16,
+      render::VoxelType::int32, render::VoxelType::uint32, render::VoxelType::float32, render::VoxelType::float64};
   return kTypes[voxels.index()];
 }
 
 class SceneBench {
  public:
-  SceneBench(render::Renderer &renderer, session::Session &session, const c3de_simulator_v0 &table, c3de_object *simulator,
-             std::shared_ptr<scene::StoredImage> image, double rim_mm)
-      : renderer_(renderer), images_(*renderer.images()), session_(session), table_(table), simulator_(simulator), rim_mm_(rim_mm) {
+  SceneBench(render::Renderer &renderer, session::Session &session, const c3de_simulator_v0 &table,
+             c3de_object *simulator, std::shared_ptr<scene::StoredImage> image, double rim_mm)
+      : renderer_(renderer), images_(*renderer.images()), session_(session), table_(table), simulator_(simulator),
+        rim_mm_(rim_mm) {
     views_.setImage(std::move(image));
     for (const ui::Pane pane : ui::kSlicePanes) views_.view(pane).setSize(kPaneWidth, kPaneHeight);
     views_.resetViews();
@@ -48,9 +50,13 @@ class SceneBench {
 
   Expected<void> upload() {
     const imaging::Volume &volume = views_.image()->volume;
-    const void *voxels = std::visit([](const auto &all) { return static_cast<const void *>(all.data()); }, volume.voxels);
-    auto handle = images_.addImage({{volume.geometry.size, volume.geometry.indexToWorld}, typeOf(volume.voxels), voxels,
-                                    volume.slope, volume.intercept});
+    const void *voxels =
+        std::visit([](const auto &all) { return static_cast<const void *>(all.data()); }, volume.voxels);
+    auto handle = images_.addImage({{volume.geometry.size, volume.geometry.indexToWorld},
+                                    typeOf(volume.voxels),
+                                    voxels,
+                                    volume.slope,
+                                    volume.intercept});
     if (!handle) return tl::unexpected(handle.error());
     ui::ImageHandles handles{*handle, {}, {}};
     views_.setHandles(handles);
@@ -64,7 +70,8 @@ class SceneBench {
   }
 
   Expected<void> measure(const Part &part, std::size_t frames, Report &report) {
-    if (table_.reset(simulator_) < 0) return fail(ErrorCode::plugin, "the simulation does not go back to its beginning");
+    if (table_.reset(simulator_) < 0)
+      return fail(ErrorCode::plugin, "the simulation does not go back to its beginning");
     ui::ImageOptions options = views_.options();
     options.showsVolume = part.hasVolume;
     views_.setOptions(options);
@@ -84,7 +91,8 @@ class SceneBench {
         u = std::make_shared<imaging::DisplacementGrid>();
         u->geometry = grid_.geometry();
         u->bodies = bodies_;
-        if (!session::readDisplacement(&table_, simulator_, rim_mm_, *u)) return fail(ErrorCode::plugin, "no displacement");
+        if (!session::readDisplacement(&table_, simulator_, rim_mm_, *u))
+          return fail(ErrorCode::plugin, "no displacement");
         field_ms.push_back(wall_ms() - from);
       }
       from = wall_ms();
@@ -111,7 +119,8 @@ class SceneBench {
     const render::ImageLook look = views_.look();
     for (const ui::Pane pane : ui::kSlicePanes) {
       const int v = static_cast<int>(pane);
-      images_.drawSlice(look, views_.view(pane).plane(), {v % 2 * kPaneWidth, v / 2 * kPaneHeight, kPaneWidth, kPaneHeight});
+      images_.drawSlice(look, views_.view(pane).plane(),
+                        {v % 2 * kPaneWidth, v / 2 * kPaneHeight, kPaneWidth, kPaneHeight});
     }
     renderer_.draw(camera_, {kPaneWidth, kPaneHeight, kPaneWidth, kPaneHeight});
     glFinish();
@@ -147,7 +156,9 @@ Expected<void> measureScene(render::Renderer &renderer, const std::filesystem::p
   auto scene = scene::loadScene(file, &(*session)->materials());
   if (!scene) return tl::unexpected(scene.error());
   if (!scene->image) return fail(ErrorCode::usage, file.string() + " has no [image]");
-  if (auto set = scene::applyOverride(*scene, "solver.dt=" + std::to_string(1.0 / 60.0), &(*session)->materials()); !set) return set;
+  if (auto set = scene::applyOverride(*scene, "solver.dt=" + std::to_string(1.0 / 60.0), &(*session)->materials());
+      !set)
+    return set;
   if (auto done = (*session)->populate(simulator.get(), *scene, {}); !done) return tl::unexpected(done.error());
   simulator.get()->vt->retain(simulator.get());
   if (auto done = (*session)->adopt(simulator.get(), "scene"); !done) return tl::unexpected(done.error());

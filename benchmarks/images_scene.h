@@ -13,8 +13,9 @@ namespace bench {
 /// Of one of four views in a window of 1280 x 800.
 inline constexpr int kPaneWidth = 457, kPaneHeight = 357;
 
-/// A scene with an [image], as the window shows it while it plays: each frame takes a step of 1/60 s, asks the simulator for
-/// the displacement, hands it over and draws three slices and the 3D view into the bound framebuffer of 2 x 2 panes.
+/// A scene with an [image], as the window shows it while it plays: each frame takes a step of 1/60 s, asks the
+/// simulator for the displacement, hands it over and draws three slices and the 3D view into the bound framebuffer of 2
+/// x 2 panes.
 [[nodiscard]] c3de::Expected<void> measureScene(c3de::render::Renderer &renderer, const std::filesystem::path &file,
                                                 const Options &options, Report &report);
 

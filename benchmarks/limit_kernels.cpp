@@ -46,7 +46,8 @@ double multiplyAddsOf(T seed, std::size_t rounds, T &out) {
 double MultiplyAddsFloat(float seed, std::size_t rounds, float &out) { return multiplyAddsOf(seed, rounds, out); }
 double MultiplyAddsDouble(double seed, std::size_t rounds, double &out) { return multiplyAddsOf(seed, rounds, out); }
 
-void Triad(double *HWY_RESTRICT a, const double *HWY_RESTRICT b, const double *HWY_RESTRICT c, double s, std::size_t n) {
+void Triad(double *HWY_RESTRICT a, const double *HWY_RESTRICT b, const double *HWY_RESTRICT c, double s,
+           std::size_t n) {
   const hn::ScalableTag<double> d;
   const auto factor = hn::Set(d, s);
   for (std::size_t i = 0; i + hn::Lanes(d) <= n; i += hn::Lanes(d))

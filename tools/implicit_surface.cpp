@@ -39,8 +39,10 @@ class Lattice {
  public:
   Lattice(const ImplicitFunction &f, const geometry::Box &box, double spacing) : origin_(box.min), spacing_(spacing) {
     for (std::size_t k = 0; k < 3; ++k) cells_[k] = static_cast<int>(std::ceil((box.max[k] - box.min[k]) / spacing));
-    corners_ = static_cast<std::size_t>(cells_[0] + 1) * static_cast<std::size_t>(cells_[1] + 1) * static_cast<std::size_t>(cells_[2] + 1);
-    const std::size_t centres = static_cast<std::size_t>(cells_[0]) * static_cast<std::size_t>(cells_[1]) * static_cast<std::size_t>(cells_[2]);
+    corners_ = static_cast<std::size_t>(cells_[0] + 1) * static_cast<std::size_t>(cells_[1] + 1) *
+               static_cast<std::size_t>(cells_[2] + 1);
+    const std::size_t centres =
+        static_cast<std::size_t>(cells_[0]) * static_cast<std::size_t>(cells_[1]) * static_cast<std::size_t>(cells_[2]);
     values_.resize(corners_ + centres);
     positions_.resize(values_.size());
     for (int i = 0; i <= cells_[0]; ++i)
@@ -55,11 +57,14 @@ class Lattice {
   [[nodiscard]] const Cell &cells() const { return cells_; }
   [[nodiscard]] std::size_t corner(const Cell &c) const {
     return (static_cast<std::size_t>(c[0]) * static_cast<std::size_t>(cells_[1] + 1) + static_cast<std::size_t>(c[1])) *
-               static_cast<std::size_t>(cells_[2] + 1) + static_cast<std::size_t>(c[2]);
+               static_cast<std::size_t>(cells_[2] + 1) +
+           static_cast<std::size_t>(c[2]);
   }
   [[nodiscard]] std::size_t centre(const Cell &c) const {
-    return corners_ + (static_cast<std::size_t>(c[0]) * static_cast<std::size_t>(cells_[1]) + static_cast<std::size_t>(c[1])) *
-                          static_cast<std::size_t>(cells_[2]) + static_cast<std::size_t>(c[2]);
+    return corners_ +
+           (static_cast<std::size_t>(c[0]) * static_cast<std::size_t>(cells_[1]) + static_cast<std::size_t>(c[1])) *
+               static_cast<std::size_t>(cells_[2]) +
+           static_cast<std::size_t>(c[2]);
   }
   [[nodiscard]] double value(std::size_t node) const { return values_[node]; }
   [[nodiscard]] const Vec3 &position(std::size_t node) const { return positions_[node]; }
@@ -105,8 +110,10 @@ unsigned Marcher::crossing(std::size_t a, std::size_t b) {
 
 void Marcher::triangle(unsigned a, unsigned b, unsigned c, const Vec3 &outwards) {
   const Vec3 n = cross(mesh.vertices[b] - mesh.vertices[a], mesh.vertices[c] - mesh.vertices[a]);
-  if (dot(n, outwards) >= 0.0) mesh.triangles.push_back({a, b, c});
-  else mesh.triangles.push_back({a, c, b});
+  if (dot(n, outwards) >= 0.0)
+    mesh.triangles.push_back({a, b, c});
+  else
+    mesh.triangles.push_back({a, c, b});
 }
 
 void Marcher::tetrahedron(const std::array<std::size_t, 4> &nodes) {
@@ -118,7 +125,8 @@ void Marcher::tetrahedron(const std::array<std::size_t, 4> &nodes) {
     (isInside ? insideCentre : outsideCentre) = (isInside ? insideCentre : outsideCentre) + lattice_.position(n);
   }
   if (inside.empty() || outside.empty()) return;
-  const Vec3 outwards = (1.0 / static_cast<double>(outside.size())) * outsideCentre - (1.0 / static_cast<double>(inside.size())) * insideCentre;
+  const Vec3 outwards = (1.0 / static_cast<double>(outside.size())) * outsideCentre -
+                        (1.0 / static_cast<double>(inside.size())) * insideCentre;
   if (inside.size() == 2) {
     const unsigned a = crossing(inside[0], outside[0]), b = crossing(inside[0], outside[1]);
     const unsigned c = crossing(inside[1], outside[1]), d = crossing(inside[1], outside[0]);
@@ -176,7 +184,8 @@ void smoothTangentially(const ImplicitFunction &f, geometry::TriangleMesh &mesh)
 
 }  // namespace
 
-geometry::TriangleMesh polygonise(const ImplicitFunction &f, const geometry::Box &box, double spacing, int smoothingRounds) {
+geometry::TriangleMesh polygonise(const ImplicitFunction &f, const geometry::Box &box, double spacing,
+                                  int smoothingRounds) {
   const Lattice lattice(f, box, spacing);
   Marcher marcher(lattice);
   marchLattice(lattice, marcher);

@@ -14,7 +14,8 @@ using ImplicitFunction = std::function<double(const Vec3 &)>;
 /// tangential smoothing with projection back onto the surface.
 /// @param box      mm; the surface must lie inside it
 /// @param spacing  of the lattice, mm; a triangle has sides of about 0.6 of it
-[[nodiscard]] geometry::TriangleMesh polygonise(const ImplicitFunction &f, const geometry::Box &box, double spacing, int smoothingRounds);
+[[nodiscard]] geometry::TriangleMesh polygonise(const ImplicitFunction &f, const geometry::Box &box, double spacing,
+                                                int smoothingRounds);
 
 /// Worst ratio of in-circle to circum-circle, times two: 1 is equilateral.
 [[nodiscard]] double worstTriangleQuality(const geometry::TriangleMesh &mesh);

@@ -86,7 +86,8 @@ int main(int argc, char **argv) {
   if (argc < 3 || argc > 4) return fail("a shape and an output file are expected");
   const std::string_view shape = argv[1];
   const bool isOrgan = shape == "organ";
-  if (!isOrgan && shape != "obstacle") return fail(fmt::format("there is no shape '{}'; organ and obstacle are accepted", shape));
+  if (!isOrgan && shape != "obstacle")
+    return fail(fmt::format("there is no shape '{}'; organ and obstacle are accepted", shape));
   double spacing = isOrgan ? 12.0 : 14.0;
   if (argc == 4) {
     const std::string_view text = argv[3];
@@ -100,11 +101,15 @@ int main(int argc, char **argv) {
     for (double &x : v) x = std::round(x * 1e4) / 1e4;  // a tenth of a micrometre is enough, and the file stays small
   const auto built = geometry::buildMesh(std::move(raw), geometry::LengthUnit::millimetre);
   if (!built) return fail(built.error().message);
-  const std::string comment = isOrgan
-      ? fmt::format("A liver-shaped organ of our own: blended ellipsoids, polygonised at {} mm by tools/make_organ.cpp.", spacing)
-      : fmt::format("A rounded block, 160 x 60 x 120 mm, polygonised at {} mm by tools/make_organ.cpp.", spacing);
+  const std::string comment =
+      isOrgan
+          ? fmt::format(
+                "A liver-shaped organ of our own: blended ellipsoids, polygonised at {} mm by tools/make_organ.cpp.",
+                spacing)
+          : fmt::format("A rounded block, 160 x 60 x 120 mm, polygonised at {} mm by tools/make_organ.cpp.", spacing);
   if (const auto saved = geometry::saveObj(argv[2], built->mesh, geometry::LengthUnit::millimetre, comment); !saved)
     return fail(saved.error().message);
-  fmt::print("{}quality      {:.3f} (worst triangle, 1 is equilateral)\n", built->report.text(), tools::worstTriangleQuality(built->mesh));
+  fmt::print("{}quality      {:.3f} (worst triangle, 1 is equilateral)\n", built->report.text(),
+             tools::worstTriangleQuality(built->mesh));
   return 0;
 }

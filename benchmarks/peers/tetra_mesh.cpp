@@ -15,9 +15,7 @@ using Cell = std::array<int, 3>;
 class Lattice {
  public:
   Lattice(const Vec3 &origin, const Vec3 &spacing, const Cell &cells)
-      : origin_(origin),
-        spacing_(spacing),
-        nodes_{cells[0] + 1, cells[1] + 1, cells[2] + 1},
+      : origin_(origin), spacing_(spacing), nodes_{cells[0] + 1, cells[1] + 1, cells[2] + 1},
         numbers_(static_cast<std::size_t>(nodes_[0]) * nodes_[1] * nodes_[2], -1) {}
 
   void add(const Cell &cell, TetraMesh &mesh) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A simulator without physics that reports what it was given, so that tests of the program can compare it with the scene.
-// The voxels a body is filled from are told by their sum, and where their middle is in the frame of the mesh.
-// It diverges at step 4 when a body begins with a velocity of 13 m/s along x, and finds nothing in a sphere of radius 666.
+// A simulator without physics that reports what it was given, so that tests of the program can compare it with the
+// scene. The voxels a body is filled from are told by their sum, and where their middle is in the frame of the mesh. It
+// diverges at step 4 when a body begins with a velocity of 13 m/s along x, and finds nothing in a sphere of radius 666.
 #include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -142,7 +142,8 @@ class Recorder : public sdk::Object<Recorder> {
     *out = {bodies_.size()};
   }
   void addObstacle(const c3de_sim_obstacle *in, c3de_handle *out) {
-    obstacles_.push_back({{"name", std::string(sdk::text(in->name))}, {"motion", in->motion ? json(*in->motion) : Json()}});
+    obstacles_.push_back(
+        {{"name", std::string(sdk::text(in->name))}, {"motion", in->motion ? json(*in->motion) : Json()}});
     *out = {1000 + obstacles_.size()};
   }
   void addProbe(c3de_str name, c3de_handle, const double *) { probes_.emplace_back(sdk::text(name)); }
@@ -158,8 +159,15 @@ class Recorder : public sdk::Object<Recorder> {
   void publish() {}
   void status(c3de_sim_status *out) const {
     const double dt_s = quasistatic_ ? 0.0 : 1e-3;
-    *out = {out->size, 0, steps_, dt_s * static_cast<double>(steps_), dt_s, bodies_.size(), obstacles_.size(),
-            finished() ? 1u : 0u, 0};
+    *out = {out->size,
+            0,
+            steps_,
+            dt_s * static_cast<double>(steps_),
+            dt_s,
+            bodies_.size(),
+            obstacles_.size(),
+            finished() ? 1u : 0u,
+            0};
   }
   void stateHash(std::uint64_t *out) const { *out = steps_ + 1; }
   c3de_status report(c3de_sink sink) const {
@@ -167,7 +175,8 @@ class Recorder : public sdk::Object<Recorder> {
                 {"reactions", {{{"fix", 0}, {"force_N", {0, 3, 0}}, {"torque_Nm", {0, 0, 1}}}}},
                 {"events", {{{"kind", "obstacles"}, {"text", obstacles_.dump()}}}},
                 {"probes", Json::array()}};
-    for (const std::string &name : probes_) report["probes"].push_back({{"name", name}, {"position_m", {steps_, 0, 0}}});
+    for (const std::string &name : probes_)
+      report["probes"].push_back({{"name", name}, {"position_m", {steps_, 0, 0}}});
     return sdk::put(sink, report.dump());
   }
   void bodyAt(std::uint64_t, c3de_handle *) {}

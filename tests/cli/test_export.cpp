@@ -84,7 +84,8 @@ TEST_CASE("An exported simulation lists frames with their times, and the phyxels
   const std::string phyxels = readFile(folder / frames[8].file), skin = readFile(folder / frames[9].file);
   const std::size_t n = report.at("bodies").at(0).at("phyxels").get<std::size_t>();
   CHECK(arrayOf<std::uint8_t>(phyxels, "types") == std::vector<std::uint8_t>(n, 1));
-  for (const char *name : {"mass [kg]", "volume [m^3]", "deformation_gradient [1]", "strain_green [1]", "stress_pk2 [Pa]", "stress_vm [Pa]", "body"})
+  for (const char *name : {"mass [kg]", "volume [m^3]", "deformation_gradient [1]", "strain_green [1]",
+                           "stress_pk2 [Pa]", "stress_vm [Pa]", "body"})
     CHECK_THAT(phyxels, Contains(std::string("Name=\"") + name + "\""));
   // Free fall: every point moves by g t²/2, in mm; the integrator is exact for it.
   const double t = frames.back().time_s, fall_mm = -1000.0 * 0.5 * 9.81 * t * t;
@@ -96,7 +97,8 @@ TEST_CASE("An exported simulation lists frames with their times, and the phyxels
     CHECK_THAT(static_cast<double>(moved[i + 1]), WithinRel(fall_mm, 1e-3));
     CHECK_THAT(static_cast<double>(speed[i + 1]), WithinRel(-9.81 * t, 1e-3));
   }
-  for (std::size_t i = 0; i < skinMoved.size(); i += 3) CHECK_THAT(static_cast<double>(skinMoved[i + 1]), WithinRel(fall_mm, 1e-3));
+  for (std::size_t i = 0; i < skinMoved.size(); i += 3)
+    CHECK_THAT(static_cast<double>(skinMoved[i + 1]), WithinRel(fall_mm, 1e-3));
   // A box of 1 m x 0.2 m x 0.2 m in mm, moved down.
   const auto corners = arrayOf<double>(skin, "Points");
   REQUIRE(corners.size() == 24);
@@ -108,14 +110,16 @@ TEST_CASE("An exported simulation lists frames with their times, and the phyxels
   CHECK_THAT(right, WithinAbs(1000.0, 0.5));
   CHECK_THAT(low, WithinRel(fall_mm, 1e-3));
   CHECK_THAT(skin, Contains("NumberOfPolys=\"12\""));
-  for (const auto &entry : std::filesystem::recursive_directory_iterator(folder)) CHECK(entry.path().extension() != ".part");
+  for (const auto &entry : std::filesystem::recursive_directory_iterator(folder))
+    CHECK(entry.path().extension() != ".part");
 }
 
 TEST_CASE("Load steps of a quasi-static solution are frames") {
   const auto folder = freshFolder("export-load-steps");
-  const auto scene = writeBoxScene(folder, "\n[[fix]]\nbody = \"box\"\nregion = { box = { min = [-0.001, -1, -1], max = [0.001, 1, 1] } }\n");
-  const auto result = runC3de({"run", scene.string(), "--set", "solver.integrator=quasistatic", "--set", "solver.load_steps=3",
-                               "--export", (folder / "out.pvd").string()});
+  const auto scene = writeBoxScene(
+      folder, "\n[[fix]]\nbody = \"box\"\nregion = { box = { min = [-0.001, -1, -1], max = [0.001, 1, 1] } }\n");
+  const auto result = runC3de({"run", scene.string(), "--set", "solver.integrator=quasistatic", "--set",
+                               "solver.load_steps=3", "--export", (folder / "out.pvd").string()});
   INFO(result.errorOutput);
   REQUIRE(result.exitCode == 0);
   const auto frames = framesOf(folder / "out.pvd");
@@ -131,7 +135,8 @@ TEST_CASE("The skin of the end state is written for every body, in formats that 
   const auto scene = writeBoxScene(folder, kSecondBody);
   for (const std::string extension : {"obj", "stl", "ply", "vtp"}) {
     INFO(extension);
-    const auto result = runC3de({"run", scene.string(), "--steps", "3", "-q", "--export-surface", (folder / ("end." + extension)).string()});
+    const auto result = runC3de(
+        {"run", scene.string(), "--steps", "3", "-q", "--export-surface", (folder / ("end." + extension)).string()});
     INFO(result.errorOutput);
     REQUIRE(result.exitCode == 0);
     CHECK_FALSE(std::filesystem::exists(folder / ("end." + extension)));
@@ -146,9 +151,12 @@ TEST_CASE("The skin of the end state is written for every body, in formats that 
   }
   // One body: the name as it was given; and simulated again without a unit, it falls as it is.
   const auto one = folder / "one.stl";
-  CHECK(runC3de({"run", writeBoxScene(folder).string(), "--steps", "3", "-q", "--export-surface", one.string()}).exitCode == 0);
-  CHECK(runC3de({"run", one.string(), "--steps", "2", "-q", "--report", (folder / "again.json").string()}).exitCode == 0);
-  CHECK_THAT(readJson(folder / "again.json").at("bodies").at(0).at("mesh_volume_m3").get<double>(), WithinRel(0.04, 1e-3));
+  CHECK(runC3de({"run", writeBoxScene(folder).string(), "--steps", "3", "-q", "--export-surface", one.string()})
+            .exitCode == 0);
+  CHECK(runC3de({"run", one.string(), "--steps", "2", "-q", "--report", (folder / "again.json").string()}).exitCode ==
+        0);
+  CHECK_THAT(readJson(folder / "again.json").at("bodies").at(0).at("mesh_volume_m3").get<double>(),
+             WithinRel(0.04, 1e-3));
 }
 
 TEST_CASE("An export that cannot be written says why before anything is simulated, and leaves nothing") {

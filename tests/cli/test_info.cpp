@@ -24,7 +24,8 @@ TEST_CASE("info goes on after a file that is refused, and ends with 3") {
   const auto bad = writeFile(folder / "bad.obj", "v 0 0 0\nf 1 2 9\n");
   const auto result = runC3de({"info", (folder / "absent.obj").string(), bad.string(), folder.string(), good.string()});
   CHECK(result.exitCode == 3);
-  CHECK_THAT(result.errorOutput, Contains("absent.obj: no such file") && Contains("bad.obj") && Contains("holds no DICOM image"));
+  CHECK_THAT(result.errorOutput,
+             Contains("absent.obj: no such file") && Contains("bad.obj") && Contains("holds no DICOM image"));
   CHECK_THAT(result.output, Contains("box.obj"));
 
   const auto json = runC3de({"info", "--json", bad.string(), good.string()});
@@ -63,12 +64,15 @@ material = { yungs_modulus = 1e4 }
 
 TEST_CASE("info tells what an image is, for people and for programs") {
   const auto folder = freshFolder("info-image");
-  const auto image = writeFile(folder / "small.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nspace: RAS\n"
-                                                      "space directions: (2,0,0) (0,3,0) (0,0,4.1)\nspace origin: (1,2,3)\nencoding: ascii\n\n-5 0 1 2 3 40\n");
+  const auto image = writeFile(
+      folder / "small.nrrd",
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nspace: RAS\n"
+      "space directions: (2,0,0) (0,3,0) (0,0,4.1)\nspace origin: (1,2,3)\nencoding: ascii\n\n-5 0 1 2 3 40\n");
   writeFile(folder / "small.txt", "1 liver\n");
   const auto text = runC3de({"info", image.string()});
   CHECK(text.exitCode == 0);
-  CHECK_THAT(text.output, Contains("int16, 2 x 1 x 3 voxels of 2 x 3 x 4.1 mm") && Contains("axes to R, A, S") && Contains("values -5 to 40"));
+  CHECK_THAT(text.output, Contains("int16, 2 x 1 x 3 voxels of 2 x 3 x 4.1 mm") && Contains("axes to R, A, S") &&
+                              Contains("values -5 to 40"));
   const auto json = runC3de({"info", image.string(), "--json"});
   const auto parsed = nlohmann::json::parse(json.output);
   CHECK(parsed.at("kind") == "image");
@@ -76,7 +80,9 @@ TEST_CASE("info tells what an image is, for people and for programs") {
   CHECK(parsed.at("range") == nlohmann::json({-5.0, 40.0}));
   CHECK(parsed.at("index_to_world_mm").at(0) == nlohmann::json({-2.0, 0.0, 0.0, -1.0}));
   CHECK_FALSE(parsed.contains("labels"));  // -5 is no label
-  const auto cut = writeFile(folder / "cut.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nspace: RAS\nencoding: ascii\n\n-5 0 1\n");
+  const auto cut =
+      writeFile(folder / "cut.nrrd",
+                "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nspace: RAS\nencoding: ascii\n\n-5 0 1\n");
   const auto refused = runC3de({"info", cut.string()});
   CHECK(refused.exitCode == 3);
   CHECK_THAT(refused.errorOutput, Contains("cut.nrrd") && Contains("truncated: 3 of 6 voxels"));
@@ -90,7 +96,8 @@ TEST_CASE("info lists the series of a folder and shows the one that is chosen") 
   REQUIRE(parsed.at("series").size() == 2);
   CHECK(parsed.at("series").at(0).at("orientation") == "oblique sagittal");
   CHECK_FALSE(parsed.at("series").at(0).contains("patient_name"));
-  const auto one = runC3de({"info", folder.string(), "--series", parsed.at("series").at(1).at("id").get<std::string>()});
+  const auto one =
+      runC3de({"info", folder.string(), "--series", parsed.at("series").at(1).at("id").get<std::string>()});
   CHECK(one.exitCode == 0);
   CHECK_THAT(one.output, Contains("288 x 288 x 2 voxels"));
   CHECK(runC3de({"info", folder.string(), "--series", "none"}).exitCode == 3);
@@ -111,9 +118,10 @@ TEST_CASE("A scene names a part of a series by the text that info prints") {
 
   const auto folder = freshFolder("info-series");
   const auto described = [&](const std::string &series) {
-    const auto scene = writeFile(folder / "scene.toml", "format = 1\n[image]\nfile = \"" + data.generic_string() + "\"\n" + series +
-                                                            "\n[[body]]\nname = \"a\"\nvolume = \"" + data.generic_string() + "\"\n" + series +
-                                                            "\nthreshold = [100, 100000]\n");
+    const auto scene =
+        writeFile(folder / "scene.toml", "format = 1\n[image]\nfile = \"" + data.generic_string() + "\"\n" + series +
+                                             "\n[[body]]\nname = \"a\"\nvolume = \"" + data.generic_string() + "\"\n" +
+                                             series + "\nthreshold = [100, 100000]\n");
     return runC3de({"info", scene.string(), "--json", "--no-plugins"});
   };
   const auto both = described(key);
@@ -123,9 +131,12 @@ TEST_CASE("A scene names a part of a series by the text that info prints") {
   CHECK(parsed.at("bodies").at(0).at("volume").at("voxels").get<int>() > 0);
   const auto brief = described("series = \"#2\"");  // the only series that has parts
   REQUIRE(brief.exitCode == 0);
-  CHECK(nlohmann::json::parse(brief.output).at("image").at("index_to_world_mm") == parsed.at("image").at("index_to_world_mm"));
-  CHECK(nlohmann::json::parse(described("series = \"#1\"").output).at("image").at("index_to_world_mm") != parsed.at("image").at("index_to_world_mm"));
+  CHECK(nlohmann::json::parse(brief.output).at("image").at("index_to_world_mm") ==
+        parsed.at("image").at("index_to_world_mm"));
+  CHECK(nlohmann::json::parse(described("series = \"#1\"").output).at("image").at("index_to_world_mm") !=
+        parsed.at("image").at("index_to_world_mm"));
   const auto absent = described("series = 77");
   CHECK(absent.exitCode == 3);
-  CHECK_THAT(absent.errorOutput, Contains("scene.toml:2: ") && Contains("has no series '77'; there are:") && Contains("oblique axial"));
+  CHECK_THAT(absent.errorOutput,
+             Contains("scene.toml:2: ") && Contains("has no series '77'; there are:") && Contains("oblique axial"));
 }

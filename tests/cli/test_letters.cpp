@@ -16,7 +16,8 @@ double readable(const imaging::Volume &volume, const LetterPlace &place, const V
   std::vector<Vec3> points;
   for (int row = 0; row < 7; ++row)
     for (int column = 0; column < 5; ++column)
-      points.push_back(gone + place.middle + (kLetterPixel * (column - 2)) * right + (kLetterPixel * (3 - row)) * place.up);
+      points.push_back(gone + place.middle + (kLetterPixel * (column - 2)) * right +
+                       (kLetterPixel * (3 - row)) * place.up);
   std::vector<double> values(points.size());
   imaging::sampleLinear(volume, points, -1e9, values);
   int right_ones = 0;
@@ -43,12 +44,13 @@ TEST_CASE("Letters on a body that has moved read right in the exported image, fr
       REQUIRE(imaging::writeVolume(folder / name, volume));
       // 1.5 mm to the left, 2 to the front, 1 up, within 0.05 s.
       const Vec3 gone{1.5, -2.0, 1.0};
-      const auto scene = writeFile(
-          folder / "scene.toml", std::string("format = 1\n[image]\nfile = \"") + name + "\"\nrim = 5\n[world]\ngravity = [0, 0, 0]\n" +
-                                     "[[body]]\nvolume = \"" + name + "\"\nthreshold = [" +
-                                     std::to_string(0.5 * (kAir + kBlock)) + ", 1e6]\nvelocity = [0.03, -0.04, 0.02]\n" +
-                                     "sampling = { count = 400 }\n");
-      const auto ran = runC3de({"run", scene.string(), "--until", "0.05", "--export-image", (folder / "moved.nrrd").string()});
+      const auto scene = writeFile(folder / "scene.toml",
+                                   std::string("format = 1\n[image]\nfile = \"") + name +
+                                       "\"\nrim = 5\n[world]\ngravity = [0, 0, 0]\n" + "[[body]]\nvolume = \"" + name +
+                                       "\"\nthreshold = [" + std::to_string(0.5 * (kAir + kBlock)) +
+                                       ", 1e6]\nvelocity = [0.03, -0.04, 0.02]\n" + "sampling = { count = 400 }\n");
+      const auto ran =
+          runC3de({"run", scene.string(), "--until", "0.05", "--export-image", (folder / "moved.nrrd").string()});
       INFO(ran.errorOutput);
       REQUIRE(ran.exitCode == 0);
       const auto moved = imaging::readVolume(folder / "moved.nrrd");

@@ -28,13 +28,15 @@ const std::string kLeft = "region = { box = { min = [-0.001, -1, -1], max = [0.0
 const std::string kRight = "region = { box = { min = [0.2, -1, -1], max = [0.201, 1, 1] } }\n";
 
 /// A beam of 0.2 x 0.04 x 0.04 m along x with a probe in the middle of its end.
-std::filesystem::path writeBeam(const std::filesystem::path &folder, const std::string &solver, const std::string &material,
-                                const std::string &more, const std::string &sampling = "spacing = 0.008") {
+std::filesystem::path writeBeam(const std::filesystem::path &folder, const std::string &solver,
+                                const std::string &material, const std::string &more,
+                                const std::string &sampling = "spacing = 0.008") {
   writeFile(folder / "beam.obj", brickObj({0.0, -0.02, -0.02}, {kLength, 0.02, 0.02}));
   return writeFile(folder / "beam.toml", "format = 1\n[solver]\n" + solver +
                                              "\n[[probe]]\nname = \"tip\"\nbody = \"beam\"\nat = [0.2, 0, 0]\n"
                                              "[[body]]\nname = \"beam\"\nmesh = \"beam.obj\"\nmesh_unit = \"m\"\n"
-                                             "material = { " + material + " }\nsampling = { " + sampling + " }\n" + more);
+                                             "material = { " +
+                                             material + " }\nsampling = { " + sampling + " }\n" + more);
 }
 
 Json runScene(const std::filesystem::path &scene, std::vector<std::string> options = {}) {
@@ -80,11 +82,12 @@ TEST_CASE("Bars of two materials in series stretch by the sum of their parts") {
   const auto folder = freshFolder("two-materials");
   // Without lateral contraction the bar is one-dimensional, and F L / E A is exact for small strain.
   const double force_N = 0.16, stress = force_N / kArea;
-  const auto json = runScene(writeBeam(
-      folder, kQuasistatic, "law = \"linear\", youngs_modulus = 1e4, poisson_ratio = 0.0, density = 1000.0",
-      "[[body.parts]]\nregion = { half_space = { point = [0.104, 0, 0], normal = [-1, 0, 0] } }\n"
-      "material = { youngs_modulus = 4e4 }\n"
-      "[[fix]]\n" + kLeft + "[[load]]\nforce = [0.16, 0, 0]\n" + kRight));
+  const auto json = runScene(
+      writeBeam(folder, kQuasistatic, "law = \"linear\", youngs_modulus = 1e4, poisson_ratio = 0.0, density = 1000.0",
+                "[[body.parts]]\nregion = { half_space = { point = [0.104, 0, 0], normal = [-1, 0, 0] } }\n"
+                "material = { youngs_modulus = 4e4 }\n"
+                "[[fix]]\n" +
+                    kLeft + "[[load]]\nforce = [0.16, 0, 0]\n" + kRight));
   // The border lies between two cells of 8 mm: a cell that it crosses has one material, by its centre.
   const double expected_m = stress * (0.104 / 1e4 + (kLength - 0.104) / 4e4);
   CHECK_THAT(component(json.at("probes").at(0).at("position_m"), 0) - kLength, WithinRel(expected_m, 0.02));
@@ -101,8 +104,7 @@ TEST_CASE("A pressure on a face is carried by the support as pressure times area
 
 TEST_CASE("A held end that is moved takes the body along, and the two supports pull against each other") {
   const auto folder = freshFolder("prescribed");
-  const std::string supports =
-      "[[fix]]\n" + kLeft + "[[fix]]\nname = \"grip\"\ndisplacement = [0.01, 0, 0]\n" + kRight;
+  const std::string supports = "[[fix]]\n" + kLeft + "[[fix]]\nname = \"grip\"\ndisplacement = [0.01, 0, 0]\n" + kRight;
   const auto scene = writeBeam(folder, kQuasistatic, kSoft, supports);
   const auto json = runScene(scene);
   CHECK_THAT(component(json.at("probes").at(0).at("position_m"), 0), WithinAbs(0.21, 1e-4));
@@ -194,7 +196,8 @@ TEST_CASE("What a scene asks of a body that cannot be is refused with its line")
   };
   for (const auto &one : cases) {
     INFO(one.line << one.contains);
-    const auto result = runC3de({"run", writeBeam(folder, one.solver, one.material, one.more).string(), "--steps", "1"});
+    const auto result =
+        runC3de({"run", writeBeam(folder, one.solver, one.material, one.more).string(), "--steps", "1"});
     INFO(result.errorOutput);
     CHECK(result.exitCode == 3);
     CHECK_THAT(result.errorOutput, Contains("c3de: error: ") && Contains(one.line) && Contains(one.contains));
@@ -204,7 +207,8 @@ TEST_CASE("What a scene asks of a body that cannot be is refused with its line")
 TEST_CASE("A material that never yields may say so with infinity") {
   const auto folder = freshFolder("infinite");
   const std::string material = std::string(kSoft) + ", plastic = { yield = inf, creep = 0.0, max = inf }";
-  const auto json = runScene(writeBeam(folder, "integrator = \"explicit\"", material, "", "spacing = 0.02"), {"--steps", "3"});
+  const auto json =
+      runScene(writeBeam(folder, "integrator = \"explicit\"", material, "", "spacing = 0.02"), {"--steps", "3"});
   CHECK(json.at("steps") == 3);
 }
 
@@ -213,13 +217,15 @@ TEST_CASE("A body that cannot go on stops in its last good state, the other goes
   // 3000 rad/s tear a body apart whose waves run at 3 m/s.
   writeFile(folder / "beam.obj", brickObj({0.0, -0.02, -0.02}, {kLength, 0.02, 0.02}));
   const auto block = [](const std::string &name, const std::string &spin, const std::string &height) {
-    return "[[body]]\nname = \"" + name + "\"\nposition = [0, " + height + ", 0]\nmesh = \"beam.obj\"\nmesh_unit = \"m\"\n" +
+    return "[[body]]\nname = \"" + name + "\"\nposition = [0, " + height +
+           ", 0]\nmesh = \"beam.obj\"\nmesh_unit = \"m\"\n" +
            "material = { youngs_modulus = 1e4, poisson_ratio = 0.3, density = 1000.0 }\n" +
            "sampling = { spacing = 0.02 }\nangular_velocity = [0, 0, " + spin + "]\n";
   };
-  const auto scene = writeFile(folder / "two.toml", "format = 1\n[world]\ngravity = [0, -9.81, 0]\n[solver]\n"
-                                                    "integrator = \"explicit\"\ndt = 0.02\n" +
-                                                        block("torn", "3000", "0") + block("whole", "0", "1"));
+  const auto scene = writeFile(folder / "two.toml",
+                               "format = 1\n[world]\ngravity = [0, -9.81, 0]\n[solver]\n"
+                               "integrator = \"explicit\"\ndt = 0.02\n" +
+                                   block("torn", "3000", "0") + block("whole", "0", "1"));
   const auto report = folder / "report.json";
   const auto result = runC3de({"run", scene.string(), "--until", "0.1", "--report", report.string(), "-q"});
   CHECK(result.exitCode == 5);
@@ -237,8 +243,8 @@ TEST_CASE("What is shown of a scene does not change its result, and wrong wishes
   const std::string more = "velocity = [0, 0, 0]\n[[fix]]\n" + kLeft + "[[load]]\nforce = [0, 0, -1.6e-3]\n" + kRight;
   const auto scene = writeBeam(folder, kQuasistatic, kSoft, more, "spacing = 0.02");
   const auto plain = runScene(scene);
-  const auto coloured = runScene(scene, {"--set", "view.colour=error", "--set", "view.surface=transparent", "--set",
-                                         "view.range=20"});
+  const auto coloured =
+      runScene(scene, {"--set", "view.colour=error", "--set", "view.surface=transparent", "--set", "view.range=20"});
   CHECK(plain["state_hash"] == coloured["state_hash"]);
   const auto refused = runC3de({"run", scene.string(), "--set", "view.colour=rainbow"});
   CHECK(refused.exitCode == 2);
@@ -252,8 +258,8 @@ TEST_CASE("A picture shows the colours that the scene asks for, and the result s
   std::vector<std::string> pictures, hashes;
   for (const std::string colour : {"material", "error", "von_mises"}) {
     const auto picture = folder / (colour + ".png"), report = folder / (colour + ".json");
-    const auto result = runWithoutDisplay({"run", scene, "-q", "--report", report.string(), "--screenshot", picture.string(),
-                                           "--size", "640x480", "--set", "view.colour=" + colour});
+    const auto result = runWithoutDisplay({"run", scene, "-q", "--report", report.string(), "--screenshot",
+                                           picture.string(), "--size", "640x480", "--set", "view.colour=" + colour});
     INFO(result.errorOutput);
     if (result.exitCode == 6) C3DE_SKIP("no OpenGL here: " + result.errorOutput);
     REQUIRE(result.exitCode == 0);

@@ -6,7 +6,8 @@ TEST_CASE("plugins lists what lies beside the program, with its classes") {
   CHECK(json.exitCode == 0);
   const auto parsed = nlohmann::json::parse(json.output);
   bool found = false;
-  for (const auto &one : parsed.at("classes")) found = found || one.at("interfaces").dump().find("iface.simulator") != std::string::npos;
+  for (const auto &one : parsed.at("classes"))
+    found = found || one.at("interfaces").dump().find("iface.simulator") != std::string::npos;
   CHECK(found);
   CHECK_THAT(runC3de({"plugins"}).output, Contains("loaded") && Contains("class "));
 }

@@ -41,8 +41,8 @@ TEST_CASE("A run writes a report of the shape that the contract names") {
   CHECK(body.at("phyxels").get<int>() > 20);
   CHECK_THAT(body.at("mass_kg").get<double>(), WithinRel(40.0, 0.01));  // 1 x 0.2 x 0.2 m of water
   CHECK_THAT(body.at("mesh_volume_m3").get<double>(), WithinRel(0.04, 1e-6));
-  for (const char *key : {"surfels", "volume_m3", "neighbours", "stable_dt_s", "energy_J", "momentum", "angular_momentum",
-                          "centre_of_mass_m", "min_J", "max_stretch"}) {
+  for (const char *key : {"surfels", "volume_m3", "neighbours", "stable_dt_s", "energy_J", "momentum",
+                          "angular_momentum", "centre_of_mass_m", "min_J", "max_stretch"}) {
     INFO(key);
     CHECK(body.contains(key));
   }
@@ -54,7 +54,8 @@ TEST_CASE("A run writes a report of the shape that the contract names") {
 TEST_CASE("A body in free fall falls as it must") {
   const auto folder = freshFolder("free-fall");
   const auto report = folder / "report.json";
-  const auto result = runC3de({"run", writeBoxScene(folder).string(), "--until", "0.2", "--report", report.string(), "-q"});
+  const auto result =
+      runC3de({"run", writeBoxScene(folder).string(), "--until", "0.2", "--report", report.string(), "-q"});
   INFO(result.errorOutput);
   REQUIRE(result.exitCode == 0);
   CHECK(result.output.empty());
@@ -74,7 +75,8 @@ TEST_CASE("The same run gives the same state at any number of threads") {
   std::vector<std::string> hashes;
   for (const char *threads : {"1", "2", "5"}) {
     const auto report = folder / (std::string("report-") + threads + ".json");
-    REQUIRE(runC3de({"run", scene.string(), "--steps", "40", "--threads", threads, "--report", report.string(), "-q"}).exitCode == 0);
+    REQUIRE(runC3de({"run", scene.string(), "--steps", "40", "--threads", threads, "--report", report.string(), "-q"})
+                .exitCode == 0);
     hashes.push_back(readJson(report).at("state_hash"));
   }
   CHECK(hashes[0] == hashes[1]);
@@ -115,8 +117,9 @@ TEST_CASE("A scene with a mistake ends with 3 and names file and line") {
   CHECK(fix.exitCode == 3);
   CHECK_THAT(fix.errorOutput, Contains("c3de: error: ") && Contains("box.toml:18: the fix has no 'region'"));
 
-  const auto range = writeFile(folder / "range.toml",
-                               "format = 1\n[[body]]\nmesh = \"box.obj\"\nmesh_unit = \"m\"\n\n[body.material]\npoisson_ratio = 0.5\n");
+  const auto range = writeFile(
+      folder / "range.toml",
+      "format = 1\n[[body]]\nmesh = \"box.obj\"\nmesh_unit = \"m\"\n\n[body.material]\npoisson_ratio = 0.5\n");
   const auto refused = runC3de({"run", range.string()});
   CHECK(refused.exitCode == 3);
   CHECK_THAT(refused.errorOutput, Contains("range.toml:7: ") && Contains("material.poisson_ratio = 0.5"));
@@ -167,9 +170,9 @@ TEST_CASE("A simulation that diverges ends with 5, says what helps and reports t
   const auto folder = freshFolder("diverged");
   const auto report = folder / "report.json";
   // 1000 rad/s tear a body apart whose waves run at 4 m/s.
-  const auto result = runC3de({"run", writeBoxScene(folder).string(), "--steps", "5", "--set", "solver.dt=0.02", "--set",
-                               "body.box.material.law=neo_hookean", "--set", "body.box.angular_velocity=[0,0,1000]", "--report",
-                               report.string()});
+  const auto result = runC3de({"run", writeBoxScene(folder).string(), "--steps", "5", "--set", "solver.dt=0.02",
+                               "--set", "body.box.material.law=neo_hookean", "--set",
+                               "body.box.angular_velocity=[0,0,1000]", "--report", report.string()});
   CHECK(result.exitCode == 5);
   CHECK_THAT(result.errorOutput, Contains("c3de: error: the simulation diverged") && Contains("report.json"));
   const auto json = readJson(report);
@@ -183,10 +186,16 @@ TEST_CASE("The time limit ends a run within a step, and the state before it is r
   const auto report = folder / "report.json";
   // A minute and more for a step of so many phyxels that are nearly incompressible.
   const auto begin = std::chrono::steady_clock::now();
-  const auto result = runC3de({"run", writeBoxScene(folder).string(), "--steps", "1", "--time-limit", "4", "--set",
-                               "solver.integrator=backward_euler", "--set", "solver.dt=0.05", "--set", "body.box.sampling.count=20000",
-                               "--set", "body.box.material.poisson_ratio=0.499", "--set", "body.box.material.youngs_modulus=2e6",
-                               "--set", "body.box.angular_velocity=[0,0,30]", "--report", report.string()});
+  const auto result = runC3de({"run",          writeBoxScene(folder).string(),
+                               "--steps",      "1",
+                               "--time-limit", "4",
+                               "--set",        "solver.integrator=backward_euler",
+                               "--set",        "solver.dt=0.05",
+                               "--set",        "body.box.sampling.count=20000",
+                               "--set",        "body.box.material.poisson_ratio=0.499",
+                               "--set",        "body.box.material.youngs_modulus=2e6",
+                               "--set",        "body.box.angular_velocity=[0,0,30]",
+                               "--report",     report.string()});
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   CHECK(result.exitCode == 124);
   CHECK(took_s < 4.0 + 6.0);  // 2 on a quiet machine, with the report

@@ -14,8 +14,10 @@ using Json = nlohmann::json;
 std::filesystem::path writeScene(const std::filesystem::path &folder, const std::string &world, const std::string &more,
                                  const std::string &sampling = "spacing = 0.05") {
   writeFile(folder / "box.obj", boxObj());
-  return writeFile(folder / "scene.toml", "format = 1\n[world]\n" + world + "\n[[body]]\nname = \"box\"\nmesh = \"box.obj\"\n"
-                                          "mesh_unit = \"m\"\nsampling = { " + sampling + " }\n" + more);
+  return writeFile(folder / "scene.toml", "format = 1\n[world]\n" + world +
+                                              "\n[[body]]\nname = \"box\"\nmesh = \"box.obj\"\n"
+                                              "mesh_unit = \"m\"\nsampling = { " +
+                                              sampling + " }\n" + more);
 }
 
 bool holds(const Json &texts, const std::string &part) {
@@ -29,7 +31,8 @@ bool holds(const Json &texts, const std::string &part) {
 TEST_CASE("A probe off its body is refused with its line, one near the surface is not") {
   const auto folder = freshFolder("probe-off");
   for (const char *at : {"[0.5, 0.3, 0.1]", "[0.5, 1e300, 0.1]", "[-0.2, 0.1, 0.1]"}) {
-    const auto scene = writeScene(folder, "gravity = [0, 0, 0]", std::string("[[probe]]\nname = \"p\"\nbody = \"box\"\nat = ") + at + "\n");
+    const auto scene = writeScene(folder, "gravity = [0, 0, 0]",
+                                  std::string("[[probe]]\nname = \"p\"\nbody = \"box\"\nat = ") + at + "\n");
     const auto result = runC3de({"run", scene.string(), "--steps", "1"});
     INFO(at << ": " << result.errorOutput);
     CHECK(result.exitCode == 3);
@@ -37,7 +40,8 @@ TEST_CASE("A probe off its body is refused with its line, one near the surface i
     CHECK_THAT(result.errorOutput, Contains("probe 'p'") && Contains("off body 'box'") && Contains("accepted"));
   }
   for (const char *at : {"[0.5, 0.22, 0.1]", "[0.5, 0.2, 0.1]", "[0.5, 0.1, 0.1]"}) {
-    const auto scene = writeScene(folder, "gravity = [0, 0, 0]", std::string("[[probe]]\nname = \"p\"\nbody = \"box\"\nat = ") + at + "\n");
+    const auto scene = writeScene(folder, "gravity = [0, 0, 0]",
+                                  std::string("[[probe]]\nname = \"p\"\nbody = \"box\"\nat = ") + at + "\n");
     CHECK(runC3de({"run", scene.string(), "--steps", "1", "-q"}).exitCode == 0);
   }
 }
@@ -58,8 +62,9 @@ TEST_CASE("A body outside of the world's box is refused with its line") {
 
 TEST_CASE("A region to refine off the body is refused with its line") {
   const auto folder = freshFolder("refine-off");
-  const auto scene = writeScene(folder, "gravity = [0, 0, 0]", "",
-                                "spacing = 0.05, refine = [ { region = { sphere = { centre = [9, 0, 0], radius = 0.1 } }, spacing = 0.025 } ]");
+  const auto scene = writeScene(
+      folder, "gravity = [0, 0, 0]", "",
+      "spacing = 0.05, refine = [ { region = { sphere = { centre = [9, 0, 0], radius = 0.1 } }, spacing = 0.025 } ]");
   const auto result = runC3de({"run", scene.string(), "--steps", "1"});
   INFO(result.errorOutput);
   CHECK(result.exitCode == 3);
@@ -69,9 +74,10 @@ TEST_CASE("A region to refine off the body is refused with its line") {
 TEST_CASE("Two bodies that overlap are told of in the summary, the report and info, with what each costs") {
   const auto folder = freshFolder("bodies-overlap");
   const auto report = folder / "report.json";
-  const auto scene = writeScene(folder, "gravity = [0, 0, 0]",
-                                "[[body]]\nname = \"other\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\nposition = [0.9, 0, 0]\n"
-                                "sampling = { spacing = 0.05 }\nmaterial = { youngs_modulus = 1e8 }\n");
+  const auto scene =
+      writeScene(folder, "gravity = [0, 0, 0]",
+                 "[[body]]\nname = \"other\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\nposition = [0.9, 0, 0]\n"
+                 "sampling = { spacing = 0.05 }\nmaterial = { youngs_modulus = 1e8 }\n");
   const auto result = runC3de({"run", scene.string(), "--steps", "200", "--report", report.string()});
   INFO(result.output << result.errorOutput);
   REQUIRE(result.exitCode == 0);
@@ -89,16 +95,19 @@ TEST_CASE("Two bodies that overlap are told of in the summary, the report and in
   CHECK_THAT(runC3de({"info", scene.string()}).output, Contains("bodies do not touch each other yet"));
 }
 
-TEST_CASE("An error estimate above a tenth is said in the summary and as an event, and the count it proposes keeps it") {
+TEST_CASE(
+    "An error estimate above a tenth is said in the summary and as an event, and the count it proposes keeps it") {
   const auto folder = freshFolder("error-told");
   const auto report = folder / "report.json";
   // A plate on edge that sags: two cells over its thickness.
   writeFile(folder / "box.obj", boxObj());
   const auto run = [&](const std::string &sampling) {
-    const auto scene = writeFile(folder / "scene.toml",
-                                 "format = 1\n[world]\ngravity = [0, -9.81, 0]\n[solver]\nintegrator = \"quasistatic\"\nload_steps = 1\n[[body]]\nname = \"box\"\n"
-                                 "mesh = \"box.obj\"\nmesh_unit = \"m\"\nmaterial = { youngs_modulus = 1e6 }\nsampling = { " + sampling +
-                                     " }\n[[fix]]\nbody = \"box\"\nregion = { half_space = { point = [0.001, 0, 0], normal = [1, 0, 0] } }\n");
+    const auto scene = writeFile(
+        folder / "scene.toml",
+        "format = 1\n[world]\ngravity = [0, -9.81, 0]\n[solver]\nintegrator = \"quasistatic\"\nload_steps = 1\n[[body]]\nname = \"box\"\n"
+        "mesh = \"box.obj\"\nmesh_unit = \"m\"\nmaterial = { youngs_modulus = 1e6 }\nsampling = { " +
+            sampling +
+            " }\n[[fix]]\nbody = \"box\"\nregion = { half_space = { point = [0.001, 0, 0], normal = [1, 0, 0] } }\n");
     const auto result = runC3de({"run", scene.string(), "--report", report.string()});
     INFO(result.output << result.errorOutput);
     REQUIRE(result.exitCode == 0);
@@ -126,10 +135,12 @@ TEST_CASE("With the count that is proposed the error estimate of bars is below a
         "[[fix]]\n" + end + "displacement = [0.03, 0, 0]\nrotation_deg = [3, 0, 0]\n"}) {
     std::string coarse;
     const auto estimateAt = [&](unsigned long count) {
-      const auto scene = writeFile(folder / "scene.toml",
-                                   "format = 1\n[solver]\nintegrator = \"quasistatic\"\nload_steps = 1\n[[body]]\nmesh = \"box.obj\"\n"
-                                   "mesh_unit = \"m\"\nsampling = { count = " + std::to_string(count) +
-                                       " }\n[[fix]]\nregion = { half_space = { point = [0.0001, 0, 0], normal = [1, 0, 0] } }\n" + what);
+      const auto scene = writeFile(
+          folder / "scene.toml",
+          "format = 1\n[solver]\nintegrator = \"quasistatic\"\nload_steps = 1\n[[body]]\nmesh = \"box.obj\"\n"
+          "mesh_unit = \"m\"\nsampling = { count = " +
+              std::to_string(count) +
+              " }\n[[fix]]\nregion = { half_space = { point = [0.0001, 0, 0], normal = [1, 0, 0] } }\n" + what);
       const auto result = runC3de({"run", scene.string(), "--report", report.string()});
       INFO(result.output << result.errorOutput);
       REQUIRE(result.exitCode == 0);
@@ -170,7 +181,8 @@ TEST_CASE("A tube far thinner than the spacing is refused, with what would do") 
   REQUIRE(done.exitCode == 0);
   const Json body = readJson(report)["bodies"][0];
   double total = 0.0;
-  for (const char *part : {"kinetic", "elastic", "stabilisation", "gravity"}) total += body["energy_J"][part].get<double>();
+  for (const char *part : {"kinetic", "elastic", "stabilisation", "gravity"})
+    total += body["energy_J"][part].get<double>();
   CHECK(total < 0.0);
   CHECK(body["centre_of_mass_m"][1].get<double>() > 0.0);
   CHECK(body["energy_J"]["kinetic"].get<double>() < 1e-3);
@@ -181,7 +193,8 @@ TEST_CASE("The skin of a thin organ stays with its points, and its depth is told
   C3DE_DATA_OR_SKIP(scene, "found/skin_spikes.toml");
   const auto folder = freshFolder("skin-spikes");
   const auto report = folder / "report.json", skin = folder / "skin.obj";
-  const auto result = runC3de({"run", scene.string(), "--until", "0.6", "-q", "--export-surface", skin.string(), "--report", report.string()});
+  const auto result = runC3de(
+      {"run", scene.string(), "--until", "0.6", "-q", "--export-surface", skin.string(), "--report", report.string()});
   INFO(result.errorOutput);
   REQUIRE(result.exitCode == 0);
   std::istringstream lines(readFile(skin));

@@ -179,8 +179,8 @@ TEST_CASE("What of a label is in no body is told in ml, in the report, as an eve
 TEST_CASE("A scene with an image is drawn as four views, or as the one that was asked for", "[gpu]") {
   const auto folder = freshFolder("views");
   (void)writeBalls(folder);
-  const auto scene = writeFile(folder / "scene.toml",
-                               std::string(kBody) + "label = 1\n[image]\nfile = \"organs.nrrd\"\n");
+  const auto scene =
+      writeFile(folder / "scene.toml", std::string(kBody) + "label = 1\n[image]\nfile = \"organs.nrrd\"\n");
   bool isDrawn = true;
   const auto draw = [&](const std::string &name, std::vector<std::string> more) -> std::string {
     std::vector<std::string> arguments{"run",          scene.string(),           "--steps", "2",

@@ -44,7 +44,8 @@ TEST_CASE("One file for two outputs, or for an input, is refused before anything
       {{"--report", scene}, "is read by this run"},
       {{"--probes", (folder / "." / "box.obj").string()}, "is read by this run"},
       {{"--export-surface", (folder / "." / "box.obj").string()}, "is read by this run"},
-      {{"--export", (folder / "e.pvd").string(), "--report", (folder / "e_frames" / "skin_000000.vtp").string()}, "fills with frames"},
+      {{"--export", (folder / "e.pvd").string(), "--report", (folder / "e_frames" / "skin_000000.vtp").string()},
+       "fills with frames"},
   };
   std::filesystem::create_directories(folder / "e_frames");
   for (const auto &one : cases) {
@@ -65,17 +66,18 @@ TEST_CASE("A full disk is named, what fits is written whole, and the rest is sai
   const auto scene = writeBoxScene(folder).string();
   const auto at = [&](const char *name) { return (folder / name).string(); };
   // One kilobyte or two, as the shell counts: less than the report and the frames, more than the skin.
-  const auto result = c3de::runProcess({"sh", "-c", "ulimit -f 2; exec \"$0\" \"$@\"", C3DE_PROGRAM, "run", scene, "--steps", "200",
-                                        "--probes", at("probes.csv"), "--export", at("e.pvd"), "--report", at("report.json"),
-                                        "--export-surface", at("skin.stl")},
-                                       60.0);
+  const auto result = c3de::runProcess(
+      {"sh", "-c", "ulimit -f 2; exec \"$0\" \"$@\"", C3DE_PROGRAM, "run", scene, "--steps", "200", "--probes",
+       at("probes.csv"), "--export", at("e.pvd"), "--report", at("report.json"), "--export-surface", at("skin.stl")},
+      60.0);
   REQUIRE(result.has_value());
   INFO(result->errorOutput);
   CHECK(result->exitCode == 7);
   CHECK_THAT(result->errorOutput, Contains("probes.csv: could not be written: File too large") &&
                                       Contains("report.json: could not be written: File too large") &&
                                       Contains("phyxels_000000.vtu: could not be written: File too large") &&
-                                      Contains("not or not wholly written: ") && Contains("; written: " + at("skin.stl")));
+                                      Contains("not or not wholly written: ") &&
+                                      Contains("; written: " + at("skin.stl")));
   CHECK_THAT(result->errorOutput, !Contains("No such file"));
   CHECK_FALSE(std::filesystem::exists(folder / "report.json"));
   const std::string table = readFile(folder / "probes.csv");
@@ -83,16 +85,20 @@ TEST_CASE("A full disk is named, what fits is written whole, and the rest is sai
   CHECK(table.back() == '\n');
   std::istringstream lines(table);
   for (std::string line; std::getline(lines, line);) CHECK(std::count(line.begin(), line.end(), ',') == 6);
-  for (const auto &entry : std::filesystem::recursive_directory_iterator(folder)) CHECK(entry.path().extension() != ".part");
+  for (const auto &entry : std::filesystem::recursive_directory_iterator(folder))
+    CHECK(entry.path().extension() != ".part");
 }
 
 TEST_CASE("An output on a full device does not keep the others from being written") {
   if (!std::filesystem::exists("/dev/full")) C3DE_SKIP("there is no /dev/full");
   const auto folder = freshFolder("full-device");
-  const auto scene = writeBoxScene(folder).string(), report = (folder / "report.json").string(), skin = (folder / "skin.stl").string();
-  const auto probes = runC3de({"run", scene, "--steps", "20", "--probes", "/dev/full", "--report", report, "--export-surface", skin});
+  const auto scene = writeBoxScene(folder).string(), report = (folder / "report.json").string(),
+             skin = (folder / "skin.stl").string();
+  const auto probes =
+      runC3de({"run", scene, "--steps", "20", "--probes", "/dev/full", "--report", report, "--export-surface", skin});
   CHECK(probes.exitCode == 7);
-  CHECK_THAT(probes.errorOutput, Contains("/dev/full: could not be written: No space left on device") && Contains("written: " + report));
+  CHECK_THAT(probes.errorOutput,
+             Contains("/dev/full: could not be written: No space left on device") && Contains("written: " + report));
   CHECK(readJson(report).at("steps") == 20);
   CHECK(std::filesystem::exists(skin));
   std::filesystem::remove(skin);
@@ -103,8 +109,8 @@ TEST_CASE("An output on a full device does not keep the others from being writte
 TEST_CASE("A table of probes has whole rows after a kill") {
   const auto folder = freshFolder("killed");
   const auto table = folder / "probes.csv";
-  const auto result = c3de::runProcess({"timeout", "-s", "KILL", "2", C3DE_PROGRAM, "run", writeBoxScene(folder).string(), "--until",
-                                        "1e6", "--probes", table.string()},
+  const auto result = c3de::runProcess({"timeout", "-s", "KILL", "2", C3DE_PROGRAM, "run",
+                                        writeBoxScene(folder).string(), "--until", "1e6", "--probes", table.string()},
                                        60.0);
   REQUIRE(result.has_value());
   const std::string text = readFile(table);
@@ -117,8 +123,9 @@ TEST_CASE("What cannot be said on standard output is an error") {
   if (!std::filesystem::exists("/dev/full")) C3DE_SKIP("there is no /dev/full");
   const auto folder = freshFolder("full-output");
   const auto scene = writeBoxScene(folder).string(), mesh = (folder / "box.obj").string();
-  const std::vector<std::vector<std::string>> commands{{"info", scene, "--json"},          {"info", mesh}, {"plugins"}, {"plugins", "--json"},
-                                                       {"run", scene, "--steps", "1"}, {"--version"},  {"--help"},  {"run", "--help"}};
+  const std::vector<std::vector<std::string>> commands{
+      {"info", scene, "--json"},      {"info", mesh}, {"plugins"}, {"plugins", "--json"},
+      {"run", scene, "--steps", "1"}, {"--version"},  {"--help"},  {"run", "--help"}};
   for (const auto &command : commands) {
     std::vector<std::string> arguments{"sh", "-c", "exec \"$0\" \"$@\" > /dev/full", C3DE_PROGRAM};
     arguments.insert(arguments.end(), command.begin(), command.end());
@@ -134,8 +141,8 @@ TEST_CASE("What cannot be said on standard output is an error") {
 TEST_CASE("Probes are written as a table with units, one row per sample") {
   const auto folder = freshFolder("probes");
   const auto table = folder / "probes.csv";
-  const auto result = runC3de({"run", writeBoxScene(folder).string(), "--steps", "10", "--probes", table.string(),
-                               "--probes-every", "4"});
+  const auto result = runC3de(
+      {"run", writeBoxScene(folder).string(), "--steps", "10", "--probes", table.string(), "--probes-every", "4"});
   INFO(result.errorOutput);
   REQUIRE(result.exitCode == 0);
   std::istringstream lines(readFile(table));
@@ -161,8 +168,8 @@ TEST_CASE("Probes are written as a table with units, one row per sample") {
 TEST_CASE("A screenshot of the end state has the size that was asked for", "[gpu]") {
   const auto folder = freshFolder("screenshot");
   const auto picture = folder / "scene.png";
-  const auto result = runWithoutDisplay({"run", writeBoxScene(folder).string(), "--steps", "2", "--screenshot",
-                                         picture.string(), "--size", "320x200"});
+  const auto result = runWithoutDisplay(
+      {"run", writeBoxScene(folder).string(), "--steps", "2", "--screenshot", picture.string(), "--size", "320x200"});
   INFO(result.errorOutput);
   if (result.exitCode == 6) C3DE_SKIP("no OpenGL here: " + result.errorOutput);
   REQUIRE(result.exitCode == 0);
@@ -182,9 +189,10 @@ TEST_CASE("A screenshot of the end state has the size that was asked for", "[gpu
 TEST_CASE("Ctrl-C ends a run with 130 and still leaves the report") {
   const auto folder = freshFolder("interrupt");
   const auto report = folder / "report.json";
-  const auto result = c3de::runProcess({"timeout", "--foreground", "--preserve-status", "-s", "INT", "3", C3DE_PROGRAM, "run",
-                                        writeBoxScene(folder).string(), "--until", "1e6", "--report", report.string()},
-                                       60.0);
+  const auto result =
+      c3de::runProcess({"timeout", "--foreground", "--preserve-status", "-s", "INT", "3", C3DE_PROGRAM, "run",
+                        writeBoxScene(folder).string(), "--until", "1e6", "--report", report.string()},
+                       60.0);
   REQUIRE(result.has_value());
   INFO(result->errorOutput);
   CHECK(result->exitCode == 130);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program makes of supports, loads, parts and limits of a run, with a simulator that reports what it was given.
+// What the program makes of supports, loads, parts and limits of a run, with a simulator that reports what it was
+// given.
 #include <algorithm>
 #include <chrono>
 
@@ -15,9 +16,11 @@ c3de::ProcessResult runRecorder(std::vector<std::string> arguments) {
 /// A scene of the recorder; begins with 5 lines of body and probe.
 std::filesystem::path writeRecorded(const std::filesystem::path &folder, const std::string &more) {
   writeFile(folder / "box.obj", boxObj());
-  return writeFile(folder / "scene.toml",
-                   "format = 1\nprobe = [ { name = \"tip\", body = \"box\", at = [0, 0, 0] } ]\n[[body]]\nname = \"box\"\n"
-                   "mesh = \"box.obj\"\nmesh_unit = \"m\"\n" + more);
+  return writeFile(
+      folder / "scene.toml",
+      "format = 1\nprobe = [ { name = \"tip\", body = \"box\", at = [0, 0, 0] } ]\n[[body]]\nname = \"box\"\n"
+      "mesh = \"box.obj\"\nmesh_unit = \"m\"\n" +
+          more);
 }
 
 }  // namespace
@@ -87,7 +90,8 @@ mesh_unit = "m"
   CHECK(box.at("params").at("material.prony1.time") == 2);
   REQUIRE(box.at("refinements").size() == 1);
   CHECK(box.at("refinements").at(0).at("spacing_m") == 0.01);
-  CHECK(box.at("refinements").at(0).at("region") == Json{{"kind", 2}, {"a", {1, 0, 0}}, {"b", {0, 0, 0}}, {"radius", 0.5}});
+  CHECK(box.at("refinements").at(0).at("region") ==
+        Json{{"kind", 2}, {"a", {1, 0, 0}}, {"b", {0, 0, 0}}, {"radius", 0.5}});
   REQUIRE(box.at("parts").size() == 1);
   CHECK(box.at("parts").at(0).at("params") == Json{{"material.density", 700}});
   CHECK(box.at("parts").at(0).at("region") == Json{{"kind", 1}, {"a", {0, 0, 0}}, {"b", {1, 2, 3}}, {"radius", 0}});
@@ -137,7 +141,8 @@ TEST_CASE("A simulator's refusal of a support or part leads to its line in the s
   } cases[] = {
       {"[[fix]]\n" + something + "[[fix]]\n" + nothing, "scene.toml:9: fix 1: the region meets no part of the body"},
       {"[[load]]\nforce = [0, 0, 1]\n" + nothing, "scene.toml:7: load 0: the region meets"},
-      {"[[body.parts]]\nmaterial = { density = 1 }\n" + something + "[[body.parts]]\nmaterial = { density = 1 }\n" + nothing,
+      {"[[body.parts]]\nmaterial = { density = 1 }\n" + something + "[[body.parts]]\nmaterial = { density = 1 }\n" +
+           nothing,
        "scene.toml:10: part 1: the region meets"},
       {"[[body.sampling.refine]]\nspacing = 0.1\n" + nothing, "scene.toml:7: refinement 0: the region meets"},
   };
@@ -152,25 +157,28 @@ TEST_CASE("A simulator's refusal of a support or part leads to its line in the s
 TEST_CASE("A simulator that was built before supports existed does not ignore them in silence") {
   const auto folder = freshFolder("revision-1");
   const auto run = [&](const std::string &more) {
-    return runC3de({"run", writeRecorded(folder, more).string(), "--plugin", C3DE_RECORDER_OF_REVISION_1, "--steps", "1", "-q"});
+    return runC3de(
+        {"run", writeRecorded(folder, more).string(), "--plugin", C3DE_RECORDER_OF_REVISION_1, "--steps", "1", "-q"});
   };
   CHECK(run("").exitCode == 0);
   const std::string region = "region = { everywhere = true }\n", mesh = "mesh = \"box.obj\"\nmesh_unit = \"m\"\n";
-  for (const std::string &more : {"[[fix]]\n" + region, "[[load]]\npressure = 1\n" + region,
-                                  "[[body.parts]]\nmaterial = { density = 1 }\n" + region,
-                                  "[[body.sampling.refine]]\nspacing = 1\n" + region, std::string("velocity = [1, 0, 0]\n"),
-                                  std::string("angular_velocity = [1, 0, 0]\n"),
-                                  "[[obstacle]]\ndisplacement = [1, 0, 0]\n" + mesh}) {
+  for (const std::string &more :
+       {"[[fix]]\n" + region, "[[load]]\npressure = 1\n" + region,
+        "[[body.parts]]\nmaterial = { density = 1 }\n" + region, "[[body.sampling.refine]]\nspacing = 1\n" + region,
+        std::string("velocity = [1, 0, 0]\n"), std::string("angular_velocity = [1, 0, 0]\n"),
+        "[[obstacle]]\ndisplacement = [1, 0, 0]\n" + mesh}) {
     INFO(more);
     const auto refused = run(more);
     CHECK(refused.exitCode == 3);
-    CHECK_THAT(refused.errorOutput, Contains("scene.toml:") && Contains("is not served by this simulator") && Contains("revision 1"));
+    CHECK_THAT(refused.errorOutput,
+               Contains("scene.toml:") && Contains("is not served by this simulator") && Contains("revision 1"));
   }
 }
 
 TEST_CASE("What a simulator does not declare for a part is refused with the line of the part") {
   const auto folder = freshFolder("unknown-in-part");
-  const auto scene = writeRecorded(folder, "[[body.parts]]\nregion = { everywhere = true }\nmaterial = { densty = 3 }\n");
+  const auto scene =
+      writeRecorded(folder, "[[body.parts]]\nregion = { everywhere = true }\nmaterial = { densty = 3 }\n");
   const auto result = runRecorder({"run", scene.string(), "--steps", "1"});
   CHECK(result.exitCode == 3);
   CHECK_THAT(result.errorOutput, Contains("scene.toml:9: ") && Contains("did you mean 'material.density'?"));
@@ -181,7 +189,8 @@ TEST_CASE("A quasi-static run goes on to its full load whatever --until says, or
   const auto report = folder / "report.json", probes = folder / "probes.csv";
   const auto scene = writeRecorded(folder, "[solver]\nintegrator = \"quasistatic\"\nload_steps = 7\n").string();
   for (const char *until : {"0", "1e6"}) {
-    const auto full = runRecorder({"run", scene, "--until", until, "--report", report.string(), "--probes", probes.string()});
+    const auto full =
+        runRecorder({"run", scene, "--until", until, "--report", report.string(), "--probes", probes.string()});
     INFO(full.errorOutput);
     REQUIRE(full.exitCode == 0);
     CHECK_THAT(full.output, Contains("7 load steps"));
@@ -203,11 +212,12 @@ TEST_CASE("A run that diverges leaves report and probes with the last good state
   const auto folder = freshFolder("diverged-recorded");
   const auto report = folder / "report.json", probes = folder / "probes.csv";
   const auto scene = writeRecorded(folder, "velocity = [13, 0, 0]\n").string();
-  const auto result = runRecorder({"run", scene, "--until", "1", "--report", report.string(), "--probes", probes.string(),
-                                   "--probes-every", "2"});
+  const auto result = runRecorder(
+      {"run", scene, "--until", "1", "--report", report.string(), "--probes", probes.string(), "--probes-every", "2"});
   CHECK(result.exitCode == 5);
-  CHECK_THAT(result.errorOutput, Contains("c3de: error: the simulation diverged: step 4 at 0.003 s failed: it left the finite") &&
-                                     Contains("the last good state is in ") && Contains("report.json") && Contains("probes.csv"));
+  CHECK_THAT(result.errorOutput,
+             Contains("c3de: error: the simulation diverged: step 4 at 0.003 s failed: it left the finite") &&
+                 Contains("the last good state is in ") && Contains("report.json") && Contains("probes.csv"));
   const auto json = readJson(report);
   CHECK(json.at("outcome") == "diverged");
   CHECK(json.at("steps") == 3);

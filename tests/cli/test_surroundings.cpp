@@ -11,7 +11,8 @@ using namespace c3de;
 namespace {
 
 std::string box(const std::string &name, const std::string &more) {
-  return "[[body]]\nname = \"" + name + "\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\nsampling = { count = 100 }\n" + more;
+  return "[[body]]\nname = \"" + name + "\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\nsampling = { count = 100 }\n" +
+         more;
 }
 
 std::filesystem::path scene(const std::filesystem::path &folder, const std::string &text) {
@@ -38,10 +39,11 @@ void writeHead(const std::filesystem::path &folder) {
 
 // The largest changes of the exported image in bone, and in what is soft behind the ball, when it has flown 4 mm.
 std::array<double, 2> largestChanges(const std::filesystem::path &folder, const std::string &still) {
-  const auto file = writeFile(folder / "scene.toml",
-                              "format = 1\n[image]\nfile = \"head.nrrd\"\nrim = 8\n" + still +
-                                  "[[body]]\nname = \"ball\"\nvolume = \"head.nrrd\"\nthreshold = [30, 100]\nmend = { largest = "
-                                  "true }\nsampling = { count = 400 }\nvelocity = [0, 0, -0.1]\n");
+  const auto file =
+      writeFile(folder / "scene.toml",
+                "format = 1\n[image]\nfile = \"head.nrrd\"\nrim = 8\n" + still +
+                    "[[body]]\nname = \"ball\"\nvolume = \"head.nrrd\"\nthreshold = [30, 100]\nmend = { largest = "
+                    "true }\nsampling = { count = 400 }\nvelocity = [0, 0, -0.1]\n");
   const auto image = folder / "warped.nrrd";
   const auto ran = runC3de({"run", file.string(), "--until", "0.04", "--export-image", image.string(), "-q"});
   INFO(ran.errorOutput);
@@ -68,8 +70,9 @@ std::array<double, 2> largestChanges(const std::filesystem::path &folder, const 
 TEST_CASE("An attachment to the surroundings carries a body, and the report says with which force") {
   const auto folder = freshFolder("attached");
   const auto report = folder / "report.json";
-  const auto file = scene(folder, "[world]\ngravity = [0, -9.81, 0]\n[solver]\nintegrator = \"quasistatic\"\n" + box("box", "") +
-                                      "[[attachment]]\nbodies = [\"box\", \"surroundings\"]\nstiffness = 1e5\n");
+  const auto file =
+      scene(folder, "[world]\ngravity = [0, -9.81, 0]\n[solver]\nintegrator = \"quasistatic\"\n" + box("box", "") +
+                        "[[attachment]]\nbodies = [\"box\", \"surroundings\"]\nstiffness = 1e5\n");
   const auto ran = runC3de({"run", file.string(), "--report", report.string(), "-q"});
   INFO(ran.errorOutput);
   REQUIRE(ran.exitCode == 0);
@@ -86,28 +89,30 @@ TEST_CASE("An attachment to the surroundings carries a body, and the report says
   CHECK(json["bodies"][0]["energy_J"]["attachment"] == attachment["energy_J"]);
   CHECK_FALSE(json["bodies"][0]["rigid"].get<bool>());
 
-  const auto off = runC3de({"run", file.string(), "--set", "body.box.surroundings.stiffness=0", "--set", "solver.integrator=explicit",
-                            "--steps", "5", "--report", report.string(), "-q"});
+  const auto off = runC3de({"run", file.string(), "--set", "body.box.surroundings.stiffness=0", "--set",
+                            "solver.integrator=explicit", "--steps", "5", "--report", report.string(), "-q"});
   REQUIRE(off.exitCode == 0);
   CHECK(readJson(report)["attachments"].empty());
 }
 
 TEST_CASE("A held body that is thrown comes back to where it was, the same at any number of threads") {
   const auto folder = freshFolder("thrown");
-  const auto file = scene(folder, box("box", "velocity = [1, 0.5, 0]\n") +
-                                      "[[attachment]]\nbodies = [\"box\", \"surroundings\"]\nstiffness = 1e6\ntangential = 4e5\n");
+  const auto file =
+      scene(folder, box("box", "velocity = [1, 0.5, 0]\n") +
+                        "[[attachment]]\nbodies = [\"box\", \"surroundings\"]\nstiffness = 1e6\ntangential = 4e5\n");
   std::vector<std::string> hashes;
   for (const char *threads : {"1", "3"}) {
     const auto report = folder / "report.json";
-    const auto ran = runC3de({"run", file.string(), "--until", "0.3", "--threads", threads, "--report", report.string(), "-q"});
+    const auto ran =
+        runC3de({"run", file.string(), "--until", "0.3", "--threads", threads, "--report", report.string(), "-q"});
     INFO(ran.errorOutput);
     REQUIRE(ran.exitCode == 0);
     hashes.push_back(readJson(report)["state_hash"]);
   }
   CHECK(hashes[0] == hashes[1]);
   const auto report = folder / "rest.json";
-  const auto ran = runC3de({"run", file.string(), "--set", "body.box.surroundings.retardation_time=0.2", "--set", "solver.damping=5", "--until", "4", "--report",
-                            report.string(), "-q"});
+  const auto ran = runC3de({"run", file.string(), "--set", "body.box.surroundings.retardation_time=0.2", "--set",
+                            "solver.damping=5", "--until", "4", "--report", report.string(), "-q"});
   REQUIRE(ran.exitCode == 0);
   const auto body = readJson(report)["bodies"][0];
   const auto still = scene(folder, box("box", ""));
@@ -123,8 +128,10 @@ TEST_CASE("A rigid body leaves the step to the others, and takes neither fix nor
   const auto report = folder / "report.json";
   const std::string bone = "material = { youngs_modulus = 1e9 }\n";
   const auto dtOf = [&](const std::string &more) {
-    const auto ran = runC3de({"run", scene(folder, "[solver]\nintegrator = \"explicit\"\n[world]\ngravity = [0, -9.81, 0]\n" +
-                                                       box("bone", bone + more) + box("soft", "")).string(),
+    const auto ran = runC3de({"run",
+                              scene(folder, "[solver]\nintegrator = \"explicit\"\n[world]\ngravity = [0, -9.81, 0]\n" +
+                                                box("bone", bone + more) + box("soft", ""))
+                                  .string(),
                               "--steps", "3", "--report", report.string(), "-q"});
     INFO(ran.errorOutput);
     REQUIRE(ran.exitCode == 0);
@@ -152,7 +159,8 @@ TEST_CASE("Bone and air of an exported CT stay where they are; without that they
   const auto folder = freshFolder("still");
   writeHead(folder);
   const auto bends = largestChanges(folder, "still = \"nothing\"\n"), stays = largestChanges(folder, ""),
-             outside = largestChanges(folder, "still = \"outside\"\n"), byValues = largestChanges(folder, "still = { above = 500 }\n");
+             outside = largestChanges(folder, "still = \"outside\"\n"),
+             byValues = largestChanges(folder, "still = { above = 500 }\n");
   CHECK(bends[0] > 300.0);
   CHECK(stays[0] == 0.0);
   CHECK(byValues[0] == 0.0);
@@ -169,10 +177,13 @@ TEST_CASE("A label that is to stay and does not occur is refused with those that
   map.voxels.assign(64, 3);
   map.labels = {{3, "skull", {0.6F, 0.2F, 0.1F}}};
   REQUIRE(imaging::writeLabelMap(folder / "labels.nrrd", map));
-  const auto file = writeFile(folder / "scene.toml",
-                              "format = 1\n[image]\nfile = \"head.nrrd\"\nlabels = \"labels.nrrd\"\nstill = { labels = [\"scull\"] }\n"
-                              "[[body]]\nvolume = \"head.nrrd\"\nthreshold = [30, 100]\n");
-  const auto ran = runC3de({"run", file.string(), "--steps", "1", "--export-image", (folder / "w.nrrd").string(), "-q"});
+  const auto file = writeFile(
+      folder / "scene.toml",
+      "format = 1\n[image]\nfile = \"head.nrrd\"\nlabels = \"labels.nrrd\"\nstill = { labels = [\"scull\"] }\n"
+      "[[body]]\nvolume = \"head.nrrd\"\nthreshold = [30, 100]\n");
+  const auto ran =
+      runC3de({"run", file.string(), "--steps", "1", "--export-image", (folder / "w.nrrd").string(), "-q"});
   CHECK(ran.exitCode == 3);
-  CHECK_THAT(ran.errorOutput, Contains("scene.toml:2: ") && Contains("no label 'scull'") && Contains("did you mean 'skull'"));
+  CHECK_THAT(ran.errorOutput,
+             Contains("scene.toml:2: ") && Contains("no label 'scull'") && Contains("did you mean 'skull'"));
 }

@@ -10,10 +10,11 @@
 
 namespace {
 
-#define AT(type, member, offset, ...)                                   \
-  static_assert(offsetof(type, member) == offset, #type "." #member);   \
+#define AT(type, member, offset, ...)                                 \
+  static_assert(offsetof(type, member) == offset, #type "." #member); \
   static_assert(std::is_same_v<decltype(type::member), __VA_ARGS__>, #type "." #member)
-#define SIZE(type, size) static_assert(sizeof(type) == size && std::is_trivial_v<type> && std::is_standard_layout_v<type>)
+#define SIZE(type, size) \
+  static_assert(sizeof(type) == size && std::is_trivial_v<type> && std::is_standard_layout_v<type>)
 
 static_assert(C3DE_ABI_MAJOR == 1u);
 static_assert(C3DE_OK == 0 && C3DE_S_TRUNCATED == 1 && C3DE_E_ARG == -1 && C3DE_E_VERSION == -2 &&

@@ -15,27 +15,24 @@ struct BadCase {
   std::vector<std::string> reason;  ///< parts of it
 };
 
-const std::vector<BadCase> kBadPlugins{
-    {"wrong_abi_major", {"built for plugin ABI 7", "this host serves 1", "get a newer host"}},
-    {"declines", {"the plugin declines: needs a licence key"}},
-    {"no_entry", {"not a plugin: no symbol c3de_plugin_query"}},
-    {"null_plugin", {"bad descriptor", "plugin is null"}},
-    {"null_create", {"bad descriptor", "create is null"}},
-    {"empty_id", {"bad descriptor", "id: is empty"}},
-    {"id_not_utf8", {"bad descriptor", "id: is not UTF-8"}},
-    {"size_zero", {"bad descriptor", "size is 0"}},
-    {"size_huge", {"bad descriptor", "size is 2147483648"}},
-    {"huge_needs", {"bad descriptor", "needs_n is 9223372036854775807", "at most 256"}},
-    {"unknown_service", {"needs draft/c3de.lag/0, which this host does not have", "did you mean draft/c3de.log/0?"}},
-    {"too_new_revision", {"needs draft/c3de.collision/0 rev >= 3, host has 1", "get a newer host"}},
-    {"class_twice", {"create failed", "class test.First/0 is registered by plugin test.class_twice already"}},
-    {"throws_in_query", {"an exception left c3de_plugin_query: thrown in query"}},
-    {"throws_in_create", {"an exception left create: thrown in create"}},
-    {"sdk_throws", {"create failed: the presets cannot be read (C3DE_E_IO)"}},
-    {"fails_in_create", {"create failed: the moon is in the wrong phase (C3DE_E_STATE)"}},
-    {"fails_in_start", {"start failed: the moon is in the wrong phase (C3DE_E_STATE)"}},
+const std::vector<BadCase> kBadPlugins {
+  {"wrong_abi_major", {"built for plugin ABI 7", "this host serves 1", "get a newer host"}},
+      {"declines", {"the plugin declines: needs a licence key"}},
+      {"no_entry", {"not a plugin: no symbol c3de_plugin_query"}},
+      {"null_plugin", {"bad descriptor", "plugin is null"}}, {"null_create", {"bad descriptor", "create is null"}},
+      {"empty_id", {"bad descriptor", "id: is empty"}}, {"id_not_utf8", {"bad descriptor", "id: is not UTF-8"}},
+      {"size_zero", {"bad descriptor", "size is 0"}}, {"size_huge", {"bad descriptor", "size is 2147483648"}},
+      {"huge_needs", {"bad descriptor", "needs_n is 9223372036854775807", "at most 256"}},
+      {"unknown_service", {"needs draft/c3de.lag/0, which this host does not have", "did you mean draft/c3de.log/0?"}},
+      {"too_new_revision", {"needs draft/c3de.collision/0 rev >= 3, host has 1", "get a newer host"}},
+      {"class_twice", {"create failed", "class test.First/0 is registered by plugin test.class_twice already"}},
+      {"throws_in_query", {"an exception left c3de_plugin_query: thrown in query"}},
+      {"throws_in_create", {"an exception left create: thrown in create"}},
+      {"sdk_throws", {"create failed: the presets cannot be read (C3DE_E_IO)"}},
+      {"fails_in_create", {"create failed: the moon is in the wrong phase (C3DE_E_STATE)"}},
+      {"fails_in_start", {"start failed: the moon is in the wrong phase (C3DE_E_STATE)"}},
 #if !defined(_WIN32)
-    {"undefined_symbol", {"cannot be loaded", "a_function_that_nobody_has"}},
+      {"undefined_symbol", {"cannot be loaded", "a_function_that_nobody_has"}},
 #endif
 };
 
@@ -156,7 +153,8 @@ TEST_CASE("a truncated library is refused, wherever it was cut") {
   const std::string whole = readFile(HostFixture::hello());
   REQUIRE(whole.size() > 4096);
   HostFixture f;
-  for (const std::size_t kept : {std::size_t{5}, std::size_t{100}, whole.size() / 4, whole.size() / 2, whole.size() - 1}) {
+  for (const std::size_t kept :
+       {std::size_t{5}, std::size_t{100}, whole.size() / 4, whole.size() / 2, whole.size() - 1}) {
     const auto file = scratch("truncated_" + std::to_string(kept));
     writeFile(file, whole.substr(0, kept));
     INFO(kept);
@@ -178,7 +176,9 @@ TEST_CASE("a library for another processor or system is named as such") {
   HostFixture f;
   CHECK_THAT(f.refusalOf(file), Contains("built for another processor"));
 #if defined(_WIN32)
-  library = "\x7f" "ELF";
+  library =
+      "\x7f"
+      "ELF";
 #else
   library = "MZ and so on";
 #endif

@@ -197,8 +197,7 @@ TEST_CASE("a plugin that calls after it was taken back gets a status instead of 
                          return C3DE_OK;
                        }};
   const std::string_view name = "taken back";
-  const auto compared =
-      static_cast<const test_driver_v0 *>(table)->run(*object, {name.data(), name.size()}, {0}, sink);
+  const auto compared = static_cast<const test_driver_v0 *>(table)->run(*object, {name.data(), name.size()}, {0}, sink);
   CHECK(differences == "");
   CHECK(compared == 4);
 }

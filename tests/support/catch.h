@@ -39,13 +39,13 @@ void skip(const std::string &reason);
 }  // namespace c3de::test
 
 /// Ends the test case as skipped, visibly, with the reason. What has failed before has failed.
-#define C3DE_SKIP(reason)       \
-  do {                          \
-    c3de::test::skip(reason);   \
-    return;                     \
+#define C3DE_SKIP(reason)     \
+  do {                        \
+    c3de::test::skip(reason); \
+    return;                   \
   } while (false)
 
 /// A file of the data made by others; skips the case where the folder is absent.
-#define C3DE_DATA_OR_SKIP(variable, relativePath)                                        \
+#define C3DE_DATA_OR_SKIP(variable, relativePath)                                                  \
   const std::filesystem::path variable = std::filesystem::path(testDataFolder()) / (relativePath); \
   if (!std::filesystem::exists(variable)) C3DE_SKIP("test data not present: " + variable.string())

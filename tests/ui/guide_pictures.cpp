@@ -30,7 +30,8 @@ void pull(WorkstationDriver &window, const std::string &picture) {
   window.waitUntil("a surfel is held", [](const Json &s) { return s["values"].contains(kPanel + "Held surfel"); });
   for (int i = 1; i <= 10; ++i) window.moveTo(window.inView(0.46 + 0.004 * i, 0.43 - 0.025 * i));
   const double from = window.state()["transport"]["time_s"];
-  window.waitUntil("it has followed", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 0.8; }, 60.0);
+  window.waitUntil(
+      "it has followed", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + 0.8; }, 60.0);
   window.screenshot(picture);
   window.release();
 }
@@ -43,7 +44,8 @@ TEST_CASE("Pictures of the user guide", "[.guide]") {
   window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "first_light.toml").string()});
   const auto rest = [&](double seconds) {
     const double from = window.state()["transport"]["time_s"];
-    window.waitUntil("it rests", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; }, 180.0);
+    window.waitUntil(
+        "it rests", [&](const Json &s) { return s["transport"]["time_s"].get<double>() > from + seconds; }, 180.0);
   };
   // Each picture begins where the organ has come to rest after its fall.
   const auto fallAgain = [&] {
@@ -52,7 +54,8 @@ TEST_CASE("Pictures of the user guide", "[.guide]") {
     window.waitUntil("it is reset", [](const Json &s) { return s["transport"]["time_s"].get<double>() < 1.0; });
     rest(3.0);
   };
-  window.waitUntil("the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); }, 60.0);
+  window.waitUntil(
+      "the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); }, 60.0);
   window.moveTo(window.inView(0.9, 0.1));
   window.key("f");
   // Room for the legend.
@@ -79,31 +82,40 @@ TEST_CASE("Pictures of images for the user guide", "[.guide]") {
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   WorkstationDriver window("guide");
   window.start({image.string()});
-  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  window.waitUntil(
+      "the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
   const auto inPane = [&](const char *pane, double u, double v) {
     const Json r = window.state()["panes"][pane];
-    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(), r["y"].get<double>() + v * r["h"].get<double>()};
+    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
+                             r["y"].get<double>() + v * r["h"].get<double>()};
   };
   window.click("image/volume");
   window.click("image/slices_in_space");
   window.clickAt(inPane("axial", 0.31, 0.62));
   window.key("4");
-  window.waitUntil("the preset is set", [](const Json &s) { return s["values"].value("image/preset", "") == "CT abdomen (4)"; });
+  window.waitUntil("the preset is set",
+                   [](const Json &s) { return s["values"].value("image/preset", "") == "CT abdomen (4)"; });
   std::this_thread::sleep_for(std::chrono::seconds(2));  // the volume is refined
   window.screenshot("image");
 }
 
 TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.guide]") {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
-  if (!std::filesystem::exists("/usr/share/mricron/templates/ch2bet.nii.gz")) C3DE_SKIP("mricron-data is not installed");
+  if (!std::filesystem::exists("/usr/share/mricron/templates/ch2bet.nii.gz"))
+    C3DE_SKIP("mricron-data is not installed");
   WorkstationDriver window("guide");
   window.start({(std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_shift.toml").string()});
-  window.waitUntil("the brain is there", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && std::strtod(s["values"].value("image/axial.outlines", "0").c_str(), nullptr) > 0;
-  }, 60.0);
+  window.waitUntil(
+      "the brain is there",
+      [](const Json &s) {
+        return s["panes"].size() == 4 && s["jobs"].empty() &&
+               std::strtod(s["values"].value("image/axial.outlines", "0").c_str(), nullptr) > 0;
+      },
+      60.0);
   const auto inSpace = [&](double u, double v) {
     const Json r = window.state()["panes"]["3D"];
-    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(), r["y"].get<double>() + v * r["h"].get<double>()};
+    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
+                             r["y"].get<double>() + v * r["h"].get<double>()};
   };
   const auto picture = [&](const char *name) {
     window.moveTo(inSpace(0.95, 0.95));
@@ -112,7 +124,8 @@ TEST_CASE("Pictures of cuts and transparent surfaces for the user guide", "[.gui
   };
   window.click("image/volume");
   window.key("space");
-  window.waitUntil("it settles", [](const Json &s) { return s["transport"]["time_s"] > 2.0; }, 60.0);
+  window.waitUntil(
+      "it settles", [](const Json &s) { return s["transport"]["time_s"] > 2.0; }, 60.0);
   window.key("space");
   window.moveTo(inSpace(0.95, 0.95));
   window.key("shift+s");
@@ -135,12 +148,16 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   WorkstationDriver window("guide");
   window.start({image.string(), labels.string()});
-  window.waitUntil("image and labels are shown", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("organ/label_filter");
-  }, 60.0);
+  window.waitUntil(
+      "image and labels are shown",
+      [](const Json &s) {
+        return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("organ/label_filter");
+      },
+      60.0);
   const auto inCoronal = [&](double u, double v) {
     const Json r = window.state()["panes"]["coronal"];
-    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(), r["y"].get<double>() + v * r["h"].get<double>()};
+    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
+                             r["y"].get<double>() + v * r["h"].get<double>()};
   };
   window.clickAt(inCoronal(0.25, 0.1));
   window.key("4");
@@ -150,7 +167,12 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.click("organ/label.5");
   window.waitForValue("organ/material", "liver");
   window.click("organ/close");
-  window.waitUntil("it is closed", [](const Json &s) { return s["jobs"].empty() && s["values"].value("organ/Steps", "").find("closed by") != std::string::npos; }, 60.0);
+  window.waitUntil(
+      "it is closed",
+      [](const Json &s) {
+        return s["jobs"].empty() && s["values"].value("organ/Steps", "").find("closed by") != std::string::npos;
+      },
+      60.0);
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organ");
 
@@ -166,7 +188,8 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organs_picked");
   window.click("organ/make");
-  window.waitUntil("they live", [](const Json &s) { return s["jobs"].empty() && s["transport"]["time_s"] > 0.2; }, 60.0);
+  window.waitUntil(
+      "they live", [](const Json &s) { return s["jobs"].empty() && s["transport"]["time_s"] > 0.2; }, 60.0);
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organs");
 }
@@ -175,12 +198,13 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
   WorkstationDriver window("guide");
   window.start({"--play", (std::filesystem::path(testResourcesFolder()) / "scenes" / "brain_shift.toml").string()});
-  window.waitUntil("the brain has settled", [](const Json &s) {
-    return s["panes"].size() == 4 && s["transport"]["time_s"].get<double>() > 4.0;
-  }, 120.0);
+  window.waitUntil(
+      "the brain has settled",
+      [](const Json &s) { return s["panes"].size() == 4 && s["transport"]["time_s"].get<double>() > 4.0; }, 120.0);
   const auto inPane = [&](const char *pane, double u, double v) {
     const Json r = window.state()["panes"][pane];
-    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(), r["y"].get<double>() + v * r["h"].get<double>()};
+    return c3de::test::Point{r["x"].get<double>() + u * r["w"].get<double>(),
+                             r["y"].get<double>() + v * r["h"].get<double>()};
   };
   window.clickAt(inPane("sagittal", 0.34, 0.3));
   window.waitFrames(5);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How soon does the window answer while every core is busy with something else? Speed is neither passed nor failed: this is
-// a command that prints what it has measured.
+// How soon does the window answer while every core is busy with something else? Speed is neither passed nor failed:
+// this is a command that prints what it has measured.
 //
 //   xvfb-run -a -s "-screen 0 1400x900x24" build/release/bin/test_ui "[latency]"
 //
-// The default scene plays and warps its scan in four views; beside it as many busy loops as there are cores, at the same
-// priority (C3DE_BUSY_LOOPS: another number). Real X events are sent by one process that waits for them on a pipe. An answer
-// begins before its event is handed to that process, and ends when the buffers have been swapped after the first frame that
-// took the event (`answers` of the automation state, steady clock), with software OpenGL after the X server has the picture.
+// The default scene plays and warps its scan in four views; beside it as many busy loops as there are cores, at the
+// same priority (C3DE_BUSY_LOOPS: another number). Real X events are sent by one process that waits for them on a pipe.
+// An answer begins before its event is handed to that process, and ends when the buffers have been swapped after the
+// first frame that took the event (`answers` of the automation state, steady clock), with software OpenGL after the X
+// server has the picture.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -43,7 +44,8 @@ class EventSource {
     fs::remove(pipe, ignored);
     const auto made = c3de::runProcess({"mkfifo", pipe.string()}, 10.0);
     if (!made || made->exitCode != 0) throw std::runtime_error("no pipe can be made");
-    auto started = c3de::ChildProcess::start({"sh", "-c", "exec xdotool - < \"$0\"", pipe.string()}, outputFile("latency-xdotool.log"));
+    auto started = c3de::ChildProcess::start({"sh", "-c", "exec xdotool - < \"$0\"", pipe.string()},
+                                             outputFile("latency-xdotool.log"));
     if (!started) throw std::runtime_error(started.error().message);
     process_.emplace(std::move(*started));
     out_.open(pipe);
@@ -79,7 +81,8 @@ class Answers {
     lookedAt_s_ = now_s();
     const Json state = window_.state();
     for (const Json &a : state.value("answers", Json::array()))
-      byFrame_[a[0].get<long>()] = {std::lround(a[1].get<double>()), std::lround(a[2].get<double>()), a[3].get<long>(), a[4].get<double>()};
+      byFrame_[a[0].get<long>()] = {std::lround(a[1].get<double>()), std::lround(a[2].get<double>()), a[3].get<long>(),
+                                    a[4].get<double>()};
   }
   [[nodiscard]] const std::map<long, Answer> &byFrame() const { return byFrame_; }
   [[nodiscard]] long characters() {
@@ -102,10 +105,12 @@ Box boxOf(const Json &rect) { return {rect["x"], rect["y"], rect["w"], rect["h"]
 void tell(const std::string &what, std::vector<double> times_s, std::size_t sent, const std::string &more = {}) {
   std::sort(times_s.begin(), times_s.end());
   const auto at_ms = [&](double share) {
-    return times_s.empty() ? NAN : 1e3 * times_s[static_cast<std::size_t>(std::lround(share * static_cast<double>(times_s.size() - 1)))];
+    return times_s.empty()
+               ? NAN
+               : 1e3 * times_s[static_cast<std::size_t>(std::lround(share * static_cast<double>(times_s.size() - 1)))];
   };
-  std::printf("%-44s %4zu of %4zu   p50 %6.1f   p95 %6.1f   max %6.1f ms%s\n", what.c_str(), times_s.size(), sent, at_ms(0.5),
-              at_ms(0.95), at_ms(1.0), more.c_str());
+  std::printf("%-44s %4zu of %4zu   p50 %6.1f   p95 %6.1f   max %6.1f ms%s\n", what.c_str(), times_s.size(), sent,
+              at_ms(0.5), at_ms(0.95), at_ms(1.0), more.c_str());
   std::fflush(stdout);
 }
 
@@ -114,20 +119,25 @@ class Trial {
  public:
   Trial() : window_("latency"), answers_(window_) {
     window_.start({"--play", (fs::path(testResourcesFolder()) / "scenes" / "brain_shift.toml").string()});
-    window_.waitUntil("the scan is warped", [](const Json &s) {
-      return s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 0.5 &&
-             s["values"].value("image/axial.readout", std::string()).find("|u|") != std::string::npos;
-    }, 120.0);
+    window_.waitUntil(
+        "the scan is warped",
+        [](const Json &s) {
+          return s["panes"].size() == 4 && s["jobs"].empty() && s["transport"]["time_s"].get<double>() > 0.5 &&
+                 s["values"].value("image/axial.readout", std::string()).find("|u|") != std::string::npos;
+        },
+        120.0);
     events_.emplace();
     const char *given = std::getenv("C3DE_BUSY_LOOPS");
-    const unsigned loops = given ? static_cast<unsigned>(std::strtoul(given, nullptr, 10)) : std::thread::hardware_concurrency();
+    const unsigned loops =
+        given ? static_cast<unsigned>(std::strtoul(given, nullptr, 10)) : std::thread::hardware_concurrency();
     for (unsigned i = 0; i < loops; ++i) {
       auto loop = c3de::ChildProcess::start({"sh", "-c", "while :; do :; done"}, outputFile("latency-busy.log"));
       if (loop) busy_.push_back(std::move(*loop));
     }
     std::string load;
     std::getline(std::ifstream("/proc/loadavg") >> std::ws, load);
-    std::printf("%zu busy loops, %u cores; load before: %s\n", busy_.size(), std::thread::hardware_concurrency(), load.c_str());
+    std::printf("%zu busy loops, %u cores; load before: %s\n", busy_.size(), std::thread::hardware_concurrency(),
+                load.c_str());
     pause_s(2.0);
   }
 
@@ -142,7 +152,8 @@ class Trial {
     const auto placeOf = [&](std::size_t i) {
       // Row by row; no place twice.
       const auto width = static_cast<std::size_t>(box.w), step = 7 * i;
-      return std::pair(std::lround(box.x) + static_cast<long>(step % width), std::lround(box.y) + static_cast<long>(3 * (step / width)));
+      return std::pair(std::lround(box.x) + static_cast<long>(step % width),
+                       std::lround(box.y) + static_cast<long>(3 * (step / width)));
     };
     const auto moveTo = [&](std::pair<long, long> at) {
       return events_->send("mousemove " + std::to_string(at.first) + " " + std::to_string(at.second));
@@ -185,14 +196,18 @@ class Trial {
       answers_.lookNowAndThen();
       pause_s(std::max(sent_s.back() + gap_s - now_s(), 0.0));
     }
-    for (const double end_s = now_s() + 20.0; now_s() < end_s && answers_.characters() < before + static_cast<long>(count);) pause_s(0.3);
+    for (const double end_s = now_s() + 20.0;
+         now_s() < end_s && answers_.characters() < before + static_cast<long>(count);)
+      pause_s(0.3);
     std::vector<double> times_s;
     double last_s = 0.0;
     for (const auto &[frame, answer] : answers_.byFrame())
-      for (; static_cast<long>(times_s.size()) < std::min(answer.characters - before, static_cast<long>(count)); last_s = answer.shown_s)
+      for (; static_cast<long>(times_s.size()) < std::min(answer.characters - before, static_cast<long>(count));
+           last_s = answer.shown_s)
         times_s.push_back(answer.shown_s - sent_s[times_s.size()]);
     char rate[64];
-    std::snprintf(rate, sizeof rate, "   %.1f characters/s", static_cast<double>(times_s.size()) / (last_s - sent_s.front()));
+    std::snprintf(rate, sizeof rate, "   %.1f characters/s",
+                  static_cast<double>(times_s.size()) / (last_s - sent_s.front()));
     tell(what, times_s, count, rate + rates());
   }
 
@@ -219,7 +234,8 @@ class Trial {
     const Json s = window_.state();
     const double wall_s = now_s() - began_s_;
     char text[96];
-    std::snprintf(text, sizeof text, "   %.0f frames/s, %.2f x real time", (s["frame"].get<double>() - frames_) / wall_s,
+    std::snprintf(text, sizeof text, "   %.0f frames/s, %.2f x real time",
+                  (s["frame"].get<double>() - frames_) / wall_s,
                   (s["transport"]["time_s"].get<double>() - simulated_s_) / wall_s);
     return text;
   }
@@ -248,20 +264,24 @@ TEST_CASE("How soon the window answers mouse and keys while the cores are busy",
   trial.move("mouse over a slice, now and then", axial, kLeast_s, kMost_s);
   trial.move("mouse over a slice, 60 moves/s", axial, kHand_s, kHand_s);
   trial.move("mouse over the 3D view, now and then", space, kLeast_s, kMost_s);
-  trial.move("mouse over the panels, now and then", {20.0, area.y + 0.3 * area.h, 0.7 * area.x, 0.4 * area.h}, kLeast_s, kMost_s);
+  trial.move("mouse over the panels, now and then", {20.0, area.y + 0.3 * area.h, 0.7 * area.x, 0.4 * area.h}, kLeast_s,
+             kMost_s);
   trial.move("cross-hair dragged, 60 moves/s", axial, kHand_s, kHand_s, true);
   trial.move("3D view turned, 60 moves/s", space, kHand_s, kHand_s, true);
   window.click("menu/view");
-  const Json widgets = window.waitUntil("the menu is open", [](const Json &s) { return s["widgets"].contains("menu/view.cut_axial"); })["widgets"];
+  const Json widgets = window.waitUntil(
+      "the menu is open", [](const Json &s) { return s["widgets"].contains("menu/view.cut_axial"); })["widgets"];
   const Json item = widgets["menu/view.cut_axial"];
   const double width = item[2].get<double>() - item[0].get<double>();
-  trial.move("mouse over an open menu, now and then", {item[0], item[1].get<double>() - 60.0, 0.9 * width, 120.0}, kLeast_s, kMost_s);
+  trial.move("mouse over an open menu, now and then", {item[0], item[1].get<double>() - 60.0, 0.9 * width, 120.0},
+             kLeast_s, kMost_s);
   window.key("Escape");
   trial.startAnew();
   window.key("ctrl+o");
   window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
   trial.type("typing in a dialog, 25 keys/s", 100, 0.04);
   trial.type("typing in a dialog, as fast as keys come", 200, 0.0);
-  window.waitUntil("none of the characters is lost", [](const Json &s) { return s["values"].value("dialog/path", std::string()).size() == 300; });
+  window.waitUntil("none of the characters is lost",
+                   [](const Json &s) { return s["values"].value("dialog/path", std::string()).size() == 300; });
   CHECK(window.state()["transport"]["mode"] == "playing");
 }

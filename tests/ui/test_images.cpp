@@ -2,12 +2,12 @@
 // What a person does with an image in the window: scroll, point, change window and level, maximise, lay labels over it,
 // see an organ cut by the slices and pull it.
 #include <algorithm>
-#include <thread>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include "c3de/imaging/reading.h"
 #include "c3de/imaging/writing.h"
@@ -65,7 +65,8 @@ fs::path labelFile(const std::string &scenario, const std::string &extension = "
 
 void startOn(WorkstationDriver &window, const std::vector<std::string> &files) {
   window.start(files);
-  window.waitUntil("the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  window.waitUntil(
+      "the image is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
 }
 
 Point inPane(const WorkstationDriver &window, const char *pane, double u, double v) {
@@ -77,7 +78,9 @@ double number(const Json &state, const std::string &key) {
   return std::strtod(state["values"].value("image/" + key, std::string("nan")).c_str(), nullptr);
 }
 
-std::string text(const Json &state, const std::string &key) { return state["values"].value("image/" + key, std::string()); }
+std::string text(const Json &state, const std::string &key) {
+  return state["values"].value("image/" + key, std::string());
+}
 
 Vec3 crossHair(const Json &state) {
   Vec3 at{};
@@ -92,7 +95,8 @@ Point pixelOf(const WorkstationDriver &window, const std::string &pane, const Ve
   const double scale = number(state, pane + ".scale_mm_per_px");
   const double right = pane == "sagittal" ? world[1] : world[0], down = pane == "axial" ? world[1] : -world[2];
   const Json r = state["panes"][pane];
-  return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + right / scale, r["y"].get<double>() + 0.5 * r["h"].get<double>() + down / scale};
+  return {r["x"].get<double>() + 0.5 * r["w"].get<double>() + right / scale,
+          r["y"].get<double>() + 0.5 * r["h"].get<double>() + down / scale};
 }
 
 }  // namespace
@@ -108,7 +112,8 @@ TEST_CASE("slices scroll by wheel and keys, each view by itself", "[image_scroll
   CHECK(text(first, "coronal.letters") == "R|L|S|I");
   const double axial = number(first, "axial.slice"), coronal = number(first, "coronal.slice");
   const auto waitForSlice = [&](const char *pane, double slice) {
-    return window.waitUntil("the slice changes", [&](const Json &s) { return number(s, std::string(pane) + ".slice") == slice; });
+    return window.waitUntil("the slice changes",
+                            [&](const Json &s) { return number(s, std::string(pane) + ".slice") == slice; });
   };
   window.moveTo(inPane(window, "axial", 0.3, 0.4));
   window.wheel(3);
@@ -158,7 +163,8 @@ TEST_CASE("modifiers count for the wheel and the mouse as they are held, not one
   const Vec3 before = crossHair(window.state());
   window.keyDown("shift");
   window.moveTo(inPane(window, "axial", 0.4, 0.6));
-  const Json pointed = window.waitUntil("the cross-hair follows", [&](const Json &s) { return norm(crossHair(s) - before) > 1.0; });
+  const Json pointed =
+      window.waitUntil("the cross-hair follows", [&](const Json &s) { return norm(crossHair(s) - before) > 1.0; });
   window.keyUp("shift");
   window.moveTo(inPane(window, "axial", 0.6, 0.45));
   window.waitFrames(0);
@@ -175,10 +181,12 @@ TEST_CASE("R is the reset of the view under the mouse, and Ctrl+R that of the si
   window.moveTo(inPane(window, "coronal", 0.3, 0.4));
   window.wheel(2);
   window.waitUntil("both have scrolled", [&](const Json &s) {
-    return number(s, "axial.slice") == number(first, "axial.slice") + 3 && number(s, "coronal.slice") == number(first, "coronal.slice") + 2;
+    return number(s, "axial.slice") == number(first, "axial.slice") + 3 &&
+           number(s, "coronal.slice") == number(first, "coronal.slice") + 2;
   });
   window.key("r");
-  window.waitUntil("this one is as at the start", [&](const Json &s) { return number(s, "coronal.slice") == number(first, "coronal.slice"); });
+  window.waitUntil("this one is as at the start",
+                   [&](const Json &s) { return number(s, "coronal.slice") == number(first, "coronal.slice"); });
   CHECK(number(window.state(), "axial.slice") == number(first, "axial.slice") + 3);
   window.drag(inPane(window, "3D", 0.5, 0.5), inPane(window, "3D", 0.7, 0.6), 3);
   REQUIRE(window.state()["camera"]["yaw"] != first["camera"]["yaw"]);
@@ -200,17 +208,22 @@ TEST_CASE("a click sets the cross-hair in all views, and the read-out tells what
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("image_cross_hair");
   startOn(window, {imageFile("image_cross_hair").string(), labelFile("image_cross_hair").string()});
-  window.waitUntil("the labels are there", [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  window.waitUntil("the labels are there",
+                   [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
   // The stem of the L: x = 23, y = -6, z = 0.
   window.clickAt(pixelOf(window, "coronal", {23, 0, 0}));
   window.clickAt(pixelOf(window, "sagittal", {0, -6, 0}));
-  const Json state = window.waitUntil("the cross-hair is there", [](const Json &s) { return norm(crossHair(s) - Vec3{23, -6, 0}) < 2.0; });
-  for (const char *pane : {"axial", "sagittal", "coronal"}) CHECK(text(state, std::string(pane) + ".cross_hair") == "shown");
+  const Json state = window.waitUntil("the cross-hair is there", [](const Json &s) {
+    return norm(crossHair(s) - Vec3{23, -6, 0}) < 2.0;
+  });
+  for (const char *pane : {"axial", "sagittal", "coronal"})
+    CHECK(text(state, std::string(pane) + ".cross_hair") == "shown");
   // The mouse is over the sagittal view; the others read at the cross-hair.
   CHECK_THAT(text(state, "axial.readout"), Contains("   700") && Contains("letters") && Contains("mm"));
   window.screenshot("on_the_L");
   window.moveTo(inPane(window, "axial", 0.2, 0.2));
-  window.waitUntil("the read-out follows the mouse", [](const Json &s) { return text(s, "axial.readout").find("-1000") != std::string::npos; });
+  window.waitUntil("the read-out follows the mouse",
+                   [](const Json &s) { return text(s, "axial.readout").find("-1000") != std::string::npos; });
   window.wheel(-2);
   window.waitUntil("it is not on that slice", [](const Json &s) { return text(s, "axial.cross_hair") == "hidden"; });
   CHECK(text(window.state(), "coronal.cross_hair") == "shown");
@@ -239,7 +252,8 @@ TEST_CASE("window and level follow a drag in their own mode, and number keys are
   // In the 3D view the same key is a direction.
   window.moveTo(inPane(window, "3D", 0.5, 0.5));
   window.key("3");
-  window.waitUntil("the camera has turned", [&](const Json &s) { return s["camera"]["yaw"] != first["camera"]["yaw"]; });
+  window.waitUntil("the camera has turned",
+                   [&](const Json &s) { return s["camera"]["yaw"] != first["camera"]["yaw"]; });
   CHECK(number(window.state(), "window") == number(first, "window"));
   window.click("toolbar/slices.cross_hair");
   window.clickAt(inPane(window, "axial", 0.4, 0.4));
@@ -253,7 +267,8 @@ TEST_CASE("a double click gives a view the whole area, and another one gives it 
   const Json four = window.state();
   // The cross-hair never leaves the image: beside it the nearest point of the image is taken.
   window.clickAt(inPane(window, "axial", 0.02, 0.5));
-  const Json clicked = window.waitUntil("the click is taken", [&](const Json &s) { return norm(crossHair(s) - crossHair(four)) > 1.0; });
+  const Json clicked =
+      window.waitUntil("the click is taken", [&](const Json &s) { return norm(crossHair(s) - crossHair(four)) > 1.0; });
   CHECK(crossHair(clicked)[0] == Approx(-80.0).margin(1e-3));  // the image ends there
   CHECK_THAT(text(clicked, "coronal.readout"), Contains("["));
   std::this_thread::sleep_for(std::chrono::milliseconds(450));
@@ -270,7 +285,8 @@ TEST_CASE("a double click gives a view the whole area, and another one gives it 
   std::this_thread::sleep_for(std::chrono::milliseconds(450));
   for (const char *pane : {"coronal", "3D"}) {
     window.doubleClickAt(inPane(window, pane, 0.4, 0.4));
-    const Json one = window.waitUntil("one view", [&](const Json &s) { return s["panes"].size() == 1 && s["panes"].contains(pane); });
+    const Json one = window.waitUntil(
+        "one view", [&](const Json &s) { return s["panes"].size() == 1 && s["panes"].contains(pane); });
     CHECK(one["panes"][pane]["w"] > 1.9 * four["panes"][pane]["w"].get<double>());
     window.screenshot(std::string("only_") + pane);
     // Clicks that follow each other faster than a double click takes are one of three or four.
@@ -293,10 +309,12 @@ TEST_CASE("a view shows what has changed in it at once, and no more than that", 
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("image_kept");
   startOn(window, {imageFile("image_kept").string(), labelFile("image_kept").string()});
-  window.waitUntil("the labels are there", [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  window.waitUntil("the labels are there",
+                   [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
   const auto shot = [&](const char *name) {
     window.moveTo(inPane(window, "3D", 0.9, 0.9));
-    window.waitUntil("notices are gone", [](const Json &s) { return s["notifications"].empty(); }, 60.0);
+    window.waitUntil(
+        "notices are gone", [](const Json &s) { return s["notifications"].empty(); }, 60.0);
     window.screenshot(name);
   };
   const auto differ = [&](const char *before, const char *after, const std::vector<std::string> &changed) {
@@ -346,7 +364,8 @@ TEST_CASE("volume rendering, presets and labels are chosen in the panel", "[imag
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("image_panel");
   startOn(window, {imageFile("image_panel").string(), labelFile("image_panel").string()});
-  window.waitUntil("the labels are there", [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
+  window.waitUntil("the labels are there",
+                   [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); });
   window.screenshot("before");
   window.click("image/volume");
   window.waitForValue("image/volume", "true");
@@ -424,11 +443,16 @@ TEST_CASE("of several files each that cannot be used says why, and the others ar
   map.geometry = {{4, 4, 4}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 900, 0, 0, 1}};
   map.voxels.assign(64, 1);
   REQUIRE(c3de::imaging::writeLabelMap(far, map));
-  startOn(window, {imageFile("image_several").string(), notes.string(), (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").string(), far.string()});
-  const Json state = window.waitUntil("both messages and the organ", [](const Json &s) { return s["notifications"].size() == 2 && s["transport"]["exists"].get<bool>(); }, 60.0);
+  startOn(window, {imageFile("image_several").string(), notes.string(),
+                   (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").string(), far.string()});
+  const Json state = window.waitUntil(
+      "both messages and the organ",
+      [](const Json &s) { return s["notifications"].size() == 2 && s["transport"]["exists"].get<bool>(); }, 60.0);
   std::string all;
-  for (const Json &n : state["notifications"]) all += n["title"].get<std::string>() + ": " + n["text"].get<std::string>() + "\n";
-  CHECK_THAT(all, Contains("image_several_notes.xyz: is nothing that can be read") && Contains("lies beside the image"));
+  for (const Json &n : state["notifications"])
+    all += n["title"].get<std::string>() + ": " + n["text"].get<std::string>() + "\n";
+  CHECK_THAT(all,
+             Contains("image_several_notes.xyz: is nothing that can be read") && Contains("lies beside the image"));
   CHECK(state["panes"].size() == 4);
 }
 
@@ -438,15 +462,20 @@ TEST_CASE("an organ is cut by the slices and can be pulled in the 3D view beside
     C3DE_SKIP("the point-based plugin is not built");
   WorkstationDriver window("image_organ");
   const fs::path scene = outputFile("image_organ.toml");
-  std::ofstream(scene) << "format = 1\ntitle = \"Organ in an image\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n[solver]\ndamping = 5.0\n"
-                          "[[body]]\nname = \"organ\"\nmesh = \""
-                       << (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string() << "\"\nmesh_unit = \"mm\"\n"
-                       << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
-                       << "sampling = { count = 400 }\n";
+  std::ofstream(scene)
+      << "format = 1\ntitle = \"Organ in an image\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n[solver]\ndamping = 5.0\n"
+         "[[body]]\nname = \"organ\"\nmesh = \""
+      << (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string() << "\"\nmesh_unit = \"mm\"\n"
+      << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
+      << "sampling = { count = 400 }\n";
   startOn(window, {imageFile("image_organ").string(), scene.string()});
-  window.waitUntil("the organ is cut by all slices", [](const Json &s) {
-    return number(s, "axial.outlines") >= 1 && number(s, "sagittal.outlines") >= 1 && number(s, "coronal.outlines") >= 1;
-  }, 60.0);
+  window.waitUntil(
+      "the organ is cut by all slices",
+      [](const Json &s) {
+        return number(s, "axial.outlines") >= 1 && number(s, "sagittal.outlines") >= 1 &&
+               number(s, "coronal.outlines") >= 1;
+      },
+      60.0);
   // the planes would hide the organ from the mouse
   window.click("scene/" + imageFile("image_organ").filename().string());
   window.moveTo(inPane(window, "3D", 0.5, 0.5));
@@ -480,7 +509,8 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
   // A free block that flies 4 mm in a second of simulation, shown in its own image.
   constexpr double kSpeed_mm_s = 4.0;
   std::ofstream(scene) << "format = 1\ntitle = \"Flying\"\n[image]\nfile = \"" << image << "\"\nrim = 8\n"
-                       << "[world]\ngravity = [0, 0, 0]\n[solver]\ndamping = 0\n[[body]]\nname = \"block\"\nvolume = \"" << image
+                       << "[world]\ngravity = [0, 0, 0]\n[solver]\ndamping = 0\n[[body]]\nname = \"block\"\nvolume = \""
+                       << image
                        << "\"\nthreshold = [-480, 10000]\nvelocity = [0.004, 0, 0]\nsampling = { count = 300 }\n";
   startOn(window, {scene.string()});
   const auto shift_mm = [](const Json &s) {
@@ -488,10 +518,12 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
     const std::size_t at = readout.find("|u| ");
     return at == std::string::npos ? -1.0 : std::strtod(readout.c_str() + at + 4, nullptr);
   };
-  window.waitUntil("the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; }, 60.0);
+  window.waitUntil(
+      "the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; }, 60.0);
   window.screenshot("rest");
   window.key("space");
-  window.waitUntil("it flies", [](const Json &s) { return s["transport"]["time_s"] > 0.8; }, 30.0);
+  window.waitUntil(
+      "it flies", [](const Json &s) { return s["transport"]["time_s"] > 0.8; }, 30.0);
   window.key("space");
   // What is shown in the end is the displacement of the time that is shown; the read-out has two decimals.
   window.waitUntil("it stands", [&](const Json &s) {
@@ -529,7 +561,8 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
         for (std::size_t i = 0; i < v.geometry.size[0]; ++i) {
           // By brightness above what is around: faces between voxels count in part.
           const double bright = std::max(0.0, v.value(i, j, k) - v.value(0, 0, 0));
-          sum += bright * v.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)})[0];
+          sum +=
+              bright * v.geometry.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)})[0];
           count += bright;
         }
     return sum / count;
@@ -552,10 +585,12 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
   const fs::path scene = outputFile("image_warp_far.toml");
   const std::string image = imageFile("image_warp_far").generic_string();
   constexpr double kSpeed_mm_s = 45.0;
-  // The block reaches from -30 to 30 mm. A rim of 8 mm, a spacing of about 9 mm and 9 mm of room: the first grid ends at 56.
+  // The block reaches from -30 to 30 mm. A rim of 8 mm, a spacing of about 9 mm and 9 mm of room: the first grid ends
+  // at 56.
   const Vec3 place{65, 0, 0};
   std::ofstream(scene) << "format = 1\ntitle = \"Flying far\"\n[image]\nfile = \"" << image << "\"\nrim = 8\n"
-                       << "[world]\ngravity = [0, 0, 0]\n[solver]\ndamping = 0\n[[body]]\nname = \"block\"\nvolume = \"" << image
+                       << "[world]\ngravity = [0, 0, 0]\n[solver]\ndamping = 0\n[[body]]\nname = \"block\"\nvolume = \""
+                       << image
                        << "\"\nthreshold = [-480, 10000]\nvelocity = [0.045, 0, 0]\nsampling = { count = 300 }\n";
   startOn(window, {scene.string()});
   const auto shift_mm = [](const Json &s) {
@@ -563,16 +598,19 @@ TEST_CASE("an image follows its body far from where it began", "[image_warp_far]
     const std::size_t at = readout.find("|u| ");
     return at == std::string::npos ? -1.0 : std::strtod(readout.c_str() + at + 4, nullptr);
   };
-  window.waitUntil("the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; }, 60.0);
+  window.waitUntil(
+      "the image knows its displacement", [&](const Json &s) { return shift_mm(s) == 0.0; }, 60.0);
   window.clickAt(pixelOf(window, "axial", place));
-  window.waitUntil("the cross-hair is there", [&](const Json &s) { return std::abs(crossHair(s)[0] - place[0]) < 2.0; });
+  window.waitUntil("the cross-hair is there",
+                   [&](const Json &s) { return std::abs(crossHair(s)[0] - place[0]) < 2.0; });
   CHECK_THAT(text(window.state(), "coronal.readout"), Contains("   -1000"));
   window.click("image/shift");
   window.waitForValue("image/shift", "true");
   window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the keys are the slice's
   window.screenshot("rest");
   window.key("space");
-  window.waitUntil("it is far away", [](const Json &s) { return s["transport"]["time_s"] > 1.1; }, 30.0);
+  window.waitUntil(
+      "it is far away", [](const Json &s) { return s["transport"]["time_s"] > 1.1; }, 30.0);
   window.key("space");
   const Json flown = window.waitUntil("it stands", [&](const Json &s) {
     return s["transport"]["mode"] == "paused" &&
@@ -599,7 +637,8 @@ TEST_CASE("a folder of several series asks for one, and for none", "[image_serie
   CHECK(asked["widgets"]["series/series.1"][0].get<double>() > asked["area"]["x"].get<double>());
   window.screenshot("asked");
   window.click("series/series.1");
-  window.waitUntil("the series is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
+  window.waitUntil(
+      "the series is shown", [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty(); }, 60.0);
   CHECK_FALSE(window.state()["widgets"].contains("series/series.0"));
 
   WorkstationDriver other("image_series_none");
@@ -618,9 +657,10 @@ TEST_CASE("a segmentation that is opened as an image is a label map", "[image_se
   for (const fs::path &file : {segments, labelFile("image_segmentation", ".seg.nrrd")}) {
     WorkstationDriver alone("image_segmentation" + file.extension().string());
     alone.start({file.string()});
-    const Json state = alone.waitUntil("its labels are there", [](const Json &s) {
-      return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "Label map").empty();
-    }, 60.0);
+    const Json state = alone.waitUntil(
+        "its labels are there",
+        [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "Label map").empty(); },
+        60.0);
     CHECK(text(state, "Label map") == file.filename().string());
     std::string all;
     for (const Json &n : state["notifications"]) all += n["text"].get<std::string>() + "\n";
@@ -636,9 +676,8 @@ TEST_CASE("a segmentation that is opened as an image is a label map", "[image_se
   window.key("ctrl+a");
   window.type(segments.string());
   window.key("Return");
-  const Json state = window.waitUntil("its labels are there", [](const Json &s) {
-    return s["jobs"].empty() && !text(s, "Label map").empty();
-  }, 60.0);
+  const Json state = window.waitUntil(
+      "its labels are there", [](const Json &s) { return s["jobs"].empty() && !text(s, "Label map").empty(); }, 60.0);
   CHECK(text(state, "Image") == shown);
   CHECK(text(state, "Label map") == "liver.dcm");
   std::string all;

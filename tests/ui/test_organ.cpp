@@ -36,22 +36,27 @@ fs::path organMesh() { return fs::path(testResourcesFolder()) / "meshes" / "orga
 fs::path floatingOrgan() {
   const fs::path scene = fs::path(testOutputRoot()) / "ui" / "floating.toml";
   fs::create_directories(scene.parent_path());
-  std::ofstream(scene) << "format = 1\ntitle = \"Floating organ\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n"
-                          "[solver]\ndamping = 5.0\n[[body]]\nname = \"organ\"\nmesh = \""
-                       << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
-                       << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
-                       << "sampling = { count = 400 }\n";
+  std::ofstream(scene)
+      << "format = 1\ntitle = \"Floating organ\"\n[world]\ngravity = [0.0, 0.0, 0.0]\n"
+         "[solver]\ndamping = 5.0\n[[body]]\nname = \"organ\"\nmesh = \""
+      << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
+      << "material = { law = \"neo_hookean\", youngs_modulus = 6e3, poisson_ratio = 0.4, density = 1000.0 }\n"
+      << "sampling = { count = 400 }\n";
   return scene;
 }
 
 void startOrgan(WorkstationDriver &window) {
   window.start({floatingOrgan().string()});
-  window.waitUntil("the organ is there",
-                   [](const Json &s) { return s["transport"]["exists"].get<bool>() && s["jobs"].empty(); }, 60.0);
+  window.waitUntil(
+      "the organ is there", [](const Json &s) { return s["transport"]["exists"].get<bool>() && s["jobs"].empty(); },
+      60.0);
   // Its node and its rows come with the first snapshot and push what stands below them down.
-  window.waitUntil("the organ is shown", [](const Json &s) {
-    return s["nodes"].size() >= 2 && !s["values"].value(std::string(kPanel) + "Surfels", "").empty();
-  }, 60.0);
+  window.waitUntil(
+      "the organ is shown",
+      [](const Json &s) {
+        return s["nodes"].size() >= 2 && !s["values"].value(std::string(kPanel) + "Surfels", "").empty();
+      },
+      60.0);
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
 }
@@ -77,16 +82,19 @@ TEST_CASE("a mesh alone falls on a floor and stays in sight", "[organ_floor]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_floor");
   window.start({organMesh().string(), "--play"});
-  window.waitUntil("the organ is shown", [](const Json &s) { return !row(s, "Surfels").empty(); }, 60.0);
+  window.waitUntil(
+      "the organ is shown", [](const Json &s) { return !row(s, "Surfels").empty(); }, 60.0);
   window.screenshot("falling");
   // Free fall would have taken it 20 m down.
-  window.waitUntil("two seconds are simulated", [](const Json &s) { return s["transport"]["time_s"].get<double>() > 2.0; }, 90.0);
+  window.waitUntil(
+      "two seconds are simulated", [](const Json &s) { return s["transport"]["time_s"].get<double>() > 2.0; }, 90.0);
   window.key("space");
   window.waitUntil("it stands still", [](const Json &s) { return mode(s) == "paused"; });
   window.screenshot("lying");
   CHECK(window.shareOfColour("lying", "r > 1.6*g && r > 0.25") > 0.03);
   const Json nodes = window.state()["nodes"];
-  CHECK(std::any_of(nodes.begin(), nodes.end(), [](const Json &node) { return node.dump().find("World box") != std::string::npos; }));
+  CHECK(std::any_of(nodes.begin(), nodes.end(),
+                    [](const Json &node) { return node.dump().find("World box") != std::string::npos; }));
 }
 
 TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pinch]") {
@@ -109,14 +117,18 @@ TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pin
     const double t = i / 8.0;
     window.moveTo({from.x + t * (to.x - from.x), from.y + t * (to.y - from.y)});
   }
-  window.waitUntil("the hand pulls", [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.0; });
+  window.waitUntil("the hand pulls",
+                   [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.0; });
   window.screenshot("pulling");
   const auto hand = millimetres(row(window.state(), "Hand"));
   REQUIRE(distance(hand, start) > 10.0);
-  window.waitUntil("the organ follows", [&](const Json &s) {
-    const auto at = millimetres(row(s, "Held point"));
-    return distance(at, start) > 0.3 * distance(hand, start) && distance(at, hand) < distance(start, hand);
-  }, 60.0);
+  window.waitUntil(
+      "the organ follows",
+      [&](const Json &s) {
+        const auto at = millimetres(row(s, "Held point"));
+        return distance(at, start) > 0.3 * distance(hand, start) && distance(at, hand) < distance(start, hand);
+      },
+      60.0);
   window.screenshot("followed");
   window.release();
   window.waitUntil("it is let go", [](const Json &s) { return row(s, "Pinch force") == "–"; });
@@ -128,9 +140,9 @@ TEST_CASE("play, pause, step and reset do what they say, and reset is exact", "[
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_transport");
   startOrgan(window);
-  const std::string initial = window.waitUntil("the initial state is shown",
-                                               [](const Json &s) { return !row(s, "State hash").empty(); })["values"]
-                                              [std::string(kPanel) + "State hash"];
+  const std::string initial = window.waitUntil("the initial state is shown", [](const Json &s) {
+    return !row(s, "State hash").empty();
+  })["values"][std::string(kPanel) + "State hash"];
   // Something must move it: pull once.
   window.key("p");
   window.click("toolbar/play");
@@ -146,13 +158,15 @@ TEST_CASE("play, pause, step and reset do what they say, and reset is exact", "[
 
   window.moveTo(window.inView(0.9, 0.9));
   window.key("Right");
-  window.waitUntil("one step is made", [&](const Json &s) { return s["transport"]["steps"].get<long long>() == steps + 1; });
+  window.waitUntil("one step is made",
+                   [&](const Json &s) { return s["transport"]["steps"].get<long long>() == steps + 1; });
   CHECK(mode(window.state()) == "paused");
   window.screenshot("paused");
   window.key("ctrl+r");
   const Json reset = window.waitUntil("it is reset", [](const Json &s) { return s["transport"]["steps"] == 0; });
   CHECK(reset["transport"]["time_s"] == 0.0);
-  window.waitUntil("the initial state is back, bit for bit", [&](const Json &s) { return row(s, "State hash") == initial; });
+  window.waitUntil("the initial state is back, bit for bit",
+                   [&](const Json &s) { return row(s, "State hash") == initial; });
 
   // The target rate is the one that is chosen.
   window.click("toolbar/rate");
@@ -162,7 +176,8 @@ TEST_CASE("play, pause, step and reset do what they say, and reset is exact", "[
   window.key("space");
   window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing" && s["transport"]["steps"] > 2; });
   window.click("toolbar/stop");
-  window.waitUntil("it has stopped", [](const Json &s) { return mode(s) == "stopped" && s["transport"]["steps"] == 0; });
+  window.waitUntil("it has stopped",
+                   [](const Json &s) { return mode(s) == "stopped" && s["transport"]["steps"] == 0; });
 }
 
 TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves it", "[organ_load]") {
@@ -176,11 +191,14 @@ TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves 
     window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
     window.type(file.string());
     window.key("Return");
-    window.waitUntil("the file is taken", [&](const Json &s) { return row(s, "browse") == fs::weakly_canonical(file).string(); });
+    window.waitUntil("the file is taken",
+                     [&](const Json &s) { return row(s, "browse") == fs::weakly_canonical(file).string(); });
     window.click("pointbased.controller/load");
   };
   choose(copy);
-  window.waitUntil("the new organ is there", [](const Json &s) { return row(s, "Organ") == "second_organ" && s["jobs"].empty(); }, 60.0);
+  window.waitUntil(
+      "the new organ is there", [](const Json &s) { return row(s, "Organ") == "second_organ" && s["jobs"].empty(); },
+      60.0);
   CHECK(window.state()["notifications"].empty());
   window.screenshot("loaded");
 
@@ -198,8 +216,9 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   C3DE_ORGAN_OR_SKIP();
   const fs::path file = fs::path(testOutputRoot()) / "ui" / "in_metres.obj";
   fs::create_directories(file.parent_path());
-  std::ofstream(file) << "# SPACE=LPS UNITS=m\nv 0 0 0\nv .2 0 0\nv .2 .1 0\nv 0 .1 0\nv 0 0 .1\nv .2 0 .1\nv .2 .1 .1\n"
-                         "v 0 .1 .1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  std::ofstream(file)
+      << "# SPACE=LPS UNITS=m\nv 0 0 0\nv .2 0 0\nv .2 .1 0\nv 0 .1 0\nv 0 0 .1\nv .2 0 .1\nv .2 .1 .1\n"
+         "v 0 .1 .1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
   const auto isTwoLitres = [](const Json &s) { return s["jobs"].empty() && row(s, "Volume") == "2000 mL"; };
   {
     WorkstationDriver window("organ_unit");
@@ -213,8 +232,9 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   }
   WorkstationDriver asked("organ_unit_asked");
   asked.start({"--unit", "cm", file.string()});
-  const Json state = asked.waitUntil("a unit that is asked for wins, and looks wrong",
-                                     [](const Json &s) { return s["jobs"].empty() && !s["notifications"].empty(); }, 60.0);
+  const Json state = asked.waitUntil(
+      "a unit that is asked for wins, and looks wrong",
+      [](const Json &s) { return s["jobs"].empty() && !s["notifications"].empty(); }, 60.0);
   CHECK(state["notifications"][0]["title"] == "Is the unit right?");
   CHECK_THAT(state["notifications"][0]["text"].get<std::string>(), Contains("cm, as was asked"));
   // The panel of the plugin leaves it to the file.
@@ -223,7 +243,8 @@ TEST_CASE("a mesh that says its unit is opened in it", "[organ_unit]") {
   asked.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
   asked.type(file.string());
   asked.key("Return");
-  asked.waitUntil("the file is taken", [&](const Json &s) { return row(s, "browse") == fs::weakly_canonical(file).string(); });
+  asked.waitUntil("the file is taken",
+                  [&](const Json &s) { return row(s, "browse") == fs::weakly_canonical(file).string(); });
   asked.click("pointbased.controller/load");
   asked.waitUntil("it is of the file's unit", isTwoLitres, 60.0);
 }
@@ -276,7 +297,8 @@ TEST_CASE("surface and frame of the present state are exported through the menu"
   // A file that is there is replaced only after a second press.
   const auto before = fs::last_write_time(folder / "now.stl");
   save("file.export_surface", folder / "now.stl");
-  const Json asked = window.waitUntil("the dialog asks", [](const Json &s) { return s["values"].contains("dialog/error"); });
+  const Json asked =
+      window.waitUntil("the dialog asks", [](const Json &s) { return s["values"].contains("dialog/error"); });
   CHECK_THAT(asked["values"]["dialog/error"].get<std::string>(), Contains("now.stl") && Contains("replace"));
   window.screenshot("asks");
   CHECK(fs::last_write_time(folder / "now.stl") == before);
@@ -326,7 +348,8 @@ TEST_CASE("an organ is coloured by its stress and its error with a legend, and p
   window.press();
   window.waitUntil("a surfel is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
   for (int i = 1; i <= 6; ++i) window.moveTo(window.inView(0.5 + 0.02 * i, 0.5 - 0.02 * i));
-  window.waitUntil("the hand pulls", [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2; });
+  window.waitUntil("the hand pulls",
+                   [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2; });
   window.key("space");
   const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
   window.release();
@@ -337,9 +360,8 @@ TEST_CASE("an organ is coloured by its stress and its error with a legend, and p
   CHECK(row(window.state(), "Colours").empty());
 
   choose(window, "view.colour", "von_mises");
-  const Json stressed = window.waitUntil("the legend says kPa", [](const Json &s) {
-    return row(s, "Colours").find("kPa") != std::string::npos;
-  });
+  const Json stressed = window.waitUntil(
+      "the legend says kPa", [](const Json &s) { return row(s, "Colours").find("kPa") != std::string::npos; });
   CHECK_THAT(row(stressed, "Colours"), Contains("von Mises") && Contains("0 … "));
   CHECK_THAT(row(stressed, "Shown"), Contains("largest"));
   window.screenshot("von_mises");
@@ -347,7 +369,8 @@ TEST_CASE("an organ is coloured by its stress and its error with a legend, and p
 
   choose(window, "view.colour", "error");
   window.waitUntil("the legend says %", [](const Json &s) {
-    return row(s, "Colours").find("error") != std::string::npos && row(s, "Shown").find("whole body") != std::string::npos;
+    return row(s, "Colours").find("error") != std::string::npos &&
+           row(s, "Shown").find("whole body") != std::string::npos;
   });
   window.screenshot("error");
   CHECK(window.differingPixels("von_mises", "error") > 5000);
@@ -388,7 +411,8 @@ TEST_CASE("a change of the material is undone and redone, and the solver follows
   const Json dragged = window.waitUntil("the drag has changed it",
                                         [&](const Json &s) { return row(s, "material.youngs_modulus") != before; });
   const std::string after = row(dragged, "material.youngs_modulus");
-  window.waitUntil("the step follows", [&](const Json &s) { return std::stod(row(s, "Step size")) < 0.9 * stepBefore; });
+  window.waitUntil("the step follows",
+                   [&](const Json &s) { return std::stod(row(s, "Step size")) < 0.9 * stepBefore; });
 
   window.click("menu/edit");
   window.screenshot("menu");
@@ -397,7 +421,8 @@ TEST_CASE("a change of the material is undone and redone, and the solver follows
   window.moveTo(window.inView(0.5, 0.9));
   window.key("ctrl+z");
   window.waitForValue(modulus, before);
-  window.waitUntil("the step is as before", [&](const Json &s) { return std::stod(row(s, "Step size")) == stepBefore; });
+  window.waitUntil("the step is as before",
+                   [&](const Json &s) { return std::stod(row(s, "Step size")) == stepBefore; });
   window.key("ctrl+y");
   window.waitForValue(modulus, after);
 }
@@ -425,18 +450,21 @@ TEST_CASE("a step that takes long is said while it lasts, and reset and Escape e
   // Nearly incompressible in implicit steps: a minute and more for each.
   const fs::path scene = fs::path(testOutputRoot()) / "ui" / "heavy.toml";
   fs::create_directories(scene.parent_path());
-  std::ofstream(scene) << "format = 1\ntitle = \"Heavy organ\"\n[solver]\nintegrator = \"implicit\"\n[[body]]\nname = \"organ\"\n"
-                       << "mesh = \"" << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
-                       << "material = { law = \"neo_hookean\", youngs_modulus = 2e6, poisson_ratio = 0.499, density = 1000.0 }\n"
-                       << "sampling = { count = 12000 }\nangular_velocity = [0.0, 0.0, 40.0]\n";
+  std::ofstream(scene)
+      << "format = 1\ntitle = \"Heavy organ\"\n[solver]\nintegrator = \"implicit\"\n[[body]]\nname = \"organ\"\n"
+      << "mesh = \"" << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
+      << "material = { law = \"neo_hookean\", youngs_modulus = 2e6, poisson_ratio = 0.499, density = 1000.0 }\n"
+      << "sampling = { count = 12000 }\nangular_velocity = [0.0, 0.0, 40.0]\n";
   WorkstationDriver window("organ_long_step");
   window.start({scene.string()});
-  window.waitUntil("the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; }, 120.0);
+  window.waitUntil(
+      "the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; }, 120.0);
   window.moveTo(window.inView(0.9, 0.1));
   const auto isLong = [](const Json &s) { return s["values"].contains("status/long_step"); };
   const auto waitForLongStep = [&] {
-    return window.waitUntil("the long step is said",
-                            [&](const Json &s) { return isLong(s) && s["transport"]["step_running_s"] > 2.0; }, 60.0);
+    return window.waitUntil(
+        "the long step is said", [&](const Json &s) { return isLong(s) && s["transport"]["step_running_s"] > 2.0; },
+        60.0);
   };
   window.key("space");
   const Json busy = waitForLongStep();
@@ -447,7 +475,9 @@ TEST_CASE("a step that takes long is said while it lasts, and reset and Escape e
   window.screenshot("long_step");
 
   using Clock = std::chrono::steady_clock;
-  const auto seconds = [](Clock::time_point since) { return std::chrono::duration<double>(Clock::now() - since).count(); };
+  const auto seconds = [](Clock::time_point since) {
+    return std::chrono::duration<double>(Clock::now() - since).count();
+  };
   // Reset goes on playing: a new step begins.
   const Clock::time_point reset = Clock::now();
   window.key("ctrl+r");
@@ -501,7 +531,8 @@ void pull(WorkstationDriver &window) {
   window.press();
   window.waitUntil("a surfel is held", [](const Json &s) { return !row(s, "Held surfel").empty(); });
   for (int i = 1; i <= 6; ++i) window.moveTo({from.x + 18.0 * i, from.y - 16.0 * i});
-  window.waitUntil("the hand pulls", [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2; });
+  window.waitUntil("the hand pulls",
+                   [](const Json &s) { return std::strtod(row(s, "Pinch force").c_str(), nullptr) > 0.2; });
 }
 
 TEST_CASE("a pull is undone by one step, back to the state before it, and done again", "[organ_undo_pull]") {
@@ -517,7 +548,8 @@ TEST_CASE("a pull is undone by one step, back to the state before it, and done a
   window.key("space");
   const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
   const auto steps = [](const Json &s) { return s["transport"]["steps"].get<long long>(); };
-  window.waitUntil("its state is shown", [&](const Json &s) { return row(s, "Steps") == std::to_string(steps(paused)); });
+  window.waitUntil("its state is shown",
+                   [&](const Json &s) { return row(s, "Steps") == std::to_string(steps(paused)); });
   const std::string pulled = row(window.state(), "State hash");
   window.screenshot("pulled");
 

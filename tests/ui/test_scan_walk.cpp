@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole way of a person with a CT: window by key, cross-hair by mouse, threshold, organ, simulation, a pull at it, and
-// the scan that follows. Steps by themselves are in test_images.cpp and test_segmentation.cpp.
+// The whole way of a person with a CT: window by key, cross-hair by mouse, threshold, organ, simulation, a pull at it,
+// and the scan that follows. Steps by themselves are in test_images.cpp and test_segmentation.cpp.
 #include <cmath>
 #include <filesystem>
 #include <sstream>
@@ -52,7 +52,8 @@ Json pointAt(WorkstationDriver &window, const Vec3 &centre, const Vec3 &target) 
   window.clickAt(pixelOf(window, "coronal", centre, {target[0], centre[1], target[2]}));
   window.waitUntil("the height is set", [&](const Json &s) { return std::abs(crossHair(s)[2] - target[2]) < 2.0; });
   window.clickAt(pixelOf(window, "axial", centre, target));
-  return window.waitUntil("the cross-hair is in the organ", [&](const Json &s) { return norm(crossHair(s) - target) < 3.0; });
+  return window.waitUntil("the cross-hair is in the organ",
+                          [&](const Json &s) { return norm(crossHair(s) - target) < 3.0; });
 }
 
 /// The material of the same name follows.
@@ -99,7 +100,8 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
   window.moveTo(pixelOf(window, "coronal", centre, centre));
   window.key("4");
   window.waitUntil("the preset is set", [](const Json &s) {
-    return text(s, "image/preset") == "CT abdomen (4)" && number(s, "image/window") == 400.0 && number(s, "image/level") == 50.0;
+    return text(s, "image/preset") == "CT abdomen (4)" && number(s, "image/window") == 400.0 &&
+           number(s, "image/level") == 50.0;
   });
 
   const Vec3 liver{-66.5, -185.0, 392.0};
@@ -118,7 +120,8 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
   };
   const auto picked = [](const Json &s) { return number(s, "organ/Picked"); };
   const auto settled = [&](const char *what, const auto &isMet) {
-    return window.waitUntil(what, [&](const Json &s) { return s["jobs"].empty() && isMet(picked(s)); }, 60.0);
+    return window.waitUntil(
+        what, [&](const Json &s) { return s["jobs"].empty() && isMet(picked(s)); }, 60.0);
   };
   enter("organ/low", "20");
   enter("organ/high", "100");
@@ -173,8 +176,9 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
   CHECK(number(pulled, "pointbased.controller/Pinch force") > 0.0);
   // Behind the liver, which has come forwards: the scan does not show it twice.
   window.moveTo(pixelOf(window, "axial", centre, {-85.0, -116.0, liver[2]}));
-  window.waitUntil("its place is empty",
-                   [](const Json &s) { return text(s, "image/axial.readout").find("left by a body") != std::string::npos; });
+  window.waitUntil("its place is empty", [](const Json &s) {
+    return text(s, "image/axial.readout").find("left by a body") != std::string::npos;
+  });
   window.release();
   window.moveTo(window.inView(0.9, 0.9));
   window.key("space");
@@ -183,15 +187,17 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
                    [](const Json &s) { return s["transport"]["time_s"] == 0.0 && shift_mm(s, "coronal") == 0.0; });
 }
 
-TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes back, and nothing smears", "[image_returns]") {
+TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes back, and nothing smears",
+          "[image_returns]") {
   C3DE_WINDOW_OR_SKIP();
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   C3DE_DATA_OR_SKIP(labels, "volume/totalseg/example_seg_fast_force_split.nii.gz");
   WorkstationDriver window("image_returns");
   window.start({image.string(), labels.string()});
-  const Json first = window.waitUntil("the scan and its labels are shown", [](const Json &s) {
-    return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "image/Label map").empty();
-  }, 60.0);
+  const Json first = window.waitUntil(
+      "the scan and its labels are shown",
+      [](const Json &s) { return s["panes"].size() == 4 && s["jobs"].empty() && !text(s, "image/Label map").empty(); },
+      60.0);
   const Vec3 centre = crossHair(first);
   window.moveTo(pixelOf(window, "coronal", centre, centre));
   window.key("4");
@@ -207,10 +213,15 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   (void)window.locate("organ/surroundings");
   window.screenshot("held");
   window.click("organ/make");
-  window.waitUntil("the organ lives", [](const Json &s) {
-    return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
-           number(s, "image/axial.outlines") + number(s, "image/coronal.outlines") + number(s, "image/sagittal.outlines") >= 0;
-  }, 90.0);
+  window.waitUntil(
+      "the organ lives",
+      [](const Json &s) {
+        return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
+               number(s, "image/axial.outlines") + number(s, "image/coronal.outlines") +
+                       number(s, "image/sagittal.outlines") >=
+                   0;
+      },
+      90.0);
 
   (void)pointAt(window, centre, {95.0, -135.0, 375.0});
   takePinchTool(window);
@@ -234,12 +245,14 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
     window.waitFrames(2);
   }
   CHECK(norm(millimetres(window.state(), "Hand") - from) >= 30.0);
-  window.waitUntil("the organ gives way", [&](const Json &s) { return norm(millimetres(s, "Held point") - from) > 5.0; }, 30.0);
+  window.waitUntil(
+      "the organ gives way", [&](const Json &s) { return norm(millimetres(s, "Held point") - from) > 5.0; }, 30.0);
   window.waitFrames(20);
   window.screenshot("pulled");
   window.release();
   window.moveTo(window.inView(0.5, 0.5));
-  window.waitUntil("it has come back", [](const Json &s) { return shift_mm(s, "axial") < 0.05; }, 30.0);
+  window.waitUntil(
+      "it has come back", [](const Json &s) { return shift_mm(s, "axial") < 0.05; }, 30.0);
   window.waitFrames(10);
   window.screenshot("returned");
   CHECK(window.differingPixels("before", "pulled", "3D") > 300);

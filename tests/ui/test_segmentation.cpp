@@ -129,7 +129,8 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "
       },
       60.0);
   const Json state = window.state();
-  CHECK(std::any_of(state["nodes"].begin(), state["nodes"].end(), [](const Json &node) { return node["name"] == "liver"; }));
+  CHECK(std::any_of(state["nodes"].begin(), state["nodes"].end(),
+                    [](const Json &node) { return node["name"] == "liver"; }));
   REQUIRE(state["notifications"].size() == 1);
   CHECK(state["notifications"][0]["title"] == "liver lives");
   window.moveTo(axialPixel(window, {0, -45, 0}));
@@ -154,7 +155,8 @@ imaging::LabelMap manyLabels() {
     for (std::size_t j = 0; j < n; ++j)
       for (std::size_t i = 0; i < n; ++i) {
         if (i >= 8 && j >= 8 && k >= 8 && i < 58 && j < 58 && k < 58) at(i, j, k) = 4;
-        for (const auto &[label, middle] : {std::pair{std::uint16_t{2}, Vec3{3.5, 3.5, 10}}, {std::uint16_t{3}, Vec3{3.5, 3.5, 50}}})
+        for (const auto &[label, middle] :
+             {std::pair{std::uint16_t{2}, Vec3{3.5, 3.5, 10}}, {std::uint16_t{3}, Vec3{3.5, 3.5, 50}}})
           if (norm(Vec3{double(i), double(j), double(k)} - middle) < 3.0) at(i, j, k) = label;
       }
   for (std::uint16_t v = 20; v < 32; ++v) {
@@ -165,7 +167,8 @@ imaging::LabelMap manyLabels() {
 }
 
 bool hasNode(const Json &state, const std::string &name) {
-  return std::any_of(state["nodes"].begin(), state["nodes"].end(), [&](const Json &node) { return node["name"] == name; });
+  return std::any_of(state["nodes"].begin(), state["nodes"].end(),
+                     [&](const Json &node) { return node["name"] == name; });
 }
 
 Json notification(const Json &state, const std::string &title) {
@@ -176,7 +179,8 @@ Json notification(const Json &state, const std::string &title) {
 
 }  // namespace
 
-TEST_CASE("several labels become bodies at once, one that fails is named, and steps are undone by keys", "[image_organs]") {
+TEST_CASE("several labels become bodies at once, one that fails is named, and steps are undone by keys",
+          "[image_organs]") {
   C3DE_WINDOW_OR_SKIP();
   const fs::path folder = fs::path(testOutputRoot()) / "ui";
   fs::create_directories(folder);
@@ -187,7 +191,8 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   volume.geometry = map.geometry;
   volume.voxels = std::vector<std::int16_t>(map.voxels.begin(), map.voxels.end());
   imaging::LabelMap few = map;
-  std::replace_if(few.voxels.begin(), few.voxels.end(), [](std::uint16_t v) { return v != 4; }, std::uint16_t{0});
+  std::replace_if(
+      few.voxels.begin(), few.voxels.end(), [](std::uint16_t v) { return v != 4; }, std::uint16_t{0});
   few.labels = {{4, "block", {0.0f, 1.0f, 0.0f}}};
   REQUIRE(imaging::writeVolume(image, volume));
   REQUIRE(imaging::writeLabelMap(many, map));
@@ -195,9 +200,9 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
 
   WorkstationDriver window("image_organs");
   window.start({image.string(), many.string(), other.string()});
-  window.waitUntil("both label maps are open", [](const Json &s) {
-    return s["jobs"].empty() && text(s, "image/label_map") == "image_organs_other.nrrd";
-  }, 60.0);
+  window.waitUntil(
+      "both label maps are open",
+      [](const Json &s) { return s["jobs"].empty() && text(s, "image/label_map") == "image_organs_other.nrrd"; }, 60.0);
   CHECK(window.has("organ/label.4"));
   CHECK_FALSE(window.has("organ/label_filter"));
   window.click("image/label_map");
@@ -219,7 +224,8 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("picked");
   window.key("ctrl+z");
-  window.waitUntil("the last is taken back", [](const Json &s) { return text(s, "organ/Picked").starts_with("2 labels"); });
+  window.waitUntil("the last is taken back",
+                   [](const Json &s) { return text(s, "organ/Picked").starts_with("2 labels"); });
   window.key("ctrl+shift+z");
   window.waitUntil("it is there again", [](const Json &s) { return text(s, "organ/Picked").starts_with("3 labels"); });
 
@@ -230,10 +236,13 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.type("0.5");
   window.key("Return");
   window.click("organ/make");
-  const Json made = window.waitUntil("the kidneys live", [](const Json &s) {
-    return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["time_s"] > 0.0 &&
-           hasNode(s, "kidney_left");
-  }, 120.0);
+  const Json made = window.waitUntil(
+      "the kidneys live",
+      [](const Json &s) {
+        return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["time_s"] > 0.0 &&
+               hasNode(s, "kidney_left");
+      },
+      120.0);
   CHECK(hasNode(made, "kidney_right"));
   CHECK_FALSE(hasNode(made, "muscle_trunk"));
   CHECK_FALSE(notification(made, "kidney_right and kidney_left live").is_null());
@@ -241,7 +250,8 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   REQUIRE_FALSE(refused.is_null());
   CHECK(refused["severity"] == "error");
   CHECK_THAT(refused["text"].get<std::string>(), Contains("edge length of 0.5 mm") && Contains("It stays picked"));
-  window.waitUntil("it is what is picked", [](const Json &s) { return text(s, "organ/Picked").ends_with(" 125000 voxels"); });
+  window.waitUntil("it is what is picked",
+                   [](const Json &s) { return text(s, "organ/Picked").ends_with(" 125000 voxels"); });
   // Bodies have the colours of their labels: both are blue ones.
   window.screenshot("kidneys");
   CHECK(window.shareOfColour("kidneys", "b > 1.5*r && b > 0.25") > 0.002);
@@ -252,9 +262,9 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
 
   window.click("organ/edge_automatic");
   window.click("organ/make");
-  window.waitUntil("the trunk has joined them", [](const Json &s) {
-    return s["jobs"].empty() && hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left");
-  }, 60.0);
+  window.waitUntil(
+      "the trunk has joined them",
+      [](const Json &s) { return s["jobs"].empty() && hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left"); }, 60.0);
   window.waitForValue("image/label.4", "false");
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("alive");
@@ -267,14 +277,14 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.click("organ/undo");
   // The panel grows row by row until the mask is shown, and what is below moves.
   window.waitUntil("it is picked again", [](const Json &s) {
-    return text(s, "organ/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() && text(s, "organ/overlay") == "true" &&
-           text(s, "image/preview") == "shown";
+    return text(s, "organ/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() &&
+           text(s, "organ/overlay") == "true" && text(s, "image/preview") == "shown";
   });
   window.waitFrames(3);
   window.click("organ/make");
-  const Json again = window.waitUntil("it is refused", [](const Json &s) {
-    return !notification(s, "Could not make muscle_trunk").is_null();
-  });
-  CHECK_THAT(notification(again, "Could not make muscle_trunk")["text"].get<std::string>(), Contains("has a body of this name"));
+  const Json again = window.waitUntil(
+      "it is refused", [](const Json &s) { return !notification(s, "Could not make muscle_trunk").is_null(); });
+  CHECK_THAT(notification(again, "Could not make muscle_trunk")["text"].get<std::string>(),
+             Contains("has a body of this name"));
   CHECK(again["transport"]["mode"] == "playing");
 }

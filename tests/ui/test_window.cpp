@@ -20,8 +20,8 @@ using c3de::test::WorkstationDriver;
 
 namespace {
 
-/// Starts on the gallery plugin and on a file that is no mesh, so that no simulation comes up whatever other plugins are
-/// installed; the message about the file is closed.
+/// Starts on the gallery plugin and on a file that is no mesh, so that no simulation comes up whatever other plugins
+/// are installed; the message about the file is closed.
 void startGallery(WorkstationDriver &window) {
   const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
   std::ofstream(noMesh) << "this is no mesh\n";
@@ -59,7 +59,8 @@ TEST_CASE("menus open, and About names versions, graphics and plugins", "[menu]"
   window.screenshot("file");
   window.click("menu/file");
   window.click("menu/simulation");
-  const Json open = window.waitUntil("the menu is open", [](const Json &s) { return s["widgets"].contains("menu/simulation.play"); });
+  const Json open =
+      window.waitUntil("the menu is open", [](const Json &s) { return s["widgets"].contains("menu/simulation.play"); });
   CHECK(std::count(open["disabled"].begin(), open["disabled"].end(), "menu/simulation.play") == 1);
   window.click("menu/simulation");
   window.click("menu/help");
@@ -90,13 +91,15 @@ TEST_CASE("a file that is no mesh leads to a message that says why, and the wind
   window.click("dialog/path");
   window.type("/nowhere/liver.obj");
   window.key("Return");
-  const Json refused = window.waitUntil("the dialog says why", [](const Json &s) { return s["values"].contains("dialog/error"); });
+  const Json refused =
+      window.waitUntil("the dialog says why", [](const Json &s) { return s["values"].contains("dialog/error"); });
   CHECK_THAT(refused["values"]["dialog/error"].get<std::string>(), Contains("/nowhere/liver.obj"));
   window.click("dialog/path");
   window.key("ctrl+a");
   window.type((std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj").string());
   window.click("dialog/open");
-  const Json state = window.waitUntil("the file is refused", [](const Json &s) { return s["notifications"].size() == 1; });
+  const Json state =
+      window.waitUntil("the file is refused", [](const Json &s) { return s["notifications"].size() == 1; });
   CHECK(state["notifications"][0]["severity"] == "error");
   CHECK_THAT(state["notifications"][0]["title"].get<std::string>(), Contains("no_mesh.obj"));
   CHECK_FALSE(state["notifications"][0]["text"].get<std::string>().empty());
@@ -117,7 +120,8 @@ TEST_CASE("what is in the file list opens by a double click, and by Enter once i
     window.key("ctrl+a");
     window.type((std::filesystem::path(testOutputRoot()) / "ui").string());
     window.key("Return");
-    window.waitUntil("the folder is listed", [](const Json &s) { return s["widgets"].contains("dialog/entry.no_mesh.obj"); });
+    window.waitUntil("the folder is listed",
+                     [](const Json &s) { return s["widgets"].contains("dialog/entry.no_mesh.obj"); });
     if (isDouble) {
       window.doubleClickAt(window.locate("dialog/entry.no_mesh.obj"));
     } else {
@@ -125,7 +129,8 @@ TEST_CASE("what is in the file list opens by a double click, and by Enter once i
       window.waitForValue("dialog/path", "no_mesh.obj");
       window.key("Return");
     }
-    const Json state = window.waitUntil("the file is opened, and refused", [](const Json &s) { return s["notifications"].size() == 1; });
+    const Json state = window.waitUntil("the file is opened, and refused",
+                                        [](const Json &s) { return s["notifications"].size() == 1; });
     CHECK_THAT(state["notifications"][0]["title"].get<std::string>(), Contains("no_mesh.obj"));
     CHECK_FALSE(state["widgets"].contains("dialog/path"));
     window.click("notification/close.0");
@@ -139,11 +144,13 @@ TEST_CASE("a window is never larger than the screen, also where a unit is two pi
   const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
   std::ofstream(noMesh) << "this is no mesh\n";
   // The virtual screen forgets what it was told when the last program leaves it.
-  auto keeper = c3de::ChildProcess::start({"xprop", "-root", "-spy"}, std::filesystem::path(testOutputRoot()) / "ui" / "xprop.log");
+  auto keeper = c3de::ChildProcess::start({"xprop", "-root", "-spy"},
+                                          std::filesystem::path(testOutputRoot()) / "ui" / "xprop.log");
   if (!keeper) C3DE_SKIP("xprop is not there to set the density of the display");
   std::this_thread::sleep_for(std::chrono::seconds(1));
   // What a desktop says of a display with twice the usual density.
-  const auto set = c3de::runProcess({"xprop", "-root", "-f", "RESOURCE_MANAGER", "8s", "-set", "RESOURCE_MANAGER", "Xft.dpi: 192"}, 10.0);
+  const auto set = c3de::runProcess(
+      {"xprop", "-root", "-f", "RESOURCE_MANAGER", "8s", "-set", "RESOURCE_MANAGER", "Xft.dpi: 192"}, 10.0);
   if (!set || set->exitCode != 0) C3DE_SKIP("xprop is not there to set the density of the display");
   const auto screen = c3de::runProcess({"xdotool", "getdisplaygeometry"}, 10.0);
   REQUIRE(screen.has_value());
@@ -188,7 +195,8 @@ TEST_CASE("messages cover no view, go by being closed, and can be read later", "
   WorkstationDriver window("messages");
   startGallery(window);
   window.click("test.gallery/notify");
-  const Json told = window.waitUntil("there is a message", [](const Json &s) { return s["widgets"].contains("notification/close.0"); });
+  const Json told = window.waitUntil("there is a message",
+                                     [](const Json &s) { return s["widgets"].contains("notification/close.0"); });
   CHECK(told["widgets"]["notification/close.0"][2].get<double>() <= told["area"]["x"].get<double>());
   window.screenshot("told");
   window.click("notification/close.0");
@@ -229,7 +237,8 @@ TEST_CASE("mouse and keys move the camera", "[camera]") {
   window.key("5");
   window.waitUntil("the view is from above", [](const Json &s) { return s["camera"]["pitch"] > 1.5; });
   window.key("1");
-  window.waitUntil("the view is from the front", [](const Json &s) { return std::abs(s["camera"]["pitch"].get<double>()) < 1e-6; });
+  window.waitUntil("the view is from the front",
+                   [](const Json &s) { return std::abs(s["camera"]["pitch"].get<double>()) < 1e-6; });
   // A drag that begins in the panel is not the camera's.
   const Json before = window.state()["camera"];
   window.drag({20, 500}, window.inView(0.5, 0.5), 3);
@@ -356,9 +365,8 @@ TEST_CASE("a long job shows its progress beside a live window and can be cancell
   WorkstationDriver window("job");
   startGallery(window);
   window.click("test.gallery/job");
-  const Json running = window.waitUntil("the job runs", [](const Json &s) {
-    return s["jobs"].size() == 1 && s["jobs"][0]["fraction"] > 0.0;
-  });
+  const Json running = window.waitUntil(
+      "the job runs", [](const Json &s) { return s["jobs"].size() == 1 && s["jobs"][0]["fraction"] > 0.0; });
   CHECK(running["jobs"][0]["title"] == "A long job");
   window.click("test.gallery/press");
   window.waitForValue("test.gallery/Presses", "1");

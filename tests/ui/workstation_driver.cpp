@@ -62,10 +62,13 @@ void WorkstationDriver::start(const std::vector<std::string> &arguments) {
   if (!started) throw std::runtime_error(started.error().message);
   program_ = std::move(*started);
   // A few frames, so that what opens at the start has opened.
-  waitUntil("the window is drawn", [](const Json &s) { return s["frame"].get<int>() >= 2 && s["focused"].get<bool>(); }, 30.0);
+  waitUntil(
+      "the window is drawn", [](const Json &s) { return s["frame"].get<int>() >= 2 && s["focused"].get<bool>(); },
+      30.0);
 }
 
-int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments, const std::vector<std::string> &environment) {
+int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments,
+                                    const std::vector<std::string> &environment) {
   std::vector<std::string> all;
   if (!environment.empty()) {
     all.emplace_back("env");
@@ -104,7 +107,8 @@ Json WorkstationDriver::waitUntil(const std::string &what, const std::function<b
       throw std::runtime_error("the program ended while waiting until " + what + "\n" + logText());
     if (secondsSince(begin) > C3DE_UI_PATIENCE * timeout_s) {
       screenshot("timeout");
-      throw std::runtime_error("timed out waiting until " + what + "; state: " + essentials(now) + "\nlog: " + logText());
+      throw std::runtime_error("timed out waiting until " + what + "; state: " + essentials(now) +
+                               "\nlog: " + logText());
     }
     pause(20);
   }
@@ -126,7 +130,8 @@ bool WorkstationDriver::has(const std::string &widget) const { return state()["w
 
 Point WorkstationDriver::locate(const std::string &widget) {
   const auto middle = [](const Json &rect) {
-    return Point{0.5 * (rect[0].get<double>() + rect[2].get<double>()), 0.5 * (rect[1].get<double>() + rect[3].get<double>())};
+    return Point{0.5 * (rect[0].get<double>() + rect[2].get<double>()),
+                 0.5 * (rect[1].get<double>() + rect[3].get<double>())};
   };
   waitUntil("there is a widget '" + widget + "'",
             [&](const Json &s) { return s["widgets"].contains(widget) || s["scrolled_out"].contains(widget); });
@@ -172,17 +177,15 @@ void WorkstationDriver::moveTo(Point at) {
 void WorkstationDriver::press(int button) {
   const int first = state().value("frame", 0);
   xdotool({"mousedown", std::to_string(button)});
-  waitUntil("the button is down", [&](const Json &s) {
-    return s["mouse"]["buttons"].get<int>() != 0 && s["frame"].get<int>() >= first + 2;
-  });
+  waitUntil("the button is down",
+            [&](const Json &s) { return s["mouse"]["buttons"].get<int>() != 0 && s["frame"].get<int>() >= first + 2; });
 }
 
 void WorkstationDriver::release(int button) {
   const int first = state().value("frame", 0);
   xdotool({"mouseup", std::to_string(button)});
-  waitUntil("the button is up", [&](const Json &s) {
-    return s["mouse"]["buttons"].get<int>() == 0 && s["frame"].get<int>() >= first + 2;
-  });
+  waitUntil("the button is up",
+            [&](const Json &s) { return s["mouse"]["buttons"].get<int>() == 0 && s["frame"].get<int>() >= first + 2; });
 }
 
 void WorkstationDriver::clickAt(Point at) {
@@ -207,7 +210,8 @@ void WorkstationDriver::click(const std::string &widget) {
     const Json now = state()["widgets"];
     if (!now.contains(widget)) continue;
     const Json &rect = now[widget];
-    if (at.x >= rect[0].get<double>() && at.y >= rect[1].get<double>() && at.x <= rect[2].get<double>() && at.y <= rect[3].get<double>())
+    if (at.x >= rect[0].get<double>() && at.y >= rect[1].get<double>() && at.x <= rect[2].get<double>() &&
+        at.y <= rect[3].get<double>())
       return clickAt(at);
   }
   throw std::runtime_error("'" + widget + "' does not stand still");
@@ -268,7 +272,8 @@ void WorkstationDriver::screenshot(const std::string &name) {
   (void)runProcess({"import", "-window", "root", (folder_ / (name_ + "-" + name + ".png")).string()}, 20.0);
 }
 
-double WorkstationDriver::differingPixels(const std::string &first, const std::string &second, const std::string &pane) const {
+double WorkstationDriver::differingPixels(const std::string &first, const std::string &second,
+                                          const std::string &pane) const {
   const auto file = [&](const std::string &name) { return (folder_ / (name_ + "-" + name + ".png")).string(); };
   const Json now = state();
   const Json view = pane.empty() ? now["view"] : now["panes"][pane];
@@ -285,10 +290,11 @@ double WorkstationDriver::differingPixels(const std::string &first, const std::s
 double WorkstationDriver::shareOfColour(const std::string &screenshot, const std::string &condition) const {
   const Json view = state()["view"];
   const auto whole = [&](const char *key) { return std::to_string(view[key].get<int>()); };
-  const auto result = runProcess({"convert", (folder_ / (name_ + "-" + screenshot + ".png")).string(), "-crop",
-                                  whole("w") + "x" + whole("h") + "+" + whole("x") + "+" + whole("y"), "-resize", "25%", "-fx",
-                                  "(" + condition + ") ? 1 : 0", "-colorspace", "gray", "-format", "%[fx:mean]", "info:"},
-                                 60.0);
+  const auto result =
+      runProcess({"convert", (folder_ / (name_ + "-" + screenshot + ".png")).string(), "-crop",
+                  whole("w") + "x" + whole("h") + "+" + whole("x") + "+" + whole("y"), "-resize", "25%", "-fx",
+                  "(" + condition + ") ? 1 : 0", "-colorspace", "gray", "-format", "%[fx:mean]", "info:"},
+                 60.0);
   if (!result || result->exitCode != 0)
     throw std::runtime_error("convert failed: " + (result ? result->errorOutput : result.error().message));
   return std::strtod(result->output.c_str(), nullptr);

@@ -19,8 +19,9 @@ struct Point {
 };
 
 /// Runs the real program on the display of this process and works it with mouse and keyboard (xdotool), looking at the
-/// automation state instead of sleeping. A wait that is not met throws std::runtime_error with the last state's essentials,
-/// which fails the test case. Times are those of an ordinary build; one with sanitizers is waited for longer.
+/// automation state instead of sleeping. A wait that is not met throws std::runtime_error with the last state's
+/// essentials, which fails the test case. Times are those of an ordinary build; one with sanitizers is waited for
+/// longer.
 class WorkstationDriver {
  public:
   /// @param name  of the scenario: names the log, the state file and the screenshots

@@ -47,9 +47,7 @@ struct Corner {
   std::uint8_t colour[4];
 };
 
-int widthOf(const std::string &text) {
-  return kLetter * stb_easy_font_width(const_cast<char *>(text.c_str()));
-}
+int widthOf(const std::string &text) { return kLetter * stb_easy_font_width(const_cast<char *>(text.c_str())); }
 
 enum class Anchor { left, middle, right };
 
@@ -106,13 +104,14 @@ const Kind &kindOf(Ending ending) {
 Colour colourOf(Ending ending) { return kindOf(ending).colour; }
 
 std::string atlasTable(const std::vector<AtlasRun> &runs) {
-  std::string out = "youngs_modulus_Pa,poisson_ratio,spacing_m,integrator,dt_s,ending,steps,seconds,slowest_step_s,reason\n";
+  std::string out =
+      "youngs_modulus_Pa,poisson_ratio,spacing_m,integrator,dt_s,ending,steps,seconds,slowest_step_s,reason\n";
   for (const AtlasRun &run : runs) {
     std::string reason = run.reason;
     std::replace(reason.begin(), reason.end(), '"', '\'');
-    out += number(run.youngsModulus) + "," + number(run.poissonRatio) + "," + number(run.spacing) + "," + run.scheme + "," +
-           number(run.dt) + "," + kindOf(run.ending).name + "," + std::to_string(run.steps) + "," + number(run.seconds) + "," +
-           number(run.slowestStep) + ",\"" + reason + "\"\n";
+    out += number(run.youngsModulus) + "," + number(run.poissonRatio) + "," + number(run.spacing) + "," + run.scheme +
+           "," + number(run.dt) + "," + kindOf(run.ending).name + "," + std::to_string(run.steps) + "," +
+           number(run.seconds) + "," + number(run.slowestStep) + ",\"" + reason + "\"\n";
   }
   return out;
 }
@@ -146,8 +145,8 @@ Image drawAtlas(const std::vector<AtlasRun> &runs) {
     const auto &[scheme, dt] = schemes[static_cast<std::size_t>(s)];
     const int middle = kLeft + across * s + panelWidth / 2;
     if (s == 0 || schemes[static_cast<std::size_t>(s - 1)].first != scheme) {
-      const auto steps = static_cast<int>(
-          std::count_if(schemes.begin(), schemes.end(), [name = &scheme](const auto &other) { return other.first == *name; }));
+      const auto steps = static_cast<int>(std::count_if(
+          schemes.begin(), schemes.end(), [name = &scheme](const auto &other) { return other.first == *name; }));
       write(image, kLeft + across * s + (across * steps - kGap) / 2, kTop - 78, scheme, Anchor::middle);
     }
     if (dt > 0.0) write(image, middle, kTop - 44, "dt " + stepText(dt), Anchor::middle);
@@ -168,7 +167,8 @@ Image drawAtlas(const std::vector<AtlasRun> &runs) {
   }
   for (const AtlasRun &run : runs) {
     const int x = kLeft + across * placeOf(schemes, {run.scheme, run.dt}) + kCell * placeOf(moduli, run.youngsModulus);
-    const int y = kTop + down * placeOf(spacings, run.spacing) + panelHeight - kCell * (placeOf(ratios, run.poissonRatio) + 1);
+    const int y =
+        kTop + down * placeOf(spacings, run.spacing) + panelHeight - kCell * (placeOf(ratios, run.poissonRatio) + 1);
     fill(image, x, y, kCell - 1, kCell - 1, colourOf(run.ending));
   }
 

@@ -20,12 +20,12 @@ enum class Ending {
 
 struct AtlasRun {
   double youngsModulus = 0.0, poissonRatio = 0.0, spacing = 0.0;  // Pa, 1, m
-  std::string scheme;   ///< integrator
-  double dt = 0.0;      ///< s; 0: the integrator has no step
+  std::string scheme;                                             ///< integrator
+  double dt = 0.0;                                                ///< s; 0: the integrator has no step
   Ending ending = Ending::failed;
-  int steps = 0;        ///< that were made
+  int steps = 0;                            ///< that were made
   double seconds = 0.0, slowestStep = 0.0;  ///< processor time
-  std::string reason;   ///< of a stop or refusal
+  std::string reason;                       ///< of a stop or refusal
 };
 
 /// One line per run, with a header.
@@ -33,8 +33,8 @@ struct AtlasRun {
 
 [[nodiscard]] std::array<std::uint8_t, 3> colourOf(Ending ending);
 
-/// One panel per integrator and step (across) and spacing (down); in each, Young's modulus across and Poisson's ratio up.
-/// Every cell is a run; the legend counts them.
+/// One panel per integrator and step (across) and spacing (down); in each, Young's modulus across and Poisson's ratio
+/// up. Every cell is a run; the legend counts them.
 [[nodiscard]] c3de::render::Image drawAtlas(const std::vector<AtlasRun> &runs);
 
 }  // namespace extremes

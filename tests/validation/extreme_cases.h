@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of the edges share: small bodies, what must hold of every state, and a line of the table in the theory.
+// What the tests of the edges share: small bodies, what must hold of every state, and a line of the table in the
+// theory.
 #pragma once
 
 #include <memory>
@@ -20,7 +21,8 @@ void row(const std::string &what, const std::string &result);
 /// Four digits.
 [[nodiscard]] std::string text(double value);
 
-[[nodiscard]] Material rubber(double youngsModulus, double poissonRatio = 0.3, MaterialLaw law = MaterialLaw::neoHookean);
+[[nodiscard]] Material rubber(double youngsModulus, double poissonRatio = 0.3,
+                              MaterialLaw law = MaterialLaw::neoHookean);
 /// A cube of 4 cm with a corner at (0, height, 0), on a lattice, with contact points.
 inline constexpr double kEdge = 0.04;  // m
 [[nodiscard]] std::unique_ptr<Body> cube(const Material &material, double spacing = 0.02, double height = 0.0);

@@ -58,7 +58,8 @@ constexpr Known kKnown[] = {
 
 const char *knownMiss(const std::string &body, const std::string &quantity) {
   for (const Known &known : kKnown)
-    if (body.find(known.body) != std::string::npos && (quantity.empty() || quantity.find(known.quantity) != std::string::npos))
+    if (body.find(known.body) != std::string::npos &&
+        (quantity.empty() || quantity.find(known.quantity) != std::string::npos))
       return known.reason;
   return nullptr;
 }

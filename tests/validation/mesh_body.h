@@ -9,10 +9,10 @@
 
 namespace validation {
 
-/// The mesh with the lowest point of its box at height `lowest` over the origin, `width` wide along its longest axis, m.
-/// Throws std::runtime_error with what is refused.
-[[nodiscard]] pointbased::BodyShape meshShape(const std::filesystem::path &file, c3de::geometry::LengthUnit unit, double width,
-                                              double lowest);
+/// The mesh with the lowest point of its box at height `lowest` over the origin, `width` wide along its longest axis,
+/// m. Throws std::runtime_error with what is refused.
+[[nodiscard]] pointbased::BodyShape meshShape(const std::filesystem::path &file, c3de::geometry::LengthUnit unit,
+                                              double width, double lowest);
 
 /// A closed surface as a shape, where it stands, m: as quick for large ones as for files. Throws likewise.
 [[nodiscard]] pointbased::BodyShape meshShape(const pointbased::Surface &surface);

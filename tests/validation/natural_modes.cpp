@@ -17,8 +17,8 @@ struct Spectrum {
   explicit Spectrum(Body &body);
   std::vector<int> number;  // [3 phyxels] of the unknown; -1: held
   int unknowns = 0;
-  double shift = 0.0;       // rad²/s²
-  Eigen::VectorXd root;     // of the masses
+  double shift = 0.0;    // rad²/s²
+  Eigen::VectorXd root;  // of the masses
   Eigen::SparseMatrix<double> matrix;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors;
 };
@@ -66,8 +66,8 @@ std::vector<Mode> naturalModes(Body &body, int count) {
   Eigen::VectorXd values, before = Eigen::VectorXd::Zero(block);
   for (int iteration = 0; iteration < 100; ++iteration) {
     const Eigen::MatrixXd solved = spectrum.factors.solve(X);
-    const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(solved).householderQ() *
-                              Eigen::MatrixXd::Identity(unknowns, block);
+    const Eigen::MatrixXd Q =
+        Eigen::HouseholderQR<Eigen::MatrixXd>(solved).householderQ() * Eigen::MatrixXd::Identity(unknowns, block);
     const Eigen::MatrixXd small = Q.transpose() * (spectrum.matrix * Q);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(small);
     X = Q * eigen.eigenvectors();
@@ -82,7 +82,8 @@ std::vector<Mode> naturalModes(Body &body, int count) {
     // So small that laws and hourglass energies are quadratic.
     std::vector<Vec3> u(n, Vec3::Zero());
     for (std::size_t i = 0; i < 3 * n; ++i)
-      if (spectrum.number[i] >= 0) u[i / 3][static_cast<int>(i % 3)] = X(spectrum.number[i], j) / spectrum.root[spectrum.number[i]];
+      if (spectrum.number[i] >= 0)
+        u[i / 3][static_cast<int>(i % 3)] = X(spectrum.number[i], j) / spectrum.root[spectrum.number[i]];
     double most = 0.0;
     for (const Vec3 &v : u) most = std::max(most, v.norm());
     for (Vec3 &v : u) v *= 1e-6 * rest.spacing / most;

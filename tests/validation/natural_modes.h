@@ -17,13 +17,13 @@ struct Mode {
 
 /// Lowest natural modes of a body at rest, ascending; rigid motions of a free body come out near zero.
 ///
-/// K from stiffnessTriplets() and the held patches, M the phyxels' masses; held phyxels are left out. Subspace iteration on
-/// (K + s M)^-1 M with a small shift s > 0, so that a free body can be factorised.
+/// K from stiffnessTriplets() and the held patches, M the phyxels' masses; held phyxels are left out. Subspace
+/// iteration on (K + s M)^-1 M with a small shift s > 0, so that a free body can be factorised.
 /// @param count  wanted
 [[nodiscard]] std::vector<Mode> naturalModes(pointbased::Body &body, int count);
 
-/// Frequency of the mode that is shaped like `shape`, Hz: one step of inverse iteration from it and Rayleigh's quotient. For
-/// shapes that are known, however many modes that rattle lie below.
+/// Frequency of the mode that is shaped like `shape`, Hz: one step of inverse iteration from it and Rayleigh's
+/// quotient. For shapes that are known, however many modes that rattle lie below.
 /// @param shape  displacement at a material point, frame of the phyxels; free bodies: orthogonal to rigid motions
 [[nodiscard]] double frequencyOfShape(pointbased::Body &body,
                                       const std::function<pointbased::Vec3(const pointbased::Vec3 &)> &shape);

@@ -9,12 +9,12 @@ namespace validation {
 /// Parts of the pressure that change sign from cell to cell, against the pressure itself. Smooth fields give what their
 /// third and higher derivatives leave: it falls with the square of the spacing or faster; a checkerboard stays.
 struct Roughness {
-  double pressure = 0.0;       ///< Pa, root mean square of p where it was looked at
-  double checkerboard = 0.0;   ///< (-1)^(i+j+k): root mean square over that of p
-  double planes = 0.0;         ///< the worst of (-1)^(i+j), (-1)^(i+k), (-1)^(j+k), likewise
-  double lines = 0.0;          ///< the worst of (-1)^i, (-1)^j, (-1)^k, likewise
-  double offLinear = 0.0;      ///< p less the linear fit of its 27 cells, likewise
-  double correlation = 0.0;    ///< of p less the fit with the one pattern (-1)^(i+j+k) of the whole body, -1 … 1
+  double pressure = 0.0;      ///< Pa, root mean square of p where it was looked at
+  double checkerboard = 0.0;  ///< (-1)^(i+j+k): root mean square over that of p
+  double planes = 0.0;        ///< the worst of (-1)^(i+j), (-1)^(i+k), (-1)^(j+k), likewise
+  double lines = 0.0;         ///< the worst of (-1)^i, (-1)^j, (-1)^k, likewise
+  double offLinear = 0.0;     ///< p less the linear fit of its 27 cells, likewise
+  double correlation = 0.0;   ///< of p less the fit with the one pattern (-1)^(i+j+k) of the whole body, -1 … 1
   std::size_t cells = 0;
 };
 

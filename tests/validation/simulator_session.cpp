@@ -33,7 +33,8 @@ struct SimulatorSession::Impl {
     simulator = *created;
     const char *id = C3DE_IFACE_SIMULATOR_ID;
     const void *found = nullptr;
-    if (simulator->vt->query(simulator, {id, std::strlen(id)}, 1, &found) != C3DE_OK) throw std::runtime_error("no simulator");
+    if (simulator->vt->query(simulator, {id, std::strlen(id)}, 1, &found) != C3DE_OK)
+      throw std::runtime_error("no simulator");
     table = static_cast<const c3de_simulator_v0 *>(found);
   }
   ~Impl() {

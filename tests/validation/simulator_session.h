@@ -12,8 +12,8 @@
 
 namespace c3de::test {
 
-/// The point-based plugin, loaded from disk into a host without a window, and one simulator of it. Everything goes through
-/// the C tables.
+/// The point-based plugin, loaded from disk into a host without a window, and one simulator of it. Everything goes
+/// through the C tables.
 class SimulatorSession {
  public:
   explicit SimulatorSession(unsigned threads);
@@ -25,7 +25,8 @@ class SimulatorSession {
   };
   /// Throws with the text of the plugin when something is refused.
   void setWorld(const std::vector<c3de_param_value> &values);
-  c3de_handle addBody(geometry::LoadedMesh mesh, const Placement &placement, const std::vector<c3de_param_value> &values);
+  c3de_handle addBody(geometry::LoadedMesh mesh, const Placement &placement,
+                      const std::vector<c3de_param_value> &values);
   c3de_handle addObstacle(geometry::LoadedMesh mesh, const Placement &placement, double friction);
   void step();
   void reset();

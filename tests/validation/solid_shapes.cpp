@@ -34,7 +34,8 @@ template <class At>
 void addPatch(Surface &surface, int n, int m, const At &at) {
   const auto first = static_cast<Index>(surface.positions.size());
   for (int j = 0; j <= m; ++j)
-    for (int i = 0; i <= n; ++i) surface.positions.push_back(at(static_cast<double>(i) / n, static_cast<double>(j) / m));
+    for (int i = 0; i <= n; ++i)
+      surface.positions.push_back(at(static_cast<double>(i) / n, static_cast<double>(j) / m));
   const auto index = [&](int i, int j) { return first + static_cast<Index>(j * (n + 1) + i); };
   for (int j = 0; j < m; ++j)
     for (int i = 0; i < n; ++i) {
@@ -86,14 +87,17 @@ BodyShape box(const Vec3 &min, const Vec3 &max) {
         return x;
       });
   }
-  return fromDistance(min, max, (max - min).prod(), [=](const Vec3 &x) { return boxDistance(x, min, max); }, surface);
+  return fromDistance(
+      min, max, (max - min).prod(), [=](const Vec3 &x) { return boxDistance(x, min, max); }, surface);
 }
 
 BodyShape ball(const Vec3 &centre, double radius) {
   Surface surface;
-  addPatch(surface, 48, 96, [&](double s, double t) -> Vec3 { return centre + radius * onSphere(2 * kPi * t, kPi * s); });
-  return fromDistance(centre.array() - radius, centre.array() + radius, 4.0 / 3.0 * kPi * std::pow(radius, 3),
-                      [=](const Vec3 &x) { return (x - centre).norm() - radius; }, surface);
+  addPatch(surface, 48, 96,
+           [&](double s, double t) -> Vec3 { return centre + radius * onSphere(2 * kPi * t, kPi * s); });
+  return fromDistance(
+      centre.array() - radius, centre.array() + radius, 4.0 / 3.0 * kPi * std::pow(radius, 3),
+      [=](const Vec3 &x) { return (x - centre).norm() - radius; }, surface);
 }
 
 BodyShape halfBall(double radius) {
@@ -102,15 +106,18 @@ BodyShape halfBall(double radius) {
   addPatch(surface, 96, 24, [&](double s, double t) {
     return Vec3(radius * t * std::cos(2 * kPi * s), radius * t * std::sin(2 * kPi * s), 0.0);
   });
-  return fromDistance(Vec3(-radius, -radius, 0.0), Vec3(radius, radius, radius), 2.0 / 3.0 * kPi * std::pow(radius, 3),
-                      [=](const Vec3 &x) { return std::max(x.norm() - radius, -x[2]); }, surface);
+  return fromDistance(
+      Vec3(-radius, -radius, 0.0), Vec3(radius, radius, radius), 2.0 / 3.0 * kPi * std::pow(radius, 3),
+      [=](const Vec3 &x) { return std::max(x.norm() - radius, -x[2]); }, surface);
 }
 
 BodyShape ellipsoid(const Vec3 &semiAxes) {
   Surface surface;
-  addPatch(surface, 48, 96, [&](double s, double t) -> Vec3 { return semiAxes.cwiseProduct(onSphere(2 * kPi * t, kPi * s)); });
-  return fromDistance(-semiAxes, semiAxes, 4.0 / 3.0 * kPi * semiAxes.prod(),
-                      [=](const Vec3 &x) { return ellipsoidDistance(x, semiAxes); }, surface);
+  addPatch(surface, 48, 96,
+           [&](double s, double t) -> Vec3 { return semiAxes.cwiseProduct(onSphere(2 * kPi * t, kPi * s)); });
+  return fromDistance(
+      -semiAxes, semiAxes, 4.0 / 3.0 * kPi * semiAxes.prod(),
+      [=](const Vec3 &x) { return ellipsoidDistance(x, semiAxes); }, surface);
 }
 
 BodyShape ringQuarter(double radius, double width) {
@@ -130,7 +137,8 @@ BodyShape ringQuarter(double radius, double width) {
     const double rho = std::hypot(x[0], x[1]);
     return std::max({std::abs(rho - radius) - half, std::abs(x[2]) - half, -x[0], -x[1]});
   };
-  return fromDistance(Vec3(0, 0, -half), Vec3(outer, outer, half), 0.5 * kPi * radius * width * width, distance, surface);
+  return fromDistance(Vec3(0, 0, -half), Vec3(outer, outer, half), 0.5 * kPi * radius * width * width, distance,
+                      surface);
 }
 
 BodyShape cylinder(double radius, double length) {
@@ -144,8 +152,8 @@ BodyShape cylinder(double radius, double length) {
   const auto distance = [=](const Vec3 &x) {
     return std::max({std::hypot(x[0], x[1]) - radius, -x[2], x[2] - length});
   };
-  return fromDistance(Vec3(-radius, -radius, 0.0), Vec3(radius, radius, length), kPi * radius * radius * length, distance,
-                      surface);
+  return fromDistance(Vec3(-radius, -radius, 0.0), Vec3(radius, radius, length), kPi * radius * radius * length,
+                      distance, surface);
 }
 
 }  // namespace solids

@@ -12,8 +12,8 @@ using namespace pointbased;
 
 namespace {
 
-constexpr double kFar = 1e3;          // m, beyond every body here
-constexpr double kFaceHalf = 1e-7;    // m
+constexpr double kFar = 1e3;        // m, beyond every body here
+constexpr double kFaceHalf = 1e-7;  // m
 
 }  // namespace
 
@@ -73,8 +73,8 @@ SolvedBody::SolvedBody(const Problem &problem) : shape_(problem.shape) {
   const auto rest = buildRestState(problem.shape, problem.recipe, {}, serialFor());
   if (!rest) throw std::runtime_error(rest.error());
   rest_ = *rest;
-  Constitution constitution{{problem.material}, rest_->evaluation == Evaluation::phyxels ? kCloudStabilisation
-                                                                                         : kLatticeStabilisation};
+  Constitution constitution{{problem.material},
+                            rest_->evaluation == Evaluation::phyxels ? kCloudStabilisation : kLatticeStabilisation};
   simulator_.setWorld(problem.world);
   id_ = simulator_.addBody(std::make_unique<Body>("body", rest_, constitution, serialFor()));
   for (const Obstacle &obstacle : problem.obstacles) simulator_.addObstacle(obstacle);

@@ -133,13 +133,16 @@ TEST_CASE("Poisson's ratio from -0.5 to 0.4999: the step adapts and the body sta
 }
 
 // lambda < 0: lambda/2 (ln J)² would pull together what is compressed by 4 %; the law for nu < 0 has another term.
-TEST_CASE("bodies with Poisson's ratios of -0.9 and -0.99 land as others do") { drop({-0.9, -0.99}, "ν = -0.9, -0.99"); }
+TEST_CASE("bodies with Poisson's ratios of -0.9 and -0.99 land as others do") {
+  drop({-0.9, -0.99}, "ν = -0.9, -0.99");
+}
 
 TEST_CASE("at a Poisson's ratio of 0.4999 a beam keeps its volume and bends as at 0.49") {
   // Timoshenko with kappa = 10 (1 + nu) / (12 + 11 nu); slender, so that the clamp's own stiffening stays below 1 %.
   const double length = 0.4, height = 0.04, youngs = 1e5, force = -0.02;
   const auto solve = [&](double poisson) {
-    validation::Problem problem = validation::Problem::rubber(shapes::box(Vec3::Zero(), Vec3(length, height, height)), 0.01);
+    validation::Problem problem =
+        validation::Problem::rubber(shapes::box(Vec3::Zero(), Vec3(length, height, height)), 0.01);
     problem.shape.surface = shapes::boxSurface(Vec3::Zero(), Vec3(length, height, height), 8);
     problem.material = rubber(youngs, poisson);
     problem.hold(validation::face(0, 0.0)).pull(validation::face(0, length), Vec3(0, force, 0));
@@ -157,9 +160,9 @@ TEST_CASE("at a Poisson's ratio of 0.4999 a beam keeps its volume and bends as a
   CHECK(volume.total < 0.01);
   CHECK(volume.local < 0.01);
   CHECK(std::abs(extreme) < 2.0 * std::abs(usual));
-  row("ν = 0.4999: locking", "bending " + text(100.0 * extreme) + " % off Timoshenko's beam (ν = 0.49: " + text(100.0 * usual) +
-                                 " %), volume " + text(100.0 * volume.total) + " %, of a point at most " +
-                                 text(100.0 * volume.local) + " %");
+  row("ν = 0.4999: locking",
+      "bending " + text(100.0 * extreme) + " % off Timoshenko's beam (ν = 0.49: " + text(100.0 * usual) +
+          " %), volume " + text(100.0 * volume.total) + " %, of a point at most " + text(100.0 * volume.local) + " %");
 }
 
 TEST_CASE("steps of no size, of negative size and of no number are chosen by the program") {
@@ -175,7 +178,8 @@ TEST_CASE("steps of no size, of negative size and of no number are chosen by the
   row("dt = 0, negative, NaN", "means automatic: 0.8 of the stable step");
 }
 
-TEST_CASE("steps that are far too large are divided, and end early where that is too much; implicit ones stop with a report") {
+TEST_CASE(
+    "steps that are far too large are divided, and end early where that is too much; implicit ones stop with a report") {
   std::string result;
   for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler})
     for (const double dt : {0.1, 1.0, 1e3, 1e9, 1e300}) {
@@ -197,8 +201,10 @@ TEST_CASE("steps that are far too large are divided, and end early where that is
         CHECK(told(simulator, "substep"));
         CHECK(told(simulator, "slowed") == (dt > 1.0));
         CHECK(simulator.time() > 0.1);
-        if (dt <= 1.0) CHECK_THAT(simulator.time(), WithinRel(3.0 * dt, 1e-9));
-        else CHECK(simulator.time() < dt);
+        if (dt <= 1.0)
+          CHECK_THAT(simulator.time(), WithinRel(3.0 * dt, 1e-9));
+        else
+          CHECK(simulator.time() < dt);
       } else if (dt <= 1.0) {
         CHECK(good);
       }
@@ -206,7 +212,9 @@ TEST_CASE("steps that are far too large are divided, and end early where that is
                 (integrator == Integrator::explicitVerlet  ? "explicit: "
                  : integrator == Integrator::implicitSdirk ? "implicit: "
                                                            : "backward Euler: ") +
-                (!good ? "stopped" : told(simulator, "slowed") ? "slowed to " + text(simulator.time() / 3.0) + " s" : "finite");
+                (!good                       ? "stopped"
+                 : told(simulator, "slowed") ? "slowed to " + text(simulator.time() / 3.0) + " s"
+                                             : "finite");
     }
   row("dt huge", result);
 }
@@ -227,10 +235,11 @@ TEST_CASE("a step that ends early ends at the same time for all bodies") {
     CHECK_THAT(t, WithinRel(i * 1e4 * least, 1e-4));  // even parts of the step, a little shorter than the largest
     // A free fall tells every body's own time.
     for (const std::size_t id : ids)
-      for (const Vec3 &u : simulator.body(id)->state().displacements) CHECK_THAT(u[1], WithinRel(-0.5 * 9.81 * t * t, 1e-9));
+      for (const Vec3 &u : simulator.body(id)->state().displacements)
+        CHECK_THAT(u[1], WithinRel(-0.5 * 9.81 * t * t, 1e-9));
   }
-  row("steps of 1000 s, three bodies, E = 10 kPa, 1 MPa, 1 kPa", "all end after 10 000 substeps of the stiffest, at " +
-                                                                      text(simulator.time() / 2.0) + " s a step");
+  row("steps of 1000 s, three bodies, E = 10 kPa, 1 MPa, 1 kPa",
+      "all end after 10 000 substeps of the stiffest, at " + text(simulator.time() / 2.0) + " s a step");
 }
 
 TEST_CASE("an infinite step is refused or chosen by the program") {
@@ -247,8 +256,8 @@ TEST_CASE("an infinite step is refused or chosen by the program") {
   row("dt infinite", result);
 }
 
-// Verlet is symplectic at one step size only: with sizes in turn it resonates (the energy grew by 180 % with steps of up to
-// 0.8 of the stable one), so the program takes smaller ones while somebody changes them.
+// Verlet is symplectic at one step size only: with sizes in turn it resonates (the energy grew by 180 % with steps of
+// up to 0.8 of the stable one), so the program takes smaller ones while somebody changes them.
 TEST_CASE("step sizes that change at every step do not pump energy") {
   shapes::Random random(3);
   double most = 1.0, least = 1.0;
@@ -274,8 +283,8 @@ TEST_CASE("step sizes that change at every step do not pump energy") {
   swing(0.01, 1000, [](int i, double a) { return i % 2 ? 0.99 * a : 1e-3 * a; });
   swing(0.01, 1000, [](int i, double a) { return i % 3 ? 0.8 * a : 0.3 * a; });
   swing(0.01, 1000, [&](int, double a) { return a * (0.51 + 0.49 * random()); });
-  // At a fifth of the stable step at most, (omega dt)²/4 is 4 % of the share of the fastest modes, to be added or taken at
-  // each change; a part of it stays away.
+  // At a fifth of the stable step at most, (omega dt)²/4 is 4 % of the share of the fastest modes, to be added or taken
+  // at each change; a part of it stays away.
   CHECK(most < 1.04);
   CHECK(least > 0.9);
   row("dt variable: 1 ns to 10 ms in turn, pairs of the automatic one, at random",
@@ -316,7 +325,8 @@ TEST_CASE("neighbours with a million times the stiffness or mass: momenta are ke
     const char *name;
     double youngs, density;
   };
-  for (const Pair &pair : {Pair{"E", 1e6, 1.0}, Pair{"density", 1.0, 1e6}, Pair{"both", 1e6, 1e6}, Pair{"opposed", 1e6, 1e-6}}) {
+  for (const Pair &pair :
+       {Pair{"E", 1e6, 1.0}, Pair{"density", 1.0, 1e6}, Pair{"both", 1e6, 1e6}, Pair{"opposed", 1e6, 1e-6}}) {
     CAPTURE(pair.name);
     BodyShape shape = shapes::box(Vec3::Zero(), Vec3(0.08, kEdge, kEdge));
     BodyRecipe recipe;
@@ -327,11 +337,12 @@ TEST_CASE("neighbours with a million times the stiffness or mass: momenta are ke
     Material first = rubber(10.0), second = rubber(10.0 * pair.youngs);
     second.restDensity = first.restDensity * pair.density;
     Simulator simulator;
-    const std::size_t id = simulator.addBody(std::make_unique<Body>(
-        "pair", *rest, Constitution{{first, second}, kLatticeStabilisation}, serialFor()));
+    const std::size_t id = simulator.addBody(
+        std::make_unique<Body>("pair", *rest, Constitution{{first, second}, kLatticeStabilisation}, serialFor()));
     Body &body = *simulator.body(id);
     // Slow against the slower wave, so that nothing is torn apart by its own inertia.
-    const double wave = std::sqrt(std::min(first.youngsModulus / first.restDensity, second.youngsModulus / second.restDensity));
+    const double wave =
+        std::sqrt(std::min(first.youngsModulus / first.restDensity, second.youngsModulus / second.restDensity));
     body.setInitialVelocity(wave * Vec3(0.1, 0.2, 0), wave / 0.08 * Vec3(0.2, 0.1, 0.1));
     displace(body, Vec3(1.02, 1.0, 0.99).asDiagonal());
     simulator.setWorld(freeWorld(kStepSafety * body.stableStepAtRest()));
@@ -353,7 +364,8 @@ TEST_CASE("neighbours with a million times the stiffness or mass: momenta are ke
     double jump = 0.0;
     for (std::size_t p = 0; p < u.size(); p += 2) jump = std::max(jump, (u[p] - u[p + 1]).norm());
     CHECK(jump < 1e-6 * largest(body.state().displacements));
-    result += (result.empty() ? "" : "; ") + std::string(pair.name) + ": momentum " + text(drift) + ", jump " + text(jump) + " m";
+    result += (result.empty() ? "" : "; ") + std::string(pair.name) + ": momentum " + text(drift) + ", jump " +
+              text(jump) + " m";
   }
   row("E or density ratio 1e6 between neighbours", "1000 steps, " + result);
 }
@@ -407,10 +419,12 @@ TEST_CASE("plastic limits: without flow bitwise elastic, with all of it nothing 
   CHECK((once - often).norm() < 1e-9);
   row("plastic yield 0 or ∞, creep 0 or 1, max 0 or ∞",
       "no flow: bitwise elastic; all of it: energy " + text(body->elasticEnergy().strain / before) +
-          " of what was put in; det F_p - 1 at most " + text(volume) + "; 1 and 1000 steps differ by " + text((once - often).norm()));
+          " of what was put in; det F_p - 1 at most " + text(volume) + "; 1 and 1000 steps differ by " +
+          text((once - often).norm()));
 }
 
-TEST_CASE("a hundred times the modulus while running: the step follows at once, energy grows by no more than the change") {
+TEST_CASE(
+    "a hundred times the modulus while running: the step follows at once, energy grows by no more than the change") {
   Simulator simulator;
   const std::size_t id = simulator.addBody(cube(rubber(1e4), 0.01));
   Body &body = *simulator.body(id);
@@ -429,5 +443,6 @@ TEST_CASE("a hundred times the modulus while running: the step follows at once, 
   CHECK(most < 1.02 * allowed);  // velocity Verlet: (omega dt)²/4 of the fastest modes
   CHECK_FALSE(told(simulator, "stopped"));
   CHECK_FALSE(told(simulator, "smaller_step"));
-  row("E × 100 while running", "next step 0.1 of the last; energy at most " + text(most / allowed) + " of kinetic + 100 elastic");
+  row("E × 100 while running",
+      "next step 0.1 of the last; energy at most " + text(most / allowed) + " of kinetic + 100 elastic");
 }

@@ -62,7 +62,8 @@ double coupling(Body &body) {
     if (above[i]) body.state().displacements[i] = Vec3(0.1 * body.rest().positions[i][0], 0.03, 0.05);
   shapes::evaluate(body);
   double moved = 0.0, other = 0.0;
-  for (std::size_t i = 0; i < above.size(); ++i) (above[i] ? moved : other) = std::max(above[i] ? moved : other, body.forces()[i].norm());
+  for (std::size_t i = 0; i < above.size(); ++i)
+    (above[i] ? moved : other) = std::max(above[i] ? moved : other, body.forces()[i].norm());
   return other / moved;
 }
 
@@ -95,7 +96,8 @@ TEST_CASE("coincident points make no nought over nought") {
     REQUIRE(!simulator.events().empty());
     CHECK(simulator.events().front().kind == "warning");
     CHECK_THAT(simulator.events().front().text,
-               Contains(std::to_string(expected) + " of " + std::to_string(points.size()) + " phyxels have the place of another one"));
+               Contains(std::to_string(expected) + " of " + std::to_string(points.size()) +
+                        " phyxels have the place of another one"));
     said = simulator.events().front().text;
     simulator.reset();
     CHECK(simulator.events().front().text == said);
@@ -103,20 +105,23 @@ TEST_CASE("coincident points make no nought over nought") {
     for (int i = 0; i < 300 && good; ++i) good = simulator.step().has_value();
     CHECK(good);
     CHECK(finite(body));
-    result += (result.empty() ? "" : ", ") + std::to_string(points.size()) + " points: " + (good ? "finite" : "stopped");
+    result +=
+        (result.empty() ? "" : ", ") + std::to_string(points.size()) + " points: " + (good ? "finite" : "stopped");
   }
   row("coincident points", "counted in a warning, kept with their mass; 300 steps with contact, " + result);
 }
 
-TEST_CASE("flat, straight and single clouds: turning them costs nothing, stretching them does, out of plane they are free") {
+TEST_CASE(
+    "flat, straight and single clouds: turning them costs nothing, stretching them does, out of plane they are free") {
   std::string result;
   const Mat3 turn = (Eigen::AngleAxisd(2.0, Vec3(1, 2, -1).normalized())).toRotationMatrix();
   struct Case {
     const char *name;
     std::vector<Vec3> points;
   };
-  for (const Case &c : {Case{"coplanar", gridPoints(5, 5, 1, kSpacing)}, Case{"collinear", gridPoints(7, 1, 1, kSpacing)},
-                        Case{"three", gridPoints(3, 1, 1, kSpacing)}, Case{"two", gridPoints(2, 1, 1, kSpacing)}}) {
+  for (const Case &c :
+       {Case{"coplanar", gridPoints(5, 5, 1, kSpacing)}, Case{"collinear", gridPoints(7, 1, 1, kSpacing)},
+        Case{"three", gridPoints(3, 1, 1, kSpacing)}, Case{"two", gridPoints(2, 1, 1, kSpacing)}}) {
     CAPTURE(c.name);
     auto body = cloud(c.points, kSpacing, rubber(1e4));
     displace(*body, Vec3(1.05, 1, 1).asDiagonal());
@@ -145,7 +150,8 @@ TEST_CASE("flat, straight and single clouds: turning them costs nothing, stretch
     shapes::evaluate(*body);
     const double along = largest(body->forces());
     if (c.points.size() > 2) CHECK(across < 0.02 * along);
-    result += (result.empty() ? "" : "; ") + std::string(c.name) + ": out of plane " + text(across / along) + " of in plane";
+    result +=
+        (result.empty() ? "" : "; ") + std::string(c.name) + ": out of plane " + text(across / along) + " of in plane";
   }
   row("collinear, coplanar, fewer than four", "turned: no force; stretched: λ + 2μ; " + result);
 }
@@ -159,7 +165,8 @@ TEST_CASE("a flat cloud bends freely, its stabilisation included") {
   shapes::evaluate(*body);
   const double along = largest(body->forces());
   CHECK(across < 0.02 * along);
-  row("coplanar, with the control of modes", "one phyxel out of plane is held with " + text(across / along) + " of in plane");
+  row("coplanar, with the control of modes",
+      "one phyxel out of plane is held with " + text(across / along) + " of in plane");
 }
 
 TEST_CASE("a sheet that is rolled up, not stretched, has no energy in its control") {
@@ -181,7 +188,8 @@ TEST_CASE("a sheet that is rolled up, not stretched, has no energy in its contro
   // What is left is the shortening along the plane, of the next order in the spacing over the radius.
   CHECK(within > 0.0);
   CHECK(rolled < 0.01 * within);
-  row("a sheet rolled up", "energy of its control " + text(rolled / within) + " of that of the same bend within its plane");
+  row("a sheet rolled up",
+      "energy of its control " + text(rolled / within) + " of that of the same bend within its plane");
 }
 
 TEST_CASE("bodies of none, one and two phyxels fall, lie and are looked at") {
@@ -230,7 +238,8 @@ TEST_CASE("a single phyxel comes down quasi-statically") {
   }
   CHECK_THAT(simulator.body(id)->state().displacements[0][1], WithinAbs(-0.01, 1e-3));
   CHECK(simulator.body(id)->stopped.empty());
-  row("1 phyxel, quasi-static", simulator.body(id)->stopped.empty() ? "lies on the ground" : "not met: stopped with a report");
+  row("1 phyxel, quasi-static",
+      simulator.body(id)->stopped.empty() ? "lies on the ground" : "not met: stopped with a report");
 }
 
 TEST_CASE("an empty body may spin, be grabbed and be set to another material") {
@@ -264,8 +273,8 @@ TEST_CASE("plates half a spacing apart move independently") {
   CHECK(atPhyxels.rest().components == 2);
   const double phyxels = coupling(atPhyxels);
   CHECK(phyxels < 1e-10);  // one layer: its completed F is round-off away from the identity
-  row("plates half and a twentieth of a spacing apart", "force on the other one: " + text(lattice) + " (lattice), " +
-                                                            text(phyxels) + " (evaluated at phyxels)");
+  row("plates half and a twentieth of a spacing apart",
+      "force on the other one: " + text(lattice) + " (lattice), " + text(phyxels) + " (evaluated at phyxels)");
 }
 
 TEST_CASE("a cloud in parts is counted in parts") {
@@ -292,8 +301,9 @@ TEST_CASE("a thousand kilometres from the origin the same happens as at the orig
       simulator.setWorld(world);
       std::vector<Vec3> points = gridPoints(3, 3, 3, kSpacing);
       for (Vec3 &x : points) x += at;
-      const std::size_t id = simulator.addBody(
-          lattice ? shapes::latticeBox(at, at + Vec3::Constant(kEdge), 0.01, rubber(1e4), 4) : cloud(points, kSpacing, rubber(1e4)));
+      const std::size_t id =
+          simulator.addBody(lattice ? shapes::latticeBox(at, at + Vec3::Constant(kEdge), 0.01, rubber(1e4), 4)
+                                    : cloud(points, kSpacing, rubber(1e4)));
       simulator.addObstacle(shapes::halfSpace(at - Vec3(0, lattice ? 0.001 : 0.011, 0), Vec3::UnitY(), 0.3));
       for (int i = 0; i < 500; ++i) REQUIRE(simulator.step());
       const std::vector<Vec3> &u = simulator.body(id)->state().displacements;
@@ -326,12 +336,15 @@ TEST_CASE("in millimetres, where a scanner has its origin, the same happens as a
     simulator.addObstacle(shapes::halfSpace(at - Vec3(0, 1, 0), Vec3::UnitY(), 0.3));
     for (int i = 0; i < 500; ++i) REQUIRE(simulator.step());
     const std::vector<Vec3> &u = simulator.body(id)->state().displacements;
-    if (near.empty()) near = u;
-    else error = difference(u, near);
+    if (near.empty())
+      near = u;
+    else
+      error = difference(u, near);
   }
   CHECK(largest(near) > 0.5);
   CHECK(error < 1e-6);
-  row("mm, at the origin of a scanner (LPS)", "after 500 steps with contact: " + text(error) + " relative to the origin");
+  row("mm, at the origin of a scanner (LPS)",
+      "after 500 steps with contact: " + text(error) + " relative to the origin");
 }
 
 TEST_CASE("from a micrometre to a kilometre results scale with the size") {
@@ -341,8 +354,8 @@ TEST_CASE("from a micrometre to a kilometre results scale with the size") {
     CAPTURE(size);
     // E / (rho g L) kept: g as 1 / L. A step is as long as a wave needs, so it goes with L.
     Simulator simulator;
-    const std::size_t id = simulator.addBody(
-        shapes::latticeBox(Vec3::Zero(), Vec3::Constant(size), 0.25 * size, rubber(1e5), 4));
+    const std::size_t id =
+        simulator.addBody(shapes::latticeBox(Vec3::Zero(), Vec3::Constant(size), 0.25 * size, rubber(1e5), 4));
     Body &body = *simulator.body(id);
     WorldSettings world;
     world.dt = kStepSafety * body.stableStepAtRest();
@@ -400,9 +413,9 @@ TEST_CASE("three to five hundred neighbours, supports of 1.01 to 6 spacings: no 
     WorldSettings world;
     world.gravity = Vec3(0, -9.81, 0);
     simulator.setWorld(world);
-    const std::size_t id = simulator.addBody(std::make_unique<Body>(
-        "ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.06), kSpacing, choice),
-        Constitution{{rubber(1e4)}, kCloudStabilisation}, serialFor()));
+    const std::size_t id = simulator.addBody(
+        std::make_unique<Body>("ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.06), kSpacing, choice),
+                               Constitution{{rubber(1e4)}, kCloudStabilisation}, serialFor()));
     simulator.addObstacle(shapes::halfSpace(Vec3(0, -0.065, 0), Vec3::UnitY(), 0.3));
     Body &body = *simulator.body(id);
     const Neighbours counted = countNeighbours(body.rest());
@@ -421,24 +434,27 @@ TEST_CASE("three to five hundred neighbours, supports of 1.01 to 6 spacings: no 
     CHECK(quality.condition <= 1.0 / kMomentCutOff);
     warned += (unusual ? (warned.empty() ? "" : ", ") + name : "");
     worst = std::max(worst, quality.condition);
-    result += (result.empty() ? "" : "; ") + name + ": " + std::to_string(counted.min) + " … " + std::to_string(counted.max);
+    result +=
+        (result.empty() ? "" : "; ") + name + ": " + std::to_string(counted.min) + " … " + std::to_string(counted.max);
   };
   for (const int count : {3, 6, 12, 26, 100, 500}) run({count, 1.8}, "N = " + std::to_string(count));
   for (const double support : {1.01, 1.5, 1.8, 3.0, 6.0}) run({0, support}, "r = " + text(support) + " d");
   // A lattice with its axes only: in the middle of a face two neighbours lie along it for one across.
   CHECK_THAT(inspectCloud(cloud(gridPoints(3, 3, 3, kSpacing), kSpacing, rubber(1e4), {0, 1.01})->rest()).condition,
              WithinRel(2.0, 1e-9));
-  CHECK_THAT(warned, Contains("N = 3") && Contains("N = 6") && Contains("r = 1.01 d") && Contains("N = 500") && Contains("r = 6 d"));
+  CHECK_THAT(warned, Contains("N = 3") && Contains("N = 6") && Contains("r = 1.01 d") && Contains("N = 500") &&
+                         Contains("r = 6 d"));
   CHECK_THAT(warned, !Contains("N = 26") && !Contains("r = 1.8 d"));
-  row("neighbours 3 … 500, support 1.01 … 6 spacings", "finite; warned: " + warned + "; condition of the moments at most " +
-                                                           text(worst) + "; neighbours " + result);
+  row("neighbours 3 … 500, support 1.01 … 6 spacings",
+      "finite; warned: " + warned + "; condition of the moments at most " + text(worst) + "; neighbours " + result);
 }
 
 TEST_CASE("surfels outside of every support follow the affine map of the nearest phyxels") {
   const Mat3 A = (Mat3() << 1.1, 0.2, 0.0, -0.1, 0.9, 0.1, 0.0, 0.3, 1.2).finished();
   const Vec3 shift(0.3, -0.2, 0.1);
   double worst = 0.0;
-  const std::vector<Vec3> far = {Vec3(0.5, 0.02, 0.02), Vec3(-0.3, -0.3, -0.3), Vec3(0.02, 0.02, 1.0), Vec3(0.02, 0.02, 0.02)};
+  const std::vector<Vec3> far = {Vec3(0.5, 0.02, 0.02), Vec3(-0.3, -0.3, -0.3), Vec3(0.02, 0.02, 1.0),
+                                 Vec3(0.02, 0.02, 0.02)};
   for (const bool lattice : {true, false}) {
     auto body = lattice ? cube(rubber(1e4), 0.01) : cloud(gridPoints(4, 4, 4, 0.0133), 0.0133, rubber(1e4));
     displace(*body, A, shift);
@@ -469,7 +485,8 @@ TEST_CASE("a surface that encloses another volume than is found inside is told o
       Simulator simulator;
       const bool lattice = evaluation == Evaluation::stressPoints;
       const std::size_t id = simulator.addBody(std::make_unique<Body>(
-          "box", *rest, Constitution{{rubber(1e4)}, lattice ? kLatticeStabilisation : kCloudStabilisation}, serialFor()));
+          "box", *rest, Constitution{{rubber(1e4)}, lattice ? kLatticeStabilisation : kCloudStabilisation},
+          serialFor()));
       CHECK_THAT(simulator.body(id)->totalMass(), WithinRel(1000.0 * shape.volume, 1e-9));
       const bool off = std::abs(1.0 / part - 1.0) > kVolumeMismatch;
       REQUIRE(told(simulator, "warning") == off);
@@ -495,8 +512,10 @@ TEST_CASE("a body whose faces lie in the planes of the lattice and of its bounds
     for (std::size_t q = 0; q < body->rest().pointCount(); ++q)
       centre += body->rest().stencils.volumes[q] / points * (body->rest().pointCentres[q] + body->rest().origin);
     CHECK((centre - Vec3::Constant(0.5 * kEdge)).norm() < 0.01 * spacing);
-    if (spacing != 0.0131) CHECK(body->rest().pointCount() == static_cast<std::size_t>(std::pow(std::round(kEdge / spacing), 3)));
+    if (spacing != 0.0131)
+      CHECK(body->rest().pointCount() == static_cast<std::size_t>(std::pow(std::round(kEdge / spacing), 3)));
     result += (result.empty() ? "" : ", ") + std::to_string(body->rest().pointCount()) + " cells";
   }
-  row("faces on the bounding box", result + "; volume exact (meshes: `test_geometry`, *A small hole can be filled over, an open surface cannot*)");
+  row("faces on the bounding box",
+      result + "; volume exact (meshes: `test_geometry`, *A small hole can be filled over, an open surface cannot*)");
 }

@@ -47,9 +47,12 @@ enum class Start { flat, point, mirrored, scrambled };
 
 void put(Body &body, Start start) {
   switch (start) {
-    case Start::flat: return displace(body, Vec3(1, 1, 0).asDiagonal());
-    case Start::point: return displace(body, Mat3::Zero());
-    case Start::mirrored: return displace(body, Vec3(1, 1, -1).asDiagonal());
+    case Start::flat:
+      return displace(body, Vec3(1, 1, 0).asDiagonal());
+    case Start::point:
+      return displace(body, Mat3::Zero());
+    case Start::mirrored:
+      return displace(body, Vec3(1, 1, -1).asDiagonal());
     case Start::scrambled: {
       shapes::Random random(7);
       for (Vec3 &u : body.state().displacements) u = 0.25 * kEdge * random.vector();
@@ -62,15 +65,17 @@ void put(Body &body, Start start) {
 
 namespace {
 
-// neo-Hookean under implicit steps from a point is a case of its own: all of it is at one place, so that which way it opens
-// is a matter of round-off. It may come out folded over itself with every det F > 0, a local minimum of the energy that no
-// law with one evaluation per cell excludes: then it lies still there with a small part of the energy.
+// neo-Hookean under implicit steps from a point is a case of its own: all of it is at one place, so that which way it
+// opens is a matter of round-off. It may come out folded over itself with every det F > 0, a local minimum of the
+// energy that no law with one evaluation per cell excludes: then it lies still there with a small part of the energy.
 void recovers(bool fromPointImplicitly) {
   std::string result;
   for (const MaterialLaw law : {MaterialLaw::neoHookean, MaterialLaw::corotated})
-    for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler})
+    for (const Integrator integrator :
+         {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler})
       for (const Start start : {Start::flat, Start::point, Start::mirrored, Start::scrambled}) {
-        if (fromPointImplicitly != (law == MaterialLaw::neoHookean && integrator == Integrator::implicitSdirk && start == Start::point))
+        if (fromPointImplicitly !=
+            (law == MaterialLaw::neoHookean && integrator == Integrator::implicitSdirk && start == Start::point))
           continue;
         CAPTURE(static_cast<int>(law), static_cast<int>(integrator), static_cast<int>(start));
         Simulator simulator;
@@ -95,12 +100,14 @@ void recovers(bool fromPointImplicitly) {
         CHECK(simulator.energy(id).kinetic < 1e-6 * before);
         if (!recovered || (law == MaterialLaw::neoHookean && integrator == Integrator::explicitVerlet)) {
           static const char *const names[] = {"flat", "a point", "mirrored", "scrambled"};
-          result += (result.empty() ? "" : "; ") +
-                    std::string(law == MaterialLaw::neoHookean ? "" : "corotated ") +
-                    (integrator == Integrator::explicitVerlet ? "" : integrator == Integrator::implicitSdirk ? "implicit " : "Euler ") +
+          result += (result.empty() ? "" : "; ") + std::string(law == MaterialLaw::neoHookean ? "" : "corotated ") +
+                    (integrator == Integrator::explicitVerlet  ? ""
+                     : integrator == Integrator::implicitSdirk ? "implicit "
+                                                               : "Euler ") +
                     names[static_cast<int>(start)] + ": " + text(100.0 * inverted) + " % inverted, " +
-                    (recovered ? "recovers" : good ? "rests folded with " + text(100.0 * elastic(body) / before) + " % of the energy"
-                                                   : "stopped with a report");
+                    (recovered ? "recovers"
+                     : good    ? "rests folded with " + text(100.0 * elastic(body) / before) + " % of the energy"
+                               : "stopped with a report");
         }
       }
   row(fromPointImplicitly ? "start as a point, neo-Hookean, implicit"
@@ -127,8 +134,8 @@ TEST_CASE("a mirrored St. Venant-Kirchhoff body stays mirrored, finite, and coun
   CHECK(finite(body));
   CHECK(invertedPart(body) == 1.0);
   CHECK(std::isfinite(elastic(body)));
-  row("inverted start, St. Venant-Kirchhoff", "rests mirrored; " + text(100.0 * invertedPart(body)) +
-                                                  " % inverted points, which the report names");
+  row("inverted start, St. Venant-Kirchhoff",
+      "rests mirrored; " + text(100.0 * invertedPart(body)) + " % inverted points, which the report names");
 }
 
 TEST_CASE("a rigid rotation strains nothing, at any angle and after many turns") {
@@ -213,7 +220,8 @@ TEST_CASE("numbers too small to be normal do not stay in the state of a damped b
   std::size_t count = 0, all = 0;
   c3de::ThreadPool pool(2);
   for (const ParallelFor &parallelFor :
-       {serialFor(), ParallelFor([&pool](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &loop) {
+       {serialFor(), ParallelFor([&pool](std::size_t n, std::size_t grain,
+                                         const std::function<void(std::size_t, std::size_t)> &loop) {
           pool.parallelFor(n, grain, loop);
         })}) {
     Simulator simulator(parallelFor);
@@ -265,7 +273,9 @@ void setDisplacement(Simulator &s, std::size_t id, double value) {
   s.body(id)->forcesCurrent = false;
 }
 void setVelocity(Simulator &s, std::size_t id, double value) { s.body(id)->state().velocities[kVictim][2] = value; }
-void setModulus(Simulator &s, std::size_t id, double value) { s.setConstitution(id, {{rubber(value)}, kLatticeStabilisation}); }
+void setModulus(Simulator &s, std::size_t id, double value) {
+  s.setConstitution(id, {{rubber(value)}, kLatticeStabilisation});
+}
 void grabAtNowhere(Simulator &s, std::size_t id) {
   Grab grab;
   grab.phyxels = {kVictim};
@@ -315,8 +325,8 @@ void poisoned(const std::vector<Poison> &poisons, std::initializer_list<Integrat
         CHECK(kept);
         if (poison.names) CHECK(named);
       }
-      result += (begun ? ", " : "") + std::string(integrator == Integrator::explicitVerlet ? "" : "implicit ") + poison.name +
-                (body.stopped.empty() ? " (ignored)" : "") + (kept ? "" : " (stays in the state)") +
+      result += (begun ? ", " : "") + std::string(integrator == Integrator::explicitVerlet ? "" : "implicit ") +
+                poison.name + (body.stopped.empty() ? " (ignored)" : "") + (kept ? "" : " (stays in the state)") +
                 (poison.names && !named && !body.stopped.empty() ? " (another phyxel is named)" : "");
       begun = true;
       both->reset();
@@ -332,7 +342,8 @@ const std::initializer_list<Integrator> kBoth = {Integrator::explicitVerlet, Int
 TEST_CASE("a modulus that is no number stops its body in one step in the last good state, others go on") {
   poisoned({{"E = NaN", [](Simulator &s, std::size_t id) { setModulus(s, id, kNaN); }, false},
             {"E = inf", [](Simulator &s, std::size_t id) { setModulus(s, id, kInfinity); }, false}},
-           kBoth, true, "E = NaN or infinite while running: stopped in one step in the last good state, others bitwise as alone");
+           kBoth, true,
+           "E = NaN or infinite while running: stopped in one step in the last good state, others bitwise as alone");
 }
 
 TEST_CASE("numbers that are none in x and v are caught in one step and named, others go on") {
@@ -341,7 +352,8 @@ TEST_CASE("numbers that are none in x and v are caught in one step and named, ot
             {"v = NaN", [](Simulator &s, std::size_t id) { setVelocity(s, id, kNaN); }, true},
             {"v = inf", [](Simulator &s, std::size_t id) { setVelocity(s, id, -kInfinity); }, true},
             {"v = 1e300", [](Simulator &s, std::size_t id) { setVelocity(s, id, 1e300); }, true}},
-           kBoth, false, "NaN and infinity put into x and v between steps: caught in one step, others bitwise as alone");
+           kBoth, false,
+           "NaN and infinity put into x and v between steps: caught in one step, others bitwise as alone");
 }
 
 TEST_CASE("numbers that are none in x and v leave the body in its last good state, the phyxel named") {
@@ -373,9 +385,11 @@ TEST_CASE("a force that is none is caught in one step, which is done again witho
       CHECK(body.stopped.empty());
       CHECK(finite(body));
       CHECK(told(simulator, "smaller_step") == (integrator == Integrator::explicitVerlet));
-      // A free fall as if nothing had been, but for the order of the steps: implicit ones of order 2, explicit ones exact.
+      // A free fall as if nothing had been, but for the order of the steps: implicit ones of order 2, explicit ones
+      // exact.
       for (const Vec3 &u : body.state().displacements) CHECK((u - Vec3(0, -0.5 * 9.81 * 1e-4, 0)).norm() < 1e-9);
-      result += (result.empty() ? "" : ", ") + std::string(integrator == Integrator::explicitVerlet ? "" : "implicit ") + "f = " + text(value);
+      result += (result.empty() ? "" : ", ") +
+                std::string(integrator == Integrator::explicitVerlet ? "" : "implicit ") + "f = " + text(value);
     }
   row("NaN and infinity put into the forces: caught in one step, which is done again", result);
 }
@@ -442,54 +456,56 @@ void pulled(Integrator integrator, const std::string &name) {
     double most;
     bool must;  // go on
   };
-    for (const Hand &hand : {Hand{"teleports 1e9 m away, 5 N", Vec3(1e9, 0, 0), 5.0, true},
-                             Hand{"1e9 N, 10 cm away", Vec3(0.1, 0, 0), 1e9, true},
-                             Hand{"1e9 N, 1e9 m away", Vec3(1e9, 1e9, 0), 1e9, false},
-                             Hand{"without limit, 1e30 m away", Vec3(1e30, 0, 0), kInfinity, false}}) {
-      CAPTURE(hand.name, static_cast<int>(integrator));
-      Simulator simulator;
-      WorldSettings world;
-      world.integrator = integrator;
-      world.dt = 2e-3;
-      world.damping = 5.0;
-      simulator.setWorld(world);
-      Material material = rubber(2e4);
-      material.viscosity = 5.0;
-      const std::size_t id = simulator.addBody(cube(material, 0.01));
-      Body &body = *simulator.body(id);
-      Grab grab;
-      for (Index i = 0; i < 8; ++i) {
-        grab.phyxels.push_back(i);
-        grab.weights.push_back(1.0 / 8.0);
-      }
-      grab.target = hand.target;
-      grab.maxForce = hand.most;
-      simulator.setGrab(id, grab);
-      bool good = true;
-      for (int i = 0; i < 25 && good; ++i) {
-        good = simulator.step().has_value();
-        const auto status = simulator.grabStatus(id);
-        if (!good) continue;
-        CHECK(status);
-        if (status) CHECK(status->force.norm() <= hand.most * (1.0 + 1e-9));
-      }
-      CHECK(finite(body));
-      CHECK(good == body.stopped.empty());
-      if (hand.must) CHECK(good);
-      const double stretched = elastic(body);
-      CHECK((!good || stretched > 1e-6));
-      simulator.releaseGrab(id);
-      if (!good) {
-        simulator.reset();
-        REQUIRE(simulator.step());
-      } else {
-        for (int i = 0; i < 1500; ++i) REQUIRE(simulator.step());
-        CHECK(elastic(body) < 1e-3 * stretched);
-        CHECK(invertedPart(body) == 0.0);
-      }
-      result += (result.empty() ? "" : "; ") + std::string(hand.name) + ": " +
-                (!good ? "stopped with a report, reset leads out" : stretched > 1e-6 ? "recovers" : "feels nothing");
+  for (const Hand &hand :
+       {Hand{"teleports 1e9 m away, 5 N", Vec3(1e9, 0, 0), 5.0, true},
+        Hand{"1e9 N, 10 cm away", Vec3(0.1, 0, 0), 1e9, true}, Hand{"1e9 N, 1e9 m away", Vec3(1e9, 1e9, 0), 1e9, false},
+        Hand{"without limit, 1e30 m away", Vec3(1e30, 0, 0), kInfinity, false}}) {
+    CAPTURE(hand.name, static_cast<int>(integrator));
+    Simulator simulator;
+    WorldSettings world;
+    world.integrator = integrator;
+    world.dt = 2e-3;
+    world.damping = 5.0;
+    simulator.setWorld(world);
+    Material material = rubber(2e4);
+    material.viscosity = 5.0;
+    const std::size_t id = simulator.addBody(cube(material, 0.01));
+    Body &body = *simulator.body(id);
+    Grab grab;
+    for (Index i = 0; i < 8; ++i) {
+      grab.phyxels.push_back(i);
+      grab.weights.push_back(1.0 / 8.0);
     }
+    grab.target = hand.target;
+    grab.maxForce = hand.most;
+    simulator.setGrab(id, grab);
+    bool good = true;
+    for (int i = 0; i < 25 && good; ++i) {
+      good = simulator.step().has_value();
+      const auto status = simulator.grabStatus(id);
+      if (!good) continue;
+      CHECK(status);
+      if (status) CHECK(status->force.norm() <= hand.most * (1.0 + 1e-9));
+    }
+    CHECK(finite(body));
+    CHECK(good == body.stopped.empty());
+    if (hand.must) CHECK(good);
+    const double stretched = elastic(body);
+    CHECK((!good || stretched > 1e-6));
+    simulator.releaseGrab(id);
+    if (!good) {
+      simulator.reset();
+      REQUIRE(simulator.step());
+    } else {
+      for (int i = 0; i < 1500; ++i) REQUIRE(simulator.step());
+      CHECK(elastic(body) < 1e-3 * stretched);
+      CHECK(invertedPart(body) == 0.0);
+    }
+    result += (result.empty() ? "" : "; ") + std::string(hand.name) + ": " +
+              (!good              ? "stopped with a report, reset leads out"
+               : stretched > 1e-6 ? "recovers"
+                                  : "feels nothing");
+  }
   row(name, result);
 }
 
@@ -499,9 +515,7 @@ TEST_CASE("a hand of 1e9 N and one that teleports: capped, finite or stopped, an
   pulled(Integrator::explicitVerlet, "a hand of 1e9 N, a teleporting one");
 }
 // The implicit stages have no term for the spring of the hand.
-TEST_CASE("a hand of 1e9 N and one that teleports, implicit") {
-  pulled(Integrator::implicitSdirk, "a hand, implicit");
-}
+TEST_CASE("a hand of 1e9 N and one that teleports, implicit") { pulled(Integrator::implicitSdirk, "a hand, implicit"); }
 
 namespace {
 
@@ -541,9 +555,10 @@ void runLong(std::uint64_t steps) {
   CHECK(after <= memory + (1u << 20));  // a leak of ten bytes a step would be that
   CHECK(medians.back() < 2.0 * medians.front() + 5.0);
   CHECK(simulator.stoppedBodies() == 0);
-  row(text(static_cast<double>(steps)) + " steps, bouncing", "energy grows by " + text(100.0 * (most - before) / scale) +
-          " % of m g h at most; memory +" + std::to_string((after - std::min(after, memory)) / 1024) + " KiB; median step " +
-          text(medians.front()) + " → " + text(medians.back()) + " µs");
+  row(text(static_cast<double>(steps)) + " steps, bouncing",
+      "energy grows by " + text(100.0 * (most - before) / scale) + " % of m g h at most; memory +" +
+          std::to_string((after - std::min(after, memory)) / 1024) + " KiB; median step " + text(medians.front()) +
+          " → " + text(medians.back()) + " µs");
 }
 
 }  // namespace
@@ -559,7 +574,9 @@ TEST_CASE("one to four threads, and again: the same bits, with every integrator"
     for (const unsigned threads : {1u, 2u, 4u, 2u}) {
       c3de::ThreadPool pool(threads);
       const ParallelFor parallel = [&pool](std::size_t n, std::size_t grain,
-                                           const std::function<void(std::size_t, std::size_t)> &loop) { pool.parallelFor(n, grain, loop); };
+                                           const std::function<void(std::size_t, std::size_t)> &loop) {
+        pool.parallelFor(n, grain, loop);
+      };
       Simulator simulator(parallel);
       WorldSettings world;
       world.gravity = Vec3(0, -9.81, 0);
@@ -579,7 +596,8 @@ TEST_CASE("one to four threads, and again: the same bits, with every integrator"
 }
 
 TEST_CASE("pausing changes nothing, and reset is the initial state bit for bit, whatever went before") {
-  for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler}) {
+  for (const Integrator integrator :
+       {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler}) {
     CAPTURE(static_cast<int>(integrator));
     Simulator simulator;
     WorldSettings world;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A grid of moduli, ratios, spacings, steps and integrators: wherever it ends, it ends finite or with a report.
 //
-// A body falls on a table and is pulled aside by a corner. Nothing hangs: every step returns. That is judged by processor
-// time, because a step that never returned could not be judged at all: one that takes more than kHang has failed. A run
-// whose steps all return but whose time is over before its last step counts as finite "so far", and is told apart.
+// A body falls on a table and is pulled aside by a corner. Nothing hangs: every step returns. That is judged by
+// processor time, because a step that never returned could not be judged at all: one that takes more than kHang has
+// failed. A run whose steps all return but whose time is over before its last step counts as finite "so far", and is
+// told apart.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -28,8 +29,8 @@ double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PE
 struct Grid {
   std::vector<double> moduli, ratios, steps;  // Pa, 1, s
   std::vector<std::shared_ptr<const RestState>> bodies;
-  int length = 0;       // steps of a run
-  double seconds = 0.0; // processor time for a run
+  int length = 0;        // steps of a run
+  double seconds = 0.0;  // processor time for a run
 };
 
 struct Scheme {
@@ -70,8 +71,8 @@ AtlasRun fallAndPull(const std::shared_ptr<const RestState> &rest, double youngs
   world.gravity = Vec3(0, -9.81, 0);
   world.loadSteps = 3;
   simulator.setWorld(world);
-  const std::size_t id =
-      simulator.addBody(std::make_unique<Body>("liver", rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
+  const std::size_t id = simulator.addBody(
+      std::make_unique<Body>("liver", rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
   simulator.addObstacle(shapes::solidBox(Vec3(-1, -0.1, -1), Vec3(1, 0, 1), 0.3));
   Body &body = *simulator.body(id);
   if (scheme.integrator != Integrator::quasiStatic) {
@@ -95,7 +96,8 @@ AtlasRun fallAndPull(const std::shared_ptr<const RestState> &rest, double youngs
     run.seconds = processorSeconds() - start;
     run.steps += good ? 1 : 0;
   }
-  const bool reported = Contains("phyxel").match(body.stopped) && Contains("Help").match(body.stopped) && told(simulator, "stopped");
+  const bool reported =
+      Contains("phyxel").match(body.stopped) && Contains("Help").match(body.stopped) && told(simulator, "stopped");
   if (run.slowestStep > kHang) {
     run.reason = "a step took " + text(run.slowestStep) + " s";
   } else if (!finite(body)) {
@@ -124,8 +126,8 @@ std::vector<AtlasRun> sweep(const Grid &grid) {
             INFO(atlasTable({run}));
             CHECK(run.ending != Ending::failed);
           }
-        std::cout << "spacing " << rest->spacing << " m, " << scheme.name << ", dt " << dt << " s: "
-                  << processorSeconds() - before << " s" << std::endl;
+        std::cout << "spacing " << rest->spacing << " m, " << scheme.name << ", dt " << dt
+                  << " s: " << processorSeconds() - before << " s" << std::endl;
       }
   return runs;
 }
@@ -137,10 +139,10 @@ void tell(const std::string &name, const std::vector<AtlasRun> &runs) {
   double slowest = 0.0;
   for (const AtlasRun &run : runs) slowest = std::max(slowest, run.slowestStep);
   const std::string result = std::to_string(runs.size()) + " runs: " + std::to_string(count(Ending::finite)) +
-                             " finite to the end, " + std::to_string(count(Ending::finiteSoFar)) +
-                             " finite so far, " + std::to_string(count(Ending::stopped)) + " stopped with a report, " +
-                             std::to_string(count(Ending::refused)) + " refused, " + std::to_string(count(Ending::failed)) +
-                             " failed";
+                             " finite to the end, " + std::to_string(count(Ending::finiteSoFar)) + " finite so far, " +
+                             std::to_string(count(Ending::stopped)) + " stopped with a report, " +
+                             std::to_string(count(Ending::refused)) + " refused, " +
+                             std::to_string(count(Ending::failed)) + " failed";
   row(name, result);
   std::cout << name << ": " << result << "; slowest step " << slowest << " s\n";
 }
@@ -168,12 +170,15 @@ TEST_CASE("whatever modulus, ratio, step and integrator: finite or stopped with 
     int count = 0;
     for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3)
       count += std::equal(picture.rgb.begin() + static_cast<std::ptrdiff_t>(i),
-                          picture.rgb.begin() + static_cast<std::ptrdiff_t>(i + 3), colourOf(ending).begin()) ? 1 : 0;
+                          picture.rgb.begin() + static_cast<std::ptrdiff_t>(i + 3), colourOf(ending).begin())
+                   ? 1
+                   : 0;
     return count;
   };
   const int legend = pixelsOf(Ending::refused);
   const auto ended = [&](Ending ending) {
-    return static_cast<int>(std::count_if(runs.begin(), runs.end(), [ending](const AtlasRun &run) { return run.ending == ending; }));
+    return static_cast<int>(
+        std::count_if(runs.begin(), runs.end(), [ending](const AtlasRun &run) { return run.ending == ending; }));
   };
   const int finite = ended(Ending::finite), stopped = ended(Ending::stopped);
   REQUIRE(finite > 0);
@@ -183,13 +188,15 @@ TEST_CASE("whatever modulus, ratio, step and integrator: finite or stopped with 
 }
 
 // A liver as wide as 12 spacings, and 24 cm at most: finer ones of full size have more than a million phyxels.
-TEST_CASE("whatever modulus, ratio, spacing, step and integrator: finite or stopped with a report (all of the grid)", "[.long]") {
+TEST_CASE("whatever modulus, ratio, spacing, step and integrator: finite or stopped with a report (all of the grid)",
+          "[.long]") {
   std::filesystem::path file = std::filesystem::path(testDataFolder()) / "mesh/openhelp/Liver.stl";
   if (!std::filesystem::exists(file)) file = std::filesystem::path(testResourcesFolder()) / "meshes/organ.obj";
   Grid grid{{1.0, 1e2, 1e4, 1e6, 1e8, 2e10}, {0.0, 0.3, 0.45, 0.4999}, {1e-6, 1e-4, 1e-2, 0.1}, {}, 30, 2.0};
   for (const double spacing : {1e-3, 1e-2, 5e-2}) {
-    grid.bodies.push_back(built(validation::meshShape(file, c3de::geometry::LengthUnit::millimetre,
-                                                      std::min(0.24, 12.0 * spacing), 5e-6), spacing));
+    grid.bodies.push_back(
+        built(validation::meshShape(file, c3de::geometry::LengthUnit::millimetre, std::min(0.24, 12.0 * spacing), 5e-6),
+              spacing));
     std::cout << "spacing " << spacing << " m: " << grid.bodies.back()->phyxelCount() << " phyxels\n";
   }
   const std::vector<AtlasRun> runs = sweep(grid);

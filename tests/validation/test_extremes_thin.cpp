@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that are thinner than their lattice is wide: they fall, spin, and are pulled. No energy comes from nothing, no skin
-// grows spikes, and what goes wrong with the sampling is said.
+// Bodies that are thinner than their lattice is wide: they fall, spin, and are pulled. No energy comes from nothing, no
+// skin grows spikes, and what goes wrong with the sampling is said.
 #include <Eigen/SVD>
 #include <cmath>
 #include <cstdlib>
@@ -46,12 +46,12 @@ struct Course {
 };
 
 struct Outcome {
-  double gained = 0.0;    // energy above what was put in, of that
+  double gained = 0.0;  // energy above what was put in, of that
   // edge of the skin, of its length or a quarter of the spacing, over the largest stretch of a point
   double longest = 1.0;
-  double through = 0.0;   // m, skin below the floor at a look
-  double error = 0.0;     // estimate, largest at a look
-  double told = 0.0;      // m, of that in the report at the end
+  double through = 0.0;  // m, skin below the floor at a look
+  double error = 0.0;    // estimate, largest at a look
+  double told = 0.0;     // m, of that in the report at the end
   bool finite = true, saysSkin = false, saysTorn = false, stopped = false;
   std::size_t phyxels = 0, components = 0;
 };
@@ -63,7 +63,8 @@ double work(const Body &body) {
   for (std::size_t l = 0; l < conditions.loads.size(); ++l) {
     std::vector<Vec3> u(conditions.loaded[l].points.count());
     interpolateField(conditions.loaded[l].points, body.state().displacements, u, serialFor());
-    for (std::size_t p = 0; p < u.size(); ++p) sum += conditions.loaded[l].shares[p] * conditions.loads[l].force.dot(u[p]);
+    for (std::size_t p = 0; p < u.size(); ++p)
+      sum += conditions.loaded[l].shares[p] * conditions.loads[l].force.dot(u[p]);
   }
   return sum;
 }
@@ -80,7 +81,8 @@ double longestEdge(const Body &body) {
   for (const auto &t : rest.skin)
     for (std::size_t k = 0; k < 3; ++k) {
       const Index a = t[k], b = t[(k + 1) % 3];
-      longest = std::max(longest, (at[a] - at[b]).norm() / std::max((before[a] - before[b]).norm(), 0.25 * rest.spacing));
+      longest =
+          std::max(longest, (at[a] - at[b]).norm() / std::max((before[a] - before[b]).norm(), 0.25 * rest.spacing));
     }
   return longest / stretch;
 }
@@ -128,8 +130,8 @@ Outcome goThrough(const std::shared_ptr<const RestState> &rest, const Course &co
   simulator.setWorld(world);
   Material material = rubber(6000.0, 0.45);
   material.viscosity = course.damped ? 10.0 : 0.0;
-  const std::size_t id =
-      simulator.addBody(std::make_unique<Body>("thin", rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
+  const std::size_t id = simulator.addBody(
+      std::make_unique<Body>("thin", rest, Constitution{{material}, kLatticeStabilisation}, serialFor()));
   Body &body = *simulator.body(id);
   if (course.happening == Happening::spins) body.setInitialVelocity(Vec3(0.5, 0, 0), Vec3(8, 3, 5));
 
@@ -159,12 +161,13 @@ Outcome goThrough(const std::shared_ptr<const RestState> &rest, const Course &co
 }
 
 std::string line(const Shape &shape, double ratio, const Course &course, const Outcome &out) {
-  return std::string(shape.name) + " at " + text(ratio) + " thicknesses " + kHappenings[static_cast<int>(course.happening)] +
+  return std::string(shape.name) + " at " + text(ratio) + " thicknesses " +
+         kHappenings[static_cast<int>(course.happening)] +
          (course.integrator == Integrator::explicitVerlet ? ", explicit, dt " : ", implicit, dt ") + text(course.dt) +
          (course.damped ? ", damped" : "") + ": " + std::to_string(out.phyxels) + " phyxels in " +
-         std::to_string(out.components) + ", gained " + text(out.gained) + ", longest edge " + text(out.longest) + ", error " +
-         text(out.error) + ", through " + text(out.through) + " m, told " + text(out.told) + " m" + (out.saysSkin ? ", skin" : "") +
-         (out.saysTorn ? ", torn" : "") + (out.stopped ? ", stopped" : "");
+         std::to_string(out.components) + ", gained " + text(out.gained) + ", longest edge " + text(out.longest) +
+         ", error " + text(out.error) + ", through " + text(out.through) + " m, told " + text(out.told) + " m" +
+         (out.saysSkin ? ", skin" : "") + (out.saysTorn ? ", torn" : "") + (out.stopped ? ", stopped" : "");
 }
 
 // What the plugin refuses as too coarse (advice.h).
@@ -202,8 +205,9 @@ void tryAll(const std::vector<double> &ratios, const std::vector<Course> &course
       }
     }
   row("bodies thinner than a spacing (up to 6 times) fall, spin and are pulled",
-      std::to_string(runs) + " runs: energy at most " + text(100.0 * gained) + " % above what was put in, edges of skins at most " +
-          text(longest) + " times as stretched as the tissue, but where the sampling has torn a body (which is told)");
+      std::to_string(runs) + " runs: energy at most " + text(100.0 * gained) +
+          " % above what was put in, edges of skins at most " + text(longest) +
+          " times as stretched as the tissue, but where the sampling has torn a body (which is told)");
 }
 
 }  // namespace

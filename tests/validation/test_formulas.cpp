@@ -90,9 +90,17 @@ TEST_CASE("a free bar pulled at its ends: stretch of the laws", "[truth]") {
       SolvedBody body(problem);
       const double long_ = 1.0 + (body.meanOver(face(0, L)) - body.meanOver(face(0, 0.0)))[0] / L;
       const double wide = 1.0 + (body.meanOver(face(1, a)) - body.meanOver(face(1, 0.0)))[1] / a;
-      judge({.body = name, .quantity = "stretch", .truth = stretch, .ours = long_, .limit = 0.001,
+      judge({.body = name,
+             .quantity = "stretch",
+             .truth = stretch,
+             .ours = long_,
+             .limit = 0.001,
              .milliseconds = body.milliseconds()});
-      judge({.body = name, .quantity = "lateral stretch", .truth = lateral, .ours = wide, .limit = 0.001,
+      judge({.body = name,
+             .quantity = "lateral stretch",
+             .truth = lateral,
+             .ours = wide,
+             .limit = 0.001,
              .milliseconds = body.milliseconds()});
     } catch (const std::runtime_error &failure) {
       noSolution(name, failure.what());
@@ -131,8 +139,8 @@ TEST_CASE("torsion of a square and a round bar: torque over twist", "[truth]") {
 }
 
 TEST_CASE("cantilever: Timoshenko", "[truth]") {
-  // nu = 0: at nu = 0.3 the clamp, which holds the section's width, takes another 0.6 % that the formula leaves out. What is
-  // left of that is the held warping, some 0.1 % of a beam ten times as long as it is high.
+  // nu = 0: at nu = 0.3 the clamp, which holds the section's width, takes another 0.6 % that the formula leaves out.
+  // What is left of that is the held warping, some 0.1 % of a beam ten times as long as it is high.
   const double a = 0.04, L = 0.4, force = 1e-5;
   const double inertia = std::pow(a, 4) / 12, shearModulus = kE / 2, k = 5.0 / 6.0;
   for (const int n : {3, 5}) {
@@ -157,7 +165,8 @@ TEST_CASE("elastica: a slender beam bent by a dead load up to PL²/EI = 10", "[t
   struct Load {
     double load, x, y;
   };
-  for (const Load &of : {Load{1, .94357, .30172}, Load{2, .83936, .49346}, Load{5, .61237, .71379}, Load{10, .44500, .81061}}) {
+  for (const Load &of :
+       {Load{1, .94357, .30172}, Load{2, .83936, .49346}, Load{5, .61237, .71379}, Load{10, .44500, .81061}}) {
     Problem problem = Problem::rubber(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / n, corotated);
     problem.material.poissonRatio = 0.0;
     problem.hold(face(0, 0.0)).pull(face(0, L), Vec3(0, 0, of.load * kE * inertia / (L * L)));
@@ -166,10 +175,20 @@ TEST_CASE("elastica: a slender beam bent by a dead load up to PL²/EI = 10", "[t
     try {
       SolvedBody body(problem);
       const Vec3 tip = Vec3(L, 0, 0) + body.meanOver(face(0, L));
-      judge({.body = name, .quantity = "x / L of the tip", .truth = of.x, .ours = tip[0] / L, .limit = 0.01,
-             .milliseconds = body.milliseconds(), .scale = 1.0});
-      judge({.body = name, .quantity = "y / L of the tip", .truth = of.y, .ours = tip[2] / L, .limit = 0.01,
-             .milliseconds = body.milliseconds(), .scale = 1.0});
+      judge({.body = name,
+             .quantity = "x / L of the tip",
+             .truth = of.x,
+             .ours = tip[0] / L,
+             .limit = 0.01,
+             .milliseconds = body.milliseconds(),
+             .scale = 1.0});
+      judge({.body = name,
+             .quantity = "y / L of the tip",
+             .truth = of.y,
+             .ours = tip[2] / L,
+             .limit = 0.01,
+             .milliseconds = body.milliseconds(),
+             .scale = 1.0});
     } catch (const std::runtime_error &failure) {
       noSolution(name, failure.what());
     }
@@ -196,7 +215,8 @@ TEST_CASE("Hertz: a ball pressed into a block", "[truth]") {
   for (const Sampled &of : {Sampled{"5 mm", 0.005, 0.0}, Sampled{"2.5 mm", 0.0025, 0.0},
                             Sampled{"5 mm, 1.25 mm at the contact", 0.005, 0.00125}}) {
     Problem problem = Problem::rubber(solids::box(Vec3(-half, -half, 0), Vec3(half, half, height)), of.spacing);
-    if (of.fine > 0.0) problem.recipe.sampling.refinements.push_back({SphereRegion{Vec3(0, 0, height), 0.008}, of.fine});
+    if (of.fine > 0.0)
+      problem.recipe.sampling.refinements.push_back({SphereRegion{Vec3(0, 0, height), 0.008}, of.fine});
     problem.hold(face(2, 0.0));
     Obstacle ball;
     ball.name = "ball";

@@ -107,14 +107,30 @@ TEST_CASE("frequencies of a free ball", "[truth]") {
     double inertia = 0.0;  // about the z axis
     for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
       inertia += body.body().masses()[i] * (body.rest().positions[i] + origin).head<2>().squaredNorm();
-    judge({.body = name, .quantity = "inertia / (0.4 m R²)", .truth = 1.0,
-           .ours = inertia / (0.4 * body.body().totalMass() * R * R), .limit = limit, .milliseconds = watch.milliseconds()});
-    judge({.body = name, .quantity = "torsional l = 2, Hz", .truth = 2.50113 * slow / R / (2 * kPi), .ours = frequency(torsional),
-           .limit = limit, .milliseconds = watch.milliseconds()});
-    judge({.body = name, .quantity = "breathing, Hz", .truth = 2.67021 * fast / R / (2 * kPi), .ours = frequency(breathing),
-           .limit = limit, .milliseconds = watch.milliseconds()});
-    judge({.body = name, .quantity = "lowest of all, Hz", .truth = 2.50113 * slow / R / (2 * kPi),
-           .ours = naturalModes(body.body(), 8)[6].frequency, .limit = limit, .milliseconds = watch.milliseconds()});
+    judge({.body = name,
+           .quantity = "inertia / (0.4 m R²)",
+           .truth = 1.0,
+           .ours = inertia / (0.4 * body.body().totalMass() * R * R),
+           .limit = limit,
+           .milliseconds = watch.milliseconds()});
+    judge({.body = name,
+           .quantity = "torsional l = 2, Hz",
+           .truth = 2.50113 * slow / R / (2 * kPi),
+           .ours = frequency(torsional),
+           .limit = limit,
+           .milliseconds = watch.milliseconds()});
+    judge({.body = name,
+           .quantity = "breathing, Hz",
+           .truth = 2.67021 * fast / R / (2 * kPi),
+           .ours = frequency(breathing),
+           .limit = limit,
+           .milliseconds = watch.milliseconds()});
+    judge({.body = name,
+           .quantity = "lowest of all, Hz",
+           .truth = 2.50113 * slow / R / (2 * kPi),
+           .ours = naturalModes(body.body(), 8)[6].frequency,
+           .limit = limit,
+           .milliseconds = watch.milliseconds()});
   }
 }
 
@@ -128,15 +144,21 @@ TEST_CASE("frequencies of a cantilever and a free bar", "[truth]") {
     SolvedBody body(problem);
     const Stopwatch watch;
     const std::vector<double> f = elasticOnes(body.body(), 24, false);
-    const std::string name = "cantilever 5 : 1, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")";
+    const std::string name =
+        "cantilever 5 : 1, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")";
     for (std::size_t i = 0; i < 4; ++i) {
       const auto known = truth(std::string("beam_frequencies.") + names[i]);
       if (!known) {
         remark(name, std::string(names[i]) + " has no truth in truths.json");
         continue;
       }
-      judge({.body = name, .quantity = std::string(names[i]) + ", Hz", .truth = known->value, .uncertainty = known->uncertainty,
-             .ours = f[at[i]], .limit = n <= 3 ? 0.01 : 0.003, .milliseconds = watch.milliseconds()});
+      judge({.body = name,
+             .quantity = std::string(names[i]) + ", Hz",
+             .truth = known->value,
+             .uncertainty = known->uncertainty,
+             .ours = f[at[i]],
+             .limit = n <= 3 ? 0.01 : 0.003,
+             .milliseconds = watch.milliseconds()});
     }
   }
   // A free bar 4 : 1 : 1 of side 1: ω a / c_s of literature's Ritz solution, four digits.
@@ -145,8 +167,10 @@ TEST_CASE("frequencies of a cantilever and a free bar", "[truth]") {
     SolvedBody body(vibrating(solids::box(Vec3::Zero(), Vec3(4 * a, a, a)), a / n));
     const Stopwatch watch;
     const std::vector<double> f = elasticOnes(body.body(), 32, true);
-    for (const auto &[i, omega] : {std::pair(0u, 0.5471), std::pair(2u, 0.7213), std::pair(3u, 1.2188), std::pair(5u, 1.2603)})
-      judge({.body = "free bar 4 : 1, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
+    for (const auto &[i, omega] :
+         {std::pair(0u, 0.5471), std::pair(2u, 0.7213), std::pair(3u, 1.2188), std::pair(5u, 1.2603)})
+      judge({.body =
+                 "free bar 4 : 1, " + std::to_string(n) + " layers (" + std::to_string(body.rest().phyxelCount()) + ")",
              .quantity = "f_" + std::to_string(i) + ", Hz",
              .truth = omega * speed / a / (2 * kPi),
              .uncertainty = 1e-4 * omega * speed / a / (2 * kPi),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Organs that others made fall on an obstacle: loaded, filled, simulated for 2 s through the plugin, and judged by a tree
-// of our own over the obstacle, not by what the plugin says of itself.
+// Organs that others made fall on an obstacle: loaded, filled, simulated for 2 s through the plugin, and judged by a
+// tree of our own over the obstacle, not by what the plugin says of itself.
 #include <algorithm>
 #include <cmath>
 
@@ -40,7 +40,8 @@ geometry::TriangleMesh hill() {
     for (int i = 0; i < n; ++i) {
       const unsigned a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
       mesh.triangles.insert(mesh.triangles.end(), {Triangle{a, d, c}, Triangle{a, c, b}});
-      mesh.triangles.insert(mesh.triangles.end(), {Triangle{a + below, c + below, d + below}, Triangle{a + below, b + below, c + below}});
+      mesh.triangles.insert(mesh.triangles.end(),
+                            {Triangle{a + below, c + below, d + below}, Triangle{a + below, b + below, c + below}});
     }
   const auto side = [&](unsigned p, unsigned q) {
     mesh.triangles.insert(mesh.triangles.end(), {Triangle{p, q, q + below}, Triangle{p, q + below, p + below}});
@@ -74,13 +75,14 @@ void fallAndRest(const Organ &organ) {
   REQUIRE(tree);
 
   SimulatorSession session(2);
-  session.setWorld({SimulatorSession::vector("world.gravity", {0.0, -9.81, 0.0}), SimulatorSession::number("solver.damping", 5.0)});
+  session.setWorld(
+      {SimulatorSession::vector("world.gravity", {0.0, -9.81, 0.0}), SimulatorSession::number("solver.damping", 5.0)});
   session.addObstacle(*obstacle, {{0, 0, 0}, width}, 0.5);
   const c3de_handle body = session.addBody(
       *mesh, {{-0.5 * (low(0) + high(0)), 0.1 * width - low(1), -0.5 * (low(2) + high(2))}, organ.scale},
       {SimulatorSession::number("material.youngs_modulus", kYoungsModulus),
-       SimulatorSession::number("material.poisson_ratio", kPoissonRatio), SimulatorSession::number("material.density", kDensity),
-       SimulatorSession::number("sampling.count", 1000.0)});
+       SimulatorSession::number("material.poisson_ratio", kPoissonRatio),
+       SimulatorSession::number("material.density", kDensity), SimulatorSession::number("sampling.count", 1000.0)});
 
   const c3de_sim_body_info info = session.info(body);
   CHECK_THAT(static_cast<double>(info.phyxels), WithinRel(1000.0, 0.1));
@@ -107,8 +109,9 @@ void fallAndRest(const Organ &organ) {
     total += masses[i];
   }
   const double rms = std::sqrt(squares / total);
-  WARN(organ.file << ": " << info.phyxels << " phyxels, spacing " << 1e3 * info.spacing_m << " mm, deepest " << 1e3 * deepest
-                  << " mm, speed rms " << rms << " m/s, largest " << fastest << " m/s, " << session.status().steps << " steps");
+  WARN(organ.file << ": " << info.phyxels << " phyxels, spacing " << 1e3 * info.spacing_m << " mm, deepest "
+                  << 1e3 * deepest << " mm, speed rms " << rms << " m/s, largest " << fastest << " m/s, "
+                  << session.status().steps << " steps");
   CHECK(deepest > -0.5 * info.spacing_m);
   // It landed at about 0.6 m/s; what is left is the slow creep of a soft body that still slides and sags.
   CHECK(rms < 0.03);
@@ -155,11 +158,12 @@ TEST_CASE("every organ of the data either simulates or is refused with what is w
     const geometry::Box box = mesh->report.box;
     const double extent = std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]});
     SimulatorSession session(2);
-    session.setWorld({SimulatorSession::vector("world.gravity", {0.0, -9.81, 0.0}), SimulatorSession::number("solver.damping", 5.0)});
+    session.setWorld({SimulatorSession::vector("world.gravity", {0.0, -9.81, 0.0}),
+                      SimulatorSession::number("solver.damping", 5.0)});
     try {
       // As wide as a liver, whatever the unit of the file.
-      const c3de_handle body = session.addBody(*mesh, {{0, 0, 0}, 200.0 / extent},
-                                               {SimulatorSession::number("sampling.count", 300.0)});
+      const c3de_handle body =
+          session.addBody(*mesh, {{0, 0, 0}, 200.0 / extent}, {SimulatorSession::number("sampling.count", 300.0)});
       for (int i = 0; i < 20; ++i) session.step();
       for (const Vec3 &x : session.phyxels(body, C3DE_FIELD_POSITION)) REQUIRE(std::isfinite(x[0] + x[1] + x[2]));
       ++simulated;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The classes Phyxel and Surfel as another plugin uses them: created by id, asked for their interface, filled with a cloud.
+// The classes Phyxel and Surfel as another plugin uses them: created by id, asked for their interface, filled with a
+// cloud.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -136,7 +137,8 @@ TEST_CASE("a surfel set of one's own follows its phyxels, also after the caller 
 
 TEST_CASE("the phyxels of a simulator are read only, and stale when their body is removed") {
   SimulatorSession session(1);
-  auto mesh = geometry::loadMesh(std::filesystem::path(testResourcesFolder()) / "meshes" / "organ.obj", geometry::LengthUnit::millimetre);
+  auto mesh = geometry::loadMesh(std::filesystem::path(testResourcesFolder()) / "meshes" / "organ.obj",
+                                 geometry::LengthUnit::millimetre);
   REQUIRE(mesh);
   const c3de_handle body = session.addBody(*mesh, {}, {SimulatorSession::number("sampling.count", 200.0)});
   c3de_object *object = session.phyxelSet(body);

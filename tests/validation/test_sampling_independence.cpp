@@ -31,7 +31,8 @@ std::vector<Point> verticesOf(const std::filesystem::path &file, double scale) {
   for (std::string line, key; std::getline(in, line);) {
     std::istringstream words(line);
     Point x{};
-    if (words >> key && key == "v" && words >> x[0] >> x[1] >> x[2]) out.push_back({scale * x[0], scale * x[1], scale * x[2]});
+    if (words >> key && key == "v" && words >> x[0] >> x[1] >> x[2])
+      out.push_back({scale * x[0], scale * x[1], scale * x[2]});
   }
   return out;
 }
@@ -42,16 +43,16 @@ struct Response {
   std::string failure;
 };
 
-/// A closed surface with two hemispheres, a fissure between them and furrows, seen from its middle as a height over directions;
-/// 0.17 m long. Subdivided from an icosahedron.
+/// A closed surface with two hemispheres, a fissure between them and furrows, seen from its middle as a height over
+/// directions; 0.17 m long. Subdivided from an icosahedron.
 std::filesystem::path writeBrain() {
   using Triangle = std::array<std::size_t, 3>;
   const double g = 0.5 * (1.0 + std::sqrt(5.0));
   std::vector<Point> points{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                             {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
-  std::vector<Triangle> triangles{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+  std::vector<Triangle> triangles{{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                                   {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                                  {3, 8, 9},  {4, 9, 5},  {2, 4, 11},  {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+                                  {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   const auto unit = [](const Point &x) {
     const double length = std::hypot(x[0], x[1], x[2]);
     return Point{x[0] / length, x[1] / length, x[2] / length};
@@ -104,8 +105,8 @@ Response respond(const Organ &organ, const std::string &load, std::size_t count)
     max[along] = to;
     std::ostringstream text;
     text.precision(12);
-    text << "{ box = { min = [" << min[0] << ", " << min[1] << ", " << min[2] << "], max = [" << max[0] << ", " << max[1] << ", "
-         << max[2] << "] } }";
+    text << "{ box = { min = [" << min[0] << ", " << min[1] << ", " << min[2] << "], max = [" << max[0] << ", "
+         << max[1] << ", " << max[2] << "] } }";
     return text.str();
   };
   const double held = low + 0.125 * (high - low), pulled = high - 0.125 * (high - low);
@@ -115,14 +116,14 @@ Response respond(const Organ &organ, const std::string &load, std::size_t count)
         << "[solver]\nintegrator = \"quasistatic\"\n[[body]]\nname = \"organ\"\nmesh = '" << organ.mesh.generic_string()
         << "'\nmesh_unit = \"m\"\nscale = " << organ.scale
         << "\nmaterial = { law = \"neo_hookean\", youngs_modulus = 2e4, poisson_ratio = 0.45, density = 1060.0 }\n"
-        << "sampling = { count = " << count << " }\n[[fix]]\nbody = \"organ\"\nregion = " << slab(-10.0, held)
-        << "\n";
+        << "sampling = { count = " << count << " }\n[[fix]]\nbody = \"organ\"\nregion = " << slab(-10.0, held) << "\n";
   if (load != "gravity")
     scene << "[[load]]\nbody = \"organ\"\nregion = " << slab(pulled, 10.0) << "\nforce = [0, -1, 0]\n";
   std::size_t probes = 0;
   for (std::size_t i = 0; i < vertices.size(); i += organ.stride)
     if (const Point &x = vertices[i]; x[along] > held)
-      scene << "[[probe]]\nname = \"p" << probes++ << "\"\nbody = \"organ\"\nat = [" << x[0] << ", " << x[1] << ", " << x[2] << "]\n";
+      scene << "[[probe]]\nname = \"p" << probes++ << "\"\nbody = \"organ\"\nat = [" << x[0] << ", " << x[1] << ", "
+            << x[2] << "]\n";
   const auto folder = testOutputFolder();
   const auto file = folder / "scene.toml", report = folder / "report.json";
   std::ofstream(file, std::ios::binary) << scene.str();
@@ -160,7 +161,8 @@ void compareSamplings(const Organ &organ, const std::vector<std::size_t> &counts
     double before = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < counts.size(); ++i) {
       const bool thousand = counts[i] == 1000;
-      validation::judge({.body = std::string(organ.name) + ", " + load + ", " + std::to_string(static_cast<int>(responses[i].phyxels)) + " phyxels",
+      validation::judge({.body = std::string(organ.name) + ", " + load + ", " +
+                                 std::to_string(static_cast<int>(responses[i].phyxels)) + " phyxels",
                          .quantity = "mean displacement, m",
                          .truth = finest,
                          .ours = responses[i].mean,
@@ -168,7 +170,8 @@ void compareSamplings(const Organ &organ, const std::vector<std::size_t> &counts
                          .milliseconds = responses[i].milliseconds});
       const double error = std::abs(responses[i].mean - finest);
       CHECK_NOFAIL(error <= before);
-      if (error > before) validation::remark(std::string(organ.name) + ", " + load, "note: convergence is not monotone here");
+      if (error > before)
+        validation::remark(std::string(organ.name) + ", " + load, "note: convergence is not monotone here");
       before = error;
     }
   }

@@ -22,7 +22,7 @@ using validation::Stopwatch;
 
 namespace {
 
-constexpr double kMost = 0.01;  // of a volume, asked of surfaces and fills
+constexpr double kMost = 0.01;                       // of a volume, asked of surfaces and fills
 constexpr double kMetre = 1e-3, kCubicMetre = 1e-9;  // of millimetres
 
 pointbased::Vec3 metres(const c3de::Vec3 &mm) { return kMetre * pointbased::Vec3(mm[0], mm[1], mm[2]); }
@@ -96,8 +96,8 @@ constexpr const char *kOrgans[] = {"liver", "kidney_right", "kidney_left", "sple
 
 TEST_CASE("Liver, kidneys and spleen of a CT become bodies with the volumes of their voxels", "[scan]") {
   // Labels and the image they were made from: 30 slices, with the liver cut at the border; 112 slices.
-  for (const auto &[file, scanFile] : {std::pair{"example_seg", "example_ct_sm"},
-                                       std::pair{"example_seg_fast_force_split", "example_ct"}}) {
+  for (const auto &[file, scanFile] :
+       {std::pair{"example_seg", "example_ct_sm"}, std::pair{"example_seg_fast_force_split", "example_ct"}}) {
     C3DE_DATA_OR_SKIP(image, "volume/totalseg/" + std::string(scanFile) + ".nii.gz");
     C3DE_DATA_OR_SKIP(path, "volume/totalseg/" + std::string(file) + ".nii.gz");
     const Stopwatch imageWatch;
@@ -131,7 +131,7 @@ TEST_CASE("Liver, kidneys and spleen of a CT become bodies with the volumes of t
     for (const char *organ : kOrgans) bodies += makeBody(labels->labels, organ, file);
     char words[200];
     std::snprintf(words, sizeof words, "image %.0f ms, labels %.0f ms, four bodies %.0f ms; %.2f s in all", imageTime,
-                   labelTime, bodies, 1e-3 * (imageTime + labelTime + bodies));
+                  labelTime, bodies, 1e-3 * (imageTime + labelTime + bodies));
     validation::remark(std::string("scan to bodies, ") + file, words);
     CHECK(imageTime + labelTime + bodies < 10e3);  // from file to the first step, without window: below 10 s
   }

@@ -51,8 +51,9 @@ TEST_CASE("order of convergence in dt: Verlet, midpoint, SDIRK 2, backward Euler
   };
   // The slowest modes of the block have periods of some 0.1 s; dt resolves those that move.
   for (const Scheme &scheme :
-       {Scheme{"velocity Verlet", Integrator::explicitVerlet, 1e-3, 2}, Scheme{"midpoint", Integrator::implicitMidpoint, 1e-3, 2},
-        Scheme{"SDIRK2", Integrator::implicitSdirk, 1e-3, 2}, Scheme{"backward Euler", Integrator::backwardEuler, 1e-4, 1}}) {
+       {Scheme{"velocity Verlet", Integrator::explicitVerlet, 1e-3, 2},
+        Scheme{"midpoint", Integrator::implicitMidpoint, 1e-3, 2}, Scheme{"SDIRK2", Integrator::implicitSdirk, 1e-3, 2},
+        Scheme{"backward Euler", Integrator::backwardEuler, 1e-4, 1}}) {
     const Stopwatch watch;
     const auto after = [&](Integrator integrator, double dt) {
       Problem problem = moving(block(), 0.02, integrator);
@@ -61,7 +62,8 @@ TEST_CASE("order of convergence in dt: Verlet, midpoint, SDIRK 2, backward Euler
       SolvedBody body(problem);
       // One smooth motion alone: what is rough would need smaller steps to show its order.
       for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
-        body.body().state().velocities[i] = Vec3(0.02 * std::cos(kPi * (body.rest().positions[i][0] + 0.04) / 0.08), 0, 0);
+        body.body().state().velocities[i] =
+            Vec3(0.02 * std::cos(kPi * (body.rest().positions[i][0] + 0.04) / 0.08), 0, 0);
       const int steps = static_cast<int>(std::lround(0.02 / dt));
       for (int i = 0; i < steps; ++i)
         if (const auto done = body.simulator().step(); !done) throw std::runtime_error(done.error().text);
@@ -88,7 +90,9 @@ TEST_CASE("order of convergence in the spacing: 2 where the solution is smooth",
     problem.hold(face(0, 0.0)).turn(face(0, L), Vec3(2, 0, 0), Vec3(L, 0, 0));
     problem.world.loadSteps = 1;
     SolvedBody body(problem);
-    const auto turn = [&](double x) { return (body.displacementAt(Vec3(x, a / 2, 0))[2] - body.displacementAt(Vec3(x, -a / 2, 0))[2]) / a; };
+    const auto turn = [&](double x) {
+      return (body.displacementAt(Vec3(x, a / 2, 0))[2] - body.displacementAt(Vec3(x, -a / 2, 0))[2]) / a;
+    };
     const double rate = (turn(0.7 * L) - turn(0.3 * L)) / (0.4 * L);
     return std::abs(body.torqueAboutOrigin(1)[0] / (kE / 2.6 * std::pow(a, 4) * rate) / 0.140577 - 1.0);
   };
@@ -121,15 +125,31 @@ TEST_CASE("1e5 explicit steps of a free spinning body: momenta and energy", "[tr
   }
   const double ms = watch.milliseconds();
   // Round-off of 1e5 sums.
-  judge({.body = "free block, 1e5 Verlet steps", .quantity = "change of momentum", .ours = (body.momentum() - p).norm(),
-         .limit = 1e-10, .milliseconds = ms, .scale = p.norm()});
-  judge({.body = "free block, 1e5 Verlet steps", .quantity = "change of ang. momentum",
-         .ours = (body.angularMomentum() - l).norm(), .limit = 1e-10, .milliseconds = ms, .scale = l.norm()});
+  judge({.body = "free block, 1e5 Verlet steps",
+         .quantity = "change of momentum",
+         .ours = (body.momentum() - p).norm(),
+         .limit = 1e-10,
+         .milliseconds = ms,
+         .scale = p.norm()});
+  judge({.body = "free block, 1e5 Verlet steps",
+         .quantity = "change of ang. momentum",
+         .ours = (body.angularMomentum() - l).norm(),
+         .limit = 1e-10,
+         .milliseconds = ms,
+         .scale = l.norm()});
   // Symplectic: bounded; the fastest modes carry little of it.
-  judge({.body = "free block, 1e5 Verlet steps", .quantity = "drift of mean energy", .ours = late - early, .limit = 1e-3,
-         .milliseconds = ms, .scale = e0});
-  judge({.body = "free block, 1e5 Verlet steps", .quantity = "energy at the end", .ours = energy() - e0, .limit = 0.02,
-         .milliseconds = ms, .scale = e0});
+  judge({.body = "free block, 1e5 Verlet steps",
+         .quantity = "drift of mean energy",
+         .ours = late - early,
+         .limit = 1e-3,
+         .milliseconds = ms,
+         .scale = e0});
+  judge({.body = "free block, 1e5 Verlet steps",
+         .quantity = "energy at the end",
+         .ours = energy() - e0,
+         .limit = 0.02,
+         .milliseconds = ms,
+         .scale = e0});
 }
 
 TEST_CASE("1e6 explicit steps of a free vibration: the energy does not drift", "[truth]") {
@@ -140,7 +160,8 @@ TEST_CASE("1e6 explicit steps of a free vibration: the energy does not drift", "
   for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i) {
     const Vec3 &X = body.rest().positions[i];
     const double bend = std::cos(2.0 * kPi * X[0] / length);
-    body.body().state().velocities[i] = 0.05 * Vec3(std::sin(kPi * X[0] / length), bend, 0.5 * bend) + Vec3(1, 2, 0.5).cross(X);
+    body.body().state().velocities[i] =
+        0.05 * Vec3(std::sin(kPi * X[0] / length), bend, 0.5 * bend) + Vec3(1, 2, 0.5).cross(X);
   }
   const auto energy = [&] {
     const auto e = body.simulator().energy(body.id());
@@ -171,11 +192,25 @@ TEST_CASE("1e6 explicit steps of a free vibration: the energy does not drift", "
   }
   const double ms = watch.milliseconds();
   const std::string name = "free bar of " + std::to_string(body.rest().phyxelCount()) + " phyxels, 1e6 Verlet steps";
-  judge({.body = name, .quantity = "drift, first to last 1/1000", .ours = last - first, .limit = 1e-4, .milliseconds = ms, .scale = e0});
-  judge({.body = name, .quantity = "drift, line of least squares", .ours = (n * xy - x1 * y1) / (n * x2 - x1 * x1), .limit = 1e-4,
-         .milliseconds = ms, .scale = e0});
+  judge({.body = name,
+         .quantity = "drift, first to last 1/1000",
+         .ours = last - first,
+         .limit = 1e-4,
+         .milliseconds = ms,
+         .scale = e0});
+  judge({.body = name,
+         .quantity = "drift, line of least squares",
+         .ours = (n * xy - x1 * y1) / (n * x2 - x1 * x1),
+         .limit = 1e-4,
+         .milliseconds = ms,
+         .scale = e0});
   // What it swings by: (omega dt)²/4 of each mode's share.
-  judge({.body = name, .quantity = "swing of the energy", .ours = high - low, .limit = 0.01, .milliseconds = ms, .scale = e0});
+  judge({.body = name,
+         .quantity = "swing of the energy",
+         .ours = high - low,
+         .limit = 0.01,
+         .milliseconds = ms,
+         .scale = e0});
 }
 
 TEST_CASE("time reversal of explicit steps", "[truth]") {
@@ -191,8 +226,11 @@ TEST_CASE("time reversal of explicit steps", "[truth]") {
   const double way = meanDistance(body.body().state().displacements, start);
   for (Vec3 &v : body.body().state().velocities) v = -v;
   for (int i = 0; i < 1000; ++i) REQUIRE(body.simulator().step());
-  judge({.body = "free block, 1000 steps there and back", .quantity = "distance from start",
-         .ours = meanDistance(body.body().state().displacements, start), .limit = 1e-9, .milliseconds = watch.milliseconds(),
+  judge({.body = "free block, 1000 steps there and back",
+         .quantity = "distance from start",
+         .ours = meanDistance(body.body().state().displacements, start),
+         .limit = 1e-9,
+         .milliseconds = watch.milliseconds(),
          .scale = way});
 }
 
@@ -203,13 +241,18 @@ TEST_CASE("free fall and a bar against a wall", "[truth]") {
     SolvedBody body(problem);
     body.run(0.5);
     const double t = body.simulator().time();
-    judge({.body = "free fall, 0.5 s", .quantity = "way, m", .truth = -0.5 * 9.81 * t * t,
-           .ours = body.displacementAt(Vec3(0.04, 0.02, 0.02))[2], .limit = 1e-10, .milliseconds = body.milliseconds()});
+    judge({.body = "free fall, 0.5 s",
+           .quantity = "way, m",
+           .truth = -0.5 * 9.81 * t * t,
+           .ours = body.displacementAt(Vec3(0.04, 0.02, 0.02))[2],
+           .limit = 1e-10,
+           .milliseconds = body.milliseconds()});
   }
   // A bar of nu = 0 meets a wall with its whole end: a plane wave goes to the free end and back.
   const double L = 0.2, a = 0.02, speed = std::sqrt(kE / 1000.0), v = 0.01 * speed;
   for (const int n : {20, 80}) {
-    Problem problem = moving(solids::box(Vec3(0, 0, 0), Vec3(L, a, a)), L / n, Integrator::explicitVerlet, MaterialLaw::linear);
+    Problem problem =
+        moving(solids::box(Vec3(0, 0, 0), Vec3(L, a, a)), L / n, Integrator::explicitVerlet, MaterialLaw::linear);
     problem.material.poissonRatio = 0.0;
     problem.world.box.enabled = true;
     problem.world.box.min = Vec3(-1e-4, -1, -1);
@@ -227,10 +270,18 @@ TEST_CASE("free fall and a bar against a wall", "[truth]") {
       if (up == 0.0 && p < -0.8) up = body.simulator().time();
     }
     const std::string name = "bar against a wall, " + std::to_string(n) + " cells long";
-    judge({.body = name, .quantity = "time of contact, s", .truth = 2 * L / speed, .ours = up > 0.0 ? (up - down) / 0.8 : 0.0,
-           .limit = n == 20 ? 0.05 : 0.02, .milliseconds = body.milliseconds()});
-    judge({.body = name, .quantity = "speed afterwards / before", .truth = 1.0, .ours = -body.momentum()[0] / start,
-           .limit = n == 20 ? 0.05 : 0.02, .milliseconds = body.milliseconds()});
+    judge({.body = name,
+           .quantity = "time of contact, s",
+           .truth = 2 * L / speed,
+           .ours = up > 0.0 ? (up - down) / 0.8 : 0.0,
+           .limit = n == 20 ? 0.05 : 0.02,
+           .milliseconds = body.milliseconds()});
+    judge({.body = name,
+           .quantity = "speed afterwards / before",
+           .truth = 1.0,
+           .ours = -body.momentum()[0] / start,
+           .limit = n == 20 ? 0.05 : 0.02,
+           .milliseconds = body.milliseconds()});
   }
 }
 
@@ -238,7 +289,8 @@ TEST_CASE("Hertz: a ball bounces off a wall", "[truth]") {
   // Slow against the waves in it: contact lasts long against its vibrations, which get next to nothing of its energy.
   const double radius = 0.05, speed = 0.01 * std::sqrt(kE / 1000.0), nu = 0.3;
   for (const int cells : {8, 14}) {  // across the radius
-    Problem problem = moving(solids::ball(Vec3(0, 0, 0), radius), radius / cells, Integrator::explicitVerlet, MaterialLaw::neoHookean);
+    Problem problem = moving(solids::ball(Vec3(0, 0, 0), radius), radius / cells, Integrator::explicitVerlet,
+                             MaterialLaw::neoHookean);
     problem.material.poissonRatio = nu;
     problem.world.box.enabled = true;
     problem.world.box.min = Vec3(-1, -1, -radius - 1e-4);
@@ -263,19 +315,32 @@ TEST_CASE("Hertz: a ball bounces off a wall", "[truth]") {
       if (first < 0.0) first = last;
     }
     const std::string name = "ball of " + std::to_string(cells) + " cells against a wall, 0.01 c";
-    judge({.body = name, .quantity = "time of contact, s", .truth = truth, .ours = last - first, .limit = cells == 8 ? 0.1 : 0.08,
+    judge({.body = name,
+           .quantity = "time of contact, s",
+           .truth = truth,
+           .ours = last - first,
+           .limit = cells == 8 ? 0.1 : 0.08,
            .milliseconds = body.milliseconds()});
-    judge({.body = name, .quantity = "speed afterwards / before", .truth = 1.0, .ours = -body.momentum()[2] / start,
-           .limit = cells == 8 ? 0.03 : 0.02, .milliseconds = body.milliseconds()});
-    judge({.body = name, .quantity = "energy afterwards / before", .truth = 1.0, .ours = energy() / before,
-           .limit = cells == 8 ? 0.02 : 0.01, .milliseconds = body.milliseconds()});
+    judge({.body = name,
+           .quantity = "speed afterwards / before",
+           .truth = 1.0,
+           .ours = -body.momentum()[2] / start,
+           .limit = cells == 8 ? 0.03 : 0.02,
+           .milliseconds = body.milliseconds()});
+    judge({.body = name,
+           .quantity = "energy afterwards / before",
+           .truth = 1.0,
+           .ours = energy() / before,
+           .limit = cells == 8 ? 0.02 : 0.01,
+           .milliseconds = body.milliseconds()});
   }
 }
 
 TEST_CASE("Prony relaxation of a bar that is held twisted", "[truth]") {
   // Torsion strains nothing but shear, so the torque falls as the shear modulus. Mass damping takes what rings.
   const double a = 0.02, L = 0.04, share = 0.6, tau = 1.0, ramp = 0.2;
-  Problem problem = moving(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / 3, Integrator::explicitVerlet);
+  Problem problem =
+      moving(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / 3, Integrator::explicitVerlet);
   problem.hold(face(0, 0.0)).turn(face(0, L), Vec3(2, 0, 0), Vec3(L, 0, 0));
   Problem elastic = problem;
   elastic.world.integrator = Integrator::quasiStatic;
@@ -322,11 +387,12 @@ TEST_CASE("Prony relaxation of a bar that is held twisted", "[truth]") {
 }
 
 TEST_CASE("Prony relaxation of a bar that is held bent", "[truth]") {
-  // The shear modulus relaxes and the bulk modulus does not: by the correspondence principle the torque falls from that of
-  // the elastic bar to that of an elastic one of what is left, with the time of 9 K G/(3 K + G).
+  // The shear modulus relaxes and the bulk modulus does not: by the correspondence principle the torque falls from that
+  // of the elastic bar to that of an elastic one of what is left, with the time of 9 K G/(3 K + G).
   const double a = 0.02, L = 0.1, share = 0.6, tau = 1.0, ramp = 0.1;
   for (const double nu : {0.3, 0.45}) {
-    Problem problem = moving(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / 3, Integrator::quasiStatic);
+    Problem problem =
+        moving(solids::box(Vec3(0, -a / 2, -a / 2), Vec3(L, a / 2, a / 2)), a / 3, Integrator::quasiStatic);
     problem.material.poissonRatio = nu;
     problem.turn(face(0, 0.0), Vec3(0, -1, 0), Vec3(0, 0, 0)).turn(face(0, L), Vec3(0, 1, 0), Vec3(L, 0, 0));
     Problem end = problem;
@@ -357,8 +423,8 @@ TEST_CASE("Prony relaxation of a bar that is held bent", "[truth]") {
 }
 
 TEST_CASE("plastic loop of a stretched bar", "[truth]") {
-  // Volume-preserving stretch of every phyxel along a path; flow at once beyond the yield strain Y. In Hencky strain this is
-  // perfect plasticity: the elastic part follows the path and stops at sqrt(2/3) Y.
+  // Volume-preserving stretch of every phyxel along a path; flow at once beyond the yield strain Y. In Hencky strain
+  // this is perfect plasticity: the elastic part follows the path and stops at sqrt(2/3) Y.
   Problem problem = moving(block(), 0.02, Integrator::explicitVerlet, MaterialLaw::neoHookean);
   const double yield = 0.05;
   problem.material.plastic.yield = yield;

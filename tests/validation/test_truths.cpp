@@ -21,7 +21,10 @@ using enum MaterialLaw;
 constexpr double kWidth = 0.04, kLength = 0.2;  // of the beams, m
 
 const char *nameOf(MaterialLaw law) {
-  return law == stVenantKirchhoff ? "stvk" : law == corotated ? "corotated" : law == neoHookean ? "neo_hookean" : "linear";
+  return law == stVenantKirchhoff ? "stvk"
+         : law == corotated       ? "corotated"
+         : law == neoHookean      ? "neo_hookean"
+                                  : "linear";
 }
 
 BodyShape beam(double length = kLength) {
@@ -46,14 +49,16 @@ double quantityOf(SolvedBody &body, const std::string &quantity, double length) 
   if (quantity == "axial_force") return body.reaction(1).force[0];
   if (quantity == "force_x") return body.reaction(1).force[0];
   if (quantity == "force_z") return body.reaction(1).force[2];
-  if (quantity == "bulge") return body.meanOver(Region(BoxRegion{Vec3(0.049, -0.06, 0.0499), Vec3(0.051, 0.06, 0.0501)}))[0];
+  if (quantity == "bulge")
+    return body.meanOver(Region(BoxRegion{Vec3(0.049, -0.06, 0.0499), Vec3(0.051, 0.06, 0.0501)}))[0];
   throw std::runtime_error("no such quantity: " + quantity);
 }
 
 using Limit = std::optional<double>;
 
 /// One row: the named truth against `ours`; nothing where the file lacks the truth.
-void compare(const std::string &truthName, const std::string &sampling, double ours, double milliseconds, const Limit &limit) {
+void compare(const std::string &truthName, const std::string &sampling, double ours, double milliseconds,
+             const Limit &limit) {
   const auto known = truth(truthName);
   if (!known) return remark(truthName + sampling, "has no truth in truths.json");
   const std::size_t dot = truthName.rfind('.');
@@ -87,7 +92,8 @@ void solveAndCompare(const Problem &problem, const std::string &truthCase, const
                      const std::string &sampling, const Limit &limit, double length = kLength) {
   Quantities all;
   for (const std::string &name : quantities)
-    all.emplace_back(name, [=](SolvedBody &body) { return quantityOf(body, name, length); }, limit);
+    all.emplace_back(
+        name, [=](SolvedBody &body) { return quantityOf(body, name, length); }, limit);
   solveAndCompare(problem, truthCase, all, sampling);
 }
 
@@ -120,9 +126,9 @@ TEST_CASE("solid shapes: the surface encloses the volume, outwards", "[truth]") 
     return sum;
   };
   // 96 sides about a circle enclose 0.07 % less.
-  for (const BodyShape &shape : {beam(), solids::ball(Vec3(1, 2, 3), 0.05), solids::halfBall(0.05),
-                                 solids::ellipsoid(Vec3(0.06, 0.04, 0.03)), solids::ringQuarter(0.1, 0.04),
-                                 solids::cylinder(0.02, 0.1)})
+  for (const BodyShape &shape :
+       {beam(), solids::ball(Vec3(1, 2, 3), 0.05), solids::halfBall(0.05), solids::ellipsoid(Vec3(0.06, 0.04, 0.03)),
+        solids::ringQuarter(0.1, 0.04), solids::cylinder(0.02, 0.1)})
     CHECK_THAT(volumeOf(shape.surface), WithinRel(shape.volume, 2e-3));
 }
 
@@ -133,12 +139,12 @@ TEST_CASE("beams: 1 % with three layers, 0.3 % with five", "[truth]") {
       const Limit limit{beamLimit(n)};
       const std::string of = std::string(".") + nameOf(law);
       solveAndCompare(cantilever(spacing, law, -1.6e-3), "beam_shear" + of, {"tip_mean_u_z"}, layers(n), limit);
-      solveAndCompare(cantilever(spacing, law, -0.055), "beam_large_shear" + of, {"tip_mean_u_z", "tip_mean_u_x"}, layers(n),
-                      limit);
+      solveAndCompare(cantilever(spacing, law, -0.055), "beam_large_shear" + of, {"tip_mean_u_z", "tip_mean_u_x"},
+                      layers(n), limit);
       solveAndCompare(twisted(spacing, law), "beam_twist" + of, {"torque"}, layers(n), limit);
       solveAndCompare(sagging(spacing, law, 0.4), "beam_sag_g0.4" + of, {"tip_mean_u_z"}, layers(n), limit);
-      solveAndCompare(cantilever(spacing, law, -1.6e-3, 0.4), "slender_beam_shear" + of, {"tip_mean_u_z"}, layers(n), limit,
-                      0.4);
+      solveAndCompare(cantilever(spacing, law, -1.6e-3, 0.4), "slender_beam_shear" + of, {"tip_mean_u_z"}, layers(n),
+                      limit, 0.4);
     }
   for (const char *g : {"1", "2"})
     solveAndCompare(sagging(kWidth / 5, neoHookean, std::atof(g)), std::string("beam_sag_g") + g + ".neo_hookean",
@@ -161,11 +167,12 @@ TEST_CASE("bonded cube: 3 % with six layers, 1.5 % with ten", "[truth]") {
     for (const int n : {6, 10}) {
       const std::string of = std::string(".") + nameOf(law);
       const Limit limit{cubeLimit(n)};
-      solveAndCompare(bondedCube(0.1 / n, law, Vec3(0, 0, -0.02)), "cube_compressed_20" + of, {"force_z", "bulge"}, layers(n),
+      solveAndCompare(bondedCube(0.1 / n, law, Vec3(0, 0, -0.02)), "cube_compressed_20" + of, {"force_z", "bulge"},
+                      layers(n), limit);
+      solveAndCompare(bondedCube(0.1 / n, law, Vec3(0, 0, 0.02)), "cube_stretched_20" + of, {"force_z", "bulge"},
+                      layers(n), limit);
+      solveAndCompare(bondedCube(0.1 / n, law, Vec3(0.02, 0, 0)), "cube_sheared_20" + of, {"force_x"}, layers(n),
                       limit);
-      solveAndCompare(bondedCube(0.1 / n, law, Vec3(0, 0, 0.02)), "cube_stretched_20" + of, {"force_z", "bulge"}, layers(n),
-                      limit);
-      solveAndCompare(bondedCube(0.1 / n, law, Vec3(0.02, 0, 0)), "cube_sheared_20" + of, {"force_x"}, layers(n), limit);
     }
 }
 
@@ -175,7 +182,8 @@ TEST_CASE("near incompressible cube: within twice the error at nu = 0.3", "[trut
     const char *name, *quantity;
     Vec3 move;
   };
-  const Loading loadings[] = {{"cube_compressed_10", "force_z", Vec3(0, 0, -0.01)}, {"cube_sheared_10", "force_x", Vec3(0.01, 0, 0)}};
+  const Loading loadings[] = {{"cube_compressed_10", "force_z", Vec3(0, 0, -0.01)},
+                              {"cube_sheared_10", "force_x", Vec3(0.01, 0, 0)}};
   const int n = 6;
   double largest = 0.0;
   for (const char *nu : {"0.3", "0.45", "0.49", "0.4999"})
@@ -186,7 +194,8 @@ TEST_CASE("near incompressible cube: within twice the error at nu = 0.3", "[trut
       const double ours = quantityOf(body, loading.quantity, kLength);
       const bool first = std::string(nu) == "0.3";
       if (first && known) largest = std::max(largest, std::abs(ours / known->value - 1.0));
-      compare(name + "." + loading.quantity, layers(n), ours, body.milliseconds(), {first ? cubeLimit(n) : 2.0 * largest});
+      compare(name + "." + loading.quantity, layers(n), ours, body.milliseconds(),
+              {first ? cubeLimit(n) : 2.0 * largest});
     }
 }
 
@@ -228,8 +237,9 @@ TEST_CASE("curved bodies: 5 % with 160 phyxels, 1.5 % with 550", "[truth]") {
 
 TEST_CASE("indentation by a bonded patch: 5 % with ten layers", "[truth]") {
   const Region patch = BoxRegion{Vec3(-0.015, -0.015, 0.05 - 1e-7), Vec3(0.015, 0.015, 0.05 + 1e-7)};
-  for (const char *name : {"indentation_2mm_nu0.3.stvk", "indentation_2mm_nu0.45.stvk", "indentation_2mm_nu0.3.neo_hookean",
-                           "indentation_2mm_nu0.45.neo_hookean", "indentation_5mm_nu0.3.neo_hookean"}) {
+  for (const char *name :
+       {"indentation_2mm_nu0.3.stvk", "indentation_2mm_nu0.45.stvk", "indentation_2mm_nu0.3.neo_hookean",
+        "indentation_2mm_nu0.45.neo_hookean", "indentation_5mm_nu0.3.neo_hookean"}) {
     const std::string of = name;
     Problem problem = Problem::rubber(solids::box(Vec3(-0.05, -0.05, 0), Vec3(0.05, 0.05, 0.05)), 0.005,
                                       of.ends_with("stvk") ? stVenantKirchhoff : neoHookean);
@@ -261,7 +271,8 @@ TEST_CASE("the lattice need not fit the beam: offset, jittered, turned", "[truth
   };
   // Spacings that divide neither width nor length.
   for (const char *layers : {"3.1", "3.3", "3.4", "3.7", "4.1", "4.7", "5.3"})
-    compared(cantilever(kWidth / std::atof(layers), stVenantKirchhoff, -1.6e-3), std::string(", ") + layers + " layers", 0.01);
+    compared(cantilever(kWidth / std::atof(layers), stVenantKirchhoff, -1.6e-3), std::string(", ") + layers + " layers",
+             0.01);
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     Problem problem = cantilever(kWidth / 5, stVenantKirchhoff, -1.6e-3);
     problem.recipe.sampling.jitter = 0.2;

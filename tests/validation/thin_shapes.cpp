@@ -115,9 +115,8 @@ Surface sheetSurface(double edge, double thickness) {
 Surface ringSurface(double radius, double section) {
   std::vector<std::vector<Vec3>> rows;
   for (const Vec3 &out : circle(96, [](double c, double s) { return Vec3(c, s, 0.0); }))
-    rows.push_back(circle(24, [&](double c, double s) {
-      return Vec3((radius + section * c) * out + section * s * Vec3::UnitZ());
-    }));
+    rows.push_back(circle(
+        24, [&](double c, double s) { return Vec3((radius + section * c) * out + section * s * Vec3::UnitZ()); }));
   return grounded(net(rows, true, true));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lines go to a file per test case, so that ctest, which runs every case in a process of its own, leaves the whole table
-// behind: sort and print the files in <test output>/validation. A program that runs several cases prints theirs itself.
+// Lines go to a file per test case, so that ctest, which runs every case in a process of its own, leaves the whole
+// table behind: sort and print the files in <test output>/validation. A program that runs several cases prints theirs
+// itself.
 #define CATCH_CONFIG_EXTERNAL_INTERFACES
 #include "validation_table.h"
 
@@ -28,7 +29,8 @@ std::filesystem::path fileOf(std::string testCase) {
 }
 
 void append(const std::string &line) {
-  std::ofstream(fileOf(Catch::getResultCapture().getCurrentTestName()), std::ios::app | std::ios::binary) << line << '\n';
+  std::ofstream(fileOf(Catch::getResultCapture().getCurrentTestName()), std::ios::app | std::ios::binary)
+      << line << '\n';
 }
 
 std::string text(double value, int digits) {
@@ -55,8 +57,9 @@ std::string percent(double value) {
   return std::abs(value) < 1e-4 && value != 0.0 ? text(value, 2) : text(100.0 * value, 3) + " %";
 }
 
-std::string line(const std::string &body, const std::string &quantity, const std::string &truth, const std::string &ours,
-                 const std::string &error, const std::string &limit, const std::string &time, const std::string &verdict) {
+std::string line(const std::string &body, const std::string &quantity, const std::string &truth,
+                 const std::string &ours, const std::string &error, const std::string &limit, const std::string &time,
+                 const std::string &verdict) {
   return padded(body, 58) + padded(quantity, 26) + padded(truth, 24, true) + padded(ours, 14, true) +
          padded(error, 11, true) + padded(limit, 10, true) + padded(time, 9, true) + "  " + verdict;
 }
@@ -98,14 +101,15 @@ void judge(const Row &row) {
   const std::string truth =
       text(row.truth, 6) + (row.uncertainty > 0.0 ? " ± " + text(row.uncertainty, 2) : std::string());
   const char *reason = knownMiss(row.body, row.quantity);
-  const std::string verdict = !row.limit        ? "for the record"
+  const std::string verdict = !row.limit         ? "for the record"
                               : within && reason ? "ok (known_misses.h says missed)"
                               : within           ? "ok"
                               : reason           ? std::string("MISSED: ") + reason
                                                  : "MISSED";
-  append(line(row.body, row.quantity, truth, text(row.ours, 6), percent(error),
-              row.limit ? percent(*row.limit) : "-", fixed(row.milliseconds), verdict));
-  INFO(row.body << ", " << row.quantity << ": truth " << truth << ", ours " << row.ours << ", error " << percent(error));
+  append(line(row.body, row.quantity, truth, text(row.ours, 6), percent(error), row.limit ? percent(*row.limit) : "-",
+              fixed(row.milliseconds), verdict));
+  INFO(row.body << ", " << row.quantity << ": truth " << truth << ", ours " << row.ours << ", error "
+                << percent(error));
   if (!row.limit) {
     CHECK(std::isfinite(row.ours));
   } else if (!reason) {

@@ -14,14 +14,14 @@ struct Row {
   double truth = 0.0, uncertainty = 0.0;
   double ours = 0.0;
   std::optional<double> limit{};  ///< of |error|; empty: for the record
-  double milliseconds = 0.0;    ///< wall time of building and solving
-  double scale = 0.0;           ///< error = (ours - truth) / scale; 0: ours / truth - 1
+  double milliseconds = 0.0;      ///< wall time of building and solving
+  double scale = 0.0;             ///< error = (ours - truth) / scale; 0: ours / truth - 1
 
   [[nodiscard]] double error() const;
 };
 
-/// Adds a line to the table and checks the limit. Where known_misses.h has the row, a missed limit is printed as MISSED with
-/// its reason, and the test goes on.
+/// Adds a line to the table and checks the limit. Where known_misses.h has the row, a missed limit is printed as MISSED
+/// with its reason, and the test goes on.
 void judge(const Row &row);
 
 /// A line of plain words: what could not be computed and why.

@@ -52,8 +52,9 @@ PhyxelCloud ballCloud(std::size_t count) {
   for (int z = -half; z <= half; ++z)
     for (int y = -half; y <= half; ++y)
       for (int x = -half; x <= half; ++x) points.emplace_back(x, y, z);
-  std::nth_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
-                   [&](const Vec3 &a, const Vec3 &b) { return (a - centre).squaredNorm() < (b - centre).squaredNorm(); });
+  std::nth_element(
+      points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
+      [&](const Vec3 &a, const Vec3 &b) { return (a - centre).squaredNorm() < (b - centre).squaredNorm(); });
   points.resize(count);
   // Along Morton's curve, as fill() gives them.
   const auto code = [half](const Vec3 &p) {
@@ -72,7 +73,9 @@ PhyxelCloud ballCloud(std::size_t count) {
   return cloud;
 }
 
-double ballRadius(std::size_t count) { return kSpacing * std::cbrt(0.75 / std::numbers::pi * static_cast<double>(count)); }
+double ballRadius(std::size_t count) {
+  return kSpacing * std::cbrt(0.75 / std::numbers::pi * static_cast<double>(count));
+}
 
 std::vector<Vec3> sphere(std::size_t count, double radius) {
   std::vector<Vec3> points;
@@ -133,8 +136,6 @@ void deform(Body &body) {
   }
 }
 
-void evaluateForces(Body &body, const ParallelFor &parallelFor) {
-  body.evaluate(0.0, 0.0, parallelFor);
-}
+void evaluateForces(Body &body, const ParallelFor &parallelFor) { body.evaluate(0.0, 0.0, parallelFor); }
 
 }  // namespace bench

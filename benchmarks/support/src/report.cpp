@@ -48,9 +48,10 @@ Report::Report(std::string benchmark, const Options &options) : name_(std::move(
            {"seconds", options.seconds},
            {"facts", nlohmann::ordered_json::object()},
            {"rows", nlohmann::ordered_json::array()}};
-  std::printf("%s: %s, %u cores; %s, %s%s%s%s; %u thread%s\n", name_.c_str(), on.cpu.c_str(), on.cores, by.compiler.c_str(),
-              by.type.c_str(), by.assertions ? ", with assertions" : "", by.sanitizers.empty() ? "" : ", sanitizers ",
-              by.sanitizers.c_str(), options.threads, options.threads == 1 ? "" : "s");
+  std::printf("%s: %s, %u cores; %s, %s%s%s%s; %u thread%s\n", name_.c_str(), on.cpu.c_str(), on.cores,
+              by.compiler.c_str(), by.type.c_str(), by.assertions ? ", with assertions" : "",
+              by.sanitizers.empty() ? "" : ", sanitizers ", by.sanitizers.c_str(), options.threads,
+              options.threads == 1 ? "" : "s");
 }
 
 void Report::table(std::string name, std::vector<Column> columns) {

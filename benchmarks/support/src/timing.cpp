@@ -37,7 +37,9 @@ void sampleFor(double seconds, std::size_t least, std::vector<double> &samples, 
 Timing summaryOf(std::vector<double> samples) {
   if (samples.empty()) return {};
   std::sort(samples.begin(), samples.end());
-  const auto at = [&](std::size_t percent) { return samples[std::min(samples.size() - 1, samples.size() * percent / 100)]; };
+  const auto at = [&](std::size_t percent) {
+    return samples[std::min(samples.size() - 1, samples.size() * percent / 100)];
+  };
   return {at(50), at(1), at(95), at(99), samples.front(), samples.size()};
 }
 

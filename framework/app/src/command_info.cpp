@@ -10,11 +10,11 @@
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/session/build_scene.h"
-#include "exit_code.h"
 #include "c3de/session/file_kind.h"
-#include "info_image.h"
 #include "c3de/session/progress_line.h"
 #include "c3de/session/simulator_access.h"
+#include "exit_code.h"
+#include "info_image.h"
 #include "standard_output.h"
 
 namespace c3de::app {
@@ -53,21 +53,32 @@ void describeValues(const std::vector<scene::SceneValue> &values, std::ostringst
   for (const scene::SceneValue &value : values) {
     text << "  " << value.value.id << " = " << value.value.display() << "\n";
     switch (value.value.type) {
-      case C3DE_PARAM_BOOL: json[value.value.id] = value.value.num != 0.0; break;
+      case C3DE_PARAM_BOOL:
+        json[value.value.id] = value.value.num != 0.0;
+        break;
       case C3DE_PARAM_I64:
-      case C3DE_PARAM_F64: json[value.value.id] = jsonNumber(value.value.num); break;
-      case C3DE_PARAM_VEC3: json[value.value.id] = value.value.vec; break;
-      default: json[value.value.id] = value.value.text;
+      case C3DE_PARAM_F64:
+        json[value.value.id] = jsonNumber(value.value.num);
+        break;
+      case C3DE_PARAM_VEC3:
+        json[value.value.id] = value.value.vec;
+        break;
+      default:
+        json[value.value.id] = value.value.text;
     }
   }
 }
 
 Json jsonOf(const scene::SceneRegion &region) {
   switch (region.kind) {
-    case scene::SceneRegion::Kind::box: return {{"box", {{"min", region.a}, {"max", region.b}}}};
-    case scene::SceneRegion::Kind::sphere: return {{"sphere", {{"centre", region.a}, {"radius", region.radius}}}};
-    case scene::SceneRegion::Kind::halfSpace: return {{"half_space", {{"point", region.a}, {"normal", region.b}}}};
-    case scene::SceneRegion::Kind::everywhere: break;
+    case scene::SceneRegion::Kind::box:
+      return {{"box", {{"min", region.a}, {"max", region.b}}}};
+    case scene::SceneRegion::Kind::sphere:
+      return {{"sphere", {{"centre", region.a}, {"radius", region.radius}}}};
+    case scene::SceneRegion::Kind::halfSpace:
+      return {{"half_space", {{"point", region.a}, {"normal", region.b}}}};
+    case scene::SceneRegion::Kind::everywhere:
+      break;
   }
   return {{"everywhere", true}};
 }
@@ -142,7 +153,8 @@ Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::
   return json;
 }
 
-Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, OrganSources &sources, std::ostringstream &text) {
+Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, OrganSources &sources,
+                            std::ostringstream &text) {
   Preparation took;
   const auto picked = sources.pick(body.volume, {}, took);
   if (!picked) return failInScene(picked.error(), scene, body.line);
@@ -158,7 +170,8 @@ void describeBuilt(c3de_object *simulator, std::size_t index, std::ostringstream
   c3de_handle body{};
   c3de_sim_body_info info{};
   info.size = sizeof info;
-  if (!table || (*table)->body_at(simulator, index, &body) < 0 || (*table)->body_info(simulator, body, &info) < 0) return;
+  if (!table || (*table)->body_at(simulator, index, &body) < 0 || (*table)->body_info(simulator, body, &info) < 0)
+    return;
   json["phyxels"] = info.phyxels;
   json["spacing_m"] = info.spacing_m;
   json["mass_kg"] = info.mass_kg;
@@ -175,10 +188,11 @@ Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene
   json["built"] = created && !isQuick;
   if (created && !isQuick) {
     ProgressLine progress(false);
-    const auto built = buildScene(session, simulator.get(), scene, sources, [&](double fraction, const std::string &what) {
-      progress.update(fraction, what);
-      return true;
-    });
+    const auto built =
+        buildScene(session, simulator.get(), scene, sources, [&](double fraction, const std::string &what) {
+          progress.update(fraction, what);
+          return true;
+        });
     progress.finish();
     if (!built) return tl::unexpected(built.error());
     howFar = "checked as for a run: every key is known to the simulator, and its bodies were built\n";
@@ -187,11 +201,13 @@ Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene
   if (auto read = readSceneImage(scene, sources, {}); !read) return tl::unexpected(read.error());
   const std::string unbuilt = "sampling, and whether fixes, loads and probes meet their bodies, ";
   if (!created) {
-    howFar = "not checked: keys and values of materials, sampling, solver and world; " + unbuilt + "because " + created.error().message + "\n";
+    howFar = "not checked: keys and values of materials, sampling, solver and world; " + unbuilt + "because " +
+             created.error().message + "\n";
     return ObjectRef();
   }
   if (auto good = session.checkValues(simulator.get(), scene); !good) return tl::unexpected(good.error());
-  howFar = "every key is known to the simulator; not checked: " + unbuilt + "because bodies are not built with --quick\n";
+  howFar =
+      "every key is known to the simulator; not checked: " + unbuilt + "because bodies are not built with --quick\n";
   return ObjectRef();
 }
 

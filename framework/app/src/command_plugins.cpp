@@ -6,8 +6,8 @@
 
 #include "c3de/abi/draft/all.h"
 #include "c3de/core/log.h"
-#include "exit_code.h"
 #include "c3de/session/file_kind.h"
+#include "exit_code.h"
 #include "standard_output.h"
 
 namespace c3de::app {
@@ -15,9 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kServices{C3DE_COLLISION_ID, C3DE_HISTORY_ID, C3DE_IMAGING_ID, C3DE_JOBS_ID,     C3DE_LOG_ID,    C3DE_MESH_ID,
-                               C3DE_PANELS_ID,    C3DE_PARAMS_ID,  C3DE_REGISTRY_ID, C3DE_RENDER_ID, C3DE_SCENE_ID,
-                               C3DE_SIMULATION_ID, C3DE_TIME_ID,   C3DE_TOOLS_ID};
+constexpr std::array kServices{C3DE_COLLISION_ID, C3DE_HISTORY_ID,    C3DE_IMAGING_ID, C3DE_JOBS_ID,     C3DE_LOG_ID,
+                               C3DE_MESH_ID,      C3DE_PANELS_ID,     C3DE_PARAMS_ID,  C3DE_REGISTRY_ID, C3DE_RENDER_ID,
+                               C3DE_SCENE_ID,     C3DE_SIMULATION_ID, C3DE_TIME_ID,    C3DE_TOOLS_ID};
 
 std::string dump(const Json &json) { return json.dump(2, ' ', false, Json::error_handler_t::replace); }
 
@@ -47,7 +47,8 @@ int listPlugins(const SessionOptions &options, bool json) {
   std::vector<std::filesystem::path> folders;
   if (options.usePlugins) {
     for (const auto &file : options.pluginFiles)
-      if (const auto loaded = host.load(file); !loaded) exitCode = reportError({ErrorCode::plugin, loaded.error().message});
+      if (const auto loaded = host.load(file); !loaded)
+        exitCode = reportError({ErrorCode::plugin, loaded.error().message});
     for (const auto &folder : options.pluginFolders) {
       std::error_code code;
       if (std::filesystem::is_directory(folder, code))
@@ -65,7 +66,10 @@ int listPlugins(const SessionOptions &options, bool json) {
     for (const auto &folder : folders) out["folders"].push_back(folder.string());
     for (const auto &plugin : host.plugins()) out["plugins"].push_back(describe(plugin));
     for (const auto &one : host.classes())
-      out["classes"].push_back(Json{{"id", one.id}, {"label", one.label}, {"doc", one.doc}, {"plugin", one.plugin},
+      out["classes"].push_back(Json{{"id", one.id},
+                                    {"label", one.label},
+                                    {"doc", one.doc},
+                                    {"plugin", one.plugin},
                                     {"interfaces", one.interfaces}});
     printOut(dump(out) + "\n");
     return exitCode;
@@ -78,8 +82,8 @@ int listPlugins(const SessionOptions &options, bool json) {
       text += "refused  " + plugin.path.string() + "\n         " + plugin.reason + "\n";
       continue;
     }
-    text += "loaded   " + plugin.path.string() + "\n         " + plugin.id + " " + plugin.version + ", " + plugin.displayName +
-            "; " + plugin.vendor + "; " + plugin.license + "\n";
+    text += "loaded   " + plugin.path.string() + "\n         " + plugin.id + " " + plugin.version + ", " +
+            plugin.displayName + "; " + plugin.vendor + "; " + plugin.license + "\n";
     for (const auto &one : plugin.classes) text += "         class " + one + "\n";
   }
   if (host.plugins().empty()) text += "no plugin was found\n";
@@ -89,7 +93,8 @@ int listPlugins(const SessionOptions &options, bool json) {
 
 void printVersion(bool json) {
   if (!json) {
-    printOut("c3de " C3DE_VERSION ", plugin ABI " + std::to_string(C3DE_ABI_MAJOR) + "." + std::to_string(C3DE_ABI_MINOR) + "\n");
+    printOut("c3de " C3DE_VERSION ", plugin ABI " + std::to_string(C3DE_ABI_MAJOR) + "." +
+             std::to_string(C3DE_ABI_MINOR) + "\n");
     return;
   }
   const Json out{{"product", "c3de"},

@@ -6,7 +6,8 @@
 
 namespace c3de::app {
 
-/// `c3de plugins`: what was found, loaded, refused and why, on stdout. Returns the exit code: a plugin that was named with
+/// `c3de plugins`: what was found, loaded, refused and why, on stdout. Returns the exit code: a plugin that was named
+/// with
 /// --plugin and refused counts as an error, one that lies in a folder does not.
 [[nodiscard]] int listPlugins(const SessionOptions &options, bool json);
 

@@ -7,23 +7,23 @@
 #include <span>
 #include <utility>
 
-#include "c3de/session/build_scene.h"
 #include "c3de/core/log.h"
 #include "c3de/core/output_file.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/statistics.h"
-#include "exit_code.h"
+#include "c3de/session/build_scene.h"
 #include "c3de/session/export_simulation.h"
 #include "c3de/session/file_kind.h"
 #include "c3de/session/headless_run.h"
 #include "c3de/session/interrupt.h"
 #include "c3de/session/organ.h"
 #include "c3de/session/progress_line.h"
-#include "run_picture.h"
 #include "c3de/session/simulator_access.h"
-#include "standard_output.h"
 #include "c3de/session/written_outputs.h"
+#include "exit_code.h"
+#include "run_picture.h"
+#include "standard_output.h"
 
 namespace c3de::app {
 namespace {
@@ -35,13 +35,16 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Mat
   } else {
     std::error_code code;
     if (!std::filesystem::is_regular_file(options.scene, code))
-      return fail(ErrorCode::input, options.scene.string() + (std::filesystem::is_directory(options.scene, code) ? ": is a folder" : ": no such file") +
-                                        "; accepted: a scene (.toml) or a mesh");
+      return fail(ErrorCode::input,
+                  options.scene.string() +
+                      (std::filesystem::is_directory(options.scene, code) ? ": is a folder" : ": no such file") +
+                      "; accepted: a scene (.toml) or a mesh");
     if (const FileKind kind = kindOf(options.scene); kind == FileKind::unknown)
       return tl::unexpected(unknownKind(options.scene));
     else if (kind == FileKind::image)
-      return fail(ErrorCode::input, options.scene.string() + ": is an image; accepted: a mesh, or a scene (.toml) whose [[body]] "
-                                                             "names it as its volume, with a label or a threshold");
+      return fail(ErrorCode::input, options.scene.string() +
+                                        ": is an image; accepted: a mesh, or a scene (.toml) whose [[body]] "
+                                        "names it as its volume, with a label or a threshold");
     geometry::LengthUnit unit = geometry::unitInFile(options.scene).value_or(geometry::LengthUnit::millimetre);
     if (!options.meshUnit.empty()) {
       const auto stated = scene::parseLengthUnit(options.meshUnit);
@@ -82,18 +85,20 @@ RunLimits limitsOf(const scene::SceneFile &scene, c3de_object *simulator, const 
 
 void printSummary(const RunFacts &facts) {
   if (facts.integrator == kQuasistatic)
-    return printOut(fmt::format("{}: {}, {} load steps in {:.3g} s\n", facts.scene, facts.outcome, facts.steps, facts.wall_s));
+    return printOut(
+        fmt::format("{}: {}, {} load steps in {:.3g} s\n", facts.scene, facts.outcome, facts.steps, facts.wall_s));
   const Preparation &took = facts.prepared.took;
   if (took.masks_s > 0.0)
-    printOut(fmt::format("{}: first step after {:.3g} s (reading {:.3g}, masks {:.3g}, surfaces {:.3g}, fills {:.3g}, bodies {:.3g}, "
-                         "step {:.3g})\n",
-                         facts.scene, facts.toFirstStep_s, took.reading_s, took.masks_s, took.surfaces_s, took.fills_s,
-                         took.bodies_s, facts.firstStep_s));
+    printOut(fmt::format(
+        "{}: first step after {:.3g} s (reading {:.3g}, masks {:.3g}, surfaces {:.3g}, fills {:.3g}, bodies {:.3g}, "
+        "step {:.3g})\n",
+        facts.scene, facts.toFirstStep_s, took.reading_s, took.masks_s, took.surfaces_s, took.fills_s, took.bodies_s,
+        facts.firstStep_s));
   for (const Coverage &body : facts.prepared.coverage)
     if (const std::string text = sentenceOf(body); !text.empty()) printOut(fmt::format("{}: {}\n", facts.scene, text));
   const double factor = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
-  printOut(fmt::format("{}: {}, {} steps of {:.4g} s, {:.6g} s simulated in {:.3g} s ({:.3g} times real time)\n", facts.scene,
-                       facts.outcome, facts.steps, facts.dt_s, facts.time_s, facts.wall_s, factor));
+  printOut(fmt::format("{}: {}, {} steps of {:.4g} s, {:.6g} s simulated in {:.3g} s ({:.3g} times real time)\n",
+                       facts.scene, facts.outcome, facts.steps, facts.dt_s, facts.time_s, facts.wall_s, factor));
 }
 
 std::vector<std::string> namesOf(const scene::SceneFile &scene) {
@@ -103,11 +108,16 @@ std::vector<std::string> namesOf(const scene::SceneFile &scene) {
 }
 
 std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const scene::SceneFile &scene) {
-  std::vector<std::filesystem::path> all{options.report,     options.probes,            options.screenshot,
-                                         options.exportList, options.exportImage.image, options.exportImage.displacement,
+  std::vector<std::filesystem::path> all{options.report,
+                                         options.probes,
+                                         options.screenshot,
+                                         options.exportList,
+                                         options.exportImage.image,
+                                         options.exportImage.displacement,
                                          vacatedFile(options.exportImage.displacement)};
   if (!options.exportSurface.empty())
-    for (std::filesystem::path &file : surfaceFiles(options.exportSurface, namesOf(scene))) all.push_back(std::move(file));
+    for (std::filesystem::path &file : surfaceFiles(options.exportSurface, namesOf(scene)))
+      all.push_back(std::move(file));
   return all;
 }
 
@@ -129,8 +139,10 @@ Expected<void> checkFramesFolder(const RunOptions &options, std::span<const std:
   const std::filesystem::path folder = framesFolder(options.exportList);
   std::error_code code;
   for (const std::filesystem::path &other : others)
-    if (!other.empty() && std::filesystem::equivalent(other.has_parent_path() ? other.parent_path() : ".", folder, code))
-      return fail(ErrorCode::usage, other.string() + ": lies in the folder that --export fills with frames; accepted: another folder");
+    if (!other.empty() &&
+        std::filesystem::equivalent(other.has_parent_path() ? other.parent_path() : ".", folder, code))
+      return fail(ErrorCode::usage,
+                  other.string() + ": lies in the folder that --export fills with frames; accepted: another folder");
   return {};
 }
 
@@ -153,8 +165,9 @@ Expected<void> writeReport(const RunOptions &options, const RunFacts &facts, con
   return writeWholeFile(options.report, *json);
 }
 
-void writeImageExports(const RunOptions &options, const imaging::Volume &image, const ImageWarp &how, const c3de_simulator_v0 *table,
-                       c3de_object *simulator, ThreadPool &threads, WrittenOutputs &outputs) {
+void writeImageExports(const RunOptions &options, const imaging::Volume &image, const ImageWarp &how,
+                       const c3de_simulator_v0 *table, c3de_object *simulator, ThreadPool &threads,
+                       WrittenOutputs &outputs) {
   const ImageExport &wanted = options.exportImage;
   const auto u = presentDisplacement(table, simulator, image, how);
   for (const auto &file : {wanted.image, wanted.displacement}) {
@@ -172,8 +185,8 @@ void writeImageExports(const RunOptions &options, const imaging::Volume &image, 
 Expected<PictureView> viewAsked(const RunOptions &options, const scene::SceneFile &scene) {
   const PictureView view = options.view.value_or(scene.image ? PictureView::four : PictureView::space);
   if (view == PictureView::space || scene.image) return view;
-  return fail(ErrorCode::usage, std::string("--view ") + nameOf(view) + " shows slices of an image, and " + scene.where(1) +
-                                    " has no [image]; accepted: --view 3d");
+  return fail(ErrorCode::usage, std::string("--view ") + nameOf(view) + " shows slices of an image, and " +
+                                    scene.where(1) + " has no [image]; accepted: --view 3d");
 }
 
 /// The scene's image has been read before, and is there.
@@ -204,8 +217,8 @@ Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile
   return out;
 }
 
-Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene::SceneFile &scene, const RunOptions &options,
-                           RunPicture &picture, PictureView view, OrganSources &sources,
+Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
+                           const RunOptions &options, RunPicture &picture, PictureView view, OrganSources &sources,
                            const std::vector<Coverage> &coverage) {
   const auto shown = pictureSources(view, scene, sources, session.materials());
   if (!shown) return tl::unexpected(shown.error());
@@ -242,15 +255,19 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
     ProgressLine progress(options.quiet);
     std::string present;
     bool isOver = false;
-    const auto populated = buildScene(session, simulator.get(), *scene, sources, [&](double fraction, const std::string &what) {
-      present = what;
-      progress.update(fraction, what);
-      isOver = isOver || (limits.deadline && std::chrono::steady_clock::now() >= *limits.deadline);
-      return !isOver && !wasInterrupted();
-    }, &prepared);
+    const auto populated = buildScene(
+        session, simulator.get(), *scene, sources,
+        [&](double fraction, const std::string &what) {
+          present = what;
+          progress.update(fraction, what);
+          isOver = isOver || (limits.deadline && std::chrono::steady_clock::now() >= *limits.deadline);
+          return !isOver && !wasInterrupted();
+        },
+        &prepared);
     if (!populated && populated.error().code == ErrorCode::cancelled) {
       const std::string where = present + "; no step was made, and there is no state to keep";
-      if (isOver) return Simulated{{}, "the time limit of " + formatNumber(*options.timeLimit_s) + " s was reached at " + where};
+      if (isOver)
+        return Simulated{{}, "the time limit of " + formatNumber(*options.timeLimit_s) + " s was reached at " + where};
       return fail(ErrorCode::cancelled, "interrupted at " + where);
     }
     if (!populated) return tl::unexpected(populated.error());
@@ -268,8 +285,11 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (!options.report.empty()) outputs.note(options.report, writeReport(options, facts, run));
   if (!options.exportSurface.empty()) {
     const auto states = readBodyStates(simulator.get(), BodyParts::skin, [&] { return session.plugins().takeError(); });
-    if (!states) outputs.addFailure(options.exportSurface, states.error());
-    else writeSurfaces(options.exportSurface, *states, [&](const auto &file, const auto &result) { outputs.note(file, result); });
+    if (!states)
+      outputs.addFailure(options.exportSurface, states.error());
+    else
+      writeSurfaces(options.exportSurface, *states,
+                    [&](const auto &file, const auto &result) { outputs.note(file, result); });
   }
   if (options.exportImage.isWanted()) {
     // It has been read above, and is there.
@@ -295,9 +315,11 @@ int runScene(const RunOptions &options) {
   const auto begin = std::chrono::steady_clock::now();
   watchForInterrupt();
   if (!options.exportList.empty())
-    if (const auto writable = checkSimulationExport(options.exportList); !writable) return reportError(writable.error());
+    if (const auto writable = checkSimulationExport(options.exportList); !writable)
+      return reportError(writable.error());
   if (!options.exportSurface.empty())
-    if (const auto writable = checkSurfaceExport(options.exportSurface, {}); !writable) return reportError(writable.error());
+    if (const auto writable = checkSurfaceExport(options.exportSurface, {}); !writable)
+      return reportError(writable.error());
   if (const auto good = checkFiles(options, nullptr); !good) return reportError(good.error());
 
   std::unique_ptr<RunPicture> picture;

@@ -13,9 +13,9 @@ namespace c3de::app {
 render::GridPlace placeOf(const imaging::VolumeGeometry &geometry) { return {geometry.size, geometry.indexToWorld}; }
 
 render::ImageVoxels voxelsOf(const imaging::Volume &volume) {
-  static constexpr render::VoxelType kTypes[] = {render::VoxelType::int8,   render::VoxelType::uint8,  render::VoxelType::int16,
-                                                 render::VoxelType::uint16, render::VoxelType::int32,  render::VoxelType::uint32,
-                                                 render::VoxelType::float32, render::VoxelType::float64};
+  static constexpr render::VoxelType kTypes[] = {
+      render::VoxelType::int8,  render::VoxelType::uint8,  render::VoxelType::int16,   render::VoxelType::uint16,
+      render::VoxelType::int32, render::VoxelType::uint32, render::VoxelType::float32, render::VoxelType::float64};
   render::ImageVoxels voxels;
   voxels.place = placeOf(volume.geometry);
   voxels.type = kTypes[volume.voxels.index()];
@@ -83,7 +83,8 @@ Expected<void> DisplacementPresenter::show(std::shared_ptr<const imaging::Displa
     ui::ImageHandles handles = views_.handles();
     images_->remove(std::exchange(handles.displacement, {}));
     if (displacement) {
-      auto handle = images_->addDisplacement(placeOf(displacement->geometry), displacement->xyz_mm, displacement->gap_mm);
+      auto handle =
+          images_->addDisplacement(placeOf(displacement->geometry), displacement->xyz_mm, displacement->gap_mm);
       if (handle)
         handles.displacement = *handle;
       else

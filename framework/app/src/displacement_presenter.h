@@ -7,19 +7,21 @@
 #include "c3de/core/expected.h"
 #include "c3de/imaging/displacement.h"
 #include "c3de/render/image_renderer.h"
-#include "c3de/ui/image_views.h"
 #include "c3de/session/coverage.h"
+#include "c3de/ui/image_views.h"
 
 namespace c3de::app {
 
 [[nodiscard]] render::GridPlace placeOf(const imaging::VolumeGeometry &geometry);
 [[nodiscard]] render::ImageVoxels voxelsOf(const imaging::Volume &volume);  ///< points into it
 
-/// Marks in the slices what of masks is in no body, with an entry in their legend; nothing where nothing is missing that is
-/// worth saying. Takes the place of what was marked. Without an image nothing is done.
-[[nodiscard]] Expected<void> showMissing(render::ImageRenderer &images, ui::ImageViews &views, const std::vector<Coverage> &bodies);
+/// Marks in the slices what of masks is in no body, with an entry in their legend; nothing where nothing is missing
+/// that is worth saying. Takes the place of what was marked. Without an image nothing is done.
+[[nodiscard]] Expected<void> showMissing(render::ImageRenderer &images, ui::ImageViews &views,
+                                         const std::vector<Coverage> &bodies);
 
-/// The displacement that the views show, in the memory of the graphics: u and gaps, and where the bodies were. Main thread.
+/// The displacement that the views show, in the memory of the graphics: u and gaps, and where the bodies were. Main
+/// thread.
 class DisplacementPresenter {
  public:
   DisplacementPresenter(render::ImageRenderer *images, ui::ImageViews &views) : images_(images), views_(views) {}
@@ -27,8 +29,8 @@ class DisplacementPresenter {
   DisplacementPresenter(const DisplacementPresenter &) = delete;
   DisplacementPresenter &operator=(const DisplacementPresenter &) = delete;
 
-  /// Shows how the tissue has moved; the grid must not change while it is shown. Null: as it was. Every frame: a grid in
-  /// the place of the one before only takes its values. Without an image nothing is done.
+  /// Shows how the tissue has moved; the grid must not change while it is shown. Null: as it was. Every frame: a grid
+  /// in the place of the one before only takes its values. Without an image nothing is done.
   [[nodiscard]] Expected<void> show(std::shared_ptr<const imaging::DisplacementGrid> displacement);
   /// Gives back what it has in the memory of the graphics; before the image goes.
   void forget();

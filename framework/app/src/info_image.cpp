@@ -38,7 +38,8 @@ std::string sizeText(const std::array<std::size_t, 3> &size) {
 std::string directionLetters(Vec3 axis) {
   axis = (1.0 / norm(axis)) * axis;
   std::array<std::size_t, 3> order{0, 1, 2};
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return std::abs(axis[a]) > std::abs(axis[b]); });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return std::abs(axis[a]) > std::abs(axis[b]); });
   std::string letters;
   for (const std::size_t a : order)
     if (letters.empty() || std::abs(axis[a]) > 0.05) letters += axis[a] >= 0.0 ? "LPS"[a] : "RAI"[a];  // three degrees
@@ -47,7 +48,8 @@ std::string directionLetters(Vec3 axis) {
 
 Json orientationOf(const VolumeGeometry &g) {
   Json all = Json::array();
-  for (std::size_t a = 0; a < 3; ++a) all.push_back(directionLetters({g.indexToWorld[4 * a], g.indexToWorld[4 * a + 1], g.indexToWorld[4 * a + 2]}));
+  for (std::size_t a = 0; a < 3; ++a)
+    all.push_back(directionLetters({g.indexToWorld[4 * a], g.indexToWorld[4 * a + 1], g.indexToWorld[4 * a + 2]}));
   return all;
 }
 
@@ -68,10 +70,13 @@ std::optional<std::pair<double, double>> rangeOf(const Volume &volume) {
 /// What a scene says to name a series: its number where no other has it, else its identifier.
 std::string inScene(const SeriesInfo &info, const std::vector<SeriesInfo> &list) {
   if (info.isSegmentation) return "labels = \"its file\"";
-  const auto alike = std::count_if(list.begin(), list.end(), [&](const SeriesInfo &other) { return !other.isPart && other.number == info.number; });
+  const auto alike = std::count_if(
+      list.begin(), list.end(), [&](const SeriesInfo &other) { return !other.isPart && other.number == info.number; });
   const std::size_t part = info.id.rfind('#');
-  if (info.number.empty() || alike != 1 || info.number.find_first_not_of("0123456789") != std::string::npos) return "series = \"" + info.id + "\"";
-  return part == std::string::npos ? "series = " + info.number : "series = \"" + info.number + info.id.substr(part) + "\"";
+  if (info.number.empty() || alike != 1 || info.number.find_first_not_of("0123456789") != std::string::npos)
+    return "series = \"" + info.id + "\"";
+  return part == std::string::npos ? "series = " + info.number
+                                   : "series = \"" + info.number + info.id.substr(part) + "\"";
 }
 
 void describeSeries(const std::vector<SeriesInfo> &list, bool patientNames, Described &out) {
@@ -79,10 +84,21 @@ void describeSeries(const std::vector<SeriesInfo> &list, bool patientNames, Desc
   text << list.size() << " series:\n";
   out.json["series"] = Json::array();
   for (const SeriesInfo &info : list) {
-    Json json{{"id", info.id}, {"number", info.number}, {"times", info.times}, {"part", info.isPart}, {"segmentation", info.isSegmentation}, {"modality", info.modality}, {"description", info.description}, {"size", info.size}, {"files", info.files},
-              {"orientation", info.orientation}, {"folder", info.folder.string()}};
-    text << "  " << info.id << "\n    " << (info.isPart ? "part: " : "") << (info.modality.empty() ? "" : info.modality + " ") << sizeText(info.size)
-         << (info.orientation.empty() ? "" : " " + info.orientation) << ", " << info.files << (info.files == 1 ? " file" : " files");
+    Json json{{"id", info.id},
+              {"number", info.number},
+              {"times", info.times},
+              {"part", info.isPart},
+              {"segmentation", info.isSegmentation},
+              {"modality", info.modality},
+              {"description", info.description},
+              {"size", info.size},
+              {"files", info.files},
+              {"orientation", info.orientation},
+              {"folder", info.folder.string()}};
+    text << "  " << info.id << "\n    " << (info.isPart ? "part: " : "")
+         << (info.modality.empty() ? "" : info.modality + " ") << sizeText(info.size)
+         << (info.orientation.empty() ? "" : " " + info.orientation) << ", " << info.files
+         << (info.files == 1 ? " file" : " files");
     if (!info.number.empty()) text << ", number " << info.number;
     if (!info.description.empty()) text << ", \"" << info.description << "\"";
     if (info.times > 1) text << ", " << info.times << " time points";
@@ -106,8 +122,10 @@ void describeVolume(const Volume &volume, Described &out) {
   std::ostringstream text;
   const Vec3 spacing = g.spacing();
   Json rows = Json::array();
-  for (std::size_t r = 0; r < 4; ++r) rows.push_back({g.indexToWorld[r], g.indexToWorld[4 + r], g.indexToWorld[8 + r], g.indexToWorld[12 + r]});
-  const Vec3 centre = g.worldAt({0.5 * static_cast<double>(g.size[0] - 1), 0.5 * static_cast<double>(g.size[1] - 1), 0.5 * static_cast<double>(g.size[2] - 1)});
+  for (std::size_t r = 0; r < 4; ++r)
+    rows.push_back({g.indexToWorld[r], g.indexToWorld[4 + r], g.indexToWorld[8 + r], g.indexToWorld[12 + r]});
+  const Vec3 centre = g.worldAt({0.5 * static_cast<double>(g.size[0] - 1), 0.5 * static_cast<double>(g.size[1] - 1),
+                                 0.5 * static_cast<double>(g.size[2] - 1)});
   out.json["type"] = volume.scalarTypeName();
   out.json["size"] = g.size;
   out.json["spacing_mm"] = spacing;
@@ -119,16 +137,21 @@ void describeVolume(const Volume &volume, Described &out) {
   out.json["intercept"] = volume.intercept;
   out.json["bytes"] = volume.bytes();
   out.json["colours"] = !volume.colours.empty();
-  text << volume.scalarTypeName() << ", " << sizeText(g.size) << " voxels of " << formatNumber(rounded(spacing[0], 1e4)) << " x "
-       << formatNumber(rounded(spacing[1], 1e4)) << " x " << formatNumber(rounded(spacing[2], 1e4)) << " mm\n";
-  text << "axes to " << out.json["orientation"][0].get<std::string>() << ", " << out.json["orientation"][1].get<std::string>() << ", "
-       << out.json["orientation"][2].get<std::string>() << "; centre at " << formatNumber(rounded(centre[0], 1e3)) << ", " << formatNumber(rounded(centre[1], 1e3))
+  text << volume.scalarTypeName() << ", " << sizeText(g.size) << " voxels of " << formatNumber(rounded(spacing[0], 1e4))
+       << " x " << formatNumber(rounded(spacing[1], 1e4)) << " x " << formatNumber(rounded(spacing[2], 1e4)) << " mm\n";
+  text << "axes to " << out.json["orientation"][0].get<std::string>() << ", "
+       << out.json["orientation"][1].get<std::string>() << ", " << out.json["orientation"][2].get<std::string>()
+       << "; centre at " << formatNumber(rounded(centre[0], 1e3)) << ", " << formatNumber(rounded(centre[1], 1e3))
        << ", " << formatNumber(rounded(centre[2], 1e3)) << " mm (LPS)";
-  if (g.shear() > 1e-3) text << "; sheared by " << formatNumber(rounded(std::asin(std::min(1.0, g.shear())) * 180.0 / 3.14159265358979323846, 10.0)) << " degrees";
+  if (g.shear() > 1e-3)
+    text << "; sheared by "
+         << formatNumber(rounded(std::asin(std::min(1.0, g.shear())) * 180.0 / 3.14159265358979323846, 10.0))
+         << " degrees";
   text << "\n";
   if (const auto range = rangeOf(volume)) {
     out.json["range"] = {range->first, range->second};
-    text << "values " << shortNumber(range->first) << " to " << shortNumber(range->second) << (volume.unit.empty() ? "" : " " + volume.unit) << "\n";
+    text << "values " << shortNumber(range->first) << " to " << shortNumber(range->second)
+         << (volume.unit.empty() ? "" : " " + volume.unit) << "\n";
   } else {
     out.json["range"] = nullptr;
     text << "no voxel is a finite number\n";
@@ -141,7 +164,8 @@ void describeTimes(const imaging::LoadedVolume &loaded, const imaging::ReadOptio
   out.json["time"] = options.time;
   out.json["times"] = loaded.times;
   if (loaded.times > 1)
-    out.text += "time point " + std::to_string(options.time) + " of " + std::to_string(loaded.times) + " (0 to " + std::to_string(loaded.times - 1) + ")\n";
+    out.text += "time point " + std::to_string(options.time) + " of " + std::to_string(loaded.times) + " (0 to " +
+                std::to_string(loaded.times - 1) + ")\n";
 }
 
 void describeNotices(const std::vector<std::string> &notices, Described &out) {
@@ -157,7 +181,8 @@ void describeLabels(const std::filesystem::path &path, Described &out) {
   for (imaging::LabelMap &layer : loaded->layers) layers.push_back(std::move(layer.labels));
   bool named = false;
   for (const auto &labels : layers)
-    named = named || std::any_of(labels.begin(), labels.end(), [](const auto &label) { return !label.name.starts_with("label "); });
+    named = named || std::any_of(labels.begin(), labels.end(),
+                                 [](const auto &label) { return !label.name.starts_with("label "); });
   if (!named) return;
   out.json["labels"] = Json::array();
   for (std::size_t layer = 0; layer < layers.size(); ++layer) {
@@ -184,7 +209,8 @@ Expected<Described> describeVolume(const std::filesystem::path &path, const imag
   return out;
 }
 
-Expected<Described> describeImage(const std::filesystem::path &path, const imaging::ReadOptions &options, bool patientNames) {
+Expected<Described> describeImage(const std::filesystem::path &path, const imaging::ReadOptions &options,
+                                  bool patientNames) {
   const auto list = imaging::listSeries(path);
   if (!list) return tl::unexpected(list.error());
   Described out;
@@ -194,7 +220,9 @@ Expected<Described> describeImage(const std::filesystem::path &path, const imagi
   const bool hasParts = std::any_of(list->begin(), list->end(), [](const SeriesInfo &info) { return info.isPart; });
   if (folder || list->front().files > 1 || hasParts || patientNames) {
     describeSeries(*list, patientNames, out);
-    const auto readable = std::count_if(list->begin(), list->end(), [](const SeriesInfo &info) { return info.refusal.empty() && !info.isPart && !info.isSegmentation; });
+    const auto readable = std::count_if(list->begin(), list->end(), [](const SeriesInfo &info) {
+      return info.refusal.empty() && !info.isPart && !info.isSegmentation;
+    });
     if (folder && options.series.empty() && readable > 1) {
       out.text += "choose one by --series to see more\n";
       return out;
@@ -206,7 +234,7 @@ Expected<Described> describeImage(const std::filesystem::path &path, const imagi
   describeTimes(*loaded, options, out);
   describeNotices(loaded->notices, out);
   const bool whole = loaded->volume.voxels.index() < 6;  // integers
-  *loaded = {};  // the labels are read into memory of their own
+  *loaded = {};                                          // the labels are read into memory of their own
   if (!folder && whole) describeLabels(path, out);
   return out;
 }

@@ -17,12 +17,15 @@ struct Described {
   nlohmann::ordered_json json;
 };
 
-/// Says what an image file or a folder of images holds. A folder with several series is a list of them until one is chosen.
+/// Says what an image file or a folder of images holds. A folder with several series is a list of them until one is
+/// chosen.
 /// @param options       series and time point
 /// @param patientNames  whether the names of patients are shown
-[[nodiscard]] Expected<Described> describeImage(const std::filesystem::path &path, const imaging::ReadOptions &options, bool patientNames);
+[[nodiscard]] Expected<Described> describeImage(const std::filesystem::path &path, const imaging::ReadOptions &options,
+                                                bool patientNames);
 
 /// The one volume that a scene names: its grid, its values, and what was assumed.
-[[nodiscard]] Expected<Described> describeVolume(const std::filesystem::path &path, const imaging::ReadOptions &options);
+[[nodiscard]] Expected<Described> describeVolume(const std::filesystem::path &path,
+                                                 const imaging::ReadOptions &options);
 
 }  // namespace c3de::app

@@ -10,12 +10,12 @@
 #include "c3de/core/log.h"
 #include "c3de/core/platform.h"
 #include "c3de/core/text.h"
+#include "c3de/session/resources.h"
 #include "command_info.h"
 #include "command_plugins.h"
 #include "command_run.h"
 #include "exit_code.h"
 #include "option_values.h"
-#include "c3de/session/resources.h"
 #include "standard_output.h"
 #include "window_program.h"
 #ifdef C3DE_HAS_WINDOW
@@ -31,7 +31,8 @@ using namespace c3de::app;
 struct Arguments {
   SessionOptions session;
   std::vector<std::string> plugins, pluginPaths, files;
-  bool noPlugins = false, json = false, version = false, play = false, quiet = false, verbose = false, patientNames = false, infoQuick = false;
+  bool noPlugins = false, json = false, version = false, play = false, quiet = false, verbose = false,
+       patientNames = false, infoQuick = false;
   std::string unit, view, automationState, scene, exportList, exportSurface, exportImage, exportDisplacement;
   std::optional<double> until_s, timeLimit_s;
   std::optional<double> exportEvery_s;
@@ -44,7 +45,8 @@ struct Arguments {
 
 /// An option whose text is turned into a value by a function of ours.
 template <class T, class Parse>
-CLI::Option *addParsed(CLI::App &app, const std::string &name, std::optional<T> &value, const std::string &help, Parse parse) {
+CLI::Option *addParsed(CLI::App &app, const std::string &name, std::optional<T> &value, const std::string &help,
+                       Parse parse) {
   return app.add_option_function<std::string>(
       name,
       [name, &value, parse](const std::string &text) {
@@ -55,23 +57,28 @@ CLI::Option *addParsed(CLI::App &app, const std::string &name, std::optional<T> 
       help);
 }
 
-CLI::Option *addSeconds(CLI::App &app, const std::string &name, std::optional<double> &value, double least, const std::string &help) {
-  return addParsed(app, name, value, help, [least](const std::string &text) { return parseDecimal(text, least, 1e9, "s"); })
+CLI::Option *addSeconds(CLI::App &app, const std::string &name, std::optional<double> &value, double least,
+                        const std::string &help) {
+  return addParsed(app, name, value, help,
+                   [least](const std::string &text) { return parseDecimal(text, least, 1e9, "s"); })
       ->type_name("SECONDS");
 }
 
-CLI::Option *addCount(CLI::App &app, const std::string &name, std::optional<long long> &value, long long least, long long most,
-                      const std::string &help) {
-  return addParsed(app, name, value, help, [least, most](const std::string &text) { return parseWhole(text, least, most); })
+CLI::Option *addCount(CLI::App &app, const std::string &name, std::optional<long long> &value, long long least,
+                      long long most, const std::string &help) {
+  return addParsed(app, name, value, help,
+                   [least, most](const std::string &text) { return parseWhole(text, least, most); })
       ->type_name("N");
 }
 
 CLI::Option *addSize(CLI::App &app, Arguments &arguments, const std::string &help) {
-  return addParsed(app, "--size", arguments.size, help, [](const std::string &text) { return parseSize(text); })->type_name("WxH");
+  return addParsed(app, "--size", arguments.size, help, [](const std::string &text) { return parseSize(text); })
+      ->type_name("WxH");
 }
 
 /// @param type  "FILE.json"
-CLI::Option *addFile(CLI::App &app, const std::string &name, std::string &file, const std::string &type, const std::string &help) {
+CLI::Option *addFile(CLI::App &app, const std::string &name, std::string &file, const std::string &type,
+                     const std::string &help) {
   const auto isNamed = [](const std::string &text) -> std::string {
     if (text.empty()) return "the name is empty; accepted: a file name";
     if (text.starts_with("--")) return "'" + text + "' is an option; accepted: a file name";
@@ -82,9 +89,11 @@ CLI::Option *addFile(CLI::App &app, const std::string &name, std::string &file, 
 
 void addSessionOptions(CLI::App &app, Arguments &arguments) {
   app.add_option("--plugin", arguments.plugins, "Load this plugin; ends with 4 if it is refused (repeatable)")
-      ->type_name("PATH")->allow_extra_args(false);
+      ->type_name("PATH")
+      ->allow_extra_args(false);
   app.add_option("--plugin-path", arguments.pluginPaths, "Look for plugins in this folder, too (repeatable)")
-      ->type_name("DIR")->allow_extra_args(false);
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   app.add_flag("--no-plugins", arguments.noPlugins, "Load no plugin");
   addCount(app, "--threads", arguments.threads, 1, 1024, "Threads that compute; default: as many as the machine has");
   app.add_flag("-v,--verbose", arguments.verbose, "Say more");
@@ -92,7 +101,8 @@ void addSessionOptions(CLI::App &app, Arguments &arguments) {
 
 CLI::Option *addUnit(CLI::App &app, Arguments &arguments) {
   return app.add_option("--unit", arguments.unit, "Unit of meshes: m, mm or cm; default: what the file says, else mm")
-      ->check(CLI::IsMember({"m", "mm", "cm"}))->type_name("UNIT");
+      ->check(CLI::IsMember({"m", "mm", "cm"}))
+      ->type_name("UNIT");
 }
 
 SessionOptions sessionOptions(const Arguments &arguments) {
@@ -129,7 +139,8 @@ Expected<Opened> whatToOpen(const Arguments &arguments) {
       if (file.find_first_of("./\\") == std::string::npos) {
         const std::string nearest = nearestName(file, commands);
         return fail(ErrorCode::usage, "'" + file + "' is neither a command nor a file; " +
-                                          (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "commands: run, info, plugins");
+                                          (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
+                                          "commands: run, info, plugins");
       }
       return fail(ErrorCode::input, file + ": no such file; accepted: meshes, images and scenes (.toml)");
     }
@@ -141,8 +152,9 @@ Expected<Opened> whatToOpen(const Arguments &arguments) {
     opened = {{scene->file}, scene->notice};
   }
   if (!hasDisplay())
-    return fail(ErrorCode::graphics, "there is no display (DISPLAY and WAYLAND_DISPLAY are empty); `c3de run "
-                                     "SCENE.toml --report FILE.json --screenshot FILE.png` works without one");
+    return fail(ErrorCode::graphics,
+                "there is no display (DISPLAY and WAYLAND_DISPLAY are empty); `c3de run "
+                "SCENE.toml --report FILE.json --screenshot FILE.png` works without one");
   return opened;
 }
 
@@ -191,7 +203,8 @@ int run(const Arguments &arguments) {
     if (arguments.screenshot.empty()) return reportError({ErrorCode::usage, "--view is for --screenshot"});
     options.view = pictureViewOf(arguments.view);
     if (!options.view)
-      return reportError({ErrorCode::usage, "--view " + arguments.view + ": accepted: 3d, axial, sagittal, coronal, four-up"});
+      return reportError(
+          {ErrorCode::usage, "--view " + arguments.view + ": accepted: 3d, axial, sagittal, coronal, four-up"});
   }
   return runScene(options);
 }
@@ -206,7 +219,8 @@ std::string whatIsWrong(const CLI::ParseError &error, const CLI::App &app, const
   std::vector<std::string> extras = app.remaining(true);
   // What follows an option that is not known is most often its value.
   const auto isOption = [](const std::string &extra) { return extra.starts_with('-'); };
-  if (std::any_of(extras.begin(), extras.end(), isOption)) std::erase_if(extras, [&](const std::string &extra) { return !isOption(extra); });
+  if (std::any_of(extras.begin(), extras.end(), isOption))
+    std::erase_if(extras, [&](const std::string &extra) { return !isOption(extra); });
   for (const std::string &extra : extras) {
     const std::string name = extra.substr(0, extra.find('='));
     const std::string nearest = name.starts_with("--") ? nearestName(name, known) : "";
@@ -218,16 +232,21 @@ std::string whatIsWrong(const CLI::ParseError &error, const CLI::App &app, const
 
 int dispatch(int argc, char **argv) {
   Arguments arguments;
-  CLI::App app("Workstation for medical images that hosts simulation plugins.\n"
-               "Without a command: open the workstation on FILES, or on a default scene.", "c3de");
+  CLI::App app(
+      "Workstation for medical images that hosts simulation plugins.\n"
+      "Without a command: open the workstation on FILES, or on a default scene.",
+      "c3de");
   app.set_help_flag("-h,--help", "Say this");
   app.require_subcommand(0, 1);
-  app.add_option("FILES", arguments.files, "Meshes, scenes (.toml) and images (DICOM folder, NIfTI, NRRD, MetaImage) to open; images after the first are label maps");
+  app.add_option(
+      "FILES", arguments.files,
+      "Meshes, scenes (.toml) and images (DICOM folder, NIfTI, NRRD, MetaImage) to open; images after the first are label maps");
   app.add_flag("--version", arguments.version, "Print product, ABI and (with --json) services");
   app.add_flag("--json", arguments.json, "With --version: as JSON");
   app.add_flag("--play", arguments.play, "Play as soon as the scene is there");
   addSize(app, arguments, "Size of the window, at most that of the screen");
-  addFile(app, "--automation-state", arguments.automationState, "FILE", "Mirror the program's state to this file as JSON");
+  addFile(app, "--automation-state", arguments.automationState, "FILE",
+          "Mirror the program's state to this file as JSON");
   addUnit(app, arguments);
   addSessionOptions(app, arguments);
 
@@ -235,42 +254,63 @@ int dispatch(int argc, char **argv) {
   runCommand->add_option("SCENE", arguments.scene, "A scene (.toml), or a mesh as one body")->required();
   CLI::Option *until = addSeconds(*runCommand, "--until", arguments.until_s, 0.0,
                                   "Simulated time to reach; default: 1 s (a quasi-static solution: its full load)");
-  addCount(*runCommand, "--steps", arguments.steps, 0, 1000000000000LL, "Steps to make, instead of --until")->excludes(until);
+  addCount(*runCommand, "--steps", arguments.steps, 0, 1000000000000LL, "Steps to make, instead of --until")
+      ->excludes(until);
   addSeconds(*runCommand, "--time-limit", arguments.timeLimit_s, 0.0,
              "Wall-clock time after which the run stops between two steps, writes its outputs and ends with 124");
-  runCommand->add_option("--set", arguments.overrides,
-                         "Replace a value of the scene, for example body.liver.material.youngs_modulus=6e3 (repeatable)")
-      ->type_name("PATH=VALUE")->allow_extra_args(false);
+  runCommand
+      ->add_option("--set", arguments.overrides,
+                   "Replace a value of the scene, for example body.liver.material.youngs_modulus=6e3 (repeatable)")
+      ->type_name("PATH=VALUE")
+      ->allow_extra_args(false);
   addFile(*runCommand, "--report", arguments.report, "FILE.json", "Write the report as JSON");
   addFile(*runCommand, "--probes", arguments.probes, "FILE.csv", "Write the probes over time as CSV");
-  addCount(*runCommand, "--probes-every", arguments.probesEvery, 1, 1000000000LL, "Steps between two rows of --probes")->default_str("1");
+  addCount(*runCommand, "--probes-every", arguments.probesEvery, 1, 1000000000LL, "Steps between two rows of --probes")
+      ->default_str("1");
   addFile(*runCommand, "--screenshot", arguments.screenshot, "FILE.png", "Draw the end state");
   addSize(*runCommand, arguments, "Size of the screenshot; default: 1280x720");
-  runCommand->add_option("--view", arguments.view,
-                         "What the screenshot shows: 3d, axial, sagittal, coronal or four-up; default: four-up where the scene has an "
-                         "image, else 3d")
+  runCommand
+      ->add_option(
+          "--view", arguments.view,
+          "What the screenshot shows: 3d, axial, sagittal, coronal or four-up; default: four-up where the scene has an "
+          "image, else 3d")
       ->type_name("VIEW");
   CLI::Option *exportList = addFile(*runCommand, "--export", arguments.exportList, "FILE.pvd",
                                     "Write the simulation for ParaView: phyxels and skins over time");
-  addSeconds(*runCommand, "--export-every", arguments.exportEvery_s, 1e-9, "Simulated time between two frames of --export")
-      ->default_str(formatNumber(kDefaultExportEvery_s))->needs(exportList);
+  addSeconds(*runCommand, "--export-every", arguments.exportEvery_s, 1e-9,
+             "Simulated time between two frames of --export")
+      ->default_str(formatNumber(kDefaultExportEvery_s))
+      ->needs(exportList);
   addFile(*runCommand, "--export-image", arguments.exportImage, "FILE",
           "Write the scene's image as the tissue lies at the end (nrrd, nii, nii.gz, mha)");
   addFile(*runCommand, "--export-displacement", arguments.exportDisplacement, "FILE",
           "Write how far the tissue has come, mm at the voxels of the image");
   addFile(*runCommand, "--export-surface", arguments.exportSurface, "FILE",
           "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each");
-  addCount(*runCommand, "--seed", arguments.seed, 0, 9223372036854775807LL, "Kept in the report; nothing in this version is random");
+  addCount(*runCommand, "--seed", arguments.seed, 0, 9223372036854775807LL,
+           "Kept in the report; nothing in this version is random");
   runCommand->add_flag("-q,--quiet", arguments.quiet, "Say nothing but errors");
   addUnit(*runCommand, arguments);
   addSessionOptions(*runCommand, arguments);
 
-  CLI::App *infoCommand = app.add_subcommand("info", "What a mesh, image, folder of images or scene contains, and what is wrong with it");
-  infoCommand->add_option("FILE", arguments.files, "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files and scenes")->required();
-  infoCommand->add_option("--series", arguments.series, "The series of a folder that holds several: its identifier, number or description, a part behind a #")->type_name("ID");
-  infoCommand->add_option("--time", arguments.time, "The time point of an image that holds several, from 0")->check(CLI::Range(0LL, 1000000LL))->type_name("N");
-  infoCommand->add_flag("--patient-names", arguments.patientNames, "Show the names of patients, which are left out otherwise");
-  infoCommand->add_flag("--quick", arguments.infoQuick, "Do not build the bodies of scenes; what only that can tell is not checked");
+  CLI::App *infoCommand =
+      app.add_subcommand("info", "What a mesh, image, folder of images or scene contains, and what is wrong with it");
+  infoCommand
+      ->add_option("FILE", arguments.files,
+                   "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files and scenes")
+      ->required();
+  infoCommand
+      ->add_option(
+          "--series", arguments.series,
+          "The series of a folder that holds several: its identifier, number or description, a part behind a #")
+      ->type_name("ID");
+  infoCommand->add_option("--time", arguments.time, "The time point of an image that holds several, from 0")
+      ->check(CLI::Range(0LL, 1000000LL))
+      ->type_name("N");
+  infoCommand->add_flag("--patient-names", arguments.patientNames,
+                        "Show the names of patients, which are left out otherwise");
+  infoCommand->add_flag("--quick", arguments.infoQuick,
+                        "Do not build the bodies of scenes; what only that can tell is not checked");
   infoCommand->add_flag("--json", arguments.json, "One object for one file, a list for several");
   addUnit(*infoCommand, arguments);
   addSessionOptions(*infoCommand, arguments);
@@ -302,7 +342,8 @@ int dispatch(int argc, char **argv) {
     return kDone;
   }
 #ifndef C3DE_HAS_WINDOW
-  if (runCommand->parsed() && !arguments.screenshot.empty() && hasWindowProgram()) return continueInWindowProgram(argc, argv);
+  if (runCommand->parsed() && !arguments.screenshot.empty() && hasWindowProgram())
+    return continueInWindowProgram(argc, argv);
 #endif
   if (runCommand->parsed()) return run(arguments);
   if (infoCommand->parsed()) {

@@ -12,8 +12,8 @@ class GlPicture final : public RunPicture {
   GlPicture(std::unique_ptr<render::OffscreenContext> context, std::unique_ptr<render::Renderer> renderer)
       : context_(std::move(context)), renderer_(std::move(renderer)) {}
   render::Renderer &renderer() override { return *renderer_; }
-  Expected<void> write(Session &session, const std::filesystem::path &file, int width, int height, const PictureSources &sources,
-                       const std::vector<Coverage> &coverage) override {
+  Expected<void> write(Session &session, const std::filesystem::path &file, int width, int height,
+                       const PictureSources &sources, const std::vector<Coverage> &coverage) override {
     return writeScreenshot(session, *renderer_, file, width, height, sources, coverage);
   }
 

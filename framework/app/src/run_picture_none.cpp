@@ -4,7 +4,8 @@
 namespace c3de::app {
 
 Expected<std::unique_ptr<RunPicture>> RunPicture::create() {
-  return fail(ErrorCode::graphics, "--screenshot: this program was built without OpenGL (C3DE_BUILD_WINDOW=OFF) and draws no pictures");
+  return fail(ErrorCode::graphics,
+              "--screenshot: this program was built without OpenGL (C3DE_BUILD_WINDOW=OFF) and draws no pictures");
 }
 
 }  // namespace c3de::app

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "c3de/render/renderer.h"
-#include "c3de/ui/views_picture.h"
-#include "c3de/session/export_image.h"
 #include "c3de/session/displacement_sampler.h"
+#include "c3de/session/export_image.h"
 #include "c3de/session/session.h"
+#include "c3de/ui/views_picture.h"
 #include "displacement_presenter.h"
 
 namespace c3de::app {
@@ -36,13 +36,13 @@ double longestShift(const imaging::DisplacementGrid &u) {
   return std::sqrt(most);
 }
 
-Expected<void> showWarp(Session &session, const PictureSources &sources, ui::ImageViews &views, DisplacementPresenter &shown) {
+Expected<void> showWarp(Session &session, const PictureSources &sources, ui::ImageViews &views,
+                        DisplacementPresenter &shown) {
   scene::Simulation *simulation = session.simulation();
   if (!sources.warp || !simulation) return {};
   Expected<imaging::DisplacementGrid> u;
-  simulation->call([&] {
-    u = presentDisplacement(simulation->table(), simulation->object(), sources.image->volume, sources.how);
-  });
+  simulation->call(
+      [&] { u = presentDisplacement(simulation->table(), simulation->object(), sources.image->volume, sources.how); });
   if (!u) return {};  // not every simulator can say it; its bodies are drawn at any rate
   ui::ImageOptions options = views.options();
   if (const double most = longestShift(*u); most > kLeastShift_mm) {
@@ -55,8 +55,9 @@ Expected<void> showWarp(Session &session, const PictureSources &sources, ui::Ima
 
 }  // namespace
 
-Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, const std::filesystem::path &file, int width,
-                               int height, const PictureSources &sources, const std::vector<Coverage> &coverage) {
+Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, const std::filesystem::path &file,
+                               int width, int height, const PictureSources &sources,
+                               const std::vector<Coverage> &coverage) {
   scene::Simulation *simulation = session.simulation();
   std::string title;
   if (simulation) {
@@ -84,7 +85,8 @@ Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, con
       handles.labels = *labels;
       views.setHandles(handles);
     }
-    if (sources.view != PictureView::four) views.setMaximised(static_cast<ui::Pane>(static_cast<int>(sources.view) - 1));
+    if (sources.view != PictureView::four)
+      views.setMaximised(static_cast<ui::Pane>(static_cast<int>(sources.view) - 1));
     if (simulation) {
       imaging::WorldBox box = presentBodies(simulation->table(), simulation->object()).box;
       if (!box.isEmpty()) views.setCrossHair(0.5 * (box.low + box.high));

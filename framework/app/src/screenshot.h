@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "app.h"
-#include "run_picture.h"
 #include "c3de/core/expected.h"
 #include "c3de/session/coverage.h"
 #include "c3de/session/export_image.h"
+#include "run_picture.h"
 
 namespace c3de::render {
 class Renderer;
@@ -23,10 +23,10 @@ class Session;
 
 namespace c3de::app {
 
-/// Draws what the session's scene shows, as the window would, and writes it as PNG. The slices go through the middle of the
-/// bodies; what of masks is in no body is marked in them. Main thread.
-[[nodiscard]] Expected<void> writeScreenshot(Session &session, render::Renderer &renderer, const std::filesystem::path &file,
-                                             int width, int height, const PictureSources &sources,
-                                             const std::vector<Coverage> &coverage);
+/// Draws what the session's scene shows, as the window would, and writes it as PNG. The slices go through the middle of
+/// the bodies; what of masks is in no body is marked in them. Main thread.
+[[nodiscard]] Expected<void> writeScreenshot(Session &session, render::Renderer &renderer,
+                                             const std::filesystem::path &file, int width, int height,
+                                             const PictureSources &sources, const std::vector<Coverage> &coverage);
 
 }  // namespace c3de::app

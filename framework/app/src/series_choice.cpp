@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "c3de/core/text.h"
 #include "c3de/core/path_text.h"
+#include "c3de/core/text.h"
 
 namespace c3de::app {
 namespace {
@@ -43,7 +43,8 @@ SeriesChoice::SeriesChoice(registry::PanelRegistry &panels, const std::filesyste
 SeriesChoice::~SeriesChoice() { panels_.remove(panel_); }
 
 void SeriesChoice::draw(const c3de_ui_v0 &ui) {
-  const bool isOne = std::count_if(series_.begin(), series_.end(), [](const imaging::SeriesInfo &s) { return !s.isPart; }) == 1;
+  const bool isOne =
+      std::count_if(series_.begin(), series_.end(), [](const imaging::SeriesInfo &s) { return !s.isPart; }) == 1;
   const std::string intro = name_ + (isOne ? " can be opened as a whole or in parts:" : " holds several series:");
   ui.text(ui.ctx, toAbi(intro));
   std::optional<std::string> chosen;

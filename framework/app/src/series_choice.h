@@ -17,8 +17,8 @@ class SeriesChoice {
  public:
   /// Called with the identifier, or with an empty one when none is wanted; the object may end in it.
   using Chosen = std::function<void(const std::string &id)>;
-  SeriesChoice(registry::PanelRegistry &panels, const std::filesystem::path &path, std::vector<imaging::SeriesInfo> series,
-               Chosen chosen);
+  SeriesChoice(registry::PanelRegistry &panels, const std::filesystem::path &path,
+               std::vector<imaging::SeriesInfo> series, Chosen chosen);
   ~SeriesChoice();
   SeriesChoice(const SeriesChoice &) = delete;
   SeriesChoice &operator=(const SeriesChoice &) = delete;

@@ -27,8 +27,8 @@ void printOut(std::string_view text) {
 
 int exitCodeAfterOutput(int ofCommand) {
   if (outputError() == 0) return ofCommand;
-  const ExitCode failed =
-      reportError({ErrorCode::output, "standard output: could not be written: " + std::generic_category().message(outputError())});
+  const ExitCode failed = reportError(
+      {ErrorCode::output, "standard output: could not be written: " + std::generic_category().message(outputError())});
   return ofCommand == kDone ? failed : ofCommand;
 }
 

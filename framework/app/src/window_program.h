@@ -8,9 +8,9 @@ namespace c3de::app {
 /// Whether there is one.
 [[nodiscard]] bool hasWindowProgram();
 
-/// The program that has a window and draws pictures, beside this one, with the same arguments in its place: `c3de run` stays
-/// free of OpenGL and windows until one is asked for. Returns an exit code: that of the other program where it cannot take
-/// the place of this one (Windows), or of an error.
+/// The program that has a window and draws pictures, beside this one, with the same arguments in its place: `c3de run`
+/// stays free of OpenGL and windows until one is asked for. Returns an exit code: that of the other program where it
+/// cannot take the place of this one (Windows), or of an error.
 [[nodiscard]] int continueInWindowProgram(int argc, char **argv);
 
 }  // namespace c3de::app

@@ -15,25 +15,25 @@
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
 #include "c3de/imaging/reading.h"
-#include "c3de/render/renderer.h"
-#include "c3de/render_gl/gl_renderer.h"
 #include "c3de/registry/edit_list.h"
-#include "c3de/ui/file_browser.h"
-#include "c3de/ui/commands.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/tool_registry.h"
+#include "c3de/render/renderer.h"
+#include "c3de/render_gl/gl_renderer.h"
+#include "c3de/session/body_creation.h"
+#include "c3de/session/displacement_sampler.h"
+#include "c3de/session/file_kind.h"
+#include "c3de/session/simulator_access.h"
+#include "c3de/session/still_rule.h"
+#include "c3de/ui/commands.h"
+#include "c3de/ui/file_browser.h"
 #include "c3de/ui/view_controller.h"
 #include "c3de/ui/workstation_window.h"
 #include "exit_code.h"
-#include "c3de/session/file_kind.h"
-#include "c3de/session/displacement_sampler.h"
-#include "c3de/session/simulator_access.h"
-#include "c3de/session/still_rule.h"
 #include "workstation_export.h"
 #include "workstation_images.h"
 #include "workstation_loader.h"
-#include "c3de/session/body_creation.h"
 #include "workstation_screenshot.h"
 
 namespace c3de::app {
@@ -79,14 +79,14 @@ class Workstation {
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
   std::unique_ptr<WorkstationLoader> loader_;  ///< used by the session's jobs until they end
-  std::unique_ptr<BodyCreation> organ_;    ///< likewise
+  std::unique_ptr<BodyCreation> organ_;        ///< likewise
   std::unique_ptr<WorkstationImages> images_;  ///< likewise
-  DisplacementSampler warp_;                              ///< used by the simulation's thread
+  DisplacementSampler warp_;                   ///< used by the simulation's thread
   std::unique_ptr<Session> session_;
-  scene::SceneImage image_;                    ///< how images deform beside the simulation
+  scene::SceneImage image_;  ///< how images deform beside the simulation
   using StillAsked = std::tuple<scene::SceneStill, std::shared_ptr<const scene::StoredImage>,
                                 std::shared_ptr<const scene::StoredLabels>>;
-  StillAsked stillAsked_;                      ///< what was wanted to stay when the warp was asked for
+  StillAsked stillAsked_;  ///< what was wanted to stay when the warp was asked for
   bool playsWhenLoaded_ = false;
   bool hasReportedFailure_ = false;
   double targetRate_ = 1.0;
@@ -117,18 +117,20 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
 
   playsWhenLoaded_ = options.play;
   loader_ = std::make_unique<WorkstationLoader>(
-      *session_, WorkstationLoader::Events{
-                      [this](const WorkstationLoader::Loaded &loaded) { onLoaded(loaded); },
-                      [this](const std::string &title, const Error &error) { onFailed(title, error); }});
+      *session_,
+      WorkstationLoader::Events{[this](const WorkstationLoader::Loaded &loaded) { onLoaded(loaded); },
+                                [this](const std::string &title, const Error &error) { onFailed(title, error); }});
   session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
   organ_ = std::make_unique<BodyCreation>(
-      *session_, BodyCreation::Events{[this](const BodyCreation::Result &result) { onBodiesReady(result); },
-                                          [this](const std::string &title, const Error &error) { onFailed(title, error); }});
+      *session_,
+      BodyCreation::Events{[this](const BodyCreation::Result &result) { onBodiesReady(result); },
+                           [this](const std::string &title, const Error &error) { onFailed(title, error); }});
   images_ = std::make_unique<WorkstationImages>(
       *session_, *renderer_, panels_,
-      WorkstationImages::Events{[this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
-                                [this](const std::string &title, const Error &error) { onFailed(title, error); },
-                                [this](std::vector<segmentation::BodyRequest> requests) { organ_->makeOrgans(std::move(requests)); }});
+      WorkstationImages::Events{
+          [this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
+          [this](const std::string &title, const Error &error) { onFailed(title, error); },
+          [this](std::vector<segmentation::BodyRequest> requests) { organ_->makeOrgans(std::move(requests)); }});
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
                     &images_->guide(), &edits_},
                    actions());
@@ -158,8 +160,8 @@ void Workstation::run() {
   session_->mainQueue().setWaker({});
 }
 
-/// Images go to the views, everything else becomes a simulation. Of several images the first is shown and the others are
-/// laid over it as label maps.
+/// Images go to the views, everything else becomes a simulation. Of several images the first is shown and the others
+/// are laid over it as label maps.
 void Workstation::open(const ui::OpenRequest &request) {
   std::vector<std::filesystem::path> images, others;
   for (const std::filesystem::path &file : request.files) {
@@ -196,10 +198,14 @@ ui::WindowActions Workstation::actions() {
   };
   actions.screenshot = [this] { saveScreenshot(); };
   const auto tell = [this](const Expected<std::string> &written) {
-    if (written) panels_.notify(C3DE_LOG_INFO, "Exported", *written);
-    else onFailed("The export could not be written", written.error());
+    if (written)
+      panels_.notify(C3DE_LOG_INFO, "Exported", *written);
+    else
+      onFailed("The export could not be written", written.error());
   };
-  actions.exportSurface = [this, tell](const std::filesystem::path &file) { exportPresentSurface(*session_, file, tell); };
+  actions.exportSurface = [this, tell](const std::filesystem::path &file) {
+    exportPresentSurface(*session_, file, tell);
+  };
   actions.exportFrame = [this, tell](const std::filesystem::path &file) { exportPresentFrame(*session_, file, tell); };
   const auto exportImage = [this, tell](const ImageExport &wanted) {
     const StillPlaces still = images_->views().image() ? stillPlaces() : StillPlaces{};
@@ -224,12 +230,15 @@ std::string Workstation::proposedName(ui::Command exported) const {
   const scene::StoredImage *image = images_->views().image();
   const scene::Node *node = session_->sceneGraph().find(session_->simulationNode());
   const bool isOfImage = exported == ui::Command::exportImage || exported == ui::Command::exportDisplacement;
-  std::string name = isOfImage && image ? imaging::nameFromFile(pathFromText(image->name)) : node ? node->name : std::string();
+  std::string name = isOfImage && image ? imaging::nameFromFile(pathFromText(image->name))
+                     : node             ? node->name
+                                        : std::string();
   if (name.empty()) name = isOfImage ? "image" : "bodies";
   name = ui::fileNamePart(name);
   if (exported == ui::Command::exportImage) name += "-deformed";
   if (exported == ui::Command::exportDisplacement) name += "-displacement";
-  if (scene::Simulation *simulation = session_->simulation()) name += fmt::format("-{:.3f}s", simulation->state().time_s);
+  if (scene::Simulation *simulation = session_->simulation())
+    name += fmt::format("-{:.3f}s", simulation->state().time_s);
   return name;
 }
 
@@ -240,7 +249,8 @@ std::string Workstation::unsaved() const {
   if (const scene::Simulation *simulation = session_->simulation(); simulation && simulation->state().steps > 0)
     add("The simulation has run to t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
         " s. Its state is lost; File > Export… writes it.");
-  if (const segmentation::SegmentationWorkflow &guide = images_->guide(); guide.mask().mask() || !guide.pickedLabels().empty())
+  if (const segmentation::SegmentationWorkflow &guide = images_->guide();
+      guide.mask().mask() || !guide.pickedLabels().empty())
     add("What is picked in the image has not been made an organ.");
   for (const BackgroundJobs::Status &job : session_->jobs().running()) add("Still running: " + job.title + ".");
   return text;
@@ -248,7 +258,8 @@ std::string Workstation::unsaved() const {
 
 ui::AboutText Workstation::about() const {
   ui::AboutText about;
-  about.version = "C3DE " C3DE_VERSION ", plugin ABI " + std::to_string(C3DE_ABI_MAJOR) + "." + std::to_string(C3DE_ABI_MINOR);
+  about.version =
+      "C3DE " C3DE_VERSION ", plugin ABI " + std::to_string(C3DE_ABI_MAJOR) + "." + std::to_string(C3DE_ABI_MINOR);
   about.graphics = renderer_->description();
   for (const plugin_host::PluginInfo &plugin : session_->plugins().plugins()) {
     const std::string file = pathText(plugin.path);
@@ -256,7 +267,8 @@ ui::AboutText Workstation::about() const {
                              : !plugin.id.empty()        ? plugin.id
                                                          : pathText(plugin.path.filename());
     const bool isRefused = plugin.state == plugin_host::PluginState::refused;
-    about.plugins.push_back({name, plugin.version, plugin.vendor, plugin.license, file, isRefused ? plugin.reason : ""});
+    about.plugins.push_back(
+        {name, plugin.version, plugin.vendor, plugin.license, file, isRefused ? plugin.reason : ""});
   }
   return about;
 }
@@ -295,7 +307,8 @@ void Workstation::watchForFailure() {
     const std::string why = simulation->failure();
     log(LogLevel::error, "the simulation stopped: " + why);
     panels_.notify(C3DE_LOG_ERROR, "The simulation stopped",
-                   why + "\nThe last good state is shown. Reset (" + keyOf(ui::Command::reset) + ") goes back to the initial state.");
+                   why + "\nThe last good state is shown. Reset (" + keyOf(ui::Command::reset) +
+                       ") goes back to the initial state.");
   }
   hasReportedFailure_ = hasFailed;
 }
@@ -331,10 +344,11 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
   simulation->transport(C3DE_TRANSPORT_PLAY);
   const bool isOne = result.made.size() == 1;
   const std::string it = isOne ? "it" : "them", lives = isOne ? " lives" : " live";
-  panels_.notify(C3DE_LOG_INFO, namesOf(result.made) + lives,
-                 result.isNew ? "Pinch " + it + " in the 3D view (P). Gravity is off, because the scan shows the organ" +
-                                    (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
-                              : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.");
+  panels_.notify(
+      C3DE_LOG_INFO, namesOf(result.made) + lives,
+      result.isNew ? "Pinch " + it + " in the 3D view (P). Gravity is off, because the scan shows the organ" +
+                         (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
+                   : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.");
   if (!result.left.empty())
     panels_.notify(C3DE_LOG_INFO, "Cancelled",
                    namesOf(result.left) + (result.left.size() == 1 ? " was" : " were") + " not made.");
@@ -342,8 +356,9 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
   for (const auto &[name, error] : result.failed) reasons += error.message + "\n";
   if (reasons.empty()) return;
   log(LogLevel::error, "organs that could not be made: " + reasons);
-  panels_.notify(C3DE_LOG_ERROR, result.failed.size() == 1 ? result.failed.front().first + " could not be made"
-                                                           : std::to_string(result.failed.size()) + " organs could not be made",
+  panels_.notify(C3DE_LOG_ERROR,
+                 result.failed.size() == 1 ? result.failed.front().first + " could not be made"
+                                           : std::to_string(result.failed.size()) + " organs could not be made",
                  reasons + (result.failed.size() == 1 ? "It stays" : "They stay") + " picked; the others live.");
 }
 
@@ -375,7 +390,8 @@ StillPlaces Workstation::stillPlaces() {
 /// Before a frame, whose texts say it as its slices show it.
 void Workstation::takeWarp() {
   const ui::ImageViews &views = images_->views();
-  if (warp_.wanted() && stillAsked_ != StillAsked{views.options().still, views.sharedImage(), views.sharedLabels()}) askForWarp();
+  if (warp_.wanted() && stillAsked_ != StillAsked{views.options().still, views.sharedImage(), views.sharedLabels()})
+    askForWarp();
   if (auto newest = warp_.take()) images_->showDisplacement(std::move(newest));
   scene::Simulation *simulation = session_->simulation();
   if (warp_.isBehind() && simulation && simulation->state().mode != C3DE_SIM_PLAYING) simulation->post([] {});

@@ -11,13 +11,13 @@
 namespace c3de::app {
 
 struct WorkstationOptions {
-  SessionOptions session;                     ///< renderer and registries are filled in here
-  std::vector<std::filesystem::path> files;   ///< meshes and scenes to open
-  std::string meshUnit;                       ///< of meshes given as files; empty: what each says, else mm
-  std::string notice;  ///< told in the window at the start; may be empty
-  bool play = false;                          ///< start playing when the first scene is loaded
+  SessionOptions session;                    ///< renderer and registries are filled in here
+  std::vector<std::filesystem::path> files;  ///< meshes and scenes to open
+  std::string meshUnit;                      ///< of meshes given as files; empty: what each says, else mm
+  std::string notice;                        ///< told in the window at the start; may be empty
+  bool play = false;                         ///< start playing when the first scene is loaded
   int width = 1280, height = 800;
-  std::filesystem::path automationState;      ///< file that mirrors the program's state as JSON; empty: none
+  std::filesystem::path automationState;  ///< file that mirrors the program's state as JSON; empty: none
 };
 
 /// Opens the window and runs until it is closed. Returns the exit code of cli.md.

@@ -41,7 +41,8 @@ void exportPresentSurface(Session &session, const std::filesystem::path &file, E
 void exportPresentFrame(Session &session, const std::filesystem::path &file, ExportTold told) {
   plugin_host::PluginHost *host = &session.plugins();
   const auto write = [host, file](scene::Simulation &simulation) -> Expected<std::string> {
-    const auto states = readBodyStates(simulation.object(), BodyParts::skinAndPhyxels, [host] { return host->takeError(); });
+    const auto states =
+        readBodyStates(simulation.object(), BodyParts::skinAndPhyxels, [host] { return host->takeError(); });
     if (!states) return tl::unexpected(states.error());
     c3de_sim_status status{};
     status.size = sizeof status;

@@ -22,8 +22,8 @@ void exportPresentSurface(Session &session, const std::filesystem::path &file, E
 /// The same as a sequence of one frame: FILE.pvd and its folder.
 void exportPresentFrame(Session &session, const std::filesystem::path &file, ExportTold told);
 
-/// The image as the tissue now lies, or how far it has moved at its voxels. The displacement is of one moment; warping and
-/// writing are a job beside the window.
+/// The image as the tissue now lies, or how far it has moved at its voxels. The displacement is of one moment; warping
+/// and writing are a job beside the window.
 void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, const ImageWarp &how,
                         const ImageExport &wanted, ExportTold told);
 

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "c3de/abi/draft/log.h"
+#include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/warp_grid.h"
 #include "c3de/render/image_renderer.h"
-#include "c3de/core/path_text.h"
 
 namespace c3de::app {
 namespace {
@@ -62,11 +62,9 @@ bool isSegmentation(const std::vector<imaging::SeriesInfo> &readable) {
 
 }  // namespace
 
-WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels, Events events)
-    : session_(session),
-      renderer_(renderer),
-      panels_(panels),
-      events_(std::move(events)),
+WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels,
+                                     Events events)
+    : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)),
       displacement_(renderer.images(), views_),
       guide_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.makeOrgans}) {
   if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
@@ -81,8 +79,8 @@ WorkstationImages::~WorkstationImages() {
   for (const Handle handle : {handles.image, handles.labels, handles.preview, handles.missing}) images->remove(handle);
 }
 
-void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels, const std::string &series,
-                             std::size_t time, Segmentation segmentation) {
+void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
+                             const std::string &series, std::size_t time, Segmentation segmentation) {
   choice_.reset();
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
@@ -99,7 +97,8 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
           read->isSegmentation = isSegmentation(*found);
           if (read->isSegmentation && laysOver) return {};
           std::erase_if(*found, [&](const imaging::SeriesInfo &s) { return s.isSegmentation != read->isSegmentation; });
-          const auto wholes = std::count_if(found->begin(), found->end(), [](const imaging::SeriesInfo &s) { return !s.isPart; });
+          const auto wholes =
+              std::count_if(found->begin(), found->end(), [](const imaging::SeriesInfo &s) { return !s.isPart; });
           if (found->size() > 1 && !read->isSegmentation) read->series = std::move(*found);
           // one series in parts is opened as a whole, and its parts are offered
           if (wholes > 1 && !read->isSegmentation) return {};
@@ -118,11 +117,13 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
           path_ = wanted.path;
           series_ = wanted.series;
           if (read->isSegmentation)
-            read->notices.emplace_back("Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file again.");
+            read->notices.emplace_back(
+                "Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file again.");
           tell("Opened " + wanted.name, read->notices);
         } else {
-          tell("Opened " + wanted.name,
-               {"A segmentation: its segments lie over the image that is open, as labels. Close the image first to see it alone."});
+          tell(
+              "Opened " + wanted.name,
+              {"A segmentation: its segments lie over the image that is open, as labels. Close the image first to see it alone."});
         }
         for (const std::filesystem::path &file : maps) openLabels(file);
         if (!read->series.empty()) askForSeries(wanted.path, labels, read->series);
@@ -141,7 +142,8 @@ void WorkstationImages::readTime(std::size_t time) {
         if (serial != timeSerial_) return;
         timeJob_ = {};
         if (!result)
-          return events_.failed("Could not read time point " + std::to_string(wanted.time) + " of " + wanted.name, result.error());
+          return events_.failed("Could not read time point " + std::to_string(wanted.time) + " of " + wanted.name,
+                                result.error());
         showTime(read->image);
       });
 }
@@ -151,7 +153,8 @@ void WorkstationImages::showTime(std::shared_ptr<scene::StoredImage> image) {
   const scene::StoredImage *shown = views_.image();
   if (!images || !shown) return;
   if (!imaging::sameGrid(shown->volume.geometry, image->volume.geometry))
-    return events_.failed("Could not show another time point of " + image->name, {ErrorCode::input, "it does not lie where the one that is open lies"});
+    return events_.failed("Could not show another time point of " + image->name,
+                          {ErrorCode::input, "it does not lie where the one that is open lies"});
   auto handle = images->addImage(voxelsOf(image->volume));
   if (!handle) return events_.failed("Could not show " + image->name, handle.error());
   images->remove(views_.handles().image);
@@ -179,7 +182,8 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
   const imaging::VolumeGeometry &grid = image->volume.geometry;
   for (unsigned corner = 0; corner < 8; ++corner) {
     Vec3 index{};
-    for (std::size_t a = 0; a < 3; ++a) index[a] = (corner >> a & 1u) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
+    for (std::size_t a = 0; a < 3; ++a)
+      index[a] = (corner >> a & 1u) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
     const Vec3 at = grid.worldAt(index);
     for (std::size_t a = 0; a < 3; ++a) {
       node->boundsMin[a] = corner == 0 ? at[a] : std::min(node->boundsMin[a], at[a]);
@@ -192,7 +196,8 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
   panel_.emplace(panels_, views_,
                  ui::ImagePanel::LabelMaps{[this] {
                                              std::vector<std::string> names;
-                                             for (const OpenLabels &open : labelMaps_) names.push_back(open.labels->name);
+                                             for (const OpenLabels &open : labelMaps_)
+                                               names.push_back(open.labels->name);
                                              return names;
                                            },
                                            [this] { return shownLabels(); },
@@ -207,7 +212,9 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
 void WorkstationImages::openLabels(const std::filesystem::path &path) {
   const std::string name = imageName(path);
   if (!views_.image())
-    return events_.failed("Could not open " + name, {ErrorCode::state, "a label map is laid over an image, and none is open; open the image first"});
+    return events_.failed(
+        "Could not open " + name,
+        {ErrorCode::state, "a label map is laid over an image, and none is open; open the image first"});
   waitingLabels_.push_back(path);
   if (labelJob_.isNull()) readNextLabels();
 }
@@ -230,7 +237,9 @@ void WorkstationImages::readNextLabels() {
         loaded->layers.insert(loaded->layers.begin(), std::move(loaded->labels));
         for (imaging::LabelMap &layer : loaded->layers) {
           auto one = std::make_shared<scene::StoredLabels>();
-          one->name = loaded->layers.size() == 1 ? name : name + ", layer " + std::to_string(read->size() + 1) + " of " + std::to_string(loaded->layers.size());
+          one->name = loaded->layers.size() == 1 ? name
+                                                 : name + ", layer " + std::to_string(read->size() + 1) + " of " +
+                                                       std::to_string(loaded->layers.size());
           one->map = std::move(layer);
           read->push_back(std::move(one));
         }
@@ -249,7 +258,9 @@ void WorkstationImages::readNextLabels() {
           if (const scene::StoredImage *image = views_.image()) {
             imaging::WorldBox shared = imaging::boxOf(image->volume.geometry);
             shared.cutTo(imaging::boxOf(read->front()->map.geometry));
-            if (shared.isEmpty()) notices->push_back("It lies beside the image " + image->name + ": no slice shows it. Is it of another scan?");
+            if (shared.isEmpty())
+              notices->push_back("It lies beside the image " + image->name +
+                                 ": no slice shows it. Is it of another scan?");
           }
           tell("Opened " + name, *notices);
         }

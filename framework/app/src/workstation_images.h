@@ -12,11 +12,11 @@
 #include "app.h"
 #include "c3de/imaging/displacement.h"
 #include "c3de/imaging/reading.h"
+#include "c3de/session/session.h"
 #include "c3de/ui/image_panel.h"
 #include "c3de/ui/segmentation_panel.h"
-#include "series_choice.h"
-#include "c3de/session/session.h"
 #include "displacement_presenter.h"
+#include "series_choice.h"
 
 namespace c3de::render {
 class Renderer;
@@ -46,9 +46,10 @@ class WorkstationImages {
     labels,  ///< it is laid over the image that is open; where none is, over its own numbers
     image    ///< likewise over its own numbers, in the place of the image that is open
   };
-  /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for one.
-  void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {}, const std::string &series = {},
-            std::size_t time = 0, Segmentation segmentation = Segmentation::labels);
+  /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for
+  /// one.
+  void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {},
+            const std::string &series = {}, std::size_t time = 0, Segmentation segmentation = Segmentation::labels);
   /// Over the image that is open, one after the other; the last one is shown, the panel leads back to the others.
   void openLabels(const std::filesystem::path &path);
   /// The outlines of the organs take the place of their labels, and nothing of them is picked any more.

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "c3de/geometry/mesh_io.h"
 #include "c3de/core/path_text.h"
+#include "c3de/geometry/mesh_io.h"
 #include "c3de/session/default_floor.h"
 #include "c3de/session/simulator_access.h"
 
@@ -54,9 +54,12 @@ Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesy
   scene::SceneFile result;
   bool hasResult = false;
   const auto scenes = std::count_if(files.begin(), files.end(), scene::isScenePath);
-  if (scenes > 1) return fail(ErrorCode::usage, "several scenes at once: " + namesOf(files) + "; accepted: one scene, and meshes to add to it");
+  if (scenes > 1)
+    return fail(ErrorCode::usage,
+                "several scenes at once: " + namesOf(files) + "; accepted: one scene, and meshes to add to it");
   if (scenes == 1) {
-    auto loaded = scene::loadScene(*std::find_if(files.begin(), files.end(), scene::isScenePath), &session_.materials());
+    auto loaded =
+        scene::loadScene(*std::find_if(files.begin(), files.end(), scene::isScenePath), &session_.materials());
     if (!loaded) return loaded;
     result = std::move(*loaded);
     hasResult = true;
@@ -109,7 +112,8 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
   job_ = session_.jobs().submit(
       kJobOwner, "Opening " + namesOf(files),
       [this, simulator, shared, prepared, placed, needsFloor](const ProgressFn &progress) -> Expected<void> {
-        if (auto populated = session_.populate(simulator->get(), *shared, progress, prepared.get()); !populated) return populated;
+        if (auto populated = session_.populate(simulator->get(), *shared, progress, prepared.get()); !populated)
+          return populated;
         placed->bodies = boundsOfBodies(simulator->get());
         if (!needsFloor || !placed->bodies) return {};
         const auto room = putUpRoom(simulator->get(), *placed->bodies);
@@ -117,7 +121,8 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
         placed->room = *room;
         return {};
       },
-      [this, simulator, shared, prepared, placed, sceneTitle, title, files, meshUnit, isReload, serial](const Expected<void> &result) {
+      [this, simulator, shared, prepared, placed, sceneTitle, title, files, meshUnit, isReload,
+       serial](const Expected<void> &result) {
         // A later request has taken over.
         if (serial != serial_) return;
         job_ = {};
@@ -128,7 +133,8 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
         meshUnit_ = meshUnit;
         double size_mm = 0.0;
         if (placed->bodies) size_mm = scene::kMillimetresPerMetre * norm(placed->bodies->max - placed->bodies->min);
-        if (scene::Node *node = session_.sceneGraph().find(session_.simulationNode()); node != nullptr && placed->room) {
+        if (scene::Node *node = session_.sceneGraph().find(session_.simulationNode());
+            node != nullptr && placed->room) {
           const Bounds_m framed = framedWith(*placed->bodies, *placed->room);
           node->hasBounds = true;
           node->boundsMin = framed.min;

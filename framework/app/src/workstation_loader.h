@@ -17,11 +17,11 @@ namespace c3de::app {
 class WorkstationLoader {
  public:
   struct Loaded {
-    bool isReload = false;      ///< the same files as before
-    double size_mm = 0.0;       ///< diagonal of all bodies; 0: not known
-    std::string unit;           ///< that meshes were read in, and why, for a person; empty when only a scene was opened
+    bool isReload = false;  ///< the same files as before
+    double size_mm = 0.0;   ///< diagonal of all bodies; 0: not known
+    std::string unit;       ///< that meshes were read in, and why, for a person; empty when only a scene was opened
     std::optional<scene::SceneImage> image;  ///< that the scene shows beside its bodies
-    std::vector<Coverage> coverage;  ///< of bodies from images
+    std::vector<Coverage> coverage;          ///< of bodies from images
   };
   struct Events {
     /// The new simulation is the present one.
@@ -31,9 +31,12 @@ class WorkstationLoader {
   };
   WorkstationLoader(Session &session, Events events) : session_(session), events_(std::move(events)) {}
 
-  /// Meshes become bodies of one scene, with a floor below them; beside a scene they are added to it. Ends a load that is running.
+  /// Meshes become bodies of one scene, with a floor below them; beside a scene they are added to it. Ends a load that
+  /// is running.
   /// @param meshUnit  mm, cm, m; empty: what each file says, else mm
-  void open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit) { load(files, meshUnit, false); }
+  void open(const std::vector<std::filesystem::path> &files, const std::string &meshUnit) {
+    load(files, meshUnit, false);
+  }
   /// The same files once more, as they are now.
   void reload() { load(std::vector<std::filesystem::path>(files_), std::string(meshUnit_), true); }
 
@@ -45,7 +48,7 @@ class WorkstationLoader {
   Session &session_;
   Events events_;
   Handle job_;
-  std::uint64_t serial_ = 0;  ///< of the load that was asked for last
+  std::uint64_t serial_ = 0;                  ///< of the load that was asked for last
   std::vector<std::filesystem::path> files_;  ///< of the present simulation, or the last try when there is none
   std::string meshUnit_;
 };

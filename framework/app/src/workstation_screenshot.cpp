@@ -5,9 +5,9 @@
 #include <string>
 #include <system_error>
 
+#include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "c3de/render/renderer.h"
-#include "c3de/core/path_text.h"
 
 namespace c3de::app {
 namespace {

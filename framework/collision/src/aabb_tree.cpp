@@ -20,8 +20,8 @@ namespace {
 using Model = fcl::BVHModel<fcl::AABBd>;
 using Bounds = fcl::AABBd;
 
-/// Distances are compared with this relative slack when a box is skipped, so that rounding in the box test never decides
-/// which of two equally near triangles is found: a refitted tree answers like a rebuilt one.
+/// Distances are compared with this relative slack when a box is skipped, so that rounding in the box test never
+/// decides which of two equally near triangles is found: a refitted tree answers like a rebuilt one.
 constexpr double kPruneSlack = 1.0 + 1e-12;
 
 Vec3 toVec3(const fcl::Vector3d &v) { return {v[0], v[1], v[2]}; }
@@ -34,17 +34,21 @@ Expected<void> checkVertices(std::span<const Vec3> vertices) {
   for (std::size_t v = 0; v < vertices.size(); ++v)
     for (std::size_t k = 0; k < 3; ++k)
       if (!(std::abs(vertices[v][k]) <= kLimit))
-        return fail(ErrorCode::input, fmt::format("box tree: {} coordinate {} of vertex {} is not finite or beyond 1e60; "
-                                                  "finite lengths are accepted", "xyz"[k], vertices[v][k], v));
+        return fail(ErrorCode::input,
+                    fmt::format("box tree: {} coordinate {} of vertex {} is not finite or beyond 1e60; "
+                                "finite lengths are accepted",
+                                "xyz"[k], vertices[v][k], v));
   return {};
 }
 
-Expected<std::unique_ptr<Model>> makeModel(const std::vector<fcl::Vector3d> &vertices, const std::vector<fcl::Triangle> &triangles) {
+Expected<std::unique_ptr<Model>> makeModel(const std::vector<fcl::Vector3d> &vertices,
+                                           const std::vector<fcl::Triangle> &triangles) {
   auto model = std::make_unique<Model>();
   int status = model->beginModel(static_cast<int>(triangles.size()), static_cast<int>(vertices.size()));
   if (status >= 0) status = model->addSubModel(vertices, triangles);
   if (status >= 0) status = model->endModel();
-  if (status < 0) return fail(ErrorCode::internal, fmt::format("box tree: FCL refused to build it (status {})", status));
+  if (status < 0)
+    return fail(ErrorCode::internal, fmt::format("box tree: FCL refused to build it (status {})", status));
   return model;
 }
 
@@ -53,8 +57,10 @@ template <class T>
 class Stack {
  public:
   void push(const T &value) {
-    if (size_ < small_.size()) small_[size_] = value;
-    else large_.push_back(value);
+    if (size_ < small_.size())
+      small_[size_] = value;
+    else
+      large_.push_back(value);
     ++size_;
   }
   bool pop(T &value) {
@@ -78,7 +84,8 @@ class Stack {
 double squaredDistance(const Bounds &box, const Vec3 &p) {
   double sum = 0.0;
   for (int k = 0; k < 3; ++k) {
-    const double d = std::max({box.min_[k] - p[static_cast<std::size_t>(k)], 0.0, p[static_cast<std::size_t>(k)] - box.max_[k]});
+    const double d =
+        std::max({box.min_[k] - p[static_cast<std::size_t>(k)], 0.0, p[static_cast<std::size_t>(k)] - box.max_[k]});
     sum += d * d;
   }
   return sum;
@@ -90,7 +97,8 @@ class SlabTest {
   SlabTest(const Vec3 &origin, const Vec3 &direction, const Bounds &root) : origin_(origin) {
     double extent = 0.0;
     for (int k = 0; k < 3; ++k)
-      extent = std::max({extent, std::abs(root.min_[k]), std::abs(root.max_[k]), std::abs(origin[static_cast<std::size_t>(k)])});
+      extent = std::max(
+          {extent, std::abs(root.min_[k]), std::abs(root.max_[k]), std::abs(origin[static_cast<std::size_t>(k)])});
     pad_ = 64.0 * std::numeric_limits<double>::epsilon() * extent;
     for (std::size_t k = 0; k < 3; ++k) inverse_[k] = direction[k] != 0.0 ? 1.0 / direction[k] : 0.0;
   }
@@ -98,7 +106,8 @@ class SlabTest {
   bool hits(const Bounds &box, double tMin, double tMax, double &enter) const {
     double t0 = tMin, t1 = tMax;
     for (std::size_t k = 0; k < 3; ++k) {
-      const double low = box.min_[static_cast<int>(k)] - pad_ - origin_[k], high = box.max_[static_cast<int>(k)] + pad_ - origin_[k];
+      const double low = box.min_[static_cast<int>(k)] - pad_ - origin_[k],
+                   high = box.max_[static_cast<int>(k)] + pad_ - origin_[k];
       if (inverse_[k] == 0.0) {
         if (low > 0.0 || high < 0.0) return false;
         continue;
@@ -125,9 +134,12 @@ struct AabbTree::Impl {
   std::vector<fcl::Triangle> fclTriangles;
   std::unique_ptr<Model> model;
 
-  Impl(std::size_t vertexCount, std::span<const Triangle> t) : triangles(t.begin(), t.end()), topology(vertexCount, t) {}
+  Impl(std::size_t vertexCount, std::span<const Triangle> t)
+      : triangles(t.begin(), t.end()), topology(vertexCount, t) {}
 
-  [[nodiscard]] Vec3 corner(std::uint32_t triangle, std::size_t k) const { return toVec3(model->vertices[triangles[triangle][k]]); }
+  [[nodiscard]] Vec3 corner(std::uint32_t triangle, std::size_t k) const {
+    return toVec3(model->vertices[triangles[triangle][k]]);
+  }
   [[nodiscard]] Vec3 unitNormal(std::uint32_t triangle) const;
   [[nodiscard]] Vec3 pseudonormal(std::uint32_t triangle, Feature feature) const;
   [[nodiscard]] RayHit firstHit(const Vec3 &origin, const Vec3 &direction, double tMax, double slack) const;
@@ -142,14 +154,15 @@ Expected<AabbTree> AabbTree::build(std::span<const Vec3> vertices, std::span<con
   constexpr std::size_t kMaxTriangles = std::size_t{1} << 29;  // FCL numbers the 2 n - 1 nodes with an int
   if (triangles.empty()) return fail(ErrorCode::input, "box tree: no triangles; at least one is expected");
   if (triangles.size() > kMaxTriangles || vertices.size() > 3 * kMaxTriangles)
-    return fail(ErrorCode::input, fmt::format("box tree: {} triangles and {} vertices; up to {} and {} are accepted", triangles.size(),
-                                              vertices.size(), kMaxTriangles, 3 * kMaxTriangles));
+    return fail(ErrorCode::input, fmt::format("box tree: {} triangles and {} vertices; up to {} and {} are accepted",
+                                              triangles.size(), vertices.size(), kMaxTriangles, 3 * kMaxTriangles));
   if (auto ok = checkVertices(vertices); !ok) return tl::unexpected(ok.error());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (unsigned v : triangles[t])
       if (v >= vertices.size())
-        return fail(ErrorCode::input, fmt::format("box tree: triangle {} names vertex {}; there are {} vertices, 0 to {} are accepted", t, v,
-                                                  vertices.size(), static_cast<long long>(vertices.size()) - 1));
+        return fail(ErrorCode::input,
+                    fmt::format("box tree: triangle {} names vertex {}; there are {} vertices, 0 to {} are accepted", t,
+                                v, vertices.size(), static_cast<long long>(vertices.size()) - 1));
   auto impl = std::make_unique<Impl>(vertices.size(), triangles);
   impl->positions.reserve(vertices.size());
   for (const Vec3 &v : vertices) impl->positions.emplace_back(v[0], v[1], v[2]);
@@ -163,16 +176,19 @@ Expected<AabbTree> AabbTree::build(std::span<const Vec3> vertices, std::span<con
 
 Expected<void> AabbTree::refit(std::span<const Vec3> vertices) {
   if (vertices.size() != impl_->positions.size())
-    return fail(ErrorCode::input, fmt::format("box tree: refit with {} positions; the tree has {} vertices, as many are expected",
-                                              vertices.size(), impl_->positions.size()));
+    return fail(ErrorCode::input,
+                fmt::format("box tree: refit with {} positions; the tree has {} vertices, as many are expected",
+                            vertices.size(), impl_->positions.size()));
   if (auto ok = checkVertices(vertices); !ok) return ok;
-  for (std::size_t v = 0; v < vertices.size(); ++v) impl_->positions[v] = fcl::Vector3d(vertices[v][0], vertices[v][1], vertices[v][2]);
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    impl_->positions[v] = fcl::Vector3d(vertices[v][0], vertices[v][1], vertices[v][2]);
   // Replace, not update: an update keeps the previous positions and makes boxes around both.
   Model &model = *impl_->model;
   int status = model.beginReplaceModel();
   if (status >= 0) status = model.replaceSubModel(impl_->positions);
   if (status >= 0) status = model.endReplaceModel(true, true);
-  if (status < 0) return fail(ErrorCode::internal, fmt::format("box tree: FCL refused to refit it (status {})", status));
+  if (status < 0)
+    return fail(ErrorCode::internal, fmt::format("box tree: FCL refused to refit it (status {})", status));
   return {};
 }
 
@@ -247,8 +263,8 @@ Vec3 AabbTree::Impl::unitNormal(std::uint32_t triangle) const {
 Vec3 AabbTree::Impl::pseudonormal(std::uint32_t triangle, Feature feature) const {
   const Vec3 own = unitNormal(triangle);
   if (feature == Feature::face) return own;
-  // Baerentzen and Aanaes, Signed Distance Computation Using the Angle Weighted Pseudonormal, TVCG 2005: at an edge the sum
-  // of the two face normals, at a vertex the sum weighted by the angles of the faces there.
+  // Baerentzen and Aanaes, Signed Distance Computation Using the Angle Weighted Pseudonormal, TVCG 2005: at an edge the
+  // sum of the two face normals, at a vertex the sum weighted by the angles of the faces there.
   const Triangle &corners = triangles[triangle];
   Vec3 sum{};
   if (feature == Feature::edgeAB || feature == Feature::edgeBC || feature == Feature::edgeCA) {
@@ -334,8 +350,8 @@ void AabbTree::sphere(const Vec3 &centre, double radius, std::vector<std::uint32
       continue;
     }
     const auto triangle = static_cast<std::uint32_t>(node.primitiveId());
-    if (closestOnTriangle(centre, impl_->corner(triangle, 0), impl_->corner(triangle, 1), impl_->corner(triangle, 2)).distanceSquared <=
-        radiusSquared)
+    if (closestOnTriangle(centre, impl_->corner(triangle, 0), impl_->corner(triangle, 1), impl_->corner(triangle, 2))
+            .distanceSquared <= radiusSquared)
       out.push_back(triangle);
   }
   std::sort(out.begin(), out.end());

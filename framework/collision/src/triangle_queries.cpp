@@ -40,10 +40,17 @@ TrianglePoint finish(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c,
   result.feature = feature;
   switch (feature) {
     // A corner is that corner to the last bit, so that its triangles agree on the distance.
-    case Feature::cornerA: result.point = a; break;
-    case Feature::cornerB: result.point = b; break;
-    case Feature::cornerC: result.point = c; break;
-    default: result.point = a + bary[1] * (b - a) + bary[2] * (c - a);
+    case Feature::cornerA:
+      result.point = a;
+      break;
+    case Feature::cornerB:
+      result.point = b;
+      break;
+    case Feature::cornerC:
+      result.point = c;
+      break;
+    default:
+      result.point = a + bary[1] * (b - a) + bary[2] * (c - a);
   }
   const Vec3 d = p - result.point;
   result.distanceSquared = dot(d, d);
@@ -58,7 +65,8 @@ double closestOnSegment(const Vec3 &p, const Vec3 &a, const Vec3 &b) {
 }
 
 TrianglePoint closestOnSides(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
-  const auto onSide = [&](const Vec3 &from, const Vec3 &to, std::size_t i, std::size_t j, Feature side, Feature first, Feature second) {
+  const auto onSide = [&](const Vec3 &from, const Vec3 &to, std::size_t i, std::size_t j, Feature side, Feature first,
+                          Feature second) {
     const double s = closestOnSegment(p, from, to);
     Vec3 bary{};
     bary[i] = 1.0 - s;

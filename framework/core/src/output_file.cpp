@@ -51,8 +51,9 @@ tl::unexpected<Error> failed(const fs::path &path, int error) {
   const fs::path folder = folderOf(path);
   if (error == ENOENT && !fs::is_directory(folder, code))
     return fail(ErrorCode::output, name + ": cannot be written: there is no folder " + textOf(folder));
-  return fail(ErrorCode::output, name + ": could not be written: " +
-                                     (error != 0 ? std::generic_category().message(error) : "the system says no reason"));
+  return fail(ErrorCode::output,
+              name + ": could not be written: " +
+                  (error != 0 ? std::generic_category().message(error) : "the system says no reason"));
 }
 
 /// Closes the file; the first error of writing and closing, or 0.
@@ -237,9 +238,10 @@ Expected<void> checkOutputs(std::span<const fs::path> outputs, std::span<const f
     if (!fs::is_regular_file(targetOf(outputs[i]), code)) continue;
     for (std::size_t j = 0; j < i; ++j)
       if (!outputs[j].empty() && fs::equivalent(outputs[i], outputs[j], code))
-        return fail(ErrorCode::usage, textOf(outputs[i]) + ": is named for two outputs" +
-                                          (outputs[i] == outputs[j] ? "" : ", the other time as " + textOf(outputs[j])) +
-                                          "; accepted: a file for each");
+        return fail(ErrorCode::usage,
+                    textOf(outputs[i]) + ": is named for two outputs" +
+                        (outputs[i] == outputs[j] ? "" : ", the other time as " + textOf(outputs[j])) +
+                        "; accepted: a file for each");
     for (const fs::path &input : inputs) {
       if (input.empty()) continue;
       const bool isFolder = fs::is_directory(input, code);

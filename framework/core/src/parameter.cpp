@@ -14,13 +14,20 @@ namespace {
 
 const char *typeName(std::uint32_t type) {
   switch (type) {
-    case C3DE_PARAM_F64: return "a number";
-    case C3DE_PARAM_I64: return "a whole number";
-    case C3DE_PARAM_BOOL: return "true or false";
-    case C3DE_PARAM_CHOICE: return "one of the choices";
-    case C3DE_PARAM_TEXT: return "text";
-    case C3DE_PARAM_VEC3: return "three numbers";
-    default: return "a value";
+    case C3DE_PARAM_F64:
+      return "a number";
+    case C3DE_PARAM_I64:
+      return "a whole number";
+    case C3DE_PARAM_BOOL:
+      return "true or false";
+    case C3DE_PARAM_CHOICE:
+      return "one of the choices";
+    case C3DE_PARAM_TEXT:
+      return "text";
+    case C3DE_PARAM_VEC3:
+      return "three numbers";
+    default:
+      return "a value";
   }
 }
 
@@ -62,11 +69,16 @@ ParameterValue ParameterValue::from(const c3de_param_value &value) {
 
 std::string ParameterValue::display() const {
   switch (type) {
-    case C3DE_PARAM_BOOL: return num != 0.0 ? "true" : "false";
-    case C3DE_PARAM_I64: return fmt::format("{:.0f}", num);
-    case C3DE_PARAM_F64: return formatNumber(num);
-    case C3DE_PARAM_VEC3: return fmt::format("[{}, {}, {}]", vec[0], vec[1], vec[2]);
-    default: return '"' + text + '"';
+    case C3DE_PARAM_BOOL:
+      return num != 0.0 ? "true" : "false";
+    case C3DE_PARAM_I64:
+      return fmt::format("{:.0f}", num);
+    case C3DE_PARAM_F64:
+      return formatNumber(num);
+    case C3DE_PARAM_VEC3:
+      return fmt::format("[{}, {}, {}]", vec[0], vec[1], vec[2]);
+    default:
+      return '"' + text + '"';
   }
 }
 
@@ -106,8 +118,9 @@ std::string ParameterDecl::accepted() const {
   switch (type) {
     case C3DE_PARAM_F64:
     case C3DE_PARAM_I64:
-      text = fmt::format("{} {} value {} {}{}", min, (flags & C3DE_PARAM_MIN_OPEN) ? "<" : "<=",
-                         (flags & C3DE_PARAM_MAX_OPEN) ? "<" : "<=", max, unitSuffix(*this));
+      text = fmt::format("{} {} value {} {}{}", min,
+                         (flags & C3DE_PARAM_MIN_OPEN) ? "<" : "<=", (flags & C3DE_PARAM_MAX_OPEN) ? "<" : "<=", max,
+                         unitSuffix(*this));
       if (type == C3DE_PARAM_I64) text = "a whole number, " + text;
       break;
     case C3DE_PARAM_CHOICE:

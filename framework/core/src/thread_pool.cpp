@@ -21,8 +21,8 @@
 namespace c3de {
 namespace {
 
-// An idle worker looks for the next loop this long before it sleeps: longer than what a step does between two loops, much
-// shorter than a frame. Waking it costs the caller a system call, and the worker is there only some 50 µs later.
+// An idle worker looks for the next loop this long before it sleeps: longer than what a step does between two loops,
+// much shorter than a frame. Waking it costs the caller a system call, and the worker is there only some 50 µs later.
 constexpr auto kPatience = std::chrono::microseconds(100);
 constexpr int kLooksPerTime = 64;  // looks for a loop between two looks at the clock
 // Looks of the caller for workers that still work before it leaves them its processor; some 10 µs.
@@ -68,8 +68,8 @@ struct ThreadPool::Impl {
   std::mutex sleepMutex;
   std::condition_variable wake;
 
-  // First the thread's own range, which is the same part of the data in every loop of that length, then what others have
-  // not got to.
+  // First the thread's own range, which is the same part of the data in every loop of that length, then what others
+  // have not got to.
   void work(std::size_t self) {
     insideBody = true;
     const std::size_t threads = ranges.size();
@@ -86,8 +86,8 @@ struct ThreadPool::Impl {
     insideBody = false;
   }
 
-  // A worker that comes late finds the gate closed and is not waited for: on a busy machine the caller does all the work
-  // itself instead of standing still until the other thread is given a processor.
+  // A worker that comes late finds the gate closed and is not waited for: on a busy machine the caller does all the
+  // work itself instead of standing still until the other thread is given a processor.
   bool join(std::uint64_t &seen) {
     std::uint64_t g = gate.load(std::memory_order_acquire);
     while (loopNumber(g) != seen && (g & kOpen) != 0)

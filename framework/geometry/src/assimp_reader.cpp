@@ -13,7 +13,8 @@
 namespace c3de::geometry {
 namespace {
 
-/// Appends the meshes of a node and of those below it, placed as the file places them. A mesh may stand at several nodes.
+/// Appends the meshes of a node and of those below it, placed as the file places them. A mesh may stand at several
+/// nodes.
 Expected<void> addNode(const std::string &fileName, const aiScene &scene, const aiNode &node, const aiMatrix4x4 &parent,
                        int depth, RawMesh &raw) {
   if (depth > 256) return fail(ErrorCode::input, fileName + ": nodes nested more than 256 deep");
@@ -22,7 +23,8 @@ Expected<void> addNode(const std::string &fileName, const aiScene &scene, const 
   for (unsigned m = 0; m < node.mNumMeshes; ++m) {
     const aiMesh &mesh = *scene.mMeshes[node.mMeshes[m]];
     const std::size_t first = raw.vertices.size();
-    if (first + mesh.mNumVertices > 0xfffffffeu) return fail(ErrorCode::input, fileName + ": more than 4294967294 vertices");
+    if (first + mesh.mNumVertices > 0xfffffffeu)
+      return fail(ErrorCode::input, fileName + ": more than 4294967294 vertices");
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
       const aiVector3D p = placement * mesh.mVertices[v];
       raw.vertices.push_back({p.x, p.y, p.z});
@@ -36,14 +38,18 @@ Expected<void> addNode(const std::string &fileName, const aiScene &scene, const 
       corners.clear();
       for (unsigned i = 0; i < face.mNumIndices; ++i) {
         if (face.mIndices[i] >= mesh.mNumVertices)
-          return fail(ErrorCode::input, fmt::format("{}: face {}: vertex index {} is out of range; the mesh has {} vertices, 0 to {} are accepted",
-                                                    fileName, f, face.mIndices[i], mesh.mNumVertices, static_cast<long long>(mesh.mNumVertices) - 1));
+          return fail(
+              ErrorCode::input,
+              fmt::format(
+                  "{}: face {}: vertex index {} is out of range; the mesh has {} vertices, 0 to {} are accepted",
+                  fileName, f, face.mIndices[i], mesh.mNumVertices, static_cast<long long>(mesh.mNumVertices) - 1));
         corners.push_back(static_cast<unsigned>(first) + face.mIndices[i]);
       }
       if (mirrored) std::reverse(corners.begin(), corners.end());
       if (!addFace(raw, corners))
-        return fail(ErrorCode::input, fmt::format("{}: face {} is a concave polygon with {} corners; up to 4096 are accepted",
-                                                  fileName, f, corners.size()));
+        return fail(ErrorCode::input,
+                    fmt::format("{}: face {} is a concave polygon with {} corners; up to 4096 are accepted", fileName,
+                                f, corners.size()));
     }
   }
   for (unsigned c = 0; c < node.mNumChildren; ++c)
@@ -67,18 +73,24 @@ Expected<RawMesh> readWithAssimp(const std::filesystem::path &path) {
     Assimp::Importer importer;
     // From memory, so that paths of any script work on any system; a glTF may name others beside it.
     const bool isInSeveralFiles = extension == ".gltf";
-    const aiScene *scene = isInSeveralFiles ? importer.ReadFile(name, kFlags)
-                                        : importer.ReadFileFromMemory(text->data(), text->size(), kFlags, extension.c_str() + 1);
-    if (!scene) return fail(ErrorCode::input, fmt::format("{}: cannot be read as {}: {}", name, extension.substr(1), importer.GetErrorString()));
+    const aiScene *scene = isInSeveralFiles
+                               ? importer.ReadFile(name, kFlags)
+                               : importer.ReadFileFromMemory(text->data(), text->size(), kFlags, extension.c_str() + 1);
+    if (!scene)
+      return fail(ErrorCode::input,
+                  fmt::format("{}: cannot be read as {}: {}", name, extension.substr(1), importer.GetErrorString()));
     if (scene->mNumMeshes == 0 || !scene->mRootNode)
       return fail(ErrorCode::input, fmt::format("{}: no surface in it; is this a {} file?", name, extension.substr(1)));
     RawMesh raw;
-    if (auto ok = addNode(name, *scene, *scene->mRootNode, aiMatrix4x4(), 0, raw); !ok) return tl::unexpected(ok.error());
+    if (auto ok = addNode(name, *scene, *scene->mRootNode, aiMatrix4x4(), 0, raw); !ok)
+      return tl::unexpected(ok.error());
     if (raw.triangles.empty())
-      return fail(ErrorCode::input, fmt::format("{}: {} vertices but no faces; a surface is expected", name, raw.vertices.size()));
+      return fail(ErrorCode::input,
+                  fmt::format("{}: {} vertices but no faces; a surface is expected", name, raw.vertices.size()));
     return raw;
   } catch (const std::exception &exception) {
-    return fail(ErrorCode::input, fmt::format("{}: cannot be read as {}: {}", name, extension.substr(1), exception.what()));
+    return fail(ErrorCode::input,
+                fmt::format("{}: cannot be read as {}: {}", name, extension.substr(1), exception.what()));
   }
 }
 

@@ -26,7 +26,8 @@ std::string toBase64(std::string_view bytes) {
 std::optional<std::string> fromBase64(std::string_view text) {
   std::array<signed char, 256> valueOf{};
   valueOf.fill(-1);
-  for (std::size_t i = 0; i < kDigits.size(); ++i) valueOf[static_cast<unsigned char>(kDigits[i])] = static_cast<signed char>(i);
+  for (std::size_t i = 0; i < kDigits.size(); ++i)
+    valueOf[static_cast<unsigned char>(kDigits[i])] = static_cast<signed char>(i);
   std::string out;
   out.reserve(text.size() / 4 * 3);
   std::uint32_t bits = 0;

@@ -93,7 +93,8 @@ void weldVertices(TriangleMesh &mesh, std::vector<std::string> &repairs) {
   for (Triangle &t : mesh.triangles)
     for (unsigned &v : t) v = slot[v];
   mesh.vertices = std::move(distinct);
-  repairs.push_back(fmt::format("{} at positions of others {} welded to them", counted(welded, "vertex", "vertices"), wasOrWere(welded)));
+  repairs.push_back(fmt::format("{} at positions of others {} welded to them", counted(welded, "vertex", "vertices"),
+                                wasOrWere(welded)));
 }
 
 bool isDegenerate(const TriangleMesh &mesh, const Triangle &t, double diagonal_mm) {
@@ -113,16 +114,18 @@ std::size_t flipLongestSides(TriangleMesh &mesh, double diagonal_mm) {
     std::vector<unsigned> flat;
     for (unsigned t = 0; t < mesh.triangles.size(); ++t) {
       const Triangle &corners = mesh.triangles[t];
-      if (corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0] && isDegenerate(mesh, corners, diagonal_mm))
+      if (corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0] &&
+          isDegenerate(mesh, corners, diagonal_mm))
         flat.push_back(t);
     }
     if (flat.empty()) break;
     const std::vector<TriangleSide> sides = sortedSides(mesh.triangles);
     const auto edgeOf = [&](unsigned a, unsigned b) {
-      const auto [begin, end] = std::equal_range(sides.begin(), sides.end(), TriangleSide{std::min(a, b), std::max(a, b), 0, false},
-                                                 [](const TriangleSide &p, const TriangleSide &q) {
-                                                   return p.low != q.low ? p.low < q.low : p.high < q.high;
-                                                 });
+      const auto [begin, end] =
+          std::equal_range(sides.begin(), sides.end(), TriangleSide{std::min(a, b), std::max(a, b), 0, false},
+                           [](const TriangleSide &p, const TriangleSide &q) {
+                             return p.low != q.low ? p.low < q.low : p.high < q.high;
+                           });
       return std::span<const TriangleSide>(begin, end);
     };
     std::vector<char> touched(mesh.triangles.size(), 0);
@@ -167,9 +170,16 @@ void removeDegenerateTriangles(TriangleMesh &mesh, std::vector<std::string> &rep
   const std::size_t before = mesh.triangles.size();
   std::erase_if(mesh.triangles, [&](const Triangle &t) { return isDegenerate(mesh, t, length); });
   const std::size_t flat = before - mesh.triangles.size();
-  if (repeated) repairs.push_back(fmt::format("{} a corner twice {} dropped", counted(repeated, "triangle that names", "triangles that name"), wasOrWere(repeated)));
-  if (flips) repairs.push_back(fmt::format("{} without area (three corners on a line) {} joined with a neighbour", counted(flips, "triangle", "triangles"), wasOrWere(flips)));
-  if (flat) repairs.push_back(fmt::format("{} without area {} dropped", counted(flat, "triangle", "triangles"), wasOrWere(flat)));
+  if (repeated)
+    repairs.push_back(fmt::format("{} a corner twice {} dropped",
+                                  counted(repeated, "triangle that names", "triangles that name"),
+                                  wasOrWere(repeated)));
+  if (flips)
+    repairs.push_back(fmt::format("{} without area (three corners on a line) {} joined with a neighbour",
+                                  counted(flips, "triangle", "triangles"), wasOrWere(flips)));
+  if (flat)
+    repairs.push_back(
+        fmt::format("{} without area {} dropped", counted(flat, "triangle", "triangles"), wasOrWere(flat)));
 }
 
 void removeDuplicateTriangles(TriangleMesh &mesh, std::vector<std::string> &repairs) {
@@ -183,7 +193,8 @@ void removeDuplicateTriangles(TriangleMesh &mesh, std::vector<std::string> &repa
     const Triangle &c = mesh.triangles[t];
     Triangle s = c;
     std::sort(s.begin(), s.end());
-    const bool even = (c[0] == s[0] && c[1] == s[1]) || (c[1] == s[0] && c[2] == s[1]) || (c[2] == s[0] && c[0] == s[1]);
+    const bool even =
+        (c[0] == s[0] && c[1] == s[1]) || (c[1] == s[0] && c[2] == s[1]) || (c[2] == s[0] && c[0] == s[1]);
     entries[t] = {s, t, even};
   }
   std::sort(entries.begin(), entries.end(), [](const Entry &a, const Entry &b) {
@@ -224,10 +235,14 @@ void removeDuplicateTriangles(TriangleMesh &mesh, std::vector<std::string> &repa
   std::size_t index = 0;
   std::erase_if(mesh.triangles, [&](const Triangle &) { return drop[index++] != 0; });
   if (copies)
-    repairs.push_back(twoSided ? fmt::format("{} back sides of a surface in which every triangle came twice were dropped", copies)
-                               : fmt::format("{} {} dropped", counted(copies, "copy of another triangle", "copies of other triangles"), wasOrWere(copies)));
+    repairs.push_back(
+        twoSided
+            ? fmt::format("{} back sides of a surface in which every triangle came twice were dropped", copies)
+            : fmt::format("{} {} dropped", counted(copies, "copy of another triangle", "copies of other triangles"),
+                          wasOrWere(copies)));
   if (opposite)
-    repairs.push_back(fmt::format("{} triangles that lie back to back on each other, and so bound nothing, were dropped", opposite));
+    repairs.push_back(
+        fmt::format("{} triangles that lie back to back on each other, and so bound nothing, were dropped", opposite));
 }
 
 void removeUnusedVertices(TriangleMesh &mesh, std::vector<std::string> &repairs) {
@@ -245,7 +260,9 @@ void removeUnusedVertices(TriangleMesh &mesh, std::vector<std::string> &repairs)
   mesh.vertices.resize(kept);
   for (Triangle &t : mesh.triangles)
     for (unsigned &v : t) v = slot[v];
-  if (dropped) repairs.push_back(fmt::format("{} that no triangle uses {} dropped", counted(dropped, "vertex", "vertices"), wasOrWere(dropped)));
+  if (dropped)
+    repairs.push_back(
+        fmt::format("{} that no triangle uses {} dropped", counted(dropped, "vertex", "vertices"), wasOrWere(dropped)));
 }
 
 }  // namespace c3de::geometry

@@ -54,8 +54,8 @@ NumberState parseNumber(std::string_view token, double &value) {
   if (error == std::errc::result_out_of_range) {
     // Too large or too small for a double: only the exponent's sign tells, and 1e-999 is a fine zero.
     const std::size_t exponent = token.find_first_of("eE");
-    const bool tiny = exponent != std::string_view::npos ? token.substr(exponent + 1).starts_with('-')
-                                                         : token.find('.') <= 2;
+    const bool tiny =
+        exponent != std::string_view::npos ? token.substr(exponent + 1).starts_with('-') : token.find('.') <= 2;
     value = 0.0;
     return tiny ? NumberState::ok : NumberState::notFinite;
   }

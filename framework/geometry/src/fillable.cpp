@@ -24,8 +24,9 @@ Probes probeInside(const TriangleMesh &mesh, const Box &box) {
   for (int i = 0; i < kPerAxis; ++i)
     for (int j = 0; j < kPerAxis; ++j)
       for (int k = 0; k < kPerAxis; ++k) {
-        const double w = winding.at({box.min[0] + (i + 0.5) / kPerAxis * size[0], box.min[1] + (j + 0.5) / kPerAxis * size[1],
-                                     box.min[2] + (k + 0.5) / kPerAxis * size[2]});
+        const double w =
+            winding.at({box.min[0] + (i + 0.5) / kPerAxis * size[0], box.min[1] + (j + 0.5) / kPerAxis * size[1],
+                        box.min[2] + (k + 0.5) / kPerAxis * size[2]});
         probes.inside += w > 0.5;
         probes.undecided += std::abs(w - 0.5) < 0.25;
       }
@@ -36,7 +37,9 @@ Probes probeInside(const TriangleMesh &mesh, const Box &box) {
 
 Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report) {
   constexpr double kMaxUndecidedShare = 0.2;
-  const auto refuse = [](std::string why) { return fail(ErrorCode::input, "the mesh cannot be filled: " + std::move(why)); };
+  const auto refuse = [](std::string why) {
+    return fail(ErrorCode::input, "the mesh cannot be filled: " + std::move(why));
+  };
   if (mesh.triangles.size() < 4)
     return refuse(fmt::format("it has {} triangles; a closed surface has at least 4", mesh.triangles.size()));
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -50,13 +53,15 @@ Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report)
   const Vec3 size = report.box.max - report.box.min;
   const double diagonal = norm(size);
   if (diagonal > kMaxDiagonal_mm)
-    return refuse(fmt::format("it is {:.4g} m from corner to corner, and nothing beyond 10 m can be an organ or stand beside a patient. "
-                              "It was read in {}; if its numbers are millimetres, set mesh_unit = \"mm\"",
-                              diagonal / 1000.0, unitName(report.unit)));
+    return refuse(fmt::format(
+        "it is {:.4g} m from corner to corner, and nothing beyond 10 m can be an organ or stand beside a patient. "
+        "It was read in {}; if its numbers are millimetres, set mesh_unit = \"mm\"",
+        diagonal / 1000.0, unitName(report.unit)));
   if (isFlat(report.volume_mm3, diagonal))
-    return refuse(fmt::format("its volume is {:.3g} mm³ at a size of {:.3g} x {:.3g} x {:.3g} mm: it is flat or encloses nothing; "
-                              "a surface around a volume is expected",
-                              report.volume_mm3, size[0], size[1], size[2]));
+    return refuse(fmt::format(
+        "its volume is {:.3g} mm³ at a size of {:.3g} x {:.3g} x {:.3g} mm: it is flat or encloses nothing; "
+        "a surface around a volume is expected",
+        report.volume_mm3, size[0], size[1], size[2]));
 
   const std::vector<TriangleSide> sides = sortedSides(mesh.triangles);
   bool balanced = true;
@@ -65,24 +70,29 @@ Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report)
   const double share = holeShare(holes, report.area_mm2);
   if (share > kMaxHoleShare) {
     const Hole &h = holes.front();
-    return refuse(fmt::format("the surface is open: lids over its {} boundary edges would make up {:.3g} % of the surface, up to {:.0f} % is accepted. "
-                              "The largest opening is around ({:.4g}, {:.4g}, {:.4g}) mm with {:.3g} mm of rim; close it in a mesh editor",
-                              report.boundaryEdges, 100.0 * share, 100.0 * kMaxHoleShare, h.centre[0], h.centre[1], h.centre[2],
-                              h.perimeter_mm));
+    return refuse(fmt::format(
+        "the surface is open: lids over its {} boundary edges would make up {:.3g} % of the surface, up to {:.0f} % is accepted. "
+        "The largest opening is around ({:.4g}, {:.4g}, {:.4g}) mm with {:.3g} mm of rim; close it in a mesh editor",
+        report.boundaryEdges, 100.0 * share, 100.0 * kMaxHoleShare, h.centre[0], h.centre[1], h.centre[2],
+        h.perimeter_mm));
   }
   if (balanced) {
     if (report.volume_mm3 < 0.0)
-      return refuse(fmt::format("it is inside out (volume {:.4g} mm³); turn its triangles, as loading it from a file does", report.volume_mm3));
+      return refuse(
+          fmt::format("it is inside out (volume {:.4g} mm³); turn its triangles, as loading it from a file does",
+                      report.volume_mm3));
     return {};
   }
   // Where edges do not match up, only trying tells whether there is an inside.
   const Probes probes = probeInside(mesh, report.box);
   if (probes.inside == 0)
-    return refuse("no point of a 16 x 16 x 16 grid over its box lies inside (winding number above 0.5); is it inside out or open?");
+    return refuse(
+        "no point of a 16 x 16 x 16 grid over its box lies inside (winding number above 0.5); is it inside out or open?");
   if (static_cast<double>(probes.undecided) > kMaxUndecidedShare * static_cast<double>(probes.inside))
-    return refuse(fmt::format("inside and outside cannot be told apart: of a 16 x 16 x 16 grid over its box {} points lie inside, and {} are undecided "
-                              "(winding number 0.25 to 0.75); up to {:.0f} % are accepted. Its triangles face inconsistent ways or leave gaps",
-                              probes.inside, probes.undecided, 100.0 * kMaxUndecidedShare));
+    return refuse(fmt::format(
+        "inside and outside cannot be told apart: of a 16 x 16 x 16 grid over its box {} points lie inside, and {} are undecided "
+        "(winding number 0.25 to 0.75); up to {:.0f} % are accepted. Its triangles face inconsistent ways or leave gaps",
+        probes.inside, probes.undecided, 100.0 * kMaxUndecidedShare));
   return {};
 }
 

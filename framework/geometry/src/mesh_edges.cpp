@@ -50,9 +50,8 @@ std::size_t DisjointSets::number(std::vector<unsigned> &group) {
 std::vector<unsigned> firstAtSamePosition(std::span<const Vec3> vertices) {
   std::vector<unsigned> order(vertices.size()), first(vertices.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](unsigned a, unsigned b) {
-    return vertices[a] != vertices[b] ? vertices[a] < vertices[b] : a < b;
-  });
+  std::sort(order.begin(), order.end(),
+            [&](unsigned a, unsigned b) { return vertices[a] != vertices[b] ? vertices[a] < vertices[b] : a < b; });
   for (std::size_t i = 0; i < order.size(); ++i)
     first[order[i]] = i > 0 && vertices[order[i]] == vertices[order[i - 1]] ? first[order[i - 1]] : order[i];
   return first;

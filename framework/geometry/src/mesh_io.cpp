@@ -26,8 +26,10 @@ Expected<void> checkNumbers(const TriangleMesh &mesh, LengthUnit unit) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (unsigned v : mesh.triangles[t])
       if (v >= mesh.vertices.size())
-        return fail(ErrorCode::input, fmt::format("triangle {}: vertex index {} is out of range; there are {} vertices, 0 to {} are accepted",
-                                                  t, v, mesh.vertices.size(), static_cast<long long>(mesh.vertices.size()) - 1));
+        return fail(
+            ErrorCode::input,
+            fmt::format("triangle {}: vertex index {} is out of range; there are {} vertices, 0 to {} are accepted", t,
+                        v, mesh.vertices.size(), static_cast<long long>(mesh.vertices.size()) - 1));
   const double limit = kMaxCoordinate_mm / millimetresPer(unit);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -35,15 +37,16 @@ Expected<void> checkNumbers(const TriangleMesh &mesh, LengthUnit unit) {
       if (!std::isfinite(x))
         return fail(ErrorCode::input, fmt::format("{} coordinate {} of vertex {} is not finite", "xyz"[k], x, v));
       if (std::abs(x) > limit)
-        return fail(ErrorCode::input, fmt::format("{} coordinate {:g} {} of vertex {} is beyond 1e9 mm; up to {:g} {} is accepted", "xyz"[k], x,
-                                                  unitName(unit), v, limit, unitName(unit)));
+        return fail(ErrorCode::input,
+                    fmt::format("{} coordinate {:g} {} of vertex {} is beyond 1e9 mm; up to {:g} {} is accepted",
+                                "xyz"[k], x, unitName(unit), v, limit, unitName(unit)));
     }
   return {};
 }
 
 /// @param origin  begins the error messages: a file name or "mesh"
-Expected<LoadedMesh> cleanUp(TriangleMesh mesh, LengthUnit unit, std::vector<std::string> repairs, const std::string &origin,
-                             const ProgressFn &progress) {
+Expected<LoadedMesh> cleanUp(TriangleMesh mesh, LengthUnit unit, std::vector<std::string> repairs,
+                             const std::string &origin, const ProgressFn &progress) {
   const auto report = [&](double fraction, const char *what) { return !progress || progress(fraction, what); };
   if (mesh.triangles.empty()) return fail(ErrorCode::input, origin + ": no faces; a surface is expected");
   if (auto ok = checkNumbers(mesh, unit); !ok) return fail(ok.error().code, origin + ": " + ok.error().message);
@@ -59,8 +62,10 @@ Expected<LoadedMesh> cleanUp(TriangleMesh mesh, LengthUnit unit, std::vector<std
   std::vector<std::string> silent;  // vertices lose their use in the steps above, which said so
   removeUnusedVertices(mesh, silent);
   if (mesh.triangles.size() < 4)
-    return fail(ErrorCode::input, fmt::format("{}: {} triangles with an area are left; a surface around a volume has at least 4{}{}", origin,
-                                              mesh.triangles.size(), repairs.empty() ? "" : ". Cleaning up: ", fmt::join(repairs, "; ")));
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: {} triangles with an area are left; a surface around a volume has at least 4{}{}", origin,
+                    mesh.triangles.size(), repairs.empty() ? "" : ". Cleaning up: ", fmt::join(repairs, "; ")));
   if (!report(0.7, "turning triangles outwards")) return cancelled(origin);
   orient(mesh, repairs);
   if (!report(0.9, "inspecting the mesh")) return cancelled(origin);
@@ -82,11 +87,13 @@ bool isMeshFile(const std::filesystem::path &path) {
 
 std::optional<LengthUnit> unitInFile(const std::filesystem::path &path) { return frameCommentOf(path).unit; }
 
-Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<LengthUnit> stated, const ProgressFn &progress) {
+Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<LengthUnit> stated,
+                              const ProgressFn &progress) {
   const std::string name = displayPath(path);
   if (!isMeshFile(path))
     return fail(ErrorCode::input, fmt::format("{}: meshes with the extension {} cannot be read; {} can", name,
-                                              path.has_extension() ? quotedText(lowerExtension(path)) : "'' (none)", fmt::join(kExtensions, ", ")));
+                                              path.has_extension() ? quotedText(lowerExtension(path)) : "'' (none)",
+                                              fmt::join(kExtensions, ", ")));
   if (progress && !progress(0.0, "reading " + displayPath(path.filename()))) return cancelled(name);
   const std::string extension = lowerExtension(path);
   const FrameComment said = frameCommentOf(path);
@@ -98,28 +105,37 @@ Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<L
   if (!raw) return tl::unexpected(raw.error());
   std::vector<std::string> repairs = std::move(raw->notes);
   if (raw->facesDropped)
-    repairs.push_back(fmt::format("{} with fewer than three different corners {} dropped", counted(raw->facesDropped, "face", "faces"), wasOrWere(raw->facesDropped)));
-  if (raw->polygonsSplit) repairs.push_back(fmt::format("{} {} split into triangles", counted(raw->polygonsSplit, "polygon", "polygons"), wasOrWere(raw->polygonsSplit)));
+    repairs.push_back(fmt::format("{} with fewer than three different corners {} dropped",
+                                  counted(raw->facesDropped, "face", "faces"), wasOrWere(raw->facesDropped)));
+  if (raw->polygonsSplit)
+    repairs.push_back(fmt::format("{} {} split into triangles", counted(raw->polygonsSplit, "polygon", "polygons"),
+                                  wasOrWere(raw->polygonsSplit)));
   if (said.isRas) {
     // Half a turn about z: the sense of the triangles stays.
     for (Vec3 &v : raw->vertices) v = {-v[0], -v[1], v[2]};
     repairs.push_back("the file says SPACE=RAS: x and y were turned to LPS");
   }
-  auto loaded = cleanUp({std::move(raw->vertices), std::move(raw->triangles)}, unit, std::move(repairs), name, progress);
+  auto loaded =
+      cleanUp({std::move(raw->vertices), std::move(raw->triangles)}, unit, std::move(repairs), name, progress);
   if (loaded && stated && said.unit && *said.unit != *stated)
-    loaded->report.warnings.push_back(fmt::format("The file says that its numbers are {}; they were read as {}, as was asked.",
-                                                  unitName(*said.unit), unitName(*stated)));
+    loaded->report.warnings.push_back(
+        fmt::format("The file says that its numbers are {}; they were read as {}, as was asked.", unitName(*said.unit),
+                    unitName(*stated)));
   return loaded;
 }
 
-Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit) { return cleanUp(std::move(raw), unit, {}, "mesh", {}); }
+Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit) {
+  return cleanUp(std::move(raw), unit, {}, "mesh", {});
+}
 
-Expected<void> saveObj(const std::filesystem::path &path, const TriangleMesh &mesh, LengthUnit unit, std::string_view comment) {
+Expected<void> saveObj(const std::filesystem::path &path, const TriangleMesh &mesh, LengthUnit unit,
+                       std::string_view comment) {
   std::string text = comment.empty() ? std::string() : fmt::format("# {}\n", comment);
   text += fmt::format("# unit: {}\n", unitName(unit));
   const double perUnit = millimetresPer(unit);
   for (const Vec3 &v : mesh.vertices)
-    text += fmt::format("v {} {} {}\n", formatNumber(v[0] / perUnit), formatNumber(v[1] / perUnit), formatNumber(v[2] / perUnit));
+    text += fmt::format("v {} {} {}\n", formatNumber(v[0] / perUnit), formatNumber(v[1] / perUnit),
+                        formatNumber(v[2] / perUnit));
   for (const Triangle &t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
   return writeWholeFile(path, text);
 }

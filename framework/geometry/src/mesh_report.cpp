@@ -31,13 +31,16 @@ std::string unitHint(LengthUnit unit) {
 void warnAboutSize(const MeshReport &report, std::vector<std::string> &warnings) {
   const double diagonal = norm(report.box.max - report.box.min);
   if (diagonal > kWarnDiagonal_mm)
-    warnings.push_back(fmt::format("The mesh is {:.3g} m from corner to corner: larger than a person. Is the unit right? {}.",
-                                   diagonal / 1000.0, unitHint(report.unit)));
+    warnings.push_back(
+        fmt::format("The mesh is {:.3g} m from corner to corner: larger than a person. Is the unit right? {}.",
+                    diagonal / 1000.0, unitHint(report.unit)));
   else if (diagonal < kSmallDiagonal_mm)
-    warnings.push_back(fmt::format("The mesh is {:.3g} mm from corner to corner: smaller than any organ. Is the unit right? {}.",
-                                   diagonal, unitHint(report.unit)));
+    warnings.push_back(
+        fmt::format("The mesh is {:.3g} mm from corner to corner: smaller than any organ. Is the unit right? {}.",
+                    diagonal, unitHint(report.unit)));
   if (isFlat(report.volume_mm3, diagonal))
-    warnings.push_back(fmt::format("The volume is about zero ({:.3g} mm³): the surface is flat or encloses nothing.", report.volume_mm3));
+    warnings.push_back(fmt::format("The volume is about zero ({:.3g} mm³): the surface is flat or encloses nothing.",
+                                   report.volume_mm3));
 }
 
 void warnAboutEdges(const TriangleMesh &mesh, const std::vector<TriangleSide> &sides, const MeshReport &report,
@@ -45,10 +48,11 @@ void warnAboutEdges(const TriangleMesh &mesh, const std::vector<TriangleSide> &s
   if (report.boundaryEdges > 0) {
     const std::vector<Hole> holes = findHoles(mesh, sides);
     const Hole &h = holes.front();
-    warnings.push_back(fmt::format("The surface is not closed: {} boundary edge{} in {} place{}, the largest around ({:.4g}, {:.4g}, {:.4g}) mm "
-                                   "with {} edges and {:.3g} mm of rim.",
-                                   report.boundaryEdges, report.boundaryEdges == 1 ? "" : "s", holes.size(), holes.size() == 1 ? "" : "s",
-                                   h.centre[0], h.centre[1], h.centre[2], h.edges, h.perimeter_mm));
+    warnings.push_back(fmt::format(
+        "The surface is not closed: {} boundary edge{} in {} place{}, the largest around ({:.4g}, {:.4g}, {:.4g}) mm "
+        "with {} edges and {:.3g} mm of rim.",
+        report.boundaryEdges, report.boundaryEdges == 1 ? "" : "s", holes.size(), holes.size() == 1 ? "" : "s",
+        h.centre[0], h.centre[1], h.centre[2], h.edges, h.perimeter_mm));
   }
   if (report.nonManifoldEdges > 0) {
     Vec3 where{};
@@ -57,8 +61,9 @@ void warnAboutEdges(const TriangleMesh &mesh, const std::vector<TriangleSide> &s
       seen = true;
       where = 0.5 * (mesh.vertices[edge[0].low] + mesh.vertices[edge[0].high]);
     });
-    warnings.push_back(fmt::format("{} edge{} more than two triangles (non-manifold), the first near ({:.4g}, {:.4g}, {:.4g}) mm.",
-                                   report.nonManifoldEdges, report.nonManifoldEdges == 1 ? " has" : "s have", where[0], where[1], where[2]));
+    warnings.push_back(fmt::format(
+        "{} edge{} more than two triangles (non-manifold), the first near ({:.4g}, {:.4g}, {:.4g}) mm.",
+        report.nonManifoldEdges, report.nonManifoldEdges == 1 ? " has" : "s have", where[0], where[1], where[2]));
   }
   if (report.misorientedEdges > 0)
     warnings.push_back(fmt::format("{} edge{} neighbours that face opposite ways.", report.misorientedEdges,
@@ -94,14 +99,18 @@ MeshReport inspect(const TriangleMesh &original, LengthUnit unit) {
 
   const std::vector<TriangleSide> sides = sortedSides(mesh.triangles);
   forEachEdge(sides, [&](std::span<const TriangleSide> edge) {
-    if (edge.size() == 1) ++report.boundaryEdges;
-    else if (edge.size() > 2) ++report.nonManifoldEdges;
-    else if (edge[0].forward == edge[1].forward) ++report.misorientedEdges;
+    if (edge.size() == 1)
+      ++report.boundaryEdges;
+    else if (edge.size() > 2)
+      ++report.nonManifoldEdges;
+    else if (edge[0].forward == edge[1].forward)
+      ++report.misorientedEdges;
   });
   report.closed = report.boundaryEdges == 0 && !mesh.triangles.empty();
   report.manifold = report.nonManifoldEdges == 0;
   report.oriented = report.misorientedEdges == 0;
-  report.insideOut = report.closed && report.oriented && report.volume_mm3 < 0.0 && !isFlat(report.volume_mm3, diagonal);
+  report.insideOut =
+      report.closed && report.oriented && report.volume_mm3 < 0.0 && !isFlat(report.volume_mm3, diagonal);
 
   DisjointSets sets(mesh.vertices.size());
   std::vector<char> used(mesh.vertices.size(), 0);

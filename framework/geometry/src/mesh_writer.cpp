@@ -32,7 +32,8 @@ std::string headLine(const std::string &title) {
 
 std::string objText(const TriangleMesh &mesh, const std::string &title) {
   std::string text = "# " + headLine(title) + "\n";
-  for (const Vec3 &v : mesh.vertices) text += "v " + formatNumber(v[0]) + " " + formatNumber(v[1]) + " " + formatNumber(v[2]) + "\n";
+  for (const Vec3 &v : mesh.vertices)
+    text += "v " + formatNumber(v[0]) + " " + formatNumber(v[1]) + " " + formatNumber(v[2]) + "\n";
   for (const Triangle &t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
   return text;
 }
@@ -62,8 +63,10 @@ std::string plyName(const std::string &name) {
   std::string out;
   for (const char c : name) {
     const bool isPlain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    if (isPlain) out.push_back(c);
-    else if (!out.empty() && out.back() != '_') out.push_back('_');
+    if (isPlain)
+      out.push_back(c);
+    else if (!out.empty() && out.back() != '_')
+      out.push_back('_');
   }
   while (!out.empty() && out.back() == '_') out.pop_back();
   return out;
@@ -77,18 +80,22 @@ std::string plyComponent(const PointArray &array, std::size_t k) {
 
 std::string plyBytes(const TriangleMesh &mesh, const MeshWriteOptions &options) {
   std::string out = "ply\nformat binary_little_endian 1.0\ncomment " + headLine(options.title) + "\n";
-  out += fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n", mesh.vertices.size());
+  out +=
+      fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n", mesh.vertices.size());
   for (const PointArray &array : options.arrays)
     for (std::size_t k = 0; k < array.components; ++k)
-      out += fmt::format("property {} {}\n", array.type == PointArray::Type::whole ? "int" : "float", plyComponent(array, k));
+      out += fmt::format("property {} {}\n", array.type == PointArray::Type::whole ? "int" : "float",
+                         plyComponent(array, k));
   out += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.triangles.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     for (const double x : mesh.vertices[v]) appendLittleEndian(out, x);
     for (const PointArray &array : options.arrays)
       for (std::size_t k = 0; k < array.components; ++k) {
         const double x = array.values[v * array.components + k];
-        if (array.type == PointArray::Type::whole) appendLittleEndian(out, static_cast<std::int32_t>(x));
-        else appendLittleEndian(out, static_cast<float>(x));
+        if (array.type == PointArray::Type::whole)
+          appendLittleEndian(out, static_cast<std::int32_t>(x));
+        else
+          appendLittleEndian(out, static_cast<float>(x));
       }
   }
   for (const Triangle &t : mesh.triangles) {
@@ -105,13 +112,15 @@ std::span<const std::string_view> writableMeshExtensions() { return kWritable; }
 Expected<void> checkMeshWritable(const std::filesystem::path &path) {
   const std::string extension = lowerExtension(path);
   if (std::find(kWritable.begin(), kWritable.end(), extension) != kWritable.end()) return {};
-  return fail(ErrorCode::usage, fmt::format("{}: surfaces with the extension {} cannot be written; accepted: {}", displayPath(path),
-                                            extension.empty() ? "'' (none)" : quotedText(extension), fmt::join(kWritable, ", ")));
+  return fail(ErrorCode::usage,
+              fmt::format("{}: surfaces with the extension {} cannot be written; accepted: {}", displayPath(path),
+                          extension.empty() ? "'' (none)" : quotedText(extension), fmt::join(kWritable, ", ")));
 }
 
 Expected<void> writeMesh(const std::filesystem::path &path, const TriangleMesh &mesh, const MeshWriteOptions &options) {
   if (auto ok = checkMeshWritable(path); !ok) return ok;
-  if (mesh.triangles.empty()) return fail(ErrorCode::state, displayPath(path) + ": not written: the surface has no triangles");
+  if (mesh.triangles.empty())
+    return fail(ErrorCode::state, displayPath(path) + ": not written: the surface has no triangles");
   if (auto ok = checkTriangles(path, mesh); !ok) return ok;
   if (auto ok = checkRows(path, mesh.vertices, options.arrays); !ok) return ok;
   const std::string extension = lowerExtension(path);

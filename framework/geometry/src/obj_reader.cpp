@@ -54,19 +54,23 @@ class ObjScan {
 Expected<void> ObjScan::checkVertex(std::string_view rest, std::size_t line) {
   for (const char *axis : {"x", "y", "z"}) {
     const std::string_view token = nextToken(rest);
-    if (token.empty()) return refuse(line, fmt::format("a vertex without its {} coordinate; three numbers are expected", axis));
+    if (token.empty())
+      return refuse(line, fmt::format("a vertex without its {} coordinate; three numbers are expected", axis));
     double value = 0.0;
     switch (parseNumber(token, value)) {
       case NumberState::notANumber:
-        return refuse(line, fmt::format("{} coordinate {} of vertex {} is not a number (a decimal point is expected)", axis,
-                                        quotedText(token), vertices_ + 1));
+        return refuse(line, fmt::format("{} coordinate {} of vertex {} is not a number (a decimal point is expected)",
+                                        axis, quotedText(token), vertices_ + 1));
       case NumberState::notFinite:
-        return refuse(line, fmt::format("{} coordinate {} of vertex {} is not finite", axis, quotedText(token), vertices_ + 1));
-      case NumberState::ok: break;
+        return refuse(
+            line, fmt::format("{} coordinate {} of vertex {} is not finite", axis, quotedText(token), vertices_ + 1));
+      case NumberState::ok:
+        break;
     }
     if (std::abs(value) > limit_)
-      return refuse(line, fmt::format("{} coordinate {} of vertex {} is beyond 1e9 mm; {:g} in the unit of this file is accepted",
-                                      axis, quotedText(token), vertices_ + 1, limit_));
+      return refuse(
+          line, fmt::format("{} coordinate {} of vertex {} is beyond 1e9 mm; {:g} in the unit of this file is accepted",
+                            axis, quotedText(token), vertices_ + 1, limit_));
   }
   ++vertices_;
   return {};
@@ -76,13 +80,15 @@ Expected<bool> ObjScan::checkFace(std::string_view rest, std::size_t line) {
   std::size_t corners = 0;
   for (std::string_view token = nextToken(rest); !token.empty(); token = nextToken(rest)) {
     if (++corners > kMaxFaceCorners)
-      return refuse(line, fmt::format("a face with more than {} corners, which is the most that is accepted", kMaxFaceCorners));
+      return refuse(
+          line, fmt::format("a face with more than {} corners, which is the most that is accepted", kMaxFaceCorners));
     long long index = 0;
     if (!parseInteger(token.substr(0, token.find('/')), index))
       return refuse(line, fmt::format("face corner {} is not a vertex index", quotedText(token)));
     if (index == 0) return refuse(line, "face corner 0: vertex indices count from 1");
     if (index < 0 && -index > static_cast<long long>(vertices_))
-      return refuse(line, fmt::format("face corner {} counts back beyond the {} vertices above this line", index, vertices_));
+      return refuse(line,
+                    fmt::format("face corner {} counts back beyond the {} vertices above this line", index, vertices_));
     if (index > static_cast<long long>(vertices_) && (largest_.empty() || index > largest_.back().value))
       largest_.push_back({index, line});
   }
@@ -125,13 +131,16 @@ Expected<void> ObjScan::run(std::string_view text) {
       if (*isFace) statements_.append("f ").append(rest).push_back('\n');
     }
   }
-  if (vertices_ == 0) return fail(ErrorCode::input, fileName_ + ": no vertices ('v x y z' lines); is this an OBJ file?");
+  if (vertices_ == 0)
+    return fail(ErrorCode::input, fileName_ + ": no vertices ('v x y z' lines); is this an OBJ file?");
   if (faces_ == 0)
-    return fail(ErrorCode::input, fmt::format("{}: {} vertices but no faces ('f' lines); a surface is expected", fileName_, vertices_));
+    return fail(ErrorCode::input,
+                fmt::format("{}: {} vertices but no faces ('f' lines); a surface is expected", fileName_, vertices_));
   for (const IndexRecord &record : largest_)
     if (record.value > static_cast<long long>(vertices_))
-      return refuse(record.line, fmt::format("face corner {} is out of range; the file has {} vertices, 1 to {} are accepted",
-                                             record.value, vertices_, vertices_));
+      return refuse(record.line,
+                    fmt::format("face corner {} is out of range; the file has {} vertices, 1 to {} are accepted",
+                                record.value, vertices_, vertices_));
   return {};
 }
 
@@ -181,8 +190,9 @@ Expected<RawMesh> readObj(const std::filesystem::path &path, double millimetresP
     const std::span<const unsigned> corners(content.corners.data() + content.faceBegin[f],
                                             content.faceBegin[f + 1] - content.faceBegin[f]);
     if (!addFace(raw, corners))
-      return fail(ErrorCode::input, fmt::format("{}: face {} is a concave polygon with {} corners; up to 4096 are accepted", name,
-                                                f + 1, corners.size()));
+      return fail(ErrorCode::input,
+                  fmt::format("{}: face {} is a concave polygon with {} corners; up to 4096 are accepted", name, f + 1,
+                              corners.size()));
   }
   return raw;
 }

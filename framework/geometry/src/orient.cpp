@@ -82,9 +82,12 @@ void makeConsistent(TriangleMesh &mesh, std::vector<std::string> &repairs) {
         ++turned;
       }
   }
-  if (turned) repairs.push_back(fmt::format("{} that faced the other way than the neighbours {} turned", counted(turned, "triangle", "triangles"), wasOrWere(turned)));
+  if (turned)
+    repairs.push_back(fmt::format("{} that faced the other way than the neighbours {} turned",
+                                  counted(turned, "triangle", "triangles"), wasOrWere(turned)));
   if (oneSided)
-    repairs.push_back(fmt::format("{} with a single side (like a Moebius strip) {} left as found", counted(oneSided, "part", "parts"), wasOrWere(oneSided)));
+    repairs.push_back(fmt::format("{} with a single side (like a Moebius strip) {} left as found",
+                                  counted(oneSided, "part", "parts"), wasOrWere(oneSided)));
 }
 
 /// A part of the surface connected by edges.
@@ -92,7 +95,7 @@ struct Part {
   TriangleMesh mesh;  ///< own triangles on own vertices
   std::vector<unsigned> triangles;
   Box box;
-  Vec3 sample{};      ///< a point of the surface
+  Vec3 sample{};  ///< a point of the surface
   double volume_mm3 = 0.0;
   bool bounds = false;  ///< closed, or nearly so: it has an inside
   std::optional<WindingNumber> winding;
@@ -134,7 +137,8 @@ std::vector<Part> splitIntoParts(const TriangleMesh &mesh) {
       part.mesh.triangles.push_back(own);
       if (const double area = triangleArea(part.mesh, own); area > largest) {
         largest = area;
-        part.sample = (1.0 / 3.0) * (part.mesh.vertices[own[0]] + part.mesh.vertices[own[1]] + part.mesh.vertices[own[2]]);
+        part.sample =
+            (1.0 / 3.0) * (part.mesh.vertices[own[0]] + part.mesh.vertices[own[1]] + part.mesh.vertices[own[2]]);
       }
     }
     for (unsigned t : part.triangles)
@@ -179,9 +183,10 @@ void turnOutwards(TriangleMesh &mesh, std::vector<std::string> &repairs) {
     for (unsigned t : parts[i].triangles) flip(mesh.triangles[t]);
   }
   if (turnedParts)
-    repairs.push_back(parts.size() == 1 ? "the surface was inside out; all triangles were turned"
-                                        : fmt::format("{} of {} parts of the surface were inside out; their {} triangles were turned",
-                                                      turnedParts, parts.size(), turnedTriangles));
+    repairs.push_back(parts.size() == 1
+                          ? "the surface was inside out; all triangles were turned"
+                          : fmt::format("{} of {} parts of the surface were inside out; their {} triangles were turned",
+                                        turnedParts, parts.size(), turnedTriangles));
 }
 
 }  // namespace

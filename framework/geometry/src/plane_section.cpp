@@ -33,7 +33,8 @@ class Joiner {
     std::vector<Polyline> curves;
     // Curves of an open surface begin where nothing leads to.
     for (std::size_t i = 0; i < pieces_.size(); ++i)
-      if (!isUsed_[i] && !std::binary_search(ends_.begin(), ends_.end(), pieces_[i].from)) curves.push_back(follow(i, pointOf));
+      if (!isUsed_[i] && !std::binary_search(ends_.begin(), ends_.end(), pieces_[i].from))
+        curves.push_back(follow(i, pointOf));
     for (std::size_t i = 0; i < pieces_.size(); ++i)
       if (!isUsed_[i]) curves.push_back(follow(i, pointOf));
     return curves;
@@ -52,8 +53,10 @@ class Joiner {
         curve.isClosed = true;
         return curve;
       }
-      auto next = std::lower_bound(pieces_.begin(), pieces_.end(), end, [](const Piece &p, Key key) { return p.from < key; });
-      while (next != pieces_.end() && next->from == end && isUsed_[static_cast<std::size_t>(next - pieces_.begin())]) ++next;
+      auto next =
+          std::lower_bound(pieces_.begin(), pieces_.end(), end, [](const Piece &p, Key key) { return p.from < key; });
+      while (next != pieces_.end() && next->from == end && isUsed_[static_cast<std::size_t>(next - pieces_.begin())])
+        ++next;
       if (next == pieces_.end() || next->from != end) {
         curve.points.push_back(pointOf(end));
         return curve;
@@ -88,7 +91,8 @@ std::vector<Polyline> section(std::span<const Point> positions, std::span<const 
     }
     if (isCut) pieces.push_back(piece);
   }
-  std::sort(pieces.begin(), pieces.end(), [](const Piece &p, const Piece &q) { return p.from < q.from || (p.from == q.from && p.to < q.to); });
+  std::sort(pieces.begin(), pieces.end(),
+            [](const Piece &p, const Piece &q) { return p.from < q.from || (p.from == q.from && p.to < q.to); });
   std::vector<Key> ends;
   ends.reserve(pieces.size());
   for (const Piece &piece : pieces) ends.push_back(piece.to);
@@ -118,7 +122,8 @@ double sectionArea(std::span<const Polyline> section, const Vec3 &planeNormal) {
   double area = 0.0;
   for (const Polyline &curve : section)
     for (std::size_t i = 0; i < curve.points.size(); ++i) {
-      const Vec3 a = curve.points[i] - curve.points[0], b = curve.points[(i + 1) % curve.points.size()] - curve.points[0];
+      const Vec3 a = curve.points[i] - curve.points[0],
+                 b = curve.points[(i + 1) % curve.points.size()] - curve.points[0];
       area += 0.5 * dot(cross(a, b), planeNormal);
     }
   return area / norm(planeNormal);

@@ -18,15 +18,15 @@ inline constexpr std::size_t kMaxFaceCorners = 32767;
 inline constexpr double kMaxCoordinate_mm = 1e9;
 
 struct RawMesh {
-  std::vector<Vec3> vertices;                ///< in the unit of the file
-  std::vector<Triangle> triangles;           ///< indices are in range
-  std::size_t polygonsSplit = 0;             ///< faces with more than three corners
-  std::size_t facesDropped = 0;              ///< faces with fewer than three different corners
-  std::vector<std::string> notes;            ///< what the reader left out, a sentence each
+  std::vector<Vec3> vertices;       ///< in the unit of the file
+  std::vector<Triangle> triangles;  ///< indices are in range
+  std::size_t polygonsSplit = 0;    ///< faces with more than three corners
+  std::size_t facesDropped = 0;     ///< faces with fewer than three different corners
+  std::vector<std::string> notes;   ///< what the reader left out, a sentence each
 };
 
-/// Adds a face as triangles: without corners that follow themselves, and counted instead where fewer than three different ones
-/// are left. @returns  false for a concave polygon with more than 4096 corners; nothing is added then
+/// Adds a face as triangles: without corners that follow themselves, and counted instead where fewer than three
+/// different ones are left. @returns  false for a concave polygon with more than 4096 corners; nothing is added then
 [[nodiscard]] bool addFace(RawMesh &raw, std::span<const unsigned> corners);
 
 /// Each refuses with "file:line: what, value, what is accepted". @param millimetresPerUnit  for the range check

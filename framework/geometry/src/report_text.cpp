@@ -23,16 +23,21 @@ std::string MeshReport::text() const {
   const Vec3 size = box.max - box.min;
   std::string out;
   out += fmt::format("vertices     {}\n", vertices);
-  out += fmt::format("triangles    {}{}\n", triangles, degenerateTriangles ? fmt::format(" ({} without area)", degenerateTriangles) : "");
+  out += fmt::format("triangles    {}{}\n", triangles,
+                     degenerateTriangles ? fmt::format(" ({} without area)", degenerateTriangles) : "");
   out += fmt::format("parts        {}\n", components);
-  out += fmt::format("size         {:.4g} x {:.4g} x {:.4g} mm (read in {})\n", size[0], size[1], size[2], unitName(unit));
-  out += fmt::format("box          ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm\n", box.min[0], box.min[1], box.min[2],
-                     box.max[0], box.max[1], box.max[2]);
+  out +=
+      fmt::format("size         {:.4g} x {:.4g} x {:.4g} mm (read in {})\n", size[0], size[1], size[2], unitName(unit));
+  out += fmt::format("box          ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm\n", box.min[0], box.min[1],
+                     box.min[2], box.max[0], box.max[1], box.max[2]);
   out += fmt::format("area         {:.4g} cm²\n", area_mm2 / 100.0);
   out += fmt::format("volume       {}\n", volumeText(volume_mm3));
-  out += fmt::format("closed       {}{}\n", yesNo(closed), boundaryEdges ? fmt::format(" ({} boundary edges)", boundaryEdges) : "");
-  out += fmt::format("manifold     {}{}\n", yesNo(manifold), nonManifoldEdges ? fmt::format(" ({} non-manifold edges)", nonManifoldEdges) : "");
-  out += fmt::format("oriented     {}{}\n", yesNo(oriented), misorientedEdges ? fmt::format(" ({} misoriented edges)", misorientedEdges) : "");
+  out += fmt::format("closed       {}{}\n", yesNo(closed),
+                     boundaryEdges ? fmt::format(" ({} boundary edges)", boundaryEdges) : "");
+  out += fmt::format("manifold     {}{}\n", yesNo(manifold),
+                     nonManifoldEdges ? fmt::format(" ({} non-manifold edges)", nonManifoldEdges) : "");
+  out += fmt::format("oriented     {}{}\n", yesNo(oriented),
+                     misorientedEdges ? fmt::format(" ({} misoriented edges)", misorientedEdges) : "");
   for (const std::string &repair : repairs) out += "repaired: " + repair + "\n";
   for (const std::string &warning : warnings) out += "warning: " + warning + "\n";
   return out;

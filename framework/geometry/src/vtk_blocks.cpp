@@ -21,7 +21,8 @@ tl::unexpected<Error> cut() { return fail(ErrorCode::input, "it ends too early")
 /// So many bytes of the source, decoded, which begin at `at`; moves `at` behind them.
 Expected<std::string> take(const PackedArray &array, std::size_t &at, std::uint64_t bytes) {
   if (bytes > array.source.size()) return cut();
-  const std::size_t length = array.isBase64 ? digitsOf(static_cast<std::size_t>(bytes)) : static_cast<std::size_t>(bytes);
+  const std::size_t length =
+      array.isBase64 ? digitsOf(static_cast<std::size_t>(bytes)) : static_cast<std::size_t>(bytes);
   if (length > array.source.size() - at) return cut();
   const std::string_view part = array.source.substr(at, length);
   at += length;
@@ -50,7 +51,8 @@ Expected<std::string> unpacked(const PackedArray &array) {
   if (!first) return tl::unexpected(first.error());
   const std::uint64_t blocks = wordsOf(*first, array)[0];
   if (blocks == 0) return std::string();
-  if (blocks > array.source.size() / array.headerBytes) return fail(ErrorCode::input, fmt::format("its header says {} blocks, more than the file holds", blocks));
+  if (blocks > array.source.size() / array.headerBytes)
+    return fail(ErrorCode::input, fmt::format("its header says {} blocks, more than the file holds", blocks));
   at = 0;
   const auto head = take(array, at, (3 + blocks) * array.headerBytes);
   if (!head) return tl::unexpected(head.error());
@@ -61,7 +63,10 @@ Expected<std::string> unpacked(const PackedArray &array) {
   for (std::uint64_t b = 0; b < blocks; ++b) {
     const std::uint64_t packed = words[static_cast<std::size_t>(3 + b)], size = b + 1 == blocks ? last : each;
     if (packed > array.source.size() || size > packed * kBestRatio + kLeastBlock)
-      return fail(ErrorCode::input, fmt::format("its header says that block {} of {} unpacks from {} to {} bytes, which the file cannot hold", b, blocks, packed, size));
+      return fail(
+          ErrorCode::input,
+          fmt::format("its header says that block {} of {} unpacks from {} to {} bytes, which the file cannot hold", b,
+                      blocks, packed, size));
     packedBytes += packed;
   }
   const auto data = take(array, at, packedBytes);
@@ -77,7 +82,8 @@ Expected<std::string> unpacked(const PackedArray &array) {
     Bytef none = 0;
     const int answer = uncompress(size == 0 ? &none : reinterpret_cast<Bytef *>(out.data() + to), &got,
                                   reinterpret_cast<const Bytef *>(data->data() + from), static_cast<uLong>(packed));
-    if (answer != Z_OK || got != size) return fail(ErrorCode::input, fmt::format("block {} of {} is damaged", b, blocks));
+    if (answer != Z_OK || got != size)
+      return fail(ErrorCode::input, fmt::format("block {} of {} is damaged", b, blocks));
     from += packed;
   }
   return out;

@@ -17,8 +17,8 @@ struct PackedArray {
   bool isBigEndian = false;
 };
 
-/// The bytes of the array. What a header claims is taken only as far as the packed bytes can hold it. Errors (input): the
-/// source ends too early, a size that cannot be, a block that does not inflate to its size.
+/// The bytes of the array. What a header claims is taken only as far as the packed bytes can hold it. Errors (input):
+/// the source ends too early, a size that cannot be, a block that does not inflate to its size.
 [[nodiscard]] Expected<std::string> unpacked(const PackedArray &array);
 
 }  // namespace c3de::geometry

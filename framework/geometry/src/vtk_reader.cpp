@@ -83,7 +83,8 @@ std::string VtkParser::lowerToken() {
 Expected<std::size_t> VtkParser::count(const char *what) {
   const std::string_view t = token();
   long long value = 0;
-  if (!parseInteger(t, value) || value < 0) return refuse(fmt::format("number of {} expected, found {}", what, quotedText(t)));
+  if (!parseInteger(t, value) || value < 0)
+    return refuse(fmt::format("number of {} expected, found {}", what, quotedText(t)));
   // A count that the file cannot hold (one byte per number at least) must not become an allocation.
   if (static_cast<unsigned long long>(value) > text_.size())
     return refuse(fmt::format("{} {} announced in a file of {} bytes", value, what, text_.size()));
@@ -116,9 +117,12 @@ Expected<void> VtkParser::reals(std::size_t n, const std::string &type, std::vec
       const std::string_view t = token();
       if (t.empty()) return refuse(fmt::format("the file ends after {} of {} coordinates", i, n));
       switch (parseNumber(t, out[i])) {
-        case NumberState::notANumber: return refuse(fmt::format("coordinate {} is not a number (a decimal point is expected)", quotedText(t)));
-        case NumberState::notFinite: return refuse(fmt::format("coordinate {} is not finite", quotedText(t)));
-        case NumberState::ok: break;
+        case NumberState::notANumber:
+          return refuse(fmt::format("coordinate {} is not a number (a decimal point is expected)", quotedText(t)));
+        case NumberState::notFinite:
+          return refuse(fmt::format("coordinate {} is not finite", quotedText(t)));
+        case NumberState::ok:
+          break;
       }
     }
     return {};
@@ -131,7 +135,8 @@ Expected<void> VtkParser::reals(std::size_t n, const std::string &type, std::vec
   if (!p) return refuse(fmt::format("the file ends before its {} coordinates of type {}", n, type));
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint64_t bits = bigEndian(p + i * size, size);
-    out[i] = size == 4 ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits))) : std::bit_cast<double>(bits);
+    out[i] = size == 4 ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)))
+                       : std::bit_cast<double>(bits);
   }
   return {};
 }
@@ -170,7 +175,8 @@ Expected<void> VtkParser::points(RawMesh &raw) {
   return {};
 }
 
-Expected<void> VtkParser::cells(const std::string &section, std::vector<std::size_t> &begin, std::vector<long long> &corners) {
+Expected<void> VtkParser::cells(const std::string &section, std::vector<std::size_t> &begin,
+                                std::vector<long long> &corners) {
   auto first = count("cells");
   if (!first) return tl::unexpected(first.error());
   auto second = count("indices");
@@ -186,14 +192,16 @@ Expected<void> VtkParser::cells(const std::string &section, std::vector<std::siz
     const std::string offsetType = lowerToken();
     std::vector<long long> offsets;
     if (auto ok = integers(*first, offsetType, offsets); !ok) return ok;
-    if (const std::string_view t = token(); t != "CONNECTIVITY") return refuse("CONNECTIVITY expected, found " + quotedText(t));
+    if (const std::string_view t = token(); t != "CONNECTIVITY")
+      return refuse("CONNECTIVITY expected, found " + quotedText(t));
     const std::string connectivityType = lowerToken();
     if (auto ok = integers(*second, connectivityType, corners); !ok) return ok;
     begin.clear();
     for (std::size_t i = 0; i < offsets.size(); ++i) {
-      if (offsets[i] < (i ? offsets[i - 1] : 0) || offsets[i] > static_cast<long long>(corners.size()) || (i == 0 && offsets[i] != 0))
-        return refuse(fmt::format("offset {} of cell {} in {} is out of order; 0 to {} ascending is accepted", offsets[i], i,
-                                  section, corners.size()));
+      if (offsets[i] < (i ? offsets[i - 1] : 0) || offsets[i] > static_cast<long long>(corners.size()) ||
+          (i == 0 && offsets[i] != 0))
+        return refuse(fmt::format("offset {} of cell {} in {} is out of order; 0 to {} ascending is accepted",
+                                  offsets[i], i, section, corners.size()));
       begin.push_back(static_cast<std::size_t>(offsets[i]));
     }
     if (begin.empty()) begin.push_back(0);
@@ -207,7 +215,8 @@ Expected<void> VtkParser::cells(const std::string &section, std::vector<std::siz
   for (std::size_t cell = 0; cell < *first; ++cell) {
     const long long n = i < list.size() ? list[i] : -1;
     if (n < 0 || static_cast<unsigned long long>(n) > list.size() - i - 1)
-      return refuse(fmt::format("{} {} has {} corners, more than its list of {} numbers holds", section, cell, n, list.size()));
+      return refuse(
+          fmt::format("{} {} has {} corners, more than its list of {} numbers holds", section, cell, n, list.size()));
     corners.insert(corners.end(), list.begin() + static_cast<std::ptrdiff_t>(i + 1),
                    list.begin() + static_cast<std::ptrdiff_t>(i + 1) + static_cast<std::ptrdiff_t>(n));
     begin.push_back(corners.size());
@@ -223,20 +232,24 @@ Expected<void> VtkParser::addCells(const std::string &section, const std::vector
     face.clear();
     for (std::size_t i = begin[c]; i < begin[c + 1]; ++i) {
       if (corners[i] < 0 || corners[i] >= static_cast<long long>(raw.vertices.size()))
-        return fail(ErrorCode::input, fmt::format("{}: {} {}: point index {} is out of range; the file has {} points, 0 to {} are accepted",
-                                                  fileName_, section, c, corners[i], raw.vertices.size(),
-                                                  static_cast<long long>(raw.vertices.size()) - 1));
+        return fail(
+            ErrorCode::input,
+            fmt::format("{}: {} {}: point index {} is out of range; the file has {} points, 0 to {} are accepted",
+                        fileName_, section, c, corners[i], raw.vertices.size(),
+                        static_cast<long long>(raw.vertices.size()) - 1));
       face.push_back(static_cast<unsigned>(corners[i]));
     }
     if (section == "TRIANGLE_STRIPS") {
       if (face.size() < 3) ++raw.facesDropped;
       for (std::size_t i = 0; i + 2 < face.size(); ++i)
-        raw.triangles.push_back(i % 2 == 0 ? Triangle{face[i], face[i + 1], face[i + 2]} : Triangle{face[i + 1], face[i], face[i + 2]});
+        raw.triangles.push_back(i % 2 == 0 ? Triangle{face[i], face[i + 1], face[i + 2]}
+                                           : Triangle{face[i + 1], face[i], face[i + 2]});
       continue;
     }
     if (face.size() > kMaxFaceCorners || !addFace(raw, face))
-      return fail(ErrorCode::input, fmt::format("{}: {} {} has {} corners; up to {} are accepted, up to 4096 if it is concave",
-                                                fileName_, section, c, face.size(), kMaxFaceCorners));
+      return fail(ErrorCode::input,
+                  fmt::format("{}: {} {} has {} corners; up to {} are accepted, up to 4096 if it is concave", fileName_,
+                              section, c, face.size(), kMaxFaceCorners));
   }
   return {};
 }
@@ -249,12 +262,14 @@ void VtkParser::skipMetadata() {
 
 Expected<RawMesh> VtkParser::run() {
   if (!line().starts_with("# vtk DataFile"))
-    return refuse("the first line is not '# vtk DataFile Version ...'; legacy VTK files are accepted (XML has the extension .vtp)");
+    return refuse(
+        "the first line is not '# vtk DataFile Version ...'; legacy VTK files are accepted (XML has the extension .vtp)");
   line();  // title, free text
   const std::string coding = lowerToken();
   if (coding != "ascii" && coding != "binary") return refuse("ASCII or BINARY expected, found " + quotedText(coding));
   const bool binary = coding == "binary";
-  if (const std::string word = lowerToken(); word != "dataset") return refuse("DATASET expected, found " + quotedText(word));
+  if (const std::string word = lowerToken(); word != "dataset")
+    return refuse("DATASET expected, found " + quotedText(word));
   if (const std::string_view kind = token(); kind != "POLYDATA")
     return refuse("dataset " + quotedText(kind) + "; POLYDATA (a surface) is accepted");
   binary_ = binary;
@@ -275,22 +290,26 @@ Expected<RawMesh> VtkParser::run() {
     } else if (keyword == "POLYGONS" || keyword == "TRIANGLE_STRIPS" || keyword == "LINES" || keyword == "VERTICES") {
       Cells cellsRead{keyword, {}, {}};
       if (auto ok = cells(keyword, cellsRead.begin, cellsRead.corners); !ok) return tl::unexpected(ok.error());
-      if (keyword == "LINES" || keyword == "VERTICES") ignored += cellsRead.begin.size() - 1;
-      else surfaces.push_back(std::move(cellsRead));
+      if (keyword == "LINES" || keyword == "VERTICES")
+        ignored += cellsRead.begin.size() - 1;
+      else
+        surfaces.push_back(std::move(cellsRead));
     } else if (keyword == "METADATA") {
       skipMetadata();
     } else if (keyword == "FIELD") {
       return refuse("a FIELD block before the surface; POINTS, POLYGONS and TRIANGLE_STRIPS are accepted");
     } else {
-      return refuse("section " + quotedText(keyword) + " is not known; POINTS, POLYGONS and TRIANGLE_STRIPS are accepted");
+      return refuse("section " + quotedText(keyword) +
+                    " is not known; POINTS, POLYGONS and TRIANGLE_STRIPS are accepted");
     }
   }
   if (raw.vertices.empty()) return fail(ErrorCode::input, fileName_ + ": no POINTS; a surface is expected");
   for (const Cells &c : surfaces)
     if (auto ok = addCells(c.section, c.begin, c.corners, raw); !ok) return tl::unexpected(ok.error());
   if (raw.triangles.empty())
-    return fail(ErrorCode::input, fmt::format("{}: {} points but no faces (POLYGONS or TRIANGLE_STRIPS); a surface is expected",
-                                              fileName_, raw.vertices.size()));
+    return fail(ErrorCode::input,
+                fmt::format("{}: {} points but no faces (POLYGONS or TRIANGLE_STRIPS); a surface is expected",
+                            fileName_, raw.vertices.size()));
   if (ignored) raw.notes.push_back(fmt::format("{} lines and single points of the file were left out", ignored));
   return raw;
 }

@@ -43,7 +43,9 @@ class VtpParser {
   Expected<RawMesh> run();
 
  private:
-  [[nodiscard]] tl::unexpected<Error> refuse(const std::string &what) const { return fail(ErrorCode::input, fileName_ + ": " + what); }
+  [[nodiscard]] tl::unexpected<Error> refuse(const std::string &what) const {
+    return fail(ErrorCode::input, fileName_ + ": " + what);
+  }
   Expected<void> scan();
   Expected<std::string> bytes(const Array &array, const std::string &what) const;
   Expected<std::vector<double>> numbers(const Array &array, const std::string &what) const;
@@ -64,12 +66,15 @@ Expected<void> VtpParser::scan() {
   while (true) {
     const XmlScan::Tag tag = xml.next();
     if (tag.kind == XmlScan::Kind::broken) return refuse(fmt::format("not XML any more at byte {}", xml.position()));
-    if (tag.kind == XmlScan::Kind::end) return isOpen ? Expected<void>{} : refuse("no <VTKFile> in it; is this a VTP file?");
+    if (tag.kind == XmlScan::Kind::end)
+      return isOpen ? Expected<void>{} : refuse("no <VTKFile> in it; is this a VTP file?");
     if (tag.name == "VTKFile" && tag.kind == XmlScan::Kind::open) {
-      if (tag.get("type") != "PolyData") return refuse("dataset " + quotedText(tag.get("type")) + "; PolyData (a surface) is accepted");
+      if (tag.get("type") != "PolyData")
+        return refuse("dataset " + quotedText(tag.get("type")) + "; PolyData (a surface) is accepted");
       isPacked_ = !tag.get("compressor").empty();
       if (isPacked_ && tag.get("compressor") != "vtkZLibDataCompressor")
-        return refuse("the arrays are compressed by " + quotedText(tag.get("compressor")) + "; vtkZLibDataCompressor and none are accepted");
+        return refuse("the arrays are compressed by " + quotedText(tag.get("compressor")) +
+                      "; vtkZLibDataCompressor and none are accepted");
       if (const std::string type = tag.get("header_type", "UInt32"); type != "UInt32" && type != "UInt64")
         return refuse("header_type " + quotedText(type) + "; UInt32 and UInt64 are accepted");
       isBigEndian_ = tag.get("byte_order") == "BigEndian";
@@ -117,10 +122,13 @@ Expected<std::string> VtpParser::bytes(const Array &array, const std::string &wh
     if (array.offset > appended_.size()) return cut();
     source = appended_.substr(array.offset);
   } else if (array.format != "binary") {
-    return refuse("format " + quotedText(array.format) + " of the array " + what + "; ascii, binary and appended are accepted");
+    return refuse("format " + quotedText(array.format) + " of the array " + what +
+                  "; ascii, binary and appended are accepted");
   }
   const bool isRaw = array.format == "appended" && isAppendedRaw_;
-  const auto lengthIn = [&](std::string_view head) { return word(reinterpret_cast<const unsigned char *>(head.data()), headerBytes_); };
+  const auto lengthIn = [&](std::string_view head) {
+    return word(reinterpret_cast<const unsigned char *>(head.data()), headerBytes_);
+  };
   if (array.format == "binary") source.remove_prefix(std::min(source.find_first_not_of(" \t\r\n"), source.size()));
   if (isPacked_) {
     auto all = unpacked({source, !isRaw, headerBytes_, isBigEndian_});
@@ -157,21 +165,27 @@ Expected<std::vector<double>> VtpParser::numbers(const Array &array, const std::
       const std::size_t end = std::min(rest.find_first_of(" \t\r\n", begin), rest.size());
       double value = 0.0;
       if (parseNumber(rest.substr(begin, end - begin), value) != NumberState::ok)
-        return refuse(quotedText(rest.substr(begin, end - begin)) + " in the array " + what + " is not a finite number");
+        return refuse(quotedText(rest.substr(begin, end - begin)) + " in the array " + what +
+                      " is not a finite number");
       out.push_back(value);
       rest.remove_prefix(end);
     }
   }
   const std::size_t size = bytesOf(array.type);
-  if (size == 0) return refuse("type " + quotedText(array.type) + " of the array " + what + "; Float32, Float64 and whole numbers are accepted");
+  if (size == 0)
+    return refuse("type " + quotedText(array.type) + " of the array " + what +
+                  "; Float32, Float64 and whole numbers are accepted");
   const auto data = bytes(array, what);
   if (!data) return tl::unexpected(data.error());
   out.reserve(data->size() / size);
   for (std::size_t at = 0; at + size <= data->size(); at += size) {
     const std::uint64_t bits = word(reinterpret_cast<const unsigned char *>(data->data()) + at, size);
-    if (array.type == "Float32") out.push_back(static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits))));
-    else if (array.type == "Float64") out.push_back(std::bit_cast<double>(bits));
-    else if (array.type[0] == 'U') out.push_back(static_cast<double>(bits));
+    if (array.type == "Float32")
+      out.push_back(static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits))));
+    else if (array.type == "Float64")
+      out.push_back(std::bit_cast<double>(bits));
+    else if (array.type[0] == 'U')
+      out.push_back(static_cast<double>(bits));
     else {
       const std::size_t shift = 64 - 8 * size;
       out.push_back(static_cast<double>(static_cast<std::int64_t>(bits << shift) >> shift));
@@ -180,7 +194,8 @@ Expected<std::vector<double>> VtpParser::numbers(const Array &array, const std::
   return out;
 }
 
-Expected<void> VtpParser::addFaces(const Piece &piece, const std::string &section, std::size_t first, RawMesh &raw) const {
+Expected<void> VtpParser::addFaces(const Piece &piece, const std::string &section, std::size_t first,
+                                   RawMesh &raw) const {
   const auto found = piece.arrays.find(section);
   if (found == piece.arrays.end()) return {};
   const auto connectivityAt = found->second.find("connectivity"), offsetsAt = found->second.find("offsets");
@@ -194,23 +209,27 @@ Expected<void> VtpParser::addFaces(const Piece &piece, const std::string &sectio
   for (std::size_t c = 0; c < ends->size(); ++c) {
     const double end = (*ends)[c];
     if (!(end >= begin) || end > static_cast<double>(corners->size()))
-      return refuse(fmt::format("offset {} of cell {} in {} is out of order; up to {} ascending is accepted", end, c, section, corners->size()));
+      return refuse(fmt::format("offset {} of cell {} in {} is out of order; up to {} ascending is accepted", end, c,
+                                section, corners->size()));
     face.clear();
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const double index = (*corners)[i];
       if (!(index >= 0.0) || index >= static_cast<double>(piece.pointCount))
-        return refuse(fmt::format("{} {}: point index {} is out of range; there are {} points", section, c, index, piece.pointCount));
+        return refuse(fmt::format("{} {}: point index {} is out of range; there are {} points", section, c, index,
+                                  piece.pointCount));
       face.push_back(static_cast<unsigned>(first + static_cast<std::size_t>(index)));
     }
     begin = end;
     if (section == "Strips") {
       if (face.size() < 3) ++raw.facesDropped;
       for (std::size_t i = 0; i + 2 < face.size(); ++i)
-        raw.triangles.push_back(i % 2 ? Triangle{face[i + 1], face[i], face[i + 2]} : Triangle{face[i], face[i + 1], face[i + 2]});
+        raw.triangles.push_back(i % 2 ? Triangle{face[i + 1], face[i], face[i + 2]}
+                                      : Triangle{face[i], face[i + 1], face[i + 2]});
       continue;
     }
     if (face.size() > kMaxFaceCorners || !addFace(raw, face))
-      return refuse(fmt::format("{} {} has {} corners; up to {} are accepted, up to 4096 if it is concave", section, c, face.size(), kMaxFaceCorners));
+      return refuse(fmt::format("{} {} has {} corners; up to {} are accepted, up to 4096 if it is concave", section, c,
+                                face.size(), kMaxFaceCorners));
   }
   return {};
 }
@@ -222,7 +241,8 @@ Expected<RawMesh> VtpParser::run() {
     const auto points = piece.arrays.find("Points");
     if (piece.pointCount == 0 || points == piece.arrays.end()) continue;
     const Array &array = points->second.at("Points");
-    if (array.components != 3) return refuse(fmt::format("points with {} components; 3 are expected", array.components));
+    if (array.components != 3)
+      return refuse(fmt::format("points with {} components; 3 are expected", array.components));
     const auto values = numbers(array, "Points");
     if (!values) return tl::unexpected(values.error());
     if (values->size() / 3 != piece.pointCount || values->size() % 3 != 0)
@@ -232,7 +252,8 @@ Expected<RawMesh> VtpParser::run() {
     for (std::size_t i = 0; i < piece.pointCount; ++i) {
       const Vec3 p{(*values)[3 * i], (*values)[3 * i + 1], (*values)[3 * i + 2]};
       for (std::size_t k = 0; k < 3; ++k)
-        if (!std::isfinite(p[k])) return refuse(fmt::format("{} coordinate {} of point {} is not finite", "xyz"[k], p[k], i));
+        if (!std::isfinite(p[k]))
+          return refuse(fmt::format("{} coordinate {} of point {} is not finite", "xyz"[k], p[k], i));
       raw.vertices.push_back(p);
     }
     for (const char *section : {"Polys", "Strips"})

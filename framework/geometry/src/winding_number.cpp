@@ -22,13 +22,13 @@ constexpr std::size_t kLeafSize = 8;
 struct Node {
   Vec3 centre{};
   double farDistanceSquared = 0.0;
-  Vec3 dipole{};                     ///< integral of dA
-  double trace = 0.0;                ///< integral of y . dA
-  std::array<double, 6> quadratic{}; ///< of y_i dA_j, as a form: xx yy zz xy xz yz
-  Vec3 linear{};                     ///< of 2 (y . dA) y + (y . y) dA
-  std::array<double, 10> cubic{};    ///< of y_i y_j dA_k, as a form: xxx yyy zzz xxy xxz xyy yyz xzz yzz xyz
-  std::uint32_t begin = 0, end = 0;  ///< triangles below, in tree order
-  std::uint32_t skip = 0;            ///< the next node when this one is done with; the first child follows at once
+  Vec3 dipole{};                      ///< integral of dA
+  double trace = 0.0;                 ///< integral of y . dA
+  std::array<double, 6> quadratic{};  ///< of y_i dA_j, as a form: xx yy zz xy xz yz
+  Vec3 linear{};                      ///< of 2 (y . dA) y + (y . y) dA
+  std::array<double, 10> cubic{};     ///< of y_i y_j dA_k, as a form: xxx yyy zzz xxy xxz xyy yyz xzz yzz xyz
+  std::uint32_t begin = 0, end = 0;   ///< triangles below, in tree order
+  std::uint32_t skip = 0;             ///< the next node when this one is done with; the first child follows at once
   bool isLeaf = false;
 };
 
@@ -36,8 +36,9 @@ struct Corners {
   Vec3 a, b, c;
 };
 
-/// Solid angle of a triangle as seen from a point, by Van Oosterom and Strackee (1983); in [-2 pi, 2 pi]. A point in the
-/// triangle, up to rounding, sees half of everything from one side and minus half from the other: it gets the mean, zero.
+/// Solid angle of a triangle as seen from a point, by Van Oosterom and Strackee (1983); in [-2 pi, 2 pi]. A point in
+/// the triangle, up to rounding, sees half of everything from one side and minus half from the other: it gets the mean,
+/// zero.
 double solidAngle(const Corners &t, const Vec3 &p) {
   const Vec3 a = t.a - p, b = t.b - p, c = t.c - p;
   const double la = norm(a), lb = norm(b), lc = norm(c);
@@ -63,9 +64,12 @@ void addMoments(Node &node, const Corners &t, const Vec3 &n, const Vec3 &c) {
   const Vec3 corners[3] = {t.a - node.centre, t.b - node.centre, t.c - node.centre};
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)
-      m[i][j] = (corners[0][i] * corners[0][j] + corners[1][i] * corners[1][j] + corners[2][i] * corners[2][j] + 9.0 * c[i] * c[j]) / 12.0;
+      m[i][j] = (corners[0][i] * corners[0][j] + corners[1][i] * corners[1][j] + corners[2][i] * corners[2][j] +
+                 9.0 * c[i] * c[j]) /
+                12.0;
   const double trace = m[0][0] + m[1][1] + m[2][2];
-  for (std::size_t i = 0; i < 3; ++i) node.linear[i] += 2.0 * (m[i][0] * n[0] + m[i][1] * n[1] + m[i][2] * n[2]) + trace * n[i];
+  for (std::size_t i = 0; i < 3; ++i)
+    node.linear[i] += 2.0 * (m[i][0] * n[0] + m[i][1] * n[1] + m[i][2] * n[2]) + trace * n[i];
   node.cubic[0] += m[0][0] * n[0];
   node.cubic[1] += m[1][1] * n[1];
   node.cubic[2] += m[2][2] * n[2];
@@ -101,7 +105,8 @@ struct WindingNumber::Impl {
   double sum(const Vec3 &p) const;
 };
 
-void WindingNumber::Impl::build(std::vector<Corners> &source, std::vector<std::uint32_t> &order, std::size_t begin, std::size_t end) {
+void WindingNumber::Impl::build(std::vector<Corners> &source, std::vector<std::uint32_t> &order, std::size_t begin,
+                                std::size_t end) {
   const std::size_t self = nodes.size();
   nodes.emplace_back();
   Node node;
@@ -112,7 +117,9 @@ void WindingNumber::Impl::build(std::vector<Corners> &source, std::vector<std::u
   // Centre: the area-weighted mean of the triangles' centres, about which the first moment is small.
   Vec3 low = source[order[begin]].a, high = low;
   double area = 0.0;
-  const auto centreOf = [&](std::size_t i) { return (1.0 / 3.0) * (source[order[i]].a + source[order[i]].b + source[order[i]].c); };
+  const auto centreOf = [&](std::size_t i) {
+    return (1.0 / 3.0) * (source[order[i]].a + source[order[i]].b + source[order[i]].c);
+  };
   const auto vectorArea = [&](std::size_t i) {
     const Corners &t = source[order[i]];
     return 0.5 * cross(t.b - t.a, t.c - t.a);
@@ -146,7 +153,8 @@ void WindingNumber::Impl::build(std::vector<Corners> &source, std::vector<std::u
     for (std::size_t k = 1; k < 3; ++k)
       if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
     const std::size_t middle = begin + (end - begin) / 2;
-    std::nth_element(order.begin() + static_cast<std::ptrdiff_t>(begin), order.begin() + static_cast<std::ptrdiff_t>(middle),
+    std::nth_element(order.begin() + static_cast<std::ptrdiff_t>(begin),
+                     order.begin() + static_cast<std::ptrdiff_t>(middle),
                      order.begin() + static_cast<std::ptrdiff_t>(end), [&](std::uint32_t i, std::uint32_t j) {
                        const double x = source[i].a[axis] + source[i].b[axis] + source[i].c[axis];
                        const double y = source[j].a[axis] + source[j].b[axis] + source[j].c[axis];
@@ -183,7 +191,8 @@ WindingNumber::WindingNumber(const TriangleMesh &mesh) {
   auto impl = std::make_unique<Impl>();
   std::vector<Corners> source;
   source.reserve(mesh.triangles.size());
-  for (const Triangle &t : mesh.triangles) source.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+  for (const Triangle &t : mesh.triangles)
+    source.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
   if (!source.empty()) {
     std::vector<std::uint32_t> order(source.size());
     std::iota(order.begin(), order.end(), 0u);

@@ -10,7 +10,11 @@ std::string withoutEntities(std::string_view text) {
   std::string out;
   while (!text.empty()) {
     bool isEntity = false;
-    for (const auto &[name, c] : {std::pair<std::string_view, char>{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}})
+    for (const auto &[name, c] : {std::pair<std::string_view, char>{"&amp;", '&'},
+                                  {"&lt;", '<'},
+                                  {"&gt;", '>'},
+                                  {"&quot;", '"'},
+                                  {"&apos;", '\''}})
       if (text.starts_with(name)) {
         out.push_back(c);
         text.remove_prefix(name.size());
@@ -39,9 +43,12 @@ XmlScan::Tag XmlScan::next() {
       return tag;
     }
     std::string_view terminator;
-    if (text_.substr(begin).starts_with("<!--")) terminator = "-->";
-    else if (text_.substr(begin).starts_with("<?")) terminator = "?>";
-    else if (text_.substr(begin).starts_with("<!")) terminator = ">";
+    if (text_.substr(begin).starts_with("<!--"))
+      terminator = "-->";
+    else if (text_.substr(begin).starts_with("<?"))
+      terminator = "?>";
+    else if (text_.substr(begin).starts_with("<!"))
+      terminator = ">";
     if (terminator.empty()) {
       at_ = begin + 1;
       break;
@@ -55,7 +62,8 @@ XmlScan::Tag XmlScan::next() {
   };
   const auto word = [this] {
     const std::size_t begin = at_;
-    while (at_ < text_.size() && !isSpace(text_[at_]) && text_[at_] != '>' && text_[at_] != '/' && text_[at_] != '=') ++at_;
+    while (at_ < text_.size() && !isSpace(text_[at_]) && text_[at_] != '>' && text_[at_] != '/' && text_[at_] != '=')
+      ++at_;
     return std::string(text_.substr(begin, at_ - begin));
   };
   tag.kind = Kind::open;

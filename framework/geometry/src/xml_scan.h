@@ -7,8 +7,8 @@
 
 namespace c3de::geometry {
 
-/// Goes through XML tag by tag, as far as VTK's files need it: attributes, text between tags; comments, declarations and
-/// the like are skipped.
+/// Goes through XML tag by tag, as far as VTK's files need it: attributes, text between tags; comments, declarations
+/// and the like are skipped.
 class XmlScan {
  public:
   explicit XmlScan(std::string_view text) : text_(text) {}

@@ -90,13 +90,16 @@ class InflatedBytes : public ByteStream {
 
 }  // namespace
 
-Expected<std::unique_ptr<ByteStream>> openBytes(const std::filesystem::path &path, std::uint64_t offset, bool deflated) {
+Expected<std::unique_ptr<ByteStream>> openBytes(const std::filesystem::path &path, std::uint64_t offset,
+                                                bool deflated) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code)) return fail(ErrorCode::input, path.string() + ": no such file");
   std::ifstream file(path, std::ios::binary);
   if (!file) return fail(ErrorCode::input, path.string() + ": cannot be opened");
   file.seekg(static_cast<std::streamoff>(offset));
-  if (!file) return fail(ErrorCode::input, path.string() + ": has no byte " + std::to_string(offset) + ", where the voxels should begin");
+  if (!file)
+    return fail(ErrorCode::input,
+                path.string() + ": has no byte " + std::to_string(offset) + ", where the voxels should begin");
   if (deflated) return std::make_unique<InflatedBytes>(std::move(file));
   return std::make_unique<FileBytes>(std::move(file));
 }

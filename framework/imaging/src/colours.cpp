@@ -24,7 +24,8 @@ void setColours(Volume &volume, const Voxels &numbers, std::size_t channels) {
         for (std::size_t v = 0; v < count; ++v) {
           Rgba &colour = volume.colours[v];
           for (std::size_t c = 0; c < channels; ++c) colour[c] = eightBits(all[v * channels + c]);
-          luma[v] = static_cast<std::uint8_t>(std::lround(0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2]));
+          luma[v] =
+              static_cast<std::uint8_t>(std::lround(0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2]));
         }
       },
       numbers);

@@ -31,7 +31,8 @@ PaletteTable tableOf(const DicomSet &set, std::uint32_t descriptor, std::uint32_
   const auto raw = set.bytes(data);
   const auto words = set.words(data);
   if (words.size() >= count && count > 0)
-    for (std::size_t n = 0; n < count; ++n) out.entries.push_back(static_cast<std::uint8_t>(said[2] > 8 ? words[n] >> 8 : std::min<unsigned>(words[n], 255)));
+    for (std::size_t n = 0; n < count; ++n)
+      out.entries.push_back(static_cast<std::uint8_t>(said[2] > 8 ? words[n] >> 8 : std::min<unsigned>(words[n], 255)));
   else if (raw.size() >= count)
     for (std::size_t n = 0; n < count; ++n) out.entries.push_back(static_cast<std::uint8_t>(raw[n]));
   return out;
@@ -42,10 +43,14 @@ PaletteTable tableOf(const DicomSet &set, std::uint32_t descriptor, std::uint32_
 std::string refusalOfColours(const DicomSet &set) {
   const std::string colours = set.text(0x00280004);
   const std::size_t samples = set.number(0x00280002), bits = set.number(0x00280100);
-  const std::string found = "holds colours (" + colours + ", " + std::to_string(samples) + " numbers of " + std::to_string(bits) + " bits per pixel)";
+  const std::string found = "holds colours (" + colours + ", " + std::to_string(samples) + " numbers of " +
+                            std::to_string(bits) + " bits per pixel)";
   if (bits != 8 && bits != 16) return found + "; those of 8 and 16 bits are read";
-  if (colours == kPalette) return samples == 1 && !set.has(0x00281221) ? "" : found + "; palettes are read where their tables are not in segments";
-  if (samples == 3 && (colours == "RGB" || colours == "YBR_FULL" || colours == "YBR_ICT" || colours == "YBR_RCT")) return "";
+  if (colours == kPalette)
+    return samples == 1 && !set.has(0x00281221) ? ""
+                                                : found + "; palettes are read where their tables are not in segments";
+  if (samples == 3 && (colours == "RGB" || colours == "YBR_FULL" || colours == "YBR_ICT" || colours == "YBR_RCT"))
+    return "";
   if (samples == 3 && bits == 8 && colours == "YBR_FULL_422") return "";
   return found + "; RGB, YBR_FULL, YBR_FULL_422, YBR_ICT, YBR_RCT and PALETTE COLOR are read";
 }
@@ -80,7 +85,8 @@ std::vector<char> unpaired(const std::vector<char> &bytes) {
   std::vector<char> out;
   out.reserve(bytes.size() / 2 * 3);
   for (std::size_t at = 0; at + 4 <= bytes.size(); at += 4)
-    for (std::size_t pixel = 0; pixel < 2; ++pixel) out.insert(out.end(), {bytes[at + pixel], bytes[at + 2], bytes[at + 3]});
+    for (std::size_t pixel = 0; pixel < 2; ++pixel)
+      out.insert(out.end(), {bytes[at + pixel], bytes[at + 2], bytes[at + 3]});
   return out;
 }
 
@@ -90,7 +96,8 @@ std::vector<char> interleaved(const std::vector<char> &planes, std::size_t pixel
   for (std::size_t from = 0; from + frame <= planes.size(); from += frame)
     for (std::size_t s = 0; s < 3; ++s)
       for (std::size_t p = 0; p < pixelsOfFrame; ++p)
-        std::copy_n(planes.data() + from + (s * pixelsOfFrame + p) * bytesEach, bytesEach, out.data() + from + (3 * p + s) * bytesEach);
+        std::copy_n(planes.data() + from + (s * pixelsOfFrame + p) * bytesEach, bytesEach,
+                    out.data() + from + (3 * p + s) * bytesEach);
   return out;
 }
 
@@ -98,7 +105,8 @@ std::vector<Rgba> paletteColours(const DicomSet &set, const Voxels &numbers) {
   std::array<PaletteTable, 3> tables;
   for (std::uint32_t s = 0; s < 3; ++s) tables[s] = tableOf(set, 0x00281101 + s, 0x00281201 + s);
   std::vector<Rgba> out;
-  if (std::any_of(tables.begin(), tables.end(), [](const PaletteTable &table) { return table.entries.empty(); })) return out;
+  if (std::any_of(tables.begin(), tables.end(), [](const PaletteTable &table) { return table.entries.empty(); }))
+    return out;
   std::visit(
       [&](const auto &all) {
         out.reserve(all.size());

@@ -24,7 +24,8 @@ struct ColourSamples {
 /// Y Y Cb Cr for two pixels to Y Cb Cr for each. 8 bits.
 [[nodiscard]] std::vector<char> unpaired(const std::vector<char> &bytes);
 /// Frame by frame all first, all second, all third numbers: to three for each pixel.
-[[nodiscard]] std::vector<char> interleaved(const std::vector<char> &planes, std::size_t pixelsOfFrame, std::size_t bytesEach);
+[[nodiscard]] std::vector<char> interleaved(const std::vector<char> &planes, std::size_t pixelsOfFrame,
+                                            std::size_t bytesEach);
 
 /// Numbers to the colours of the file's palette; empty: its tables are damaged.
 [[nodiscard]] std::vector<Rgba> paletteColours(const DicomSet &set, const Voxels &numbers);

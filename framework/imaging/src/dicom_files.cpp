@@ -47,7 +47,8 @@ double numberOr(const std::vector<double> &all, double otherwise) {
 }
 
 bool finite(const std::vector<double> &all, std::size_t count) {
-  return all.size() >= count && std::all_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), [](double x) { return std::abs(x) < 1e6; });
+  return all.size() >= count && std::all_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count),
+                                            [](double x) { return std::abs(x) < 1e6; });
 }
 
 /// Parametric maps say what their numbers mean by Real World Value Mapping, PS3.3 C.7.6.16.2.11.
@@ -73,7 +74,8 @@ DicomFrame readFrame(const Places &from, const DicomSet &file, const std::string
   }
   if (finite(position, 3)) frame.position = Vec3{position[0], position[1], position[2]};
   if (finite(orientation, 6)) {
-    const Vec3 row{orientation[0], orientation[1], orientation[2]}, column{orientation[3], orientation[4], orientation[5]};
+    const Vec3 row{orientation[0], orientation[1], orientation[2]},
+        column{orientation[3], orientation[4], orientation[5]};
     // Standard: unit vectors at a right angle; writers round them.
     if (std::abs(norm(row) - 1.0) < 0.01 && std::abs(norm(column) - 1.0) < 0.01 && std::abs(dot(row, column)) < 0.01) {
       frame.alongRow = (1.0 / norm(row)) * row;
@@ -101,7 +103,8 @@ DicomFrame readFrame(const Places &from, const DicomSet &file, const std::string
   if (modality == "RTDOSE") frame.slope = numberOr(file.decimals(0x3004000e), 1.0), frame.intercept = 0.0;
   if (file.text(0x00080016) == kParametricMap) scaleParameter(from, frame, out);
   if (out.segmentation)
-    if (const auto segment = from.item(0x0062000a)) frame.segment = static_cast<std::uint16_t>(segment->number(0x0062000b));
+    if (const auto segment = from.item(0x0062000a))
+      frame.segment = static_cast<std::uint16_t>(segment->number(0x0062000b));
   return frame;
 }
 
@@ -113,7 +116,8 @@ std::string unitOf(const DicomSet &set, const std::string &modality) {
   return modality == "CT" ? "HU" : "";
 }
 
-/// Frames of these modalities that have no place of their own follow each other in time; of the others they may be slices.
+/// Frames of these modalities that have no place of their own follow each other in time; of the others they may be
+/// slices.
 bool isFilmed(const std::string &modality) {
   for (const char *sliced : {"CT", "MR", "PT", "NM", "RTDOSE", "SEG"})
     if (modality == sliced) return false;
@@ -135,11 +139,13 @@ void placeByOffsets(const DicomSet &set, DicomFile &out) {
     return;
   }
   if (offsets.size() < out.frames.size()) {
-    out.refusal = "its " + std::to_string(out.frames.size()) + " frames have no places of their own (a film, not a volume)";
+    out.refusal =
+        "its " + std::to_string(out.frames.size()) + " frames have no places of their own (a film, not a volume)";
     return;
   }
   const Vec3 origin = *first.position, normal = cross(first.alongRow, first.alongColumn);
-  for (std::size_t f = 0; f < out.frames.size(); ++f) out.frames[f].position = origin + (offsets[f] - offsets[0]) * normal;
+  for (std::size_t f = 0; f < out.frames.size(); ++f)
+    out.frames[f].position = origin + (offsets[f] - offsets[0]) * normal;
 }
 
 std::optional<DicomFile> describe(const std::filesystem::path &path, const DicomSet &set) {
@@ -157,7 +163,8 @@ std::optional<DicomFile> describe(const std::filesystem::path &path, const Dicom
   out.bits = static_cast<unsigned>(set.number(0x00280100));
   out.isSigned = set.number(0x00280103) == 1;
   out.unit = unitOf(set, out.modality);
-  for (const std::uint32_t tag : {0x00200100, 0x00180086, 0x00200012, 0x00200013}) out.order.push_back(numberOr(set.decimals(tag), 0.0));
+  for (const std::uint32_t tag : {0x00200100, 0x00180086, 0x00200012, 0x00200013})
+    out.order.push_back(numberOr(set.decimals(tag), 0.0));
   const std::string colours = set.text(0x00280004);
   out.isReal = !set.has(kPixelData) && (set.has(kFloatPixels) || set.has(kDoublePixels));
   if (out.isReal) out.bits = set.has(kFloatPixels) ? 32 : 64;
@@ -169,11 +176,15 @@ std::optional<DicomFile> describe(const std::filesystem::path &path, const Dicom
   if (out.modality == "SEG" || set.has(0x00620002)) {
     out.segmentation = segmentationOf(set);
     out.isColoured = false;  // a segmentation's palette colours numbers of segments
-    out.refusal = out.segmentation ? "" : "is a DICOM segmentation of type '" + set.text(0x00620001) + "'; BINARY, FRACTIONAL and LABELMAP are read";
+    out.refusal = out.segmentation ? ""
+                                   : "is a DICOM segmentation of type '" + set.text(0x00620001) +
+                                         "'; BINARY, FRACTIONAL and LABELMAP are read";
     out.notices.clear();
   }
-  if (colours == "MONOCHROME1") out.notices.push_back("The image is meant to be shown with small values bright (MONOCHROME1).");
-  if (set.has(0x00283000)) out.notices.push_back("The image has a table of values (Modality LUT), which is not applied.");
+  if (colours == "MONOCHROME1")
+    out.notices.push_back("The image is meant to be shown with small values bright (MONOCHROME1).");
+  if (set.has(0x00283000))
+    out.notices.push_back("The image has a table of values (Modality LUT), which is not applied.");
 
   const std::string stated = set.text(0x00280008);
   const double count = stated.empty() ? 1.0 : numberOr(numbersIn(stated), 0.0);
@@ -184,13 +195,17 @@ std::optional<DicomFile> describe(const std::filesystem::path &path, const Dicom
   }
   const auto shared = set.items(0x52009229), own = set.items(0x52009230);
   for (std::size_t f = 0; f < static_cast<std::size_t>(count); ++f) {
-    out.frames.push_back(readFrame({f < own.size() ? &own[f] : nullptr, shared.empty() ? nullptr : &shared.front(), set}, set, out.modality, out));
+    out.frames.push_back(readFrame(
+        {f < own.size() ? &own[f] : nullptr, shared.empty() ? nullptr : &shared.front(), set}, set, out.modality, out));
     out.frames.back().time = static_cast<double>(f);
   }
   if (!out.segmentation) placeByOffsets(set, out);
   if (out.refusal.empty() && out.frames.size() > 1 && !out.frames.front().position) {
-    if (isFilmed(out.modality)) out.isFilm = true;
-    else out.refusal = "its " + std::to_string(out.frames.size()) + " frames have no place in the patient (a film, not a volume)";
+    if (isFilmed(out.modality))
+      out.isFilm = true;
+    else
+      out.refusal =
+          "its " + std::to_string(out.frames.size()) + " frames have no place in the patient (a film, not a volume)";
   }
   std::sort(out.notices.begin(), out.notices.end());
   out.notices.erase(std::unique(out.notices.begin(), out.notices.end()), out.notices.end());
@@ -202,10 +217,12 @@ std::string missingPixels(const DicomFile &file, const DicomContent &content) {
   const DicomSet::Element *pixels = content.pixels();
   if (!pixels) return content.damage.empty() ? "has no pixels" : "is truncated or damaged: " + content.damage;
   if (pixels->undefined) return fragmentsOf(content) ? "" : "is truncated or damaged within its compressed pixels";
-  const std::uint64_t numbers = static_cast<std::uint64_t>(file.rows) * file.columns * file.frames.size() * samplesStored(content.set);
+  const std::uint64_t numbers =
+      static_cast<std::uint64_t>(file.rows) * file.columns * file.frames.size() * samplesStored(content.set);
   const std::uint64_t need = (numbers * file.bits + 7) / 8;
   const std::uint64_t there = std::min<std::uint64_t>(pixels->length, content.bytes->length() - pixels->at);
-  if (there < need) return "is truncated: " + std::to_string(there) + " of " + std::to_string(need) + " bytes of pixels";
+  if (there < need)
+    return "is truncated: " + std::to_string(there) + " of " + std::to_string(need) + " bytes of pixels";
   return content.damage.empty() ? "" : "is damaged: " + content.damage;
 }
 

@@ -16,15 +16,15 @@ namespace c3de::imaging {
 
 /// One picture of a file.
 struct DicomFrame {
-  std::optional<Vec3> position;         ///< centre of its first pixel, LPS mm
+  std::optional<Vec3> position;  ///< centre of its first pixel, LPS mm
   bool oriented = false;
   Vec3 alongRow{1, 0, 0}, alongColumn{0, 1, 0};  ///< unit vectors of growing column and row index
   double columnStep = 1.0, rowStep = 1.0;        ///< mm between columns, between rows
   bool spaced = false;
-  double sliceStep = 0.0;                        ///< mm to the next slice as stated; 0: not stated
+  double sliceStep = 0.0;  ///< mm to the next slice as stated; 0: not stated
   double slope = 1.0, intercept = 0.0;
-  double time = 0.0;                             ///< orders frames at one place
-  std::uint16_t segment = 0;                     ///< number of the one that a frame of a segmentation holds
+  double time = 0.0;          ///< orders frames at one place
+  std::uint16_t segment = 0;  ///< number of the one that a frame of a segmentation holds
 };
 
 /// What a segmentation says of one of its segments.
@@ -49,12 +49,12 @@ struct DicomFile {
   std::size_t rows = 0, columns = 0;  ///< of a frame
   std::size_t tiles = 0;              ///< frames beside and below each other in one picture (mosaic); 0: none
   unsigned bits = 0;
-  bool isSigned = false, isReal = false;  ///< floating-point numbers
+  bool isSigned = false, isReal = false;    ///< floating-point numbers
   bool isColoured = false, isFilm = false;  ///< frames without a place are one place at several times
   std::optional<DicomSegmentation> segmentation;
-  std::string refusal;               ///< why its frames make no volume; empty: none known
+  std::string refusal;  ///< why its frames make no volume; empty: none known
   std::vector<std::string> notices;
-  std::vector<double> order;         ///< temporal position, echo, acquisition, instance
+  std::vector<double> order;  ///< temporal position, echo, acquisition, instance
   std::vector<DicomFrame> frames;
 };
 

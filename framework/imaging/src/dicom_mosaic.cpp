@@ -46,7 +46,8 @@ std::map<std::string, std::vector<double>> csaFields(const std::vector<char> &cs
       const std::uint32_t length = isSecond ? number(at + 4) : number(at) - first;
       at += kItem;
       if (length > csa.size() - at) return fields;
-      const auto value = numbersIn(trimmed(std::string(csa.data() + at, std::find(csa.data() + at, csa.data() + at + length, '\0'))));
+      const auto value =
+          numbersIn(trimmed(std::string(csa.data() + at, std::find(csa.data() + at, csa.data() + at + length, '\0'))));
       if (value.size() == 1) fields[key].push_back(value[0]);
       at = std::min(csa.size(), at + (length + 3) / 4 * 4);
     }
@@ -80,43 +81,62 @@ void splitMosaic(const DicomSet &set, DicomFile &file) {
     const auto found = csa.find(name);
     return found == csa.end() ? std::vector<double>() : found->second;
   };
-  const auto refuseTiles = [&](const std::string &what) { file.refusal = "is a mosaic of Siemens (many slices in one picture) " + what; };
+  const auto refuseTiles = [&](const std::string &what) {
+    file.refusal = "is a mosaic of Siemens (many slices in one picture) " + what;
+  };
   double count = 0.0;
-  if (const auto stated = field("NumberOfImagesInMosaic"); !stated.empty()) count = stated[0];
-  else count = static_cast<double>(set.number(privateTag(set, 0x0019, "SIEMENS MR HEADER", 0x0a)));
-  if (count == 0.0) return refuseTiles("whose header does not say how many there are: NumberOfImagesInMosaic is missing (was the CSA header removed?)");
+  if (const auto stated = field("NumberOfImagesInMosaic"); !stated.empty())
+    count = stated[0];
+  else
+    count = static_cast<double>(set.number(privateTag(set, 0x0019, "SIEMENS MR HEADER", 0x0a)));
+  if (count == 0.0)
+    return refuseTiles(
+        "whose header does not say how many there are: NumberOfImagesInMosaic is missing (was the CSA header removed?)");
   if (!(count >= 1.0 && count <= 4096.0) || count != std::floor(count) || file.frames.size() != 1)
-    return refuseTiles("whose header says " + formatNumber(count) + " tiles in " + std::to_string(file.frames.size()) + " frames; accepted are 1 to 4096 in one");
+    return refuseTiles("whose header says " + formatNumber(count) + " tiles in " + std::to_string(file.frames.size()) +
+                       " frames; accepted are 1 to 4096 in one");
   const auto tiles = static_cast<std::size_t>(std::ceil(std::sqrt(count)));
   if (file.rows % tiles != 0 || file.columns % tiles != 0)
-    return refuseTiles("of " + std::to_string(file.columns) + " x " + std::to_string(file.rows) + " pixels, which are not " + std::to_string(tiles) + " x " + std::to_string(tiles) + " equal tiles");
+    return refuseTiles("of " + std::to_string(file.columns) + " x " + std::to_string(file.rows) +
+                       " pixels, which are not " + std::to_string(tiles) + " x " + std::to_string(tiles) +
+                       " equal tiles");
   const DicomFrame whole = file.frames.front();
-  if (!whole.position || !whole.oriented || !whole.spaced) return refuseTiles("without position, orientation or pixel spacing");
+  if (!whole.position || !whole.oriented || !whole.spaced)
+    return refuseTiles("without position, orientation or pixel spacing");
   const auto apart = set.decimals(0x00180088);
   const double step = !apart.empty() ? std::abs(apart[0]) : 0.0;
-  if (!(step > 0.0 && step < 1e4)) return refuseTiles("whose Spacing Between Slices is missing: how far its slices lie apart is not known");
+  if (!(step > 0.0 && step < 1e4))
+    return refuseTiles("whose Spacing Between Slices is missing: how far its slices lie apart is not known");
   const auto stated = field("SliceNormalVector");
   const Vec3 normal = cross(whole.alongRow, whole.alongColumn);
   const double along = stated.size() == 3 ? dot({stated[0], stated[1], stated[2]}, normal) : 0.0;
   if (!(std::abs(along) > 0.99 && std::abs(along) < 1.01))
-    return refuseTiles(stated.size() == 3 ? "whose SliceNormalVector is not across its slices" : "whose SliceNormalVector is missing: in which direction its slices follow each other is not known");
+    return refuseTiles(
+        stated.size() == 3
+            ? "whose SliceNormalVector is not across its slices"
+            : "whose SliceNormalVector is missing: in which direction its slices follow each other is not known");
 
   file.tiles = tiles;
-  const double columnsBeside = static_cast<double>(file.columns - file.columns / tiles), rowsBelow = static_cast<double>(file.rows - file.rows / tiles);
+  const double columnsBeside = static_cast<double>(file.columns - file.columns / tiles),
+               rowsBelow = static_cast<double>(file.rows - file.rows / tiles);
   file.columns /= tiles;
   file.rows /= tiles;
-  const Vec3 corner = *whole.position + (0.5 * columnsBeside * whole.columnStep) * whole.alongRow + (0.5 * rowsBelow * whole.rowStep) * whole.alongColumn;
+  const Vec3 corner = *whole.position + (0.5 * columnsBeside * whole.columnStep) * whole.alongRow +
+                      (0.5 * rowsBelow * whole.rowStep) * whole.alongColumn;
   file.frames.assign(static_cast<std::size_t>(count), whole);
   for (std::size_t f = 0; f < file.frames.size(); ++f) {
     file.frames[f].position = corner + ((along > 0.0 ? step : -step) * static_cast<double>(f)) * normal;
     file.frames[f].sliceStep = step;
     file.frames[f].time = 0.0;
   }
-  file.notices.push_back("The picture is a mosaic of " + std::to_string(file.frames.size()) + " slices (Siemens): it is taken apart into its volume.");
+  file.notices.push_back("The picture is a mosaic of " + std::to_string(file.frames.size()) +
+                         " slices (Siemens): it is taken apart into its volume.");
 }
 
 bool takeTilesApart(const DicomFile &file, DicomPixels &pixels) {
-  if (pixels.frames != 1 || pixels.columns != file.columns * file.tiles || pixels.rows != file.rows * file.tiles || file.frames.size() > file.tiles * file.tiles) return false;
+  if (pixels.frames != 1 || pixels.columns != file.columns * file.tiles || pixels.rows != file.rows * file.tiles ||
+      file.frames.size() > file.tiles * file.tiles)
+    return false;
   std::visit([&](auto &all) { all = apart(all, file, pixels.columns); }, pixels.voxels);
   if (!pixels.colours.empty()) pixels.colours = apart(pixels.colours, file, pixels.columns);
   pixels.columns = file.columns;

@@ -13,7 +13,8 @@
 namespace c3de::imaging {
 namespace {
 
-constexpr std::uint32_t kUndefined = 0xffffffffu, kItem = 0xfffee000u, kItemEnd = 0xfffee00du, kSequenceEnd = 0xfffee0ddu;
+constexpr std::uint32_t kUndefined = 0xffffffffu, kItem = 0xfffee000u, kItemEnd = 0xfffee00du,
+                        kSequenceEnd = 0xfffee0ddu;
 constexpr std::uint32_t kCharacterSet = 0x00080005u;
 constexpr int kDeepest = 16;
 constexpr std::size_t kWindow = 1u << 14;
@@ -142,7 +143,8 @@ bool DicomBytes::read(std::uint64_t at, void *to, std::size_t bytes) {
 class DicomParser {
  public:
   /// Elements from a position up to the end, the pixels, or a delimiter. @param damage  set where the structure breaks
-  static DicomSet parse(const std::shared_ptr<DicomBytes> &bytes, std::uint64_t at, std::uint64_t end, DicomSyntax syntax, std::string &damage) {
+  static DicomSet parse(const std::shared_ptr<DicomBytes> &bytes, std::uint64_t at, std::uint64_t end,
+                        DicomSyntax syntax, std::string &damage) {
     DicomSet set;
     set.bytes_ = bytes;
     set.syntax_ = syntax;
@@ -154,7 +156,8 @@ class DicomParser {
         break;
       }
       if (head->tag == kItemEnd) break;
-      DicomSet::Element element{head->value, head->length, head->length == kUndefined, head->representation == "UN", head->representation};
+      DicomSet::Element element{head->value, head->length, head->length == kUndefined, head->representation == "UN",
+                                head->representation};
       // whether all are there is for missingPixels() to say
       if (head->tag == kPixelData || head->tag == kFloatPixels || head->tag == kDoublePixels) {
         set.elements_[head->tag] = element;
@@ -212,7 +215,8 @@ std::vector<std::uint16_t> DicomSet::words(std::uint32_t tag) const {
   const std::vector<char> raw = bytes(tag);
   std::vector<std::uint16_t> all(raw.size() / 2);
   for (std::size_t n = 0; n < all.size(); ++n)
-    all[n] = static_cast<std::uint16_t>(unsignedOf(reinterpret_cast<const unsigned char *>(raw.data()) + 2 * n, 2, syntax_.bigEndian));
+    all[n] = static_cast<std::uint16_t>(
+        unsignedOf(reinterpret_cast<const unsigned char *>(raw.data()) + 2 * n, 2, syntax_.bigEndian));
   return all;
 }
 
@@ -343,7 +347,8 @@ std::optional<std::vector<DicomSet::Element>> fragmentsOf(const DicomContent &co
     const auto item = walker.head(at, {});
     if (!item) return std::nullopt;
     if (item->tag == kSequenceEnd) return all;
-    if (item->tag != kItem || item->length == kUndefined || item->length > content.bytes->length() - item->value) return std::nullopt;
+    if (item->tag != kItem || item->length == kUndefined || item->length > content.bytes->length() - item->value)
+      return std::nullopt;
     all.push_back({item->value, item->length, false, false, ""});
     at = item->value + item->length;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The structure of DICOM files (PS3.5 chapters 7 and 10), of our own because Debian's GDCM has its assertions on and ends
-// the program at damaged files. Values are found, not copied: nothing large is read.
+// The structure of DICOM files (PS3.5 chapters 7 and 10), of our own because Debian's GDCM has its assertions on and
+// ends the program at damaged files. Values are found, not copied: nothing large is read.
 #pragma once
 
 #include <cstdint>
@@ -42,18 +42,18 @@ class DicomSet {
   struct Element {
     std::uint64_t at = 0, length = 0;  ///< of the value; with undefined length up to and with its delimiter
     bool undefined = false, asUnknown = false;
-    std::string representation;        ///< "DS", "SQ", …; empty in implicit files
+    std::string representation;  ///< "DS", "SQ", …; empty in implicit files
   };
 
   [[nodiscard]] bool has(std::uint32_t tag) const { return elements_.contains(tag); }
   [[nodiscard]] const Element *find(std::uint32_t tag) const;
-  [[nodiscard]] std::string text(std::uint32_t tag) const;              ///< without padding; "" if absent
-  [[nodiscard]] std::string name(std::uint32_t tag) const;              ///< text for a person, UTF-8
-  [[nodiscard]] std::vector<double> decimals(std::uint32_t tag) const;  ///< of text such as 1\2\3
-  [[nodiscard]] std::size_t number(std::uint32_t tag) const;            ///< of 16 bits; 0 if absent
+  [[nodiscard]] std::string text(std::uint32_t tag) const;                  ///< without padding; "" if absent
+  [[nodiscard]] std::string name(std::uint32_t tag) const;                  ///< text for a person, UTF-8
+  [[nodiscard]] std::vector<double> decimals(std::uint32_t tag) const;      ///< of text such as 1\2\3
+  [[nodiscard]] std::size_t number(std::uint32_t tag) const;                ///< of 16 bits; 0 if absent
   [[nodiscard]] std::vector<std::uint16_t> words(std::uint32_t tag) const;  ///< of 16 bits, US or OW
-  [[nodiscard]] std::vector<double> doubles(std::uint32_t tag) const;   ///< of 64 bits (FD)
-  [[nodiscard]] std::vector<char> bytes(std::uint32_t tag) const;       ///< as stored, up to a megabyte
+  [[nodiscard]] std::vector<double> doubles(std::uint32_t tag) const;       ///< of 64 bits (FD)
+  [[nodiscard]] std::vector<char> bytes(std::uint32_t tag) const;           ///< as stored, up to a megabyte
   /// Items of a sequence; empty where there is none or it is damaged.
   [[nodiscard]] std::vector<DicomSet> items(std::uint32_t tag) const;
 

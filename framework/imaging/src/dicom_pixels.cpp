@@ -33,7 +33,7 @@ struct Layout {
   unsigned allocated = 0, stored = 0, high = 0;
   std::size_t samples = 1;  ///< numbers per pixel
   bool isSigned = false, isReal = false;
-  std::string colours;      ///< Photometric Interpretation where there are three samples
+  std::string colours;  ///< Photometric Interpretation where there are three samples
   [[nodiscard]] std::size_t pixels() const { return rows * columns * frames; }
   [[nodiscard]] std::size_t bytes() const {
     return allocated == 1 ? (pixels() + 7) / 8 : pixels() * samples * (allocated / 8);
@@ -51,8 +51,10 @@ class PrintedText {
   ~PrintedText() {
     std::istringstream lines(capture_.text());
     for (std::string line; std::getline(lines, line);) {
-      if (line.starts_with("c3de: ")) std::fprintf(stderr, "%s\n", line.c_str());  // another thread's, meanwhile
-      else log(LogLevel::debug, "DICOM decoder: " + line);
+      if (line.starts_with("c3de: "))
+        std::fprintf(stderr, "%s\n", line.c_str());  // another thread's, meanwhile
+      else
+        log(LogLevel::debug, "DICOM decoder: " + line);
     }
   }
   PrintedText(const PrintedText &) = delete;
@@ -184,8 +186,8 @@ std::optional<StatedSize> sizeInJpeg2000(const std::vector<char> &s) {
   return tiles < 10000.0 ? std::optional(size) : std::nullopt;  // each takes kilobytes
 }
 
-/// What a JPEG or JPEG-LS stream says of itself in its start of frame (T.81 B.2.2). None where its segments do not follow
-/// each other without a gap up to the scan: GDCM ends the program where libjpeg only warns of a header.
+/// What a JPEG or JPEG-LS stream says of itself in its start of frame (T.81 B.2.2). None where its segments do not
+/// follow each other without a gap up to the scan: GDCM ends the program where libjpeg only warns of a header.
 std::optional<StatedSize> sizeInJpeg(const std::vector<char> &s) {
   if (s.size() < 4 || bigEndianAt(s, 0, 2) != 0xffd8u) return std::nullopt;
   std::optional<StatedSize> size;
@@ -244,7 +246,8 @@ class JpegLs : public gdcm::JPEGLSCodec {
   }
 };
 
-/// GDCM gives the components of JPEG as they are in the stream, and turns those of JPEG 2000 back to red, green and blue.
+/// GDCM gives the components of JPEG as they are in the stream, and turns those of JPEG 2000 back to red, green and
+/// blue.
 gdcm::PhotometricInterpretation::PIType photometricOf(const Layout &layout) {
   if (layout.samples == 1) return gdcm::PhotometricInterpretation::MONOCHROME2;
   if (layout.colours == "YBR_RCT") return gdcm::PhotometricInterpretation::YBR_RCT;

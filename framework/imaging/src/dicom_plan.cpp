@@ -53,7 +53,9 @@ class Planner {
   void note(const std::string &text) {
     if (std::find(out_.notices.begin(), out_.notices.end(), text) == out_.notices.end()) out_.notices.push_back(text);
   }
-  [[nodiscard]] tl::unexpected<Error> refused(const std::string &what) const { return refuse(file(stack_.slices.front()).path, what); }
+  [[nodiscard]] tl::unexpected<Error> refused(const std::string &what) const {
+    return refuse(file(stack_.slices.front()).path, what);
+  }
 
   /// Which of two pictures at one place comes first: the file that was asked for, then time, echo, acquisition, number.
   [[nodiscard]] bool earlier(const SliceRef &a, const SliceRef &b) const {
@@ -73,23 +75,28 @@ class Planner {
     double step = first.sliceStep;
     if (isFilm) {
       step = 0.0;  // one place
-      note("The " + std::to_string(order.size()) + " frames have no places of their own (a film): each is a time point.");
+      note("The " + std::to_string(order.size()) +
+           " frames have no places of their own (a film): each is a time point.");
     } else if (!known && order.size() > 1) {
       if (step == 0.0) step = 1.0;
-      note("The slices have no positions: they are laid in the order of their numbers, " + rounded(step) + " mm apart.");
+      note("The slices have no positions: they are laid in the order of their numbers, " + rounded(step) +
+           " mm apart.");
       // The file that was asked for comes first among equals only.
-      std::stable_sort(order.begin(), order.end(), [&](const SliceRef &a, const SliceRef &b) { return file(a).order < file(b).order; });
+      std::stable_sort(order.begin(), order.end(),
+                       [&](const SliceRef &a, const SliceRef &b) { return file(a).order < file(b).order; });
     }
     for (std::size_t n = 0; n < order.size(); ++n) {
       const Vec3 from = isFilm ? first.position.value_or(Vec3{}) : Vec3{};
       const Vec3 position = known ? *frame(order[n]).position : from + (static_cast<double>(n) * step) * normal_;
       placed_.push_back({order[n], position, dot(position, normal_)});
     }
-    std::stable_sort(placed_.begin(), placed_.end(), [](const Placed &a, const Placed &b) { return a.along < b.along; });
+    std::stable_sort(placed_.begin(), placed_.end(),
+                     [](const Placed &a, const Placed &b) { return a.along < b.along; });
     return {};
   }
 
-  /// One picture for each place. Several at every place are volumes in time (or echoes, or weightings): the first is taken.
+  /// One picture for each place. Several at every place are volumes in time (or echoes, or weightings): the first is
+  /// taken.
   Expected<void> dropCopies() {
     std::vector<std::vector<Placed>> places;
     for (const Placed &slice : placed_) {
@@ -103,14 +110,18 @@ class Planner {
         if (norm(slice.position - place.front().position) > kSamePlace_mm)
           return refused("slices at " + rounded(slice.along) + " mm along their normal lie side by side, " +
                          rounded(norm(slice.position - place.front().position)) + " mm apart: they make no volume");
-      std::stable_sort(place.begin(), place.end(), [&](const Placed &a, const Placed &b) { return earlier(a.ref, b.ref); });
+      std::stable_sort(place.begin(), place.end(),
+                       [&](const Placed &a, const Placed &b) { return earlier(a.ref, b.ref); });
       std::vector<Placed> distinct;
       for (const Placed &slice : place) {
         const bool copy = std::any_of(distinct.begin(), distinct.end(), [&](const Placed &other) {
-          return !file(slice.ref).instance.empty() && file(slice.ref).instance == file(other.ref).instance && slice.ref.file != other.ref.file;
+          return !file(slice.ref).instance.empty() && file(slice.ref).instance == file(other.ref).instance &&
+                 slice.ref.file != other.ref.file;
         });
-        if (copy) ++copies;
-        else distinct.push_back(slice);
+        if (copy)
+          ++copies;
+        else
+          distinct.push_back(slice);
       }
       least = std::min(least, distinct.size());
       most = std::max(most, distinct.size());
@@ -122,13 +133,17 @@ class Planner {
                      ": which of them belong together is not known");
     if (time_ >= most)
       return refused("time " + std::to_string(time_) + " is asked for; there " +
-                     (most == 1 ? "is one time point (0)" : "are " + std::to_string(most) + " time points (0 … " + std::to_string(most - 1) + ")"));
+                     (most == 1
+                          ? "is one time point (0)"
+                          : "are " + std::to_string(most) + " time points (0 … " + std::to_string(most - 1) + ")"));
     out_.times = most;
     if (most > 1 && time_ == 0 && preferred_.empty())
-      note("There are " + std::to_string(most) + " pictures at every place (several volumes): the first of each is read.");
+      note("There are " + std::to_string(most) +
+           " pictures at every place (several volumes): the first of each is read.");
     else if (most > 1)
       note("There are " + std::to_string(most) + " pictures at every place (several volumes): " +
-           (time_ > 0 ? "time " + std::to_string(time_) + " of 0 … " + std::to_string(most - 1) + " is read." : "that of the file that was named, else the first, is read."));
+           (time_ > 0 ? "time " + std::to_string(time_) + " of 0 … " + std::to_string(most - 1) + " is read."
+                      : "that of the file that was named, else the first, is read."));
     return {};
   }
 
@@ -155,12 +170,17 @@ class Planner {
       k = steps->step * along;
       origin = origin + steps->from * along;
     }
-    if (const auto set = setSize(header, {static_cast<double>(head.columns), static_cast<double>(head.rows), static_cast<double>(count)}); !set) return set;
+    if (const auto set = setSize(
+            header, {static_cast<double>(head.columns), static_cast<double>(head.rows), static_cast<double>(count)});
+        !set)
+      return set;
     if (const auto set = setAffine(header, i, j, k, origin); !set) return set;
     out_.geometry = header.geometry;
     const double tilt = std::acos(std::min(1.0, std::abs(dot(k, normal_)) / norm(k))) * 180.0 / 3.14159265358979323846;
     // 0.05 degrees move slices by less than a tenth of a pixel over a hand's breadth.
-    if (tilt > 0.05) note("The slices are tilted by " + formatNumber(std::round(tilt * 10.0) / 10.0) + " degrees against their row (gantry tilt): the grid is kept sheared, as it was acquired.");
+    if (tilt > 0.05)
+      note("The slices are tilted by " + formatNumber(std::round(tilt * 10.0) / 10.0) +
+           " degrees against their row (gantry tilt): the grid is kept sheared, as it was acquired.");
     return {};
   }
 
@@ -176,7 +196,8 @@ class Planner {
     const Vec3 origin = placed_.front().position, whole = placed_.back().position - origin;
     const double length = norm(whole);
     const DicomFrame &first = frame(placed_.front().ref);
-    if (std::abs(dot(whole, normal_)) < 0.1 * length) return refused("the slices lie beside each other, not one behind the other");
+    if (std::abs(dot(whole, normal_)) < 0.1 * length)
+      return refused("the slices lie beside each other, not one behind the other");
     std::vector<double> along(n), gaps;
     double sideways = 0.0, uneven = 0.0;
     const double mean = length / static_cast<double>(n - 1);
@@ -188,7 +209,8 @@ class Planner {
       if (s > 0) gaps.push_back(along[s] - along[s - 1]);
     }
     if (sideways > std::max(0.1 * std::min(first.rowStep, first.columnStep), kSamePlace_mm))
-      return refused("the slices are shifted sideways by up to " + rounded(sideways) + " mm and not in a straight row: they make no volume");
+      return refused("the slices are shifted sideways by up to " + rounded(sideways) +
+                     " mm and not in a straight row: they make no volume");
     const auto report = [&](double step) {
       for (const double a : along) out_.at.push_back(a / step);
     };
@@ -204,14 +226,18 @@ class Planner {
     const double median = sorted[(sorted.size() - 1) / 2], least = sorted.front(), most = sorted.back();
     const double step = least < 0.5 * median ? least : median;
     if (most > 4.5 * median)
-      return refused("between two slices there are " + rounded(most) + " mm, elsewhere " + rounded(median) + ": more than three slices are missing in a row");
+      return refused("between two slices there are " + rounded(most) + " mm, elsewhere " + rounded(median) +
+                     ": more than three slices are missing in a row");
     const double count = std::round(length / step) + 1.0;
     if (count > 4.0 * static_cast<double>(n))
-      return refused("the slices lie too unevenly, " + rounded(least) + " to " + rounded(most) + " mm apart, to be resampled");
-    const bool whole_gaps = std::all_of(gaps.begin(), gaps.end(), [&](double gap) { return std::abs(gap / median - std::round(gap / median)) < 0.02; });
+      return refused("the slices lie too unevenly, " + rounded(least) + " to " + rounded(most) +
+                     " mm apart, to be resampled");
+    const bool whole_gaps = std::all_of(
+        gaps.begin(), gaps.end(), [&](double gap) { return std::abs(gap / median - std::round(gap / median)) < 0.02; });
     const auto slices = static_cast<std::size_t>(count);
     if (whole_gaps)
-      note(std::to_string(slices - n) + " slices are missing (" + rounded(most) + " mm between two of them, elsewhere " + rounded(median) +
+      note(std::to_string(slices - n) + " slices are missing (" + rounded(most) +
+           " mm between two of them, elsewhere " + rounded(median) +
            "): they are interpolated between their neighbours.");
     else
       note("The slices lie unevenly, " + rounded(least) + " to " + rounded(most) + " mm apart: they are resampled to " +
@@ -221,7 +247,8 @@ class Planner {
     return Steps{slices, length / (count - 1.0), 0.0};
   }
 
-  /// One grid for blocks of different spacing: that of the finest block, whose slices stay as they are, from end to end.
+  /// One grid for blocks of different spacing: that of the finest block, whose slices stay as they are, from end to
+  /// end.
   Expected<Steps> stepsOfBlocks(const std::vector<SliceBlock> &blocks, const std::vector<double> &along) {
     std::string said;
     const SliceBlock *finest = &blocks.front();
@@ -233,15 +260,22 @@ class Planner {
       const double gap = along[blocks[b + 1].first] - along[block.first + block.count - 1];
       said += ", then " + rounded(gap) + " mm";
       if (gap > 4.5 * std::max(block.spacing_mm, blocks[b + 1].spacing_mm))
-        return refused("the slices lie in " + std::to_string(blocks.size()) + " blocks with " + rounded(gap) + " mm between two of them, too far to be interpolated; each block can be read by itself as a part of its series (#1, #2, …)");
+        return refused(
+            "the slices lie in " + std::to_string(blocks.size()) + " blocks with " + rounded(gap) +
+            " mm between two of them, too far to be interpolated; each block can be read by itself as a part of its series (#1, #2, …)");
     }
     const double step = finest->spacing_mm, anchor = along[finest->first];
-    const auto below = static_cast<std::size_t>(std::lround(anchor / step)), above = static_cast<std::size_t>(std::lround((along.back() - anchor) / step));
+    const auto below = static_cast<std::size_t>(std::lround(anchor / step)),
+               above = static_cast<std::size_t>(std::lround((along.back() - anchor) / step));
     const double count = static_cast<double>(below + above + 1);
     if (count > 20.0 * static_cast<double>(along.size()))
-      return refused("the slices lie in blocks from " + rounded(step) + " mm apart, which would need " + formatNumber(count) + " slices; each block can be read by itself as a part of its series (#1, #2, …)");
-    note("The slices lie in " + std::to_string(blocks.size()) + " blocks: " + said + ". They are one volume, resampled to " + rounded(step) +
-         " mm by interpolation between neighbours; each block can be opened by itself as a part of the series (#1, #2, …).");
+      return refused("the slices lie in blocks from " + rounded(step) + " mm apart, which would need " +
+                     formatNumber(count) +
+                     " slices; each block can be read by itself as a part of its series (#1, #2, …)");
+    note(
+        "The slices lie in " + std::to_string(blocks.size()) + " blocks: " + said +
+        ". They are one volume, resampled to " + rounded(step) +
+        " mm by interpolation between neighbours; each block can be opened by itself as a part of the series (#1, #2, …).");
     const double from = anchor - static_cast<double>(below) * step;
     for (const double a : along) out_.at.push_back((a - from) / step);
     out_.resampled = true;
@@ -290,13 +324,15 @@ std::vector<DicomStack> blocksOf(const DicomFolder &folder, const DicomStack &st
       const DicomFrame &frame = folder.files[ref.file].frames[ref.frame];
       if (!frame.position) return {};
       const double at = dot(*frame.position, cross(frame.alongRow, frame.alongColumn));
-      if (at > along[block.first] - kSamePlace_mm && at < along[block.first + block.count - 1] + kSamePlace_mm) part.slices.push_back(ref);
+      if (at > along[block.first] - kSamePlace_mm && at < along[block.first + block.count - 1] + kSamePlace_mm)
+        part.slices.push_back(ref);
     }
   }
   return out;
 }
 
-Expected<StackPlan> planStack(const DicomFolder &folder, const DicomStack &stack, const std::filesystem::path &preferred, std::size_t time) {
+Expected<StackPlan> planStack(const DicomFolder &folder, const DicomStack &stack,
+                              const std::filesystem::path &preferred, std::size_t time) {
   return Planner(folder, stack, preferred, time).plan();
 }
 

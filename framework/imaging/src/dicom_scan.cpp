@@ -14,11 +14,14 @@ namespace {
 /// Equal up to rounding in files; 1e-4 rad moves the rim of a 500 mm picture by 0.05 mm.
 bool isSameStack(const DicomFile &a, const DicomFrame &x, const DicomFile &b, const DicomFrame &y) {
   // Pictures without a place are a stack only where sections are usual and their distance is stated.
-  if (!x.position && &a != &b && !((a.modality == "CT" || a.modality == "MR" || a.modality == "PT") && x.sliceStep > 0.0)) return false;
+  if (!x.position && &a != &b &&
+      !((a.modality == "CT" || a.modality == "MR" || a.modality == "PT") && x.sliceStep > 0.0))
+    return false;
   if (&a != &b && (a.isFilm || b.isFilm || a.segmentation || b.segmentation)) return false;
-  return a.series == b.series && a.rows == b.rows && a.columns == b.columns && a.refusal == b.refusal && a.modality == b.modality &&
-         x.oriented == y.oriented && x.position.has_value() == y.position.has_value() && norm(x.alongRow - y.alongRow) < 1e-4 &&
-         norm(x.alongColumn - y.alongColumn) < 1e-4 && std::abs(x.rowStep - y.rowStep) < 1e-4 * x.rowStep &&
+  return a.series == b.series && a.rows == b.rows && a.columns == b.columns && a.refusal == b.refusal &&
+         a.modality == b.modality && x.oriented == y.oriented && x.position.has_value() == y.position.has_value() &&
+         norm(x.alongRow - y.alongRow) < 1e-4 && norm(x.alongColumn - y.alongColumn) < 1e-4 &&
+         std::abs(x.rowStep - y.rowStep) < 1e-4 * x.rowStep &&
          std::abs(x.columnStep - y.columnStep) < 1e-4 * x.columnStep && a.path.parent_path() == b.path.parent_path();
 }
 
@@ -39,7 +42,9 @@ std::vector<std::filesystem::path> filesBelow(const std::filesystem::path &path)
     if (entry.is_regular_file(ignored) && files.size() < 200000) files.push_back(entry.path());
   };
   if (std::filesystem::is_directory(path, code)) {
-    std::filesystem::recursive_directory_iterator at(path, std::filesystem::directory_options::skip_permission_denied, code), end;
+    std::filesystem::recursive_directory_iterator at(path, std::filesystem::directory_options::skip_permission_denied,
+                                                     code),
+        end;
     for (; !code && at != end; at.increment(code)) {
       if (at.depth() >= 8) at.disable_recursion_pending();
       take(*at);
@@ -80,9 +85,12 @@ Expected<DicomFolder> scanDicom(const std::filesystem::path &path, const Progres
   DicomFolder out;
   const auto files = filesBelow(path);
   for (std::size_t i = 0; i < files.size(); ++i) {
-    if (!shouldContinue(progress, static_cast<double>(i) / static_cast<double>(files.size()), "Looking at files")) return cancelled(path);
-    if (auto file = readDicomHeader(files[i])) out.files.push_back(std::move(*file));
-    else ++out.others;
+    if (!shouldContinue(progress, static_cast<double>(i) / static_cast<double>(files.size()), "Looking at files"))
+      return cancelled(path);
+    if (auto file = readDicomHeader(files[i]))
+      out.files.push_back(std::move(*file));
+    else
+      ++out.others;
   }
   for (std::size_t f = 0; f < out.files.size(); ++f) {
     const DicomFile &file = out.files[f];

@@ -7,7 +7,8 @@
 
 namespace c3de::imaging {
 
-/// Segments with their names (Segment Label) and colours (Recommended Display CIELab Value). Nothing: the type is not known.
+/// Segments with their names (Segment Label) and colours (Recommended Display CIELab Value). Nothing: the type is not
+/// known.
 [[nodiscard]] std::optional<DicomSegmentation> segmentationOf(const DicomSet &set);
 
 /// Recommended Display CIELab Value, PS3.3 C.10.7.1.1 (white is D50), to linear RGB.
@@ -20,8 +21,9 @@ struct SegmentGrid {
 };
 [[nodiscard]] Expected<SegmentGrid> gridOfSegments(const DicomFolder &folder, const DicomStack &stack);
 
-/// Segments as labels, by their numbers. Those that overlap go to further layers, in the order of their numbers, each to the
-/// first that has room. A fraction belongs to its segment from one half on.
-[[nodiscard]] Expected<LoadedLabels> readSegments(const DicomFolder &folder, const DicomStack &stack, const ReadOptions &options);
+/// Segments as labels, by their numbers. Those that overlap go to further layers, in the order of their numbers, each
+/// to the first that has room. A fraction belongs to its segment from one half on.
+[[nodiscard]] Expected<LoadedLabels> readSegments(const DicomFolder &folder, const DicomStack &stack,
+                                                  const ReadOptions &options);
 
 }  // namespace c3de::imaging

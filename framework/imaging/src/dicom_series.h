@@ -41,9 +41,9 @@ struct SliceBlock {
 /// Slices in their order along k, one for each place, and where the volume lies.
 struct StackPlan {
   std::vector<SliceRef> slices;
-  std::vector<double> at;      ///< of each slice, in voxels of the volume along k
-  bool resampled = false;      ///< the volume has other slices than these
-  std::size_t times = 1;       ///< pictures at every place
+  std::vector<double> at;  ///< of each slice, in voxels of the volume along k
+  bool resampled = false;  ///< the volume has other slices than these
+  std::size_t times = 1;   ///< pictures at every place
   VolumeGeometry geometry;
   std::vector<std::string> notices;
 };
@@ -54,14 +54,16 @@ struct StackPlan {
                                             const std::filesystem::path &preferred, std::size_t time);
 
 /// Decodes what a plan names.
-[[nodiscard]] Expected<LoadedVolume> readStack(const DicomFolder &folder, const DicomStack &stack, const StackPlan &plan,
-                                               const ReadOptions &options);
+[[nodiscard]] Expected<LoadedVolume> readStack(const DicomFolder &folder, const DicomStack &stack,
+                                               const StackPlan &plan, const ReadOptions &options);
 
 /// What reading.h promises, for DICOM.
 [[nodiscard]] Expected<LoadedVolume> readDicom(const std::filesystem::path &path, const ReadOptions &options);
 /// Labels of a segmentation; nothing where the path leads to an image of numbers, which readDicom() reads.
-[[nodiscard]] Expected<std::optional<LoadedLabels>> readDicomSegments(const std::filesystem::path &path, const ReadOptions &options);
-[[nodiscard]] Expected<std::vector<SeriesInfo>> listDicom(const std::filesystem::path &path, const ProgressFn &progress);
+[[nodiscard]] Expected<std::optional<LoadedLabels>> readDicomSegments(const std::filesystem::path &path,
+                                                                      const ReadOptions &options);
+[[nodiscard]] Expected<std::vector<SeriesInfo>> listDicom(const std::filesystem::path &path,
+                                                          const ProgressFn &progress);
 /// ProgressFn for a part of the whole; it refers to `progress`.
 [[nodiscard]] ProgressFn partOf(const ProgressFn &progress, double from, double to);
 

@@ -58,12 +58,18 @@ bool isUtf8(std::string_view bytes) {
   for (std::size_t i = 0; i < bytes.size();) {
     const auto at = [&](std::size_t n) { return i + n < bytes.size() ? static_cast<unsigned char>(bytes[i + n]) : 0u; };
     const unsigned c = at(0);
-    const std::size_t more = c < 0x80 ? 0 : c >= 0xc2 && c < 0xe0 ? 1 : c >= 0xe0 && c < 0xf0 ? 2 : c >= 0xf0 && c < 0xf5 ? 3 : 4;
+    const std::size_t more = c < 0x80                ? 0
+                             : c >= 0xc2 && c < 0xe0 ? 1
+                             : c >= 0xe0 && c < 0xf0 ? 2
+                             : c >= 0xf0 && c < 0xf5 ? 3
+                                                     : 4;
     if (more == 4) return false;
     for (std::size_t n = 1; n <= more; ++n)
       if ((at(n) & 0xc0u) != 0x80u) return false;
     const unsigned second = at(1);
-    if ((c == 0xe0 && second < 0xa0) || (c == 0xed && second > 0x9f) || (c == 0xf0 && second < 0x90) || (c == 0xf4 && second > 0x8f)) return false;
+    if ((c == 0xe0 && second < 0xa0) || (c == 0xed && second > 0x9f) || (c == 0xf0 && second < 0x90) ||
+        (c == 0xf4 && second > 0x8f))
+      return false;
     i += more + 1;
   }
   return true;
@@ -82,7 +88,9 @@ class Escapes {
       }
       const bool isUpper = static_cast<unsigned char>(bytes[i]) >= 0x80;
       std::size_t end = i;
-      while (end < bytes.size() && bytes[end] != '\x1b' && (static_cast<unsigned char>(bytes[end]) >= 0x80) == isUpper && (end == i || !isDelimiter(bytes[end - 1]))) ++end;
+      while (end < bytes.size() && bytes[end] != '\x1b' &&
+             (static_cast<unsigned char>(bytes[end]) >= 0x80) == isUpper && (end == i || !isDelimiter(bytes[end - 1])))
+        ++end;
       take(bytes.substr(i, end - i), isUpper);
       i = end;
     }
@@ -98,8 +106,10 @@ class Escapes {
   std::size_t switched(std::string_view behind) {
     for (const Designation &one : kDesignations) {
       if (!behind.starts_with(one.escape)) continue;
-      if (isForUpperHalf(one)) upper_ = &one;
-      else lower_ = one.packing == Packing::ascii ? nullptr : &one;
+      if (isForUpperHalf(one))
+        upper_ = &one;
+      else
+        lower_ = one.packing == Packing::ascii ? nullptr : &one;
       return std::string_view(one.escape).size();
     }
     out_ += kReplacement;
@@ -152,7 +162,8 @@ std::string termOf(const std::string &characterSet) {
 
 std::string dicomText(std::string_view bytes, const std::string &characterSet) {
   const std::string term = termOf(characterSet);
-  if (term == "192" || (trimmed(characterSet).empty() && isUtf8(bytes))) return trimmed(withoutControls(utf8From(bytes, kUtf8)));
+  if (term == "192" || (trimmed(characterSet).empty() && isUtf8(bytes)))
+    return trimmed(withoutControls(utf8From(bytes, kUtf8)));
   if (term == "GB18030") return trimmed(withoutControls(utf8From(bytes, {"GB18030", 54936})));
   if (term == "GBK") return trimmed(withoutControls(utf8From(bytes, {"GBK", 936})));
   const Designation *upper = nullptr;

@@ -16,7 +16,8 @@ namespace {
 template <class T>
 class Builder {
  public:
-  Builder(const DicomFolder &folder, const StackPlan &plan, bool values) : folder_(folder), plan_(plan), values_(values) {
+  Builder(const DicomFolder &folder, const StackPlan &plan, bool values)
+      : folder_(folder), plan_(plan), values_(values) {
     slice_ = plan.geometry.size[0] * plan.geometry.size[1];
     stack_.resize(slice_ * plan.slices.size());
   }
@@ -25,19 +26,23 @@ class Builder {
     // File by file, so that one with many frames is decoded once.
     std::vector<std::size_t> order(plan_.slices.size());
     for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return plan_.slices[a].file < plan_.slices[b].file; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return plan_.slices[a].file < plan_.slices[b].file; });
     DicomPixels pixels;
     std::size_t decoded = folder_.files.size();
     for (std::size_t n = 0; n < order.size(); ++n) {
       const SliceRef ref = plan_.slices[order[n]];
       const DicomFile &file = folder_.files[ref.file];
-      if (!shouldContinue(options.progress, static_cast<double>(n) / static_cast<double>(order.size()), "Decoding slices")) return cancelled(file.path);
+      if (!shouldContinue(options.progress, static_cast<double>(n) / static_cast<double>(order.size()),
+                          "Decoding slices"))
+        return cancelled(file.path);
       if (decoded != ref.file) {
         auto read = decodeDicom(file.path);
         if (!read) return tl::unexpected(read.error());
         pixels = std::move(*read);
         decoded = ref.file;
-        if (file.tiles > 0 && !takeTilesApart(file, pixels)) return refuse(file.path, "its mosaic does not have the tiles that its header says");
+        if (file.tiles > 0 && !takeTilesApart(file, pixels))
+          return refuse(file.path, "its mosaic does not have the tiles that its header says");
         if (pixels.columns != file.columns || pixels.rows != file.rows || pixels.frames < file.frames.size())
           return refuse(file.path, "its pixels are not as many as its header says");
       }
@@ -45,7 +50,8 @@ class Builder {
       if (!copied) return tl::unexpected(copied.error());
       if (!pixels.colours.empty()) {
         colours_.resize(slice_ * plan_.slices.size(), Rgba{0, 0, 0, 255});
-        std::copy_n(pixels.colours.begin() + static_cast<std::ptrdiff_t>(ref.frame * slice_), slice_, colours_.begin() + static_cast<std::ptrdiff_t>(order[n] * slice_));
+        std::copy_n(pixels.colours.begin() + static_cast<std::ptrdiff_t>(ref.frame * slice_), slice_,
+                    colours_.begin() + static_cast<std::ptrdiff_t>(order[n] * slice_));
       }
     }
     if (!plan_.resampled) return Voxels(std::move(stack_));
@@ -69,7 +75,8 @@ class Builder {
       target[p] = static_cast<T>(source[p]);
       if constexpr (!std::is_same_v<S, T>)
         if (static_cast<double>(target[p]) != static_cast<double>(source[p]))
-          return refuse(file.path, "pixel " + std::to_string(p) + " decodes to " + std::to_string(source[p]) + ", which its stated type cannot hold");
+          return refuse(file.path, "pixel " + std::to_string(p) + " decodes to " + std::to_string(source[p]) +
+                                       ", which its stated type cannot hold");
     }
     return {};
   }
@@ -107,7 +114,8 @@ class Builder {
 };
 
 template <class T>
-Expected<void> buildAs(const DicomFolder &folder, const StackPlan &plan, bool values, const ReadOptions &options, Volume &volume) {
+Expected<void> buildAs(const DicomFolder &folder, const StackPlan &plan, bool values, const ReadOptions &options,
+                       Volume &volume) {
   Builder<T> builder(folder, plan, values);
   auto voxels = builder.build(options);
   if (!voxels) return tl::unexpected(voxels.error());
@@ -117,18 +125,25 @@ Expected<void> buildAs(const DicomFolder &folder, const StackPlan &plan, bool va
 }
 
 /// In the type that the slices are stored in; as floats where each has a scale of its own.
-Expected<void> buildVolume(const DicomFolder &folder, const StackPlan &plan, bool same, const ReadOptions &options, Volume &volume) {
+Expected<void> buildVolume(const DicomFolder &folder, const StackPlan &plan, bool same, const ReadOptions &options,
+                           Volume &volume) {
   const DicomFile &head = folder.files[plan.slices.front().file];
   if (head.isReal && (head.bits == 64 || !same)) return buildAs<double>(folder, plan, !same, options, volume);
   if (!same || head.isReal) return buildAs<float>(folder, plan, !same, options, volume);
-  if (head.bits <= 8) return head.isSigned ? buildAs<std::int8_t>(folder, plan, false, options, volume) : buildAs<std::uint8_t>(folder, plan, false, options, volume);
-  if (head.bits <= 16) return head.isSigned ? buildAs<std::int16_t>(folder, plan, false, options, volume) : buildAs<std::uint16_t>(folder, plan, false, options, volume);
-  return head.isSigned ? buildAs<std::int32_t>(folder, plan, false, options, volume) : buildAs<std::uint32_t>(folder, plan, false, options, volume);
+  if (head.bits <= 8)
+    return head.isSigned ? buildAs<std::int8_t>(folder, plan, false, options, volume)
+                         : buildAs<std::uint8_t>(folder, plan, false, options, volume);
+  if (head.bits <= 16)
+    return head.isSigned ? buildAs<std::int16_t>(folder, plan, false, options, volume)
+                         : buildAs<std::uint16_t>(folder, plan, false, options, volume);
+  return head.isSigned ? buildAs<std::int32_t>(folder, plan, false, options, volume)
+                       : buildAs<std::uint32_t>(folder, plan, false, options, volume);
 }
 
 }  // namespace
 
-Expected<LoadedVolume> readStack(const DicomFolder &folder, const DicomStack &stack, const StackPlan &plan, const ReadOptions &options) {
+Expected<LoadedVolume> readStack(const DicomFolder &folder, const DicomStack &stack, const StackPlan &plan,
+                                 const ReadOptions &options) {
   LoadedVolume out;
   out.notices = plan.notices;
   out.times = plan.times;
@@ -139,20 +154,28 @@ Expected<LoadedVolume> readStack(const DicomFolder &folder, const DicomStack &st
   for (const SliceRef &ref : plan.slices) {
     const DicomFile &file = folder.files[ref.file];
     const DicomFrame &frame = file.frames[ref.frame];
-    same = same && file.bits == head.bits && file.isSigned == head.isSigned && file.isReal == head.isReal && frame.slope == first.slope && frame.intercept == first.intercept;
+    same = same && file.bits == head.bits && file.isSigned == head.isSigned && file.isReal == head.isReal &&
+           frame.slope == first.slope && frame.intercept == first.intercept;
     std::error_code code;
     const auto onDisk = static_cast<double>(std::filesystem::file_size(file.path, code));
-    const double decoded = static_cast<double>(file.rows * file.columns * file.frames.size()) * file.bits / 8.0 * (file.isColoured ? 8.0 : 1.0);
+    const double decoded = static_cast<double>(file.rows * file.columns * file.frames.size()) * file.bits / 8.0 *
+                           (file.isColoured ? 8.0 : 1.0);
     largestFile = std::max(largestFile, 2.0 * decoded + (code ? 0.0 : onDisk));
   }
-  if (!same) out.notices.push_back("The slices are scaled each in its own way: values are kept as floating point instead of as stored.");
-  const double each = (same ? std::max(1.0, head.bits / 8.0) : head.isReal ? 8.0 : 4.0) + (head.isColoured ? sizeof(Rgba) : 0);
+  if (!same)
+    out.notices.push_back(
+        "The slices are scaled each in its own way: values are kept as floating point instead of as stored.");
+  const double each = (same          ? std::max(1.0, head.bits / 8.0)
+                       : head.isReal ? 8.0
+                                     : 4.0) +
+                      (head.isColoured ? sizeof(Rgba) : 0);
   const double slices = static_cast<double>(plan.slices.size() + (plan.resampled ? plan.geometry.size[2] : 0));
   const double bytes = each * slices * static_cast<double>(head.rows * head.columns) + largestFile;
   if (const auto fits = checkMemory(head.path, bytes, options.memoryLimit); !fits) return tl::unexpected(fits.error());
 
   try {
-    if (const auto built = buildVolume(folder, plan, same, options, out.volume); !built) return tl::unexpected(built.error());
+    if (const auto built = buildVolume(folder, plan, same, options, out.volume); !built)
+      return tl::unexpected(built.error());
   } catch (const std::bad_alloc &) {
     return refuse(head.path, "reading needs more memory than the machine gives");
   }

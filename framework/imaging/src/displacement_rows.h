@@ -18,10 +18,7 @@ class DisplacementRow {
  public:
   /// @param nodeFromVoxel  from indices of the voxels to those of the grid; u has a point at least
   DisplacementRow(const DisplacementGrid &u, const Mat4 &nodeFromVoxel)
-      : xyz_(u.xyz_mm.data()),
-        gap_(u.gap_mm.data()),
-        leastGap_(u.leastGap()),
-        size_(u.geometry.size),
+      : xyz_(u.xyz_mm.data()), gap_(u.gap_mm.data()), leastGap_(u.leastGap()), size_(u.geometry.size),
         nodeFromVoxel_(nodeFromVoxel) {
     std::size_t stride = 1;
     for (std::size_t a = 0; a < 3; ++a) {

@@ -146,13 +146,17 @@ bool EditMesh::collapse(unsigned h0, const Vec3 &at) {
   std::size_t count = 0;
   bool tooMany = false;
   around(b, [&](unsigned h) {
-    if (count < ring.size()) ring[count++] = h;
-    else tooMany = true;
+    if (count < ring.size())
+      ring[count++] = h;
+    else
+      tooMany = true;
   });
   if (tooMany) return false;
   // Triangles with a corner at `at` have no volume about it: all that was there is booked.
   double lost = 0.0;
-  const auto volumeAt = [&](unsigned h) { return volume6(at, points[from(h)], points[to(h)], points[from(previous(h))]) / 6.0; };
+  const auto volumeAt = [&](unsigned h) {
+    return volume6(at, points[from(h)], points[to(h)], points[from(previous(h))]) / 6.0;
+  };
   around(a, [&](unsigned h) { lost += volumeAt(h); });
   for (std::size_t i = 0; i < count; ++i)
     if (ring[i] != h1 && ring[i] != g0) lost += volumeAt(ring[i]);  // those two are triangles of a as well

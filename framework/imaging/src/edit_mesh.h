@@ -8,15 +8,15 @@
 
 namespace c3de::imaging {
 
-/// A closed, oriented 2-manifold of triangles that can be changed: half-edges 3 f + c run from corner c of triangle f to the
-/// next one, each with its twin in the neighbouring triangle.
+/// A closed, oriented 2-manifold of triangles that can be changed: half-edges 3 f + c run from corner c of triangle f
+/// to the next one, each with its twin in the neighbouring triangle.
 class EditMesh {
  public:
   static constexpr unsigned kNone = 0xffffffffu;
 
   /// @param twins  [3 triangles] the half-edge that runs the other way along the same edge. Vertices around which
-  ///               triangles form several fans become one vertex per fan; edges that two neighbouring pairs of triangles
-  ///               share end to end are divided, so that no edge has more than two triangles.
+  ///               triangles form several fans become one vertex per fan; edges that two neighbouring pairs of
+  ///               triangles share end to end are divided, so that no edge has more than two triangles.
   EditMesh(std::vector<Vec3> points, std::span<const Triangle> triangles, std::vector<unsigned> twins);
 
   std::vector<Vec3> points;    ///< dead ones included

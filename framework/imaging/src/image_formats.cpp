@@ -24,14 +24,18 @@ std::string spaced(const std::vector<double> &numbers) {
   for (const double x : numbers) text += (text.empty() ? "" : " ") + formatNumber(x);
   return text;
 }
-std::string bracketed(const Vec3 &v) { return "(" + formatNumber(v[0]) + "," + formatNumber(v[1]) + "," + formatNumber(v[2]) + ")"; }
+std::string bracketed(const Vec3 &v) {
+  return "(" + formatNumber(v[0]) + "," + formatNumber(v[1]) + "," + formatNumber(v[2]) + ")";
+}
 
 const char *nrrdType(Scalar scalar) {
-  static constexpr const char *kNames[] = {"int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float", "double"};
+  static constexpr const char *kNames[] = {"int8",   "uint8", "int16",  "uint16", "int32",
+                                           "uint32", "int64", "uint64", "float",  "double"};
   return kNames[static_cast<std::size_t>(scalar)];
 }
 const char *metaType(Scalar scalar) {
-  static constexpr const char *kNames[] = {"MET_CHAR", "MET_UCHAR", "MET_SHORT", "MET_USHORT", "MET_INT", "MET_UINT", "MET_LONG_LONG", "MET_ULONG_LONG", "MET_FLOAT", "MET_DOUBLE"};
+  static constexpr const char *kNames[] = {"MET_CHAR", "MET_UCHAR",     "MET_SHORT",      "MET_USHORT", "MET_INT",
+                                           "MET_UINT", "MET_LONG_LONG", "MET_ULONG_LONG", "MET_FLOAT",  "MET_DOUBLE"};
   return kNames[static_cast<std::size_t>(scalar)];
 }
 std::int16_t niftiType(Scalar scalar) {
@@ -45,7 +49,8 @@ std::array<double, 4> quaternionOf(Vec3 i, Vec3 j, Vec3 k) {
   k = turn * k;
   const double r[3][3] = {{i[0], j[0], k[0]}, {i[1], j[1], k[1]}, {i[2], j[2], k[2]}};
   // Largest component first, so that nothing is divided by a small number.
-  const double squares[4] = {1 + r[0][0] + r[1][1] + r[2][2], 1 + r[0][0] - r[1][1] - r[2][2], 1 - r[0][0] + r[1][1] - r[2][2], 1 - r[0][0] - r[1][1] + r[2][2]};
+  const double squares[4] = {1 + r[0][0] + r[1][1] + r[2][2], 1 + r[0][0] - r[1][1] - r[2][2],
+                             1 - r[0][0] + r[1][1] - r[2][2], 1 - r[0][0] - r[1][1] + r[2][2]};
   std::size_t most = 0;
   for (std::size_t q = 1; q < 4; ++q)
     if (squares[q] > squares[most]) most = q;
@@ -70,11 +75,15 @@ void put(std::string &bytes, std::size_t at, double value) {
 Expected<std::string> nrrdFile(const ImageToWrite &image) {
   const VolumeGeometry &g = image.geometry;
   const bool vector = image.components > 1;
-  std::string text = "NRRD0005\ntype: " + std::string(nrrdType(image.scalar)) + "\ndimension: " + (vector ? "4" : "3") +
-                     "\nspace: left-posterior-superior\nsizes: " + (vector ? std::to_string(image.components) + " " : "") + std::to_string(g.size[0]) +
-                     " " + std::to_string(g.size[1]) + " " + std::to_string(g.size[2]) + "\nspace directions: " + (vector ? "none " : "");
+  std::string text =
+      "NRRD0005\ntype: " + std::string(nrrdType(image.scalar)) + "\ndimension: " + (vector ? "4" : "3") +
+      "\nspace: left-posterior-superior\nsizes: " + (vector ? std::to_string(image.components) + " " : "") +
+      std::to_string(g.size[0]) + " " + std::to_string(g.size[1]) + " " + std::to_string(g.size[2]) +
+      "\nspace directions: " + (vector ? "none " : "");
   text += bracketed(column(g, 0)) + " " + bracketed(column(g, 1)) + " " + bracketed(column(g, 2));
-  text += "\nkinds: " + std::string(vector ? "vector " : "") + "domain domain domain\nendian: little\nencoding: gzip\nspace units: \"mm\" \"mm\" \"mm\"\nspace origin: " + bracketed(column(g, 3)) + "\n";
+  text += "\nkinds: " + std::string(vector ? "vector " : "") +
+          "domain domain domain\nendian: little\nencoding: gzip\nspace units: \"mm\" \"mm\" \"mm\"\nspace origin: " +
+          bracketed(column(g, 3)) + "\n";
   for (const auto &[key, value] : image.keys) text += key + ":=" + value + "\n";
   return text + "\n" + packed(image.voxels, Packing::gzip);
 }
@@ -87,10 +96,12 @@ Expected<std::string> metaFile(const ImageToWrite &image) {
     for (const double x : column(g, a)) matrix.push_back(x / spacing[a]);
   for (const double x : column(g, 3)) origin.push_back(x);
   const std::string zipped = packed(image.voxels, Packing::zlib);
-  std::string text = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\nCompressedDataSize = " +
-                     std::to_string(zipped.size()) + "\nTransformMatrix = " + spaced(matrix) + "\nOffset = " + spaced(origin) +
-                     "\nCenterOfRotation = 0 0 0\nElementSpacing = " + spaced({spacing[0], spacing[1], spacing[2]}) + "\nDimSize = " +
-                     std::to_string(g.size[0]) + " " + std::to_string(g.size[1]) + " " + std::to_string(g.size[2]) + "\n";
+  std::string text =
+      "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\nCompressedDataSize = " +
+      std::to_string(zipped.size()) + "\nTransformMatrix = " + spaced(matrix) + "\nOffset = " + spaced(origin) +
+      "\nCenterOfRotation = 0 0 0\nElementSpacing = " + spaced({spacing[0], spacing[1], spacing[2]}) +
+      "\nDimSize = " + std::to_string(g.size[0]) + " " + std::to_string(g.size[1]) + " " + std::to_string(g.size[2]) +
+      "\n";
   if (image.components > 1) text += "ElementNumberOfChannels = " + std::to_string(image.components) + "\n";
   return text + "ElementType = " + metaType(image.scalar) + "\nElementDataFile = LOCAL\n" + zipped;
 }
@@ -101,32 +112,48 @@ Expected<std::string> niftiFile(const ImageToWrite &image) {
   const std::size_t header = second ? 544 : 352;  // the last four bytes say that no extension follows
   std::string bytes(header, '\0');
   const auto whole = [&](std::size_t first, std::size_t secondAt, double value) {
-    if (second) put<std::int64_t>(bytes, secondAt, value);
-    else put<std::int16_t>(bytes, first, value);
+    if (second)
+      put<std::int64_t>(bytes, secondAt, value);
+    else
+      put<std::int16_t>(bytes, first, value);
   };
   const auto real = [&](std::size_t first, std::size_t secondAt, double value) {
-    if (second) put<double>(bytes, secondAt, value);
-    else put<float>(bytes, first, value);
+    if (second)
+      put<double>(bytes, secondAt, value);
+    else
+      put<float>(bytes, first, value);
   };
   const auto code = [&](std::size_t first, std::size_t secondAt, double value) {
-    if (second) put<std::int32_t>(bytes, secondAt, value);
-    else put<std::int16_t>(bytes, first, value);
+    if (second)
+      put<std::int32_t>(bytes, secondAt, value);
+    else
+      put<std::int16_t>(bytes, first, value);
   };
   put<std::int32_t>(bytes, 0, second ? 540 : 348);
   std::memcpy(bytes.data() + (second ? 4 : 344), second ? "n+2\0\r\n\032\n" : "n+1\0", second ? 8 : 4);
   const bool vector = image.components > 1;
-  const double dims[8] = {vector ? 5.0 : 3.0, static_cast<double>(g.size[0]), static_cast<double>(g.size[1]), static_cast<double>(g.size[2]), 1.0,
-                          static_cast<double>(image.components), 1.0, 1.0};
+  const double dims[8] = {vector ? 5.0 : 3.0,
+                          static_cast<double>(g.size[0]),
+                          static_cast<double>(g.size[1]),
+                          static_cast<double>(g.size[2]),
+                          1.0,
+                          static_cast<double>(image.components),
+                          1.0,
+                          1.0};
   for (std::size_t d = 0; d < 8; ++d) whole(40 + 2 * d, 16 + 8 * d, dims[d]);
   put<std::int16_t>(bytes, second ? 12 : 70, niftiType(image.scalar));
   put<std::int16_t>(bytes, second ? 14 : 72, static_cast<double>(8 * bytesOf(image.scalar)));
   code(68, 504, vector ? 1007.0 : image.labels ? 1002.0 : 0.0);
-  if (second) put<std::int64_t>(bytes, 168, 544);
-  else put<float>(bytes, 108, 352);
+  if (second)
+    put<std::int64_t>(bytes, 168, 544);
+  else
+    put<float>(bytes, 108, 352);
   real(112, 176, image.slope);
   real(116, 184, image.intercept);
-  if (second) put<std::int32_t>(bytes, 500, 2);
-  else bytes[123] = 2;  // millimetres
+  if (second)
+    put<std::int32_t>(bytes, 500, 2);
+  else
+    bytes[123] = 2;  // millimetres
 
   std::array<Vec3, 4> c;
   for (std::size_t a = 0; a < 4; ++a) {
@@ -152,7 +179,8 @@ Expected<std::string> niftiFile(const ImageToWrite &image) {
   bytes.resize(header + image.voxels.size());
   for (std::size_t a = 0; a < image.components; ++a)
     for (std::size_t v = 0; v < n; ++v)
-      std::memcpy(bytes.data() + header + (a * n + v) * each, image.voxels.data() + (v * image.components + a) * each, each);
+      std::memcpy(bytes.data() + header + (a * n + v) * each, image.voxels.data() + (v * image.components + a) * each,
+                  each);
   return bytes;
 }
 

@@ -13,8 +13,8 @@ namespace c3de::imaging {
 struct ImageToWrite {
   VolumeGeometry geometry;
   Scalar scalar = Scalar::u8;
-  std::size_t components = 1;   ///< numbers per voxel, together
-  std::string_view voxels;      ///< in the byte order of this machine, which is little-endian
+  std::size_t components = 1;           ///< numbers per voxel, together
+  std::string_view voxels;              ///< in the byte order of this machine, which is little-endian
   double slope = 1.0, intercept = 0.0;  ///< NIfTI only
   bool labels = false;
   std::vector<std::pair<std::string, std::string>> keys;  ///< NRRD only

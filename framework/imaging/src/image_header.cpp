@@ -15,21 +15,26 @@ namespace c3de::imaging {
 std::size_t bytesOf(Scalar scalar) {
   switch (scalar) {
     case Scalar::i8:
-    case Scalar::u8: return 1;
+    case Scalar::u8:
+      return 1;
     case Scalar::i16:
-    case Scalar::u16: return 2;
+    case Scalar::u16:
+      return 2;
     case Scalar::i32:
     case Scalar::u32:
-    case Scalar::f32: return 4;
+    case Scalar::f32:
+      return 4;
     case Scalar::i64:
     case Scalar::u64:
-    case Scalar::f64: break;
+    case Scalar::f64:
+      break;
   }
   return 8;
 }
 
 double bytesOfVolume(const ImageHeader &header) {
-  return static_cast<double>(header.geometry.voxelCount()) * static_cast<double>(header.channels * bytesOf(header.scalar));
+  return static_cast<double>(header.geometry.voxelCount()) *
+         static_cast<double>(header.channels * bytesOf(header.scalar));
 }
 double bytesOfAll(const ImageHeader &header) { return bytesOfVolume(header) * static_cast<double>(header.volumes); }
 
@@ -47,7 +52,8 @@ Expected<void> setSize(ImageHeader &header, const std::vector<double> &sizes) {
     header.geometry.size[a] = static_cast<std::size_t>(n);
     voxels *= n;
   }
-  if (voxels > 1e12) return refuse(header.path, "the header says " + formatNumber(voxels) + " voxels; accepted are up to 1e12");
+  if (voxels > 1e12)
+    return refuse(header.path, "the header says " + formatNumber(voxels) + " voxels; accepted are up to 1e12");
   return {};
 }
 
@@ -55,19 +61,23 @@ Expected<void> setAffine(ImageHeader &header, const Vec3 &i, const Vec3 &j, cons
   for (const Vec3 &v : {i, j, k, origin})
     for (const double x : v)
       if (!(std::abs(x) <= 1e6))
-        return refuse(header.path, "the header places voxels at " + formatNumber(x) + " mm; accepted are finite numbers up to 1e6");
+        return refuse(header.path,
+                      "the header places voxels at " + formatNumber(x) + " mm; accepted are finite numbers up to 1e6");
   const double lengths = norm(i) * norm(j) * norm(k);
   if (!(norm(i) > 0.0 && norm(j) > 0.0 && norm(k) > 0.0) || !(std::abs(dot(i, cross(j, k))) > 1e-6 * lengths))
     return refuse(header.path, "the axes of the header span no volume (lengths " + formatNumber(norm(i)) + ", " +
                                    formatNumber(norm(j)) + ", " + formatNumber(norm(k)) + " mm)");
-  header.geometry.indexToWorld = {i[0], i[1], i[2], 0, j[0], j[1], j[2], 0, k[0], k[1], k[2], 0, origin[0], origin[1], origin[2], 1};
+  header.geometry.indexToWorld = {i[0], i[1], i[2], 0, j[0],      j[1],      j[2],      0,
+                                  k[0], k[1], k[2], 0, origin[0], origin[1], origin[2], 1};
   for (double &x : header.geometry.indexToWorld) x += 0.0;  // no negative zeros: they would be printed
   return {};
 }
 
 std::vector<double> numbersIn(const std::string &text) {
   std::vector<double> all;
-  const auto parts = [](char c) { return std::isspace(static_cast<unsigned char>(c)) || c == '(' || c == ')' || c == ','; };
+  const auto parts = [](char c) {
+    return std::isspace(static_cast<unsigned char>(c)) || c == '(' || c == ')' || c == ',';
+  };
   for (std::size_t at = 0; at < text.size();) {
     if (parts(text[at])) {
       ++at;
@@ -93,7 +103,9 @@ std::vector<std::string> numberedNames(const std::string &pattern, const std::ve
   if (width.size() > 3 || width.find_first_not_of("0123456789") != std::string::npos) return names;
   const auto digits = static_cast<std::size_t>(std::atoi(width.c_str()));
   const double step = range.size() > 2 ? range[2] : 1.0;
-  if (!(std::abs(step) >= 1.0) || !(std::abs(range[1] - range[0]) / std::abs(step) < 1e5) || !(std::abs(range[0]) < 1e9)) return names;
+  if (!(std::abs(step) >= 1.0) || !(std::abs(range[1] - range[0]) / std::abs(step) < 1e5) ||
+      !(std::abs(range[0]) < 1e9))
+    return names;
   for (double at = range[0]; step > 0.0 ? at <= range[1] : at >= range[1]; at += step) {
     std::string number = std::to_string(static_cast<long long>(at));
     if (number.size() < digits) number.insert(0, digits - number.size(), width.front() == '0' ? '0' : ' ');
@@ -112,7 +124,8 @@ std::string trimmed(const std::string &text) {
 }
 
 std::string lowerCase(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 

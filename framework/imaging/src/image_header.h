@@ -35,8 +35,8 @@ struct ImageHeader {
   bool segmented = false;    ///< the voxels are numbers of segments, which the header names
   bool layered = false;      ///< the volumes are layers of a segmentation
   Encoding encoding = Encoding::raw;
-  std::vector<Part> parts;     ///< files that hold equal shares of all volumes, one after the other
-  std::uint64_t skip = 0;      ///< bytes to leave out after inflating, in each part
+  std::vector<Part> parts;  ///< files that hold equal shares of all volumes, one after the other
+  std::uint64_t skip = 0;   ///< bytes to leave out after inflating, in each part
   std::string modality;
   std::vector<std::pair<std::string, std::string>> keys;  ///< key and value pairs of NRRD
   std::string labelXml;                                   ///< label table in an extension of NIfTI; empty: none
@@ -57,7 +57,8 @@ struct ImageHeader {
 /// Sets the size and refuses what is zero or more voxels than any machine holds.
 [[nodiscard]] Expected<void> setSize(ImageHeader &header, const std::vector<double> &sizes);
 /// Sets the columns of indexToWorld; refuses what is not finite, not invertible or beyond 1e6 mm.
-[[nodiscard]] Expected<void> setAffine(ImageHeader &header, const Vec3 &i, const Vec3 &j, const Vec3 &k, const Vec3 &origin);
+[[nodiscard]] Expected<void> setAffine(ImageHeader &header, const Vec3 &i, const Vec3 &j, const Vec3 &k,
+                                       const Vec3 &origin);
 
 /// Numbers of a text, separated by blanks, commas or brackets; "nan" and words that are no number become NaN.
 [[nodiscard]] std::vector<double> numbersIn(const std::string &text);

@@ -14,8 +14,10 @@ namespace {
 std::vector<std::string> wordsOf(std::string_view text, std::string_view separators) {
   std::vector<std::string> words(1);
   for (const char c : text) {
-    if (separators.find(c) == std::string_view::npos) words.back() += c;
-    else if (!words.back().empty()) words.emplace_back();
+    if (separators.find(c) == std::string_view::npos)
+      words.back() += c;
+    else if (!words.back().empty())
+      words.emplace_back();
   }
   if (words.back().empty()) words.pop_back();
   return words;
@@ -45,11 +47,13 @@ std::string readableName(std::string_view name) {
 std::string nameFromFile(const std::filesystem::path &file) {
   const std::u8string utf8 = file.filename().u8string();
   std::string name(utf8.begin(), utf8.end());
-  for (const std::string_view ending : {".gz", ".nii", ".nrrd", ".nhdr", ".mha", ".mhd", ".img", ".hdr", ".seg", ".dcm"})
+  for (const std::string_view ending :
+       {".gz", ".nii", ".nrrd", ".nhdr", ".mha", ".mhd", ".img", ".hdr", ".seg", ".dcm"})
     if (name.size() > ending.size() && lowerCase(name).ends_with(ending)) name.resize(name.size() - ending.size());
   std::vector<std::string> words = wordsOf(name, "_ -.");
   std::erase_if(words, [](const std::string &word) {
-    static constexpr std::array kWords{"label", "labels", "labelmap", "mask", "seg", "segmentation", "segment", "binary", "roi"};
+    static constexpr std::array kWords{"label",        "labels",  "labelmap", "mask", "seg",
+                                       "segmentation", "segment", "binary",   "roi"};
     const std::string lower = lowerCase(word);
     return std::any_of(kWords.begin(), kWords.end(), [&](const char *one) { return lower == one; });
   });

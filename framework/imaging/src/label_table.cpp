@@ -17,7 +17,9 @@ bool takeItkSnap(const std::string &line, LabelTable &table) {
   if (from == std::string::npos || to <= from) return false;
   const auto n = numbersIn(line.substr(0, from));
   if (n.size() != 7 || !isLabel(n[0])) return false;
-  table[static_cast<std::uint16_t>(n[0])] = {line.substr(from + 1, to - from - 1), true, {linearOf(n[1] / 255.0), linearOf(n[2] / 255.0), linearOf(n[3] / 255.0)}};
+  table[static_cast<std::uint16_t>(n[0])] = {line.substr(from + 1, to - from - 1),
+                                             true,
+                                             {linearOf(n[1] / 255.0), linearOf(n[2] / 255.0), linearOf(n[3] / 255.0)}};
   return true;
 }
 
@@ -53,7 +55,9 @@ LabelTable readLabelTable(const std::filesystem::path &path) {
       else
         entry.name += " " + word;
     }
-    if (const auto rgb = numbersIn(rest); (rgb.size() == 3 || rgb.size() == 4) && std::all_of(rgb.begin(), rgb.end(), [](double x) { return x >= 0.0 && x <= 255.0; })) {
+    if (const auto rgb = numbersIn(rest);
+        (rgb.size() == 3 || rgb.size() == 4) &&
+        std::all_of(rgb.begin(), rgb.end(), [](double x) { return x >= 0.0 && x <= 255.0; })) {
       entry.coloured = true;
       for (std::size_t c = 0; c < 3; ++c) entry.colour[c] = linearOf(rgb[c] / 255.0);
     }
@@ -67,7 +71,8 @@ std::pair<LabelTable, std::filesystem::path> tableBeside(const std::filesystem::
   if (lowerCase(whole.extension().string()) == ".gz") whole.replace_extension();
   std::filesystem::path stem = whole;
   stem.replace_extension();
-  for (const auto &[base, ending] : {std::pair{whole, ".txt"}, {whole, ".label"}, {stem, ".label"}, {stem, ".txt"}, {stem, ".ctbl"}}) {
+  for (const auto &[base, ending] :
+       {std::pair{whole, ".txt"}, {whole, ".label"}, {stem, ".label"}, {stem, ".txt"}, {stem, ".ctbl"}}) {
     std::filesystem::path candidate = base;
     candidate += ending;
     std::error_code code;
@@ -100,12 +105,15 @@ std::vector<LabelTable> segmentsOf(const std::vector<std::pair<std::string, std:
     }
   }
   std::vector<LabelTable> tables(layers);
-  const bool isOld = layers > 1 && std::all_of(segments.begin(), segments.end(), [](const auto &one) { return one.second.layer < 0.0 && one.second.value < 0.0; });
+  const bool isOld = layers > 1 && std::all_of(segments.begin(), segments.end(), [](const auto &one) {
+                       return one.second.layer < 0.0 && one.second.value < 0.0;
+                     });
   for (auto &[number, segment] : segments) {
     if (isOld) segment.value = 1.0, segment.layer = static_cast<double>(number);
     if (!isLabel(segment.value) || segment.entry.name.empty()) continue;
     const double layer = std::max(segment.layer, 0.0);
-    if (layer < static_cast<double>(layers)) tables[static_cast<std::size_t>(layer)][static_cast<std::uint16_t>(segment.value)] = segment.entry;
+    if (layer < static_cast<double>(layers))
+      tables[static_cast<std::size_t>(layer)][static_cast<std::uint16_t>(segment.value)] = segment.entry;
   }
   return tables;
 }
@@ -140,7 +148,8 @@ LabelTable caretLabelsOf(const std::string &xml) {
 }
 
 std::array<float, 3> distinctColour(std::size_t n) {
-  // Hues by the golden ratio never repeat; three levels of brightness and two of saturation tell neighbours in hue apart.
+  // Hues by the golden ratio never repeat; three levels of brightness and two of saturation tell neighbours in hue
+  // apart.
   const double hue = std::fmod(0.02 + 0.61803398875 * static_cast<double>(n), 1.0) * 6.0;
   const double value = n % 3 == 0 ? 0.95 : n % 3 == 1 ? 0.75 : 0.55, saturation = n % 2 == 0 ? 0.8 : 0.5;
   std::array<float, 3> out{};

@@ -43,7 +43,8 @@ class Components {
         if (j > 0) all.joinRows(here - 1, here);
         if (k > 0) all.joinRows(here - ny, here);
       }
-      if (!goesOn(progress, static_cast<double>(k + 1) / static_cast<double>(nz), "connected parts")) return cancelled();
+      if (!goesOn(progress, static_cast<double>(k + 1) / static_cast<double>(nz), "connected parts"))
+        return cancelled();
     }
     all.firstOfRow_.push_back(all.runs_.size());
     return all;
@@ -130,7 +131,8 @@ VoxelBox boxAround(const Mask &mask) {
   return box;
 }
 
-Expected<Mask> connectedComponent(const Mask &mask, const std::array<std::size_t, 3> &index, const ProgressFn &progress) {
+Expected<Mask> connectedComponent(const Mask &mask, const std::array<std::size_t, 3> &index,
+                                  const ProgressFn &progress) {
   if (const auto good = checkMask(mask); !good) return tl::unexpected(good.error());
   const auto &n = mask.geometry.size;
   for (std::size_t a = 0; a < 3; ++a)

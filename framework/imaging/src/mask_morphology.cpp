@@ -12,8 +12,8 @@
 namespace c3de::imaging {
 namespace {
 
-constexpr double kMostVoxels = 128.0;   // of a radius
-constexpr double kOrthogonal = 1e-6;    // cosine between axes
+constexpr double kMostVoxels = 128.0;     // of a radius
+constexpr double kOrthogonal = 1e-6;      // cosine between axes
 constexpr double kRounding = 1.0 + 1e-6;  // of squared distances in single precision
 
 using Size3 = std::array<std::size_t, 3>;
@@ -23,7 +23,7 @@ struct Ball {
   Mat4 axes{};
   Vec3 spacing{};
   bool orthogonal = true;
-  Size3 reach{};        // voxels along each axis
+  Size3 reach{};  // voxels along each axis
 };
 
 Expected<Ball> ballOf(const VolumeGeometry &geometry, double radius) {
@@ -35,8 +35,8 @@ Expected<Ball> ballOf(const VolumeGeometry &geometry, double radius) {
     const double voxels = radius * kRounding * norm({inverse[a], inverse[4 + a], inverse[8 + a]});
     if (voxels > kMostVoxels)
       return fail(ErrorCode::usage,
-                  fmt::format("a radius of {:.4g} mm is {:.0f} voxels of {:.3g} mm; at most {:.0f} are accepted", radius,
-                              voxels, ball.spacing[a], kMostVoxels));
+                  fmt::format("a radius of {:.4g} mm is {:.0f} voxels of {:.3g} mm; at most {:.0f} are accepted",
+                              radius, voxels, ball.spacing[a], kMostVoxels));
     ball.reach[a] = static_cast<std::size_t>(voxels);
   }
   return ball;
@@ -55,8 +55,8 @@ class Growth {
   static constexpr float kFar = 1e30f;
 
   // out[i] = min over offsets o along an axis of in[row + o][i] + (o s)², rows as long as a line of voxels.
-  void lowest(std::span<const float> in, std::span<const std::uint8_t> any, std::size_t rows, std::size_t reach, double s,
-              std::size_t row, float *out) const {
+  void lowest(std::span<const float> in, std::span<const std::uint8_t> any, std::size_t rows, std::size_t reach,
+              double s, std::size_t row, float *out) const {
     const std::size_t nx = n_[0];
     const std::size_t first = row > reach ? row - reach : 0, last = std::min(rows, row + reach + 1);
     for (std::size_t other = first; other < last; ++other) {
@@ -101,7 +101,8 @@ class Growth {
         std::uint8_t *out = bits.data() + nx * (j + ny * k);
         for (std::size_t i = 0; i < nx; ++i) out[i] = best[i] <= limit ? 1 : 0;
       }
-      if (!goesOn(progress, 0.5 + 0.5 * static_cast<double>(j + 1) / static_cast<double>(ny), "distances")) return false;
+      if (!goesOn(progress, 0.5 + 0.5 * static_cast<double>(j + 1) / static_cast<double>(ny), "distances"))
+        return false;
     }
     return true;
   }
@@ -159,7 +160,8 @@ class Growth {
           for (const Line &line : lines) {
             const std::ptrdiff_t y = j + line.j, z = k + line.k;
             if (y < 0 || y >= n(1) || z < 0 || z >= n(2)) continue;
-            const std::ptrdiff_t from = std::max<std::ptrdiff_t>(0, i + line.from), to = std::min(n(0) - 1, i + line.to);
+            const std::ptrdiff_t from = std::max<std::ptrdiff_t>(0, i + line.from),
+                                 to = std::min(n(0) - 1, i + line.to);
             for (std::ptrdiff_t x = from; x <= to; ++x) bits[static_cast<std::size_t>(x + n(0) * (y + n(1) * z))] = 1;
           }
         }

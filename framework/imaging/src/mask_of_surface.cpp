@@ -9,8 +9,8 @@
 namespace c3de::imaging {
 namespace {
 
-// Whole numbers n with low < n <= high within 0 … count - 1, as a half-open range. The same rule everywhere, so that a row
-// that goes through an edge or a vertex meets each surface once.
+// Whole numbers n with low < n <= high within 0 … count - 1, as a half-open range. The same rule everywhere, so that a
+// row that goes through an edge or a vertex meets each surface once.
 struct Range {
   std::size_t begin = 0, end = 0;
 };

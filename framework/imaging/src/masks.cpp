@@ -12,8 +12,9 @@ namespace c3de::imaging {
 
 Expected<Mask> threshold(const Volume &volume, double low, double high, const ProgressFn &progress) {
   if (std::isnan(low) || std::isnan(high) || low > high)
-    return fail(ErrorCode::usage,
-                fmt::format("threshold from {} to {}: two numbers are accepted, the first not above the second", low, high));
+    return fail(
+        ErrorCode::usage,
+        fmt::format("threshold from {} to {}: two numbers are accepted, the first not above the second", low, high));
   const std::size_t count = volume.geometry.voxelCount();
   if (std::visit([](const auto &all) { return all.size(); }, volume.voxels) != count)
     return fail(ErrorCode::internal, "the voxels of the volume do not fit its geometry");
@@ -67,8 +68,8 @@ Expected<LabelMap> resampled(const LabelMap &labels, const VolumeGeometry &grid,
   for (std::size_t k = 0; k < grid.size[2]; ++k) {
     for (std::size_t j = 0; j < grid.size[1]; ++j)
       for (std::size_t i = 0; i < grid.size[0]; ++i, ++voxel) {
-        const Vec3 at = transformPoint(
-            toSource, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        const Vec3 at =
+            transformPoint(toSource, {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
         std::array<std::size_t, 3> source{};
         bool within = true;
         for (std::size_t a = 0; a < 3; ++a) {

@@ -22,17 +22,19 @@ bool isTrue(const std::string &text) { return lowerCase(text).starts_with("t") |
 
 Expected<Scalar> scalarOf(const std::filesystem::path &path, const std::string &type) {
   static const std::map<std::string, Scalar> kTypes{
-      {"MET_CHAR", Scalar::i8},    {"MET_UCHAR", Scalar::u8},      {"MET_SHORT", Scalar::i16},     {"MET_USHORT", Scalar::u16},
-      {"MET_INT", Scalar::i32},    {"MET_UINT", Scalar::u32},      {"MET_LONG", Scalar::i32},      {"MET_ULONG", Scalar::u32},
-      {"MET_FLOAT", Scalar::f32},  {"MET_LONG_LONG", Scalar::i64}, {"MET_ULONG_LONG", Scalar::u64}, {"MET_DOUBLE", Scalar::f64}};
+      {"MET_CHAR", Scalar::i8},       {"MET_UCHAR", Scalar::u8},       {"MET_SHORT", Scalar::i16},
+      {"MET_USHORT", Scalar::u16},    {"MET_INT", Scalar::i32},        {"MET_UINT", Scalar::u32},
+      {"MET_LONG", Scalar::i32},      {"MET_ULONG", Scalar::u32},      {"MET_FLOAT", Scalar::f32},
+      {"MET_LONG_LONG", Scalar::i64}, {"MET_ULONG_LONG", Scalar::u64}, {"MET_DOUBLE", Scalar::f64}};
   if (const auto found = kTypes.find(type); found != kTypes.end()) return found->second;
-  return refuse(path, "its ElementType '" + type + "' is not read; MET_CHAR … MET_ULONG_LONG, MET_FLOAT and MET_DOUBLE are");
+  return refuse(path,
+                "its ElementType '" + type + "' is not read; MET_CHAR … MET_ULONG_LONG, MET_FLOAT and MET_DOUBLE are");
 }
 
 struct Parsed {
   Keys keys;
-  std::vector<std::string> list;   ///< file names after ElementDataFile = LIST
-  std::uint64_t dataOffset = 0;    ///< behind the last line of the header
+  std::vector<std::string> list;  ///< file names after ElementDataFile = LIST
+  std::uint64_t dataOffset = 0;   ///< behind the last line of the header
 };
 
 Expected<Parsed> parse(const std::filesystem::path &path) {
@@ -65,13 +67,16 @@ Expected<Parsed> parse(const std::filesystem::path &path) {
 }
 
 /// What MetaIO writes into images. Programs may add keys of their own.
+// clang-format off
 const std::vector<std::string> kKeys{
     "ObjectType", "ObjectSubType", "TransformType", "NDims", "Name", "ID", "ParentID", "Comment", "AcquisitionDate",
-    "CompressedData", "CompressedDataSize", "CompressionLevel", "BinaryData", "BinaryDataByteOrderMSB", "ElementByteOrderMSB",
+    "CompressedData", "CompressedDataSize", "CompressionLevel", "BinaryData",
+    "BinaryDataByteOrderMSB", "ElementByteOrderMSB",
     "Color", "Position", "Origin", "Offset", "TransformMatrix", "Rotation", "Orientation", "CenterOfRotation",
     "AnatomicalOrientation", "DistanceUnits", "ElementSpacing", "DimSize", "HeaderSize", "HeaderSizePerSlice", "Modality",
     "ImagePosition", "SequenceID", "ElementMin", "ElementMax", "ElementNumberOfChannels", "ElementSize", "ElementType",
     "ElementNBits", "ElementToIntensityFunctionSlope", "ElementToIntensityFunctionOffset", "ElementDataFile"};
+// clang-format on
 
 /// Keys that the format does not know are left out by its rules; one that looks like a slip of the pen is worth a word.
 std::string unknownKeys(const Keys &keys) {
@@ -79,11 +84,14 @@ std::string unknownKeys(const Keys &keys) {
   for (const auto &[key, value] : keys) {
     if (std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end()) continue;
     const std::string nearest = nearestName(key, kKeys);
-    if (!nearest.empty()) slips += (slips.empty() ? "" : ", ") + ("'" + key.substr(0, 40) + "' (did you mean '" + nearest + "'?)");
-    else if (others.size() < 200) others += (others.empty() ? "" : ", ") + key.substr(0, 40);
+    if (!nearest.empty())
+      slips += (slips.empty() ? "" : ", ") + ("'" + key.substr(0, 40) + "' (did you mean '" + nearest + "'?)");
+    else if (others.size() < 200)
+      others += (others.empty() ? "" : ", ") + key.substr(0, 40);
   }
   if (slips.empty() && others.empty()) return {};
-  return "The header has keys that MetaImage does not know; they are left out: " + slips + (slips.empty() || others.empty() ? "" : ", ") + others + ".";
+  return "The header has keys that MetaImage does not know; they are left out: " + slips +
+         (slips.empty() || others.empty() ? "" : ", ") + others + ".";
 }
 
 /// The files that ElementDataFile names: one, a list, or a numbered pattern `name%03d.raw first last step`.
@@ -111,23 +119,31 @@ Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
   if (const std::string kind = valueOf(keys, {"ObjectType"}); !kind.empty() && kind != "Image")
     return refuse(path, "holds a MetaIO object of type '" + kind + "'; images are read");
   const auto sizes = numbersIn(valueOf(keys, {"DimSize"}));
-  const double stated = keys.contains("NDims") ? numbersIn(keys.at("NDims") + " 0").front() : static_cast<double>(sizes.size());
+  const double stated =
+      keys.contains("NDims") ? numbersIn(keys.at("NDims") + " 0").front() : static_cast<double>(sizes.size());
   if (!(stated >= 2 && stated <= 4) || sizes.size() < static_cast<std::size_t>(stated))
-    return refuse(path, "the header says NDims = " + formatNumber(stated) + " with " + std::to_string(sizes.size()) + " sizes; 2 to 4 dimensions are read");
+    return refuse(path, "the header says NDims = " + formatNumber(stated) + " with " + std::to_string(sizes.size()) +
+                            " sizes; 2 to 4 dimensions are read");
   const auto n = static_cast<std::size_t>(stated);
-  if (const auto set = setSize(header, {sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(n, 3))}); !set)
+  if (const auto set =
+          setSize(header, {sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(n, 3))});
+      !set)
     return tl::unexpected(set.error());
   if (n == 4) {
-    if (!(sizes[3] >= 1.0 && sizes[3] < 1e6)) return refuse(path, "the header says " + formatNumber(sizes[3]) + " along axis 4");
+    if (!(sizes[3] >= 1.0 && sizes[3] < 1e6))
+      return refuse(path, "the header says " + formatNumber(sizes[3]) + " along axis 4");
     header.volumes = static_cast<std::size_t>(sizes[3]);
   }
   const auto scalar = scalarOf(path, valueOf(keys, {"ElementType"}));
   if (!scalar) return tl::unexpected(scalar.error());
   header.scalar = *scalar;
-  if (const auto channels = numbersIn(valueOf(keys, {"ElementNumberOfChannels"})); !channels.empty() && channels[0] != 1.0) {
+  if (const auto channels = numbersIn(valueOf(keys, {"ElementNumberOfChannels"}));
+      !channels.empty() && channels[0] != 1.0) {
     if ((channels[0] != 3.0 && channels[0] != 4.0) || (header.scalar != Scalar::u8 && header.scalar != Scalar::u16))
-      return refuse(path, "holds " + formatNumber(channels[0]) + " numbers per voxel of type " + valueOf(keys, {"ElementType"}) +
-                              " (a vector image); images of one number per voxel, and of 3 or 4 colours as MET_UCHAR or MET_USHORT, are read");
+      return refuse(
+          path,
+          "holds " + formatNumber(channels[0]) + " numbers per voxel of type " + valueOf(keys, {"ElementType"}) +
+              " (a vector image); images of one number per voxel, and of 3 or 4 colours as MET_UCHAR or MET_USHORT, are read");
     header.channels = static_cast<std::size_t>(channels[0]);
   }
   header.bigEndian = isTrue(valueOf(keys, {"ElementByteOrderMSB", "BinaryDataByteOrderMSB"}));
@@ -139,30 +155,37 @@ Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
   }
   auto matrix = numbersIn(valueOf(keys, {"TransformMatrix", "Rotation", "Orientation"}));
   if (matrix.size() < n * n) {
-    header.notices.push_back("The header does not say how the image lies in the patient: the index axes are taken as left, "
-                             "posterior and superior.");
+    header.notices.push_back(
+        "The header does not say how the image lies in the patient: the index axes are taken as left, "
+        "posterior and superior.");
     matrix.assign(n * n, 0.0);
     for (std::size_t a = 0; a < n; ++a) matrix[a * n + a] = 1.0;
   }
   auto offset = numbersIn(valueOf(keys, {"Offset", "Position", "Origin"}));
-  if (offset.empty()) header.notices.push_back("The header does not say where the first voxel lies (Offset): 0, 0, 0 is taken.");
+  if (offset.empty())
+    header.notices.push_back("The header does not say where the first voxel lies (Offset): 0, 0, 0 is taken.");
   offset.resize(std::max<std::size_t>(offset.size(), 3), 0.0);
   if (n == 2) header.notices.push_back("The image is a single slice without a thickness: 1 mm is taken.");
   const auto direction = [&](std::size_t a) -> Vec3 {  // each group of n numbers is the direction of one index axis
     if (n == 2) return a < 2 ? spacing[a] * Vec3{matrix[2 * a], matrix[2 * a + 1], 0.0} : Vec3{0.0, 0.0, 1.0};
     return spacing[a] * Vec3{matrix[a * n], matrix[a * n + 1], matrix[a * n + 2]};
   };
-  if (const auto set = setAffine(header, direction(0), direction(1), direction(2), {offset[0], offset[1], n == 2 ? 0.0 : offset[2]}); !set)
+  if (const auto set =
+          setAffine(header, direction(0), direction(1), direction(2), {offset[0], offset[1], n == 2 ? 0.0 : offset[2]});
+      !set)
     return tl::unexpected(set.error());
 
-  if (const auto s = numbersIn(valueOf(keys, {"ElementToIntensityFunctionSlope"})); !s.empty() && std::isfinite(s[0]) && s[0] != 0.0) header.slope = s[0];
-  if (const auto s = numbersIn(valueOf(keys, {"ElementToIntensityFunctionOffset"})); !s.empty() && std::isfinite(s[0])) header.intercept = s[0];
+  if (const auto s = numbersIn(valueOf(keys, {"ElementToIntensityFunctionSlope"}));
+      !s.empty() && std::isfinite(s[0]) && s[0] != 0.0)
+    header.slope = s[0];
+  if (const auto s = numbersIn(valueOf(keys, {"ElementToIntensityFunctionOffset"})); !s.empty() && std::isfinite(s[0]))
+    header.intercept = s[0];
   if (valueOf(keys, {"Modality"}) == "MET_MOD_CT") header.unit = "HU", header.modality = "CT";
 
   const bool binary = !keys.contains("BinaryData") || isTrue(keys.at("BinaryData"));
-  header.encoding = !binary                                        ? ImageHeader::Encoding::text
+  header.encoding = !binary                                     ? ImageHeader::Encoding::text
                     : isTrue(valueOf(keys, {"CompressedData"})) ? ImageHeader::Encoding::deflated
-                                                                   : ImageHeader::Encoding::raw;
+                                                                : ImageHeader::Encoding::raw;
   const auto files = dataFiles(path, *parsed);
   if (!files) return tl::unexpected(files.error());
   const auto headerSize = numbersIn(valueOf(keys, {"HeaderSize"}));
@@ -174,7 +197,8 @@ Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
       const auto length = static_cast<double>(std::filesystem::file_size(part.path, code));
       const double bytes = bytesOfAll(header) / static_cast<double>(files->size());
       const double at = headerSize[0] < 0.0 ? length - bytes : headerSize[0];  // -1: the voxels end the file
-      if (code || !(at >= 0.0 && at <= length)) return refuse(part.path, "does not hold the voxels that " + path.filename().string() + " says");
+      if (code || !(at >= 0.0 && at <= length))
+        return refuse(part.path, "does not hold the voxels that " + path.filename().string() + " says");
       part.offset = static_cast<std::uint64_t>(at);
     }
     header.parts.push_back(std::move(part));

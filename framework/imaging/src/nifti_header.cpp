@@ -43,16 +43,19 @@ struct Nifti {
 Expected<Nifti> parse(const std::filesystem::path &path) {
   auto bytes = firstBytes(path, 540);
   if (!bytes) return tl::unexpected(bytes.error());
-  if (bytes->size() < 348) return refuse(path, "too short for a NIfTI header: " + std::to_string(bytes->size()) + " of 348 bytes");
+  if (bytes->size() < 348)
+    return refuse(path, "too short for a NIfTI header: " + std::to_string(bytes->size()) + " of 348 bytes");
   const Fields plain(*bytes, std::endian::native == std::endian::big);
   const Fields turned(*bytes, std::endian::native != std::endian::big);
   const double length = plain.at<std::int32_t>(0), turnedLength = turned.at<std::int32_t>(0);
   Nifti n;
   n.swapped = turnedLength == 348 || turnedLength == 540;
   const double known = n.swapped ? turnedLength : length;
-  if (known != 348 && known != 540) return refuse(path, "no NIfTI header: it begins with " + formatNumber(length) + ", not with 348 or 540");
+  if (known != 348 && known != 540)
+    return refuse(path, "no NIfTI header: it begins with " + formatNumber(length) + ", not with 348 or 540");
   n.second = known == 540;
-  if (n.second && bytes->size() < 540) return refuse(path, "too short for a NIfTI-2 header: " + std::to_string(bytes->size()) + " of 540 bytes");
+  if (n.second && bytes->size() < 540)
+    return refuse(path, "too short for a NIfTI-2 header: " + std::to_string(bytes->size()) + " of 540 bytes");
   const char *magic = reinterpret_cast<const char *>(bytes->data()) + (n.second ? 4 : 344);
   const char version = n.second ? '2' : '1';
   if (magic[0] != 'n' || (magic[1] != '+' && magic[1] != 'i') || magic[2] != version)
@@ -77,22 +80,36 @@ Expected<Nifti> parse(const std::filesystem::path &path) {
 
 Expected<Scalar> scalarOf(const std::filesystem::path &path, int type) {
   switch (type) {
-    case 2: return Scalar::u8;
-    case 4: return Scalar::i16;
-    case 8: return Scalar::i32;
-    case 16: return Scalar::f32;
-    case 64: return Scalar::f64;
-    case 256: return Scalar::i8;
-    case 512: return Scalar::u16;
-    case 768: return Scalar::u32;
-    case 1024: return Scalar::i64;
-    case 1280: return Scalar::u64;
+    case 2:
+      return Scalar::u8;
+    case 4:
+      return Scalar::i16;
+    case 8:
+      return Scalar::i32;
+    case 16:
+      return Scalar::f32;
+    case 64:
+      return Scalar::f64;
+    case 256:
+      return Scalar::i8;
+    case 512:
+      return Scalar::u16;
+    case 768:
+      return Scalar::u32;
+    case 1024:
+      return Scalar::i64;
+    case 1280:
+      return Scalar::u64;
     case 32:
     case 1792:
-    case 2048: return refuse(path, "holds complex numbers; images of one number per voxel and colours are read");
+    case 2048:
+      return refuse(path, "holds complex numbers; images of one number per voxel and colours are read");
     case 128:
-    case 2304: return Scalar::u8;  // RGB24, RGBA32
-    default: return refuse(path, "its datatype " + std::to_string(type) + " is not read; integers of 8 to 64 bits and floating point of 32 and 64 bits are");
+    case 2304:
+      return Scalar::u8;  // RGB24, RGBA32
+    default:
+      return refuse(path, "its datatype " + std::to_string(type) +
+                              " is not read; integers of 8 to 64 bits and floating point of 32 and 64 bits are");
   }
 }
 
@@ -151,15 +168,16 @@ Columns place(const Nifti &n, ImageHeader &header) {
         most = std::max(most, norm(difference));
       }
       if (most > 1.0)
-        header.notices.push_back("The two placements of the header (sform, qform) differ by up to " + formatNumber(std::round(most)) +
-                                 " mm: sform is taken.");
+        header.notices.push_back("The two placements of the header (sform, qform) differ by up to " +
+                                 formatNumber(std::round(most)) + " mm: sform is taken.");
     }
     return sform;
   }
   if (n.sform > 0) header.notices.push_back("The sform of the header spans no volume and is left out.");
   if (n.qform > 0 && spans(qform)) return qform;
-  header.notices.push_back("The header does not say how the image lies in the patient: the index axes are taken as right, "
-                           "anterior and superior; left and right may be exchanged.");
+  header.notices.push_back(
+      "The header does not say how the image lies in the patient: the index axes are taken as right, "
+      "anterior and superior; left and right may be exchanged.");
   return {Vec3{spacing[0], 0, 0}, Vec3{0, spacing[1], 0}, Vec3{0, 0, spacing[2]}, Vec3{}};
 }
 
@@ -208,14 +226,19 @@ Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path) {
   ImageHeader header;
   header.path = path;
   const int dimensions = static_cast<int>(n.dim[0]);
-  if (dimensions < 1 || dimensions > 7) return refuse(path, "the header says " + formatNumber(n.dim[0]) + " dimensions; accepted is 1 to 7");
+  if (dimensions < 1 || dimensions > 7)
+    return refuse(path, "the header says " + formatNumber(n.dim[0]) + " dimensions; accepted is 1 to 7");
   std::vector<double> sizes(n.dim.begin() + 1, n.dim.begin() + 1 + dimensions);
   if (const auto set = setSize(header, sizes); !set) return tl::unexpected(set.error());
   for (std::size_t a = 3; a < sizes.size(); ++a)
-    if (!(sizes[a] >= 1.0 && sizes[a] < 1e6)) return refuse(path, "the header says " + formatNumber(sizes[a]) + " along axis " + std::to_string(a + 1));
+    if (!(sizes[a] >= 1.0 && sizes[a] < 1e6))
+      return refuse(path, "the header says " + formatNumber(sizes[a]) + " along axis " + std::to_string(a + 1));
   for (std::size_t a = 4; a < sizes.size(); ++a)
     if (sizes[a] > 1.0)
-      return refuse(path, "holds " + formatNumber(sizes[a]) + " numbers per voxel (a vector image); images of one number per voxel and colours (RGB24, RGBA32) are read");
+      return refuse(
+          path,
+          "holds " + formatNumber(sizes[a]) +
+              " numbers per voxel (a vector image); images of one number per voxel and colours (RGB24, RGBA32) are read");
   header.volumes = sizes.size() > 3 ? static_cast<std::size_t>(sizes[3]) : 1;
   const auto scalar = scalarOf(path, n.type);
   if (!scalar) return tl::unexpected(scalar.error());
@@ -238,7 +261,8 @@ Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path) {
   const double least = n.pair ? 0.0 : n.second ? 540.0 : 348.0;
   double offset = n.offset;
   if (!n.pair && offset == 0.0) offset = n.second ? 544.0 : 352.0;
-  if (!(offset >= least && offset < 1e9)) return refuse(path, "the header says that voxels begin at byte " + formatNumber(n.offset));
+  if (!(offset >= least && offset < 1e9))
+    return refuse(path, "the header says that voxels begin at byte " + formatNumber(n.offset));
   const bool zipped = isGzip(data);
   header.encoding = zipped ? ImageHeader::Encoding::deflated : ImageHeader::Encoding::raw;
   header.parts = {{data, zipped ? 0 : static_cast<std::uint64_t>(offset)}};

@@ -16,20 +16,28 @@ struct Parsed {
   std::vector<std::pair<std::string, std::string>> keys;
   std::vector<std::string> list;  ///< file names after `data file: LIST`
   std::vector<std::string> notices;
-  std::uint64_t dataOffset = 0;   ///< behind the empty line that ends the header; 0: none
+  std::uint64_t dataOffset = 0;  ///< behind the empty line that ends the header; 0: none
 };
 
 /// The fields of the format, version 5, as they are written here; and what else its readers take for them.
 const std::vector<std::string> kFields{
-    "content", "number", "type", "block size", "dimension", "sizes", "spacings", "thicknesses", "axis mins", "axis maxs",
-    "centerings", "labels", "units", "kinds", "min", "max", "old min", "old max", "data file", "endian", "encoding",
-    "line skip", "byte skip", "sample units", "space", "space dimension", "space units", "space origin",
-    "space directions", "measurement frame"};
+    "content",   "number",          "type",        "block size",   "dimension",        "sizes",
+    "spacings",  "thicknesses",     "axis mins",   "axis maxs",    "centerings",       "labels",
+    "units",     "kinds",           "min",         "max",          "old min",          "old max",
+    "data file", "endian",          "encoding",    "line skip",    "byte skip",        "sample units",
+    "space",     "space dimension", "space units", "space origin", "space directions", "measurement frame"};
 
 std::string fieldOf(const std::string &name) {
-  for (const auto &[other, field] : {std::pair{"datafile", "data file"}, {"lineskip", "line skip"}, {"byteskip", "byte skip"}, {"blocksize", "block size"},
-                                     {"axismins", "axis mins"}, {"axismaxs", "axis maxs"}, {"oldmin", "old min"}, {"oldmax", "old max"},
-                                     {"centers", "centerings"}, {"sampleunits", "sample units"}})
+  for (const auto &[other, field] : {std::pair{"datafile", "data file"},
+                                     {"lineskip", "line skip"},
+                                     {"byteskip", "byte skip"},
+                                     {"blocksize", "block size"},
+                                     {"axismins", "axis mins"},
+                                     {"axismaxs", "axis maxs"},
+                                     {"oldmin", "old min"},
+                                     {"oldmax", "old max"},
+                                     {"centers", "centerings"},
+                                     {"sampleunits", "sample units"}})
     if (name == other) return field;
   return name;
 }
@@ -56,18 +64,22 @@ Expected<Parsed> parse(const std::filesystem::path &path) {
     }
     if (line.front() == '#') continue;
     const std::size_t colon = line.find(':');
-    if (colon == std::string::npos) return refuse(path, "its header has the line '" + line.substr(0, 40) + "', which is no field");
+    if (colon == std::string::npos)
+      return refuse(path, "its header has the line '" + line.substr(0, 40) + "', which is no field");
     if (colon + 1 < line.size() && line[colon + 1] == '=') {
       out.keys.emplace_back(line.substr(0, colon), line.substr(colon + 2));
       if (const std::string name = fieldOf(lowerCase(trimmed(line.substr(0, colon)))); isField(name))
-        out.notices.push_back("'" + name + ":=' is a pair of key and value, which says nothing of the image; the field is '" + name + ": '.");
+        out.notices.push_back("'" + name +
+                              ":=' is a pair of key and value, which says nothing of the image; the field is '" + name +
+                              ": '.");
       continue;
     }
     const std::string written = trimmed(line.substr(0, colon)), name = fieldOf(lowerCase(written));
     if (!isField(name)) {
       const std::string nearest = nearestName(name, kFields);
       return refuse(path, "its header has the field '" + written.substr(0, 40) + "', which NRRD does not know" +
-                              (nearest.empty() ? "" : "; did you mean '" + nearest + "'?") + "; accepted: fields of the format, and 'key:=value' for what is one's own");
+                              (nearest.empty() ? "" : "; did you mean '" + nearest + "'?") +
+                              "; accepted: fields of the format, and 'key:=value' for what is one's own");
     }
     const std::string value = trimmed(line.substr(colon + 1));
     if (!out.fields.emplace(name, value).second) return refuse(path, "its header has the field '" + name + "' twice");
@@ -91,14 +103,17 @@ Expected<Scalar> scalarOf(const std::filesystem::path &path, const std::string &
       {Scalar::u16, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"}},
       {Scalar::i32, {"int", "signed int", "int32", "int32_t"}},
       {Scalar::u32, {"uint", "unsigned int", "uint32", "uint32_t"}},
-      {Scalar::i64, {"longlong", "long long", "long long int", "signed long long", "signed long long int", "int64", "int64_t"}},
+      {Scalar::i64,
+       {"longlong", "long long", "long long int", "signed long long", "signed long long int", "int64", "int64_t"}},
       {Scalar::u64, {"ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"}},
       {Scalar::f32, {"float"}},
       {Scalar::f64, {"double"}}};
   for (const Named &known : kTypes)
     for (const char *name : known.names)
       if (type == name) return known.scalar;
-  return refuse(path, type.empty() ? "the header gives no type" : "its type '" + type + "' is not read; integers of 8 to 64 bits, float and double are");
+  return refuse(path, type.empty()
+                          ? "the header gives no type"
+                          : "its type '" + type + "' is not read; integers of 8 to 64 bits, float and double are");
 }
 
 std::vector<std::string> words(const std::string &text) {
@@ -140,7 +155,8 @@ Vec3 toLps(const std::string &space, std::vector<std::string> &notices) {
   if (s.starts_with("right-anterior-superior") || s == "ras" || s == "rast") return {-1, -1, 1};
   if (s.starts_with("left-anterior-superior") || s == "las" || s == "last") return {1, -1, 1};
   notices.push_back(s.empty() ? "The header does not name its space: left, posterior, superior is taken."
-                              : "The space of the header, '" + space + "', is not that of a patient: left, posterior, superior is taken.");
+                              : "The space of the header, '" + space +
+                                    "', is not that of a patient: left, posterior, superior is taken.");
   return {1, 1, 1};
 }
 
@@ -158,7 +174,8 @@ bool isOneOf(const std::string &kind, std::initializer_list<const char *> kinds)
 /// Whether so many numbers together are a colour: by their kind, or as 8 bits each, which no other vector has.
 bool isColour(Scalar scalar, double size, const std::string &kind) {
   if (size != 3.0 && size != 4.0) return false;
-  if (isOneOf(kind, {"rgb-color", "rgba-color", "3-color", "4-color"})) return scalar == Scalar::u8 || scalar == Scalar::u16;
+  if (isOneOf(kind, {"rgb-color", "rgba-color", "3-color", "4-color"}))
+    return scalar == Scalar::u8 || scalar == Scalar::u16;
   return scalar == Scalar::u8 && isOneOf(kind, {"", "vector", "3-vector", "4-vector"});
 }
 
@@ -168,7 +185,8 @@ Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::v
                                                const std::vector<std::string> &kinds) {
   std::vector<std::size_t> axes;
   for (std::size_t a = 0; a < sizes.size(); ++a) {
-    if (!(sizes[a] >= 1.0 && sizes[a] < 1e9)) return refuse(header.path, "the header says " + formatNumber(sizes[a]) + " along axis " + std::to_string(a + 1));
+    if (!(sizes[a] >= 1.0 && sizes[a] < 1e9))
+      return refuse(header.path, "the header says " + formatNumber(sizes[a]) + " along axis " + std::to_string(a + 1));
     const std::string kind = a < kinds.size() ? kinds[a] : "";
     const bool inSpace = directions.empty() ? isOneOf(kind, {"", "domain", "space", "???", "none"}) && axes.size() < 3
                                             : a < directions.size() && !directions[a].empty();
@@ -182,13 +200,20 @@ Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::v
       continue;
     }
     const bool isBehind = axes.size() >= std::min<std::size_t>(3, sizes.size() - 1);
-    const bool countsVolumes = isOneOf(kind, {"time", "list"}) || (isBehind && isOneOf(kind, {"", "domain", "space", "???", "none"}));
+    const bool countsVolumes =
+        isOneOf(kind, {"time", "list"}) || (isBehind && isOneOf(kind, {"", "domain", "space", "???", "none"}));
     if (!countsVolumes)
-      return refuse(header.path, "holds " + formatNumber(sizes[a]) + " numbers per voxel (axis " + std::to_string(a + 1) + (kind.empty() ? "" : ", '" + kind + "'") +
-                                     "): a vector image; read are images of one number per voxel, of 3 or 4 colours of 8 or 16 bits (first axis, kind RGB-color or RGBA-color), and time points (kind time or list)");
+      return refuse(
+          header.path,
+          "holds " + formatNumber(sizes[a]) + " numbers per voxel (axis " + std::to_string(a + 1) +
+              (kind.empty() ? "" : ", '" + kind + "'") +
+              "): a vector image; read are images of one number per voxel, of 3 or 4 colours of 8 or 16 bits (first axis, kind RGB-color or RGBA-color), and time points (kind time or list)");
     const bool isFirst = axes.empty() && header.channels == 1;
-    if (!isBehind && !isFirst) return refuse(header.path, "has its time points between the axes of space (axis " + std::to_string(a + 1) + "); they are read as the first or the last axis");
-    if (header.volumes > 1 && (isFirst || header.interleaved)) return refuse(header.path, "has several axes of time points; one, the first or the last, is read");
+    if (!isBehind && !isFirst)
+      return refuse(header.path, "has its time points between the axes of space (axis " + std::to_string(a + 1) +
+                                     "); they are read as the first or the last axis");
+    if (header.volumes > 1 && (isFirst || header.interleaved))
+      return refuse(header.path, "has several axes of time points; one, the first or the last, is read");
     header.interleaved = isFirst;
     header.volumes *= static_cast<std::size_t>(sizes[a]);
     if (header.volumes > 1000000) return refuse(header.path, "the header says more than a million volumes");
@@ -214,7 +239,8 @@ Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vecto
 
   std::array<Vec3, 3> column{};
   const auto spacings = numbersIn(field("spacings"));
-  if (directions.empty()) header.notices.push_back("The header does not say how the image lies in the patient: only its spacing is known.");
+  if (directions.empty())
+    header.notices.push_back("The header does not say how the image lies in the patient: only its spacing is known.");
   for (std::size_t a = 0; a < 3; ++a) {
     column[a][a] = 1.0;
     if (a >= axes->size()) {
@@ -243,7 +269,8 @@ Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vecto
     header.notices.push_back("The header does not say where the first voxel lies (space origin): 0, 0, 0 is taken.");
   for (const auto &direction : directions)
     if (!origins.empty() && !direction.empty() && direction.size() != origins[0].size())
-      return refuse(header.path, "its space origin has " + std::to_string(origins[0].size()) + " numbers, its space directions have " + std::to_string(direction.size()));
+      return refuse(header.path, "its space origin has " + std::to_string(origins[0].size()) +
+                                     " numbers, its space directions have " + std::to_string(direction.size()));
   if (!origins.empty())
     for (std::size_t x = 0; x < 3 && x < origins[0].size(); ++x)
       origin[x] = sign[x] * origins[0][x] * (x < unit.size() ? millimetres(unit[x]) : 1.0);
@@ -270,14 +297,20 @@ Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
   };
   const std::string encoding = lowerCase(field("encoding"));
   using Encoding = ImageHeader::Encoding;
-  if (encoding == "raw") header.encoding = Encoding::raw;
-  else if (encoding == "gzip" || encoding == "gz") header.encoding = Encoding::deflated;
-  else if (encoding == "text" || encoding == "txt" || encoding == "ascii") header.encoding = Encoding::text;
-  else if (encoding == "hex") header.encoding = Encoding::hex;
-  else return refuse(header.path, "its encoding '" + encoding + "' is not read; raw, gzip, text and hex are");
+  if (encoding == "raw")
+    header.encoding = Encoding::raw;
+  else if (encoding == "gzip" || encoding == "gz")
+    header.encoding = Encoding::deflated;
+  else if (encoding == "text" || encoding == "txt" || encoding == "ascii")
+    header.encoding = Encoding::text;
+  else if (encoding == "hex")
+    header.encoding = Encoding::hex;
+  else
+    return refuse(header.path, "its encoding '" + encoding + "' is not read; raw, gzip, text and hex are");
   header.bigEndian = lowerCase(field("endian")) == "big";
   if (header.encoding == Encoding::raw || header.encoding == Encoding::deflated)
-    if (bytesOf(header.scalar) > 1 && field("endian").empty()) return refuse(header.path, "the header does not say the byte order (endian)");
+    if (bytesOf(header.scalar) > 1 && field("endian").empty())
+      return refuse(header.path, "the header does not say the byte order (endian)");
 
   const std::string named = field("data file");
   std::vector<std::string> names;
@@ -285,7 +318,8 @@ Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
     names = parsed.list;
   } else if (named.find('%') != std::string::npos) {
     const std::size_t blank = named.find(' ', named.find('%'));
-    names = numberedNames(named.substr(0, blank), blank == std::string::npos ? std::vector<double>{} : numbersIn(named.substr(blank)));
+    names = numberedNames(named.substr(0, blank),
+                          blank == std::string::npos ? std::vector<double>{} : numbersIn(named.substr(blank)));
     if (names.empty()) return refuse(header.path, "data file: " + named + " is no pattern with first, last and step");
   } else if (!named.empty()) {
     names = {named};
@@ -302,7 +336,8 @@ Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
     return all.empty() ? 0.0 : all[0];
   };
   const double lines = numberOf("line skip"), bytes = numberOf("byte skip");
-  if (!(lines >= 0.0 && lines < 1e6) || !(bytes >= -1.0 && bytes < 1e12)) return refuse(header.path, "its line skip or byte skip is out of range");
+  if (!(lines >= 0.0 && lines < 1e6) || !(bytes >= -1.0 && bytes < 1e12))
+    return refuse(header.path, "its line skip or byte skip is out of range");
   for (ImageHeader::Part &part : header.parts) {
     if (lines > 0.0) {
       const auto at = afterLines(part.path, part.offset, lines);
@@ -343,9 +378,11 @@ Expected<ImageHeader> readNrrdHeader(const std::filesystem::path &path) {
   header.scalar = *scalar;
   const auto sizes = numbersIn(field("sizes")), dimension = numbersIn(field("dimension"));
   if (dimension.empty() || sizes.size() < 2 || sizes.size() > 16 || dimension[0] != static_cast<double>(sizes.size()))
-    return refuse(path, "the header says dimension '" + field("dimension") + "' with " + std::to_string(sizes.size()) + " sizes; 2 to 16 are read");
+    return refuse(path, "the header says dimension '" + field("dimension") + "' with " + std::to_string(sizes.size()) +
+                            " sizes; 2 to 16 are read");
   if (const auto placed = place(header, *parsed, sizes); !placed) return tl::unexpected(placed.error());
-  header.segmented = std::any_of(header.keys.begin(), header.keys.end(), [](const auto &key) { return key.first.starts_with("Segment0_"); });
+  header.segmented = std::any_of(header.keys.begin(), header.keys.end(),
+                                 [](const auto &key) { return key.first.starts_with("Segment0_"); });
   header.layered = header.volumes > 1 && header.segmented;
   if (const auto found = findData(header, *parsed); !found) return tl::unexpected(found.error());
   return header;

@@ -12,7 +12,8 @@ std::string packed(std::string_view bytes, Packing packing) {
   if (packing == Packing::none) return std::string(bytes);
   z_stream z{};
   // Level 1: voxels gain little from more, and it is several times as fast.
-  if (deflateInit2(&z, 1, Z_DEFLATED, packing == Packing::gzip ? 15 + 16 : 15, 8, Z_DEFAULT_STRATEGY) != Z_OK) return out;
+  if (deflateInit2(&z, 1, Z_DEFLATED, packing == Packing::gzip ? 15 + 16 : 15, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+    return out;
   const char *next = bytes.data();
   std::size_t left = bytes.size();
   int answer = Z_OK;

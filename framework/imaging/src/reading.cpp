@@ -42,7 +42,9 @@ Expected<Format> formatOrError(const std::filesystem::path &path) {
   if (format != Format::none) return format;
   // DICOM without its signature exists; no other format is worth a guess.
   if (readDicomHeader(path)) return Format::dicom;
-  return refuse(path, "is no image that is read here: DICOM, NIfTI (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr) and MetaImage (.mha, .mhd) are");
+  return refuse(
+      path,
+      "is no image that is read here: DICOM, NIfTI (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr) and MetaImage (.mha, .mhd) are");
 }
 
 Expected<ImageHeader> headerOf(const std::filesystem::path &path, Format format) {
@@ -57,7 +59,10 @@ Expected<LoadedVolume> readFile(const ImageHeader &header, const ReadOptions &op
   const bool isColour = header.channels > 1;
   const auto count = static_cast<double>(header.geometry.voxelCount());
   if (isColour)  // what is stored, its luma and its colours are there together for a moment
-    if (const auto fits = checkMemory(header.path, count * static_cast<double>(header.channels * bytesOf(header.scalar) + 1 + sizeof(Rgba)), options.memoryLimit); !fits)
+    if (const auto fits = checkMemory(
+            header.path, count * static_cast<double>(header.channels * bytesOf(header.scalar) + 1 + sizeof(Rgba)),
+            options.memoryLimit);
+        !fits)
       return tl::unexpected(fits.error());
   auto voxels = readVoxels(header, options, out.notices);
   if (!voxels) return tl::unexpected(voxels.error());
@@ -76,7 +81,8 @@ Expected<LoadedVolume> readFile(const ImageHeader &header, const ReadOptions &op
 
 /// Whole numbers 0 … 65535, or the first voxel that is none.
 template <class T>
-std::optional<std::size_t> toLabels(const std::vector<T> &voxels, double slope, double intercept, std::vector<std::uint16_t> &labels) {
+std::optional<std::size_t> toLabels(const std::vector<T> &voxels, double slope, double intercept,
+                                    std::vector<std::uint16_t> &labels) {
   labels.resize(voxels.size());
   const bool plain = slope == 1.0 && intercept == 0.0;
   for (std::size_t v = 0; v < voxels.size(); ++v) {
@@ -91,12 +97,14 @@ std::optional<std::size_t> toLabels(const std::vector<T> &voxels, double slope, 
 Expected<LabelMap> labelsOf(const std::filesystem::path &path, const Volume &volume, const LabelTable &table) {
   LabelMap map;
   map.geometry = volume.geometry;
-  const auto wrong = std::visit([&](const auto &all) { return toLabels(all, volume.slope, volume.intercept, map.voxels); }, volume.voxels);
+  const auto wrong = std::visit(
+      [&](const auto &all) { return toLabels(all, volume.slope, volume.intercept, map.voxels); }, volume.voxels);
   if (wrong) {
     const auto &size = volume.geometry.size;
     const std::size_t i = *wrong % size[0], j = *wrong / size[0] % size[1], k = *wrong / (size[0] * size[1]);
-    return refuse(path, "is no label map: voxel (" + std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k) + ") is " +
-                            formatNumber(volume.value(i, j, k)) + "; whole numbers from 0 to 65535 are labels");
+    return refuse(path, "is no label map: voxel (" + std::to_string(i) + ", " + std::to_string(j) + ", " +
+                            std::to_string(k) + ") is " + formatNumber(volume.value(i, j, k)) +
+                            "; whole numbers from 0 to 65535 are labels");
   }
   std::vector<bool> occurs(65536, false);
   for (const std::uint16_t label : map.voxels) occurs[label] = true;
@@ -128,7 +136,8 @@ Expected<LoadedVolume> readVolume(const std::filesystem::path &path, const ReadO
   if (header->layered && options.time > 0) return hasOneTime(path, options.time);
   auto loaded = readFile(*header, options);
   if (loaded && header->layered)
-    loaded->notices.push_back("The file holds " + std::to_string(header->volumes) + " layers of a segmentation: the first is read as an image; as a label map all are.");
+    loaded->notices.push_back("The file holds " + std::to_string(header->volumes) +
+                              " layers of a segmentation: the first is read as an image; as a label map all are.");
   return loaded;
 }
 
@@ -141,7 +150,8 @@ Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const Rea
     if (*segments) return std::move(**segments);
     const auto loaded = readDicom(path, options);
     if (!loaded) return tl::unexpected(loaded.error());
-    if (!loaded->volume.colours.empty()) return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0 to 65535, one per voxel");
+    if (!loaded->volume.colours.empty())
+      return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0 to 65535, one per voxel");
     LoadedLabels out;
     out.notices = loaded->notices;
     auto map = labelsOf(path, loaded->volume, {});
@@ -151,18 +161,23 @@ Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const Rea
   }
   const auto header = headerOf(path, *format);
   if (!header) return tl::unexpected(header.error());
-  if (header->channels > 1) return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0 to 65535, one per voxel");
+  if (header->channels > 1)
+    return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0 to 65535, one per voxel");
   if (header->layered && options.time > 0) return hasOneTime(path, options.time);
   const std::size_t layers = header->layered ? header->volumes : 1;
-  if (layers > kMostLayers) return refuse(path, "holds " + std::to_string(layers) + " layers of segments; up to " + std::to_string(kMostLayers) + " are read");
+  if (layers > kMostLayers)
+    return refuse(path, "holds " + std::to_string(layers) + " layers of segments; up to " +
+                            std::to_string(kMostLayers) + " are read");
   // The labels are kept beside the voxels they come from for a moment.
-  const double needed = static_cast<double>(header->geometry.voxelCount()) * (2.0 * static_cast<double>(layers) + static_cast<double>(bytesOf(header->scalar)));
+  const double needed = static_cast<double>(header->geometry.voxelCount()) *
+                        (2.0 * static_cast<double>(layers) + static_cast<double>(bytesOf(header->scalar)));
   if (const auto fits = checkMemory(path, needed, options.memoryLimit); !fits) return tl::unexpected(fits.error());
   std::vector<LabelTable> tables = segmentsOf(header->keys, layers);
   if (!header->labelXml.empty()) tables[0] = caretLabelsOf(header->labelXml);
 
   LoadedLabels out;
-  const bool isNamed = std::any_of(tables.begin(), tables.end(), [](const LabelTable &table) { return !table.empty(); });
+  const bool isNamed =
+      std::any_of(tables.begin(), tables.end(), [](const LabelTable &table) { return !table.empty(); });
   if (!isNamed) {
     auto [beside, from] = tableBeside(path);
     if (!beside.empty()) out.notices.push_back("Names of labels are from " + from.filename().string() + ".");
@@ -171,18 +186,23 @@ Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const Rea
   for (std::size_t layer = 0; layer < layers; ++layer) {
     ReadOptions one = options;
     if (header->layered) one.time = layer;
-    one.progress = partOf(options.progress, static_cast<double>(layer) / static_cast<double>(layers), static_cast<double>(layer + 1) / static_cast<double>(layers));
+    one.progress = partOf(options.progress, static_cast<double>(layer) / static_cast<double>(layers),
+                          static_cast<double>(layer + 1) / static_cast<double>(layers));
     auto loaded = readFile(*header, one);
     if (!loaded) return tl::unexpected(loaded.error());
     if (layer == 0) out.notices.insert(out.notices.begin(), loaded->notices.begin(), loaded->notices.end());
     auto map = labelsOf(path, loaded->volume, tables[layer]);
     if (!map) return tl::unexpected(map.error());
-    if (layer == 0) out.labels = std::move(*map);
-    else out.layers.push_back(std::move(*map));
+    if (layer == 0)
+      out.labels = std::move(*map);
+    else
+      out.layers.push_back(std::move(*map));
   }
   if (layers == 1 && out.labels.labels.size() == 1 && !tables[0].contains(out.labels.labels[0].value))
     if (std::string name = nameFromFile(path); !name.empty()) out.labels.labels[0].name = std::move(name);
-  if (layers > 1) out.notices.push_back("The segments lie in " + std::to_string(layers) + " layers, because some of them overlap; each layer is a label map of its own.");
+  if (layers > 1)
+    out.notices.push_back("The segments lie in " + std::to_string(layers) +
+                          " layers, because some of them overlap; each layer is a label map of its own.");
   return out;
 }
 
@@ -206,8 +226,11 @@ Expected<std::vector<SeriesInfo>> listSeries(const std::filesystem::path &path, 
 
 bool looksLikeImage(const std::filesystem::path &path) {
   std::error_code code;
-  if (!std::filesystem::is_directory(path, code)) return std::filesystem::is_regular_file(path, code) && formatOf(path) != Format::none;
-  std::filesystem::recursive_directory_iterator at(path, std::filesystem::directory_options::skip_permission_denied, code), end;
+  if (!std::filesystem::is_directory(path, code))
+    return std::filesystem::is_regular_file(path, code) && formatOf(path) != Format::none;
+  std::filesystem::recursive_directory_iterator at(path, std::filesystem::directory_options::skip_permission_denied,
+                                                   code),
+      end;
   for (int seen = 0; !code && at != end && seen < 1000; at.increment(code), ++seen) {
     std::error_code ignored;
     if (at->is_regular_file(ignored) && isDicom(at->path())) return true;

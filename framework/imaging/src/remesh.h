@@ -7,8 +7,8 @@
 
 namespace c3de::imaging {
 
-/// Divides, joins and turns edges until they are about as long as wanted and vertices have about six neighbours; stays a
-/// closed 2-manifold of the same topology. Books what volumes it changes (volume_ledger.h).
+/// Divides, joins and turns edges until they are about as long as wanted and vertices have about six neighbours; stays
+/// a closed 2-manifold of the same topology. Books what volumes it changes (volume_ledger.h).
 /// @param edges  wanted lengths by tag of the vertices
 /// @param round  called after every round with the part that is done; may move vertices. False: stop
 /// @source Botsch and Kobbelt, A Remeshing Approach to Multiresolution Modeling, SGP 2004

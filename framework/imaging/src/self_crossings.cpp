@@ -52,7 +52,8 @@ class Crossings {
     // Cells to look at, by a hash of their keys: one too many costs a little time.
     std::vector<std::uint8_t> wanted(moved.empty() ? 0 : std::size_t{1} << kHashBits, 0);
     for (unsigned t = 0; t < boxes_.size() && !moved.empty(); ++t)
-      if (mesh_.alive(3 * t) && (moved[mesh_.from(3 * t)] | moved[mesh_.from(3 * t + 1)] | moved[mesh_.from(3 * t + 2)]) != 0)
+      if (mesh_.alive(3 * t) &&
+          (moved[mesh_.from(3 * t)] | moved[mesh_.from(3 * t + 1)] | moved[mesh_.from(3 * t + 2)]) != 0)
         forCells(boxes_[t], [&](std::uint64_t key) { wanted[hashOf(key)] = 1; });
     std::vector<std::pair<std::uint64_t, unsigned>> places;
     for (unsigned t = 0; t < boxes_.size(); ++t)

@@ -56,8 +56,8 @@ StoredRange rangeOf(const std::vector<T> &voxels, double clipped) {
 struct HounsfieldBins {
   static constexpr double kFirst = -1100.0, kWidth = 10.0;
   std::array<double, 422> counts{};
-  double below = 0.0, total = 0.0;    ///< voxels under kFirst; all that are finite
-  double padding = 0.0;               ///< of `below`, those with the lowest value of all
+  double below = 0.0, total = 0.0;  ///< voxels under kFirst; all that are finite
+  double padding = 0.0;             ///< of `below`, those with the lowest value of all
   [[nodiscard]] static std::size_t binOf(double hu) {
     return static_cast<std::size_t>(std::clamp((hu - kFirst) / kWidth + 1.0, 0.0, 421.0));
   }
@@ -106,7 +106,8 @@ bool looksLikeHounsfield(const Volume &volume, const HounsfieldBins &bins) {
   if (!volume.unit.empty() || !volume.colours.empty() || bins.below - bins.padding > 1e-3 * bins.total) return false;
   const double air = bins.between(-1100.0, -850.0) + bins.padding, tissue = bins.between(kTissue, kMetal);
   const double soft = bins.between(-150.0, 200.0);
-  return air > 0.01 * bins.total && tissue > 0.01 * bins.total && soft > 0.5 * tissue && bins.between(kMetal, 3100.0) < 0.05 * bins.total;
+  return air > 0.01 * bins.total && tissue > 0.01 * bins.total && soft > 0.5 * tissue &&
+         bins.between(kMetal, 3100.0) < 0.05 * bins.total;
 }
 
 }  // namespace

@@ -18,25 +18,26 @@ namespace c3de::imaging {
 namespace {
 
 constexpr double kMostTriangles = 5e6;
-// Automatic edges, see SurfaceSettings: triangles of a detailed skin, and of one that has to be finer because it is thin.
+// Automatic edges, see SurfaceSettings: triangles of a detailed skin, and of one that has to be finer because it is
+// thin.
 constexpr double kDetail = 4e4, kThinDetail = 2.4e5;
 constexpr double kLongestOfVoxel = 1.5, kEdgesAcross = 3.0;
 // Of masks less than so many voxels thick in the mean: parts that an opening of this radius takes away want such edges.
 constexpr double kSlender = 8.0, kThin = 1.5, kManyThin = 0.01, kShortestOfVoxel = 0.7;
-constexpr double kAreaOfSteps = 1.5;        // steps make an area up to so many times that of what they stand for
+constexpr double kAreaOfSteps = 1.5;  // steps make an area up to so many times that of what they stand for
 constexpr float kHalf = 0.5f;
-constexpr double kVoxelsPerEdge = 2.5;      // of the grid the mask is seen through
+constexpr double kVoxelsPerEdge = 2.5;                          // of the grid the mask is seen through
 constexpr double kRelaxations = 2.0, kMostRelaxations = 200.0;  // per squared length in voxels
-constexpr double kDefaultLength = 2.0;       // longest voxel edges
+constexpr double kDefaultLength = 2.0;                          // longest voxel edges
 constexpr std::size_t kFairings = 10;
-constexpr double kFirstLevel = 1.0;          // of the longest voxel edge
-constexpr double kMostOfPart = 0.5;         // of the cube root of a part's volume: the longest edges it gets
+constexpr double kFirstLevel = 1.0;  // of the longest voxel edge
+constexpr double kMostOfPart = 0.5;  // of the cube root of a part's volume: the longest edges it gets
 constexpr int kUntanglings = 12;
 constexpr double kEven = 0.3, kInwards = 0.05;  // of the way to the mean of the neighbours, of an edge
-constexpr double kNoise = 0.05;             // share of triangles that go through others and are let be
-constexpr int kHolds = 4;                   // turns of volume and border at the end
-constexpr int kCoarsely = 2, kFinely = 20;  // steps that restore volumes
-constexpr double kReach = 2.0;              // within which volume is kept, in smoothing lengths
+constexpr double kNoise = 0.05;                 // share of triangles that go through others and are let be
+constexpr int kHolds = 4;                       // turns of volume and border at the end
+constexpr int kCoarsely = 2, kFinely = 20;      // steps that restore volumes
+constexpr double kReach = 2.0;                  // within which volume is kept, in smoothing lengths
 
 // Of what is inside, without the steps of its voxels, mm².
 double borderArea(const Mask &mask, const VoxelBox &box) {
@@ -71,8 +72,9 @@ void dropSpecks(Fill &grid) {
     if (half.voxels[v] != kept->mask.voxels[v]) grid.values[v] = 0.0f;
 }
 
-// Books to the vertices around it what a block at the border holds more, or less, than the whole or the nothing that it is
-// drawn as. Returns the volume of all blocks that the surface goes around, and of those beside them, whose fill it takes along.
+// Books to the vertices around it what a block at the border holds more, or less, than the whole or the nothing that it
+// is drawn as. Returns the volume of all blocks that the surface goes around, and of those beside them, whose fill it
+// takes along.
 double bookBlocks(const Fill &grid, SurfaceNet &net) {
   const auto &n = grid.geometry.size;
   const std::array<std::size_t, 3> step{1, n[0], n[0] * n[1]};
@@ -94,7 +96,8 @@ double bookBlocks(const Fill &grid, SurfaceNet &net) {
         std::array<unsigned, 8> around{};
         std::size_t count = 0;
         for (std::size_t c = 0; c < 8; ++c)
-          if (const unsigned v = vertexAt[at - (c & 1) - step[1] * (c >> 1 & 1) - step[2] * (c >> 2)]; v != EditMesh::kNone)
+          if (const unsigned v = vertexAt[at - (c & 1) - step[1] * (c >> 1 & 1) - step[2] * (c >> 2)];
+              v != EditMesh::kNone)
             around[count++] = v;
         if (count > 0 && !isInside) seen += static_cast<double>(own);
         const double more = block * (static_cast<double>(own) - (isInside ? 1.0 : 0.0));
@@ -215,10 +218,11 @@ std::vector<std::uint8_t> untangle(EditMesh &mesh, std::span<const unsigned> cro
 
 }  // namespace
 
-Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettings &settings, const ProgressFn &progress) {
+Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettings &settings,
+                                           const ProgressFn &progress) {
   if (const auto good = checkMask(mask); !good) return tl::unexpected(good.error());
-  for (const auto &[name, value] : {std::pair{"edge length", settings.edgeLength},
-                                    std::pair{"smoothing length", settings.smoothingLength}})
+  for (const auto &[name, value] :
+       {std::pair{"edge length", settings.edgeLength}, std::pair{"smoothing length", settings.smoothingLength}})
     if (!(value >= 0.0) || !std::isfinite(value))
       return fail(ErrorCode::usage,
                   fmt::format("{} = {} mm is not accepted: finite and > 0, or 0 to have it chosen", name, value));
@@ -229,7 +233,8 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   const double thickness = 4.0 * volume / visible;  // the diameter of a tube, about that of branching ones
   // Tubes of two voxels collapse under edges of one.
   const bool isThin = hasThinParts(mask, thickness, voxel, volume);
-  const double edge = settings.edgeLength > 0.0 ? settings.edgeLength : automaticEdge(visible, thickness, voxel, isThin);
+  const double edge =
+      settings.edgeLength > 0.0 ? settings.edgeLength : automaticEdge(visible, thickness, voxel, isThin);
   std::array<std::size_t, 3> block = blocksUpTo(mask.geometry, edge / kVoxelsPerEdge);
   const auto shouldContinue = [&](double fraction) { return goesOn(progress, fraction, "surface"); };
 
@@ -259,9 +264,10 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   for (double &v : wanted.volumes) v *= seen / counted;
   const double triangles = trianglesOf(area / kAreaOfSteps, edge);
   if (triangles > kMostTriangles)
-    return fail(ErrorCode::usage, fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are "
-                                              "accepted: choose longer edges",
-                                              edge, triangles, kMostTriangles));
+    return fail(ErrorCode::usage,
+                fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are "
+                            "accepted: choose longer edges",
+                            edge, triangles, kMostTriangles));
   if (!shouldContinue(0.3)) return cancelled();
 
   const Vec3 voxels = grid.geometry.spacing();
@@ -296,8 +302,8 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
     holdAtBorder();
     return shouldContinue(0.5 + 0.4 * fraction);
   };
-  // Fairing reaches over some edges only. Edges far shorter than voxels come by halves, each evened out, or the steps of
-  // the voxels would stay as knobs.
+  // Fairing reaches over some edges only. Edges far shorter than voxels come by halves, each evened out, or the steps
+  // of the voxels would stay as knobs.
   for (double level = isThin ? kShortestOfVoxel * voxel : kFirstLevel * longest; level > 1.5 * edge; level *= 0.5) {
     std::vector<double> coarser(edges);
     for (std::size_t p = 0; p < parts; ++p)

@@ -9,19 +9,20 @@ namespace c3de::imaging {
 namespace {
 
 constexpr float kHalf = 0.5f;
-constexpr double kLeash = 0.45;  // below a half: two sides of a thin part do not meet
+constexpr double kLeash = 0.45;    // below a half: two sides of a thin part do not meet
 constexpr double kLeastGap = 0.1;  // of an edge, half of what lies between two cells
 
 // A side of a quadrilateral, to be matched with the one that runs the other way.
 struct Side {
-  unsigned low, high;   // vertices
-  std::uint32_t inside; // node behind the quadrilateral
+  unsigned low, high;    // vertices
+  std::uint32_t inside;  // node behind the quadrilateral
   unsigned half;
 };
 
 class NetBuilder {
  public:
-  NetBuilder(const Fill &fill, bool leftHanded) : fill_(fill.values), size_(fill.geometry.size), leftHanded_(leftHanded) {
+  NetBuilder(const Fill &fill, bool leftHanded)
+      : fill_(fill.values), size_(fill.geometry.size), leftHanded_(leftHanded) {
     for (auto &slice : cells_) slice.assign(size_[0] * size_[1], EditMesh::kNone);
   }
 
@@ -61,8 +62,8 @@ class NetBuilder {
     unsigned &vertex = cells_[cell[2] == k ? 1 : 0][cell[0] + size_[0] * cell[1]];
     if (vertex == EditMesh::kNone) {
       vertex = static_cast<unsigned>(homes_.size());
-      homes_.push_back({static_cast<double>(cell[0]) + 0.5, static_cast<double>(cell[1]) + 0.5,
-                        static_cast<double>(cell[2]) + 0.5});
+      homes_.push_back(
+          {static_cast<double>(cell[0]) + 0.5, static_cast<double>(cell[1]) + 0.5, static_cast<double>(cell[2]) + 0.5});
       sums_.push_back({});
       crossings_.push_back(0.0);
     }
@@ -147,8 +148,7 @@ void relax(SurfaceNet &net, std::size_t times) {
   for (std::size_t v = 0; v < lost.size(); ++v) mesh.points[v] = leashed(v, mesh.points[v] + lost[v]);
 }
 
-BorderCells::BorderCells(const Fill &fill, double edge)
-    : leash_(0.5 - std::min(0.5 - kLeash, kLeastGap * edge)) {
+BorderCells::BorderCells(const Fill &fill, double edge) : leash_(0.5 - std::min(0.5 - kLeash, kLeastGap * edge)) {
   const auto &n = fill.geometry.size;
   for (std::size_t a = 0; a < 3; ++a) size_[a] = n[a] - 1;
   border_.resize(size_[0] * size_[1] * size_[2]);

@@ -23,11 +23,11 @@ void relax(SurfaceNet &net, std::size_t times);
 /// The cells between eight voxels that the border goes through: where vertices may be.
 class BorderCells {
  public:
-  /// @param edge  of the shortest edges, in voxels: what lies between the reaches of two cells is shorter, or the edges across
-  /// it would be divided without end
+  /// @param edge  of the shortest edges, in voxels: what lies between the reaches of two cells is shorter, or the edges
+  /// across it would be divided without end
   BorderCells(const Fill &fill, double edge);
-  /// The nearest point that is at most 0.45 voxels (up to 0.5 for edges below half a voxel) from the middle of such a cell,
-  /// along every axis of the index; the point itself where there is no such cell beside its own.
+  /// The nearest point that is at most 0.45 voxels (up to 0.5 for edges below half a voxel) from the middle of such a
+  /// cell, along every axis of the index; the point itself where there is no such cell beside its own.
   [[nodiscard]] Vec3 nearest(const Vec3 &index) const;
 
  private:

@@ -9,7 +9,8 @@
 
 namespace c3de::imaging {
 
-/// The cell along one axis that a place in [0, size - 1] lies in. The last point belongs to the cell before it, or is alone.
+/// The cell along one axis that a place in [0, size - 1] lies in. The last point belongs to the cell before it, or is
+/// alone.
 [[nodiscard]] inline std::size_t cellOf(double at, std::size_t size) {
   return std::min(static_cast<std::size_t>(at), size > 1 ? size - 2 : 0);
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-
 namespace c3de::imaging {
 namespace {
 
@@ -59,7 +58,8 @@ double Volume::value(std::size_t i, std::size_t j, std::size_t k) const {
 }
 
 std::size_t Volume::bytes() const {
-  return std::visit([](const auto &all) { return all.size() * sizeof(all[0]); }, voxels) + colours.size() * sizeof(Rgba);
+  return std::visit([](const auto &all) { return all.size() * sizeof(all[0]); }, voxels) +
+         colours.size() * sizeof(Rgba);
 }
 
 const char *Volume::scalarTypeName() const {

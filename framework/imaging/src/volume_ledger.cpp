@@ -7,7 +7,7 @@
 namespace c3de::imaging {
 namespace {
 
-constexpr double kMostOfEdge = 0.25;      // a vertex goes at a time
+constexpr double kMostOfEdge = 0.25;  // a vertex goes at a time
 constexpr std::size_t kMostSpreads = 60;
 
 // Who is beside whom, flat: accounts are spread again and again.

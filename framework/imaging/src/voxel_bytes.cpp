@@ -11,7 +11,8 @@ namespace {
 
 std::string whole(double x) { return std::to_string(static_cast<long long>(x)); }
 
-/// Whether the trailer of a gzip file says that it inflates to so many bytes (modulo 2³²); a file that is cut ends elsewhere.
+/// Whether the trailer of a gzip file says that it inflates to so many bytes (modulo 2³²); a file that is cut ends
+/// elsewhere.
 bool endsAsGzipOf(const ImageHeader::Part &part, double bytes) {
   std::ifstream file(part.path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(part.offset));
@@ -82,7 +83,7 @@ Expected<void> checkFileSize(const ImageHeader &header, double bytes) {
     if (code) return refuse(part.path, "no such file (named by " + header.path.filename().string() + ")");
     there += static_cast<double>(size) - static_cast<double>(part.offset);
   }
-  const double least = header.encoding == ImageHeader::Encoding::raw        ? bytes
+  const double least = header.encoding == ImageHeader::Encoding::raw ? bytes
                        // deflate's best is 1:1032
                        : header.encoding == ImageHeader::Encoding::deflated ? bytes / 1040.0 - 1000.0
                                                                             : bytes / 8.0;

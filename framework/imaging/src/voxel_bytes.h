@@ -9,8 +9,8 @@
 
 namespace c3de::imaging {
 
-/// The voxels of all volumes of a header as one row of bytes, inflated. Each file holds an equal share of them, so a short
-/// one leaves no shift.
+/// The voxels of all volumes of a header as one row of bytes, inflated. Each file holds an equal share of them, so a
+/// short one leaves no shift.
 class VoxelBytes {
  public:
   explicit VoxelBytes(const ImageHeader &header);

@@ -33,18 +33,23 @@ Expected<std::size_t> countVolumes(const ImageHeader &header, const ReadOptions 
   std::vector<char> away(1u << 20);
   const double all = bytesOfAll(header);
   while (bytes.at() < all) {
-    if (!shouldContinue(options.progress, bytes.at() / all, "Looking whether the file is whole")) return cancelled(header.path);
-    if (!bytes.read(away.data(), static_cast<std::size_t>(std::min(static_cast<double>(away.size()), all - bytes.at())))) break;
+    if (!shouldContinue(options.progress, bytes.at() / all, "Looking whether the file is whole"))
+      return cancelled(header.path);
+    if (!bytes.read(away.data(),
+                    static_cast<std::size_t>(std::min(static_cast<double>(away.size()), all - bytes.at()))))
+      break;
   }
   return static_cast<std::size_t>(bytes.at() / bytesOfVolume(header));
 }
 
 /// The numbers of one volume. @param whole  how many volumes of the file are; set where it was not known
 template <class T>
-Expected<void> readBinary(const ImageHeader &header, const ReadOptions &options, std::vector<T> &all, std::optional<std::size_t> &whole,
-                          std::vector<std::string> &notices) {
+Expected<void> readBinary(const ImageHeader &header, const ReadOptions &options, std::vector<T> &all,
+                          std::optional<std::size_t> &whole, std::vector<std::string> &notices) {
   const double share = bytesOfAll(header) / static_cast<double>(header.parts.size());
-  if (share != std::floor(share)) return refuse(header.path, "its voxels do not divide evenly into " + std::to_string(header.parts.size()) + " files");
+  if (share != std::floor(share))
+    return refuse(header.path,
+                  "its voxels do not divide evenly into " + std::to_string(header.parts.size()) + " files");
   VoxelBytes bytes(header);
   // of which `channels` are kept
   const std::size_t together = header.interleaved ? header.volumes * header.channels : 1;
@@ -53,13 +58,15 @@ Expected<void> readBinary(const ImageHeader &header, const ReadOptions &options,
   const std::size_t chunk = std::max<std::size_t>(1, (4u << 20) / (sizeof(T) * together));
   std::vector<T> mixed(together > kept ? chunk * together : 0);
   for (std::size_t at = 0; at < all.size(); at += chunk * kept) {
-    if (!shouldContinue(options.progress, static_cast<double>(at) / static_cast<double>(all.size()), "Reading voxels")) return cancelled(header.path);
+    if (!shouldContinue(options.progress, static_cast<double>(at) / static_cast<double>(all.size()), "Reading voxels"))
+      return cancelled(header.path);
     const std::size_t groups = std::min(chunk, (all.size() - at) / kept);
     T *to = mixed.empty() ? all.data() + at : mixed.data();
     if (auto read = bytes.read(to, groups * together * sizeof(T)); !read) return read;
     if (mixed.empty()) continue;
     for (std::size_t g = 0; g < groups; ++g)
-      std::copy_n(mixed.begin() + static_cast<std::ptrdiff_t>(g * together + options.time * kept), kept, all.begin() + static_cast<std::ptrdiff_t>(at + g * kept));
+      std::copy_n(mixed.begin() + static_cast<std::ptrdiff_t>(g * together + options.time * kept), kept,
+                  all.begin() + static_cast<std::ptrdiff_t>(at + g * kept));
   }
   if (bytes.at() >= bytesOfAll(header)) {
     whole = header.volumes;
@@ -87,12 +94,14 @@ int hexDigit(int c) {
 std::optional<std::size_t> placeIn(const ImageHeader &header, std::size_t time, std::size_t n) {
   const std::size_t each = header.channels, all = header.geometry.voxelCount() * each;
   if (!header.interleaved) return n / all == time ? std::optional(n % all) : std::nullopt;
-  return n / each % header.volumes == time ? std::optional(n / (each * header.volumes) * each + n % each) : std::nullopt;
+  return n / each % header.volumes == time ? std::optional(n / (each * header.volumes) * each + n % each)
+                                           : std::nullopt;
 }
 
 /// Numbers as text (or bytes as pairs of hexadecimal digits), of which one file holds all.
 template <class T>
-Expected<void> readText(const ImageHeader &header, const ReadOptions &options, std::vector<T> &all, std::optional<std::size_t> &whole) {
+Expected<void> readText(const ImageHeader &header, const ReadOptions &options, std::vector<T> &all,
+                        std::optional<std::size_t> &whole) {
   if (header.parts.size() != 1) return refuse(header.path, "voxels as text in several files are not read");
   auto opened = openBytes(header.parts[0].path, header.parts[0].offset, false);
   if (!opened) return tl::unexpected(opened.error());
@@ -125,7 +134,9 @@ Expected<void> readText(const ImageHeader &header, const ReadOptions &options, s
     const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || stop != word.data() + word.size()) return false;
     if constexpr (std::is_integral_v<T>)
-      if (!(value >= static_cast<double>(std::numeric_limits<T>::lowest()) && value <= static_cast<double>(std::numeric_limits<T>::max()))) return false;
+      if (!(value >= static_cast<double>(std::numeric_limits<T>::lowest()) &&
+            value <= static_cast<double>(std::numeric_limits<T>::max())))
+        return false;
     put(static_cast<T>(value));
     word.clear();
     return true;
@@ -133,25 +144,29 @@ Expected<void> readText(const ImageHeader &header, const ReadOptions &options, s
   bool isGood = true, isEnd = false;
   while (count < total && isGood && !isEnd) {
     const std::size_t got = (*opened)->read(chunk.data(), chunk.size());
-    if (!shouldContinue(options.progress, static_cast<double>(count) / static_cast<double>(total), "Reading voxels")) return cancelled(header.path);
-    for (std::size_t i = 0; i < got && count < total && isGood; ++i) isGood = take(static_cast<unsigned char>(chunk[i]));
+    if (!shouldContinue(options.progress, static_cast<double>(count) / static_cast<double>(total), "Reading voxels"))
+      return cancelled(header.path);
+    for (std::size_t i = 0; i < got && count < total && isGood; ++i)
+      isGood = take(static_cast<unsigned char>(chunk[i]));
     isEnd = got == 0;
     if (isEnd) isGood = take(EOF);
   }
   if (count < needed && !isGood)
     return refuse(header.parts[0].path, "voxel " + std::to_string(count) + " is no number of the stored type");
   if (count < needed)
-    return refuse(header.parts[0].path, "is truncated: " + std::to_string(count) + " of " + std::to_string(total) + " voxels");
+    return refuse(header.parts[0].path,
+                  "is truncated: " + std::to_string(count) + " of " + std::to_string(total) + " voxels");
   whole = count / all.size();
   if (hex && header.bigEndian != (std::endian::native == std::endian::big)) swapBytes(all);
   return {};
 }
 
 template <class T>
-Expected<std::vector<T>> readAll(const ImageHeader &header, const ReadOptions &options, std::optional<std::size_t> &whole,
-                                 std::vector<std::string> &notices) {
+Expected<std::vector<T>> readAll(const ImageHeader &header, const ReadOptions &options,
+                                 std::optional<std::size_t> &whole, std::vector<std::string> &notices) {
   std::vector<T> all(header.geometry.voxelCount() * header.channels);
-  const bool binary = header.encoding == ImageHeader::Encoding::raw || header.encoding == ImageHeader::Encoding::deflated;
+  const bool binary =
+      header.encoding == ImageHeader::Encoding::raw || header.encoding == ImageHeader::Encoding::deflated;
   const auto read = binary ? readBinary(header, options, all, whole, notices) : readText(header, options, all, whole);
   if (!read) return tl::unexpected(read.error());
   return all;
@@ -178,20 +193,31 @@ Expected<Voxels> readStored(const ImageHeader &header, const ReadOptions &option
                             std::vector<std::string> &notices) {
   try {
     switch (header.scalar) {
-      case Scalar::i8: return readOf<std::int8_t>(header, options, whole, notices);
-      case Scalar::u8: return readOf<std::uint8_t>(header, options, whole, notices);
-      case Scalar::i16: return readOf<std::int16_t>(header, options, whole, notices);
-      case Scalar::u16: return readOf<std::uint16_t>(header, options, whole, notices);
-      case Scalar::i32: return readOf<std::int32_t>(header, options, whole, notices);
-      case Scalar::u32: return readOf<std::uint32_t>(header, options, whole, notices);
-      case Scalar::i64: return readOf<std::int64_t>(header, options, whole, notices);
-      case Scalar::u64: return readOf<std::uint64_t>(header, options, whole, notices);
-      case Scalar::f32: return readOf<float>(header, options, whole, notices);
-      case Scalar::f64: break;
+      case Scalar::i8:
+        return readOf<std::int8_t>(header, options, whole, notices);
+      case Scalar::u8:
+        return readOf<std::uint8_t>(header, options, whole, notices);
+      case Scalar::i16:
+        return readOf<std::int16_t>(header, options, whole, notices);
+      case Scalar::u16:
+        return readOf<std::uint16_t>(header, options, whole, notices);
+      case Scalar::i32:
+        return readOf<std::int32_t>(header, options, whole, notices);
+      case Scalar::u32:
+        return readOf<std::uint32_t>(header, options, whole, notices);
+      case Scalar::i64:
+        return readOf<std::int64_t>(header, options, whole, notices);
+      case Scalar::u64:
+        return readOf<std::uint64_t>(header, options, whole, notices);
+      case Scalar::f32:
+        return readOf<float>(header, options, whole, notices);
+      case Scalar::f64:
+        break;
     }
     return readOf<double>(header, options, whole, notices);
   } catch (const std::bad_alloc &) {
-    return refuse(header.path, "reading needs " + megabytes(bytesOfVolume(header)) + " of memory, which the machine does not give");
+    return refuse(header.path,
+                  "reading needs " + megabytes(bytesOfVolume(header)) + " of memory, which the machine does not give");
   }
 }
 
@@ -199,19 +225,25 @@ const char *volumesOf(const ImageHeader &header) { return header.layered ? "laye
 
 /// "3 time points (0 … 2)"
 std::string listOf(const ImageHeader &header, std::size_t count) {
-  return std::to_string(count) + " " + volumesOf(header) + (count > 0 ? " (0 … " + std::to_string(count - 1) + ")" : "");
+  return std::to_string(count) + " " + volumesOf(header) +
+         (count > 0 ? " (0 … " + std::to_string(count - 1) + ")" : "");
 }
 
 }  // namespace
 
-bool shouldContinue(const ProgressFn &progress, double fraction, const std::string &what) { return !progress || progress(fraction, what); }
+bool shouldContinue(const ProgressFn &progress, double fraction, const std::string &what) {
+  return !progress || progress(fraction, what);
+}
 
-tl::unexpected<Error> cancelled(const std::filesystem::path &path) { return fail(ErrorCode::cancelled, path.string() + ": reading was cancelled"); }
+tl::unexpected<Error> cancelled(const std::filesystem::path &path) {
+  return fail(ErrorCode::cancelled, path.string() + ": reading was cancelled");
+}
 
 Expected<void> checkMemory(const std::filesystem::path &path, double bytes, std::size_t limit) {
   const double most = limit != 0 ? static_cast<double>(limit) : static_cast<double>(availableMemory());
   if (most == 0.0 || bytes <= most) return {};
-  return refuse(path, "reading needs " + megabytes(bytes) + " of memory; " + (limit != 0 ? "allowed are " : "free are ") + megabytes(most));
+  return refuse(path, "reading needs " + megabytes(bytes) + " of memory; " +
+                          (limit != 0 ? "allowed are " : "free are ") + megabytes(most));
 }
 
 Expected<Voxels> readVoxels(const ImageHeader &header, const ReadOptions &options, std::vector<std::string> &notices) {
@@ -221,18 +253,22 @@ Expected<Voxels> readVoxels(const ImageHeader &header, const ReadOptions &option
   const double bytes = bytesOfVolume(header);
   std::optional<std::size_t> whole = wholeVolumesBySize(header);
   if (whole && header.volumes > 1 && *whole <= options.time)
-    return refuse(header.path, "is cut: of " + listOf(header, header.volumes) + " that its header promises " + std::to_string(*whole) +
-                                   " are whole; " + std::to_string(options.time) + " is not among them");
+    return refuse(header.path, "is cut: of " + listOf(header, header.volumes) + " that its header promises " +
+                                   std::to_string(*whole) + " are whole; " + std::to_string(options.time) +
+                                   " is not among them");
   const double needed = header.interleaved ? bytesOfAll(header) : bytes * static_cast<double>(options.time + 1);
   if (const auto fits = checkFileSize(header, needed); !fits) return tl::unexpected(fits.error());
   const bool narrowed = header.scalar == Scalar::i64 || header.scalar == Scalar::u64;
-  if (const auto fits = checkMemory(header.path, (narrowed ? 2.0 : 1.0) * bytes, options.memoryLimit); !fits) return tl::unexpected(fits.error());
+  if (const auto fits = checkMemory(header.path, (narrowed ? 2.0 : 1.0) * bytes, options.memoryLimit); !fits)
+    return tl::unexpected(fits.error());
   auto voxels = readStored(header, options, whole, notices);
   if (!voxels) return voxels;
   if (header.volumes > 1 && !header.layered)
-    notices.push_back("The file holds " + listOf(header, header.volumes) + ": " + std::to_string(options.time) + " is read.");
+    notices.push_back("The file holds " + listOf(header, header.volumes) + ": " + std::to_string(options.time) +
+                      " is read.");
   if (whole && *whole < header.volumes)
-    notices.push_back("The file is cut or damaged: of " + std::to_string(header.volumes) + " " + volumesOf(header) + " that its header promises " +
+    notices.push_back("The file is cut or damaged: of " + std::to_string(header.volumes) + " " + volumesOf(header) +
+                      " that its header promises " +
                       (*whole == 1 ? "only the first is" : "the first " + std::to_string(*whole) + " are") + " whole.");
   return voxels;
 }

@@ -52,8 +52,8 @@ Expected<void> checkDisplacement(const DisplacementGrid &u) {
   return {};
 }
 
-/// Rows of voxels on several threads. @param row  called with the displacements and j, k of each, and the part of it that
-/// may be displaced
+/// Rows of voxels on several threads. @param row  called with the displacements and j, k of each, and the part of it
+/// that may be displaced
 template <class DoRow>
 Expected<void> forRows(const DisplacementGrid &u, const VolumeGeometry &grid, const char *what,
                        const ProgressFn &progress, ThreadPool *threads, const DoRow &row) {
@@ -200,24 +200,25 @@ Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u, 
     LabelMap out = reference;
     const Source source(g);
     const std::optional<Vacated> vacated = vacatedBy(u, g);
-    const auto done = forRows(
-        u, g, "warping labels", progress, threads,
-        [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
-          std::uint16_t *voxel = out.voxels.data() + g.size[0] * (j + g.size[1] * k);
-          if (vacated) part = {0, g.size[0]};
-          for (std::size_t i = part.begin; i < part.end; ++i) {
-            Vec3 d = row.at(i);
-            if (vacated && vacated->settles(row, i, indexOf(i, j, k), d)) {
-              voxel[i] = 0;
-              continue;
-            }
-            if (isZero(d)) continue;
-            const Vec3 at = source.of(i, j, k, d);
-            std::array<std::size_t, 3> nearest{};
-            for (std::size_t a = 0; a < 3; ++a) nearest[a] = static_cast<std::size_t>(at[a] + 0.5);
-            voxel[i] = reference.voxels[nearest[0] + g.size[0] * (nearest[1] + g.size[1] * nearest[2])];
-          }
-        });
+    const auto done = forRows(u, g, "warping labels", progress, threads,
+                              [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
+                                std::uint16_t *voxel = out.voxels.data() + g.size[0] * (j + g.size[1] * k);
+                                if (vacated) part = {0, g.size[0]};
+                                for (std::size_t i = part.begin; i < part.end; ++i) {
+                                  Vec3 d = row.at(i);
+                                  if (vacated && vacated->settles(row, i, indexOf(i, j, k), d)) {
+                                    voxel[i] = 0;
+                                    continue;
+                                  }
+                                  if (isZero(d)) continue;
+                                  const Vec3 at = source.of(i, j, k, d);
+                                  std::array<std::size_t, 3> nearest{};
+                                  for (std::size_t a = 0; a < 3; ++a)
+                                    nearest[a] = static_cast<std::size_t>(at[a] + 0.5);
+                                  voxel[i] =
+                                      reference.voxels[nearest[0] + g.size[0] * (nearest[1] + g.size[1] * nearest[2])];
+                                }
+                              });
     if (!done) return tl::unexpected(done.error());
     std::vector<std::uint8_t> occurs(65536, 0);
     for (const std::uint16_t label : out.voxels) occurs[label] = 1;
@@ -238,16 +239,15 @@ Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &gr
     out.unit = "mm";
     auto &values = out.voxels.emplace<std::vector<float>>(grid.voxelCount(), 0.0f);
     const std::optional<Vacated> vacated = vacatedBy(u, grid);
-    const auto done =
-        forRows(u, grid, "amount of displacement", progress, threads,
-                [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
-                  float *value = values.data() + grid.size[0] * (j + grid.size[1] * k);
-                  for (std::size_t i = part.begin; i < part.end; ++i) {
-                    Vec3 d = row.at(i);
-                    if (vacated) (void)vacated->settles(row, i, indexOf(i, j, k), d);
-                    value[i] = static_cast<float>(norm(d));
-                  }
-                });
+    const auto done = forRows(u, grid, "amount of displacement", progress, threads,
+                              [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
+                                float *value = values.data() + grid.size[0] * (j + grid.size[1] * k);
+                                for (std::size_t i = part.begin; i < part.end; ++i) {
+                                  Vec3 d = row.at(i);
+                                  if (vacated) (void)vacated->settles(row, i, indexOf(i, j, k), d);
+                                  value[i] = static_cast<float>(norm(d));
+                                }
+                              });
     if (!done) return tl::unexpected(done.error());
     return out;
   } catch (const std::bad_alloc &) {
@@ -285,16 +285,15 @@ Expected<DisplacementGrid> resampled(const DisplacementGrid &u, const VolumeGeom
   try {
     DisplacementGrid out{grid, std::vector<float>(3 * grid.voxelCount(), 0.0f)};
     const std::optional<Vacated> vacated = vacatedBy(u, grid);
-    const auto done =
-        forRows(u, grid, "displacement field", progress, threads,
-                [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
-                  float *value = out.xyz_mm.data() + 3 * grid.size[0] * (j + grid.size[1] * k);
-                  for (std::size_t i = part.begin; i < part.end; ++i) {
-                    Vec3 d = row.at(i);
-                    if (vacated) (void)vacated->settles(row, i, indexOf(i, j, k), d);
-                    for (std::size_t a = 0; a < 3; ++a) value[3 * i + a] = static_cast<float>(d[a]);
-                  }
-                });
+    const auto done = forRows(u, grid, "displacement field", progress, threads,
+                              [&](const DisplacementRow &row, std::size_t j, std::size_t k, Part part) {
+                                float *value = out.xyz_mm.data() + 3 * grid.size[0] * (j + grid.size[1] * k);
+                                for (std::size_t i = part.begin; i < part.end; ++i) {
+                                  Vec3 d = row.at(i);
+                                  if (vacated) (void)vacated->settles(row, i, indexOf(i, j, k), d);
+                                  for (std::size_t a = 0; a < 3; ++a) value[3 * i + a] = static_cast<float>(d[a]);
+                                }
+                              });
     if (!done) return tl::unexpected(done.error());
     return out;
   } catch (const std::bad_alloc &) {

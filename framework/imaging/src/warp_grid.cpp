@@ -89,7 +89,8 @@ bool FollowingGrid::follow(const WorldBox &bodies, double spacing_mm, double rim
   }
   if (!home_) home_ = 0.5 * (bodies.low + bodies.high);
   const Plan plan = this->plan(bodies, spacing_mm, rim_mm);
-  if (geometry_.voxelCount() != 0 && rim_mm == rim_mm_ && laid_.holds(plan.needed) && plan.step_mm > kMuchFiner * step_mm_)
+  if (geometry_.voxelCount() != 0 && rim_mm == rim_mm_ && laid_.holds(plan.needed) &&
+      plan.step_mm > kMuchFiner * step_mm_)
     return false;
   laid_ = plan.laid;
   rim_mm_ = rim_mm;

@@ -25,9 +25,11 @@ Expected<Format> formatFor(const std::filesystem::path &path, const VolumeGeomet
   for (const double x : geometry.indexToWorld)
     if (!std::isfinite(x)) return refuseToWrite(path, "the geometry of the image is not finite");
   const Vec3 spacing = geometry.spacing();
-  if (!(geometry.voxelVolume() > 1e-6 * spacing[0] * spacing[1] * spacing[2])) return refuseToWrite(path, "the axes of the image span no volume");
+  if (!(geometry.voxelVolume() > 1e-6 * spacing[0] * spacing[1] * spacing[2]))
+    return refuseToWrite(path, "the axes of the image span no volume");
   if (geometry.voxelCount() == 0 || values != geometry.voxelCount())
-    return refuseToWrite(path, "the image has " + std::to_string(values) + " values for " + std::to_string(geometry.voxelCount()) + " voxels");
+    return refuseToWrite(path, "the image has " + std::to_string(values) + " values for " +
+                                   std::to_string(geometry.voxelCount()) + " voxels");
   const std::string extension = imageExtension(path);
   if (extension == ".nrrd") return Format::nrrd;
   if (extension == ".nii") return Format::nifti;
@@ -54,20 +56,29 @@ std::string_view bytesOfAll(const std::vector<T> &all) {
 
 template <class T>
 constexpr Scalar scalarOf() {
-  if constexpr (std::is_same_v<T, std::int8_t>) return Scalar::i8;
-  else if constexpr (std::is_same_v<T, std::uint8_t>) return Scalar::u8;
-  else if constexpr (std::is_same_v<T, std::int16_t>) return Scalar::i16;
-  else if constexpr (std::is_same_v<T, std::uint16_t>) return Scalar::u16;
-  else if constexpr (std::is_same_v<T, std::int32_t>) return Scalar::i32;
-  else if constexpr (std::is_same_v<T, std::uint32_t>) return Scalar::u32;
-  else if constexpr (std::is_same_v<T, float>) return Scalar::f32;
-  else return Scalar::f64;
+  if constexpr (std::is_same_v<T, std::int8_t>)
+    return Scalar::i8;
+  else if constexpr (std::is_same_v<T, std::uint8_t>)
+    return Scalar::u8;
+  else if constexpr (std::is_same_v<T, std::int16_t>)
+    return Scalar::i16;
+  else if constexpr (std::is_same_v<T, std::uint16_t>)
+    return Scalar::u16;
+  else if constexpr (std::is_same_v<T, std::int32_t>)
+    return Scalar::i32;
+  else if constexpr (std::is_same_v<T, std::uint32_t>)
+    return Scalar::u32;
+  else if constexpr (std::is_same_v<T, float>)
+    return Scalar::f32;
+  else
+    return Scalar::f64;
 }
 
 template <class To, class From>
 std::vector<To> valuesOf(const std::vector<From> &voxels, double slope, double intercept) {
   std::vector<To> out(voxels.size());
-  std::transform(voxels.begin(), voxels.end(), out.begin(), [&](From v) { return static_cast<To>(slope * static_cast<double>(v) + intercept); });
+  std::transform(voxels.begin(), voxels.end(), out.begin(),
+                 [&](From v) { return static_cast<To>(slope * static_cast<double>(v) + intercept); });
   return out;
 }
 
@@ -104,7 +115,8 @@ std::string colourText(const std::array<float, 3> &colour, double scale) {
 }
 
 std::string oneLine(std::string name) {
-  std::replace_if(name.begin(), name.end(), [](char c) { return c == '\n' || c == '\r' || c == '"'; }, ' ');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '\n' || c == '\r' || c == '"'; }, ' ');
   return name;
 }
 
@@ -117,7 +129,8 @@ Expected<void> saveTable(const std::filesystem::path &image, const LabelMap &lab
   if (!writer) return tl::unexpected(writer.error());
   writer->write("# number  red green blue  opacity  visible  mesh  name\n0 0 0 0 0 0 0 \"background\"\n");
   for (const LabelMap::Label &label : labels.labels)
-    writer->write(std::to_string(label.value) + " " + colourText(label.colour, 255.0) + " 1 1 1 \"" + oneLine(label.name) + "\"\n");
+    writer->write(std::to_string(label.value) + " " + colourText(label.colour, 255.0) + " 1 1 1 \"" +
+                  oneLine(label.name) + "\"\n");
   return writer->commit();
 }
 
@@ -125,7 +138,8 @@ Expected<void> saveTable(const std::filesystem::path &image, const LabelMap &lab
 std::vector<std::pair<std::string, std::string>> segmentKeys(const LabelMap &labels) {
   std::vector<std::pair<std::string, std::string>> keys;
   const auto &size = labels.geometry.size;
-  const std::string extent = "0 " + std::to_string(size[0] - 1) + " 0 " + std::to_string(size[1] - 1) + " 0 " + std::to_string(size[2] - 1);
+  const std::string extent =
+      "0 " + std::to_string(size[0] - 1) + " 0 " + std::to_string(size[1] - 1) + " 0 " + std::to_string(size[2] - 1);
   for (std::size_t n = 0; n < labels.labels.size(); ++n) {
     const std::string segment = "Segment" + std::to_string(n) + "_";
     const LabelMap::Label &label = labels.labels[n];
@@ -142,7 +156,8 @@ std::vector<std::pair<std::string, std::string>> segmentKeys(const LabelMap &lab
 }  // namespace
 
 Expected<void> writeVolume(const std::filesystem::path &path, const Volume &volume) {
-  const auto format = formatFor(path, volume.geometry, std::visit([](const auto &all) { return all.size(); }, volume.voxels));
+  const auto format =
+      formatFor(path, volume.geometry, std::visit([](const auto &all) { return all.size(); }, volume.voxels));
   if (!format) return tl::unexpected(format.error());
   const bool nifti = *format == Format::nifti || *format == Format::niftiZipped;
   const bool plain = volume.slope == 1.0 && volume.intercept == 0.0;
@@ -183,7 +198,8 @@ Expected<void> writeLabelMap(const std::filesystem::path &path, const LabelMap &
   return saveTable(path, labels);
 }
 
-Expected<void> writeVectorField(const std::filesystem::path &path, const VolumeGeometry &geometry, std::span<const float> xyz) {
+Expected<void> writeVectorField(const std::filesystem::path &path, const VolumeGeometry &geometry,
+                                std::span<const float> xyz) {
   const auto format = formatFor(path, geometry, xyz.size() / 3);
   if (!format) return tl::unexpected(format.error());
   if (xyz.size() % 3 != 0) return refuseToWrite(path, std::to_string(xyz.size()) + " numbers are no vectors of three");

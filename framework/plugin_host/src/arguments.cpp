@@ -16,25 +16,36 @@ constexpr std::uint64_t kMostRows = 0xfffffffeu;
 
 std::size_t dtypeSize(std::uint32_t dtype) {
   switch (dtype) {
-    case C3DE_U8: return 1;
+    case C3DE_U8:
+      return 1;
     case C3DE_F32:
     case C3DE_I32:
-    case C3DE_U32: return 4;
+    case C3DE_U32:
+      return 4;
     case C3DE_F64:
-    case C3DE_U64: return 8;
-    default: return 0;
+    case C3DE_U64:
+      return 8;
+    default:
+      return 0;
   }
 }
 
 const char *dtypeName(std::uint32_t dtype) {
   switch (dtype) {
-    case C3DE_F32: return "f32";
-    case C3DE_F64: return "f64";
-    case C3DE_U8: return "u8";
-    case C3DE_I32: return "i32";
-    case C3DE_U32: return "u32";
-    case C3DE_U64: return "u64";
-    default: return "unknown";
+    case C3DE_F32:
+      return "f32";
+    case C3DE_F64:
+      return "f64";
+    case C3DE_U8:
+      return "u8";
+    case C3DE_I32:
+      return "i32";
+    case C3DE_U32:
+      return "u32";
+    case C3DE_U64:
+      return "u64";
+    default:
+      return "unknown";
   }
 }
 
@@ -57,8 +68,8 @@ std::vector<std::array<To, 3>> readPositions(const c3de_view &view, const char *
     else
       readRow<To, float>(row, out[i]);
     if (!std::isfinite(out[i][0]) || !std::isfinite(out[i][1]) || !std::isfinite(out[i][2]))
-      throw Refusal(C3DE_E_ARG, fmt::format("{}: row {} is not finite: ({}, {}, {})", name, i, out[i][0], out[i][1],
-                                            out[i][2]));
+      throw Refusal(C3DE_E_ARG,
+                    fmt::format("{}: row {} is not finite: ({}, {}, {})", name, i, out[i][0], out[i][1], out[i][2]));
   }
   return out;
 }
@@ -69,8 +80,11 @@ bool isUtf8(std::string_view text) noexcept {
   std::size_t i = 0;
   while (i < text.size()) {
     const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t more = lead < 0x80 ? 0 : lead >= 0xc2 && lead < 0xe0 ? 1 : (lead & 0xf0) == 0xe0 ? 2
-                             : lead >= 0xf0 && lead < 0xf5 ? 3 : 4;
+    const std::size_t more = lead < 0x80                   ? 0
+                             : lead >= 0xc2 && lead < 0xe0 ? 1
+                             : (lead & 0xf0) == 0xe0       ? 2
+                             : lead >= 0xf0 && lead < 0xf5 ? 3
+                                                           : 4;
     if (more == 4 || i + more >= text.size()) return false;
     for (std::size_t k = 1; k <= more; ++k)
       if ((static_cast<unsigned char>(text[i + k]) & 0xc0) != 0x80) return false;
@@ -103,7 +117,8 @@ std::string idOf(c3de_str text, const char *name) {
     const bool accepted = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
                           c == '_' || c == '-' || c == '/';
     if (!accepted)
-      throw Refusal(C3DE_E_ARG, fmt::format("{}: '{}' has characters other than letters, digits and . _ - /", name, id));
+      throw Refusal(C3DE_E_ARG,
+                    fmt::format("{}: '{}' has characters other than letters, digits and . _ - /", name, id));
   }
   return id;
 }
@@ -126,16 +141,17 @@ RowLayout layoutOf(const c3de_view &view, const char *name, std::uint32_t comps,
                    std::initializer_list<std::uint32_t> dtypes) {
   if (std::find(dtypes.begin(), dtypes.end(), view.dtype) == dtypes.end()) {
     std::string accepted;
-    for (const std::uint32_t dtype : dtypes) accepted += (accepted.empty() ? "" : " or ") + std::string(dtypeName(dtype));
-    throw Refusal(C3DE_E_ARG, fmt::format("{}: dtype {} ({}), accepted: {}", name, view.dtype, dtypeName(view.dtype),
-                                          accepted));
+    for (const std::uint32_t dtype : dtypes)
+      accepted += (accepted.empty() ? "" : " or ") + std::string(dtypeName(dtype));
+    throw Refusal(C3DE_E_ARG,
+                  fmt::format("{}: dtype {} ({}), accepted: {}", name, view.dtype, dtypeName(view.dtype), accepted));
   }
   if (view.comps != comps)
     throw Refusal(C3DE_E_ARG, fmt::format("{}: comps {}, accepted: {}", name, view.comps, comps));
   const std::size_t rowBytes = comps * dtypeSize(view.dtype);
   if (view.stride != 0 && view.stride < static_cast<std::int64_t>(rowBytes))
-    throw Refusal(C3DE_E_ARG, fmt::format("{}: stride {}, accepted: 0 (tight) or at least {}", name, view.stride,
-                                          rowBytes));
+    throw Refusal(C3DE_E_ARG,
+                  fmt::format("{}: stride {}, accepted: 0 (tight) or at least {}", name, view.stride, rowBytes));
   const auto stride = view.stride == 0 ? rowBytes : static_cast<std::size_t>(view.stride);
   if (view.count > kMostRows ||
       view.count > static_cast<std::uint64_t>(std::numeric_limits<std::ptrdiff_t>::max()) / stride)
@@ -158,7 +174,8 @@ std::vector<Triangle> trianglesOf(const c3de_view &view, const char *name, std::
     readRow<unsigned, std::uint32_t>(rows.data + i * rows.stride, out[i]);
     for (const unsigned index : out[i])
       if (index >= vertexCount)
-        throw Refusal(C3DE_E_ARG, fmt::format("{}: row {} refers to vertex {}, there are {}", name, i, index, vertexCount));
+        throw Refusal(C3DE_E_ARG,
+                      fmt::format("{}: row {} refers to vertex {}, there are {}", name, i, index, vertexCount));
   }
   return out;
 }
@@ -182,8 +199,8 @@ std::vector<double> numbersOf(const c3de_view &view, const char *name) {
 
 PointRows::PointRows(const c3de_view &view, const char *name) {
   const RowLayout layout = layoutOf(view, name, 3, {C3DE_F64});
-  const bool inPlace = layout.stride == sizeof(Vec3) &&
-                       reinterpret_cast<std::uintptr_t>(layout.data) % alignof(Vec3) == 0;
+  const bool inPlace =
+      layout.stride == sizeof(Vec3) && reinterpret_cast<std::uintptr_t>(layout.data) % alignof(Vec3) == 0;
   if (!inPlace) {
     copy_ = positionsOf(view, name);
     rows_ = copy_;

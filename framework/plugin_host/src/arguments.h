@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checked reading of what plugins pass: texts, growable structs, arrays. Each throws Refusal that names the argument, the
-// value and what is accepted.
+// Checked reading of what plugins pass: texts, growable structs, arrays. Each throws Refusal that names the argument,
+// the value and what is accepted.
 #pragma once
 
 #include <algorithm>
@@ -63,7 +63,8 @@ inline void writeHandle(c3de_handle *out, Handle handle) { out->v = handle.bits(
 [[nodiscard]] double finiteOf(double value, const char *name);
 [[nodiscard]] Vec3 pointOf(const double *three, const char *name);
 
-/// Rows of a view: dtype among the accepted, comps, data, stride and count are plausible. Returns the bytes of a row step.
+/// Rows of a view: dtype among the accepted, comps, data, stride and count are plausible. Returns the bytes of a row
+/// step.
 struct RowLayout {
   const unsigned char *data;
   std::size_t count;

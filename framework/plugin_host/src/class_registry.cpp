@@ -55,7 +55,8 @@ c3de_object *ClassRegistry::create(const std::string &id) {
       std::vector<std::string> known;
       for (const auto &item : byId_) known.push_back(item.first);
       std::string text = "no class '" + id + "'";
-      if (const std::string nearest = nearestName(id, known); !nearest.empty()) text += "; did you mean " + nearest + "?";
+      if (const std::string nearest = nearestName(id, known); !nearest.empty())
+        text += "; did you mean " + nearest + "?";
       text += known.empty() ? "; no classes are registered" : "; there are:";
       for (const std::string &name : known) text += " " + name;
       throw Refusal(C3DE_E_NOT_FOUND, text);

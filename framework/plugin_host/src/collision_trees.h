@@ -14,7 +14,8 @@ namespace c3de::plugin_host {
 /// A tree that plugins query. Queries take the lock shared, refit and rebuild exclusively: callers promise as much, the
 /// lock keeps a broken promise from becoming a wild read.
 struct SharedTree {
-  SharedTree(std::string ownerId, collision::AabbTree builtTree) : owner(std::move(ownerId)), tree(std::move(builtTree)) {}
+  SharedTree(std::string ownerId, collision::AabbTree builtTree)
+      : owner(std::move(ownerId)), tree(std::move(builtTree)) {}
   const std::string owner;
   std::shared_mutex mutex;
   collision::AabbTree tree;

@@ -70,7 +70,8 @@ Expected<void> checkElf(std::ifstream &in, std::uint64_t size) {
     if (inFile > size || offset > size) needed = std::max(needed, std::max(inFile, offset));
     needed = std::max(needed, offset + inFile);
   }
-  if (needed > size) return notAPlugin(fmt::format("the file is truncated ({} bytes, its headers speak of {})", size, needed));
+  if (needed > size)
+    return notAPlugin(fmt::format("the file is truncated ({} bytes, its headers speak of {})", size, needed));
   return {};
 }
 
@@ -81,7 +82,8 @@ Expected<void> checkPe(std::ifstream &in, std::uint64_t size) {
     return notAPlugin(fmt::format("the file is truncated ({} bytes)", size));
   const auto machine = numberAt<std::uint16_t>(header, 4);
   if (kPeMachine != 0 && machine != kPeMachine)
-    return notAPlugin(fmt::format("built for another processor (PE machine {:#x}, this is {:#x})", machine, kPeMachine));
+    return notAPlugin(
+        fmt::format("built for another processor (PE machine {:#x}, this is {:#x})", machine, kPeMachine));
   constexpr std::uint16_t kDll = 0x2000;
   if ((numberAt<std::uint16_t>(header, 22) & kDll) == 0) return notAPlugin("a program, not a shared library");
   return {};
@@ -95,13 +97,16 @@ Expected<void> checkLibraryFile(const std::filesystem::path &file) {
   if (!std::filesystem::exists(status)) return fail(ErrorCode::plugin, "there is no such file");
   if (!std::filesystem::is_regular_file(status)) return notAPlugin("not a file");
   if (file.extension() != pluginExtension())
-    return notAPlugin(fmt::format("the name ends in '{}', expected is '{}'", file.extension().string(), pluginExtension()));
+    return notAPlugin(
+        fmt::format("the name ends in '{}', expected is '{}'", file.extension().string(), pluginExtension()));
   std::ifstream in(file, std::ios::binary);
   if (!in) return fail(ErrorCode::plugin, "the file cannot be read");
   const std::uint64_t size = std::filesystem::file_size(file, error);
 
   const auto magic = read(in, 0, 4);
-  const bool isElf = startsWith(magic, "\x7f" "ELF");
+  const bool isElf = startsWith(magic,
+                                "\x7f"
+                                "ELF");
   const bool isPe = startsWith(magic, "MZ");
   const bool wantsPe = std::string_view(pluginExtension()) == ".dll";
   if (isElf && wantsPe) return notAPlugin("a library for another system (ELF)");

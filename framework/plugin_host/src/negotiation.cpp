@@ -70,7 +70,8 @@ void checkNeeds(const c3de_plugin &plugin, const Services &services) {
     try {
       (void)findService(id, need.min_rev, services);
     } catch (const Refusal &refusal) {
-      const char *action = refusal.status() == C3DE_E_UNSUPPORTED ? "" : "; get a newer host or an older build of the plugin";
+      const char *action =
+          refusal.status() == C3DE_E_UNSUPPORTED ? "" : "; get a newer host or an older build of the plugin";
       throw Refusal(refusal.status(), fmt::format("needs {}{}", refusal.what(), action));
     }
   }

@@ -16,7 +16,8 @@ struct Candidate {
   std::string id, version, displayName, vendor, license;
 };
 
-/// Asks the library (c3de_plugin_query), and checks ABI number, descriptor and required services. The error is one line.
+/// Asks the library (c3de_plugin_query), and checks ABI number, descriptor and required services. The error is one
+/// line.
 [[nodiscard]] Expected<Candidate> negotiate(const DynamicLibrary &library, const Services &services);
 
 }  // namespace c3de::plugin_host

@@ -8,12 +8,12 @@
 #include "c3de/core/log.h"
 #include "c3de/core/main_queue.h"
 #include "c3de/core/text.h"
-#include "c3de/scene/mesh_store.h"
-#include "c3de/scene/scene_graph.h"
 #include "c3de/registry/edit_list.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/tool_registry.h"
+#include "c3de/scene/mesh_store.h"
+#include "c3de/scene/scene_graph.h"
 #include "last_error.h"
 #include "refusal.h"
 #include "services/catalogue.h"
@@ -57,12 +57,10 @@ c3de_status C3DE_CALL takeError(void *, c3de_sink sink) noexcept {
 }  // namespace
 
 PluginContext::PluginContext(HostState &host, std::string id)
-    : host_(host),
-      id_(std::move(id)),
-      abi_{sizeof(c3de_host), 1, this, &getService, &setError, &takeError},
-      tables_{makeLogTable(this),    makeRegistryTable(this), makeMeshTable(this),   makeSceneTable(this),
-              makeRenderTable(this), makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
-              makeToolsTable(this),  makeJobsTable(this),     makeTimeTable(this),   makeSimulationTable(this),
+    : host_(host), id_(std::move(id)), abi_{sizeof(c3de_host), 1, this, &getService, &setError, &takeError},
+      tables_{makeLogTable(this),     makeRegistryTable(this),  makeMeshTable(this),   makeSceneTable(this),
+              makeRenderTable(this),  makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
+              makeToolsTable(this),   makeJobsTable(this),      makeTimeTable(this),   makeSimulationTable(this),
               makeImagingTable(this), makeHistoryTable(this)} {}
 
 PluginContext::~PluginContext() = default;

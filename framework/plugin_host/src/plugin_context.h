@@ -96,8 +96,8 @@ class PluginContext {
 /// A line in the log in the plugin's name.
 void reportMisbehaviour(const std::string &plugin, const char *what) noexcept;
 
-/// Calls into a plugin: an exception that leaves it becomes a line in the log. Best effort only, because a plugin with a
-/// C++ runtime of its own cannot be caught.
+/// Calls into a plugin: an exception that leaves it becomes a line in the log. Best effort only, because a plugin with
+/// a C++ runtime of its own cannot be caught.
 template <class F>
 bool callPlugin(const PluginContext &plugin, const char *what, F &&f) noexcept {
   if (plugin.isClosed()) return false;

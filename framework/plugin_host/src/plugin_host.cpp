@@ -57,8 +57,7 @@ Expected<void> call(const PluginContext &context, const char *what, F &&f) {
 
 struct PluginHost::Impl {
   explicit Impl(const Services &services) : state(services) {
-    if (services.mainQueue)
-      frame = services.mainQueue->addFrameCallback(kHostOwner, [this] { state.proxies.sync(); });
+    if (services.mainQueue) frame = services.mainQueue->addFrameCallback(kHostOwner, [this] { state.proxies.sync(); });
   }
 
   Expected<Loaded> tryLoad(const std::filesystem::path &file, PluginInfo &info);

@@ -25,8 +25,8 @@ class Refusal : public std::runtime_error {
 [[nodiscard]] c3de_status statusOf(ErrorCode code) noexcept;
 [[nodiscard]] ErrorCode errorCodeOf(c3de_status status) noexcept;
 
-/// The exception in flight as a status, "where: what" left as the last error; "what" alone when it speaks of a file, which
-/// is for the person at the program and not for the author of the plugin. The one catch-all of the adapters.
+/// The exception in flight as a status, "where: what" left as the last error; "what" alone when it speaks of a file,
+/// which is for the person at the program and not for the author of the plugin. The one catch-all of the adapters.
 c3de_status refuse(const char *where) noexcept;
 
 /// Runs f(plugin) for the plugin that a table's ctx stands for. f may return nothing or a c3de_status.

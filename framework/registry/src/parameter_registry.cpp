@@ -10,8 +10,8 @@ Handle ParameterRegistry::declare(ParameterSet set) {
   std::vector<ParameterValue> values;
   values.reserve(set.decls.size());
   for (const ParameterDecl &decl : set.decls) {
-    const auto given = std::find_if(set.values.begin(), set.values.end(),
-                                    [&](const ParameterValue &v) { return v.id == decl.id; });
+    const auto given =
+        std::find_if(set.values.begin(), set.values.end(), [&](const ParameterValue &v) { return v.id == decl.id; });
     values.push_back(given != set.values.end() ? *given : decl.fallbackValue());
   }
   set.values = std::move(values);

@@ -20,7 +20,9 @@ struct Action {
   std::string text;
 };
 
-std::string withUnit(const std::string &text, const std::string &unit) { return unit.empty() ? text : text + " " + unit; }
+std::string withUnit(const std::string &text, const std::string &unit) {
+  return unit.empty() ? text : text + " " + unit;
+}
 
 }  // namespace
 
@@ -96,8 +98,8 @@ std::uint32_t TextPanel::Impl::slider(std::string id, std::string label, std::st
   std::uint32_t result = 0;
   if (const auto action = take(id, {Action::Kind::number})) {
     if (!std::isfinite(action->number) || action->number < lo || action->number > hi) {
-      problems.push_back(id + ": " + formatNumber(action->number) + " is not accepted; accepted: " +
-                         withUnit(formatNumber(lo) + " … " + formatNumber(hi), unit));
+      problems.push_back(id + ": " + formatNumber(action->number) +
+                         " is not accepted; accepted: " + withUnit(formatNumber(lo) + " … " + formatNumber(hi), unit));
     } else {
       if (action->number != *value) result = C3DE_UI_CHANGED | C3DE_UI_COMMITTED;
       *value = action->number;
@@ -206,9 +208,11 @@ void TextPanel::Impl::fillTable() {
     return of(c).checkbox(std::string(fromAbi(id)), std::string(fromAbi(label)), value);
   };
   table.slider = [](void *c, c3de_str id, c3de_str label, c3de_str unit, double *value, double lo, double hi) {
-    return of(c).slider(std::string(fromAbi(id)), std::string(fromAbi(label)), std::string(fromAbi(unit)), value, lo, hi);
+    return of(c).slider(std::string(fromAbi(id)), std::string(fromAbi(label)), std::string(fromAbi(unit)), value, lo,
+                        hi);
   };
-  table.choice = [](void *c, c3de_str id, c3de_str label, std::uint32_t *index, const c3de_str *names, std::uint64_t n) {
+  table.choice = [](void *c, c3de_str id, c3de_str label, std::uint32_t *index, const c3de_str *names,
+                    std::uint64_t n) {
     return of(c).choice(std::string(fromAbi(id)), std::string(fromAbi(label)), index, names, n);
   };
   table.input_text = [](void *c, c3de_str id, c3de_str label, char *buffer, std::uint64_t capacity) {

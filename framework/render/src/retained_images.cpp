@@ -11,26 +11,33 @@ namespace {
 
 Vec3 column(const Mat4 &m, std::size_t c) { return {m[4 * c], m[4 * c + 1], m[4 * c + 2]}; }
 
-std::string sizeText(const GridPlace &place) { return fmt::format("{} x {} x {}", place.size[0], place.size[1], place.size[2]); }
+std::string sizeText(const GridPlace &place) {
+  return fmt::format("{} x {} x {}", place.size[0], place.size[1], place.size[2]);
+}
 
 /// Number of grid points, or why this is no grid.
 Expected<std::size_t> checkPlace(const GridPlace &place, const char *what) {
   std::size_t count = 1;
   for (const std::size_t n : place.size) {
     if (n == 0 || count > std::numeric_limits<std::size_t>::max() / 64 / n)
-      return fail(ErrorCode::usage, fmt::format("{}: {} points; accepted: at least 1 in each direction", what, sizeText(place)));
+      return fail(ErrorCode::usage,
+                  fmt::format("{}: {} points; accepted: at least 1 in each direction", what, sizeText(place)));
     count *= n;
   }
   const double volume = linearDeterminant(place.worldFromIndex);
-  const bool isFinite = std::all_of(place.worldFromIndex.begin(), place.worldFromIndex.end(), [](double v) { return std::isfinite(v); });
+  const bool isFinite =
+      std::all_of(place.worldFromIndex.begin(), place.worldFromIndex.end(), [](double v) { return std::isfinite(v); });
   if (!isFinite || volume == 0.0)
-    return fail(ErrorCode::usage, fmt::format("{}: its place in the world has the determinant {}; accepted: finite, not 0", what, volume));
+    return fail(
+        ErrorCode::usage,
+        fmt::format("{}: its place in the world has the determinant {}; accepted: finite, not 0", what, volume));
   return count;
 }
 
 Expected<void> checkCount(std::size_t given, std::size_t needed, const GridPlace &place, const char *what) {
   if (given == needed) return {};
-  return fail(ErrorCode::usage, fmt::format("{}: {} numbers for {} points, needed: {}", what, given, sizeText(place), needed));
+  return fail(ErrorCode::usage,
+              fmt::format("{}: {} numbers for {} points, needed: {}", what, given, sizeText(place), needed));
 }
 
 }  // namespace
@@ -99,7 +106,8 @@ Expected<Handle> RetainedImages::addDisplacement(const GridPlace &place, std::sp
                                                  std::span<const float> gap_mm) {
   const auto count = checkPlace(place, "a displacement grid");
   if (!count) return tl::unexpected(count.error());
-  if (auto fits = checkCount(xyz_mm.size(), 3 * *count, place, "a displacement grid"); !fits) return tl::unexpected(fits.error());
+  if (auto fits = checkCount(xyz_mm.size(), 3 * *count, place, "a displacement grid"); !fits)
+    return tl::unexpected(fits.error());
   if (!gap_mm.empty())
     if (auto fits = checkCount(gap_mm.size(), *count, place, "gaps of a displacement grid"); !fits)
       return tl::unexpected(fits.error());
@@ -113,7 +121,8 @@ Expected<Handle> RetainedImages::addDisplacement(const GridPlace &place, std::sp
   return slots_.add(std::move(slot));
 }
 
-bool RetainedImages::setDisplacement(Handle displacement, std::span<const float> xyz_mm, std::span<const float> gap_mm) {
+bool RetainedImages::setDisplacement(Handle displacement, std::span<const float> xyz_mm,
+                                     std::span<const float> gap_mm) {
   ImageSlot *slot = find(displacement, ImageSlot::Kind::displacement);
   if (!slot) return false;
   const std::size_t points = slot->place.size[0] * slot->place.size[1] * slot->place.size[2];

@@ -18,12 +18,12 @@ namespace c3de::render {
 struct ImageSlot {
   enum class Kind { image, labels, displacement };
   Kind kind = Kind::image;
-  GridPlace place;                ///< of what is in the graphics memory
+  GridPlace place;  ///< of what is in the graphics memory
   Mat4 indexFromWorld = kIdentity4;
   double scale = 1.0, offset = 0.0;  ///< value = scale * texel + offset
   std::vector<std::pair<std::uint16_t, Colour>> colours;
-  bool hasGaps = false;              ///< of displacements
-  bool hasColours = false;           ///< of images
+  bool hasGaps = false;     ///< of displacements
+  bool hasColours = false;  ///< of images
   std::unique_ptr<BackEndData> backEnd;
 };
 
@@ -46,7 +46,8 @@ class RetainedImages : public ImageRenderer {
   /// Fill `slot.backEnd`; `slot.place` and its scale may be changed to what was kept.
   virtual Expected<void> uploadImage(ImageSlot &slot, const ImageVoxels &image, std::string *notice) = 0;
   virtual Expected<void> uploadLabels(ImageSlot &slot, std::span<const std::uint16_t> voxels) = 0;
-  virtual Expected<void> uploadDisplacement(ImageSlot &slot, std::span<const float> xyz_mm, std::span<const float> gap_mm) = 0;
+  virtual Expected<void> uploadDisplacement(ImageSlot &slot, std::span<const float> xyz_mm,
+                                            std::span<const float> gap_mm) = 0;
   virtual void labelColoursChanged(ImageSlot &slot) = 0;
   virtual void shiftColoursChanged() = 0;
 

@@ -20,7 +20,8 @@ Proxy makeProxy(ProxyKind kind, std::span<const Vec3f> positions, const Material
 }
 
 bool isUsable(const Legend &legend) {
-  return legend.colours.size() >= 2 && std::isfinite(legend.low) && std::isfinite(legend.high) && legend.low < legend.high;
+  return legend.colours.size() >= 2 && std::isfinite(legend.low) && std::isfinite(legend.high) &&
+         legend.low < legend.high;
 }
 
 bool hasNoArrays(const Proxy &proxy) { return proxy.kind == ProxyKind::label || proxy.kind == ProxyKind::legend; }

@@ -26,20 +26,20 @@ struct StaleArrays {
 struct Proxy {
   ProxyKind kind = ProxyKind::mesh;
   std::vector<Vec3f> positions;
-  std::vector<Triangle> triangles;   ///< meshes
-  std::vector<Vec3f> normals;        ///< meshes; see updateNormals()
-  std::vector<Colour> colours;       ///< empty: the material's
-  std::vector<float> radii;          ///< spheres; empty: `radius`
-  float radius = 1.0f;               ///< spheres
-  float width_px = 1.0f;             ///< lines
-  Legend legend;                     ///< legends; positions is empty
-  std::string text;                  ///< labels, UTF-8; positions has one element
+  std::vector<Triangle> triangles;  ///< meshes
+  std::vector<Vec3f> normals;       ///< meshes; see updateNormals()
+  std::vector<Colour> colours;      ///< empty: the material's
+  std::vector<float> radii;         ///< spheres; empty: `radius`
+  float radius = 1.0f;              ///< spheres
+  float width_px = 1.0f;            ///< lines
+  Legend legend;                    ///< legends; positions is empty
+  std::string text;                 ///< labels, UTF-8; positions has one element
   Material material;
   Mat4 transform = kIdentity4;
   bool visible = true;
-  bool hasOwnNormals = false;        ///< given by setNormals
+  bool hasOwnNormals = false;  ///< given by setNormals
   bool normalsCurrent = false;
-  bool hasTransparentColour = false; ///< some element of `colours` has an opacity below 1
+  bool hasTransparentColour = false;  ///< some element of `colours` has an opacity below 1
   StaleArrays stale;
   std::unique_ptr<BackEndData> backEnd;
 

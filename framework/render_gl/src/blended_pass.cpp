@@ -67,11 +67,18 @@ void BlendedPass::begin() {
 
 void BlendedPass::add(Proxy &proxy, const Frame &frame) {
   switch (proxy.kind) {
-    case ProxyKind::mesh: addMesh(proxy, frame); break;
-    case ProxyKind::spheres: addSpheres(proxy, frame); break;
-    case ProxyKind::lines: addLines(proxy, frame); break;
+    case ProxyKind::mesh:
+      addMesh(proxy, frame);
+      break;
+    case ProxyKind::spheres:
+      addSpheres(proxy, frame);
+      break;
+    case ProxyKind::lines:
+      addLines(proxy, frame);
+      break;
     case ProxyKind::label:
-    case ProxyKind::legend: break;
+    case ProxyKind::legend:
+      break;
   }
 }
 
@@ -88,8 +95,8 @@ void BlendedPass::addMesh(Proxy &proxy, const Frame &frame) {
   const auto base = static_cast<unsigned>(vertices_.size());
   vertices_.reserve(vertices_.size() + proxy.positions.size());
   for (std::size_t i = 0; i < proxy.positions.size(); ++i)
-    vertices_.push_back({transformPoint(points, proxy.positions[i]), transformNormal(normals, proxy.normals[i]),
-                         colourOf(proxy, i)});
+    vertices_.push_back(
+        {transformPoint(points, proxy.positions[i]), transformNormal(normals, proxy.normals[i]), colourOf(proxy, i)});
 
   // A mirrored mesh is turned back, so that all triangles of the frame share one sense of rotation.
   const bool mirrored = linearDeterminant(proxy.transform) < 0.0;

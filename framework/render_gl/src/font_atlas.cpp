@@ -13,21 +13,21 @@ namespace c3de::render {
 namespace {
 
 constexpr int kAtlasWidth = 512;
-constexpr int kOutline = 2;               // px around the glyph
-constexpr int kPadding = kOutline + 1;    // plus one that stays empty, for linear filtering
+constexpr int kOutline = 2;             // px around the glyph
+constexpr int kPadding = kOutline + 1;  // plus one that stays empty, for linear filtering
 
 /// Ranges that labels of a medical workstation need: Latin with °, ², ³, µ, ×; Greek; dashes, quotes and ellipsis;
 /// super- and subscripts; arrows; a few signs of mathematics.
 constexpr std::array<std::array<char32_t, 2>, 10> kRanges{{{0x20, 0x7E},
-                                                          {0xA0, 0x17F},
-                                                          {0x391, 0x3C9},
-                                                          {0x2010, 0x2026},
-                                                          {0x2030, 0x2033},
-                                                          {0x2070, 0x208E},
-                                                          {0x2190, 0x2195},
-                                                          {0x2202, 0x221E},
-                                                          {0x2248, 0x2265},
-                                                          {0xFFFD, 0xFFFD}}};
+                                                           {0xA0, 0x17F},
+                                                           {0x391, 0x3C9},
+                                                           {0x2010, 0x2026},
+                                                           {0x2030, 0x2033},
+                                                           {0x2070, 0x208E},
+                                                           {0x2190, 0x2195},
+                                                           {0x2202, 0x221E},
+                                                           {0x2248, 0x2265},
+                                                           {0xFFFD, 0xFFFD}}};
 
 std::vector<char> readFile(const std::filesystem::path &path) {
   std::ifstream in(path, std::ios::binary);
@@ -36,9 +36,9 @@ std::vector<char> readFile(const std::filesystem::path &path) {
 
 /// First by preference of the name, then by order of the folders.
 std::filesystem::path findFont(std::span<const std::filesystem::path> directories) {
-  constexpr std::array<const char *, 8> kNames{"DejaVuSans.ttf",         "segoeui.ttf",     "NotoSans-Regular.ttf",
-                                               "LiberationSans-Regular.ttf", "Ubuntu-R.ttf", "arial.ttf",
-                                               "Arial.ttf",              "FreeSans.ttf"};
+  constexpr std::array<const char *, 8> kNames{
+      "DejaVuSans.ttf", "segoeui.ttf", "NotoSans-Regular.ttf", "LiberationSans-Regular.ttf", "Ubuntu-R.ttf",
+      "arial.ttf",      "Arial.ttf",   "FreeSans.ttf"};
   std::filesystem::path best;
   std::size_t bestRank = kNames.size();
   for (const auto &directory : directories) {

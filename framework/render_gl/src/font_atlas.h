@@ -24,7 +24,7 @@ struct FontAtlas {
   std::vector<std::uint8_t> pixels;  ///< 2 * width * height
   std::map<char32_t, Glyph> glyphs;  ///< always has '?'
   float ascent = 0.0f, lineHeight = 0.0f;
-  std::string font;                  ///< file, or the name of the built-in font
+  std::string font;  ///< file, or the name of the built-in font
   /// Of the character, or of '?'.
   [[nodiscard]] const Glyph &glyph(char32_t character) const;
 };

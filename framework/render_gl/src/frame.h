@@ -27,8 +27,8 @@ struct Frame {
   int width = 0, height = 0;
   float nearPlane = 1.0f;
   bool multisampled = false;
-  Cuts cuts = kNoCuts;          ///< of images
-  bool cutsProxies = false;     ///< and of everything else
+  Cuts cuts = kNoCuts;       ///< of images
+  bool cutsProxies = false;  ///< and of everything else
 };
 
 /// For the program in use, which has kCutFunction.

@@ -51,23 +51,25 @@ void GlImages::drawOpaque(const Frame &frame) {
   if (!parts.image) return;
   for (const SliceInSpace &slice : scene_.slices)
     slices_.drawInSpace(parts, scene_.look,
-                        cutPolygon(sliceOutline(parts.image->place, slice.point, slice.normal), scene_.cuts), slice.frame,
-                        frame, statistics_);
+                        cutPolygon(sliceOutline(parts.image->place, slice.point, slice.normal), scene_.cuts),
+                        slice.frame, frame, statistics_);
 }
 
 void GlImages::setCuts(Frame &frame) const {
   for (std::size_t i = 0; i < std::min(scene_.cuts.size(), frame.cuts.size()); ++i) {
     const CutPlane &cut = scene_.cuts[i];
     const Vec3 point = c3de::transformPoint(frame.view, cut.point);
-    const Vec3 normal = (1.0 / std::max(norm(cut.normal), 1e-12)) * (c3de::transformPoint(frame.view, cut.point + cut.normal) - point);
+    const Vec3 normal =
+        (1.0 / std::max(norm(cut.normal), 1e-12)) * (c3de::transformPoint(frame.view, cut.point + cut.normal) - point);
     for (std::size_t a = 0; a < 3; ++a) frame.cuts[i][a] = static_cast<float>(-normal[a]);
     frame.cuts[i][3] = static_cast<float>(dot(normal, point));
   }
   frame.cutsProxies = scene_.cutsProxies && !scene_.cuts.empty();
 }
 
-bool GlImages::drawVolume(const Camera &camera, const Frame &frame, const Viewport &viewport, std::uint64_t changesOfProxies,
-                          bool isFinal, const RayPass::DrawDepth &drawDepth, LayerPass &layers) {
+bool GlImages::drawVolume(const Camera &camera, const Frame &frame, const Viewport &viewport,
+                          std::uint64_t changesOfProxies, bool isFinal, const RayPass::DrawDepth &drawDepth,
+                          LayerPass &layers) {
   const ImageParts parts = partsOf(scene_.look);
   if (!scene_.showsVolume || !parts.image) {
     rays_.forget();
@@ -75,7 +77,8 @@ bool GlImages::drawVolume(const Camera &camera, const Frame &frame, const Viewpo
     return false;
   }
   const RayKey key{camera, frame.width, frame.height, changesInSpace() + changesOfProxies};
-  const bool hasBlended = rays_.draw(parts, scene_, key, frame, viewport.x, viewport.y, isFinal, drawDepth, layers, statistics_);
+  const bool hasBlended =
+      rays_.draw(parts, scene_, key, frame, viewport.x, viewport.y, isFinal, drawDepth, layers, statistics_);
   if (!isFinal) wantsRefinement_ = !rays_.isRefined();
   return hasBlended;
 }

@@ -27,8 +27,9 @@ Expected<Shader> compile(GLenum stage, std::string_view name, std::span<const ch
   GLint compiled = GL_FALSE;
   glGetShaderiv(shader.name(), GL_COMPILE_STATUS, &compiled);
   if (compiled == GL_TRUE) return shader;
-  const std::string log = readLog(shader.name(), [](GLuint n, GLenum p, GLint *v) { glGetShaderiv(n, p, v); },
-                                  [](GLuint n, GLsizei m, GLsizei *w, GLchar *t) { glGetShaderInfoLog(n, m, w, t); });
+  const std::string log = readLog(
+      shader.name(), [](GLuint n, GLenum p, GLint *v) { glGetShaderiv(n, p, v); },
+      [](GLuint n, GLsizei m, GLsizei *w, GLchar *t) { glGetShaderInfoLog(n, m, w, t); });
   return fail(ErrorCode::graphics, fmt::format("the {} shader of '{}' does not compile: {}",
                                                stage == GL_VERTEX_SHADER ? "vertex" : "fragment", name, log));
 }
@@ -60,8 +61,9 @@ Expected<Program> buildProgram(std::string_view name, std::span<const char *cons
   GLint linked = GL_FALSE;
   glGetProgramiv(program.name(), GL_LINK_STATUS, &linked);
   if (linked == GL_TRUE) return program;
-  const std::string log = readLog(program.name(), [](GLuint n, GLenum p, GLint *v) { glGetProgramiv(n, p, v); },
-                                  [](GLuint n, GLsizei m, GLsizei *w, GLchar *t) { glGetProgramInfoLog(n, m, w, t); });
+  const std::string log = readLog(
+      program.name(), [](GLuint n, GLenum p, GLint *v) { glGetProgramiv(n, p, v); },
+      [](GLuint n, GLsizei m, GLsizei *w, GLchar *t) { glGetProgramInfoLog(n, m, w, t); });
   return fail(ErrorCode::graphics, fmt::format("the shader program '{}' does not link: {}", name, log));
 }
 

@@ -3,17 +3,17 @@
 
 #include <algorithm>
 
+#include "blended_pass.h"
 #include "c3de/core/log.h"
 #include "c3de/render_gl/gl_renderer.h"
-#include "blended_pass.h"
 #include "frame.h"
 #include "gl_images.h"
 #include "image_target.h"
 #include "label_pass.h"
 #include "layer_pass.h"
 #include "opaque_pass.h"
-#include "shaders.h"
 #include "retained_renderer.h"
+#include "shaders.h"
 
 namespace c3de::render {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shader texts of images. Positions are in the index spaces of the grids, found in double precision by whoever sets the
-// matrices. Variants are chosen by COLOURED, LABELLED, DISPLACED, VACATED, STILL, MISSING, SHIFT, MAXIMUM, SHADED, LAYERED, because a software renderer
-// pays for both sides of a branch.
+// matrices. Variants are chosen by COLOURED, LABELLED, DISPLACED, VACATED, STILL, MISSING, SHIFT, MAXIMUM, SHADED,
+// LAYERED, because a software renderer pays for both sides of a branch.
 #pragma once
 
 namespace c3de::render::shaders {
@@ -61,9 +61,10 @@ FLOW vec3 vNode;
 #endif
 )";
 
-/// Where the material of a point was: u is given at whole nodes, 0 outside; the fourth number is the gap, which is large
-/// outside. A place is vacated where a gap leads to a body of the reference (p: in the texture of the image). STILL: what
-/// stays has u = 0, unless a body has come over it, and leaves a gap where something has moved away from it.
+/// Where the material of a point was: u is given at whole nodes, 0 outside; the fourth number is the gap, which is
+/// large outside. A place is vacated where a gap leads to a body of the reference (p: in the texture of the image).
+/// STILL: what stays has u = 0, unless a body has come over it, and leaves a gap where something has moved away from
+/// it.
 inline constexpr const char *kDisplacementFunction = R"(
 layout(binding = 3) uniform sampler3D uDisplacement;
 vec4 shiftAt(vec3 node) {
@@ -206,10 +207,10 @@ void main() {
 }
 )";
 
-// Samples lie at fixed distances from the eye, so that they do not depend on where a ray enters. The inner loop looks for
-// the next sample that is not transparent: what is costly (the gradient) is done for those only, and by neighbours of a
-// vector register together. `precise` keeps the positions the same to the bit whether or not a displacement of zero is
-// taken off.
+// Samples lie at fixed distances from the eye, so that they do not depend on where a ray enters. The inner loop looks
+// for the next sample that is not transparent: what is costly (the gradient) is done for those only, and by neighbours
+// of a vector register together. `precise` keeps the positions the same to the bit whether or not a displacement of
+// zero is taken off.
 inline constexpr const char *kRayFragment = R"(
 layout(location = 0) uniform mat4 uImageFromView;
 layout(location = 1) uniform mat4 uNodeFromView;

@@ -13,9 +13,8 @@ constexpr GLint kSamples = 4;
 Expected<void> checkComplete(int width, int height) {
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status == GL_FRAMEBUFFER_COMPLETE) return {};
-  return fail(ErrorCode::graphics,
-              fmt::format("no framebuffer for an image of {} x {} pixels: OpenGL status 0x{:04x}", width, height,
-                          status));
+  return fail(ErrorCode::graphics, fmt::format("no framebuffer for an image of {} x {} pixels: OpenGL status 0x{:04x}",
+                                               width, height, status));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces that blend, taken apart by depth, so that what rays see can be laid between them: the nearest two of each pixel
-// by themselves, everything behind them together.
+// Surfaces that blend, taken apart by depth, so that what rays see can be laid between them: the nearest two of each
+// pixel by themselves, everything behind them together.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ class LayerPass {
  public:
   explicit LayerPass(BlendedPass &blended);
   [[nodiscard]] bool isEmpty() const { return blended_.isEmpty(); }
-  /// Of the surfaces that are ready in the pass that blends them, for a viewport at (x, y); the bound framebuffer and its
-  /// viewport stay. False: there is no memory, or a driver that lacks something.
+  /// Of the surfaces that are ready in the pass that blends them, for a viewport at (x, y); the bound framebuffer and
+  /// its viewport stay. False: there is no memory, or a driver that lacks something.
   [[nodiscard]] bool find(LayerDepths &depths, const Frame &frame, int x, int y, RenderStatistics &statistics);
   /// Blends one layer into the bound framebuffer; kLayers: all that is farther.
   void draw(const LayerDepths &depths, std::size_t layer, const Frame &frame, RenderStatistics &statistics);

@@ -14,7 +14,8 @@ constexpr float kMargin_px = 12.0f, kPadding_px = 12.0f, kGap_px = 8.0f;
 constexpr float kBarWidth_px = 18.0f, kLongestBar_px = 220.0f, kShortestBar_px = 48.0f;
 constexpr int kMostTicks = 6;
 constexpr float kPartOfWidth = 0.6f;  // a legend that would cover more of the picture is left out
-constexpr Rgba8 kGround{20, 23, 28, 205}, kText{232, 235, 240, 255}, kDim{168, 176, 188, 255}, kTick{232, 235, 240, 150};
+constexpr Rgba8 kGround{20, 23, 28, 205}, kText{232, 235, 240, 255}, kDim{168, 176, 188, 255},
+    kTick{232, 235, 240, 150};
 
 struct Tick {
   double value;

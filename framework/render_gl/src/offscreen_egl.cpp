@@ -40,8 +40,9 @@ std::string eglProblem(const char *what) { return fmt::format("{} (EGL error 0x{
 EGLContext createContext(EGLDisplay display, EGLConfig config) {
   constexpr EGLint kVersions[][2] = {{4, 5}, {4, 3}, {3, 3}, {3, 1}};
   for (const auto &[major, minor] : kVersions) {
-    const EGLint core[] = {EGL_CONTEXT_MAJOR_VERSION, major, EGL_CONTEXT_MINOR_VERSION, minor,
-                           EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    const EGLint core[] = {
+        EGL_CONTEXT_MAJOR_VERSION,           major,   EGL_CONTEXT_MINOR_VERSION, minor, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, core);
     if (context != EGL_NO_CONTEXT) return context;
   }

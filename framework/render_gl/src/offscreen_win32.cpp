@@ -50,8 +50,13 @@ HGLRC createCoreContext(HDC device) {
   if (!epoxy_has_wgl_extension(device, "WGL_ARB_create_context_profile")) return nullptr;
   constexpr int kVersions[][2] = {{4, 5}, {4, 3}};
   for (const auto &version : kVersions) {
-    const int wanted[] = {WGL_CONTEXT_MAJOR_VERSION_ARB, version[0], WGL_CONTEXT_MINOR_VERSION_ARB, version[1],
-                          WGL_CONTEXT_PROFILE_MASK_ARB, WGL_CONTEXT_CORE_PROFILE_BIT_ARB, 0};
+    const int wanted[] = {WGL_CONTEXT_MAJOR_VERSION_ARB,
+                          version[0],
+                          WGL_CONTEXT_MINOR_VERSION_ARB,
+                          version[1],
+                          WGL_CONTEXT_PROFILE_MASK_ARB,
+                          WGL_CONTEXT_CORE_PROFILE_BIT_ARB,
+                          0};
     if (const HGLRC context = wglCreateContextAttribsARB(device, nullptr, wanted)) return context;
   }
   return nullptr;

@@ -17,9 +17,13 @@ Expected<Programs> buildPrograms(bool arePeeled) {
   };
   const Recipe recipes[] = {
       {&Programs::background, "background", {kHead, kBackgroundVertex}, {kHead, kBackgroundFragment}},
-      {&Programs::mesh, "mesh", {kHead, kColourFunctions, kCutFunction, kMeshVertex},
+      {&Programs::mesh,
+       "mesh",
+       {kHead, kColourFunctions, kCutFunction, kMeshVertex},
        {kHead, peeled, kPeelFunction, kColourFunctions, kShadeFunctions, kMeshFragment}},
-      {&Programs::sphere, "sphere", {kHead, kColourFunctions, kCutFunction, kSphereVertex},
+      {&Programs::sphere,
+       "sphere",
+       {kHead, kColourFunctions, kCutFunction, kSphereVertex},
        {kHead, peeled, kPeelFunction, kColourFunctions, kShadeFunctions, kSphereFragment}},
       {&Programs::line, "line", {kHead, kCutFunction, kLineVertex}, {kHead, peeled, kPeelFunction, kLineFragment}},
       {&Programs::label, "label", {kHead, kLabelVertex}, {kHead, kLabelFragment}}};

@@ -42,7 +42,8 @@ double finestSpacing(const GridPlace &place) {
   return finest;
 }
 
-void makeTexture(const Texture &texture, GLenum internal, GLenum format, GLenum type, int width, int height, GLint filter) {
+void makeTexture(const Texture &texture, GLenum internal, GLenum format, GLenum type, int width, int height,
+                 GLint filter) {
   glBindTexture(GL_TEXTURE_2D, texture.name());
   glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal), width, height, 0, format, type, nullptr);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
@@ -88,15 +89,16 @@ void RayPass::buildTable(const VolumeLook &look, double step_mm) {
   uploadColourRow(table_, table);
 }
 
-std::optional<RayPass::Picture> RayPass::begin(const Frame &frame, int divisor, const DrawDepth &drawDepth, LayerPass &layers,
-                                               RenderStatistics &statistics) {
+std::optional<RayPass::Picture> RayPass::begin(const Frame &frame, int divisor, const DrawDepth &drawDepth,
+                                               LayerPass &layers, RenderStatistics &statistics) {
   Picture picture;
   picture.divisor = divisor;
   picture.width = std::max(1, (frame.width + divisor - 1) / divisor);
   picture.height = std::max(1, (frame.height + divisor - 1) / divisor);
   glActiveTexture(GL_TEXTURE0);
   makeTexture(picture.colour, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, picture.width, picture.height, GL_LINEAR);
-  makeTexture(picture.depth, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, picture.width, picture.height, GL_NEAREST);
+  makeTexture(picture.depth, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, picture.width, picture.height,
+              GL_NEAREST);
 
   const KeptTarget kept;
   glBindFramebuffer(GL_FRAMEBUFFER, picture.depthBuffer.name());
@@ -135,7 +137,10 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
                        RenderStatistics &statistics) {
   const VolumeLook &look = scene.volume;
   const unsigned variant = (parts.displacement ? kDisplaced : 0) |
-                           (look.isMaximum ? kMaximum : look.isShaded ? kShaded : 0) | (picture.layers ? kLayered : 0) |
+                           (look.isMaximum  ? kMaximum
+                            : look.isShaded ? kShaded
+                                            : 0) |
+                           (picture.layers ? kLayered : 0) |
                            (parts.knowsVacated() ? kVacated | (scene.look.hasStill ? kStill : 0) : 0);
   const Program *program = programFor(variant, statistics);
   rows = std::min(rows, picture.height - picture.rows);
@@ -157,13 +162,15 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
     setMatrix(kNodeFromView, multiply(parts.displacement->indexFromWorld, worldFromView));
     Mat4 textureFromWorld = parts.image->indexFromWorld;
     for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t r = 0; r < 3; ++r) textureFromWorld[4 * c + r] /= static_cast<double>(parts.image->place.size[r]);
+      for (std::size_t r = 0; r < 3; ++r)
+        textureFromWorld[4 * c + r] /= static_cast<double>(parts.image->place.size[r]);
     const Mat3f linear = linearPart(textureFromWorld);
     glUniformMatrix3fv(kTextureFromShift, 1, GL_FALSE, linear.data());
   }
   if (variant & kVacated) glUniform1f(kLeastGap, static_cast<float>(scene.look.leastGap));
   const Mat4 &p = frame.projection;
-  glUniform4f(kLens, static_cast<float>(1.0 / p[0]), static_cast<float>(1.0 / p[5]), static_cast<float>(p[10]), static_cast<float>(p[14]));
+  glUniform4f(kLens, static_cast<float>(1.0 / p[0]), static_cast<float>(1.0 / p[5]), static_cast<float>(p[10]),
+              static_cast<float>(p[14]));
   if (look.isMaximum) {
     const std::array<float, 2> grey = greyRamp(*parts.image, scene.look.window, scene.look.level);
     glUniform2fv(kTransfer, 1, grey.data());
@@ -184,7 +191,8 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
   bindImageTextures(parts, true);
   bindTexture(kTransferUnit, GL_TEXTURE_2D, table_.name());
   bindTexture(kDepthUnit, GL_TEXTURE_2D, picture.depth.name());
-  for (GLuint n = 0; n < kLayers && picture.layers; ++n) bindTexture(kLayerUnit + n, GL_TEXTURE_2D, picture.layers->texture(n));
+  for (GLuint n = 0; n < kLayers && picture.layers; ++n)
+    bindTexture(kLayerUnit + n, GL_TEXTURE_2D, picture.layers->texture(n));
 
   const KeptTarget kept;
   glBindFramebuffer(GL_FRAMEBUFFER, picture.colourBuffer.name());
@@ -238,8 +246,8 @@ void RayPass::layOver(const Texture &part, const Frame &frame, int x, int y, Ren
   ++statistics.drawCalls;
 }
 
-bool RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKey &key, const Frame &frame, int x, int y,
-                   bool isFinal, const DrawDepth &drawDepth, LayerPass &layers, RenderStatistics &statistics) {
+bool RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKey &key, const Frame &frame, int x,
+                   int y, bool isFinal, const DrawDepth &drawDepth, LayerPass &layers, RenderStatistics &statistics) {
   if (!scene.volume.isMaximum && scene.volume.points.size() < 2) {
     forget();
     return false;
@@ -264,7 +272,9 @@ bool RayPass::draw(const ImageParts &parts, const ImageScene &scene, const RayKe
     isAsFineAsCanBe_ = !next_;
     if (next_) {
       const auto start = std::chrono::steady_clock::now();
-      const auto spent_ms = [&] { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(); };
+      const auto spent_ms = [&] {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+      };
       while (next_->rows < next_->height) {
         const double before = spent_ms();
         castRows(*next_, parts, scene, frame, bandRows_, statistics);

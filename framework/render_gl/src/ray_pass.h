@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Volume rendering into a picture of its own: coarse while something changes, then finer in bands that take some
-// milliseconds each, until there is a ray for every pixel. The picture is laid over what is opaque; its rays end there. It
-// has parts that surfaces that blend are drawn between.
+// milliseconds each, until there is a ray for every pixel. The picture is laid over what is opaque; its rays end there.
+// It has parts that surfaces that blend are drawn between.
 #pragma once
 
 #include <functional>
@@ -48,12 +48,13 @@ class RayPass {
     std::array<std::optional<Texture>, kLayers> behind;
     std::optional<LayerDepths> layers;
   };
-  [[nodiscard]] std::optional<Picture> begin(const Frame &frame, int divisor, const DrawDepth &drawDepth, LayerPass &layers,
-                                             RenderStatistics &statistics);
+  [[nodiscard]] std::optional<Picture> begin(const Frame &frame, int divisor, const DrawDepth &drawDepth,
+                                             LayerPass &layers, RenderStatistics &statistics);
   void castRows(Picture &picture, const ImageParts &parts, const ImageScene &scene, const Frame &frame, int rows,
                 RenderStatistics &statistics);
   /// With what blends between the parts; false: that is left to others.
-  bool composite(const Picture &picture, const Frame &frame, int x, int y, LayerPass &layers, RenderStatistics &statistics);
+  bool composite(const Picture &picture, const Frame &frame, int x, int y, LayerPass &layers,
+                 RenderStatistics &statistics);
   void layOver(const Texture &part, const Frame &frame, int x, int y, RenderStatistics &statistics);
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
   void buildTable(const VolumeLook &look, double step_mm);

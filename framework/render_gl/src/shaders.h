@@ -9,7 +9,7 @@ namespace c3de::render::shaders {
 /// Attribute and uniform locations shared by the texts below.
 enum Attribute : unsigned {
   kPosition = 0,
-  kNormal = 1,     // meshes
+  kNormal = 1,  // meshes
   kColour = 2,
   kRadius = 3,     // spheres
   kEnd = 1,        // lines

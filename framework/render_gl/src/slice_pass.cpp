@@ -10,11 +10,14 @@
 namespace c3de::render {
 namespace {
 
-constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8, kColoured = 16, kStill = 32, kMissing = 64;
+constexpr unsigned kLabelled = 1, kDisplaced = 2, kShifted = 4, kVacated = 8, kColoured = 16, kStill = 32,
+                   kMissing = 64;
 
 const GridTexture &texturesOf(const ImageSlot &slot) { return static_cast<const GridTexture &>(*slot.backEnd); }
 
-Mat4 indexFromLocal(const ImageSlot &slot, const Mat4 &worldFromLocal) { return multiply(slot.indexFromWorld, worldFromLocal); }
+Mat4 indexFromLocal(const ImageSlot &slot, const Mat4 &worldFromLocal) {
+  return multiply(slot.indexFromWorld, worldFromLocal);
+}
 
 }  // namespace
 
@@ -145,8 +148,8 @@ void SlicePass::drawInSpace(const ImageParts &parts, const ImageLook &look, std:
   ++statistics.drawCalls;
 }
 
-void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<const Vec3f> corners, const Mat4 &clipFromLocal,
-                     const Mat4 &worldFromLocal, RenderStatistics &statistics) {
+void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<const Vec3f> corners,
+                     const Mat4 &clipFromLocal, const Mat4 &worldFromLocal, RenderStatistics &statistics) {
   unsigned variant = 0;
   if (parts.labels && look.labelOpacity > 0.0f) variant |= kLabelled;
   if (parts.displacement) variant |= kDisplaced | (look.showsShift && look.shiftOpacity > 0.0f ? kShifted : 0);
@@ -181,7 +184,8 @@ void SlicePass::draw(const ImageParts &parts, const ImageLook &look, std::span<c
   if (variant & kVacated) glUniform1f(kLeastGap, static_cast<float>(look.leastGap));
   if (variant & kShifted) {
     const double range = std::max(look.shiftHigh - look.shiftLow, 1e-9);
-    glUniform3f(kShift, static_cast<float>(look.shiftLow), static_cast<float>(1.0 / range), std::clamp(look.shiftOpacity, 0.0f, 1.0f));
+    glUniform3f(kShift, static_cast<float>(look.shiftLow), static_cast<float>(1.0 / range),
+                std::clamp(look.shiftOpacity, 0.0f, 1.0f));
     bindTexture(kShiftColourUnit, GL_TEXTURE_2D, shiftColours_.name());
   }
   bindImageTextures(parts, look.isSmooth);

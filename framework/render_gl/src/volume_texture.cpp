@@ -20,22 +20,31 @@ struct TexelFormat {
 
 TexelFormat formatOf(VoxelType type) {
   switch (type) {
-    case VoxelType::int8: return {GL_R8_SNORM, GL_BYTE, 1, 127.0};
-    case VoxelType::uint8: return {GL_R8, GL_UNSIGNED_BYTE, 1, 255.0};
-    case VoxelType::int16: return {GL_R16_SNORM, GL_SHORT, 2, 32767.0};
-    case VoxelType::uint16: return {GL_R16, GL_UNSIGNED_SHORT, 2, 65535.0};
-    default: return {GL_R32F, GL_FLOAT, 4, 1.0};
+    case VoxelType::int8:
+      return {GL_R8_SNORM, GL_BYTE, 1, 127.0};
+    case VoxelType::uint8:
+      return {GL_R8, GL_UNSIGNED_BYTE, 1, 255.0};
+    case VoxelType::int16:
+      return {GL_R16_SNORM, GL_SHORT, 2, 32767.0};
+    case VoxelType::uint16:
+      return {GL_R16, GL_UNSIGNED_SHORT, 2, 65535.0};
+    default:
+      return {GL_R32F, GL_FLOAT, 4, 1.0};
   }
 }
 
 std::size_t bytesOf(VoxelType type) {
   switch (type) {
     case VoxelType::int8:
-    case VoxelType::uint8: return 1;
+    case VoxelType::uint8:
+      return 1;
     case VoxelType::int16:
-    case VoxelType::uint16: return 2;
-    case VoxelType::float64: return 8;
-    default: return 4;
+    case VoxelType::uint16:
+      return 2;
+    case VoxelType::float64:
+      return 8;
+    default:
+      return 4;
   }
 }
 
@@ -48,9 +57,12 @@ void toFloats(const From *from, std::span<float> to, std::size_t stride) {
 void copyRow(const unsigned char *row, VoxelType type, std::size_t stride, std::size_t count, unsigned char *to) {
   const auto floats = [&] { return std::span<float>(reinterpret_cast<float *>(to), count); };
   switch (type) {
-    case VoxelType::int32: return toFloats(reinterpret_cast<const std::int32_t *>(row), floats(), stride);
-    case VoxelType::uint32: return toFloats(reinterpret_cast<const std::uint32_t *>(row), floats(), stride);
-    case VoxelType::float64: return toFloats(reinterpret_cast<const double *>(row), floats(), stride);
+    case VoxelType::int32:
+      return toFloats(reinterpret_cast<const std::int32_t *>(row), floats(), stride);
+    case VoxelType::uint32:
+      return toFloats(reinterpret_cast<const std::uint32_t *>(row), floats(), stride);
+    case VoxelType::float64:
+      return toFloats(reinterpret_cast<const double *>(row), floats(), stride);
     default: {
       const std::size_t bytes = bytesOf(type);
       for (std::size_t i = 0; i < count; ++i) std::copy_n(row + i * stride * bytes, bytes, to + i * bytes);
@@ -73,8 +85,8 @@ void useTight() {
 }
 
 /// Storage for a grid; the texture is bound afterwards.
-Expected<void> makeStorage(const Texture &texture, const std::array<std::size_t, 3> &size, GLenum internal, GLint filter,
-                           std::size_t bytes, const char *what) {
+Expected<void> makeStorage(const Texture &texture, const std::array<std::size_t, 3> &size, GLenum internal,
+                           GLint filter, std::size_t bytes, const char *what) {
   while (glGetError() != GL_NO_ERROR) {
   }
   glActiveTexture(GL_TEXTURE0);
@@ -86,20 +98,25 @@ Expected<void> makeStorage(const Texture &texture, const std::array<std::size_t,
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAX_LEVEL, 0);
   const auto side = [&](std::size_t a) { return static_cast<GLsizei>(size[a]); };
   glTexImage3D(GL_TEXTURE_3D, 0, static_cast<GLint>(internal), side(0), side(1), side(2), 0,
-               internal == GL_R16UI ? GL_RED_INTEGER : internal == GL_RGB32F ? GL_RGB : internal == GL_RGBA8 ? GL_RGBA : GL_RED,
+               internal == GL_R16UI    ? GL_RED_INTEGER
+               : internal == GL_RGB32F ? GL_RGB
+               : internal == GL_RGBA8  ? GL_RGBA
+                                       : GL_RED,
                internal == GL_R16UI ? GL_UNSIGNED_SHORT : GL_FLOAT, nullptr);
   if (const GLenum error = glGetError(); error != GL_NO_ERROR)
-    return fail(ErrorCode::graphics,
-                fmt::format("the graphics memory does not hold {} of {} x {} x {} points ({} MB): OpenGL error 0x{:04x}", what,
-                            size[0], size[1], size[2], bytes * size[0] * size[1] * size[2] / 1000000, error));
+    return fail(
+        ErrorCode::graphics,
+        fmt::format("the graphics memory does not hold {} of {} x {} x {} points ({} MB): OpenGL error 0x{:04x}", what,
+                    size[0], size[1], size[2], bytes * size[0] * size[1] * size[2] / 1000000, error));
   return {};
 }
 
 Expected<void> checkSides(const std::array<std::size_t, 3> &size, const char *what) {
   const auto longest = static_cast<std::size_t>(longestSide());
   if (*std::max_element(size.begin(), size.end()) <= longest) return {};
-  return fail(ErrorCode::graphics, fmt::format("{} of {} x {} x {} points; the graphics card takes up to {} along a side", what,
-                                               size[0], size[1], size[2], longest));
+  return fail(ErrorCode::graphics,
+              fmt::format("{} of {} x {} x {} points; the graphics card takes up to {} along a side", what, size[0],
+                          size[1], size[2], longest));
 }
 
 /// Every stride-th of the colours, on the grid of the grey values.
@@ -115,8 +132,8 @@ Expected<void> uploadColours(const Texture &texture, const ImageVoxels &image, c
       const auto *row = image.colours + full[0] * (j * stride[1] + full[1] * k * stride[2]);
       for (std::size_t i = 0; i < kept[0]; ++i) *to++ = row[i * stride[0]];
     }
-    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, static_cast<GLint>(k), static_cast<GLsizei>(kept[0]), static_cast<GLsizei>(kept[1]), 1,
-                    GL_RGBA, GL_UNSIGNED_BYTE, slice.data());
+    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, static_cast<GLint>(k), static_cast<GLsizei>(kept[0]),
+                    static_cast<GLsizei>(kept[1]), 1, GL_RGBA, GL_UNSIGNED_BYTE, slice.data());
   }
   glBindTexture(GL_TEXTURE_3D, 0);
   return {};
@@ -139,17 +156,20 @@ Expected<void> uploadGreyValues(ImageSlot &slot, const ImageVoxels &image, std::
   slot.offset = image.intercept;
 
   auto made = std::make_unique<GridTexture>();
-  if (auto storage = makeStorage(made->grid, kept, format.internal, GL_LINEAR, format.bytes, "an image"); !storage) return storage;
+  if (auto storage = makeStorage(made->grid, kept, format.internal, GL_LINEAR, format.bytes, "an image"); !storage)
+    return storage;
   useTight();
   const auto *bytes = static_cast<const unsigned char *>(image.voxels);
   const std::size_t voxelBytes = bytesOf(image.type), rowBytes = voxelBytes * full[0];
   const auto width = static_cast<GLsizei>(kept[0]), height = static_cast<GLsizei>(kept[1]);
-  const bool isDirect = kept == full && voxelBytes == format.bytes && image.type != VoxelType::int32 && image.type != VoxelType::uint32;
+  const bool isDirect =
+      kept == full && voxelBytes == format.bytes && image.type != VoxelType::int32 && image.type != VoxelType::uint32;
   std::vector<unsigned char> slice(isDirect ? 0 : kept[0] * kept[1] * format.bytes);
   for (std::size_t k = 0; k < kept[2]; ++k) {
     const unsigned char *from = bytes + k * stride[2] * full[1] * rowBytes;
     for (std::size_t j = 0; j < kept[1] && !isDirect; ++j)
-      copyRow(from + j * stride[1] * rowBytes, image.type, stride[0], kept[0], slice.data() + j * kept[0] * format.bytes);
+      copyRow(from + j * stride[1] * rowBytes, image.type, stride[0], kept[0],
+              slice.data() + j * kept[0] * format.bytes);
     glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, static_cast<GLint>(k), width, height, 1, GL_RED, format.type,
                     isDirect ? from : slice.data());
   }
@@ -159,8 +179,9 @@ Expected<void> uploadGreyValues(ImageSlot &slot, const ImageVoxels &image, std::
     if (auto coloured = uploadColours(made->colours, image, kept, stride); !coloured) return coloured;
   }
   if (notice && kept != full)
-    *notice = fmt::format("The image has {} x {} x {} voxels; the graphics card takes up to {} along a side, so {} x {} x {} are shown.",
-                          full[0], full[1], full[2], longest, kept[0], kept[1], kept[2]);
+    *notice = fmt::format(
+        "The image has {} x {} x {} voxels; the graphics card takes up to {} along a side, so {} x {} x {} are shown.",
+        full[0], full[1], full[2], longest, kept[0], kept[1], kept[2]);
   slot.backEnd = std::move(made);
   return {};
 }
@@ -172,8 +193,9 @@ Expected<void> uploadLabelValues(ImageSlot &slot, std::span<const std::uint16_t>
   if (auto storage = makeStorage(made->grid, size, GL_R16UI, GL_NEAREST, 2, "a label map"); !storage) return storage;
   useTight();
   for (std::size_t k = 0; k < size[2]; ++k)
-    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, static_cast<GLint>(k), static_cast<GLsizei>(size[0]), static_cast<GLsizei>(size[1]), 1,
-                    GL_RED_INTEGER, GL_UNSIGNED_SHORT, voxels.data() + k * size[0] * size[1]);
+    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, static_cast<GLint>(k), static_cast<GLsizei>(size[0]),
+                    static_cast<GLsizei>(size[1]), 1, GL_RED_INTEGER, GL_UNSIGNED_SHORT,
+                    voxels.data() + k * size[0] * size[1]);
   glBindTexture(GL_TEXTURE_3D, 0);
   slot.backEnd = std::move(made);
   uploadLabelTable(slot);
@@ -199,7 +221,9 @@ Expected<void> uploadDisplacementValues(ImageSlot &slot, std::span<const float> 
     if (auto sides = checkSides(size, "a displacement grid"); !sides) return sides;
     auto made = std::make_unique<GridTexture>();
     if (auto storage = makeStorage(made->grid, size, slot.hasGaps ? GL_RGBA32F : GL_RGB32F, GL_LINEAR,
-                                   slot.hasGaps ? 16 : 12, "a displacement grid"); !storage) return storage;
+                                   slot.hasGaps ? 16 : 12, "a displacement grid");
+        !storage)
+      return storage;
     slot.backEnd = std::move(made);
   }
   std::vector<float> both(slot.hasGaps ? 4 * gap_mm.size() : 0);
@@ -226,7 +250,8 @@ void uploadColourRow(const Texture &texture, std::span<const std::array<float, 4
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
   useTight();
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, static_cast<GLsizei>(colours.size()), 1, 0, GL_RGBA, GL_FLOAT, colours.data());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, static_cast<GLsizei>(colours.size()), 1, 0, GL_RGBA, GL_FLOAT,
+               colours.data());
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 

@@ -79,8 +79,8 @@ constexpr Row kRows[] = {
 
 /// In a name, these say that it is something in the organ or beside it.
 constexpr std::string_view kOthers[] = {"tumor", "tumour", "cancer", "carcinoma", "lesion", "metastasis",
-                                        "cyst",  "vessel", "vein",   "vena",      "artery", "duct",  "nerve",
-                                        "fluid", "csf",    "cavity", "implant"};
+                                        "cyst",  "vessel", "vein",   "vena",      "artery", "duct",
+                                        "nerve", "fluid",  "csf",    "cavity",    "implant"};
 
 /// In lower case, without digits and separators.
 std::vector<std::string> wordsOf(std::string_view text) {

@@ -11,8 +11,9 @@
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kKeys{"density",           "youngs_modulus", "youngs_modulus_range", "poisson_ratio",
-                                     "poisson_ratio_range", "evidence",       "source",               "note", "rigid"};
+const std::vector<std::string> kKeys{
+    "density", "youngs_modulus", "youngs_modulus_range", "poisson_ratio", "poisson_ratio_range", "evidence", "source",
+    "note",    "rigid"};
 
 /// What is wrong with the preset, or nothing.
 std::optional<std::string> readPreset(const TomlValue &table, MaterialPreset &preset, int &line) {

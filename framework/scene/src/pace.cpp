@@ -13,7 +13,8 @@ constexpr double kMaxLag_s = 0.05;
 constexpr double kWindow_s = 1.0;
 
 std::chrono::nanoseconds nanoseconds(double s) {
-  // A rate close to zero makes a wait that no clock can hold; an hour is as good, because the wait is interrupted anyway.
+  // A rate close to zero makes a wait that no clock can hold; an hour is as good, because the wait is interrupted
+  // anyway.
   return std::chrono::nanoseconds(std::llround(std::clamp(s, -3600.0, 3600.0) * 1e9));
 }
 

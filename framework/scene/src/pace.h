@@ -42,7 +42,9 @@ class Meter {
     /// takes as long as those before it, then less and less, and nothing when for a second nothing has come of it.
     [[nodiscard]] double realTimeFactor(double running_s = 0.0) const;
     /// Wall time of a step, s.
-    [[nodiscard]] double step_s(double running_s = 0.0) const { return running_s > meanStep_s ? running_s : meanStep_s; }
+    [[nodiscard]] double step_s(double running_s = 0.0) const {
+      return running_s > meanStep_s ? running_s : meanStep_s;
+    }
   };
   [[nodiscard]] Rates rates() const {
     return {wall_s_, simulated_s_, samples_.empty() ? 0.0 : computing_s_ / static_cast<double>(samples_.size())};

@@ -9,13 +9,16 @@
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kBodyKeys{"name",  "mesh",     "mesh_unit", "position", "rotation_deg",     "scale",
-                                         "material", "sampling", "parts",     "velocity", "angular_velocity",
-                                         "volume", "series", "time", "label", "threshold", "mend", "edge_length", "rigid"};
-const std::vector<std::string> kObstacleKeys{"name",  "mesh",     "mesh_unit",    "position",            "rotation_deg",
-                                             "scale", "friction", "restitution", "displacement", "motion_rotation_deg", "centre", "ramp"};
+const std::vector<std::string> kBodyKeys{
+    "name",     "mesh",      "mesh_unit", "position",         "rotation_deg", "scale",  "material",
+    "sampling", "parts",     "velocity",  "angular_velocity", "volume",       "series", "time",
+    "label",    "threshold", "mend",      "edge_length",      "rigid"};
+const std::vector<std::string> kObstacleKeys{"name",   "mesh",     "mesh_unit",   "position",     "rotation_deg",
+                                             "scale",  "friction", "restitution", "displacement", "motion_rotation_deg",
+                                             "centre", "ramp"};
 const std::vector<std::string> kProbeKeys{"name", "body", "at"};
-const std::vector<std::string> kRootKeys{"format", "title", "image", "world", "solver", "view", "body", "fix", "load", "attachment", "obstacle", "probe"};
+const std::vector<std::string> kRootKeys{"format", "title", "image", "world",      "solver",   "view",
+                                         "body",   "fix",   "load",  "attachment", "obstacle", "probe"};
 const char *const kMotionRotation = "motion_rotation_deg";
 
 bool hasControlCharacter(const std::string &text) {
@@ -96,7 +99,8 @@ bool SceneReader::tables(const TomlValue &value, const std::string &key) {
 bool SceneReader::readWorld(const std::string &prefix, const TomlValue &table) {
   for (const auto &[key, value] : table.entries) {
     if (prefix + "." + key == "world.box" && value.kind != TomlValue::Kind::table)
-      return refuse(value.line, "world.box is " + value.kindName() + "; accepted: { min = [x, y, z], max = [x, y, z] }");
+      return refuse(value.line,
+                    "world.box is " + value.kindName() + "; accepted: { min = [x, y, z], max = [x, y, z] }");
     if (!store(scene_.world, prefix + "." + key, value)) return false;
   }
   return true;
@@ -115,7 +119,7 @@ bool SceneReader::readBody(const TomlValue &table) {
                        [&](const SceneBody &other) { return other.name == name; });
   };
   if (body.name.empty()) {
-    const std::string stem = !body.mesh.empty()              ? body.mesh.stem().string()
+    const std::string stem = !body.mesh.empty()               ? body.mesh.stem().string()
                              : !body.volume.labelName.empty() ? body.volume.labelName
                                                               : body.volume.file.stem().stem().string();
     body.name = stem;
@@ -137,8 +141,9 @@ bool SceneReader::readObstacle(const TomlValue &table) {
   if (!requireUnit(table, obstacle.mesh, obstacle.meshUnit)) return false;
   // Whoever writes rotation_deg and ramp means a rotation that takes place.
   if (obstacle.motion && table.find("displacement") == nullptr && table.find(kMotionRotation) == nullptr)
-    return refuse(table.line, "the obstacle has 'centre' or 'ramp' and nothing that moves it; accepted: displacement = "
-                              "[x, y, z] in m, motion_rotation_deg = [x, y, z]; rotation_deg is how it stands at the start");
+    return refuse(table.line,
+                  "the obstacle has 'centre' or 'ramp' and nothing that moves it; accepted: displacement = "
+                  "[x, y, z] in m, motion_rotation_deg = [x, y, z]; rotation_deg is how it stands at the start");
   if (obstacle.name.empty()) obstacle.name = obstacle.mesh.stem().string();
   scene_.obstacles.push_back(std::move(obstacle));
   return true;
@@ -178,8 +183,8 @@ bool SceneReader::checkBodyName(const std::string &what, int line, std::string &
     return refuse(line, "the " + what + " has no 'body', and the scene has " + std::to_string(names.size()) +
                             "; accepted: " + joined(names));
   const std::string nearest = nearestName(body, names);
-  return refuse(line, "there is no body '" + body + "'; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
-                          "accepted: " + joined(names));
+  return refuse(line, "there is no body '" + body + "'; " +
+                          (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "accepted: " + joined(names));
 }
 
 bool SceneReader::checkBox() {
@@ -229,7 +234,8 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
   if (key == "velocity") return readVec3(key, value, body.velocity_m_s);
   if (key == "angular_velocity") return readVec3(key, value, body.angularVelocity_rad_s);
   if (key == "position" || key == "rotation_deg" || key == "scale") return placementKey(body.placement, key, value);
-  if (key == "volume" || key == "series" || key == "time" || key == "label" || key == "threshold" || key == "mend" || key == "edge_length")
+  if (key == "volume" || key == "series" || key == "time" || key == "label" || key == "threshold" || key == "mend" ||
+      key == "edge_length")
     return volumeKey(body.volume, key, value);
   return refuseKey(value.line, key, "[[body]]", kBodyKeys);
 }

@@ -12,8 +12,9 @@ namespace c3de::scene {
 
 /// Turns TOML into a SceneFile, for files and for `--set`. Functions answer false after the first error, which is kept.
 ///
-/// scene_reader.cpp reads tables, scene_reader_values.cpp what stands in them, scene_reader_supports.cpp regions and what
-/// acts there, scene_reader_attachments.cpp elastic layers, scene_reader_overrides.cpp one value of the command line.
+/// scene_reader.cpp reads tables, scene_reader_values.cpp what stands in them, scene_reader_supports.cpp regions and
+/// what acts there, scene_reader_attachments.cpp elastic layers, scene_reader_overrides.cpp one value of the command
+/// line.
 class SceneReader {
  public:
   SceneReader(SceneFile &scene, const MaterialLibrary *materials) : scene_(scene), materials_(materials) {}

@@ -44,9 +44,11 @@ bool SceneReader::readAttachment(const TomlValue &table) {
       return refuseKey(value.line, key, "[[attachment]]", kKeys);
     }
   }
-  if (attachment.body.empty()) return refuse(table.line, std::string("the attachment has no 'bodies'; accepted: ") + kBodies);
+  if (attachment.body.empty())
+    return refuse(table.line, std::string("the attachment has no 'bodies'; accepted: ") + kBodies);
   if (!hasStiffness)
-    return refuse(table.line, "the attachment has no 'stiffness'; accepted: a number of at least 0, Pa/m (stress per way)");
+    return refuse(table.line,
+                  "the attachment has no 'stiffness'; accepted: a number of at least 0, Pa/m (stress per way)");
   attachments_.push_back(std::move(attachment));
   return true;
 }

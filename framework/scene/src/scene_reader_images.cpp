@@ -10,8 +10,9 @@ namespace {
 
 const std::vector<std::string> kImageKeys{"file", "series", "time", "labels", "warp", "rim", "still"};
 const std::vector<std::string> kStillKeys{"labels", "above", "below", "outside"};
-const char *const kStill = "\"auto\" (bone and air), \"nothing\", \"outside\" (all outside of the bodies), or a table such as "
-                           "{ labels = [\"rib*\"], above = 200, below = -400 }";
+const char *const kStill =
+    "\"auto\" (bone and air), \"nothing\", \"outside\" (all outside of the bodies), or a table such as "
+    "{ labels = [\"rib*\"], above = 200, below = -400 }";
 const std::vector<std::string> kMendKeys{"opening", "closing", "largest", "fill_holes"};
 
 }  // namespace
@@ -39,13 +40,18 @@ bool SceneReader::readTime(const TomlValue &value, std::size_t &out) {
 }
 
 bool SceneReader::readSeries(const TomlValue &value, std::string &out) {
-  const char *const accepted = "the identifier, the description or the number of a DICOM series, with a part behind it as in \"4#2\" (c3de info lists them)";
+  const char *const accepted =
+      "the identifier, the description or the number of a DICOM series, with a part behind it as in \"4#2\" (c3de info lists them)";
   if (value.isNumber() && value.num == std::floor(value.num) && value.num >= 0.0 && value.num < 1e9) {
     out = std::to_string(static_cast<long long>(value.num));
     return true;
   }
   if (value.kind != TomlValue::Kind::text || value.text.empty())
-    return refuse(value.line, "series is " + (value.isNumber() ? formatNumber(value.num) : value.kind == TomlValue::Kind::text ? "empty" : value.kindName()) + "; accepted: " + accepted);
+    return refuse(value.line, "series is " +
+                                  (value.isNumber()                      ? formatNumber(value.num)
+                                   : value.kind == TomlValue::Kind::text ? "empty"
+                                                                         : value.kindName()) +
+                                  "; accepted: " + accepted);
   out = value.text;
   return true;
 }
@@ -95,7 +101,8 @@ bool SceneReader::readStill(const TomlValue &value, SceneStill &out) {
     return true;
   }
   if (value.kind != TomlValue::Kind::table || value.entries.empty())
-    return refuse(value.line, "still is " + (value.kind == TomlValue::Kind::table ? "an empty table" : value.kindName()) +
+    return refuse(value.line, "still is " +
+                                  (value.kind == TomlValue::Kind::table ? "an empty table" : value.kindName()) +
                                   "; accepted: " + kStill);
   still.isAutomatic = false;
   for (const auto &[key, member] : value.entries) {
@@ -107,10 +114,12 @@ bool SceneReader::readStill(const TomlValue &value, SceneStill &out) {
       if (!readBool("still.outside", member, still.outside)) return false;
     } else if (key == "labels") {
       if (member.kind != TomlValue::Kind::array || member.items.empty())
-        return refuse(member.line, "still.labels is " + member.kindName() +
-                                       "; accepted: names of labels ('*' for any text) or their numbers, [\"rib*\", 5]");
+        return refuse(member.line,
+                      "still.labels is " + member.kindName() +
+                          "; accepted: names of labels ('*' for any text) or their numbers, [\"rib*\", 5]");
       for (const TomlValue &label : member.items) {
-        const bool isNumber = label.isNumber() && label.num == std::floor(label.num) && label.num >= 1.0 && label.num <= 65535.0;
+        const bool isNumber =
+            label.isNumber() && label.num == std::floor(label.num) && label.num >= 1.0 && label.num <= 65535.0;
         if (!isNumber && (label.kind != TomlValue::Kind::text || label.text.empty()))
           return refuse(label.line, "a label of still.labels is " +
                                         (label.isNumber() ? formatNumber(label.num) : label.kindName()) +
@@ -122,7 +131,8 @@ bool SceneReader::readStill(const TomlValue &value, SceneStill &out) {
     }
   }
   if (still.above && still.below && !(*still.above > *still.below))
-    return refuse(value.line, "still: above " + formatNumber(*still.above) + " and below " + formatNumber(*still.below) +
+    return refuse(value.line, "still: above " + formatNumber(*still.above) + " and below " +
+                                  formatNumber(*still.below) +
                                   " leave nothing that moves; accepted: above greater than below");
   out = still;
   return true;
@@ -131,7 +141,8 @@ bool SceneReader::readStill(const TomlValue &value, SceneStill &out) {
 bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const TomlValue &value) {
   const auto length = [&](const std::string &name, const TomlValue &number, double &out) {
     if (!readNumber(name, "a length in mm, 0 or more", number, out)) return false;
-    return out >= 0.0 || refuse(number.line, name + " is " + formatNumber(out) + "; accepted: a length in mm, 0 or more");
+    return out >= 0.0 ||
+           refuse(number.line, name + " is " + formatNumber(out) + "; accepted: a length in mm, 0 or more");
   };
   if (key == "volume") return readImageFile(key, value, volume.file);
   if (key == "time") return readTime(value, volume.time);
@@ -146,7 +157,8 @@ bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const T
     double number = 0.0;
     if (!readNumber(key, "the number or the name of a label", value, number)) return false;
     if (number != std::floor(number) || !(number >= 1.0 && number <= 65535.0))
-      return refuse(value.line, "label is " + formatNumber(number) + "; accepted: a whole number 1 … 65535, or the name of a label");
+      return refuse(value.line, "label is " + formatNumber(number) +
+                                    "; accepted: a whole number 1 … 65535, or the name of a label");
     volume.label = static_cast<std::uint16_t>(number);
     volume.labelName.clear();
     return true;
@@ -164,14 +176,20 @@ bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const T
     return true;
   }
   if (value.kind != TomlValue::Kind::table)
-    return refuse(value.line, "mend is " + value.kindName() + "; accepted: a table such as { largest = true, closing = 2 }");
+    return refuse(value.line,
+                  "mend is " + value.kindName() + "; accepted: a table such as { largest = true, closing = 2 }");
   for (const auto &[member, memberValue] : value.entries) {
     bool good = false;
-    if (member == "opening") good = length("mend.opening", memberValue, volume.opening_mm);
-    else if (member == "closing") good = length("mend.closing", memberValue, volume.closing_mm);
-    else if (member == "largest") good = readBool("mend.largest", memberValue, volume.largest);
-    else if (member == "fill_holes") good = readBool("mend.fill_holes", memberValue, volume.fillHoles);
-    else return refuseKey(memberValue.line, member, "mend", kMendKeys);
+    if (member == "opening")
+      good = length("mend.opening", memberValue, volume.opening_mm);
+    else if (member == "closing")
+      good = length("mend.closing", memberValue, volume.closing_mm);
+    else if (member == "largest")
+      good = readBool("mend.largest", memberValue, volume.largest);
+    else if (member == "fill_holes")
+      good = readBool("mend.fill_holes", memberValue, volume.fillHoles);
+    else
+      return refuseKey(memberValue.line, member, "mend", kMendKeys);
     if (!good) return false;
   }
   return true;
@@ -187,13 +205,15 @@ bool SceneReader::checkSource(const TomlValue &table, SceneBody &body) {
       if (const TomlValue *stray = table.find(key); stray != nullptr)
         return refuse(stray->line, std::string("'") + key + "' belongs to a body with a 'volume'");
     if (body.mesh.empty())
-      return refuse(table.line, "the body has no 'mesh'; accepted: a mesh file beside the scene, or a 'volume' with a 'label' "
-                                "or a 'threshold'");
+      return refuse(table.line,
+                    "the body has no 'mesh'; accepted: a mesh file beside the scene, or a 'volume' with a 'label' "
+                    "or a 'threshold'");
     return requireUnit(table, body.mesh, body.meshUnit);
   }
   if (!body.mesh.empty()) return refuse(table.line, "the body has a 'mesh' and a 'volume'; accepted: one of them");
   if (table.find("mesh_unit") != nullptr)
-    return refuse(table.find("mesh_unit")->line, "'mesh_unit' belongs to a body with a 'mesh'; volumes say their millimetres");
+    return refuse(table.find("mesh_unit")->line,
+                  "'mesh_unit' belongs to a body with a 'mesh'; volumes say their millimetres");
   if (byLabel == volume.threshold.has_value())
     return refuse(table.line, std::string("the body has a 'volume' and ") +
                                   (byLabel ? "both 'label' and 'threshold'" : "neither 'label' nor 'threshold'") +

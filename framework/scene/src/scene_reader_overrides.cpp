@@ -69,28 +69,31 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value) 
 }
 
 bool SceneReader::refusePath(const std::string &path) {
-  std::vector<std::string> known{"title",     "world.gravity",  "world.box.min",     "world.box.max",    "solver.integrator",
-                                 "solver.dt", "solver.damping", "solver.load_steps", "solver.tolerance_mm",
-                                 "view.surface", "view.points",   "view.colour",       "view.range"};
+  std::vector<std::string> known{
+      "title",       "world.gravity",  "world.box.min",     "world.box.max",       "solver.integrator",
+      "solver.dt",   "solver.damping", "solver.load_steps", "solver.tolerance_mm", "view.surface",
+      "view.points", "view.colour",    "view.range"};
   std::string list = joined(known);
   const auto add = [&](const std::string &element, const std::vector<std::string> &keys) {
     list += ", " + element + "." + (keys.size() == 1 ? keys.front() : "…");
     for (const std::string &key : keys) known.push_back(element + "." + key);
   };
   for (const SceneBody &body : scene_.bodies)
-    add("body." + body.name, {"material.law", "material.density", "material.youngs_modulus", "material.poisson_ratio",
-                              "sampling.spacing", "sampling.count", "surroundings.stiffness", "rigid", "position",
-                              "rotation_deg", "scale"});
+    add("body." + body.name,
+        {"material.law", "material.density", "material.youngs_modulus", "material.poisson_ratio", "sampling.spacing",
+         "sampling.count", "surroundings.stiffness", "rigid", "position", "rotation_deg", "scale"});
   for (std::size_t i = 0; i < scene_.fixes.size(); ++i)
-    add("fix." + nameOrNumber(scene_.fixes[i], i), {"displacement", "rotation_deg", "centre", "ramp", "region", "body"});
+    add("fix." + nameOrNumber(scene_.fixes[i], i),
+        {"displacement", "rotation_deg", "centre", "ramp", "region", "body"});
   for (std::size_t i = 0; i < scene_.loads.size(); ++i)
     add("load." + nameOrNumber(scene_.loads[i], i), {"force", "pressure", "follower", "ramp", "region", "body"});
   for (const SceneObstacle &obstacle : scene_.obstacles)
-    add("obstacle." + obstacle.name, {"friction", "restitution", "displacement", "ramp", "position", "rotation_deg", "scale"});
+    add("obstacle." + obstacle.name,
+        {"friction", "restitution", "displacement", "ramp", "position", "rotation_deg", "scale"});
   for (const SceneProbe &probe : scene_.probes) add("probe." + probe.name, {"at"});
   const std::string nearest = nearestName(path, known);
-  return refuse(0, "there is no such path; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
-                       "accepted: " + list);
+  return refuse(
+      0, "there is no such path; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "accepted: " + list);
 }
 
 bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) {
@@ -103,8 +106,10 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
   if (const auto member = keyUnder("sampling.", key)) return samplingKey(*body, *member, value);
   if (keyUnder("surroundings.", key)) return store(body->params, key, value);
   if (const auto member = keyUnder("parts.", key)) return overridePart(*body, *member, value);
-  const bool isOfVolume = key == "volume" || key == "label" || key == "threshold" || key == "mend" || key == "edge_length";
-  if (isOfVolume && body->volume.file.empty()) return refuse(0, "'" + key + "' belongs to a body with a 'volume'; this one has a 'mesh'");
+  const bool isOfVolume =
+      key == "volume" || key == "label" || key == "threshold" || key == "mend" || key == "edge_length";
+  if (isOfVolume && body->volume.file.empty())
+    return refuse(0, "'" + key + "' belongs to a body with a 'volume'; this one has a 'mesh'");
   if ((key == "mesh" || key == "mesh_unit") && body->mesh.empty())
     return refuse(0, "'" + key + "' belongs to a body with a 'mesh'; this one has a 'volume'");
   if (!bodyKey(*body, key, value)) return false;

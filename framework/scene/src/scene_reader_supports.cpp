@@ -37,9 +37,10 @@ bool isTaken(const std::vector<T> &elements, const std::string &name) {
 
 bool SceneReader::readRegion(const TomlValue &value, SceneRegion &out) {
   if (value.kind != TomlValue::Kind::table || value.entries.size() != 1)
-    return refuse(value.line, "region is " + (value.kind == TomlValue::Kind::table
-                                                  ? "a table with " + std::to_string(value.entries.size()) + " keys"
-                                                  : value.kindName()) +
+    return refuse(value.line, "region is " +
+                                  (value.kind == TomlValue::Kind::table
+                                       ? "a table with " + std::to_string(value.entries.size()) + " keys"
+                                       : value.kindName()) +
                                   "; accepted: one of " + acceptedRegions());
   const auto &[key, shape] = value.entries.front();
   SceneRegion region;
@@ -130,7 +131,8 @@ bool SceneReader::readLoad(const TomlValue &table) {
                                   (load.force_N ? "'force' and 'pressure'" : "no 'force' and no 'pressure'") +
                                   "; accepted: one of force = [x, y, z] in N, pressure = p in Pa");
   if (const TomlValue *follower = table.find("follower"); follower != nullptr && !load.pressure_Pa)
-    return refuse(follower->line, "follower is for a pressure; a force keeps its direction; accepted: no 'follower' here");
+    return refuse(follower->line,
+                  "follower is for a pressure; a force keeps its direction; accepted: no 'follower' here");
   if (isTaken(scene_.loads, load.name))
     return refuse(table.line, "a second load is named '" + load.name + "'; names of loads have to differ");
   scene_.loads.push_back(std::move(load));
@@ -190,8 +192,8 @@ bool SceneReader::readRefinements(const TomlValue &value, std::vector<SceneRefin
         !readNumber("sampling.refine: spacing", accepted, *table.find("spacing"), refinement.spacing_m))
       return false;
     if (!(refinement.spacing_m > 0.0))
-      return refuse(table.line, "sampling.refine: spacing is " + formatNumber(refinement.spacing_m) +
-                                    "; accepted: " + accepted);
+      return refuse(table.line,
+                    "sampling.refine: spacing is " + formatNumber(refinement.spacing_m) + "; accepted: " + accepted);
     refinements.push_back(refinement);
   }
   out = std::move(refinements);

@@ -78,9 +78,11 @@ bool SceneReader::meshKey(const std::string &key, const TomlValue &value, std::f
   if (text.empty()) return refuse(value.line, "mesh is empty; accepted: a mesh file");
   const std::filesystem::path path = scene_.source.parent_path() / pathFromUtf8(text);
   std::error_code code;
-  if (std::filesystem::is_directory(path, code)) return refuse(value.line, "mesh '" + text + "' is a folder; accepted: a mesh file");
+  if (std::filesystem::is_directory(path, code))
+    return refuse(value.line, "mesh '" + text + "' is a folder; accepted: a mesh file");
   if (!std::filesystem::exists(path, code))
-    return refuse(value.line, "mesh '" + text + "' does not exist; it is looked for at " + path.lexically_normal().string());
+    return refuse(value.line,
+                  "mesh '" + text + "' does not exist; it is looked for at " + path.lexically_normal().string());
   out = path.lexically_normal();
   return true;
 }
@@ -145,7 +147,8 @@ bool SceneReader::readProny(std::vector<SceneValue> &params, const TomlValue &va
   const std::string accepted = "one or two terms, [ { share = 0.3, time = 0.1 } ]";
   if (!requireTables("material.prony", accepted, value)) return false;
   if (value.items.size() > kTerms)
-    return refuse(value.line, "material.prony has " + std::to_string(value.items.size()) + " terms; accepted: " + accepted);
+    return refuse(value.line,
+                  "material.prony has " + std::to_string(value.items.size()) + " terms; accepted: " + accepted);
   // The terms replace what was there: a second one of a preset or of the file must not stay beside a new first one.
   std::erase_if(params, [](const SceneValue &other) { return other.value.id.rfind("material.prony", 0) == 0; });
   for (std::size_t i = 0; i < value.items.size(); ++i) {
@@ -167,8 +170,9 @@ bool SceneReader::requireUnit(const TomlValue &table, const std::filesystem::pat
     return true;
   }
   if (!carriesUnit(mesh))
-    return refuse(table.line, "'mesh_unit' is missing; " + mesh.filename().string() +
-                                  " does not say its unit by a comment such as UNITS=mm; accepted: \"m\", \"mm\", \"cm\"");
+    return refuse(table.line,
+                  "'mesh_unit' is missing; " + mesh.filename().string() +
+                      " does not say its unit by a comment such as UNITS=mm; accepted: \"m\", \"mm\", \"cm\"");
   unit = geometry::LengthUnit::metre;
   return true;
 }
@@ -185,7 +189,8 @@ bool SceneReader::readVec3(const std::string &key, const TomlValue &value, Vec3 
     return refuse(value.line, key + " is " + value.kindName() + "; accepted: three numbers [x, y, z]");
   for (std::size_t i = 0; i < 3; ++i)
     if (!std::isfinite(value.items[i].num))
-      return refuse(value.line, key + ": " + formatNumber(value.items[i].num) + " is not accepted; accepted: finite numbers");
+      return refuse(value.line,
+                    key + ": " + formatNumber(value.items[i].num) + " is not accepted; accepted: finite numbers");
   out = {value.items[0].num, value.items[1].num, value.items[2].num};
   return true;
 }
@@ -246,8 +251,7 @@ void SceneReader::put(std::vector<SceneValue> &values, ParameterValue value, int
       const auto isOneOf = [&alternatives](const std::string &id) {
         return std::find(alternatives.begin(), alternatives.end(), id) != alternatives.end();
       };
-      if (isOneOf(value.id))
-        std::erase_if(values, [&](const SceneValue &other) { return isOneOf(other.value.id); });
+      if (isOneOf(value.id)) std::erase_if(values, [&](const SceneValue &other) { return isOneOf(other.value.id); });
     }
 
   const SceneValue stored{std::move(value), override_.empty() ? line : 0, override_};

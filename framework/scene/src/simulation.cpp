@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/scene/simulation.h"
 
-#include <cstddef>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <cstddef>
 #include <exception>
 #include <future>
 #include <mutex>
@@ -156,8 +156,7 @@ void Simulation::Impl::run() {
       const Clock::time_point now = Clock::now();
       if (targetRate <= 0.0 || pace.dueTime(status.time_s + status.dt_s, targetRate, now) <= now) step();
     }
-    if (unpublished &&
-        (commanded || mode != C3DE_SIM_PLAYING || Clock::now() - publishedAt >= kPublishInterval))
+    if (unpublished && (commanded || mode != C3DE_SIM_PLAYING || Clock::now() - publishedAt >= kPublishInterval))
       publish();
     show();
   }
@@ -321,8 +320,8 @@ Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
   const auto *simulatorTable = static_cast<const c3de_simulator_v0 *>(table);
   if (simulatorTable->size < offsetof(c3de_simulator_v0, displacement))
     return fail(ErrorCode::plugin, std::string("the table of ") + C3DE_IFACE_SIMULATOR_ID + " has " +
-                                       std::to_string(simulatorTable->size) + " bytes; needed: " +
-                                       std::to_string(offsetof(c3de_simulator_v0, displacement)));
+                                       std::to_string(simulatorTable->size) +
+                                       " bytes; needed: " + std::to_string(offsetof(c3de_simulator_v0, displacement)));
   auto impl = std::make_unique<Impl>();
   simulator->vt->retain(simulator);
   impl->object = simulator;
@@ -387,7 +386,8 @@ c3de_sim_transport Simulation::state() const {
 
 std::string Simulation::activity() const {
   const c3de_simulator_v0 *table = impl_->table;
-  if (!impl_->has(offsetof(c3de_simulator_v0, activity) + sizeof table->activity) || table->activity == nullptr) return {};
+  if (!impl_->has(offsetof(c3de_simulator_v0, activity) + sizeof table->activity) || table->activity == nullptr)
+    return {};
   std::string text;
   return table->activity(impl_->object, sinkInto(text)) < 0 ? std::string() : text;
 }

@@ -81,11 +81,16 @@ std::string TomlValue::shown() const {
   constexpr std::size_t kMostBytes = 60;
   switch (kind) {
     case Kind::integer:
-    case Kind::number: return formatNumber(num);
-    case Kind::text: return "\"" + text + "\"";
-    case Kind::array: break;
-    case Kind::table: return "{ … }";
-    default: return kindName();
+    case Kind::number:
+      return formatNumber(num);
+    case Kind::text:
+      return "\"" + text + "\"";
+    case Kind::array:
+      break;
+    case Kind::table:
+      return "{ … }";
+    default:
+      return kindName();
   }
   std::string list;
   for (const TomlValue &item : items) {
@@ -97,13 +102,20 @@ std::string TomlValue::shown() const {
 
 std::string TomlValue::kindName() const {
   switch (kind) {
-    case Kind::boolean: return num != 0.0 ? "true" : "false";
-    case Kind::integer: return "a whole number";
-    case Kind::number: return "a number";
-    case Kind::text: return "the text \"" + text + "\"";
-    case Kind::array: return shown();
-    case Kind::table: return "a table";
-    case Kind::date: return "a date or time";
+    case Kind::boolean:
+      return num != 0.0 ? "true" : "false";
+    case Kind::integer:
+      return "a whole number";
+    case Kind::number:
+      return "a number";
+    case Kind::text:
+      return "the text \"" + text + "\"";
+    case Kind::array:
+      return shown();
+    case Kind::table:
+      return "a table";
+    case Kind::date:
+      return "a date or time";
   }
   return "a value";
 }

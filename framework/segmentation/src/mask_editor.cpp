@@ -76,7 +76,7 @@ void MaskEditor::carryOut(const MaskStep &step) {
 }
 
 void MaskEditor::submit(const std::string &title, std::function<Expected<imaging::Mask>(const ProgressFn &)> make,
-                       std::shared_ptr<const PackedMask> packed, std::function<void(const Result &)> take) {
+                        std::shared_ptr<const PackedMask> packed, std::function<void(const Result &)> take) {
   const auto result = std::make_shared<Result>();
   result->packed = std::move(packed);
   const std::uint64_t serial = ++serial_;
@@ -118,7 +118,9 @@ void MaskEditor::startNext() {
         return carriedOut(step, sources, before.get(), progress);
       },
       nullptr,
-      [this, step = running_](const Result &result) { record({step, result.packed}); });
+      [this, step = running_](const Result &result) {
+        record({step, result.packed});
+      });
 }
 
 void MaskEditor::record(State state) {

@@ -75,7 +75,8 @@ Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sour
       return fail(ErrorCode::usage, "there is no label map to take label " + std::to_string(step.label) + " from");
     return imaging::maskOf(sources.labels->map, step.label);
   }
-  if (!before || step.kind == Kind::labels) return fail(ErrorCode::usage, "nothing is picked yet; choose a label or a threshold first");
+  if (!before || step.kind == Kind::labels)
+    return fail(ErrorCode::usage, "nothing is picked yet; choose a label or a threshold first");
   switch (step.kind) {
     case Kind::component:
       return componentAt(*before, step.world, progress);

@@ -49,14 +49,10 @@ std::string stiffnessText(double value, double low, double high) {
   return modulusText(value) + " (" + modulusText(low) + " … " + modulusText(high) + ")";
 }
 
-SegmentationWorkflow::SegmentationWorkflow(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials,
-                       Events events)
-    : jobs_(jobs),
-      jobOwner_(std::move(jobOwner)),
-      materials_(materials),
-      events_(std::move(events)),
-      mask_(jobs, jobOwner_, [this] { onMaskChanged(); }),
-      alive_(std::make_shared<bool>(true)) {}
+SegmentationWorkflow::SegmentationWorkflow(BackgroundJobs &jobs, std::string jobOwner,
+                                           const scene::MaterialLibrary &materials, Events events)
+    : jobs_(jobs), jobOwner_(std::move(jobOwner)), materials_(materials), events_(std::move(events)),
+      mask_(jobs, jobOwner_, [this] { onMaskChanged(); }), alive_(std::make_shared<bool>(true)) {}
 
 SegmentationWorkflow::~SegmentationWorkflow() { *alive_ = false; }
 
@@ -282,7 +278,9 @@ const scene::MaterialPreset *SegmentationWorkflow::materialOf(std::uint16_t labe
   return scene::presetForOrgan(materials_, nameOf(label));
 }
 
-void SegmentationWorkflow::chooseMaterialOf(std::uint16_t label, const std::string &preset) { labelMaterials_[label] = preset; }
+void SegmentationWorkflow::chooseMaterialOf(std::uint16_t label, const std::string &preset) {
+  labelMaterials_[label] = preset;
+}
 
 void SegmentationWorkflow::setHolding(Held held, double surroundings_Pa_m) {
   settings_.held = held;

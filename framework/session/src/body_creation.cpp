@@ -63,7 +63,8 @@ scene::SceneFile sceneWithoutOrgans() {
   return scene;
 }
 
-scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask mask, const scene::MaterialPreset *preset) {
+scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask mask,
+                         const scene::MaterialPreset *preset) {
   scene::SceneFile scene;
   scene.title = request.name;
   scene::SceneBody body;
@@ -127,8 +128,8 @@ Expected<void> BodyCreation::makeAll(c3de_object *simulator, bool isNew, Result 
     if (auto mask = segmentation::maskOf(request, part); !mask)
       made = tl::unexpected(mask.error());
     else
-      made = session_.addBodies(simulator, sceneOf(request, std::move(*mask), session_.materials().find(request.material)), part,
-                                 &prepared);
+      made = session_.addBodies(
+          simulator, sceneOf(request, std::move(*mask), session_.materials().find(request.material)), part, &prepared);
     if (made) {
       result.made.push_back(request);
       result.coverage.insert(result.coverage.end(), prepared.coverage.begin(), prepared.coverage.end());
@@ -145,8 +146,7 @@ Expected<void> BodyCreation::makeAll(c3de_object *simulator, bool isNew, Result 
   }
   if (!result.made.empty()) return {};
   std::string text;
-  for (const auto &[name, error] : result.failed)
-    text += (text.empty() ? "" : "\n") + error.message;
+  for (const auto &[name, error] : result.failed) text += (text.empty() ? "" : "\n") + error.message;
   return fail(result.failed.empty() ? ErrorCode::state : result.failed.front().second.code, text);
 }
 
@@ -163,9 +163,9 @@ void BodyCreation::makeOrgans(std::vector<segmentation::BodyRequest> requests) {
   const std::set<std::string> taken = result->isNew ? std::set<std::string>() : bodyNames(session_);
   for (segmentation::BodyRequest &request : requests) {
     if (taken.contains(request.name))
-      result->failed.emplace_back(request.name,
-                                  Error{ErrorCode::usage, request.name + ": the simulation has a body of this name already; "
-                                                                         "accepted: another name"});
+      result->failed.emplace_back(
+          request.name, Error{ErrorCode::usage, request.name + ": the simulation has a body of this name already; "
+                                                               "accepted: another name"});
     else
       result->left.push_back(std::move(request));
   }

@@ -90,7 +90,8 @@ Expected<void> readPhyxels(c3de_object *set, BodyState &body) {
   const auto reader = SetReader<c3de_phyxel_set_v0>::open(set, C3DE_IFACE_PHYXEL_SET_ID);
   if (!reader) return tl::unexpected(reader.error());
   const auto now = reader->field(C3DE_FIELD_POSITION, 3), reference = reader->field(C3DE_FIELD_REFERENCE_POSITION, 3);
-  if (!now || !reference) return fail(ErrorCode::plugin, "the simulator gives no positions of the phyxels of '" + body.name + "'");
+  if (!now || !reference)
+    return fail(ErrorCode::plugin, "the simulator gives no positions of the phyxels of '" + body.name + "'");
   body.phyxels.points = pointsInMillimetres(*now);
   std::vector<PointArray> &arrays = body.phyxels.arrays;
   arrays.push_back(displacements(*now, *reference));
@@ -107,7 +108,8 @@ Expected<void> readPhyxels(c3de_object *set, BodyState &body) {
   const auto stresses = add(C3DE_FIELD_STRESS, 9, "stress_pk2 [Pa]");
   if (gradients && stresses) {
     PointArray mises{"stress_vm [Pa]", 1, {}};
-    for (std::size_t m = 0; m + 9 <= stresses->size(); m += 9) mises.values.push_back(vonMises(gradients->data() + m, stresses->data() + m));
+    for (std::size_t m = 0; m + 9 <= stresses->size(); m += 9)
+      mises.values.push_back(vonMises(gradients->data() + m, stresses->data() + m));
     arrays.push_back(std::move(mises));
   }
   return {};
@@ -117,7 +119,8 @@ Expected<void> readSkin(c3de_object *set, BodyState &body) {
   const auto reader = SetReader<c3de_surfel_set_v0>::open(set, C3DE_IFACE_SURFEL_SET_ID);
   if (!reader) return tl::unexpected(reader.error());
   const auto now = reader->field(C3DE_FIELD_POSITION, 3), reference = reader->field(C3DE_FIELD_REFERENCE_POSITION, 3);
-  if (!now || !reference) return fail(ErrorCode::plugin, "the simulator gives no positions of the surface of '" + body.name + "'");
+  if (!now || !reference)
+    return fail(ErrorCode::plugin, "the simulator gives no positions of the surface of '" + body.name + "'");
   body.skin.vertices = pointsInMillimetres(*now);
   body.skinArrays.push_back(displacements(*now, *reference));
   const c3de_surfel_set_v0 *table = reader->table();
@@ -141,7 +144,8 @@ Expected<std::vector<BodyState>> readBodyStates(c3de_object *simulator, BodyPart
   if (!table) return tl::unexpected(table.error());
   const auto refused = [&](const std::string &what, c3de_status code) {
     const std::string reason = takeError ? takeError() : "";
-    return fail(ErrorCode::plugin, "the simulator does not give " + what + ": " + (reason.empty() ? "status " + std::to_string(code) : reason));
+    return fail(ErrorCode::plugin, "the simulator does not give " + what + ": " +
+                                       (reason.empty() ? "status " + std::to_string(code) : reason));
   };
   c3de_sim_status status{};
   status.size = sizeof status;
@@ -149,19 +153,23 @@ Expected<std::vector<BodyState>> readBodyStates(c3de_object *simulator, BodyPart
   std::vector<BodyState> bodies;
   for (std::uint64_t i = 0; i < status.bodies; ++i) {
     c3de_handle handle{};
-    if (const c3de_status code = (*table)->body_at(simulator, i, &handle); code < 0) return refused("body " + std::to_string(i), code);
+    if (const c3de_status code = (*table)->body_at(simulator, i, &handle); code < 0)
+      return refused("body " + std::to_string(i), code);
     c3de_sim_body_info info{};
     info.size = sizeof info;
-    if (const c3de_status code = (*table)->body_info(simulator, handle, &info); code < 0) return refused("the name of a body", code);
+    if (const c3de_status code = (*table)->body_info(simulator, handle, &info); code < 0)
+      return refused("the name of a body", code);
     BodyState body;
     body.name = std::string(fromAbi(info.name));
     c3de_object *set = nullptr;
-    if (const c3de_status code = (*table)->surfels(simulator, handle, &set); code < 0) return refused("the surface of '" + body.name + "'", code);
+    if (const c3de_status code = (*table)->surfels(simulator, handle, &set); code < 0)
+      return refused("the surface of '" + body.name + "'", code);
     const ObjectRef surfels(set);
     if (auto ok = readSkin(surfels.get(), body); !ok) return tl::unexpected(ok.error());
     if (parts == BodyParts::skinAndPhyxels) {
       set = nullptr;
-      if (const c3de_status code = (*table)->phyxels(simulator, handle, &set); code < 0) return refused("the phyxels of '" + body.name + "'", code);
+      if (const c3de_status code = (*table)->phyxels(simulator, handle, &set); code < 0)
+        return refused("the phyxels of '" + body.name + "'", code);
       const ObjectRef phyxels(set);
       if (auto ok = readPhyxels(phyxels.get(), body); !ok) return tl::unexpected(ok.error());
     }

@@ -27,9 +27,10 @@ Coverage coverageOf(const imaging::Mask &asked, const geometry::TriangleMesh &sk
 
 std::string sentenceOf(const Coverage &coverage) {
   if (!(coverage.missing_mm3 > kWorthSaying * coverage.asked_mm3)) return {};
-  std::string text = fmt::format("{:.3g} ml ({:.2g} %) of what was asked for as '{}' is in no body", 1e-3 * coverage.missing_mm3,
-                                 100.0 * (1.0 - coverage.part()), coverage.body);
-  if (coverage.specks > 0) text += coverage.specks == 1 ? "; 1 loose island of a few voxels is left out"
+  std::string text = fmt::format("{:.3g} ml ({:.2g} %) of what was asked for as '{}' is in no body",
+                                 1e-3 * coverage.missing_mm3, 100.0 * (1.0 - coverage.part()), coverage.body);
+  if (coverage.specks > 0)
+    text += coverage.specks == 1 ? "; 1 loose island of a few voxels is left out"
                                  : fmt::format("; {} loose islands of a few voxels are left out", coverage.specks);
   return text + "; a shorter edge_length of the skin keeps thin parts";
 }
@@ -38,7 +39,9 @@ imaging::Mask missingOn(const imaging::VolumeGeometry &grid, const std::vector<C
   imaging::Mask all;
   for (const Coverage &body : bodies) {
     if (!body.missing) continue;
-    imaging::LabelMap one{body.missing->geometry, std::vector<std::uint16_t>(body.missing->voxels.begin(), body.missing->voxels.end()), {}};
+    imaging::LabelMap one{body.missing->geometry,
+                          std::vector<std::uint16_t>(body.missing->voxels.begin(), body.missing->voxels.end()),
+                          {}};
     if (one.geometry.size != grid.size || one.geometry.indexToWorld != grid.indexToWorld) {
       auto placed = imaging::resampled(one, grid);
       if (!placed) continue;

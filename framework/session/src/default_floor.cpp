@@ -28,7 +28,8 @@ Bounds_m roomAround(const Bounds_m &bodies) {
 
 Bounds_m framedWith(const Bounds_m &bodies, const Bounds_m &room) {
   const double beside = kFramed * largestExtent(bodies);
-  return {{bodies.min[0] - beside, room.min[1], bodies.min[2] - beside}, {bodies.max[0] + beside, bodies.max[1], bodies.max[2] + beside}};
+  return {{bodies.min[0] - beside, room.min[1], bodies.min[2] - beside},
+          {bodies.max[0] + beside, bodies.max[1], bodies.max[2] + beside}};
 }
 
 std::optional<Bounds_m> boundsOfBodies(c3de_object *simulator) {
@@ -68,7 +69,8 @@ Expected<std::optional<Bounds_m>> putUpRoom(c3de_object *simulator, const Bounds
     if (!decl || !checkParameter(**decl, value)) return std::nullopt;
   }
   const std::vector<c3de_param_value> abi = toAbi(values);
-  if (const c3de_status code = (*table)->set_world(simulator, abi.data(), abi.size(), sizeof(c3de_param_value)); code < 0)
+  if (const c3de_status code = (*table)->set_world(simulator, abi.data(), abi.size(), sizeof(c3de_param_value));
+      code < 0)
     return fail(ErrorCode::plugin, "the simulator takes no walls (status " + std::to_string(code) + ")");
   return room;
 }

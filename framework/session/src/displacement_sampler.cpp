@@ -8,8 +8,8 @@
 #include <new>
 #include <utility>
 
-#include "c3de/session/body_states.h"
 #include "c3de/imaging/masks.h"
+#include "c3de/session/body_states.h"
 #include "c3de/session/organ.h"
 #include "c3de/session/simulator_access.h"
 
@@ -20,7 +20,8 @@ namespace {
 constexpr double kLeastMilliseconds = 50.0;
 
 // The bodies with what stays around them; null: nothing does, or too little memory is left.
-std::shared_ptr<const imaging::Mask> withStill(const std::shared_ptr<const imaging::Mask> &bodies, const StillPlaces &still) try {
+std::shared_ptr<const imaging::Mask> withStill(const std::shared_ptr<const imaging::Mask> &bodies,
+                                               const StillPlaces &still) try {
   if (!bodies || !still.image || still.rule.isEmpty()) return nullptr;
   auto places = std::make_shared<imaging::Mask>(*bodies);
   if (!imaging::markStill(still.rule, still.image->volume, still.labels ? &still.labels->map : nullptr, *places))
@@ -87,7 +88,8 @@ void DisplacementSampler::begin() {
   newest_.reset();
 }
 
-void DisplacementSampler::want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image, const StillPlaces &still) {
+void DisplacementSampler::want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image,
+                               const StillPlaces &still) {
   const std::lock_guard lock(mutex_);
   if (image.size != image_.size || image.indexToWorld != image_.indexToWorld) ++serial_;
   image_ = image;
@@ -101,7 +103,8 @@ void DisplacementSampler::onPublished(const scene::Simulation &simulation) {
   const std::lock_guard asking(askingMutex_);
   const auto from = std::chrono::steady_clock::now();
   const std::chrono::duration<double, std::milli> since = from - last_;
-  behind_ = simulation.state().mode == C3DE_SIM_PLAYING && since.count() < std::max(kLeastMilliseconds, 5.0 * milliseconds_);
+  behind_ =
+      simulation.state().mode == C3DE_SIM_PLAYING && since.count() < std::max(kLeastMilliseconds, 5.0 * milliseconds_);
   if (behind_) return;
   const double rim = rim_mm_;
   const std::uint64_t serial = serial_;

@@ -9,12 +9,12 @@
 #include <string_view>
 
 #include "c3de/core/output_file.h"
+#include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/masks.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/imaging/warp.h"
 #include "c3de/imaging/writing.h"
-#include "c3de/core/path_text.h"
 #include "c3de/session/displacement_sampler.h"
 #include "c3de/session/organ.h"
 #include "c3de/session/still_rule.h"
@@ -36,7 +36,8 @@ imaging::VolumeGeometry gridOf(const PresentBodies &bodies, const imaging::Volum
 
 Expected<void> checkImageFile(const std::filesystem::path &file) {
   std::string name = file.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const auto endsWith = [&](std::string_view end) {
     return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
   };
@@ -48,8 +49,9 @@ Expected<void> checkImageFile(const std::filesystem::path &file) {
 Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene) {
   if (!wanted.isWanted()) return {};
   if (!scene.image)
-    return fail(ErrorCode::usage, "--export-image and --export-displacement need a scene with an [image], whose grid they take; " +
-                                      scene.where(1) + " has none");
+    return fail(ErrorCode::usage,
+                "--export-image and --export-displacement need a scene with an [image], whose grid they take; " +
+                    scene.where(1) + " has none");
   if (!wanted.image.empty())
     if (auto good = checkImageFile(wanted.image); !good) return good;
   if (!wanted.displacement.empty())
@@ -58,7 +60,8 @@ Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFil
   return {};
 }
 
-Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sources, const scene::MaterialLibrary &materials) {
+Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sources,
+                                const scene::MaterialLibrary &materials) {
   ImageWarp how;
   if (!scene.image) return how;
   const scene::SceneImage &asked = *scene.image;
@@ -105,8 +108,8 @@ std::filesystem::path vacatedFile(const std::filesystem::path &displacement) {
   return displacement.parent_path() / stem;
 }
 
-Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, const imaging::DisplacementGrid &u,
-                                  const ProgressFn &progress, ThreadPool *threads) {
+Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image,
+                                  const imaging::DisplacementGrid &u, const ProgressFn &progress, ThreadPool *threads) {
   std::string told;
   if (!wanted.image.empty()) {
     const auto warped = imaging::warped(image, u, progress, threads);
@@ -131,7 +134,8 @@ Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volu
   if (auto written = imaging::writeVolume(mask, marks); !written) return tl::unexpected(written.error());
   told += (told.empty() ? "" : "\n") + pathText(wanted.displacement) + "\n" + pathText(mask) + ": " +
           (voxels == 0 ? std::string("no voxel is left by a body")
-                       : fmt::format("{} voxels ({:.2f} ml) are left by a body: nothing is known of what is there now", voxels, millilitres));
+                       : fmt::format("{} voxels ({:.2f} ml) are left by a body: nothing is known of what is there now",
+                                     voxels, millilitres));
   return told;
 }
 

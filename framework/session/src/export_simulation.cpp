@@ -27,7 +27,8 @@ std::string utf8(const fs::path &path) {
 std::string fileNameOf(const std::string &name) {
   std::string out;
   for (const char c : name) {
-    const bool isOdd = static_cast<unsigned char>(c) < 0x20 || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos;
+    const bool isOdd =
+        static_cast<unsigned char>(c) < 0x20 || std::string_view("/\\:*?\"<>|").find(c) != std::string_view::npos;
     out.push_back(isOdd ? '_' : c);
   }
   return out.empty() ? "body" : out;
@@ -49,7 +50,8 @@ std::vector<PointArray> joined(const std::vector<BodyState> &bodies, ArraysOf &&
     PointArray whole{first.name, first.components, {}, first.type};
     const bool isEverywhere = std::all_of(bodies.begin(), bodies.end(), [&](const BodyState &body) {
       const auto &arrays = arraysOf(body);
-      const auto it = std::find_if(arrays.begin(), arrays.end(), [&](const PointArray &a) { return a.name == first.name; });
+      const auto it =
+          std::find_if(arrays.begin(), arrays.end(), [&](const PointArray &a) { return a.name == first.name; });
       if (it == arrays.end()) return false;
       whole.values.insert(whole.values.end(), it->values.begin(), it->values.end());
       return true;
@@ -57,14 +59,16 @@ std::vector<PointArray> joined(const std::vector<BodyState> &bodies, ArraysOf &&
     if (isEverywhere) out.push_back(std::move(whole));
   }
   PointArray number{"body", 1, {}, PointArray::Type::whole};
-  for (std::size_t b = 0; b < bodies.size(); ++b) number.values.insert(number.values.end(), countOf(bodies[b]), static_cast<double>(b));
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    number.values.insert(number.values.end(), countOf(bodies[b]), static_cast<double>(b));
   out.push_back(std::move(number));
   return out;
 }
 
 std::string titleOf(const std::vector<BodyState> &bodies) {
   std::string title = "bodies:";
-  for (std::size_t b = 0; b < bodies.size(); ++b) title += (b ? ", " : " ") + std::to_string(b) + " = " + bodies[b].name;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    title += (b ? ", " : " ") + std::to_string(b) + " = " + bodies[b].name;
   return title;
 }
 
@@ -79,8 +83,9 @@ fs::path framesFolder(const fs::path &list) {
 
 Expected<void> checkSimulationExport(const fs::path &list) {
   if (list.extension() != ".pvd")
-    return fail(ErrorCode::usage, utf8(list) + ": simulations with the extension '" + utf8(list.extension()) +
-                                      "' cannot be written; accepted: .pvd (surfaces: --export-surface FILE.{obj,stl,ply,vtp})");
+    return fail(ErrorCode::usage,
+                utf8(list) + ": simulations with the extension '" + utf8(list.extension()) +
+                    "' cannot be written; accepted: .pvd (surfaces: --export-surface FILE.{obj,stl,ply,vtp})");
   if (auto ok = checkOutputs({&list, 1}, {}); !ok) return ok;
   const fs::path folder = framesFolder(list);
   std::error_code code;
@@ -89,7 +94,8 @@ Expected<void> checkSimulationExport(const fs::path &list) {
     return {};
   }
   if (!fs::is_directory(folder, code))
-    return fail(ErrorCode::output, utf8(folder) + ": is a file, where a folder for the frames of " + utf8(list) + " is needed");
+    return fail(ErrorCode::output,
+                utf8(folder) + ": is a file, where a folder for the frames of " + utf8(list) + " is needed");
   const fs::path first = folder / numbered("skin", 0, ".vtp");
   return checkOutputs({&first, 1}, {});
 }
@@ -119,10 +125,12 @@ Expected<void> SimulationExport::addFrame(double time_s, const std::vector<BodyS
     skin.vertices.insert(skin.vertices.end(), body.skin.vertices.begin(), body.skin.vertices.end());
     for (const Triangle &t : body.skin.triangles) skin.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
-  cloud.arrays = joined(bodies, [](const BodyState &b) -> const auto & { return b.phyxels.arrays; },
-                        [](const BodyState &b) { return b.phyxels.points.size(); });
-  const auto skinArrays = joined(bodies, [](const BodyState &b) -> const auto & { return b.skinArrays; },
-                                 [](const BodyState &b) { return b.skin.vertices.size(); });
+  cloud.arrays = joined(
+      bodies, [](const BodyState &b) -> const auto & { return b.phyxels.arrays; },
+      [](const BodyState &b) { return b.phyxels.points.size(); });
+  const auto skinArrays = joined(
+      bodies, [](const BodyState &b) -> const auto & { return b.skinArrays; },
+      [](const BodyState &b) { return b.skin.vertices.size(); });
   const std::string phyxelFile = numbered("phyxels", frames_, ".vtu"), skinFile = numbered("skin", frames_, ".vtp");
   if (auto ok = geometry::writeVtu(folder / phyxelFile, cloud, title); !ok) return ok;
   if (auto ok = geometry::writeVtp(folder / skinFile, skin, skinArrays, title); !ok) {

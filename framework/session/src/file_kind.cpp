@@ -22,8 +22,10 @@ FileKind kindOf(const std::filesystem::path &path) {
 Error unknownKind(const std::filesystem::path &path) {
   std::string meshes;
   for (const std::string_view one : geometry::meshExtensions()) meshes.append(meshes.empty() ? "" : ", ").append(one);
-  return {ErrorCode::input, path.string() + ": is nothing that can be read; accepted: scenes (.toml), images (NIfTI, NRRD, "
-                                         "MetaImage, DICOM), meshes (" + meshes + ")"};
+  return {ErrorCode::input, path.string() +
+                                ": is nothing that can be read; accepted: scenes (.toml), images (NIfTI, NRRD, "
+                                "MetaImage, DICOM), meshes (" +
+                                meshes + ")"};
 }
 
 std::string notAFolder(const std::filesystem::path &path) {

@@ -28,8 +28,8 @@ Expected<std::string> HeadlessRun::simulatorReport() const {
   const c3de_status code = table_->report(simulator_, scene::sinkInto(text));
   if (code >= 0) return text;
   const std::string reason = session_.plugins().takeError();
-  return fail(ErrorCode::plugin, "the simulator gives no report: " +
-                                     (reason.empty() ? "status " + std::to_string(code) : reason));
+  return fail(ErrorCode::plugin,
+              "the simulator gives no report: " + (reason.empty() ? "status " + std::to_string(code) : reason));
 }
 
 Expected<void> HeadlessRun::readStatus() {
@@ -67,7 +67,8 @@ std::string HeadlessRun::position() const {
 }
 
 Expected<void> HeadlessRun::addFrame() {
-  const auto states = readBodyStates(simulator_, BodyParts::skinAndPhyxels, [this] { return session_.plugins().takeError(); });
+  const auto states =
+      readBodyStates(simulator_, BodyParts::skinAndPhyxels, [this] { return session_.plugins().takeError(); });
   if (!states) return tl::unexpected(states.error());
   return export_->addFrame(isQuasistatic() ? static_cast<double>(facts_.steps) : facts_.time_s, *states);
 }
@@ -78,13 +79,16 @@ void HeadlessRun::exportFrame(bool isEnd) {
   const bool isDue = isQuasistatic() || facts_.time_s >= nextFrame_s_ - 1e-6 * facts_.dt_s;
   if (!isDue && !isEnd) return;
   if (const auto added = addFrame(); !added) {
-    outputs_.addFailure(options_.exportList, {added.error().code, added.error().message + "; the frames before it are kept, and the run goes on"});
+    outputs_.addFailure(
+        options_.exportList,
+        {added.error().code, added.error().message + "; the frames before it are kept, and the run goes on"});
     export_.reset();
     return;
   }
   exportedStep_ = facts_.steps;
   if (isDue)
-    nextFrame_s_ = options_.exportEvery_s * (std::floor((facts_.time_s + 1e-6 * facts_.dt_s) / options_.exportEvery_s) + 1.0);
+    nextFrame_s_ =
+        options_.exportEvery_s * (std::floor((facts_.time_s + 1e-6 * facts_.dt_s) / options_.exportEvery_s) + 1.0);
 }
 
 Expected<void> HeadlessRun::sampleProbes() {
@@ -96,12 +100,16 @@ Expected<void> HeadlessRun::sampleProbes() {
   Expected<void> written;
   if (!probes_) {
     auto created = ProbeTable::create(options_.probes, *samples);
-    if (created) probes_ = std::move(*created);
-    else written = tl::unexpected(created.error());
+    if (created)
+      probes_ = std::move(*created);
+    else
+      written = tl::unexpected(created.error());
   }
   if (written) written = probes_->add(facts_.time_s, *samples);
   if (!written) {
-    outputs_.addFailure(options_.probes, {written.error().code, written.error().message + "; the whole rows before it are kept, and the run goes on"});
+    outputs_.addFailure(
+        options_.probes,
+        {written.error().code, written.error().message + "; the whole rows before it are kept, and the run goes on"});
     wantsProbes_ = false;
   }
   return {};
@@ -157,7 +165,8 @@ Expected<void> HeadlessRun::run() {
       const std::string reason = session_.plugins().takeError();
       facts_.outcome = code == C3DE_E_DIVERGED ? "diverged" : "failed";
       const std::string step = "step " + std::to_string(stepsBefore + 1);
-      facts_.failure = (isQuasistatic() ? "load " + step : step + " at " + formatNumber(timeBefore_s) + " s") + " failed: " + (reason.empty() ? "status " + std::to_string(code) : reason);
+      facts_.failure = (isQuasistatic() ? "load " + step : step + " at " + formatNumber(timeBefore_s) + " s") +
+                       " failed: " + (reason.empty() ? "status " + std::to_string(code) : reason);
       break;
     }
     if (const auto read = readStatus(); !read) return read;
@@ -170,9 +179,10 @@ Expected<void> HeadlessRun::run() {
       if (const auto sampled = sampleProbes(); !sampled) return sampled;
     exportFrame(false);
     if (progress.isDue())
-      progress.update(fraction(), isQuasistatic() ? position() + " in " + threeDigits(wall_s) + " s"
-                                                  : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) +
-                                                        " s, step " + std::to_string(facts_.steps));
+      progress.update(fraction(), isQuasistatic()
+                                      ? position() + " in " + threeDigits(wall_s) + " s"
+                                      : threeDigits(facts_.time_s) + " s simulated in " + threeDigits(wall_s) +
+                                            " s, step " + std::to_string(facts_.steps));
   }
   limit.reset();
   if (facts_.outcome == "done" && stopped_ > 0) {

@@ -28,7 +28,8 @@ std::string listOf(const std::vector<imaging::LabelMap> &layers) {
 
 bool isMeant(const scene::SceneVolume &volume, const imaging::LabelMap::Label &label) {
   if (volume.label) return label.value == *volume.label;
-  return label.name == volume.labelName || imaging::readableName(label.name) == imaging::readableName(volume.labelName) ||
+  return label.name == volume.labelName ||
+         imaging::readableName(label.name) == imaging::readableName(volume.labelName) ||
          "label " + std::to_string(label.value) == volume.labelName;
 }
 
@@ -50,12 +51,13 @@ Expected<FoundLabel> labelOf(const scene::SceneVolume &volume, const std::vector
   if (found.size() == 1) return found.front();
   const std::string wanted = volume.label ? std::to_string(*volume.label) : "'" + volume.labelName + "'";
   if (found.size() > 1)
-    return fail(ErrorCode::input, volume.file.string() + " has label " + wanted + " in " + std::to_string(found.size()) +
+    return fail(ErrorCode::input, volume.file.string() + " has label " + wanted + " in " +
+                                      std::to_string(found.size()) +
                                       " of its layers; accepted: the name of one: " + listOf(layers));
   const std::string nearest = volume.label ? "" : nearestName(volume.labelName, names);
   return fail(ErrorCode::input, volume.file.string() + " has no label " + wanted + "; " +
-                                    (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "there are: " +
-                                    (names.empty() ? "none" : listOf(layers)));
+                                    (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") +
+                                    "there are: " + (names.empty() ? "none" : listOf(layers)));
 }
 
 }  // namespace
@@ -120,8 +122,9 @@ Expected<PickedVoxels> OrganSources::pick(const scene::SceneVolume &volume, cons
   if (mask && volume.largest) mask = imaging::largestComponent(*mask, progress);
   if (mask && volume.fillHoles) mask = imaging::fillHoles(*mask, progress);
   if (mask && imaging::voxelCount(*mask) == 0)
-    return fail(ErrorCode::input, volume.file.string() + ": nothing is left of what was asked for; accepted: a label or a "
-                                                         "threshold, mended, that holds voxels");
+    return fail(ErrorCode::input, volume.file.string() +
+                                      ": nothing is left of what was asked for; accepted: a label or a "
+                                      "threshold, mended, that holds voxels");
   if (!mask) return tl::unexpected(mask.error());
   return PickedVoxels{std::move(*mask), colour};
 }

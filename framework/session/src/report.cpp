@@ -15,7 +15,8 @@ using Json = nlohmann::ordered_json;
 Expected<Json> parseSimulatorReport(const std::string &text) {
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.is_object())
-    return fail(ErrorCode::plugin, "the simulator's report is not a JSON object; it begins with: " + text.substr(0, 60));
+    return fail(ErrorCode::plugin,
+                "the simulator's report is not a JSON object; it begins with: " + text.substr(0, 60));
   return json;
 }
 
@@ -40,7 +41,8 @@ void addCoverage(const std::vector<Coverage> &coverage, Json &report) {
     for (Json &body : report["bodies"]) {
       if (!body.is_object() || body.value("name", "") != one.body) continue;
       const double own = body.contains("represented_part") && body["represented_part"].is_number()
-                             ? body["represented_part"].get<double>() : 1.0;
+                             ? body["represented_part"].get<double>()
+                             : 1.0;
       body["represented_part"] = own * one.part();
       body["not_represented_ml"] = 1e-3 * one.missing_mm3;
     }
@@ -67,15 +69,19 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["wall_s"] = facts.wall_s;
   report["real_time_factor"] = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
   const Preparation &took = facts.prepared.took;
-  report["preparation"] = Json{{"reading_s", took.reading_s},   {"masks_s", took.masks_s},
-                               {"surfaces_s", took.surfaces_s}, {"fills_s", took.fills_s},
-                               {"bodies_s", took.bodies_s},     {"first_step_s", facts.firstStep_s},
+  report["preparation"] = Json{{"reading_s", took.reading_s},
+                               {"masks_s", took.masks_s},
+                               {"surfaces_s", took.surfaces_s},
+                               {"fills_s", took.fills_s},
+                               {"bodies_s", took.bodies_s},
+                               {"first_step_s", facts.firstStep_s},
                                {"to_first_step_s", facts.toFirstStep_s}};
   report["dt_s"] = facts.dt_s;
   report["integrator"] = simulator->contains("integrator") ? simulator->at("integrator") : Json(facts.integrator);
   if (facts.seed) report["seed"] = *facts.seed;
   // What the simulator says stays as it is; what it does not say is empty rather than absent.
-  for (const char *key : {"bodies", "probes"}) report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
+  for (const char *key : {"bodies", "probes"})
+    report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
   if (simulator->contains("load_factor")) report["load_factor"] = simulator->at("load_factor");
   report["reactions"] = simulator->contains("reactions") ? simulator->at("reactions") : Json::array();
   report["attachments"] = simulator->contains("attachments") ? simulator->at("attachments") : Json::array();

@@ -31,7 +31,8 @@ Expected<DefaultScene> findDefaultScene() {
     return DefaultScene{*head, ""};
   auto organ = findResource("scenes/first_light.toml");
   if (!organ) return tl::unexpected(organ.error());
-  return DefaultScene{std::move(*organ), "The head is not here (" + why + "); on Debian the package mricron-data has it"};
+  return DefaultScene{std::move(*organ),
+                      "The head is not here (" + why + "); on Debian the package mricron-data has it"};
 }
 
 }  // namespace c3de::session

@@ -10,12 +10,12 @@
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
+#include "c3de/render/renderer.h"
 #include "c3de/session/file_kind.h"
 #include "c3de/session/organ.h"
 #include "c3de/session/resources.h"
 #include "c3de/session/scene_to_abi.h"
 #include "c3de/session/simulator_access.h"
-#include "c3de/render/renderer.h"
 
 namespace c3de::session {
 namespace {
@@ -27,7 +27,8 @@ std::string listOf(const std::vector<std::filesystem::path> &paths) {
 }
 
 /// The values of one table of the scene as the simulator wants them.
-Expected<std::vector<ParameterValue>> fitAll(const scene::SceneFile &scene, const std::vector<scene::SceneValue> &values,
+Expected<std::vector<ParameterValue>> fitAll(const scene::SceneFile &scene,
+                                             const std::vector<scene::SceneValue> &values,
                                              const std::vector<ParameterDecl> &decls) {
   std::vector<ParameterValue> fitted;
   for (const scene::SceneValue &value : values) {
@@ -58,7 +59,8 @@ std::optional<std::pair<int, std::string>> featureNeedingRevision2(const scene::
   for (const scene::SceneLoad &load : scene.loads) return std::pair(load.line, std::string("load"));
   for (const scene::SceneBody &body : scene.bodies) {
     for (const scene::ScenePart &part : body.parts) return std::pair(part.line, std::string("parts"));
-    for (const scene::SceneRefinement &one : body.refinements) return std::pair(one.line, std::string("sampling.refine"));
+    for (const scene::SceneRefinement &one : body.refinements)
+      return std::pair(one.line, std::string("sampling.refine"));
     if (body.velocity_m_s != Vec3{}) return std::pair(body.line, std::string("velocity"));
     if (body.angularVelocity_rad_s != Vec3{}) return std::pair(body.line, std::string("angular_velocity"));
   }
@@ -119,7 +121,7 @@ class PartProgress {
       // Nothing may be thrown through the boundary.
       try {
         return static_cast<PartProgress *>(self)->update(fraction, std::string(fromAbi(text))) ? C3DE_OK
-                                                                                            : C3DE_E_CANCELLED;
+                                                                                               : C3DE_E_CANCELLED;
       } catch (...) {
         return C3DE_E_EXCEPTION;
       }
@@ -228,7 +230,8 @@ struct Session::Impl {
   void release(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
   [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                              const scene::SceneFile &scene, const FittedScene &fitted,
-                                                             OrganSources &sources, const ProgressFn &progress, Prepared &prepared);
+                                                             OrganSources &sources, const ProgressFn &progress,
+                                                             Prepared &prepared);
 };
 
 Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
@@ -242,13 +245,15 @@ Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, 
 
 Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                             const scene::SceneFile &scene, const FittedScene &fitted,
-                                                            OrganSources &sources, const ProgressFn &progress, Prepared &prepared) {
+                                                            OrganSources &sources, const ProgressFn &progress,
+                                                            Prepared &prepared) {
   // All meshes before the first body: what is wrong with the last of them is not to be heard after minutes of building.
   std::vector<std::optional<Organ>> meshed(scene.bodies.size());
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const scene::SceneBody &body = scene.bodies[i];
     if (body.mesh.empty()) continue;
-    auto read = meshOf(body, [&](double, const std::string &what) { return !progress || progress(0.0, body.name + ": " + what); });
+    auto read = meshOf(
+        body, [&](double, const std::string &what) { return !progress || progress(0.0, body.name + ": " + what); });
     if (!read) return failInScene(read.error(), scene, body.line);
     meshed[i] = std::move(*read);
   }
@@ -260,9 +265,11 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const ProgressFn reading = [&](double f, const std::string &what) {
       return partProgress.update(0.1 * std::max(f, 0.0), what);
     };
-    Expected<Organ> source = meshed[i] ? Expected<Organ>(std::move(*meshed[i])) : loadFromVolume(sources, body, reading);
+    Expected<Organ> source =
+        meshed[i] ? Expected<Organ>(std::move(*meshed[i])) : loadFromVolume(sources, body, reading);
     if (!source) return failInScene(source.error(), scene, body.line);
-    for (const std::string &notice : sources.takeNotices()) log(LogLevel::warn, body.volume.file.string() + ": " + notice);
+    for (const std::string &notice : sources.takeNotices())
+      log(LogLevel::warn, body.volume.file.string() + ": " + notice);
     prepared.took += source->took;
     if (body.mesh.empty()) {
       prepared.coverage.push_back(source->coverage);
@@ -371,13 +378,15 @@ const std::vector<std::filesystem::path> &Session::pluginFolders() const { retur
 scene::Simulation *Session::simulation() { return impl_->simulation.get(); }
 Handle Session::simulationNode() const { return impl_->node; }
 
-void Session::setPublishedHook(std::function<void(const scene::Simulation &)> hook) { impl_->publishedHook = std::move(hook); }
+void Session::setPublishedHook(std::function<void(const scene::Simulation &)> hook) {
+  impl_->publishedHook = std::move(hook);
+}
 
 Expected<c3de_object *> Session::createSimulator() {
   const std::vector<std::string> ids = impl_->host->classesWith(C3DE_IFACE_SIMULATOR_ID);
   if (ids.empty())
-    return fail(ErrorCode::plugin, std::string("no loaded plugin offers a class that answers ") + C3DE_IFACE_SIMULATOR_ID +
-                                       "; folders searched: " + listOf(impl_->folders) +
+    return fail(ErrorCode::plugin, std::string("no loaded plugin offers a class that answers ") +
+                                       C3DE_IFACE_SIMULATOR_ID + "; folders searched: " + listOf(impl_->folders) +
                                        "; `c3de plugins` says what was found and why it was refused");
   return impl_->host->createObject(ids.front());
 }
@@ -397,7 +406,8 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
   if (!fitted) return tl::unexpected(fitted.error());
 
   const std::vector<c3de_param_value> world = toAbi(fitted->world);
-  if (const c3de_status code = table->set_world(simulator, world.data(), world.size(), sizeof(c3de_param_value)); code < 0)
+  if (const c3de_status code = table->set_world(simulator, world.data(), world.size(), sizeof(c3de_param_value));
+      code < 0)
     return tl::unexpected(impl_->lastError(code, scene, 0, "setting the world"));
 
   const std::size_t parts = scene.obstacles.size() + scene.bodies.size();
@@ -423,17 +433,21 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
 
   Prepared unused;
   OrganSources ofThis;
-  auto bodies = impl_->addBodies(table, simulator, scene, *fitted, sources != nullptr ? *sources : ofThis, [&](double f, const std::string &what) {
-    const auto before = static_cast<double>(scene.obstacles.size()), own = static_cast<double>(scene.bodies.size());
-    return !progress || progress(f < 0.0 ? f : (before + f * own) / (before + own), what);
-  }, prepared != nullptr ? *prepared : unused);
+  auto bodies = impl_->addBodies(
+      table, simulator, scene, *fitted, sources != nullptr ? *sources : ofThis,
+      [&](double f, const std::string &what) {
+        const auto before = static_cast<double>(scene.obstacles.size()), own = static_cast<double>(scene.bodies.size());
+        return !progress || progress(f < 0.0 ? f : (before + f * own) / (before + own), what);
+      },
+      prepared != nullptr ? *prepared : unused);
   if (!bodies) return tl::unexpected(bodies.error());
 
   for (const scene::SceneProbe &probe : scene.probes) {
     const auto body = std::find_if(scene.bodies.begin(), scene.bodies.end(),
                                    [&](const scene::SceneBody &candidate) { return candidate.name == probe.body; });
     const c3de_handle handle = (*bodies)[static_cast<std::size_t>(body - scene.bodies.begin())];
-    if (const c3de_status code = table->add_probe(simulator, c3de::toAbi(probe.name), handle, probe.at_m.data()); code < 0)
+    if (const c3de_status code = table->add_probe(simulator, c3de::toAbi(probe.name), handle, probe.at_m.data());
+        code < 0)
       return tl::unexpected(impl_->lastError(code, scene, probe.line, "adding probe '" + probe.name + "'"));
   }
   return {};
@@ -447,8 +461,8 @@ Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile
   if (!fitted) return tl::unexpected(fitted.error());
   Prepared unused;
   OrganSources sources;
-  const auto added = impl_->addBodies(*table, simulator, scene, *fitted, sources, progress,
-                                       prepared != nullptr ? *prepared : unused);
+  const auto added =
+      impl_->addBodies(*table, simulator, scene, *fitted, sources, progress, prepared != nullptr ? *prepared : unused);
   if (!added) return tl::unexpected(added.error());
   return {};
 }
@@ -477,9 +491,10 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) 
     const std::string text = host->takeError();
     next->table()->attach(simulator, c3de_handle{0});
     impl_->release(std::move(next), nextNode);
-    if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{impl_->node.bits()});
-    return fail(ErrorCode::plugin, "the simulator could not be shown: " +
-                                       (text.empty() ? "status " + std::to_string(code) : text));
+    if (impl_->simulation)
+      impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{impl_->node.bits()});
+    return fail(ErrorCode::plugin,
+                "the simulator could not be shown: " + (text.empty() ? "status " + std::to_string(code) : text));
   }
   impl_->release(std::exchange(impl_->simulation, std::move(next)), std::exchange(impl_->node, nextNode));
   return {};

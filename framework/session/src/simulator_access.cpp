@@ -19,8 +19,7 @@ Expected<const c3de_simulator_v0 *> simulatorTable(c3de_object *simulator) {
   constexpr std::uint32_t kNeeded = offsetof(c3de_simulator_v0, displacement);
   if (typed->size < kNeeded)
     return fail(ErrorCode::plugin, std::string("the table of ") + C3DE_IFACE_SIMULATOR_ID + " has " +
-                                       std::to_string(typed->size) + " bytes; needed: " +
-                                       std::to_string(kNeeded));
+                                       std::to_string(typed->size) + " bytes; needed: " + std::to_string(kNeeded));
   return typed;
 }
 

@@ -23,7 +23,8 @@ void WrittenOutputs::addFailure(const std::filesystem::path &file, const Error &
 std::string WrittenOutputs::written() const { return listOf(written_); }
 
 Error WrittenOutputs::error() const {
-  return {code_, "not or not wholly written: " + listOf(failed_) + "; written: " + (written_.empty() ? "nothing" : written())};
+  return {code_,
+          "not or not wholly written: " + listOf(failed_) + "; written: " + (written_.empty() ? "nothing" : written())};
 }
 
 }  // namespace c3de::session

@@ -10,9 +10,9 @@
 
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/log.h"
+#include "c3de/registry/panel_registry.h"
 #include "c3de/scene/scene_graph.h"
 #include "c3de/ui/file_browser.h"
-#include "c3de/registry/panel_registry.h"
 #include "frame_context.h"
 
 namespace c3de::ui {
@@ -24,10 +24,14 @@ constexpr std::size_t kAnswers = 128;  // more than frames in a second
 
 const char *modeName(std::uint32_t mode) {
   switch (mode) {
-    case C3DE_SIM_PLAYING: return "playing";
-    case C3DE_SIM_PAUSED: return "paused";
-    case C3DE_SIM_FAILED: return "failed";
-    default: return "stopped";
+    case C3DE_SIM_PLAYING:
+      return "playing";
+    case C3DE_SIM_PAUSED:
+      return "paused";
+    case C3DE_SIM_FAILED:
+      return "failed";
+    default:
+      return "stopped";
   }
 }
 
@@ -175,7 +179,8 @@ void AutomationState::writeNow(bool isClosing) {
   }
   if (!error) std::filesystem::rename(temporary, impl_->file, error);
   if (error && !impl_->hasFailed)
-    log(LogLevel::warn, "the automation state cannot be written to '" + pathText(impl_->file) + "': " + error.message());
+    log(LogLevel::warn,
+        "the automation state cannot be written to '" + pathText(impl_->file) + "': " + error.message());
   impl_->hasFailed = static_cast<bool>(error);
 }
 

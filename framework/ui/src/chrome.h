@@ -33,8 +33,8 @@ void drawAbout(FrameContext &frame);
 /// Asks whether to quit while state.toLose says what that would lose.
 void drawQuitQuestion(FrameContext &frame);
 
-/// A window over all others, in the middle; `isShown` becomes false when it is closed. Logical pixels. When it is begun, endDialog()
-/// draws what closes it.
+/// A window over all others, in the middle; `isShown` becomes false when it is closed. Logical pixels. When it is
+/// begun, endDialog() draws what closes it.
 [[nodiscard]] bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &isShown, ImVec2 size);
 void endDialog(FrameContext &frame, bool &isShown);
 

@@ -12,10 +12,12 @@ constexpr std::array kCommands{
     CommandInfo{Command::none, "", "", "", 0, 0, 0},
     CommandInfo{Command::openMesh, "file.open_mesh", "Open mesh…", "Show a mesh file as a deformable body", 'M',
                 C3DE_MOD_CTRL, 0},
-    CommandInfo{Command::openScene, "file.open_scene", "Open scene…", "Open a scene file (TOML)", 'O', C3DE_MOD_CTRL, 0},
-    CommandInfo{Command::openImage, "file.open_image", "Open image…", "Show a medical image: DICOM, NIfTI, NRRD, MetaImage", 'I',
+    CommandInfo{Command::openScene, "file.open_scene", "Open scene…", "Open a scene file (TOML)", 'O', C3DE_MOD_CTRL,
+                0},
+    CommandInfo{Command::openImage, "file.open_image", "Open image…",
+                "Show a medical image: DICOM, NIfTI, NRRD, MetaImage", 'I', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::openLabels, "file.open_labels", "Open label map…", "Lay labels over the image", 'L',
                 C3DE_MOD_CTRL, 0},
-    CommandInfo{Command::openLabels, "file.open_labels", "Open label map…", "Lay labels over the image", 'L', C3DE_MOD_CTRL, 0},
     CommandInfo{Command::closeImage, "file.close_image", "Close image", "Let go of image and labels", 0, 0, 0},
     CommandInfo{Command::reload, "file.reload", "Reload from file", "Read the opened files again", keyF5, 0, 0},
     CommandInfo{Command::exportSurface, "file.export_surface", "Export surface…",
@@ -28,38 +30,45 @@ constexpr std::array kCommands{
                 "Write how far the tissue has moved at each voxel, mm: NRRD, NIfTI, MetaImage", 0, 0, 0},
     CommandInfo{Command::screenshot, "file.screenshot", "Save screenshot", "Write the 3D view as PNG", keyF12, 0, 0},
     CommandInfo{Command::quit, "file.quit", "Quit", "Close the program", 'Q', C3DE_MOD_CTRL, 0},
-    CommandInfo{Command::undo, "edit.undo", "Undo", "Take back the last change of a parameter, or step of picking an organ", 'Z',
-                C3DE_MOD_CTRL, 0},
-    CommandInfo{Command::redo, "edit.redo", "Redo", "Make the change again that was taken back", 'Y', C3DE_MOD_CTRL, 'Z',
-                C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
+    CommandInfo{Command::undo, "edit.undo", "Undo",
+                "Take back the last change of a parameter, or step of picking an organ", 'Z', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::redo, "edit.redo", "Redo", "Make the change again that was taken back", 'Y', C3DE_MOD_CTRL,
+                'Z', C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
     CommandInfo{Command::fitView, "view.fit", "Fit view", "Bring everything visible into the view", 'F', 0, 0},
-    CommandInfo{Command::resetView, "view.reset", "Reset view",
-                "The view under the mouse as at the start: the middle slice, or all of the 3D view from the front; beside the views, all",
-                'R', 0, 0},
+    CommandInfo{
+        Command::resetView, "view.reset", "Reset view",
+        "The view under the mouse as at the start: the middle slice, or all of the 3D view from the front; beside the views, all",
+        'R', 0, 0},
     CommandInfo{Command::viewFront, "view.front", "Front (along −z)", "Look along −z", '1', 0, 0},
     CommandInfo{Command::viewBack, "view.back", "Back (along +z)", "Look along +z", '2', 0, 0},
     CommandInfo{Command::viewLeft, "view.left", "Left (along +x)", "Look along +x", '3', 0, 0},
     CommandInfo{Command::viewRight, "view.right", "Right (along −x)", "Look along −x", '4', 0, 0},
     CommandInfo{Command::viewTop, "view.top", "Top (along −y)", "Look along −y", '5', 0, 0},
     CommandInfo{Command::viewBottom, "view.bottom", "Bottom (along +y)", "Look along +y", '6', 0, 0},
-    CommandInfo{Command::fourViews, "view.four", "Four views", "Axial, sagittal, coronal and 3D beside each other", 0, 0, 0},
+    CommandInfo{Command::fourViews, "view.four", "Four views", "Axial, sagittal, coronal and 3D beside each other", 0,
+                0, 0},
     CommandInfo{Command::onlySpace, "view.only_3d", "3D view only", "The 3D view fills the window", 0, 0, 0},
-    CommandInfo{Command::resetSlices, "view.reset_slices", "Reset slice views", "Middle slices, the whole image in view", 0, 0, 0},
-    CommandInfo{Command::crossHair, "view.cross_hair", "Cross-hair", "Show or hide the cross-hair of all views", 'C', 0, 0},
+    CommandInfo{Command::resetSlices, "view.reset_slices", "Reset slice views",
+                "Middle slices, the whole image in view", 0, 0, 0},
+    CommandInfo{Command::crossHair, "view.cross_hair", "Cross-hair", "Show or hide the cross-hair of all views", 'C', 0,
+                0},
     CommandInfo{Command::windowLevelMode, "view.window_level", "Window/level mode",
                 "A left drag in a slice changes window (sideways) and level (upwards)", 'W', 0, 0},
     CommandInfo{Command::cutAxial, "view.cut_axial", "Cut at the axial slice",
-                "3D view: without what is above the slice, then without what is below, then whole", 'A', C3DE_MOD_SHIFT, 0},
-    CommandInfo{Command::cutSagittal, "view.cut_sagittal", "Cut at the sagittal slice",
-                "3D view: without what is left of the slice, then without the right, then whole", 'S', C3DE_MOD_SHIFT, 0},
-    CommandInfo{Command::cutCoronal, "view.cut_coronal", "Cut at the coronal slice",
-                "3D view: without what is in front of the slice, then without the back, then whole", 'C', C3DE_MOD_SHIFT, 0},
-    CommandInfo{Command::resetLayout, "view.reset_layout", "Reset layout", "Side panel and sections as at the start", 0, 0,
+                "3D view: without what is above the slice, then without what is below, then whole", 'A', C3DE_MOD_SHIFT,
                 0},
+    CommandInfo{Command::cutSagittal, "view.cut_sagittal", "Cut at the sagittal slice",
+                "3D view: without what is left of the slice, then without the right, then whole", 'S', C3DE_MOD_SHIFT,
+                0},
+    CommandInfo{Command::cutCoronal, "view.cut_coronal", "Cut at the coronal slice",
+                "3D view: without what is in front of the slice, then without the back, then whole", 'C',
+                C3DE_MOD_SHIFT, 0},
+    CommandInfo{Command::resetLayout, "view.reset_layout", "Reset layout", "Side panel and sections as at the start", 0,
+                0, 0},
     CommandInfo{Command::playPause, "simulation.play", "Play / Pause", "Start, pause or continue", ' ', 0, 0},
     CommandInfo{Command::step, "simulation.step", "Step", "One step of the solver, then pause", keyRight, 0, 0},
-    CommandInfo{Command::reset, "simulation.reset", "Reset", "Back to the initial state, exactly; goes on playing if it was",
-                'R', C3DE_MOD_CTRL, 0},
+    CommandInfo{Command::reset, "simulation.reset", "Reset",
+                "Back to the initial state, exactly; goes on playing if it was", 'R', C3DE_MOD_CTRL, 0},
     CommandInfo{Command::stop, "simulation.stop", "Stop", "End and go back to the initial state", 0, 0, 0},
     CommandInfo{Command::orbitTool, "tools.orbit", "Orbit", "The left button turns the camera", 'O', 0, 0},
     CommandInfo{Command::showShortcuts, "help.shortcuts", "Shortcuts", "Keys and mouse", 'H', 0, keyF1},
@@ -93,16 +102,26 @@ std::string keyText(std::uint32_t key, std::uint32_t modifiers) {
   if (modifiers & C3DE_MOD_SHIFT) text += "Shift+";
   if (modifiers & C3DE_MOD_ALT) text += "Alt+";
   switch (key) {
-    case ' ': return text + "Space";
-    case keyEscape: return text + "Esc";
-    case keyRight: return text + "Right";
-    case keyLeft: return text + "Left";
-    case keyUp: return text + "Up";
-    case keyDown: return text + "Down";
-    case keyF1: return text + "F1";
-    case keyF5: return text + "F5";
-    case keyF12: return text + "F12";
-    default: return text + static_cast<char>(key);
+    case ' ':
+      return text + "Space";
+    case keyEscape:
+      return text + "Esc";
+    case keyRight:
+      return text + "Right";
+    case keyLeft:
+      return text + "Left";
+    case keyUp:
+      return text + "Up";
+    case keyDown:
+      return text + "Down";
+    case keyF1:
+      return text + "F1";
+    case keyF5:
+      return text + "F5";
+    case keyF12:
+      return text + "F12";
+    default:
+      return text + static_cast<char>(key);
   }
 }
 

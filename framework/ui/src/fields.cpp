@@ -28,8 +28,8 @@ double fractionOf(const NumberSpec &spec, double value) {
 double valueOf(const NumberSpec &spec, double t) {
   if (t <= 0.0) return spec.low;
   if (t >= 1.0) return spec.high;
-  const double raw = spec.isLogarithmic ? spec.low * std::pow(spec.high / spec.low, t)
-                                        : spec.low + t * (spec.high - spec.low);
+  const double raw =
+      spec.isLogarithmic ? spec.low * std::pow(spec.high / spec.low, t) : spec.low + t * (spec.high - spec.low);
   if (spec.isInteger) return std::round(raw);
   const double digit = spec.isLogarithmic ? std::pow(10.0, std::floor(std::log10(std::abs(raw))) - 2.0)
                                           : std::pow(10.0, std::floor(std::log10(spec.high - spec.low)) - 3.0);
@@ -59,10 +59,12 @@ void pushBar(float fraction) {
   list->AddRectFilled(min, max, ImGui::GetColorU32(isHovered ? ImGuiCol_FrameBgHovered : ImGuiCol_FrameBg), rounding);
   if (fraction > 0.0f) {
     list->PushClipRect(min, ImVec2(edge, max.y), true);
-    list->AddRectFilled(min, max, ImGui::GetColorU32(isHovered ? ImVec4(0.20f, 0.43f, 0.49f, 1.0f) : ImVec4(0.18f, 0.37f, 0.42f, 1.0f)),
-                        rounding);
+    list->AddRectFilled(
+        min, max, ImGui::GetColorU32(isHovered ? ImVec4(0.20f, 0.43f, 0.49f, 1.0f) : ImVec4(0.18f, 0.37f, 0.42f, 1.0f)),
+        rounding);
     list->PopClipRect();
-    list->AddRectFilled(ImVec2(edge - 2.0f, min.y + 1.0f), ImVec2(edge, max.y - 1.0f), ImGui::GetColorU32(colour::kAccent), 1.0f);
+    list->AddRectFilled(ImVec2(edge - 2.0f, min.y + 1.0f), ImVec2(edge, max.y - 1.0f),
+                        ImGui::GetColorU32(colour::kAccent), 1.0f);
   }
   for (const ImGuiCol hidden : {ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive, ImGuiCol_SliderGrab,
                                 ImGuiCol_SliderGrabActive})
@@ -140,18 +142,18 @@ void beginRow(const FrameContext &frame, const std::string &label, const char *b
 void endRow() { ImGui::EndGroup(); }
 
 std::uint32_t numberField(const FrameContext &frame, const std::string &area, const std::string &id, FieldState &state,
-                          const NumberSpec &spec, double &value,
-                          const std::function<Expected<void>(double)> &check) {
-  const std::string shown =
-      !spec.shown.empty() ? spec.shown : spec.unit.empty() ? shortNumber(value) : shortNumber(value) + " " + spec.unit;
+                          const NumberSpec &spec, double &value, const std::function<Expected<void>(double)> &check) {
+  const std::string shown = !spec.shown.empty() ? spec.shown
+                            : spec.unit.empty() ? shortNumber(value)
+                                                : shortNumber(value) + " " + spec.unit;
   std::uint32_t result = 0;
   ImGui::PushID(id.c_str());
   if (state.isTyping && spec.isEnabled) {
     result = typedField(state, spec, value, check);
   } else {
     ImGui::BeginDisabled(!spec.isEnabled);
-    const bool hasRange = spec.low < spec.high && std::isfinite(spec.high - spec.low) &&
-                          (!spec.isLogarithmic || spec.low > 0.0);
+    const bool hasRange =
+        spec.low < spec.high && std::isfinite(spec.high - spec.low) && (!spec.isLogarithmic || spec.low > 0.0);
     double t = hasRange ? fractionOf(spec, value) : 0.0;
     const double low = 0.0, high = 1.0;
     const std::string format = literalFormat(shown);

@@ -22,7 +22,7 @@ struct FieldState {
   std::optional<std::string> chosenFile;  ///< waits for the widget to be drawn again
   double lastNumber = 0.0;                ///< goes back here when "auto" is switched off
   bool hasLastNumber = false;
-  ParameterValue draft;                   ///< of a vector that is being edited
+  ParameterValue draft;  ///< of a vector that is being edited
   bool hasDraft = false;
 };
 
@@ -41,8 +41,7 @@ struct NumberSpec {
 /// A slider that can be typed into exactly (Ctrl+click). `check` says why a number is not accepted.
 /// Returns C3DE_UI_*; `value` changes only to accepted numbers.
 std::uint32_t numberField(const FrameContext &frame, const std::string &area, const std::string &id, FieldState &state,
-                          const NumberSpec &spec, double &value,
-                          const std::function<Expected<void>(double)> &check);
+                          const NumberSpec &spec, double &value, const std::function<Expected<void>(double)> &check);
 
 /// A drop-down list; returns C3DE_UI_*.
 std::uint32_t choiceField(const FrameContext &frame, const std::string &area, const std::string &id,

@@ -30,7 +30,8 @@ void FileBrowser::setExtensions(const std::string &extensions) {
   for (std::size_t begin = 0; begin <= extensions.size();) {
     const std::size_t end = std::min(extensions.find(';', begin), extensions.size());
     std::string one = lowerCase(extensions.substr(begin, end - begin));
-    one.erase(std::remove_if(one.begin(), one.end(), [](char c) { return c == ' ' || c == '*' || c == '.'; }), one.end());
+    one.erase(std::remove_if(one.begin(), one.end(), [](char c) { return c == ' ' || c == '*' || c == '.'; }),
+              one.end());
     if (!one.empty()) extensions_.push_back(std::move(one));
     begin = end + 1;
   }
@@ -46,8 +47,7 @@ bool FileBrowser::accepts(const fs::path &file) const {
 Expected<void> FileBrowser::open(const fs::path &folder) {
   std::error_code error;
   const fs::path shown = fs::weakly_canonical(folder, error);
-  if (error || !fs::is_directory(shown, error))
-    return fail(ErrorCode::input, pathText(folder) + ": not a folder");
+  if (error || !fs::is_directory(shown, error)) return fail(ErrorCode::input, pathText(folder) + ": not a folder");
   fs::directory_iterator it(shown, error);
   if (error) return fail(ErrorCode::input, pathText(shown) + ": cannot be listed: " + error.message());
 
@@ -77,7 +77,8 @@ Expected<void> FileBrowser::open(const fs::path &folder) {
 
 fs::path FileBrowser::pathOf(const std::string &typed) const {
   fs::path path = pathFromText(typed);
-  if (typed == "~" || typed.starts_with("~/")) path = homeDirectory() / pathFromText(typed.substr(std::min<std::size_t>(2, typed.size())));
+  if (typed == "~" || typed.starts_with("~/"))
+    path = homeDirectory() / pathFromText(typed.substr(std::min<std::size_t>(2, typed.size())));
   if (path.is_relative()) path = folder_ / path;
   return path;
 }
@@ -116,7 +117,8 @@ std::string freeName(const fs::path &folder, const std::string &name) {
   const std::string stem = name.substr(0, dot), ending = dot == std::string::npos ? "" : name.substr(dot);
   std::error_code ignored;
   std::string proposed = name;
-  for (int n = 2; fs::exists(folder / pathFromText(proposed), ignored) && n < 10000; ++n) proposed = stem + "-" + std::to_string(n) + ending;
+  for (int n = 2; fs::exists(folder / pathFromText(proposed), ignored) && n < 10000; ++n)
+    proposed = stem + "-" + std::to_string(n) + ending;
   return proposed;
 }
 
@@ -124,9 +126,12 @@ std::string fileNamePart(const std::string &text) {
   std::string part;
   for (const char c : text) {
     const auto u = static_cast<unsigned char>(c);
-    const bool isKept = u >= 0x80 || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_';
-    if (isKept) part += c;
-    else if (!part.empty() && part.back() != '-') part += '-';
+    const bool isKept =
+        u >= 0x80 || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_';
+    if (isKept)
+      part += c;
+    else if (!part.empty() && part.back() != '-')
+      part += '-';
   }
   while (!part.empty() && (part.back() == '-' || part.back() == '.')) part.pop_back();
   part.erase(0, std::min(part.find_first_not_of(".-"), part.size()));

@@ -5,8 +5,8 @@
 #include <iterator>
 
 #include "c3de/core/platform.h"
-#include "frame_context.h"
 #include "c3de/registry/number_text.h"
+#include "frame_context.h"
 
 namespace c3de::ui {
 namespace {
@@ -14,7 +14,8 @@ namespace {
 constexpr const char *kArea = "dialog";
 constexpr int kMostFramesToFocus = 10;
 constexpr const char *kUnits[] = {"", "mm", "cm", "m"};
-constexpr const char *kUnitLabels[] = {"as the file says, else mm", "millimetres (mm)", "centimetres (cm)", "metres (m)"};
+constexpr const char *kUnitLabels[] = {"as the file says, else mm", "millimetres (mm)", "centimetres (cm)",
+                                       "metres (m)"};
 
 }  // namespace
 
@@ -28,7 +29,8 @@ void FileDialog::open(Request request) {
   isDone_ = false;
   framesToFocus_ = kMostFramesToFocus;
   openFolder();
-  if (request_.isSaving && !request_.proposed.empty()) registry::copyText(typed_, sizeof typed_, freeName(browser_.folder(), request_.proposed));
+  if (request_.isSaving && !request_.proposed.empty())
+    registry::copyText(typed_, sizeof typed_, freeName(browser_.folder(), request_.proposed));
 }
 
 void FileDialog::openFolder() {
@@ -68,7 +70,8 @@ void FileDialog::drawFolders(FrameContext &frame) {
   ImGui::SameLine();
   if (ImGui::Button("Home")) {
     const FileBrowser::Choice fallback{true, browser_.folder()};
-    if (auto opened = browser_.open(browser_.resolve("~").value_or(fallback).path); !opened) error_ = opened.error().message;
+    if (auto opened = browser_.open(browser_.resolve("~").value_or(fallback).path); !opened)
+      error_ = opened.error().message;
   }
   markItem(frame, kArea, "home");
   ImGui::SameLine();
@@ -90,8 +93,9 @@ void FileDialog::drawList(FrameContext &frame) {
     ImGui::PushID(entry.name.c_str());
     const std::string shown = entry.isFolder ? entry.name + "/" : entry.name;
     if (entry.isFolder) ImGui::PushStyleColor(ImGuiCol_Text, colour::kAccent);
-    const bool isClicked = ImGui::Selectable(shown.c_str(), entry.name == typed_, ImGuiSelectableFlags_AllowDoubleClick |
-                                                                                      ImGuiSelectableFlags_DontClosePopups);
+    const bool isClicked =
+        ImGui::Selectable(shown.c_str(), entry.name == typed_,
+                          ImGuiSelectableFlags_AllowDoubleClick | ImGuiSelectableFlags_DontClosePopups);
     if (entry.isFolder) ImGui::PopStyleColor();
     markItem(frame, kArea, "entry." + entry.name);
     if (!entry.isFolder) {
@@ -105,7 +109,8 @@ void FileDialog::drawList(FrameContext &frame) {
     }
     ImGui::PopID();
   }
-  if (browser_.entries().empty()) ImGui::TextDisabled(request_.isSaving ? "Nothing of this kind here yet" : "Nothing here that can be opened");
+  if (browser_.entries().empty())
+    ImGui::TextDisabled(request_.isSaving ? "Nothing of this kind here yet" : "Nothing here that can be opened");
   ImGui::EndChild();
   ImGui::PopStyleColor();
   if (picked.empty()) return;
@@ -122,8 +127,9 @@ void FileDialog::draw(FrameContext &frame) {
   const ImVec2 size(std::min(frame.theme.px(640.0f), 0.9f * static_cast<float>(frame.windowSize[0])),
                     std::min(frame.theme.px(480.0f), 0.9f * static_cast<float>(frame.windowSize[1])));
   ImGui::SetNextWindowSize(size, ImGuiCond_Appearing);
-  ImGui::SetNextWindowPos(ImVec2(0.5f * static_cast<float>(frame.windowSize[0]), 0.5f * static_cast<float>(frame.windowSize[1])),
-                          ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
+  ImGui::SetNextWindowPos(
+      ImVec2(0.5f * static_cast<float>(frame.windowSize[0]), 0.5f * static_cast<float>(frame.windowSize[1])),
+      ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
   bool keepsOpen = true;
   if (!ImGui::BeginPopupModal(popup.c_str(), &keepsOpen, ImGuiWindowFlags_NoSavedSettings)) {
     isOpen_ = false;
@@ -158,8 +164,10 @@ void FileDialog::draw(FrameContext &frame) {
   ImGui::SetNextItemWidth(-1.0f);
   if (isNew_) ImGui::SetKeyboardFocusHere();
   isNew_ = false;
-  const bool isEntered = ImGui::InputTextWithHint("##typed", request_.isSaving ? "Name of the file; a path may be typed" : "File or folder; a path may be typed", typed_, sizeof typed_,
-                                                  ImGuiInputTextFlags_EnterReturnsTrue | (request_.isSaving ? ImGuiInputTextFlags_AutoSelectAll : 0));
+  const bool isEntered = ImGui::InputTextWithHint(
+      "##typed", request_.isSaving ? "Name of the file; a path may be typed" : "File or folder; a path may be typed",
+      typed_, sizeof typed_,
+      ImGuiInputTextFlags_EnterReturnsTrue | (request_.isSaving ? ImGuiInputTextFlags_AutoSelectAll : 0));
   framesToFocus_ = ImGui::IsItemActive() ? 0 : std::max(framesToFocus_ - 1, 0);
   markItem(frame, kArea, "path");
   frame.automation.value(kArea, "path", typed_);
@@ -172,7 +180,8 @@ void FileDialog::draw(FrameContext &frame) {
   ImGui::EndDisabled();
   // Enter opens what is marked in the list, too.
   const auto isDown = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
-  const bool isConfirmed = !isEntered && !ImGui::IsAnyItemActive() && (isDown(ImGuiKey_Enter) || isDown(ImGuiKey_KeyPadEnter));
+  const bool isConfirmed =
+      !isEntered && !ImGui::IsAnyItemActive() && (isDown(ImGuiKey_Enter) || isDown(ImGuiKey_KeyPadEnter));
   if ((isEntered || isPressed || isConfirmed) && hasText) choose(typed_);
   ImGui::SameLine();
   const bool isCancelled = ImGui::Button("Cancel", ImVec2(frame.theme.px(96.0f), 0));
@@ -181,7 +190,8 @@ void FileDialog::draw(FrameContext &frame) {
   for (const std::string &extension : browser_.extensions()) filter += " ." + extension;
   ImGui::SameLine();
   ImGui::AlignTextToFramePadding();
-  ImGui::TextColored(colour::kDim, "%s", elided(filter.empty() ? " all files" : filter, ImGui::GetContentRegionAvail().x).c_str());
+  ImGui::TextColored(colour::kDim, "%s",
+                     elided(filter.empty() ? " all files" : filter, ImGui::GetContentRegionAvail().x).c_str());
 
   const bool isEscaped = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !ImGui::IsAnyItemActive();
   if (isDone_ || isCancelled || isEscaped || !keepsOpen) {

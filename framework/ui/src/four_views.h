@@ -12,8 +12,8 @@ struct Viewport;
 
 namespace c3de::ui {
 
-/// Without an image the 3D view fills the area; with one, a quarter, or a single view of it all. By Pane; the slices of the
-/// image take the sizes over.
+/// Without an image the 3D view fills the area; with one, a quarter, or a single view of it all. By Pane; the slices of
+/// the image take the sizes over.
 /// @param images  null: there is no image
 [[nodiscard]] std::array<PixelRect, 4> layOutViews(const PixelRect &area, ImageViews *images);
 

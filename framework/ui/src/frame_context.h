@@ -35,13 +35,13 @@ struct Layout {
 struct TooltipTimer {
   std::array<float, 2> item{};  ///< upper left corner of the item under the mouse
   double since_s = 0.0;
-  bool isSeen = false;   ///< in this frame
+  bool isSeen = false;  ///< in this frame
   bool isWaiting = false;
 };
 
 /// Messages and running jobs below the panels, where they cover no image.
 struct Dock {
-  float height = 0.0f;  ///< that the last frame needed
+  float height = 0.0f;                      ///< that the last frame needed
   std::map<std::uint64_t, double> since_s;  ///< when each message was first drawn, or last under the mouse
   double ends_s = 0.0;  ///< until the next of them goes by itself, from the last frame on; 0: none does
 };
@@ -69,7 +69,7 @@ struct FrameContext {
   WindowState &state;
   FileDialog &fileDialog;
   render::Camera &camera;
-  std::vector<Command> commands{};  ///< to be carried out after the frame is described
+  std::vector<Command> commands{};   ///< to be carried out after the frame is described
   PixelRect area{};                  ///< of all views
   PixelRect view{};                  ///< of the 3D view; without extent while it is hidden
   std::array<PixelRect, 4> panes{};  ///< by Pane; the last is `view`
@@ -82,16 +82,19 @@ struct FrameContext {
 
   void request(Command command) { commands.push_back(command); }
   /// The images when there is one to show, else null.
-  [[nodiscard]] ImageViews *shownImages() const { return services.images && services.images->image() ? services.images : nullptr; }
+  [[nodiscard]] ImageViews *shownImages() const {
+    return services.images && services.images->image() ? services.images : nullptr;
+  }
   [[nodiscard]] std::string activeToolId() const;
 };
 
 /// Makes the last ImGui item known to the automation state.
 void markItem(const FrameContext &frame, const std::string &area, const std::string &id, bool enabled = true);
 
-/// The same for an item that has opened a menu or list: inside it, the last item is another one, so the rectangle of the
-/// last frame in which it was closed is taken.
-void markOpener(const FrameContext &frame, const std::string &area, const std::string &id, bool isOpen, bool enabled = true);
+/// The same for an item that has opened a menu or list: inside it, the last item is another one, so the rectangle of
+/// the last frame in which it was closed is taken.
+void markOpener(const FrameContext &frame, const std::string &area, const std::string &id, bool isOpen,
+                bool enabled = true);
 
 inline constexpr double kTooltipDelay_s = 0.45;
 /// A tooltip of the last item, wrapped; also where the item is disabled.

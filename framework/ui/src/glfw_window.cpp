@@ -18,8 +18,7 @@ namespace c3de::ui {
 namespace {
 
 constexpr const char *kNeeded = "OpenGL 4.3 (core profile) is needed";
-constexpr const char *kHelp =
-    "; update the graphics driver, or use `c3de run SCENE.toml`, which needs no window";
+constexpr const char *kHelp = "; update the graphics driver, or use `c3de run SCENE.toml`, which needs no window";
 
 std::string lastGlfwError() {
   const char *text = nullptr;
@@ -95,10 +94,14 @@ void fitIntoScreen(GLFWwindow *window) {
 
 std::uint32_t buttonOf(int button) {
   switch (button) {
-    case GLFW_MOUSE_BUTTON_LEFT: return C3DE_BUTTON_LEFT;
-    case GLFW_MOUSE_BUTTON_RIGHT: return C3DE_BUTTON_RIGHT;
-    case GLFW_MOUSE_BUTTON_MIDDLE: return C3DE_BUTTON_MIDDLE;
-    default: return 0;
+    case GLFW_MOUSE_BUTTON_LEFT:
+      return C3DE_BUTTON_LEFT;
+    case GLFW_MOUSE_BUTTON_RIGHT:
+      return C3DE_BUTTON_RIGHT;
+    case GLFW_MOUSE_BUTTON_MIDDLE:
+      return C3DE_BUTTON_MIDDLE;
+    default:
+      return 0;
   }
 }
 
@@ -107,7 +110,8 @@ std::uint32_t modifiersOf(int mods) {
          ((mods & GLFW_MOD_ALT) ? C3DE_MOD_ALT : 0u);
 }
 
-/// Modifiers after an event of a key. X11 tells those of before it, so whether a modifier's own key is down is looked up.
+/// Modifiers after an event of a key. X11 tells those of before it, so whether a modifier's own key is down is looked
+/// up.
 std::uint32_t modifiersAfter(GLFWwindow *window, int key, int mods) {
   struct Keys {
     int left, right;
@@ -134,20 +138,31 @@ OsEvent::Role roleOf(int key) {
 /// By what is printed on the key, so that Ctrl+Q is Q on every keyboard.
 std::uint32_t keyOf(int key, int scancode) {
   switch (key) {
-    case GLFW_KEY_ESCAPE: return keyEscape;
-    case GLFW_KEY_RIGHT: return keyRight;
-    case GLFW_KEY_LEFT: return keyLeft;
-    case GLFW_KEY_UP: return keyUp;
-    case GLFW_KEY_DOWN: return keyDown;
-    case GLFW_KEY_F1: return keyF1;
-    case GLFW_KEY_F5: return keyF5;
-    case GLFW_KEY_F12: return keyF12;
-    case GLFW_KEY_SPACE: return ' ';
-    default: break;
+    case GLFW_KEY_ESCAPE:
+      return keyEscape;
+    case GLFW_KEY_RIGHT:
+      return keyRight;
+    case GLFW_KEY_LEFT:
+      return keyLeft;
+    case GLFW_KEY_UP:
+      return keyUp;
+    case GLFW_KEY_DOWN:
+      return keyDown;
+    case GLFW_KEY_F1:
+      return keyF1;
+    case GLFW_KEY_F5:
+      return keyF5;
+    case GLFW_KEY_F12:
+      return keyF12;
+    case GLFW_KEY_SPACE:
+      return ' ';
+    default:
+      break;
   }
   if (key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) return static_cast<std::uint32_t>('0' + key - GLFW_KEY_KP_0);
   const char *name = glfwGetKeyName(key, scancode);
-  if (name && name[0] >= 'a' && name[0] <= 'z' && name[1] == '\0') return static_cast<std::uint32_t>(name[0] - 'a' + 'A');
+  if (name && name[0] >= 'a' && name[0] <= 'z' && name[1] == '\0')
+    return static_cast<std::uint32_t>(name[0] - 'a' + 'A');
   // Digits by place: on some layouts the printed sign of their keys is another one.
   if ((key >= 'A' && key <= 'Z' && !name) || (key >= '0' && key <= '9')) return static_cast<std::uint32_t>(key);
   return 0;
@@ -157,8 +172,8 @@ std::uint32_t keyOf(int key, int scancode) {
 
 Expected<std::unique_ptr<GlfwWindow>> GlfwWindow::create(const std::string &title, int width, int height) {
   if (!glfwInit())
-    return fail(ErrorCode::graphics, "no window can be opened: " + lastGlfwError() + ". " + kNeeded +
-                                         " and a display" + kHelp);
+    return fail(ErrorCode::graphics,
+                "no window can be opened: " + lastGlfwError() + ". " + kNeeded + " and a display" + kHelp);
   const std::array<int, 2> size = sizeThatFits({width, height}, workArea(), enlargement());
   width = size[0];
   height = size[1];
@@ -238,8 +253,10 @@ void GlfwWindow::installCallbacks() {
     event.scanCode = scancode;
     event.rawModifiers = mods;
   });
-  glfwSetCharCallback(window_, [](GLFWwindow *w, unsigned character) { of(w).add(Kind::character).character = character; });
-  glfwSetWindowFocusCallback(window_, [](GLFWwindow *w, int focused) { of(w).add(focused ? Kind::focusGained : Kind::focusLost); });
+  glfwSetCharCallback(window_,
+                      [](GLFWwindow *w, unsigned character) { of(w).add(Kind::character).character = character; });
+  glfwSetWindowFocusCallback(
+      window_, [](GLFWwindow *w, int focused) { of(w).add(focused ? Kind::focusGained : Kind::focusLost); });
   glfwSetDropCallback(window_, [](GLFWwindow *w, int count, const char **paths) {
     OsEvent &event = of(w).add(Kind::drop);
     for (int i = 0; i < count; ++i) event.files.push_back(pathFromText(paths[i]));
@@ -251,7 +268,8 @@ void GlfwWindow::installCallbacks() {
     glfwSetWindowShouldClose(w, GLFW_FALSE);
     of(w).add(Kind::close);
   });
-  glfwSetCursorEnterCallback(window_, [](GLFWwindow *w, int entered) { of(w).add(entered ? Kind::move : Kind::leave); });
+  glfwSetCursorEnterCallback(window_,
+                             [](GLFWwindow *w, int entered) { of(w).add(entered ? Kind::move : Kind::leave); });
 }
 
 void GlfwWindow::wait(double timeout_s) {

@@ -36,8 +36,9 @@ bool beginDialog(FrameContext &frame, const char *title, const char *id, bool &i
   ImGui::SetNextWindowSize(ImVec2(std::min(frame.theme.px(size.x), 0.9f * static_cast<float>(frame.windowSize[0])),
                                   std::min(frame.theme.px(size.y), 0.9f * static_cast<float>(frame.windowSize[1]))),
                            ImGuiCond_Appearing);
-  ImGui::SetNextWindowPos(ImVec2(0.5f * static_cast<float>(frame.windowSize[0]), 0.5f * static_cast<float>(frame.windowSize[1])),
-                          ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
+  ImGui::SetNextWindowPos(
+      ImVec2(0.5f * static_cast<float>(frame.windowSize[0]), 0.5f * static_cast<float>(frame.windowSize[1])),
+      ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
   return ImGui::BeginPopupModal((std::string(title) + "###" + id).c_str(), &isShown, ImGuiWindowFlags_NoSavedSettings);
 }
 
@@ -86,7 +87,8 @@ void drawShortcuts(FrameContext &frame) {
     }
     if (frame.services.tools)
       for (const registry::ToolRegistry::Entry &entry : frame.services.tools->tools())
-        if (isFreeForTools(entry.tool->shortcut)) shortcutRow(keyText(entry.tool->shortcut, 0), entry.tool->label + " tool");
+        if (isFreeForTools(entry.tool->shortcut))
+          shortcutRow(keyText(entry.tool->shortcut, 0), entry.tool->label + " tool");
     ImGui::EndTable();
   }
   heading(frame, "Panels");
@@ -116,7 +118,8 @@ void drawAbout(FrameContext &frame) {
     if (plugin.refused.empty() && !plugin.license.empty()) detail += (detail.empty() ? "" : ", ") + plugin.license;
     if (!plugin.file.empty()) detail += (detail.empty() ? "" : "\n") + plugin.file;
     ImGui::TextColored(plugin.refused.empty() ? colour::kDim : colour::kError, "%s", detail.c_str());
-    frame.automation.value("about", plugin.name, plugin.refused.empty() ? plugin.version : "refused: " + plugin.refused);
+    frame.automation.value("about", plugin.name,
+                           plugin.refused.empty() ? plugin.version : "refused: " + plugin.refused);
   }
   frame.automation.value("about", "version", about.version);
   frame.automation.value("about", "graphics", about.graphics);

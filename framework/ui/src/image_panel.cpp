@@ -16,7 +16,8 @@ namespace {
 
 std::string sizeText(const imaging::VolumeGeometry &grid) {
   const Vec3 s = grid.spacing();
-  return fmt::format("{} × {} × {} voxels of {:.3g} × {:.3g} × {:.3g} mm", grid.size[0], grid.size[1], grid.size[2], s[0], s[1], s[2]);
+  return fmt::format("{} × {} × {} voxels of {:.3g} × {:.3g} × {:.3g} mm", grid.size[0], grid.size[1], grid.size[2],
+                     s[0], s[1], s[2]);
 }
 
 struct CutNames {
@@ -63,7 +64,8 @@ void ImagePanel::drawTime(const c3de_ui_v0 &ui, const scene::StoredImage &image)
   if (image.times < 2) return;
   const auto last = static_cast<double>(image.times - 1);
   auto time = static_cast<double>(image.time);
-  const bool isMoved = slider(ui, "time", "Time point", fmt::format("of 0 … {}", image.times - 1), time, 0.0, last, "T and Shift+T do the same while the mouse is over a slice");
+  const bool isMoved = slider(ui, "time", "Time point", fmt::format("of 0 … {}", image.times - 1), time, 0.0, last,
+                              "T and Shift+T do the same while the mouse is over a slice");
   if (isMoved) views_.chooseTime(static_cast<std::size_t>(std::lround(std::clamp(time, 0.0, last))));
 }
 
@@ -73,18 +75,22 @@ void ImagePanel::drawWindowLevel(const c3de_ui_v0 &ui, ImageOptions &options) {
   heading(ui, "Window and level");
   const double width = std::max(range.max - range.min, 1e-9);
   WindowLevel &wl = options.windowLevel;
-  slider(ui, "window", "Window", unit, wl.window, 1e-3 * width, std::max(width, 2.0 * wl.window), "Values from black to white");
-  slider(ui, "level", "Level", unit, wl.level, std::min(range.min, wl.level), std::max(range.max, wl.level), "Value of middle grey");
+  slider(ui, "window", "Window", unit, wl.window, 1e-3 * width, std::max(width, 2.0 * wl.window),
+         "Values from black to white");
+  slider(ui, "level", "Level", unit, wl.level, std::min(range.min, wl.level), std::max(range.max, wl.level),
+         "Value of middle grey");
   std::vector<std::string> names{"–"};
   std::uint32_t index = 0;
   for (const WindowLevelPreset &preset : windowLevelPresets()) {
     if (windowLevelOf(preset, range) == wl) index = static_cast<std::uint32_t>(names.size());
     names.push_back(fmt::format("{} ({})", preset.name, static_cast<char>(preset.key)));
   }
-  if (choice(ui, "preset", "Preset", index, names) && index > 0) wl = windowLevelOf(windowLevelPresets()[index - 1], range);
+  if (choice(ui, "preset", "Preset", index, names) && index > 0)
+    wl = windowLevelOf(windowLevelPresets()[index - 1], range);
   ui.tooltip(ui.ctx, toAbi(std::string_view("The digits do the same while the mouse is over a slice")));
   bool isOn = options.isWindowLevelMode;
-  checkbox(ui, "window_level_mode", "Drag in slices changes them (W)", isOn, "Left drag: sideways the window, upwards brighter");
+  checkbox(ui, "window_level_mode", "Drag in slices changes them (W)", isOn,
+           "Left drag: sideways the window, upwards brighter");
   options.isWindowLevelMode = isOn;
 }
 
@@ -94,13 +100,15 @@ void ImagePanel::drawViews(const c3de_ui_v0 &ui, ImageOptions &options) {
   choice(ui, "interpolation", "Interpolation", smooth, {"linear", "nearest voxel"});
   options.isSmooth = smooth == 0;
   std::uint32_t convention = options.convention == Convention::radiological ? 0 : 1;
-  choice(ui, "convention", "Convention", convention, {"radiological (right on the left)", "neurological (right on the right)"});
+  choice(ui, "convention", "Convention", convention,
+         {"radiological (right on the left)", "neurological (right on the right)"});
   options.convention = convention == 0 ? Convention::radiological : Convention::neurological;
   std::uint32_t alignment = options.isAlignedWithImage ? 0 : 1;
   choice(ui, "alignment", "Planes along", alignment, {"the image", "the patient"});
   options.isAlignedWithImage = alignment == 0;
   checkbox(ui, "cross_hair", "Cross-hair (C)", options.showsCrossHair, "");
-  checkbox(ui, "outlines", "Outlines of bodies", options.showsOutlines, "Where the surfaces of the 3D view cut the slices");
+  checkbox(ui, "outlines", "Outlines of bodies", options.showsOutlines,
+           "Where the surfaces of the 3D view cut the slices");
   if (button(ui, "reset_views", "Reset views")) views_.resetViews();
 }
 
@@ -129,7 +137,8 @@ void ImagePanel::drawLabels(const c3de_ui_v0 &ui, ImageOptions &options) {
       const render::Colour colour = render::shownColour(label.colour);
       ui.swatch(ui.ctx, colour[0], colour[1], colour[2]);
       sameLine(ui);
-      if (checkbox(ui, "label." + std::to_string(label.value), fmt::format("{}  {}", label.value, label.name), isShown, ""))
+      if (checkbox(ui, "label." + std::to_string(label.value), fmt::format("{}  {}", label.value, label.name), isShown,
+                   ""))
         views_.setLabelOpacity(label.value, isShown ? 1.0f : 0.0f);
     }
   });
@@ -156,11 +165,13 @@ void ImagePanel::drawVolume(const c3de_ui_v0 &ui, ImageOptions &options) {
     options.volumePreset = volumePresets()[index].preset;
     options.volumeShift = 0.0;
   }
-  slider(ui, "volume_shift", "Shift", "", options.volumeShift, -1.0, 1.0, "Moves the colours over the values of the image");
+  slider(ui, "volume_shift", "Shift", "", options.volumeShift, -1.0, 1.0,
+         "Moves the colours over the values of the image");
   for (const CutNames &cut : kCutNames) {
     SliceCut &chosen = options.cuts[static_cast<std::size_t>(cut.pane)];
     auto part = static_cast<std::uint32_t>(chosen);
-    if (choice(ui, cut.id, cut.label, part, {"whole", cut.withoutNear, cut.withoutFar})) chosen = static_cast<SliceCut>(part);
+    if (choice(ui, cut.id, cut.label, part, {"whole", cut.withoutNear, cut.withoutFar}))
+      chosen = static_cast<SliceCut>(part);
     ui.tooltip(ui.ctx, toAbi(std::string_view("Cuts at the slice, which goes through the cross-hair")));
   }
   checkbox(ui, "cuts_bodies", "Cut bodies too", options.cutsBodies, "Their surfaces, not how they move");
@@ -172,8 +183,9 @@ void ImagePanel::drawStill(const c3de_ui_v0 &ui, scene::SceneStill &still) {
   std::uint32_t index = still.outside ? kOutside : still.isAutomatic ? kBoneAndAir : byValues ? kValues : kNothing;
   const bool isChanged =
       choice(ui, "still", "Stays", index, {"nothing", "bone and air", "all outside of the bodies", "by values"});
-  tooltip(ui, "What does not go with the bodies: where they move away from it a gap opens. Bone and air: of a CT above 200 "
-              "and below -400 HU, and labels of bone");
+  tooltip(ui,
+          "What does not go with the bodies: where they move away from it a gap opens. Bone and air: of a CT above 200 "
+          "and below -400 HU, and labels of bone");
   const imaging::ValueRange &range = views_.image()->range;
   if (isChanged) {
     std::vector<std::string> labels = std::move(still.labels);

@@ -9,14 +9,10 @@ namespace c3de::ui {
 namespace {
 
 constexpr std::array kWindowLevels{
-    WindowLevelPreset{'0', "automatic", "Automatic", {0, 0}},
-    WindowLevelPreset{'1', "brain", "CT brain", {80, 40}},
-    WindowLevelPreset{'2', "lung", "CT lung", {1500, -600}},
-    WindowLevelPreset{'3', "bone", "CT bone", {2000, 400}},
-    WindowLevelPreset{'4', "abdomen", "CT abdomen", {400, 50}},
-    WindowLevelPreset{'5', "angio", "CT angio", {600, 200}},
-    WindowLevelPreset{'6', "liver", "CT liver", {160, 80}},
-    WindowLevelPreset{'9', "all", "All values", {0, 0}},
+    WindowLevelPreset{'0', "automatic", "Automatic", {0, 0}},   WindowLevelPreset{'1', "brain", "CT brain", {80, 40}},
+    WindowLevelPreset{'2', "lung", "CT lung", {1500, -600}},    WindowLevelPreset{'3', "bone", "CT bone", {2000, 400}},
+    WindowLevelPreset{'4', "abdomen", "CT abdomen", {400, 50}}, WindowLevelPreset{'5', "angio", "CT angio", {600, 200}},
+    WindowLevelPreset{'6', "liver", "CT liver", {160, 80}},     WindowLevelPreset{'9', "all", "All values", {0, 0}},
 };
 
 constexpr std::array kVolumes{
@@ -73,8 +69,10 @@ render::VolumeLook volumeLook(VolumePreset preset, const imaging::ValueRange &ra
   const double width = range.high - range.low;
   switch (preset) {
     case VolumePreset::ctBone:
-      look.points = {{150.0, {0.55f, 0.25f, 0.15f, 0.0f}}, {220.0, {0.72f, 0.42f, 0.28f, 0.06f}},
-                     {400.0, {0.92f, 0.80f, 0.62f, 0.45f}}, {1200.0, {1.0f, 0.98f, 0.93f, 0.9f}}};
+      look.points = {{150.0, {0.55f, 0.25f, 0.15f, 0.0f}},
+                     {220.0, {0.72f, 0.42f, 0.28f, 0.06f}},
+                     {400.0, {0.92f, 0.80f, 0.62f, 0.45f}},
+                     {1200.0, {1.0f, 0.98f, 0.93f, 0.9f}}};
       break;
     case VolumePreset::ctSoftTissue:
       look.points = {{-250.0, {0.6f, 0.35f, 0.25f, 0.0f}}, {-100.0, {0.80f, 0.58f, 0.45f, 0.01f}},
@@ -83,11 +81,15 @@ render::VolumeLook volumeLook(VolumePreset preset, const imaging::ValueRange &ra
       break;
     case VolumePreset::magneticResonance: {
       const auto at = [&](double t) { return range.low + t * width; };
-      look.points = {{at(0.12), {0.25f, 0.15f, 0.12f, 0.0f}}, {at(0.3), {0.55f, 0.38f, 0.32f, 0.03f}},
-                     {at(0.6), {0.86f, 0.70f, 0.60f, 0.18f}}, {at(1.0), {1.0f, 0.97f, 0.92f, 0.5f}}};
+      look.points = {{at(0.12), {0.25f, 0.15f, 0.12f, 0.0f}},
+                     {at(0.3), {0.55f, 0.38f, 0.32f, 0.03f}},
+                     {at(0.6), {0.86f, 0.70f, 0.60f, 0.18f}},
+                     {at(1.0), {1.0f, 0.97f, 0.92f, 0.5f}}};
       break;
     }
-    case VolumePreset::maximum: look.isMaximum = true; break;
+    case VolumePreset::maximum:
+      look.isMaximum = true;
+      break;
   }
   look.shift = std::clamp(shift, -1.0, 1.0) * width;
   return look;
@@ -96,7 +98,8 @@ render::VolumeLook volumeLook(VolumePreset preset, const imaging::ValueRange &ra
 std::span<const render::Colour> shiftColours() {
   static const auto kColours = [] {
     std::array<render::Colour, 64> colours{};
-    for (std::size_t i = 0; i < colours.size(); ++i) colours[i] = rampColour(static_cast<double>(i) / (colours.size() - 1.0));
+    for (std::size_t i = 0; i < colours.size(); ++i)
+      colours[i] = rampColour(static_cast<double>(i) / (colours.size() - 1.0));
     return colours;
   }();
   return kColours;

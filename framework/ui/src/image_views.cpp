@@ -18,7 +18,8 @@ constexpr float kFaint = 0.25f;
 constexpr int kFastScroll = 10;
 constexpr int kMovingDivisor = 4;
 constexpr double kAir_HU = -900.0;
-constexpr std::array<render::Colour, 3> kPaneColours{{{0.86f, 0.36f, 0.36f, 1}, {0.88f, 0.76f, 0.30f, 1}, {0.40f, 0.74f, 0.42f, 1}}};
+constexpr std::array<render::Colour, 3> kPaneColours{
+    {{0.86f, 0.36f, 0.36f, 1}, {0.88f, 0.76f, 0.30f, 1}, {0.40f, 0.74f, 0.42f, 1}}};
 
 SliceAxis axisOf(Pane pane) {
   return pane == Pane::axial ? SliceAxis::axial : pane == Pane::sagittal ? SliceAxis::sagittal : SliceAxis::coronal;
@@ -99,7 +100,8 @@ void ImageViews::applyFrames() {
 }
 
 void ImageViews::setOptions(const ImageOptions &options) {
-  const bool isTurned = options.convention != options_.convention || options.isAlignedWithImage != options_.isAlignedWithImage;
+  const bool isTurned =
+      options.convention != options_.convention || options.isAlignedWithImage != options_.isAlignedWithImage;
   options_ = options;
   if (isTurned) applyFrames();
 }
@@ -121,7 +123,8 @@ std::vector<std::pair<std::uint16_t, render::Colour>> ImageViews::labelColours()
   for (const imaging::LabelMap::Label &label : labels_->map.labels) {
     const bool isFaint = !pickedLabels_.empty() &&
                          std::find(pickedLabels_.begin(), pickedLabels_.end(), label.value) == pickedLabels_.end();
-    colours.push_back({label.value, render::shownColour(label.colour, (isFaint ? kFaint : 1.0f) * labelOpacity(label.value))});
+    colours.push_back(
+        {label.value, render::shownColour(label.colour, (isFaint ? kFaint : 1.0f) * labelOpacity(label.value))});
   }
   return colours;
 }
@@ -172,10 +175,12 @@ bool ImageViews::isSliceKey(std::uint32_t key, std::uint32_t modifiers) {
     case keyRight:
     case 'B':
     case 'F':
-    case 'T': return true;
+    case 'T':
+      return true;
     default: {
       const auto presets = windowLevelPresets();
-      return modifiers == 0 && std::any_of(presets.begin(), presets.end(), [&](const WindowLevelPreset &p) { return p.key == key; });
+      return modifiers == 0 &&
+             std::any_of(presets.begin(), presets.end(), [&](const WindowLevelPreset &p) { return p.key == key; });
     }
   }
 }
@@ -184,12 +189,16 @@ bool ImageViews::handle(Pane slice, const ViewInput &input) {
   if (!image_ || slice == Pane::space) return false;
   bool isChanged = false;
   switch (input.kind) {
-    case ViewInput::Kind::press: isChanged = press(slice, input); break;
+    case ViewInput::Kind::press:
+      isChanged = press(slice, input);
+      break;
     case ViewInput::Kind::release:
       buttons_ &= ~input.button;
       if (input.button == dragButton_) drag_ = Drag::none;
       break;
-    case ViewInput::Kind::move: isChanged = move(slice, input); break;
+    case ViewInput::Kind::move:
+      isChanged = move(slice, input);
+      break;
     case ViewInput::Kind::wheel: {
       if (input.wheel == 0.0) break;
       if (input.modifiers & C3DE_MOD_CTRL)
@@ -200,14 +209,18 @@ bool ImageViews::handle(Pane slice, const ViewInput &input) {
       isChanged = true;
       break;
     }
-    case ViewInput::Kind::key: isChanged = pressKey(slice, input); break;
+    case ViewInput::Kind::key:
+      isChanged = pressKey(slice, input);
+      break;
   }
   lastX_ = input.x;
   lastY_ = input.y;
   return isChanged;
 }
 
-Vec3 ImageViews::referenceAt(const Vec3 &world) const { return displacement_ ? world - displacement_->at(world) : world; }
+Vec3 ImageViews::referenceAt(const Vec3 &world) const {
+  return displacement_ ? world - displacement_->at(world) : world;
+}
 
 bool ImageViews::press(Pane slice, const ViewInput &input) {
   const bool isFirst = buttons_ == 0;
@@ -242,10 +255,18 @@ bool ImageViews::press(Pane slice, const ViewInput &input) {
 bool ImageViews::move(Pane slice, const ViewInput &input) {
   const double dx = input.x - lastX_, dy = input.y - lastY_;
   switch (drag_) {
-    case Drag::crossHair: setCrossHair(view(slice).worldAt(input.x, input.y)); return true;
-    case Drag::windowLevel: options_.windowLevel = dragged(options_.windowLevel, dx, dy, image_->range); return true;
-    case Drag::pan: view(slice).pan(dx, dy); return true;
-    case Drag::zoom: view(slice).zoom(-dy / kPixelsPerZoomStep, startX_, startY_); return true;
+    case Drag::crossHair:
+      setCrossHair(view(slice).worldAt(input.x, input.y));
+      return true;
+    case Drag::windowLevel:
+      options_.windowLevel = dragged(options_.windowLevel, dx, dy, image_->range);
+      return true;
+    case Drag::pan:
+      view(slice).pan(dx, dy);
+      return true;
+    case Drag::zoom:
+      view(slice).zoom(-dy / kPixelsPerZoomStep, startX_, startY_);
+      return true;
     case Drag::none:
       if (buttons_ != 0 || !(input.modifiers & C3DE_MOD_SHIFT)) return false;
       setCrossHair(view(slice).worldAt(input.x, input.y));
@@ -260,15 +281,22 @@ bool ImageViews::pressKey(Pane slice, const ViewInput &input) {
   switch (input.key) {
     case keyUp:
     case keyRight:
-    case 'F': view(slice).scroll(slices); return true;
+    case 'F':
+      view(slice).scroll(slices);
+      return true;
     case keyDown:
     case keyLeft:
-    case 'B': view(slice).scroll(-slices); return true;
-    case 'T':
-      if ((input.modifiers & C3DE_MOD_SHIFT) == 0) chooseTime(image_->time + 1);
-      else if (image_->time > 0) chooseTime(image_->time - 1);
+    case 'B':
+      view(slice).scroll(-slices);
       return true;
-    default: break;
+    case 'T':
+      if ((input.modifiers & C3DE_MOD_SHIFT) == 0)
+        chooseTime(image_->time + 1);
+      else if (image_->time > 0)
+        chooseTime(image_->time - 1);
+      return true;
+    default:
+      break;
   }
   for (const WindowLevelPreset &preset : windowLevelPresets())
     if (preset.key == input.key) options_.windowLevel = windowLevelOf(preset, image_->range);
@@ -332,7 +360,8 @@ render::ImageScene ImageViews::scene() const {
   if (options_.showsSlicesInSpace)
     for (const Pane pane : kSlicePanes) {
       const SliceView &v = view(pane);
-      scene.slices.push_back({v.worldAt(0.5 * v.width(), 0.5 * v.height()), v.frame().forward, kPaneColours[static_cast<std::size_t>(pane)]});
+      scene.slices.push_back({v.worldAt(0.5 * v.width(), 0.5 * v.height()), v.frame().forward,
+                              kPaneColours[static_cast<std::size_t>(pane)]});
     }
   for (const Pane pane : kSlicePanes) {
     const SliceCut cut = options_.cuts[static_cast<std::size_t>(pane)];

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "c3de/core/text.h"
+#include "c3de/registry/number_text.h"
 #include "c3de/registry/parameter_registry.h"
 #include "file_dialog.h"
-#include "c3de/registry/number_text.h"
 
 namespace c3de::ui {
 namespace {
@@ -43,7 +43,8 @@ void ImGuiPanels::draw(FrameContext &frame, const registry::Panel &panel) {
 std::string ImGuiPanels::uniqueId(c3de_str id) {
   const std::string wanted = text(id);
   std::string unique = wanted.empty() ? "unnamed" : wanted;
-  for (int i = 2; !used_.insert(unique).second; ++i) unique = (wanted.empty() ? "unnamed" : wanted) + "#" + std::to_string(i);
+  for (int i = 2; !used_.insert(unique).second; ++i)
+    unique = (wanted.empty() ? "unnamed" : wanted) + "#" + std::to_string(i);
   return unique;
 }
 
@@ -174,8 +175,10 @@ std::uint32_t ImGuiPanels::fileButton(c3de_str id, c3de_str label, c3de_str exte
 void ImGuiPanels::listBegin(c3de_str id, std::uint32_t rows) {
   listEnd();
   isSameLine_ = false;
-  const float height = static_cast<float>(rows == 0 ? kListRows : std::min(rows, kMostListRows)) * ImGui::GetFrameHeightWithSpacing();
-  ImGui::BeginChild(("###list" + uniqueId(id)).c_str(), ImVec2(0.0f, height + 2.0f * ImGui::GetStyle().WindowPadding.y), true);
+  const float height =
+      static_cast<float>(rows == 0 ? kListRows : std::min(rows, kMostListRows)) * ImGui::GetFrameHeightWithSpacing();
+  ImGui::BeginChild(("###list" + uniqueId(id)).c_str(), ImVec2(0.0f, height + 2.0f * ImGui::GetStyle().WindowPadding.y),
+                    true);
   isInList_ = true;
 }
 
@@ -255,7 +258,8 @@ void ImGuiPanels::parameterRows(Handle handle, const std::string &group, bool is
 void ImGuiPanels::params(c3de_handle set, c3de_str group) {
   isSameLine_ = false;
   const Handle handle = Handle::fromBits(set.v);
-  const registry::ParameterSet *found = frame_->services.parameters ? frame_->services.parameters->find(handle) : nullptr;
+  const registry::ParameterSet *found =
+      frame_->services.parameters ? frame_->services.parameters->find(handle) : nullptr;
   if (!found) return;
   const std::string wanted = text(group);
   bool hasAdvanced = false, needsRebuild = false;
@@ -315,9 +319,8 @@ void ImGuiPanels::fillTable() {
   t.slider = [](void *c, c3de_str id, c3de_str label, c3de_str unit, double *v, double lo, double hi) noexcept {
     return of(c).isUsable() ? of(c).slider(id, label, unit, v, lo, hi) : 0u;
   };
-  t.choice = [](void *c, c3de_str id, c3de_str label, std::uint32_t *i, const c3de_str *names, std::uint64_t n) noexcept {
-    return of(c).isUsable() ? of(c).choice(id, label, i, names, n) : 0u;
-  };
+  t.choice = [](void *c, c3de_str id, c3de_str label, std::uint32_t *i, const c3de_str *names,
+                std::uint64_t n) noexcept { return of(c).isUsable() ? of(c).choice(id, label, i, names, n) : 0u; };
   t.input_text = [](void *c, c3de_str id, c3de_str label, char *buffer, std::uint64_t capacity) noexcept {
     return of(c).isUsable() ? of(c).inputText(id, label, buffer, capacity) : 0u;
   };
@@ -343,7 +346,8 @@ void ImGuiPanels::fillTable() {
     const float side = ImGui::GetFrameHeight(), inset = 0.2f * side;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::Dummy(ImVec2(side - inset, side));
-    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, at.y + inset), ImVec2(at.x + side - 2.0f * inset, at.y + side - inset),
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, at.y + inset),
+                                              ImVec2(at.x + side - 2.0f * inset, at.y + side - inset),
                                               ImGui::GetColorU32(ImVec4(red, green, blue, 1.0f)), 2.0f);
   };
   t.list_begin = [](void *c, c3de_str id, std::uint32_t rows) noexcept {

@@ -13,8 +13,8 @@
 
 namespace c3de::ui {
 
-/// Draws plugins' panels with Dear ImGui: the c3de_ui_v0 table. It lives as long as the window, so a table that a plugin
-/// keeps stays valid memory; outside on_ui and on other threads its functions do nothing.
+/// Draws plugins' panels with Dear ImGui: the c3de_ui_v0 table. It lives as long as the window, so a table that a
+/// plugin keeps stays valid memory; outside on_ui and on other threads its functions do nothing.
 class ImGuiPanels {
  public:
   ImGuiPanels();

@@ -13,7 +13,8 @@ void KeptViews::forget() {
   space_.reset();
 }
 
-void KeptViews::draw(render::Renderer &renderer, const ImageViews *images, const render::Camera &camera, const Layout &layout) {
+void KeptViews::draw(render::Renderer &renderer, const ImageViews *images, const render::Camera &camera,
+                     const Layout &layout) {
   showInSpace(renderer, images);
   std::array<render::Viewport, 4> ports{};
   for (std::size_t pane = 0; pane < ports.size(); ++pane)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The views as the window shows them: one in which nothing has changed is not drawn again. Most frames answer the mouse, keys
-// or panels, or show a body that has moved while the slices have not; without a graphics processor the views take most of the
-// time of a frame.
+// The views as the window shows them: one in which nothing has changed is not drawn again. Most frames answer the
+// mouse, keys or panels, or show a body that has moved while the slices have not; without a graphics processor the
+// views take most of the time of a frame.
 #pragma once
 
 #include <functional>
@@ -16,8 +16,8 @@ namespace c3de::ui {
 class KeptViews {
  public:
   struct Layout {
-    PixelRect area;                  ///< of all views
-    std::array<PixelRect, 4> panes;  ///< by Pane
+    PixelRect area;                                                 ///< of all views
+    std::array<PixelRect, 4> panes;                                 ///< by Pane
     std::function<render::Viewport(const PixelRect &)> viewportOf;  ///< pixels of the framebuffer
     std::array<int, 2> framebuffer{};
   };

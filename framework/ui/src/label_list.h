@@ -14,7 +14,8 @@ inline constexpr std::size_t kManyLabels = 12;
 /// Every word of the filter occurs in the name; capitals do not matter, and "_" is a space.
 [[nodiscard]] bool isListed(const std::string &name, const std::string &filter);
 
-/// Draws filter and frame of a list of `count` labels of which `listed` are listed, when there are many; `rows` draws them.
+/// Draws filter and frame of a list of `count` labels of which `listed` are listed, when there are many; `rows` draws
+/// them.
 template <typename Rows>
 void labelList(const c3de_ui_v0 &ui, std::size_t count, std::size_t listed, std::string &filter, const Rows &rows) {
   if (count <= kManyLabels) return rows();

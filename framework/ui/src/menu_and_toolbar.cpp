@@ -20,24 +20,35 @@ struct MenuEntry {
 /// What a view is called where the patient's z is up.
 const char *patientLabel(Command command) {
   switch (command) {
-    case Command::viewFront: return "Anterior (along +y)";
-    case Command::viewBack: return "Posterior (along −y)";
-    case Command::viewLeft: return "Left of the patient (along −x)";
-    case Command::viewRight: return "Right of the patient (along +x)";
-    case Command::viewTop: return "Superior (along −z)";
-    case Command::viewBottom: return "Inferior (along +z)";
-    default: return nullptr;
+    case Command::viewFront:
+      return "Anterior (along +y)";
+    case Command::viewBack:
+      return "Posterior (along −y)";
+    case Command::viewLeft:
+      return "Left of the patient (along −x)";
+    case Command::viewRight:
+      return "Right of the patient (along +x)";
+    case Command::viewTop:
+      return "Superior (along −z)";
+    case Command::viewBottom:
+      return "Inferior (along +z)";
+    default:
+      return nullptr;
   }
 }
 
 void menuItem(FrameContext &frame, const char *area, const MenuEntry &entry, bool isChecked = false) {
   const CommandInfo &info = commandInfo(entry.command);
-  const bool isEnabled = (!entry.needsSimulation || frame.simulation.exists) && (!entry.needsImage || frame.shownImages());
+  const bool isEnabled =
+      (!entry.needsSimulation || frame.simulation.exists) && (!entry.needsImage || frame.shownImages());
   const std::string key = keyText(info.key, info.modifiers);
   const char *label = frame.camera.upAxis == render::UpAxis::z ? patientLabel(entry.command) : nullptr;
-  if (ImGui::MenuItem(label ? label : info.label, key.empty() ? nullptr : key.c_str(), isChecked, isEnabled)) frame.request(entry.command);
+  if (ImGui::MenuItem(label ? label : info.label, key.empty() ? nullptr : key.c_str(), isChecked, isEnabled))
+    frame.request(entry.command);
   markItem(frame, area, info.id, isEnabled);
-  itemTooltip(frame, isEnabled ? info.doc : std::string(info.doc) + (entry.needsImage ? " (no image is open)" : " (nothing is loaded)"));
+  itemTooltip(frame, isEnabled
+                         ? info.doc
+                         : std::string(info.doc) + (entry.needsImage ? " (no image is open)" : " (nothing is loaded)"));
 }
 
 /// "Undo Young's modulus": says what it would change.
@@ -66,7 +77,8 @@ void toolsMenu(FrameContext &frame) {
     const std::string key = isFreeForTools(entry.tool->shortcut) ? keyText(entry.tool->shortcut, 0) : std::string();
     const std::string label = entry.tool->label + "###" + entry.tool->id, id = "tools." + entry.tool->id;
     const std::string hint = entry.tool->hint;
-    const bool isPicked = ImGui::MenuItem(label.c_str(), key.empty() ? nullptr : key.c_str(), tools->active() == entry.handle);
+    const bool isPicked =
+        ImGui::MenuItem(label.c_str(), key.empty() ? nullptr : key.c_str(), tools->active() == entry.handle);
     markItem(frame, "menu", id);
     itemTooltip(frame, hint);
     if (isPicked) {
@@ -76,8 +88,8 @@ void toolsMenu(FrameContext &frame) {
   }
 }
 
-void transportButton(FrameContext &frame, const char *id, Command command, Icon icon, const ImVec4 &tint, bool isEnabled,
-                     const std::string &doc) {
+void transportButton(FrameContext &frame, const char *id, Command command, Icon icon, const ImVec4 &tint,
+                     bool isEnabled, const std::string &doc) {
   const CommandInfo &info = commandInfo(command);
   if (iconButton(id, icon, ImGui::GetFrameHeight() * 1.15f, tint, isEnabled)) frame.request(command);
   markItem(frame, "toolbar", id, isEnabled);
@@ -112,7 +124,8 @@ void separator(const FrameContext &frame) {
   ImGui::SameLine(0.0f, frame.theme.px(12.0f));
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float height = ImGui::GetFrameHeight() * 1.15f;
-  ImGui::GetWindowDrawList()->AddLine(ImVec2(at.x, at.y + 3), ImVec2(at.x, at.y + height - 3), ImGui::GetColorU32(colour::kLine));
+  ImGui::GetWindowDrawList()->AddLine(ImVec2(at.x, at.y + 3), ImVec2(at.x, at.y + height - 3),
+                                      ImGui::GetColorU32(colour::kLine));
   ImGui::Dummy(ImVec2(1, height));
   ImGui::SameLine(0.0f, frame.theme.px(12.0f));
 }
@@ -247,16 +260,18 @@ void drawToolbar(FrameContext &frame, const PixelRect &area) {
   const bool isPlaying = exists && mode == C3DE_SIM_PLAYING, hasFailed = exists && mode == C3DE_SIM_FAILED;
   transportButton(frame, "play", Command::playPause, isPlaying ? Icon::pause : Icon::play,
                   isPlaying ? colour::kWarn : colour::kGood, exists && !hasFailed,
-                  isPlaying ? "Pause" : mode == C3DE_SIM_PAUSED ? "Continue" : "Play");
+                  isPlaying                 ? "Pause"
+                  : mode == C3DE_SIM_PAUSED ? "Continue"
+                                            : "Play");
   transportButton(frame, "step", Command::step, Icon::step, colour::kText, exists && !hasFailed,
                   commandInfo(Command::step).doc);
   transportButton(frame, "reset", Command::reset, Icon::reset, colour::kText, exists, commandInfo(Command::reset).doc);
   transportButton(frame, "stop", Command::stop, Icon::stop, colour::kText, exists, commandInfo(Command::stop).doc);
   ImGui::SameLine(0.0f, frame.theme.px(10.0f));
   // As tall as the buttons beside it.
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding,
-                      ImVec2(ImGui::GetStyle().FramePadding.x,
-                             0.5f * (1.15f * ImGui::GetFrameHeight() - ImGui::GetFontSize())));
+  ImGui::PushStyleVar(
+      ImGuiStyleVar_FramePadding,
+      ImVec2(ImGui::GetStyle().FramePadding.x, 0.5f * (1.15f * ImGui::GetFrameHeight() - ImGui::GetFontSize())));
   rateChoice(frame);
   ImGui::PopStyleVar();
   separator(frame);
@@ -264,9 +279,13 @@ void drawToolbar(FrameContext &frame, const PixelRect &area) {
   if (const ImageViews *images = frame.shownImages()) {
     separator(frame);
     const bool isOn = images->options().isWindowLevelMode;
-    if (toolButton(frame, "slices.cross_hair", "Cross-hair", !isOn, "The left button sets the cross-hair in slices  (W)") && isOn)
+    if (toolButton(frame, "slices.cross_hair", "Cross-hair", !isOn,
+                   "The left button sets the cross-hair in slices  (W)") &&
+        isOn)
       frame.request(Command::windowLevelMode);
-    if (toolButton(frame, "slices.window_level", "W/L", isOn, std::string(commandInfo(Command::windowLevelMode).doc) + "  (W)") && !isOn)
+    if (toolButton(frame, "slices.window_level", "W/L", isOn,
+                   std::string(commandInfo(Command::windowLevelMode).doc) + "  (W)") &&
+        !isOn)
       frame.request(Command::windowLevelMode);
   }
   ImGui::End();

@@ -67,7 +67,8 @@ void messages(FrameContext &frame) {
   Dock &dock = frame.state.dock;
   const std::vector<registry::Notification> all = panels->notifications();
   const double now_s = ImGui::GetTime();
-  const bool isLookedAt = ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem);
+  const bool isLookedAt =
+      ImGui::IsWindowHovered(ImGuiHoveredFlags_ChildWindows | ImGuiHoveredFlags_AllowWhenBlockedByActiveItem);
   std::size_t shown = 0;
   // The newest stands on top.
   for (auto it = all.rbegin(); it != all.rend(); ++it) {
@@ -89,7 +90,8 @@ void messages(FrameContext &frame) {
       dock.ends_s = left_s;
   }
   std::erase_if(dock.since_s, [&](const auto &seen) {
-    return std::none_of(all.begin(), all.end(), [&](const registry::Notification &n) { return n.serial == seen.first; });
+    return std::none_of(all.begin(), all.end(),
+                        [&](const registry::Notification &n) { return n.serial == seen.first; });
   });
   if (all.size() > shown && ImGui::SmallButton(("and " + std::to_string(all.size() - shown) + " more").c_str()))
     frame.request(Command::showMessages);
@@ -108,9 +110,11 @@ void jobs(FrameContext &frame) {
     const std::string what = job.cancelling ? "stopping…" : job.what.empty() ? "…" : job.what;
     ImGui::TextColored(colour::kDim, "%s", elided(what, width).c_str());
     const bool isKnown = job.fraction >= 0.0;
-    const auto fraction = static_cast<float>(isKnown ? std::min(job.fraction, 1.0) : 0.5 + 0.5 * std::sin(3.0 * ImGui::GetTime()));
+    const auto fraction =
+        static_cast<float>(isKnown ? std::min(job.fraction, 1.0) : 0.5 + 0.5 * std::sin(3.0 * ImGui::GetTime()));
     const std::string percent = isKnown ? std::to_string(std::lround(100.0 * job.fraction)) + " %" : std::string();
-    ImGui::ProgressBar(fraction, ImVec2(width - buttonWidth - ImGui::GetStyle().ItemSpacing.x, ImGui::GetFrameHeight()), percent.c_str());
+    ImGui::ProgressBar(fraction, ImVec2(width - buttonWidth - ImGui::GetStyle().ItemSpacing.x, ImGui::GetFrameHeight()),
+                       percent.c_str());
     ImGui::SameLine();
     ImGui::BeginDisabled(job.cancelling);
     if (ImGui::Button("Cancel", ImVec2(buttonWidth, 0))) frame.services.jobs->cancel(job.handle);
@@ -131,7 +135,8 @@ void longStep(FrameContext &frame) {
   ImGui::PushTextWrapPos(0.0f);
   if (!frame.simulation.activity.empty()) ImGui::TextUnformatted(frame.simulation.activity.c_str());
   const CommandInfo &reset = commandInfo(Command::reset);
-  ImGui::TextColored(colour::kDim, "Esc pauses, %s goes back to the initial state", keyText(reset.key, reset.modifiers).c_str());
+  ImGui::TextColored(colour::kDim, "Esc pauses, %s goes back to the initial state",
+                     keyText(reset.key, reset.modifiers).c_str());
   ImGui::PopTextWrapPos();
   frame.automation.value("status", "long_step", title + ": " + frame.simulation.activity);
 }

@@ -9,7 +9,21 @@ namespace c3de::ui {
 
 /// What came from the operating system. Positions in window pixels.
 struct OsEvent {
-  enum class Kind { press, release, move, wheel, keyDown, keyUp, character, focusLost, focusGained, leave, drop, close, other };
+  enum class Kind {
+    press,
+    release,
+    move,
+    wheel,
+    keyDown,
+    keyUp,
+    character,
+    focusLost,
+    focusGained,
+    leave,
+    drop,
+    close,
+    other
+  };
   enum class Role { other, shift, modifier };  ///< of a key; modifier: Ctrl, Alt, Super
   Kind kind = Kind::other;
   std::uint32_t button = 0, modifiers = 0;  ///< C3DE_BUTTON_*, C3DE_MOD_*
@@ -25,7 +39,8 @@ struct OsEvent {
 /// Finds double clicks by when their events came; frames may be slow, and each press has one of its own.
 class ClickPairs {
  public:
-  /// Whether this press is the second of a pair: same button, within 0.4 s, at about the same place. A third begins anew.
+  /// Whether this press is the second of a pair: same button, within 0.4 s, at about the same place. A third begins
+  /// anew.
   bool isSecond(const OsEvent &press);
 
  private:
@@ -33,9 +48,10 @@ class ClickPairs {
   double x_ = 0.0, y_ = 0.0, time_s_ = 0.0;
 };
 
-/// Takes from the front what one frame can show without losing any of it: Dear ImGui 1.86 looks at the state of mouse and
-/// keys once per frame, so a key that goes down and up, or a press and the move after it, need a frame each. Characters it
-/// queues: any number of them shares a frame, and of the keys that make them nobody has to see that they were down.
+/// Takes from the front what one frame can show without losing any of it: Dear ImGui 1.86 looks at the state of mouse
+/// and keys once per frame, so a key that goes down and up, or a press and the move after it, need a frame each.
+/// Characters it queues: any number of them shares a frame, and of the keys that make them nobody has to see that they
+/// were down.
 /// @param holdsTyping  a text field is about to take the keyboard: what is typed waits for it
 [[nodiscard]] std::vector<OsEvent> takeFrameEvents(std::vector<OsEvent> &queue, bool holdsTyping = false);
 

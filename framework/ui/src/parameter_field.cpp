@@ -4,13 +4,15 @@
 
 #include "c3de/abi/draft/panels.h"
 #include "c3de/core/text.h"
-#include "fields.h"
 #include "c3de/registry/number_text.h"
+#include "fields.h"
 
 namespace c3de::ui {
 namespace {
 
-std::string withUnit(const std::string &text, const std::string &unit) { return unit.empty() ? text : text + " " + unit; }
+std::string withUnit(const std::string &text, const std::string &unit) {
+  return unit.empty() ? text : text + " " + unit;
+}
 
 std::string fallbackText(const ParameterDecl &decl) {
   const ParameterValue value = decl.fallbackValue();
@@ -37,8 +39,9 @@ double numberAfterAuto(const FieldState &state, const ParameterDecl &decl) {
     return checkParameter(decl, v).has_value();
   };
   if (state.hasLastNumber && accepted(state.lastNumber)) return state.lastNumber;
-  const double middle = decl.softMin > 0.0 && (decl.flags & C3DE_PARAM_LOG_SCALE) ? std::sqrt(decl.softMin * decl.softMax)
-                                                                                  : 0.5 * (decl.softMin + decl.softMax);
+  const double middle = decl.softMin > 0.0 && (decl.flags & C3DE_PARAM_LOG_SCALE)
+                            ? std::sqrt(decl.softMin * decl.softMax)
+                            : 0.5 * (decl.softMin + decl.softMax);
   for (const double x : {decl.fallback, middle, decl.softMin, decl.softMax})
     if (accepted(x)) return x;
   return decl.fallback;
@@ -120,9 +123,9 @@ std::optional<ParameterValue> vectorParameter(const FrameContext &frame, const s
   if (!state.hasDraft) state.draft = value;
   const double range = decl.softMax > decl.softMin ? decl.softMax - decl.softMin : 1.0;
   const bool hasLimits = decl.min < decl.max;
-  const bool isMoved = ImGui::DragScalarN("##vec", ImGuiDataType_Double, state.draft.vec.data(), 3,
-                                          static_cast<float>(range * 0.005), hasLimits ? &decl.min : nullptr,
-                                          hasLimits ? &decl.max : nullptr, "%.4g");
+  const bool isMoved =
+      ImGui::DragScalarN("##vec", ImGuiDataType_Double, state.draft.vec.data(), 3, static_cast<float>(range * 0.005),
+                         hasLimits ? &decl.min : nullptr, hasLimits ? &decl.max : nullptr, "%.4g");
   state.hasDraft = ImGui::IsItemActive();
   const bool isLeft = ImGui::IsItemDeactivatedAfterEdit();
   markItem(frame, area, decl.id);
@@ -147,7 +150,8 @@ std::optional<ParameterValue> parameterField(const FrameContext &frame, const st
   const float innerSpacing = ImGui::GetStyle().ItemSpacing.x;
   float reserved = 0.0f;
   if (decl.flags & C3DE_PARAM_AUTO)
-    reserved = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize("auto").x + innerSpacing;
+    reserved =
+        ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x + ImGui::CalcTextSize("auto").x + innerSpacing;
   else if (decl.type == C3DE_PARAM_VEC3 && !decl.unit.empty())
     reserved = ImGui::CalcTextSize(decl.unit.c_str()).x + innerSpacing;
   const char *badge = nullptr;
@@ -157,7 +161,9 @@ std::optional<ParameterValue> parameterField(const FrameContext &frame, const st
   beginRow(frame, decl.label.empty() ? decl.id : decl.label, badge, isInline, reserved);
   switch (decl.type) {
     case C3DE_PARAM_F64:
-    case C3DE_PARAM_I64: changed = numberParameter(frame, area, state, decl, value); break;
+    case C3DE_PARAM_I64:
+      changed = numberParameter(frame, area, state, decl, value);
+      break;
     case C3DE_PARAM_BOOL: {
       bool isChecked = value.num != 0.0;
       if (ImGui::Checkbox("##check", &isChecked)) {
@@ -181,9 +187,15 @@ std::optional<ParameterValue> parameterField(const FrameContext &frame, const st
       }
       break;
     }
-    case C3DE_PARAM_TEXT: changed = textParameter(frame, area, state, decl, value); break;
-    case C3DE_PARAM_VEC3: changed = vectorParameter(frame, area, state, decl, value); break;
-    default: ImGui::TextDisabled("(unknown type)"); break;
+    case C3DE_PARAM_TEXT:
+      changed = textParameter(frame, area, state, decl, value);
+      break;
+    case C3DE_PARAM_VEC3:
+      changed = vectorParameter(frame, area, state, decl, value);
+      break;
+    default:
+      ImGui::TextDisabled("(unknown type)");
+      break;
   }
   endRow();
   itemTooltip(frame, documentation(decl));

@@ -9,9 +9,11 @@ void drawQuitQuestion(FrameContext &frame) {
   constexpr const char *kTitle = "Quit C3DE?###quit";
   const bool isNew = !ImGui::IsPopupOpen("###quit");
   if (isNew) ImGui::OpenPopup("###quit");
-  ImGui::SetNextWindowPos(ImVec2(0.5f * static_cast<float>(frame.windowSize[0]), 0.5f * static_cast<float>(frame.windowSize[1])),
-                          ImGuiCond_Always, ImVec2(0.5f, 0.5f));
-  if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize)) return;
+  ImGui::SetNextWindowPos(
+      ImVec2(0.5f * static_cast<float>(frame.windowSize[0]), 0.5f * static_cast<float>(frame.windowSize[1])),
+      ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+  if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize))
+    return;
   ImGui::PushTextWrapPos(frame.theme.px(460.0f));
   ImGui::TextUnformatted(toLose.c_str());
   ImGui::PopTextWrapPos();

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kFewestPhyxels = 50.0, kMostPhyxels = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
 constexpr double kStiffestSurroundings = 3e5;  // Pa/m
-constexpr const char *kRigid = "It stands where it is in the scan and costs nothing: for bone, whose small step would be everybody's";
+constexpr const char *kRigid =
+    "It stands where it is in the scan and costs nothing: for bone, whose small step would be everybody's";
 constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0;
 
 void swatch(const c3de_ui_v0 &ui, const render::Colour &colour) {
@@ -23,7 +24,8 @@ void swatch(const c3de_ui_v0 &ui, const render::Colour &colour) {
 
 }  // namespace
 
-SegmentationPanel::SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views, segmentation::SegmentationWorkflow &guide)
+SegmentationPanel::SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views,
+                                     segmentation::SegmentationWorkflow &guide)
     : panels_(panels), views_(views), guide_(guide) {
   registry::Panel panel;
   panel.owner = "c3de";
@@ -69,7 +71,7 @@ void SegmentationPanel::draw(const c3de_ui_v0 &ui) {
 }
 
 void SegmentationPanel::clickButton(const c3de_ui_v0 &ui, const char *id, const char *label, const char *doc,
-                             void (segmentation::SegmentationWorkflow::*clicked)(const Vec3 &)) {
+                                    void (segmentation::SegmentationWorkflow::*clicked)(const Vec3 &)) {
   const bool isAwaited = views_.isPicking() && awaited_ && std::string_view(awaited_) == id;
   const bool isPressed = button(ui, id, isAwaited ? "Click it in a slice…" : label);
   tooltip(ui, doc);
@@ -98,7 +100,8 @@ void SegmentationPanel::drawLabels(const c3de_ui_v0 &ui) {
   for (const segmentation::SegmentationWorkflow::LabelRow &row : rows)
     if (rows.size() <= kManyLabels || isListed(row.name, filter_)) listed.push_back(&row);
   clickButton(ui, "label_click", "Tick the label I click",
-              "The next click in a slice: the label that is there. Esc: no click", &segmentation::SegmentationWorkflow::tickLabelAt);
+              "The next click in a slice: the label that is there. Esc: no click",
+              &segmentation::SegmentationWorkflow::tickLabelAt);
   labelList(ui, rows.size(), listed.size(), filter_, [&] {
     for (const segmentation::SegmentationWorkflow::LabelRow *row : listed) {
       swatch(ui, row->colour);
@@ -126,7 +129,8 @@ void SegmentationPanel::drawThreshold(const c3de_ui_v0 &ui) {
   const double least = std::min({image.range.min, low}), most = std::max({image.range.max, high});
   if (slider(ui, "low", "Lowest", image.volume.unit, low, least, most, "The lowest value that belongs to the organ"))
     guide_.setLow(low);
-  if (slider(ui, "high", "Highest", image.volume.unit, high, least, most, "The highest value that belongs to the organ"))
+  if (slider(ui, "high", "Highest", image.volume.unit, high, least, most,
+             "The highest value that belongs to the organ"))
     guide_.setHigh(high);
   bool isShown = false;
   for (const segmentation::MaskStep &step : guide_.mask().steps())
@@ -176,7 +180,9 @@ void SegmentationPanel::drawUndo(const c3de_ui_v0 &ui) {
   if (!mask.mask() && !mask.canUndo() && !mask.canRedo()) return;
   const std::string undone = mask.undoLabel(), redone = mask.redoLabel();
   if (button(ui, "undo", "Undo", !undone.empty())) guide_.undo();
-  tooltip(ui, ("Takes back the last step" + (undone.empty() ? "" : ": " + undone) + " (Ctrl+Z; not by keys after an organ was made: what it was made of is laid over it)").c_str());
+  tooltip(ui, ("Takes back the last step" + (undone.empty() ? "" : ": " + undone) +
+               " (Ctrl+Z; not by keys after an organ was made: what it was made of is laid over it)")
+                  .c_str());
   sameLine(ui);
   if (button(ui, "redo", "Redo", !redone.empty())) guide_.redo();
   tooltip(ui, ("Does it again" + (redone.empty() ? "" : ": " + redone) + " (Ctrl+Shift+Z)").c_str());
@@ -192,8 +198,9 @@ void SegmentationPanel::drawSeveral(const c3de_ui_v0 &ui) {
     isCounted = isCounted && row.volume_ml;
     volume_ml += row.volume_ml.value_or(0.0);
   }
-  row(ui, "Picked", isCounted ? fmt::format("{} labels, {:.1f} ml", guide_.pickedLabels().size(), volume_ml)
-                              : fmt::format("{} labels", guide_.pickedLabels().size()));
+  row(ui, "Picked",
+      isCounted ? fmt::format("{} labels, {:.1f} ml", guide_.pickedLabels().size(), volume_ml)
+                : fmt::format("{} labels", guide_.pickedLabels().size()));
   row(ui, "Ticked", names);
   if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
   bool keepsLargest = guide_.settings().keepsLargest, fillsHoles = guide_.settings().fillsHoles;
@@ -214,7 +221,8 @@ void SegmentationPanel::drawMaterial(const c3de_ui_v0 &ui) {
   if (choice(ui, "material", "Material", index, names)) guide_.chooseMaterial(index > 0 ? names[index] : std::string());
   const scene::MaterialPreset *preset = guide_.material();
   if (!preset) return;
-  row(ui, "Young's modulus", segmentation::stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
+  row(ui, "Young's modulus",
+      segmentation::stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
   row(ui, "Poisson's ratio",
       fmt::format("{:.4g} ({:.4g} … {:.4g})", preset->poissonRatio, preset->poissonRatioMin, preset->poissonRatioMax));
   row(ui, "Density", fmt::format("{:.4g} kg/m³", preset->density));
@@ -238,9 +246,11 @@ void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
     if (choice(ui, id.c_str(), "Material", index, names))
       guide_.chooseMaterialOf(label.value, index > 0 ? names[index] : std::string());
     bool isRigid = guide_.isRigid(label.value);
-    if (checkbox(ui, "rigid." + std::to_string(label.value), "Rigid", isRigid, kRigid)) guide_.setRigid(label.value, isRigid);
+    if (checkbox(ui, "rigid." + std::to_string(label.value), "Rigid", isRigid, kRigid))
+      guide_.setRigid(label.value, isRigid);
     if (!preset) continue;
-    row(ui, "Young's modulus", segmentation::stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
+    row(ui, "Young's modulus",
+        segmentation::stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
     row(ui, "ν, density",
         fmt::format("{:.4g} ({:.4g} … {:.4g}), {:.4g} kg/m³", preset->poissonRatio, preset->poissonRatioMin,
                     preset->poissonRatioMax, preset->density));
@@ -272,9 +282,10 @@ void SegmentationPanel::drawHolding(const c3de_ui_v0 &ui) {
   choice(ui, "held", "Held", held, {"by its surroundings", "the lowest part", "nothing"});
   tooltip(ui, "By its surroundings: elastically, where it is in the scan, so that it comes back. Nothing: it drifts");
   if (static_cast<segmentation::Held>(held) == segmentation::Held::surroundings)
-    slider(ui, "surroundings", "Surroundings", "Pa/m", s.surroundings_Pa_m, 0.0, kStiffestSurroundings,
-           "How the tissue around pulls the surface to its place: stress per way. 30 000: an organ sinks some millimetres under "
-           "its own weight; 0: not at all");
+    slider(
+        ui, "surroundings", "Surroundings", "Pa/m", s.surroundings_Pa_m, 0.0, kStiffestSurroundings,
+        "How the tissue around pulls the surface to its place: stress per way. 30 000: an organ sinks some millimetres under "
+        "its own weight; 0: not at all");
   guide_.setHolding(static_cast<segmentation::Held>(held), s.surroundings_Pa_m);
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "c3de/scene/scene_graph.h"
 #include "c3de/registry/panel_registry.h"
+#include "c3de/scene/scene_graph.h"
 #include "chrome.h"
 
 namespace c3de::ui {
@@ -78,12 +78,14 @@ void drawViewPanels(FrameContext &frame, ImGuiPanels &panels) {
     if (!found || !found->isInView) continue;
     const registry::Panel panel = *found;
     const float width = std::min(frame.theme.px(560.0f), 0.9f * area.w);
-    ImGui::SetNextWindowPos(ImVec2(area.x + 0.5f * area.w, area.y + 0.5f * area.h), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+    ImGui::SetNextWindowPos(ImVec2(area.x + 0.5f * area.w, area.y + 0.5f * area.h), ImGuiCond_Always,
+                            ImVec2(0.5f, 0.5f));
     ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0), ImVec2(width, 0.9f * area.h));
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(frame.theme.px(18.0f), frame.theme.px(14.0f)));
     ImGui::Begin(("##view-" + panel.id).c_str(), nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
+                     ImGuiWindowFlags_AlwaysAutoResize);
     ImGui::PopStyleVar();
     ImGui::PushFont(frame.theme.bold);
     ImGui::TextUnformatted(panel.title.c_str());
@@ -101,7 +103,9 @@ void drawSplitter(FrameContext &frame, const PixelRect &area) {
   markItem(frame, "window", "splitter");
   const bool isHot = ImGui::IsItemHovered() || ImGui::IsItemActive();
   if (isHot) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
-  const ImVec4 tint = ImGui::IsItemActive() ? colour::kAccent : isHot ? ImVec4(0.24f, 0.52f, 0.59f, 1.0f) : colour::kLine;
+  const ImVec4 tint = ImGui::IsItemActive() ? colour::kAccent
+                      : isHot               ? ImVec4(0.24f, 0.52f, 0.59f, 1.0f)
+                                            : colour::kLine;
   ImGui::GetWindowDrawList()->AddRectFilled(ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), ImGui::GetColorU32(tint));
   if (ImGui::IsItemActive()) {
     const float wanted = (ImGui::GetIO().MousePos.x - 0.5f * area.w) / frame.theme.scale;

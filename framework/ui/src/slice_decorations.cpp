@@ -14,10 +14,11 @@
 namespace c3de::ui {
 namespace {
 
-constexpr ImU32 kShadow = IM_COL32(0, 0, 0, 200), kLetter = IM_COL32(240, 214, 120, 255), kInk = IM_COL32(222, 228, 236, 255);
+constexpr ImU32 kShadow = IM_COL32(0, 0, 0, 200), kLetter = IM_COL32(240, 214, 120, 255),
+                kInk = IM_COL32(222, 228, 236, 255);
 constexpr ImU32 kCross = IM_COL32(90, 200, 250, 210);
-constexpr std::array<ImU32, 4> kBorders{IM_COL32(219, 92, 92, 255), IM_COL32(224, 194, 76, 255), IM_COL32(102, 189, 107, 255),
-                                        IM_COL32(70, 80, 96, 255)};
+constexpr std::array<ImU32, 4> kBorders{IM_COL32(219, 92, 92, 255), IM_COL32(224, 194, 76, 255),
+                                        IM_COL32(102, 189, 107, 255), IM_COL32(70, 80, 96, 255)};
 
 void shadowed(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) {
   list->AddText(ImVec2(at.x + 1, at.y + 1), kShadow, text.c_str());
@@ -27,7 +28,8 @@ void shadowed(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) 
 /// On a dark ground: read over bright tissue and colours of labels too.
 void grounded(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-  list->AddRectFilled(ImVec2(at.x - 3, at.y - 1), ImVec2(at.x + size.x + 3, at.y + size.y + 1), IM_COL32(0, 0, 0, 140), 3.0f);
+  list->AddRectFilled(ImVec2(at.x - 3, at.y - 1), ImVec2(at.x + size.x + 3, at.y + size.y + 1), IM_COL32(0, 0, 0, 140),
+                      3.0f);
   shadowed(list, at, tint, text);
 }
 
@@ -57,7 +59,8 @@ void drawRuns(ImDrawList *list, const std::vector<CurveRun> &runs, ImU32 tint, f
   for (const CurveRun &run : runs) {
     points.clear();
     for (const CurvePoint &p : run.points) points.emplace_back(p.x, p.y);
-    list->AddPolyline(points.data(), static_cast<int>(points.size()), tint, run.isClosed ? ImDrawFlags_Closed : ImDrawFlags_None, width);
+    list->AddPolyline(points.data(), static_cast<int>(points.size()), tint,
+                      run.isClosed ? ImDrawFlags_Closed : ImDrawFlags_None, width);
   }
 }
 
@@ -68,7 +71,8 @@ void drawOutlines(const SliceCanvas &canvas, const render::Renderer &renderer) {
   renderer.forEachMesh([&](const render::MeshView &mesh) {
     // Into the mesh's space goes the plane, not every vertex into the world's; (v - p) n = 0 with v = M x.
     const Mat4 &m = mesh.worldFromProxy;
-    const Vec3 local{m[0] * normal[0] + m[1] * normal[1] + m[2] * normal[2], m[4] * normal[0] + m[5] * normal[1] + m[6] * normal[2],
+    const Vec3 local{m[0] * normal[0] + m[1] * normal[1] + m[2] * normal[2],
+                     m[4] * normal[0] + m[5] * normal[1] + m[6] * normal[2],
                      m[8] * normal[0] + m[9] * normal[1] + m[10] * normal[2]};
     const Vec3 origin = transformPoint(imaging::affineInverse(m), point);
     // Bright enough on dark tissue, whatever the surface's own colour.
@@ -93,7 +97,8 @@ void drawOutlines(const SliceCanvas &canvas, const render::Renderer &renderer) {
 
 void drawCrossHair(const SliceCanvas &canvas) {
   const bool isShown = canvas.images.options().showsCrossHair && canvas.view.isOnSlice(canvas.images.crossHair());
-  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".cross_hair", isShown ? "shown" : "hidden");
+  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".cross_hair",
+                                isShown ? "shown" : "hidden");
   if (!isShown) return;
   const ImVec2 at = canvas.pixelOf(canvas.images.crossHair());
   const PixelRect &r = canvas.rect;
@@ -121,9 +126,11 @@ void drawLetters(const SliceCanvas &canvas) {
   shadowed(canvas.list, ImVec2(r.x + r.w - edge - size(right).x, r.y + 0.5f * (r.h - size(right).y)), kLetter, right);
   shadowed(canvas.list, ImVec2(r.x + 0.5f * (r.w - size(top).x), r.y + edge), kLetter, top);
   // Above the line of the read-out.
-  shadowed(canvas.list, ImVec2(r.x + 0.5f * (r.w - size(bottom).x), r.y + r.h - edge - 2.1f * size(bottom).y), kLetter, bottom);
+  shadowed(canvas.list, ImVec2(r.x + 0.5f * (r.w - size(bottom).x), r.y + r.h - edge - 2.1f * size(bottom).y), kLetter,
+           bottom);
   ImGui::PopFont();
-  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".letters", left + "|" + right + "|" + top + "|" + bottom);
+  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".letters",
+                                left + "|" + right + "|" + top + "|" + bottom);
 }
 
 void drawScaleBar(const SliceCanvas &canvas) {
@@ -131,11 +138,13 @@ void drawScaleBar(const SliceCanvas &canvas) {
   const ScaleBar bar = scaleBar(canvas.view.millimetresPerPixel(), 0.25 * r.w);
   if (bar.text.empty()) return;
   const auto length = static_cast<float>(bar.length_px);
-  const float x1 = r.x + r.w - canvas.px(14.0f), x0 = x1 - length, y = r.y + r.h - canvas.px(30.0f), tick = canvas.px(4.0f);
+  const float x1 = r.x + r.w - canvas.px(14.0f), x0 = x1 - length, y = r.y + r.h - canvas.px(30.0f),
+              tick = canvas.px(4.0f);
   for (const auto &[tint, offset] : {std::pair{kShadow, 1.0f}, {kInk, 0.0f}}) {
     canvas.list->AddLine(ImVec2(x0 + offset, y + offset), ImVec2(x1 + offset, y + offset), tint, canvas.px(1.5f));
     for (const float x : {x0, x1})
-      canvas.list->AddLine(ImVec2(x + offset, y - tick + offset), ImVec2(x + offset, y + tick + offset), tint, canvas.px(1.5f));
+      canvas.list->AddLine(ImVec2(x + offset, y - tick + offset), ImVec2(x + offset, y + tick + offset), tint,
+                           canvas.px(1.5f));
   }
   const float width = ImGui::CalcTextSize(bar.text.c_str()).x;
   shadowed(canvas.list, ImVec2(0.5f * (x0 + x1 - width), y - tick - ImGui::GetTextLineHeight() - 1), kInk, bar.text);
@@ -152,12 +161,16 @@ void drawShiftLegend(const SliceCanvas &canvas) {
   constexpr std::size_t kPieces = 32;
   for (std::size_t i = 0; i < kPieces; ++i) {
     const auto colour = [&](std::size_t k) { return tintOf(colours[k * (colours.size() - 1) / kPieces]); };
-    const float top = y0 + h * (1.0f - static_cast<float>(i + 1) / kPieces), bottom = y0 + h * (1.0f - static_cast<float>(i) / kPieces);
-    canvas.list->AddRectFilledMultiColor(ImVec2(x, top), ImVec2(x + w, bottom), colour(i + 1), colour(i + 1), colour(i), colour(i));
+    const float top = y0 + h * (1.0f - static_cast<float>(i + 1) / kPieces),
+                bottom = y0 + h * (1.0f - static_cast<float>(i) / kPieces);
+    canvas.list->AddRectFilledMultiColor(ImVec2(x, top), ImVec2(x + w, bottom), colour(i + 1), colour(i + 1), colour(i),
+                                         colour(i));
   }
   const float line = ImGui::GetTextLineHeight();
-  shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), y0 - 0.5f * line), kInk, fmt::format("{:.3g} mm", options.shiftHigh));
-  shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), y0 + h - 0.5f * line), kInk, fmt::format("{:.3g} mm", options.shiftLow));
+  shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), y0 - 0.5f * line), kInk,
+           fmt::format("{:.3g} mm", options.shiftHigh));
+  shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), y0 + h - 0.5f * line), kInk,
+           fmt::format("{:.3g} mm", options.shiftLow));
   shadowed(canvas.list, ImVec2(x, y0 - 1.7f * line), kInk, "|u|");
 }
 
@@ -172,7 +185,8 @@ void drawMissingLegend(const SliceCanvas &canvas) {
   const ImU32 tint = IM_COL32(255, 115, 242, 255);
   canvas.list->AddRectFilled(at, ImVec2(at.x + size, at.y + size), IM_COL32(90, 40, 85, 255));
   for (const float part : {0.0f, 0.5f})
-    canvas.list->AddLine(ImVec2(at.x + part * size, at.y), ImVec2(at.x + size, at.y + (1.0f - part) * size), tint, canvas.px(1.5f));
+    canvas.list->AddLine(ImVec2(at.x + part * size, at.y), ImVec2(at.x + size, at.y + (1.0f - part) * size), tint,
+                         canvas.px(1.5f));
   canvas.list->AddRect(at, ImVec2(at.x + size, at.y + size), tint);
   grounded(canvas.list, ImVec2(at.x + size + canvas.px(6.0f), at.y - 0.1f * line), kInk,
            elided(text, r.w - 2 * edge - size - canvas.px(6.0f)));
@@ -185,9 +199,11 @@ void drawTexts(const SliceCanvas &canvas) {
   const std::string name = paneName(canvas.pane);
   const std::string slice = fmt::format("{}  {} / {}", name, canvas.view.slice() + 1, canvas.view.sliceCount());
   grounded(canvas.list, ImVec2(r.x + edge, r.y + edge), kBorders[static_cast<std::size_t>(canvas.pane)], slice);
-  const std::string windowLevel = fmt::format("W {:.5g}  L {:.5g}", options.windowLevel.window, options.windowLevel.level);
+  const std::string windowLevel =
+      fmt::format("W {:.5g}  L {:.5g}", options.windowLevel.window, options.windowLevel.level);
   grounded(canvas.list, ImVec2(r.x + edge, r.y + edge + line), kInk, windowLevel);
-  if (options.isWindowLevelMode) shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + 2 * line), kLetter, "drag: window/level");
+  if (options.isWindowLevelMode)
+    shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + 2 * line), kLetter, "drag: window/level");
   if (canvas.images.isPicking())
     shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + (options.isWindowLevelMode ? 3 : 2) * line), kLetter,
              "click: this part (Esc: none)");
@@ -199,10 +215,12 @@ void drawTexts(const SliceCanvas &canvas) {
 
   // Under the mouse, else at the cross-hair.
   const bool isHere = r.contains(canvas.frame.mouseX, canvas.frame.mouseY);
-  const Vec3 world = isHere ? canvas.view.worldAt(canvas.frame.mouseX - r.x, canvas.frame.mouseY - r.y) : canvas.images.crossHair();
+  const Vec3 world =
+      isHere ? canvas.view.worldAt(canvas.frame.mouseX - r.x, canvas.frame.mouseY - r.y) : canvas.images.crossHair();
   const std::string text = canvas.images.readout(world).text();
   const std::string shown = elided(text, r.w - 2 * edge);
-  grounded(canvas.list, ImVec2(r.x + edge, r.y + r.h - edge - line), isHere ? kInk : ImGui::GetColorU32(colour::kDim), shown);
+  grounded(canvas.list, ImVec2(r.x + edge, r.y + r.h - edge - line), isHere ? kInk : ImGui::GetColorU32(colour::kDim),
+           shown);
 
   AutomationState &automation = canvas.frame.automation;
   automation.value("image", name + ".slice", std::to_string(canvas.view.slice()));
@@ -248,7 +266,8 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
     drawShiftLegend(canvas);
     drawMissingLegend(canvas);
     drawTexts(canvas);
-    list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), kBorders[static_cast<std::size_t>(pane)], 0.0f, 0, 1.0f);
+    list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), kBorders[static_cast<std::size_t>(pane)], 0.0f, 0,
+                  1.0f);
     list->PopClipRect();
   }
   if (!frame.view.isEmpty()) {
@@ -266,7 +285,10 @@ void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer)
   automation.value("image", "window", fmt::format("{:.6g}", options.windowLevel.window));
   automation.value("image", "level", fmt::format("{:.6g}", options.windowLevel.level));
   automation.value("image", "cross_hair", fmt::format("{:.3f} {:.3f} {:.3f}", cross[0], cross[1], cross[2]));
-  automation.value("image", "preview", images->handles().preview.isNull() ? "none" : options.showsPreview ? "shown" : "hidden");
+  automation.value("image", "preview",
+                   images->handles().preview.isNull() ? "none"
+                   : options.showsPreview             ? "shown"
+                                                      : "hidden");
   automation.value("image", "picking", images->isPicking() ? "on" : "off");
   automation.value("image", "layout", images->maximised() ? paneName(*images->maximised()) : "four");
 }

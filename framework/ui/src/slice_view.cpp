@@ -43,21 +43,26 @@ std::array<Vec3, 3> axesOf(const imaging::VolumeGeometry &grid) {
 }  // namespace
 
 SliceFrame sliceFrame(SliceAxis axis, Convention convention, const imaging::VolumeGeometry *alignedWith) {
-  const std::array<Vec3, 3> axes = alignedWith ? axesOf(*alignedWith) : std::array<Vec3, 3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  const std::array<Vec3, 3> axes =
+      alignedWith ? axesOf(*alignedWith) : std::array<Vec3, 3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const Vec3 &left = axes[0], &back = axes[1], &up = axes[2];
   const Vec3 across = convention == Convention::radiological ? left : -1.0 * left;
   switch (axis) {
-    case SliceAxis::axial: return {across, back, up};
-    case SliceAxis::coronal: return {across, -1.0 * up, -1.0 * back};
-    default: return {back, -1.0 * up, left};
+    case SliceAxis::axial:
+      return {across, back, up};
+    case SliceAxis::coronal:
+      return {across, -1.0 * up, -1.0 * back};
+    default:
+      return {back, -1.0 * up, left};
   }
 }
 
 std::string orientationLetters(const Vec3 &direction) {
   static constexpr const char *kLetters[3][2] = {{"R", "L"}, {"A", "P"}, {"I", "S"}};
   std::array<std::size_t, 3> order{0, 1, 2};
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return std::abs(direction[a]) > std::abs(direction[b]) + 1e-9; });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::abs(direction[a]) > std::abs(direction[b]) + 1e-9;
+  });
   const double length = norm(direction);
   if (!(length > 0.0)) return {};
   std::string text;
@@ -109,7 +114,8 @@ void SliceView::countSlices() {
   double low = 1e300, high = -1e300;
   for (unsigned corner = 0; corner < 8; ++corner) {
     Vec3 index{};
-    for (std::size_t a = 0; a < 3; ++a) index[a] = (corner >> a & 1u) != 0 ? static_cast<double>(grid_.size[a] - 1) : 0.0;
+    for (std::size_t a = 0; a < 3; ++a)
+      index[a] = (corner >> a & 1u) != 0 ? static_cast<double>(grid_.size[a] - 1) : 0.0;
     const double at = dot(grid_.worldAt(index), frame_.forward);
     low = std::min(low, at);
     high = std::max(high, at);
@@ -128,7 +134,8 @@ double SliceView::fittedScale() const {
   Vec3 lowest{1e300, 1e300, 0}, highest{-1e300, -1e300, 0};
   for (unsigned corner = 0; corner < 8; ++corner) {
     Vec3 index{};
-    for (std::size_t a = 0; a < 3; ++a) index[a] = (corner >> a & 1u) != 0 ? static_cast<double>(grid_.size[a]) - 0.5 : -0.5;
+    for (std::size_t a = 0; a < 3; ++a)
+      index[a] = (corner >> a & 1u) != 0 ? static_cast<double>(grid_.size[a]) - 0.5 : -0.5;
     const Vec3 world = grid_.worldAt(index), at{dot(world, frame_.right), dot(world, frame_.down), 0};
     for (std::size_t a = 0; a < 2; ++a) {
       lowest[a] = std::min(lowest[a], at[a]);
@@ -167,7 +174,8 @@ Vec3 SliceView::worldAt(double x, double y) const {
 
 SliceView::Pixel SliceView::pixelOf(const Vec3 &world) const {
   const Vec3 p = world - centre_;
-  return {0.5 * width_ + dot(p, frame_.right) / millimetresPerPixel_, 0.5 * height_ + dot(p, frame_.down) / millimetresPerPixel_};
+  return {0.5 * width_ + dot(p, frame_.right) / millimetresPerPixel_,
+          0.5 * height_ + dot(p, frame_.down) / millimetresPerPixel_};
 }
 
 render::SlicePlane SliceView::plane() const {

@@ -7,9 +7,9 @@
 #include "c3de/abi/draft/log.h"
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/text.h"
-#include "c3de/scene/scene_graph.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/tool_registry.h"
+#include "c3de/scene/scene_graph.h"
 #include "chrome.h"
 
 namespace c3de::ui {
@@ -29,10 +29,14 @@ struct ModeText {
 ModeText modeText(const SimulationView &simulation) {
   if (!simulation.exists) return {"No simulation", colour::kDim};
   switch (simulation.transport.mode) {
-    case C3DE_SIM_PLAYING: return {"Playing", colour::kGood};
-    case C3DE_SIM_PAUSED: return {"Paused", colour::kWarn};
-    case C3DE_SIM_FAILED: return {"Failed", colour::kError};
-    default: return {"Stopped", colour::kDim};
+    case C3DE_SIM_PLAYING:
+      return {"Playing", colour::kGood};
+    case C3DE_SIM_PAUSED:
+      return {"Paused", colour::kWarn};
+    case C3DE_SIM_FAILED:
+      return {"Failed", colour::kError};
+    default:
+      return {"Stopped", colour::kDim};
   }
 }
 
@@ -48,9 +52,12 @@ void cell(FrameContext &frame, const char *name, const std::string &text, const 
 
 /// What the mouse does where it is.
 std::string hintOf(const FrameContext &frame) {
-  const auto isOver = [&](Pane pane) { return frame.panes[static_cast<std::size_t>(pane)].contains(frame.mouseX, frame.mouseY); };
-  if (const ImageViews *images = frame.shownImages(); images && std::any_of(kSlicePanes.begin(), kSlicePanes.end(), isOver)) {
-    const char *left = images->isPicking()                    ? "Click: pick what is there"
+  const auto isOver = [&](Pane pane) {
+    return frame.panes[static_cast<std::size_t>(pane)].contains(frame.mouseX, frame.mouseY);
+  };
+  if (const ImageViews *images = frame.shownImages();
+      images && std::any_of(kSlicePanes.begin(), kSlicePanes.end(), isOver)) {
+    const char *left = images->isPicking()                   ? "Click: pick what is there"
                        : images->options().isWindowLevelMode ? "Left drag: window (sideways), level (upwards)"
                                                              : "Left: cross-hair";
     return std::string(left) +
@@ -58,7 +65,8 @@ std::string hintOf(const FrameContext &frame) {
   }
   if (!isOver(Pane::space)) return "H: keys and mouse";
   if (frame.services.tools)
-    if (const registry::Tool *tool = frame.services.tools->find(frame.services.tools->active())) return tool->label + ": " + tool->hint;
+    if (const registry::Tool *tool = frame.services.tools->find(frame.services.tools->active()))
+      return tool->label + ": " + tool->hint;
   return "Left drag: orbit    Middle or Shift+left: pan    Right, Ctrl+left or wheel: zoom    F: fit    R: reset";
 }
 
@@ -84,14 +92,17 @@ void drawStatusBar(FrameContext &frame, const PixelRect &area) {
     const std::string target = t.target_rate > 0.0 ? formatNumber(t.target_rate) + "×" : std::string("max");
     const bool isSlow = t.mode == C3DE_SIM_PLAYING && t.target_rate > 0.0 && t.real_time_factor < 0.9 * t.target_rate;
     const bool hasRate = t.mode == C3DE_SIM_PLAYING;
-    cell(frame, "rate", hasRate ? fixedText(t.real_time_factor, 2) + "× real time (target " + target + ")" : "target " + target,
+    cell(frame, "rate",
+         hasRate ? fixedText(t.real_time_factor, 2) + "× real time (target " + target + ")" : "target " + target,
          isSlow ? colour::kWarn : colour::kText, 190,
          "Simulated seconds per second, achieved over the last second of playing, and aimed at");
-    cell(frame, "step_ms", fixedText(t.step_ms, 2) + " ms/step", simulation.isLongStep() ? colour::kWarn : colour::kText, 88,
+    cell(frame, "step_ms", fixedText(t.step_ms, 2) + " ms/step",
+         simulation.isLongStep() ? colour::kWarn : colour::kText, 88,
          "Wall time of a step, mean of the last second; of the present one when that is longer");
   }
   const std::string hint = hintOf(frame);
-  const std::string rate = frame.framesPerSecond > 0.0 ? fixedText(frame.framesPerSecond, 0) + " fps" : std::string("idle");
+  const std::string rate =
+      frame.framesPerSecond > 0.0 ? fixedText(frame.framesPerSecond, 0) + " fps" : std::string("idle");
   const std::size_t messages = frame.services.panels ? frame.services.panels->log().size() : 0;
   const std::string messagesText = "Messages (" + std::to_string(messages) + ")";
   const float rateAt = ImGui::GetWindowContentRegionMax().x - frame.theme.px(56.0f);
@@ -139,12 +150,14 @@ void drawViewDecorations(FrameContext &frame) {
     const ImVec2 tip(origin.x + dx * length, origin.y + dy * length);
     list->AddLine(origin, tip, axis.tint, frame.theme.px(2.0f));
     const ImVec2 size = ImGui::CalcTextSize(axis.name);
-    list->AddText(ImVec2(origin.x + dx * 1.35f * length - 0.5f * size.x, origin.y + dy * 1.35f * length - 0.5f * size.y),
-                  axis.tint, axis.name);
+    list->AddText(
+        ImVec2(origin.x + dx * 1.35f * length - 0.5f * size.x, origin.y + dy * 1.35f * length - 0.5f * size.y),
+        axis.tint, axis.name);
   }
 
   const bool isAsked = frame.services.panels && frame.services.panels->hasViewPanel();
-  const bool isEmpty = !isAsked && !frame.simulation.exists && (!frame.services.scene || frame.services.scene->rows().empty());
+  const bool isEmpty =
+      !isAsked && !frame.simulation.exists && (!frame.services.scene || frame.services.scene->rows().empty());
   const bool isBusy = frame.services.jobs && !frame.services.jobs->running().empty();
   if (isEmpty && !isBusy) {
     const char *const lines[] = {"Open an image (Ctrl+I), a mesh (Ctrl+M) or a scene (Ctrl+O),", "or drop a file here"};
@@ -156,7 +169,8 @@ void drawViewDecorations(FrameContext &frame) {
     }
   }
   if (frame.simulation.exists && !frame.simulation.title.empty())
-    list->AddText(frame.theme.bold, frame.theme.bold->FontSize, ImVec2(view.x + frame.theme.px(14.0f), view.y + frame.theme.px(10.0f)),
+    list->AddText(frame.theme.bold, frame.theme.bold->FontSize,
+                  ImVec2(view.x + frame.theme.px(14.0f), view.y + frame.theme.px(10.0f)),
                   ImGui::GetColorU32(colour::kText), frame.simulation.title.c_str());
   list->PopClipRect();
 }

@@ -33,8 +33,8 @@ std::string findFont(std::initializer_list<const char *> names) {
 }
 
 // Latin, Greek, Cyrillic; dashes, quotes, super- and subscripts, arrows, mathematical and geometric signs.
-constexpr ImWchar kGlyphs[] = {0x0020, 0x017F, 0x0370, 0x03FF, 0x0400, 0x045F, 0x2010, 0x2044, 0x2070,
-                               0x209C, 0x20AC, 0x20AC, 0x2190, 0x21FF, 0x2200, 0x22FF, 0x25A0, 0x25FF, 0};
+constexpr ImWchar kGlyphs[] = {0x0020, 0x017F, 0x0370, 0x03FF, 0x0400, 0x045F, 0x2010, 0x2044, 0x2070, 0x209C,
+                               0x20AC, 0x20AC, 0x2190, 0x21FF, 0x2200, 0x22FF, 0x25A0, 0x25FF, 0};
 
 ImFont *loadFont(const std::string &file, float pixels) {
   if (file.empty()) return nullptr;
@@ -159,7 +159,9 @@ void drawIcon(ImDrawList *list, Icon icon, ImVec2 min, ImVec2 max, ImU32 tint) {
                               ImVec2(hx + 0.35f * h, hy + 0.75f * h), tint);
       break;
     }
-    case Icon::stop: list->AddRectFilled(ImVec2(cx - 0.85f * r, cy - 0.85f * r), ImVec2(cx + 0.85f * r, cy + 0.85f * r), tint); break;
+    case Icon::stop:
+      list->AddRectFilled(ImVec2(cx - 0.85f * r, cy - 0.85f * r), ImVec2(cx + 0.85f * r, cy + 0.85f * r), tint);
+      break;
     case Icon::close: {
       const float d = 0.6f * r, width = std::max(1.0f, 0.06f * size);
       list->AddLine(ImVec2(cx - d, cy - d), ImVec2(cx + d, cy + d), tint, width);

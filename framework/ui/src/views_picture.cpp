@@ -56,10 +56,12 @@ Expected<render::Image> pictureOfViews(render::Renderer &renderer, ImageViews &i
   const PixelRect &space = panes[static_cast<std::size_t>(Pane::space)];
   render::Camera camera;
   if (shown) viewOfImages(camera);
-  if (const auto bounds = scene.bounds(); bounds && !space.isEmpty()) camera.fit(bounds->min, bounds->max, space.w / space.h);
+  if (const auto bounds = scene.bounds(); bounds && !space.isEmpty())
+    camera.fit(bounds->min, bounds->max, space.w / space.h);
 
   FrameWithoutWindow imgui(width, height);
-  if (!imgui.isReady()) return fail(ErrorCode::graphics, "texts cannot be drawn: Dear ImGui does not start with this OpenGL");
+  if (!imgui.isReady())
+    return fail(ErrorCode::graphics, "texts cannot be drawn: Dear ImGui does not start with this OpenGL");
   WindowServices services;
   services.scene = &scene;
   services.images = shown;

@@ -12,12 +12,12 @@
 #include "c3de/abi/draft/tools.h"
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/log.h"
-#include "c3de/render/image_renderer.h"
-#include "c3de/render_gl/gl_renderer.h"
-#include "c3de/scene/scene_graph.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/tool_registry.h"
+#include "c3de/render/image_renderer.h"
+#include "c3de/render_gl/gl_renderer.h"
+#include "c3de/scene/scene_graph.h"
 #include "c3de/ui/view_controller.h"
 #include "chrome.h"
 #include "dock.h"
@@ -57,12 +57,12 @@ struct WorkstationWindow::Impl {
   registry::ToolRegistry noTools;
   std::optional<ViewController> viewController;
 
-  PixelRect area, view;              ///< as in FrameContext
+  PixelRect area, view;  ///< as in FrameContext
   std::array<PixelRect, 4> panes{};
   std::uint32_t buttons = 0;
   std::optional<Pane> pressedPane;  ///< where the buttons that are down were pressed
   DoubleClick doubleClick;
-  bool isRefining = false;          ///< the 3D view gets better by being drawn again
+  bool isRefining = false;  ///< the 3D view gets better by being drawn again
   std::uint64_t frame = 0;
   double lastFrame_s = 0.0, framesPerSecond = 0.0;
   int framesToSettle = kFramesToSettle;
@@ -88,7 +88,9 @@ struct WorkstationWindow::Impl {
   void measureRate(double now_s);
   void layOutPanes();
   bool handle(Pane pane, ViewInput input, const OsEvent &event);
-  [[nodiscard]] ImageViews *shownImages() const { return services.images && services.images->image() ? services.images : nullptr; }
+  [[nodiscard]] ImageViews *shownImages() const {
+    return services.images && services.images->image() ? services.images : nullptr;
+  }
   /// Null over the side panel, an overlay or a menu.
   [[nodiscard]] std::optional<Pane> paneAt(double x, double y) const;
   [[nodiscard]] render::Viewport viewportOf(const PixelRect &rect) const;
@@ -96,7 +98,8 @@ struct WorkstationWindow::Impl {
 
 std::optional<Pane> WorkstationWindow::Impl::paneAt(double x, double y) const {
   if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) return {};
-  if (std::any_of(state.overlays.begin(), state.overlays.end(), [&](const PixelRect &overlay) { return overlay.contains(x, y); }))
+  if (std::any_of(state.overlays.begin(), state.overlays.end(),
+                  [&](const PixelRect &overlay) { return overlay.contains(x, y); }))
     return {};
   for (const Pane pane : {Pane::axial, Pane::sagittal, Pane::coronal, Pane::space})
     if (panes[static_cast<std::size_t>(pane)].contains(x, y)) return pane;
@@ -152,7 +155,8 @@ void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
       input.kind = ViewInput::Kind::wheel;
       if (const auto pane = paneAt(event.x, event.y)) handle(*pane, input, event);
       break;
-    default: break;
+    default:
+      break;
   }
 }
 
@@ -167,8 +171,8 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
     return ImGui::ClosePopupToLevel(0, true);  // menus and lists; ImGui does it only with its own keyboard navigation
   if (io.WantTextInput || isPopupOpen || (io.WantCaptureKeyboard && !pressedPane)) return;
   // Over a slice, its keys are the slice's: they are the same everywhere, but 1 is another thing for an image.
-  if (const auto pane = paneAt(event.x, event.y); pane && *pane != Pane::space && shownImages() &&
-                                                  ImageViews::isSliceKey(event.key, event.modifiers)) {
+  if (const auto pane = paneAt(event.x, event.y);
+      pane && *pane != Pane::space && shownImages() && ImageViews::isSliceKey(event.key, event.modifiers)) {
     ViewInput input;
     input.kind = ViewInput::Kind::key;
     input.key = event.key;
@@ -223,7 +227,8 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
       case OsEvent::Kind::close:
         context.request(Command::quit);
         break;
-      default: takeMouse(event);
+      default:
+        takeMouse(event);
     }
   }
 }
@@ -239,7 +244,8 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   const float menuHeight = drawMenuBar(context);
   const float toolbarHeight = std::round(ImGui::GetFrameHeight() * 1.15f + theme.px(11.0f));
   const float statusHeight = std::round(theme.small->FontSize + theme.px(12.0f));
-  const float sideWidth = std::min(std::round(theme.px(state.layout.sideWidth)), std::max(width - theme.px(160.0f), 0.0f));
+  const float sideWidth =
+      std::min(std::round(theme.px(state.layout.sideWidth)), std::max(width - theme.px(160.0f), 0.0f));
   const float grip = std::round(theme.px(5.0f));
   const float top = menuHeight + toolbarHeight, middle = std::max(height - top - statusHeight, 1.0f);
   area = {sideWidth + grip, top, std::max(width - sideWidth - grip, 1.0f), middle};
@@ -300,10 +306,18 @@ void WorkstationWindow::Impl::openExportDialog(Command command) {
     action = wanted;
   };
   switch (command) {
-    case Command::exportFrame: set("Export simulation frame", kFrameExtensions, actions.exportFrame); break;
-    case Command::exportImage: set("Export deformed image", kImageExtensions, actions.exportImage); break;
-    case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
-    default: set("Export surface", kSurfaceExtensions, actions.exportSurface); break;
+    case Command::exportFrame:
+      set("Export simulation frame", kFrameExtensions, actions.exportFrame);
+      break;
+    case Command::exportImage:
+      set("Export deformed image", kImageExtensions, actions.exportImage);
+      break;
+    case Command::exportDisplacement:
+      set("Export displacement", kImageExtensions, actions.exportDisplacement);
+      break;
+    default:
+      set("Export surface", kSurfaceExtensions, actions.exportSurface);
+      break;
   }
   request.chosen = [action](const std::filesystem::path &file, const std::string &) {
     if (action) action(file);
@@ -330,10 +344,17 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     if (actions.transport && context.simulation.exists) actions.transport(action);
   };
   switch (command) {
-    case Command::none: break;
-    case Command::openMesh: openDialog(true); break;
-    case Command::openScene: openDialog(false); break;
-    case Command::openImage: openImageDialog(false); break;
+    case Command::none:
+      break;
+    case Command::openMesh:
+      openDialog(true);
+      break;
+    case Command::openScene:
+      openDialog(false);
+      break;
+    case Command::openImage:
+      openImageDialog(false);
+      break;
     case Command::openLabels:
       if (images) openImageDialog(true);
       break;
@@ -385,7 +406,9 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
       state.toLose = actions.unsaved ? actions.unsaved() : std::string();
       if (state.toLose.empty()) window->requestClose();
       break;
-    case Command::resetView: resetView(paneAt(context.mouseX, context.mouseY)); break;
+    case Command::resetView:
+      resetView(paneAt(context.mouseX, context.mouseY));
+      break;
     case Command::undo:
       // What a tool holds is let go, and is the first to be undone.
       if (services.tools) services.tools->cancelActive();
@@ -395,13 +418,27 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::redo:
       state.history.redo();
       break;
-    case Command::fitView: framesToFit = 1; break;
-    case Command::viewFront: lookFrom({0, 0, -1}, {0, 1, 0}); break;
-    case Command::viewBack: lookFrom({0, 0, 1}, {0, -1, 0}); break;
-    case Command::viewLeft: lookFrom({1, 0, 0}, {-1, 0, 0}); break;
-    case Command::viewRight: lookFrom({-1, 0, 0}, {1, 0, 0}); break;
-    case Command::viewTop: lookFrom({0, -1, 0}, {0, 0, -1}); break;
-    case Command::viewBottom: lookFrom({0, 1, 0}, {0, 0, 1}); break;
+    case Command::fitView:
+      framesToFit = 1;
+      break;
+    case Command::viewFront:
+      lookFrom({0, 0, -1}, {0, 1, 0});
+      break;
+    case Command::viewBack:
+      lookFrom({0, 0, 1}, {0, -1, 0});
+      break;
+    case Command::viewLeft:
+      lookFrom({1, 0, 0}, {-1, 0, 0});
+      break;
+    case Command::viewRight:
+      lookFrom({-1, 0, 0}, {1, 0, 0});
+      break;
+    case Command::viewTop:
+      lookFrom({0, -1, 0}, {0, 0, -1});
+      break;
+    case Command::viewBottom:
+      lookFrom({0, 1, 0}, {0, 0, 1});
+      break;
     case Command::resetLayout:
       state.layout = {};
       state.layout.resetSections = true;
@@ -410,7 +447,9 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::playPause:
       transport(context.simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
       break;
-    case Command::step: transport(C3DE_TRANSPORT_STEP); break;
+    case Command::step:
+      transport(C3DE_TRANSPORT_STEP);
+      break;
     // What a tool holds is gone with the state.
     case Command::reset:
     case Command::stop:
@@ -420,9 +459,15 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::orbitTool:
       if (services.tools) services.tools->activate({});
       break;
-    case Command::showShortcuts: state.showShortcuts = true; break;
-    case Command::showMessages: state.showMessages = true; break;
-    case Command::showAbout: state.showAbout = true; break;
+    case Command::showShortcuts:
+      state.showShortcuts = true;
+      break;
+    case Command::showMessages:
+      state.showMessages = true;
+      break;
+    case Command::showAbout:
+      state.showAbout = true;
+      break;
   }
 }
 
@@ -495,7 +540,8 @@ bool WorkstationWindow::waitForFrame() {
   for (;;) {
     const double now_s = GlfwWindow::now_s();
     impl.automation.writeIfDue(now_s);
-    const bool isDue = impl.window->hasEvents() || impl.framesToSettle > 0 || impl.isMoving || impl.isRefining || impl.window->closeRequested();
+    const bool isDue = impl.window->hasEvents() || impl.framesToSettle > 0 || impl.isMoving || impl.isRefining ||
+                       impl.window->closeRequested();
     const double sinceFrame_s = now_s - impl.lastFrame_s;
     if (isDue && sinceFrame_s >= kFrameTime_s) {
       impl.window->wait(0.0);
@@ -510,7 +556,8 @@ bool WorkstationWindow::waitForFrame() {
     const double end_s = impl.lastFrame_s + impl.state.dock.ends_s;
     const bool isEnding = !isDue && impl.state.dock.ends_s > 0.0;
     if (isEnding) wait_s = std::min(wait_s, std::max(end_s - now_s, 0.0));
-    if (const double write_s = impl.automation.secondsUntilWrite(now_s); write_s >= 0.0) wait_s = std::min(wait_s, write_s);
+    if (const double write_s = impl.automation.secondsUntilWrite(now_s); write_s >= 0.0)
+      wait_s = std::min(wait_s, write_s);
     impl.window->wait(std::max(wait_s, 1e-4));
     if (impl.window->takeWake()) impl.framesToSettle = std::max(impl.framesToSettle, 1);
     if (isEnding && GlfwWindow::now_s() >= end_s - 1e-3) impl.framesToSettle = std::max(impl.framesToSettle, 1);
@@ -527,12 +574,13 @@ bool WorkstationWindow::waitForFrame() {
 
 void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationView &simulation) {
   Impl &impl = *impl_;
-  impl.isMoving = (simulation.exists && (simulation.transport.mode == C3DE_SIM_PLAYING || simulation.transport.step_running_s > 0.0)) ||
+  impl.isMoving = (simulation.exists &&
+                   (simulation.transport.mode == C3DE_SIM_PLAYING || simulation.transport.step_running_s > 0.0)) ||
                   (impl.services.jobs && !impl.services.jobs->running().empty());
   impl.measureRate(GlfwWindow::now_s());
 
-  FrameContext context{impl.services, impl.actions, simulation, impl.imgui->theme(), impl.automation, impl.state,
-                       impl.fileDialog, impl.camera};
+  FrameContext context{impl.services,   impl.actions, simulation,      impl.imgui->theme(),
+                       impl.automation, impl.state,   impl.fileDialog, impl.camera};
   impl.state.history.follow(impl.services.parameters, impl.services.organ, impl.services.edits);
   context.windowSize = impl.window->windowSize();
   context.frame = ++impl.frame;
@@ -579,24 +627,30 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
     if (!impl.views) impl.views.emplace();
     impl.views->draw(renderer, impl.shownImages(), impl.camera,
                      {impl.area, impl.panes, [&](const PixelRect &rect) { return impl.viewportOf(rect); }, pixels});
-    impl.isRefining = !impl.view.isEmpty() && impl.shownImages() && renderer.images() && renderer.images()->wantsRefinement();
+    impl.isRefining =
+        !impl.view.isEmpty() && impl.shownImages() && renderer.images() && renderer.images()->wantsRefinement();
     glViewport(0, 0, pixels[0], pixels[1]);
     impl.imgui->draw();
   }
   impl.window->swap();
   if (impl.takesNews) impl.newsFrame_s = GlfwWindow::now_s() - impl.frameBegan_s;
   if (!events.empty())
-    impl.automation.shown(context, static_cast<std::size_t>(std::count_if(events.begin(), events.end(), [](const OsEvent &event) {
-      return event.kind == OsEvent::Kind::character;
-    })));
+    impl.automation.shown(
+        context, static_cast<std::size_t>(std::count_if(events.begin(), events.end(), [](const OsEvent &event) {
+          return event.kind == OsEvent::Kind::character;
+        })));
 }
 
 void WorkstationWindow::wake() { impl_->window->wake(); }
 bool WorkstationWindow::closeRequested() const { return impl_->window->closeRequested(); }
 void WorkstationWindow::requestClose() { impl_->window->requestClose(); }
 render::Camera &WorkstationWindow::camera() { return impl_->camera; }
-int WorkstationWindow::viewWidth() const { return impl_->viewportOf(impl_->view.isEmpty() ? impl_->area : impl_->view).width; }
-int WorkstationWindow::viewHeight() const { return impl_->viewportOf(impl_->view.isEmpty() ? impl_->area : impl_->view).height; }
+int WorkstationWindow::viewWidth() const {
+  return impl_->viewportOf(impl_->view.isEmpty() ? impl_->area : impl_->view).width;
+}
+int WorkstationWindow::viewHeight() const {
+  return impl_->viewportOf(impl_->view.isEmpty() ? impl_->area : impl_->view).height;
+}
 
 void WorkstationWindow::requestFit() {
   // The first bounds may be those of a part of what is loaded.

@@ -8,7 +8,8 @@
 
 #include "c3de/abi/draft/all.h"
 
-#define TEXT(literal) {literal, sizeof(literal) - 1}
+#define TEXT(literal) \
+  { literal, sizeof(literal) - 1 }
 
 static inline c3de_str text(const char *s) {
   c3de_str t = {s, strlen(s)};
@@ -38,13 +39,13 @@ static inline c3de_status add_test_class(const c3de_registry_v0 *registry, const
 }
 
 /* The entry function for a descriptor of the given name, and nothing else. */
-#define ANSWER_WITH(descriptor)                                                                         \
-  C3DE_EXPORT c3de_status C3DE_CALL c3de_plugin_query(const c3de_offer *offer, c3de_answer *answer) {   \
-    (void)offer;                                                                                        \
-    answer->abi_major = C3DE_ABI_MAJOR;                                                                 \
-    answer->abi_minor = C3DE_ABI_MINOR;                                                                 \
-    answer->plugin = descriptor;                                                                        \
-    return C3DE_OK;                                                                                     \
+#define ANSWER_WITH(descriptor)                                                                       \
+  C3DE_EXPORT c3de_status C3DE_CALL c3de_plugin_query(const c3de_offer *offer, c3de_answer *answer) { \
+    (void)offer;                                                                                      \
+    answer->abi_major = C3DE_ABI_MAJOR;                                                               \
+    answer->abi_minor = C3DE_ABI_MINOR;                                                               \
+    answer->plugin = descriptor;                                                                      \
+    return C3DE_OK;                                                                                   \
   }
 
 #define NAMED(id) sizeof(c3de_plugin), 1, TEXT(id), TEXT("1.0.0"), TEXT(id), TEXT(""), TEXT("")

@@ -13,8 +13,8 @@ c3de_status C3DE_CALL create(const c3de_host *host, void **) {
   throw std::runtime_error("thrown in create");
 }
 
-const c3de_plugin plugin = {NAMED("test.throws_in_create"), NO_NEEDS, &create, &do_nothing, &do_nothing,
-                            &destroy_nothing};
+const c3de_plugin plugin = {
+    NAMED("test.throws_in_create"), NO_NEEDS, &create, &do_nothing, &do_nothing, &destroy_nothing};
 
 }  // namespace
 

@@ -26,7 +26,8 @@ void massesFromDensity(Body &body) {
   for (std::size_t i = 0; i < count; ++i) body.mass[i] = s * cube(i) * body.material.density;
   for (std::size_t i = 0; i < count; ++i) {
     body.density[i] = body.mass[i] * n.selfWeights[i];
-    for (std::size_t k = n.first[i]; k < n.first[i + 1]; ++k) body.density[i] += body.mass[n.neighbors[k]] * n.weights[k];
+    for (std::size_t k = n.first[i]; k < n.first[i + 1]; ++k)
+      body.density[i] += body.mass[n.neighbors[k]] * n.weights[k];
     body.volume[i] = body.mass[i] / body.density[i];
   }
 }
@@ -178,8 +179,8 @@ double elasticEnergy(const Body &body) {
     const Mat3 J = deformation(body, i);
     const Mat3 e = strain(J, body.errata) - body.plasticStrain[i];
     const double dilation = J.determinant() - 1.0;
-    sum += 0.5 * body.volume[i] * (e.cwiseProduct(stress(body.material, e)).sum() +
-                                   body.material.volumeStiffness * dilation * dilation);
+    sum += 0.5 * body.volume[i] *
+           (e.cwiseProduct(stress(body.material, e)).sum() + body.material.volumeStiffness * dilation * dilation);
   }
   return sum;
 }

@@ -8,17 +8,17 @@
 namespace reference {
 
 struct Plasticity {
-  double yield = 0.05;    ///< |eps_e| from which it flows, in the strain that is used (2E with factorFour)
-  double maximum = 1.0;   ///< |eps_p| is scaled back to this
-  double creep = 0.1;     ///< part per step, 0 … 1; creepPerStep
-  double creepTime = 0.1; ///< tau, s; otherwise
+  double yield = 0.05;     ///< |eps_e| from which it flows, in the strain that is used (2E with factorFour)
+  double maximum = 1.0;    ///< |eps_p| is scaled back to this
+  double creep = 0.1;      ///< part per step, 0 … 1; creepPerStep
+  double creepTime = 0.1;  ///< tau, s; otherwise
 };
 
 struct Material {
   double youngsModulus = 6000.0;  ///< Pa
   double poissonRatio = 0.3;
-  double density = 1000.0;        ///< kg/m³
-  double volumeStiffness = 0.0;   ///< k_v, Pa; counts volume a second time beside Poisson's ratio
+  double density = 1000.0;       ///< kg/m³
+  double volumeStiffness = 0.0;  ///< k_v, Pa; counts volume a second time beside Poisson's ratio
   std::optional<Plasticity> plasticity;
 };
 
@@ -34,21 +34,21 @@ struct Body {
   Material material;
   Neighborhoods neighborhoods;
 
-  std::vector<Vec3> X;        ///< reference positions, m
-  std::vector<Vec3> u;        ///< displacements, m
-  std::vector<Vec3> velocity; ///< m/s; with forwardEuler those of half a step before
-  std::vector<Vec3> force;    ///< N
+  std::vector<Vec3> X;         ///< reference positions, m
+  std::vector<Vec3> u;         ///< displacements, m
+  std::vector<Vec3> velocity;  ///< m/s; with forwardEuler those of half a step before
+  std::vector<Vec3> force;     ///< N
 
   std::vector<double> mass;     ///< kg
   std::vector<double> density;  ///< rho_i, kg/m³
   std::vector<double> volume;   ///< v_i, m³
 
   std::vector<Vec3> singularValues;  ///< of A, largest first, 1/m
-  std::vector<int> rank;        ///< 3: A is regular; less: flat directions
-  std::vector<Mat3> frame;      ///< eigenvectors of A, largest first
-  std::vector<Vec3> d;          ///< per neighbour: d_j = A_i^-1 X_ij w_ij, 1/m
-  std::vector<Vec3> dSelf;      ///< d_i = -sum d_j
-  std::vector<Mat3> J;          ///< of the last force evaluation
+  std::vector<int> rank;             ///< 3: A is regular; less: flat directions
+  std::vector<Mat3> frame;           ///< eigenvectors of A, largest first
+  std::vector<Vec3> d;               ///< per neighbour: d_j = A_i^-1 X_ij w_ij, 1/m
+  std::vector<Vec3> dSelf;           ///< d_i = -sum d_j
+  std::vector<Mat3> J;               ///< of the last force evaluation
   std::vector<Mat3> plasticStrain;
 };
 
@@ -67,7 +67,8 @@ inline constexpr double kRelativeCutOff = 1e-2;
 /// J = I + (grad u)^T of phyxel i, grad u = sum_j d_j (u_j - u_i)^T; completed in flat directions without truncatedFit.
 [[nodiscard]] Mat3 deformation(const Body &body, std::size_t i);
 
-/// The loop of the thesis: J, eps, sigma and the forces of every phyxel on its neighbours and itself; fills J and force.
+/// The loop of the thesis: J, eps, sigma and the forces of every phyxel on its neighbours and itself; fills J and
+/// force.
 ///
 /// f_j = -2 v_i J sigma d_j,  f_i = -2 v_i J sigma d_i,  and of the volume  -v_i k_v (|J| - 1) cof(J) d.
 /// Without factorFour the 2 is 1.

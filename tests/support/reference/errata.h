@@ -19,7 +19,9 @@ struct Errata {
   bool plasticVolume;       ///< plastic strain may change the volume; else its trace is taken out
 
   /// The thesis as printed.
-  [[nodiscard]] static constexpr Errata literal() { return {true, true, true, true, true, true, true, true, true, true}; }
+  [[nodiscard]] static constexpr Errata literal() {
+    return {true, true, true, true, true, true, true, true, true, true};
+  }
   [[nodiscard]] static constexpr Errata corrected() { return {}; }
 };
 

@@ -29,8 +29,8 @@ struct Neighborhoods {
 
 /// The N nearest phyxels of every phyxel, by trying all.
 ///
-/// vanishingShell: h is the distance of the N-th, and exactly N are chosen. Otherwise those as far as the N-th come in as
-/// well and h is kSupportMargin times that distance.
+/// vanishingShell: h is the distance of the N-th, and exactly N are chosen. Otherwise those as far as the N-th come in
+/// as well and h is kSupportMargin times that distance.
 /// @pre     0 < count < positions.size()
 /// @source  thesis, N nearest; Müller et al. 2004, 3.2
 [[nodiscard]] Neighborhoods nearestNeighbors(std::span<const Vec3> positions, std::size_t count, const Errata &errata);

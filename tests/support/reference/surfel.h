@@ -5,8 +5,8 @@
 
 namespace reference {
 
-/// u_s = sum_i w_i (u_i + (grad u_i)^T (X_s - X_i)) / sum_i w_i,  w_i = exp(-|X_s - X_i|²/h²), over the nearest phyxels;
-/// h is the distance of the farthest of them.
+/// u_s = sum_i w_i (u_i + (grad u_i)^T (X_s - X_i)) / sum_i w_i,  w_i = exp(-|X_s - X_i|²/h²), over the nearest
+/// phyxels; h is the distance of the farthest of them.
 ///
 /// @param point  X_s, m
 /// @param count  nearest phyxels, 1 … all of them

@@ -32,13 +32,15 @@ inline double triangleDistance(const Vec3 &p, const Vec3 &a, const Vec3 &b, cons
   n = (1.0 / length) * n;
   const double height = dot(p - a, n);
   const Vec3 foot = p - height * n;
-  const bool inside = dot(cross(b - a, foot - a), n) >= 0.0 && dot(cross(c - b, foot - b), n) >= 0.0 && dot(cross(a - c, foot - c), n) >= 0.0;
+  const bool inside = dot(cross(b - a, foot - a), n) >= 0.0 && dot(cross(c - b, foot - b), n) >= 0.0 &&
+                      dot(cross(a - c, foot - c), n) >= 0.0;
   return inside ? std::abs(height) : sides;
 }
 
 inline double distance(const TriangleMesh &mesh, const Vec3 &p) {
   double best = std::numeric_limits<double>::infinity();
-  for (const Triangle &t : mesh.triangles) best = std::min(best, triangleDistance(p, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
+  for (const Triangle &t : mesh.triangles)
+    best = std::min(best, triangleDistance(p, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]));
   return best;
 }
 
@@ -46,7 +48,8 @@ inline std::vector<std::uint32_t> trianglesInBall(const TriangleMesh &mesh, cons
   std::vector<std::uint32_t> found;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle &t = mesh.triangles[i];
-    if (triangleDistance(p, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]) <= radius) found.push_back(i);
+    if (triangleDistance(p, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]) <= radius)
+      found.push_back(i);
   }
   return found;
 }

@@ -63,7 +63,8 @@ TEST_CASE("Signed distances to a fine sphere agree with the formula up to the fa
 }
 
 TEST_CASE("Distances agree with brute force on organs and their sign with the winding number") {
-  for (const char *file : {"mesh/openhelp/Pancreas.stl", "mesh/ssvtk_liver_patient/portal_vein.vtk", "mesh/sofa/liver.obj"}) {
+  for (const char *file :
+       {"mesh/openhelp/Pancreas.stl", "mesh/ssvtk_liver_patient/portal_vein.vtk", "mesh/sofa/liver.obj"}) {
     C3DE_DATA_OR_SKIP(path, file);
     INFO(file);
     const auto loaded = geometry::loadMesh(path, geometry::LengthUnit::millimetre);
@@ -81,7 +82,8 @@ TEST_CASE("Distances agree with brute force on organs and their sign with the wi
       if (i % 4 == 0) {  // next to a corner, an edge or a face
         const Triangle &t = mesh.triangles[random.index(mesh.triangles.size())];
         const double s = i % 8 == 0 ? 0.0 : random.uniform(0.0, 1.0);
-        p = (1.0 - s) * mesh.vertices[t[0]] + s * mesh.vertices[t[1]] + random.in({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01});
+        p = (1.0 - s) * mesh.vertices[t[0]] + s * mesh.vertices[t[1]] +
+            random.in({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01});
       }
       const collision::ClosestPoint c = tree->closest(p);
       if (i < 300) REQUIRE_THAT(std::abs(c.distance), WithinAbs(brute_force::distance(mesh, p), 1e-9));
@@ -114,8 +116,9 @@ TEST_CASE("Distances to an open surface have no sign") {
 
 TEST_CASE("The sign is right at a sharp edge, where the nearest faces alone would mislead") {
   // A thin wedge: points just beyond the sharp edge lie behind the plane of one of its two faces.
-  const geometry::TriangleMesh wedge{{{0, 0, 0}, {0, 10, 0}, {10, 0, 0.2}, {10, 10, 0.2}, {10, 0, -0.2}, {10, 10, -0.2}},
-                                     {{0, 2, 1}, {1, 2, 3}, {0, 1, 4}, {1, 5, 4}, {2, 4, 3}, {3, 4, 5}, {0, 4, 2}, {1, 3, 5}}};
+  const geometry::TriangleMesh wedge{
+      {{0, 0, 0}, {0, 10, 0}, {10, 0, 0.2}, {10, 10, 0.2}, {10, 0, -0.2}, {10, 10, -0.2}},
+      {{0, 2, 1}, {1, 2, 3}, {0, 1, 4}, {1, 5, 4}, {2, 4, 3}, {3, 4, 5}, {0, 4, 2}, {1, 3, 5}}};
   auto mesh = wedge;
   if (geometry::signedVolume(mesh) < 0.0) shapes::turnInsideOut(mesh);
   const auto tree = AabbTree::build(mesh.vertices, mesh.triangles);

@@ -29,7 +29,8 @@ void compareWithBruteForce(const geometry::TriangleMesh &mesh, unsigned seed, in
     ++hits;
     REQUIRE_THAT(hit.t, WithinAbs(expected, 1e-9));
     const Triangle &t = mesh.triangles[hit.triangle];
-    const Vec3 at = hit.bary[0] * mesh.vertices[t[0]] + hit.bary[1] * mesh.vertices[t[1]] + hit.bary[2] * mesh.vertices[t[2]];
+    const Vec3 at =
+        hit.bary[0] * mesh.vertices[t[0]] + hit.bary[1] * mesh.vertices[t[1]] + hit.bary[2] * mesh.vertices[t[2]];
     REQUIRE(norm(at - (origin + hit.t * direction)) < 1e-9 * norm(size));
   }
   CHECK(hits > rays / 10);
@@ -37,10 +38,13 @@ void compareWithBruteForce(const geometry::TriangleMesh &mesh, unsigned seed, in
 
 }  // namespace
 
-TEST_CASE("Rays agree with brute force on a sphere") { compareWithBruteForce(shapes::sphere({1, -2, 3}, 5.0, 3), 11, 2000); }
+TEST_CASE("Rays agree with brute force on a sphere") {
+  compareWithBruteForce(shapes::sphere({1, -2, 3}, 5.0, 3), 11, 2000);
+}
 
 TEST_CASE("Rays agree with brute force on organs") {
-  for (const char *file : {"mesh/openhelp/Pancreas.stl", "mesh/sofa_env_nasty/grasp/liver_collision.stl", "mesh/sofa/n0.obj"}) {
+  for (const char *file :
+       {"mesh/openhelp/Pancreas.stl", "mesh/sofa_env_nasty/grasp/liver_collision.stl", "mesh/sofa/n0.obj"}) {
     C3DE_DATA_OR_SKIP(path, file);
     INFO(file);
     const auto loaded = geometry::loadMesh(path, geometry::LengthUnit::millimetre);
@@ -69,12 +73,12 @@ TEST_CASE("Rays in the planes and along the edges of an axis-aligned box are ans
   const auto mesh = shapes::box({0, 0, 0}, {10, 10, 10});
   const auto tree = AabbTree::build(mesh.vertices, mesh.triangles);
   REQUIRE(tree);
-  CHECK_THAT(tree->ray({5, 5, -5}, {0, 0, 1}).t, WithinAbs(5.0, 1e-12));   // through the diagonal of two faces
-  CHECK_THAT(tree->ray({0, 0, -5}, {0, 0, 1}).t, WithinAbs(5.0, 1e-12));   // onto a corner, along an edge
-  CHECK_THAT(tree->ray({0, 5, -5}, {0, 0, 1}).t, WithinAbs(5.0, 1e-12));   // in the plane of a face
+  CHECK_THAT(tree->ray({5, 5, -5}, {0, 0, 1}).t, WithinAbs(5.0, 1e-12));  // through the diagonal of two faces
+  CHECK_THAT(tree->ray({0, 0, -5}, {0, 0, 1}).t, WithinAbs(5.0, 1e-12));  // onto a corner, along an edge
+  CHECK_THAT(tree->ray({0, 5, -5}, {0, 0, 1}).t, WithinAbs(5.0, 1e-12));  // in the plane of a face
   CHECK_FALSE(tree->ray({11, 5, -5}, {0, 0, 1}).isHit());
   CHECK_FALSE(tree->ray({5, 5, -5}, {0, 0, -1}).isHit());
-  CHECK_THAT(tree->ray({5, 5, 5}, {0, 0, 2}).t, WithinAbs(2.5, 1e-12));    // from inside; t counts directions, not mm
+  CHECK_THAT(tree->ray({5, 5, 5}, {0, 0, 2}).t, WithinAbs(2.5, 1e-12));  // from inside; t counts directions, not mm
 }
 
 TEST_CASE("A ray ends at its greatest t and a segment at its ends") {

@@ -117,13 +117,12 @@ TEST_CASE("A job that is asked for while the jobs end is not started") {
     jobs.submit(
         "test", "first", [](const c3de::ProgressFn &) -> c3de::Expected<void> { return {}; },
         [&](const c3de::Expected<void> &) {
-          second = jobs.submit(
-              "test", "second",
-              [&](const c3de::ProgressFn &) -> c3de::Expected<void> {
-                hasRun = true;
-                return {};
-              },
-              {});
+          second = jobs.submit("test", "second",
+                               [&](const c3de::ProgressFn &) -> c3de::Expected<void> {
+                                 hasRun = true;
+                                 return {};
+                               },
+                               {});
         });
   }
   CHECK(second.isNull());

@@ -150,7 +150,8 @@ TEST_CASE("Two names of one file are refused however they are spelt") {
   const fs::path folder = emptyFolder(), input = write(folder / "scene.toml", "format = 1");
   fs::create_directories(folder / "sub");
   CHECK(check({folder / "a", {}, folder / "b"}, {input, {}}).has_value());
-  std::vector<std::array<fs::path, 2>> same{{folder / "a", folder / "." / "a"}, {folder / "a", folder / "sub" / ".." / "a"}};
+  std::vector<std::array<fs::path, 2>> same{{folder / "a", folder / "." / "a"},
+                                            {folder / "a", folder / "sub" / ".." / "a"}};
   std::error_code code;
   fs::create_symlink("nowhere", folder / "link", code);
   if (!code) same.push_back({folder / "nowhere", folder / "link"});

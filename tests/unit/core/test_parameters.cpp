@@ -58,7 +58,8 @@ TEST_CASE("infinity is accepted where the declared range reaches it and nowhere 
 TEST_CASE("a refusal names the parameter, the value and what is accepted") {
   const auto checked = checkParameter(poisson(), number(0.7));
   REQUIRE_FALSE(checked);
-  CHECK_THAT(checked.error().message, Contains("material.poisson_ratio") && Contains("0.7") && Contains("-1 < value < 0.5"));
+  CHECK_THAT(checked.error().message,
+             Contains("material.poisson_ratio") && Contains("0.7") && Contains("-1 < value < 0.5"));
 }
 
 TEST_CASE("auto is accepted where it is declared and nowhere else") {

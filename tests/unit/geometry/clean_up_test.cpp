@@ -40,7 +40,8 @@ TEST_CASE("A soup of triangles is welded to a closed surface, exactly and within
     for (const Triangle &t : sphere.triangles) {
       const auto n = static_cast<unsigned>(soup.vertices.size());
       soup.triangles.push_back({n, n + 1, n + 2});
-      for (unsigned v : t) soup.vertices.push_back(sphere.vertices[v] + random.in({-noise, -noise, -noise}, {noise, noise, noise}));
+      for (unsigned v : t)
+        soup.vertices.push_back(sphere.vertices[v] + random.in({-noise, -noise, -noise}, {noise, noise, noise}));
     }
     const auto loaded = built(soup);
     CHECK(loaded.report.vertices == sphere.vertices.size());
@@ -151,7 +152,8 @@ TEST_CASE("Triangles that face the other way than their neighbours are turned") 
 }
 
 TEST_CASE("A cavity stays a cavity, also when the whole file is inside out") {
-  const double outer = signedVolume(shapes::sphere({0, 0, 0}, 10.0, 2)), inner = signedVolume(shapes::sphere({1, 0, 0}, 4.0, 2));
+  const double outer = signedVolume(shapes::sphere({0, 0, 0}, 10.0, 2)),
+               inner = signedVolume(shapes::sphere({1, 0, 0}, 4.0, 2));
   for (bool isInsideOut : {false, true}) {
     auto mesh = shapes::sphere({0, 0, 0}, 10.0, 2), cavity = shapes::sphere({1, 0, 0}, 4.0, 2);
     shapes::turnInsideOut(cavity);

@@ -41,15 +41,20 @@ TEST_CASE("Every mesh made by others loads, or is refused with a reason") {
 }
 
 TEST_CASE("Closed organs have their known counts and volumes") {
-  for (const Known &known : {Known{"sofa/liver.obj", 139, 274, 1, 36.57}, Known{"sofa/liver2.obj", 1170, 2336, 1, 1.147},
-                             Known{"sofa/liver-smooth.obj", 2194, 4384, 1, 39.27}, Known{"sofa/torus.obj", 800, 1600, 1, 8.745},
-                             Known{"sofa/SimpleThinCube.obj", 8, 12, 1, 136.5}, Known{"sofa/cubeQuad.obj", 1538, 3072, 1, 8.0},
-                             Known{"sofa/smCube27.obj", 26, 48, 1, 343.0}, Known{"sofa/n0.obj", 2011, 4022, 1, 0.1838},
-                             Known{"sofa/frog_quads.obj", 2397, 4790, 1, 156.3}, Known{"openhelp/Liver.stl", 15365, 30726, 1, 1.818e6},
-                             Known{"openhelp/Kidney_left.stl", 3287, 6570, 1, 1.916e5}, Known{"openhelp/Pancreas.stl", 3099, 6190, 2, 8.581e4},
-                             Known{"gca/small_intestine_20k.vtk", 10002, 20000, 1, 1.062e6}, Known{"ssvtk_liver_patient/liver.vtk", 10012, 20000, 6, 2.316e6},
-                             Known{"ssvtk_liver_patient/portal_vein.vtk", 4994, 9980, 2, 2.726e4}, Known{"ssvtk_liver_patient/gallbladder.vtk", 1467, 2930, 1, 1.517e4},
-                             Known{"ssvtk_liver_patient/liver_tumours.vtk", 2028, 4052, 1, 9.668e4}, Known{"beamadapter/aneurysm3d_collis.obj", 3204, 6404, 1, 65.04}}) {
+  for (const Known &known :
+       {Known{"sofa/liver.obj", 139, 274, 1, 36.57}, Known{"sofa/liver2.obj", 1170, 2336, 1, 1.147},
+        Known{"sofa/liver-smooth.obj", 2194, 4384, 1, 39.27}, Known{"sofa/torus.obj", 800, 1600, 1, 8.745},
+        Known{"sofa/SimpleThinCube.obj", 8, 12, 1, 136.5}, Known{"sofa/cubeQuad.obj", 1538, 3072, 1, 8.0},
+        Known{"sofa/smCube27.obj", 26, 48, 1, 343.0}, Known{"sofa/n0.obj", 2011, 4022, 1, 0.1838},
+        Known{"sofa/frog_quads.obj", 2397, 4790, 1, 156.3}, Known{"openhelp/Liver.stl", 15365, 30726, 1, 1.818e6},
+        Known{"openhelp/Kidney_left.stl", 3287, 6570, 1, 1.916e5},
+        Known{"openhelp/Pancreas.stl", 3099, 6190, 2, 8.581e4},
+        Known{"gca/small_intestine_20k.vtk", 10002, 20000, 1, 1.062e6},
+        Known{"ssvtk_liver_patient/liver.vtk", 10012, 20000, 6, 2.316e6},
+        Known{"ssvtk_liver_patient/portal_vein.vtk", 4994, 9980, 2, 2.726e4},
+        Known{"ssvtk_liver_patient/gallbladder.vtk", 1467, 2930, 1, 1.517e4},
+        Known{"ssvtk_liver_patient/liver_tumours.vtk", 2028, 4052, 1, 9.668e4},
+        Known{"beamadapter/aneurysm3d_collis.obj", 3204, 6404, 1, 65.04}}) {
     C3DE_DATA_OR_SKIP(path, std::string("mesh/") + known.file);
     INFO(known.file);
     const auto loaded = loadMesh(path, LengthUnit::millimetre);
@@ -77,11 +82,13 @@ TEST_CASE("Faulty organs are described by their faults and can be filled all the
   struct Faulty {
     const char *file, *warning, *repair;
   };
-  for (const Faulty &faulty : {Faulty{"sofa_env_nasty/grasp/liver_collision.stl", "16 separate parts", "faced the other way"},
-                               Faulty{"sofa_env_nasty/grasp/liver_collision.stl", "not closed", "back to back"},
-                               Faulty{"sofa_env_nasty/liver_collision.stl", "15 edges have more than two triangles", "welded"},
-                               Faulty{"ssvtk_kidney/kidney.vtk", "5 boundary edges", ""}, Faulty{"beamadapter/carotids.stl", "41 boundary edges", "inside out"},
-                               Faulty{"sofa/c_open.obj", "20 boundary edges", "200 copies"}}) {
+  for (const Faulty &faulty :
+       {Faulty{"sofa_env_nasty/grasp/liver_collision.stl", "16 separate parts", "faced the other way"},
+        Faulty{"sofa_env_nasty/grasp/liver_collision.stl", "not closed", "back to back"},
+        Faulty{"sofa_env_nasty/liver_collision.stl", "15 edges have more than two triangles", "welded"},
+        Faulty{"ssvtk_kidney/kidney.vtk", "5 boundary edges", ""},
+        Faulty{"beamadapter/carotids.stl", "41 boundary edges", "inside out"},
+        Faulty{"sofa/c_open.obj", "20 boundary edges", "200 copies"}}) {
     C3DE_DATA_OR_SKIP(path, std::string("mesh/") + faulty.file);
     INFO(faulty.file);
     const auto loaded = loadMesh(path, LengthUnit::millimetre);

@@ -65,8 +65,8 @@ TEST_CASE("A written surface is read again as it was, in millimetres without bei
     CHECK(loaded->report.vertices == mesh.vertices.size());
     CHECK(loaded->report.closed);
     CHECK(loaded->report.oriented);
-    // 32-bit coordinates up to 1000 mm (STL writes them, the reader of PLY keeps them) are exact to 2^-15 mm an axis. The
-    // parser of OBJ is off by some roundings of a double.
+    // 32-bit coordinates up to 1000 mm (STL writes them, the reader of PLY keeps them) are exact to 2^-15 mm an axis.
+    // The parser of OBJ is off by some roundings of a double.
     const double exactness = extension == ".vtp" ? 0.0 : extension == ".obj" ? 1e-11 : 6e-5;
     CHECK(largestDifference(loaded->mesh, mesh) <= exactness);
     CHECK_THAT(signedVolume(loaded->mesh), WithinRel(signedVolume(mesh), 1e-5));
@@ -94,7 +94,8 @@ TEST_CASE("Units and RAS are found in the comments of every format, and nowhere 
   CHECK_FALSE(unitInFile(test_files::write("none.obj", obj + "g UNITS=cm\n")));
   CHECK_FALSE(unitInFile(test_files::write("other.obj", "# UNITS=inch BUNITS=cm\n" + obj)));
   CHECK(unitInFile(test_files::write("a.stl", "solid part UNITS=cm\nfacet\n")) == LengthUnit::centimetre);
-  CHECK(unitInFile(test_files::write("a.vtk", "# vtk DataFile Version 4.2\ntitle SPACE=RAS;UNITS=cm\nASCII\n")) == LengthUnit::centimetre);
+  CHECK(unitInFile(test_files::write("a.vtk", "# vtk DataFile Version 4.2\ntitle SPACE=RAS;UNITS=cm\nASCII\n")) ==
+        LengthUnit::centimetre);
   CHECK_FALSE(unitInFile("nowhere/absent.obj"));
   const auto ras = loadMesh(test_files::write("ras.obj", "# SPACE=RAS\n" + obj), std::nullopt);
   REQUIRE(ras);
@@ -107,11 +108,15 @@ TEST_CASE("Units and RAS are found in the comments of every format, and nowhere 
 
 TEST_CASE("PLY keeps arrays per vertex under names of one word") {
   const TriangleMesh mesh = shapes::box({0, 0, 0}, {1, 2, 3});
-  PointArray shift{"displacement [mm]", 3, std::vector<double>(24, 0.25)}, part{"body", 1, std::vector<double>(8, 7.0), PointArray::Type::whole};
+  PointArray shift{"displacement [mm]", 3, std::vector<double>(24, 0.25)},
+      part{"body", 1, std::vector<double>(8, 7.0), PointArray::Type::whole};
   const auto path = testOutputFolder() / "box.ply";
   REQUIRE(writeMesh(path, mesh, {{shift, part}, ""}));
   const std::string bytes = readAll(path);
-  CHECK_THAT(bytes, Contains("property float displacement_mm_x\nproperty float displacement_mm_y\nproperty float displacement_mm_z\nproperty int body\n"));
+  CHECK_THAT(
+      bytes,
+      Contains(
+          "property float displacement_mm_x\nproperty float displacement_mm_y\nproperty float displacement_mm_z\nproperty int body\n"));
   const std::size_t begin = bytes.find("end_header\n") + 11;
   CHECK(bytes.size() - begin == 8 * (24 + 12 + 4) + 12 * 13);
   CHECK(bytes.substr(begin + 24, 4) == std::string("\0\0\x80\x3e", 4));  // 0.25f
@@ -139,7 +144,8 @@ TEST_CASE("What should not be written is refused by name and leaves nothing behi
   CHECK_THAT(refused("index.vtp", bad).message, Contains("triangle 3 names vertex 8 of 8"));
   bad = mesh;
   bad.vertices[2][1] = std::nan("");
-  for (const char *name : {"nan.obj", "nan.stl", "nan.ply", "nan.vtp"}) CHECK_THAT(refused(name, bad).message, Contains("y coordinate nan of point 2"));
+  for (const char *name : {"nan.obj", "nan.stl", "nan.ply", "nan.vtp"})
+    CHECK_THAT(refused(name, bad).message, Contains("y coordinate nan of point 2"));
   CHECK_THAT(refused("rows.vtp", mesh, {{{"a", 2, {1.0}}}, ""}).message, Contains("1 numbers for 8 points"));
   const std::vector<double> eight(8, 0.0);
   CHECK_THAT(refused("twice.ply", mesh, {{{"a", 1, eight}, {"a", 1, eight}}, ""}).message, Contains("'a'"));
@@ -155,13 +161,16 @@ TEST_CASE("What should not be written is refused by name and leaves nothing behi
 }
 
 TEST_CASE("VTP of other programs is read: text and inline base64, strips, several pieces, old headers") {
-  const std::string head = "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<PolyData>\n";
-  const std::string points = "<PointData><DataArray type=\"Float32\" Name=\"x\" format=\"ascii\">1 2 3 4</DataArray></PointData>"
-                             "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0  10 0 0\n 0 10 0  0 0 10</DataArray></Points>\n";
+  const std::string head =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<PolyData>\n";
+  const std::string points =
+      "<PointData><DataArray type=\"Float32\" Name=\"x\" format=\"ascii\">1 2 3 4</DataArray></PointData>"
+      "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0  10 0 0\n 0 10 0  0 0 10</DataArray></Points>\n";
   const std::string tail = "</Piece></PolyData></VTKFile>";
   const std::string piece = "<Piece NumberOfPoints=\"4\" NumberOfPolys=\"4\">";
-  const std::string polys = "<Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 2 1 0 1 3 0 3 2 1 2 3</DataArray>"
-                            "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3 6 9 12</DataArray></Polys>";
+  const std::string polys =
+      "<Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 2 1 0 1 3 0 3 2 1 2 3</DataArray>"
+      "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3 6 9 12</DataArray></Polys>";
   const auto volume = [](const std::string &name, const std::string &text) {
     const auto loaded = loadMesh(test_files::write(name, text), std::nullopt);
     if (!loaded) FAIL(loaded.error().message);
@@ -171,16 +180,18 @@ TEST_CASE("VTP of other programs is read: text and inline base64, strips, severa
   const double expected = 1000.0 / 6.0;
   CHECK_THAT(volume("ascii.vtp", head + piece + points + polys + tail), WithinRel(expected, 1e-6));
   // 4-byte header (48 bytes of Int32) in a block with the data: written out by hand with python's base64 module.
-  const std::string inlined = "<Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"binary\">\n"
-                              "MAAAAAAAAAACAAAAAQAAAAAAAAABAAAAAwAAAAAAAAADAAAAAgAAAAEAAAACAAAAAwAAAA==\n</DataArray>"
-                              "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3 6 9 12</DataArray></Polys>";
+  const std::string inlined =
+      "<Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"binary\">\n"
+      "MAAAAAAAAAACAAAAAQAAAAAAAAABAAAAAwAAAAAAAAADAAAAAgAAAAEAAAACAAAAAwAAAA==\n</DataArray>"
+      "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3 6 9 12</DataArray></Polys>";
   CHECK_THAT(volume("inline.vtp", head + piece + points + inlined + tail), WithinRel(expected, 1e-6));
   // The same with the header as a block of its own.
   std::string two = inlined;
   two.replace(two.find("MAAAAAAA"), 72, "MAAAAA==AAAAAAIAAAABAAAAAAAAAAEAAAADAAAAAAAAAAMAAAACAAAAAQAAAAIAAAADAAAA");
   CHECK_THAT(volume("two.vtp", head + piece + points + two + tail), WithinRel(expected, 1e-6));
-  const std::string strip = "<Strips><DataArray type=\"UInt8\" Name=\"connectivity\" format=\"ascii\">0 1 3 2 0 1</DataArray>"
-                            "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">6</DataArray></Strips>";
+  const std::string strip =
+      "<Strips><DataArray type=\"UInt8\" Name=\"connectivity\" format=\"ascii\">0 1 3 2 0 1</DataArray>"
+      "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">6</DataArray></Strips>";
   CHECK_THAT(volume("strip.vtp", head + piece + points + strip + tail), WithinRel(expected, 1e-6));
 }
 
@@ -207,7 +218,8 @@ TEST_CASE("Broken VTP files are refused with the reason") {
     return text;
   };
   CHECK_THAT(refusal(with("\"PolyData\"", "\"ImageData\"")), Contains("'ImageData'") && Contains("PolyData"));
-  CHECK_THAT(refusal(with("NumberOfPoints=\"8\"", "NumberOfPoints=\"4000000000\"")), Contains("24 coordinates for 4000000000 points"));
+  CHECK_THAT(refusal(with("NumberOfPoints=\"8\"", "NumberOfPoints=\"4000000000\"")),
+             Contains("24 coordinates for 4000000000 points"));
   CHECK_THAT(refusal(with("NumberOfPoints=\"8\"", "NumberOfPoints=\"-8\"")), Contains("'-8'"));
   CHECK_THAT(refusal("<VTKFile type=\"PolyData\"><Piece NumberOfPoints=\"0\"/></VTKFile>"), Contains("no faces"));
   CHECK_THAT(refusal("hello"), Contains("VTKFile"));

@@ -14,7 +14,8 @@ using namespace c3de::geometry;
 namespace {
 
 /// The message with which a file of this content is refused.
-std::string refusal(std::string_view content, const std::string &name = "bad.obj", LengthUnit unit = LengthUnit::millimetre) {
+std::string refusal(std::string_view content, const std::string &name = "bad.obj",
+                    LengthUnit unit = LengthUnit::millimetre) {
   const auto loaded = loadMesh(test_files::write(name, content), unit);
   if (loaded) return "was accepted";
   CHECK(loaded.error().code == ErrorCode::input);
@@ -22,18 +23,22 @@ std::string refusal(std::string_view content, const std::string &name = "bad.obj
   return loaded.error().message;
 }
 
-LoadedMesh accepted(std::string_view content, const std::string &name = "good.obj", LengthUnit unit = LengthUnit::millimetre) {
+LoadedMesh accepted(std::string_view content, const std::string &name = "good.obj",
+                    LengthUnit unit = LengthUnit::millimetre) {
   auto loaded = loadMesh(test_files::write(name, content), unit);
   if (!loaded) FAIL(loaded.error().message);
   return *loaded;
 }
 
-std::string tetrahedronWith(std::string_view extraLines) { return std::string(test_files::kTetrahedronObj) + std::string(extraLines); }
+std::string tetrahedronWith(std::string_view extraLines) {
+  return std::string(test_files::kTetrahedronObj) + std::string(extraLines);
+}
 
 }  // namespace
 
 TEST_CASE("An OBJ keeps the order and the full precision of its vertices") {
-  const auto loaded = accepted("v 0.12345678901234 0 0\nv 10 .2 0\nv -.5 1e1 0\nv 0 0 +10.\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const auto loaded =
+      accepted("v 0.12345678901234 0 0\nv 10 .2 0\nv -.5 1e1 0\nv 0 0 +10.\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   REQUIRE(loaded.mesh.vertices.size() == 4);
   CHECK_THAT(loaded.mesh.vertices[0][0], WithinAbs(0.12345678901234, 1e-14));
   CHECK(loaded.mesh.vertices[1] == Vec3{10.0, 0.2, 0.0});  // a number that begins with its point
@@ -64,16 +69,18 @@ TEST_CASE("The unit of the file scales vertices, box and volume") {
 }
 
 TEST_CASE("Relative indices, texture indices, continued lines, Windows line ends and groups are understood") {
-  const auto loaded = accepted("\xEF\xBB\xBF# comment\r\nmtllib none.mtl\r\no part\r\nv 0 0 0 # origin\r\nv 10 0 0\r\nv 0 10 0\r\nv 0 0 10\r\nvt 0 0\r\nvn 0 0 1\r\n"
-                               "usemtl red\r\nf -4/1/1 -2/1/1 \\\r\n -3/1/1\r\ng other\r\nf 1//1 2//1 4//1\r\nf 1/1 4/1 3/1\r\ns off\r\nf 2 3 4");
+  const auto loaded = accepted(
+      "\xEF\xBB\xBF# comment\r\nmtllib none.mtl\r\no part\r\nv 0 0 0 # origin\r\nv 10 0 0\r\nv 0 10 0\r\nv 0 0 10\r\nvt 0 0\r\nvn 0 0 1\r\n"
+      "usemtl red\r\nf -4/1/1 -2/1/1 \\\r\n -3/1/1\r\ng other\r\nf 1//1 2//1 4//1\r\nf 1/1 4/1 3/1\r\ns off\r\nf 2 3 4");
   CHECK(loaded.mesh.triangles.size() == 4);
   CHECK(loaded.report.closed);
 }
 
 TEST_CASE("Polygons become triangles, concave ones too") {
   // A prism over an L: two concave hexagons and six quadrilaterals.
-  const auto loaded = accepted("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 1\nv 2 0 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\nv 0 2 1\n"
-                               "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n");
+  const auto loaded = accepted(
+      "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 1\nv 2 0 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\nv 0 2 1\n"
+      "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n");
   CHECK(loaded.mesh.triangles.size() == 20);
   CHECK_THAT(loaded.report.volume_mm3, WithinAbs(3.0, 1e-12));
   CHECK_THAT(loaded.report.area_mm2, WithinAbs(14.0, 1e-12));  // overlapping triangles would have more
@@ -118,7 +125,8 @@ TEST_CASE("An OBJ without faces is refused with the number of its vertices") {
 TEST_CASE("Indices out of range are refused with line, value and what is accepted") {
   CHECK_THAT(refusal(tetrahedronWith("f 1 2 9\n")), Contains("bad.obj:9") && Contains("9") && Contains("1 to 4"));
   CHECK_THAT(refusal(tetrahedronWith("f 1 2 99999999999\n")), Contains("bad.obj:9") && Contains("99999999999"));
-  CHECK_THAT(refusal(tetrahedronWith("f 1 2 999999999999999999999999\n")), Contains("bad.obj:9") && Contains("not a vertex index"));
+  CHECK_THAT(refusal(tetrahedronWith("f 1 2 999999999999999999999999\n")),
+             Contains("bad.obj:9") && Contains("not a vertex index"));
   CHECK_THAT(refusal(tetrahedronWith("f 0 1 2\n")), Contains("bad.obj:9") && Contains("count from 1"));
   CHECK_THAT(refusal(tetrahedronWith("f -5 1 2\n")), Contains("bad.obj:9") && Contains("-5"));
   CHECK_THAT(refusal(tetrahedronWith("f 1 two 3\n")), Contains("bad.obj:9") && Contains("'two'"));
@@ -127,10 +135,12 @@ TEST_CASE("Indices out of range are refused with line, value and what is accepte
 }
 
 TEST_CASE("Coordinates that are no finite lengths are refused with line and value") {
-  CHECK_THAT(refusal(tetrahedronWith("v nan 0 0\n")), Contains("bad.obj:9") && Contains("'nan'") && Contains("not finite"));
+  CHECK_THAT(refusal(tetrahedronWith("v nan 0 0\n")),
+             Contains("bad.obj:9") && Contains("'nan'") && Contains("not finite"));
   CHECK_THAT(refusal(tetrahedronWith("v 0 inf 0\n")), Contains("y coordinate") && Contains("not finite"));
   CHECK_THAT(refusal(tetrahedronWith("v 0 0 1e999\n")), Contains("z coordinate") && Contains("not finite"));
-  CHECK_THAT(refusal(tetrahedronWith("v 1e300 0 0\n")), Contains("bad.obj:9") && Contains("'1e300'") && Contains("1e9 mm"));
+  CHECK_THAT(refusal(tetrahedronWith("v 1e300 0 0\n")),
+             Contains("bad.obj:9") && Contains("'1e300'") && Contains("1e9 mm"));
   CHECK_THAT(refusal(tetrahedronWith("v 2e6 0 0\n"), "bad.obj", LengthUnit::metre), Contains("1e9 mm"));
   CHECK_THAT(refusal(tetrahedronWith("v 0,5 0 0\n")), Contains("'0,5'") && Contains("decimal point"));
   CHECK_THAT(refusal(tetrahedronWith("v 0 0 abc\n")), Contains("'abc'"));
@@ -153,10 +163,12 @@ TEST_CASE("Saving and loading again gives the same mesh in every unit") {
     REQUIRE(loaded);
     CHECK(loaded->mesh.triangles == mesh.triangles);
     double worst = 0.0;
-    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) worst = std::max(worst, norm(loaded->mesh.vertices[v] - mesh.vertices[v]));
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+      worst = std::max(worst, norm(loaded->mesh.vertices[v] - mesh.vertices[v]));
     CHECK(worst < 1e-12 * 150.0 * 10.0);
   }
-  const auto unwritable = saveObj(std::filesystem::path(testOutputRoot()) / "no" / "such" / "folder.obj", mesh, LengthUnit::metre);
+  const auto unwritable =
+      saveObj(std::filesystem::path(testOutputRoot()) / "no" / "such" / "folder.obj", mesh, LengthUnit::metre);
   REQUIRE_FALSE(unwritable);
   CHECK(unwritable.error().code == ErrorCode::output);
 }
@@ -170,7 +182,8 @@ TEST_CASE("Loading can be cancelled and reports its progress") {
     return true;
   }));
   CHECK(last == 1.0);
-  const auto cancelled = loadMesh(path, LengthUnit::millimetre, [](double fraction, const std::string &) { return fraction < 0.6; });
+  const auto cancelled =
+      loadMesh(path, LengthUnit::millimetre, [](double fraction, const std::string &) { return fraction < 0.6; });
   REQUIRE_FALSE(cancelled);
   CHECK(cancelled.error().code == ErrorCode::cancelled);
 }

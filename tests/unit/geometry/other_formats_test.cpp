@@ -83,8 +83,9 @@ TEST_CASE("Binary VTK is read, float and double, both layouts") {
                        bigEndian<std::int32_t>({3, 0, 2, 1, 3, 0, 1, 3, 3, 0, 3, 2, 3, 1, 2, 3}) + "\n",
                    "float.vtk");
   checkTetrahedron("# vtk DataFile Version 5.1\ntitle\nBINARY\n" + doubles + "POLYGONS 5 12\nOFFSETS vtktypeint64\n" +
-                   bigEndian<std::int64_t>({0, 3, 6, 9, 12}) + "\nCONNECTIVITY vtktypeint64\n" +
-                   bigEndian<std::int64_t>({0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}) + "\n", "double.vtk");
+                       bigEndian<std::int64_t>({0, 3, 6, 9, 12}) + "\nCONNECTIVITY vtktypeint64\n" +
+                       bigEndian<std::int64_t>({0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}) + "\n",
+                   "double.vtk");
 }
 
 TEST_CASE("Broken VTK files are refused with the place and the value") {

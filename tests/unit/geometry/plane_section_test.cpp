@@ -15,7 +15,8 @@ namespace {
 double length(const Polyline &curve) {
   double sum = 0.0;
   const std::size_t n = curve.points.size();
-  for (std::size_t i = 0; i + (curve.isClosed ? 0 : 1) < n; ++i) sum += norm(curve.points[(i + 1) % n] - curve.points[i]);
+  for (std::size_t i = 0; i + (curve.isClosed ? 0 : 1) < n; ++i)
+    sum += norm(curve.points[(i + 1) % n] - curve.points[i]);
   return sum;
 }
 

@@ -44,7 +44,8 @@ TEST_CASE("Volume, area, box and counts of a box are exact") {
 }
 
 TEST_CASE("The volume does not depend on where the mesh lies") {
-  CHECK_THAT(signedVolume(shapes::sphere({1e6, -1e6, 1e6}, 1.0, 3)), WithinRel(signedVolume(shapes::sphere({0, 0, 0}, 1.0, 3)), 1e-8));
+  CHECK_THAT(signedVolume(shapes::sphere({1e6, -1e6, 1e6}, 1.0, 3)),
+             WithinRel(signedVolume(shapes::sphere({0, 0, 0}, 1.0, 3)), 1e-8));
 }
 
 TEST_CASE("A vertex normal of a sphere points away from its centre") {
@@ -128,7 +129,8 @@ TEST_CASE("A small hole can be filled over, an open surface cannot") {
   CHECK_THAT(whyNot(cutSphere(50.0, 48.0)), Contains("can be filled"));
   CHECK(contains(inspect(cutSphere(50.0, 48.0), LengthUnit::millimetre).warnings, "not closed"));
   CHECK_THAT(whyNot(cutSphere(50.0, 25.0)), Contains("open"));
-  CHECK_THAT(whyNot(cutSphere(50.0, 0.0)), Contains("open") && Contains("60 boundary edges") && Contains("5 % is accepted"));
+  CHECK_THAT(whyNot(cutSphere(50.0, 0.0)),
+             Contains("open") && Contains("60 boundary edges") && Contains("5 % is accepted"));
   TriangleMesh plane;
   for (unsigned i = 0; i < 5; ++i)
     for (unsigned j = 0; j < 5; ++j) {
@@ -161,10 +163,12 @@ TEST_CASE("The text names units and the JSON holds every field") {
   const auto loaded = buildMesh(mesh, LengthUnit::millimetre);
   REQUIRE(loaded);
   const std::string text = loaded->report.text();
-  CHECK_THAT(text, Contains("100 x 100 x 100 mm") && Contains("cm³") && Contains("closed       yes") && Contains("repaired: ") && Contains("cm²"));
+  CHECK_THAT(text, Contains("100 x 100 x 100 mm") && Contains("cm³") && Contains("closed       yes") &&
+                       Contains("repaired: ") && Contains("cm²"));
   const std::string json = loaded->report.json();
-  for (const char *key : {"vertices", "triangles", "components", "boundary_edges", "non_manifold_edges", "misoriented_edges", "degenerate_triangles",
-                          "closed", "manifold", "oriented", "inside_out", "volume_mm3", "area_mm2", "box_min_mm", "box_max_mm", "unit", "repairs", "warnings"})
+  for (const char *key : {"vertices", "triangles", "components", "boundary_edges", "non_manifold_edges",
+                          "misoriented_edges", "degenerate_triangles", "closed", "manifold", "oriented", "inside_out",
+                          "volume_mm3", "area_mm2", "box_min_mm", "box_max_mm", "unit", "repairs", "warnings"})
     CHECK_THAT(json, Contains('"' + std::string(key) + '"'));
   CHECK_THAT(json, Contains("\"closed\": true") && Contains("inside out"));
 }

@@ -18,8 +18,10 @@ using geometry::TriangleMesh;
 /// Axis-aligned box, 12 triangles, faces outwards.
 inline TriangleMesh box(const Vec3 &min, const Vec3 &max) {
   TriangleMesh mesh;
-  for (unsigned i = 0; i < 8; ++i) mesh.vertices.push_back({i & 1 ? max[0] : min[0], i & 2 ? max[1] : min[1], i & 4 ? max[2] : min[2]});
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  for (unsigned i = 0; i < 8; ++i)
+    mesh.vertices.push_back({i & 1 ? max[0] : min[0], i & 2 ? max[1] : min[1], i & 4 ? max[2] : min[2]});
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   return mesh;
 }
 
@@ -63,8 +65,12 @@ inline void turnInsideOut(TriangleMesh &mesh) {
 class RandomPoints {
  public:
   explicit RandomPoints(unsigned seed) : engine_(seed) {}
-  double uniform(double low, double high) { return low + (high - low) * (static_cast<double>(engine_()) / 4294967296.0); }
-  Vec3 in(const Vec3 &min, const Vec3 &max) { return {uniform(min[0], max[0]), uniform(min[1], max[1]), uniform(min[2], max[2])}; }
+  double uniform(double low, double high) {
+    return low + (high - low) * (static_cast<double>(engine_()) / 4294967296.0);
+  }
+  Vec3 in(const Vec3 &min, const Vec3 &max) {
+    return {uniform(min[0], max[0]), uniform(min[1], max[1]), uniform(min[2], max[2])};
+  }
   std::size_t index(std::size_t n) { return static_cast<std::size_t>(engine_()) % n; }
 
  private:

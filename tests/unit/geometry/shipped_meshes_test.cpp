@@ -34,8 +34,8 @@ void checkFlawless(const LoadedMesh &loaded) {
   CHECK(worst > 0.4);  // 1 is equilateral
 }
 
-/// Volume of the convex hull from outside: the cut of half spaces in many directions. Above the hull's volume by less than
-/// one percent for a smooth body.
+/// Volume of the convex hull from outside: the cut of half spaces in many directions. Above the hull's volume by less
+/// than one percent for a smooth body.
 double hullVolume(const TriangleMesh &mesh, const Box &box) {
   struct HalfSpace {
     Vec3 normal;
@@ -55,7 +55,8 @@ double hullVolume(const TriangleMesh &mesh, const Box &box) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < n; ++k) {
-        const Vec3 p{box.min[0] + size[0] * (i + 0.5) / n, box.min[1] + size[1] * (j + 0.5) / n, box.min[2] + size[2] * (k + 0.5) / n};
+        const Vec3 p{box.min[0] + size[0] * (i + 0.5) / n, box.min[1] + size[1] * (j + 0.5) / n,
+                     box.min[2] + size[2] * (k + 0.5) / n};
         bool isInside = true;
         for (const HalfSpace &h : halfSpaces)
           if (dot(h.normal, p) > h.offset) {

@@ -69,9 +69,12 @@ struct Xml {
     CHECK(open.empty());
   }
 
-  [[nodiscard]] std::map<std::string, std::string> find(const std::string &element, const std::string &name = "", int skip = 0) const {
+  [[nodiscard]] std::map<std::string, std::string> find(const std::string &element, const std::string &name = "",
+                                                        int skip = 0) const {
     for (const auto &[e, attributes] : elements)
-      if (e == element && (name.empty() || (attributes.contains("Name") && attributes.at("Name") == name)) && skip-- == 0) return attributes;
+      if (e == element && (name.empty() || (attributes.contains("Name") && attributes.at("Name") == name)) &&
+          skip-- == 0)
+        return attributes;
     FAIL("no " << element << " " << name);
     return {};
   }
@@ -82,12 +85,14 @@ struct Xml {
     CHECK(attributes.at("type") == type);
     std::string bits;
     for (std::size_t i = std::stoul(attributes.at("offset")); i < appended.size() && appended[i] != '='; ++i) {
-      const std::size_t digit = std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/").find(appended[i]);
+      const std::size_t digit =
+          std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/").find(appended[i]);
       REQUIRE(digit < 64);
       for (int k = 5; k >= 0; --k) bits.push_back(digit >> k & 1 ? '1' : '0');
     }
     std::string bytes;
-    for (std::size_t i = 0; i + 8 <= bits.size(); i += 8) bytes.push_back(static_cast<char>(std::stoi(bits.substr(i, 8), nullptr, 2)));
+    for (std::size_t i = 0; i + 8 <= bits.size(); i += 8)
+      bytes.push_back(static_cast<char>(std::stoi(bits.substr(i, 8), nullptr, 2)));
     std::uint64_t length = 0;
     REQUIRE(bytes.size() >= 8);
     std::memcpy(&length, bytes.data(), 8);
@@ -126,7 +131,8 @@ TEST_CASE("A written point cloud is well-formed XML with the numbers that went i
   const auto shifts = xml.array<float>("displacement [mm]", "Float32");
   REQUIRE(shifts.size() == 15);
   for (std::size_t i = 0; i < 15; ++i) CHECK(static_cast<double>(shifts[i]) == 0.5 * static_cast<double>(i));
-  CHECK(xml.array<float>("stress &lt;vm&gt; &amp; &quot;more&quot; [Pa]", "Float32") == std::vector<float>{1, 2, 3, 4, -5});
+  CHECK(xml.array<float>("stress &lt;vm&gt; &amp; &quot;more&quot; [Pa]", "Float32") ==
+        std::vector<float>{1, 2, 3, 4, -5});
   CHECK(xml.array<std::int32_t>("body", "Int32") == std::vector<std::int32_t>{0, 0, 1, 1, -2});
   CHECK(xml.array<std::int64_t>("connectivity", "Int64") == std::vector<std::int64_t>{0, 1, 2, 3, 4});
   CHECK(xml.array<std::int64_t>("offsets", "Int64") == std::vector<std::int64_t>{1, 2, 3, 4, 5});

@@ -22,7 +22,8 @@ std::string base64(const std::string &bytes) {
   std::string out;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
     for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[bits >> (18 - 6 * k) & 63u] : '=';
   }
   return out;
@@ -54,7 +55,8 @@ std::string packed(const std::string &bytes, const Style &style) {
     const std::string block = bytes.substr(at, style.blockBytes);
     std::string out(compressBound(static_cast<uLong>(block.size())), '\0');
     uLongf length = static_cast<uLongf>(out.size());
-    REQUIRE(compress(reinterpret_cast<Bytef *>(out.data()), &length, reinterpret_cast<const Bytef *>(block.data()), static_cast<uLong>(block.size())) == Z_OK);
+    REQUIRE(compress(reinterpret_cast<Bytef *>(out.data()), &length, reinterpret_cast<const Bytef *>(block.data()),
+                     static_cast<uLong>(block.size())) == Z_OK);
     head.push_back(length);
     blocks += out.substr(0, length);
   }
@@ -74,23 +76,34 @@ std::string fileOf(const TriangleMesh &mesh, const Style &style) {
   }
   std::string appended;
   const auto array = [&](const char *type, const char *name, int components, const std::string &bytes) {
-    std::string tag = std::string("<DataArray type=\"") + type + "\" Name=\"" + name + "\" NumberOfComponents=\"" + std::to_string(components) + "\" format=\"";
+    std::string tag = std::string("<DataArray type=\"") + type + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
+                      std::to_string(components) + "\" format=\"";
     if (!style.isAppended) return tag + "binary\">\n          " + packed(bytes, style) + "\n        </DataArray>\n";
     tag += "appended\" offset=\"" + std::to_string(appended.size()) + "\"/>\n";
     appended += packed(bytes, style);
     return tag;
   };
-  std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"" +
-                     std::string(style.wordBytes == 8 ? "UInt64" : "UInt32") + "\" compressor=\"vtkZLibDataCompressor\">\n<PolyData>\n<Piece NumberOfPoints=\"" +
-                     std::to_string(mesh.vertices.size()) + "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
-                     std::to_string(mesh.triangles.size()) + "\">\n<Points>\n" + array("Float32", "Points", 3, bytesOf(points)) + "</Points>\n<Verts>\n" +
-                     array("Int64", "connectivity", 1, "") + array("Int64", "offsets", 1, "") + "</Verts>\n<Polys>\n" + array("Int64", "connectivity", 1, bytesOf(corners)) +
-                     array("Int64", "offsets", 1, bytesOf(ends)) + "</Polys>\n</Piece>\n</PolyData>\n";
-  if (style.isAppended) text += std::string("<AppendedData encoding=\"") + (style.isBase64 ? "base64" : "raw") + "\">\n_" + appended + "\n</AppendedData>\n";
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"" +
+      std::string(style.wordBytes == 8 ? "UInt64" : "UInt32") +
+      "\" compressor=\"vtkZLibDataCompressor\">\n<PolyData>\n<Piece NumberOfPoints=\"" +
+      std::to_string(mesh.vertices.size()) +
+      "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
+      std::to_string(mesh.triangles.size()) + "\">\n<Points>\n" + array("Float32", "Points", 3, bytesOf(points)) +
+      "</Points>\n<Verts>\n" + array("Int64", "connectivity", 1, "") + array("Int64", "offsets", 1, "") +
+      "</Verts>\n<Polys>\n" + array("Int64", "connectivity", 1, bytesOf(corners)) +
+      array("Int64", "offsets", 1, bytesOf(ends)) + "</Polys>\n</Piece>\n</PolyData>\n";
+  if (style.isAppended)
+    text += std::string("<AppendedData encoding=\"") + (style.isBase64 ? "base64" : "raw") + "\">\n_" + appended +
+            "\n</AppendedData>\n";
   return text + "</VTKFile>\n";
 }
 
-const std::vector<Style> kStyles{{false, true, 4, 32768}, {false, true, 8, 100}, {true, true, 4, 1000}, {true, false, 4, 32768}, {true, false, 8, 96}};
+const std::vector<Style> kStyles{{false, true, 4, 32768},
+                                 {false, true, 8, 100},
+                                 {true, true, 4, 1000},
+                                 {true, false, 4, 32768},
+                                 {true, false, 8, 96}};
 
 }  // namespace
 
@@ -104,12 +117,14 @@ TEST_CASE("VTP files packed with zlib are read, in place and appended, in one bl
     REQUIRE(loaded->mesh.triangles.size() == ball.triangles.size());
     CHECK(loaded->report.closed);
     double most = 0.0;
-    for (std::size_t v = 0; v < ball.vertices.size(); ++v) most = std::max(most, norm(loaded->mesh.vertices[v] - ball.vertices[v]));
+    for (std::size_t v = 0; v < ball.vertices.size(); ++v)
+      most = std::max(most, norm(loaded->mesh.vertices[v] - ball.vertices[v]));
     CHECK(most < 1e-5);  // single precision
   }
 }
 
-TEST_CASE("Packed VTP files that are cut, changed or hostile are refused, and take no memory for what they claim", "[vtp]") {
+TEST_CASE("Packed VTP files that are cut, changed or hostile are refused, and take no memory for what they claim",
+          "[vtp]") {
   const TriangleMesh ball = shapes::sphere({1, 2, 3}, 10.0, 1);
   const auto refusal = [](const std::string &text) -> std::string {
     const auto loaded = loadMesh(test_files::write("bad.vtp", text), std::nullopt);
@@ -128,16 +143,19 @@ TEST_CASE("Packed VTP files that are cut, changed or hostile are refused, and ta
     }
     for (int n = 0; n < 200; ++n) {
       std::string hurt = whole;
-      for (int changes = 0; changes < 3; ++changes) hurt[std::uniform_int_distribution<std::size_t>(300, hurt.size() - 1)(random)] = static_cast<char>(random());
+      for (int changes = 0; changes < 3; ++changes)
+        hurt[std::uniform_int_distribution<std::size_t>(300, hurt.size() - 1)(random)] = static_cast<char>(random());
       const auto loaded = loadMesh(test_files::write("bad.vtp", hurt), std::nullopt);
       CHECK((loaded || !loaded.error().message.empty()));
     }
   }
   const auto with = [&](const std::vector<std::uint64_t> &head, std::size_t wordBytes, bool isBase64) {
     const std::string header = words(head, wordBytes), data = isBase64 ? base64(header) : header;
-    return "<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" header_type=\"" + std::string(wordBytes == 8 ? "UInt64" : "UInt32") +
+    return "<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" header_type=\"" +
+           std::string(wordBytes == 8 ? "UInt64" : "UInt32") +
            "\" compressor=\"vtkZLibDataCompressor\"><PolyData><Piece NumberOfPoints=\"4\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/>"
-           "</Points></Piece></PolyData><AppendedData encoding=\"" + (isBase64 ? "base64" : "raw") + "\">_" + data + "</AppendedData></VTKFile>";
+           "</Points></Piece></PolyData><AppendedData encoding=\"" +
+           (isBase64 ? "base64" : "raw") + "\">_" + data + "</AppendedData></VTKFile>";
   };
   const std::uint64_t huge = ~std::uint64_t{0};
   for (const bool isBase64 : {false, true}) {

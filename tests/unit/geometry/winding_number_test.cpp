@@ -13,7 +13,8 @@ using namespace c3de::geometry;
 
 namespace {
 
-/// Sum of the solid angles of all triangles, by the spherical excess formula of L'Huilier: other than the one under test.
+/// Sum of the solid angles of all triangles, by the spherical excess formula of L'Huilier: other than the one under
+/// test.
 double bruteForce(const TriangleMesh &mesh, const Vec3 &p) {
   const auto angle = [](const Vec3 &a, const Vec3 &b) { return std::atan2(norm(cross(a, b)), dot(a, b)); };
   double sum = 0.0;
@@ -52,9 +53,10 @@ TEST_CASE("Overlapping, nested and turned parts add up") {
 }
 
 TEST_CASE("The winding number stays within 0.01 of the sum over all triangles on organs") {
-  for (const char *file : {"mesh/openhelp/Liver.stl", "mesh/ssvtk_liver_patient/portal_vein.vtk", "mesh/sofa_env_nasty/tissue_surface.obj",
-                           "mesh/sofa_env_nasty/grasp/liver_collision.stl", "mesh/sofa/n0.obj", "mesh/sofa/smCube27.obj",
-                           "mesh/ssvtk_kidney/kidney.vtk", "mesh/sofa/dragon.obj"}) {
+  for (const char *file :
+       {"mesh/openhelp/Liver.stl", "mesh/ssvtk_liver_patient/portal_vein.vtk", "mesh/sofa_env_nasty/tissue_surface.obj",
+        "mesh/sofa_env_nasty/grasp/liver_collision.stl", "mesh/sofa/n0.obj", "mesh/sofa/smCube27.obj",
+        "mesh/ssvtk_kidney/kidney.vtk", "mesh/sofa/dragon.obj"}) {
     C3DE_DATA_OR_SKIP(path, file);
     const auto loaded = loadMesh(path, LengthUnit::millimetre);
     REQUIRE(loaded);
@@ -87,7 +89,8 @@ TEST_CASE("Grids whose planes lie in faces of the bounding box fill the right vo
     const WindingNumber winding(loaded->mesh);
     const auto [min, max] = loaded->report.box;
     const Vec3 size = max - min;
-    // The sum over the grid is the volume if points on a face count half and those on an edge a quarter, as they should.
+    // The sum over the grid is the volume if points on a face count half and those on an edge a quarter, as they
+    // should.
     constexpr int n = 30;
     double volume = 0.0;
     for (int i = 0; i <= n; ++i)
@@ -99,7 +102,8 @@ TEST_CASE("Grids whose planes lie in faces of the bounding box fill the right vo
           volume += w * size[0] * size[1] * size[2] / (n * n * n);
         }
     INFO(file);
-    // The tissue's sides lie 0.05 mm within its box, so a layer of the grid on either side counts nothing: four sixtieths.
+    // The tissue's sides lie 0.05 mm within its box, so a layer of the grid on either side counts nothing: four
+    // sixtieths.
     CHECK_THAT(volume, WithinRel(loaded->report.volume_mm3, 4.0 / 60.0 + 0.01));
   }
 }

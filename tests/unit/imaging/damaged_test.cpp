@@ -6,13 +6,15 @@
 
 using namespace images;
 
-// GDCM 3.0.21 forgets the image of OpenJPEG (112 bytes) when the header of a JPEG 2000 stream is good and its tiles are not.
+// GDCM 3.0.21 forgets the image of OpenJPEG (112 bytes) when the header of a JPEG 2000 stream is good and its tiles are
+// not.
 extern "C" const char *__lsan_default_suppressions();
 extern "C" const char *__lsan_default_suppressions() { return "leak:libopenjp2\n"; }
 
 namespace {
 
-/// Reads a damaged copy: an error with a reason, or all of the undamaged voxels, or a notice that the whole file did not get.
+/// Reads a damaged copy: an error with a reason, or all of the undamaged voxels, or a notice that the whole file did
+/// not get.
 void readDamaged(const std::filesystem::path &copy, const LoadedVolume &whole) {
   INFO(copy.string() << ", " << std::filesystem::file_size(copy) << " bytes");
   const auto loaded = readVolume(copy);

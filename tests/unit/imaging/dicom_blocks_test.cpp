@@ -7,12 +7,17 @@ using namespace made;
 namespace {
 
 /// A series whose stored values are 100 z, so that interpolation between slices can be told exactly.
-void writeRamp(const std::filesystem::path &folder, const std::vector<double> &z, const std::string &uid = "2.25.3104.1.1", int number = 4,
+void writeRamp(const std::filesystem::path &folder, const std::vector<double> &z,
+               const std::string &uid = "2.25.3104.1.1", int number = 4,
                const std::string &description = "head, two blocks") {
   for (std::size_t n = 0; n < z.size(); ++n) {
     Picture slice(3, 2);
-    slice.text(0x00080018, "UI", uid + "." + std::to_string(n)).text(0x00080060, "CS", "CT").text(0x0008103e, "LO", description);
-    slice.text(0x0020000e, "UI", uid).text(0x00200011, "IS", std::to_string(number)).text(0x00200013, "IS", std::to_string(n + 1));
+    slice.text(0x00080018, "UI", uid + "." + std::to_string(n))
+        .text(0x00080060, "CS", "CT")
+        .text(0x0008103e, "LO", description);
+    slice.text(0x0020000e, "UI", uid)
+        .text(0x00200011, "IS", std::to_string(number))
+        .text(0x00200013, "IS", std::to_string(n + 1));
     slice.text(0x00200032, "DS", "0\\0\\" + std::to_string(z[n])).number(0x00280103, 1);
     slice.pixels(std::vector<std::int16_t>(6, static_cast<std::int16_t>(std::lround(100.0 * z[n]))));
     write(folder / (uid.substr(uid.size() - 1) + "-" + std::to_string(n) + ".dcm"), slice.file());
@@ -45,7 +50,8 @@ TEST_CASE("Two blocks of slices with a gap are one volume on the finer spacing, 
   checkAt(g.worldAt({0, 0, 0}), {0, 0, 0});
   CHECK(says(whole->notices, "2 blocks: 6 slices 2.4 mm apart, then 1.14 mm, 5 slices 4.8 mm apart"));
   CHECK(says(whole->notices, "resampled to 2.4 mm"));
-  for (std::size_t k = 0; k < 14; ++k) CHECK(std::abs(whole->volume.value(1, 1, k) - 240.0 * static_cast<double>(k)) <= 0.5);
+  for (std::size_t k = 0; k < 14; ++k)
+    CHECK(std::abs(whole->volume.value(1, 1, k) - 240.0 * static_cast<double>(k)) <= 0.5);
 
   const auto list = listSeries(folder);
   REQUIRE(list);

@@ -6,7 +6,8 @@ using namespace made;
 
 namespace {
 
-Expected<LoadedVolume> readBack(const Picture &picture, const std::string &syntax = "1.2.840.10008.1.2.1", std::size_t time = 0) {
+Expected<LoadedVolume> readBack(const Picture &picture, const std::string &syntax = "1.2.840.10008.1.2.1",
+                                std::size_t time = 0) {
   ReadOptions options;
   options.time = time;
   return readVolume(write(emptyFolder("kinds") / "one.dcm", picture.file(syntax)), options);
@@ -19,7 +20,8 @@ Picture coloured(const std::string &photometric, std::uint16_t samples) {
   return out;
 }
 
-const std::vector<Rgba> kColours{{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, {255, 255, 255, 255}, {0, 0, 0, 255}, {128, 64, 32, 255}, {10, 20, 30, 255}, {200, 100, 50, 255}};
+const std::vector<Rgba> kColours{{255, 0, 0, 255}, {0, 255, 0, 255},   {0, 0, 255, 255},  {255, 255, 255, 255},
+                                 {0, 0, 0, 255},   {128, 64, 32, 255}, {10, 20, 30, 255}, {200, 100, 50, 255}};
 
 void checkColours(const Expected<LoadedVolume> &loaded, int tolerance) {
   REQUIRE(loaded);
@@ -28,7 +30,8 @@ void checkColours(const Expected<LoadedVolume> &loaded, int tolerance) {
   for (std::size_t v = 0; v < kColours.size(); ++v) {
     for (std::size_t c = 0; c < 4; ++c) most = std::max(most, std::abs(loaded->volume.colours[v][c] - kColours[v][c]));
     const Rgba &rgb = loaded->volume.colours[v];
-    CHECK(std::abs(loaded->volume.value(v % 4, v / 4, 0) - (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2])) <= 0.5 + 1e-9);
+    CHECK(std::abs(loaded->volume.value(v % 4, v / 4, 0) - (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2])) <=
+          0.5 + 1e-9);
   }
   CHECK(most <= tolerance);
   CHECK(says(loaded->notices, "colour image"));
@@ -37,7 +40,8 @@ void checkColours(const Expected<LoadedVolume> &loaded, int tolerance) {
 /// Y, Cb, Cr of full range, PS3.3 C.7.6.3.1.2.
 std::array<std::uint8_t, 3> differenceOf(const Rgba &c) {
   const auto byte = [](double x) { return static_cast<std::uint8_t>(std::clamp(std::lround(x), 0L, 255L)); };
-  return {byte(0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2]), byte(-0.168736 * c[0] - 0.331264 * c[1] + 0.5 * c[2] + 128), byte(0.5 * c[0] - 0.418688 * c[1] - 0.081312 * c[2] + 128)};
+  return {byte(0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2]), byte(-0.168736 * c[0] - 0.331264 * c[1] + 0.5 * c[2] + 128),
+          byte(0.5 * c[0] - 0.418688 * c[1] - 0.081312 * c[2] + 128)};
 }
 
 }  // namespace
@@ -51,7 +55,10 @@ TEST_CASE("Floating-point pixels of a parametric map are read with their meaning
   });
   const std::vector<float> floats{0.5f, -1.25f, 1e-9f, 3.0f, 1e6f, 0.0f};
   Picture map(3, 2);
-  map.text(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.30").sequence(0x52009229, {item([&](DicomElements &e) { e.add(0x0040, 0x9096, std::vector<std::string>{mapping}); })});
+  map.text(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.30").sequence(0x52009229, {item([&](DicomElements &e) {
+                                                                      e.add(0x0040, 0x9096,
+                                                                            std::vector<std::string>{mapping});
+                                                                    })});
   for (const std::uint32_t tag : {0x00280101u, 0x00280102u, 0x00280103u}) map.without(tag);
   Picture wide = map;
   map.number(0x00280100, 32).text(0x7fe00008, "OF", packed(floats));
@@ -91,7 +98,8 @@ TEST_CASE("Colours come as colours, their brightness as values", "[imaging]") {
   for (std::uint32_t c = 0; c < 3; ++c) {
     std::vector<std::uint16_t> table;
     for (const Rgba &colour : kColours) table.push_back(static_cast<std::uint16_t>(colour[c] << 8));
-    palette.text(0x00281101 + c, "US", packed(std::vector<std::uint16_t>{8, 3, 16})).text(0x00281201 + c, "OW", packed(table));
+    palette.text(0x00281101 + c, "US", packed(std::vector<std::uint16_t>{8, 3, 16}))
+        .text(0x00281201 + c, "OW", packed(table));
   }
   checkColours(readBack(palette), 0);
   const auto lost = readBack(palette.without(0x00281202));
@@ -114,7 +122,8 @@ TEST_CASE("Pairs of pixels that share their colour differences are read", "[imag
 TEST_CASE("Colours that are not read are refused by name, and colours are no labels", "[imaging]") {
   const auto refused = readBack(coloured("HSV", 3).pixels(std::vector<std::uint8_t>(24)));
   REQUIRE_FALSE(refused);
-  CHECK_THAT(refused.error().message, Contains("holds colours (HSV, 3 numbers of 8 bits per pixel)") && Contains("PALETTE COLOR are read"));
+  CHECK_THAT(refused.error().message,
+             Contains("holds colours (HSV, 3 numbers of 8 bits per pixel)") && Contains("PALETTE COLOR are read"));
   write(emptyFolder("labels") / "one.dcm", coloured("RGB", 3).pixels(std::vector<std::uint8_t>(24)).file());
   const auto labels = readLabelMap(testOutputFolder() / "labels/one.dcm");
   REQUIRE_FALSE(labels);
@@ -126,12 +135,14 @@ TEST_CASE("Compressed colours of scanners are read", "[imaging]") {
   const auto ultrasound = readVolume(data / "examples_jpeg2k.dcm");
   REQUIRE(ultrasound);
   REQUIRE(ultrasound->volume.colours.size() == 640u * 480u);
-  const auto grey = std::count_if(ultrasound->volume.colours.begin(), ultrasound->volume.colours.end(), [](const Rgba &c) { return c[0] == c[1] && c[1] == c[2]; });
-  CHECK(grey > 250000);   // an ultrasound picture is mostly grey …
+  const auto grey = std::count_if(ultrasound->volume.colours.begin(), ultrasound->volume.colours.end(),
+                                  [](const Rgba &c) { return c[0] == c[1] && c[1] == c[2]; });
+  CHECK(grey > 250000);     // an ultrasound picture is mostly grey …
   CHECK(grey < 640 * 480);  // … with some coloured writing
   ReadOptions second;
   second.time = 1;
-  const auto first = readVolume(data / "SC_rgb_rle_2frame.dcm"), other = readVolume(data / "SC_rgb_rle_2frame.dcm", second);
+  const auto first = readVolume(data / "SC_rgb_rle_2frame.dcm"),
+             other = readVolume(data / "SC_rgb_rle_2frame.dcm", second);
   REQUIRE((first && other));
   CHECK(says(first->notices, "(a film)"));
   CHECK(first->times == 2);
@@ -145,13 +156,22 @@ TEST_CASE("JPEG pictures in luma and colour differences are read", "[imaging]") 
   std::string jpeg = bytesOf(file);
   if (jpeg.size() % 2 != 0) jpeg += '\0';
   Picture picture(1915, 1196);
-  picture.bits(8).number(0x00280002, 3).text(0x00280004, "CS", "YBR_FULL_422").number(0x00280006, 0).text(0x00080060, "CS", "XC");
-  std::string elements = picture.elements() + std::string("\xe0\x7f\x10\0OB\0\0\xff\xff\xff\xff\xfe\xff\x00\xe0\0\0\0\0\xfe\xff\x00\xe0", 24);
+  picture.bits(8)
+      .number(0x00280002, 3)
+      .text(0x00280004, "CS", "YBR_FULL_422")
+      .number(0x00280006, 0)
+      .text(0x00080060, "CS", "XC");
+  std::string elements =
+      picture.elements() +
+      std::string("\xe0\x7f\x10\0OB\0\0\xff\xff\xff\xff\xfe\xff\x00\xe0\0\0\0\0\xfe\xff\x00\xe0", 24);
   for (unsigned b = 0; b < 4; ++b) elements += static_cast<char>(jpeg.size() >> 8 * b & 255);
   elements += jpeg + std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
-  const auto loaded = readVolume(write(emptyFolder("jpeg") / "one.dcm", test::dicomFile(elements, "1.2.840.10008.1.2.4.50")));
+  const auto loaded =
+      readVolume(write(emptyFolder("jpeg") / "one.dcm", test::dicomFile(elements, "1.2.840.10008.1.2.4.50")));
   REQUIRE(loaded);
   // What another decoder makes of it; colour differences are stored coarsely and may be smoothed.
-  for (const auto &[x, y, colour] : {std::tuple{957u, 598u, Rgba{253, 248, 245, 255}}, {1700u, 200u, Rgba{16, 16, 16, 255}}, {100u, 100u, Rgba{0, 0, 0, 255}}})
+  for (const auto &[x, y, colour] : {std::tuple{957u, 598u, Rgba{253, 248, 245, 255}},
+                                     {1700u, 200u, Rgba{16, 16, 16, 255}},
+                                     {100u, 100u, Rgba{0, 0, 0, 255}}})
     for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(loaded->volume.colours[x + 1915u * y][c] - colour[c]) <= 4);
 }

@@ -47,16 +47,24 @@ class Picture {
     elements_[tag] = one.bytes();
     return *this;
   }
-  Picture &number(std::uint32_t tag, std::uint16_t value) { return text(tag, "US", packed(std::vector<std::uint16_t>{value})); }
+  Picture &number(std::uint32_t tag, std::uint16_t value) {
+    return text(tag, "US", packed(std::vector<std::uint16_t>{value}));
+  }
   Picture &sequence(std::uint32_t tag, const std::vector<std::string> &items) {
     DicomElements one;
     one.add(static_cast<std::uint16_t>(tag >> 16), static_cast<std::uint16_t>(tag & 0xffff), items);
     elements_[tag] = one.bytes();
     return *this;
   }
-  Picture &bits(std::uint16_t allocated) { return number(0x00280100, allocated).number(0x00280101, allocated).number(0x00280102, static_cast<std::uint16_t>(allocated - 1)); }
+  Picture &bits(std::uint16_t allocated) {
+    return number(0x00280100, allocated)
+        .number(0x00280101, allocated)
+        .number(0x00280102, static_cast<std::uint16_t>(allocated - 1));
+  }
   template <class T>
-  Picture &pixels(const std::vector<T> &values) { return text(0x7fe00010, "OW", packed(values)); }
+  Picture &pixels(const std::vector<T> &values) {
+    return text(0x7fe00010, "OW", packed(values));
+  }
   Picture &without(std::uint32_t tag) {
     elements_.erase(tag);
     return *this;
@@ -66,7 +74,9 @@ class Picture {
     for (const auto &[tag, bytes] : elements_) all += bytes;
     return all;
   }
-  [[nodiscard]] std::string file(const std::string &syntax = "1.2.840.10008.1.2.1") const { return test::dicomFile(elements(), syntax); }
+  [[nodiscard]] std::string file(const std::string &syntax = "1.2.840.10008.1.2.1") const {
+    return test::dicomFile(elements(), syntax);
+  }
 
  private:
   std::map<std::uint32_t, std::string> elements_;

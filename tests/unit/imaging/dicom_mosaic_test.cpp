@@ -41,13 +41,17 @@ Picture mosaic(const std::string &header, std::uint16_t more = 0) {
       for (std::size_t i = 0; i < 4; ++i)
         pixels[(k / 3 * 5 + j) * 12 + k % 3 * 4 + i] = static_cast<std::uint16_t>(1000 + 100 * k + 10 * j + i + more);
   Picture out(12, 15);
-  out.text(0x00080008, "CS", "ORIGINAL\\PRIMARY\\M\\ND\\MOSAIC").text(0x00180088, "DS", "3").text(0x00200032, "DS", "10\\20\\30");
+  out.text(0x00080008, "CS", "ORIGINAL\\PRIMARY\\M\\ND\\MOSAIC")
+      .text(0x00180088, "DS", "3")
+      .text(0x00200032, "DS", "10\\20\\30");
   out.text(0x00290011, "LO", "SIEMENS CSA HEADER").text(0x00291110, "OB", header).pixels(pixels);
   return out;
 }
 
 std::string goodHeader(int version, const std::string &z) {
-  return csa(version, {{"EchoLinePosition", {"1"}}, {"NumberOfImagesInMosaic", {"7       "}}, {"SliceNormalVector", {"0.0", "0.0", z}}});
+  return csa(version, {{"EchoLinePosition", {"1"}},
+                       {"NumberOfImagesInMosaic", {"7       "}},
+                       {"SliceNormalVector", {"0.0", "0.0", z}}});
 }
 
 }  // namespace
@@ -67,7 +71,8 @@ TEST_CASE("A mosaic becomes the volume that its tiles are", "[imaging]") {
       const bool up = step > 0.0;
       checkAt(g.worldAt({0, 0, up ? 0.0 : 6.0}), {10 + 4 * 1.5, 20 + 5 * 2.0, 30});
       checkAt(g.worldAt({3, 4, up ? 6.0 : 0.0}), {10 + 7 * 1.5, 20 + 9 * 2.0, 30 + 6 * step});
-      for (std::size_t k = 0; k < 7; ++k) CHECK(loaded->volume.value(3, 2, up ? k : 6 - k) == 1000.0 + 100.0 * static_cast<double>(k) + 23.0);
+      for (std::size_t k = 0; k < 7; ++k)
+        CHECK(loaded->volume.value(3, 2, up ? k : 6 - k) == 1000.0 + 100.0 * static_cast<double>(k) + 23.0);
     }
 }
 
@@ -105,13 +110,17 @@ TEST_CASE("A mosaic whose header does not suffice is refused by name", "[imaging
     return loaded ? std::string("read") : loaded.error().message;
   };
   Picture bare = mosaic(goodHeader(2, "1.0"));
-  CHECK_THAT(reason(bare.without(0x00291110)), Contains("mosaic of Siemens") && Contains("NumberOfImagesInMosaic is missing"));
+  CHECK_THAT(reason(bare.without(0x00291110)),
+             Contains("mosaic of Siemens") && Contains("NumberOfImagesInMosaic is missing"));
   Picture stepless = mosaic(goodHeader(2, "1.0"));
   CHECK_THAT(reason(stepless.without(0x00180088)), Contains("Spacing Between Slices is missing"));
   CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"7"}}}))), Contains("SliceNormalVector is missing"));
-  CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"7"}}, {"SliceNormalVector", {"1", "0", "0"}}}))), Contains("not across its slices"));
-  CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"20"}}, {"SliceNormalVector", {"0", "0", "1"}}}))), Contains("not 5 x 5 equal tiles"));
-  CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"-7"}}, {"SliceNormalVector", {"0", "0", "1"}}}))), Contains("says -7 tiles"));
+  CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"7"}}, {"SliceNormalVector", {"1", "0", "0"}}}))),
+             Contains("not across its slices"));
+  CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"20"}}, {"SliceNormalVector", {"0", "0", "1"}}}))),
+             Contains("not 5 x 5 equal tiles"));
+  CHECK_THAT(reason(mosaic(csa(2, {{"NumberOfImagesInMosaic", {"-7"}}, {"SliceNormalVector", {"0", "0", "1"}}}))),
+             Contains("says -7 tiles"));
   // The count alone is also in a plain private element.
   Picture plain = mosaic(csa(2, {{"SliceNormalVector", {"0", "0", "1"}}}));
   plain.text(0x00190010, "LO", "SIEMENS MR HEADER").number(0x0019100a, 7);
@@ -128,8 +137,8 @@ TEST_CASE("A mosaic of a scanner is its 35 slices", "[imaging]") {
   REQUIRE(g.size == std::array<std::size_t, 3>{64, 64, 35});
   CHECK(says(loaded->notices, "mosaic of 35 slices"));
   checkAt({g.spacing()[0], g.spacing()[1], g.spacing()[2]}, {3.25, 3.25, 3.6});
-  // Image Position plus 160 pixels of 3.25 mm along row (1, 0, 0) and column (0, 0.99415, -0.108): half of what a picture of
-  // 384 pixels is wider than one of 64.
+  // Image Position plus 160 pixels of 3.25 mm along row (1, 0, 0) and column (0, 0.99415, -0.108): half of what a
+  // picture of 384 pixels is wider than one of 64.
   checkAt(g.worldAt({0, 0, 0}), {-624.0 + 520.0, -661.82658862 + 520.0 * 0.99415096, -6.52550177 - 520.0 * 0.10799935});
   // Upwards along the stated normal (0, 0.108, 0.99415).
   checkAt(g.worldAt({0, 0, 34}) - g.worldAt({0, 0, 0}), {0.0, 34 * 3.6 * 0.10799944, 34 * 3.6 * 0.99415095});

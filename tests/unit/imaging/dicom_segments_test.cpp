@@ -20,12 +20,15 @@ std::string segment(std::uint16_t number, const std::string &name, const std::ve
 /// One frame at a height, of a segment.
 std::string frame(double z, std::uint16_t number) {
   return item([&](DicomElements &e) {
-    e.add(0x0020, 0x9113, std::vector<std::string>{item([&](DicomElements &p) { p.add(0x0020, 0x0032, {10.0, 20.0, z}); })});
+    e.add(0x0020, 0x9113, std::vector<std::string>{item([&](DicomElements &p) {
+            p.add(0x0020, 0x0032, {10.0, 20.0, z});
+          })});
     e.add(0x0062, 0x000a, std::vector<std::string>{item([&](DicomElements &p) { p.add(0x0062, 0x000b, number); })});
   });
 }
 
-Picture segmentation(const std::string &type, const std::vector<std::string> &segments, const std::vector<std::string> &frames) {
+Picture segmentation(const std::string &type, const std::vector<std::string> &segments,
+                     const std::vector<std::string> &frames) {
   Picture out(kColumns, kRows);
   out.without(0x00200032).text(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.66.4").text(0x00080060, "CS", "SEG");
   out.text(0x00280008, "IS", std::to_string(frames.size())).text(0x00620001, "CS", type).sequence(0x00620002, segments);
@@ -40,19 +43,26 @@ std::string bitsOf(const std::vector<std::vector<int>> &frames) {
   for (const std::vector<int> &frame : frames)
     for (std::size_t p = 0; p < kEach; ++p, ++n) {
       if (n % 8 == 0) bytes += '\0';
-      if (std::find(frame.begin(), frame.end(), static_cast<int>(p)) != frame.end()) bytes.back() = static_cast<char>(bytes.back() | 1 << n % 8);
+      if (std::find(frame.begin(), frame.end(), static_cast<int>(p)) != frame.end())
+        bytes.back() = static_cast<char>(bytes.back() | 1 << n % 8);
     }
   return bytes;
 }
 
-Expected<LoadedLabels> labelsOf(const Picture &picture) { return readLabelMap(write(emptyFolder("seg") / "seg.dcm", picture.file())); }
+Expected<LoadedLabels> labelsOf(const Picture &picture) {
+  return readLabelMap(write(emptyFolder("seg") / "seg.dcm", picture.file()));
+}
 
-std::size_t countOf(const LabelMap &map, std::uint16_t label) { return static_cast<std::size_t>(std::count(map.voxels.begin(), map.voxels.end(), label)); }
+std::size_t countOf(const LabelMap &map, std::uint16_t label) {
+  return static_cast<std::size_t>(std::count(map.voxels.begin(), map.voxels.end(), label));
+}
 
 }  // namespace
 
-TEST_CASE("Binary segments lie where their frames are, with names and colours; empty places are empty slices", "[imaging]") {
-  Picture picture = segmentation("BINARY", {segment(2, "Leber l\xe4ngs", {41661, 41167, 40792}), segment(7, "Niere")}, {frame(5.0, 7), frame(12.5, 2), frame(5.0, 2)});
+TEST_CASE("Binary segments lie where their frames are, with names and colours; empty places are empty slices",
+          "[imaging]") {
+  Picture picture = segmentation("BINARY", {segment(2, "Leber l\xe4ngs", {41661, 41167, 40792}), segment(7, "Niere")},
+                                 {frame(5.0, 7), frame(12.5, 2), frame(5.0, 2)});
   picture.text(0x00080005, "CS", "ISO_IR 100").text(0x7fe00010, "OB", bitsOf({{0, 14}, {4, 5, 6}, {1, 2}}));
   const auto loaded = labelsOf(picture);
   REQUIRE(loaded);
@@ -76,7 +86,8 @@ TEST_CASE("Binary segments lie where their frames are, with names and colours; e
 }
 
 TEST_CASE("Overlapping segments keep all of their voxels, in layers", "[imaging]") {
-  Picture picture = segmentation("BINARY", {segment(1, "organ"), segment(2, "tumour"), segment(3, "beside")}, {frame(0, 1), frame(0, 2), frame(0, 3)});
+  Picture picture = segmentation("BINARY", {segment(1, "organ"), segment(2, "tumour"), segment(3, "beside")},
+                                 {frame(0, 1), frame(0, 2), frame(0, 3)});
   picture.text(0x7fe00010, "OB", bitsOf({{0, 1, 2, 3}, {2, 3, 4}, {8, 9}}));
   const auto loaded = labelsOf(picture);
   REQUIRE(loaded);
@@ -86,7 +97,9 @@ TEST_CASE("Overlapping segments keep all of their voxels, in layers", "[imaging]
   CHECK(countOf(loaded->layers[0], 2) == 3);
   CHECK(loaded->layers[0].labels.front().name == "tumour");
   CHECK(sameGrid(loaded->labels.geometry, loaded->layers[0].geometry));
-  CHECK(says(loaded->notices, "Segments overlap (in 2 voxels): they lie in 2 layers, each a label map of its own: organ, beside; tumour."));
+  CHECK(says(
+      loaded->notices,
+      "Segments overlap (in 2 voxels): they lie in 2 layers, each a label map of its own: organ, beside; tumour."));
 }
 
 TEST_CASE("Fractions belong to a segment from one half on; numbers of segments are labels", "[imaging]") {
@@ -115,12 +128,14 @@ TEST_CASE("Segmentations that cannot be placed or decoded are refused by name", 
     return loaded ? std::string("read") : loaded.error().message;
   };
   Picture uneven = segmentation("BINARY", {segment(1, "a")}, {frame(0, 1), frame(2, 1), frame(3.3, 1), frame(7, 1)});
-  CHECK_THAT(reason(uneven.text(0x7fe00010, "OB", bitsOf({{0}, {0}, {0}, {0}}))), Contains("lie unevenly, at least 1.3 mm apart"));
+  CHECK_THAT(reason(uneven.text(0x7fe00010, "OB", bitsOf({{0}, {0}, {0}, {0}}))),
+             Contains("lie unevenly, at least 1.3 mm apart"));
   Picture lost = segmentation("BINARY", {segment(1, "a")}, {frame(0, 0)});
   CHECK_THAT(reason(lost.text(0x7fe00010, "OB", bitsOf({{0}}))), Contains("belong to no segment"));
   Picture cut = segmentation("BINARY", {segment(1, "a")}, {frame(0, 1), frame(2.5, 1)});
   CHECK_THAT(reason(cut.text(0x7fe00010, "OB", std::string(2, '\1'))), Contains("truncated: 2 of 4 bytes"));
-  CHECK_THAT(reason(segmentation("SURFACE", {segment(1, "a")}, {frame(0, 1)}).pixels(std::vector<std::uint8_t>(kEach))), Contains("type 'SURFACE'"));
+  CHECK_THAT(reason(segmentation("SURFACE", {segment(1, "a")}, {frame(0, 1)}).pixels(std::vector<std::uint8_t>(kEach))),
+             Contains("type 'SURFACE'"));
 }
 
 TEST_CASE("A list of series tells segmentations, and which series the named file is of", "[imaging]") {
@@ -144,8 +159,9 @@ TEST_CASE("A list of series tells segmentations, and which series the named file
 }
 
 TEST_CASE("Segmentations of 3D Slicer are the label maps they were written from", "[imaging]") {
-  for (const auto &[segments, labels, scale] : {std::tuple{"dicom/seg_tiny_nonsquare/label.seg", "dicom/seg_tiny_nonsquare/label.nrrd", 1},
-                                                {"dicom/ct_3slice_plus_seg/liver.dcm", "dicom/ct_3slice_plus_seg/liver_seg.nrrd", 1}}) {
+  for (const auto &[segments, labels, scale] :
+       {std::tuple{"dicom/seg_tiny_nonsquare/label.seg", "dicom/seg_tiny_nonsquare/label.nrrd", 1},
+        {"dicom/ct_3slice_plus_seg/liver.dcm", "dicom/ct_3slice_plus_seg/liver_seg.nrrd", 1}}) {
     C3DE_DATA_OR_SKIP(file, segments);
     C3DE_DATA_OR_SKIP(truth, labels);
     const auto ours = readLabelMap(file), theirs = readLabelMap(truth);

@@ -31,30 +31,119 @@ struct Dumped {
 };
 
 const std::vector<Dumped> &dumped() {
-  static const std::vector<Dumped> all{
-      {"ct_3slice_plus_seg", {512, 512, 3}, {-235.199997, -226.800003, -128.690002}, {-235.199997, -226.800003, -126.690002}, {1, 0, 0}, {0, 1, 0}, 0.810547, 0.810547},
-      {"ct_gantry_tilt_4", {512, 512, 4}, {-106.791015625, -256.61886606561, -61.951915066986}, {-106.791015625, -256.61886606561, -46.951915066986}, {1, 0, 0},
-       {0, 0.970295726276, -0.2419218955997}, 0.41796875, 0.41796875},
-      {"ct_head_phantom_philips_5mm", {512, 512, 28}, {-115.5, -1.85, 696.21}, {-115.5, -1.85, 831.21}, {1, 0, 0}, {0, 1, 0}, 0.451171875, 0.451171875},
-      {"ct_torso_j2k_20", {512, 512, 20}, {-249.51171875, -437.51171875, -804.5}, {-249.51171875, -437.51171875, -766.5}, {1, 0, 0}, {0, 1, 0}, 0.9765625, 0.9765625},
-      {"mr_double_oblique_hitachi", {64, 64, 4}, {-136.2682, -50.12272, 36.6436}, {-145.6324, -43.13273, 39.37342}, {0.60883, 0.790737, 0.063724},
-       {-0.142762, 0.188227, -0.971694}, 2.34375, 2.34375},
-      {"mr_enhanced_multiframe_philips", {256, 256, 8}, {100.293579101562, -150.60459327697, 116.949243545532}, {91.8935394287109, -150.60459327697, 116.949243545532},
-       {0, 1, 0}, {0, 0, -1}, 1, 1},
-      {"mr_mixed_orientation_4/IM-0001-0001-0001 2.dcm", {288, 288, 2}, {21.2970258926457, -131.0381768455, 136.85565189706}, {17.9998981689518, -131.00080616373, 136.988106769192},
-       {0.01587762124836, 0.99323856830596, 0.11500004678964}, {-0.0385642088949, 0.11553729325532, -0.9925542473793}, 0.31999999284744, 0.31999999284744},
-      {"mr_mixed_orientation_4/IM-0001-0001-0001.dcm", {288, 288, 2}, {-86.725048585449, -41.604496164053, -15.585296122403}, {-86.565964742218, -42.680278939932, -11.321801511616},
-       {0.99912995100021, -0.0113245164975, -0.0401379205286}, {0.02078674733638, 0.96958416700363, 0.24387390911579}, 0.55555558204650, 0.55555558204650},
-      {"seg_tiny_nonsquare/IMG0002.dcm", {24, 38, 3}, {46.4649, 5.01881, -177.75}, {46.4649, 5.01881, -172.75}, {1, 0, 0}, {0, 1, 0}, 0.7, 0.7},
-      {"seg_tiny_nonsquare/mf.dcm", {24, 38, 3}, {46.4649, 5.01881, -177.75}, {46.4649, 5.01881, -172.75}, {1, 0, 0}, {0, 1, 0}, 0.7, 0.7},
-      {"pydicom_single/CT_small.dcm", {128, 128, 1}, {-158.135803, -179.035797, -75.699997}, {-158.135803, -179.035797, -75.699997}, {1, 0, 0}, {0, 1, 0}, 0.661468, 0.661468},
-      {"pydicom_single/rtdose.dcm", {10, 10, 15}, {189.43125, 199.43125, -761.87}, {189.43125, 199.43125, -691.87}, {1, 0, 0}, {0, 1, 0}, 10, 10},
-      {"pydicom_single/rtdose_rle.dcm", {10, 10, 15}, {189.43125, 199.43125, -761.87}, {189.43125, 199.43125, -691.87}, {1, 0, 0}, {0, 1, 0}, 10, 10}};
+  static const std::vector<Dumped> all{{"ct_3slice_plus_seg",
+                                        {512, 512, 3},
+                                        {-235.199997, -226.800003, -128.690002},
+                                        {-235.199997, -226.800003, -126.690002},
+                                        {1, 0, 0},
+                                        {0, 1, 0},
+                                        0.810547,
+                                        0.810547},
+                                       {"ct_gantry_tilt_4",
+                                        {512, 512, 4},
+                                        {-106.791015625, -256.61886606561, -61.951915066986},
+                                        {-106.791015625, -256.61886606561, -46.951915066986},
+                                        {1, 0, 0},
+                                        {0, 0.970295726276, -0.2419218955997},
+                                        0.41796875,
+                                        0.41796875},
+                                       {"ct_head_phantom_philips_5mm",
+                                        {512, 512, 28},
+                                        {-115.5, -1.85, 696.21},
+                                        {-115.5, -1.85, 831.21},
+                                        {1, 0, 0},
+                                        {0, 1, 0},
+                                        0.451171875,
+                                        0.451171875},
+                                       {"ct_torso_j2k_20",
+                                        {512, 512, 20},
+                                        {-249.51171875, -437.51171875, -804.5},
+                                        {-249.51171875, -437.51171875, -766.5},
+                                        {1, 0, 0},
+                                        {0, 1, 0},
+                                        0.9765625,
+                                        0.9765625},
+                                       {"mr_double_oblique_hitachi",
+                                        {64, 64, 4},
+                                        {-136.2682, -50.12272, 36.6436},
+                                        {-145.6324, -43.13273, 39.37342},
+                                        {0.60883, 0.790737, 0.063724},
+                                        {-0.142762, 0.188227, -0.971694},
+                                        2.34375,
+                                        2.34375},
+                                       {"mr_enhanced_multiframe_philips",
+                                        {256, 256, 8},
+                                        {100.293579101562, -150.60459327697, 116.949243545532},
+                                        {91.8935394287109, -150.60459327697, 116.949243545532},
+                                        {0, 1, 0},
+                                        {0, 0, -1},
+                                        1,
+                                        1},
+                                       {"mr_mixed_orientation_4/IM-0001-0001-0001 2.dcm",
+                                        {288, 288, 2},
+                                        {21.2970258926457, -131.0381768455, 136.85565189706},
+                                        {17.9998981689518, -131.00080616373, 136.988106769192},
+                                        {0.01587762124836, 0.99323856830596, 0.11500004678964},
+                                        {-0.0385642088949, 0.11553729325532, -0.9925542473793},
+                                        0.31999999284744,
+                                        0.31999999284744},
+                                       {"mr_mixed_orientation_4/IM-0001-0001-0001.dcm",
+                                        {288, 288, 2},
+                                        {-86.725048585449, -41.604496164053, -15.585296122403},
+                                        {-86.565964742218, -42.680278939932, -11.321801511616},
+                                        {0.99912995100021, -0.0113245164975, -0.0401379205286},
+                                        {0.02078674733638, 0.96958416700363, 0.24387390911579},
+                                        0.55555558204650,
+                                        0.55555558204650},
+                                       {"seg_tiny_nonsquare/IMG0002.dcm",
+                                        {24, 38, 3},
+                                        {46.4649, 5.01881, -177.75},
+                                        {46.4649, 5.01881, -172.75},
+                                        {1, 0, 0},
+                                        {0, 1, 0},
+                                        0.7,
+                                        0.7},
+                                       {"seg_tiny_nonsquare/mf.dcm",
+                                        {24, 38, 3},
+                                        {46.4649, 5.01881, -177.75},
+                                        {46.4649, 5.01881, -172.75},
+                                        {1, 0, 0},
+                                        {0, 1, 0},
+                                        0.7,
+                                        0.7},
+                                       {"pydicom_single/CT_small.dcm",
+                                        {128, 128, 1},
+                                        {-158.135803, -179.035797, -75.699997},
+                                        {-158.135803, -179.035797, -75.699997},
+                                        {1, 0, 0},
+                                        {0, 1, 0},
+                                        0.661468,
+                                        0.661468},
+                                       {"pydicom_single/rtdose.dcm",
+                                        {10, 10, 15},
+                                        {189.43125, 199.43125, -761.87},
+                                        {189.43125, 199.43125, -691.87},
+                                        {1, 0, 0},
+                                        {0, 1, 0},
+                                        10,
+                                        10},
+                                       {"pydicom_single/rtdose_rle.dcm",
+                                        {10, 10, 15},
+                                        {189.43125, 199.43125, -761.87},
+                                        {189.43125, 199.43125, -691.87},
+                                        {1, 0, 0},
+                                        {0, 1, 0},
+                                        10,
+                                        10}};
   return all;
 }
 
 unsigned long checkSum(const Volume &volume) {
-  return std::visit([](const auto &all) { return crc32(0, reinterpret_cast<const Bytef *>(all.data()), static_cast<uInt>(all.size() * sizeof(all[0]))); }, volume.voxels);
+  return std::visit(
+      [](const auto &all) {
+        return crc32(0, reinterpret_cast<const Bytef *>(all.data()), static_cast<uInt>(all.size() * sizeof(all[0])));
+      },
+      volume.voxels);
 }
 
 }  // namespace
@@ -64,10 +153,14 @@ TEST_CASE("NIfTI, NRRD and MetaImage files lie where their headers say", "[imagi
   std::size_t files = 0;
   for (const auto &file : filesOf(folder)) {
     const std::string extension = file.extension().string();
-    if (extension == ".nii" || extension == ".gz") compare(file, header_truth::nifti(file));
-    else if (extension == ".nrrd" || extension == ".nhdr") compare(file, header_truth::nrrd(file));
-    else if (extension == ".mha" || extension == ".mhd") compare(file, header_truth::meta(file));
-    else continue;
+    if (extension == ".nii" || extension == ".gz")
+      compare(file, header_truth::nifti(file));
+    else if (extension == ".nrrd" || extension == ".nhdr")
+      compare(file, header_truth::nrrd(file));
+    else if (extension == ".mha" || extension == ".mhd")
+      compare(file, header_truth::meta(file));
+    else
+      continue;
     ++files;
   }
   CHECK(files == 32);
@@ -97,7 +190,8 @@ TEST_CASE("DICOM series lie where gdcmdump puts their slices", "[imaging]") {
     const Vec3 end = last(g);
     checkAt(g.worldAt({0, 0, 0}), known.first);
     checkAt(g.worldAt(end), onSlice(known.lastSlice, end[0], end[1]));
-    checkAt(g.worldAt(0.5 * end), 0.5 * (onSlice(known.first, end[0] / 2, end[1] / 2) + onSlice(known.lastSlice, end[0] / 2, end[1] / 2)));
+    checkAt(g.worldAt(0.5 * end),
+            0.5 * (onSlice(known.first, end[0] / 2, end[1] / 2) + onSlice(known.lastSlice, end[0] / 2, end[1] / 2)));
     CHECK(g.handedness() > 0.0);
   }
 }
@@ -131,8 +225,8 @@ TEST_CASE("One slice in eight encodings and byte orders gives the same voxels", 
   C3DE_DATA_OR_SKIP(folder, "dicom/pydicom_single");
   const auto plain = readVolume(folder / "MR_small.dcm");
   REQUIRE(plain);
-  for (const char *name : {"MR_small_RLE.dcm", "MR_small_bigendian.dcm", "MR_small_expb.dcm", "MR_small_implicit.dcm", "MR_small_jp2klossless.dcm",
-                           "MR_small_jpeg_ls_lossless.dcm", "MR_small_padded.dcm"}) {
+  for (const char *name : {"MR_small_RLE.dcm", "MR_small_bigendian.dcm", "MR_small_expb.dcm", "MR_small_implicit.dcm",
+                           "MR_small_jp2klossless.dcm", "MR_small_jpeg_ls_lossless.dcm", "MR_small_padded.dcm"}) {
     INFO(name);
     const auto other = readVolume(folder / name);
     REQUIRE(other);
@@ -148,10 +242,14 @@ TEST_CASE("Values of images have the ranges that are known of them", "[imaging]"
     const char *file, *type;
     double lo, hi, tolerance;  // the known range has four figures
   };
-  for (const Known &known : {Known{"nifti/CT_pitch.nii.gz", "uint8", 0, 255, 0}, Known{"nifti/anatomical.nii", "int16", -610, 30390, 5},
-                             Known{"nifti/fmri_pitch.nii.gz", "uint8", 0, 2210, 1}, Known{"nifti/reoriented_anat_moved.nii", "float32", 0, 21200, 50},
-                             Known{"nifti/someones_epi.nii.gz", "uint8", 7.743, 103.8, 0.05}, Known{"totalseg/example_ct.nii.gz", "int32", -1207, 3382, 0},
-                             Known{"totalseg/example_ct_sm.nii.gz", "int16", -1100, 1207, 0}, Known{"totalseg/example_mr_sm.nii.gz", "int16", -47, 833, 0}}) {
+  for (const Known &known :
+       {Known{"nifti/CT_pitch.nii.gz", "uint8", 0, 255, 0}, Known{"nifti/anatomical.nii", "int16", -610, 30390, 5},
+        Known{"nifti/fmri_pitch.nii.gz", "uint8", 0, 2210, 1},
+        Known{"nifti/reoriented_anat_moved.nii", "float32", 0, 21200, 50},
+        Known{"nifti/someones_epi.nii.gz", "uint8", 7.743, 103.8, 0.05},
+        Known{"totalseg/example_ct.nii.gz", "int32", -1207, 3382, 0},
+        Known{"totalseg/example_ct_sm.nii.gz", "int16", -1100, 1207, 0},
+        Known{"totalseg/example_mr_sm.nii.gz", "int16", -47, 833, 0}}) {
     C3DE_DATA_OR_SKIP(path, std::string("volume/") + known.file);
     INFO(known.file);
     const auto loaded = readVolume(path);
@@ -185,18 +283,21 @@ TEST_CASE("Labels stored left to right flipped lie over their organs", "[imaging
   const auto &g = labels->labels.geometry;
   for (std::size_t v = 0; v < labels->labels.voxels.size(); ++v) {
     if (labels->labels.voxels[v] == 0) continue;
-    const Vec3 at = transformPoint(toIndex, g.worldAt({static_cast<double>(v % g.size[0]), static_cast<double>(v / g.size[0] % g.size[1]),
-                                                      static_cast<double>(v / (g.size[0] * g.size[1]))}));
+    const Vec3 at = transformPoint(
+        toIndex, g.worldAt({static_cast<double>(v % g.size[0]), static_cast<double>(v / g.size[0] % g.size[1]),
+                            static_cast<double>(v / (g.size[0] * g.size[1]))}));
     auto &[count, sum] = sums[labels->labels.voxels[v]];
     count += 1.0;
-    sum += image->volume.value(static_cast<std::size_t>(std::lround(at[0])), static_cast<std::size_t>(std::lround(at[1])), static_cast<std::size_t>(std::lround(at[2])));
+    sum +=
+        image->volume.value(static_cast<std::size_t>(std::lround(at[0])), static_cast<std::size_t>(std::lround(at[1])),
+                            static_cast<std::size_t>(std::lround(at[2])));
   }
   const auto mean = [&](int label) { return sums.at(label).second / sums.at(label).first; };
   // Hounsfield units with contrast agent. Read index by index, or with both axes turned, no vertebra is bone.
-  CHECK_THAT(mean(5), WithinAbs(90.0, 20.0));   // liver
-  CHECK_THAT(mean(1), WithinAbs(90.0, 20.0));   // spleen
-  CHECK(mean(32) > 200.0);                      // vertebra
+  CHECK_THAT(mean(5), WithinAbs(90.0, 20.0));  // liver
+  CHECK_THAT(mean(1), WithinAbs(90.0, 20.0));  // spleen
+  CHECK(mean(32) > 200.0);                     // vertebra
   CHECK(mean(33) > 200.0);
-  CHECK(mean(97) > 200.0);                      // rib, left
-  CHECK(mean(109) > 200.0);                     // rib, right
+  CHECK(mean(97) > 200.0);   // rib, left
+  CHECK(mean(109) > 200.0);  // rib, right
 }

@@ -56,19 +56,26 @@ inline Truth nifti(const std::filesystem::path &file) {
   const double plain = number<std::int32_t>(b, 0, false);
   const bool turned = plain != 348 && plain != 540;
   const bool two = number<std::int32_t>(b, 0, turned) == 540;
-  const auto real = [&](std::size_t one, std::size_t second) { return two ? number<double>(b, second, turned) : number<float>(b, one, turned); };
-  const auto code = [&](std::size_t one, std::size_t second) { return two ? number<std::int32_t>(b, second, turned) : number<std::int16_t>(b, one, turned); };
+  const auto real = [&](std::size_t one, std::size_t second) {
+    return two ? number<double>(b, second, turned) : number<float>(b, one, turned);
+  };
+  const auto code = [&](std::size_t one, std::size_t second) {
+    return two ? number<std::int32_t>(b, second, turned) : number<std::int16_t>(b, one, turned);
+  };
   for (std::size_t a = 0; a < 3; ++a)
-    t.size[a] = static_cast<std::size_t>(two ? number<std::int64_t>(b, 24 + 8 * a, turned) : number<std::int16_t>(b, 42 + 2 * a, turned));
+    t.size[a] = static_cast<std::size_t>(two ? number<std::int64_t>(b, 24 + 8 * a, turned)
+                                             : number<std::int16_t>(b, 42 + 2 * a, turned));
   if (code(254, 348) > 0) {
     for (std::size_t r = 0; r < 3; ++r)
       for (std::size_t c = 0; c < 4; ++c) t.m[r][c] = real(280 + 16 * r + 4 * c, 400 + 32 * r + 8 * c);
   } else {
-    const double qb = real(256, 352), qc = real(260, 360), qd = real(264, 368), qa = std::sqrt(std::max(0.0, 1 - qb * qb - qc * qc - qd * qd));
+    const double qb = real(256, 352), qc = real(260, 360), qd = real(264, 368),
+                 qa = std::sqrt(std::max(0.0, 1 - qb * qb - qc * qc - qd * qd));
     const double turn = real(76, 104) < 0 ? -1 : 1;
-    const double r[3][3] = {{qa * qa + qb * qb - qc * qc - qd * qd, 2 * qb * qc - 2 * qa * qd, 2 * qb * qd + 2 * qa * qc},
-                            {2 * qb * qc + 2 * qa * qd, qa * qa + qc * qc - qb * qb - qd * qd, 2 * qc * qd - 2 * qa * qb},
-                            {2 * qb * qd - 2 * qa * qc, 2 * qc * qd + 2 * qa * qb, qa * qa + qd * qd - qc * qc - qb * qb}};
+    const double r[3][3] = {
+        {qa * qa + qb * qb - qc * qc - qd * qd, 2 * qb * qc - 2 * qa * qd, 2 * qb * qd + 2 * qa * qc},
+        {2 * qb * qc + 2 * qa * qd, qa * qa + qc * qc - qb * qb - qd * qd, 2 * qc * qd - 2 * qa * qb},
+        {2 * qb * qd - 2 * qa * qc, 2 * qc * qd + 2 * qa * qb, qa * qa + qd * qd - qc * qc - qb * qb}};
     for (std::size_t row = 0; row < 3; ++row) {
       for (std::size_t c = 0; c < 3; ++c) t.m[row][c] = r[row][c] * real(80 + 4 * c, 112 + 8 * c) * (c == 2 ? turn : 1);
       t.m[row][3] = real(268 + 4 * row, 376 + 8 * row);
@@ -107,7 +114,8 @@ inline std::map<std::string, std::string> lines(const std::filesystem::path &fil
 inline Truth nrrd(const std::filesystem::path &file) {
   auto fields = lines(file, ':');
   Truth t;
-  const auto sizes = numbers(fields["sizes"]), directions = numbers(fields["space directions"]), origin = numbers(fields["space origin"]);
+  const auto sizes = numbers(fields["sizes"]), directions = numbers(fields["space directions"]),
+             origin = numbers(fields["space origin"]);
   const std::size_t n = sizes.size();
   for (std::size_t a = 0; a < n; ++a) {
     t.size[a] = static_cast<std::size_t>(sizes[a]);
@@ -125,7 +133,8 @@ inline Truth meta(const std::filesystem::path &file) {
   const std::size_t n = sizes.size();
   for (std::size_t a = 0; a < n; ++a) {
     t.size[a] = static_cast<std::size_t>(sizes[a]);
-    for (std::size_t r = 0; r < n; ++r) t.m[r][a] = (matrix.empty() ? (a == r ? 1.0 : 0.0) : matrix.at(a * n + r)) * spacing.at(a);
+    for (std::size_t r = 0; r < n; ++r)
+      t.m[r][a] = (matrix.empty() ? (a == r ? 1.0 : 0.0) : matrix.at(a * n + r)) * spacing.at(a);
     t.m[a][3] = origin.empty() ? 0.0 : origin.at(a);
   }
   return t;

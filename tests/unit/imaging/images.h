@@ -45,12 +45,14 @@ inline std::vector<std::filesystem::path> filesOf(const std::filesystem::path &f
 inline std::string patched(std::string bytes, const std::string &from, const std::string &to) {
   REQUIRE(from.size() == to.size());
   REQUIRE(bytes.find(from) != std::string::npos);
-  for (std::size_t at = 0; (at = bytes.find(from, at)) != std::string::npos; at += to.size()) bytes.replace(at, from.size(), to);
+  for (std::size_t at = 0; (at = bytes.find(from, at)) != std::string::npos; at += to.size())
+    bytes.replace(at, from.size(), to);
   return bytes;
 }
 
 inline bool says(const std::vector<std::string> &notices, const std::string &text) {
-  return std::any_of(notices.begin(), notices.end(), [&](const std::string &notice) { return notice.find(text) != std::string::npos; });
+  return std::any_of(notices.begin(), notices.end(),
+                     [&](const std::string &notice) { return notice.find(text) != std::string::npos; });
 }
 
 inline Vec3 last(const VolumeGeometry &g) {

@@ -34,10 +34,14 @@ inline c3de::imaging::LabelMap read(const std::filesystem::path &path) {
   out.voxels.resize(out.geometry.voxelCount());
   for (std::size_t v = 0; v < out.voxels.size(); ++v) {
     double value = 0.0;
-    if (type == 2) value = bytes[first + v];
-    else if (type == 4) value = at(first + 2 * v, std::int16_t{});
-    else if (type == 8) value = at(first + 4 * v, std::int32_t{});
-    else if (type == 16) value = static_cast<double>(at(first + 4 * v, 0.0f));
+    if (type == 2)
+      value = bytes[first + v];
+    else if (type == 4)
+      value = at(first + 2 * v, std::int16_t{});
+    else if (type == 8)
+      value = at(first + 4 * v, std::int32_t{});
+    else if (type == 16)
+      value = static_cast<double>(at(first + 4 * v, 0.0f));
     out.voxels[v] = value > 0.0 ? static_cast<std::uint16_t>(value) : std::uint16_t{0};
   }
   return out;

@@ -10,9 +10,11 @@ using namespace images;
 namespace {
 
 /// A NRRD whose voxels stand in it as text.
-std::filesystem::path textNrrd(const std::string &name, const std::string &type, const std::string &sizes, const std::string &voxels, const std::string &more = "") {
+std::filesystem::path textNrrd(const std::string &name, const std::string &type, const std::string &sizes,
+                               const std::string &voxels, const std::string &more = "") {
   const auto dimension = std::count(sizes.begin(), sizes.end(), ' ') + 1;
-  return write(testOutputFolder() / name, "NRRD0004\ntype: " + type + "\ndimension: " + std::to_string(dimension) + "\nsizes: " + sizes + "\nencoding: ascii\n" + more + "\n" + voxels);
+  return write(testOutputFolder() / name, "NRRD0004\ntype: " + type + "\ndimension: " + std::to_string(dimension) +
+                                              "\nsizes: " + sizes + "\nencoding: ascii\n" + more + "\n" + voxels);
 }
 const std::string kPlaced = "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n";
 
@@ -24,7 +26,9 @@ TEST_CASE("Labels are whole numbers that are not negative; the first voxel that 
   REQUIRE(good->labels.labels.size() == 2);
   CHECK(good->labels.labels[0].name == "label 3");
   CHECK(good->labels.labels[1].value == 17);
-  for (const auto &[voxels, wrong] : {std::pair{"0 1 2.5 3", "voxel (0, 1, 0) is 2.5"}, {"0 -1 2 3", "voxel (1, 0, 0) is -1"}, {"0 1 2 70000", "voxel (1, 1, 0) is 70000"}}) {
+  for (const auto &[voxels, wrong] : {std::pair{"0 1 2.5 3", "voxel (0, 1, 0) is 2.5"},
+                                      {"0 -1 2 3", "voxel (1, 0, 0) is -1"},
+                                      {"0 1 2 70000", "voxel (1, 1, 0) is 70000"}}) {
     const auto refused = readLabelMap(textNrrd("bad.nrrd", "float", "2 2 1", voxels, kPlaced));
     REQUIRE_FALSE(refused);
     CHECK_THAT(refused.error().message, Contains(wrong) && Contains("0 to 65535"));
@@ -36,9 +40,12 @@ TEST_CASE("Names come from a table beside the file, in each of its forms", "[ima
   struct Table {
     const char *file, *text;
   };
-  for (const Table &table : {Table{"organs.nrrd.txt", "1 spleen 2001\r\n2 kidney_right 2002\r\n5 liver 9\r\n"}, Table{"organs.txt", "0\tnothing\r\n1\tspleen\r\n5\tliver\n"},
-                             Table{"organs.label", "# ITK-SNAP\n 0 0 0 0 0 0 0 \"Clear Label\"\n 1 255 0 0 1 1 1 \"spleen\"\n 5 0 255 0 1 1 1 \"liver\"\n"},
-                             Table{"organs.ctbl", "# Color table\n1 spleen 255 0 0 255\n5 liver 0 255 0 255\n"}}) {
+  for (const Table &table :
+       {Table{"organs.nrrd.txt", "1 spleen 2001\r\n2 kidney_right 2002\r\n5 liver 9\r\n"},
+        Table{"organs.txt", "0\tnothing\r\n1\tspleen\r\n5\tliver\n"},
+        Table{"organs.label",
+              "# ITK-SNAP\n 0 0 0 0 0 0 0 \"Clear Label\"\n 1 255 0 0 1 1 1 \"spleen\"\n 5 0 255 0 1 1 1 \"liver\"\n"},
+        Table{"organs.ctbl", "# Color table\n1 spleen 255 0 0 255\n5 liver 0 255 0 255\n"}}) {
     INFO(table.file);
     const auto beside = write(testOutputFolder() / table.file, table.text);
     const auto loaded = readLabelMap(image);
@@ -55,7 +62,8 @@ TEST_CASE("Names come from a table beside the file, in each of its forms", "[ima
 
 TEST_CASE("Names of a table may have several words, which end where numbers begin", "[imaging]") {
   const auto image = textNrrd("words.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced);
-  const auto beside = write(testOutputFolder() / "words.txt", "1 liver, left lobe\n2  spinal  cord 2001\n5 vena cava 0 255 0 255\n");
+  const auto beside =
+      write(testOutputFolder() / "words.txt", "1 liver, left lobe\n2  spinal  cord 2001\n5 vena cava 0 255 0 255\n");
   const auto loaded = readLabelMap(image);
   std::filesystem::remove(beside);
   REQUIRE(loaded);
@@ -67,7 +75,8 @@ TEST_CASE("Names of a table may have several words, which end where numbers begi
 }
 
 TEST_CASE("Names and colours of Slicer's segments are read", "[imaging]") {
-  const std::string segments = "Segment0_LabelValue:=5\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment1_LabelValue:=1\nSegment1_Name:=spleen\nSegment1_Layer:=0\n";
+  const std::string segments =
+      "Segment0_LabelValue:=5\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment1_LabelValue:=1\nSegment1_Name:=spleen\nSegment1_Layer:=0\n";
   const auto file = textNrrd("a.seg.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced + segments);
   const auto loaded = readLabelMap(file);
   REQUIRE(loaded);
@@ -83,10 +92,12 @@ TEST_CASE("Names and colours of Slicer's segments are read", "[imaging]") {
 
 TEST_CASE("Segments that overlap are read as layers, each with its names and colours", "[imaging]") {
   // Voxel 1 is liver and tumour; each layer has a label 1 of its own.
-  const std::string head = "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,7)\nkinds: list domain domain domain\n";
-  const std::string segments = "Segment0_Layer:=0\nSegment0_LabelValue:=1\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment0_Extent:=0 1 0 0 0 0\n"
-                               "Segment1_Layer:=0\nSegment1_LabelValue:=2\nSegment1_Name:=spleen\nSegment1_Color:=0 1 0\n"
-                               "Segment2_Layer:=1\nSegment2_LabelValue:=1\nSegment2_Name:=tumour\nSegment2_Color:=0 0 1\n";
+  const std::string head =
+      "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,7)\nkinds: list domain domain domain\n";
+  const std::string segments =
+      "Segment0_Layer:=0\nSegment0_LabelValue:=1\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment0_Extent:=0 1 0 0 0 0\n"
+      "Segment1_Layer:=0\nSegment1_LabelValue:=2\nSegment1_Name:=spleen\nSegment1_Color:=0 1 0\n"
+      "Segment2_Layer:=1\nSegment2_LabelValue:=1\nSegment2_Name:=tumour\nSegment2_Color:=0 0 1\n";
   const auto file = textNrrd("layers.seg.nrrd", "uint8", "2 4 1 1", "1 0  1 1  2 0  0 0", head + segments);
   const auto loaded = readLabelMap(file);
   if (!loaded) FAIL(loaded.error().message);
@@ -111,19 +122,26 @@ TEST_CASE("Segments that overlap are read as layers, each with its names and col
   CHECK_FALSE(readLabelMap(file, later));
 
   // Slicer 4.10: a component for each segment.
-  const auto old = readLabelMap(textNrrd("old.seg.nrrd", "uint8", "2 4 1 1", "1 0  1 1  0 1  0 0", head + "Segment0_Name:=liver\nSegment1_Name:=tumour\n"));
+  const auto old = readLabelMap(textNrrd("old.seg.nrrd", "uint8", "2 4 1 1", "1 0  1 1  0 1  0 0",
+                                         head + "Segment0_Name:=liver\nSegment1_Name:=tumour\n"));
   REQUIRE(old);
   CHECK(old->labels.labels[0].name == "liver");
   REQUIRE(old->layers.size() == 1);
   CHECK(old->layers[0].labels[0].name == "tumour");
   CHECK(old->layers[0].voxels == std::vector<std::uint16_t>{0, 1, 1, 0});
-  for (const char *wrong : {"Segment0_Layer:=-5\n", "Segment0_Layer:=1e300\n", "Segment0_Layer:=nan\n", "Segment99999999999999999999_Name:=a\n"})
-    CHECK(readLabelMap(textNrrd("odd.seg.nrrd", "uint8", "2 4 1 1", "1 0  1 1  0 1  0 0", head + wrong + "Segment0_LabelValue:=1\nSegment0_Name:=liver\n")));
+  for (const char *wrong : {"Segment0_Layer:=-5\n", "Segment0_Layer:=1e300\n", "Segment0_Layer:=nan\n",
+                            "Segment99999999999999999999_Name:=a\n"})
+    CHECK(readLabelMap(textNrrd("odd.seg.nrrd", "uint8", "2 4 1 1", "1 0  1 1  0 1  0 0",
+                                head + wrong + "Segment0_LabelValue:=1\nSegment0_Name:=liver\n")));
 }
 
 TEST_CASE("A single label without a name is called after its file", "[imaging]") {
-  for (const auto &[file, name] : {std::pair{"heart.nrrd", "heart"}, {"vertebrae_T12.nrrd", "vertebra T12"}, {"Liver-mask.seg.nrrd", "Liver"}, {"kidney_left.nrrd", "kidney left"},
-                                   {"label.nrrd", "label 3"}, {"segmentation_1.nrrd", "label 3"}}) {
+  for (const auto &[file, name] : {std::pair{"heart.nrrd", "heart"},
+                                   {"vertebrae_T12.nrrd", "vertebra T12"},
+                                   {"Liver-mask.seg.nrrd", "Liver"},
+                                   {"kidney_left.nrrd", "kidney left"},
+                                   {"label.nrrd", "label 3"},
+                                   {"segmentation_1.nrrd", "label 3"}}) {
     CAPTURE(file);
     const auto loaded = readLabelMap(textNrrd(file, "uint8", "2 1 1", "0 3", kPlaced));
     REQUIRE(loaded);
@@ -131,7 +149,10 @@ TEST_CASE("A single label without a name is called after its file", "[imaging]")
     CHECK(loaded->labels.labels[0].name == name);
   }
   CHECK(readLabelMap(textNrrd("heart.nrrd", "uint8", "2 1 1", "1 3", kPlaced))->labels.labels[0].name == "label 1");
-  CHECK(readLabelMap(textNrrd("a.nrrd", "uint8", "2 1 1", "0 3", kPlaced + "Segment0_LabelValue:=3\nSegment0_Name:=spleen\n"))->labels.labels[0].name == "spleen");
+  CHECK(readLabelMap(
+            textNrrd("a.nrrd", "uint8", "2 1 1", "0 3", kPlaced + "Segment0_LabelValue:=3\nSegment0_Name:=spleen\n"))
+            ->labels.labels[0]
+            .name == "spleen");
   C3DE_DATA_OR_SKIP(file, "volume/totalseg/single_organs/kidney_left.nii.gz");
   CHECK(readLabelMap(file)->labels.labels[0].name == "kidney left");
 }
@@ -146,7 +167,8 @@ TEST_CASE("Colours of labels that have none are told apart", "[imaging]") {
   for (std::size_t a = 0; a < 40; ++a)
     for (std::size_t b = a + 1; b < 40; ++b) {
       double square = 0.0;
-      for (std::size_t c = 0; c < 3; ++c) square += std::pow(loaded->labels.labels[a].colour[c] - loaded->labels.labels[b].colour[c], 2);
+      for (std::size_t c = 0; c < 3; ++c)
+        square += std::pow(loaded->labels.labels[a].colour[c] - loaded->labels.labels[b].colour[c], 2);
       nearest = std::min(nearest, std::sqrt(square));
     }
   CHECK(nearest > 0.02);  // five steps of 256 in the middle of the range
@@ -165,20 +187,27 @@ TEST_CASE("The atlas of MRIcron is read with its names", "[imaging]") {
   const auto &g = loaded->labels.geometry;
   for (std::size_t v = 0; v < loaded->labels.voxels.size(); ++v)
     if (loaded->labels.voxels[v] == 1) {
-      sum += g.worldAt({static_cast<double>(v % g.size[0]), static_cast<double>(v / g.size[0] % g.size[1]), static_cast<double>(v / (g.size[0] * g.size[1]))})[0];
+      sum += g.worldAt({static_cast<double>(v % g.size[0]), static_cast<double>(v / g.size[0] % g.size[1]),
+                        static_cast<double>(v / (g.size[0] * g.size[1]))})[0];
       count += 1.0;
     }
   CHECK(sum / count > 20.0);
 }
 
 TEST_CASE("Spaces of NRRD are turned to LPS, units to millimetres", "[imaging]") {
-  for (const auto &[space, turned] : {std::pair{"left-posterior-superior", Vec3{1, 2, 3}}, {"right-anterior-superior", Vec3{-1, -2, 3}}, {"LAS", Vec3{1, -2, 3}}}) {
-    const auto loaded = readVolume(textNrrd("space.nrrd", "short", "1 1 2", "4 5", std::string("space: ") + space + "\nspace directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (1,2,3)\n"));
+  for (const auto &[space, turned] : {std::pair{"left-posterior-superior", Vec3{1, 2, 3}},
+                                      {"right-anterior-superior", Vec3{-1, -2, 3}},
+                                      {"LAS", Vec3{1, -2, 3}}}) {
+    const auto loaded = readVolume(textNrrd(
+        "space.nrrd", "short", "1 1 2", "4 5",
+        std::string("space: ") + space + "\nspace directions: (2,0,0) (0,2,0) (0,0,2)\nspace origin: (1,2,3)\n"));
     REQUIRE(loaded);
     checkAt(loaded->volume.geometry.worldAt({0, 0, 0}), turned);
     CHECK(loaded->notices.empty());
   }
-  const auto metres = readVolume(textNrrd("m.nrrd", "short", "1 1 2", "4 5", "space: LPS\nspace units: \"m\" \"m\" \"m\"\nspace directions: (.002,0,0) (0,.002,0) (0,0,.002)\nspace origin: (.001,0,0)\n"));
+  const auto metres = readVolume(textNrrd(
+      "m.nrrd", "short", "1 1 2", "4 5",
+      "space: LPS\nspace units: \"m\" \"m\" \"m\"\nspace directions: (.002,0,0) (0,.002,0) (0,0,.002)\nspace origin: (.001,0,0)\n"));
   REQUIRE(metres);
   checkAt(metres->volume.geometry.worldAt({0, 0, 1}), {1, 0, 2});
   const auto unplaced = readVolume(textNrrd("u.nrrd", "short", "1 1 2", "4 5", "spacings: 2 3 nan\n"));
@@ -205,8 +234,10 @@ TEST_CASE("Voxels in numbered files, behind lines and bytes, and as hexadecimal 
     bytes += {static_cast<char>(n), 0, static_cast<char>(10 * n), 0};
     write(folder / ("s00" + std::to_string(n) + ".raw"), bytes);
   }
-  const std::string head = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nendian: little\nencoding: raw\n" + kPlaced;
-  for (const char *where : {"line skip: 1\nbyte skip: 1\ndata file: s%03d.raw 3 5 1\n", "byte skip: -1\ndata file: LIST\ns003.raw\ns004.raw\ns005.raw\n"}) {
+  const std::string head =
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 3\nendian: little\nencoding: raw\n" + kPlaced;
+  for (const char *where : {"line skip: 1\nbyte skip: 1\ndata file: s%03d.raw 3 5 1\n",
+                            "byte skip: -1\ndata file: LIST\ns003.raw\ns004.raw\ns005.raw\n"}) {
     const auto loaded = readVolume(write(folder / "parts.nhdr", head + where));
     if (!loaded) INFO(loaded.error().message);
     REQUIRE(loaded);
@@ -214,11 +245,15 @@ TEST_CASE("Voxels in numbered files, behind lines and bytes, and as hexadecimal 
   }
   const auto absent = readVolume(write(folder / "absent.nhdr", head + "data file: s%03d.raw 3 6 1\n"));
   REQUIRE_FALSE(absent);
-  const auto list = readVolume(write(folder / "list.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 2 1 3\nElementType = MET_SHORT\nElementSpacing = 1 1 1\nHeaderSize = -1\n"
-                                                          "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\nElementDataFile = s%03d.raw 3 5 1\n"));
+  const auto list = readVolume(write(
+      folder / "list.mhd",
+      "ObjectType = Image\nNDims = 3\nDimSize = 2 1 3\nElementType = MET_SHORT\nElementSpacing = 1 1 1\nHeaderSize = -1\n"
+      "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\nElementDataFile = s%03d.raw 3 5 1\n"));
   REQUIRE(list);
   CHECK(list->volume.value(1, 0, 2) == 50.0);
-  const auto hex = readVolume(write(folder / "hex.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 1\nendian: big\nencoding: hex\n" + kPlaced + "\n01 02ff\nFE"));
+  const auto hex = readVolume(write(
+      folder / "hex.nrrd",
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 1 1\nendian: big\nencoding: hex\n" + kPlaced + "\n01 02ff\nFE"));
   REQUIRE(hex);
   CHECK(hex->volume.voxels == Voxels(std::vector<std::int16_t>{0x0102, -2}));
 }
@@ -258,7 +293,7 @@ TEST_CASE("Labels have the names and colours of the table inside of a NIfTI", "[
   CHECK(named->labels.labels[1].colour[0] == 0.0f);
   CHECK(named->labels.labels[1].colour[1] == 1.0f);
   CHECK_THAT(named->labels.labels[1].colour[2], WithinAbs(0.2140, 1e-3));  // half of sRGB, linear
-  const auto damaged = withExtensions(16);  // goes on into the voxels
+  const auto damaged = withExtensions(16);                                 // goes on into the voxels
   REQUIRE(damaged);
   CHECK(damaged->labels.voxels == labels.voxels);
   CHECK(damaged->labels.labels[1].name == "label 5");
@@ -271,8 +306,8 @@ TEST_CASE("Organs of TotalSegmentator have their names", "[imaging]") {
   REQUIRE(loaded->labels.labels.size() == 41);
   for (const auto &[number, name] : {std::pair{1, "spleen"}, {2, "kidney_right"}, {3, "kidney_left"}, {5, "liver"}}) {
     const auto &all = loaded->labels.labels;
-    const auto found = std::find_if(all.begin(), all.end(),
-                                    [wanted = number](const LabelMap::Label &l) { return l.value == wanted; });
+    const auto found =
+        std::find_if(all.begin(), all.end(), [wanted = number](const LabelMap::Label &l) { return l.value == wanted; });
     REQUIRE(found != all.end());
     CHECK(found->name == name);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "c3de/imaging/mask_coverage.h"
 #include "c3de/imaging/masks.h"
+#include "c3de/imaging/mask_coverage.h"
 
 #include <limits>
 
@@ -27,8 +27,8 @@ Mask grownByDefinition(const Mask &mask, double radius) {
   const auto &n = mask.geometry.size;
   std::vector<Vec3> set;
   const auto world = [&](std::size_t v) {
-    return mask.geometry.worldAt({static_cast<double>(v % n[0]), static_cast<double>(v / n[0] % n[1]),
-                                  static_cast<double>(v / (n[0] * n[1]))});
+    return mask.geometry.worldAt(
+        {static_cast<double>(v % n[0]), static_cast<double>(v / n[0] % n[1]), static_cast<double>(v / (n[0] * n[1]))});
   };
   for (std::size_t v = 0; v < mask.voxels.size(); ++v)
     if (mask.voxels[v] != 0) set.push_back(world(v));
@@ -108,8 +108,9 @@ TEST_CASE("blocks of voxels are filled in part and keep volume and centre", "[im
       const double part = static_cast<double>(fill.values[v]);
       CHECK((part >= 0.0 && part <= 1.0));
       sum += part;
-      middle = middle + part * fill.geometry.worldAt({static_cast<double>(v % n[0]), static_cast<double>(v / n[0] % n[1]),
-                                                      static_cast<double>(v / (n[0] * n[1]))});
+      middle =
+          middle + part * fill.geometry.worldAt({static_cast<double>(v % n[0]), static_cast<double>(v / n[0] % n[1]),
+                                                 static_cast<double>(v / (n[0] * n[1]))});
     }
     // Single precision.
     CHECK_THAT(sum * fill.geometry.voxelVolume(), WithinRel(volumeOf(mask), 1e-6));
@@ -124,9 +125,9 @@ TEST_CASE("blocks of voxels are filled in part and keep volume and centre", "[im
 
 TEST_CASE("components hang together through faces", "[imaging][masks]") {
   Mask mask = phantoms::box(phantoms::grid({12, 12, 12}), {1, 1, 1}, {5, 5, 5});
-  phantoms::set(mask, {5, 5, 5});   // a corner
+  phantoms::set(mask, {5, 5, 5});  // a corner
   phantoms::set(mask, {5, 5, 6});
-  phantoms::set(mask, {0, 4, 4});   // a face
+  phantoms::set(mask, {0, 4, 4});  // a face
   // A winding way: up, over and down again, so that runs are joined late.
   for (std::size_t k = 1; k < 11; ++k) phantoms::set(mask, {8, 8, k}), phantoms::set(mask, {10, 8, k});
   phantoms::set(mask, {9, 8, 10});
@@ -146,9 +147,9 @@ TEST_CASE("components hang together through faces", "[imaging][masks]") {
 TEST_CASE("holes are filled, bays and tunnels are not", "[imaging][masks]") {
   Mask mask = phantoms::box(phantoms::grid({12, 12, 12}), {1, 1, 1}, {11, 11, 11});
   phantoms::set(mask, {5, 5, 5}, false);
-  phantoms::set(mask, {5, 6, 6}, false);                                            // touches it in an edge
-  for (std::size_t i = 1; i < 11; ++i) phantoms::set(mask, {i, 3, 3}, false);       // tunnel
-  for (std::size_t k = 8; k < 11; ++k) phantoms::set(mask, {8, 8, k}, false);       // bay
+  phantoms::set(mask, {5, 6, 6}, false);                                       // touches it in an edge
+  for (std::size_t i = 1; i < 11; ++i) phantoms::set(mask, {i, 3, 3}, false);  // tunnel
+  for (std::size_t k = 8; k < 11; ++k) phantoms::set(mask, {8, 8, k}, false);  // bay
   const Mask filled = value(fillHoles(mask));
   CHECK(voxelCount(filled) == 1000 - 10 - 3);
   CHECK(get(filled, {5, 5, 5}));
@@ -250,7 +251,8 @@ TEST_CASE("voxels within a closed surface are those whose centre is inside", "[i
     for (Triangle &t : octahedron.triangles) std::swap(t[1], t[2]);
   const Mask inside = maskOf(octahedron, whole);
   for (std::size_t v = 0; v < whole.voxelCount(); ++v) {
-    const double away = std::abs(double(v % 21) - 10) + std::abs(double(v / 21 % 21) - 10) + std::abs(double(v / 441) - 10);
+    const double away =
+        std::abs(double(v % 21) - 10) + std::abs(double(v / 21 % 21) - 10) + std::abs(double(v / 441) - 10);
     if (away < 8.0) REQUIRE(inside.voxels[v] == 1);
     if (away > 8.0) REQUIRE(inside.voxels[v] == 0);
   }

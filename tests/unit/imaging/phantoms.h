@@ -55,7 +55,8 @@ inline Mask where(const VolumeGeometry &g, const std::function<bool(const Vec3 &
     for (std::size_t j = 0; j < g.size[1]; ++j)
       for (std::size_t i = 0; i < g.size[0]; ++i)
         mask.voxels[at++] =
-            inside(g.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}) - centre) ? 1 : 0;
+            inside(g.worldAt({static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)}) - centre) ? 1
+                                                                                                                 : 0;
   return mask;
 }
 
@@ -63,20 +64,22 @@ inline Mask ball(const VolumeGeometry &g, double radius) {
   return where(g, [radius](const Vec3 &x) { return dot(x, x) <= radius * radius; });
 }
 
-/// Tubes from `root` on that divide three times, turning in space; the widest 8 mm thick, the thinnest 2, each 24 mm long.
+/// Tubes from `root` on that divide three times, turning in space; the widest 8 mm thick, the thinnest 2, each 24 mm
+/// long.
 inline std::function<bool(const Vec3 &)> vesselTree(const Vec3 &root, const Vec3 &along) {
   struct Tube {
     Vec3 from, to;
     double radius;
   };
   std::vector<Tube> tubes;
-  const std::function<void(const Vec3 &, const Vec3 &, double, int)> grow = [&](const Vec3 &from, const Vec3 &way, double radius,
-                                                                                int level) {
+  const std::function<void(const Vec3 &, const Vec3 &, double, int)> grow = [&](const Vec3 &from, const Vec3 &way,
+                                                                                double radius, int level) {
     const Vec3 to = from + 24.0 * way;
     tubes.push_back({from, to, radius});
     if (level == 3) return;
-    const Vec3 helper = std::abs(way[level % 3]) < 0.8 ? Vec3{level % 3 == 0 ? 1.0 : 0.0, level % 3 == 1 ? 1.0 : 0.0, level % 3 == 2 ? 1.0 : 0.0}
-                                                       : Vec3{0.6, 0.64, 0.48};
+    const Vec3 helper = std::abs(way[level % 3]) < 0.8
+                            ? Vec3{level % 3 == 0 ? 1.0 : 0.0, level % 3 == 1 ? 1.0 : 0.0, level % 3 == 2 ? 1.0 : 0.0}
+                            : Vec3{0.6, 0.64, 0.48};
     const Vec3 across = cross(way, helper);
     for (const double side : {-0.7, 0.7}) {
       const Vec3 turned = way + (side / norm(across)) * across;
@@ -94,8 +97,8 @@ inline std::function<bool(const Vec3 &)> vesselTree(const Vec3 &root, const Vec3
   };
 }
 
-/// The same with random directions, lengths and numbers of branches: from `root` on, the widest tubes of radius `widest`, the
-/// thinnest of `thinnest`, dividing four times at most, about 18 mm each.
+/// The same with random directions, lengths and numbers of branches: from `root` on, the widest tubes of radius
+/// `widest`, the thinnest of `thinnest`, dividing four times at most, about 18 mm each.
 inline std::function<bool(const Vec3 &)> randomTree(std::uint64_t seed, double widest, double thinnest);
 
 /// Voxels [min, max) of the index.

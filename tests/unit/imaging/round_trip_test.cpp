@@ -18,7 +18,8 @@ Volume counted(bool sheared) {
   Volume volume;
   volume.geometry = awkwardGeometry(sheared);
   std::vector<T> all(volume.geometry.voxelCount());
-  for (std::size_t v = 0; v < all.size(); ++v) all[v] = static_cast<T>(std::is_signed_v<T> ? static_cast<double>(v) * 2.0 - 50.0 : static_cast<double>(v) * 3.0);
+  for (std::size_t v = 0; v < all.size(); ++v)
+    all[v] = static_cast<T>(std::is_signed_v<T> ? static_cast<double>(v) * 2.0 - 50.0 : static_cast<double>(v) * 3.0);
   volume.voxels = all;
   return volume;
 }
@@ -29,8 +30,10 @@ TEST_CASE("Volumes of every type and an awkward place come back as they were", "
   const auto folder = emptyFolder("volumes");
   for (const bool sheared : {false, true})
     for (const char *ending : kEndings)
-      for (const Volume &volume : {counted<std::int8_t>(sheared), counted<std::uint8_t>(sheared), counted<std::int16_t>(sheared), counted<std::uint16_t>(sheared),
-                                   counted<std::int32_t>(sheared), counted<std::uint32_t>(sheared), counted<float>(sheared), counted<double>(sheared)}) {
+      for (const Volume &volume :
+           {counted<std::int8_t>(sheared), counted<std::uint8_t>(sheared), counted<std::int16_t>(sheared),
+            counted<std::uint16_t>(sheared), counted<std::int32_t>(sheared), counted<std::uint32_t>(sheared),
+            counted<float>(sheared), counted<double>(sheared)}) {
         const auto file = folder / (std::string("volume") + ending);
         INFO(file.string() << " " << volume.scalarTypeName() << (sheared ? " sheared" : ""));
         const auto written = writeVolume(file, volume);
@@ -86,7 +89,8 @@ TEST_CASE("Slope and intercept are kept by NIfTI and applied for the others", "[
       CHECK(loaded->volume.slope == (kept ? slope : 1.0));
       if (kept) CHECK(loaded->volume.voxels == volume.voxels);
       // single precision of 18
-      for (const std::size_t k : {0u, 1u, 2u}) CHECK_THAT(loaded->volume.value(3, 2, k), WithinAbs(volume.value(3, 2, k), 1e-5));
+      for (const std::size_t k : {0u, 1u, 2u})
+        CHECK_THAT(loaded->volume.value(3, 2, k), WithinAbs(volume.value(3, 2, k), 1e-5));
     }
   }
 }

@@ -35,7 +35,8 @@ TEST_CASE("A missing slice is interpolated between its neighbours, with a notice
   CHECK(std::string(volume.scalarTypeName()) == "uint16");
   const auto before = slice(volume, 1), between = slice(volume, 2), after = slice(volume, 3);
   double most = 0.0;
-  for (std::size_t p = 0; p < between.size(); ++p) most = std::max(most, std::abs(between[p] - 0.5 * (before[p] + after[p])));
+  for (std::size_t p = 0; p < between.size(); ++p)
+    most = std::max(most, std::abs(between[p] - 0.5 * (before[p] + after[p])));
   CHECK(most <= 0.5);  // rounded to whole numbers
 }
 
@@ -53,7 +54,8 @@ TEST_CASE("Slices at uneven distances are resampled where they really lie", "[im
   // The slice at 701.21 is now 10/13 of I20 (at 699.71) and 3/13 of I30 (at 706.21).
   const auto a = slice(original->volume, 1), b = slice(original->volume, 2), found = slice(volume, 1);
   double most = 0.0;
-  for (std::size_t p = 0; p < found.size(); ++p) most = std::max(most, std::abs(found[p] - (10.0 * a[p] + 3.0 * b[p]) / 13.0));
+  for (std::size_t p = 0; p < found.size(); ++p)
+    most = std::max(most, std::abs(found[p] - (10.0 * a[p] + 3.0 * b[p]) / 13.0));
   CHECK(most <= 0.5 + 1e-9);
 }
 
@@ -103,7 +105,8 @@ TEST_CASE("A series of mixed orientations is two stacks to choose from", "[imagi
   C3DE_DATA_OR_SKIP(data, "dicom/mr_mixed_orientation_4");
   const auto refused = readVolume(data);
   REQUIRE_FALSE(refused);
-  CHECK_THAT(refused.error().message, Contains("holds 2 series and none was chosen") && Contains("oblique sagittal") && Contains("oblique axial"));
+  CHECK_THAT(refused.error().message, Contains("holds 2 series and none was chosen") && Contains("oblique sagittal") &&
+                                          Contains("oblique axial"));
   const auto list = listSeries(data);
   REQUIRE(list);
   REQUIRE(list->size() == 2);
@@ -182,7 +185,8 @@ TEST_CASE("The patient's name is in its own field and nowhere else", "[imaging]"
   std::vector<std::string> names;
   for (const SeriesInfo &info : *list) {
     if (info.patientName.size() > 3) names.push_back(info.patientName);
-    CHECK((info.patientName.empty() || (info.description + info.id + info.refusal).find(info.patientName) == std::string::npos));
+    CHECK((info.patientName.empty() ||
+           (info.description + info.id + info.refusal).find(info.patientName) == std::string::npos));
   }
   CHECK(names.size() >= 3);
   const auto message = readVolume(data);

@@ -65,18 +65,25 @@ Volume scanOf(const std::vector<Share> &shares) {
   std::vector<std::int16_t> voxels;
   for (const Share &s : shares)
     for (int n = 0; n < static_cast<int>(40000.0 * s.share); ++n)
-      voxels.push_back(static_cast<std::int16_t>(s.value + s.spread * (static_cast<double>(n * 7919 % 2001) / 1000.0 - 1.0)));
+      voxels.push_back(
+          static_cast<std::int16_t>(s.value + s.spread * (static_cast<double>(n * 7919 % 2001) / 1000.0 - 1.0)));
   return volumeOf(voxels);
 }
 
 }  // namespace
 
-TEST_CASE("What is seen of a tomography is soft tissue and bone, whatever of air, padding and metal is there", "[imaging]") {
+TEST_CASE("What is seen of a tomography is soft tissue and bone, whatever of air, padding and metal is there",
+          "[imaging]") {
   // Air, lung, fat, soft tissue, contrast, bone.
-  const std::vector<Share> chest{{-1000, 0.4, 20}, {-800, 0.15, 80}, {-100, 0.1, 30}, {45, 0.25, 40}, {250, 0.04, 60}, {600, 0.06, 300}};
+  const std::vector<Share> chest{{-1000, 0.4, 20}, {-800, 0.15, 80}, {-100, 0.1, 30},
+                                 {45, 0.25, 40},   {250, 0.04, 60},  {600, 0.06, 300}};
   const auto plain = imaging::robustRange(scanOf(chest));
   CHECK(imaging::looksLikeHounsfield(scanOf(chest)));
-  for (const auto &more : {std::vector<Share>{{-3024, 0.3, 0}}, {{3071, 0.02, 0}}, {{-3024, 0.3, 0}, {20000, 0.01, 5000}}, {{-1000, 5.0, 10}}, {{-850, 2.0, 10}}}) {
+  for (const auto &more : {std::vector<Share>{{-3024, 0.3, 0}},
+                           {{3071, 0.02, 0}},
+                           {{-3024, 0.3, 0}, {20000, 0.01, 5000}},
+                           {{-1000, 5.0, 10}},
+                           {{-850, 2.0, 10}}}) {
     std::vector<Share> all = chest;
     all.insert(all.end(), more.begin(), more.end());
     const auto range = imaging::robustRange(scanOf(all));
@@ -106,7 +113,8 @@ TEST_CASE("Magnetic resonance, phases and other values keep the range of their v
 }
 
 TEST_CASE("Tomographies made by others show tissue, magnetic resonance all of it", "[imaging]") {
-  for (const char *file : {"volume/totalseg/example_ct.nii.gz", "volume/totalseg/example_ct_sm.nii.gz", "dicom/ct_head_phantom_philips_5mm", "dicom/pydicom_single/CT_small.dcm"}) {
+  for (const char *file : {"volume/totalseg/example_ct.nii.gz", "volume/totalseg/example_ct_sm.nii.gz",
+                           "dicom/ct_head_phantom_philips_5mm", "dicom/pydicom_single/CT_small.dcm"}) {
     C3DE_DATA_OR_SKIP(path, file);
     CAPTURE(file);
     const auto loaded = imaging::readVolume(path);
@@ -117,7 +125,9 @@ TEST_CASE("Tomographies made by others show tissue, magnetic resonance all of it
     CHECK((range.low >= -200.0 && range.low < 60.0));
     CHECK((range.high >= 250.0 && range.high <= 1000.0));
   }
-  for (const char *file : {"volume/totalseg/example_mr_sm.nii.gz", "volume/nifti/anatomical.nii", "volume/nifti/example4d.nii.gz", "volume/nifti/CT_pitch.nii.gz", "volume/nrrd/breast1_image.nrrd"}) {
+  for (const char *file :
+       {"volume/totalseg/example_mr_sm.nii.gz", "volume/nifti/anatomical.nii", "volume/nifti/example4d.nii.gz",
+        "volume/nifti/CT_pitch.nii.gz", "volume/nrrd/breast1_image.nrrd"}) {
     C3DE_DATA_OR_SKIP(path, file);
     CAPTURE(file);
     const auto loaded = imaging::readVolume(path);

@@ -10,7 +10,8 @@ using namespace c3de::imaging;
 
 namespace {
 
-// A soft ball in a bony shell, with air around it; the ball goes five voxels along x, and all around it with it (a wide rim).
+// A soft ball in a bony shell, with air around it; the ball goes five voxels along x, and all around it with it (a wide
+// rim).
 struct Head {
   VolumeGeometry g = phantoms::grid({48, 40, 40}, {1.5, 1.5, 1.5});
   Vec3 centre = phantoms::centreOf(g);
@@ -110,7 +111,8 @@ TEST_CASE("Labels stay, on a grid of their own, and all outside of bodies does",
   labels.geometry = phantoms::grid({25, 21, 21}, {3.0, 3.0, 3.0});
   labels.labels = {{4, "left", {}}, {9, "right", {}}};
   const auto right = [](double x) { return x > 36.0; };
-  for (std::size_t v = 0; v < labels.geometry.voxelCount(); ++v) labels.voxels.push_back(right(3.0 * double(v % 25)) ? 9 : 4);
+  for (std::size_t v = 0; v < labels.geometry.voxelCount(); ++v)
+    labels.voxels.push_back(right(3.0 * double(v % 25)) ? 9 : 4);
   const DisplacementGrid u = head.moved({{}, {}, {9}, false}, &labels), outside = head.moved({{}, {}, {}, true});
   head.forVoxels([&](std::size_t v, double) {
     const Vec3 x = head.at(v);
@@ -134,7 +136,8 @@ TEST_CASE("Voxels of bodies do not stay, whatever their value, and another grid 
   const Head head;
   Mask marked = *head.places;
   REQUIRE(markStill({-2000.0, {}, {}, false}, head.image, nullptr, marked));
-  head.forVoxels([&](std::size_t v, double r) { REQUIRE(marked.voxels[v] == (r < Head::kBody ? kBodyVoxel : kStillVoxel)); });
+  head.forVoxels(
+      [&](std::size_t v, double r) { REQUIRE(marked.voxels[v] == (r < Head::kBody ? kBodyVoxel : kStillVoxel)); });
   Mask other = phantoms::ball(phantoms::grid({10, 10, 10}), 3.0);
   CHECK_FALSE(markStill(boneAndAir(), head.image, nullptr, other));
 }

@@ -142,7 +142,9 @@ TEST_CASE("surfaces of branching vessels stay at their border and do not go thro
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     CAPTURE(seed);
     checkPlace(phantoms::where(phantoms::grid({100, 100, 100}), phantoms::randomTree(seed, 3.0, 0.6)), 0.0, 0.7);
-    checkPlace(phantoms::where(phantoms::oblique({140, 140, 70}, {0.7, 0.7, 1.5}), phantoms::randomTree(seed, 3.0, 1.0)), 0.0, 0.7);
+    checkPlace(
+        phantoms::where(phantoms::oblique({140, 140, 70}, {0.7, 0.7, 1.5}), phantoms::randomTree(seed, 3.0, 1.0)), 0.0,
+        0.7);
   }
 }
 

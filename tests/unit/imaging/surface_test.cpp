@@ -168,9 +168,9 @@ TEST_CASE("parts of one voxel are closed surfaces with their volume", "[imaging]
 
 TEST_CASE("voxels that touch in an edge or a corner make no common edge", "[imaging][surface]") {
   using At = std::array<std::size_t, 3>;
-  for (const auto &[one, other] : {std::pair{At{5, 5, 5}, At{6, 6, 5}}, std::pair{At{5, 6, 5}, At{6, 5, 5}},
-                                   std::pair{At{5, 5, 6}, At{5, 6, 5}}, std::pair{At{5, 5, 5}, At{6, 6, 6}},
-                                   std::pair{At{5, 6, 5}, At{6, 5, 6}}}) {
+  for (const auto &[one, other] :
+       {std::pair{At{5, 5, 5}, At{6, 6, 5}}, std::pair{At{5, 6, 5}, At{6, 5, 5}}, std::pair{At{5, 5, 6}, At{5, 6, 5}},
+        std::pair{At{5, 5, 5}, At{6, 6, 6}}, std::pair{At{5, 6, 5}, At{6, 5, 6}}}) {
     Mask mask{phantoms::grid({12, 12, 12}), std::vector<std::uint8_t>(12 * 12 * 12, 0)};
     phantoms::set(mask, one);
     phantoms::set(mask, other);
@@ -274,7 +274,8 @@ double misplacedPart(const TriangleMesh &mesh, const Mask &mask) {
     fine.indexToWorld[12 + a] = origin[a];
   }
   const auto cubeOf = [&](std::size_t v, const std::array<std::size_t, 3> &size, std::size_t edge) {
-    return v % size[0] / edge + (n[0] / kCube + 1) * (v / size[0] % size[1] / edge + (n[1] / kCube + 1) * (v / (size[0] * size[1]) / edge));
+    return v % size[0] / edge +
+           (n[0] / kCube + 1) * (v / size[0] % size[1] / edge + (n[1] / kCube + 1) * (v / (size[0] * size[1]) / edge));
   };
   std::vector<double> difference((n[0] / kCube + 1) * (n[1] / kCube + 1) * (n[2] / kCube + 1), 0.0);
   for (std::size_t v = 0; v < mask.voxels.size(); ++v)
@@ -298,9 +299,11 @@ double volumeBelow(const Mask &mask, double at) {
 }
 double volumeBelow(const TriangleMesh &mesh, const VolumeGeometry &grid, double at) {
   const double plane = phantoms::centreOf(grid)[0] + at;
-  // ∫∫ (plane - x) over the surface's projection along x: triangles that reach beyond count up to the plane, cut by halving.
+  // ∫∫ (plane - x) over the surface's projection along x: triangles that reach beyond count up to the plane, cut by
+  // halving.
   double sum = 0.0;
-  const std::function<void(const Vec3 &, const Vec3 &, const Vec3 &, int)> add = [&](const Vec3 &a, const Vec3 &b, const Vec3 &c, int depth) {
+  const std::function<void(const Vec3 &, const Vec3 &, const Vec3 &, int)> add = [&](const Vec3 &a, const Vec3 &b,
+                                                                                     const Vec3 &c, int depth) {
     const int below = (a[0] < plane) + (b[0] < plane) + (c[0] < plane);
     if (below == 0) return;
     if (below < 3 && depth < 6) {
@@ -318,10 +321,12 @@ double volumeBelow(const TriangleMesh &mesh, const VolumeGeometry &grid, double 
 
 // Vessels alone, and on an organ whose size made the automatic edges six voxels long.
 Mask vessels(bool onOrgan) {
-  if (!onOrgan) return phantoms::where(phantoms::grid({110, 90, 90}), phantoms::vesselTree({-48.0, 0.0, 0.0}, {1.0, 0.1, 0.2}));
+  if (!onOrgan)
+    return phantoms::where(phantoms::grid({110, 90, 90}), phantoms::vesselTree({-48.0, 0.0, 0.0}, {1.0, 0.1, 0.2}));
   const auto tree = phantoms::vesselTree({8.0, 0.0, 0.0}, {1.0, 0.1, 0.2});
-  return phantoms::where(phantoms::grid({240, 150, 150}),
-                         [tree](const Vec3 &x) { return norm(x - Vec3{-48.0, 0.0, 0.0}) < 66.0 || tree(x); });
+  return phantoms::where(phantoms::grid({240, 150, 150}), [tree](const Vec3 &x) {
+    return norm(x - Vec3{-48.0, 0.0, 0.0}) < 66.0 || tree(x);
+  });
 }
 
 }  // namespace
@@ -339,8 +344,8 @@ TEST_CASE("branching vessels of two to eight millimetres are in their skin", "[i
     CHECK(report.components == 1);
     // Tubes of two voxels are as thick as the skin is exact: 9 % of them were missing with edges of 1.5 voxels.
     CHECK(missing < 2e-3);
-    // A tenth of a voxel; 0.02 mm measured. Tips lose what tubes get, over two voxels. 3 mm where thick branches take over
-    // what thin ones lose.
+    // A tenth of a voxel; 0.02 mm measured. Tips lose what tubes get, over two voxels. 3 mm where thick branches take
+    // over what thin ones lose.
     CHECK(shift < 0.1);
     CHECK_THAT(report.volume_mm3, WithinRel(volumeOf(mask), 1e-3));
     CHECK(mesh.triangles.size() < 250000);
@@ -370,7 +375,8 @@ TEST_CASE("what long edges lose is not made up by the rest, and can be told", "[
   const Mask mask = vessels(true);
   const TriangleMesh mesh = surface(mask, {6.0, 0.0});
   const Mask lost = notEnclosed(mask, mesh);
-  const double all = volumeOf(mask), missing = volumeOf(lost), volume = geometry::inspect(mesh, geometry::LengthUnit::millimetre).volume_mm3;
+  const double all = volumeOf(mask), missing = volumeOf(lost),
+               volume = geometry::inspect(mesh, geometry::LengthUnit::millimetre).volume_mm3;
   INFO("lost " << missing << " of " << all << " mm³, enclosed " << volume);
   // Branches of 2 mm among blocks of 2 voxels.
   CHECK(missing > 100.0);

@@ -53,8 +53,10 @@ std::string niftiHead() {
 }
 
 std::string nrrdHead(const std::string &encoding, bool listIsFirst) {
-  return "NRRD0004\ntype: short\ndimension: 4\nsizes: " + std::string(listIsFirst ? "4 5 4 3" : "5 4 3 4") + "\nendian: little\nencoding: " + encoding +
-         "\nspace: LPS\nspace directions: " + (listIsFirst ? "none (1,0,0) (0,1,0) (0,0,1)" : "(1,0,0) (0,1,0) (0,0,1) none") + "\nspace origin: (0,0,0)\nkinds: " +
+  return "NRRD0004\ntype: short\ndimension: 4\nsizes: " + std::string(listIsFirst ? "4 5 4 3" : "5 4 3 4") +
+         "\nendian: little\nencoding: " + encoding + "\nspace: LPS\nspace directions: " +
+         (listIsFirst ? "none (1,0,0) (0,1,0) (0,0,1)" : "(1,0,0) (0,1,0) (0,0,1) none") +
+         "\nspace origin: (0,0,0)\nkinds: " +
          (listIsFirst ? "list domain domain domain" : "domain domain domain time") + "\n";
 }
 std::string metaHead(const std::string &more) {
@@ -77,7 +79,8 @@ std::vector<Form> forms() {
           {"among.nrrd", nrrdHead("raw", true) + "\n" + among, true},
           {"among_packed.nrrd", nrrdHead("gzip", true) + "\n" + gzip(among), true},
           {"raw.mha", metaHead("") + behind},
-          {"packed.mha", metaHead("CompressedData = True\nCompressedDataSize = " + std::to_string(zlib.size()) + "\n") + zlib}};
+          {"packed.mha",
+           metaHead("CompressedData = True\nCompressedDataSize = " + std::to_string(zlib.size()) + "\n") + zlib}};
 }
 
 ReadOptions at(std::size_t time) {
@@ -110,7 +113,9 @@ TEST_CASE("Each time point of a file can be read", "[imaging][time]") {
     REQUIRE_FALSE(beyond);
     CHECK_THAT(beyond.error().message, Contains("time 4 is asked for") && Contains("4 time points (0 … 3)"));
   }
-  const auto one = write(folder / "one.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 1 1\nencoding: ascii\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n\n1 2");
+  const auto one = write(
+      folder / "one.nrrd",
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 1 1\nencoding: ascii\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n\n1 2");
   REQUIRE(readVolume(one));
   const auto second = readVolume(one, at(1));
   REQUIRE_FALSE(second);
@@ -167,7 +172,8 @@ TEST_CASE("A file that is cut within its time points says how many are whole", "
   const auto second = readVolume(file, at(1));
   REQUIRE_FALSE(second);
   CHECK_THAT(second.error().message, Contains("of 4 time points (0 … 3) that its header promises 1 are whole"));
-  CHECK(says(readVolume(write(folder / "exact.nii", whole.substr(0, 352 + 2 * each)), at(1))->notices, "the first 2 are whole"));
+  CHECK(says(readVolume(write(folder / "exact.nii", whole.substr(0, 352 + 2 * each)), at(1))->notices,
+             "the first 2 are whole"));
 }
 
 TEST_CASE("Real time series are read at each time", "[imaging][time]") {

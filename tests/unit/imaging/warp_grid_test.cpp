@@ -20,7 +20,8 @@ WorldBox moved(const WorldBox &b, const Vec3 &by) { return {b.low + by, b.high +
 WorldBox reachOf(const VolumeGeometry &g) {
   WorldBox reach;
   reach.add(g.worldAt({}));
-  reach.add(g.worldAt({static_cast<double>(g.size[0] - 1), static_cast<double>(g.size[1] - 1), static_cast<double>(g.size[2] - 1)}));
+  reach.add(g.worldAt(
+      {static_cast<double>(g.size[0] - 1), static_cast<double>(g.size[1] - 1), static_cast<double>(g.size[2] - 1)}));
   return reach;
 }
 
@@ -58,7 +59,8 @@ TEST_CASE("a grid that follows a long way is laid rarely and always holds the bo
   CHECK(laid < 80);
 }
 
-TEST_CASE("a grid around bodies far apart keeps its number of points and becomes coarser, then fine again", "[warp-grid]") {
+TEST_CASE("a grid around bodies far apart keeps its number of points and becomes coarser, then fine again",
+          "[warp-grid]") {
   const WarpGridLimits limits;
   FollowingGrid grid;
   grid.follow(kOrgan, kSpacing, kRim);

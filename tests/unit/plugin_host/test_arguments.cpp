@@ -113,7 +113,9 @@ TEST_CASE("positions are read from any layout and kept as they are") {
 
 TEST_CASE("a double that a float cannot hold is refused where floats are wanted") {
   const double huge[] = {1e300, 0, 0};
-  CHECK_THAT(refusalOf([&] { (void)floatPositionsOf({huge, 1, 3, C3DE_F64, 0}, "centres"); }).second,
+  CHECK_THAT(refusalOf([&] {
+               (void)floatPositionsOf({huge, 1, 3, C3DE_F64, 0}, "centres");
+             }).second,
              Contains("centres: row 0 is not finite"));
 }
 

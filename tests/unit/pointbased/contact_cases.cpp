@@ -28,8 +28,7 @@ Obstacle halfSpace(const Vec3 &point, const Vec3 &normal, double friction, Asked
   o.friction = friction;
   o.closest = [=](std::span<const Vec3> points, std::span<const double> ranges, std::span<SurfacePoint> out) {
     if (asked) asked->closest += points.size();
-    for (std::size_t i = 0; i < points.size(); ++i)
-      out[i] = within(ranges[i], normal, (points[i] - point).dot(normal));
+    for (std::size_t i = 0; i < points.size(); ++i) out[i] = within(ranges[i], normal, (points[i] - point).dot(normal));
   };
   o.crossing = [=](const Vec3 &from, const Vec3 &to, Vec3 &hit) {
     if (asked) ++asked->crossing;
@@ -78,7 +77,8 @@ Obstacle solidBox(const Vec3 &min, const Vec3 &max, double friction, Asked *aske
       }
       Eigen::Index axis = 0;
       const double distance = beyond.maxCoeff(&axis);
-      out[i] = within(ranges[i], x[axis] - max[axis] > min[axis] - x[axis] ? Vec3(Vec3::Unit(axis)) : Vec3(-Vec3::Unit(axis)),
+      out[i] = within(ranges[i],
+                      x[axis] - max[axis] > min[axis] - x[axis] ? Vec3(Vec3::Unit(axis)) : Vec3(-Vec3::Unit(axis)),
                       distance);
     }
   };

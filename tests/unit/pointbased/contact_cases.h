@@ -12,8 +12,8 @@ struct Asked {
 };
 
 /// All points with (x - point) · normal < 0.
-[[nodiscard]] pointbased::Obstacle halfSpace(const pointbased::Vec3 &point, const pointbased::Vec3 &normal, double friction,
-                                             Asked *asked = nullptr);
+[[nodiscard]] pointbased::Obstacle halfSpace(const pointbased::Vec3 &point, const pointbased::Vec3 &normal,
+                                             double friction, Asked *asked = nullptr);
 /// A sheet without inside in the plane y = height, |x|, |z| < half: distances are never negative.
 [[nodiscard]] pointbased::Obstacle sheet(double height, double half, double friction);
 /// A solid box with sharp edges.
@@ -22,7 +22,8 @@ struct Asked {
 
 /// A box filled with a lattice, its skin divided into n x n squares per side.
 [[nodiscard]] std::unique_ptr<pointbased::Body> latticeBox(const pointbased::Vec3 &min, const pointbased::Vec3 &max,
-                                                           double spacing, const pointbased::Material &material, int n = 8);
+                                                           double spacing, const pointbased::Material &material,
+                                                           int n = 8);
 [[nodiscard]] pointbased::Material rubber(double youngsModulus, double viscosity = 0.0);
 
 /// Highest and lowest contact point along an axis.

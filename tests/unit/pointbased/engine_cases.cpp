@@ -78,7 +78,8 @@ EngineCase makeLattice(int nx, int ny, int nz, bool cut, double jitter) {
         const double volume = h * h * h * size.prod();
         for (const auto &sign : kSigns) {
           const Index p = corner(i + (sign[0] > 0), j + (sign[1] > 0), k + (sign[2] > 0));
-          const Vec3 N(0.5 * (1 + sign[0] * centre[0]), 0.5 * (1 + sign[1] * centre[1]), 0.5 * (1 + sign[2] * centre[2]));
+          const Vec3 N(0.5 * (1 + sign[0] * centre[0]), 0.5 * (1 + sign[1] * centre[1]),
+                       0.5 * (1 + sign[2] * centre[2]));
           s.phyxels.indices.push_back(p);
           s.gradients.push_back(Q * Vec3(sign[0] * N[1] * N[2], sign[1] * N[0] * N[2], sign[2] * N[0] * N[1]) / h);
           c.masses[p] += 1060.0 * volume * (0.75 * N.prod() + 0.25 / 8.0);
@@ -123,7 +124,8 @@ EngineCase cloud(std::string name, std::vector<Vec3> positions, double spacing) 
   const double support = 1.8 * spacing;
   for (std::size_t i = 0; i < c.phyxels(); ++i) {
     for (std::size_t j = 0; j < c.phyxels(); ++j)
-      if (i != j && (c.positions[i] - c.positions[j]).norm() < support) neighbors.indices.push_back(static_cast<Index>(j));
+      if (i != j && (c.positions[i] - c.positions[j]).norm() < support)
+        neighbors.indices.push_back(static_cast<Index>(j));
     neighbors.offsets.push_back(static_cast<Index>(neighbors.indices.size()));
   }
   const std::vector<double> radii(c.phyxels(), support), volumes(c.phyxels(), spacing * spacing * spacing);
@@ -139,8 +141,11 @@ const std::vector<EngineCase> &all() {
     for (int i = 0; i < 36; ++i) thick.push_back(0.01 * (Vec3(i % 3, i / 3 % 3, i / 9) + 0.2 * random.vector()));
     for (int i = 0; i < 16; ++i) sheet.push_back(0.01 * Vec3(i % 4 + 0.2 * random(), i / 4, 0.4 * (i / 4)));
     for (int i = 0; i < 6; ++i) line.push_back(0.01 * Vec3(i + 0.2 * random(), 0.3 * i, 0.0));
-    return std::vector<EngineCase>{lattice(3, 2, 2), jitteredLattice(), cloud("cloud", thick, 0.01),
-                                   cloud("sheet", sheet, 0.01), cloud("line", line, 0.01),
+    return std::vector<EngineCase>{lattice(3, 2, 2),
+                                   jitteredLattice(),
+                                   cloud("cloud", thick, 0.01),
+                                   cloud("sheet", sheet, 0.01),
+                                   cloud("line", line, 0.01),
                                    cloud("pair", {Vec3(0, 0, 0), Vec3(0.006, 0.008, 0)}, 0.01)};
   }();
   return cases;
@@ -156,17 +161,21 @@ Constitution constitution(const EngineCase &c, MaterialLaw law) {
 
 const char *nameOf(MaterialLaw law) {
   switch (law) {
-    case MaterialLaw::linear: return "linear";
-    case MaterialLaw::stVenantKirchhoff: return "St. Venant-Kirchhoff";
-    case MaterialLaw::corotated: return "corotated";
-    case MaterialLaw::neoHookean: break;
+    case MaterialLaw::linear:
+      return "linear";
+    case MaterialLaw::stVenantKirchhoff:
+      return "St. Venant-Kirchhoff";
+    case MaterialLaw::corotated:
+      return "corotated";
+    case MaterialLaw::neoHookean:
+      break;
   }
   return "neo-Hookean";
 }
 
 Evaluated evaluate(const EngineCase &c, const Constitution &constitution, std::span<const Vec3> u,
-                    const PointHistory &history, double dt, std::span<const Vec3> velocities,
-                    const ParallelFor &parallelFor) {
+                   const PointHistory &history, double dt, std::span<const Vec3> velocities,
+                   const ParallelFor &parallelFor) {
   const std::size_t points = c.stencils.pointCount();
   Evaluated out;
   out.gradients.resize(points);
@@ -180,13 +189,13 @@ Evaluated evaluate(const EngineCase &c, const Constitution &constitution, std::s
     rates.resize(points);
     gradientRates(c.stencils, velocities, rates, parallelFor);
   }
-  out.ratio = pointStresses(constitution, c.stencils, out.gradients, rates, history, dt, nullptr, out.stresses, out.ratios,
-                            parallelFor);
+  out.ratio = pointStresses(constitution, c.stencils, out.gradients, rates, history, dt, nullptr, out.stresses,
+                            out.ratios, parallelFor);
   std::vector<HourglassStrain> relaxed(history.modes.size());
   if (!history.modes.empty())
     relaxModes(constitution, c.stencils, u, out.gradients, history, dt, nullptr, relaxed, parallelFor);
-  internalForces(constitution, c.stencils, c.positions, u, out.gradients, out.stresses, entries, out.forces, parallelFor,
-                 relaxed);
+  internalForces(constitution, c.stencils, c.positions, u, out.gradients, out.stresses, entries, out.forces,
+                 parallelFor, relaxed);
   return out;
 }
 

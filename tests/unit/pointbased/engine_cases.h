@@ -46,14 +46,15 @@ struct Evaluated {
   double ratio = 1.0;
 };
 [[nodiscard]] Evaluated evaluate(const EngineCase &c, const Constitution &constitution, std::span<const Vec3> u,
-                                  const PointHistory &history = {}, double dt = 0.0, std::span<const Vec3> velocities = {},
-                                  const ParallelFor &parallelFor = serialFor());
+                                 const PointHistory &history = {}, double dt = 0.0,
+                                 std::span<const Vec3> velocities = {}, const ParallelFor &parallelFor = serialFor());
 [[nodiscard]] ElasticEnergy energyAt(const EngineCase &c, const Constitution &constitution, std::span<const Vec3> u,
                                      const PointHistory &history = {});
 /// -K du at u.
 [[nodiscard]] std::vector<Vec3> differential(const EngineCase &c, const Constitution &constitution,
                                              std::span<const Vec3> u, std::span<const Vec3> du,
-                                             const PointHistory &history = {}, double dt = 0.0, double viscousScale = 0.0);
+                                             const PointHistory &history = {}, double dt = 0.0,
+                                             double viscousScale = 0.0);
 
 [[nodiscard]] std::vector<Vec3> displaced(const EngineCase &c, const Mat3 &A, const Vec3 &shift);
 [[nodiscard]] std::vector<Vec3> noise(const EngineCase &c, double amplitude, std::uint64_t seed);

@@ -153,7 +153,8 @@ double bindingError(const LatticeBody &body, std::span<const Vec3> points, std::
       gradient += bound.gradients[e];
       moment += X * bound.gradients[e].transpose();
     }
-    worst = std::max({worst, std::abs(sum), place.norm() / body.spacing, gradient.norm() * body.spacing, moment.norm()});
+    worst =
+        std::max({worst, std::abs(sum), place.norm() / body.spacing, gradient.norm() * body.spacing, moment.norm()});
   }
   return worst;
 }
@@ -239,7 +240,8 @@ LinearSolution solveLinear(const LatticeBody &body, const BodyShape &shape, cons
     if (fixed[i] == 0) number[i] = free++;
   std::vector<Eigen::Triplet<double>> kept;
   for (const auto &t : entries) {
-    const int row = number[static_cast<std::size_t>(t.row()) / 3], column = number[static_cast<std::size_t>(t.col()) / 3];
+    const int row = number[static_cast<std::size_t>(t.row()) / 3],
+              column = number[static_cast<std::size_t>(t.col()) / 3];
     if (row >= 0 && column >= 0) kept.emplace_back(3 * row + t.row() % 3, 3 * column + t.col() % 3, t.value());
   }
   Eigen::SparseMatrix<double> K(3 * free, 3 * free);

@@ -39,7 +39,8 @@ struct Consistency {
 /// How far Σ φ = 1, Σ φ X = X_p, Σ ∇φ = 0, Σ X ∇φ^T = I are missed, in units of a spacing.
 [[nodiscard]] double bindingError(const LatticeBody &body, std::span<const Vec3> points, std::span<const Vec3> normals);
 
-/// Linear elasticity on the stencils of a lattice: E = 10 kPa, the hourglass energy with its factors 0.92 and `twist` for xyz.
+/// Linear elasticity on the stencils of a lattice: E = 10 kPa, the hourglass energy with its factors 0.92 and `twist`
+/// for xyz.
 struct LinearSolution {
   std::vector<Vec3> displacements;
   double tip = 0.0;  ///< mean displacement along the load, m

@@ -28,7 +28,8 @@ using support::Random;
 /// F, stress and forces at the body's present displacements.
 void evaluate(pointbased::Body &body);
 
-/// Largest difference of a scalar function's derivative by central differences from -forces, relative to the largest force.
+/// Largest difference of a scalar function's derivative by central differences from -forces, relative to the largest
+/// force.
 [[nodiscard]] double forceError(pointbased::Body &body, double step);
 
 }  // namespace shapes

@@ -27,7 +27,8 @@ Surface boxSurface(const Vec3 &min, const Vec3 &max, int n) {
       const auto at = [&](int i, int j) { return first + static_cast<Index>(i * (n + 1) + j); };
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
-          std::array<Index, 3> t1{at(i, j), at(i + 1, j), at(i + 1, j + 1)}, t2{at(i, j), at(i + 1, j + 1), at(i, j + 1)};
+          std::array<Index, 3> t1{at(i, j), at(i + 1, j), at(i + 1, j + 1)},
+              t2{at(i, j), at(i + 1, j + 1), at(i, j + 1)};
           if (side == 0) {
             std::swap(t1[1], t1[2]);
             std::swap(t2[1], t2[2]);

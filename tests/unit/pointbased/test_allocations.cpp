@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A program of its own, because it replaces operator new: a step of a body that has come into its rhythm takes no memory.
+// A program of its own, because it replaces operator new: a step of a body that has come into its rhythm takes no
+// memory.
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -16,8 +17,9 @@ std::atomic<std::size_t> taken{0};
 void *counted(std::size_t size, std::size_t alignment) {
   ++taken;
   // aligned_alloc wants a whole number of alignments.
-  void *p = alignment > alignof(std::max_align_t) ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
-                                                  : std::malloc(size);
+  void *p = alignment > alignof(std::max_align_t)
+                ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
+                : std::malloc(size);
   if (!p) throw std::bad_alloc();
   return p;
 }
@@ -25,7 +27,9 @@ void *counted(std::size_t size, std::size_t alignment) {
 }  // namespace
 
 void *operator new(std::size_t size) { return counted(size, 1); }
-void *operator new(std::size_t size, std::align_val_t alignment) { return counted(size, static_cast<std::size_t>(alignment)); }
+void *operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
 void operator delete(void *p) noexcept { std::free(p); }
 void operator delete(void *p, std::size_t) noexcept { std::free(p); }
 void operator delete(void *p, std::align_val_t) noexcept { std::free(p); }

@@ -35,7 +35,8 @@ void step(Simulator &simulator, int steps) {
 void pull(Simulator &simulator, std::size_t id, int steps) {
   const Body &body = *simulator.body(id);
   Grab grab;
-  for (std::size_t i = 0; i < body.rest().phyxelCount() && grab.phyxels.size() < 8; ++i) grab.phyxels.push_back(static_cast<Index>(i));
+  for (std::size_t i = 0; i < body.rest().phyxelCount() && grab.phyxels.size() < 8; ++i)
+    grab.phyxels.push_back(static_cast<Index>(i));
   grab.weights.assign(grab.phyxels.size(), 1.0 / static_cast<double>(grab.phyxels.size()));
   grab.target = body.rest().origin + body.rest().positions[0] + body.state().displacements[0] + Vec3(0.05, 0.05, 0.0);
   simulator.setGrab(id, grab);

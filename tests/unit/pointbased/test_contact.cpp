@@ -159,7 +159,8 @@ TEST_CASE("a point that slides on the floor of an obstacle meets its wall") {
   Obstacle corner;
   corner.closest = [](std::span<const Vec3> points, std::span<const double>, std::span<SurfacePoint> out) {
     for (std::size_t i = 0; i < points.size(); ++i)
-      out[i] = points[i][0] < points[i][1] ? SurfacePoint{Vec3::UnitX(), points[i][0]} : SurfacePoint{Vec3::UnitY(), points[i][1]};
+      out[i] = points[i][0] < points[i][1] ? SurfacePoint{Vec3::UnitX(), points[i][0]}
+                                           : SurfacePoint{Vec3::UnitY(), points[i][1]};
   };
   corner.crossing = [](const Vec3 &from, const Vec3 &to, Vec3 &normal) {
     double best = -1.0;
@@ -184,8 +185,10 @@ TEST_CASE("a point that slides on the floor of an obstacle meets its wall") {
         CHECK_THAT(contact.gap, WithinAbs(x[0], 1e-12));
         met = true;
       }
-    if (!met) x += 1e-3 * v;
-    else break;
+    if (!met)
+      x += 1e-3 * v;
+    else
+      break;
   }
   CHECK(met);
   CHECK(x[0] > 0.0);
@@ -233,7 +236,8 @@ TEST_CASE("impulses add no kinetic energy, whatever they start from, and are the
     for (const Contact &contact : memory.active) {
       CHECK(contact.normalImpulse >= 0.0);
       CHECK(contact.frictionImpulse.norm() <= contact.friction * contact.normalImpulse * (1.0 + 1e-9) + 1e-15);
-      torque += binding.positions[contact.point].cross(contact.normalImpulse * contact.normal + contact.frictionImpulse);
+      torque +=
+          binding.positions[contact.point].cross(contact.normalImpulse * contact.normal + contact.frictionImpulse);
     }
     CHECK((l1 - l0 - torque).norm() < 1e-12 * (1.0 + torque.norm()));
     settleContactVelocities(binding, body->inverseMasses(), 1e-3, memory, v);

@@ -4,8 +4,8 @@
 
 #include "contact_cases.h"
 #include "lattice_cases.h"
-#include "stepping/guard.h"
 #include "pointbased/integrators.h"
+#include "stepping/guard.h"
 #include "support/catch.h"
 
 using namespace pointbased;

@@ -10,7 +10,8 @@ using namespace shapes;
 
 namespace {
 
-// A body pressed into a plane that moves, with normal forces and stored tangential displacements: every branch of the energy is met.
+// A body pressed into a plane that moves, with normal forces and stored tangential displacements: every branch of the
+// energy is met.
 struct Pressed {
   std::unique_ptr<Body> body = latticeBox(Vec3(-0.03, 0, -0.03), Vec3(0.03, 0.06, 0.03), 0.02, rubber(2e4));
   ContactPenalty penalty{6e5, 0.02, 0.01};

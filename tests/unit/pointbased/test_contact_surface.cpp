@@ -45,7 +45,8 @@ TEST_CASE("a body does not pass a block, a thin sheet or a wall at 1, 10 and 100
     world.box.max = Vec3(5, 10, 5);
   }
   simulator.setWorld(world);
-  const std::size_t id = simulator.addBody(latticeBox(Vec3(-0.03, 0.0507, -0.03), Vec3(0.03, 0.1107, 0.03), 0.02, rubber(1e5)));
+  const std::size_t id =
+      simulator.addBody(latticeBox(Vec3(-0.03, 0.0507, -0.03), Vec3(0.03, 0.1107, 0.03), 0.02, rubber(1e5)));
   if (kind == 0) simulator.addObstacle(solidBox(Vec3(-0.5, -0.2, -0.5), Vec3(0.5, 0, 0.5), 0.3));
   if (kind == 1) simulator.addObstacle(sheet(0.0, 0.5, 0.3));
   Body &body = *simulator.body(id);
@@ -60,17 +61,19 @@ TEST_CASE("a body does not pass a block, a thin sheet or a wall at 1, 10 and 100
   }
   // Explicit: velocity Verlet moves the energy by up to (omega dt)²/4 of what its fastest modes hold.
   CHECK(most <= before * (1.0 + (integrator == Integrator::explicitVerlet ? 0.01 : 1e-6)));
-  // Explicit: what the sweeps leave, a quarter of the margin of contact. Implicit: the penalty gives by rho H (v / dt) d / (30 E)
-  // where the pressure is even; twice that at the edges, and twice that again in each step that had to be halved: twice at
-  // 100 m/s, where what becomes of it hangs on nanometres (150 beginnings: 18 mm at most).
-  const double give = integrator == Integrator::explicitVerlet ? 0.25 * 0.02 * 0.02
-                                                               : (speed < 100.0 ? 4.0 : 8.0) * 1060.0 * 0.06 * speed / kFrame * 0.02 / (30.0 * 1e5);
+  // Explicit: what the sweeps leave, a quarter of the margin of contact. Implicit: the penalty gives by rho H (v / dt)
+  // d / (30 E) where the pressure is even; twice that at the edges, and twice that again in each step that had to be
+  // halved: twice at 100 m/s, where what becomes of it hangs on nanometres (150 beginnings: 18 mm at most).
+  const double give = integrator == Integrator::explicitVerlet
+                          ? 0.25 * 0.02 * 0.02
+                          : (speed < 100.0 ? 4.0 : 8.0) * 1060.0 * 0.06 * speed / kFrame * 0.02 / (30.0 * 1e5);
   CHECK(lowest > -give);
   CHECK(meanVelocity(body)[1] > -0.05 * speed);
 }
 
 TEST_CASE("a body comes to rest on the ground without jitter and then asks nobody") {
-  const Integrator integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler);
+  const Integrator integrator =
+      GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler);
   CAPTURE(static_cast<int>(integrator));
   Simulator simulator;
   WorldSettings world = worldOf(integrator, kDown);
@@ -125,13 +128,15 @@ TEST_CASE("the impulses of the ground are the weight of what lies on it, and the
 }
 
 TEST_CASE("a block on a slope holds below the friction angle and slides above it with Coulomb's acceleration") {
-  const Integrator integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler);
+  const Integrator integrator =
+      GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler);
   const double mu = 0.3, angle_deg = GENERATE(15.0, 25.0);  // atan(0.3) = 16.7
   CAPTURE(static_cast<int>(integrator), angle_deg);
   const double angle = angle_deg * std::numbers::pi / 180.0;
   Simulator simulator;
   simulator.setWorld(worldOf(integrator, 9.81 * Vec3(std::sin(angle), -std::cos(angle), 0)));
-  const std::size_t id = simulator.addBody(latticeBox(Vec3(-0.04, 0, -0.04), Vec3(0.04, 0.04, 0.04), 0.02, rubber(5e4, 100.0)));
+  const std::size_t id =
+      simulator.addBody(latticeBox(Vec3(-0.04, 0, -0.04), Vec3(0.04, 0.04, 0.04), 0.02, rubber(5e4, 100.0)));
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), mu));
   const Body &body = *simulator.body(id);
   while (simulator.time() < 0.3) REQUIRE(simulator.step());
@@ -167,7 +172,8 @@ TEST_CASE("a body that begins inside is led out without being thrown") {
 }
 
 TEST_CASE("a moving obstacle pushes a body before it") {
-  const Integrator integrator = GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler);
+  const Integrator integrator =
+      GENERATE(Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler);
   CAPTURE(static_cast<int>(integrator));
   Simulator simulator;
   simulator.setWorld(worldOf(integrator, Vec3::Zero()));
@@ -184,7 +190,8 @@ TEST_CASE("a moving obstacle pushes a body before it") {
   while (simulator.time() < 1.0) {
     REQUIRE(simulator.step());
     // Nothing passes the face; implicit steps press themselves in by the penalty.
-    REQUIRE(extent(body, Vec3::UnitX()).low > -0.05 + 0.2 * simulator.time() - (simulator.world().dt > 0.0 ? 1e-3 : 1e-5));
+    REQUIRE(extent(body, Vec3::UnitX()).low >
+            -0.05 + 0.2 * simulator.time() - (simulator.world().dt > 0.0 ? 1e-3 : 1e-5));
   }
   // Between a plastic and an elastic impact.
   CHECK(meanVelocity(body)[0] > 0.2 - 1e-3);
@@ -238,7 +245,8 @@ TEST_CASE("what passes beside an obstacle is not touched, however near and fast"
   CAPTURE(speed, static_cast<int>(integrator));
   Simulator simulator;
   simulator.setWorld(worldOf(integrator, Vec3::Zero()));
-  const std::size_t id = simulator.addBody(latticeBox(Vec3(-0.03, 0.05, -0.03), Vec3(0.03, 0.11, 0.03), 0.02, rubber(1e5)));
+  const std::size_t id =
+      simulator.addBody(latticeBox(Vec3(-0.03, 0.05, -0.03), Vec3(0.03, 0.11, 0.03), 0.02, rubber(1e5)));
   simulator.addObstacle(solidBox(Vec3(0.031, -0.5, -0.005), Vec3(0.041, 0, 0.005), 0.3));
   Body &body = *simulator.body(id);
   body.setInitialVelocity(Vec3(0, -speed, 0), Vec3::Zero());
@@ -252,7 +260,8 @@ TEST_CASE("a body that touches nothing asks hardly anybody") {
   Simulator simulator;
   simulator.setWorld(worldOf(Integrator::explicitVerlet, Vec3::Zero()));
   Asked asked;
-  const std::size_t id = simulator.addBody(latticeBox(Vec3(-0.03, 1, -0.03), Vec3(0.03, 1.06, 0.03), 0.02, rubber(1e4)));
+  const std::size_t id =
+      simulator.addBody(latticeBox(Vec3(-0.03, 1, -0.03), Vec3(0.03, 1.06, 0.03), 0.02, rubber(1e4)));
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3, &asked));
   Body &body = *simulator.body(id);
   body.setInitialVelocity(Vec3(0, -1, 0), Vec3::Zero());
@@ -267,7 +276,8 @@ TEST_CASE("a body that touches nothing asks hardly anybody") {
 TEST_CASE("an obstacle that comes near uses up the free way of a body that stands still") {
   Simulator simulator;
   simulator.setWorld(worldOf(Integrator::explicitVerlet, Vec3::Zero()));
-  const std::size_t id = simulator.addBody(latticeBox(Vec3(-0.03, 0, -0.03), Vec3(0.03, 0.06, 0.03), 0.02, rubber(5e4, 50.0)));
+  const std::size_t id =
+      simulator.addBody(latticeBox(Vec3(-0.03, 0, -0.03), Vec3(0.03, 0.06, 0.03), 0.02, rubber(5e4, 50.0)));
   Obstacle lift = halfSpace(Vec3(0, -1, 0), Vec3::UnitY(), 0.3);
   lift.motion = [](double t) {
     RigidMotion motion;
@@ -291,7 +301,8 @@ TEST_CASE("a free body that is put down quasi-statically lies on the floor, soft
   WorldSettings world = worldOf(Integrator::quasiStatic, kDown);
   world.loadSteps = 2;
   simulator.setWorld(world);
-  const std::size_t id = simulator.addBody(latticeBox(Vec3(-0.03, 0.05, -0.03), Vec3(0.03, 0.11, 0.03), 0.02, material));
+  const std::size_t id =
+      simulator.addBody(latticeBox(Vec3(-0.03, 0.05, -0.03), Vec3(0.03, 0.11, 0.03), 0.02, material));
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
   while (!simulator.finished()) REQUIRE(simulator.step());
   CHECK(simulator.body(id)->stopped.empty());

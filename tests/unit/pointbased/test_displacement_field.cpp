@@ -25,8 +25,8 @@ FieldGrid obliqueGrid() {
 std::unique_ptr<Body> body(Evaluation evaluation) {
   if (evaluation == Evaluation::stressPoints) return shapes::latticeBox(kMin, kMax, 0.01, shapes::rubber(1e4));
   BodyShape shape = shapes::box(kMin, kMax);
-  return std::make_unique<Body>("cloud", shapes::restState(shape, 0.01), Constitution{{shapes::rubber(1e4)}, kCloudStabilisation},
-                                serialFor());
+  return std::make_unique<Body>("cloud", shapes::restState(shape, 0.01),
+                                Constitution{{shapes::rubber(1e4)}, kCloudStabilisation}, serialFor());
 }
 
 }  // namespace
@@ -104,7 +104,9 @@ TEST_CASE("where a body lies over itself the field leads to one of the places, n
   const auto made = body(evaluation);
   // The upper half along y is put down over the lower one, turned by half a turn about z.
   const double fold = 0.5 * (kMin[1] + kMax[1]), middle = 0.5 * (kMin[0] + kMax[0]);
-  const auto present = [&](const Vec3 &X) { return X[1] > fold ? Vec3(2.0 * middle - X[0], 2.0 * fold - X[1], X[2]) : X; };
+  const auto present = [&](const Vec3 &X) {
+    return X[1] > fold ? Vec3(2.0 * middle - X[0], 2.0 * fold - X[1], X[2]) : X;
+  };
   for (std::size_t i = 0; i < made->rest().phyxelCount(); ++i) {
     const Vec3 X = made->rest().origin + made->rest().positions[i];
     made->state().displacements[i] = present(X) - X;

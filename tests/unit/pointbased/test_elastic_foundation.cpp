@@ -12,13 +12,14 @@ using namespace shapes;
 
 namespace {
 
-constexpr double kEdge = 0.06;                        // m
-constexpr double kArea = 6.0 * kEdge * kEdge;         // m²
-constexpr double kStiffness = 1e4;                    // Pa/m
+constexpr double kEdge = 0.06;                 // m
+constexpr double kArea = 6.0 * kEdge * kEdge;  // m²
+constexpr double kStiffness = 1e4;             // Pa/m
 constexpr Foundation kEven{kStiffness, kStiffness, 0.0};
 constexpr Foundation kUneven{kStiffness, 3e3, 0.0};
 
-std::unique_ptr<Body> cube(const Material &material, const Foundation &foundation, const Vec3 &at = Vec3(0.4, -0.2, 0.1)) {
+std::unique_ptr<Body> cube(const Material &material, const Foundation &foundation,
+                           const Vec3 &at = Vec3(0.4, -0.2, 0.1)) {
   auto body = latticeBox(at, at + Vec3(kEdge, kEdge, kEdge), 0.02, material);
   REQUIRE(body->setFoundation(foundation));
   return body;
@@ -123,7 +124,8 @@ TEST_CASE("Products, blocks and triplets are the exact differential of a foundat
     for (std::size_t i = 0; i < n; ++i) {
       const auto at = static_cast<Eigen::Index>(3 * i);
       CHECK((whole.segment<3>(at) - product[i]).norm() < 1e-12 * size);
-      CHECK((Mat3(Eigen::MatrixXd(matrix.block(at, at, 3, 3))) - blocks[i]).norm() < 1e-12 * std::max(1.0, blocks[i].norm()));
+      CHECK((Mat3(Eigen::MatrixXd(matrix.block(at, at, 3, 3))) - blocks[i]).norm() <
+            1e-12 * std::max(1.0, blocks[i].norm()));
     }
   }
 }
@@ -286,7 +288,8 @@ TEST_CASE("Forces of a foundation have the same bits for any division of the loo
     const std::size_t n = body->rest().phyxelCount();
     const std::vector<Vec3> u = noise(n, 1e-3, 5), v = noise(n, 1.0, 6);
     const std::vector<Vec3> serial = forcesAt(*body, u, v);
-    for (const std::size_t threads : {2, 3, 5}) CHECK(forcesAt(*body, u, v, lattice_cases::threadedFor(threads)) == serial);
+    for (const std::size_t threads : {2, 3, 5})
+      CHECK(forcesAt(*body, u, v, lattice_cases::threadedFor(threads)) == serial);
   }
 }
 

@@ -54,7 +54,8 @@ TEST_CASE("engine: a rigid motion gives no force, half a turn included") {
         const Mat3 R = Eigen::AngleAxisd(angle, Vec3(0.3, -1.0, 0.7).normalized()).toRotationMatrix();
         const Constitution constitution = engine_cases::constitution(c, law);
         const Evaluated at = evaluate(c, constitution, displaced(c, R, Vec3(3.0, -1.0, 0.5)));
-        // Round-off of displacements of metres over spacings of centimetres: 1e-16 · 3 m / 0.01 m, amplified by the laws.
+        // Round-off of displacements of metres over spacings of centimetres: 1e-16 · 3 m / 0.01 m, amplified by the
+        // laws.
         CHECK(largest(at.forces) < 1e-10 * 6000.0 * c.spacing * c.spacing);
         CHECK(energyAt(c, constitution, displaced(c, R, Vec3(3.0, -1.0, 0.5))).stabilisation < 1e-18);
       }
@@ -198,7 +199,8 @@ TEST_CASE("engine: a state that is not a number is reported however the others a
 }
 
 TEST_CASE("engine: forces have the same bits however the loops are divided") {
-  const ParallelFor backwards = [](std::size_t n, std::size_t, const std::function<void(std::size_t, std::size_t)> &body) {
+  const ParallelFor backwards = [](std::size_t n, std::size_t,
+                                   const std::function<void(std::size_t, std::size_t)> &body) {
     for (std::size_t end = n; end > 0;) {
       const std::size_t begin = end > 7 ? end - 7 : 0;
       body(begin, end);
@@ -209,7 +211,8 @@ TEST_CASE("engine: forces have the same bits however the loops are divided") {
     Constitution constitution = engine_cases::constitution(c, MaterialLaw::neoHookean);
     constitution.materials[0].viscosity = 2.0;
     const std::vector<Vec3> u = generalState(c), v = noise(c, 1.0, 4), du = noise(c, 1.0, 6);
-    const Evaluated a = evaluate(c, constitution, u, {}, 0.0, v), b = evaluate(c, constitution, u, {}, 0.0, v, backwards);
+    const Evaluated a = evaluate(c, constitution, u, {}, 0.0, v),
+                    b = evaluate(c, constitution, u, {}, 0.0, v, backwards);
     CHECK(a.forces == b.forces);
     std::vector<Vec3> df(c.phyxels());
     TangentScratch scratch;

@@ -61,7 +61,8 @@ std::vector<Vec3> along(const EngineCase &c, Field field) {
   Vec3 middle = Vec3::Zero();
   for (const Vec3 &X : c.positions) middle += X / static_cast<double>(c.phyxels());
   std::vector<Vec3> u;
-  for (const Vec3 &X : c.positions) u.push_back(c.spacing * (Q * field(Vec3(Q.transpose() * (X - middle) / c.spacing))));
+  for (const Vec3 &X : c.positions)
+    u.push_back(c.spacing * (Q * field(Vec3(Q.transpose() * (X - middle) / c.spacing))));
   return u;
 }
 
@@ -94,7 +95,8 @@ TEST_CASE("relaxing modes: a twisted cell holds G(t) of its force, whatever the 
       std::vector<Vec3> after;
       const double t = 0.7;
       for (int k = 0; k < steps; ++k) after = led.to(u, t / steps);
-      const double G = 1.0 - kFast.share * (1.0 - std::exp(-t / kFast.time)) - kSlow.share * (1.0 - std::exp(-t / kSlow.time));
+      const double G =
+          1.0 - kFast.share * (1.0 - std::exp(-t / kFast.time)) - kSlow.share * (1.0 - std::exp(-t / kSlow.time));
       CHECK(apart(after, scaled(atOnce, G)) < 1e-12 * largest(atOnce));
     }
 }
@@ -108,9 +110,9 @@ TEST_CASE("relaxing modes: a bent cell follows the plane stress of a bulk modulu
     const Material &m = of.materials[0];
     Led start(c, of);
     const std::vector<Vec3> first = start.to(u, 0.0), last = evaluate(c, relaxed(of), u).forces;
-    // Correspondence: 4 mu (K + mu/3) / (K + 4/3 mu) with mu(s) falls with the time of mu, where mu and λ* fall by g mu and
-    // -g mu, and with that of K + 4/3 mu(s) = 0. Forces are linear in mu and λ*, so those of the first are a sum of the
-    // elastic ones at once and in the end.
+    // Correspondence: 4 mu (K + mu/3) / (K + 4/3 mu) with mu(s) falls with the time of mu, where mu and λ* fall by g mu
+    // and -g mu, and with that of K + 4/3 mu(s) = 0. Forces are linear in mu and λ*, so those of the first are a sum of
+    // the elastic ones at once and in the end.
     const double K = m.lambda() + 2.0 / 3.0 * m.mu(), t = 0.3, g = kFast.share;
     const double time = kFast.time * (K + 4.0 / 3.0 * m.mu()) / (K + 4.0 / 3.0 * m.mu() * (1.0 - g));
     const auto planeStress = [&](double mu) { return 2.0 * mu * (K - 2.0 / 3.0 * mu) / (K + 4.0 / 3.0 * mu); };
@@ -119,7 +121,8 @@ TEST_CASE("relaxing modes: a bent cell follows the plane stress of a bulk modulu
     const Eigen::Vector2d parts = moduli.inverse() * Eigen::Vector2d(g * m.mu(), -g * m.mu());
     const std::vector<Vec3> ofShear = plus(scaled(first, parts[0]), parts[1], last);
     const std::vector<Vec3> ofWave = plus(plus(first, -1.0, last), -1.0, ofShear);
-    const std::vector<Vec3> expected = plus(plus(last, std::exp(-t / kFast.time), ofShear), std::exp(-t / time), ofWave);
+    const std::vector<Vec3> expected =
+        plus(plus(last, std::exp(-t / kFast.time), ofShear), std::exp(-t / time), ofWave);
     double errors[2];
     for (const int k : {0, 1}) {
       Led led(c, of);
@@ -142,7 +145,8 @@ TEST_CASE("relaxing modes: what is left in the end is elastic, with less shear m
       of.materials[0].volumeStiffness = law == MaterialLaw::linear ? 0.0 : 700.0;
       // Quadratic in X: no mode xyz, which follows Young's modulus.
       const std::vector<Vec3> u = along(c, [](const Vec3 &x) {
-        return Vec3(0.02 * x[0] * x[1] + 0.1 * x[1], 0.03 * x[1] * x[2] - 0.02 * x[0] * x[2], 0.02 * x[0] * x[2] + 0.1 * x[2]);
+        return Vec3(0.02 * x[0] * x[1] + 0.1 * x[1], 0.03 * x[1] * x[2] - 0.02 * x[0] * x[2],
+                    0.02 * x[0] * x[2] + 0.1 * x[2]);
       });
       Led led(c, of);
       (void)led.to(general(c, 3), 0.1);
@@ -190,7 +194,8 @@ TEST_CASE("relaxing modes: no closed loop of displacements gives work back") {
       const int steps = 300;
       for (int k = 1; k <= steps; ++k) {
         const double w = 2.0 * std::numbers::pi * k / steps;  // starts and ends at rest
-        const std::vector<Vec3> next = plus(scaled(a, std::sin(w) + 0.3 * std::sin(2.0 * w)), 0.5 * (1.0 - std::cos(w)), b);
+        const std::vector<Vec3> next =
+            plus(scaled(a, std::sin(w) + 0.3 * std::sin(2.0 * w)), 0.5 * (1.0 - std::cos(w)), b);
         const std::vector<Vec3> force = led.to(next, duration / steps);
         const double part = -0.5 * dot(plus(f, 1.0, force), plus(next, -1.0, u));
         work += part;
@@ -214,8 +219,8 @@ TEST_CASE("relaxing modes: the differential is the derivative of the forces, and
       const std::vector<Vec3> df = differential(c, led.constitution, u, du, led.history, dt);
       const double h = 1e-4 * c.spacing;
       const auto at = [&](double s) { return evaluate(c, led.constitution, plus(u, s, du), led.history, dt).forces; };
-      const std::vector<Vec3> slope =
-          scaled(plus(scaled(plus(at(h), -1.0, at(-h)), 8.0), -1.0, plus(at(2.0 * h), -1.0, at(-2.0 * h))), 1.0 / (12.0 * h));
+      const std::vector<Vec3> slope = scaled(
+          plus(scaled(plus(at(h), -1.0, at(-h)), 8.0), -1.0, plus(at(2.0 * h), -1.0, at(-2.0 * h))), 1.0 / (12.0 * h));
       CHECK(apart(df, slope) < 1e-7 * largest(df));
       // That of neo-Hookean points is so only where a step is short against the times, see pronyStressDifferential().
       if (law == MaterialLaw::neoHookean && dt > 0.0) continue;

@@ -76,7 +76,8 @@ TEST_CASE("engine: the stiffness is symmetric") {
       INFO(c.name << ", " << nameOf(law));
       const Constitution constitution = engine_cases::constitution(c, law);
       const std::vector<Vec3> u = generalState(c), du1 = noise(c, 1.0, 31), du2 = noise(c, 1.0, 32);
-      const double a = dot(du1, differential(c, constitution, u, du2)), b = dot(du2, differential(c, constitution, u, du1));
+      const double a = dot(du1, differential(c, constitution, u, du2)),
+                   b = dot(du2, differential(c, constitution, u, du1));
       CHECK(std::abs(a - b) < 1e-10 * std::max(std::abs(a), std::abs(b)));
     }
 }
@@ -108,8 +109,8 @@ TEST_CASE("engine: the differential is exact at fixed history of plastic and rel
     PointHistory history;
     history.reset(constitution, c.stencils.pointCount(), !c.stencils.modes.empty());
     // A past: flowed and relaxed in another state.
-    const std::vector<Vec3> past = plus(displaced(c, Vec3(1.25, 1.25, 0.7).asDiagonal(), Vec3::Zero()), 0.05 * c.spacing,
-                                        noise(c, 1.0, 77));
+    const std::vector<Vec3> past =
+        plus(displaced(c, Vec3(1.25, 1.25, 0.7).asDiagonal(), Vec3::Zero()), 0.05 * c.spacing, noise(c, 1.0, 77));
     const Evaluated then = evaluate(c, constitution, past);
     std::vector<Mat3> stresses(c.stencils.pointCount());
     std::vector<double> ratios(c.stencils.pointCount());
@@ -131,8 +132,9 @@ TEST_CASE("engine: the blocks are those of the stiffness") {
       INFO(c.name << ", " << nameOf(law));
       Constitution constitution = engine_cases::constitution(c, law);
       constitution.materials[0].viscosity = 3.0;
-      const std::vector<Vec3> u = plus(displaced(c, Eigen::AngleAxisd(0.8, Vec3::UnitX()) * Eigen::Scaling(1.05), Vec3::Zero()),
-                                       0.05 * c.spacing, noise(c, 1.0, 5));
+      const std::vector<Vec3> u =
+          plus(displaced(c, Eigen::AngleAxisd(0.8, Vec3::UnitX()) * Eigen::Scaling(1.05), Vec3::Zero()),
+               0.05 * c.spacing, noise(c, 1.0, 5));
       const Evaluated at = evaluate(c, constitution, u);
       std::vector<Mat3> blocks(c.phyxels());
       stiffnessBlocks(constitution, c.stencils, c.positions, u, at.gradients, {}, 0.0, 40.0, blocks, serialFor());
@@ -199,7 +201,8 @@ TEST_CASE("engine: the largest frequency is that of the dense eigenvalue problem
         if (!held->empty()) K(i, i) += (*held)[p];
         root[i] = 1.0 / std::sqrt(c.masses[p]);
       }
-      const Eigen::SelfAdjointEigenSolver<Dense> eigen(root.asDiagonal() * K * root.asDiagonal(), Eigen::EigenvaluesOnly);
+      const Eigen::SelfAdjointEigenSolver<Dense> eigen(root.asDiagonal() * K * root.asDiagonal(),
+                                                       Eigen::EigenvaluesOnly);
       const double exact = std::sqrt(eigen.eigenvalues().maxCoeff());
       const double found = largestFrequency(constitution, c.stencils, c.positions, c.masses, *held, serialFor());
       // From below, and within what the margin of the step covers by far.

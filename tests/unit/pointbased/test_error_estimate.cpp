@@ -115,8 +115,8 @@ TEST_CASE("affine states have no error, however the surface cuts the cells") {
   F << 1.2, 0.1, -0.05, 0.02, 0.9, 0.03, 0.04, -0.1, 1.05;
   F = rotation(1, 50) * F;
   for (const Case &c : bodies())
-    for (const MaterialLaw law : {MaterialLaw::linear, MaterialLaw::stVenantKirchhoff, MaterialLaw::corotated,
-                                  MaterialLaw::neoHookean}) {
+    for (const MaterialLaw law :
+         {MaterialLaw::linear, MaterialLaw::stVenantKirchhoff, MaterialLaw::corotated, MaterialLaw::neoHookean}) {
       INFO(c.name << ", law " << static_cast<int>(law));
       const auto body = bodyOf(c.rest, {solid(0.3, law)});
       displace(*body, [&](const Vec3 &x) { return Vec3(F * x - x); });
@@ -150,8 +150,8 @@ TEST_CASE("a strain that grows along its own direction is what a cell misses, to
 TEST_CASE("a cloud misses every slope of the strain") {
   // The same bending; the phyxels, half a spacing inside, have eps_xx = a z and miss ½ E a² d²/12.
   const double d = 0.01, a = 0.3, height = 0.04;
-  const auto body = bodyOf(shapes::restState(shapes::box(Vec3::Zero(), Vec3(0.2, 0.04, 0.04)), d),
-                           {solid(0.0, MaterialLaw::linear)});
+  const auto body =
+      bodyOf(shapes::restState(shapes::box(Vec3::Zero(), Vec3(0.2, 0.04, 0.04)), d), {solid(0.0, MaterialLaw::linear)});
   displace(*body, [&](const Vec3 &x) {
     const double z = x[2] - 0.5 * height;
     return Vec3(a * x[0] * z, 0.0, -0.5 * a * x[0] * x[0]);

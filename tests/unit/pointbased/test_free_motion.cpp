@@ -58,19 +58,23 @@ TEST_CASE("momenta of a free body: linear ones stay at any step, angular ones in
     CHECK(midpoint.linear < 1e-10);
     CHECK(midpoint.angular < 1e-7);
   }
-  // The others damp rotation as they damp vibrations: 4.7 % and 42 % of it at 1/60 s, and with their order less at less.
-  const Lost sdirk = lostBySpinning(Integrator::implicitSdirk, 1.0 / 60.0), finer = lostBySpinning(Integrator::implicitSdirk, 0.002);
+  // The others damp rotation as they damp vibrations: 4.7 % and 42 % of it at 1/60 s, and with their order less at
+  // less.
+  const Lost sdirk = lostBySpinning(Integrator::implicitSdirk, 1.0 / 60.0),
+             finer = lostBySpinning(Integrator::implicitSdirk, 0.002);
   CHECK(sdirk.linear < 1e-10);
   CHECK_THAT(sdirk.angular, WithinRel(0.047, 0.2));
   CHECK_THAT(finer.angular, WithinRel(1.2e-4, 0.3));
-  const Lost euler = lostBySpinning(Integrator::backwardEuler, 1.0 / 60.0), shorter = lostBySpinning(Integrator::backwardEuler, 0.002);
+  const Lost euler = lostBySpinning(Integrator::backwardEuler, 1.0 / 60.0),
+             shorter = lostBySpinning(Integrator::backwardEuler, 0.002);
   CHECK(euler.linear < 1e-10);
   CHECK_THAT(euler.angular, WithinRel(0.42, 0.2));
   CHECK_THAT(shorter.angular, WithinRel(0.10, 0.3));
 }
 
 TEST_CASE("an implicit step of a body that falls without a strain costs no linear solution") {
-  for (const Integrator integrator : {Integrator::implicitSdirk, Integrator::implicitMidpoint, Integrator::backwardEuler})
+  for (const Integrator integrator :
+       {Integrator::implicitSdirk, Integrator::implicitMidpoint, Integrator::backwardEuler})
     for (const double damping : {0.0, 2.0}) {
       INFO("integrator " << static_cast<int>(integrator) << ", damping " << damping);
       auto body = latticeBox(Vec3::Zero(), Vec3::Constant(0.1), 0.02, rubber(1e4));
@@ -95,7 +99,8 @@ TEST_CASE("an implicit step of a body that falls without a strain costs no linea
         CHECK(result.newton.factorisations == 0);
       }
       if (damping > 0.0) continue;
-      const double t = 20 * dt, fallen = integrator == Integrator::backwardEuler ? 0.5 * 9.81 * t * (t + dt) : 0.5 * 9.81 * t * t;
+      const double t = 20 * dt,
+                   fallen = integrator == Integrator::backwardEuler ? 0.5 * 9.81 * t * (t + dt) : 0.5 * 9.81 * t * t;
       CHECK_THAT(meanDisplacement(*body).y(), WithinRel(0.5 * t - fallen, 1e-9));
       CHECK_THAT(meanVelocity(*body).y(), WithinRel(0.5 - 9.81 * t, 1e-9));
     }

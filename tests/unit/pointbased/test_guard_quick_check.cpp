@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "stepping/guard.h"
 #include "shapes.h"
+#include "stepping/guard.h"
 #include "support/catch.h"
 
 using namespace pointbased;
@@ -13,7 +13,8 @@ namespace {
 
 Body bodyOf(std::size_t phyxels) {
   std::vector<Vec3> points;
-  for (std::size_t i = 0; i < phyxels; ++i) points.push_back(0.01 * Vec3(static_cast<double>(i % 3), static_cast<double>(i / 3), 0));
+  for (std::size_t i = 0; i < phyxels; ++i)
+    points.push_back(0.01 * Vec3(static_cast<double>(i % 3), static_cast<double>(i / 3), 0));
   return Body("body", shapes::restState(points, 0.01), Constitution{{Material()}, kCloudStabilisation}, serialFor());
 }
 

@@ -68,8 +68,8 @@ TEST_CASE("a point leaves with its restitution times the speed with which it cam
     world.dt = 1e-4;
     world.sleep = false;
     simulator.setWorld(world);
-    const std::size_t id = simulator.addBody(
-        std::make_unique<Body>("point", restState(std::vector<Vec3>{Vec3(0.0, 0.1, 0.0)}, 0.01), Constitution{}, serialFor()));
+    const std::size_t id = simulator.addBody(std::make_unique<Body>(
+        "point", restState(std::vector<Vec3>{Vec3(0.0, 0.1, 0.0)}, 0.01), Constitution{}, serialFor()));
     simulator.addObstacle(ground(restitution));
     const State &state = simulator.body(id)->state();
     double came = 0.0;
@@ -87,11 +87,13 @@ TEST_CASE("a point leaves with its restitution times the speed with which it cam
     CHECK_THAT(top + drop, WithinRel(restitution * restitution * drop, 0.02));
     for (int k = 0; k < 20'000; ++k) REQUIRE(simulator.step());
     if (restitution < 0.5) CHECK(state.velocities[0].norm() < 1e-9);
-    if (restitution == 1.0) CHECK_THAT(totalEnergy(simulator, id), WithinAbs(0.0, 0.02 * 9.81 * 0.1 * simulator.body(id)->totalMass()));
+    if (restitution == 1.0)
+      CHECK_THAT(totalEnergy(simulator, id), WithinAbs(0.0, 0.02 * 9.81 * 0.1 * simulator.body(id)->totalMass()));
   }
 }
 
-TEST_CASE("an elastic bar leaves the ground after 2 L/c with the speed with which it came, the better the finer it is") {
+TEST_CASE(
+    "an elastic bar leaves the ground after 2 L/c with the speed with which it came, the better the finer it is") {
   // ν = 0: a cube is a bar. A point that arrives is stopped (restitution 0): the part of the first cells is lost.
   double before = 1.0;
   for (const int cells : {6, 12}) {

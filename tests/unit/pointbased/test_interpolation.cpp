@@ -56,7 +56,8 @@ Mat3 matrix(shapes::Random &random) {
 // Amplification of rounding by a point's φ: their absolute sum.
 double gain(const Interpolation &binding, std::size_t p) {
   double sum = 0.0;
-  for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e) sum += std::abs(binding.weights[e]);
+  for (Index e = binding.phyxels.offsets[p]; e < binding.phyxels.offsets[p + 1]; ++e)
+    sum += std::abs(binding.weights[e]);
   return sum;
 }
 
@@ -90,8 +91,9 @@ TEST_CASE("Every affine motion of a cloud is followed exactly, inside, outside a
   }
 }
 
-TEST_CASE("The functions of a point sum to one and have the point as their mean; gradients sum to zero and to the identity",
-          "[interpolation]") {
+TEST_CASE(
+    "The functions of a point sum to one and have the point as their mean; gradients sum to zero and to the identity",
+    "[interpolation]") {
   const std::vector<Vec3> X = randomCloud(300, 4);
   const std::vector<Vec3> points = probes(X);
   const Interpolation binding = bindToCloud(points, X, serialFor());
@@ -181,11 +183,13 @@ TEST_CASE("Points on a line of phyxels follow its motion, stretch included", "[i
   interpolateDisplacements(binding, X, u, displacements, serialFor());
   for (std::size_t p = 0; p < points.size(); ++p) {
     REQUIRE(binding.rank[p] == 1);
-    CHECK((displacements[p] - (F * points[p] + Vec3(0.1, 0, 0) - points[p])).norm() < 10 * kRounding * gain(binding, p));
+    CHECK((displacements[p] - (F * points[p] + Vec3(0.1, 0, 0) - points[p])).norm() <
+          10 * kRounding * gain(binding, p));
   }
 }
 
-TEST_CASE("A point over a sheet of phyxels keeps its distance while the sheet is stretched and turned", "[interpolation]") {
+TEST_CASE("A point over a sheet of phyxels keeps its distance while the sheet is stretched and turned",
+          "[interpolation]") {
   std::vector<Vec3> X;
   for (int x = 0; x < 6; ++x)
     for (int y = 0; y < 6; ++y) X.emplace_back(0.01 * x, 0.01 * y, 0.0);

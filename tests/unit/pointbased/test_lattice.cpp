@@ -71,7 +71,8 @@ TEST_CASE("the mass of a body on a lattice lies where the body does") {
   // Slivers share evenly, which pulls outwards by some thousandths of the spacing.
   const BodyShape beside = shifted(beam(), 0.01, Vec3(0.37, 0.21, 0.43));
   CHECK((centreOfMass(filled(beside, withSpacing(0.01))) - Vec3(0.1, 0, 0)).norm() < 1e-4);
-  CHECK((centreOfMass(filled(ball(Vec3(0.1, 0.2, 0.3), 0.05), withSpacing(0.0125))) - Vec3(0.1, 0.2, 0.3)).norm() < 1e-12);
+  CHECK((centreOfMass(filled(ball(Vec3(0.1, 0.2, 0.3), 0.05), withSpacing(0.0125))) - Vec3(0.1, 0.2, 0.3)).norm() <
+        1e-12);
 }
 
 TEST_CASE("weights are the means of the functions, with the volume and centre of the body") {
@@ -103,7 +104,8 @@ TEST_CASE("bars of few cells have their inertia, by the weights of end-corrected
     }
     const double truth = 0.4 * a * a * (a * a + a * a) / 12.0;
     CHECK_THAT(uncorrected / truth, WithinRel(1.0 + 2.0 / (n * n), 1e-9));
-    // The edges of the bar give away no more than 0.45 of their mass, which leaves a quarter of the surplus at two cells.
+    // The edges of the bar give away no more than 0.45 of their mass, which leaves a quarter of the surplus at two
+    // cells.
     CHECK(ours / truth > 1.0 - 1e-9);
     CHECK(ours / truth < 1.0 + 0.5 / (n * n));
   }
@@ -211,11 +213,14 @@ TEST_CASE("the bending of a beam is the one of the study however the lattice lie
       sampling.held = {HalfSpaceRegion{Vec3::Zero(), Vec3::UnitX()}};
       const BodyShape shape = e.shift.isZero(0.0) ? beam() : shifted(beam(), spacing, e.shift);
       const LatticeBody body = filled(shape, sampling);
-      const double tip = solveLinear(body, shape, HalfSpaceRegion{Vec3(0.2, 0, 0), -Vec3::UnitX()}, Vec3(0, 0, -1.6e-3)).tip;
+      const double tip =
+          solveLinear(body, shape, HalfSpaceRegion{Vec3(0.2, 0, 0), -Vec3::UnitX()}, Vec3(0, 0, -1.6e-3)).tip;
       const double error = 100.0 * (tip / 2.033e-3 - 1.0);
-      WARN("beam " << e.name << ", " << 3 + 2 * i << " layers, " << body.positions.size() << " phyxels: " << error << " %");
-      // 4³ points, and patches at the clamp that are held twice as stiffly, change the last half per cent. At three layers turned about y the
-      // other program gives -4.5 or -3.0 as slivers of one or two hundredths of a cell are dropped; this one -4.8 with both.
+      WARN("beam " << e.name << ", " << 3 + 2 * i << " layers, " << body.positions.size() << " phyxels: " << error
+                   << " %");
+      // 4³ points, and patches at the clamp that are held twice as stiffly, change the last half per cent. At three
+      // layers turned about y the other program gives -4.5 or -3.0 as slivers of one or two hundredths of a cell are
+      // dropped; this one -4.8 with both.
       CHECK_THAT(error, WithinAbs(e.error[i], i == 0 ? 1.0 : 0.4));
     }
 }
@@ -227,7 +232,8 @@ TEST_CASE("bodies on two sides of a gap share no phyxel") {
   };
   for (const Gap &gap : {Gap{0.5, false}, Gap{0.5, true}, Gap{0.2, true}, Gap{0.05, true}})
     for (const bool turned : {false, true}) {
-      INFO("a gap of " << gap.width << " spacings, " << (turned ? "turned" : "aligned") << (gap.asks ? ", asking" : ""));
+      INFO("a gap of " << gap.width << " spacings, " << (turned ? "turned" : "aligned")
+                       << (gap.asks ? ", asking" : ""));
       const BodyShape lower = box(Vec3::Zero(), Vec3(0.06, 0.06, 0.023));
       const double floor = 0.023 + gap.width * 0.01;
       BodyShape both = together(lower, box(Vec3(0, 0, floor), Vec3(0.06, 0.06, floor + 0.02)));
@@ -385,9 +391,13 @@ TEST_CASE("what cannot be put on a lattice is refused with the value and what is
   CHECK_THAT(error([](S &s, BodyShape &) { s.surfaceSpacing = -1.0; }), Contains("surfaceSpacing"));
   CHECK_THAT(error([](S &s, BodyShape &) { s.surfaceSpacing = 1e-7; }), Contains("surfaceSpacing"));
   CHECK_THAT(error([](S &s, BodyShape &) { s.refinements = {{EverywhereRegion{}, 0.0}}; }), Contains("refinement 0"));
-  CHECK_THAT(error([](S &s, BodyShape &) { s.held = {EverywhereRegion{}, SphereRegion{Vec3::Zero(), -1.0}}; }),
+  CHECK_THAT(error([](S &s, BodyShape &) {
+               s.held = {EverywhereRegion{}, SphereRegion{Vec3::Zero(), -1.0}};
+             }),
              Contains("held region 1"));
-  CHECK_THAT(error([](S &s, BodyShape &) { s.materials = {{SphereRegion{Vec3(9, 0, 0), 1.0}, std::uint16_t{1}}}; }),
+  CHECK_THAT(error([](S &s, BodyShape &) {
+               s.materials = {{SphereRegion{Vec3(9, 0, 0), 1.0}, std::uint16_t{1}}};
+             }),
              Contains("material region 0"));
   CHECK_THAT(error([](S &, BodyShape &b) { b.volume = 0.0; }), Contains("volume"));
   CHECK_THAT(error([](S &, BodyShape &b) {

@@ -118,7 +118,8 @@ TEST_CASE("a beam bends as if it were clamped at the border of what is held") {
       const BodyShape shape = beam(-length);
       const Mat3 axes = turn == 0 ? Mat3(Mat3::Identity()) : rotation(2, 30);
       const LatticeBody body = filled(shape, holding(0.008, leftOf(0.0), axes));
-      const double tip = solveLinear(body, shape, HalfSpaceRegion{Vec3(0.2, 0, 0), -Vec3::UnitX()}, Vec3(0, 0, -1.6e-3)).tip;
+      const double tip =
+          solveLinear(body, shape, HalfSpaceRegion{Vec3(0.2, 0, 0), -Vec3::UnitX()}, Vec3(0, 0, -1.6e-3)).tip;
       // A layer below a quarter of the spacing acts as its surface: the beam is longer by it.
       const double expected = length < 0.25 * 0.008 ? 2.033e-3 * std::pow(1.0 + length / 0.2, 3) : 2.033e-3;
       INFO("held over " << length << " m, turn " << turn << ": " << 100.0 * (tip / expected - 1.0) << " %");
@@ -153,9 +154,9 @@ TEST_CASE("a held region that meets nothing is refused by its number") {
 }
 
 TEST_CASE("the largest stable step of a body is about its spacing over the speed of sound, wherever it is held") {
-  // Nothing relates these borders to the cells: some leave slivers of a hundredth of a cell to deform, which made steps of
-  // 0.03 to 0.6 of the spacing over the speed of sound as long as only free material had a mass there. Free boxes and
-  // balls have 0.73 to 0.82.
+  // Nothing relates these borders to the cells: some leave slivers of a hundredth of a cell to deform, which made steps
+  // of 0.03 to 0.6 of the spacing over the speed of sound as long as only free material had a mass there. Free boxes
+  // and balls have 0.73 to 0.82.
   Material material;
   material.youngsModulus = 6e3;
   material.poissonRatio = 0.45;

@@ -87,7 +87,8 @@ TEST_CASE("cells at the surface are refined on their own") {
   double largest = 0.0;
   for (std::size_t q = 0; q < body.pointCentres.size(); ++q) {
     // A cell of 5 mm cannot hold more, nor one that is cut be larger.
-    if (std::abs(body.pointCentres[q].norm() - 0.05) < 0.003) CHECK(body.stencils.volumes[q] < 1.02 * 0.005 * 0.005 * 0.005);
+    if (std::abs(body.pointCentres[q].norm() - 0.05) < 0.003)
+      CHECK(body.stencils.volumes[q] < 1.02 * 0.005 * 0.005 * 0.005);
     largest = std::max(largest, body.stencils.volumes[q]);
   }
   CHECK(std::cbrt(largest) > 0.0195);
@@ -99,7 +100,10 @@ TEST_CASE("a refined beam bends between its coarse and its fine lattice") {
     sampling.held = {HalfSpaceRegion{Vec3::Zero(), Vec3::UnitX()}};
     const BodyShape shape = beam();
     return 100.0 * (solveLinear(filled(shape, sampling), shape, HalfSpaceRegion{Vec3(0.2, 0, 0), -Vec3::UnitX()},
-                                Vec3(0, 0, -1.6e-3)).tip / 2.033e-3 - 1.0);
+                                Vec3(0, 0, -1.6e-3))
+                            .tip /
+                        2.033e-3 -
+                    1.0);
   };
   const double error = tip(refined(0.04 / 3, kLeft, 0.04 / 6));
   INFO("three layers, six near the clamp: " << error << " %");
@@ -107,7 +111,8 @@ TEST_CASE("a refined beam bends between its coarse and its fine lattice") {
 }
 
 TEST_CASE("gaps separate refined cells as others") {
-  const BodyShape both = together(box(Vec3::Zero(), Vec3(0.06, 0.06, 0.023)), box(Vec3(0, 0, 0.025), Vec3(0.06, 0.06, 0.05)));
+  const BodyShape both =
+      together(box(Vec3::Zero(), Vec3(0.06, 0.06, 0.023)), box(Vec3(0, 0, 0.025), Vec3(0.06, 0.06, 0.05)));
   const LatticeBody body = filled(both, refined(0.01, BoxRegion{Vec3(-1, -1, -1), Vec3(0.025, 1, 1)}, 0.005));
   CHECK(body.components == 2);
   CHECK(consistencyOf(body).worst() < 1e-10);

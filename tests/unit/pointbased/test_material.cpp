@@ -96,7 +96,8 @@ TEST_CASE("the neo-Hookean law of a negative Poisson's ratio has the moduli it s
   }
   // It is the other one at nu = 0.
   const Mat3 F = Vec3(0.7, 1.2, 0.9).asDiagonal();
-  const Material zero{MaterialLaw::neoHookean, 5000.0, 0.0, 1000.0, 0.0}, below{MaterialLaw::neoHookean, 5000.0, -1e-9, 1000.0, 0.0};
+  const Material zero{MaterialLaw::neoHookean, 5000.0, 0.0, 1000.0, 0.0},
+      below{MaterialLaw::neoHookean, 5000.0, -1e-9, 1000.0, 0.0};
   CHECK((firstPiolaStress(zero, F) - firstPiolaStress(below, F)).norm() < 1e-5);
 }
 
@@ -124,7 +125,8 @@ TEST_CASE("the tangent ratio is one at rest and grows when a body is crushed") {
 TEST_CASE("a material outside what is physical is refused with every reason") {
   const auto bad = validate(Material{MaterialLaw::neoHookean, -1.0, 0.5, 0.0, -2.0});
   REQUIRE_FALSE(bad);
-  CHECK_THAT(bad.error(), Contains("Young's modulus") && Contains("-1 < nu < 0.5") && Contains("density") && Contains("viscosity"));
+  CHECK_THAT(bad.error(),
+             Contains("Young's modulus") && Contains("-1 < nu < 0.5") && Contains("density") && Contains("viscosity"));
   CHECK_FALSE(validate(Material{MaterialLaw::neoHookean, std::nan(""), 0.3, 1000.0, 0.0}));
   CHECK(validate(Material{}));
 }

@@ -114,8 +114,8 @@ class GridProblem : public Assembled {
   [[nodiscard]] Eigen::Map<const Eigen::VectorXd> flat() const { return {u_.front().data(), load.size()}; }
 };
 
-// A column of springs along x whose ends are pushed together, with bending stiffness and a guide that is softer in y than
-// in z: the straight state is a saddle, the column gives way in y.
+// A column of springs along x whose ends are pushed together, with bending stiffness and a guide that is softer in y
+// than in z: the straight state is a saddle, the column gives way in y.
 class Column : public Assembled {
  public:
   explicit Column(std::size_t n) : Assembled(n) {
@@ -185,7 +185,8 @@ class Column : public Assembled {
       if (i > 0) {
         const double c[3] = {1.0, -2.0, 1.0};
         for (std::size_t a = 0; a < 3; ++a)
-          for (std::size_t b = 0; b < 3; ++b) addBlock(t, i + a - 1, i + b - 1, kBending * c[a] * c[b] * Mat3::Identity());
+          for (std::size_t b = 0; b < 3; ++b)
+            addBlock(t, i + a - 1, i + b - 1, kBending * c[a] * c[b] * Mat3::Identity());
       }
       addBlock(t, i, i, guide);
     }

@@ -113,10 +113,11 @@ TEST_CASE("a ball of voxels keeps volume, centre and second moments at any spaci
     const char *name;
     Voxels voxels;
   };
-  for (const Grid &grid : {Grid{"along the axes", voxels({52, 52, 52}, centre, along(Vec3::Constant(0.002)), inside)},
-                           Grid{"oblique, uneven", voxels({80, 62, 30}, centre, oblique(Vec3(0.0014, 0.002, 0.0045)), inside)},
-                           Grid{"left-handed", voxels({80, 62, 30}, centre, leftHanded(Vec3(0.0014, 0.002, 0.0045)), inside)},
-                           Grid{"sheared", voxels({80, 80, 30}, centre, tilted(Vec3(0.0014, 0.002, 0.0045)), inside)}})
+  for (const Grid &grid :
+       {Grid{"along the axes", voxels({52, 52, 52}, centre, along(Vec3::Constant(0.002)), inside)},
+        Grid{"oblique, uneven", voxels({80, 62, 30}, centre, oblique(Vec3(0.0014, 0.002, 0.0045)), inside)},
+        Grid{"left-handed", voxels({80, 62, 30}, centre, leftHanded(Vec3(0.0014, 0.002, 0.0045)), inside)},
+        Grid{"sheared", voxels({80, 80, 30}, centre, tilted(Vec3(0.0014, 0.002, 0.0045)), inside)}})
     for (const double spacing : {0.03, 0.0137, 0.006}) {
       INFO(grid.name << ", spacing " << spacing);
       const LatticeBody body = filled(grid.voxels.shape(), withSpacing(spacing));
@@ -129,7 +130,8 @@ TEST_CASE("a ball of voxels keeps volume, centre and second moments at any spaci
 }
 
 TEST_CASE("a lattice turned against its voxels finds all of them") {
-  const Voxels v = voxels({40, 20, 16}, Vec3::Zero(), oblique(Vec3(0.003, 0.003, 0.004)), [](const Vec3 &) { return 1.0; });
+  const Voxels v =
+      voxels({40, 20, 16}, Vec3::Zero(), oblique(Vec3(0.003, 0.003, 0.004)), [](const Vec3 &) { return 1.0; });
   LatticeSampling sampling = withSpacing(0.0113);
   checkSound(filled(v.shape(), sampling), v);
   sampling.axes = rotation(0, 25) * rotation(2, 40);
@@ -150,8 +152,9 @@ TEST_CASE("parts of voxels count as parts") {
     checkSound(filled(v.shape(), withSpacing(spacing)), v);
   }
   // A sheet that fills its voxels to a fifth everywhere is still one body.
-  const Voxels sheet = voxels({40, 40, 5}, Vec3::Zero(), oblique(Vec3::Constant(0.002)),
-                              [&](const Vec3 &x) { return std::abs((oblique(Vec3::Ones()).transpose() * x)[2]) < 0.001 ? 0.2 : 0.0; });
+  const Voxels sheet = voxels({40, 40, 5}, Vec3::Zero(), oblique(Vec3::Constant(0.002)), [&](const Vec3 &x) {
+    return std::abs((oblique(Vec3::Ones()).transpose() * x)[2]) < 0.001 ? 0.2 : 0.0;
+  });
   for (const double spacing : {0.007, 0.004}) {
     const LatticeBody body = filled(sheet.shape(), withSpacing(spacing));
     INFO("sheet, spacing " << spacing);
@@ -163,7 +166,8 @@ TEST_CASE("parts of voxels count as parts") {
 }
 
 TEST_CASE("plates and bars of one voxel stay in one piece with their volume") {
-  for (const Mat3 &steps : {along(Vec3::Constant(0.002)), oblique(Vec3(0.002, 0.002, 0.003)), leftHanded(Vec3(0.0015, 0.002, 0.003))}) {
+  for (const Mat3 &steps :
+       {along(Vec3::Constant(0.002)), oblique(Vec3(0.002, 0.002, 0.003)), leftHanded(Vec3(0.0015, 0.002, 0.003))}) {
     const Mat3 turn = steps * steps.colwise().norm().cwiseInverse().asDiagonal();
     const auto plate = voxels({50, 50, 9}, Vec3::Zero(), steps,
                               [&](const Vec3 &x) { return std::abs((turn.transpose() * x)[2]) < 0.001 ? 1.0 : 0.0; });
@@ -194,7 +198,9 @@ TEST_CASE("a gap of one voxel separates, at spacings ten times as wide too") {
     const auto blobs = [&](double gap) {
       return voxels({60, 30, 30}, Vec3::Zero(), steps, [&, gap](const Vec3 &x) {
         const Vec3 y = turn.transpose() * x;
-        return std::abs(y[0]) < 0.025 && std::abs(y[1]) < 0.012 && std::abs(y[2]) < 0.012 && !(y[0] > 0.0 && y[0] < gap) ? 1.0 : 0.0;
+        return std::abs(y[0]) < 0.025 && std::abs(y[1]) < 0.012 && std::abs(y[2]) < 0.012 && !(y[0] > 0.0 && y[0] < gap)
+                   ? 1.0
+                   : 0.0;
       });
     };
     for (const double spacing : {0.01, 0.004, 0.0017}) {
@@ -271,8 +277,10 @@ TEST_CASE("a cantilever of voxels bends, and sags by its weight, as the one in a
     BodyRecipe recipe;
     recipe.evaluation = evaluation;
     recipe.sampling.spacing = 0.011;
-    recipe.fixes.push_back({HalfSpaceRegion{Vec3(0.007, 0, 0), Vec3::UnitX()}, Vec3::Zero(), Vec3::Zero(), std::nullopt, 0.0});
-    auto rest = buildRestState(shape, recipe, std::vector<Vec3>(shape.surface.positions.size(), Vec3::UnitX()), serialFor());
+    recipe.fixes.push_back(
+        {HalfSpaceRegion{Vec3(0.007, 0, 0), Vec3::UnitX()}, Vec3::Zero(), Vec3::Zero(), std::nullopt, 0.0});
+    auto rest =
+        buildRestState(shape, recipe, std::vector<Vec3>(shape.surface.positions.size(), Vec3::UnitX()), serialFor());
     if (!rest) throw std::runtime_error(rest.error());
     Constitution constitution;
     constitution.materials = {Material{}};
@@ -291,9 +299,10 @@ TEST_CASE("a cantilever of voxels bends, and sags by its weight, as the one in a
       if (const auto done = simulator.step(); !done) throw std::runtime_error(done.error().text);
     return simulator.probeState(simulator.probes()[0]).position[2];
   };
-  const Voxels oblong = voxels({104, 88, 60}, 0.5 * (min + max), oblique(Vec3(0.0018, 0.0018, 0.0018)), [&](const Vec3 &x) {
-    return ((x - 0.5 * (min + max)).cwiseAbs() - 0.5 * (max - min)).maxCoeff() < 0.0 ? 1.0 : 0.0;
-  });
+  const Voxels oblong =
+      voxels({104, 88, 60}, 0.5 * (min + max), oblique(Vec3(0.0018, 0.0018, 0.0018)), [&](const Vec3 &x) {
+        return ((x - 0.5 * (min + max)).cwiseAbs() - 0.5 * (max - min)).maxCoeff() < 0.0 ? 1.0 : 0.0;
+      });
   const double meshed = sag(mesh, Evaluation::stressPoints);
   CHECK(meshed < -0.001);
   CHECK_THAT(sag(v.shape(skin), Evaluation::stressPoints), WithinRel(meshed, 0.01));

@@ -75,7 +75,8 @@ TEST_CASE("The border belongs to a region, the next number outside does not", "[
 }
 
 TEST_CASE("The normal of the border is the gradient of the signed distance", "[region]") {
-  const Region regions[] = {BoxRegion{Vec3(-0.1, 0.0, 0.2), Vec3(0.3, 0.1, 0.5)}, SphereRegion{Vec3(0.1, 0.05, 0.3), 0.1},
+  const Region regions[] = {BoxRegion{Vec3(-0.1, 0.0, 0.2), Vec3(0.3, 0.1, 0.5)},
+                            SphereRegion{Vec3(0.1, 0.05, 0.3), 0.1},
                             HalfSpaceRegion{Vec3(0.1, 0.05, 0.3), Vec3(1, -2, 0.5)}};
   shapes::Random random(5);
   constexpr double h = 1e-7;
@@ -84,7 +85,8 @@ TEST_CASE("The normal of the border is the gradient of the signed distance", "[r
       const Vec3 x = Vec3(0.1, 0.05, 0.35) + 0.3 * random.vector();
       Vec3 gradient;
       for (int a = 0; a < 3; ++a)
-        gradient[a] = (signedDistance(region, x + h * Vec3::Unit(a)) - signedDistance(region, x - h * Vec3::Unit(a))) / (2 * h);
+        gradient[a] =
+            (signedDistance(region, x + h * Vec3::Unit(a)) - signedDistance(region, x - h * Vec3::Unit(a))) / (2 * h);
       CAPTURE(region.index(), x.transpose(), gradient.transpose());
       // Central differences: curvature of the sphere and rounding, both below 1e-6 at this step.
       CHECK((borderNormal(region, x) - gradient).norm() < 1e-6);
@@ -94,7 +96,8 @@ TEST_CASE("The normal of the border is the gradient of the signed distance", "[r
 }
 
 TEST_CASE("A shifted region means the same points seen from another origin", "[region]") {
-  const Region regions[] = {BoxRegion{Vec3(-0.1, 0.0, 0.2), Vec3(0.3, 0.1, 0.5)}, SphereRegion{Vec3(0.1, 0.05, 0.3), 0.1},
+  const Region regions[] = {BoxRegion{Vec3(-0.1, 0.0, 0.2), Vec3(0.3, 0.1, 0.5)},
+                            SphereRegion{Vec3(0.1, 0.05, 0.3), 0.1},
                             HalfSpaceRegion{Vec3(0.1, 0.05, 0.3), Vec3(1, -2, 0.5)}};
   const Vec3 origin(0.7, -0.2, 0.4);
   shapes::Random random(8);

@@ -65,8 +65,10 @@ TEST_CASE("relaxing body: the torque of a held twist falls as G(t) with every in
   elastic.setWorld(stepping(Integrator::implicitSdirk, 0.02));
   const std::size_t id = elastic.addBody(twistedBar(rubber()));
   const double t = 1.0, atOnce = torqueAt(elastic, id, t);
-  const double G = 1 - kTerm.share + kTerm.share * kTerm.time / kRamp * (std::exp(kRamp / kTerm.time) - 1) * std::exp(-t / kTerm.time);
-  for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler}) {
+  const double G = 1 - kTerm.share +
+                   kTerm.share * kTerm.time / kRamp * (std::exp(kRamp / kTerm.time) - 1) * std::exp(-t / kTerm.time);
+  for (const Integrator integrator :
+       {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler}) {
     INFO("integrator " << static_cast<int>(integrator));
     Material material = rubber();
     material.prony[0] = kTerm;

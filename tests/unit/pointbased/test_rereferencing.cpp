@@ -247,8 +247,8 @@ TEST_CASE("a clay block pressed to half its height keeps its volume and its shap
   press.run(1.2);
   const Body &body = *press.simulator.body(press.id);
   const shapes::Extent height = shapes::extent(*press.simulator.body(press.id), Vec3(0, 1, 0));
-  INFO("rereferenceCount " << body.rereferenceCount() << ", volume " << skinVolume(press.simulator, press.id) / volume << ", height "
-                   << (height.high - height.low) / kEdge);
+  INFO("rereferenceCount " << body.rereferenceCount() << ", volume " << skinVolume(press.simulator, press.id) / volume
+                           << ", height " << (height.high - height.low) / kEdge);
   CHECK(body.rereferenceCount() >= 1);
   CHECK(body.stopped.empty());
   CHECK(skinVolume(press.simulator, press.id) / volume == Approx(1.0).margin(0.01));
@@ -367,7 +367,8 @@ TEST_CASE("a follower pressure goes on with the surface it has after a renewal, 
   }
 }
 
-TEST_CASE("a drop that may flow without end variances over the floor, its volume kept, its height falling all the way") {
+TEST_CASE(
+    "a drop that may flow without end variances over the floor, its volume kept, its height falling all the way") {
   std::array<double, 2> share{}, step{};
   for (const bool renewing : {true, false}) {
     const double radius = 0.04;
@@ -395,8 +396,9 @@ TEST_CASE("a drop that may flow without end variances over the floor, its volume
     const auto energy = simulator.energy(id);
     share[renewing] = energy.stabilisation / (energy.elastic + energy.stabilisation);
     step[renewing] = body.stableStep() / first;
-    INFO("rereferenceCount " << body.rereferenceCount() << ", height " << height << ", volume " << skinVolume(simulator, id) / volume
-                     << ", share of the control " << share[renewing] << ", stable step " << step[renewing]);
+    INFO("rereferenceCount " << body.rereferenceCount() << ", height " << height << ", volume "
+                             << skinVolume(simulator, id) / volume << ", share of the control " << share[renewing]
+                             << ", stable step " << step[renewing]);
     CHECK(skinVolume(simulator, id) / volume == Approx(1.0).margin(0.025));
     CHECK((body.rereferenceCount() > 0) == renewing);
     CHECK(height < 0.5 * 2.0 * radius);

@@ -173,8 +173,8 @@ TEST_CASE("a lattice drop that may flow without end variances on, its volume and
     step[renewing] = body.stableStep() / first;
     gravity[renewing] = energy.gravity;
     INFO("rereferenceCount " << body.rereferenceCount() << ", height " << height << ", volume "
-                     << shapes::volumeOf(skinOf(body)) / volume << ", share of the control " << share[renewing]
-                     << ", stable step " << step[renewing] << ", gravity " << energy.gravity);
+                             << shapes::volumeOf(skinOf(body)) / volume << ", share of the control " << share[renewing]
+                             << ", stable step " << step[renewing] << ", gravity " << energy.gravity);
     CHECK(body.totalMass() == Approx(mass).epsilon(1e-13));
     CHECK(body.stopped.empty());
     lost[renewing] = 1.0 - shapes::volumeOf(skinOf(body)) / volume;

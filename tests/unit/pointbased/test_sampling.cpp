@@ -14,7 +14,8 @@ double sum(const std::vector<double> &v) { return std::accumulate(v.begin(), v.e
 }  // namespace
 
 TEST_CASE("volumes sum to the volume of the body at any spacing") {
-  for (const auto &shape : {shapes::box(Vec3(0, 0, 0), Vec3(0.2, 0.1, 0.05)), shapes::ball(Vec3(1, 2, 3), 0.08), shapes::horseshoe()})
+  for (const auto &shape :
+       {shapes::box(Vec3(0, 0, 0), Vec3(0.2, 0.1, 0.05)), shapes::ball(Vec3(1, 2, 3), 0.08), shapes::horseshoe()})
     for (const double spacing : {0.06, 0.031, 0.013, 0.0077}) {
       const PhyxelCloud cloud = shapes::filled(shape, spacing);
       CHECK_THAT(sum(cloud.volumes), WithinRel(shape.volume, 1e-12));

@@ -88,8 +88,10 @@ TEST_CASE("state hash: the same for 1 and 2 threads and from run to run; reset g
   std::vector<std::uint64_t> hashes;
   for (const unsigned threads : {1u, 2u, 2u}) {
     c3de::ThreadPool pool(threads);
-    Simulator simulator([&pool](std::size_t n, std::size_t grain,
-                                const std::function<void(std::size_t, std::size_t)> &body) { pool.parallelFor(n, grain, body); });
+    Simulator simulator(
+        [&pool](std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body) {
+          pool.parallelFor(n, grain, body);
+        });
     simulator.setWorld(falling());
     simulator.addBody(organ());
     const std::uint64_t initial = simulator.stateHash();
@@ -208,8 +210,8 @@ TEST_CASE("a probe reports where its material point is") {
 }
 
 TEST_CASE("a block on a slippery floor sinks under its own weight as the bar formula says") {
-  // Uniaxial stress rho g (H - y). The floor holds the lowest phyxels half a spacing above it, so what is compressed is the
-  // column above them: the top sinks by rho g (H - d/2)^2 / (2 E) = 2.155 mm (2.4525 mm for d = 0).
+  // Uniaxial stress rho g (H - y). The floor holds the lowest phyxels half a spacing above it, so what is compressed is
+  // the column above them: the top sinks by rho g (H - d/2)^2 / (2 E) = 2.155 mm (2.4525 mm for d = 0).
   const double height = 0.1, youngs = 20000.0, density = 1000.0;
   for (const double poisson : {0.0, 0.3}) {
     Simulator simulator;
@@ -234,8 +236,8 @@ TEST_CASE("a block on a slippery floor sinks under its own weight as the bar for
     const double column = height - 0.5 * simulator.body(id)->rest().spacing;
     const double formula = density * 9.81 * column * column / (2.0 * youngs);
     INFO("nu = " << poisson << ": sunk by " << 1e3 * sunk << " mm, formula " << 1e3 * formula << " mm");
-    // Measured: -4 % and +2 %, the error of one evaluation per phyxel at 8 layers, plus the law's at 5 % strain. Four times
-    // too stiff, as published, would be 75 % off.
+    // Measured: -4 % and +2 %, the error of one evaluation per phyxel at 8 layers, plus the law's at 5 % strain. Four
+    // times too stiff, as published, would be 75 % off.
     CHECK_THAT(sunk, WithinRel(formula, 0.06));
   }
 }
@@ -280,8 +282,9 @@ TEST_CASE("the cheaper integrator is chosen by the stiffness of the body, and an
     simulator.setWorld(world);
     Material material;
     material.youngsModulus = youngsModulus;
-    const std::size_t id = simulator.addBody(std::make_unique<Body>(
-        "ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01), Constitution{{material}, kCloudStabilisation}, serialFor()));
+    const std::size_t id =
+        simulator.addBody(std::make_unique<Body>("ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01),
+                                                 Constitution{{material}, kCloudStabilisation}, serialFor()));
     const auto [explicitCost, implicitCost] = simulator.predictedCost(id);
     CHECK(explicitCost > 0.0);
     CHECK(implicitCost > 0.0);
@@ -302,8 +305,9 @@ TEST_CASE("an automatic step is not divided by a strain of two per cent, and is 
     Simulator simulator;
     Material material;
     material.youngsModulus = 1e4;
-    const std::size_t id = simulator.addBody(std::make_unique<Body>(
-        "ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01), Constitution{{material}, kCloudStabilisation}, serialFor()));
+    const std::size_t id =
+        simulator.addBody(std::make_unique<Body>("ball", shapes::restState(shapes::ball(Vec3::Zero(), 0.05), 0.01),
+                                                 Constitution{{material}, kCloudStabilisation}, serialFor()));
     Body &body = *simulator.body(id);
     for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
       body.state().displacements[i] = stretch * body.rest().positions[i];

@@ -62,8 +62,8 @@ std::unique_ptr<Simulator> twoBoxes(Integrator integrator) {
 }  // namespace
 
 TEST_CASE("a step that is ended half way leaves the state before it, wherever it is ended") {
-  for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler,
-                                      Integrator::quasiStatic}) {
+  for (const Integrator integrator :
+       {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler, Integrator::quasiStatic}) {
     INFO("integrator " << static_cast<int>(integrator));
     const auto simulator = twoBoxes(integrator);
     for (int k = 0; k < 4; ++k) REQUIRE(simulator->step());

@@ -45,7 +45,9 @@ std::vector<Vec3> moved(const std::vector<Vec3> &X, const Mat3 &F, const Vec3 &s
   return u;
 }
 
-Vec3 total(const std::vector<Vec3> &forces) { return std::accumulate(forces.begin(), forces.end(), Vec3(Vec3::Zero())); }
+Vec3 total(const std::vector<Vec3> &forces) {
+  return std::accumulate(forces.begin(), forces.end(), Vec3(Vec3::Zero()));
+}
 
 Mat3 matrix(shapes::Random &random) {
   Mat3 F;

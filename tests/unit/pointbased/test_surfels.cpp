@@ -145,8 +145,8 @@ TEST_CASE("Packed skins move in double precision as their bindings do") {
 }
 
 TEST_CASE("On a screen skins are right to single precision of the body's own size") {
-  // Coordinates relative to a phyxel are up to 0.2 m: 1e-8 m each; the normal is off by that over the spacing, 5 mm and more
-  // in the clouds, whose functions add up to some times 1 outside of them.
+  // Coordinates relative to a phyxel are up to 0.2 m: 1e-8 m each; the normal is off by that over the spacing, 5 mm and
+  // more in the clouds, whose functions add up to some times 1 outside of them.
   for (const Skin &skin : {ballSkin(false), ballSkin(true)}) {
     const Errors errors = errorsOnScreen(skin, Vec3::Zero(), Vec3::Zero());
     CHECK(errors.position < 6e-8);
@@ -191,6 +191,5 @@ TEST_CASE("A collapsed skin keeps the normals it had at rest") {
   std::vector<Vec3f> x(skin.points.size()), N(skin.points.size());
   ScreenPhyxels scratch;
   updateSurfels(Surfels(skin.binding), skin.normals, Vec3::Zero(), skin.phyxels, u, scratch, x, N, serialFor());
-  for (std::size_t p = 0; p < x.size(); ++p)
-    CHECK((Vec3(N[p][0], N[p][1], N[p][2]) - skin.normals[p]).norm() < 1e-6);
+  for (std::size_t p = 0; p < x.size(); ++p) CHECK((Vec3(N[p][0], N[p][1], N[p][2]) - skin.normals[p]).norm() < 1e-6);
 }

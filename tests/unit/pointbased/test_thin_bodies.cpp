@@ -35,7 +35,8 @@ Surface swept(const std::vector<std::pair<double, double>> &sections) {
       out.triangles.push_back({b, b + 4, a + 4});
     }
   const Index last = 4 * (rings - 1);
-  out.triangles.insert(out.triangles.end(), {{0, 2, 1}, {0, 3, 2}, {last, last + 1, last + 2}, {last, last + 2, last + 3}});
+  out.triangles.insert(out.triangles.end(),
+                       {{0, 2, 1}, {0, 3, 2}, {last, last + 1, last + 2}, {last, last + 2, last + 3}});
   return out;
 }
 
@@ -49,9 +50,7 @@ std::shared_ptr<const RestState> laidOut(const Surface &surface, double spacing)
   return *rest;
 }
 
-Constitution soft(double youngsModulus = 6000.0) {
-  return {{rubber(youngsModulus)}, kLatticeStabilisation};
-}
+Constitution soft(double youngsModulus = 6000.0) { return {{rubber(youngsModulus)}, kLatticeStabilisation}; }
 
 }  // namespace
 
@@ -83,7 +82,8 @@ TEST_CASE("the skin of a bridge that the lattice cannot see spans the gap as a b
 
   std::vector<Vec3> skin(rest.surfels.count()), none;
   const auto move = [&](const auto &displacement) {
-    for (std::size_t i = 0; i < rest.phyxelCount(); ++i) body.state().displacements[i] = displacement(rest.positions[i]);
+    for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
+      body.state().displacements[i] = displacement(rest.positions[i]);
     updateSurfels(rest.surfels, {}, rest.positions, body.state().displacements, skin, none, serialFor());
   };
   // Affine motions are followed as everywhere.
@@ -97,7 +97,8 @@ TEST_CASE("the skin of a bridge that the lattice cannot see spans the gap as a b
   }
   CHECK(error < 1e-12);
 
-  // One piece goes away by two spacings: no edge is longer than what a band of half a spacing on either side makes of it.
+  // One piece goes away by two spacings: no edge is longer than what a band of half a spacing on either side makes of
+  // it.
   const double way = 2.0 * spacing;
   move([&](const Vec3 &X) { return Vec3(rest.origin[0] + X[0] > 0.08 ? way : 0.0, 0.0, 0.0); });
   double most = 0.0;
@@ -118,7 +119,8 @@ TEST_CASE("a body that the sampling has torn is told of, one of as many pieces i
     REQUIRE(rest->components == 2);
     simulator.addBody(std::make_unique<Body>("body", rest, soft(), serialFor()));
     const auto tells = [](const SimulationEvent &e) {
-      return e.kind == "warning" && Contains("1 connected piece,").match(e.text) && Contains("make 2 parts").match(e.text);
+      return e.kind == "warning" && Contains("1 connected piece,").match(e.text) &&
+             Contains("make 2 parts").match(e.text);
     };
     const auto count = [&] { return std::count_if(simulator.events().begin(), simulator.events().end(), tells); };
     const auto before = count();
@@ -126,14 +128,17 @@ TEST_CASE("a body that the sampling has torn is told of, one of as many pieces i
     CHECK(count() == before);
     return before;
   };
-  std::vector<std::pair<double, double>> dumbbell{{0.0, 0.03}, {0.06, 0.03}, {0.0601, 0.0006}, {0.1001, 0.0006}, {0.1002, 0.03}, {0.16, 0.03}};
+  std::vector<std::pair<double, double>> dumbbell{{0.0, 0.03},      {0.06, 0.03},   {0.0601, 0.0006},
+                                                  {0.1001, 0.0006}, {0.1002, 0.03}, {0.16, 0.03}};
   CHECK(warned(swept(dumbbell), 0.02) == 1);
-  CHECK(warned(joined(boxSurface(Vec3(0, 0, 0), Vec3(0.06, 0.06, 0.06), 4), boxSurface(Vec3(0.1, 0, 0), Vec3(0.16, 0.06, 0.06), 4)),
+  CHECK(warned(joined(boxSurface(Vec3(0, 0, 0), Vec3(0.06, 0.06, 0.06), 4),
+                      boxSurface(Vec3(0.1, 0, 0), Vec3(0.16, 0.06, 0.06), 4)),
                0.02) == 0);
 }
 
 TEST_CASE("points far outside of every cell are carried by functions that grow with the way, not with its cube") {
-  const LatticeBody body = lattice_cases::filled(lattice_cases::ball(Vec3::Zero(), 0.05), lattice_cases::withSpacing(0.02));
+  const LatticeBody body =
+      lattice_cases::filled(lattice_cases::ball(Vec3::Zero(), 0.05), lattice_cases::withSpacing(0.02));
   for (const double cells : {0.6, 1.0, 3.0, 10.0}) {
     const Vec3 at = Vec3::Constant(0.05 / std::sqrt(3.0) + 0.02 * cells) - body.origin;
     const Interpolation binding = body.cells->bind(std::span(&at, 1), {}, serialFor());
@@ -172,7 +177,8 @@ TEST_CASE("energy that comes from nothing is taken back with the steps that brou
   std::vector<SimulationEvent> events;
   const double calm = run(false, nullptr), poked = run(true, &events);
   CHECK_THAT(poked, WithinRel(calm, 0.02));
-  const bool told = std::any_of(events.begin(), events.end(), [](const SimulationEvent &e) { return e.kind == "smaller_step"; });
+  const bool told =
+      std::any_of(events.begin(), events.end(), [](const SimulationEvent &e) { return e.kind == "smaller_step"; });
   CHECK(told);
 }
 

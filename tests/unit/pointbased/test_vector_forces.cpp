@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The vector kernels against the scalar engine, which stays as the slower, plainer way to the same forces.
+#include <hwy/targets.h>
 #include <algorithm>
 #include <cmath>
-#include <hwy/targets.h>
 #include <limits>
 
 #include "pointbased/lattice.h"
@@ -18,7 +18,8 @@ struct Case {
   std::shared_ptr<const RestState> rest;
 };
 
-std::shared_ptr<const RestState> latticeBody(const BodyShape &shape, LatticeSampling sampling, std::vector<Fix> fixes = {}) {
+std::shared_ptr<const RestState> latticeBody(const BodyShape &shape, LatticeSampling sampling,
+                                             std::vector<Fix> fixes = {}) {
   BodyRecipe recipe;
   recipe.sampling = std::move(sampling);
   recipe.fixes = std::move(fixes);
@@ -113,7 +114,8 @@ TEST_CASE("vector kernels give the forces of the scalar engine in double precisi
               const Difference d = difference(body);
               // Round-off of displacements of centimetres over strains of 1e-6 (the smallest case), and of sums.
               CHECK(d.forces < (size < 1e-3 ? 1e-8 : 1e-11));
-              // Of the largest ratio of all points clouds take the root; lattices weigh what it does to a phyxel's mass.
+              // Of the largest ratio of all points clouds take the root; lattices weigh what it does to a phyxel's
+              // mass.
               CHECK(d.step > -0.01);
               if (!lattice) CHECK(d.step < 0.01);
             }
@@ -235,7 +237,8 @@ TEST_CASE("the stable step of strained lattices is stable, and little shorter th
         body.evaluate(0.0, 0.0, serialFor());
         const double step = body.stableStep();
         const double squared = largestSquaredFrequency(body, constitution, random);
-        INFO(c.name << ", law " << static_cast<int>(law) << ", crushed " << crushed << ": " << step * std::sqrt(squared) / 2.0);
+        INFO(c.name << ", law " << static_cast<int>(law) << ", crushed " << crushed << ": "
+                    << step * std::sqrt(squared) / 2.0);
         // Steps take up to 0.92 of it: 8 % are left for what the weighing does not see.
         CHECK(step * std::sqrt(squared) / 2.0 < 1.07);
         CHECK(step * std::sqrt(squared) / 2.0 > 0.5);

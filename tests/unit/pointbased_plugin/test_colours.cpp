@@ -121,7 +121,8 @@ TEST_CASE("What is shown of the error is the estimate, in per cent") {
   const BodyValues values = valuesOf(*body, view);
   CHECK_THAT(values.whole, WithinRel(100.0 * estimate.relative, 1e-12));
   REQUIRE(values.points.size() == perPhyxel.size());
-  for (std::size_t i = 0; i < perPhyxel.size(); ++i) CHECK_THAT(values.points[i], WithinRel(100.0 * perPhyxel[i], 1e-12));
+  for (std::size_t i = 0; i < perPhyxel.size(); ++i)
+    CHECK_THAT(values.points[i], WithinRel(100.0 * perPhyxel[i], 1e-12));
   CHECK(values.whole > 1.0);
 }
 

@@ -94,7 +94,8 @@ TEST_CASE("twice the Green strain makes a body four times as stiff as its Young'
   CHECK_THAT(energyOfStretch(printed, e) / hooke, WithinRel(4.0, 1e-4));
   // Any: both are quadratic in J^T J - I, so that the ratio is four but for rounding.
   for (const double stretch : {-0.3, 0.5, 1.0})
-    CHECK_THAT(energyOfStretch(printed, stretch) / energyOfStretch(Errata::corrected(), stretch), WithinRel(4.0, 1e-12));
+    CHECK_THAT(energyOfStretch(printed, stretch) / energyOfStretch(Errata::corrected(), stretch),
+               WithinRel(4.0, 1e-12));
 
   Body a = body(block(4, 4, 4, kSpacing), kSpacing, 26, printed), b = body(block(4, 4, 4, kSpacing), kSpacing, 26, {});
   Random random(1);

@@ -116,7 +116,8 @@ TEST_CASE("the completion of a flat sheet keeps the force the gradient of the en
 
 TEST_CASE("a rigid motion of any corrected cloud gives no force") {
   const Mat3 R = rotation(1.9, Vec3(0.3, -1.0, 0.7));
-  const std::vector<Vec3> shapes[] = {block(4, 4, 4, kSpacing, 0.1), block(5, 5, 1, kSpacing), block(7, 1, 1, kSpacing)};
+  const std::vector<Vec3> shapes[] = {block(4, 4, 4, kSpacing, 0.1), block(5, 5, 1, kSpacing),
+                                      block(7, 1, 1, kSpacing)};
   for (const std::vector<Vec3> &points : shapes) {
     Body cloud = body(points, kSpacing, 6, Errata::corrected());
     deform(cloud, [&](const Vec3 &X) -> Vec3 { return R * X + Vec3(0.3, -0.1, 0.2); });

@@ -48,7 +48,8 @@ TEST_CASE("a panel is dumped as text") {
   TextPanel text(nullptr);
   const std::string shown = text.draw(controller.asPanel());
   CHECK_THAT(shown, Contains("# Organ") && Contains("[button: Start] (start)") && Contains("[ ] Transparent (check)"));
-  CHECK_THAT(shown, Contains("Spacing = 0.01 m (spacing)") && Contains("Law = linear (law)") && Contains("Mass: 0.32 kg"));
+  CHECK_THAT(shown,
+             Contains("Spacing = 0.01 m (spacing)") && Contains("Law = linear (law)") && Contains("Mass: 0.32 kg"));
   CHECK_THAT(shown, Contains("| of all bodies"));
   CHECK(text.value("Mass") == "0.32 kg");
   REQUIRE(text.find("off"));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which calls are accepted: the same for every back end.
-#include "gl_fixture.h"
 #include "c3de/render_gl/gl_renderer.h"
+#include "gl_fixture.h"
 
 using namespace c3de;
 using namespace c3de::render;

@@ -18,17 +18,16 @@ struct OffscreenGl {
 };
 
 /// Declares `gl`, an OffscreenGl, or skips the case on a machine without OpenGL.
-#define C3DE_GL_OR_SKIP(gl)                                                   \
-  c3de::render::test::OffscreenGl gl;                                         \
-  {                                                                           \
-    auto context = c3de::render::OffscreenContext::create();                  \
-    if (!context) C3DE_SKIP(context.error().message);                         \
-    gl.context = std::move(*context);                                         \
-    if (auto version = c3de::render::checkGlVersion(); !version)              \
-      C3DE_SKIP(version.error().message);                                     \
-    auto renderer = c3de::render::createGlRenderer();                         \
-    if (!renderer) FAIL(renderer.error().message);                            \
-    gl.renderer = std::move(*renderer);                                       \
+#define C3DE_GL_OR_SKIP(gl)                                                                          \
+  c3de::render::test::OffscreenGl gl;                                                                \
+  {                                                                                                  \
+    auto context = c3de::render::OffscreenContext::create();                                         \
+    if (!context) C3DE_SKIP(context.error().message);                                                \
+    gl.context = std::move(*context);                                                                \
+    if (auto version = c3de::render::checkGlVersion(); !version) C3DE_SKIP(version.error().message); \
+    auto renderer = c3de::render::createGlRenderer();                                                \
+    if (!renderer) FAIL(renderer.error().message);                                                   \
+    gl.renderer = std::move(*renderer);                                                              \
   }
 
 using Rgb = std::array<int, 3>;
@@ -57,9 +56,7 @@ inline Image drawn(Renderer &renderer, const Camera &camera, int width = 160, in
 }
 
 /// Black everywhere, so that what was drawn is what is not black.
-inline void setBlackBackground(Renderer &renderer) {
-  renderer.setBackground({{0, 0, 0, 1}, {0, 0, 0, 1}});
-}
+inline void setBlackBackground(Renderer &renderer) { renderer.setBackground({{0, 0, 0, 1}, {0, 0, 0, 1}}); }
 
 struct Shape {
   std::vector<Vec3f> positions;

@@ -334,7 +334,8 @@ TEST_CASE("A legend stands at the right edge, its first colour below, its last a
   const Handle legend = gl.renderer->createLegend(redToBlue());
   REQUIRE(!legend.isNull());
   const Image image = drawn(*gl.renderer, frontCamera(), 400, 320);
-  const auto red = rowsOf(image, {255, 0, 0}), blue = rowsOf(image, {0, 0, 255}), between = rowsOf(image, {128, 0, 128});
+  const auto red = rowsOf(image, {255, 0, 0}), blue = rowsOf(image, {0, 0, 255}),
+             between = rowsOf(image, {128, 0, 128});
   REQUIRE((!red.empty() && !blue.empty() && !between.empty()));
   CHECK(blue.back() < between.front());
   CHECK(between.back() < red.front());

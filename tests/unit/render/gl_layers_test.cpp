@@ -87,8 +87,8 @@ TEST_CASE("A transparent surface lies in front of, inside of or behind a volume"
     const Rgb found = centreOf(image);
     for (std::size_t c = 0; c < 3; ++c) {
       // `alone` is the pane over black: its colour times its opacity.
-      const double expected = 255.0 * (1.0 - through(inFront)) +
-                              through(inFront) * (alone[c] + 0.5 * 255.0 * (1.0 - through(behind)));
+      const double expected =
+          255.0 * (1.0 - through(inFront)) + through(inFront) * (alone[c] + 0.5 * 255.0 * (1.0 - through(behind)));
       CAPTURE(y, c);
       // Steps begin anywhere within a millimetre and a half; 8 bits at three stages.
       CHECK_THAT(found[c], WithinAbs(expected, 5.0));

@@ -73,7 +73,11 @@ TEST_CASE("Picture of an organ with a legend") {
   C3DE_GL_OR_SKIP(gl);
   const Shape organ = blob(60, 64, 34, 0.2f);
   gl.renderer->createMesh(organ.positions, organ.triangles, {});
-  gl.renderer->createLegend({"Stress (von Mises)", "kPa", "largest 2.31 kPa\n2 bodies", 0.0, 2.5,
+  gl.renderer->createLegend({"Stress (von Mises)",
+                             "kPa",
+                             "largest 2.31 kPa\n2 bodies",
+                             0.0,
+                             2.5,
                              {{0.27f, 0, 0.33f, 1}, {0.13f, 0.57f, 0.55f, 1}, {0.99f, 0.91f, 0.14f, 1}}});
   const Image image = drawn(*gl.renderer, organCamera(), kWidth, kHeight);
   save(image, "legend.png");

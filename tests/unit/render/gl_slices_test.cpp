@@ -111,7 +111,8 @@ TEST_CASE("A pixel is as grey as the value that lies at its world point, in ever
     for (std::size_t k = 0; k < size[2]; ++k)
       for (std::size_t j = 0; j < size[1]; ++j)
         for (std::size_t i = 0; i < size[0]; ++i)
-          voxels.push_back(static_cast<T>((10.0 * static_cast<double>(i) + 0.25 * static_cast<double>(j) - intercept) / slope));
+          voxels.push_back(
+              static_cast<T>((10.0 * static_cast<double>(i) + 0.25 * static_cast<double>(j) - intercept) / slope));
     return voxels;
   };
   check(VoxelType::int16, fill(std::int16_t{}, 0.25, -1024.0).data(), 0.25, -1024.0);
@@ -152,7 +153,7 @@ TEST_CASE("Labels lie over the image on their own grid, in their colours, and ca
   const SlicePlane plane = planeAt({23, 0, 0}, kBack, kDown);
   const Image image = slice(*gl.renderer, look, plane);
   save(image, "slice_labels.png");
-  const Rgb ink = pixel(image, kSide / 2 - 15, kSide / 2);   // the stem of the L
+  const Rgb ink = pixel(image, kSide / 2 - 15, kSide / 2);  // the stem of the L
   CHECK(ink[0] > 250);
   CHECK_THAT(ink[1], WithinAbs(128, 2));
   const Rgb block = pixel(image, kSide / 2 + 2 * 6, kSide / 2);  // label 1 is hidden
@@ -170,7 +171,8 @@ TEST_CASE("A label fills its voxel, from half a voxel before its centre to half 
   look.level = 127.5;
   look.labelOpacity = 1.0f;
   look.labels = added(gl.renderer->images()->addLabels(place, std::vector<std::uint16_t>{300, 65535}));
-  gl.renderer->images()->setLabelColours(look.labels, std::vector<std::pair<std::uint16_t, Colour>>{{300, {1, 0, 0, 1}}, {65535, {0, 1, 0, 1}}});
+  gl.renderer->images()->setLabelColours(
+      look.labels, std::vector<std::pair<std::uint16_t, Colour>>{{300, {1, 0, 0, 1}}, {65535, {0, 1, 0, 1}}});
   const Image image = slice(*gl.renderer, look, planeAt({}, kLeft, kBack));
   const Rgb red{255, 0, 0}, green{0, 255, 0}, none{0, 0, 0};
   CHECK(pixel(image, 72 - 41, 72) == none);
@@ -218,7 +220,8 @@ TEST_CASE("A displacement shows the material that is now there, image and labels
 TEST_CASE("No displacement and one of zeros give the same pixels to the bit; outside its grid it is zero", "[slices]") {
   C3DE_GL_OR_SKIP(gl);
   ImageRenderer &images = *gl.renderer->images();
-  const Phantom phantom = makePhantom({130, 130, 70}, {0.6, 0.5, 0.1, 0, -0.5, 0.6, 0, 0, 0.05, 0, 1.1, 0, -8, -70, -43, 1});
+  const Phantom phantom =
+      makePhantom({130, 130, 70}, {0.6, 0.5, 0.1, 0, -0.5, 0.6, 0, 0, 0.05, 0, 1.1, 0, -8, -70, -43, 1});
   ImageLook look = lookAt(added(images.addImage(phantom.image())));
   look.labels = added(images.addLabels(phantom.place(), phantom.labels));
   images.setLabelColours(look.labels, std::vector<std::pair<std::uint16_t, Colour>>{{2, {1, 0, 0, 1}}});
@@ -253,7 +256,8 @@ TEST_CASE("No displacement and one of zeros give the same pixels to the bit; out
     for (int x = 0; x < kSide; ++x) {
       const Vec3 world = plane.origin + (x + 0.5) * plane.right + (y + 0.5) * plane.down;
       const Vec3 node = transformPoint(nodeFromWorld, world);
-      const bool isInside = node[0] > -0.1 && node[1] > -0.1 && node[2] > -0.1 && node[0] < 4.1 && node[1] < 5.1 && node[2] < 6.1;
+      const bool isInside =
+          node[0] > -0.1 && node[1] > -0.1 && node[2] > -0.1 && node[0] < 4.1 && node[1] < 5.1 && node[2] < 6.1;
       (isInside ? inside : outside) += pixel(moved, x, y) != pixel(still, x, y);
     }
   CHECK(outside == 0);
@@ -312,7 +316,9 @@ TEST_CASE("Places that a body has left are hatched where a gap leads to it, and 
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
         const double z = -0.5 * (y + 0.5 - 72), across = 0.5 * (x + 0.5 - 72);
-        if (std::abs(std::abs(z) - 10.0) < 0.6 || std::abs(across) > 30.0 || std::abs(across) < 2.0 || std::abs(z) > 30.0) continue;
+        if (std::abs(std::abs(z) - 10.0) < 0.6 || std::abs(across) > 30.0 || std::abs(across) < 2.0 ||
+            std::abs(z) > 30.0)
+          continue;
         if ((across > 0) != left || (std::abs(z) < 10.0) != within) continue;
         (isHatch(pixel(image, x, y)) ? found : others) += 1;
       }
@@ -332,10 +338,12 @@ TEST_CASE("A colour image shows its colours, through window and level, moved lik
   C3DE_GL_OR_SKIP(gl);
   // A board of four colours, 18 mm each side of the middle.
   constexpr std::size_t kCount = 4;
-  const std::array<std::array<std::uint8_t, 4>, 4> board{{{200, 0, 0, 255}, {0, 200, 0, 255}, {0, 0, 200, 255}, {60, 120, 180, 0}}};
+  const std::array<std::array<std::uint8_t, 4>, 4> board{
+      {{200, 0, 0, 255}, {0, 200, 0, 255}, {0, 0, 200, 255}, {60, 120, 180, 0}}};
   std::vector<std::uint8_t> grey(kCount * kCount * kCount, 100);
   std::vector<std::array<std::uint8_t, 4>> colours;
-  for (std::size_t v = 0; v < grey.size(); ++v) colours.push_back(board[(v % kCount / 2) + 2 * (v / kCount % kCount / 2)]);
+  for (std::size_t v = 0; v < grey.size(); ++v)
+    colours.push_back(board[(v % kCount / 2) + 2 * (v / kCount % kCount / 2)]);
   ImageVoxels image;
   image.place.size = {kCount, kCount, kCount};
   image.place.worldFromIndex = {9, 0, 0, 0, 0, 9, 0, 0, 0, 0, 9, 0, -13.5, -13.5, -13.5, 1};
@@ -364,7 +372,8 @@ TEST_CASE("A colour image shows its colours, through window and level, moved lik
   shows(slice(*gl.renderer, look, plane), 9, 9, {0, 113, 233});  // 2 (c - 127.5) + 127.5
   look.window = 255.0;
   const std::vector<float> shift{18, 0, 0, 18, 0, 0, 18, 0, 0, 18, 0, 0, 18, 0, 0, 18, 0, 0, 18, 0, 0, 18, 0, 0};
-  look.displacement = added(gl.renderer->images()->addDisplacement({{2, 2, 2}, {100, 0, 0, 0, 0, 100, 0, 0, 0, 0, 100, 0, -50, -50, -50, 1}}, shift));
+  look.displacement = added(gl.renderer->images()->addDisplacement(
+      {{2, 2, 2}, {100, 0, 0, 0, 0, 100, 0, 0, 0, 0, 100, 0, -50, -50, -50, 1}}, shift));
   shows(slice(*gl.renderer, look, plane), 9, -9, {200, 0, 0});
 }
 

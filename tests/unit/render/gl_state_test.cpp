@@ -70,8 +70,8 @@ TEST_CASE("Afterwards nothing is bound or left on, and no error is pending") {
   const Target target(160, 120);
   gl.renderer->draw(frontCamera(), {0, 0, 160, 120});
   CHECK(glGetError() == static_cast<GLenum>(GL_NO_ERROR));
-  for (const GLenum off : {GL_DEPTH_TEST, GL_SCISSOR_TEST, GL_CULL_FACE, GL_BLEND, GL_FRAMEBUFFER_SRGB,
-                           GL_SAMPLE_ALPHA_TO_COVERAGE})
+  for (const GLenum off :
+       {GL_DEPTH_TEST, GL_SCISSOR_TEST, GL_CULL_FACE, GL_BLEND, GL_FRAMEBUFFER_SRGB, GL_SAMPLE_ALPHA_TO_COVERAGE})
     CHECK(glIsEnabled(off) == GL_FALSE);
   for (const GLenum binding :
        {GL_CURRENT_PROGRAM, GL_VERTEX_ARRAY_BINDING, GL_ARRAY_BUFFER_BINDING, GL_TEXTURE_BINDING_2D}) {

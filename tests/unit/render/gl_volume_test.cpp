@@ -35,7 +35,9 @@ ImageScene sceneOf(Handle image) {
   scene.look.image = image;
   scene.look.window = 1000.0;
   scene.look.level = 200.0;
-  scene.volume.points = {{-200.0, {0, 0, 0, 0}}, {0.0, {0.8f, 0.5f, 0.3f, 0.02f}}, {300.0, {0.9f, 0.7f, 0.5f, 0.05f}},
+  scene.volume.points = {{-200.0, {0, 0, 0, 0}},
+                         {0.0, {0.8f, 0.5f, 0.3f, 0.02f}},
+                         {300.0, {0.9f, 0.7f, 0.5f, 0.05f}},
                          {600.0, {1, 1, 1, 0.9f}}};
   return scene;
 }
@@ -57,7 +59,8 @@ double legibility(const Image &image, double depth_mm) {
       // Rays begin at different fractions of a step: neighbours differ.
       int sum = 0;
       for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) sum += pixel(image, static_cast<int>(p[0]) + dx, static_cast<int>(p[1]) + dy)[1];
+        for (int dx = -1; dx <= 1; ++dx)
+          sum += pixel(image, static_cast<int>(p[0]) + dx, static_cast<int>(p[1]) + dy)[1];
       right += (sum > 9 * 150) == isInk;
     }
   return right / 35.0;
@@ -82,7 +85,8 @@ TEST_CASE("A slice stands in space among meshes, the nearer one hides the other"
   const Image both = drawn(*gl.renderer, patientCamera(), kWidth, kHeight);
   save(both, "slice_in_space_balls.png");
   const Camera camera = patientCamera();
-  const Vec3 front = camera.project({25, -31, 0}, kWidth, kHeight), hidden = camera.project({-25, -23, 0}, kWidth, kHeight);
+  const Vec3 front = camera.project({25, -31, 0}, kWidth, kHeight),
+             hidden = camera.project({-25, -23, 0}, kWidth, kHeight);
   const Rgb red = pixel(both, static_cast<int>(front[0]), static_cast<int>(front[1]));
   CHECK(red[0] > red[1] + 80);
   const Rgb grey = pixel(both, static_cast<int>(hidden[0]), static_cast<int>(hidden[1]));
@@ -198,7 +202,8 @@ TEST_CASE("Rays see displaced tissue where it is, and zeros change no bit", "[vo
   CHECK(mostDifferent(warped, still) > 100);
 }
 
-TEST_CASE("A moving view is coarse, at rest it is refined to what a picture shows, and then nothing is left to do", "[volume]") {
+TEST_CASE("A moving view is coarse, at rest it is refined to what a picture shows, and then nothing is left to do",
+          "[volume]") {
   C3DE_GL_OR_SKIP(gl);
   setBlackBackground(*gl.renderer);
   const Phantom phantom = plainPhantom();

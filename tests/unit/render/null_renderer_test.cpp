@@ -52,7 +52,8 @@ TEST_CASE("Every visible mesh can be looked at where it is drawn") {
   const auto renderer = createNullRenderer();
   const std::vector<Vec3f> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const std::vector<Triangle> triangles{{0, 1, 2}};
-  const Handle shown = renderer->createMesh(corners, triangles, {}), hidden = renderer->createMesh(corners, triangles, {});
+  const Handle shown = renderer->createMesh(corners, triangles, {}),
+               hidden = renderer->createMesh(corners, triangles, {});
   (void)renderer->createSpheres(corners, 1.0f, {});
   Mat4 moved = kIdentity4;
   moved[12] = 5.0;

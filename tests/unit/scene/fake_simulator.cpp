@@ -19,7 +19,8 @@ c3de_object_vt FakeSimulator::makeVt() {
   vt.release = [](c3de_object *self) -> std::uint32_t { return static_cast<std::uint32_t>(--of(self).references_); };
   vt.query = [](c3de_object *self, c3de_str id, std::uint32_t, const void **table) -> c3de_status {
     FakeSimulator &fake = of(self);
-    if (!fake.answersInterface || c3de::fromAbi(id) != std::string_view(C3DE_IFACE_SIMULATOR_ID)) return C3DE_E_NOT_FOUND;
+    if (!fake.answersInterface || c3de::fromAbi(id) != std::string_view(C3DE_IFACE_SIMULATOR_ID))
+      return C3DE_E_NOT_FOUND;
     fake.table_.size = fake.tableSize;
     fake.table_.rev = fake.revision;
     *table = &fake.table_;

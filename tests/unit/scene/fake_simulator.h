@@ -8,8 +8,8 @@
 
 #include "c3de/abi/draft/iface/simulator.h"
 
-/// A simulator without physics: counts what is asked of it, for tests of who drives it. The counters may be read from any
-/// thread.
+/// A simulator without physics: counts what is asked of it, for tests of who drives it. The counters may be read from
+/// any thread.
 class FakeSimulator {
  public:
   FakeSimulator();
@@ -24,13 +24,13 @@ class FakeSimulator {
   std::atomic<std::uint64_t> failAtStep{0};      ///< 1: the first; 0: never
   std::atomic<std::uint64_t> finishesAtStep{0};  ///< a quasi-static solution: steps without time; 0: not one
   std::atomic<bool> resetFails{false};
-  std::atomic<bool> standsStill{false};          ///< a step changes nothing
+  std::atomic<bool> standsStill{false};  ///< a step changes nothing
   std::atomic<std::uint64_t> steps{0}, resets{0}, publishes{0}, totalSteps{0};
-  std::atomic<std::uint64_t> publishedStep{0};   ///< the state that the last snapshot shows
+  std::atomic<std::uint64_t> publishedStep{0};  ///< the state that the last snapshot shows
   std::atomic<std::uint32_t> tableSize{sizeof(c3de_simulator_v0)};
   std::atomic<bool> answersInterface{true};
-  std::atomic<std::uint32_t> revision{4};        ///< 3: a step cannot be ended
-  std::atomic<std::uint64_t> endedSteps{0};      ///< half way
+  std::atomic<std::uint32_t> revision{4};    ///< 3: a step cannot be ended
+  std::atomic<std::uint64_t> endedSteps{0};  ///< half way
   std::atomic<bool> interrupted{false};
 
  private:

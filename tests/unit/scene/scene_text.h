@@ -34,7 +34,8 @@ inline std::string errorOf(const std::string &text) {
   return scene ? std::string() : scene.error().message;
 }
 
-inline const c3de::scene::SceneValue *findValue(const std::vector<c3de::scene::SceneValue> &values, const std::string &id) {
+inline const c3de::scene::SceneValue *findValue(const std::vector<c3de::scene::SceneValue> &values,
+                                                const std::string &id) {
   for (const auto &value : values)
     if (value.value.id == id) return &value;
   return nullptr;

@@ -61,7 +61,8 @@ TEST_CASE("What is no organ of its own does not get the organ's tissue", "[mater
   CHECK(presetForOrgan(MaterialLibrary(), "liver") == nullptr);
 }
 
-TEST_CASE("Every class of TotalSegmentator has a preset of its tissue, or none where none is known", "[material_names]") {
+TEST_CASE("Every class of TotalSegmentator has a preset of its tissue, or none where none is known",
+          "[material_names]") {
   const MaterialLibrary materials = shipped();
   const auto both = [](std::vector<std::string> names, const std::string &organ) {
     names.push_back(organ + "_left");
@@ -69,20 +70,33 @@ TEST_CASE("Every class of TotalSegmentator has a preset of its tissue, or none w
     return names;
   };
   std::vector<std::string> bones{"sacrum", "skull", "sternum"}, muscles, arteries{"aorta", "brachiocephalic_trunk"};
-  std::vector<std::string> without{"esophagus",        "trachea",           "small_bowel",        "duodenum",
-                                   "colon",            "urinary_bladder",   "pulmonary_vein",     "pulmonary_artery",
-                                   "superior_vena_cava", "inferior_vena_cava", "portal_vein_and_splenic_vein",
-                                   "spinal_cord",      "face"};
+  std::vector<std::string> without{"esophagus",
+                                   "trachea",
+                                   "small_bowel",
+                                   "duodenum",
+                                   "colon",
+                                   "urinary_bladder",
+                                   "pulmonary_vein",
+                                   "pulmonary_artery",
+                                   "superior_vena_cava",
+                                   "inferior_vena_cava",
+                                   "portal_vein_and_splenic_vein",
+                                   "spinal_cord",
+                                   "face"};
   for (const char *bone : {"humerus", "scapula", "clavicula", "femur", "hip"}) bones = both(bones, bone);
-  for (int n = 1; n <= 12; ++n) bones.push_back("rib_left_" + std::to_string(n)), bones.push_back("rib_right_" + std::to_string(n));
+  for (int n = 1; n <= 12; ++n)
+    bones.push_back("rib_left_" + std::to_string(n)), bones.push_back("rib_right_" + std::to_string(n));
   for (const auto &[letter, count] : {std::pair{"C", 7}, {"T", 12}, {"L", 5}, {"S", 1}})
     for (int n = 1; n <= count; ++n) {
       bones.push_back(std::string("vertebrae_") + letter + std::to_string(n));
       bones.push_back(std::string("vertebra ") + letter + std::to_string(n));
     }
-  for (const char *muscle : {"gluteus_maximus", "gluteus_medius", "gluteus_minimus", "autochthon", "iliopsoas"}) muscles = both(muscles, muscle);
-  for (const char *artery : {"subclavian_artery", "common_carotid_artery", "iliac_artery"}) arteries = both(arteries, artery);
-  for (const char *other : {"adrenal_gland", "kidney_cyst", "brachiocephalic_vein", "iliac_vena"}) without = both(without, other);
+  for (const char *muscle : {"gluteus_maximus", "gluteus_medius", "gluteus_minimus", "autochthon", "iliopsoas"})
+    muscles = both(muscles, muscle);
+  for (const char *artery : {"subclavian_artery", "common_carotid_artery", "iliac_artery"})
+    arteries = both(arteries, artery);
+  for (const char *other : {"adrenal_gland", "kidney_cyst", "brachiocephalic_vein", "iliac_vena"})
+    without = both(without, other);
   const std::vector<std::pair<std::string, std::vector<std::string>>> expected{
       {"bone_cortical", bones},
       {"muscle_skeletal_rest", muscles},
@@ -94,10 +108,14 @@ TEST_CASE("Every class of TotalSegmentator has a preset of its tissue, or none w
       {"liver", {"liver"}},
       {"stomach", {"stomach"}},
       {"pancreas", {"pancreas"}},
-      {"lung_inflated", {"lung_upper_lobe_left", "lung_lower_lobe_left", "lung_upper_lobe_right", "lung_middle_lobe_right", "lung_lower_lobe_right"}},
+      {"lung_inflated",
+       {"lung_upper_lobe_left", "lung_lower_lobe_left", "lung_upper_lobe_right", "lung_middle_lobe_right",
+        "lung_lower_lobe_right"}},
       {"thyroid", {"thyroid_gland"}},
       {"prostate", {"prostate"}},
-      {"heart_passive", {"heart", "heart_myocardium", "heart_atrium_left", "heart_ventricle_left", "heart_atrium_right", "heart_ventricle_right", "atrial_appendage_left"}},
+      {"heart_passive",
+       {"heart", "heart_myocardium", "heart_atrium_left", "heart_ventricle_left", "heart_atrium_right",
+        "heart_ventricle_right", "atrial_appendage_left"}},
       {"brain_grey", {"brain"}},
       {"cartilage", {"costal_cartilages"}}};
   std::size_t classes = 0;

@@ -39,7 +39,8 @@ TEST_CASE("The presets that come with the program are plausible and say their so
 
 TEST_CASE("A broken file of presets is refused with file and line") {
   CHECK(loadError("[a]\n" + kGood).empty());
-  CHECK_THAT(loadError("[a]\ndensty = 1\n" + kGood), Contains("materials-test.toml:2: a: ") && Contains("did you mean 'density'?"));
+  CHECK_THAT(loadError("[a]\ndensty = 1\n" + kGood),
+             Contains("materials-test.toml:2: a: ") && Contains("did you mean 'density'?"));
   CHECK_THAT(loadError("[a]\ndensity = 1\n"), Contains(":1: a: needed are"));
   CHECK_THAT(loadError("a = 1\n"), Contains(":1: a: 'a' is a whole number"));
   CHECK_THAT(loadError("[a]\ndensity = 1\nyoungs_modulus = 5\nyoungs_modulus_range = [6, 7]\npoisson_ratio = 0.3\n"

@@ -39,7 +39,8 @@ force = [0, 0, 1]
 name = "tip"
 body = "liver"
 at = [0, 0, 0]
-)").value();
+)")
+      .value();
 }
 
 }  // namespace
@@ -111,10 +112,11 @@ TEST_CASE("Fixes, loads, moving obstacles and parts are overridden by name or nu
 
 TEST_CASE("Nested values of a material are overridden by their path") {
   scene::SceneFile scene = liverScene();
-  for (const char *assignment :
-       {"body.liver.material.plastic.yield=0.02", "body.liver.material.plastic.max=inf", "solver.integrator=quasistatic",
-        "body.liver.material.prony=[ { share = 0.4, time = 2 }, { share = 0.1, time = 9 } ]",
-        "body.liver.material.prony2.share=0.2", "body.liver.sampling.refine=[ { region = { everywhere = true }, spacing = 0.01 } ]"})
+  for (const char *assignment : {"body.liver.material.plastic.yield=0.02", "body.liver.material.plastic.max=inf",
+                                 "solver.integrator=quasistatic",
+                                 "body.liver.material.prony=[ { share = 0.4, time = 2 }, { share = 0.1, time = 9 } ]",
+                                 "body.liver.material.prony2.share=0.2",
+                                 "body.liver.sampling.refine=[ { region = { everywhere = true }, spacing = 0.01 } ]"})
     CHECK(scene::applyOverride(scene, assignment, nullptr).has_value());
   const auto number = [&](const char *id) { return findValue(scene.bodies[0].params, id)->value.num; };
   CHECK(number("material.plastic.yield") == 0.02);

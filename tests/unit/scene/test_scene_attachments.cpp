@@ -6,7 +6,8 @@ using namespace c3de;
 
 namespace {
 
-const std::string kTwo = kMinimal + "name = \"liver\"\n[[body]]\nname = \"spine\"\nmesh = \"block.obj\"\nmesh_unit = \"m\"\n";
+const std::string kTwo =
+    kMinimal + "name = \"liver\"\n[[body]]\nname = \"spine\"\nmesh = \"block.obj\"\nmesh_unit = \"m\"\n";
 
 std::string attached(const std::string &lines) { return kTwo + "[[attachment]]\n" + lines; }
 std::string imaged(const std::string &lines) { return kMinimal + "[image]\nfile = \"beam.obj\"\n" + lines; }
@@ -15,8 +16,10 @@ std::string imaged(const std::string &lines) { return kMinimal + "[image]\nfile 
 
 TEST_CASE("An attachment to the surroundings is parameters of its body", "[scene][attachment]") {
   // Before the body that it holds, too.
-  const auto scene = parse("format = 1\nattachment = [ { bodies = [\"liver\", \"surroundings\"], stiffness = 1e5, tangential = "
-                           "2e4, retardation_time = 0.02, tears_at = 0 } ]\n" + kTwo.substr(kTwo.find('\n') + 1));
+  const auto scene = parse(
+      "format = 1\nattachment = [ { bodies = [\"liver\", \"surroundings\"], stiffness = 1e5, tangential = "
+      "2e4, retardation_time = 0.02, tears_at = 0 } ]\n" +
+      kTwo.substr(kTwo.find('\n') + 1));
   REQUIRE(scene.has_value());
   const auto &params = scene->bodies[0].params;
   CHECK(findValue(params, "surroundings.stiffness")->value.num == 1e5);
@@ -30,13 +33,16 @@ TEST_CASE("An attachment that is not served yet or says too little is refused by
   const std::string surroundings = "bodies = [\"liver\", \"surroundings\"]\n";
   CHECK_THAT(errorOf(attached("bodies = [\"liver\", \"spine\"]\nstiffness = 1e5\n")),
              Contains(":11: ") && Contains("'spine' is not served yet") && Contains("\"surroundings\""));
-  CHECK_THAT(errorOf(attached("bodies = [\"liver\"]\nstiffness = 1e5\n")), Contains("bodies is [\"liver\"]; accepted: two names"));
+  CHECK_THAT(errorOf(attached("bodies = [\"liver\"]\nstiffness = 1e5\n")),
+             Contains("bodies is [\"liver\"]; accepted: two names"));
   CHECK_THAT(errorOf(attached("bodies = [\"live\", \"surroundings\"]\nstiffness = 1e5\n")),
              Contains("no body 'live'") && Contains("did you mean 'liver'"));
   CHECK_THAT(errorOf(attached(surroundings)), Contains("no 'stiffness'") && Contains("Pa/m"));
   CHECK_THAT(errorOf(attached("stiffness = 1\n")), Contains("no 'bodies'"));
-  CHECK_THAT(errorOf(attached(surroundings + "stiffness = 1e5\ntears_at = 100\n")), Contains("tears is not served yet"));
-  CHECK_THAT(errorOf(attached(surroundings + "stiffness = 1e5\nwithin_mm = 3\n")), Contains("'within_mm' is not served yet"));
+  CHECK_THAT(errorOf(attached(surroundings + "stiffness = 1e5\ntears_at = 100\n")),
+             Contains("tears is not served yet"));
+  CHECK_THAT(errorOf(attached(surroundings + "stiffness = 1e5\nwithin_mm = 3\n")),
+             Contains("'within_mm' is not served yet"));
   CHECK_THAT(errorOf(attached(surroundings + "stifness = 1e5\n")), Contains("did you mean 'stiffness'"));
   CHECK_THAT(errorOf(attached(surroundings + "stiffness = 1e5\n[[attachment]]\n" + surroundings + "stiffness = 2e5\n")),
              Contains("a second attachment holds 'liver'"));
@@ -51,7 +57,8 @@ TEST_CASE("The hold of the surroundings and rigid are set from the command line"
   CHECK(findValue(scene->bodies[1].params, "rigid")->value.num == 1.0);
 }
 
-TEST_CASE("What stays in an image is automatic, nothing, all outside of bodies, or by labels and values", "[scene][still]") {
+TEST_CASE("What stays in an image is automatic, nothing, all outside of bodies, or by labels and values",
+          "[scene][still]") {
   const auto still = [](const std::string &lines) {
     const auto scene = parse(imaged(lines));
     INFO((scene ? std::string() : scene.error().message));

@@ -8,11 +8,11 @@ using namespace c3de;
 namespace {
 
 struct Refused {
-  const char *what;       ///< name of the case
+  const char *what;  ///< name of the case
   std::string text;
-  const char *line;       ///< ":LINE: "
-  const char *contains;   ///< the value or name that is wrong
-  const char *accepted;   ///< what would be right
+  const char *line;      ///< ":LINE: "
+  const char *contains;  ///< the value or name that is wrong
+  const char *accepted;  ///< what would be right
 };
 
 const std::string kFix = kMinimal + "[[fix]]\nregion = { everywhere = true }\n";

@@ -147,7 +147,8 @@ sampling = { count = 1000.5 }
   const auto negative = fit("material.youngs_modulus");
   REQUIRE_FALSE(negative.has_value());
   CHECK(negative.error().code == ErrorCode::input);
-  CHECK_THAT(negative.error().message, Contains("test.toml:5: ") && Contains("material.youngs_modulus") && Contains("-1"));
+  CHECK_THAT(negative.error().message,
+             Contains("test.toml:5: ") && Contains("material.youngs_modulus") && Contains("-1"));
   const auto unknown = fit("material.yungs");
   REQUIRE_FALSE(unknown.has_value());
   CHECK_THAT(unknown.error().message, Contains("test.toml:5: ") && Contains("material.yungs"));
@@ -163,8 +164,9 @@ TEST_CASE("A key that the format knows and the simulator does not is refused as 
   density.id = "material.density";
   const auto fitted = scene::fitToDeclaration(*scene, scene->bodies[0].params[0], {density});
   REQUIRE_FALSE(fitted.has_value());
-  CHECK_THAT(fitted.error().message,
-             Contains("test.toml:5: ") && Contains("'material.plastic.yield' is not served yet") && Contains("material.density"));
+  CHECK_THAT(fitted.error().message, Contains("test.toml:5: ") &&
+                                         Contains("'material.plastic.yield' is not served yet") &&
+                                         Contains("material.density"));
 }
 
 TEST_CASE("What is to be seen stands in a scene like what is to be solved") {

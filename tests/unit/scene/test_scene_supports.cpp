@@ -75,8 +75,9 @@ follower = false
 }
 
 TEST_CASE("A fix may stand before the body it speaks of") {
-  const auto scene = parse("format = 1\n[[fix]]\nregion = { everywhere = true }\nbody = \"late\"\n[[body]]\nname = \"late\"\n"
-                           "mesh = \"beam.obj\"\nmesh_unit = \"m\"\n");
+  const auto scene = parse(
+      "format = 1\n[[fix]]\nregion = { everywhere = true }\nbody = \"late\"\n[[body]]\nname = \"late\"\n"
+      "mesh = \"beam.obj\"\nmesh_unit = \"m\"\n");
   REQUIRE(scene.has_value());
   CHECK(scene->fixes[0].body == "late");
 }
@@ -154,7 +155,9 @@ material = "fat"
 }
 
 TEST_CASE("Plastic limits may be infinite and Prony terms become numbered ids") {
-  const auto scene = parse(kMinimal + R"(material = { law = "corotated", volume_stiffness = 0.5, plastic = { yield = inf, creep = 0.1, creep_time = 2, max = +inf }, prony = [ { share = 0.3, time = 0.1 }, { share = 0.2, time = 1 } ] }
+  const auto scene = parse(
+      kMinimal +
+      R"(material = { law = "corotated", volume_stiffness = 0.5, plastic = { yield = inf, creep = 0.1, creep_time = 2, max = +inf }, prony = [ { share = 0.3, time = 0.1 }, { share = 0.2, time = 1 } ] }
 )");
   REQUIRE(scene.has_value());
   const auto value = [&](const char *id) { return findValue(scene->bodies[0].params, id)->value; };
@@ -172,8 +175,9 @@ TEST_CASE("Plastic limits may be infinite and Prony terms become numbered ids") 
 }
 
 TEST_CASE("Keys of the solver are handed on as they are") {
-  const auto scene = parse(kMinimal + "[solver]\nintegrator = \"quasistatic\"\ndt = 0.01\ntolerance_mm = 1e-3\nload_steps = 5\n"
-                                      "preconditioner = \"jacobi\"\n");
+  const auto scene = parse(kMinimal +
+                           "[solver]\nintegrator = \"quasistatic\"\ndt = 0.01\ntolerance_mm = 1e-3\nload_steps = 5\n"
+                           "preconditioner = \"jacobi\"\n");
   REQUIRE(scene.has_value());
   CHECK(findValue(scene->world, "solver.integrator")->value.text == "quasistatic");
   CHECK(findValue(scene->world, "solver.tolerance_mm")->value.num == 1e-3);

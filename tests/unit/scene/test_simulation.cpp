@@ -138,7 +138,8 @@ TEST_CASE("A failed step keeps the state, says why, and only stop or reset lead 
   setLogThreshold(LogLevel::error);
   FakeSimulator fake;
   fake.failAtStep = 4;
-  const auto simulation = Simulation::create(fake.object(), [] { return std::string("phyxel 12 has no volume left"); }).value();
+  const auto simulation =
+      Simulation::create(fake.object(), [] { return std::string("phyxel 12 has no volume left"); }).value();
   simulation->transport(C3DE_TRANSPORT_PLAY);
   REQUIRE(eventually([&] { return simulation->state().mode == C3DE_SIM_FAILED; }));
   CHECK(simulation->state().steps == 3);
@@ -182,9 +183,15 @@ TEST_CASE("Posted commands run on the simulation's thread between steps, in orde
   const auto simulation = start(fake);
   std::vector<int> order;
   std::thread::id first, second;
-  simulation->post([&] { order.push_back(1); first = std::this_thread::get_id(); });
+  simulation->post([&] {
+    order.push_back(1);
+    first = std::this_thread::get_id();
+  });
   simulation->post([&] { order.push_back(2); });
-  simulation->call([&] { order.push_back(3); second = std::this_thread::get_id(); });
+  simulation->call([&] {
+    order.push_back(3);
+    second = std::this_thread::get_id();
+  });
   CHECK(order == std::vector<int>{1, 2, 3});
   CHECK(first == second);
   CHECK(first != std::this_thread::get_id());

@@ -161,7 +161,8 @@ TEST_CASE("What is made alive is what was picked and chosen", "[organ]") {
   CHECK(f.made[1].phyxels == 0);
 }
 
-TEST_CASE("An organ is held by its surroundings unless a person says otherwise, and bone is proposed as rigid", "[organ]") {
+TEST_CASE("An organ is held by its surroundings unless a person says otherwise, and bone is proposed as rigid",
+          "[organ]") {
   Fixture f;
   f.guide.setLow(60.0);
   f.settle();

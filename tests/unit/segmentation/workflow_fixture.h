@@ -30,7 +30,10 @@ struct Fixture {
   std::vector<BodyRequest> made;
   int changes = 0;
   SegmentationWorkflow guide{
-      jobs, "test", materials, {[this] { ++changes; }, [this](std::vector<BodyRequest> r) { made.insert(made.end(), r.begin(), r.end()); }}};
+      jobs,
+      "test",
+      materials,
+      {[this] { ++changes; }, [this](std::vector<BodyRequest> r) { made.insert(made.end(), r.begin(), r.end()); }}};
   MaskSources sources;
 
   static constexpr std::size_t kLarge = 6 * 6 * 6 - 1, kSmall = 4 * 4 * 4;

@@ -11,7 +11,9 @@ using c3de::ui::curveRuns;
 
 TEST_CASE("A smooth closed curve is one closed run", "[curve_runs]") {
   std::vector<CurvePoint> circle;
-  for (int i = 0; i < 24; ++i) circle.push_back({20.0f * std::cos(0.2618f * static_cast<float>(i)), 20.0f * std::sin(0.2618f * static_cast<float>(i))});
+  for (int i = 0; i < 24; ++i)
+    circle.push_back(
+        {20.0f * std::cos(0.2618f * static_cast<float>(i)), 20.0f * std::sin(0.2618f * static_cast<float>(i))});
   const auto runs = curveRuns(circle, true);
   REQUIRE(runs.size() == 1);
   CHECK(runs[0].isClosed);

@@ -101,7 +101,8 @@ TEST_CASE("A click sets the cross-hair, a drag and Shift+move carry it, and the 
   CHECK_FALSE(f.axial().isOnSlice(f.views.crossHair()));
 }
 
-TEST_CASE("Middle and Shift+left shift the view, right and Ctrl+left zoom it, and none of them moves the cross-hair", "[image_views]") {
+TEST_CASE("Middle and Shift+left shift the view, right and Ctrl+left zoom it, and none of them moves the cross-hair",
+          "[image_views]") {
   Fixture f;
   const Vec3 cross = f.views.crossHair();
   for (const auto &[button, modifiers] : {std::pair{C3DE_BUTTON_MIDDLE, 0u}, {C3DE_BUTTON_LEFT, C3DE_MOD_SHIFT}}) {
@@ -148,7 +149,8 @@ TEST_CASE("Keys: presets and slices", "[image_views]") {
   CHECK(f.key(Pane::axial, '2'));
   CHECK(f.views.options().windowLevel == WindowLevel{1500, -600});
   const int first = f.axial().slice();
-  for (const auto &[key, expected] : {std::pair<std::uint32_t, int>{keyUp, 1}, {'F', 2}, {keyRight, 3}, {keyDown, 2}, {'B', 1}, {keyLeft, 0}}) {
+  for (const auto &[key, expected] :
+       {std::pair<std::uint32_t, int>{keyUp, 1}, {'F', 2}, {keyRight, 3}, {keyDown, 2}, {'B', 1}, {keyLeft, 0}}) {
     CHECK(f.key(Pane::axial, key));
     CHECK(f.axial().slice() == first + expected);
   }
@@ -161,21 +163,24 @@ TEST_CASE("Keys: presets and slices", "[image_views]") {
 TEST_CASE("No two meanings of a key meet in a slice", "[image_views]") {
   std::set<std::uint32_t> keys;
   for (const WindowLevelPreset &preset : windowLevelPresets()) CHECK(keys.insert(preset.key).second);
-  for (const std::uint32_t key : {std::uint32_t{keyUp}, std::uint32_t{keyDown}, std::uint32_t{keyLeft}, std::uint32_t{keyRight},
-                                  std::uint32_t{'B'}, std::uint32_t{'F'}})
+  for (const std::uint32_t key : {std::uint32_t{keyUp}, std::uint32_t{keyDown}, std::uint32_t{keyLeft},
+                                  std::uint32_t{keyRight}, std::uint32_t{'B'}, std::uint32_t{'F'}})
     CHECK(keys.insert(key).second);
   for (const std::uint32_t key : keys) {
     CHECK(ImageViews::isSliceKey(key, 0));
     CHECK_FALSE(ImageViews::isSliceKey(key, C3DE_MOD_CTRL));  // Ctrl belongs to commands
   }
-  for (const Command command : {Command::playPause, Command::screenshot, Command::crossHair, Command::windowLevelMode, Command::orbitTool})
+  for (const Command command :
+       {Command::playPause, Command::screenshot, Command::crossHair, Command::windowLevelMode, Command::orbitTool})
     CHECK_FALSE(ImageViews::isSliceKey(commandInfo(command).key, commandInfo(command).modifiers));
   for (const CommandInfo &one : commands())
     for (const CommandInfo &other : commands())
-      if (one.command != other.command && one.key != 0) CHECK_FALSE((one.key == other.key && one.modifiers == other.modifiers));
+      if (one.command != other.command && one.key != 0)
+        CHECK_FALSE((one.key == other.key && one.modifiers == other.modifiers));
 }
 
-TEST_CASE("The read-out tells position, voxel, value with unit, label and displacement of the material that is there", "[image_views]") {
+TEST_CASE("The read-out tells position, voxel, value with unit, label and displacement of the material that is there",
+          "[image_views]") {
   Fixture f;
   auto labels = std::make_shared<scene::StoredLabels>();
   labels->map.geometry = {{1, 1, 1}, {20, 0, 0, 0, 0, 20, 0, 0, 0, 0, 20, 0, 0, 0, 0, 1}};

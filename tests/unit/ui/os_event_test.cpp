@@ -30,15 +30,15 @@ TEST_CASE("a click that comes at once takes two frames, and the move after a pre
 }
 
 TEST_CASE("a key that goes down and up takes two frames, keys pressed together one") {
-  CHECK(sizesOfFrames({event(Kind::keyDown, 1), event(Kind::keyDown, 2), event(Kind::keyUp, 2), event(Kind::keyUp, 1)}) ==
-        std::vector<std::size_t>{2, 2});
+  CHECK(sizesOfFrames({event(Kind::keyDown, 1), event(Kind::keyDown, 2), event(Kind::keyUp, 2),
+                       event(Kind::keyUp, 1)}) == std::vector<std::size_t>{2, 2});
   CHECK(sizesOfFrames({event(Kind::keyDown, 2), event(Kind::keyUp, 1)}) == std::vector<std::size_t>{1, 1});
   CHECK(sizesOfFrames({event(Kind::keyUp, 1), event(Kind::keyDown, 2)}) == std::vector<std::size_t>{2});
 }
 
 TEST_CASE("moves and other events without an effect on each other share a frame") {
-  CHECK(sizesOfFrames({event(Kind::move), event(Kind::move), event(Kind::other), event(Kind::wheel), event(Kind::wheel)}) ==
-        std::vector<std::size_t>{5});
+  CHECK(sizesOfFrames({event(Kind::move), event(Kind::move), event(Kind::other), event(Kind::wheel),
+                       event(Kind::wheel)}) == std::vector<std::size_t>{5});
 }
 
 TEST_CASE("two presses are a double click by the times they came at, however slow the frames are") {
@@ -55,8 +55,8 @@ TEST_CASE("two presses are a double click by the times they came at, however slo
   CHECK_FALSE(clicks.isSecond(press(10.4)));  // a third begins anew
   CHECK(clicks.isSecond(press(10.5)));
   CHECK_FALSE(clicks.isSecond(press(11.0)));
-  CHECK_FALSE(clicks.isSecond(press(11.6)));  // too late
-  CHECK_FALSE(clicks.isSecond(press(11.7, 120.0)));  // elsewhere
+  CHECK_FALSE(clicks.isSecond(press(11.6)));            // too late
+  CHECK_FALSE(clicks.isSecond(press(11.7, 120.0)));     // elsewhere
   CHECK_FALSE(clicks.isSecond(press(11.8, 120.0, 2)));  // another button
 }
 
@@ -69,17 +69,18 @@ TEST_CASE("what is typed shares a frame, however fast it comes") {
   // A capital letter: Shift takes no frame.
   OsEvent shift = event(Kind::keyDown, 9);
   shift.role = OsEvent::Role::shift;
-  CHECK(sizesOfFrames({shift, event(Kind::keyDown, 1), c, event(Kind::keyUp, 1), event(Kind::keyUp, 9), event(Kind::keyDown, 2), c}) ==
-        std::vector<std::size_t>{7});
+  CHECK(sizesOfFrames({shift, event(Kind::keyDown, 1), c, event(Kind::keyUp, 1), event(Kind::keyUp, 9),
+                       event(Kind::keyDown, 2), c}) == std::vector<std::size_t>{7});
 }
 
 TEST_CASE("Backspace between letters deletes the one before it, and Ctrl drops none") {
   const OsEvent c = event(Kind::character);
-  CHECK(sizesOfFrames({event(Kind::keyDown, 1), c, event(Kind::keyUp, 1), event(Kind::keyDown, 8), event(Kind::keyUp, 8),
-                       event(Kind::keyDown, 2), c}) == std::vector<std::size_t>{3, 1, 3});
+  CHECK(sizesOfFrames({event(Kind::keyDown, 1), c, event(Kind::keyUp, 1), event(Kind::keyDown, 8),
+                       event(Kind::keyUp, 8), event(Kind::keyDown, 2), c}) == std::vector<std::size_t>{3, 1, 3});
   OsEvent control = event(Kind::keyDown, 9);
   control.role = OsEvent::Role::modifier;
-  CHECK(sizesOfFrames({event(Kind::keyDown, 1), c, control, event(Kind::keyDown, 3)}) == std::vector<std::size_t>{2, 2});
+  CHECK(sizesOfFrames({event(Kind::keyDown, 1), c, control, event(Kind::keyDown, 3)}) ==
+        std::vector<std::size_t>{2, 2});
   // Held, it repeats by itself.
   OsEvent again = event(Kind::keyDown, 8);
   again.isRepeat = true;
@@ -87,7 +88,8 @@ TEST_CASE("Backspace between letters deletes the one before it, and Ctrl drops n
 }
 
 TEST_CASE("what is typed waits for a field that is about to have the keyboard") {
-  std::vector<OsEvent> queue{event(Kind::keyUp, 5), event(Kind::keyDown, 1), event(Kind::character), event(Kind::keyUp, 1)};
+  std::vector<OsEvent> queue{event(Kind::keyUp, 5), event(Kind::keyDown, 1), event(Kind::character),
+                             event(Kind::keyUp, 1)};
   CHECK(takeFrameEvents(queue, true).size() == 1);
   CHECK(takeFrameEvents(queue, true).empty());
   CHECK(takeFrameEvents(queue, false).size() == 3);

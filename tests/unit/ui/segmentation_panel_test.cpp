@@ -152,7 +152,8 @@ TEST_CASE("A map of many labels has a filter, and several are ticked at once", "
   draw();
   CHECK_THAT(draw(), Contains("Ticked: kidney_left, thing") && Contains("Picked: 2 labels, 35.0 ml") &&
                          Contains("Source: PMID 21862792") && Contains("Young's modulus: 5 kPa (2 kPa … 15 kPa)") &&
-                         Contains("[disabled button: Make 2 organs alive]") && Contains("no material is chosen for thing"));
+                         Contains("[disabled button: Make 2 organs alive]") &&
+                         Contains("no material is chosen for thing"));
   text.setText("material.8", "fat");
   draw();
   text.press("make");

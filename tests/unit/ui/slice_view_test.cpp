@@ -15,8 +15,9 @@ VolumeGeometry plain() { return {{100, 120, 50}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 
 VolumeGeometry oblique() {
   const double c = std::cos(0.349), s = std::sin(0.349), d = std::cos(0.262), e = std::sin(0.262);
   const Vec3 x{c, s, 0}, y{-s * d, c * d, e}, z{s * e, -c * e, d};
-  return {{200, 180, 60}, {0.5 * x[0], 0.5 * x[1], 0.5 * x[2], 0, 0.7 * y[0], 0.7 * y[1], 0.7 * y[2], 0,
-                           2.0 * z[0], 2.0 * z[1], 2.0 * z[2], 0, -30, -80, -40, 1}};
+  return {{200, 180, 60},
+          {0.5 * x[0], 0.5 * x[1], 0.5 * x[2], 0, 0.7 * y[0], 0.7 * y[1], 0.7 * y[2], 0, 2.0 * z[0], 2.0 * z[1],
+           2.0 * z[2], 0, -30, -80, -40, 1}};
 }
 
 void checkNear(const Vec3 &a, const Vec3 &b, double tolerance = 1e-9) {
@@ -59,7 +60,8 @@ TEST_CASE("Letters follow the direction, two when it is oblique", "[slice_view]"
   CHECK(orientationLetters({0, 0, 0}).empty());
 }
 
-TEST_CASE("Views follow the axes of the image that are nearest to the patient's, however they are stored", "[slice_view]") {
+TEST_CASE("Views follow the axes of the image that are nearest to the patient's, however they are stored",
+          "[slice_view]") {
   // i runs to the feet, j to the right, k to the front: left-handed.
   const VolumeGeometry stored{{40, 50, 60}, {0, 0, -1, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 1}};
   CHECK(sides(sliceFrame(SliceAxis::axial, Convention::radiological, &stored)) == "R|L|A|P");

@@ -70,13 +70,15 @@ TEST_CASE("without a tool the left button turns the camera") {
 TEST_CASE("middle and Shift+left shift, right and Ctrl+left zoom, the wheel zooms") {
   View view;
   view.activate();
-  for (const auto &[button, modifiers] : {std::pair{C3DE_BUTTON_MIDDLE, 0u}, std::pair{C3DE_BUTTON_LEFT, C3DE_MOD_SHIFT}}) {
+  for (const auto &[button, modifiers] :
+       {std::pair{C3DE_BUTTON_MIDDLE, 0u}, std::pair{C3DE_BUTTON_LEFT, C3DE_MOD_SHIFT}}) {
     const render::Camera before = view.camera;
     view.drag(button, modifiers);
     CHECK(view.camera.focus != before.focus);
     CHECK(view.camera.yaw == before.yaw);
   }
-  for (const auto &[button, modifiers] : {std::pair{C3DE_BUTTON_RIGHT, 0u}, std::pair{C3DE_BUTTON_LEFT, C3DE_MOD_CTRL}}) {
+  for (const auto &[button, modifiers] :
+       {std::pair{C3DE_BUTTON_RIGHT, 0u}, std::pair{C3DE_BUTTON_LEFT, C3DE_MOD_CTRL}}) {
     const render::Camera before = view.camera;
     view.drag(button, modifiers);
     CHECK(view.camera.distance > before.distance);
@@ -99,7 +101,8 @@ TEST_CASE("a tool that takes the press gets the whole drag, with ray and view di
   view.drag(C3DE_BUTTON_LEFT);
   REQUIRE(view.recorder.events.size() == 3);
   CHECK(view.camera.yaw == before.yaw);
-  const c3de_event &press = view.recorder.events[0], &move = view.recorder.events[1], &release = view.recorder.events[2];
+  const c3de_event &press = view.recorder.events[0], &move = view.recorder.events[1],
+                   &release = view.recorder.events[2];
   CHECK(press.type == C3DE_EVENT_PRESS);
   CHECK(press.buttons == C3DE_BUTTON_LEFT);
   CHECK(move.type == C3DE_EVENT_MOVE);
@@ -123,14 +126,16 @@ TEST_CASE("the ray of a press begins where it enters what cuts have left, that o
     view.recorder.events.clear();
     view.drag(C3DE_BUTTON_LEFT);
     REQUIRE(view.recorder.events.size() == 3);
-    for (std::size_t i = 0; i < 3; ++i) CHECK_THAT(view.recorder.events[1].ray_origin_mm[i], WithinAbs(view.camera.eye()[i], 1e-9));
+    for (std::size_t i = 0; i < 3; ++i)
+      CHECK_THAT(view.recorder.events[1].ray_origin_mm[i], WithinAbs(view.camera.eye()[i], 1e-9));
     const double *at = view.recorder.events[0].ray_origin_mm;
     return Vec3{at[0], at[1], at[2]};
   };
   CHECK(norm(originOfPress({}) - view.camera.eye()) < 1e-9);
   // The middle of the view, at 400, 300: along `towards`.
   CHECK(norm(originOfPress({{focus, -2.0 * towards}}) - focus) < 1e-6);
-  CHECK(norm(originOfPress({{focus, -1.0 * towards}, {focus + 30.0 * towards, -1.0 * towards}}) - (focus + 30.0 * towards)) < 1e-6);
+  CHECK(norm(originOfPress({{focus, -1.0 * towards}, {focus + 30.0 * towards, -1.0 * towards}}) -
+             (focus + 30.0 * towards)) < 1e-6);
   CHECK(norm(originOfPress({{focus, towards}}) - view.camera.eye()) < 1e-9);  // the far side is left out
   // The eye is beyond a plane that the ray runs along: nothing can be reached.
   CHECK(norm(originOfPress({{focus - 1.0 * view.camera.up(), view.camera.up()}}) - focus) > 1e6);
@@ -176,7 +181,8 @@ TEST_CASE("when another tool takes over in the middle of a drag, it gets nothing
 }
 
 TEST_CASE("the camera can be made to look along every axis") {
-  for (const Vec3 &direction : {Vec3{0, 0, -1}, Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 1, 0}}) {
+  for (const Vec3 &direction :
+       {Vec3{0, 0, -1}, Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 1, 0}}) {
     render::Camera camera;
     lookAlong(camera, direction);
     CHECK(dot(camera.forward(), direction) > 0.99999);
@@ -184,7 +190,8 @@ TEST_CASE("the camera can be made to look along every axis") {
 }
 
 TEST_CASE("The six directions are reached with the patient's z upwards as well", "[view]") {
-  for (const Vec3 &direction : {Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1}}) {
+  for (const Vec3 &direction :
+       {Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}, Vec3{0, 0, -1}}) {
     render::Camera camera;
     camera.upAxis = render::UpAxis::z;
     ui::lookAlong(camera, direction);

@@ -30,8 +30,8 @@ inline constexpr pointbased::NeighborChoice kNeighbours{26, 1.8};
                                                                        const pointbased::ParallelFor &parallelFor);
 
 /// Neo-Hookean liver (E = 6 kPa, nu = 0.45) with the stabilisation that fits the evaluation.
-[[nodiscard]] pointbased::Constitution constitutionFor(const pointbased::RestState &rest,
-                                                       pointbased::MaterialLaw law = pointbased::MaterialLaw::neoHookean);
+[[nodiscard]] pointbased::Constitution constitutionFor(
+    const pointbased::RestState &rest, pointbased::MaterialLaw law = pointbased::MaterialLaw::neoHookean);
 /// "stress points", "phyxels", with ", float" where the kernels compute so.
 [[nodiscard]] std::string evaluationName(const pointbased::Body &body);
 /// Stretched, squeezed and bent by a few percent, differently everywhere.

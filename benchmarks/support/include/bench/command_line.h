@@ -11,8 +11,8 @@ namespace bench {
 /// What every benchmark understands.
 struct Options {
   unsigned threads = 1;
-  double seconds = 0.5;  ///< per measurement
-  std::string json, csv; ///< files to write; empty: none
+  double seconds = 0.5;   ///< per measurement
+  std::string json, csv;  ///< files to write; empty: none
 };
 
 /// Options of the form --name VALUE: those of Options, and what a benchmark adds.

@@ -52,7 +52,8 @@ struct EditCallback : std::enable_shared_from_this<EditCallback> {
     if (keep->real.release) callPlugin(keep->plugin, "release of a step", [&] { keep->real.release(keep->real.self); });
     keep->plugin.edits.erase(keep.get());
   }
-  static c3de_status carryOut(void *self, c3de_status(C3DE_CALL *c3de_edit::*slot)(void *), const char *what) noexcept {
+  static c3de_status carryOut(void *self, c3de_status (C3DE_CALL *c3de_edit::*slot)(void *),
+                              const char *what) noexcept {
     const auto keep = static_cast<EditCallback *>(self)->shared_from_this();
     c3de_status status = C3DE_E_EXCEPTION;
     callPlugin(keep->plugin, what, [&] { status = (keep->real.*slot)(keep->real.self); });

@@ -55,7 +55,8 @@ const ServiceEntry &findService(const std::string &id, std::uint32_t minRev, con
     if (minRev > entry.revision)
       throw Refusal(C3DE_E_VERSION, fmt::format("{} rev >= {}, host has {}", id, minRev, entry.revision));
     if (!entry.isServed(services))
-      throw Refusal(C3DE_E_UNSUPPORTED, fmt::format("{}, which is not served in this run (it needs {})", id, entry.needs));
+      throw Refusal(C3DE_E_UNSUPPORTED,
+                    fmt::format("{}, which is not served in this run (it needs {})", id, entry.needs));
     return entry;
   }
   std::vector<std::string> known;

@@ -142,8 +142,17 @@ c3de_status C3DE_CALL sphere(void *ctx, c3de_handle tree, const double *centre3,
 }  // namespace
 
 c3de_collision_v0 makeCollisionTable(PluginContext *plugin) {
-  return {sizeof(c3de_collision_v0), kServiceRevision, plugin,   &create, &destroy, &refit, &rebuild,
-          &rays,                     &segments,        &closest, &sphere};
+  return {sizeof(c3de_collision_v0),
+          kServiceRevision,
+          plugin,
+          &create,
+          &destroy,
+          &refit,
+          &rebuild,
+          &rays,
+          &segments,
+          &closest,
+          &sphere};
 }
 
 }  // namespace c3de::plugin_host

@@ -70,8 +70,7 @@ c3de_status C3DE_CALL sample(void *ctx, c3de_handle image, c3de_view points, dou
     for (std::size_t first = 0; first < all.size(); first += values.size()) {
       const std::size_t n = std::min(values.size(), all.size() - first);
       imaging::sampleLinear(stored->volume, all.subspan(first, n), outside, std::span(values).first(n));
-      for (std::size_t i = 0; i < n; ++i)
-        std::memcpy(bytes + (first + i) * rows.stride, &values[i], sizeof values[i]);
+      for (std::size_t i = 0; i < n; ++i) std::memcpy(bytes + (first + i) * rows.stride, &values[i], sizeof values[i]);
     }
   });
 }
@@ -126,8 +125,8 @@ c3de_status C3DE_CALL enumLabels(void *ctx, c3de_handle map, void *self,
 }  // namespace
 
 c3de_imaging_v0 makeImagingTable(PluginContext *plugin) {
-  return {sizeof(c3de_imaging_v0), kServiceRevision, plugin,    &images,    &imageInfo,
-          &sample,                 &labelMaps,       &labelMapInfo, &labelsAt, &enumLabels};
+  return {sizeof(c3de_imaging_v0), kServiceRevision, plugin,     &images, &imageInfo, &sample, &labelMaps,
+          &labelMapInfo,           &labelsAt,        &enumLabels};
 }
 
 }  // namespace c3de::plugin_host

@@ -15,7 +15,8 @@ namespace {
 std::string lineOf(c3de_str message) {
   const std::string_view text = fromAbi(message).substr(0, kLongestText);
   std::string line = isUtf8(text) ? std::string(text) : "(text that is not UTF-8)";
-  std::replace_if(line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
   return line;
 }
 

@@ -17,19 +17,27 @@ using geometry::LengthUnit;
 
 std::optional<LengthUnit> unitOf(std::uint32_t unit) {
   switch (unit) {
-    case C3DE_UNIT_UNKNOWN: return std::nullopt;
-    case C3DE_UNIT_M: return LengthUnit::metre;
-    case C3DE_UNIT_MM: return LengthUnit::millimetre;
-    case C3DE_UNIT_CM: return LengthUnit::centimetre;
-    default: throw Refusal(C3DE_E_ARG, fmt::format("unit is {}, accepted: 0 (as the file says), 1 (m), 2 (mm), 3 (cm)", unit));
+    case C3DE_UNIT_UNKNOWN:
+      return std::nullopt;
+    case C3DE_UNIT_M:
+      return LengthUnit::metre;
+    case C3DE_UNIT_MM:
+      return LengthUnit::millimetre;
+    case C3DE_UNIT_CM:
+      return LengthUnit::centimetre;
+    default:
+      throw Refusal(C3DE_E_ARG, fmt::format("unit is {}, accepted: 0 (as the file says), 1 (m), 2 (mm), 3 (cm)", unit));
   }
 }
 
 std::uint32_t abiUnit(LengthUnit unit) {
   switch (unit) {
-    case LengthUnit::metre: return C3DE_UNIT_M;
-    case LengthUnit::millimetre: return C3DE_UNIT_MM;
-    case LengthUnit::centimetre: return C3DE_UNIT_CM;
+    case LengthUnit::metre:
+      return C3DE_UNIT_M;
+    case LengthUnit::millimetre:
+      return C3DE_UNIT_MM;
+    case LengthUnit::centimetre:
+      return C3DE_UNIT_CM;
   }
   return C3DE_UNIT_UNKNOWN;
 }
@@ -79,7 +87,8 @@ c3de_status C3DE_CALL release(void *ctx, c3de_handle mesh) noexcept {
     {
       const std::lock_guard lock(plugin.meshMutex);
       if (plugin.meshes.erase(mesh.v) == 0)
-        throw Refusal(C3DE_E_STATE, fmt::format("the mesh of handle {:#x} was not made by plugin {}", mesh.v, plugin.id()));
+        throw Refusal(C3DE_E_STATE,
+                      fmt::format("the mesh of handle {:#x} was not made by plugin {}", mesh.v, plugin.id()));
     }
     plugin.services().meshes->remove(handleOf(mesh));
   });
@@ -157,8 +166,8 @@ c3de_status C3DE_CALL checkFillable(void *ctx, c3de_handle mesh) noexcept {
 }  // namespace
 
 c3de_mesh_v0 makeMeshTable(PluginContext *plugin) {
-  return {sizeof(c3de_mesh_v0), kServiceRevision, plugin,     &load,      &create,         &release,
-          &info,                &report,          &positions, &triangles, &windingNumbers, &checkFillable};
+  return {sizeof(c3de_mesh_v0), kServiceRevision, plugin,          &load,         &create, &release, &info, &report,
+          &positions,           &triangles,       &windingNumbers, &checkFillable};
 }
 
 }  // namespace c3de::plugin_host

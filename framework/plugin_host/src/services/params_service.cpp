@@ -23,10 +23,12 @@ ParameterDecl declarationOf(const c3de_param_decl *decl) {
   if (in.type < C3DE_PARAM_F64 || in.type > C3DE_PARAM_VEC3)
     throw Refusal(C3DE_E_ARG, fmt::format("{}: type is {}, accepted: 1 to 6", id, in.type));
   if (in.flags & ~kKnownFlags)
-    throw Refusal(C3DE_E_UNSUPPORTED, fmt::format("{}: flags {:#x} are not known to this host", id, in.flags & ~kKnownFlags));
+    throw Refusal(C3DE_E_UNSUPPORTED,
+                  fmt::format("{}: flags {:#x} are not known to this host", id, in.flags & ~kKnownFlags));
   for (const c3de_str text : {in.label, in.unit, in.doc, in.group, in.fallback_text}) (void)textOf(text, id.c_str());
   if (in.choices_n > kMostChoices)
-    throw Refusal(C3DE_E_ARG, fmt::format("{}: choices_n is {}, accepted are at most {}", id, in.choices_n, kMostChoices));
+    throw Refusal(C3DE_E_ARG,
+                  fmt::format("{}: choices_n is {}, accepted are at most {}", id, in.choices_n, kMostChoices));
   if (in.choices_n > 0) requireNonNull(in.choices, "choices");
   for (std::uint64_t i = 0; i < in.choices_n; ++i)
     if (textOf(in.choices[i], "choice").empty()) throw Refusal(C3DE_E_ARG, id + ": a choice is empty");
@@ -34,7 +36,8 @@ ParameterDecl declarationOf(const c3de_param_decl *decl) {
   if (isNumber && !(in.min <= in.max))
     throw Refusal(C3DE_E_ARG, fmt::format("{}: min {} is not below max {}", id, in.min, in.max));
   if (isNumber && (!std::isfinite(in.soft_min) || !std::isfinite(in.soft_max)))
-    throw Refusal(C3DE_E_ARG, fmt::format("{}: soft_min {} and soft_max {} must be finite", id, in.soft_min, in.soft_max));
+    throw Refusal(C3DE_E_ARG,
+                  fmt::format("{}: soft_min {} and soft_max {} must be finite", id, in.soft_min, in.soft_max));
   ParameterDecl out = ParameterDecl::from(in);
   if (const auto checked = checkParameter(out, out.fallbackValue()); !checked)
     throw Refusal(C3DE_E_ARG, "the default does not fit: " + checked.error().message);

@@ -22,8 +22,7 @@ c3de_status C3DE_CALL addClass(void *ctx, const c3de_class *cls) noexcept {
       throw Refusal(C3DE_E_ARG, fmt::format("{}: ifaces_n is {}, accepted are at most {}", entry.info.id, in.ifaces_n,
                                             kMostInterfaces));
     if (in.ifaces_n > 0) requireNonNull(in.ifaces, "ifaces");
-    for (std::uint64_t i = 0; i < in.ifaces_n; ++i)
-      entry.info.interfaces.push_back(idOf(in.ifaces[i], "interface id"));
+    for (std::uint64_t i = 0; i < in.ifaces_n; ++i) entry.info.interfaces.push_back(idOf(in.ifaces[i], "interface id"));
     entry.factory = in.factory;
     entry.create = requireNonNull(in.create, "create");
     const std::string id = entry.info.id;
@@ -49,8 +48,10 @@ c3de_status C3DE_CALL enumClasses(void *ctx, c3de_str interfaceId, void *self,
     for (const ClassInfo &info : plugin.host().classes.list(textOf(interfaceId, "interface id"))) {
       std::vector<c3de_str> interfaces;
       for (const std::string &name : info.interfaces) interfaces.push_back(toAbi(name));
-      const c3de_class_info out{sizeof(c3de_class_info), 0,          toAbi(info.id),    toAbi(info.label),
-                                toAbi(info.doc),   toAbi(info.plugin), interfaces.data(), interfaces.size()};
+      const c3de_class_info out{sizeof(c3de_class_info), 0,
+                                toAbi(info.id),          toAbi(info.label),
+                                toAbi(info.doc),         toAbi(info.plugin),
+                                interfaces.data(),       interfaces.size()};
       if (const c3de_status status = each(self, &out); status != C3DE_OK) return status;
     }
     return C3DE_OK;

@@ -17,7 +17,8 @@ render::Renderer &renderer(PluginContext &plugin) { return *plugin.services().re
 SceneProxy &find(PluginContext &plugin, c3de_handle proxy) {
   SceneProxy *found = plugin.host().proxies.find(handleOf(proxy));
   if (!found)
-    throw Refusal(C3DE_E_STALE, fmt::format("there is no proxy of handle {:#x}; its node may have been removed", proxy.v));
+    throw Refusal(C3DE_E_STALE,
+                  fmt::format("there is no proxy of handle {:#x}; its node may have been removed", proxy.v));
   if (found->owner != plugin.id())
     throw Refusal(C3DE_E_STATE, fmt::format("the proxy of handle {:#x} belongs to plugin {}", proxy.v, found->owner));
   return *found;
@@ -48,7 +49,8 @@ void requireNode(PluginContext &plugin, c3de_handle node) {
 void keep(PluginContext &plugin, c3de_handle node, Handle drawn, ProxyKind kind, std::size_t count,
           const render::Material &material, c3de_handle *out) {
   if (drawn.isNull()) throw Refusal(C3DE_E_GPU, "the renderer could not make the proxy");
-  writeHandle(out, plugin.host().proxies.add({plugin.id(), handleOf(node), drawn, kind, count, material.colour[3], true}));
+  writeHandle(out,
+              plugin.host().proxies.add({plugin.id(), handleOf(node), drawn, kind, count, material.colour[3], true}));
 }
 
 c3de_status C3DE_CALL createMesh(void *ctx, c3de_handle node, c3de_view positions, c3de_view triangles,
@@ -77,7 +79,8 @@ c3de_status C3DE_CALL createSpheres(void *ctx, c3de_handle node, c3de_view centr
 }
 
 void requirePairs(std::size_t count) {
-  if (count % 2 != 0) throw Refusal(C3DE_E_ARG, fmt::format("points: {} rows, accepted: an even number (pairs)", count));
+  if (count % 2 != 0)
+    throw Refusal(C3DE_E_ARG, fmt::format("points: {} rows, accepted: an even number (pairs)", count));
 }
 
 c3de_status C3DE_CALL createLines(void *ctx, c3de_handle node, c3de_view points, float width_px,
@@ -163,7 +166,8 @@ c3de_status C3DE_CALL setLegend(void *ctx, c3de_handle proxy, const c3de_legend 
 }
 
 void requireCount(const char *name, std::size_t count, std::size_t wanted) {
-  if (count != wanted) throw Refusal(C3DE_E_ARG, fmt::format("{}: {} rows, the proxy has {} points", name, count, wanted));
+  if (count != wanted)
+    throw Refusal(C3DE_E_ARG, fmt::format("{}: {} rows, the proxy has {} points", name, count, wanted));
 }
 
 c3de_status C3DE_CALL update(void *ctx, c3de_handle proxy, std::uint32_t attribute, c3de_view values) noexcept {
@@ -213,8 +217,9 @@ c3de_status C3DE_CALL update(void *ctx, c3de_handle proxy, std::uint32_t attribu
         break;
       }
       default:
-        throw Refusal(C3DE_E_ARG, fmt::format("attribute is {}, accepted: 1 (positions), 2 (normals), 3 (colours), 4 (radii)",
-                                              attribute));
+        throw Refusal(
+            C3DE_E_ARG,
+            fmt::format("attribute is {}, accepted: 1 (positions), 2 (normals), 3 (colours), 4 (radii)", attribute));
     }
     if (!done) throw Refusal(C3DE_E_GPU, "the renderer did not take the values");
   });
@@ -255,8 +260,9 @@ c3de_status C3DE_CALL destroy(void *ctx, c3de_handle proxy) noexcept {
 }  // namespace
 
 c3de_render_v0 makeRenderTable(PluginContext *plugin) {
-  return {sizeof(c3de_render_v0), kRenderRevision, plugin,    &createMesh,  &createSpheres, &createLines, &createLabel,
-          &update,                &setLabel,       &setMaterial, &setVisible, &destroy,     &createLegend, &setLegend};
+  return {sizeof(c3de_render_v0), kRenderRevision, plugin,    &createMesh,  &createSpheres, &createLines,
+          &createLabel,           &update,         &setLabel, &setMaterial, &setVisible,    &destroy,
+          &createLegend,          &setLegend};
 }
 
 }  // namespace c3de::plugin_host

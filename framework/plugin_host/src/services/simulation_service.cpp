@@ -14,7 +14,8 @@ namespace {
 
 std::shared_ptr<scene::Simulation> find(PluginContext &plugin, c3de_handle node) {
   auto found = plugin.services().simulations->find(handleOf(node));
-  if (!found) throw Refusal(C3DE_E_NOT_FOUND, fmt::format("no simulation stands behind the node of handle {:#x}", node.v));
+  if (!found)
+    throw Refusal(C3DE_E_NOT_FOUND, fmt::format("no simulation stands behind the node of handle {:#x}", node.v));
   return found;
 }
 
@@ -22,8 +23,8 @@ c3de_status C3DE_CALL transport(void *ctx, c3de_handle node, std::uint32_t actio
   return serve(ctx, "simulation.transport", [&](PluginContext &plugin) {
     const auto simulation = find(plugin, node);
     if (action < C3DE_TRANSPORT_PLAY || action > C3DE_TRANSPORT_STEP)
-      throw Refusal(C3DE_E_ARG, fmt::format("action is {}, accepted: 1 (play), 2 (pause), 3 (stop), 4 (reset), 5 (step)",
-                                            action));
+      throw Refusal(C3DE_E_ARG,
+                    fmt::format("action is {}, accepted: 1 (play), 2 (pause), 3 (stop), 4 (reset), 5 (step)", action));
     simulation->transport(action);
   });
 }
@@ -38,15 +39,17 @@ c3de_status C3DE_CALL setTargetRate(void *ctx, c3de_handle node, double rate) no
 }
 
 c3de_status C3DE_CALL state(void *ctx, c3de_handle node, c3de_sim_transport *out) noexcept {
-  return serve(ctx, "simulation.state",
-               [&](PluginContext &plugin) { writeStruct(out, find(plugin, node)->state(), "out", offsetof(c3de_sim_transport, step_running_s)); });
+  return serve(ctx, "simulation.state", [&](PluginContext &plugin) {
+    writeStruct(out, find(plugin, node)->state(), "out", offsetof(c3de_sim_transport, step_running_s));
+  });
 }
 
 c3de_status C3DE_CALL post(void *ctx, c3de_handle node, void *self, void(C3DE_CALL *fn)(void *self)) noexcept {
   return serve(ctx, "simulation.post", [&](PluginContext &plugin) {
     const auto simulation = find(plugin, node);
     requireNonNull(fn, "fn");
-    simulation->post([owner = &plugin, self, fn] { callPlugin(*owner, "a command to the simulation", [&] { fn(self); }); });
+    simulation->post(
+        [owner = &plugin, self, fn] { callPlugin(*owner, "a command to the simulation", [&] { fn(self); }); });
   });
 }
 

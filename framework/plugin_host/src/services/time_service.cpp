@@ -17,7 +17,8 @@ std::uint64_t C3DE_CALL nowNs(void *) noexcept {
 
 std::uint64_t C3DE_CALL frameIndex(void *ctx) noexcept {
   std::uint64_t frame = 0;
-  (void)serve(ctx, "time.frame_index", [&](PluginContext &plugin) { frame = plugin.services().mainQueue->frameIndex(); });
+  (void)serve(ctx, "time.frame_index",
+              [&](PluginContext &plugin) { frame = plugin.services().mainQueue->frameIndex(); });
   return frame;
 }
 
@@ -54,9 +55,8 @@ c3de_status C3DE_CALL addFrameCallback(void *ctx, void *self, void(C3DE_CALL *fn
   return serveOnMain(ctx, "time.add_frame_callback", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
     requireNonNull(fn, "fn");
-    const Handle handle = plugin.services().mainQueue->addFrameCallback(plugin.id(), [owner = &plugin, self, fn] {
-      callPlugin(*owner, "a frame callback", [&] { fn(self); });
-    });
+    const Handle handle = plugin.services().mainQueue->addFrameCallback(
+        plugin.id(), [owner = &plugin, self, fn] { callPlugin(*owner, "a frame callback", [&] { fn(self); }); });
     plugin.frameCallbacks.insert(handle.bits());
     writeHandle(out, handle);
   });
@@ -65,7 +65,8 @@ c3de_status C3DE_CALL addFrameCallback(void *ctx, void *self, void(C3DE_CALL *fn
 c3de_status C3DE_CALL removeFrameCallback(void *ctx, c3de_handle callback) noexcept {
   return serveOnMain(ctx, "time.remove_frame_callback", [&](PluginContext &plugin) {
     if (plugin.frameCallbacks.erase(callback.v) == 0)
-      throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no frame callback of handle {:#x}", plugin.id(), callback.v));
+      throw Refusal(C3DE_E_STALE,
+                    fmt::format("plugin {} has no frame callback of handle {:#x}", plugin.id(), callback.v));
     plugin.services().mainQueue->removeFrameCallback(handleOf(callback));
   });
 }
@@ -73,9 +74,8 @@ c3de_status C3DE_CALL removeFrameCallback(void *ctx, c3de_handle callback) noexc
 }  // namespace
 
 c3de_time_v0 makeTimeTable(PluginContext *plugin) {
-  return {sizeof(c3de_time_v0), kServiceRevision, plugin,           &nowNs,
-          &frameIndex,          &requestRedraw,   &postToMain,      &addFrameCallback,
-          &removeFrameCallback};
+  return {sizeof(c3de_time_v0), kServiceRevision,    plugin, &nowNs, &frameIndex, &requestRedraw, &postToMain,
+          &addFrameCallback,    &removeFrameCallback};
 }
 
 }  // namespace c3de::plugin_host

@@ -40,7 +40,8 @@ c3de_status C3DE_CALL add(void *ctx, const c3de_tool *tool, c3de_handle *out) no
     requireNonNull(in.on_event, "on_event");
     for (const registry::ToolRegistry::Entry &other : plugin.services().tools->tools())
       if (other.tool->id == made.id)
-        throw Refusal(C3DE_E_EXISTS, fmt::format("tool {} is registered by plugin {} already", made.id, other.tool->owner));
+        throw Refusal(C3DE_E_EXISTS,
+                      fmt::format("tool {} is registered by plugin {} already", made.id, other.tool->owner));
     auto callback = std::make_shared<ToolCallback>(plugin, in);
     made.self = callback.get();
     made.activate = &ToolCallback::activate;

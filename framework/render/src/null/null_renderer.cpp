@@ -13,7 +13,9 @@ class NullImages final : public RetainedImages {
   void drawSlice(const ImageLook &, const SlicePlane &, const Viewport &) override {}
   Expected<Image> drawSliceToImage(const ImageLook &, const SlicePlane &, int width, int height) override {
     if (auto size = checkImageSize(width, height, kLargestImage_px); !size) return tl::unexpected(size.error());
-    return Image{width, height, std::vector<std::uint8_t>(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+    return Image{
+        width, height,
+        std::vector<std::uint8_t>(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
   }
   bool wantsRefinement() const override { return false; }
 

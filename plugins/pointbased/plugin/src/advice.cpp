@@ -7,8 +7,8 @@
 namespace pointbased {
 namespace {
 
-constexpr double kThinnest = 0.15;      // spacings, of the thickness: thinner is refused
-constexpr double kThinnestGood = 0.5;  // likewise, what is proposed instead
+constexpr double kThinnest = 0.15;          // spacings, of the thickness: thinner is refused
+constexpr double kThinnestGood = 0.5;       // likewise, what is proposed instead
 constexpr double kMostPhyxels = 200'000.0;  // that are proposed: more is no simulation that one waits for
 // rms strain below which an error of the strain is an error of nothing
 constexpr double kLeastStrain = 1e-4;
@@ -47,11 +47,11 @@ std::string tooCoarse(const RestState &rest, double area) {
   const double good = thickness / kThinnestGood;
   char spacing[40];
   std::snprintf(spacing, sizeof spacing, "%.2g", good);
-  return "the sampling is too coarse: a spacing of " + millimetres(rest.spacing) + " (" + std::to_string(rest.phyxelCount()) +
-         " phyxels) for a body that is " + millimetres(thickness) +
+  return "the sampling is too coarse: a spacing of " + millimetres(rest.spacing) + " (" +
+         std::to_string(rest.phyxelCount()) + " phyxels) for a body that is " + millimetres(thickness) +
          " thick in the mean (twice its volume over its area; of a tube the radius). Accepted: up to " +
-         millimetres(thickness / kThinnest) + "; sampling.spacing = " + spacing + " or sampling.count = " +
-         rounded(phyxelsAt(rest, area, good)) + " would do";
+         millimetres(thickness / kThinnest) + "; sampling.spacing = " + spacing +
+         " or sampling.count = " + rounded(phyxelsAt(rest, area, good)) + " would do";
 }
 
 std::string errorAdvice(const Body &body, double area, double estimate) {
@@ -67,7 +67,8 @@ std::string errorAdvice(const Body &body, double area, double estimate) {
                        " (error_estimate) at a spacing of " + millimetres(rest.spacing) + "; ";
   // Cells wider than the body is thick do not see how it bends: the estimate begins to fall where they are as thick.
   const double from = std::min(rest.spacing, 2.0 * rest.shapeVolume / area);
-  const double spacing = from * std::pow(ratio(kErrorAimedAt) / ratio(std::min(estimate, 0.999)), 1.0 / kOrderOfEstimate);
+  const double spacing =
+      from * std::pow(ratio(kErrorAimedAt) / ratio(std::min(estimate, 0.999)), 1.0 / kOrderOfEstimate);
   const double count = phyxelsAt(rest, area, spacing);
   if (!(count <= kMostPhyxels))
     return advice + "no count up to " + rounded(kMostPhyxels) +
@@ -85,7 +86,8 @@ std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector
     std::size_t count = 0;
     for (const SimulationEvent &event : simulator.events())
       if (event.kind == kind && ++count <= kMostOfAKind) lines.push_back(event.text);
-    if (count > kMostOfAKind) lines.push_back("… and " + std::to_string(count - kMostOfAKind) + " more events '" + kind + "'");
+    if (count > kMostOfAKind)
+      lines.push_back("… and " + std::to_string(count - kMostOfAKind) + " more events '" + kind + "'");
   }
   if (bodies.size() < 2) return lines;
   lines.emplace_back("bodies do not touch each other yet: what meets another body passes through it");

@@ -17,22 +17,23 @@ namespace pointbased {
 
 /// Why a lattice is too coarse for what it is laid into, with the spacing and count that would do; empty: it is not.
 ///
-/// The thickness is twice the volume over the area: that of a sheet, the radius of a tube. Below 0.15 spacings most cells
-/// hold hardly anything, pieces of the body hang on single cells, and what moves is the lattice rather than the body. Above
-/// that the error estimate tells how good it is.
+/// The thickness is twice the volume over the area: that of a sheet, the radius of a tube. Below 0.15 spacings most
+/// cells hold hardly anything, pieces of the body hang on single cells, and what moves is the lattice rather than the
+/// body. Above that the error estimate tells how good it is.
 [[nodiscard]] std::string tooCoarse(const RestState &rest, double area);
 
 /// What to say of an error estimate above 0.1: how large, and the count that brings it below; empty: nothing.
 ///
-/// The estimate of bodies that are held, hang or lie falls with the spacing to the power kOrderOfEstimate, in the sense of
-/// e²/(1 - e²), which is error energy over energy: measured on organs (docs/theory/time.md). Of a body that is thinner than a
-/// spacing it begins to fall at a spacing of the thickness.
+/// The estimate of bodies that are held, hang or lie falls with the spacing to the power kOrderOfEstimate, in the sense
+/// of e²/(1 - e²), which is error energy over energy: measured on organs (docs/theory/time.md). Of a body that is
+/// thinner than a spacing it begins to fall at a spacing of the thickness.
 /// @param estimate  ErrorEstimate::relative of the present state
 [[nodiscard]] std::string errorAdvice(const Body &body, double area, double estimate);
 inline constexpr double kOrderOfEstimate = 0.7;
 inline constexpr double kErrorToTell = 0.1;
 
-/// Lines for people at the end of a run and on the screen: what of the events and of the present state they should know.
+/// Lines for people at the end of a run and on the screen: what of the events and of the present state they should
+/// know.
 [[nodiscard]] std::vector<std::string> noticesOf(const Simulator &simulator, const std::vector<std::string> &errors);
 
 }  // namespace pointbased

@@ -11,8 +11,8 @@
 namespace pointbased {
 namespace {
 
-// The queries run inside parallel loops of the solver, where nobody takes an error: they cannot fail for trees and views
-// that we made, and if they did, "nothing near" would be a lie, so it stops here.
+// The queries run inside parallel loops of the solver, where nobody takes an error: they cannot fail for trees and
+// views that we made, and if they did, "nothing near" would be a lie, so it stops here.
 void mustSucceed(const sdk::Result<void> &result) {
   if (!result) throw sdk::Error(result.failure());
 }
@@ -41,11 +41,13 @@ BodyShape shapeOf(const Services &services, c3de_handle mesh, const Placement &p
     std::vector<c3de_closest> found(points.size());
     const double everywhere = std::numeric_limits<double>::infinity();
     const auto *table = services.collision.table();
-    mustSucceed(services.host.check(table->closest(table->ctx, surface->tree.handle(), viewOf(points),
-                                                   sdk::scalars(std::span<const double>(&everywhere, 1)), found.data())));
+    mustSucceed(
+        services.host.check(table->closest(table->ctx, surface->tree.handle(), viewOf(points),
+                                           sdk::scalars(std::span<const double>(&everywhere, 1)), found.data())));
     for (std::size_t i = 0; i < points.size(); ++i) distances[i] = std::abs(found[i].distance);
   };
-  shape.crosses = [&services, surface](std::span<const Vec3> from, std::span<const Vec3> to, std::span<std::uint8_t> crosses) {
+  shape.crosses = [&services, surface](std::span<const Vec3> from, std::span<const Vec3> to,
+                                       std::span<std::uint8_t> crosses) {
     std::vector<c3de_ray_hit> hits(from.size());
     const auto *table = services.collision.table();
     mustSucceed(services.host.check(
@@ -99,7 +101,8 @@ std::optional<std::string> renumbered(const std::string &text, const BodySource 
 Constitution constitutionOf(const std::string &name, const BodySource &source, const ParameterValues &values) {
   Constitution out;
   out.materials = {materialOf(values)};
-  if (const auto valid = validate(out.materials.front()); !valid) throw sdk::Error(C3DE_E_ARG, name + ": " + valid.error());
+  if (const auto valid = validate(out.materials.front()); !valid)
+    throw sdk::Error(C3DE_E_ARG, name + ": " + valid.error());
   for (std::size_t i = 0; i < source.parts.size(); ++i) {
     out.materials.push_back(materialOf(source.parts[i].values));
     if (const auto valid = validate(out.materials.back()); !valid)
@@ -134,7 +137,8 @@ BuiltBody build(const Services &services, const std::string &name, c3de_handle m
   recipe.neighbors = neighborChoiceOf(values);
   if (recipe.evaluation == Evaluation::phyxels &&
       (!source.refinements.empty() || recipe.sampling.surfaceSpacing > 0.0 || recipe.sampling.jitter > 0.0))
-    throw sdk::Error(C3DE_E_ARG, name + ": sampling.refine, surface_spacing and jitter belong to sampling.evaluation = " +
+    throw sdk::Error(C3DE_E_ARG, name +
+                                     ": sampling.refine, surface_spacing and jitter belong to sampling.evaluation = " +
                                      "\"stress_points\"; with \"phyxels\" choose spacing or count");
   recipe.fixes = source.fixes;
   recipe.loads = source.loads;
@@ -144,8 +148,9 @@ BuiltBody build(const Services &services, const std::string &name, c3de_handle m
                            : Result<BodyShape>(shapeOf(services, mesh, source.placement, out.surface));
   if (!shape) throw sdk::Error(C3DE_E_ARG, name + ": its fill: " + shape.error());
   if (recipe.sampling.count == 0) recipe.sampling.count = automaticCount(shape->volume, areaOf(*out.surface));
-  auto rest = buildRestState(*shape, recipe, out.surface->normals, parallelFor,
-                             [&](double fraction) { return request.tell(0.05 + 0.8 * fraction, "filling with phyxels"); });
+  auto rest = buildRestState(*shape, recipe, out.surface->normals, parallelFor, [&](double fraction) {
+    return request.tell(0.05 + 0.8 * fraction, "filling with phyxels");
+  });
   if (!rest) {
     if (rest.error() == "cancelled") throw cancelled();
     const std::optional<std::string> spoken = renumbered(rest.error(), source);
@@ -202,15 +207,16 @@ Obstacle buildObstacle(const Services &services, const std::string &name, const 
                                        std::span<SurfacePoint> out) {
     std::vector<c3de_closest> found(points.size());
     const auto *table = services.collision.table();
-    mustSucceed(services.host.check(table->closest(table->ctx, mesh->tree.handle(), viewOf(points),
-                                                   sdk::scalars(maxDistances), found.data())));
+    mustSucceed(services.host.check(
+        table->closest(table->ctx, mesh->tree.handle(), viewOf(points), sdk::scalars(maxDistances), found.data())));
     const double resolved = 1e-9 * (mesh->max - mesh->min).norm();
     for (std::size_t i = 0; i < points.size(); ++i) {
       // The plane of contact is across the way to the surface; the normal of an edge or corner leans away from it.
       Vec3 normal(found[i].normal[0], found[i].normal[1], found[i].normal[2]);
       if (std::isfinite(found[i].distance)) {
         const Vec3 way = points[i] - Vec3(found[i].point[0], found[i].point[1], found[i].point[2]);
-        if (const double length = way.norm(); length > resolved) normal = (found[i].distance < 0.0 ? -1.0 : 1.0) / length * way;
+        if (const double length = way.norm(); length > resolved)
+          normal = (found[i].distance < 0.0 ? -1.0 : 1.0) / length * way;
       }
       out[i] = {normal, found[i].distance};
     }
@@ -218,7 +224,8 @@ Obstacle buildObstacle(const Services &services, const std::string &name, const 
   obstacle.crossing = [&services, mesh](const Vec3 &from, const Vec3 &to, Vec3 &normal) {
     c3de_ray_hit hit{};
     const auto *table = services.collision.table();
-    mustSucceed(services.host.check(table->segments(table->ctx, mesh->tree.handle(), viewOf({&from, 1}), viewOf({&to, 1}), &hit)));
+    mustSucceed(services.host.check(
+        table->segments(table->ctx, mesh->tree.handle(), viewOf({&from, 1}), viewOf({&to, 1}), &hit)));
     if (hit.triangle >= mesh->triangles.size()) return -1.0;
     const auto &corners = mesh->triangles[hit.triangle];
     normal = (mesh->positions[corners[1]] - mesh->positions[corners[0]])

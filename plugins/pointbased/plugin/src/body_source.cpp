@@ -30,11 +30,20 @@ Vec3 vec(const double *v) { return {v[0], v[1], v[2]}; }
 Region readRegion(const c3de_sim_region &in, const std::string &where) {
   Region region;
   switch (in.kind) {
-    case C3DE_SIM_REGION_EVERYWHERE: region = EverywhereRegion{}; break;
-    case C3DE_SIM_REGION_BOX: region = BoxRegion{vec(in.a), vec(in.b)}; break;
-    case C3DE_SIM_REGION_SPHERE: region = SphereRegion{vec(in.a), in.radius}; break;
-    case C3DE_SIM_REGION_HALF_SPACE: region = HalfSpaceRegion{vec(in.a), vec(in.b)}; break;
-    default: refuse(where, "region kind " + std::to_string(in.kind) + " is not known; accepted: 0 … 3");
+    case C3DE_SIM_REGION_EVERYWHERE:
+      region = EverywhereRegion{};
+      break;
+    case C3DE_SIM_REGION_BOX:
+      region = BoxRegion{vec(in.a), vec(in.b)};
+      break;
+    case C3DE_SIM_REGION_SPHERE:
+      region = SphereRegion{vec(in.a), in.radius};
+      break;
+    case C3DE_SIM_REGION_HALF_SPACE:
+      region = HalfSpaceRegion{vec(in.a), vec(in.b)};
+      break;
+    default:
+      refuse(where, "region kind " + std::to_string(in.kind) + " is not known; accepted: 0 … 3");
   }
   if (const auto good = validate(region); !good) refuse(where, good.error());
   return region;
@@ -147,7 +156,8 @@ FieldGrid readGrid(const c3de_sim_grid &grid, const char *what) {
   out.origin = vec(in.origin_m);
   out.steps << vec(in.step_i_m), vec(in.step_j_m), vec(in.step_k_m);
   const double volume = std::abs(out.steps.determinant());
-  if (!out.origin.allFinite() || !out.steps.allFinite() || !(volume > 0.0)) refuse(what, "its steps have to span space");
+  if (!out.origin.allFinite() || !out.steps.allFinite() || !(volume > 0.0))
+    refuse(what, "its steps have to span space");
   return out;
 }
 

@@ -17,8 +17,8 @@ namespace pointbased {
 /// Another material in a region of a body.
 struct BodyPart {
   Region region;
-  ParameterValues values;         ///< complete: what the part does not say is as in the body
-  std::vector<std::string> own;   ///< ids that the part says itself
+  ParameterValues values;        ///< complete: what the part does not say is as in the body
+  std::vector<std::string> own;  ///< ids that the part says itself
 };
 
 /// What of space a body fills, where the scene puts it.
@@ -41,9 +41,9 @@ struct BodySource {
   std::vector<std::uint32_t> fixNumbers;  ///< of reports and messages
   std::vector<Load> loads;
   std::vector<std::uint32_t> loadNumbers;
-  std::vector<BodyPart> parts;            ///< later ones win
+  std::vector<BodyPart> parts;  ///< later ones win
   std::vector<Refinement> refinements;
-  std::optional<std::array<float, 3>> colour;  ///< sRGB; none: any
+  std::optional<std::array<float, 3>> colour;                    ///< sRGB; none: any
   Vec3 velocity = Vec3::Zero(), angularVelocity = Vec3::Zero();  ///< m/s, rad/s; at the start
 };
 

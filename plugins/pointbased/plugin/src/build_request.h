@@ -26,7 +26,8 @@ class BuildRequest final : public StopRequest {
   }
 
   [[nodiscard]] bool isRaised() const noexcept override {
-    if (!unwanted_ && std::this_thread::get_id() == builder_ && std::chrono::steady_clock::now() - asked_ > kInterval) ask();
+    if (!unwanted_ && std::this_thread::get_id() == builder_ && std::chrono::steady_clock::now() - asked_ > kInterval)
+      ask();
     return unwanted_;
   }
 

@@ -10,10 +10,11 @@ using Rgba8 = std::array<std::uint8_t, 4>;  ///< sRGB and opacity
 
 inline constexpr std::size_t kColours = 256;
 
-/// Dark violet over blue and green to bright yellow. Equal steps of the value look like equal steps of the colour, and the
-/// lightness alone tells the order: it can be read in grey and by people who see few colours.
+/// Dark violet over blue and green to bright yellow. Equal steps of the value look like equal steps of the colour, and
+/// the lightness alone tells the order: it can be read in grey and by people who see few colours.
 ///
-/// A curve in Oklab, evenly divided by its length: lightness 0.30 … 0.92, hue 305° … 105°, chroma 0.15, 0.10 in the middle.
+/// A curve in Oklab, evenly divided by its length: lightness 0.30 … 0.92, hue 305° … 105°, chroma 0.15, 0.10 in the
+/// middle.
 /// @source  own; Oklab: Ottosson, A perceptual color space for image processing, 2020
 [[nodiscard]] const std::array<Rgba8, kColours> &colourMap();
 

@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kMillimetres = 1e3, kKilopascals = 1e-3, kPercent = 100.0;
 constexpr auto kLeastInterval = std::chrono::milliseconds(33);
-constexpr int kRestPerCost = 4;         // a fifth of the time at most
-constexpr double kQuantile = 0.98;      // single values at clamps and edges do not decide the range
-constexpr double kShrinkBelow = 0.4;    // part of the range
+constexpr int kRestPerCost = 4;       // a fifth of the time at most
+constexpr double kQuantile = 0.98;    // single values at clamps and edges do not decide the range
+constexpr double kShrinkBelow = 0.4;  // part of the range
 
 struct Meaning {
   const char *title, *unit, *of;
@@ -21,10 +21,14 @@ struct Meaning {
 
 Meaning meaningOf(ColourBy by) {
   switch (by) {
-    case ColourBy::vonMises: return {"Stress (von Mises)", "kPa", ""};
-    case ColourBy::error: return {"Strain error", "%", "of the mean strain\n"};
-    case ColourBy::stabilisation: return {"Stabilisation", "%", "of the elastic energy\n"};
-    default: return {"Displacement", "mm", ""};
+    case ColourBy::vonMises:
+      return {"Stress (von Mises)", "kPa", ""};
+    case ColourBy::error:
+      return {"Strain error", "%", "of the mean strain\n"};
+    case ColourBy::stabilisation:
+      return {"Stabilisation", "%", "of the elastic energy\n"};
+    default:
+      return {"Displacement", "mm", ""};
   }
 }
 
@@ -51,8 +55,9 @@ void meansAtPoints(const RestState &rest, std::span<const double> perPhyxel, std
   for (std::size_t q = 0; q < out.size(); ++q) {
     double sum = 0.0;
     for (Index e = phyxels.offsets[q]; e < phyxels.offsets[q + 1]; ++e) sum += perPhyxel[phyxels.indices[e]];
-    out[q] = rest.evaluation == Evaluation::phyxels ? perPhyxel[q]
-                                                    : sum / std::max<double>(1.0, phyxels.offsets[q + 1] - phyxels.offsets[q]);
+    out[q] = rest.evaluation == Evaluation::phyxels
+                 ? perPhyxel[q]
+                 : sum / std::max<double>(1.0, phyxels.offsets[q + 1] - phyxels.offsets[q]);
   }
 }
 
@@ -86,7 +91,8 @@ void ValueReader::read(const Body &body, const ViewSettings &view, const Paralle
       for (std::size_t i = 0; i < perPhyxel_.size(); ++i) perPhyxel_[i] = kKilopascals * vonMises(phyxelStresses_[i]);
       break;
     default:
-      for (std::size_t i = 0; i < perPhyxel_.size(); ++i) perPhyxel_[i] = kMillimetres * body.state().displacements[i].norm();
+      for (std::size_t i = 0; i < perPhyxel_.size(); ++i)
+        perPhyxel_[i] = kMillimetres * body.state().displacements[i].norm();
   }
   out.surfels.resize(rest.surfels.count());
   interpolateScalars(rest.surfels, perPhyxel_, out.surfels, parallelFor);

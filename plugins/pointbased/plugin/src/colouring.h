@@ -38,8 +38,8 @@ class ValueReader {
   ErrorScratch error_;
 };
 
-/// Upper end of a range that is found by itself: a round number that 98 % of the values stay below. It grows at once and
-/// shrinks only when the values have become much smaller, so that the legend stands still.
+/// Upper end of a range that is found by itself: a round number that 98 % of the values stay below. It grows at once
+/// and shrinks only when the values have become much smaller, so that the legend stands still.
 class AutoRange {
  public:
   /// @param least  smallest range that means something
@@ -53,12 +53,12 @@ class AutoRange {
 /// 1, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten, not below x > 0.
 [[nodiscard]] double roundedUp(double x);
 
-/// The colours of all bodies of a simulation. Does nothing while they are coloured by their material, and takes at most a
-/// fifth of the time else: what is too expensive for every snapshot comes less often.
+/// The colours of all bodies of a simulation. Does nothing while they are coloured by their material, and takes at most
+/// a fifth of the time else: what is too expensive for every snapshot comes less often.
 class Colouring {
  public:
   struct Colours {
-    const RestState *rest = nullptr;      ///< to which they belong
+    const RestState *rest = nullptr;  ///< to which they belong
     std::vector<Rgba8> surfels, points;
   };
   using Bodies = std::map<std::uint64_t, const Body *>;

@@ -37,10 +37,14 @@ std::string millimetres(const Vec3 &x) {
 
 std::string_view modeName(std::uint32_t mode) {
   switch (mode) {
-    case C3DE_SIM_PLAYING: return "playing";
-    case C3DE_SIM_PAUSED: return "paused";
-    case C3DE_SIM_FAILED: return "failed: the last good state is kept; reset leads out";
-    default: return "stopped, at the initial state";
+    case C3DE_SIM_PLAYING:
+      return "playing";
+    case C3DE_SIM_PAUSED:
+      return "paused";
+    case C3DE_SIM_FAILED:
+      return "failed: the last good state is kept; reset leads out";
+    default:
+      return "stopped, at the initial state";
   }
 }
 
@@ -127,8 +131,8 @@ void Controller::drawOrgan(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.value("Phyxels", std::to_string(body->phyxels.size()));
     ui.value("Surfels", std::to_string(body->surfels.size()));
     ui.value("Spacing", fixed(1e3 * body->rest->spacing, 2) + " mm");
-    ui.value("Neighbours", std::to_string(body->neighbours.min) + " … " + std::to_string(body->neighbours.max) + ", mean " +
-                               fixed(body->neighbours.mean, 1));
+    ui.value("Neighbours", std::to_string(body->neighbours.min) + " … " + std::to_string(body->neighbours.max) +
+                               ", mean " + fixed(body->neighbours.mean, 1));
     ui.value("Mass", significant(body->mass, 4) + " kg");
     ui.value("Asleep", body->asleep ? "yes: at rest, costs nothing until touched" : "no");
     ui.value("Computed", body->computed);
@@ -160,7 +164,8 @@ void Controller::offerRigid(sdk::Ui &ui, const Snapshot &snapshot) {
     if (!body.rigid && &body != stiffest && (!next || body.stableStep < next->stableStep)) next = &body;
   if (!next || !(stiffest->stableStep * kFarBelow < next->stableStep)) return;
   ui.text(stiffest->name + " makes everything slow: its stable step is " + significant(1e3 * stiffest->stableStep, 2) +
-          " ms, " + significant(next->stableStep / stiffest->stableStep, 2) + " times below that of " + next->name + ".");
+          " ms, " + significant(next->stableStep / stiffest->stableStep, 2) + " times below that of " + next->name +
+          ".");
   if (ui.button("make_rigid", "Make " + stiffest->name + " rigid")) makeRigid(stiffest->id);
   ui.tooltip("It stands as it is in its reference and costs nothing. Surroundings, Rigid takes it back");
 }
@@ -175,9 +180,10 @@ void Controller::makeRigid(std::uint64_t body) {
     (void)nextValues_.set(value);
     (void)bodyParameters_.set(value);
   }
-  (void)services_.simulation.post(simulator_->node(), [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body, value] {
-    sdk::orThrow(simulator->setBodyParam({body}, &value));
-  });
+  (void)services_.simulation.post(simulator_->node(),
+                                  [simulator = sdk::Ref<WorldSimulator>::share(simulator_), body, value] {
+                                    sdk::orThrow(simulator->setBodyParam({body}, &value));
+                                  });
 }
 
 void Controller::drawMaterial(sdk::Ui &ui) {
@@ -230,8 +236,10 @@ void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.value("Error estimate", fixed(100.0 * body->error, 0) + " %");
     ui.tooltip("Part by which strains and stresses are off in the mean; displacements by about its square");
     if (body->cost > 0.0) ui.value("Computing", significant(body->cost, 3) + " s per simulated second");
-    ui.value("Stabilisation share", total > 0.0 ? fixed(100.0 * body->energy.stabilisation / total, 1) + " %" : std::string("–"));
-    ui.tooltip("Part of the elastic energy that controls what the sampling cannot resolve; much above 5 %: use a smaller spacing");
+    ui.value("Stabilisation share",
+             total > 0.0 ? fixed(100.0 * body->energy.stabilisation / total, 1) + " %" : std::string("–"));
+    ui.tooltip(
+        "Part of the elastic energy that controls what the sampling cannot resolve; much above 5 %: use a smaller spacing");
   }
   ui.value("State hash", hexadecimal(snapshot->hash));
   for (const std::string &notice : snapshot->notices) ui.text(notice);
@@ -250,7 +258,8 @@ void Controller::drawView(sdk::Ui &ui, const Snapshot *snapshot) {
   ui.params(worldParameters_.handle(), "View");
   if (!snapshot || !snapshot->colours) return;
   const ColourScale &scale = *snapshot->colours;
-  ui.value("Colours", scale.title + ", " + significant(scale.low, 4) + " … " + significant(scale.high, 4) + " " + scale.unit);
+  ui.value("Colours",
+           scale.title + ", " + significant(scale.low, 4) + " … " + significant(scale.high, 4) + " " + scale.unit);
   std::string note = scale.note;
   for (std::size_t at; (at = note.find('\n')) != std::string::npos;) note.replace(at, 1, "; ");
   ui.value("Shown", note);
@@ -306,10 +315,11 @@ void Controller::worldParameterChanged(const c3de_param_value &value) {
   if (!copy->set(value)) return;
   const std::string id(sdk::text(value.id));
   if (!isOfTheView(id)) simulator_->abandonLongStep();
-  (void)services_.simulation.post(simulator_->node(), [simulator = sdk::Ref<WorldSimulator>::share(simulator_), copy, id] {
-    const auto owned = sdk::orThrow(copy->get(id));
-    sdk::orThrow(simulator->setWorld(&owned, 1, sizeof owned));
-  });
+  (void)services_.simulation.post(simulator_->node(),
+                                  [simulator = sdk::Ref<WorldSimulator>::share(simulator_), copy, id] {
+                                    const auto owned = sdk::orThrow(copy->get(id));
+                                    sdk::orThrow(simulator->setWorld(&owned, 1, sizeof owned));
+                                  });
 }
 
 void Controller::load() {

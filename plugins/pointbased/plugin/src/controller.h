@@ -47,9 +47,9 @@ class Controller : public sdk::Panel {
   SimulatorView *view_ = nullptr;
   sdk::ParameterSet bodyParameters_, worldParameters_;
   ParameterValues nextValues_{bodyDeclarations()};  // what the next load or rebuild uses
-  std::uint64_t body_ = 0;  // the one the parameters belong to
+  std::uint64_t body_ = 0;                          // the one the parameters belong to
   std::string path_;
-  std::uint32_t unit_ = 0;                          // index into the unit names
+  std::uint32_t unit_ = 0;  // index into the unit names
   bool replace_ = true;
   std::optional<c3de_handle> job_;
   PinchSettings pinchSettings_;

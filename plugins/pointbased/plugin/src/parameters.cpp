@@ -15,7 +15,8 @@ constexpr std::array<c3de_str, 4> kLaws{str("neo_hookean"), str("stvk"), str("co
 constexpr std::array<c3de_str, 6> kIntegrators{str("auto"),     str("explicit"),       str("implicit"),
                                                str("midpoint"), str("backward_euler"), str("quasistatic")};
 constexpr std::array<c3de_str, 2> kPrecisions{str("double"), str("single")};
-constexpr std::array<c3de_str, 4> kPreconditioners{str("auto"), str("block_jacobi"), str("incomplete"), str("factorised")};
+constexpr std::array<c3de_str, 4> kPreconditioners{str("auto"), str("block_jacobi"), str("incomplete"),
+                                                   str("factorised")};
 constexpr std::array<c3de_str, 3> kEvaluations{str("auto"), str("stress_points"), str("phyxels")};
 constexpr std::array<c3de_str, 3> kSurfaces{str("opaque"), str("transparent"), str("hidden")};
 constexpr std::array<c3de_str, 3> kPoints{str("evaluation_points"), str("phyxels"), str("none")};
@@ -23,34 +24,37 @@ constexpr std::array<c3de_str, 5> kColourings{str("material"), str("displacement
                                               str("stabilisation")};
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kRetardationTime = 0.02;  // s: soft tissue of 3 kPa and 60 Pa s
-constexpr double kFar = 1e6;  // m: beyond it, doubles no longer resolve a micrometre next to a body
+constexpr double kFar = 1e6;               // m: beyond it, doubles no longer resolve a micrometre next to a body
 
 constexpr std::array kWorld{
     vec3Param({"world.gravity", "Gravity", "m/s²", "Acceleration of everything; zero: floating", "World"},
               {-1000.0, 1000.0, -10.0, 10.0}, {0.0, 0.0, 0.0}),
     boolParam({"world.box.enabled", "World box", "", "Walls that nothing leaves", "World"}, false),
-    vec3Param({"world.box.min", "Box, lower corner", "m", "Lower corner of the walls", "World"}, {-kFar, kFar, -1.0, 1.0},
-              {-1.0, -1.0, -1.0}),
-    vec3Param({"world.box.max", "Box, upper corner", "m", "Upper corner of the walls", "World"}, {-kFar, kFar, -1.0, 1.0},
-              {1.0, 1.0, 1.0}),
+    vec3Param({"world.box.min", "Box, lower corner", "m", "Lower corner of the walls", "World"},
+              {-kFar, kFar, -1.0, 1.0}, {-1.0, -1.0, -1.0}),
+    vec3Param({"world.box.max", "Box, upper corner", "m", "Upper corner of the walls", "World"},
+              {-kFar, kFar, -1.0, 1.0}, {1.0, 1.0, 1.0}),
     numberParam({"world.box.friction", "Wall friction", "", "Coulomb coefficient of the walls; 0: slippery", "World"},
                 {0.0, 10.0, 0.0, 1.0}, 0.3),
-    numberParam({"world.box.restitution", "Wall restitution", "",
-                 "Part of its speed with which a point of the skin leaves the walls in explicit steps; 0: what arrives stays, 1: "
-                 "contact takes no energy",
-                 "World"},
-                {0.0, 1.0, 0.0, 1.0}, 0.0, C3DE_PARAM_ADVANCED),
-    choiceParam({"solver.integrator", "Integrator", "",
-                 "auto: explicit or implicit, what is predicted to cost less for a body. explicit: velocity Verlet, in substeps where stability needs them. implicit: second order, for stiff bodies. "
-                 "midpoint: second order without any damping. backward_euler: first order, damps. quasistatic: equilibrium "
-                 "under loads that grow",
-                 "Solver"},
-                kIntegrators, "auto"),
-    autoParam({"solver.dt", "Step", "s",
-               "Size of a step. auto: explicit 0.8 of the largest stable one, implicit 1/60; a larger explicit one is divided "
-               "into substeps, a smaller one costs time",
-               "Solver"},
-              {1e-9, 1.0, 1e-5, 0.02}, C3DE_PARAM_LOG_SCALE),
+    numberParam(
+        {"world.box.restitution", "Wall restitution", "",
+         "Part of its speed with which a point of the skin leaves the walls in explicit steps; 0: what arrives stays, 1: "
+         "contact takes no energy",
+         "World"},
+        {0.0, 1.0, 0.0, 1.0}, 0.0, C3DE_PARAM_ADVANCED),
+    choiceParam(
+        {"solver.integrator", "Integrator", "",
+         "auto: explicit or implicit, what is predicted to cost less for a body. explicit: velocity Verlet, in substeps where stability needs them. implicit: second order, for stiff bodies. "
+         "midpoint: second order without any damping. backward_euler: first order, damps. quasistatic: equilibrium "
+         "under loads that grow",
+         "Solver"},
+        kIntegrators, "auto"),
+    autoParam(
+        {"solver.dt", "Step", "s",
+         "Size of a step. auto: explicit 0.8 of the largest stable one, implicit 1/60; a larger explicit one is divided "
+         "into substeps, a smaller one costs time",
+         "Solver"},
+        {1e-9, 1.0, 1e-5, 0.02}, C3DE_PARAM_LOG_SCALE),
     numberParam({"solver.damping", "Damping", "1/s",
                  "Mass-proportional: velocities, those of a fall too, decay by exp(-damping t); 0: none", "Solver"},
                 {0.0, 1e4, 0.0, 20.0}, 0.0),
@@ -68,28 +72,33 @@ constexpr std::array kWorld{
     choiceParam({"solver.preconditioner", "Preconditioner", "", "Of the linear solutions; auto: by size, as measured",
                  "Solver"},
                 kPreconditioners, "auto"),
-    choiceParam({"solver.precision", "Precision", "",
-                 "Of the forces in explicit steps. single: about 1.5 times as fast, strains to about 1e-6. Implicit and "
-                 "quasi-static solutions are double always",
-                 "Solver"},
-                kPrecisions, "double"),
-    choiceParam({"view.surface", "Surface", "", "What is seen of the skin; where it is not opaque, the points inside show", "View"},
+    choiceParam(
+        {"solver.precision", "Precision", "",
+         "Of the forces in explicit steps. single: about 1.5 times as fast, strains to about 1e-6. Implicit and "
+         "quasi-static solutions are double always",
+         "Solver"},
+        kPrecisions, "double"),
+    choiceParam({"view.surface", "Surface", "",
+                 "What is seen of the skin; where it is not opaque, the points inside show", "View"},
                 kSurfaces, "opaque"),
-    choiceParam({"view.points", "Points inside", "",
-                 "evaluation_points: where strain and stress are evaluated, inside the body; phyxels: what carries mass and "
-                 "moves, on a lattice the corners of its cells, some of them outside of the body",
-                 "View"},
-                kPoints, "evaluation_points"),
-    choiceParam({"view.colour", "Colour by", "",
-                 "material: plain. displacement: from the rest position, mm. von_mises: Cauchy stress, kPa. error: how far off "
-                 "the strains are by estimate, % of the body's mean. stabilisation: energy that the cells cannot resolve, %",
-                 "View"},
-                kColourings, "material"),
-    autoParam({"view.range", "Colour range", "",
-               "Value of the last colour, in the unit of the legend; what is larger has the last colour too. auto: above "
-               "nearly all values, a round number",
-               "View"},
-              {0.0, 1e15, 0.1, 1000.0}, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_MIN_OPEN),
+    choiceParam(
+        {"view.points", "Points inside", "",
+         "evaluation_points: where strain and stress are evaluated, inside the body; phyxels: what carries mass and "
+         "moves, on a lattice the corners of its cells, some of them outside of the body",
+         "View"},
+        kPoints, "evaluation_points"),
+    choiceParam(
+        {"view.colour", "Colour by", "",
+         "material: plain. displacement: from the rest position, mm. von_mises: Cauchy stress, kPa. error: how far off "
+         "the strains are by estimate, % of the body's mean. stabilisation: energy that the cells cannot resolve, %",
+         "View"},
+        kColourings, "material"),
+    autoParam(
+        {"view.range", "Colour range", "",
+         "Value of the last colour, in the unit of the legend; what is larger has the last colour too. auto: above "
+         "nearly all values, a round number",
+         "View"},
+        {0.0, 1e15, 0.1, 1000.0}, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_MIN_OPEN),
 };
 
 constexpr c3de_param_decl integerOrAuto(c3de_param_decl d) {
@@ -106,19 +115,20 @@ constexpr c3de_param_decl neighboursParam() {
 }
 
 constexpr std::array kBody{
-    choiceParam({"material.law", "Law", "",
-                 "neo_hookean: resists collapse and recovers from inversion; stvk: linear in Green strain, softens under "
-                 "compression; corotated: linear in the stretch; linear: small strain and small rotation only",
-                 "Material"},
-                kLaws, "neo_hookean"),
+    choiceParam(
+        {"material.law", "Law", "",
+         "neo_hookean: resists collapse and recovers from inversion; stvk: linear in Green strain, softens under "
+         "compression; corotated: linear in the stretch; linear: small strain and small rotation only",
+         "Material"},
+        kLaws, "neo_hookean"),
     numberParam({"material.youngs_modulus", "Young's modulus", "Pa",
                  "Stiffness; the stable step shrinks with its root. Liver about 6 kPa", "Material"},
                 {0.0, 1e12, 100.0, 1e6}, 6000.0, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_MIN_OPEN),
     numberParam({"material.poisson_ratio", "Poisson's ratio", "",
                  "Resistance to a change of volume; near 0.5 the stable step becomes very small", "Material"},
                 {-1.0, 0.5, 0.0, 0.49}, 0.45, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_MAX_OPEN),
-    numberParam({"material.density", "Density", "kg/m³", "Mass per volume at rest", "Material"}, {0.0, 1e6, 100.0, 3000.0},
-                1060.0, C3DE_PARAM_MIN_OPEN),
+    numberParam({"material.density", "Density", "kg/m³", "Mass per volume at rest", "Material"},
+                {0.0, 1e6, 100.0, 3000.0}, 1060.0, C3DE_PARAM_MIN_OPEN),
     numberParam({"material.viscosity", "Viscosity", "Pa s",
                  "Damps deformation, not rigid motion: viscous stress 2 eta dE/dt. Large values shrink the stable step",
                  "Material"},
@@ -146,38 +156,43 @@ constexpr std::array kBody{
                 {0.0, 1.0, 0.0, 0.9}, 0.0, C3DE_PARAM_MAX_OPEN),
     numberParam({"material.prony2.time", "Relaxation 2, time", "s", "Relaxation time", "Relaxation"},
                 {0.0, 1e9, 0.01, 100.0}, 10.0, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
-    numberParam({"surroundings.stiffness", "Held by surroundings", "Pa/m",
-                 "Elastic foundation: the tissue around pulls every point of the surface to its place in the reference by this "
-                 "stress per way; 0: nothing holds it. 3e4: an organ sinks some millimetres under its own weight",
-                 "Surroundings"},
-                {0.0, 1e12, 0.0, 1e6}, 0.0),
-    autoParam({"surroundings.tangential", "Along the surface", "Pa/m", "The same across the normal; auto: as much", "Surroundings"},
+    numberParam(
+        {"surroundings.stiffness", "Held by surroundings", "Pa/m",
+         "Elastic foundation: the tissue around pulls every point of the surface to its place in the reference by this "
+         "stress per way; 0: nothing holds it. 3e4: an organ sinks some millimetres under its own weight",
+         "Surroundings"},
+        {0.0, 1e12, 0.0, 1e6}, 0.0),
+    autoParam({"surroundings.tangential", "Along the surface", "Pa/m", "The same across the normal; auto: as much",
+               "Surroundings"},
               {0.0, 1e12, 0.0, 1e6}, C3DE_PARAM_ADVANCED),
     numberParam({"surroundings.retardation_time", "Retardation time", "s",
                  "Of the tissue around (Kelvin-Voigt): it damps by its stiffness times this time; 0: swings undamped",
                  "Surroundings"},
                 {0.0, 1e6, 0.0, 0.1}, kRetardationTime, C3DE_PARAM_ADVANCED),
-    boolParam({"rigid", "Rigid", "",
-               "It stands as it is in its reference and costs nothing: for bone, whose step would be everybody's. Other bodies "
-               "do not touch it",
-               "Surroundings"},
-              false),
-    choiceParam({"sampling.evaluation", "Evaluation", "",
-                 "stress_points: cells of a lattice cut by the body, accurate at any sampling; phyxels: the method of Müller et "
-                 "al. 2004; auto: stress_points",
-                 "Sampling"},
-                kEvaluations, "auto", C3DE_PARAM_NEEDS_RESET),
-    autoParam({"sampling.spacing", "Spacing", "m",
-               "Distance of the phyxels; auto: chosen by the count. Too large: the shape is not resolved; too small: slow, for "
-               "count and step both",
-               "Sampling"},
-              {0.0, 1e4, 0.001, 0.05}, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
-    integerOrAuto(autoParam({"sampling.count", "Count", "",
-                             "How many phyxels, within some per cent, when the spacing is auto. auto: 1000, of thin bodies up "
-                             "to 4000, so that the spacing is at most half of the thickness",
-                             "Sampling"},
-                            {1.0, static_cast<double>(kMaximumPhyxels), 50.0, 5000.0},
-                            C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE)),
+    boolParam(
+        {"rigid", "Rigid", "",
+         "It stands as it is in its reference and costs nothing: for bone, whose step would be everybody's. Other bodies "
+         "do not touch it",
+         "Surroundings"},
+        false),
+    choiceParam(
+        {"sampling.evaluation", "Evaluation", "",
+         "stress_points: cells of a lattice cut by the body, accurate at any sampling; phyxels: the method of Müller et "
+         "al. 2004; auto: stress_points",
+         "Sampling"},
+        kEvaluations, "auto", C3DE_PARAM_NEEDS_RESET),
+    autoParam(
+        {"sampling.spacing", "Spacing", "m",
+         "Distance of the phyxels; auto: chosen by the count. Too large: the shape is not resolved; too small: slow, for "
+         "count and step both",
+         "Sampling"},
+        {0.0, 1e4, 0.001, 0.05}, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
+    integerOrAuto(autoParam(
+        {"sampling.count", "Count", "",
+         "How many phyxels, within some per cent, when the spacing is auto. auto: 1000, of thin bodies up "
+         "to 4000, so that the spacing is at most half of the thickness",
+         "Sampling"},
+        {1.0, static_cast<double>(kMaximumPhyxels), 50.0, 5000.0}, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE)),
     numberParam({"sampling.surface_spacing", "Surface spacing", "m",
                  "stress_points: cells that the surface cuts are divided until they are at most this; 0: as inside",
                  "Sampling"},
@@ -186,22 +201,26 @@ constexpr std::array kBody{
                  "stress_points: phyxels inside are moved at random by up to this part of the spacing", "Sampling"},
                 {0.0, 0.3, 0.0, 0.3}, 0.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
     neighboursParam(),
-    numberParam({"sampling.support", "Support", "spacings", "Radius of the neighbourhood when neighbours is auto", "Sampling"},
-                {1.01, 6.0, 1.5, 3.0}, 1.8, C3DE_PARAM_NEEDS_RESET),
-    autoParam({"sampling.stabilisation", "Stabilisation", "",
-               "Control of the modes that one evaluation per point cannot see; auto: 0.92 for stress_points, 0.1 for phyxels; "
-               "0: rattles, above 1: stiff in bending",
-               "Sampling"},
-              {0.0, 100.0, 0.0, 1.0}, C3DE_PARAM_ADVANCED),
+    numberParam(
+        {"sampling.support", "Support", "spacings", "Radius of the neighbourhood when neighbours is auto", "Sampling"},
+        {1.01, 6.0, 1.5, 3.0}, 1.8, C3DE_PARAM_NEEDS_RESET),
+    autoParam(
+        {"sampling.stabilisation", "Stabilisation", "",
+         "Control of the modes that one evaluation per point cannot see; auto: 0.92 for stress_points, 0.1 for phyxels; "
+         "0: rattles, above 1: stiff in bending",
+         "Sampling"},
+        {0.0, 100.0, 0.0, 1.0}, C3DE_PARAM_ADVANCED),
 };
 
 constexpr std::array kObstacle{
-    numberParam({"friction", "Friction", "", "Coulomb coefficient; 0: slippery", "Obstacle"}, {0.0, 10.0, 0.0, 1.0}, 0.3),
-    numberParam({"restitution", "Restitution", "",
-                 "Part of its speed with which a point of a skin leaves it in explicit steps; 0: what arrives stays, 1: contact "
-                 "takes no energy",
-                 "Obstacle"},
-                {0.0, 1.0, 0.0, 1.0}, 0.0),
+    numberParam({"friction", "Friction", "", "Coulomb coefficient; 0: slippery", "Obstacle"}, {0.0, 10.0, 0.0, 1.0},
+                0.3),
+    numberParam(
+        {"restitution", "Restitution", "",
+         "Part of its speed with which a point of a skin leaves it in explicit steps; 0: what arrives stays, 1: contact "
+         "takes no energy",
+         "Obstacle"},
+        {0.0, 1.0, 0.0, 1.0}, 0.0),
 };
 
 std::string format(double value) {
@@ -238,25 +257,33 @@ bool fits(const c3de_param_decl &d, const c3de_param_value &v) {
   const bool isNumber = v.type == C3DE_PARAM_F64 || v.type == C3DE_PARAM_I64;
   if ((d.flags & C3DE_PARAM_AUTO) && isText) return text(v.text) == "auto";
   switch (d.type) {
-    case C3DE_PARAM_F64: return isNumber && inRange(d, v.num);
-    case C3DE_PARAM_I64: return isNumber && inRange(d, v.num) && v.num == std::floor(v.num);
-    case C3DE_PARAM_BOOL: return v.type == C3DE_PARAM_BOOL;
+    case C3DE_PARAM_F64:
+      return isNumber && inRange(d, v.num);
+    case C3DE_PARAM_I64:
+      return isNumber && inRange(d, v.num) && v.num == std::floor(v.num);
+    case C3DE_PARAM_BOOL:
+      return v.type == C3DE_PARAM_BOOL;
     case C3DE_PARAM_VEC3:
       return v.type == C3DE_PARAM_VEC3 && inRange(d, v.vec[0]) && inRange(d, v.vec[1]) && inRange(d, v.vec[2]);
     case C3DE_PARAM_CHOICE:
       return isText && std::any_of(d.choices, d.choices + d.choices_n,
                                    [&](const c3de_str &choice) { return text(choice) == text(v.text); });
-    default: return isText;
+    default:
+      return isText;
   }
 }
 
 std::string shown(const c3de_param_value &v) {
   switch (v.type) {
     case C3DE_PARAM_TEXT:
-    case C3DE_PARAM_CHOICE: return '"' + std::string(text(v.text)) + '"';
-    case C3DE_PARAM_VEC3: return "[" + format(v.vec[0]) + ", " + format(v.vec[1]) + ", " + format(v.vec[2]) + "]";
-    case C3DE_PARAM_BOOL: return v.num != 0.0 ? "true" : "false";
-    default: return format(v.num);
+    case C3DE_PARAM_CHOICE:
+      return '"' + std::string(text(v.text)) + '"';
+    case C3DE_PARAM_VEC3:
+      return "[" + format(v.vec[0]) + ", " + format(v.vec[1]) + ", " + format(v.vec[2]) + "]";
+    case C3DE_PARAM_BOOL:
+      return v.num != 0.0 ? "true" : "false";
+    default:
+      return format(v.num);
   }
 }
 
@@ -406,7 +433,8 @@ Material materialOf(const ParameterValues &v) {
 Foundation foundationOf(const ParameterValues &v) {
   Foundation foundation;
   foundation.stiffness = v.number("surroundings.stiffness");
-  foundation.tangential = v.isAuto("surroundings.tangential") ? foundation.stiffness : v.number("surroundings.tangential");
+  foundation.tangential =
+      v.isAuto("surroundings.tangential") ? foundation.stiffness : v.number("surroundings.tangential");
   foundation.retardationTime = v.number("surroundings.retardation_time");
   return foundation;
 }

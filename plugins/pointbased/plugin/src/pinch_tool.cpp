@@ -12,14 +12,14 @@ namespace {
 constexpr sdk::Material kMarker{{1.0f, 0.85f, 0.2f, 1.0f}, false};
 constexpr double kMarkerRadius = 0.3;  // of the spacing
 constexpr double kLeastRadius = 2.0;   // spacings: a patch of a few phyxels at any sampling
-// The pull is limited to this many times E r²: it strains the held patch by several hundred per cent, and no more however
-// far the hand is torn away.
+// The pull is limited to this many times E r²: it strains the held patch by several hundred per cent, and no more
+// however far the hand is torn away.
 constexpr double kStrongestPull = 4.0;
 
 sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
 
-// The phyxels within the radius of a surfel, all measured at rest, weighted towards the middle; the surfel's own ones when
-// none is so near.
+// The phyxels within the radius of a surfel, all measured at rest, weighted towards the middle; the surfel's own ones
+// when none is so near.
 Grab patchAround(const RestState &rest, std::size_t surfel, double radius) {
   Grab grab;
   double sum = 0.0;
@@ -64,9 +64,8 @@ void PinchTool::setSimulator(WorldSimulator *simulator) {
 
 void PinchTool::postToSimulation(std::function<void(WorldSimulator &)> command) const {
   if (!simulator_) return;
-  (void)services_.simulation.post(simulator_->node(), [simulator = simulator_, command = std::move(command)] {
-    command(*simulator);
-  });
+  (void)services_.simulation.post(simulator_->node(),
+                                  [simulator = simulator_, command = std::move(command)] { command(*simulator); });
 }
 
 std::optional<PinchTool::NodeRay> PinchTool::rayInNode(const c3de_event &event) const {
@@ -106,7 +105,8 @@ bool PinchTool::press(const c3de_event &event) {
   c3de_ray_hit nearest{};
   for (const BodySnapshot &candidate : snapshot->bodies) {
     if (!services_.collision.refit(candidate.surface->tree.handle(), viewOf(candidate.surfels))) continue;
-    const auto hit = services_.collision.ray(candidate.surface->tree.handle(), toArray(ray->origin), toArray(ray->direction));
+    const auto hit =
+        services_.collision.ray(candidate.surface->tree.handle(), toArray(ray->origin), toArray(ray->direction));
     if (!hit || hit->triangle >= candidate.surface->triangles.size()) continue;
     if (!body || hit->t < nearest.t) {
       body = &candidate;
@@ -116,7 +116,8 @@ bool PinchTool::press(const c3de_event &event) {
   if (!body) return false;
   // What stands in front of the organ cannot be reached through.
   for (const ObstacleSnapshot &obstacle : snapshot->obstacles) {
-    const auto hit = services_.collision.ray(obstacle.mesh->tree.handle(), toArray(ray->origin), toArray(ray->direction), nearest.t);
+    const auto hit =
+        services_.collision.ray(obstacle.mesh->tree.handle(), toArray(ray->origin), toArray(ray->direction), nearest.t);
     if (hit && hit->triangle < obstacle.mesh->triangles.size()) return false;
   }
 
@@ -154,7 +155,8 @@ void PinchTool::drag(const c3de_event &event) {
   const double t = (planePoint_ - ray->origin).dot(planeNormal_) / along;
   if (t <= 0.0) return;
   hold_->target = ray->origin + t * ray->direction;
-  postToSimulation([id = hold_->body, target = Vec3(hold_->target + grabOffset_)](WorldSimulator &s) { s.moveGrab(id, target); });
+  postToSimulation(
+      [id = hold_->body, target = Vec3(hold_->target + grabOffset_)](WorldSimulator &s) { s.moveGrab(id, target); });
 }
 
 void PinchTool::release() {
@@ -176,8 +178,8 @@ void PinchTool::showMarker() {
   if (!body) return;
   const c3de_handle node = simulator_->node();
   const std::array<Vec3, 2> points{hold_->surfelPosition, hold_->target};
-  if (auto made = services_.render.createSpheres(node, viewOf({points.data(), 1}),
-                                                 kMarkerRadius * body->rest->spacing, kMarker))
+  if (auto made = services_.render.createSpheres(node, viewOf({points.data(), 1}), kMarkerRadius * body->rest->spacing,
+                                                 kMarker))
     marker_ = std::move(*made);
   if (auto made = services_.render.createLines(node, viewOf(points), 3.0f, kMarker)) line_ = std::move(*made);
   if (auto made = services_.render.createLabel(node, toArray(hold_->target), newtons(0.0), kMarker))

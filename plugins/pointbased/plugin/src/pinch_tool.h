@@ -16,8 +16,9 @@ struct PinchSettings {
   double radius_mm = 18.0;  ///< of the patch around the surfel; at least two spacings are taken
 };
 
-/// Press on the surface: the nearest surfel under the mouse is held, through the host's collision service; drag: a damped
-/// spring pulls its phyxels; release or Escape: let go. A marker shows where, an arrow the pull, a label the force.
+/// Press on the surface: the nearest surfel under the mouse is held, through the host's collision service; drag: a
+/// damped spring pulls its phyxels; release or Escape: let go. A marker shows where, an arrow the pull, a label the
+/// force.
 class PinchTool : public sdk::Tool {
  public:
   explicit PinchTool(const Services &services);

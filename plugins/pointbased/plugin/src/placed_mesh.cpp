@@ -36,7 +36,8 @@ std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const std::array<std::uint32_t, 3> corners{triangles[t][0], triangles[t][1], triangles[t][2]};
     placed->triangles.push_back(corners);
-    const Vec3 &a = placed->positions[corners[0]], &b = placed->positions[corners[1]], &c = placed->positions[corners[2]];
+    const Vec3 &a = placed->positions[corners[0]], &b = placed->positions[corners[1]],
+               &c = placed->positions[corners[2]];
     const Vec3 area = (b - a).cross(c - a);
     for (const std::uint32_t v : corners) placed->normals[v] += area;
   }
@@ -52,8 +53,8 @@ std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh
   }
   const double scale = (placement.scale == 0.0 ? 1.0 : placement.scale) * kMetresPerMillimetre;
   placed->volume = std::abs(info.volume_mm3) * scale * scale * scale;
-  placed->tree = sdk::orThrow(services.collision.create(
-      viewOf(placed->positions), sdk::rows<std::uint32_t, 3>(std::span(placed->triangles))));
+  placed->tree = sdk::orThrow(
+      services.collision.create(viewOf(placed->positions), sdk::rows<std::uint32_t, 3>(std::span(placed->triangles))));
   return placed;
 }
 

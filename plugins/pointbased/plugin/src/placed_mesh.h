@@ -10,7 +10,7 @@ namespace pointbased {
 
 /// Scale, then rotation about x, y, z, then position.
 struct Placement {
-  Vec3 position = Vec3::Zero();      ///< m
+  Vec3 position = Vec3::Zero();  ///< m
   Vec3 rotation_deg = Vec3::Zero();
   double scale = 1.0;
 };
@@ -21,7 +21,7 @@ struct PlacedMesh {
   std::vector<Vec3> positions;  ///< m
   std::vector<Vec3> normals;    ///< unit, area-weighted
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  double volume = 0.0;          ///< m³
+  double volume = 0.0;  ///< m³
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();
   sdk::CollisionTree tree;
 };
@@ -30,8 +30,12 @@ struct PlacedMesh {
 class PlacementTransform {
  public:
   explicit PlacementTransform(const Placement &placement);
-  [[nodiscard]] Vec3 metres(const Vec3 &mesh_mm) const { return linear_ * (kMetresPerMillimetre * mesh_mm) + position_; }
-  [[nodiscard]] Vec3 millimetres(const Vec3 &placed_m) const { return inverse_ * (placed_m - position_) / kMetresPerMillimetre; }
+  [[nodiscard]] Vec3 metres(const Vec3 &mesh_mm) const {
+    return linear_ * (kMetresPerMillimetre * mesh_mm) + position_;
+  }
+  [[nodiscard]] Vec3 millimetres(const Vec3 &placed_m) const {
+    return inverse_ * (placed_m - position_) / kMetresPerMillimetre;
+  }
 
  private:
   Mat3 linear_, inverse_;
@@ -39,7 +43,8 @@ class PlacementTransform {
 };
 
 /// Errors of the services as sdk::Error. Any thread.
-[[nodiscard]] std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh, const Placement &placement);
+[[nodiscard]] std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh,
+                                                    const Placement &placement);
 
 /// How far a point lies outside of a closed mesh, m; 0 inside. Errors of the services as sdk::Error.
 [[nodiscard]] double distanceOff(const Services &services, const PlacedMesh &mesh, const Vec3 &point);

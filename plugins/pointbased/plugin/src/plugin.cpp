@@ -20,20 +20,20 @@ class PointBasedPlugin : public SimulatorListener {
                                         .vendor = "C3DE",
                                         .license = "Apache-2.0"};
   static constexpr std::array needs{
-      sdk::required<c3de_log_v0>(),        sdk::required<c3de_registry_v0>(),   sdk::required<c3de_mesh_v0>(),
-      sdk::required<c3de_collision_v0>(),  sdk::required<c3de_jobs_v0>(),       sdk::optional<c3de_scene_v0>(),
-      sdk::optional<c3de_render_v0>(),     sdk::optional<c3de_params_v0>(),     sdk::optional<c3de_panels_v0>(),
-      sdk::optional<c3de_tools_v0>(),      sdk::optional<c3de_time_v0>(),       sdk::optional<c3de_simulation_v0>()};
+      sdk::required<c3de_log_v0>(),       sdk::required<c3de_registry_v0>(), sdk::required<c3de_mesh_v0>(),
+      sdk::required<c3de_collision_v0>(), sdk::required<c3de_jobs_v0>(),     sdk::optional<c3de_scene_v0>(),
+      sdk::optional<c3de_render_v0>(),    sdk::optional<c3de_params_v0>(),   sdk::optional<c3de_panels_v0>(),
+      sdk::optional<c3de_tools_v0>(),     sdk::optional<c3de_time_v0>(),     sdk::optional<c3de_simulation_v0>()};
 
   explicit PointBasedPlugin(sdk::Host host) : context_{Services(host), this}, pinch_(context_.services) {
     const sdk::Registry &registry = context_.services.registry;
     sdk::orThrow(registry.add<WorldSimulator>(
         kWorldSimulatorClass, "Point-based simulator",
         "Deformable bodies by the point-based method of Müller et al. 2004; iface.simulator", context_));
-    sdk::orThrow(registry.add<PhyxelSet>(kPhyxelClass, "Phyxels", "Points that carry the physics of a body; iface.phyxel_set",
-                                         context_));
-    sdk::orThrow(
-        registry.add<SurfelSet>(kSurfelClass, "Surfels", "Points of a surface that follow phyxels; iface.surfel_set", context_));
+    sdk::orThrow(registry.add<PhyxelSet>(kPhyxelClass, "Phyxels",
+                                         "Points that carry the physics of a body; iface.phyxel_set", context_));
+    sdk::orThrow(registry.add<SurfelSet>(kSurfelClass, "Surfels",
+                                         "Points of a surface that follow phyxels; iface.surfel_set", context_));
     if (context_.services.params && context_.services.notifier && context_.services.simulation) {
       controller_ = std::make_unique<Controller>(context_.services, pinch_);
       sdk::orThrow(controller_->show(host, "pointbased.controller", "Point-based organ"));
@@ -42,8 +42,7 @@ class PointBasedPlugin : public SimulatorListener {
                                      .hint = "Press on the organ and drag to pull; release or Escape lets go",
                                      .shortcut = 'P'}));
     }
-    if (context_.services.time)
-      frame_ = sdk::orThrow(context_.services.time.addFrameCallback([this] { onFrame(); }));
+    if (context_.services.time) frame_ = sdk::orThrow(context_.services.time.addFrameCallback([this] { onFrame(); }));
   }
 
   sdk::Result<void> stop() {
@@ -56,7 +55,8 @@ class PointBasedPlugin : public SimulatorListener {
   void attached(WorldSimulator &simulator, c3de_handle node) override {
     SimulatorView *view = nullptr;
     if (context_.services.render && context_.services.scene)
-      view = views_.emplace(&simulator, std::make_unique<SimulatorView>(context_.services, simulator, node)).first->second.get();
+      view = views_.emplace(&simulator, std::make_unique<SimulatorView>(context_.services, simulator, node))
+                 .first->second.get();
     current_ = &simulator;
     pinch_.setSimulator(&simulator);
     if (controller_) controller_->setSimulator(&simulator, view);

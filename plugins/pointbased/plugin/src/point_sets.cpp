@@ -26,7 +26,8 @@ template <std::uint32_t N>
 sdk::Rows<double, N> room(const c3de_mview &out, std::size_t count) {
   auto rows = sdk::orThrow(sdk::asMutableRows<double, N>(out, "field"));
   if (rows.size() < count)
-    throw Error(C3DE_E_ARG, "field: room for " + std::to_string(rows.size()) + " rows, needed " + std::to_string(count));
+    throw Error(C3DE_E_ARG,
+                "field: room for " + std::to_string(rows.size()) + " rows, needed " + std::to_string(count));
   return rows;
 }
 
@@ -92,11 +93,15 @@ void PhyxelSet::read(std::uint32_t field, c3de_mview out) {
       case C3DE_FIELD_REFERENCE_POSITION:
         return writeVectors(out, n, [&](std::size_t i) -> Vec3 { return rest.origin + rest.positions[i]; });
       case C3DE_FIELD_POSITION:
-        return writeVectors(
-            out, n, [&](std::size_t i) -> Vec3 { return rest.origin + rest.positions[i] + body.state().displacements[i]; });
-      case C3DE_FIELD_VELOCITY: return writeVectors(out, n, [&](std::size_t i) { return body.state().velocities[i]; });
-      case C3DE_FIELD_MASS: return writeScalars(out, n, [&](std::size_t i) { return body.masses()[i]; });
-      case C3DE_FIELD_VOLUME: return writeScalars(out, n, [&](std::size_t i) { return rest.volumes[i]; });
+        return writeVectors(out, n, [&](std::size_t i) -> Vec3 {
+          return rest.origin + rest.positions[i] + body.state().displacements[i];
+        });
+      case C3DE_FIELD_VELOCITY:
+        return writeVectors(out, n, [&](std::size_t i) { return body.state().velocities[i]; });
+      case C3DE_FIELD_MASS:
+        return writeScalars(out, n, [&](std::size_t i) { return body.masses()[i]; });
+      case C3DE_FIELD_VOLUME:
+        return writeScalars(out, n, [&](std::size_t i) { return rest.volumes[i]; });
       case C3DE_FIELD_GRADIENT:
       case C3DE_FIELD_STRAIN: {
         std::vector<Mat3> gradients(n);
@@ -112,7 +117,8 @@ void PhyxelSet::read(std::uint32_t field, c3de_mview out) {
         phyxelMeans(rest, points, means);
         return writeMatrices(out, n, [&](std::size_t i) { return means[i]; });
       }
-      default: unknownField(field);
+      default:
+        unknownField(field);
     }
   });
 }
@@ -134,7 +140,8 @@ void PhyxelSet::assign(c3de_view positionsView, c3de_view volumesView, double de
   cloud.positions = readPoints(positionsView, "positions");
   const auto volumes = sdk::orThrow(sdk::asRows<double, 1>(volumesView, "volumes"));
   if (volumes.size() != cloud.positions.size())
-    throw Error(C3DE_E_ARG, std::to_string(cloud.positions.size()) + " positions, " + std::to_string(volumes.size()) + " volumes");
+    throw Error(C3DE_E_ARG,
+                std::to_string(cloud.positions.size()) + " positions, " + std::to_string(volumes.size()) + " volumes");
   if (cloud.positions.empty()) throw Error(C3DE_E_ARG, "no positions");
   if (neighbours < 3 || neighbours > 500)
     throw Error(C3DE_E_ARG, "neighbours = " + std::to_string(neighbours) + " is not accepted; accepted: 3 … 500");
@@ -162,7 +169,8 @@ void PhyxelSet::move(c3de_view view) {
   const std::vector<Vec3> positions = readPoints(view, "positions");
   const RestState &rest = own_->rest();
   if (positions.size() != rest.phyxelCount())
-    throw Error(C3DE_E_ARG, std::to_string(positions.size()) + " positions for " + std::to_string(rest.phyxelCount()) + " phyxels");
+    throw Error(C3DE_E_ARG,
+                std::to_string(positions.size()) + " positions for " + std::to_string(rest.phyxelCount()) + " phyxels");
   for (std::size_t i = 0; i < positions.size(); ++i)
     own_->state().displacements[i] = positions[i] - rest.origin - rest.positions[i];
   own_->computeGradients(context_.services.parallelFor());
@@ -239,7 +247,8 @@ void SurfelSet::assign(c3de_object *phyxels, c3de_view positionsView, c3de_view 
   std::vector<Vec3> normals;
   if (normalsView.count > 0) normals = readPoints(normalsView, "normals");
   if (!normals.empty() && normals.size() != world.size())
-    throw Error(C3DE_E_ARG, std::to_string(world.size()) + " positions, " + std::to_string(normals.size()) + " normals");
+    throw Error(C3DE_E_ARG,
+                std::to_string(world.size()) + " positions, " + std::to_string(normals.size()) + " normals");
   auto set = sdk::Ref<PhyxelSet>::share(PhyxelSet::from(phyxels));
   Interpolation binding;
   set->withBody([&](const Body &body) {

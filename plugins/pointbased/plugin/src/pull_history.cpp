@@ -8,8 +8,8 @@ void PullHistory::begin(const sdk::Ref<WorldSimulator> &simulator) {
   const std::shared_ptr<const Snapshot> snapshot = simulator->snapshot();
   if (!services_.history || !snapshot) return;
   Pull pull{simulator, std::make_shared<Checkpoint>(), snapshot->course, snapshot->steps, {}};
-  const auto posted = services_.simulation.post(
-      simulator->node(), [simulator, state = pull.state] { *state = simulator->checkpoint(); });
+  const auto posted = services_.simulation.post(simulator->node(),
+                                                [simulator, state = pull.state] { *state = simulator->checkpoint(); });
   if (posted) present_ = std::move(pull);
 }
 
@@ -31,9 +31,8 @@ void PullHistory::end(const std::string &bodyName) {
 
 sdk::Result<void> PullHistory::exchange(const Pull &pull) const {
   pull.simulator->abandonLongStep();
-  return services_.simulation.post(pull.simulator->node(), [simulator = pull.simulator, state = pull.state] {
-    simulator->exchange(*state);
-  });
+  return services_.simulation.post(pull.simulator->node(),
+                                   [simulator = pull.simulator, state = pull.state] { simulator->exchange(*state); });
 }
 
 bool PullHistory::isOld(const Pull &pull) {

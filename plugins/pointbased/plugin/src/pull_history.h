@@ -8,8 +8,8 @@
 
 namespace pointbased {
 
-/// Pulls as steps of the window's Undo: back to the state before the hand was laid on, and on again. What is simulated anew
-/// (a reset, another body) makes them go. Main thread.
+/// Pulls as steps of the window's Undo: back to the state before the hand was laid on, and on again. What is simulated
+/// anew (a reset, another body) makes them go. Main thread.
 class PullHistory {
  public:
   explicit PullHistory(const Services &services) : services_(services) {}

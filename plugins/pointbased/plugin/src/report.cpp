@@ -3,9 +3,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <set>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "advice.h"
 #include "pointbased/cloud_quality.h"
@@ -21,12 +21,18 @@ Json json(const Vec3 &v) { return {v[0], v[1], v[2]}; }
 
 const char *nameOf(Integrator integrator) {
   switch (integrator) {
-    case Integrator::automatic: return "auto";
-    case Integrator::explicitVerlet: return "explicit";
-    case Integrator::implicitSdirk: return "implicit";
-    case Integrator::implicitMidpoint: return "midpoint";
-    case Integrator::backwardEuler: return "backward_euler";
-    case Integrator::quasiStatic: return "quasistatic";
+    case Integrator::automatic:
+      return "auto";
+    case Integrator::explicitVerlet:
+      return "explicit";
+    case Integrator::implicitSdirk:
+      return "implicit";
+    case Integrator::implicitMidpoint:
+      return "midpoint";
+    case Integrator::backwardEuler:
+      return "backward_euler";
+    case Integrator::quasiStatic:
+      return "quasistatic";
   }
   return "";
 }
@@ -73,45 +79,47 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
     near["moment_condition"] = quality.condition;
   }
   const Simulator::Energy energy = simulator.energy(reported.id);
-  return {{"name", body.name()},
-          {"evaluation", rest.evaluation == Evaluation::stressPoints ? "stress_points" : "phyxels"},
-          {"phyxels", rest.phyxelCount()},
-          {"points", rest.pointCount()},
-          {"components", rest.components},
-          {"surfels", rest.surfels.count()},
-          {"spacing_m", rest.spacing},
-          {"mass_kg", mass},
-          {"volume_m3", volume},
-          {"mesh_volume_m3", reported.meshVolume},
-          {"counted_volume_m3", rest.countedVolume},
-          {"represented_part", volume > 0.0 && rest.countedVolume > 0.0 ? std::min(1.0, rest.countedVolume / volume) : 1.0},
-          {"neighbours", near},
-          {"stable_dt_s", body.stableStepAtRest()},
-          {"integrator", nameOf(simulator.integratorOf(reported.id))},
-          {"predicted_evaluations_per_s",
-           {{"explicit", simulator.predictedCost(reported.id).first}, {"implicit", simulator.predictedCost(reported.id).second}}},
-          {"kernels", body.vectorised() ? kernelTarget() : "by stages"},
-          {"energy_J",
-           {{"kinetic", energy.kinetic},
-            {"elastic", energy.elastic},
-            {"stabilisation", energy.stabilisation},
-            {"gravity", energy.gravity},
-            {"attachment", energy.foundation},
-            {"plastic", 0.0}}},
-          {"momentum", json(momentum)},
-          {"angular_momentum", json(angular)},
-          {"centre_of_mass_m", json(centre)},
-          {"min_J", minJ},
-          {"max_stretch", maxStretch},
-          {"error_estimate", error.relative},
-          {"stabilisation_share", error.stabilisationShare},
-          {"inverted_points", inverted},
-          {"max_plastic_strain", plastic},
-          {"deepest_penetration_m", simulator.skinDepth(reported.id)},
-          {"cost_ms_per_s", 1e3 * simulator.costOf(reported.id)},
-          {"asleep", simulator.asleep(reported.id)},
-          {"rigid", body.rigid()},
-          {"stopped", body.stopped}};
+  return {
+      {"name", body.name()},
+      {"evaluation", rest.evaluation == Evaluation::stressPoints ? "stress_points" : "phyxels"},
+      {"phyxels", rest.phyxelCount()},
+      {"points", rest.pointCount()},
+      {"components", rest.components},
+      {"surfels", rest.surfels.count()},
+      {"spacing_m", rest.spacing},
+      {"mass_kg", mass},
+      {"volume_m3", volume},
+      {"mesh_volume_m3", reported.meshVolume},
+      {"counted_volume_m3", rest.countedVolume},
+      {"represented_part", volume > 0.0 && rest.countedVolume > 0.0 ? std::min(1.0, rest.countedVolume / volume) : 1.0},
+      {"neighbours", near},
+      {"stable_dt_s", body.stableStepAtRest()},
+      {"integrator", nameOf(simulator.integratorOf(reported.id))},
+      {"predicted_evaluations_per_s",
+       {{"explicit", simulator.predictedCost(reported.id).first},
+        {"implicit", simulator.predictedCost(reported.id).second}}},
+      {"kernels", body.vectorised() ? kernelTarget() : "by stages"},
+      {"energy_J",
+       {{"kinetic", energy.kinetic},
+        {"elastic", energy.elastic},
+        {"stabilisation", energy.stabilisation},
+        {"gravity", energy.gravity},
+        {"attachment", energy.foundation},
+        {"plastic", 0.0}}},
+      {"momentum", json(momentum)},
+      {"angular_momentum", json(angular)},
+      {"centre_of_mass_m", json(centre)},
+      {"min_J", minJ},
+      {"max_stretch", maxStretch},
+      {"error_estimate", error.relative},
+      {"stabilisation_share", error.stabilisationShare},
+      {"inverted_points", inverted},
+      {"max_plastic_strain", plastic},
+      {"deepest_penetration_m", simulator.skinDepth(reported.id)},
+      {"cost_ms_per_s", 1e3 * simulator.costOf(reported.id)},
+      {"asleep", simulator.asleep(reported.id)},
+      {"rigid", body.rigid()},
+      {"stopped", body.stopped}};
 }
 
 // What holds a body elastically where it is in the scan.
@@ -142,8 +150,8 @@ std::string howComputed(const Simulator &simulator, std::size_t id) {
 }
 
 std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies) {
-  Json out = {{"bodies", Json::array()},     {"probes", Json::array()},  {"reactions", Json::array()}, {"attachments", Json::array()},
-              {"stages", Json::object()},    {"events", Json::array()}};
+  Json out = {{"bodies", Json::array()},      {"probes", Json::array()},  {"reactions", Json::array()},
+              {"attachments", Json::array()}, {"stages", Json::object()}, {"events", Json::array()}};
   std::vector<std::string> errors;
   for (const ReportedBody &body : bodies) {
     const ErrorEstimate error = estimateError(*simulator.body(body.id));

@@ -59,7 +59,8 @@ SimulatorView::BodyView SimulatorView::makeBody(const BodySnapshot &body) const 
   BodyView view;
   view.node = sdk::orThrow(services_.scene.addNode(node_, body.name));
   view.surface = sdk::orThrow(services_.render.createMesh(
-      view.node.handle(), viewOf(body.surfels), sdk::rows<std::uint32_t, 3>(std::span(body.surface->triangles)), materialOf(nullptr, body, true)));
+      view.node.handle(), viewOf(body.surfels), sdk::rows<std::uint32_t, 3>(std::span(body.surface->triangles)),
+      materialOf(nullptr, body, true)));
   view.rest = body.rest.get();
   return view;
 }
@@ -69,7 +70,8 @@ void SimulatorView::updateBody(BodyView &view, const BodySnapshot &body, const V
   (void)services_.render.setVisible(surface, settings.surface != SurfaceShown::hidden);
   if (settings.surface != SurfaceShown::hidden) {
     const auto snapshot = simulator_.snapshot();
-    (void)services_.render.setMaterial(surface, materialOf(snapshot.get(), body, settings.surface == SurfaceShown::opaque));
+    (void)services_.render.setMaterial(surface,
+                                       materialOf(snapshot.get(), body, settings.surface == SurfaceShown::opaque));
     if (!view.changes || *view.changes != body.changes) {
       (void)services_.render.update(surface, C3DE_ATTR_POSITIONS, viewOf(body.surfels));
       (void)services_.render.update(surface, C3DE_ATTR_NORMALS, viewOf(body.normals));
@@ -77,7 +79,8 @@ void SimulatorView::updateBody(BodyView &view, const BodySnapshot &body, const V
     }
     const bool coloured = body.surfelColours.size() == body.surfels.size();
     if (coloured != view.surfaceColoured || (coloured && view.colours != body.colours))
-      (void)services_.render.update(surface, C3DE_ATTR_COLOURS, coloured ? coloursView(body.surfelColours) : coloursView({}));
+      (void)services_.render.update(surface, C3DE_ATTR_COLOURS,
+                                    coloured ? coloursView(body.surfelColours) : coloursView({}));
     view.surfaceColoured = coloured;
     view.colours = body.colours;
   }
@@ -126,15 +129,17 @@ void SimulatorView::updateLegend(const Snapshot &snapshot) {
 SimulatorView::ObstacleView SimulatorView::makeObstacle(const ObstacleSnapshot &obstacle) const {
   ObstacleView view;
   view.node = sdk::orThrow(services_.scene.addNode(node_, obstacle.name));
-  view.mesh = sdk::orThrow(services_.render.createMesh(
-      view.node.handle(), viewOf(obstacle.mesh->positions),
-      sdk::rows<std::uint32_t, 3>(std::span(obstacle.mesh->triangles)), kObstacle));
+  view.mesh = sdk::orThrow(services_.render.createMesh(view.node.handle(), viewOf(obstacle.mesh->positions),
+                                                       sdk::rows<std::uint32_t, 3>(std::span(obstacle.mesh->triangles)),
+                                                       kObstacle));
   (void)services_.scene.setBounds(view.node.handle(), toArray(obstacle.mesh->min), toArray(obstacle.mesh->max));
   return view;
 }
 
 void SimulatorView::updateBox(const WorldBox &box, const Vec3 &gravity) {
-  if (box.enabled == shownBox_.enabled && box.min == shownBox_.min && box.max == shownBox_.max && gravity == shownGravity_) return;
+  if (box.enabled == shownBox_.enabled && box.min == shownBox_.min && box.max == shownBox_.max &&
+      gravity == shownGravity_)
+    return;
   shownBox_ = box;
   shownGravity_ = gravity;
   box_.reset();
@@ -172,15 +177,18 @@ void SimulatorView::drawFloor(const WorldBox &box, const Vec3 &gravity) {
     p[down] = isLow ? box.min[down] + above : box.max[down] - above;
     return p;
   };
-  std::vector<Vec3> corners{at(box.min[u], box.min[v], 0.0), at(box.max[u], box.min[v], 0.0), at(box.max[u], box.max[v], 0.0),
-                            at(box.min[u], box.max[v], 0.0)};
+  std::vector<Vec3> corners{at(box.min[u], box.min[v], 0.0), at(box.max[u], box.min[v], 0.0),
+                            at(box.max[u], box.max[v], 0.0), at(box.min[u], box.max[v], 0.0)};
   if (!isLow) std::reverse(corners.begin(), corners.end());
   const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
   floor_ = sdk::orThrow(services_.render.createMesh(boxNode_.handle(), viewOf(corners),
                                                     sdk::rows<std::uint32_t, 3>(std::span(triangles)), kFloor));
   // 1, 2 or 5 times a power of ten.
   const double wanted = std::max(extent[u], extent[v]) / 16.0, ten = std::pow(10.0, std::floor(std::log10(wanted)));
-  const double step = wanted <= ten ? ten : wanted <= 2.0 * ten ? 2.0 * ten : wanted <= 5.0 * ten ? 5.0 * ten : 10.0 * ten;
+  const double step = wanted <= ten         ? ten
+                      : wanted <= 2.0 * ten ? 2.0 * ten
+                      : wanted <= 5.0 * ten ? 5.0 * ten
+                                            : 10.0 * ten;
   const double above = 1e-3 * step;
   std::vector<Vec3> lines;
   for (double x = std::ceil(box.min[u] / step) * step; x <= box.max[u]; x += step)

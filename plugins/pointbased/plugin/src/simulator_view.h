@@ -8,8 +8,9 @@
 
 namespace pointbased {
 
-/// What one simulator shows under its scene node: surfaces, points inside, obstacles, the world box with its floor, the legend of its
-/// colours. Reads snapshots, which say how (view.…); main thread. Present only when there is something to draw with.
+/// What one simulator shows under its scene node: surfaces, points inside, obstacles, the world box with its floor, the
+/// legend of its colours. Reads snapshots, which say how (view.…); main thread. Present only when there is something to
+/// draw with.
 class SimulatorView {
  public:
   SimulatorView(const Services &services, WorldSimulator &simulator, c3de_handle node);

@@ -21,22 +21,22 @@ struct BodySnapshot {
   std::shared_ptr<const ParameterValues> values;
   /// sRGB, of the surface by the material; none: by its place among the bodies
   std::optional<std::array<float, 3>> colour;
-  std::uint64_t changes = 0;            ///< of the simulator: the same number, the same places
+  std::uint64_t changes = 0;  ///< of the simulator: the same number, the same places
   bool asleep = false;
   bool rigid = false;
   bool isExplicit = true;
-  double stableStep = 0.0;              ///< s, at rest
-  std::string computed;                 ///< how: "explicit, double precision, AVX3"
-  std::vector<Vec3> phyxels;            ///< world, m
-  std::vector<Vec3f> surfels, normals;  ///< world, m; single precision, as a screen takes it
-  std::vector<Vec3> points;                     ///< world, m: what view.points shows of the inside; empty: nothing
+  double stableStep = 0.0;                         ///< s, at rest
+  std::string computed;                            ///< how: "explicit, double precision, AVX3"
+  std::vector<Vec3> phyxels;                       ///< world, m
+  std::vector<Vec3f> surfels, normals;             ///< world, m; single precision, as a screen takes it
+  std::vector<Vec3> points;                        ///< world, m: what view.points shows of the inside; empty: nothing
   std::vector<Rgba8> surfelColours, pointColours;  ///< empty: by the material
-  std::uint64_t colours = 0;                    ///< the same number, the same colours
-  double mass = 0.0;                            ///< kg
-  double youngsModulus = 0.0;                   ///< Pa
-  double error = 0.0;                   ///< ErrorEstimate::relative, of now or a little before
-  std::string errorAdvice;              ///< empty: it is small
-  double cost = 0.0;                    ///< s of computing per simulated second
+  std::uint64_t colours = 0;                       ///< the same number, the same colours
+  double mass = 0.0;                               ///< kg
+  double youngsModulus = 0.0;                      ///< Pa
+  double error = 0.0;                              ///< ErrorEstimate::relative, of now or a little before
+  std::string errorAdvice;                         ///< empty: it is small
+  double cost = 0.0;                               ///< s of computing per simulated second
   Simulator::Energy energy;
   Neighbours neighbours;
   std::optional<GrabStatus> grab;

@@ -48,7 +48,9 @@ class StepRequest final : public StopRequest {
 
  private:
   static constexpr std::int64_t kNone = -1;
-  static std::int64_t now() { return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+  static std::int64_t now() {
+    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+  }
 
   std::atomic<bool> interrupted_{false}, abandoned_{false};
   std::atomic<int> waiting_{0};

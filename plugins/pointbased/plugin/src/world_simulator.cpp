@@ -38,7 +38,9 @@ Placement placementOf(const T &in) {
 // What a rigid body would not do must not be asked of it.
 void checkStandsStill(const std::string &name, const BodySource &source) {
   const auto refuse = [](const std::string &where) {
-    throw Error(C3DE_E_ARG, where + "the body is rigid and stands still; accepted: rigid = false, or no fix, no load and no velocity");
+    throw Error(
+        C3DE_E_ARG,
+        where + "the body is rigid and stands still; accepted: rigid = false, or no fix, no load and no velocity");
   };
   if (!source.fixes.empty()) refuse("fix " + std::to_string(source.fixNumbers.front()) + ": ");
   if (!source.loads.empty()) refuse("load " + std::to_string(source.loadNumbers.front()) + ": ");
@@ -47,7 +49,8 @@ void checkStandsStill(const std::string &name, const BodySource &source) {
 
 std::string millimetres(double metres) { return shortNumber(1e3 * metres) + " mm"; }
 
-// A body may begin a little inside of a wall, as in an obstacle: contact leads it out. What stands outside is a mistake.
+// A body may begin a little inside of a wall, as in an obstacle: contact leads it out. What stands outside is a
+// mistake.
 void mustBeInBox(const WorldBox &box, const std::string &name, const PlacedMesh &surface, double spacing) {
   if (!box.enabled) return;
   for (int axis = 0; axis < 3; ++axis)
@@ -58,11 +61,14 @@ void mustBeInBox(const WorldBox &box, const std::string &name, const PlacedMesh 
                                   (upper ? "max" : "min") + " on the " + "xyz"[axis] + " axis (" +
                                   shortNumber(upper ? surface.max[axis] : surface.min[axis]) + " m against " +
                                   shortNumber(upper ? box.max[axis] : box.min[axis]) +
-                                  " m); accepted: inside, or up to half a spacing (" + millimetres(0.5 * spacing) + ") beyond");
+                                  " m); accepted: inside, or up to half a spacing (" + millimetres(0.5 * spacing) +
+                                  ") beyond");
     }
 }
 
-Failure noSuch(const char *what) { return {C3DE_E_STALE, std::string("there is no such ") + what + " in this simulation"}; }
+Failure noSuch(const char *what) {
+  return {C3DE_E_STALE, std::string("there is no such ") + what + " in this simulation"};
+}
 
 }  // namespace
 
@@ -88,10 +94,17 @@ c3de_status WorldSimulator::declarations(std::uint32_t scope, const c3de_param_d
                                          std::uint64_t *stride) {
   std::span<const c3de_param_decl> found;
   switch (scope) {
-    case C3DE_SIM_SCOPE_WORLD: found = worldDeclarations(); break;
-    case C3DE_SIM_SCOPE_BODY: found = bodyDeclarations(); break;
-    case C3DE_SIM_SCOPE_OBSTACLE: found = obstacleDeclarations(); break;
-    default: throw Error(C3DE_E_ARG, "scope " + std::to_string(scope) + " is not known; accepted: 1 … 3");
+    case C3DE_SIM_SCOPE_WORLD:
+      found = worldDeclarations();
+      break;
+    case C3DE_SIM_SCOPE_BODY:
+      found = bodyDeclarations();
+      break;
+    case C3DE_SIM_SCOPE_OBSTACLE:
+      found = obstacleDeclarations();
+      break;
+    default:
+      throw Error(C3DE_E_ARG, "scope " + std::to_string(scope) + " is not known; accepted: 1 … 3");
   }
   *decls = found.data();
   *n = found.size();
@@ -138,7 +151,8 @@ void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls wall
   sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
   record.source = readSource(in, values);
   if (isRigid(values)) checkStandsStill(record.name, record.source);
-  BuiltBody built = buildBody(context_.services, record.name, in.mesh, record.source, values, sdk::Progress(in.progress));
+  BuiltBody built =
+      buildBody(context_.services, record.name, in.mesh, record.source, values, sdk::Progress(in.progress));
   record.values = std::make_shared<const ParameterValues>(std::move(values));
   record.surface = std::move(built.surface);
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
@@ -160,7 +174,8 @@ void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle 
   const std::string name(sdk::text(in.name));
   auto mesh = placeMesh(context_.services, in.mesh, placementOf(in));
   Obstacle built =
-      buildObstacle(context_.services, name, mesh, {values.number("friction"), values.number("restitution")}, readMotion(in.motion, "obstacle"));
+      buildObstacle(context_.services, name, mesh, {values.number("friction"), values.number("restitution")},
+                    readMotion(in.motion, "obstacle"));
   const std::lock_guard lock(mutex_);
   simulator_.reset();
   const std::uint64_t id = simulator_.addObstacle(std::move(built));
@@ -174,17 +189,18 @@ void WorldSimulator::addProbe(c3de_str name, c3de_handle body, const double *at_
   const Vec3 at(at_m3[0], at_m3[1], at_m3[2]);
   const std::string which = "probe '" + std::string(sdk::text(name)) + "': ";
   if (!at.allFinite()) throw Error(C3DE_E_ARG, which + "the point is not finite");
-  // A probe is carried by the cell it lies in, and off the skin by that of the skin, whose functions go on: within half a
-  // spacing they are as good as the sampling, farther off they tell of no tissue.
+  // A probe is carried by the cell it lies in, and off the skin by that of the skin, whose functions go on: within half
+  // a spacing they are as good as the sampling, farther off they tell of no tissue.
   const double tolerance = 0.5 * simulator_.body(body.v)->rest().spacing;
   const double off = distanceOff(context_.services, *record.surface, at);
   if (!(off <= tolerance))
-    throw Error(C3DE_E_ARG, which + "(" + shortNumber(at[0]) + ", " + shortNumber(at[1]) + ", " + shortNumber(at[2]) + ") m lies " +
-                                millimetres(off) + " off body '" + record.name + "', which spans (" +
-                                shortNumber(record.surface->min[0]) + ", " + shortNumber(record.surface->min[1]) + ", " +
-                                shortNumber(record.surface->min[2]) + ") … (" + shortNumber(record.surface->max[0]) + ", " +
-                                shortNumber(record.surface->max[1]) + ", " + shortNumber(record.surface->max[2]) +
-                                ") m; accepted: inside, or up to half a spacing (" + millimetres(tolerance) + ") off its surface");
+    throw Error(C3DE_E_ARG,
+                which + "(" + shortNumber(at[0]) + ", " + shortNumber(at[1]) + ", " + shortNumber(at[2]) + ") m lies " +
+                    millimetres(off) + " off body '" + record.name + "', which spans (" +
+                    shortNumber(record.surface->min[0]) + ", " + shortNumber(record.surface->min[1]) + ", " +
+                    shortNumber(record.surface->min[2]) + ") … (" + shortNumber(record.surface->max[0]) + ", " +
+                    shortNumber(record.surface->max[1]) + ", " + shortNumber(record.surface->max[2]) +
+                    ") m; accepted: inside, or up to half a spacing (" + millimetres(tolerance) + ") off its surface");
   simulator_.addProbe(std::string(sdk::text(name)), body.v, at);
 }
 
@@ -326,7 +342,8 @@ void WorldSimulator::publish() {
 }
 
 /// Now and then, so that it takes a fiftieth of the time at most.
-void WorldSimulator::estimate(std::uint64_t id, const Body &body, const PlacedMesh &surface, bool moved, BodySnapshot &out) {
+void WorldSimulator::estimate(std::uint64_t id, const Body &body, const PlacedMesh &surface, bool moved,
+                              BodySnapshot &out) {
   using Clock = std::chrono::steady_clock;
   Estimated &last = estimated_[id];
   const Clock::time_point begin = Clock::now();
@@ -360,8 +377,10 @@ void WorldSimulator::takeView(Snapshot &s) {
         BoundPoints &points = points_[b.id];
         if (points.rest != &body.rest()) points = {&body.rest(), bindPoints(body.rest())};
         b.points.resize(points.binding.count());
-        interpolateDisplacements(points.binding, body.rest().positions, body.state().displacements, b.points, parallelFor);
-        for (std::size_t q = 0; q < b.points.size(); ++q) b.points[q] += body.rest().origin + points.binding.positions[q];
+        interpolateDisplacements(points.binding, body.rest().positions, body.state().displacements, b.points,
+                                 parallelFor);
+        for (std::size_t q = 0; q < b.points.size(); ++q)
+          b.points[q] += body.rest().origin + points.binding.positions[q];
       }
     }
     const Colouring::Colours *colours = colouring_.of(b.id);
@@ -401,9 +420,11 @@ void WorldSimulator::report(c3de_sink json) {
   {
     const std::lock_guard lock(mutex_);
     std::vector<ReportedBody> bodies;
-    for (const auto &[id, record] : bodies_) bodies.push_back({id, record.surface->volume, areaOf(*record.surface), record.source.fixNumbers});
-    std::sort(bodies.begin(), bodies.end(),
-              [&](const ReportedBody &a, const ReportedBody &b) { return bodies_.at(a.id).order < bodies_.at(b.id).order; });
+    for (const auto &[id, record] : bodies_)
+      bodies.push_back({id, record.surface->volume, areaOf(*record.surface), record.source.fixNumbers});
+    std::sort(bodies.begin(), bodies.end(), [&](const ReportedBody &a, const ReportedBody &b) {
+      return bodies_.at(a.id).order < bodies_.at(b.id).order;
+    });
     text = reportJson(simulator_, bodies);
   }
   if (const c3de_status status = sdk::put(json, text); status < 0) throw Error(status, "the report was not taken");

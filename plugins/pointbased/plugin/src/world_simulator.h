@@ -31,8 +31,8 @@ struct PluginContext {
   SimulatorListener *listener = nullptr;
 };
 
-/// The registered class draft/c3de.pointbased.WorldSimulator/0: iface.simulator over the physics. A mutex stands between
-/// the solver's step and what others add or read; the window reads snapshots and never takes it.
+/// The registered class draft/c3de.pointbased.WorldSimulator/0: iface.simulator over the physics. A mutex stands
+/// between the solver's step and what others add or read; the window reads snapshots and never takes it.
 class WorldSimulator : public sdk::Object<WorldSimulator> {
  public:
   explicit WorldSimulator(PluginContext &context);
@@ -79,8 +79,8 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void abandonLongStep() { request_.abandonLongStep(); }
   [[nodiscard]] ParameterValues worldValues() const;
   [[nodiscard]] std::optional<BodySource> source(std::uint64_t body) const;
-  /// Builds the body again with other values and puts it in the place of the old one; the simulation is reset. The old one
-  /// stays when building fails. Errors as sdk::Error. Any thread.
+  /// Builds the body again with other values and puts it in the place of the old one; the simulation is reset. The old
+  /// one stays when building fails. Errors as sdk::Error. Any thread.
   void rebuildBody(std::uint64_t body, const ParameterValues &values, const sdk::Progress &progress);
   /// Takes a body's points out under the lock; false when the body is gone.
   bool readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const;

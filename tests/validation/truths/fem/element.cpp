@@ -29,7 +29,7 @@ const double kWeight[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
 
 struct ReferencePoint {
   Shape shape;
-  Gradients slope; ///< by the coordinates of the reference cube
+  Gradients slope;  ///< by the coordinates of the reference cube
   Eigen::Vector3d at;
   double weight;
 };
@@ -37,7 +37,7 @@ struct ReferencePoint {
 std::array<ReferencePoint, kPoints> makeReferencePoints() {
   std::array<ReferencePoint, kPoints> points;
   for (int q = 0; q < kPoints; ++q) {
-    ReferencePoint& point = points[static_cast<std::size_t>(q)];
+    ReferencePoint &point = points[static_cast<std::size_t>(q)];
     const int a = q % 3, b = q / 3 % 3, c = q / 9;
     point.at = {kGauss[a], kGauss[b], kGauss[c]};
     point.weight = kWeight[a] * kWeight[b] * kWeight[c];
@@ -52,19 +52,20 @@ std::array<ReferencePoint, kPoints> makeReferencePoints() {
   return points;
 }
 
-const std::array<ReferencePoint, kPoints>& referencePoints() {
+const std::array<ReferencePoint, kPoints> &referencePoints() {
   static const std::array<ReferencePoint, kPoints> points = makeReferencePoints();
   return points;
 }
 
 /// Gradients of the shape functions by X and the volume of the point.
-double mapPoint(const ReferencePoint& point, const Gradients& X, Gradients& gradients) {
+double mapPoint(const ReferencePoint &point, const Gradients &X, Gradients &gradients) {
   const Mat3 jacobian = X * point.slope.transpose();
   gradients = jacobian.inverse().transpose() * point.slope;
   return point.weight * jacobian.determinant();
 }
 
-template <typename Field> Gradients gather(const Hex27& element, const Field& field) {
+template <typename Field>
+Gradients gather(const Hex27 &element, const Field &field) {
   Gradients out;
   for (int n = 0; n < kNodesPerElement; ++n) {
     out.col(n) = field[static_cast<std::size_t>(element.nodes[static_cast<std::size_t>(n)])];
@@ -72,16 +73,16 @@ template <typename Field> Gradients gather(const Hex27& element, const Field& fi
   return out;
 }
 
-} // namespace
+}  // namespace
 
-ElementResult evaluateElement(const Model& model, const Hex27& element, const std::vector<Eigen::Vector3d>& positions,
-                              const Eigen::Vector4d& tangentPressure) {
+ElementResult evaluateElement(const Model &model, const Hex27 &element, const std::vector<Eigen::Vector3d> &positions,
+                              const Eigen::Vector4d &tangentPressure) {
   ElementResult out;
   out.force.setZero();
   out.tangent.setZero();
   out.valid = true;
   out.smallestJacobian = 1e300;
-  const Law& law = model.laws[static_cast<std::size_t>(element.law)];
+  const Law &law = model.laws[static_cast<std::size_t>(element.law)];
   const Gradients X = gather(element, model.nodes);
   const Gradients x = gather(element, positions);
   const bool mixed = law.kind == LawKind::neoHookeanMixed;
@@ -120,12 +121,12 @@ ElementResult evaluateElement(const Model& model, const Hex27& element, const st
   }
 
   Eigen::Matrix<double, kNodesPerElement, kNodesPerElement> blocks[3][3];
-  for (auto& row : blocks) {
-    for (auto& block : row) block.setZero();
+  for (auto &row : blocks) {
+    for (auto &block : row) block.setZero();
   }
   for (std::size_t q = 0; q < kPoints; ++q) {
-    const Eigen::Vector3d& at = referencePoints()[q].at;
-    const auto pressureAt = [&at](const Eigen::Vector4d& p) { return p(0) + p.tail<3>().dot(at); };
+    const Eigen::Vector3d &at = referencePoints()[q].at;
+    const auto pressureAt = [&at](const Eigen::Vector4d &p) { return p(0) + p.tail<3>().dot(at); };
     const StressPoint point = evaluate(law, F[q], {pressureAt(out.pressure.value), pressureAt(tangentPressure)});
     if (!point.valid) {
       out.valid = false;
@@ -152,11 +153,11 @@ ElementResult evaluateElement(const Model& model, const Hex27& element, const st
   return out;
 }
 
-void addGravity(const Model& model, std::vector<Eigen::Vector3d>& forces) {
-  for (const Hex27& element : model.elements) {
+void addGravity(const Model &model, std::vector<Eigen::Vector3d> &forces) {
+  for (const Hex27 &element : model.elements) {
     const Gradients X = gather(element, model.nodes);
     const double density = model.laws[static_cast<std::size_t>(element.law)].density;
-    for (const ReferencePoint& point : referencePoints()) {
+    for (const ReferencePoint &point : referencePoints()) {
       Gradients unused;
       const double mass = density * mapPoint(point, X, unused);
       for (int n = 0; n < kNodesPerElement; ++n) {
@@ -167,15 +168,15 @@ void addGravity(const Model& model, std::vector<Eigen::Vector3d>& forces) {
   }
 }
 
-void addPressure(const Model& model, int index, double factor, const std::vector<Eigen::Vector3d>& x,
-                 std::vector<Eigen::Vector3d>& forces, Eigen::Matrix<double, kElementDofs, kElementDofs>& tangent) {
-  const auto cross = [](const Eigen::Vector3d& v) {
+void addPressure(const Model &model, int index, double factor, const std::vector<Eigen::Vector3d> &x,
+                 std::vector<Eigen::Vector3d> &forces, Eigen::Matrix<double, kElementDofs, kElementDofs> &tangent) {
+  const auto cross = [](const Eigen::Vector3d &v) {
     Mat3 out;
     out << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
     return out;
   };
-  const PressureFace& face = model.pressures[static_cast<std::size_t>(index)];
-  const auto& nodes = model.elements[static_cast<std::size_t>(face.element)].nodes;
+  const PressureFace &face = model.pressures[static_cast<std::size_t>(index)];
+  const auto &nodes = model.elements[static_cast<std::size_t>(face.element)].nodes;
   const auto nodeOf = [&](int n) {
     return static_cast<std::size_t>(nodes[static_cast<std::size_t>(face.nodes[static_cast<std::size_t>(n)])]);
   };
@@ -204,4 +205,4 @@ void addPressure(const Model& model, int index, double factor, const std::vector
   }
 }
 
-} // namespace truth
+}  // namespace truth

@@ -10,7 +10,8 @@ namespace truth {
 namespace {
 
 /// Fills the columns of the tangent with dP(dF) for the nine unit changes of F.
-template <typename Differential> void fillTangent(Mat9& tangent, Differential differential) {
+template <typename Differential>
+void fillTangent(Mat9 &tangent, Differential differential) {
   for (int k = 0; k < 3; ++k) {
     for (int l = 0; l < 3; ++l) {
       Mat3 dF = Mat3::Zero();
@@ -23,9 +24,9 @@ template <typename Differential> void fillTangent(Mat9& tangent, Differential di
   }
 }
 
-StressPoint linear(const Law& law, const Mat3& F) {
+StressPoint linear(const Law &law, const Mat3 &F) {
   StressPoint out;
-  const auto stress = [&](const Mat3& H) -> Mat3 {
+  const auto stress = [&](const Mat3 &H) -> Mat3 {
     return law.lambda * H.trace() * Mat3::Identity() + law.mu * (H + H.transpose());
   };
   out.stress = stress(F - Mat3::Identity());
@@ -34,12 +35,12 @@ StressPoint linear(const Law& law, const Mat3& F) {
   return out;
 }
 
-StressPoint stvk(const Law& law, const Mat3& F) {
+StressPoint stvk(const Law &law, const Mat3 &F) {
   StressPoint out;
   const Mat3 E = 0.5 * (F.transpose() * F - Mat3::Identity());
   const Mat3 S = law.lambda * E.trace() * Mat3::Identity() + 2.0 * law.mu * E;
   out.stress = F * S;
-  fillTangent(out.tangent, [&](const Mat3& dF) -> Mat3 {
+  fillTangent(out.tangent, [&](const Mat3 &dF) -> Mat3 {
     const Mat3 dE2 = F.transpose() * dF + dF.transpose() * F;
     return dF * S + F * (0.5 * law.lambda * dE2.trace() * Mat3::Identity() + law.mu * dE2);
   });
@@ -47,7 +48,7 @@ StressPoint stvk(const Law& law, const Mat3& F) {
   return out;
 }
 
-StressPoint corotated(const Law& law, const Mat3& F) {
+StressPoint corotated(const Law &law, const Mat3 &F) {
   StressPoint out;
   const Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Mat3 R = svd.matrixU() * svd.matrixV().transpose();
@@ -56,7 +57,7 @@ StressPoint corotated(const Law& law, const Mat3& F) {
   out.stress = 2.0 * law.mu * (F - R) + law.lambda * dilation * R;
   // dR = R [w]x with (tr(S) I - S) w = axial(R^T dF - dF^T R).
   const Mat3 inverse = (S.trace() * Mat3::Identity() - S).inverse();
-  fillTangent(out.tangent, [&](const Mat3& dF) -> Mat3 {
+  fillTangent(out.tangent, [&](const Mat3 &dF) -> Mat3 {
     const Mat3 A = R.transpose() * dF;
     const Eigen::Vector3d w = inverse * Eigen::Vector3d(A(2, 1) - A(1, 2), A(0, 2) - A(2, 0), A(1, 0) - A(0, 1));
     Mat3 spin;
@@ -68,7 +69,7 @@ StressPoint corotated(const Law& law, const Mat3& F) {
   return out;
 }
 
-StressPoint neoHookean(const Law& law, const Mat3& F, const MixedPressure* mixed) {
+StressPoint neoHookean(const Law &law, const Mat3 &F, const MixedPressure *mixed) {
   StressPoint out;
   const double J = F.determinant();
   out.valid = J > 0.0;
@@ -77,15 +78,16 @@ StressPoint neoHookean(const Law& law, const Mat3& F, const MixedPressure* mixed
   const Mat3 G = inverse.transpose();
   const double p = mixed ? mixed->stress : law.lambda * std::log(J);
   const double tangentPressure = mixed ? mixed->tangent : p;
-  const double volumeStiffness = mixed ? 0.0 : law.lambda; // the element adds it where ln J is projected
+  const double volumeStiffness = mixed ? 0.0 : law.lambda;  // the element adds it where ln J is projected
   out.stress = law.mu * (F - G) + p * G;
-  fillTangent(out.tangent, [&](const Mat3& dF) -> Mat3 {
-    return law.mu * dF + (law.mu - tangentPressure) * G * dF.transpose() * G + volumeStiffness * (inverse * dF).trace() * G;
+  fillTangent(out.tangent, [&](const Mat3 &dF) -> Mat3 {
+    return law.mu * dF + (law.mu - tangentPressure) * G * dF.transpose() * G +
+           volumeStiffness * (inverse * dF).trace() * G;
   });
   return out;
 }
 
-StressPoint isochoric(const Law& law, const Mat3& F) {
+StressPoint isochoric(const Law &law, const Mat3 &F) {
   StressPoint out;
   const double J = F.determinant();
   out.valid = J > 0.0;
@@ -97,7 +99,7 @@ StressPoint isochoric(const Law& law, const Mat3& F) {
   const Mat3 G = inverse.transpose();
   const Mat3 deviator = F - I1 / 3.0 * G;
   out.stress = a * deviator + kappa * (J - 1.0) * J * G;
-  fillTangent(out.tangent, [&](const Mat3& dF) -> Mat3 {
+  fillTangent(out.tangent, [&](const Mat3 &dF) -> Mat3 {
     const double t = (inverse * dF).trace();
     const Mat3 dG = -G * dF.transpose() * G;
     const double dI1 = 2.0 * F.cwiseProduct(dF).sum();
@@ -107,33 +109,46 @@ StressPoint isochoric(const Law& law, const Mat3& F) {
   return out;
 }
 
-} // namespace
+}  // namespace
 
-Law makeLaw(const std::string& name, double youngsModulus, double poissonRatio, double density) {
+Law makeLaw(const std::string &name, double youngsModulus, double poissonRatio, double density) {
   Law law;
-  if (name == "linear") law.kind = LawKind::linear;
-  else if (name == "stvk") law.kind = LawKind::stvk;
-  else if (name == "corotated") law.kind = LawKind::corotated;
-  else if (name == "neo_hookean") law.kind = LawKind::neoHookean;
-  else if (name == "neo_hookean_mixed") law.kind = LawKind::neoHookeanMixed;
-  else if (name == "isochoric") law.kind = LawKind::isochoric;
-  else throw std::runtime_error("unknown law: " + name);
+  if (name == "linear")
+    law.kind = LawKind::linear;
+  else if (name == "stvk")
+    law.kind = LawKind::stvk;
+  else if (name == "corotated")
+    law.kind = LawKind::corotated;
+  else if (name == "neo_hookean")
+    law.kind = LawKind::neoHookean;
+  else if (name == "neo_hookean_mixed")
+    law.kind = LawKind::neoHookeanMixed;
+  else if (name == "isochoric")
+    law.kind = LawKind::isochoric;
+  else
+    throw std::runtime_error("unknown law: " + name);
   law.lambda = youngsModulus * poissonRatio / ((1.0 + poissonRatio) * (1.0 - 2.0 * poissonRatio));
   law.mu = youngsModulus / (2.0 * (1.0 + poissonRatio));
   law.density = density;
   return law;
 }
 
-StressPoint evaluate(const Law& law, const Mat3& F, const MixedPressure& pressure) {
+StressPoint evaluate(const Law &law, const Mat3 &F, const MixedPressure &pressure) {
   switch (law.kind) {
-  case LawKind::linear: return linear(law, F);
-  case LawKind::stvk: return stvk(law, F);
-  case LawKind::corotated: return corotated(law, F);
-  case LawKind::neoHookean: return neoHookean(law, F, nullptr);
-  case LawKind::neoHookeanMixed: return neoHookean(law, F, &pressure);
-  case LawKind::isochoric: return isochoric(law, F);
+    case LawKind::linear:
+      return linear(law, F);
+    case LawKind::stvk:
+      return stvk(law, F);
+    case LawKind::corotated:
+      return corotated(law, F);
+    case LawKind::neoHookean:
+      return neoHookean(law, F, nullptr);
+    case LawKind::neoHookeanMixed:
+      return neoHookean(law, F, &pressure);
+    case LawKind::isochoric:
+      return isochoric(law, F);
   }
   return {};
 }
 
-} // namespace truth
+}  // namespace truth

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-int main(int argc, char** argv) {
+int main(int argc, char **argv) {
   try {
     if (argc != 3) throw std::runtime_error("usage: truth_fem MODEL RESULT");
     std::ifstream in(argv[1]);
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
     }
     if (!out.flush()) throw std::runtime_error(std::string("cannot write ") + argv[2]);
     return 0;
-  } catch (const std::exception& error) {
+  } catch (const std::exception &error) {
     std::fprintf(stderr, "truth_fem: %s\n", error.what());
     return 1;
   }

@@ -7,21 +7,22 @@
 namespace truth {
 namespace {
 
-template <typename T, typename Read> void readList(std::istream& in, std::vector<T>& list, Read readOne) {
+template <typename T, typename Read>
+void readList(std::istream &in, std::vector<T> &list, Read readOne) {
   std::size_t count = 0;
   in >> count;
   for (std::size_t i = 0; i < count && in; ++i) list.push_back(readOne());
 }
 
-Eigen::Vector3d readVector(std::istream& in) {
+Eigen::Vector3d readVector(std::istream &in) {
   Eigen::Vector3d v;
   in >> v.x() >> v.y() >> v.z();
   return v;
 }
 
-} // namespace
+}  // namespace
 
-Model readModel(std::istream& in) {
+Model readModel(std::istream &in) {
   Model model;
   std::string section;
   while (in >> section && section != "end") {
@@ -38,7 +39,7 @@ Model readModel(std::istream& in) {
       readList(in, model.elements, [&] {
         Hex27 element;
         in >> element.law;
-        for (int& node : element.nodes) in >> node;
+        for (int &node : element.nodes) in >> node;
         return element;
       });
     } else if (section == "stages") {
@@ -52,7 +53,7 @@ Model readModel(std::istream& in) {
         Held held;
         in >> held.node >> held.axis;
         held.values.resize(model.loadFactors.size());
-        for (double& value : held.values) in >> value;
+        for (double &value : held.values) in >> value;
         return held;
       });
     } else if (section == "forces") {
@@ -66,7 +67,7 @@ Model readModel(std::istream& in) {
       readList(in, model.pressures, [&] {
         PressureFace face;
         in >> face.pressure >> face.element;
-        for (int& node : face.nodes) in >> node;
+        for (int &node : face.nodes) in >> node;
         return face;
       });
     } else if (section == "gravity") {
@@ -81,4 +82,4 @@ Model readModel(std::istream& in) {
   return model;
 }
 
-} // namespace truth
+}  // namespace truth

@@ -12,22 +12,22 @@ namespace truth {
 /// Without pivoting, as is right near a stable equilibrium; a pivot that vanishes is reported.
 /// @source  Duff, Reid, The multifrontal solution of indefinite sparse symmetric linear equations, 1983
 class Multifrontal {
-public:
+ public:
   using ElementMatrix = Eigen::Matrix<double, kElementDofs, kElementDofs>;
 
   /// @param numbers  [3 node + axis] number of the unknown, from zero, or negative where there is none
-  Multifrontal(const Model& model, const std::vector<int>& numbers);
+  Multifrontal(const Model &model, const std::vector<int> &numbers);
 
   /// @param matrixOf  the matrix of element e, called once for each
   /// @return false if a pivot vanishes or is not finite
-  bool factorize(const std::function<const ElementMatrix&(int e)>& matrixOf);
+  bool factorize(const std::function<const ElementMatrix &(int e)> &matrixOf);
 
   /// Negative pivots of the last factorisation: more than none means that the state is not stable.
   int negativePivots() const { return negativePivots_; }
 
-  Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
+  Eigen::VectorXd solve(const Eigen::VectorXd &right) const;
 
-private:
+ private:
   struct Front {
     int first = -1, second = -1, element = -1;
     std::vector<int> unknowns;   ///< those eliminated here, then the border
@@ -36,12 +36,12 @@ private:
     Eigen::MatrixXd complement;  ///< [border x border] lower half, for the part above; freed there
   };
 
-  void extend(Front& child, Eigen::MatrixXd& matrix);
+  void extend(Front &child, Eigen::MatrixXd &matrix);
 
   std::vector<Front> fronts_;
   std::vector<std::array<int, kElementDofs>> elementUnknowns_;
-  std::vector<int> place_; ///< scratch: [unknown] row in the present front
+  std::vector<int> place_;  ///< scratch: [unknown] row in the present front
   int negativePivots_ = 0;
 };
 
-} // namespace truth
+}  // namespace truth

@@ -22,11 +22,11 @@ constexpr double kSmallestIncrement = 1e-3;
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 class Newton {
-public:
-  explicit Newton(const Model& model) : model_(model), solver_(model, numberFreedoms()) {
+ public:
+  explicit Newton(const Model &model) : model_(model), solver_(model, numberFreedoms()) {
     deadForces_.assign(model.nodes.size(), Eigen::Vector3d::Zero());
     addGravity(model, deadForces_);
-    for (const NodalForce& force : model.forces) deadForces_[at(force.node)] += force.force;
+    for (const NodalForce &force : model.forces) deadForces_[at(force.node)] += force.force;
     displacements_.assign(model.nodes.size(), Eigen::Vector3d::Zero());
     tangents_.resize(model.elements.size());
     pressures_.resize(model.elements.size());
@@ -38,7 +38,7 @@ public:
 
   Solution run() {
     const int stages = static_cast<int>(model_.loadFactors.size());
-    double time = 0.0; // stage number plus the part of the stage that is done
+    double time = 0.0;  // stage number plus the part of the stage that is done
     double increment = 1.0 / model_.increments;
     while (time < stages - 1e-12) {
       const double stageEnd = std::floor(time + 1e-12) + 1.0;
@@ -65,20 +65,20 @@ public:
     return out;
   }
 
-private:
+ private:
   /// Free degrees of freedom get numbers from zero, held ones -1 - index in model.held.
-  const std::vector<int>& numberFreedoms() {
+  const std::vector<int> &numberFreedoms() {
     number_.assign(3 * model_.nodes.size(), 0);
     for (std::size_t h = 0; h < model_.held.size(); ++h) {
       number_[at(3 * model_.held[h].node + model_.held[h].axis)] = -1 - static_cast<int>(h);
     }
-    for (int& number : number_) {
+    for (int &number : number_) {
       if (number >= 0) number = freedoms_++;
     }
     return number_;
   }
 
-  double interpolate(const std::vector<double>& values, double time) const {
+  double interpolate(const std::vector<double> &values, double time) const {
     const int stages = static_cast<int>(values.size());
     const int stage = std::clamp(static_cast<int>(std::ceil(time - 1e-12)) - 1, 0, stages - 1);
     const double before = stage > 0 ? values[at(stage - 1)] : 0.0;
@@ -87,7 +87,7 @@ private:
 
   /// Residual (external minus internal) at the free degrees of freedom. With `heldChange` the tangents are filled too,
   /// and the first-order effect of moving the held ones by it is taken off the residual.
-  bool assemble(double time, const Eigen::VectorXd* heldChange, Eigen::VectorXd& residual) {
+  bool assemble(double time, const Eigen::VectorXd *heldChange, Eigen::VectorXd &residual) {
     const double factor = interpolate(model_.loadFactors, time);
     residual.setZero(freedoms_);
     internalForces_.assign(model_.nodes.size(), Eigen::Vector3d::Zero());
@@ -99,7 +99,7 @@ private:
     smallestJacobian_ = 1e300;
     forceScale_ = 0.0;
     for (std::size_t e = 0; e < model_.elements.size(); ++e) {
-      const Hex27& element = model_.elements[e];
+      const Hex27 &element = model_.elements[e];
       ElementResult result = evaluateElement(model_, element, x, pressures_[e].value);
       if (!result.valid) return false;
       smallestJacobian_ = std::min(smallestJacobian_, result.smallestJacobian);
@@ -122,8 +122,8 @@ private:
     return true;
   }
 
-  void moveHeld(const Hex27& element, const Multifrontal::ElementMatrix& tangent, const Eigen::VectorXd& heldChange,
-                Eigen::VectorXd& residual) const {
+  void moveHeld(const Hex27 &element, const Multifrontal::ElementMatrix &tangent, const Eigen::VectorXd &heldChange,
+                Eigen::VectorXd &residual) const {
     for (int c = 0; c < kElementDofs; ++c) {
       const int column = number_[at(3 * element.nodes[at(c / 3)] + c % 3)];
       if (column >= 0) continue;
@@ -135,7 +135,7 @@ private:
   }
 
   /// Displacements by scale * step, and the pressures of mixed elements along with them to first order.
-  void move(const Eigen::VectorXd& step, const Eigen::VectorXd& heldStep, double scale) {
+  void move(const Eigen::VectorXd &step, const Eigen::VectorXd &heldStep, double scale) {
     const auto change = [&](int number) { return scale * (number >= 0 ? step(number) : heldStep(-1 - number)); };
     for (std::size_t n = 0; n < displacements_.size(); ++n) {
       for (int i = 0; i < 3; ++i) {
@@ -144,7 +144,7 @@ private:
       }
     }
     for (std::size_t e = 0; e < model_.elements.size(); ++e) {
-      const Hex27& element = model_.elements[e];
+      const Hex27 &element = model_.elements[e];
       if (model_.laws[at(element.law)].kind != LawKind::neoHookeanMixed) continue;
       for (int d = 0; d < kElementDofs; ++d) {
         const int number = number_[at(3 * element.nodes[at(d / 3)] + d % 3)];
@@ -166,15 +166,15 @@ private:
       if (!assemble(to, iteration == 0 ? &heldChange : &none, residual)) return false;
       const double size = residual.lpNorm<Eigen::Infinity>();
       if (iteration > 0 && size <= kTolerance * forceScale_) {
-        std::fprintf(stderr, "time %.4f: %d iterations, residual %.1e of %.1e N, smallest J %.3f, %d negative pivots\n", to,
-                     iteration, size, forceScale_, smallestJacobian_, solver_.negativePivots());
+        std::fprintf(stderr, "time %.4f: %d iterations, residual %.1e of %.1e N, smallest J %.3f, %d negative pivots\n",
+                     to, iteration, size, forceScale_, smallestJacobian_, solver_.negativePivots());
         return true;
       }
       // Far above the last residual for several iterations: the increment is too large.
       if (iteration > 8 && size > 10.0 * previous) return false;
       previous = size;
       ++iterations_;
-      if (!solver_.factorize([this](int e) -> const auto& { return tangents_[at(e)]; })) return false;
+      if (!solver_.factorize([this](int e) -> const auto & { return tangents_[at(e)]; })) return false;
       step = solver_.solve(residual);
       if (!step.allFinite()) return false;
       move(step, iteration == 0 ? heldChange : none, 1.0);
@@ -189,21 +189,21 @@ private:
     return false;
   }
 
-  const Model& model_;
+  const Model &model_;
   int freedoms_ = 0;
   int iterations_ = 0;
   double smallestJacobian_ = 1.0;
   double forceScale_ = 0.0;
-  std::vector<int> number_; ///< [3 node + axis]
-  Multifrontal solver_;     ///< after number_ and freedoms_, which its construction fills
+  std::vector<int> number_;  ///< [3 node + axis]
+  Multifrontal solver_;      ///< after number_ and freedoms_, which its construction fills
   std::vector<Multifrontal::ElementMatrix> tangents_;
-  std::vector<PressureState> pressures_;  ///< [element] as Newton's method predicts them
-  std::vector<std::vector<int>> facesOf_; ///< [element] indices into model.pressures
+  std::vector<PressureState> pressures_;   ///< [element] as Newton's method predicts them
+  std::vector<std::vector<int>> facesOf_;  ///< [element] indices into model.pressures
   Vectors deadForces_, displacements_, internalForces_;
 };
 
-} // namespace
+}  // namespace
 
-Solution solve(const Model& model) { return Newton(model).run(); }
+Solution solve(const Model &model) { return Newton(model).run(); }
 
-} // namespace truth
+}  // namespace truth

@@ -9,9 +9,9 @@ namespace truth {
 namespace {
 
 class Dissection {
-public:
-  explicit Dissection(const Model& model) : model_(model), taken_(model.nodes.size(), false), seen_(taken_.size(), 0) {
-    for (const Hex27& element : model.elements) {
+ public:
+  explicit Dissection(const Model &model) : model_(model), taken_(model.nodes.size(), false), seen_(taken_.size(), 0) {
+    for (const Hex27 &element : model.elements) {
       Eigen::Vector3d centre = Eigen::Vector3d::Zero();
       for (const int node : element.nodes) centre += model.nodes[static_cast<std::size_t>(node)];
       centres_.push_back(centre / kNodesPerElement);
@@ -22,7 +22,7 @@ public:
 
   std::vector<Part> parts() && { return std::move(parts_); }
 
-private:
+ private:
   auto lessAlongLongestSide(std::span<const int> elements) const {
     Eigen::AlignedBox3d box;
     for (const int e : elements) box.extend(centres_[static_cast<std::size_t>(e)]);
@@ -61,17 +61,17 @@ private:
     return static_cast<int>(parts_.size()) - 1;
   }
 
-  const std::array<int, kNodesPerElement>& nodesOf(int element) const {
+  const std::array<int, kNodesPerElement> &nodesOf(int element) const {
     return model_.elements[static_cast<std::size_t>(element)].nodes;
   }
 
-  void take(int node, Part& part) {
+  void take(int node, Part &part) {
     if (taken_[static_cast<std::size_t>(node)]) return;
     taken_[static_cast<std::size_t>(node)] = true;
     part.nodes.push_back(node);
   }
 
-  const Model& model_;
+  const Model &model_;
   std::vector<Part> parts_;
   std::vector<Eigen::Vector3d> centres_;
   std::vector<int> elements_;
@@ -80,8 +80,8 @@ private:
   int stamp_ = 0;
 };
 
-} // namespace
+}  // namespace
 
-std::vector<Part> dissect(const Model& model) { return Dissection(model).parts(); }
+std::vector<Part> dissect(const Model &model) { return Dissection(model).parts(); }
 
-} // namespace truth
+}  // namespace truth

@@ -4,7 +4,8 @@
  * Rules that hold in every header of this folder:
  *  - C11 and C++20; fixed-width types; no bool, no enum-typed field, no size_t, no C++ type.
  *  - A struct that may grow begins with `uint32_t size`; new members go last and zero means "as before".
- *    In-structs: the callee reads min(size, what it knows). Out-structs: the caller sets size, the callee writes that much.
+ *    In-structs: the callee reads min(size, what it knows). Out-structs: the caller sets size, the callee writes that
+ * much.
  *  - Strings and views are borrowed for the duration of the call unless the comment says otherwise.
  *  - Thread tags: [main] the thread of the window, [sim] the simulation's thread, [any] every thread, concurrently.
  *  - A function pointer of a table is never null for the revision that was asked for.
@@ -43,17 +44,17 @@ typedef int32_t c3de_status;
 #define C3DE_E_UNSUPPORTED ((c3de_status)-3) /* known, but not offered here */
 #define C3DE_E_EXISTS ((c3de_status)-4)      /* the id is taken */
 #define C3DE_E_NOT_FOUND ((c3de_status)-5)
-#define C3DE_E_STALE ((c3de_status)-6)       /* the handle's object is gone */
-#define C3DE_E_STATE ((c3de_status)-7)       /* not in this state */
-#define C3DE_E_THREAD ((c3de_status)-8)      /* not on this thread */
+#define C3DE_E_STALE ((c3de_status)-6)  /* the handle's object is gone */
+#define C3DE_E_STATE ((c3de_status)-7)  /* not in this state */
+#define C3DE_E_THREAD ((c3de_status)-8) /* not on this thread */
 #define C3DE_E_NOMEM ((c3de_status)-9)
 #define C3DE_E_IO ((c3de_status)-10)
-#define C3DE_E_FORMAT ((c3de_status)-11)     /* a file or text is malformed */
+#define C3DE_E_FORMAT ((c3de_status)-11) /* a file or text is malformed */
 #define C3DE_E_CANCELLED ((c3de_status)-12)
 #define C3DE_E_TIMEOUT ((c3de_status)-13)
-#define C3DE_E_DIVERGED ((c3de_status)-14)   /* the simulation left the finite numbers; the last good state is kept */
+#define C3DE_E_DIVERGED ((c3de_status)-14) /* the simulation left the finite numbers; the last good state is kept */
 #define C3DE_E_GPU ((c3de_status)-15)
-#define C3DE_E_EXCEPTION ((c3de_status)-16)  /* an exception was caught at the boundary */
+#define C3DE_E_EXCEPTION ((c3de_status)-16) /* an exception was caught at the boundary */
 #define C3DE_E_INTERNAL ((c3de_status)-17)
 
 /* Index and generation of an object on the other side; 0 is none. A stale handle answers C3DE_E_STALE. */

@@ -17,7 +17,7 @@ inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 struct RayHit {
   double t = -1.0;  ///< along the direction (not normalised); < 0: none
   std::uint32_t triangle = kNoTriangle;
-  Vec3 bary{};      ///< weights of the triangle's corners
+  Vec3 bary{};  ///< weights of the triangle's corners
 
   [[nodiscard]] bool isHit() const { return triangle != kNoTriangle; }
 };
@@ -32,8 +32,8 @@ struct ClosestPoint {
   [[nodiscard]] bool isFound() const { return triangle != kNoTriangle; }
 };
 
-/// A tree of axis-aligned boxes over a triangle mesh, on FCL's BVHModel with our own traversal: FCL has no ray query, and
-/// its collide() copies the whole model per query for this kind of box.
+/// A tree of axis-aligned boxes over a triangle mesh, on FCL's BVHModel with our own traversal: FCL has no ray query,
+/// and its collide() copies the whole model per query for this kind of box.
 ///
 /// Lengths are in whatever unit the vertices have. Const members may run on several threads at once; refit() and
 /// rebuild() need the tree to themselves.
@@ -56,14 +56,15 @@ class AabbTree {
   [[nodiscard]] RayHit ray(const Vec3 &origin, const Vec3 &direction,
                            double tMax = std::numeric_limits<double>::infinity()) const;
   [[nodiscard]] RayHit segment(const Vec3 &from, const Vec3 &to) const;  ///< t in [0, 1]
-  /// Closest point of the surface within maxDistance (inclusive), on a tie that of the triangle with the smallest index.
+  /// Closest point of the surface within maxDistance (inclusive), on a tie that of the triangle with the smallest
+  /// index.
   [[nodiscard]] ClosestPoint closest(const Vec3 &point,
                                      double maxDistance = std::numeric_limits<double>::infinity()) const;
   /// Triangles that meet the ball, in ascending order; `out` is replaced.
   void sphere(const Vec3 &centre, double radius, std::vector<std::uint32_t> &out) const;
 
-  /// Every edge is run through as often one way as the other (two triangles that face the same side, as a rule): distances
-  /// are signed. Vertices count as different even at equal positions.
+  /// Every edge is run through as often one way as the other (two triangles that face the same side, as a rule):
+  /// distances are signed. Vertices count as different even at equal positions.
   [[nodiscard]] bool isClosed() const;
   [[nodiscard]] std::size_t triangleCount() const;
   [[nodiscard]] std::size_t vertexCount() const;

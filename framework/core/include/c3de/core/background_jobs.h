@@ -14,8 +14,8 @@ namespace c3de {
 
 class MainQueue;
 
-/// Long work beside the window: one thread per running job, progress for a bar, cancellation, and the result handed back
-/// on the main thread.
+/// Long work beside the window: one thread per running job, progress for a bar, cancellation, and the result handed
+/// back on the main thread.
 class BackgroundJobs {
  public:
   explicit BackgroundJobs(MainQueue &mainQueue);
@@ -23,7 +23,8 @@ class BackgroundJobs {
 
   using Run = std::function<Expected<void>(const ProgressFn &)>;
   using Done = std::function<void(const Expected<void> &)>;
-  /// Main thread. done() is called once, on the main thread. While the destructor runs nothing is started: a null handle.
+  /// Main thread. done() is called once, on the main thread. While the destructor runs nothing is started: a null
+  /// handle.
   Handle submit(std::string owner, std::string title, Run run, Done done);
   bool cancel(Handle job);
   /// Cancels, waits for and finishes the jobs of a plugin (it is about to go). Main thread.

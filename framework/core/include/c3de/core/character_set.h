@@ -12,8 +12,8 @@ struct CharacterSet {
   unsigned codePage = 0;       ///< Win32
 };
 
-/// Text as UTF-8. Bytes that are not of the set become U+FFFD, as do all above 127 where the platform does not know the set.
-/// Any thread.
+/// Text as UTF-8. Bytes that are not of the set become U+FFFD, as do all above 127 where the platform does not know the
+/// set. Any thread.
 [[nodiscard]] std::string utf8From(std::string_view bytes, const CharacterSet &set);
 
 }  // namespace c3de

@@ -40,9 +40,7 @@ class HandleTable {
   }
 
   /// Null for a stale or null handle.
-  [[nodiscard]] T *find(Handle h) {
-    return isLive(h) ? &*slots_[h.index].value : nullptr;
-  }
+  [[nodiscard]] T *find(Handle h) { return isLive(h) ? &*slots_[h.index].value : nullptr; }
   [[nodiscard]] const T *find(Handle h) const { return isLive(h) ? &*slots_[h.index].value : nullptr; }
 
   bool remove(Handle h) {

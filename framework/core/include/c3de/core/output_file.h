@@ -20,10 +20,10 @@ using FilePointer = std::unique_ptr<std::FILE, FileCloser>;
 }  // namespace detail
 
 /// A file that appears complete or not at all: it is written beside its place without a name, which the system takes
-/// back when the program is killed, or (where it knows no such files) under a name of its own (FILE.part), and takes its place
-/// when commit() succeeds. What was there stays until then. A link is followed; a device or pipe, which nothing can
-/// take the place of, and a file in a folder that may not be written to, are written directly.
-/// All errors are ErrorCode::output and say the reason of the system ("No space left on device").
+/// back when the program is killed, or (where it knows no such files) under a name of its own (FILE.part), and takes
+/// its place when commit() succeeds. What was there stays until then. A link is followed; a device or pipe, which
+/// nothing can take the place of, and a file in a folder that may not be written to, are written directly. All errors
+/// are ErrorCode::output and say the reason of the system ("No space left on device").
 class OutputFile {
  public:
   [[nodiscard]] static Expected<OutputFile> open(const std::filesystem::path &path);
@@ -38,7 +38,7 @@ class OutputFile {
  private:
   OutputFile() = default;
   void discard();
-  int giveName();  ///< errno, 0: done
+  int giveName();                    ///< errno, 0: done
   std::filesystem::path path_;       ///< as it was named, for messages
   std::filesystem::path target_;     ///< what is replaced
   std::filesystem::path temporary_;  ///< empty: written directly, or unnamed
@@ -50,7 +50,8 @@ class OutputFile {
 /// OutputFile for text or bytes that are there already.
 [[nodiscard]] Expected<void> writeWholeFile(const std::filesystem::path &path, std::string_view bytes);
 
-/// A table that grows while others may read it, and ends with a whole row whenever the program ends or the disk is full.
+/// A table that grows while others may read it, and ends with a whole row whenever the program ends or the disk is
+/// full.
 class OutputRows {
  public:
   /// Replaces what is there.
@@ -66,10 +67,11 @@ class OutputRows {
   std::uintmax_t bytes_ = 0;  ///< of whole rows
 };
 
-/// Whether all of these files can be written, asked before hours of work go into what is to be written: that no two names
-/// lead to one file (however they are spelt, through links, or because the system tells no capitals), and none to a file that
-/// is read, or that lies in a folder that is read. Leaves existing files as they are and no new ones behind. Empty paths are
-/// left out. Errors: ErrorCode::usage names the two, ErrorCode::output says why a file cannot be written.
+/// Whether all of these files can be written, asked before hours of work go into what is to be written: that no two
+/// names lead to one file (however they are spelt, through links, or because the system tells no capitals), and none to
+/// a file that is read, or that lies in a folder that is read. Leaves existing files as they are and no new ones
+/// behind. Empty paths are left out. Errors: ErrorCode::usage names the two, ErrorCode::output says why a file cannot
+/// be written.
 [[nodiscard]] Expected<void> checkOutputs(std::span<const std::filesystem::path> outputs,
                                           std::span<const std::filesystem::path> inputs);
 

@@ -44,7 +44,8 @@ struct ParameterDecl {
 [[nodiscard]] Expected<void> checkParameter(const ParameterDecl &decl, const ParameterValue &value);
 
 /// The declaration of an id; the error names the nearest known id.
-[[nodiscard]] Expected<const ParameterDecl *> findParameter(const std::vector<ParameterDecl> &decls, std::string_view id);
+[[nodiscard]] Expected<const ParameterDecl *> findParameter(const std::vector<ParameterDecl> &decls,
+                                                            std::string_view id);
 
 /// Reads declarations as they come through the ABI (array with stride).
 [[nodiscard]] std::vector<ParameterDecl> readDeclarations(const c3de_param_decl *decls, std::uint64_t n,

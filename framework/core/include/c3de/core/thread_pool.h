@@ -21,8 +21,8 @@ class ThreadPool {
 
   /// Calls body(begin, end) for disjoint ranges of about `grain` that cover [0, n); returns when all are done.
   /// Each thread begins with its own part, the same one in every loop of that length, so that data stay in its cache;
-  /// what it does not get to others take, so results must not depend on who did what. A call from inside a body, or while
-  /// another thread uses the pool, runs inline. Bodies must not throw. Any thread.
+  /// what it does not get to others take, so results must not depend on who did what. A call from inside a body, or
+  /// while another thread uses the pool, runs inline. Bodies must not throw. Any thread.
   void parallelFor(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body);
 
   [[nodiscard]] unsigned threadCount() const;

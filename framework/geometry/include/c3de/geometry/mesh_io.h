@@ -18,11 +18,11 @@ struct LoadedMesh {
   MeshReport report;
 };
 
-/// Reads OBJ, STL, PLY, VTK polydata (legacy .vtk, uncompressed XML .vtp), OFF and glTF; polygons become triangles, vertices at equal
-/// positions are welded, degenerate and duplicate triangles dropped, an inside-out surface is turned: each with a line in
-/// the report. Refused with the reason: unreadable or empty files, no faces, indices out of range, coordinates that are
-/// not finite or beyond 1e9 mm.
-/// A comment `SPACE=RAS` in the head of the file turns x and y to LPS, with a line in the report.
+/// Reads OBJ, STL, PLY, VTK polydata (legacy .vtk, uncompressed XML .vtp), OFF and glTF; polygons become triangles,
+/// vertices at equal positions are welded, degenerate and duplicate triangles dropped, an inside-out surface is turned:
+/// each with a line in the report. Refused with the reason: unreadable or empty files, no faces, indices out of range,
+/// coordinates that are not finite or beyond 1e9 mm. A comment `SPACE=RAS` in the head of the file turns x and y to
+/// LPS, with a line in the report.
 /// @param unit  of the numbers in the file; vertices become millimetres. None: what a comment such as `UNITS=mm` in the
 ///              head says, else mm. A unit that is given wins; where the file says another one, the report warns.
 [[nodiscard]] Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<LengthUnit> unit,

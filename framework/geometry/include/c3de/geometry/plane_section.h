@@ -14,9 +14,9 @@ struct Polyline {
   bool isClosed = false;
 };
 
-/// Where triangles cut a plane, joined to curves. A closed manifold surface gives closed curves only, also when the plane
-/// goes through vertices or faces (points on the plane count as in front of it). Seen from where the normal points, a
-/// curve around material runs counter-clockwise when the faces are counter-clockwise seen from outside.
+/// Where triangles cut a plane, joined to curves. A closed manifold surface gives closed curves only, also when the
+/// plane goes through vertices or faces (points on the plane count as in front of it). Seen from where the normal
+/// points, a curve around material runs counter-clockwise when the faces are counter-clockwise seen from outside.
 /// @param positions  any space; only the sign of the distance to the plane decides, so the result lies on the edges
 /// @param triangles  indices into positions; broken ones are left out
 [[nodiscard]] std::vector<Polyline> planeSection(std::span<const Vec3> positions, std::span<const Triangle> triangles,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that ParaView opens: point clouds (VTU), surfaces (VTP, also with several bodies), and the list of a sequence (PVD).
+// Files that ParaView opens: point clouds (VTU), surfaces (VTP, also with several bodies), and the list of a sequence
+// (PVD).
 #pragma once
 
 #include <filesystem>
@@ -20,7 +21,8 @@ struct PointCloud {
 };
 
 /// Each point becomes a cell (VTK_VERTEX) of an unstructured grid. @param title  one line, as a comment
-[[nodiscard]] Expected<void> writeVtu(const std::filesystem::path &path, const PointCloud &cloud, const std::string &title = {});
+[[nodiscard]] Expected<void> writeVtu(const std::filesystem::path &path, const PointCloud &cloud,
+                                      const std::string &title = {});
 /// A surface; without triangles each vertex becomes a point of its own.
 [[nodiscard]] Expected<void> writeVtp(const std::filesystem::path &path, const TriangleMesh &mesh,
                                       std::span<const PointArray> arrays, const std::string &title = {});

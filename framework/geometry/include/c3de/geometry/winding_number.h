@@ -12,7 +12,8 @@ namespace c3de::geometry {
 /// ray hits is not: faces in the planes of the bounding box, holes, overlaps, duplicate faces.
 ///
 /// @source Jacobson, Kavan, Sorkine-Hornung, Robust Inside-Outside Segmentation using Generalized Winding Numbers,
-///         SIGGRAPH 2013; far field by dipoles as in Barill et al., Fast Winding Numbers for Soups and Clouds, SIGGRAPH 2018
+///         SIGGRAPH 2013; far field by dipoles as in Barill et al., Fast Winding Numbers for Soups and Clouds, SIGGRAPH
+///         2018
 class WindingNumber {
  public:
   /// Copies what it needs; O(n log n).

@@ -7,11 +7,12 @@
 
 namespace c3de::imaging {
 
-/// As a person writes it: "kidney_left" -> "kidney left"; one vertebra is a vertebra: "vertebrae_T12" -> "vertebra T12".
+/// As a person writes it: "kidney_left" -> "kidney left"; one vertebra is a vertebra: "vertebrae_T12" -> "vertebra
+/// T12".
 [[nodiscard]] std::string readableName(std::string_view name);
 
-/// What a label map of one label shows, by the name of its file: "heart.nii.gz" -> "heart", "liver_mask.nrrd" -> "liver".
-/// Empty where the name says only that it is a label map.
+/// What a label map of one label shows, by the name of its file: "heart.nii.gz" -> "heart", "liver_mask.nrrd" ->
+/// "liver". Empty where the name says only that it is a label map.
 [[nodiscard]] std::string nameFromFile(const std::filesystem::path &file);
 
 }  // namespace c3de::imaging

@@ -17,8 +17,8 @@ struct Unspecked {
   std::size_t specks = 0, voxels = 0;  ///< components and voxels that were taken away
 };
 [[nodiscard]] Expected<Unspecked> withoutSpecks(const Mask &mask, const ProgressFn &progress = {});
-/// What of a mask a closed surface leaves outside: voxels with neither their own centre nor that of a neighbour inside of
-/// it. A surface that runs along the border of the mask, half a voxel off, leaves nothing.
+/// What of a mask a closed surface leaves outside: voxels with neither their own centre nor that of a neighbour inside
+/// of it. A surface that runs along the border of the mask, half a voxel off, leaves nothing.
 [[nodiscard]] Mask notEnclosed(const Mask &mask, const geometry::TriangleMesh &surface);
 
 }  // namespace c3de::imaging

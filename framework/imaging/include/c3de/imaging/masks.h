@@ -27,8 +27,8 @@ namespace c3de::imaging {
 [[nodiscard]] Mask maskOf(const LabelMap &labels, std::uint16_t value);
 [[nodiscard]] Mask maskOf(const LabelMap &labels, std::span<const std::uint16_t> values);
 
-/// Voxels whose centre lies inside of a closed surface (world, mm). Rays along i count its faces, so either orientation is
-/// right; parts that lie within each other are hollow, parts that overlap are, too, where they do.
+/// Voxels whose centre lies inside of a closed surface (world, mm). Rays along i count its faces, so either orientation
+/// is right; parts that lie within each other are hollow, parts that overlap are, too, where they do.
 [[nodiscard]] Mask maskOf(const geometry::TriangleMesh &closed, const VolumeGeometry &grid);
 
 [[nodiscard]] std::size_t voxelCount(const Mask &mask);
@@ -40,8 +40,8 @@ struct Fill {
   VolumeGeometry geometry;
   std::vector<float> values;  ///< 0 … 1, geometry.voxelCount(), i fastest; the outermost layer is 0
 };
-/// The part of the grid that the mask covers, in blocks of whole voxels with edges up to `coarsest_mm` (0: single voxels).
-/// Sums times voxel volumes are those of the mask. Errors: an empty mask, an edge that is not finite and >= 0.
+/// The part of the grid that the mask covers, in blocks of whole voxels with edges up to `coarsest_mm` (0: single
+/// voxels). Sums times voxel volumes are those of the mask. Errors: an empty mask, an edge that is not finite and >= 0.
 [[nodiscard]] Expected<Fill> fillOf(const Mask &mask, double coarsest_mm = 0.0);
 
 /// What hangs together with the voxel at `index`. Errors: an index outside of the grid or of the mask.
@@ -54,12 +54,12 @@ struct Fill {
 /// With the voxels outside from which no way through faces leads to the border of the grid.
 [[nodiscard]] Expected<Mask> fillHoles(const Mask &mask, const ProgressFn &progress = {});
 
-/// Closing: gaps and bays narrower than twice the radius are filled; the mask may grow towards the border of the grid, not
-/// beyond it. Balls are exact in millimetres between voxel centres, whatever the spacing, direction or shear.
+/// Closing: gaps and bays narrower than twice the radius are filled; the mask may grow towards the border of the grid,
+/// not beyond it. Balls are exact in millimetres between voxel centres, whatever the spacing, direction or shear.
 /// Errors: a radius that is not > 0 and finite, or more than 128 voxels.
 [[nodiscard]] Expected<Mask> closed(const Mask &mask, double radius_mm, const ProgressFn &progress = {});
-/// Opening: bridges and spurs narrower than twice the radius are removed. The border of the grid takes nothing off: what
-/// it cuts goes on behind it. Errors as of closed().
+/// Opening: bridges and spurs narrower than twice the radius are removed. The border of the grid takes nothing off:
+/// what it cuts goes on behind it. Errors as of closed().
 [[nodiscard]] Expected<Mask> opened(const Mask &mask, double radius_mm, const ProgressFn &progress = {});
 
 /// Labels on another grid: each voxel takes the label at its centre, 0 where the map has none. Errors: a grid without

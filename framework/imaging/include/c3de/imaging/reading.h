@@ -29,7 +29,7 @@ struct LoadedVolume {
 
 struct LoadedLabels {
   LabelMap labels;
-  std::vector<LabelMap> layers;      ///< further ones of a file whose labels overlap, each with labels of its own
+  std::vector<LabelMap> layers;  ///< further ones of a file whose labels overlap, each with labels of its own
   std::vector<std::string> notices;
 };
 
@@ -41,11 +41,11 @@ struct SeriesInfo {
   std::string orientation;            ///< of the slices: "axial", "oblique sagittal", …; empty: not known
   std::array<std::size_t, 3> size{};  ///< as found; missing slices are not counted
   std::size_t files = 0;
-  std::size_t times = 1;              ///< time points that ReadOptions::time chooses from
-  bool isPart = false;          ///< of the series before it, which is read unless this one is asked for
+  std::size_t times = 1;  ///< time points that ReadOptions::time chooses from
+  bool isPart = false;    ///< of the series before it, which is read unless this one is asked for
   /// For readLabelMap(): of DICOM, or with the segments of 3D Slicer or a label table of NIfTI.
   bool isSegmentation = false;
-                                ///< Of DICOM readVolume() takes it only where there is nothing else
+  ///< Of DICOM readVolume() takes it only where there is nothing else
   bool holdsNamedFile = false;  ///< the file that listSeries() was asked for is one of its files
   std::filesystem::path folder;
   std::string refusal;      ///< why readVolume() would not take it; empty: it would try
@@ -55,22 +55,25 @@ struct SeriesInfo {
 /// Reads DICOM (a folder with its sub-folders, or any file of a series), NIfTI-1 and -2, NRRD and NHDR, MetaImage.
 /// The stored scalar type is kept, slope and intercept are not applied; 64-bit integers become 32-bit where they fit.
 /// Sheared grids (gantry tilt) stay as they are; unevenly spaced slices are resampled between their neighbours with a
-/// notice, and blocks of different spacing to that of the finest; each block is a part of its series as well. Of several time
-/// points the one that is asked for is read (DICOM: for 0 that of the file that was named); a file that ends within later ones
-/// is read with a notice of how many are whole. Colours (three or four whole numbers of 8 or 16 bits; those of DICOM) become
-/// Volume::colours and their luma. Errors (input): unreadable, truncated or damaged files, fields of a header that the format
-/// does not know (NRRD), a series or a time point that is not there, images of other vectors, slices that make no volume,
-/// several series and none chosen (the message lists them), more memory needed than allowed (the message names both figures).
+/// notice, and blocks of different spacing to that of the finest; each block is a part of its series as well. Of
+/// several time points the one that is asked for is read (DICOM: for 0 that of the file that was named); a file that
+/// ends within later ones is read with a notice of how many are whole. Colours (three or four whole numbers of 8 or 16
+/// bits; those of DICOM) become Volume::colours and their luma. Errors (input): unreadable, truncated or damaged files,
+/// fields of a header that the format does not know (NRRD), a series or a time point that is not there, images of other
+/// vectors, slices that make no volume, several series and none chosen (the message lists them), more memory needed
+/// than allowed (the message names both figures).
 [[nodiscard]] Expected<LoadedVolume> readVolume(const std::filesystem::path &path, const ReadOptions &options = {});
 
-/// Reads whole numbers 0 … 65535 as labels. Names and colours come from the file (segments of NRRD; the label table that
-/// Connectome Workbench and TotalSegmentator put into NIfTI) or a table beside it: for a.nii.gz that is a.nii.txt,
-/// a.nii.label, a.label, a.txt or a.ctbl with lines of `number name`, of ITK-SNAP or of Slicer. A single label that nobody
-/// named is called after the file (nameFromFile()). Segments of 3D Slicer or DICOM that overlap lie in layers, of which the
-/// first is `labels` and the others are `layers`; a segment is in one of them, its number may be in several (3D Slicer).
+/// Reads whole numbers 0 … 65535 as labels. Names and colours come from the file (segments of NRRD; the label table
+/// that Connectome Workbench and TotalSegmentator put into NIfTI) or a table beside it: for a.nii.gz that is a.nii.txt,
+/// a.nii.label, a.label, a.txt or a.ctbl with lines of `number name`, of ITK-SNAP or of Slicer. A single label that
+/// nobody named is called after the file (nameFromFile()). Segments of 3D Slicer or DICOM that overlap lie in layers,
+/// of which the first is `labels` and the others are `layers`; a segment is in one of them, its number may be in
+/// several (3D Slicer).
 [[nodiscard]] Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const ReadOptions &options = {});
 
-/// The series of a DICOM folder (sub-folders included), of the folder of a DICOM file, or the one image of another file.
+/// The series of a DICOM folder (sub-folders included), of the folder of a DICOM file, or the one image of another
+/// file.
 [[nodiscard]] Expected<std::vector<SeriesInfo>> listSeries(const std::filesystem::path &path,
                                                            const ProgressFn &progress = {});
 

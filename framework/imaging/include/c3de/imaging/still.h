@@ -23,6 +23,7 @@ struct StillRule {
 /// @param labels  on a grid of its own; null: none
 /// @param places  DisplacementGrid::bodies, on the grid of the image
 /// Errors: usage, when `places` is on another grid.
-[[nodiscard]] Expected<void> markStill(const StillRule &rule, const Volume &image, const LabelMap *labels, Mask &places);
+[[nodiscard]] Expected<void> markStill(const StillRule &rule, const Volume &image, const LabelMap *labels,
+                                       Mask &places);
 
 }  // namespace c3de::imaging

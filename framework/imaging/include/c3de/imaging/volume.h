@@ -15,8 +15,8 @@ namespace c3de::imaging {
 /// Where the voxels of a volume lie. Indices count from 0, i fastest; a whole index is the centre of its voxel.
 /// World is LPS (left, posterior, superior grow), right-handed, millimetres.
 struct VolumeGeometry {
-  std::array<std::size_t, 3> size{};   ///< voxels along i, j, k; each at least 1
-  Mat4 indexToWorld = kIdentity4;      ///< affine, invertible; any direction, shear allowed (gantry tilt)
+  std::array<std::size_t, 3> size{};  ///< voxels along i, j, k; each at least 1
+  Mat4 indexToWorld = kIdentity4;     ///< affine, invertible; any direction, shear allowed (gantry tilt)
 
   [[nodiscard]] std::size_t voxelCount() const { return size[0] * size[1] * size[2]; }
   [[nodiscard]] Vec3 worldAt(const Vec3 &index) const { return transformPoint(indexToWorld, index); }
@@ -46,10 +46,10 @@ using Rgba = std::array<std::uint8_t, 4>;
 /// An image of scalars. Never changes once it is built; any number of threads may read it.
 struct Volume {
   VolumeGeometry geometry;
-  Voxels voxels;           ///< geometry.voxelCount() of them, i fastest; of a colour image its luma (Rec. 709)
-  double slope = 1.0;      ///< value = slope * voxel + intercept
+  Voxels voxels;       ///< geometry.voxelCount() of them, i fastest; of a colour image its luma (Rec. 709)
+  double slope = 1.0;  ///< value = slope * voxel + intercept
   double intercept = 0.0;
-  std::string unit{};      ///< of values: "HU", or empty when the file does not say
+  std::string unit{};           ///< of values: "HU", or empty when the file does not say
   std::vector<Rgba> colours{};  ///< of a colour image, geometry.voxelCount(); empty: it has none
 
   [[nodiscard]] std::size_t offset(std::size_t i, std::size_t j, std::size_t k) const {
@@ -65,12 +65,12 @@ struct Volume {
 struct LabelMap {
   struct Label {
     std::uint16_t value = 0;
-    std::string name;                    ///< "label 7" when nobody named it
-    std::array<float, 3> colour{};       ///< linear RGB, 0 … 1
+    std::string name;               ///< "label 7" when nobody named it
+    std::array<float, 3> colour{};  ///< linear RGB, 0 … 1
   };
-  VolumeGeometry geometry;               ///< its own grid: need not be that of any image
-  std::vector<std::uint16_t> voxels;     ///< geometry.voxelCount(), i fastest
-  std::vector<Label> labels;             ///< those that occur, by value, without the background
+  VolumeGeometry geometry;            ///< its own grid: need not be that of any image
+  std::vector<std::uint16_t> voxels;  ///< geometry.voxelCount(), i fastest
+  std::vector<Label> labels;          ///< those that occur, by value, without the background
 };
 
 /// One byte per voxel: 0 outside, 1 inside.

@@ -24,7 +24,8 @@ namespace c3de::imaging {
 [[nodiscard]] Expected<Volume> warped(const Volume &reference, const DisplacementGrid &u,
                                       const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
-/// The nearest label, 0 where vacated; the border goes on as in images. Labels that no longer occur are left out of the list.
+/// The nearest label, 0 where vacated; the border goes on as in images. Labels that no longer occur are left out of the
+/// list.
 [[nodiscard]] Expected<LabelMap> warped(const LabelMap &reference, const DisplacementGrid &u,
                                         const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
@@ -32,8 +33,8 @@ namespace c3de::imaging {
 [[nodiscard]] Expected<Volume> magnitudeOf(const DisplacementGrid &u, const VolumeGeometry &grid,
                                            const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 
-/// 1 where a body has gone away and nothing is known of what is there now (DisplacementGrid), else 0; all 0 where u does not
-/// know of bodies.
+/// 1 where a body has gone away and nothing is known of what is there now (DisplacementGrid), else 0; all 0 where u
+/// does not know of bodies.
 [[nodiscard]] Expected<Mask> vacatedPlaces(const DisplacementGrid &u, const VolumeGeometry &grid,
                                            const ProgressFn &progress = {}, ThreadPool *threads = nullptr);
 

@@ -31,9 +31,9 @@ struct WarpGridLimits {
   double coarsestStep = 2.0;    ///< spacings of the finest body; a longer box is cut around where the bodies were first
 };
 
-/// The grid on which the displacement of moving bodies is asked for. It stays where it is while it holds the bodies with
-/// their rim; once they leave it, or shrink so far that a new one would be much finer, it is laid anew with room to move.
-/// Its step is half the spacing, longer where the limits ask for it.
+/// The grid on which the displacement of moving bodies is asked for. It stays where it is while it holds the bodies
+/// with their rim; once they leave it, or shrink so far that a new one would be much finer, it is laid anew with room
+/// to move. Its step is half the spacing, longer where the limits ask for it.
 class FollowingGrid {
  public:
   explicit FollowingGrid(WarpGridLimits limits = {}) : limits_(limits) {}

@@ -32,8 +32,8 @@ class ToolRegistry;
 
 namespace c3de::plugin_host {
 
-/// What plugins may reach. Null members are not served in this run, for example `renderer`, `panels` and `tools` without
-/// a window; get_service then answers C3DE_E_UNSUPPORTED. Must outlive the host.
+/// What plugins may reach. Null members are not served in this run, for example `renderer`, `panels` and `tools`
+/// without a window; get_service then answers C3DE_E_UNSUPPORTED. Must outlive the host.
 struct Services {
   ThreadPool *pool = nullptr;
   MainQueue *mainQueue = nullptr;
@@ -64,8 +64,8 @@ struct ClassInfo {
   std::vector<std::string> interfaces;
 };
 
-/// Finds, loads, negotiates with and calls plugins. A plugin that fails on the way leaves nothing registered. Main thread,
-/// except where plugins call services that say otherwise.
+/// Finds, loads, negotiates with and calls plugins. A plugin that fails on the way leaves nothing registered. Main
+/// thread, except where plugins call services that say otherwise.
 class PluginHost {
  public:
   explicit PluginHost(const Services &services);
@@ -96,7 +96,8 @@ class PluginHost {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Where plugins are looked for, in order: C3DE_PLUGIN_PATH, the user's folder, beside the program (../lib/c3de/plugins).
+/// Where plugins are looked for, in order: C3DE_PLUGIN_PATH, the user's folder, beside the program
+/// (../lib/c3de/plugins).
 [[nodiscard]] std::vector<std::filesystem::path> defaultPluginFolders();
 
 }  // namespace c3de::plugin_host

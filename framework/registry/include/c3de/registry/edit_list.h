@@ -33,8 +33,12 @@ class EditList {
   /// Grows with every add().
   [[nodiscard]] std::uint64_t edits() const { return edits_; }
   /// Of what would be undone or redone; empty: nothing.
-  [[nodiscard]] std::string undoLabel() const { return done_ > 0 ? table_.find(order_[done_ - 1])->label : std::string(); }
-  [[nodiscard]] std::string redoLabel() const { return done_ < order_.size() ? table_.find(order_[done_])->label : std::string(); }
+  [[nodiscard]] std::string undoLabel() const {
+    return done_ > 0 ? table_.find(order_[done_ - 1])->label : std::string();
+  }
+  [[nodiscard]] std::string redoLabel() const {
+    return done_ < order_.size() ? table_.find(order_[done_])->label : std::string();
+  }
   /// What fails is forgotten; the log has said why.
   void undo();
   void redo();

@@ -12,7 +12,8 @@ namespace c3de::registry {
 
 class ParameterRegistry;
 
-/// Undo and redo of what a person changed in the parameters of a panel. One drag of a slider is one entry. Main thread only.
+/// Undo and redo of what a person changed in the parameters of a panel. One drag of a slider is one entry. Main thread
+/// only.
 class ParameterHistory {
  public:
   /// A person changed a value; further changes of the same parameter join until endGesture().
@@ -43,7 +44,7 @@ class ParameterHistory {
   std::vector<Entry> entries_;
   std::size_t done_ = 0;  // entries before it can be undone, the others redone
   std::uint64_t edits_ = 0;
-  bool isOpen_ = false;   // the last entry still takes changes
+  bool isOpen_ = false;  // the last entry still takes changes
 };
 
 }  // namespace c3de::registry

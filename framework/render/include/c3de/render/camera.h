@@ -16,9 +16,9 @@ enum class UpAxis { y, z };
 struct Camera {
   Vec3 focus{};
   double distance = 500.0;
-  double yaw = 0.6, pitch = 0.35;        ///< about the world's up; pitch within ±89.9°
-  UpAxis upAxis = UpAxis::y;             ///< yaw 0 looks along -z (y up) or +y (z up, from the front of the patient)
-  double fieldOfView = 0.6;              ///< vertical, rad
+  double yaw = 0.6, pitch = 0.35;  ///< about the world's up; pitch within ±89.9°
+  UpAxis upAxis = UpAxis::y;       ///< yaw 0 looks along -z (y up) or +y (z up, from the front of the patient)
+  double fieldOfView = 0.6;        ///< vertical, rad
   double nearPlane = 1.0, farPlane = 10000.0;
 
   /// Mouse drags in pixels, y down: the scene follows the hand. A drag over the height of the view is half a turn.

@@ -29,29 +29,29 @@ struct ImageVoxels {
   VoxelType type = VoxelType::int16;
   const void *voxels = nullptr;
   double slope = 1.0, intercept = 0.0;
-  /// Red, green, blue and opacity (left out) of each voxel, or null. Slices then show them through window and level instead
-  /// of the grey values, which are their brightness from 0 to 255; volumes are drawn from the grey values.
+  /// Red, green, blue and opacity (left out) of each voxel, or null. Slices then show them through window and level
+  /// instead of the grey values, which are their brightness from 0 to 255; volumes are drawn from the grey values.
   const std::array<std::uint8_t, 4> *colours = nullptr;
 };
 
 /// How an image is looked at. Null handles: without that part.
 struct ImageLook {
   Handle image, labels, displacement;
-  /// An image on the grid of `image`, white where bodies are in the reference; with a displacement that has gaps, places that
-  /// they have left are hatched in slices and empty in volumes. Null: nothing is known of bodies.
+  /// An image on the grid of `image`, white where bodies are in the reference; with a displacement that has gaps,
+  /// places that they have left are hatched in slices and empty in volumes. Null: nothing is known of bodies.
   Handle bodies{};
   /// A quarter of white in `bodies` is what stays: only bodies come over it, and what moves away from it leaves a gap.
   bool hasStill = false;
-  /// An image on the grid of `image`, above half its white where tissue of the reference was meant to be a body and is in
-  /// none: marked in slices. Null: nothing is.
+  /// An image on the grid of `image`, above half its white where tissue of the reference was meant to be a body and is
+  /// in none: marked in slices. Null: nothing is.
   Handle missing{};
   double leastGap = 0.0;             ///< mm; a gap above it counts
   double window = 1.0, level = 0.5;  ///< values: black at level - window/2, white at level + window/2
   bool isSmooth = true;              ///< linear interpolation of grey values; else the nearest voxel
   float labelOpacity = 0.4f;
-  bool showsShift = false;           ///< |u| as colours over the slices
+  bool showsShift = false;                  ///< |u| as colours over the slices
   double shiftLow = 0.0, shiftHigh = 10.0;  ///< mm
-  float shiftOpacity = 0.6f;         ///< above shiftLow, after a short rise; elsewhere nothing is shown
+  float shiftOpacity = 0.6f;                ///< above shiftLow, after a short rise; elsewhere nothing is shown
   friend bool operator==(const ImageLook &, const ImageLook &) = default;
 };
 
@@ -79,7 +79,7 @@ struct VolumeLook {
   bool isMaximum = false;  ///< brightest value along the ray, through window and level; no transfer function
   bool isShaded = true;
   std::vector<TransferPoint> points;  ///< by rising value, 2 at least
-  double shift = 0.0;      ///< added to the values of the points
+  double shift = 0.0;                 ///< added to the values of the points
   friend bool operator==(const VolumeLook &, const VolumeLook &) = default;
 };
 
@@ -97,13 +97,13 @@ struct ImageScene {
   VolumeLook volume;
   /// 3 at most count; of volume and slices, but not of a slice that lies in a plane of them
   std::vector<CutPlane> cuts;
-  bool cutsProxies = false;    ///< and of the proxies: meshes and lines to the plane, spheres as wholes
-  int movingDivisor = 4;  ///< a ray for so many pixels in each direction while something changes; at least 1
+  bool cutsProxies = false;  ///< and of the proxies: meshes and lines to the plane, spheres as wholes
+  int movingDivisor = 4;     ///< a ray for so many pixels in each direction while something changes; at least 1
   friend bool operator==(const ImageScene &, const ImageScene &) = default;
 };
 
-/// Images, label maps and displacement fields: uploaded once, drawn as slices and by ray casting. A displacement field u
-/// warps an image spatially: at x the value of material point x - u(x) is shown; outside its grid u is 0. Zero
+/// Images, label maps and displacement fields: uploaded once, drawn as slices and by ray casting. A displacement field
+/// u warps an image spatially: at x the value of material point x - u(x) is shown; outside its grid u is 0. Zero
 /// displacement gives the same pixels as none. Thread and context as for Renderer.
 class ImageRenderer {
  public:

@@ -23,15 +23,15 @@ using Colour = std::array<float, 4>;  ///< sRGB and opacity, 0 … 1
 
 struct Material {
   Colour colour{0.8f, 0.8f, 0.8f, 1.0f};  ///< opacity below 1 blends
-  bool twoSided = false;  ///< meshes: false hides triangles seen from behind (clockwise corners)
+  bool twoSided = false;                  ///< meshes: false hides triangles seen from behind (clockwise corners)
 };
 
 /// What colours mean. Drawn as a bar with numbers at the right edge of the picture, several below each other.
 struct Legend {
-  std::string title, unit;      ///< UTF-8
-  std::string note;             ///< below the bar, lines parted by '\n'
-  double low = 0.0, high = 1.0; ///< values of the first and the last colour
-  std::vector<Colour> colours;  ///< at even distances, the one of `low` first; 2 at least
+  std::string title, unit;       ///< UTF-8
+  std::string note;              ///< below the bar, lines parted by '\n'
+  double low = 0.0, high = 1.0;  ///< values of the first and the last colour
+  std::vector<Colour> colours;   ///< at even distances, the one of `low` first; 2 at least
 };
 
 struct Image {
@@ -62,7 +62,7 @@ class ImageRenderer;
 
 /// A mesh as it is drawn, for whoever wants to cut or measure it. Borrowed for the call.
 struct MeshView {
-  std::span<const Vec3f> positions;   ///< in the proxy's own space
+  std::span<const Vec3f> positions;  ///< in the proxy's own space
   std::span<const Triangle> triangles;
   const Mat4 &worldFromProxy;
   const Material &material;
@@ -117,8 +117,8 @@ class Renderer {
   /// Draws everything visible into the bound framebuffer, which needs a depth buffer; clears that region's depth.
   /// Leaves depth test, culling, blending and scissor off and nothing bound.
   virtual void draw(const Camera &camera, const Viewport &viewport) = 0;
-  /// Grows with everything that changes what draw() shows for the same camera, images included: as long as it stays, so does
-  /// the picture. Refinement (ImageRenderer::wantsRefinement) does not count.
+  /// Grows with everything that changes what draw() shows for the same camera, images included: as long as it stays, so
+  /// does the picture. Refinement (ImageRenderer::wantsRefinement) does not count.
   [[nodiscard]] virtual std::uint64_t changes() const = 0;
   /// Draws into an image of its own, independent of the window's size, with smoothed edges.
   [[nodiscard]] virtual Expected<Image> drawToImage(const Camera &camera, int width, int height) = 0;

@@ -13,9 +13,9 @@ namespace c3de::scene {
 /// A named tissue: values to start from, the range that is found in the literature, and where they come from.
 struct MaterialPreset {
   std::string name;
-  double density = 0.0;                                       ///< kg/m³
-  double youngsModulus = 0.0;                                 ///< Pa
-  double youngsModulusMin = 0.0, youngsModulusMax = 0.0;      ///< Pa
+  double density = 0.0;                                   ///< kg/m³
+  double youngsModulus = 0.0;                             ///< Pa
+  double youngsModulusMin = 0.0, youngsModulusMax = 0.0;  ///< Pa
   double poissonRatio = 0.0;
   double poissonRatioMin = 0.0, poissonRatioMax = 0.0;
   bool isRigid = false;  ///< an organ of it is proposed as rigid: it does not deform beside soft tissue

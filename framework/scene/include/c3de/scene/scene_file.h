@@ -12,14 +12,15 @@
 #include "c3de/core/expected.h"
 #include "c3de/core/parameter.h"
 #include "c3de/core/vec.h"
-#include "c3de/imaging/volume.h"
 #include "c3de/geometry/triangle_mesh.h"
+#include "c3de/imaging/volume.h"
 #include "c3de/scene/materials.h"
 
 namespace c3de::scene {
 
 /// A parameter as it was written, and where, so that whoever checks it can point there. Whole numbers come as
-/// C3DE_PARAM_I64, other numbers as F64, [x, y, z] as VEC3, text as TEXT; fitToDeclaration() makes them what is declared.
+/// C3DE_PARAM_I64, other numbers as F64, [x, y, z] as VEC3, text as TEXT; fitToDeclaration() makes them what is
+/// declared.
 struct SceneValue {
   ParameterValue value;
   int line = 0;              ///< in SceneFile::source; 0: not from a file
@@ -64,20 +65,20 @@ struct SceneRefinement {
   int line = 0;
 };
 
-/// What of an image is a body: a label of a label map, or the values of an image between two limits; then mended, in this
-/// order.
+/// What of an image is a body: a label of a label map, or the values of an image between two limits; then mended, in
+/// this order.
 struct SceneVolume {
-  std::filesystem::path file;            ///< file or DICOM folder; empty: the body has a mesh, or `mask`
-  std::size_t time = 0;                  ///< of several time points of the file, from 0
+  std::filesystem::path file;                      ///< file or DICOM folder; empty: the body has a mesh, or `mask`
+  std::size_t time = 0;                            ///< of several time points of the file, from 0
   std::shared_ptr<const imaging::Mask> mask;       ///< in the place of a file: picked in an image that is open
   std::optional<std::array<float, 3>> colour;      ///< linear RGB, of the label that `mask` is; none: of no label
-  std::optional<std::uint16_t> label;    ///< number of a label
-  std::string labelName;                 ///< or its name; empty: not by name
-  std::string series;                    ///< imaging::ReadOptions::series of the file or folder
+  std::optional<std::uint16_t> label;              ///< number of a label
+  std::string labelName;                           ///< or its name; empty: not by name
+  std::string series;                              ///< imaging::ReadOptions::series of the file or folder
   std::optional<std::array<double, 2>> threshold;  ///< lowest and highest value that belong to it
   double opening_mm = 0.0, closing_mm = 0.0;       ///< 0: none
   bool largest = false, fillHoles = false;
-  double edgeLength_mm = 0.0;            ///< of the triangles of the skin; 0: automatic
+  double edgeLength_mm = 0.0;  ///< of the triangles of the skin; 0: automatic
 };
 
 /// What of an image does not go with the bodies beside it.
@@ -103,7 +104,7 @@ struct SceneImage {
 
 struct SceneBody {
   std::string name;
-  std::filesystem::path mesh;   ///< empty where it is made from a volume
+  std::filesystem::path mesh;  ///< empty where it is made from a volume
   SceneVolume volume;
   geometry::LengthUnit meshUnit = geometry::LengthUnit::millimetre;
   ScenePlacement placement;
@@ -153,8 +154,8 @@ struct SceneProbe {
   int line = 0;
 };
 
-/// A scene as it was written. Structure is checked; what stands under world, solver, view, material, sampling and friction is
-/// for the simulator's declarations to check.
+/// A scene as it was written. Structure is checked; what stands under world, solver, view, material, sampling and
+/// friction is for the simulator's declarations to check.
 struct SceneFile {
   std::filesystem::path source;  ///< empty when it was made in memory
   std::string title;
@@ -172,8 +173,8 @@ struct SceneFile {
   [[nodiscard]] std::string where(const SceneValue &value) const;
 };
 
-/// Reads and checks a scene. Every error (ErrorCode::input) reads "FILE:LINE: what is wrong; what is accepted"; an unknown
-/// key names the nearest known one, a key that is known but not served yet is refused by name.
+/// Reads and checks a scene. Every error (ErrorCode::input) reads "FILE:LINE: what is wrong; what is accepted"; an
+/// unknown key names the nearest known one, a key that is known but not served yet is refused by name.
 /// @param materials  presets that `material = "name"` refers to; null: none are known
 [[nodiscard]] Expected<SceneFile> loadScene(const std::filesystem::path &path, const MaterialLibrary *materials);
 /// The same for text; `source` is used in messages and its folder to find the meshes.
@@ -184,12 +185,13 @@ struct SceneFile {
 [[nodiscard]] SceneFile sceneForMesh(const std::filesystem::path &mesh, geometry::LengthUnit unit);
 
 /// Applies `PATH=VALUE` of the command line, for example "body.liver.material.youngs_modulus=6e3", "solver.dt=auto",
-/// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2", "fix.0.displacement=[0,0,0.01]", "load.press.pressure=200"
-/// (by name, or by number from 0). Errors (ErrorCode::usage) name the nearest path.
-[[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment, const MaterialLibrary *materials);
+/// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2", "fix.0.displacement=[0,0,0.01]",
+/// "load.press.pressure=200" (by name, or by number from 0). Errors (ErrorCode::usage) name the nearest path.
+[[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment,
+                                           const MaterialLibrary *materials);
 
-/// Finds the declaration of a value and turns the value into the declared type: a whole number into a number, text into a
-/// choice. Errors begin with where(value): unknown (names the nearest), known to the format but not declared by this
+/// Finds the declaration of a value and turns the value into the declared type: a whole number into a number, text into
+/// a choice. Errors begin with where(value): unknown (names the nearest), known to the format but not declared by this
 /// simulator, or outside what is accepted. ErrorCode::usage for an override, ErrorCode::input else.
 [[nodiscard]] Expected<ParameterValue> fitToDeclaration(const SceneFile &scene, const SceneValue &value,
                                                         const std::vector<ParameterDecl> &decls);

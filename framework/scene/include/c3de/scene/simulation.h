@@ -25,16 +25,17 @@ class Simulation {
   /// @param takeError  the text that the last failing call on the calling thread left, for messages; may be empty
   [[nodiscard]] static Expected<std::unique_ptr<Simulation>> create(c3de_object *simulator,
                                                                     std::function<std::string()> takeError = {});
-  /// Ends the step that is being computed, runs what was posted, joins the thread, lets go of the simulator. Waits for the
-  /// step of a simulator that cannot end one (below revision 4).
+  /// Ends the step that is being computed, runs what was posted, joins the thread, lets go of the simulator. Waits for
+  /// the step of a simulator that cannot end one (below revision 4).
   ~Simulation();
 
-  /// C3DE_TRANSPORT_*; takes effect between two steps. Pause, stop and reset end the step that is being computed: the state
-  /// before it stays. Ignored: unknown actions, and play, pause and step while it has
-  /// failed. Reset goes on playing if it was, and stands at the initial state (C3DE_SIM_STOPPED) otherwise. Any thread.
+  /// C3DE_TRANSPORT_*; takes effect between two steps. Pause, stop and reset end the step that is being computed: the
+  /// state before it stays. Ignored: unknown actions, and play, pause and step while it has failed. Reset goes on
+  /// playing if it was, and stands at the initial state (C3DE_SIM_STOPPED) otherwise. Any thread.
   void transport(std::uint32_t action);
-  /// Simulated seconds per second; 0: as fast as it goes; what is negative or not finite counts as 0. When the simulator
-  /// cannot keep up, simulated time falls behind (real_time_factor says by how much); no step is left out or lengthened.
+  /// Simulated seconds per second; 0: as fast as it goes; what is negative or not finite counts as 0. When the
+  /// simulator cannot keep up, simulated time falls behind (real_time_factor says by how much); no step is left out or
+  /// lengthened.
   void setTargetRate(double rate);
   /// Runs the command on the simulation's thread between two steps, soon, also while paused; then a snapshot is
   /// published. Any thread.
@@ -47,8 +48,8 @@ class Simulation {
   [[nodiscard]] std::string activity() const;
   /// Why it failed; empty while it has not.
   [[nodiscard]] std::string failure() const;
-  /// Called on the simulation's thread after each published snapshot, for example to wake the window. When this returns,
-  /// the listener before is not running and will not be called again.
+  /// Called on the simulation's thread after each published snapshot, for example to wake the window. When this
+  /// returns, the listener before is not running and will not be called again.
   void setPublishedListener(std::function<void()> listener);
 
   [[nodiscard]] c3de_object *object() const;

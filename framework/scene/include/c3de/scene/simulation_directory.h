@@ -10,8 +10,8 @@
 
 namespace c3de::scene {
 
-/// Which simulation stands behind a scene node; how plugins reach the one they were attached to. Any thread: whoever has
-/// found a simulation keeps it alive while calling it.
+/// Which simulation stands behind a scene node; how plugins reach the one they were attached to. Any thread: whoever
+/// has found a simulation keeps it alive while calling it.
 class SimulationDirectory {
  public:
   void add(Handle node, std::shared_ptr<Simulation> simulation);

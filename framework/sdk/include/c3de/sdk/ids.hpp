@@ -11,23 +11,40 @@ namespace c3de::sdk {
 template <class Table>
 inline constexpr std::string_view kTableId{};
 
-template <> inline constexpr std::string_view kTableId<c3de_log_v0>{C3DE_LOG_ID};
-template <> inline constexpr std::string_view kTableId<c3de_registry_v0>{C3DE_REGISTRY_ID};
-template <> inline constexpr std::string_view kTableId<c3de_mesh_v0>{C3DE_MESH_ID};
-template <> inline constexpr std::string_view kTableId<c3de_scene_v0>{C3DE_SCENE_ID};
-template <> inline constexpr std::string_view kTableId<c3de_render_v0>{C3DE_RENDER_ID};
-template <> inline constexpr std::string_view kTableId<c3de_collision_v0>{C3DE_COLLISION_ID};
-template <> inline constexpr std::string_view kTableId<c3de_params_v0>{C3DE_PARAMS_ID};
-template <> inline constexpr std::string_view kTableId<c3de_panels_v0>{C3DE_PANELS_ID};
-template <> inline constexpr std::string_view kTableId<c3de_tools_v0>{C3DE_TOOLS_ID};
-template <> inline constexpr std::string_view kTableId<c3de_jobs_v0>{C3DE_JOBS_ID};
-template <> inline constexpr std::string_view kTableId<c3de_time_v0>{C3DE_TIME_ID};
-template <> inline constexpr std::string_view kTableId<c3de_simulation_v0>{C3DE_SIMULATION_ID};
-template <> inline constexpr std::string_view kTableId<c3de_history_v0>{C3DE_HISTORY_ID};
-template <> inline constexpr std::string_view kTableId<c3de_imaging_v0>{C3DE_IMAGING_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_log_v0>{C3DE_LOG_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_registry_v0>{C3DE_REGISTRY_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_mesh_v0>{C3DE_MESH_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_scene_v0>{C3DE_SCENE_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_render_v0>{C3DE_RENDER_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_collision_v0>{C3DE_COLLISION_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_params_v0>{C3DE_PARAMS_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_panels_v0>{C3DE_PANELS_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_tools_v0>{C3DE_TOOLS_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_jobs_v0>{C3DE_JOBS_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_time_v0>{C3DE_TIME_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_simulation_v0>{C3DE_SIMULATION_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_history_v0>{C3DE_HISTORY_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_imaging_v0>{C3DE_IMAGING_ID};
 
-template <> inline constexpr std::string_view kTableId<c3de_simulator_v0>{C3DE_IFACE_SIMULATOR_ID};
-template <> inline constexpr std::string_view kTableId<c3de_phyxel_set_v0>{C3DE_IFACE_PHYXEL_SET_ID};
-template <> inline constexpr std::string_view kTableId<c3de_surfel_set_v0>{C3DE_IFACE_SURFEL_SET_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_simulator_v0>{C3DE_IFACE_SIMULATOR_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_phyxel_set_v0>{C3DE_IFACE_PHYXEL_SET_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_surfel_set_v0>{C3DE_IFACE_SURFEL_SET_ID};
 
 }  // namespace c3de::sdk

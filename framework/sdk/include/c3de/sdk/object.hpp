@@ -27,8 +27,8 @@ template <class Table>
 
 /// Base of a class whose objects go through the boundary. Created with a count of one by make(); gone at zero.
 ///
-/// Derived has `static` `interfaces()` that returns an array of Interface. Virtual functions and several bases are fine:
-/// what the others see is a cell inside, not the start of the C++ object.
+/// Derived has `static` `interfaces()` that returns an array of Interface. Virtual functions and several bases are
+/// fine: what the others see is a cell inside, not the start of the C++ object.
 template <class Derived>
 class Object {
  public:

@@ -41,7 +41,8 @@ class Ui {
               std::span<const std::string> names) const {
     std::vector<c3de_str> abiNames;
     for (const std::string &name : names) abiNames.push_back(str(name));
-    return (ui_->choice(ui_->ctx, str(id), str(label), &index, abiNames.data(), abiNames.size()) & C3DE_UI_CHANGED) != 0;
+    return (ui_->choice(ui_->ctx, str(id), str(label), &index, abiNames.data(), abiNames.size()) & C3DE_UI_CHANGED) !=
+           0;
   }
   /// C3DE_UI_* flags; room for `capacity` bytes.
   std::uint32_t inputText(std::string_view id, std::string_view label, std::string &value,
@@ -74,7 +75,8 @@ class Ui {
     if (ui_->rev >= 2) ui_->swatch(ui_->ctx, red, green, blue);
   }
 
-  /// What follows until listEnd() scrolls in a frame of its own, `rows` lines high; in line in hosts that do not have it.
+  /// What follows until listEnd() scrolls in a frame of its own, `rows` lines high; in line in hosts that do not have
+  /// it.
   void listBegin(std::string_view id, std::uint32_t rows = 12) const {
     if (ui_->rev >= 3) ui_->list_begin(ui_->ctx, str(id), rows);
   }

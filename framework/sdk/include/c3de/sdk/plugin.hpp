@@ -3,11 +3,10 @@
 //
 //   class Probe {
 //    public:
-//     static constexpr c3de::sdk::PluginInfo info{.id = "org.example.probe", .version = "1.0.0", .displayName = "Probe"};
-//     static constexpr std::array needs{c3de::sdk::required<c3de_log_v0>()};  // may be left out
-//     explicit Probe(c3de::sdk::Host host);  // gets services, registers; may throw
-//     void start();                          // start and stop may be left out
-//     void stop();
+//     static constexpr c3de::sdk::PluginInfo info{.id = "org.example.probe", .version = "1.0.0", .displayName =
+//     "Probe"}; static constexpr std::array needs{c3de::sdk::required<c3de_log_v0>()};  // may be left out explicit
+//     Probe(c3de::sdk::Host host);  // gets services, registers; may throw void start();                          //
+//     start and stop may be left out void stop();
 //   };
 //   C3DE_DEFINE_PLUGIN(Probe)
 #pragma once
@@ -48,13 +47,13 @@ struct PluginEntry {
     return status;
   }
   static c3de_status C3DE_CALL start(void *self) noexcept {
-    if constexpr (requires(Plugin &p) { p.start(); })
+    if constexpr (requires(Plugin & p) { p.start(); })
       return guard([&] { return static_cast<Plugin *>(self)->start(); });
     else
       return C3DE_OK;
   }
   static c3de_status C3DE_CALL stop(void *self) noexcept {
-    if constexpr (requires(Plugin &p) { p.stop(); })
+    if constexpr (requires(Plugin & p) { p.stop(); })
       return guard([&] { return static_cast<Plugin *>(self)->stop(); });
     else
       return C3DE_OK;
@@ -70,12 +69,20 @@ struct PluginEntry {
     else
       return std::span<const c3de_service_req>();
   }
-  static constexpr c3de_plugin kPlugin{
-      sizeof(c3de_plugin),       1,
-      str(Plugin::info.id),      str(Plugin::info.version), str(Plugin::info.displayName),
-      str(Plugin::info.vendor),  str(Plugin::info.license), needs().data(),
-      needs().size(),            sizeof(c3de_service_req),  &create,
-      &start,                    &stop,                     &destroy};
+  static constexpr c3de_plugin kPlugin{sizeof(c3de_plugin),
+                                       1,
+                                       str(Plugin::info.id),
+                                       str(Plugin::info.version),
+                                       str(Plugin::info.displayName),
+                                       str(Plugin::info.vendor),
+                                       str(Plugin::info.license),
+                                       needs().data(),
+                                       needs().size(),
+                                       sizeof(c3de_service_req),
+                                       &create,
+                                       &start,
+                                       &stop,
+                                       &destroy};
 
   /// Pure and without allocation, as the entry asks for.
   static c3de_status query(const c3de_offer *offer, c3de_answer *answer) noexcept {
@@ -99,7 +106,7 @@ struct PluginEntry {
 }  // namespace c3de::sdk
 
 /// Emits the one exported function of the binary. Once per plugin, in a source file, outside namespaces.
-#define C3DE_DEFINE_PLUGIN(PluginClass)                                                                 \
-  C3DE_EXPORT c3de_status C3DE_CALL c3de_plugin_query(const c3de_offer *offer, c3de_answer *answer) {   \
-    return ::c3de::sdk::detail::PluginEntry<PluginClass>::query(offer, answer);                         \
+#define C3DE_DEFINE_PLUGIN(PluginClass)                                                               \
+  C3DE_EXPORT c3de_status C3DE_CALL c3de_plugin_query(const c3de_offer *offer, c3de_answer *answer) { \
+    return ::c3de::sdk::detail::PluginEntry<PluginClass>::query(offer, answer);                       \
   }

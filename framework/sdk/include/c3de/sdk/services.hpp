@@ -23,8 +23,7 @@ template <class Table>
 class Service {
  public:
   Service() noexcept = default;
-  explicit Service(Host host, std::uint32_t minRev = 1) noexcept
-      : host_(host), table_(host.service<Table>(minRev)) {}
+  explicit Service(Host host, std::uint32_t minRev = 1) noexcept : host_(host), table_(host.service<Table>(minRev)) {}
   explicit operator bool() const noexcept { return table_ != nullptr; }
   [[nodiscard]] const Table *table() const noexcept { return table_; }
   [[nodiscard]] Host host() const noexcept { return host_; }
@@ -78,8 +77,11 @@ class Registry : public Service<c3de_registry_v0> {
   Result<void> add(const ClassOffer &offer) const {
     std::vector<c3de_str> interfaces;
     for (const std::string_view id : offer.interfaces) interfaces.push_back(str(id));
-    const c3de_class cls{sizeof(c3de_class), 1,           str(offer.id),     str(offer.label), str(offer.doc),
-                         interfaces.data(),  interfaces.size(), offer.factory, offer.create};
+    const c3de_class cls{sizeof(c3de_class), 1,
+                         str(offer.id),      str(offer.label),
+                         str(offer.doc),     interfaces.data(),
+                         interfaces.size(),  offer.factory,
+                         offer.create};
     return call<&c3de_registry_v0::add_class>(&cls);
   }
   /// Offers Derived, whose constructor takes Factory& (the plugin, or what its objects need); Factory must outlive it.
@@ -263,7 +265,8 @@ class Collision : public Service<c3de_collision_v0> {
   Result<void> rays(c3de_handle tree, std::span<const Vec3> origins, std::span<const Vec3> directions, double tMax,
                     std::span<c3de_ray_hit> out) const {
     if (out.size() != origins.size()) return sizes("rays", origins.size(), out.size());
-    return call<&c3de_collision_v0::rays>(tree, rows<double, 3>(origins), rows<double, 3>(directions), tMax, out.data());
+    return call<&c3de_collision_v0::rays>(tree, rows<double, 3>(origins), rows<double, 3>(directions), tMax,
+                                          out.data());
   }
   Result<c3de_ray_hit> ray(c3de_handle tree, const Vec3 &origin, const Vec3 &direction,
                            double tMax = std::numeric_limits<double>::infinity()) const {
@@ -299,8 +302,8 @@ class Collision : public Service<c3de_collision_v0> {
 
  private:
   static Failure sizes(const char *what, std::size_t in, std::size_t out) {
-    return {C3DE_E_ARG, std::string(what) + ": " + std::to_string(in) + " queries, room for " + std::to_string(out) +
-                            " results"};
+    return {C3DE_E_ARG,
+            std::string(what) + ": " + std::to_string(in) + " queries, room for " + std::to_string(out) + " results"};
   }
 };
 
@@ -349,8 +352,8 @@ class Jobs : public Service<c3de_jobs_v0> {
   }
   [[nodiscard]] unsigned threadCount() const noexcept { return table_ ? table_->thread_count(table_->ctx) : 1u; }
 
-  using Run = std::function<Result<void>(Progress)>;          ///< on a worker
-  using Done = std::function<void(const Result<void> &)>;     ///< on the main thread, once, also when cancelled
+  using Run = std::function<Result<void>(Progress)>;       ///< on a worker
+  using Done = std::function<void(const Result<void> &)>;  ///< on the main thread, once, also when cancelled
   /// Runs in the background with a progress bar. Main thread.
   Result<c3de_handle> submit(std::string_view title, Run run, Done done) const {
     auto box = std::make_unique<Box>(Box{std::move(run), std::move(done)});
@@ -478,8 +481,8 @@ class Simulation : public Service<c3de_simulation_v0> {
 class History : public Service<c3de_history_v0> {
  public:
   using Service::Service;
-  /// A step that has been done just now, for the menu as "Undo LABEL". The functions may fail or throw: the step is forgotten
-  /// then. They are destroyed when the host forgets the step.
+  /// A step that has been done just now, for the menu as "Undo LABEL". The functions may fail or throw: the step is
+  /// forgotten then. They are destroyed when the host forgets the step.
   Result<c3de_handle> add(std::string_view label, std::function<Result<void>()> undo,
                           std::function<Result<void>()> redo) const {
     auto box = std::make_unique<Step>(Step{std::move(undo), std::move(redo)});

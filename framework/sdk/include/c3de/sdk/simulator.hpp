@@ -8,14 +8,18 @@ namespace c3de::sdk {
 
 // Asked of the class and not of the slot: with UBSan GCC does not count a comparison of function pointers as constant.
 template <class D>
-inline constexpr bool kHasDisplacement = requires { &D::displacement; };
+inline constexpr bool kHasDisplacement = requires {
+  &D::displacement;
+};
 template <class D>
 inline constexpr bool kHasInterrupt = requires {
   &D::interrupt;
   &D::activity;
 };
 template <class D>
-inline constexpr bool kHasTriangles = requires { &D::triangles; };
+inline constexpr bool kHasTriangles = requires {
+  &D::triangles;
+};
 
 template <class D>
 constexpr auto displacementSlot() -> decltype(c3de_simulator_v0::displacement) {
@@ -48,31 +52,20 @@ constexpr auto activitySlot() -> decltype(c3de_simulator_v0::activity) {
 ///
 ///   static std::array<Interface, 1> interfaces() { return {interfaceOf(kSimulatorTable<WorldSimulator>)}; }
 template <class D>
-inline constexpr c3de_simulator_v0 kSimulatorTable{sizeof(c3de_simulator_v0),
-                                                   !kHasDisplacement<D> ? 2u : kHasInterrupt<D> ? 4u : 3u,
-                                                   thunk<D, &D::attach>,
-                                                   thunk<D, &D::declarations>,
-                                                   thunk<D, &D::setWorld>,
-                                                   thunk<D, &D::addBody>,
-                                                   thunk<D, &D::addObstacle>,
-                                                   thunk<D, &D::addProbe>,
-                                                   thunk<D, &D::setBodyParam>,
-                                                   thunk<D, &D::getBodyParam>,
-                                                   thunk<D, &D::remove>,
-                                                   thunk<D, &D::clear>,
-                                                   thunk<D, &D::step>,
-                                                   thunk<D, &D::reset>,
-                                                   thunk<D, &D::publish>,
-                                                   thunk<D, &D::status>,
-                                                   thunk<D, &D::stateHash>,
-                                                   thunk<D, &D::report>,
-                                                   thunk<D, &D::bodyAt>,
-                                                   thunk<D, &D::bodyInfo>,
-                                                   thunk<D, &D::phyxels>,
-                                                   thunk<D, &D::surfels>,
-                                                   displacementSlot<D>(),
-                                                   interruptSlot<D>(),
-                                                   activitySlot<D>()};
+inline constexpr c3de_simulator_v0 kSimulatorTable{
+    sizeof(c3de_simulator_v0),  !kHasDisplacement<D> ? 2u : kHasInterrupt<D> ? 4u : 3u,
+    thunk<D, &D::attach>,       thunk<D, &D::declarations>,
+    thunk<D, &D::setWorld>,     thunk<D, &D::addBody>,
+    thunk<D, &D::addObstacle>,  thunk<D, &D::addProbe>,
+    thunk<D, &D::setBodyParam>, thunk<D, &D::getBodyParam>,
+    thunk<D, &D::remove>,       thunk<D, &D::clear>,
+    thunk<D, &D::step>,         thunk<D, &D::reset>,
+    thunk<D, &D::publish>,      thunk<D, &D::status>,
+    thunk<D, &D::stateHash>,    thunk<D, &D::report>,
+    thunk<D, &D::bodyAt>,       thunk<D, &D::bodyInfo>,
+    thunk<D, &D::phyxels>,      thunk<D, &D::surfels>,
+    displacementSlot<D>(),      interruptSlot<D>(),
+    activitySlot<D>()};
 
 template <class D>
 inline constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0), 1,
@@ -90,9 +83,8 @@ constexpr auto trianglesSlot() -> decltype(c3de_surfel_set_v0::triangles) {
 
 /// Of revision 2 where Derived has triangles(), else of revision 1.
 template <class D>
-inline constexpr c3de_surfel_set_v0 kSurfelSetTable{sizeof(c3de_surfel_set_v0), kHasTriangles<D> ? 2u : 1u,
-                                                    thunk<D, &D::count>,        thunk<D, &D::read>,
-                                                    thunk<D, &D::owners>,       thunk<D, &D::assign>,
-                                                    trianglesSlot<D>()};
+inline constexpr c3de_surfel_set_v0 kSurfelSetTable{
+    sizeof(c3de_surfel_set_v0), kHasTriangles<D> ? 2u : 1u, thunk<D, &D::count>, thunk<D, &D::read>,
+    thunk<D, &D::owners>,       thunk<D, &D::assign>,       trianglesSlot<D>()};
 
 }  // namespace c3de::sdk

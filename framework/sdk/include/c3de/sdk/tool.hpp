@@ -31,11 +31,16 @@ class Tool {
   Result<void> add(Host host, const ToolInfo &info) {
     auto table = host.require<c3de_tools_v0>();
     if (!table) return table.failure();
-    const c3de_tool tool{sizeof(c3de_tool),   1,
-                         str(info.id),        str(info.label),
-                         str(info.hint),      static_cast<std::uint32_t>(static_cast<unsigned char>(info.shortcut)),
-                         0,                   this,
-                         &activateThunk,      &cancelThunk,
+    const c3de_tool tool{sizeof(c3de_tool),
+                         1,
+                         str(info.id),
+                         str(info.label),
+                         str(info.hint),
+                         static_cast<std::uint32_t>(static_cast<unsigned char>(info.shortcut)),
+                         0,
+                         this,
+                         &activateThunk,
+                         &cancelThunk,
                          &eventThunk};
     c3de_handle handle{0};
     if (const c3de_status status = (*table)->add((*table)->ctx, &tool, &handle); status < 0)

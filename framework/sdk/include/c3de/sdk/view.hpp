@@ -19,24 +19,35 @@ using Vec3 = std::array<double, 3>;
 template <class T>
 inline constexpr std::uint32_t kDtype = [] {
   using N = std::remove_cv_t<T>;
-  if constexpr (std::is_same_v<N, float>) return C3DE_F32;
-  else if constexpr (std::is_same_v<N, double>) return C3DE_F64;
-  else if constexpr (std::is_same_v<N, std::uint8_t>) return C3DE_U8;
-  else if constexpr (std::is_same_v<N, std::int32_t>) return C3DE_I32;
-  else if constexpr (std::is_same_v<N, std::uint32_t>) return C3DE_U32;
-  else if constexpr (std::is_same_v<N, std::uint64_t>) return C3DE_U64;
-  else return 0u;
+  if constexpr (std::is_same_v<N, float>)
+    return C3DE_F32;
+  else if constexpr (std::is_same_v<N, double>)
+    return C3DE_F64;
+  else if constexpr (std::is_same_v<N, std::uint8_t>)
+    return C3DE_U8;
+  else if constexpr (std::is_same_v<N, std::int32_t>)
+    return C3DE_I32;
+  else if constexpr (std::is_same_v<N, std::uint32_t>)
+    return C3DE_U32;
+  else if constexpr (std::is_same_v<N, std::uint64_t>)
+    return C3DE_U64;
+  else
+    return 0u;
 }();
 
 [[nodiscard]] constexpr std::uint64_t dtypeSize(std::uint32_t dtype) noexcept {
   switch (dtype) {
-    case C3DE_U8: return 1;
+    case C3DE_U8:
+      return 1;
     case C3DE_F32:
     case C3DE_I32:
-    case C3DE_U32: return 4;
+    case C3DE_U32:
+      return 4;
     case C3DE_F64:
-    case C3DE_U64: return 8;
-    default: return 0;
+    case C3DE_U64:
+      return 8;
+    default:
+      return 0;
   }
 }
 
@@ -92,8 +103,8 @@ template <class View>
   const std::uint64_t element = dtypeSize(view.dtype);
   if (element == 0) return Failure{C3DE_E_ARG, name + ": dtype " + std::to_string(view.dtype) + " is not known"};
   if (view.comps != comps)
-    return Failure{C3DE_E_ARG, name + ": " + std::to_string(view.comps) + " numbers per row, expected " +
-                                   std::to_string(comps)};
+    return Failure{C3DE_E_ARG,
+                   name + ": " + std::to_string(view.comps) + " numbers per row, expected " + std::to_string(comps)};
   if (view.count > 0 && !view.data) return Failure{C3DE_E_ARG, name + ": data is null"};
   if (view.stride != 0 && view.stride < static_cast<std::int64_t>(comps * element))
     return Failure{C3DE_E_ARG, name + ": stride " + std::to_string(view.stride) + " is below the row's " +
@@ -144,7 +155,7 @@ template <class T, std::uint32_t N>
 
 /// Copies index rows (u32, comps 3).
 [[nodiscard]] inline Result<std::vector<std::array<std::uint32_t, 3>>> readTriangles(const c3de_view &view,
-                                                                                    std::string_view what) {
+                                                                                     std::string_view what) {
   auto in = asRows<std::uint32_t, 3>(view, what);
   if (!in) return in.failure();
   std::vector<std::array<std::uint32_t, 3>> out(in->size());

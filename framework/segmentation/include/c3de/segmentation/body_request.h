@@ -17,7 +17,8 @@ enum class Held {
   lowestPart,    ///< what lies lowest, along gravity, stands still
   nothing
 };
-/// Of the tissue around an organ, Pa/m: by so much that it moves some millimetres when its owner turns over, as scans show.
+/// Of the tissue around an organ, Pa/m: by so much that it moves some millimetres when its owner turns over, as scans
+/// show.
 inline constexpr double kSurroundingsStiffness = 3e4;
 
 /// What is to become a body: a mask, or a label of a label map.

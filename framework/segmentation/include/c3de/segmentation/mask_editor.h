@@ -17,8 +17,8 @@ class BackgroundJobs;
 namespace c3de::segmentation {
 
 /// The mask a person is picking: steps are carried out in background jobs, one after the other, and can be undone and
-/// redone. A threshold that waits gives way to a later one, so that a slider shows what it says by the latest settings. Main
-/// thread.
+/// redone. A threshold that waits gives way to a later one, so that a slider shows what it says by the latest settings.
+/// Main thread.
 ///
 /// The jobs may end first: the destructor does not touch them. To let go of a job that runs, setSources({}).
 class MaskEditor {

@@ -22,12 +22,12 @@ struct MaskSources {
 struct MaskStep {
   enum class Kind { label, labels, threshold, component, largest, fillHoles, close, open };
   Kind kind = Kind::threshold;
-  std::uint16_t label = 0;       ///< label: its value
+  std::uint16_t label = 0;              ///< label: its value
   std::vector<std::uint16_t> labels{};  ///< labels: several, or none; no mask is made of them
-  double low = 0.0, high = 0.0;  ///< threshold: values of the image
-  Vec3 world{};                  ///< component: a point of it, LPS mm
-  double radius_mm = 0.0;        ///< close, open
-  bool isRest = false;           ///< what is still picked after organs have been made of the others
+  double low = 0.0, high = 0.0;         ///< threshold: values of the image
+  Vec3 world{};                         ///< component: a point of it, LPS mm
+  double radius_mm = 0.0;               ///< close, open
+  bool isRest = false;                  ///< what is still picked after organs have been made of the others
 
   /// What was picked before does not matter to it.
   [[nodiscard]] bool startsAnew() const {

@@ -10,8 +10,8 @@
 
 #include "c3de/render/renderer.h"
 #include "c3de/scene/materials.h"
-#include "c3de/segmentation/mask_editor.h"
 #include "c3de/segmentation/body_request.h"
+#include "c3de/segmentation/mask_editor.h"
 
 namespace c3de::segmentation {
 
@@ -36,16 +36,17 @@ struct SegmentationSettings {
   bool keepsLargest = false, fillsHoles = false;  ///< of each of several labels
 };
 
-/// The path from an image to living organs: pick, material, sampling, go. One label or threshold gives a mask that can be
-/// mended; of several labels each is taken as it is. No drawing. Main thread; lifetime as MaskEditor.
+/// The path from an image to living organs: pick, material, sampling, go. One label or threshold gives a mask that can
+/// be mended; of several labels each is taken as it is. No drawing. Main thread; lifetime as MaskEditor.
 class SegmentationWorkflow {
  public:
   struct Events {
-    std::function<void()> maskChanged;  ///< or what is known of it
+    std::function<void()> maskChanged;                   ///< or what is known of it
     std::function<void(std::vector<BodyRequest>)> make;  ///< not empty
   };
   /// @param materials  must outlive the guide
-  SegmentationWorkflow(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials, Events events);
+  SegmentationWorkflow(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials,
+                       Events events);
   ~SegmentationWorkflow();
   SegmentationWorkflow(const SegmentationWorkflow &) = delete;
   SegmentationWorkflow &operator=(const SegmentationWorkflow &) = delete;
@@ -137,7 +138,7 @@ class SegmentationWorkflow {
   std::vector<double> labelVolumes_ml_;  ///< by position in the map's labels; empty: not counted yet
   Handle counting_;
   std::uint64_t serial_ = 0;
-  std::string clickProblem_;  ///< of tickLabelAt()
+  std::string clickProblem_;                             ///< of tickLabelAt()
   std::map<std::uint16_t, std::string> labelMaterials_;  ///< chosen by a person for one of several
   std::optional<bool> rigid_;                            ///< by a person; none: as the material says
   std::map<std::uint16_t, bool> labelRigid_;

@@ -19,19 +19,19 @@ class BodyCreation {
   struct Result {
     std::vector<segmentation::BodyRequest> made, left;  ///< left: not tried any more, because it was cancelled
     std::vector<std::pair<std::string, Error>> failed;  ///< by name
-    std::vector<Coverage> coverage;  ///< of those that live
+    std::vector<Coverage> coverage;                     ///< of those that live
     bool isNew = false;  ///< in a simulation of their own, which is the present one now; else beside what was there
   };
   struct Events {
-    std::function<void(const Result &)> made;  ///< at least one lives
+    std::function<void(const Result &)> made;                                  ///< at least one lives
     std::function<void(const std::string &title, const Error &error)> failed;  ///< none does
   };
   BodyCreation(Session &session, Events events) : session_(session), events_(std::move(events)) {}
 
   /// In one background job, with progress, one after the other; a later request ends one that runs. The organs join the
   /// present simulation; where there is none, one begins without gravity: the scan shows organs in balance with it. One
-  /// that fails does not keep the others from living. When it is cancelled, those that have joined the present simulation
-  /// stay, and a new one is given up.
+  /// that fails does not keep the others from living. When it is cancelled, those that have joined the present
+  /// simulation stay, and a new one is given up.
   void makeOrgans(std::vector<segmentation::BodyRequest> requests);
 
  private:
@@ -48,6 +48,7 @@ class BodyCreation {
 /// The world of organs alone.
 [[nodiscard]] scene::SceneFile sceneWithoutOrgans();
 /// The request as a scene of one body. @param preset  null: the values of the simulator
-[[nodiscard]] scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask mask, const scene::MaterialPreset *preset);
+[[nodiscard]] scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask mask,
+                                       const scene::MaterialPreset *preset);
 
 }  // namespace c3de::session

@@ -6,13 +6,15 @@
 
 namespace c3de::session {
 
-/// What `run` and `info` ask about a scene, so that both give the same answer: reads the image beside the simulation with its
-/// label maps, then fills the simulator (Session::populate). Errors begin with the place in the scene.
+/// What `run` and `info` ask about a scene, so that both give the same answer: reads the image beside the simulation
+/// with its label maps, then fills the simulator (Session::populate). Errors begin with the place in the scene.
 /// @param sources  keeps the images that were read
 [[nodiscard]] Expected<void> buildScene(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
-                                        OrganSources &sources, const ProgressFn &progress, Prepared *prepared = nullptr);
+                                        OrganSources &sources, const ProgressFn &progress,
+                                        Prepared *prepared = nullptr);
 
 /// The part of it that needs no simulator. Any thread.
-[[nodiscard]] Expected<void> readSceneImage(const scene::SceneFile &scene, OrganSources &sources, const ProgressFn &progress);
+[[nodiscard]] Expected<void> readSceneImage(const scene::SceneFile &scene, OrganSources &sources,
+                                            const ProgressFn &progress);
 
 }  // namespace c3de::session

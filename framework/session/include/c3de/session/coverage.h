@@ -13,9 +13,9 @@ namespace c3de::session {
 /// What of the part of an image that was asked for a body stands for.
 struct Coverage {
   std::string body;
-  double asked_mm3 = 0.0, missing_mm3 = 0.0;        ///< of voxels
-  std::size_t specks = 0;                           ///< of what is missing: islands too small to be simulated
-  std::shared_ptr<const imaging::Mask> missing;     ///< on the grid of the mask; null: nothing
+  double asked_mm3 = 0.0, missing_mm3 = 0.0;     ///< of voxels
+  std::size_t specks = 0;                        ///< of what is missing: islands too small to be simulated
+  std::shared_ptr<const imaging::Mask> missing;  ///< on the grid of the mask; null: nothing
   [[nodiscard]] double part() const { return asked_mm3 > 0.0 ? 1.0 - missing_mm3 / asked_mm3 : 1.0; }
 };
 

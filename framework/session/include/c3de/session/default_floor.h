@@ -13,8 +13,8 @@ struct Bounds_m {
   Vec3 min{}, max{};
 };
 
-/// Walls for bodies without a world of their own, so that what falls along -y stays in sight: a floor a little below them, as
-/// wide as three of them, and room above. m
+/// Walls for bodies without a world of their own, so that what falls along -y stays in sight: a floor a little below
+/// them, as wide as three of them, and room above. m
 [[nodiscard]] Bounds_m roomAround(const Bounds_m &bodies);
 /// What a camera should show of them: the bodies, and the floor around where they come to lie. m
 [[nodiscard]] Bounds_m framedWith(const Bounds_m &bodies, const Bounds_m &room);

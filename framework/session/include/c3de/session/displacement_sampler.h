@@ -35,8 +35,9 @@ class DisplacementSampler {
   void want(bool wanted, double rim_mm, const imaging::VolumeGeometry &image = {}, const StillPlaces &still = {});
   [[nodiscard]] bool wanted() const { return wanted_; }
 
-  /// On the simulation's thread, after a snapshot. While one simulation takes the place of another both have one, and one
-  /// waits for the other. While it plays at most 20 times a second, and no more than a fifth of the time goes there.
+  /// On the simulation's thread, after a snapshot. While one simulation takes the place of another both have one, and
+  /// one waits for the other. While it plays at most 20 times a second, and no more than a fifth of the time goes
+  /// there.
   void onPublished(const scene::Simulation &simulation);
   /// The newest displacement, once; null when there is none that has not been taken. Any thread.
   [[nodiscard]] std::shared_ptr<const imaging::DisplacementGrid> take();
@@ -64,14 +65,15 @@ class DisplacementSampler {
 };
 
 struct PresentBodies {
-  imaging::WorldBox box;   ///< around their skins
-  double spacing_mm = 0.0; ///< the finest
+  imaging::WorldBox box;    ///< around their skins
+  double spacing_mm = 0.0;  ///< the finest
 };
 /// [sim]
 [[nodiscard]] PresentBodies presentBodies(const c3de_simulator_v0 *table, c3de_object *simulator);
-/// Where the bodies are in the reference, on the grid of an image; null where the simulator lends no skins, or too little
-/// memory is left. [sim]
-[[nodiscard]] std::shared_ptr<imaging::Mask> referenceBodies(c3de_object *simulator, const imaging::VolumeGeometry &image);
+/// Where the bodies are in the reference, on the grid of an image; null where the simulator lends no skins, or too
+/// little memory is left. [sim]
+[[nodiscard]] std::shared_ptr<imaging::Mask> referenceBodies(c3de_object *simulator,
+                                                             const imaging::VolumeGeometry &image);
 /// Displacements and gaps. False where the simulator cannot say, or fails. [sim]
 [[nodiscard]] bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm,
                                     imaging::DisplacementGrid &grid);

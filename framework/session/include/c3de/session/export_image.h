@@ -31,28 +31,31 @@ struct ImageExport {
 
 /// How an image goes with the bodies.
 struct ImageWarp {
-  double rim_mm = 10.0;       ///< within it their displacement falls to nothing around them
-  imaging::StillRule still;   ///< what stays
+  double rim_mm = 10.0;                             ///< within it their displacement falls to nothing around them
+  imaging::StillRule still;                         ///< what stays
   std::shared_ptr<const imaging::LabelMap> labels;  ///< that `still` speaks of; may be null
 };
-/// That of a scene, whose image and labels are read if they are not yet. Errors: those of reading and of stillRuleOf(), with
-/// the line of [image].
+/// That of a scene, whose image and labels are read if they are not yet. Errors: those of reading and of stillRuleOf(),
+/// with the line of [image].
 [[nodiscard]] Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sources,
                                               const scene::MaterialLibrary &materials);
 
-/// Before the simulation begins: that there is an image whose grid they take, and that the files can be written. Errors:
-/// usage, output.
+/// Before the simulation begins: that there is an image whose grid they take, and that the files can be written.
+/// Errors: usage, output.
 [[nodiscard]] Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene);
 /// How far the tissue has moved, finer than what is shown live, wherever bodies are in the image. [sim]
-[[nodiscard]] Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
-                                                                      const imaging::Volume &image, const ImageWarp &how);
-/// u.nrrd -> u-vacated.nrrd: 1 where a body has gone away and nothing is known of what is there now. The field itself has no
-/// mark: it stays finite, as programs that resample with it need it.
+[[nodiscard]] Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table,
+                                                                      c3de_object *simulator,
+                                                                      const imaging::Volume &image,
+                                                                      const ImageWarp &how);
+/// u.nrrd -> u-vacated.nrrd: 1 where a body has gone away and nothing is known of what is there now. The field itself
+/// has no mark: it stays finite, as programs that resample with it need it.
 [[nodiscard]] std::filesystem::path vacatedFile(const std::filesystem::path &displacement);
 /// Warps and writes. Any thread. The answer is for a person: the files, and how much of the image is vacated.
 /// @param threads  null: the calling one alone
-[[nodiscard]] Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image, const imaging::DisplacementGrid &u,
-                                         const ProgressFn &progress, ThreadPool *threads);
+[[nodiscard]] Expected<std::string> writeImages(const ImageExport &wanted, const imaging::Volume &image,
+                                                const imaging::DisplacementGrid &u, const ProgressFn &progress,
+                                                ThreadPool *threads);
 /// That the name has an ending that can be written, and can be written to. Errors: usage, output.
 [[nodiscard]] Expected<void> checkImageFile(const std::filesystem::path &file);
 

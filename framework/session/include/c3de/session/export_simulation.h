@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "c3de/session/body_states.h"
 #include "c3de/core/expected.h"
 #include "c3de/geometry/vtk_writer.h"
+#include "c3de/session/body_states.h"
 
 namespace c3de::session {
 
@@ -39,18 +39,19 @@ class SimulationExport {
 /// The folder of the frames of a list.
 [[nodiscard]] std::filesystem::path framesFolder(const std::filesystem::path &list);
 
-/// Whether a sequence can be written there, asked before anything is simulated; leaves nothing behind. ErrorCode::usage for
-/// another extension than .pvd, ErrorCode::output with the reason.
+/// Whether a sequence can be written there, asked before anything is simulated; leaves nothing behind. ErrorCode::usage
+/// for another extension than .pvd, ErrorCode::output with the reason.
 [[nodiscard]] Expected<void> checkSimulationExport(const std::filesystem::path &list);
 
 /// One file per body: FILE itself for one, FILE-NAME for several (with a number where two would be the same).
-[[nodiscard]] std::vector<std::filesystem::path> surfaceFiles(const std::filesystem::path &file, std::span<const std::string> bodies);
+[[nodiscard]] std::vector<std::filesystem::path> surfaceFiles(const std::filesystem::path &file,
+                                                              std::span<const std::string> bodies);
 /// Likewise before anything is simulated; names the extensions that are accepted.
 [[nodiscard]] Expected<void> checkSurfaceExport(const std::filesystem::path &file, std::span<const std::string> bodies);
 /// Told of each file of writeSurfaces(): that it is written, or why not.
 using SurfaceTold = std::function<void(const std::filesystem::path &file, const Expected<void> &result)>;
-/// Writes the skins; one that fails does not keep the others from being written. Errors: ErrorCode::output, ErrorCode::state
-/// when there is no body, or one without triangles.
+/// Writes the skins; one that fails does not keep the others from being written. Errors: ErrorCode::output,
+/// ErrorCode::state when there is no body, or one without triangles.
 void writeSurfaces(const std::filesystem::path &file, const std::vector<BodyState> &bodies, const SurfaceTold &told);
 
 }  // namespace c3de::session

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "c3de/abi/draft/iface/simulator.h"
-#include "c3de/session/run_options.h"
 #include "c3de/session/export_simulation.h"
 #include "c3de/session/probe_table.h"
 #include "c3de/session/report.h"
+#include "c3de/session/run_options.h"
 #include "c3de/session/written_outputs.h"
 
 namespace c3de::session {
@@ -25,17 +25,19 @@ struct RunLimits {
 };
 
 /// Steps a simulator in the calling thread to the end that the options name, samples probes on the way. A quasi-static
-/// solution, which has no time, goes on until the simulator says that it is finished, or for as many steps as were asked.
+/// solution, which has no time, goes on until the simulator says that it is finished, or for as many steps as were
+/// asked.
 class HeadlessRun {
  public:
   HeadlessRun(Session &session, c3de_object *simulator, const c3de_simulator_v0 *table, const RunOptions &options,
               RunLimits limits, WrittenOutputs &outputs)
-      : session_(session), simulator_(simulator), table_(table), options_(options), limits_(std::move(limits)), outputs_(outputs) {
+      : session_(session), simulator_(simulator), table_(table), options_(options), limits_(std::move(limits)),
+        outputs_(outputs) {
     facts_.integrator = limits_.integrator;
   }
 
-  /// Runs; what ended it stands in facts().outcome. Probes or an export that cannot be written on the way are told, and the
-  /// run goes on without them. The error is about the simulator's report.
+  /// Runs; what ended it stands in facts().outcome. Probes or an export that cannot be written on the way are told, and
+  /// the run goes on without them. The error is about the simulator's report.
   [[nodiscard]] Expected<void> run();
   [[nodiscard]] const RunFacts &facts() const { return facts_; }
   /// The simulator's own report as JSON.

@@ -27,10 +27,10 @@ namespace c3de::session {
 struct Organ {
   geometry::LoadedMesh skin;
   imaging::Fill fill;
-  double volume_mm3 = 0.0;  ///< voxel count times voxel volume
-  Coverage coverage;        ///< of the mask; of a mesh: nothing
+  double volume_mm3 = 0.0;                     ///< voxel count times voxel volume
+  Coverage coverage;                           ///< of the mask; of a mesh: nothing
   std::optional<std::array<float, 3>> colour;  ///< linear RGB of its label; none: it is of no label
-  Preparation took;         ///< what was done for it
+  Preparation took;                            ///< what was done for it
 };
 
 /// What of an image is to become a body.
@@ -47,8 +47,10 @@ class OrganSources {
   [[nodiscard]] Expected<PickedVoxels> pick(const scene::SceneVolume &volume, const ProgressFn &progress,
                                             Preparation &took);
   using Layers = std::vector<imaging::LabelMap>;
-  /// An image, or the layers of a label map as a whole, at the time point of the options. Errors are those of the readers.
-  [[nodiscard]] Expected<std::shared_ptr<const Layers>> labels(const std::filesystem::path &file, const imaging::ReadOptions &options);
+  /// An image, or the layers of a label map as a whole, at the time point of the options. Errors are those of the
+  /// readers.
+  [[nodiscard]] Expected<std::shared_ptr<const Layers>> labels(const std::filesystem::path &file,
+                                                               const imaging::ReadOptions &options);
   [[nodiscard]] Expected<std::shared_ptr<const imaging::Volume>> volume(const std::filesystem::path &file,
                                                                         const imaging::ReadOptions &options);
   /// Sentences of the readers since the last call.
@@ -65,10 +67,11 @@ class OrganSources {
 /// Without the specks of the mask.
 /// @param edge_mm   of the triangles of the skin; 0: automatic
 /// @param phyxels   about how many there will be: voxels are averaged to a sixteenth of their distance
-[[nodiscard]] Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxels, const ProgressFn &progress);
+[[nodiscard]] Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxels,
+                                      const ProgressFn &progress);
 
-/// What goes wrong with a file or a value that a scene names, with the place in the scene; a value that cannot be used is
-/// input then, not usage.
+/// What goes wrong with a file or a value that a scene names, with the place in the scene; a value that cannot be used
+/// is input then, not usage.
 [[nodiscard]] tl::unexpected<Error> failInScene(const Error &error, const scene::SceneFile &scene, int line);
 
 /// The fill in metres for a simulator; points into `fill`.

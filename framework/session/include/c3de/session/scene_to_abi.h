@@ -49,6 +49,6 @@ class BodyTables {
 /// The line of the table that a simulator's message about a body begins with: "fix 2: …", "load 0: …" (numbers of the
 /// scene), "part 1: …", "refinement 0: …" (numbers of the body).
 [[nodiscard]] std::optional<int> sceneLineOf(const scene::SceneFile &scene, const scene::SceneBody &body,
-                                              std::string_view message);
+                                             std::string_view message);
 
 }  // namespace c3de::session

@@ -77,18 +77,20 @@ class Session {
   /// plugin offers one and which folders were searched. The caller has the count.
   [[nodiscard]] Expected<c3de_object *> createSimulator();
 
-  /// Fills a simulator from a scene: checks every key against the simulator's declarations (unknown keys are errors with
-  /// file, line and the nearest known key), reads all meshes, then adds obstacles, bodies and probes. Whatever says that a
-  /// scene is good asks this. On an error the simulator is of no use; the present simulation is untouched. Any thread.
+  /// Fills a simulator from a scene: checks every key against the simulator's declarations (unknown keys are errors
+  /// with file, line and the nearest known key), reads all meshes, then adds obstacles, bodies and probes. Whatever
+  /// says that a scene is good asks this. On an error the simulator is of no use; the present simulation is untouched.
+  /// Any thread.
   /// @param prepared  null, or what the bodies took and stand for is added
   /// @param sources   null, or where the images of bodies are read and kept for others
-  [[nodiscard]] Expected<void> populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
-                                        Prepared *prepared = nullptr, OrganSources *sources = nullptr);
+  [[nodiscard]] Expected<void> populate(c3de_object *simulator, const scene::SceneFile &scene,
+                                        const ProgressFn &progress, Prepared *prepared = nullptr,
+                                        OrganSources *sources = nullptr);
 
-  /// Adds the bodies of a scene, with their fixes and loads, to a simulator that goes on with the rest as it is; its initial
-  /// state is then the one that has them. Errors and `prepared` as of populate(). Any thread.
-  [[nodiscard]] Expected<void> addBodies(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
-                                         Prepared *prepared = nullptr);
+  /// Adds the bodies of a scene, with their fixes and loads, to a simulator that goes on with the rest as it is; its
+  /// initial state is then the one that has them. Errors and `prepared` as of populate(). Any thread.
+  [[nodiscard]] Expected<void> addBodies(c3de_object *simulator, const scene::SceneFile &scene,
+                                         const ProgressFn &progress, Prepared *prepared = nullptr);
 
   /// Of populate() the checks of keys and values alone. Any thread.
   [[nodiscard]] Expected<void> checkValues(c3de_object *simulator, const scene::SceneFile &scene);

@@ -8,9 +8,9 @@
 
 namespace c3de::session {
 
-/// What a scene or a person wants to stay, for one image. Automatic: bone and air of a computed tomography, by Hounsfield
-/// units (also one whose file does not say its unit, but that has air of less than -900), and labels of what is proposed as
-/// rigid (MaterialPreset::isRigid).
+/// What a scene or a person wants to stay, for one image. Automatic: bone and air of a computed tomography, by
+/// Hounsfield units (also one whose file does not say its unit, but that has air of less than -900), and labels of what
+/// is proposed as rigid (MaterialPreset::isRigid).
 /// @param labels  null: none; then labels are not asked for
 /// Errors: usage, a label that the map does not have, with those it has.
 [[nodiscard]] Expected<imaging::StillRule> stillRuleOf(const scene::SceneStill &wanted, const imaging::Volume &image,

@@ -16,8 +16,10 @@ class WrittenOutputs {
   /// Logs the error.
   void addFailure(const std::filesystem::path &file, const Error &error);
   void note(const std::filesystem::path &file, const Expected<void> &result) {
-    if (result) add(file);
-    else addFailure(file, result.error());
+    if (result)
+      add(file);
+    else
+      addFailure(file, result.error());
   }
   [[nodiscard]] bool areComplete() const { return failed_.empty(); }
   /// "a, b"; empty: none.

@@ -51,17 +51,25 @@ enum class Command {
 };
 
 /// Keys without a character; the others are their ASCII upper-case character.
-enum Key : std::uint32_t { keyEscape = 27, keyRight = 0x100, keyF1 = 0x101, keyF5 = 0x105, keyF12 = 0x10c,
-  keyLeft = 0x110, keyUp = 0x111, keyDown = 0x112 };
+enum Key : std::uint32_t {
+  keyEscape = 27,
+  keyRight = 0x100,
+  keyF1 = 0x101,
+  keyF5 = 0x105,
+  keyF12 = 0x10c,
+  keyLeft = 0x110,
+  keyUp = 0x111,
+  keyDown = 0x112
+};
 
 /// One row of the table that menus, keyboard and the list of shortcuts share.
 struct CommandInfo {
   Command command;
-  const char *id;     ///< dotted: menu, then entry
+  const char *id;  ///< dotted: menu, then entry
   const char *label;
-  const char *doc;    ///< one line
-  std::uint32_t key;  ///< 0: none
-  std::uint32_t modifiers;  ///< C3DE_MOD_*
+  const char *doc;               ///< one line
+  std::uint32_t key;             ///< 0: none
+  std::uint32_t modifiers;       ///< C3DE_MOD_*
   std::uint32_t alternativeKey;  ///< 0: none
   std::uint32_t alternativeModifiers = 0;
 };

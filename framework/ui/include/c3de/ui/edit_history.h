@@ -17,14 +17,14 @@ class ParameterRegistry;
 
 namespace c3de::ui {
 
-
-/// Undo and Redo of the window: of parameters, of the steps that pick an organ, or of the steps of plugins, whichever a person
-/// has edited last; when that one has nothing to offer, the one before it. While a step of the organ is computed nothing is.
-/// What an organ was picked by is not undone here once it lives: it would be laid over it. Main thread.
+/// Undo and Redo of the window: of parameters, of the steps that pick an organ, or of the steps of plugins, whichever a
+/// person has edited last; when that one has nothing to offer, the one before it. While a step of the organ is computed
+/// nothing is. What an organ was picked by is not undone here once it lives: it would be laid over it. Main thread.
 class EditHistory {
  public:
   /// Once per frame; null: there is none. They must outlive the calls below.
-  void follow(registry::ParameterRegistry *parameters, segmentation::SegmentationWorkflow *organ, registry::EditList *steps = nullptr);
+  void follow(registry::ParameterRegistry *parameters, segmentation::SegmentationWorkflow *organ,
+              registry::EditList *steps = nullptr);
   /// Of what would be undone or redone; empty: nothing.
   [[nodiscard]] std::string undoLabel() const { return label(source(true), true); }
   [[nodiscard]] std::string redoLabel() const { return label(source(false), false); }

@@ -36,8 +36,8 @@ class FileBrowser {
   /// What a typed text means: absolute or relative to the folder, "~" is the home folder. Errors: nothing there, or a
   /// file whose extension is not accepted.
   [[nodiscard]] Expected<Choice> resolve(const std::string &typed) const;
-  /// The same for a file to be written, which need not be there; without an extension it gets the first that is accepted.
-  /// Errors: no such folder, an extension that is not accepted.
+  /// The same for a file to be written, which need not be there; without an extension it gets the first that is
+  /// accepted. Errors: no such folder, an extension that is not accepted.
   [[nodiscard]] Expected<Choice> resolveNew(const std::string &typed) const;
   [[nodiscard]] bool accepts(const std::filesystem::path &file) const;
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "c3de/ui/image_views.h"
 #include "c3de/registry/panel_registry.h"
+#include "c3de/ui/image_views.h"
 
 namespace c3de::ui {
 

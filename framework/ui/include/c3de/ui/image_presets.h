@@ -27,7 +27,8 @@ struct WindowLevelPreset {
 [[nodiscard]] WindowLevel windowLevelOf(const WindowLevelPreset &preset, const imaging::ValueRange &range);
 /// By a drag of the mouse: to the right the window widens, upwards the image becomes brighter. Steps are those of the
 /// image's values; the window stays positive.
-[[nodiscard]] WindowLevel dragged(const WindowLevel &from, double dx_px, double dy_px, const imaging::ValueRange &range);
+[[nodiscard]] WindowLevel dragged(const WindowLevel &from, double dx_px, double dy_px,
+                                  const imaging::ValueRange &range);
 
 enum class VolumePreset : std::uint32_t { ctBone, ctSoftTissue, magneticResonance, maximum };
 struct VolumePresetInfo {

@@ -42,11 +42,11 @@ struct ImageOptions {
   double shiftLow = 0.0, shiftHigh = 10.0;  ///< mm
   scene::SceneStill still;                  ///< what does not go with the bodies
   Convention convention = Convention::radiological;
-  bool isAlignedWithImage = true;           ///< views along the image's axes; else along the patient's
+  bool isAlignedWithImage = true;  ///< views along the image's axes; else along the patient's
   bool showsCrossHair = true;
-  bool isWindowLevelMode = false;           ///< a left drag in a slice changes window and level, else the cross-hair
-  bool showsOutlines = true;                ///< surfaces of bodies, cut by the slices
-  bool showsPreview = true;                 ///< what is being picked, instead of the labels
+  bool isWindowLevelMode = false;  ///< a left drag in a slice changes window and level, else the cross-hair
+  bool showsOutlines = true;       ///< surfaces of bodies, cut by the slices
+  bool showsPreview = true;        ///< what is being picked, instead of the labels
 };
 
 /// Handles of the renderer for what is shown; the owner of the renderer fills them.
@@ -71,8 +71,8 @@ struct Readout {
 /// Image, three slice views and one cross-hair; mouse and keys in the slices. No drawing. Main thread.
 ///
 /// Wheel: next slice (Shift: ten, Ctrl: zoom). Left: cross-hair, or window and level while that mode is on. Shift+move:
-/// cross-hair. Middle or Shift+left: pan. Right or Ctrl+left: zoom. Keys: arrows, B and F: slices; T (Shift: back): time
-/// points; digits: window/level presets.
+/// cross-hair. Middle or Shift+left: pan. Right or Ctrl+left: zoom. Keys: arrows, B and F: slices; T (Shift: back):
+/// time points; digits: window/level presets.
 class ImageViews {
  public:
   /// A null image: nothing is shown. Views, window and level start anew with another image.
@@ -84,7 +84,9 @@ class ImageViews {
   /// Asks for a time point of the image; nothing happens for the one that is shown or beyond the last.
   void chooseTime(std::size_t time);
   void setLabels(std::shared_ptr<const scene::StoredLabels> labels);
-  void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) { displacement_ = std::move(displacement); }
+  void setDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) {
+    displacement_ = std::move(displacement);
+  }
   void setHandles(const ImageHandles &handles) { handles_ = handles; }
   [[nodiscard]] const ImageHandles &handles() const { return handles_; }
   /// What is marked as missing, for the legend of the slices; empty: nothing is.

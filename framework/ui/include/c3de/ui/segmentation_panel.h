@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "c3de/ui/image_views.h"
-#include "c3de/segmentation/segmentation_workflow.h"
 #include "c3de/registry/panel_registry.h"
+#include "c3de/segmentation/segmentation_workflow.h"
+#include "c3de/ui/image_views.h"
 
 namespace c3de::ui {
 
@@ -36,7 +36,7 @@ class SegmentationPanel {
   ImageViews &views_;
   segmentation::SegmentationWorkflow &guide_;
   Handle panel_;
-  std::string filter_;  ///< of the labels that are listed
+  std::string filter_;             ///< of the labels that are listed
   const char *awaited_ = nullptr;  ///< id of the button that was pressed last
 };
 

@@ -25,8 +25,8 @@ struct SliceFrame {
 /// (made orthogonal, the slices of the image as they are).
 [[nodiscard]] SliceFrame sliceFrame(SliceAxis axis, Convention convention, const imaging::VolumeGeometry *alignedWith);
 
-/// Where a direction of the world points: L or R, A or P, S or I, the largest part first; a second letter when that part
-/// is above a tenth. For example "L", "PS".
+/// Where a direction of the world points: L or R, A or P, S or I, the largest part first; a second letter when that
+/// part is above a tenth. For example "L", "PS".
 [[nodiscard]] std::string orientationLetters(const Vec3 &direction);
 
 /// A round length (1, 2 or 5 times a power of ten, mm) of at most `longest_px` pixels, and its text ("5 cm").

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "c3de/core/handle.h"
+#include "c3de/registry/tool_registry.h"
 #include "c3de/render/camera.h"
 #include "c3de/render/image_renderer.h"
-#include "c3de/registry/tool_registry.h"
 
 namespace c3de::ui {
 

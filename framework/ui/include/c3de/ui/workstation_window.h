@@ -49,8 +49,8 @@ struct WindowOptions {
 /// Files a person wants to see, through the menu, the dialog or by dropping them on the window.
 struct OpenRequest {
   std::vector<std::filesystem::path> files;
-  std::string meshUnit;         ///< mm, cm, m; empty: what each file says, else mm
-  bool areLabels = false;       ///< images: label maps, to be laid over the image that is open
+  std::string meshUnit;    ///< mm, cm, m; empty: what each file says, else mm
+  bool areLabels = false;  ///< images: label maps, to be laid over the image that is open
 };
 
 /// What the window asks the program to do. Called on the main thread, in drawFrame().
@@ -67,7 +67,7 @@ struct WindowActions {
   std::function<std::string(Command exported)> proposeName;
   std::function<void()> closeImage;
   std::function<std::string()> unsaved;  ///< what quitting now would lose, for a person; empty: nothing
-  std::function<void()> beforeDraw;  ///< panels have been handled, the 3D view is about to be drawn
+  std::function<void()> beforeDraw;      ///< panels have been handled, the 3D view is about to be drawn
 };
 
 /// What the window shows; must outlive its last drawFrame(). Null members show nothing.
@@ -77,9 +77,9 @@ struct WindowServices {
   registry::ParameterRegistry *parameters = nullptr;
   scene::SceneGraph *scene = nullptr;
   BackgroundJobs *jobs = nullptr;
-  ImageViews *images = nullptr;  ///< while it has an image, slices stand beside the 3D view
-  segmentation::SegmentationWorkflow *organ = nullptr;   ///< its steps are undone while they are what was edited last
-  registry::EditList *edits = nullptr;     ///< of plugins, likewise
+  ImageViews *images = nullptr;                         ///< while it has an image, slices stand beside the 3D view
+  segmentation::SegmentationWorkflow *organ = nullptr;  ///< its steps are undone while they are what was edited last
+  registry::EditList *edits = nullptr;                  ///< of plugins, likewise
 };
 
 /// For Help > About.
@@ -115,7 +115,8 @@ class WorkstationWindow {
   void setAbout(AboutText about);
 
   /// Waits until a frame is due: at once after input, at most 60 times a second while something moves, else never.
-  /// @return whether the frame is to show what is new. Where frames take long and input waits, it only answers that, with
+  /// @return whether the frame is to show what is new. Where frames take long and input waits, it only answers that,
+  /// with
   ///   everything else as the last frame has shown it; the next one takes what is new.
   [[nodiscard]] bool waitForFrame();
   /// Takes input, draws the scene through the renderer and everything around it, shows the frame.

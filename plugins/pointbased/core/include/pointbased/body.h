@@ -4,11 +4,11 @@
 #include <memory>
 #include <optional>
 
+#include "pointbased/contact.h"
 #include "pointbased/elastic_foundation.h"
 #include "pointbased/engine.h"
 #include "pointbased/patch_solver.h"
 #include "pointbased/rest_state.h"
-#include "pointbased/contact.h"
 
 namespace pointbased {
 
@@ -61,7 +61,8 @@ struct BodyCheckpoint {
 /// A deformable body: rest state, constitution, state, and the scratch of its step.
 class Body {
  public:
-  Body(std::string name, std::shared_ptr<const RestState> rest, Constitution constitution, const ParallelFor &parallelFor);
+  Body(std::string name, std::shared_ptr<const RestState> rest, Constitution constitution,
+       const ParallelFor &parallelFor);
   ~Body();
   Body(Body &&) noexcept;
   Body &operator=(Body &&) noexcept;
@@ -111,16 +112,18 @@ class Body {
   /// Whether evaluate() runs vector kernels: not with materials that flow or relax, nor on a renewed reference.
   [[nodiscard]] bool vectorised() const { return vectorForces_ != nullptr; }
 
-  /// forces() and tangentRatio() of the present state, loads at time (or load factor) t: all that an explicit step needs.
-  /// Fused where the body is vectorised(), else the stages below, with plastic flow and Prony terms over dt.
+  /// forces() and tangentRatio() of the present state, loads at time (or load factor) t: all that an explicit step
+  /// needs. Fused where the body is vectorised(), else the stages below, with plastic flow and Prony terms over dt.
   void evaluate(double t, double dt, const ParallelFor &parallelFor);
-  /// Of a body that is vectorised(), in double precision whatever precision() is: forces() without loads (and without viscous
-  /// ones, if asked); the tangent there, and its products df = -K du, with viscous forces of velocities viscousScale du.
+  /// Of a body that is vectorised(), in double precision whatever precision() is: forces() without loads (and without
+  /// viscous ones, if asked); the tangent there, and its products df = -K du, with viscous forces of velocities
+  /// viscousScale du.
   void evaluateInternal(bool viscous, const ParallelFor &parallelFor);
   /// Displacements have been changed from outside: what is known of the points is old.
   void forgetPoints() { gradientsOld_ = stressesOld_ = vectorised(); }
   void linearise(const ParallelFor &parallelFor);
-  void forceDifferential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df, const ParallelFor &parallelFor);
+  void forceDifferential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
+                         const ParallelFor &parallelFor);
 
   /// Stages of a force evaluation at the present state, in order.
   void computeGradients(const ParallelFor &parallelFor);
@@ -150,8 +153,8 @@ class Body {
   [[nodiscard]] std::span<const std::uint8_t> heldMask() const { return heldMask_; }
   [[nodiscard]] bool held() const { return !heldPhyxels_.empty() || patches_.rows() > 0; }
 
-  /// How its surroundings hold it; takes effect with the next force evaluation. Errors: settings that validate() refuses; a
-  /// body without a surface, or whose reference has been renewed, if it is to act.
+  /// How its surroundings hold it; takes effect with the next force evaluation. Errors: settings that validate()
+  /// refuses; a body without a surface, or whose reference has been renewed, if it is to act.
   [[nodiscard]] Result<void> setFoundation(const Foundation &foundation);
   [[nodiscard]] ElasticFoundation &foundation() { return foundation_; }
   [[nodiscard]] const ElasticFoundation &foundation() const { return foundation_; }
@@ -170,16 +173,16 @@ class Body {
   std::span<const Vec3> contactPositions(const ParallelFor &parallelFor);
   std::span<const Vec3> contactVelocities(const ParallelFor &parallelFor);
 
-  /// Goes on from another reference with the same shape, velocities, elastic strain and mass (rereferencing.h). What was kept
-  /// is then the new state; contact is looked for anew; a grab goes on where the phyxels stay the same ones.
+  /// Goes on from another reference with the same shape, velocities, elastic strain and mass (rereferencing.h). What
+  /// was kept is then the new state; contact is looked for anew; a grab goes on where the phyxels stay the same ones.
   void rereference(std::shared_ptr<const RestState> rest, State state, const ParallelFor &parallelFor);
   /// How often since the start.
   [[nodiscard]] std::size_t rereferenceCount() const { return rereferenceCount_; }
   /// Σ m (way of the references from the first one to the present one), kg m.
   [[nodiscard]] const Vec3 &referenceShiftMoment() const { return referenceShiftMoment_; }
 
-  /// A rigid body stands as it is in its reference, without velocity: no stage runs, nothing moves it. Both ways it goes to
-  /// its initial state.
+  /// A rigid body stands as it is in its reference, without velocity: no stage runs, nothing moves it. Both ways it
+  /// goes to its initial state.
   void setRigid(bool rigid);
   [[nodiscard]] bool rigid() const { return rigid_; }
 
@@ -190,8 +193,8 @@ class Body {
   /// To the initial state, bit for bit.
   void reset();
   [[nodiscard]] BodyCheckpoint checkpoint() const;
-  /// The state that was kept, with the material of now; nothing holds the body by hand then. History that the material of
-  /// then did not need starts fresh.
+  /// The state that was kept, with the material of now; nothing holds the body by hand then. History that the material
+  /// of then did not need starts fresh.
   /// @return false: nothing is changed, because the body was rigid then and is not now, or the other way round
   bool restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallelFor);
 

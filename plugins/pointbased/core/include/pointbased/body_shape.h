@@ -17,11 +17,13 @@ struct BodyShape {
   /// Whether the straight way between two points inside crosses the surface (a gap thinner than the points are apart).
   /// Empty: never.
   std::function<void(std::span<const Vec3> from, std::span<const Vec3> to, std::span<std::uint8_t> crosses)> crosses;
-  /// For bodies that know their contents better than their border (voxels): the part, 0 … 1, that is inside of cubes with
-  /// edges of `edge` along the columns of a rotation, and about the signed distance of their middles from the border, m,
-  /// negative inside (as many as there are cubes, or none are wanted). Empty: parts follow from surfaceDistance.
+  /// For bodies that know their contents better than their border (voxels): the part, 0 … 1, that is inside of cubes
+  /// with edges of `edge` along the columns of a rotation, and about the signed distance of their middles from the
+  /// border, m, negative inside (as many as there are cubes, or none are wanted). Empty: parts follow from
+  /// surfaceDistance.
   std::function<void(std::span<const Vec3> middles, const Mat3 &axes, double edge, std::span<double> parts,
-                     std::span<double> distances)> shares;
+                     std::span<double> distances)>
+      shares;
   /// The border itself, world, m; empty: supports and loads on surfaces are not possible.
   Surface surface;
 };

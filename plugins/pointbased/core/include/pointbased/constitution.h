@@ -24,7 +24,7 @@ struct PointHistory {
   std::vector<Mat3> plasticInverse;  ///< [points] F_p^-1, det 1, since the reference was made
   std::vector<Mat3> plasticBefore;   ///< [points] F_p^-1 of the flow before that; empty: the reference is the first one
   std::vector<PronyPoint> prony;     ///< [points]
-  std::vector<HourglassHistory> modes;    ///< [points] of lattices; empty: modes do not relax
+  std::vector<HourglassHistory> modes;  ///< [points] of lattices; empty: modes do not relax
 
   /// Fresh and of the right size for a constitution.
   /// @param hourglass  whether the points have modes (StencilSet::modes)

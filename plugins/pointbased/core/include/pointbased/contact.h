@@ -15,22 +15,24 @@ namespace pointbased {
 /// the phyxels, and points between them where triangles are larger. Const.
 struct ContactPoints {
   Interpolation binding;
-  std::vector<Vec3> normals;   ///< N, unit
-  std::vector<double> areas;   ///< m²; their sum is the area of the surface
+  std::vector<Vec3> normals;  ///< N, unit
+  std::vector<double> areas;  ///< m²; their sum is the area of the surface
   /// M, kept between a point and an obstacle; empty: 0. Bodies without a surface touch with
   std::vector<double> radii;
-                               ///< their phyxels, which are balls
+  ///< their phyxels, which are balls
   std::vector<double> spacings = {};  ///< m, of the cells that carry a point; empty: all are ContactPenalty::spacing
 
   [[nodiscard]] std::size_t count() const { return binding.count(); }
 };
 
-/// @param spacing  of the phyxels, m: one point of every cube of half of it that the surface passes, so three or four per
-///                 phyxel of the skin; more make contact slower, not better, because a cell's faces have no other shapes
+/// @param spacing  of the phyxels, m: one point of every cube of half of it that the surface passes, so three or four
+/// per
+///                 phyxel of the skin; more make contact slower, not better, because a cell's faces have no other
+///                 shapes
 [[nodiscard]] SurfacePoints chooseContactPoints(const Surface &surface, double spacing);
-/// The same for a body of several connected pieces. A piece so small that fewer than kLeastOfPiece of these points lie on it
-/// gets closer ones, down to a sixteenth of the spacing: what is held up by a single point turns about it and leaves through
-/// the floor.
+/// The same for a body of several connected pieces. A piece so small that fewer than kLeastOfPiece of these points lie
+/// on it gets closer ones, down to a sixteenth of the spacing: what is held up by a single point turns about it and
+/// leaves through the floor.
 /// @param pieceOf  [vertices] of the surface: the number of the piece that carries it
 [[nodiscard]] SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::span<const Index> pieceOf);
 inline constexpr std::size_t kLeastOfPiece = 12;
@@ -54,7 +56,7 @@ struct Contact {
   double settleImpulse = 0.0;           ///< N s, of the last settling (warm start)
   Vec3 settleFriction = Vec3::Zero();   ///< N s, likewise
   // Of implicit and static solutions:
-  double normalForce = 0.0;             ///< N, of the last solution
+  double normalForce = 0.0;  ///< N, of the last solution
   /// M, penetration that it began with and that is not pushed back at once
   double initialPenetration = 0.0;
   /// M, elastic tangential way at the beginning of the stage: what friction holds
@@ -64,21 +66,21 @@ struct Contact {
 
 /// What contact remembers of one body between steps.
 struct ContactState {
-  /// What is known of a point and an obstacle, in the frame of the obstacle at rest. While the point stays within what is
-  /// known nobody is asked: free flight and rest are cheap, and the obstacle's own motion counts like the point's.
+  /// What is known of a point and an obstacle, in the frame of the obstacle at rest. While the point stays within what
+  /// is known nobody is asked: free flight and rest are cheap, and the obstacle's own motion counts like the point's.
   struct ClearanceCache {
     Vec3 at = Vec3::Zero();  ///< m, where it was asked
     double distance = 0.0;   ///< m, of the surface; +inf: more than reach
     double reach = -1.0;     ///< m; negative: never asked
     Vec3 normal = Vec3::Zero();
-    double swept = 0.0;      ///< m: as far ahead it was looked for other sides
-    bool ahead = false;      ///< there is one:
+    double swept = 0.0;  ///< m: as far ahead it was looked for other sides
+    bool ahead = false;  ///< there is one:
     Vec3 aheadNormal = Vec3::Zero();
     double aheadOffset = 0.0;  ///< m, aheadNormal · x on it
   };
   std::vector<std::vector<ClearanceCache>> clearance;  ///< [obstacles][points]
-  /// The last place of a point on the right side of an obstacle. A point that has come to the other side, even of a sheet
-  /// without inside, is known by the crossing on the way from there.
+  /// The last place of a point on the right side of an obstacle. A point that has come to the other side, even of a
+  /// sheet without inside, is known by the crossing on the way from there.
   struct Side {
     Vec3 place = Vec3::Zero();  ///< m, in the frame of the obstacle at rest
     bool known = false;
@@ -87,7 +89,7 @@ struct ContactState {
   std::vector<Contact> active;           ///< of the present step: by point, then obstacle
   /// M, deepest penetration of a point at the beginning of a step since the start
   double deepest = 0.0;
-  double margin = 0.0;                   ///< m, of the last findContacts()
+  double margin = 0.0;  ///< m, of the last findContacts()
   // scratch, so that a step allocates nothing
   struct ClosestPointQueries {
     std::vector<Index> points, candidates;
@@ -96,34 +98,34 @@ struct ContactState {
     std::vector<SurfacePoint> answers;
   } questions;
   std::vector<Contact> previous;
-  /// Points that are near each other are looked at together, and not before the phyxels that carry them, or an obstacle,
-  /// can have come as near as the nearest of them was away.
+  /// Points that are near each other are looked at together, and not before the phyxels that carry them, or an
+  /// obstacle, can have come as near as the nearest of them was away.
   struct Blocks {
-    std::vector<double> room;         ///< [blocks] m: up to here none of them meets anything
+    std::vector<double> room;  ///< [blocks] m: up to here none of them meets anything
     /// [blocks] of ways times maxInfluence to the way of a point: the largest Σ |φ|/maxInfluence
     std::vector<double> gains;
-    std::vector<float> maxInfluence;      ///< [phyxels][3], or empty
+    std::vector<float> maxInfluence;  ///< [phyxels][3], or empty
     Csr chunks;                       ///< [blocks] chunks of phyxels that carry them
     std::vector<double> went, goes;   ///< [chunks] m: the farthest a phyxel has gone since the last search, and will go
     double margin = 0.0;
     WorldBox box;
-    std::vector<Vec3> before;         ///< [phyxels] m, displacements at the last search
-    std::vector<RigidMotion> motions; ///< [obstacles] at the last search; only of those that move
-    double size = 0.0;                ///< m, of the points at rest around the first
-    std::vector<Index> blockOf;       ///< [points]
-    std::vector<std::uint8_t> near;   ///< [blocks] 1: looked at
-    std::vector<Index> points;        ///< that were looked at last, ascending
+    std::vector<Vec3> before;                 ///< [phyxels] m, displacements at the last search
+    std::vector<RigidMotion> motions;         ///< [obstacles] at the last search; only of those that move
+    double size = 0.0;                        ///< m, of the points at rest around the first
+    std::vector<Index> blockOf;               ///< [points]
+    std::vector<std::uint8_t> near;           ///< [blocks] 1: looked at
+    std::vector<Index> points;                ///< that were looked at last, ascending
     std::vector<Vec3> positions, velocities;  ///< [points]
   } blocks;
   Vec3 ledOut = Vec3::Zero();  ///< kg m, Σ mass · way by which penetrations were led out since the energy was looked at
   struct Solution {
-    std::vector<double> inverseMasses;   ///< [contacts] 1/kg
+    std::vector<double> inverseMasses;  ///< [contacts] 1/kg
     std::vector<double> impulses, least, friction;
-    std::vector<Index> pressing;         ///< contacts that press after a sweep over all
+    std::vector<Index> pressing;  ///< contacts that press after a sweep over all
     std::vector<Vec3> tangential;
-    std::vector<Vec3> change;            ///< [slots] m/s
-    std::vector<Vec3> arrivals;          ///< [contacts that arrive] m/s, relative to the surface
-    std::vector<Vec3> splitImpulse;          ///< [phyxels] m/s, taken back when the step settles; empty: none
+    std::vector<Vec3> change;        ///< [slots] m/s
+    std::vector<Vec3> arrivals;      ///< [contacts that arrive] m/s, relative to the surface
+    std::vector<Vec3> splitImpulse;  ///< [phyxels] m/s, taken back when the step settles; empty: none
     // The contacts over the phyxels that they touch, side by side in memory (kernels/contact_kernel.h):
     std::vector<Index> rows, slots;      ///< [contacts + 1], [entries]
     std::vector<double> shares, pushes;  ///< [entries] φ, φ/m
@@ -133,8 +135,8 @@ struct ContactState {
   } solution;
 };
 
-/// Finds the contacts that a step of dt can meet, from the points' world positions and velocities at its beginning. Fills
-/// memory.active, keeping what contacts that go on remember.
+/// Finds the contacts that a step of dt can meet, from the points' world positions and velocities at its beginning.
+/// Fills memory.active, keeping what contacts that go on remember.
 ///
 /// A point within the margin of a surface has the plane of its closest point. The way of a moving point is followed
 /// besides (segment crossing): what it meets counts with its plane there, and what it passes by does not, however near.
@@ -151,9 +153,9 @@ void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, doub
 /// Points of a body as its phyxels carry them now.
 struct CarriedPoints {
   const ContactPoints &points;
-  Vec3 origin = Vec3::Zero();  ///< world, m, of the frame of the phyxels
+  Vec3 origin = Vec3::Zero();                       ///< world, m, of the frame of the phyxels
   std::span<const Vec3> displacements, velocities;  ///< [phyxels] m, m/s
-  std::span<const float> maxInfluence = {};             ///< [phyxels] at least the largest |φ| of each; empty: 1
+  std::span<const float> maxInfluence = {};         ///< [phyxels] at least the largest |φ| of each; empty: 1
 };
 
 /// The same contacts, without looking at points that cannot meet anything: blocks of points wait until the body and the
@@ -170,20 +172,21 @@ void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, doub
 struct ImpulseSettings {
   int sweeps = 20;             ///< of projected Gauss-Seidel; ends earlier when nothing changes by more than tolerance
   double tolerance = 5e-3;     ///< of the largest normal speed
-  double splitImpulse = 0.2;       ///< part of a penetration undone per step
+  double splitImpulse = 0.2;   ///< part of a penetration undone per step
   double recoverySpeed = 0.1;  ///< m/s, most for it: a body that starts inside is led out, not thrown
 };
 
-/// Impulses between the points and the obstacles so that no active contact closes beyond its gap within dt, with Coulomb
-/// friction, on the velocities of the phyxels: projected Gauss-Seidel over memory.active in its order, warm started as
-/// far as that lowers the energy. v_p = Σ φ v_j, an impulse p acts as φ_j p / m_j. A hand on the phyxels, not on the
-/// points: force and torque are those of the contact. Serial, the same bits always.
+/// Impulses between the points and the obstacles so that no active contact closes beyond its gap within dt, with
+/// Coulomb friction, on the velocities of the phyxels: projected Gauss-Seidel over memory.active in its order, warm
+/// started as far as that lowers the energy. v_p = Σ φ v_j, an impulse p acts as φ_j p / m_j. A hand on the phyxels,
+/// not on the points: force and torque are those of the contact. Serial, the same bits always.
 ///
 /// Penetrations are undone by a velocity that counts for the drift alone: settleContactVelocities() takes it back.
 ///
 /// @param inverseMasses  [phyxels] 1/kg; 0 for held ones
 /// @return total impulse on the body, N s (for reports; without that of the split impulses)
-/// @source  Jean, The non-smooth contact dynamics method, CMAME 177, 1999 (impulses, Gauss-Seidel); Cline and Pai, Post-stabilization
+/// @source  Jean, The non-smooth contact dynamics method, CMAME 177, 1999 (impulses, Gauss-Seidel); Cline and Pai,
+/// Post-stabilization
 ///          for rigid body simulation with contact and constraints, ICRA 2003 (positions apart from velocities)
 Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
                           const ImpulseSettings &settings, ContactState &memory, std::span<Vec3> velocities);
@@ -194,20 +197,23 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
 void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
                              ContactState &memory, std::span<Vec3> velocities);
 
-/// Contact as an energy, for implicit and quasi-static steps, over the planes of memory.active, moved by surfaceVelocity · h;
-/// `start` and `now` are displacements of the phyxels at the beginning of the stage and at present:
+/// Contact as an energy, for implicit and quasi-static steps, over the planes of memory.active, moved by
+/// surfaceVelocity · h; `start` and `now` are displacements of the phyxels at the beginning of the stage and at
+/// present:
 ///
 ///     U = Σ_p  k_p/2 min(0, g_p)²  +  (|s_p| <= r_p ? k_p/2 |s_p|² : μ N_p (|s_p| - r_p/2)),   k_p = k A_p / d_p
 ///
-/// g gap (with what the contact began with, Contact::initialPenetration), s = Contact::tangentialDisplacement + what came since, N the normal force of
-/// the last solution (lagged), r = μ N / k_p. Friction is a spring until it slides, so what holds does not creep.
+/// g gap (with what the contact began with, Contact::initialPenetration), s = Contact::tangentialDisplacement + what
+/// came since, N the normal force of the last solution (lagged), r = μ N / k_p. Friction is a spring until it slides,
+/// so what holds does not creep.
 struct ContactPenalty {
   double stiffness = 0.0;  ///< k, Pa: some multiple of Young's modulus
   double spacing = 0.0;    ///< d, m, where ContactPoints::spacings does not say
   double h = 0.0;          ///< s, of the stage; quasi-static: of the load factor
 };
 [[nodiscard]] double contactEnergy(const ContactPoints &points, const ContactState &memory,
-                                   const ContactPenalty &penalty, std::span<const Vec3> start, std::span<const Vec3> now);
+                                   const ContactPenalty &penalty, std::span<const Vec3> start,
+                                   std::span<const Vec3> now);
 /// Adds forces (minus the gradient) to the phyxels.
 void addContactForces(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                       std::span<const Vec3> start, std::span<const Vec3> now, std::span<Vec3> forces);
@@ -227,7 +233,8 @@ class ContactForces {
   /// Remembers the forces on the points, N, as they are now.
   void tell(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
             std::span<const Vec3> now, const ContactState &memory);
-  /// Σ_p |change of the force on p since tell()| over Σ_p of all that presses now; 0 where nothing presses and nothing did.
+  /// Σ_p |change of the force on p since tell()| over Σ_p of all that presses now; 0 where nothing presses and nothing
+  /// did.
   [[nodiscard]] double changeTo(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                                 std::span<const Vec3> now, const ContactState &memory);
 

@@ -24,15 +24,16 @@ struct Foundation {
 /// Errors: which number, its value and what is accepted.
 [[nodiscard]] Result<void> validate(const Foundation &foundation);
 
-/// An elastic foundation (Winkler): every point p of the skin, with its share A_p of the area, is pulled towards its place
-/// in the reference by the soft tissue around the body, whatever its neighbours do.
+/// An elastic foundation (Winkler): every point p of the skin, with its share A_p of the area, is pulled towards its
+/// place in the reference by the soft tissue around the body, whatever its neighbours do.
 ///
 ///     U = ½ Σ_p A_p u_p · K_p u_p,    K_p = k_n N_p N_p^T + k_t (I - N_p N_p^T),    u_p = Σ_j φ_pj u_j
 ///
-/// Quadratic in the displacements of the phyxels, so its Hessian is one matrix for good; with k_n = k_t it is isotropic. A
-/// rigid block of surface A is held with k A. Zero in the reference, exactly. The tissue around has no mass and does not
-/// slide; N is of the reference, so with k_n ≠ k_t turns should stay small.
-/// @source  Winkler, Die Lehre von der Elasticität und Festigkeit, 1867; Kerr, Elastic and viscoelastic foundation models,
+/// Quadratic in the displacements of the phyxels, so its Hessian is one matrix for good; with k_n = k_t it is
+/// isotropic. A rigid block of surface A is held with k A. Zero in the reference, exactly. The tissue around has no
+/// mass and does not slide; N is of the reference, so with k_n ≠ k_t turns should stay small.
+/// @source  Winkler, Die Lehre von der Elasticität und Festigkeit, 1867; Kerr, Elastic and viscoelastic foundation
+/// models,
 ///          J. Appl. Mech. 31, 1964 (with damping)
 class ElasticFoundation {
  public:
@@ -59,8 +60,7 @@ class ElasticFoundation {
   void addForces(std::span<const Vec3> u, std::span<const Vec3> velocities, std::span<Vec3> forces,
                  const ParallelFor &parallelFor) const;
   /// Adds scale K du.
-  void addProduct(double scale, std::span<const Vec3> du, std::span<Vec3> out,
-                  const ParallelFor &parallelFor) const;
+  void addProduct(double scale, std::span<const Vec3> du, std::span<Vec3> out, const ParallelFor &parallelFor) const;
   /// Adds the diagonal blocks of scale K; and all of it as triplets.
   void addBlocks(double scale, std::span<Mat3> blocks) const;
   void addTriplets(double scale, std::vector<Eigen::Triplet<double>> &out) const;
@@ -82,11 +82,11 @@ class ElasticFoundation {
   SurfacePoints points_;
   Interpolation binding_;
   double area_ = 0.0;
-  std::vector<Index> touched_;    // phyxels that carry points, ascending
-  std::vector<Index> placeOf_;    // [phyxels] in touched_
-  Csr rows_;                      // [touched] entries by place, ascending
-  std::vector<double> couplings_; // [entries] Σ_p A φ_pi φ_pj, m²
-  std::vector<Mat3> normals_;     // [entries] Σ_p A φ_pi φ_pj N N^T, m²; empty while k_n = k_t
+  std::vector<Index> touched_;      // phyxels that carry points, ascending
+  std::vector<Index> placeOf_;      // [phyxels] in touched_
+  Csr rows_;                        // [touched] entries by place, ascending
+  std::vector<double> couplings_;   // [entries] Σ_p A φ_pi φ_pj, m²
+  std::vector<Mat3> normals_;       // [entries] Σ_p A φ_pi φ_pj N N^T, m²; empty while k_n = k_t
   mutable std::vector<Vec3> ways_;  // [touched] scratch
 };
 

@@ -10,8 +10,8 @@
 
 namespace pointbased {
 
-/// Factor of the hourglass energies of lattices (see hourglassEnergy in the theory page): 1 would be the energy of an assumed
-/// linear strain in plane stress within each cell; 0.92 makes a cantilever of 3 and 5 layers right to 0.2 %.
+/// Factor of the hourglass energies of lattices (see hourglassEnergy in the theory page): 1 would be the energy of an
+/// assumed linear strain in plane stress within each cell; 0.92 makes a cantilever of 3 and 5 layers right to 0.2 %.
 inline constexpr double kLatticeStabilisation = 0.92;
 /// Isotropic control for clouds: U_q = 1/2 alpha E v_q Σ_k w_qk |r_qk|².
 inline constexpr double kCloudStabilisation = 0.1;
@@ -48,8 +48,8 @@ double pointStresses(const Constitution &constitution, const StencilSet &stencil
 std::size_t plasticFlow(const Constitution &constitution, const StencilSet &stencils, std::span<const Mat3> gradients,
                         double dt, PointHistory &history, const ParallelFor &parallelFor);
 
-/// What the modes of lattice cells have relaxed by the end of a step, as pointStresses() does for the stress of the points.
-/// Strain dev e of a mode by linear viscoelasticity of the shear modulus in plane stress, with the recursion of
+/// What the modes of lattice cells have relaxed by the end of a step, as pointStresses() does for the stress of the
+/// points. Strain dev e of a mode by linear viscoelasticity of the shear modulus in plane stress, with the recursion of
 /// pronyStress(): dβ_k/dt = (g_k dev e - β_k)/τ_k. Change of volume does not relax.
 ///
 /// @param gradients  [points] F at `displacements`
@@ -61,25 +61,27 @@ void relaxModes(const Constitution &constitution, const StencilSet &stencils, st
                 std::span<HourglassStrain> relaxed, const ParallelFor &parallelFor);
 
 /// f_j = -Σ_q (v_q P_q g_qj + dU_q/dx_j), N: the negative gradient of elastic and stabilisation energy.
-/// @param relaxed  [points] of relaxModes(): that part of the hourglass strain pulls no longer; empty: nothing has relaxed
+/// @param relaxed  [points] of relaxModes(): that part of the hourglass strain pulls no longer; empty: nothing has
+/// relaxed
 void internalForces(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
-                    std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                    std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor,
-                    std::span<const HourglassStrain> relaxed = {});
+                    std::span<const Vec3> displacements, std::span<const Mat3> gradients,
+                    std::span<const Mat3> stresses, std::span<Vec3> entryForces, std::span<Vec3> forces,
+                    const ParallelFor &parallelFor, std::span<const HourglassStrain> relaxed = {});
 
 /// Scratch of forceDifferential(), so that it allocates nothing when called again.
 struct TangentScratch {
   std::vector<Vec3> entries;
 };
 
-/// df = -K du at the present displacements: the exact directional derivative of internalForces (of its elastic, plastic and
-/// Prony part at fixed history), for du of any size.
-/// @param viscousScale  1/s: adds the viscous forces of velocities viscousScale · du (backward Euler 1/dt, midpoint 2/dt); 0: none
+/// df = -K du at the present displacements: the exact directional derivative of internalForces (of its elastic, plastic
+/// and Prony part at fixed history), for du of any size.
+/// @param viscousScale  1/s: adds the viscous forces of velocities viscousScale · du (backward Euler 1/dt, midpoint
+/// 2/dt); 0: none
 /// @param dt            s, of the Prony terms; 0 with none
 void forceDifferential(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
-                       std::span<const Vec3> displacements, std::span<const Mat3> gradients, const PointHistory &history,
-                       double dt, double viscousScale, std::span<const Vec3> du, TangentScratch &scratch,
-                       std::span<Vec3> df, const ParallelFor &parallelFor);
+                       std::span<const Vec3> displacements, std::span<const Mat3> gradients,
+                       const PointHistory &history, double dt, double viscousScale, std::span<const Vec3> du,
+                       TangentScratch &scratch, std::span<Vec3> df, const ParallelFor &parallelFor);
 
 /// The 3x3 diagonal blocks of K (of the same forces), made positive definite where they are not.
 void stiffnessBlocks(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
@@ -89,8 +91,9 @@ void stiffnessBlocks(const Constitution &constitution, const StencilSet &stencil
 /// All of K as triplets (row, column in 0 … 3n-1); per point the tangent is made positive semi-definite first, so a
 /// factorisation of the sum is a usable preconditioner at any deformation.
 void stiffnessTriplets(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
-                       std::span<const Vec3> displacements, std::span<const Mat3> gradients, const PointHistory &history,
-                       double dt, double viscousScale, std::vector<Eigen::Triplet<double>> &out);
+                       std::span<const Vec3> displacements, std::span<const Mat3> gradients,
+                       const PointHistory &history, double dt, double viscousScale,
+                       std::vector<Eigen::Triplet<double>> &out);
 
 struct ElasticEnergy {
   double strain = 0.0;         ///< Σ v_q W(F_q F_p^-1), J

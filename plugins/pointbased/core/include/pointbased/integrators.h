@@ -11,16 +11,26 @@ namespace pointbased {
 enum class Integrator {
   /// ExplicitVerlet or implicitSdirk, for each body what is predicted to cost less (Simulator::predictedCost)
   automatic,
-  explicitVerlet,  ///< velocity Verlet in substeps below the stable step
-  implicitSdirk,   ///< two-stage diagonally implicit Runge-Kutta: second order, damps only what dt does not resolve
-  implicitMidpoint,///< second order, no numerical damping: keeps energy and momenta, keeps what rings ringing
-  backwardEuler,   ///< first order, strongly damped
-  quasiStatic      ///< equilibrium at a load factor that grows from 0 to 1
+  explicitVerlet,    ///< velocity Verlet in substeps below the stable step
+  implicitSdirk,     ///< two-stage diagonally implicit Runge-Kutta: second order, damps only what dt does not resolve
+  implicitMidpoint,  ///< second order, no numerical damping: keeps energy and momenta, keeps what rings ringing
+  backwardEuler,     ///< first order, strongly damped
+  quasiStatic        ///< equilibrium at a load factor that grows from 0 to 1
 };
 
 /// Stages of a step, as the clock names them.
 enum Stage : std::size_t {
-  kGradients, kFlow, kStresses, kForces, kSupports, kContact, kIntegrate, kSolve, kGuard, kSurfels, kStages
+  kGradients,
+  kFlow,
+  kStresses,
+  kForces,
+  kSupports,
+  kContact,
+  kIntegrate,
+  kSolve,
+  kGuard,
+  kSurfels,
+  kStages
 };
 [[nodiscard]] std::vector<std::string> stageNames();
 
@@ -30,7 +40,7 @@ struct Environment {
   double damping = 0.0;         ///< 1/s, mass-proportional
   std::span<const Obstacle> obstacles;
   WorldBox box;
-  double tolerance = 0.0;       ///< m, of implicit and static solutions; 0: 1e-5 of the spacing (static 1e-6)
+  double tolerance = 0.0;  ///< m, of implicit and static solutions; 0: 1e-5 of the spacing (static 1e-6)
   Preconditioner preconditioner = Preconditioner::automatic;
   const ParallelFor *parallelFor = nullptr;
   StageClock *clock = nullptr;
@@ -60,17 +70,17 @@ struct ImplicitResult {
 
 /// One implicit step from time to time + dt. On failure the body is left as it came out: the caller restores it.
 ///
-/// A stage solves  M (v - q)/h = f(u),  u = p + h v  as the minimum of  ½ |u - p - h q|²_M / h² + W(u) + supports + contact -
-/// loads; forces without a potential (viscous, relaxing, followers) enter the merit by the work they do.
+/// A stage solves  M (v - q)/h = f(u),  u = p + h v  as the minimum of  ½ |u - p - h q|²_M / h² + W(u) + supports +
+/// contact - loads; forces without a potential (viscous, relaxing, followers) enter the merit by the work they do.
 /// Backward Euler: h = dt. Midpoint: h = dt/2, then u <- 2u - u_n. SDIRK2: h = (1 - 1/√2) dt twice.
 /// @source  Hairer and Wanner, Solving Ordinary Differential Equations II, ch. IV.6 (SDIRK)
 [[nodiscard]] ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment &environment, double time,
                                           double dt, Integrator scheme);
 
-/// IncrementalPotential at load factor `to`, from that at `from`. A body that nothing holds is held by its own inertia in a pseudo
-/// time that grows until it rests.
-[[nodiscard]] ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environment &environment, double from,
-                                             double to, const std::function<bool()> &shouldContinue = {});
+/// IncrementalPotential at load factor `to`, from that at `from`. A body that nothing holds is held by its own inertia
+/// in a pseudo time that grows until it rests.
+[[nodiscard]] ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environment &environment,
+                                             double from, double to, const std::function<bool()> &shouldContinue = {});
 
 /// The spring of a grab at the present state: adds its force to body.forces() and fills grabStatus.
 /// @param stiffnessLimit  rad/s: explicit steps keep the spring below it; inf: none

@@ -6,14 +6,16 @@
 
 namespace pointbased {
 
-/// Material points that are moved by phyxels: surfels, probes, points where forces act or contact is felt. Const once bound.
+/// Material points that are moved by phyxels: surfels, probes, points where forces act or contact is felt. Const once
+/// bound.
 ///
 ///     x_p = Σ_j φ_pj x_j,   F_p = Σ_j x_j ∇φ_pj^T,   Σ φ = 1,  Σ X φ = X_p,  Σ ∇φ = 0,  Σ X ∇φ^T = I
 ///
-/// so affine motions are followed exactly, and a force on the point goes to the phyxels as φ_pj f: the same work, force and
-/// torque. On a lattice φ are the trilinear functions of the cell; in a cloud a moving-least-squares fit to the nearest
-/// phyxels. Where those are coplanar, collinear or alone, φ fits the directions there are and the rest turns with the
-/// completed F (see engine.h); then `offsets` is what lies outside of the fit, and a force acts as if it were at Σ φ x.
+/// so affine motions are followed exactly, and a force on the point goes to the phyxels as φ_pj f: the same work, force
+/// and torque. On a lattice φ are the trilinear functions of the cell; in a cloud a moving-least-squares fit to the
+/// nearest phyxels. Where those are coplanar, collinear or alone, φ fits the directions there are and the rest turns
+/// with the completed F (see engine.h); then `offsets` is what lies outside of the fit, and a force acts as if it were
+/// at Σ φ x.
 struct Interpolation {
   std::vector<Vec3> positions;     ///< X, m, in the frame of the phyxels
   Csr phyxels;                     ///< per point
@@ -27,8 +29,8 @@ struct Interpolation {
   [[nodiscard]] std::size_t count() const { return positions.size(); }
 };
 
-/// Phyxels that a point of a cloud is bound to. A point farther off the plane of these than they are wide takes up to eight
-/// times as many, until they span space.
+/// Phyxels that a point of a cloud is bound to. A point farther off the plane of these than they are wide takes up to
+/// eight times as many, until they span space.
 inline constexpr std::size_t kPhyxelsPerPoint = 16;
 
 /// Moving-least-squares binding to the nearest phyxels, wherever the point lies: one outside every support follows the
@@ -61,8 +63,8 @@ void spreadForces(const Interpolation &binding, std::span<const Vec3> pointForce
 /// Points and normals of the skin: x_p, and n_p = cof(F_p) N_p normalised.
 /// @param restNormals  [points] N, unit; empty with normals empty
 /// @source Müller et al. 2004, animation of the surface; normals by Nanson's formula
-void updateSurfels(const Interpolation &binding, std::span<const Vec3> restNormals, std::span<const Vec3> phyxelPositions,
-                   std::span<const Vec3> displacements, std::span<Vec3> positions, std::span<Vec3> normals,
-                   const ParallelFor &parallelFor);
+void updateSurfels(const Interpolation &binding, std::span<const Vec3> restNormals,
+                   std::span<const Vec3> phyxelPositions, std::span<const Vec3> displacements,
+                   std::span<Vec3> positions, std::span<Vec3> normals, const ParallelFor &parallelFor);
 
 }  // namespace pointbased

@@ -21,11 +21,11 @@ struct LatticeSampling {
   double spacing = 0.0;      ///< edge of the cells, m; 0: from count
   std::size_t count = 1000;  ///< wanted phyxels
   std::vector<Refinement> refinements;
-  double surfaceSpacing = 0.0;         ///< > 0: cells that the surface cuts are at most this large, m
-  Mat3 axes = Mat3::Identity();        ///< of the lattice, columns; a rotation
+  double surfaceSpacing = 0.0;   ///< > 0: cells that the surface cuts are at most this large, m
+  Mat3 axes = Mat3::Identity();  ///< of the lattice, columns; a rotation
   /// 0 … 0.3: phyxels whose cells lie wholly inside are moved by up to this part of the spacing
   double jitter = 0.0;
-  std::uint64_t seed = 1;              ///< of the jitter
+  std::uint64_t seed = 1;  ///< of the jitter
   /// World, m: parts that will follow a prescribed motion (one ConstrainedRegion each)
   std::vector<Region> held;
   std::vector<std::pair<Region, std::uint16_t>> materials;  ///< later ones win; elsewhere material 0
@@ -35,8 +35,9 @@ struct LatticeSampling {
 class CellMap {
  public:
   virtual ~CellMap() = default;
-  /// Trilinear functions of the cell, or of the nearest one for a point that lies in none (they are continued). A normal
-  /// tells the side of a thin gap a point of the surface belongs to; empty: the part of the cell nearest to the point.
+  /// Trilinear functions of the cell, or of the nearest one for a point that lies in none (they are continued). A
+  /// normal tells the side of a thin gap a point of the surface belongs to; empty: the part of the cell nearest to the
+  /// point.
   /// @param points   frame of the phyxels, m
   /// @param normals  outwards, or empty
   [[nodiscard]] virtual Interpolation bind(std::span<const Vec3> points, std::span<const Vec3> normals,
@@ -46,21 +47,21 @@ class CellMap {
 /// A body on the cells of a lattice: phyxels at the corners of every cell that holds a part of the body, one evaluation
 /// point (stress point) per cell and connected part.
 struct LatticeBody {
-  Vec3 origin = Vec3::Zero();      ///< world, m; all below is relative to it
-  double spacing = 0.0;            ///< m, of the coarsest cells
-  std::vector<Vec3> positions;     ///< [phyxels] X, m, sorted in space; some lie outside of the body
-  std::vector<double> volumes;     ///< [phyxels] m³, > 0; sum: the body's volume (density times it is the mass)
-  std::vector<double> weightVolumes; ///< [phyxels] m³, ∫N_j: what a uniform load on the material gives each; same sum
+  Vec3 origin = Vec3::Zero();         ///< world, m; all below is relative to it
+  double spacing = 0.0;               ///< m, of the coarsest cells
+  std::vector<Vec3> positions;        ///< [phyxels] X, m, sorted in space; some lie outside of the body
+  std::vector<double> volumes;        ///< [phyxels] m³, > 0; sum: the body's volume (density times it is the mass)
+  std::vector<double> weightVolumes;  ///< [phyxels] m³, ∫N_j: what a uniform load on the material gives each; same sum
   /// [phyxels] m³: the part of `weightVolumes` that moves with a support; empty: nothing is held
   std::vector<double> heldVolumes;
   /// [phyxels] m³: the part of `volumes`, of the mass, that moves with a support; likewise
   std::vector<double> supportVolumes;
   StencilSet stencils;
   std::shared_ptr<const CellMap> cells;
-  std::vector<ConstrainedRegion> held;      ///< one per LatticeSampling::held
-  std::vector<Vec3> pointCentres;  ///< [points] centroid of the part of the body that each stands for, m
-  std::size_t components = 0;      ///< connected parts of the body
-  double countedVolume = 0.0;      ///< m³, of what was found inside, before it was scaled to the volume of the body
+  std::vector<ConstrainedRegion> held;  ///< one per LatticeSampling::held
+  std::vector<Vec3> pointCentres;       ///< [points] centroid of the part of the body that each stands for, m
+  std::size_t components = 0;           ///< connected parts of the body
+  double countedVolume = 0.0;  ///< m³, of what was found inside, before it was scaled to the volume of the body
 };
 
 /// Cells of a lattice cut by a body.
@@ -70,21 +71,22 @@ struct LatticeBody {
 ///
 ///     v_q = volume of the part,   g_qj = mean of ∇N_j over the part,   N_j trilinear
 ///
-/// the mean gradient makes Σ_q v_q g_qj = ∫ N_j n dA over the body's border: constant stress is in exact balance with its
-/// tractions however the surface cuts the cells (gradients at the centre of the cell instead made a beam 22 % too stiff).
-/// Nodes are shared by parts of neighbouring cells only where the body goes on through the common face; parts on two
-/// sides of a gap have corners of their own, so nothing couples across it. Nodes that hang on a larger cell follow its
-/// corners linearly, so affine fields stay exact and forces balanced across a change of spacing.
+/// the mean gradient makes Σ_q v_q g_qj = ∫ N_j n dA over the body's border: constant stress is in exact balance with
+/// its tractions however the surface cuts the cells (gradients at the centre of the cell instead made a beam 22 % too
+/// stiff). Nodes are shared by parts of neighbouring cells only where the body goes on through the common face; parts
+/// on two sides of a gap have corners of their own, so nothing couples across it. Nodes that hang on a larger cell
+/// follow its corners linearly, so affine fields stay exact and forces balanced across a change of spacing.
 ///
-/// Parts of less than a fiftieth of their cell are dropped where the body goes on beside them; what is left is scaled to the
-/// volume of the body. Without BodyShape::crosses gaps of half a spacing separate, with it thinner ones too.
+/// Parts of less than a fiftieth of their cell are dropped where the body goes on beside them; what is left is scaled
+/// to the volume of the body. Without BodyShape::crosses gaps of half a spacing separate, with it thinner ones too.
 ///
-/// Mode rows: see StencilSet::modes. Masses have the second moments of the body, not only its centre, as far as a reasonable
-/// explicit step allows; see LatticeBody::volumes and weightVolumes. Material inside `held` takes no part in v_q and g_qj (it moves
-/// rigidly) but keeps its mass; a held layer thinner than a quarter of the spacing acts as its surface.
+/// Mode rows: see StencilSet::modes. Masses have the second moments of the body, not only its centre, as far as a
+/// reasonable explicit step allows; see LatticeBody::volumes and weightVolumes. Material inside `held` takes no part in
+/// v_q and g_qj (it moves rigidly) but keeps its mass; a held layer thinner than a quarter of the spacing acts as its
+/// surface.
 ///
-/// Errors: spacing, count, jitter or a region out of range, more than kMaximumPhyxels, nothing inside, a held region or a
-/// material's region that meets no part of the body, cancelled.
+/// Errors: spacing, count, jitter or a region out of range, more than kMaximumPhyxels, nothing inside, a held region or
+/// a material's region that meets no part of the body, cancelled.
 [[nodiscard]] Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &sampling,
                                               const ParallelFor &parallelFor, const SamplingProgress &progress = {});
 

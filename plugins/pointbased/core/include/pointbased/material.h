@@ -75,7 +75,8 @@ inline constexpr double kCorotatedFloor = 1e-4;
 ///
 /// linear: eps = sym(F) - I, W = lambda/2 tr(eps)^2 + mu eps:eps.  StVK: the same with E instead of eps.
 /// corotated: W = mu |F - R|^2 + lambda/2 (tr(R^T F) - 3)^2, R the proper rotation next to F (also for det F <= 0).
-/// neo-Hookean: W = mu/2 (tr(F^T F) - 3) + g(J), g = -mu ln J + lambda/2 (ln J)^2; nu < 0: mu/b (J^-b - 1), b = lambda/mu.
+/// neo-Hookean: W = mu/2 (tr(F^T F) - 3) + g(J), g = -mu ln J + lambda/2 (ln J)^2; nu < 0: mu/b (J^-b - 1), b =
+/// lambda/mu.
 /// @source  Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2nd ed., ch. 6.4; k_v: Müller et
 ///          al., Point Based Animation of Elastic, Plastic and Melting Objects, SCA 2004, with J for |J|
 [[nodiscard]] double energyDensity(const Material &material, const Mat3 &F);
@@ -111,7 +112,8 @@ struct StressTangent {
 /// square root.
 ///
 /// @threads any
-/// @source  own: along a⊗n J is linear, so that the wave modulus of the neo-Hookean law is mu + W''(J) |cof F|²; that of
+/// @source  own: along a⊗n J is linear, so that the wave modulus of the neo-Hookean law is mu + W''(J) |cof F|²; that
+/// of
 ///          StVK is S_1 + (lambda + 2 mu) s_1²; largest eigenvalues bounded by Laguerre's method from above
 [[nodiscard]] double tangentRatio(const Material &material, const Mat3 &F);
 

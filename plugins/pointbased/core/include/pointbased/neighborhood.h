@@ -23,7 +23,7 @@ inline constexpr double kSupportMargin = 1.1;
 
 /// k-d tree search. A pair is in if either of the two chose it.
 /// @param spacing  typical distance of phyxels, m (the unit of `support`)
-[[nodiscard]] Neighborhoods findNeighborhoods(std::span<const Vec3> positions, const NeighborChoice &choice, double spacing,
-                                              const ParallelFor &parallelFor);
+[[nodiscard]] Neighborhoods findNeighborhoods(std::span<const Vec3> positions, const NeighborChoice &choice,
+                                              double spacing, const ParallelFor &parallelFor);
 
 }  // namespace pointbased

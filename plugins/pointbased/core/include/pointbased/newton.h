@@ -20,28 +20,31 @@ class IncrementalPotential {
   [[nodiscard]] virtual std::span<const std::uint8_t> prescribed() const = 0;
   /// Moves to u: everything below refers to it. False: u cannot be evaluated (not finite).
   [[nodiscard]] virtual bool setState(std::span<const Vec3> u) = 0;
-  [[nodiscard]] virtual double energy() = 0;                  ///< J
+  [[nodiscard]] virtual double energy() = 0;  ///< J
   /// Round-off of energy() that its size does not show, J: of a sum of parts that cancel.
   [[nodiscard]] virtual double roundOff() const { return 0.0; }
-  virtual void gradient(std::span<Vec3> out) = 0;             ///< dE/du, N
-  /// How far the minimum may be from here, from a gradient here alone, m; infinite: nobody knows. Of a step in time it is no
-  /// farther than what inertia alone would allow.
+  virtual void gradient(std::span<Vec3> out) = 0;  ///< dE/du, N
+  /// How far the minimum may be from here, from a gradient here alone, m; infinite: nobody knows. Of a step in time it
+  /// is no farther than what inertia alone would allow.
   [[nodiscard]] virtual double reach(std::span<const Vec3> gradient) const {
     (void)gradient;
     return std::numeric_limits<double>::infinity();
   }
   virtual void product(std::span<const Vec3> du, std::span<Vec3> out) = 0;  ///< Hessian times du, N; matrix-free
-  virtual void diagonalBlocks(std::span<Mat3> out) = 0;       ///< of the Hessian, positive definite
+  virtual void diagonalBlocks(std::span<Mat3> out) = 0;                     ///< of the Hessian, positive definite
   /// All of the Hessian, or something close to it that is positive definite; false: not available.
   [[nodiscard]] virtual bool assemble(Eigen::SparseMatrix<double> &out) = 0;
   /// Most that the present search direction may be scaled by (contact: up to the first touch); 1 is the full step.
-  [[nodiscard]] virtual double largestStep(std::span<const Vec3> direction) { (void)direction; return 1.0; }
+  [[nodiscard]] virtual double largestStep(std::span<const Vec3> direction) {
+    (void)direction;
+    return 1.0;
+  }
 };
 
 enum class Preconditioner {
   /// Complete where that is cheap (some 3000 phyxels on a lattice), else incomplete until its iterations have
   automatic,
-                ///< paid for a complete one (at most 30 000 phyxels); blocks where the Hessian cannot be assembled
+  ///< paid for a complete one (at most 30 000 phyxels); blocks where the Hessian cannot be assembled
   blockJacobi,  ///< 3x3 blocks
   incomplete,   ///< incomplete Cholesky of the assembled Hessian
   factorised    ///< complete Cholesky of an assembled Hessian
@@ -49,8 +52,10 @@ enum class Preconditioner {
 
 /// Converged is
 ///  - a residual of at most toleranceForce (exactly zero where that is 0), also at the start; or
-///  - a start from which the minimum is within a thousandth of toleranceDisplacement (IncrementalPotential::reach()); or
-///  - a Newton step that was taken whole (not cut by the line search, by largestStep() or by negative curvature), moved no
+///  - a start from which the minimum is within a thousandth of toleranceDisplacement (IncrementalPotential::reach());
+///  or
+///  - a Newton step that was taken whole (not cut by the line search, by largestStep() or by negative curvature), moved
+///  no
 ///    phyxel by more than toleranceDisplacement, did not raise the residual, and came from a linear solve to 1e-3 or
 ///    better; a solve that finds so small a step at a looser tolerance goes on to 1e-3 before it is believed. Where the
 ///    residual is all round-off and does rise, two such steps in a row count; or
@@ -78,23 +83,25 @@ enum class NewtonOutcome {
 
 struct NewtonResult {
   NewtonOutcome outcome = NewtonOutcome::converged;
-  int iterations = 0;         ///< Newton steps
-  int linearIterations = 0;   ///< of conjugate gradients, all together
-  int factorisations = 0;     ///< complete or incomplete, in this call; 0: the kept one served
-  double lastStep = 0.0;      ///< m, largest displacement of the last Newton correction
-  double residual = 0.0;      ///< N, largest of a free phyxel; NaN where it cannot be evaluated
-  Index worst = 0;            ///< the phyxel that has it
+  int iterations = 0;        ///< Newton steps
+  int linearIterations = 0;  ///< of conjugate gradients, all together
+  int factorisations = 0;    ///< complete or incomplete, in this call; 0: the kept one served
+  double lastStep = 0.0;     ///< m, largest displacement of the last Newton correction
+  double residual = 0.0;     ///< N, largest of a free phyxel; NaN where it cannot be evaluated
+  Index worst = 0;           ///< the phyxel that has it
   [[nodiscard]] bool good() const { return outcome == NewtonOutcome::converged; }
 };
 
 /// Newton's method with a truncated conjugate-gradient solve (directions of negative curvature are followed, not
 /// suppressed), line search on the energy, and the chosen preconditioner. Keeps its scratch and factorisation between
-/// calls on problems of the same shape; a factorisation is renewed when the iterations it costs have paid for a new one,
-/// counted, not timed. Same bits for any number of threads when the problem's are.
+/// calls on problems of the same shape; a factorisation is renewed when the iterations it costs have paid for a new
+/// one, counted, not timed. Same bits for any number of threads when the problem's are.
 ///
-/// The line search halves where the problem cannot be evaluated; it accepts a sufficient decrease of the energy (Armijo)
-/// or, where the change drowns in round-off, a falling gradient whose slope along the step says so (Hager and Zhang).
-/// @source  Nocedal and Wright, Numerical Optimization, 2nd ed., ch. 7.1; Steihaug 1983; Eisenstat and Walker, SIAM J. Sci.
+/// The line search halves where the problem cannot be evaluated; it accepts a sufficient decrease of the energy
+/// (Armijo) or, where the change drowns in round-off, a falling gradient whose slope along the step says so (Hager and
+/// Zhang).
+/// @source  Nocedal and Wright, Numerical Optimization, 2nd ed., ch. 7.1; Steihaug 1983; Eisenstat and Walker, SIAM J.
+/// Sci.
 ///          Comput. 17, 1996, choice 2; Hager and Zhang, SIAM J. Optim. 16, 2005, approximate Wolfe conditions
 class NewtonSolver {
  public:

@@ -9,12 +9,13 @@
 
 namespace pointbased {
 
-/// The held patches of a body (ConstrainedRegion::rows of all its fixes) as springs between their mean displacement and a target:
+/// The held patches of a body (ConstrainedRegion::rows of all its fixes) as springs between their mean displacement and
+/// a target:
 ///
 ///     U = ½ Σ_p k_p |Σ_j φ_pj u_j - t_p|²
 ///
-/// For implicit and static solutions as this energy; for explicit steps as a correction of positions and velocities that
-/// integrates the springs implicitly (compliant constraints), so they do not shrink the stable step.
+/// For implicit and static solutions as this energy; for explicit steps as a correction of positions and velocities
+/// that integrates the springs implicitly (compliant constraints), so they do not shrink the stable step.
 class PatchSolver {
  public:
   PatchSolver();

@@ -3,12 +3,12 @@
 
 #include <memory>
 
+#include "pointbased/contact.h"
 #include "pointbased/lattice.h"
 #include "pointbased/neighborhood.h"
 #include "pointbased/sampling.h"
 #include "pointbased/supports.h"
 #include "pointbased/surfels.h"
-#include "pointbased/contact.h"
 
 namespace pointbased {
 
@@ -34,38 +34,38 @@ struct Neighbours {
   double mean = 0.0;
 };
 
-/// What follows from the reference shape; const once it is built. Positions are relative to `origin`, so that a body far
-/// from the world's origin loses no digits.
+/// What follows from the reference shape; const once it is built. Positions are relative to `origin`, so that a body
+/// far from the world's origin loses no digits.
 struct RestState {
   Evaluation evaluation = Evaluation::phyxels;
-  Vec3 origin = Vec3::Zero();      ///< world, m
-  double spacing = 0.0;            ///< m
-  double shapeVolume = 0.0;        ///< m³, of the shape that was filled: what its surface encloses
-  double countedVolume = 0.0;      ///< m³, that the sampling has found inside of it; 0: nobody has counted
-  std::vector<Vec3> positions;     ///< [phyxels] X, m
-  std::vector<double> volumes;     ///< [phyxels] m³
+  Vec3 origin = Vec3::Zero();   ///< world, m
+  double spacing = 0.0;         ///< m
+  double shapeVolume = 0.0;     ///< m³, of the shape that was filled: what its surface encloses
+  double countedVolume = 0.0;   ///< m³, that the sampling has found inside of it; 0: nobody has counted
+  std::vector<Vec3> positions;  ///< [phyxels] X, m
+  std::vector<double> volumes;  ///< [phyxels] m³
   /// [phyxels] m³, shares of a load on the material of a held body; empty: `volumes`
   std::vector<double> weightVolumes;
-  std::vector<double> heldVolumes; ///< [phyxels] m³, part of `weightVolumes` that supports carry; empty: none
+  std::vector<double> heldVolumes;  ///< [phyxels] m³, part of `weightVolumes` that supports carry; empty: none
   /// [phyxels] m³, part of `volumes`, of the mass, that supports carry; empty: none
   std::vector<double> supportVolumes;
   /// Of clouds: [phyxels] those of their stencils; symmetric, without itself; see neighboursOf()
   Csr neighbors;
-  Neighbours latticeNeighbours;    ///< of lattices: countNeighbours()
-  StencilSet stencils;             ///< evaluation points
-  std::vector<Vec3> pointCentres;  ///< [points] m
-  NeighborChoice neighborChoice;   ///< of Evaluation::phyxels
-  LatticeSampling sampling;        ///< of Evaluation::stressPoints, as asked for
-  Reshape reshape;                 ///< empty: a lattice cannot be renewed
-  Surfels surfels;                 ///< the vertices of the surface
+  Neighbours latticeNeighbours;            ///< of lattices: countNeighbours()
+  StencilSet stencils;                     ///< evaluation points
+  std::vector<Vec3> pointCentres;          ///< [points] m
+  NeighborChoice neighborChoice;           ///< of Evaluation::phyxels
+  LatticeSampling sampling;                ///< of Evaluation::stressPoints, as asked for
+  Reshape reshape;                         ///< empty: a lattice cannot be renewed
+  Surfels surfels;                         ///< the vertices of the surface
   std::vector<std::array<Index, 3>> skin;  ///< triangles between surfels; may be empty
-  std::vector<Vec3> surfelNormals; ///< unit; empty: points without normals
+  std::vector<Vec3> surfelNormals;         ///< unit; empty: points without normals
   ContactPoints contact;
   /// [phyxels] how far the body goes with a phyxel, of the phyxel's own way: leverageOf(). Empty: as far.
   std::vector<float> maxInfluence;
-  Binder bind;                     ///< material points, frame of the phyxels
+  Binder bind;  ///< material points, frame of the phyxels
   BoundaryConditions conditions;
-  std::size_t components = 1;      ///< connected parts
+  std::size_t components = 1;  ///< connected parts
   // Of a reference that has been renewed (rereferencing.h); empty in the first one:
   /// [phyxels] way from the first reference to this one, m: supports move what was there
   std::vector<Vec3> referenceShift;
@@ -75,9 +75,9 @@ struct RestState {
   [[nodiscard]] std::size_t pointCount() const { return stencils.pointCount(); }
 };
 
-/// Of lattices: a corner that only a sliver of the body reaches moves hardly anything, so it may be fast. The most that a
-/// phyxel moves a point of contact (more than 1: the point lies outside of its cell), or changes F of a point by, compared
-/// with a phyxel amid whole cells, where at most 1 counts.
+/// Of lattices: a corner that only a sliver of the body reaches moves hardly anything, so it may be fast. The most that
+/// a phyxel moves a point of contact (more than 1: the point lies outside of its cell), or changes F of a point by,
+/// compared with a phyxel amid whole cells, where at most 1 counts.
 [[nodiscard]] std::vector<float> leverageOf(const RestState &rest);
 
 /// How a shape becomes a body.
@@ -87,11 +87,11 @@ struct BodyRecipe {
   NeighborChoice neighbors;  ///< of Evaluation::phyxels
   std::vector<Fix> fixes;
   std::vector<Load> loads;
-  Reshape reshape;           ///< lattices: for renewed references (rereferencing.h); may be empty
+  Reshape reshape;  ///< lattices: for renewed references (rereferencing.h); may be empty
 };
 
-/// Fills a shape and binds everything that belongs to it: surfels at the vertices of shape.surface with the given normals,
-/// contact points, supports and loads.
+/// Fills a shape and binds everything that belongs to it: surfels at the vertices of shape.surface with the given
+/// normals, contact points, supports and loads.
 ///
 /// Errors: those of fillLattice() and fill(); "fix 2: …" and "load 0: …" for regions that meet no part of the body.
 [[nodiscard]] Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, const BodyRecipe &recipe,
@@ -111,8 +111,8 @@ struct BodyRecipe {
 
 [[nodiscard]] Neighbours countNeighbours(const RestState &rest);
 
-/// F of every phyxel from those of the points: itself for Evaluation::phyxels, else the volume-weighted mean of the points
-/// it belongs to.
+/// F of every phyxel from those of the points: itself for Evaluation::phyxels, else the volume-weighted mean of the
+/// points it belongs to.
 void phyxelGradients(const RestState &rest, std::span<const Mat3> pointGradients, std::span<Mat3> out);
 /// The same mean of any quantity of the points. Stress is averaged as such: near incompressibility that of a mean F is
 /// far off, and the mean over the cells around a phyxel holds no checkerboard.

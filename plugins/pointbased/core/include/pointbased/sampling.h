@@ -13,11 +13,11 @@ struct Sampling {
 
 /// Phyxels of a body, sorted in space.
 struct PhyxelCloud {
-  double spacing = 0.0;               ///< m
-  std::vector<Vec3> positions;        ///< m
-  std::vector<double> volumes;        ///< m³; their sum is the body's volume
-  std::vector<double> contactRadii;   ///< m: distance to the surface, at most half a spacing
-  double countedVolume = 0.0;         ///< m³, of what was found inside, before it was scaled; 0: nobody has counted
+  double spacing = 0.0;              ///< m
+  std::vector<Vec3> positions;       ///< m
+  std::vector<double> volumes;       ///< m³; their sum is the body's volume
+  std::vector<double> contactRadii;  ///< m: distance to the surface, at most half a spacing
+  double countedVolume = 0.0;        ///< m³, of what was found inside, before it was scaled; 0: nobody has counted
 };
 
 /// False: stop, somebody cancelled.
@@ -29,17 +29,19 @@ inline constexpr std::size_t kMaximumPhyxels = 2'000'000;
 /// 1000 and at most 4000.
 ///
 /// The thickness is t = 2V/A (of a sheet its own, of a tube the radius). A lattice of spacing d over a sheet has about
-/// (V + A d)/d³ points: t/d + 2 planes of A/(2d²) each; with d = t/2 that is 2A³/V². Compact organs (a ball: 226, a cube: 432)
-/// have 1000; what is still too coarse at 4000 is told by the represented part, the error estimate or a refusal.
+/// (V + A d)/d³ points: t/d + 2 planes of A/(2d²) each; with d = t/2 that is 2A³/V². Compact organs (a ball: 226, a
+/// cube: 432) have 1000; what is still too coarse at 4000 is told by the represented part, the error estimate or a
+/// refusal.
 /// @param volume  m³, > 0
 /// @param area    of the surface, m²
 [[nodiscard]] std::size_t automaticCount(double volume, double area);
 
 /// Phyxels on a regular lattice inside the body, each with the volume of the part of the body that is nearest to it.
 ///
-/// The part is measured by counting points of a finer lattice inside the body; those near the surface are asked for, the
-/// rest follows from their cell. Parts that no lattice point reaches (a lobe thinner than the spacing) get a phyxel at
-/// their centroid, so nothing of the body is without mass. Volumes are then scaled to sum to the body's volume exactly.
+/// The part is measured by counting points of a finer lattice inside the body; those near the surface are asked for,
+/// the rest follows from their cell. Parts that no lattice point reaches (a lobe thinner than the spacing) get a phyxel
+/// at their centroid, so nothing of the body is without mass. Volumes are then scaled to sum to the body's volume
+/// exactly.
 ///
 /// Errors: spacing or count out of range, more than kMaximumPhyxels, nothing inside, cancelled.
 [[nodiscard]] Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const ParallelFor &parallelFor,

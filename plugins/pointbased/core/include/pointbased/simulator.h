@@ -18,7 +18,7 @@ class BodyStepper;
 class StepActivity;
 struct StepContext;
 struct SimulatorCheckpoint;
-}
+}  // namespace detail
 
 /// The state of a simulation at one time, for Simulator::restore(). Cheap to copy.
 using Checkpoint = std::shared_ptr<const detail::SimulatorCheckpoint>;
@@ -41,8 +41,8 @@ struct SimulationEvent {
 
 /// Why there was no step: no body is left that could move, or it was ended half way.
 struct StepFailure {
-  std::string text;     ///< body, phyxel, quantity, and the setting that would help
-  bool ended = false;   ///< by the request; the state is that before the step
+  std::string text;    ///< body, phyxel, quantity, and the setting that would help
+  bool ended = false;  ///< by the request; the state is that before the step
 };
 
 /// Bodies, obstacles and the clock. Composes the stages of a step from what the scene has: no viscous stage without
@@ -96,7 +96,8 @@ class Simulator {
 
   /// One step of the present size: explicit in the substeps that stability needs, up to 10 000 (then time goes on by
   /// what is done). Refused when every body has stopped. Quasi-static: one load increment; nothing when finished().
-  /// @param stop  null, or what ends the step when it is raised, in a fraction of a second: every body is then where it was
+  /// @param stop  null, or what ends the step when it is raised, in a fraction of a second: every body is then where it
+  /// was
   ///              before the step. Another thread may raise it.
   [[nodiscard]] tl::expected<void, StepFailure> step(const StopRequest *stop = nullptr);
   /// Of the step that is being computed: the body that it is at, why that may take long, what would help. Empty between
@@ -107,9 +108,9 @@ class Simulator {
 
   /// The state between two steps: of bodies, clock, probes and events.
   [[nodiscard]] Checkpoint checkpoint() const;
-  /// Back to (or on to) a state of these bodies, nothing grabbed; materials, world and what holds the bodies are those of
-  /// now. From there explicit steps give the bits that they gave from there before, unless material flows (it flows once more
-  /// at the start). An event tells of it.
+  /// Back to (or on to) a state of these bodies, nothing grabbed; materials, world and what holds the bodies are those
+  /// of now. From there explicit steps give the bits that they gave from there before, unless material flows (it flows
+  /// once more at the start). An event tells of it.
   /// @return false: nothing is changed, because bodies or obstacles have come or gone since, or the simulation has been
   ///         reset
   bool restore(const Checkpoint &checkpoint);
@@ -126,8 +127,8 @@ class Simulator {
   /// Every body has stopped.
   [[nodiscard]] bool failed() const;
   [[nodiscard]] std::size_t stoppedBodies() const;
-  /// The body has come to rest and costs nothing (WorldSettings::sleep): no stage runs, its state stays bit for bit, its
-  /// velocities are 0. A hand, an obstacle that moves, another material, world or scene wakes it.
+  /// The body has come to rest and costs nothing (WorldSettings::sleep): no stage runs, its state stays bit for bit,
+  /// its velocities are 0. A hand, an obstacle that moves, another material, world or scene wakes it.
   [[nodiscard]] bool asleep(std::size_t body) const;
   /// For who has changed the state of a body from outside; velocities that are not 0 wake it without.
   void wake(std::size_t body);
@@ -139,8 +140,8 @@ class Simulator {
   void releaseGrab(std::size_t body);
   [[nodiscard]] std::optional<GrabStatus> grabStatus(std::size_t body) const;
 
-  /// How deep the skin of a body has been beyond walls or in obstacles, m: the deepest point of contact of every step, and the
-  /// skin as it is drawn, now and every 128 explicit steps (walls only).
+  /// How deep the skin of a body has been beyond walls or in obstacles, m: the deepest point of contact of every step,
+  /// and the skin as it is drawn, now and every 128 explicit steps (walls only).
   [[nodiscard]] double skinDepth(std::size_t body) const;
   /// Wall-clock time that a body takes per simulated second, s; 0 before the first step and of quasi-static solutions.
   [[nodiscard]] double costOf(std::size_t body) const;
@@ -151,7 +152,7 @@ class Simulator {
 
   struct Energy {
     double kinetic = 0.0, elastic = 0.0, stabilisation = 0.0, gravity = 0.0;  ///< J; gravity relative to the start
-    double foundation = 0.0;  ///< J, stored in the surroundings
+    double foundation = 0.0;                                                  ///< J, stored in the surroundings
   };
   [[nodiscard]] Energy energy(std::size_t body) const;
   [[nodiscard]] std::vector<Reaction> reactions(std::size_t body) const;
@@ -169,7 +170,8 @@ class Simulator {
   void increaseLoad(const detail::StepContext &order);
   /// Time, or load factor: what ramps count by.
   [[nodiscard]] double clockOfRamps() const { return quasiStatic() ? loadFactor_ : time_; }
-  /// The present shape as the reference of a body that has flowed far (rereferencing.h); false: not due, or not possible.
+  /// The present shape as the reference of a body that has flowed far (rereferencing.h); false: not due, or not
+  /// possible.
   /// @param stop  raised: it is put off
   bool rereferenceIfNeeded(std::size_t body, const StopRequest *stop);
   void bindProbes(std::size_t body, std::span<const Vec3> ways);
@@ -195,18 +197,18 @@ class Simulator {
   std::vector<Probe> probes_;
   std::size_t nextId_ = 1;
   std::uint64_t course_ = 0;  // grows where what has been simulated ends: a reset, other bodies or obstacles
-  double time_ = 0.0;        // s
-  double loadFactor_ = 0.0;  // of a quasi-static solution
+  double time_ = 0.0;         // s
+  double loadFactor_ = 0.0;   // of a quasi-static solution
   std::uint64_t steps_ = 0;
   std::vector<SimulationEvent> events_;
-  std::set<std::size_t> notRereferenced_;  // bodies whose reference could not be
-  std::map<std::size_t, double> skinDeepest_;                // m, as drawn, beyond the walls
-  std::vector<Vec3> skin_;  // room for a look at one
-  std::set<std::pair<std::size_t, std::size_t>> overlaps_;   // that have been told
-  std::pair<std::size_t, std::size_t> lastPair_{0, 0};        // that was looked at for overlaps
+  std::set<std::size_t> notRereferenced_;                   // bodies whose reference could not be
+  std::map<std::size_t, double> skinDeepest_;               // m, as drawn, beyond the walls
+  std::vector<Vec3> skin_;                                  // room for a look at one
+  std::set<std::pair<std::size_t, std::size_t>> overlaps_;  // that have been told
+  std::pair<std::size_t, std::size_t> lastPair_{0, 0};      // that was looked at for overlaps
   bool toldAtStart_ = false;
-  std::map<std::size_t, double> spent_;                      // s of wall-clock time, by body
-  double advanced_ = 0.0;                                    // s simulated in that time
+  std::map<std::size_t, double> spent_;  // s of wall-clock time, by body
+  double advanced_ = 0.0;                // s simulated in that time
   StageClock clock_;
   ScreenPhyxels screenPhyxels_;
 };

@@ -20,16 +20,16 @@ struct Csr {
   }
 };
 
-/// The rows of a stencil over the eight corners of a cell, where they are means of the trilinear functions over a part of
-/// it, as the numbers they follow from. With the signs of corner j, s_x = ±1 and so on, in lattice axes:
+/// The rows of a stencil over the eight corners of a cell, where they are means of the trilinear functions over a part
+/// of it, as the numbers they follow from. With the signs of corner j, s_x = ±1 and so on, in lattice axes:
 ///
 ///     g_x = g s_x + first_y s_x s_y + first_z s_x s_z + mixed_x s_x s_y s_z   (y and z alike)
 ///     γ_m = modes_m s_m,   s_m the products of the signs
 struct CellShape {
-  double gradient = 0.0;   ///< 1/(4h), 1/m
+  double gradient = 0.0;  ///< 1/(4h), 1/m
   /// Means of place and of its products over the part: see CellNumber in src/kernels/slices.h, 1/m
   Vec3 first, mixed;
-  Eigen::Vector4d modes;   ///< 1/m², of xyz 1/m³
+  Eigen::Vector4d modes;  ///< 1/m², of xyz 1/m³
   bool operator==(const CellShape &) const = default;
 };
 
@@ -39,39 +39,40 @@ struct CellShape {
 ///
 ///     F_q = I + Σ_k u_k g_qk^T,   Σ_k g_qk = 0,   Σ_k X_k g_qk^T = I
 ///
-/// In Müller's method q runs over the phyxels; on a lattice over stress points, one per cell and connected part of the body
-/// in it. Which points exist is a sampling decision. The first entry of a stencil is its anchor: displacements are taken
-/// relative to it, so that a body far from where it was made loses no digits.
+/// In Müller's method q runs over the phyxels; on a lattice over stress points, one per cell and connected part of the
+/// body in it. Which points exist is a sampling decision. The first entry of a stencil is its anchor: displacements are
+/// taken relative to it, so that a body far from where it was made loses no digits.
 struct StencilSet {
-  Csr phyxels;                    ///< per point: the anchor, then the others
-  std::vector<Vec3> gradients;    ///< per entry: g, 1/m; of compact sets only where `rowsOf` points
+  Csr phyxels;                  ///< per point: the anchor, then the others
+  std::vector<Vec3> gradients;  ///< per entry: g, 1/m; of compact sets only where `rowsOf` points
   /// Per entry, clouds: stabilisation weight, 0 for the anchor; Σ w |X - X_anchor|² = 3 m²; else empty
   std::vector<double> weights;
   /// Per point, clouds: weights over those of kernelWeight(), which are symmetric; else empty
   std::vector<double> weightFactors;
   /// Per entry, lattices: rows γ of the four modes (xy, xz, yz, xyz) that the affine fit does not see, in lattice axes:
-  /// a_m = Σ_j γ_mj x_j is the coefficient of ξη, ξζ, ηζ (1/m² · m) and ξηζ (1/m³ · m) in the motion of the cell. Each row is
-  /// zero on affine fields: Σ γ = 0, Σ γ X = 0 (Flanagan and Belytschko's projection). Empty for clouds.
+  /// a_m = Σ_j γ_mj x_j is the coefficient of ξη, ξζ, ηζ (1/m² · m) and ξηζ (1/m³ · m) in the motion of the cell. Each
+  /// row is zero on affine fields: Σ γ = 0, Σ γ X = 0 (Flanagan and Belytschko's projection). Empty for clouds.
   std::vector<Eigen::Vector4d> modes;
-  /// Of compact sets (compactRows()): the distinct shapes of cells, and per point its shape, or the number of shapes plus
-  /// where its rows begin in `gradients` and `modes`. Empty: entry e has gradients[e] and modes[e]. See GradientRows.
+  /// Of compact sets (compactRows()): the distinct shapes of cells, and per point its shape, or the number of shapes
+  /// plus where its rows begin in `gradients` and `modes`. Empty: entry e has gradients[e] and modes[e]. See
+  /// GradientRows.
   std::vector<CellShape> shapes;
   std::vector<Index> rowsOf;
-  std::vector<Vec3> variances;      ///< per point, lattices: variance of the part's material along the lattice axes, m²
-  Mat3 axes = Mat3::Identity();   ///< lattice axes, columns; x, y, z of modes and variances
+  std::vector<Vec3> variances;   ///< per point, lattices: variance of the part's material along the lattice axes, m²
+  Mat3 axes = Mat3::Identity();  ///< lattice axes, columns; x, y, z of modes and variances
   std::vector<std::uint16_t> materials;  ///< per point: which of the body's materials; empty: the first
-  std::vector<double> volumes;    ///< per point: rest volume it stands for, m³
+  std::vector<double> volumes;           ///< per point: rest volume it stands for, m³
   /// Per point: F of the reference shape itself, symmetric; empty: the identity everywhere. A body whose reference has
-  /// been renewed (rereferencing.h) is strained in it: F_q = S_q + Σ_k u_k g_qk^T, and g_qk is S_q times the gradient of the
-  /// fit, so that Σ_k X_k g_qk^T = S_q and forces, energies and tangents need not know.
+  /// been renewed (rereferencing.h) is strained in it: F_q = S_q + Σ_k u_k g_qk^T, and g_qk is S_q times the gradient
+  /// of the fit, so that Σ_k X_k g_qk^T = S_q and forces, energies and tangents need not know.
   std::vector<Mat3> reference;
   std::vector<Mat3> referenceInverse;  ///< per point: S^-1; empty where `reference` is
-  std::vector<std::uint8_t> rank; ///< per point: 3 = full; 2 coplanar, 1 collinear, 0 alone: F is completed
-  std::vector<Mat3> frames;       ///< per point of rank < 3, by frameOf: columns t1, t2, n (rank 2) or t, ., . (rank 1)
-  std::vector<Index> frameOf;     ///< per point: index into frames, or kNoFrame
+  std::vector<std::uint8_t> rank;      ///< per point: 3 = full; 2 coplanar, 1 collinear, 0 alone: F is completed
+  std::vector<Mat3> frames;    ///< per point of rank < 3, by frameOf: columns t1, t2, n (rank 2) or t, ., . (rank 1)
+  std::vector<Index> frameOf;  ///< per point: index into frames, or kNoFrame
 
   /// Per phyxel: the entries (of all stencils) it stands in, ascending; the gather of the forces.
-  Csr entriesOfPhyxel;            ///< indices are entry numbers
+  Csr entriesOfPhyxel;  ///< indices are entry numbers
 
   static constexpr Index kNoFrame = 0xffffffffu;
   [[nodiscard]] std::size_t pointCount() const { return volumes.size(); }
@@ -145,8 +146,8 @@ class ModeRows {
   std::array<Eigen::Vector4d, 8> own_;
 };
 
-/// The shape that reproduces the rows of a point up to round-off (kSameRows), or nothing: corners that hang on a larger cell,
-/// jittered cells, a renewed reference, flat stencils, clouds.
+/// The shape that reproduces the rows of a point up to round-off (kSameRows), or nothing: corners that hang on a larger
+/// cell, jittered cells, a renewed reference, flat stencils, clouds.
 [[nodiscard]] std::optional<CellShape> findShape(const StencilSet &stencils, std::size_t q);
 /// Keeps shapes in place of rows wherever a point has one; equal shapes once.
 void compactRows(StencilSet &stencils);
@@ -167,7 +168,8 @@ inline constexpr double kMomentCutOff = 1e-2;
 /// @param neighbors      symmetric, without i itself
 /// @param supportRadii   [n] h, m; the weight of a pair uses the larger one
 /// @param volumes        [n] m³
-/// @source  Müller et al., Point Based Animation of Elastic, Plastic and Melting Objects, SCA 2004, the moving-least-squares fit of the displacement gradient
+/// @source  Müller et al., Point Based Animation of Elastic, Plastic and Melting Objects, SCA 2004, the
+/// moving-least-squares fit of the displacement gradient
 [[nodiscard]] StencilSet buildPhyxelStencils(std::span<const Vec3> positions, const Csr &neighbors,
                                              std::span<const double> supportRadii, std::span<const double> volumes,
                                              const ParallelFor &parallelFor);

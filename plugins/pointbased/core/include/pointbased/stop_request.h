@@ -14,8 +14,8 @@ class StopRequest {
   [[nodiscard]] virtual bool isRaised() const noexcept = 0;
 };
 
-/// Thrown on the thread that has called a computation when it is ended half way. What the computation was writing is of no
-/// use then. Simulator::step() and buildRestState() take it as what it is; it never leaves a loop's worker.
+/// Thrown on the thread that has called a computation when it is ended half way. What the computation was writing is of
+/// no use then. Simulator::step() and buildRestState() take it as what it is; it never leaves a loop's worker.
 struct Stopped {};
 
 /// For serial work that takes long: to be asked several times a second.
@@ -23,8 +23,8 @@ inline void endIfRaised(const StopRequest *stop) {
   if (stop != nullptr && stop->isRaised()) throw Stopped{};
 }
 
-/// Loops that end early, with Stopped, while somebody watches for a request; else the loops that they are made of. What is
-/// built from such loops carries the request through every stage of a computation.
+/// Loops that end early, with Stopped, while somebody watches for a request; else the loops that they are made of. What
+/// is built from such loops carries the request through every stage of a computation.
 class StoppableLoops {
  public:
   explicit StoppableLoops(ParallelFor inner);

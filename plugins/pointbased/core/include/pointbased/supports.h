@@ -12,51 +12,51 @@ namespace pointbased {
 
 /// A part of a body that follows a prescribed rigid motion.
 struct Fix {
-  Region region;                         ///< material coordinates, world, m
-  Vec3 displacement = Vec3::Zero();      ///< m, reached at the end of the ramp
-  Vec3 rotation_deg = Vec3::Zero();      ///< about x, then y, then z through the centre, likewise
-  std::optional<Vec3> centre;            ///< world, m; default: centroid of the held part
-  double ramp = 0.0;                     ///< s, >= 0; with a quasi-static solution the load factor takes its place
+  Region region;                     ///< material coordinates, world, m
+  Vec3 displacement = Vec3::Zero();  ///< m, reached at the end of the ramp
+  Vec3 rotation_deg = Vec3::Zero();  ///< about x, then y, then z through the centre, likewise
+  std::optional<Vec3> centre;        ///< world, m; default: centroid of the held part
+  double ramp = 0.0;                 ///< s, >= 0; with a quasi-static solution the load factor takes its place
 };
 
 /// A force or a pressure on a part of a body.
 struct Load {
-  Region region;                      ///< material coordinates, world, m
+  Region region;  ///< material coordinates, world, m
   /// N, total over the surface in the region (over its volume where no surface is inside)
   Vec3 force = Vec3::Zero();
-  double pressure = 0.0;              ///< Pa, pushes into the body
-  bool follower = true;               ///< a pressure turns with the surface and grows with it: -p cof(F) N; else -p N
-  double ramp = 0.0;                  ///< s, >= 0
+  double pressure = 0.0;  ///< Pa, pushes into the body
+  bool follower = true;   ///< a pressure turns with the surface and grows with it: -p cof(F) N; else -p N
+  double ramp = 0.0;      ///< s, >= 0
 };
 
-/// The continuum of a fix, on the phyxels. A phyxel is held itself where all that it moves is held or where it lies on a held
-/// surface; elsewhere the mean displacement of each patch of the held border is: one row per patch,
+/// The continuum of a fix, on the phyxels. A phyxel is held itself where all that it moves is held or where it lies on
+/// a held surface; elsewhere the mean displacement of each patch of the held border is: one row per patch,
 ///
 ///     Σ_j φ_pj x_j = prescribed position of the patch,   enforced with k_p = kPatchStiffness E A_p / d
 ///
 /// Means per patch, not every point, because a trilinear cell that is held at every point of a plane through it cannot
 /// deform at all.
 struct ConstrainedRegion {
-  std::vector<Index> phyxels;        ///< held themselves, ascending
-  Csr rows;                          ///< per patch: phyxels
-  std::vector<double> weights;       ///< per entry: φ, sum 1 per patch
-  std::vector<double> areas;         ///< per patch, m²
-  Vec3 centroid = Vec3::Zero();      ///< of the held part, m, in the frame of the phyxels
-  double volume = 0.0;               ///< of the body inside the region, m³
-  double area = 0.0;                 ///< of its surface inside the region, m²
+  std::vector<Index> phyxels;    ///< held themselves, ascending
+  Csr rows;                      ///< per patch: phyxels
+  std::vector<double> weights;   ///< per entry: φ, sum 1 per patch
+  std::vector<double> areas;     ///< per patch, m²
+  Vec3 centroid = Vec3::Zero();  ///< of the held part, m, in the frame of the phyxels
+  double volume = 0.0;           ///< of the body inside the region, m³
+  double area = 0.0;             ///< of its surface inside the region, m²
   [[nodiscard]] bool empty() const { return phyxels.empty() && areas.empty(); }
 };
 
-/// The stiffness of a held patch in units of E A / d: what hangs on it with the stress σ goes with it by σ d/(60 E). Stiffer
-/// ones make bodies that are held across their cells too stiff (beams and ellipsoids; measured over 10 … 1000).
+/// The stiffness of a held patch in units of E A / d: what hangs on it with the stress σ goes with it by σ d/(60 E).
+/// Stiffer ones make bodies that are held across their cells too stiff (beams and ellipsoids; measured over 10 … 1000).
 inline constexpr double kPatchStiffness = 60.0;
 
 /// The continuum of a load, on the phyxels.
 struct LoadedPart {
-  Interpolation points;            ///< sample points of the surface (or of the volume where no surface is inside)
-  std::vector<Vec3> areaVectors;   ///< per point: N dA, m²; zero for points of the volume
-  std::vector<double> shares;      ///< per point: part of the total, sum 1
-  double area = 0.0;               ///< m²
+  Interpolation points;           ///< sample points of the surface (or of the volume where no surface is inside)
+  std::vector<Vec3> areaVectors;  ///< per point: N dA, m²; zero for points of the volume
+  std::vector<double> shares;     ///< per point: part of the total, sum 1
+  double area = 0.0;              ///< m²
 };
 
 /// Rigid motion of a fix at a load factor s in [0, 1]: x = c + R(s) (X - c) + s d. Angles grow with s.
@@ -67,24 +67,26 @@ struct RigidMotion {
 };
 [[nodiscard]] RigidMotion motionAt(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s);
 /// The velocity field of the same motion: dx/ds at X.
-[[nodiscard]] Vec3 motionRate(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s, const Vec3 &X);
+[[nodiscard]] Vec3 motionRate(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s,
+                              const Vec3 &X);
 
 /// Holds the phyxels of a cloud inside the region, and patches of its surface there by moving least squares: a patch is
 /// what is nearest to one phyxel, and has no row where all that moves it is held. A cloud without surface holds only by
 /// its phyxels. Region, positions and surface are in the frame of the phyxels.
 /// Errors: a region that validate() refuses, or that meets no part of the body.
 [[nodiscard]] Result<ConstrainedRegion> holdCloud(const Region &region, std::span<const Vec3> positions,
-                                         std::span<const double> volumes, double spacing, const Surface &surface,
-                                         const ParallelFor &parallelFor);
+                                                  std::span<const double> volumes, double spacing,
+                                                  const Surface &surface, const ParallelFor &parallelFor);
 
-/// Where a load acts. `bind` gives the interpolation of points with outward normals. Region, surface and points are in the
-/// frame of the phyxels. Errors: a region that validate() refuses or that meets no part of the body; a pressure without
-/// surface inside; force or pressure not finite.
+/// Where a load acts. `bind` gives the interpolation of points with outward normals. Region, surface and points are in
+/// the frame of the phyxels. Errors: a region that validate() refuses or that meets no part of the body; a pressure
+/// without surface inside; force or pressure not finite.
 /// @param spacing       of the sample points, m
 /// @param volumePoints, volumes  points of the volume with their shares, for regions that hold no surface
 using Binder = std::function<Interpolation(std::span<const Vec3> points, std::span<const Vec3> normals)>;
-[[nodiscard]] Result<LoadedPart> loadedPart(const Load &load, const Surface &surface, double spacing, const Binder &bind,
-                                            std::span<const Vec3> volumePoints, std::span<const double> volumes);
+[[nodiscard]] Result<LoadedPart> loadedPart(const Load &load, const Surface &surface, double spacing,
+                                            const Binder &bind, std::span<const Vec3> volumePoints,
+                                            std::span<const double> volumes);
 
 /// Adds the forces of a load at load factor s, N: s force in total, however the surface is sampled, and s p on every
 /// point's area. A closed surface under pressure feels no force in total, and -p dV of work in affine motions.

@@ -10,16 +10,16 @@ namespace pointbased {
 
 /// The border of a body as triangles, outwards by the right-hand rule.
 struct Surface {
-  std::vector<Vec3> positions;                  ///< m
+  std::vector<Vec3> positions;  ///< m
   std::vector<std::array<Index, 3>> triangles;
 };
 
 /// Points spread over a surface, each with its share of the area.
 struct SurfacePoints {
-  std::vector<Vec3> positions;  ///< m
-  std::vector<Vec3> normals;    ///< unit, outwards
-  std::vector<double> areas;    ///< m²
-  std::vector<Index> triangles; ///< the triangle each lies on
+  std::vector<Vec3> positions;   ///< m
+  std::vector<Vec3> normals;     ///< unit, outwards
+  std::vector<double> areas;     ///< m²
+  std::vector<Index> triangles;  ///< the triangle each lies on
 
   [[nodiscard]] std::size_t count() const { return positions.size(); }
 };

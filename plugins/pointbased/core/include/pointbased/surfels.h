@@ -17,8 +17,8 @@ struct alignas(64) CellPlace {
 };
 
 /// The points of a skin as phyxels carry them, in few bytes: an Interpolation whose rows are trilinear functions of one
-/// undistorted cell is kept as eight phyxels and a place, 64 bytes, from which φ and ∇φ follow to rounding. Other rows (those
-/// of clouds, with hanging corners, in jittered cells) are kept as they are. Const once bound.
+/// undistorted cell is kept as eight phyxels and a place, 64 bytes, from which φ and ∇φ follow to rounding. Other rows
+/// (those of clouds, with hanging corners, in jittered cells) are kept as they are. Const once bound.
 class Surfels {
  public:
   Surfels() = default;
@@ -60,23 +60,24 @@ class Surfels {
 void interpolateScalars(const Surfels &surfels, std::span<const double> field, std::span<double> out,
                         const ParallelFor &parallelFor);
 
-/// Points and normals of the skin in double precision: x_p, and n_p = cof(F_p) N_p normalised. For exports and new shapes.
+/// Points and normals of the skin in double precision: x_p, and n_p = cof(F_p) N_p normalised. For exports and new
+/// shapes.
 /// @param restNormals  [points] N, unit; empty with normals empty
 /// @source Müller et al. 2004, animation of the surface; normals by Nanson's formula
 void updateSurfels(const Surfels &surfels, std::span<const Vec3> restNormals, std::span<const Vec3> phyxelPositions,
                    std::span<const Vec3> displacements, std::span<Vec3> positions, std::span<Vec3> normals,
                    const ParallelFor &parallelFor);
 
-/// Present positions of the phyxels as single precision takes them, relative to one of them, so that neither the place of
-/// a body in the world nor how far it has gone costs digits. Memory that is used again.
+/// Present positions of the phyxels as single precision takes them, relative to one of them, so that neither the place
+/// of a body in the world nor how far it has gone costs digits. Memory that is used again.
 struct ScreenPhyxels {
   std::vector<std::array<float, 4>> positions;  ///< [phyxels], the last 0
   Vec3 reference = Vec3::Zero();                ///< frame of the phyxels, m
 };
 
-/// The same for a screen, in single precision: positions to 1e-6 of the body's size, normals to 1e-5 rad times size over
-/// spacing / 100, besides the rounding of world coordinates. The same bits for any division of the loop and for all
-/// instruction sets that have fused multiplication and addition.
+/// The same for a screen, in single precision: positions to 1e-6 of the body's size, normals to 1e-5 rad times size
+/// over spacing / 100, besides the rounding of world coordinates. The same bits for any division of the loop and for
+/// all instruction sets that have fused multiplication and addition.
 /// @param origin     world, m, of the frame of the phyxels
 /// @param positions  [points] world, m
 /// @param normals    [points] unit, or empty

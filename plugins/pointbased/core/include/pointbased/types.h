@@ -17,8 +17,8 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Index = std::uint32_t;
 
-/// Runs body(begin, end) over disjoint ranges that cover [0, n), possibly on several threads. Every loop of this library
-/// writes only what belongs to its range and sums in a fixed order, so results do not depend on who runs what.
+/// Runs body(begin, end) over disjoint ranges that cover [0, n), possibly on several threads. Every loop of this
+/// library writes only what belongs to its range and sums in a fixed order, so results do not depend on who runs what.
 using ParallelFor =
     std::function<void(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)> &body)>;
 

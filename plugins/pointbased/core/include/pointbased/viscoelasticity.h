@@ -11,8 +11,8 @@ struct PronyPoint {
   std::array<Mat3, 2> internal{Mat3::Zero(), Mat3::Zero()};  ///< Q: stress each term has relaxed so far, Pa
 };
 
-/// Strain of the modes of a lattice cell (see the theory page of the lattice) in the frame of X, 1/m: Q^T F^T (a_xy, a_xz,
-/// a_yz), and Q^T F^T a_xyz, 1/m².
+/// Strain of the modes of a lattice cell (see the theory page of the lattice) in the frame of X, 1/m: Q^T F^T (a_xy,
+/// a_xz, a_yz), and Q^T F^T a_xyz, 1/m².
 using HourglassStrain = Eigen::Matrix<double, 3, 4>;
 
 /// What the modes of a cell remember. All zero: never strained.

@@ -24,7 +24,7 @@ struct WorldSettings {
   Preconditioner preconditioner = Preconditioner::automatic;
   /// Of the forces of explicit steps; implicit and static ones are double
   Precision precision = Precision::doublePrecision;
-  bool sleep = false;      ///< bodies that have come to rest cost nothing until something changes (sleep_detector.h)
+  bool sleep = false;       ///< bodies that have come to rest cost nothing until something changes (sleep_detector.h)
   bool rereference = true;  ///< of clouds that have flowed far (rereferencing.h); false: to compare
 };
 

@@ -8,10 +8,10 @@
 namespace pointbased {
 namespace {
 
-constexpr double kReach = 1.1;       // spacings
+constexpr double kReach = 1.1;  // spacings
 constexpr double kLeastWeight = 1e-6;
 constexpr double kBeyondGrid = 1000.0;  // m; finite, so that what lies between points is, too
-constexpr double kLeastVolume = 0.02;  // det F: below it a point does not say where anything has come from
+constexpr double kLeastVolume = 0.02;   // det F: below it a point does not say where anything has come from
 
 // Where an evaluation point stands now; the mean of its phyxels and F carry affine motions exactly.
 Vec3 presentPlace(const Body &body, std::size_t q, const Mat3 &F) {
@@ -19,8 +19,7 @@ Vec3 presentPlace(const Body &body, std::size_t q, const Mat3 &F) {
   const StencilSet &s = rest.stencils;
   Vec3 X = Vec3::Zero(), u = Vec3::Zero();
   const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
-  if (rest.evaluation == Evaluation::phyxels)
-    return rest.origin + rest.pointCentres[q] + body.state().displacements[q];
+  if (rest.evaluation == Evaluation::phyxels) return rest.origin + rest.pointCentres[q] + body.state().displacements[q];
   for (Index e = first; e < last; ++e) {
     X += rest.positions[s.phyxels.indices[e]];
     u += body.state().displacements[s.phyxels.indices[e]];
@@ -41,9 +40,7 @@ Vec3 carriedBy(const RestState &rest, std::size_t q) {
 }  // namespace
 
 DisplacementField::DisplacementField(FieldGrid grid, bool withGaps)
-    : grid_(grid),
-      toIndex_(grid.steps.inverse()),
-      now_(grid.count(), Eigen::Vector4d::Zero()),
+    : grid_(grid), toIndex_(grid.steps.inverse()), now_(grid.count(), Eigen::Vector4d::Zero()),
       material_(withGaps ? grid.count() : 0, Eigen::Vector4d::Zero()) {}
 
 /// Visits the points of the grid within `half` (in indices) around a place: their number and where they are.

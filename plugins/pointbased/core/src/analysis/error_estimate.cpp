@@ -52,7 +52,7 @@ void add(Moments &m, const Moments &other, const Vec3 &d) {
 
 /// What the modes of a cell say about the strain within it: linear in plane stress, as in HourglassEnergy.
 Slopes hourglassSlopes(const Material &material, const StencilSet &s, std::size_t q, const Mat3 &F,
-                   std::span<const Vec3> displacements) {
+                       std::span<const Vec3> displacements) {
   const Amplitudes all = amplitudes(s, q, displacements);
   const Mat3 turn = material.law == MaterialLaw::linear ? s.axes : Mat3(F * s.axes);
   const Mat3 B = turn.transpose() * all.topLeftCorner<3, 3>();
@@ -70,7 +70,7 @@ Slopes hourglassSlopes(const Material &material, const StencilSet &s, std::size_
 constexpr double kUnseen = 0.05;
 
 struct Fit {
-  Strain value;   ///< at the point
+  Strain value;  ///< at the point
   Slopes slopes;
 };
 
@@ -107,7 +107,8 @@ constexpr double kMixed = -1.0;
 class Recovery {
  public:
   Recovery(const Body &body, ErrorScratch &scratch)
-      : body_(body), gradients_(body.gradients()), s_(body.rest().stencils), scratch_(scratch), lattice_(s_.isLattice()) {}
+      : body_(body), gradients_(body.gradients()), s_(body.rest().stencils), scratch_(scratch),
+        lattice_(s_.isLattice()) {}
 
   void strains(std::size_t begin, std::size_t end) {
     const auto &plastic = body_.state().history.plasticInverse;

@@ -18,8 +18,8 @@ void firstPiolaStresses(const Body &body, StressScratch &scratch, const Parallel
   const std::size_t points = body.rest().pointCount();
   scratch.firstPiola.resize(points);
   scratch.ratios.resize(points);
-  (void)pointStresses(body.constitution(), body.rest().stencils, body.gradients(), {}, body.state().history, 0.0, nullptr,
-                      scratch.firstPiola, scratch.ratios, parallelFor);
+  (void)pointStresses(body.constitution(), body.rest().stencils, body.gradients(), {}, body.state().history, 0.0,
+                      nullptr, scratch.firstPiola, scratch.ratios, parallelFor);
 }
 
 Mat3 symmetric(const Mat3 &m) { return 0.5 * (m + m.transpose()); }
@@ -48,7 +48,8 @@ void stressesInto(const Body &body, std::span<Mat3> out, StressScratch &scratch,
 
 }  // namespace
 
-void secondPiolaStresses(const Body &body, std::span<Mat3> out, StressScratch &scratch, const ParallelFor &parallelFor) {
+void secondPiolaStresses(const Body &body, std::span<Mat3> out, StressScratch &scratch,
+                         const ParallelFor &parallelFor) {
   stressesInto(body, out, scratch, parallelFor, [](const Mat3 &F, const Mat3 &P) -> Mat3 { return F.inverse() * P; });
 }
 

@@ -13,8 +13,9 @@
 
 namespace pointbased::detail {
 
-/// Sets the calling thread's floating point unit to flush denormal results and read denormal operands as zero; gives the
-/// caller's mode back at the end. Not copied; nested ones cost a read. Where the processor is another: does nothing.
+/// Sets the calling thread's floating point unit to flush denormal results and read denormal operands as zero; gives
+/// the caller's mode back at the end. Not copied; nested ones cost a read. Where the processor is another: does
+/// nothing.
 ///
 /// A denormal number times 0.95 rounds to itself: what fades would never end, and costs a hundred cycles an operation.
 /// Normal results have the same bits in both modes.

@@ -39,8 +39,9 @@ Polar polarBySvd(const Mat3 &F);
 /// t = tr(R^T F) is the largest root of t⁴ - 2 |F|² t² - 8 det F t + |F|⁴ - 4 |cof F|², the characteristic polynomial
 /// of Horn's quaternion matrix. All roots are real, so Laguerre's method comes down to it monotonically from sqrt(3)
 /// |F|, which is exact for a scaled rotation. Since dt = R : dF, R is the derivative of that root. Where two roots
-/// meet, the decomposition takes over. What has shrunk to less than a billionth is round-off and points nowhere: it gets
-/// R = 1, everywhere the same, so that a body that has become a point opens as one piece and not folded over itself.
+/// meet, the decomposition takes over. What has shrunk to less than a billionth is round-off and points nowhere: it
+/// gets R = 1, everywhere the same, so that a body that has become a point opens as one piece and not folded over
+/// itself.
 /// @source  Horn, Closed-form solution of absolute orientation using unit quaternions, JOSA A 4, 1987; derivative: own
 inline Polar polar(const Mat3 &F) {
   const Mat3 c = cofactor(F);

@@ -9,7 +9,7 @@ namespace pointbased::detail {
 
 /// A = V diag(values) Vᵀ
 struct SymmetricEigen {
-  Vec3 values;  ///< ascending
+  Vec3 values;   ///< ascending
   Mat3 vectors;  ///< in columns, of length 1
 
   /// V diag(d) Vᵀ

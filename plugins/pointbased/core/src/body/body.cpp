@@ -10,8 +10,8 @@
 namespace pointbased {
 namespace {
 
-// With several materials a phyxel has the mean density of the points around it, scaled so that the whole has the mass of
-// the points.
+// With several materials a phyxel has the mean density of the points around it, scaled so that the whole has the mass
+// of the points.
 std::vector<double> phyxelDensities(const Constitution &constitution, const RestState &rest) {
   const StencilSet &s = rest.stencils;
   std::vector<double> densities(rest.phyxelCount(), constitution.materials.front().restDensity);
@@ -206,7 +206,8 @@ void Body::makePoints() const {
 detail::VectorForces &Body::exactForces() const {
   if (precision_ == Precision::doublePrecision) return *vectorForces_;
   if (!exactForces_)
-    exactForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, Precision::doublePrecision);
+    exactForces_ =
+        detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, Precision::doublePrecision);
   return *exactForces_;
 }
 

@@ -75,8 +75,8 @@ std::vector<Reaction> Body::reactions(const Vec3 &gravity) const {
     for (Index e = rows.offsets[p]; e < rows.offsets[p + 1]; ++e) {
       const Index j = rows.indices[e];
       if (!heldMask_[j]) continue;
-      const auto holder = std::find_if(heldPhyxels_.begin(), heldPhyxels_.end(),
-                                       [j](const HeldPhyxel &h) { return h.phyxel == j; });
+      const auto holder =
+          std::find_if(heldPhyxels_.begin(), heldPhyxels_.end(), [j](const HeldPhyxel &h) { return h.phyxel == j; });
       add(holder->fix, rest_->positions[j] + state_.displacements[j], -(patches_.weights()[e] * patches_.forces()[p]));
     }
   return out;
@@ -102,8 +102,8 @@ Result<void> Body::setFoundation(const Foundation &foundation) {
   if (foundation.acts() && rest_->skin.empty())
     return tl::make_unexpected(std::string("the body has no surface that its surroundings could hold"));
   if (foundation.acts() && rereferenceCount_ > 0)
-    return tl::make_unexpected(
-        std::string("the body has flowed so far that its reference is a later shape; reset before its surroundings hold it"));
+    return tl::make_unexpected(std::string(
+        "the body has flowed so far that its reference is a later shape; reset before its surroundings hold it"));
   foundation_.set(foundation);
   if (!foundation_.bound()) bindFoundation();
   foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));

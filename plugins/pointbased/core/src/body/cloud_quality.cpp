@@ -13,12 +13,15 @@ namespace pointbased {
 std::string CloudQuality::warning() const {
   std::string text;
   const auto add = [&text, this](std::size_t count, const std::string &what) {
-    text += (text.empty() ? "" : "; ") + std::to_string(count) + " of " + std::to_string(phyxels) + " phyxels have " + what;
+    text +=
+        (text.empty() ? "" : "; ") + std::to_string(count) + " of " + std::to_string(phyxels) + " phyxels have " + what;
   };
   const std::string few12 = std::to_string(kFewNeighbours), many100 = std::to_string(kManyNeighbours);
   const double enough = kUnusualPart * static_cast<double>(phyxels);
-  if (static_cast<double>(few) > enough) add(few, "fewer than " + few12 + " neighbours; " + few12 + " to " + many100 + " are usual");
-  if (static_cast<double>(many) > enough) add(many, "more than " + many100 + " neighbours; " + few12 + " to " + many100 + " are usual");
+  if (static_cast<double>(few) > enough)
+    add(few, "fewer than " + few12 + " neighbours; " + few12 + " to " + many100 + " are usual");
+  if (static_cast<double>(many) > enough)
+    add(many, "more than " + many100 + " neighbours; " + few12 + " to " + many100 + " are usual");
   if (coincident > 0) add(coincident, "the place of another one and follow the same neighbours");
   return text;
 }
@@ -58,7 +61,8 @@ CloudQuality inspectCloud(const RestState &rest) {
 }
 
 std::string volumeWarning(const RestState &rest) {
-  if (!(rest.countedVolume > 0.0) || std::abs(rest.countedVolume / rest.shapeVolume - 1.0) <= kVolumeMismatch) return {};
+  if (!(rest.countedVolume > 0.0) || std::abs(rest.countedVolume / rest.shapeVolume - 1.0) <= kVolumeMismatch)
+    return {};
   char text[300];
   std::snprintf(text, sizeof text,
                 "its surface encloses %.4g mL, but %.4g mL were found inside: it is open, goes through itself, or is "
@@ -81,10 +85,11 @@ std::string tornWarning(const RestState &rest) {
     if (used[i] != 0 && joined.find(i) == i) ++pieces;
   if (rest.components <= pieces) return {};
   char text[300];
-  std::snprintf(text, sizeof text,
-                "its surface has %zu connected piece%s, but its phyxels, %.3g mm apart, make %zu parts that nothing joins and that "
-                "move apart: it is in places too thin for them; a smaller sampling.spacing keeps it together",
-                pieces, pieces == 1 ? "" : "s", 1e3 * rest.spacing, rest.components);
+  std::snprintf(
+      text, sizeof text,
+      "its surface has %zu connected piece%s, but its phyxels, %.3g mm apart, make %zu parts that nothing joins and that "
+      "move apart: it is in places too thin for them; a smaller sampling.spacing keeps it together",
+      pieces, pieces == 1 ? "" : "s", 1e3 * rest.spacing, rest.components);
   return text;
 }
 

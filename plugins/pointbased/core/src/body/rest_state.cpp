@@ -169,7 +169,8 @@ std::shared_ptr<RestState> restOfCloud(const PhyxelCloud &cloud, const NeighborC
   for (const Vec3 &x : cloud.positions) rest->positions.push_back(x - rest->origin);
   Neighborhoods found = findNeighborhoods(rest->positions, choice, cloud.spacing, parallelFor);
   if (shape) dropPairsThatCannotSee(*shape, cloud.positions, found.neighbors);
-  rest->stencils = buildPhyxelStencils(rest->positions, found.neighbors, found.supportRadii, rest->volumes, parallelFor);
+  rest->stencils =
+      buildPhyxelStencils(rest->positions, found.neighbors, found.supportRadii, rest->volumes, parallelFor);
   rest->neighbors = std::move(found.neighbors);
   rest->pointCentres = rest->positions;
   rest->components = detail::countComponents(rest->neighbors);
@@ -199,14 +200,15 @@ std::string numbered(const char *what, std::size_t number, const std::string &te
 
 }  // namespace
 
-std::shared_ptr<const RestState> buildRestState(const PhyxelCloud &cloud, const NeighborChoice &choice, double shapeVolume,
-                                                const Surface &surface, std::span<const Vec3> surfelNormals,
-                                                const ParallelFor &parallelFor) {
+std::shared_ptr<const RestState> buildRestState(const PhyxelCloud &cloud, const NeighborChoice &choice,
+                                                double shapeVolume, const Surface &surface,
+                                                std::span<const Vec3> surfelNormals, const ParallelFor &parallelFor) {
   return restOfCloud(cloud, choice, shapeVolume, surface, surfelNormals, nullptr, parallelFor);
 }
 
 Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, const BodyRecipe &recipe,
-                                                        std::span<const Vec3> surfelNormals, const ParallelFor &parallelFor,
+                                                        std::span<const Vec3> surfelNormals,
+                                                        const ParallelFor &parallelFor,
                                                         const SamplingProgress &progress) {
   const auto refuse = [](const std::string &text) { return tl::unexpected<std::string>(text); };
   const auto part = [&](double from, double to) {
@@ -269,8 +271,8 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
       for (const Refinement &refinement : sampling.refinements)
         while (finest > refinement.spacing * (1.0 + 1e-9)) finest *= 0.5;
       while (sampling.surfaceSpacing > 0.0 && finest > sampling.surfaceSpacing * (1.0 + 1e-9)) finest *= 0.5;
-      SurfacePoints chosen =
-          rest->components > 1 ? chooseContactPoints(local, finest, piecesOf(*rest)) : chooseContactPoints(local, finest);
+      SurfacePoints chosen = rest->components > 1 ? chooseContactPoints(local, finest, piecesOf(*rest))
+                                                  : chooseContactPoints(local, finest);
       Interpolation binding = rest->bind(chosen.positions, chosen.normals);
       rest->contact = carriedContact(std::move(chosen), std::move(binding), rest->positions, rest->spacing);
     }
@@ -289,8 +291,8 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
       }
     }
     for (std::size_t i = 0; i < recipe.fixes.size(); ++i) {
-      auto held = holdCloud(shifted(recipe.fixes[i].region, rest->origin), rest->positions, rest->volumes, rest->spacing,
-                            local, parallelFor);
+      auto held = holdCloud(shifted(recipe.fixes[i].region, rest->origin), rest->positions, rest->volumes,
+                            rest->spacing, local, parallelFor);
       if (!held) return refuse(numbered("fix", i, held.error()));
       conditions.held.push_back(std::move(*held));
     }

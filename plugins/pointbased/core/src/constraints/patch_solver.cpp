@@ -52,7 +52,8 @@ void PatchSolver::set(const Csr &rows, std::span<const double> weights, std::spa
       entries.emplace_back(static_cast<int>(p), static_cast<int>(rows.indices[e]), m.weights[e]);
   Eigen::SparseMatrix<double> C(n, static_cast<Eigen::Index>(inverseMasses.size()));
   C.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::Map<const Eigen::VectorXd> inverse(m.inverseMasses.data(), static_cast<Eigen::Index>(inverseMasses.size()));
+  const Eigen::Map<const Eigen::VectorXd> inverse(m.inverseMasses.data(),
+                                                  static_cast<Eigen::Index>(inverseMasses.size()));
   m.coupling = C * inverse.asDiagonal() * C.transpose();
   m.right.resize(n, 3);
 }
@@ -98,12 +99,14 @@ void PatchSolver::kick(double h, std::span<Vec3> velocities) const {
 void PatchSolver::addForces(std::span<Vec3> forces) const {
   const Impl &m = *impl_;
   for (std::size_t p = 0; p < rows(); ++p)
-    for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e) forces[m.rows.indices[e]] += m.weights[e] * m.forces[p];
+    for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e)
+      forces[m.rows.indices[e]] += m.weights[e] * m.forces[p];
 }
 
 double PatchSolver::energy(std::span<const Vec3> targets, std::span<const Vec3> u) const {
   double sum = 0.0;
-  for (std::size_t p = 0; p < rows(); ++p) sum += 0.5 * impl_->stiffness[p] * (impl_->mean(p, u) - targets[p]).squaredNorm();
+  for (std::size_t p = 0; p < rows(); ++p)
+    sum += 0.5 * impl_->stiffness[p] * (impl_->mean(p, u) - targets[p]).squaredNorm();
   return sum;
 }
 

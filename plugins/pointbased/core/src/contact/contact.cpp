@@ -15,7 +15,8 @@ namespace {
 using ClearanceCache = ContactState::ClearanceCache;
 using Side = ContactState::Side;
 
-// Obstacles are asked for surfaces within this many margins, or this many times the way of a step or since they were asked.
+// Obstacles are asked for surfaces within this many margins, or this many times the way of a step or since they were
+// asked.
 constexpr double kReachMargins = 40.0;
 constexpr double kReachWays = 3.0;
 // A plane is used again while the point stays within this many margins of where it was found.
@@ -157,8 +158,12 @@ void addWalls(const WorldBox &box, double dt, double margin, const Looked &looke
 
 Step stepOf(const Obstacle &obstacle, double time, double dt, double margin) {
   const bool moves = static_cast<bool>(obstacle.motion);
-  return {obstacle, moves, moves ? obstacle.motion(time) : RigidMotion{},
-          moves ? obstacle.motion(time + dt) : RigidMotion{}, dt, margin};
+  return {obstacle,
+          moves,
+          moves ? obstacle.motion(time) : RigidMotion{},
+          moves ? obstacle.motion(time + dt) : RigidMotion{},
+          dt,
+          margin};
 }
 
 }  // namespace
@@ -204,7 +209,7 @@ void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox 
       const bool unlimited = known.reach < 0.0 || known.distance < 0.0;
       ask.ranges.push_back(unlimited ? std::numeric_limits<double>::infinity()
                                      : looked.radius(k) + std::max({kReachMargins * margin, kReachWays * length,
-                                                             2.0 * (at - known.at).norm()}));
+                                                                    2.0 * (at - known.at).norm()}));
     }
     if (!ask.points.empty()) {
       ask.answers.assign(ask.points.size(), SurfacePoint());
@@ -262,7 +267,8 @@ void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox 
 void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt, double margin,
                   std::span<const Vec3> positions, std::span<const Vec3> velocities, std::span<const double> radii,
                   ContactState &memory, const ParallelFor &parallelFor) {
-  searchContacts(obstacles, box, time, dt, margin, positions.size(), {{}, positions, velocities, radii}, memory, parallelFor);
+  searchContacts(obstacles, box, time, dt, margin, positions.size(), {{}, positions, velocities, radii}, memory,
+                 parallelFor);
 }
 
 }  // namespace pointbased

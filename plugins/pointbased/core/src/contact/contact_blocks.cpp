@@ -19,8 +19,8 @@ namespace {
 
 using Blocks = ContactState::Blocks;
 
-// Points that wait together, phyxels whose largest way counts for all of them, and the part of the room of a block that is
-// used: rounding must not bring a point nearer.
+// Points that wait together, phyxels whose largest way counts for all of them, and the part of the room of a block that
+// is used: rounding must not bring a point nearer.
 constexpr std::size_t kBlock = 16, kChunk = 16;
 constexpr double kRoomSafety = 1.0 - 1e-9;
 
@@ -46,8 +46,8 @@ std::vector<Index> inSpace(std::span<const Vec3> points, double width) {
   return order;
 }
 
-// Which points wait together, which chunks of phyxels carry them, and the farthest that a point of it goes where none of these goes farther than one
-// over its largest influence: the largest Σ |φ|/maxInfluence.
+// Which points wait together, which chunks of phyxels carry them, and the farthest that a point of it goes where none
+// of these goes farther than one over its largest influence: the largest Σ |φ|/maxInfluence.
 void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluence, Blocks &blocks) {
   blocks.chunks = Csr{};
   blocks.gains.clear();
@@ -59,7 +59,8 @@ void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluen
     high = high.cwiseMax(x);
   }
   // Points cover a surface: about as many places along its length as their root.
-  const double width = std::max((high - low).maxCoeff() / (1.0 + std::sqrt(static_cast<double>(binding.count()))), 1e-300);
+  const double width =
+      std::max((high - low).maxCoeff() / (1.0 + std::sqrt(static_cast<double>(binding.count()))), 1e-300);
   const std::vector<Index> order = inSpace(binding.positions, width);
   blocks.blockOf.resize(binding.count());
   std::vector<Index> row;
@@ -87,11 +88,12 @@ void learnBlocks(const Interpolation &binding, std::span<const float> maxInfluen
   }
 }
 
-// Largest component of a way times the largest influence over whole chunks, so that registers are compared: √3 of it bounds every
-// length.
+// Largest component of a way times the largest influence over whole chunks, so that registers are compared: √3 of it
+// bounds every length.
 // @param ways(i, n)  x y z x y z of the n phyxels from i on
 template <class Ways>
-void largestOfChunks(std::size_t count, std::span<const float> maxInfluence, const Ways &ways, std::vector<double> &out) {
+void largestOfChunks(std::size_t count, std::span<const float> maxInfluence, const Ways &ways,
+                     std::vector<double> &out) {
   using Four = Eigen::Array<double, 12, 1>;
   using FourFloats = Eigen::Array<float, 12, 1>;
   out.resize(blocksOf(count, kChunk));
@@ -101,8 +103,9 @@ void largestOfChunks(std::size_t count, std::span<const float> maxInfluence, con
     std::size_t i = c * kChunk;
     for (; i + 4 <= end; i += 4) {
       const Four way = ways(std::integral_constant<int, 4>(), i).abs();
-      most = most.max(maxInfluence.empty() ? way
-                                       : Four(way * Eigen::Map<const FourFloats>(maxInfluence.data() + 3 * i).cast<double>()));
+      most = most.max(maxInfluence.empty()
+                          ? way
+                          : Four(way * Eigen::Map<const FourFloats>(maxInfluence.data() + 3 * i).cast<double>()));
     }
     double largest = most.maxCoeff();
     for (; i < end; ++i)

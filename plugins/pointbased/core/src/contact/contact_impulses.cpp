@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "discretisation/interpolation_at.h"
-#include "contact/contact_kernel.h"
 #include "contact/contact_bounce.h"
+#include "contact/contact_kernel.h"
+#include "discretisation/interpolation_at.h"
 
 namespace pointbased {
 namespace {
@@ -15,8 +15,8 @@ constexpr double kSlop = 0.02;
 constexpr int kSettlingSweeps = 8;
 // Sweeps in a row over the contacts that press.
 constexpr int kSome = 4;
-// Contacts that open faster than this part of the largest speed do not press. Those between have to be swept: of points that
-// lie on one face some press by rounding alone, and what rounds otherwise must come to the same.
+// Contacts that open faster than this part of the largest speed do not press. Those between have to be swept: of points
+// that lie on one face some press by rounding alone, and what rounds otherwise must come to the same.
 constexpr double kOpen = 0.1;
 
 // The points of a body as a hand holds them: velocities of phyxels, moved by impulses on points.
@@ -51,7 +51,8 @@ void warmStart(const Hand &body, std::span<const Contact> active, ContactState::
     const Vec3 v = body.velocity(active[c].point) - active[c].surfaceVelocity;
     const Vec3 whole = impulse * active[c].normal + solution.tangential[c];
     slope += whole.dot(v) - impulse * solution.least[c];
-    for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e) change[solution.slots[e]] += solution.pushes[e] * whole;
+    for (Index e = solution.rows[c]; e < solution.rows[c + 1]; ++e)
+      change[solution.slots[e]] += solution.pushes[e] * whole;
   }
   for (std::size_t s = 0; s < change.size(); ++s)
     if (const double inverse = body.inverseMasses[solution.touched[s]]; inverse > 0.0)
@@ -90,13 +91,14 @@ void layOut(const Hand &body, std::span<const Contact> active, ContactState::Sol
     }
     solution.rows.push_back(static_cast<Index>(solution.slots.size()));
     for (std::size_t a = 0; a < 3; ++a)
-      solution.sides[kernels::kContactNumbers * c + kernels::kNormalOfContact + a] = active[c].normal[static_cast<Eigen::Index>(a)];
+      solution.sides[kernels::kContactNumbers * c + kernels::kNormalOfContact + a] =
+          active[c].normal[static_cast<Eigen::Index>(a)];
   }
   solution.velocities.resize(4 * solution.touched.size());
 }
 
-// Sweeps until nothing changes by more than the tolerance; impulses start as they are and have been applied. After layOut()
-// of the same contacts.
+// Sweeps until nothing changes by more than the tolerance; impulses start as they are and have been applied. After
+// layOut() of the same contacts.
 // @param still  the obstacles count as if they did not move, and nothing is held by friction
 void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSettings &settings, bool still,
            ContactState::Solution &solution) {
@@ -129,8 +131,9 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
   job.least = solution.least.data();
   job.friction = still ? nullptr : solution.friction.data();
   job.impulses = solution.impulses.data();
-  // Most contacts of a step do not press in the end. After two sweeps over all only those that do, or nearly, are swept, to
-  // and fro, so that the last is not always the same; the others have their say before it is good, and every kSome sweeps.
+  // Most contacts of a step do not press in the end. After two sweeps over all only those that do, or nearly, are
+  // swept, to and fro, so that the last is not always the same; the others have their say before it is good, and every
+  // kSome sweeps.
   double speed = 0.0;
   bool all = true;
   for (int k = 0, some = 0; k < settings.sweeps; ++k) {
@@ -145,7 +148,8 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
     if (all && !askAll) {
       solution.pressing.clear();
       for (std::size_t c = 0; c < count; ++c)
-        if (!(solution.impulses[c] <= 0.0 && solution.sides[kContactNumbers * c + kernels::kRoomOfContact] > kOpen * speed))
+        if (!(solution.impulses[c] <= 0.0 &&
+              solution.sides[kContactNumbers * c + kernels::kRoomOfContact] > kOpen * speed))
           solution.pressing.push_back(static_cast<Index>(c));
     }
     all = askAll;
@@ -153,7 +157,8 @@ void sweep(const Hand &body, std::span<const Contact> active, const ImpulseSetti
   for (std::size_t s = 0; s < solution.touched.size(); ++s)
     body.velocities[solution.touched[s]] = Eigen::Map<const Vec3>(solution.velocities.data() + 4 * s);
   for (std::size_t c = 0; c < count; ++c)
-    solution.tangential[c] = Eigen::Map<const Vec3>(solution.sides.data() + kContactNumbers * c + kernels::kTangentialImpulse);
+    solution.tangential[c] =
+        Eigen::Map<const Vec3>(solution.sides.data() + kContactNumbers * c + kernels::kTangentialImpulse);
 }
 
 void prepare(const Hand &body, std::span<const Contact> active, ContactState::Solution &solution) {
@@ -170,7 +175,8 @@ void prepare(const Hand &body, std::span<const Contact> active, ContactState::So
 double closingSpeed(const ContactState &memory, const Interpolation &binding, std::span<const Vec3> velocities) {
   double speed = 0.0;
   for (const Contact &contact : memory.active)
-    speed = std::max(speed, (contact.surfaceVelocity - detail::fieldAt(binding, contact.point, velocities)).dot(contact.normal));
+    speed = std::max(
+        speed, (contact.surfaceVelocity - detail::fieldAt(binding, contact.point, velocities)).dot(contact.normal));
   return speed;
 }
 

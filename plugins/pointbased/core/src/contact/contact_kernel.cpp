@@ -6,7 +6,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "contact/contact_kernel.cpp"
-#include "base/kernels/instruction_sets.h"
+#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

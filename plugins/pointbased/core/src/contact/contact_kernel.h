@@ -9,28 +9,35 @@
 namespace pointbased::kernels {
 
 /// Numbers per contact in SweepJob::sides.
-enum ContactSide : std::size_t { kNormalOfContact = 0, kSurfaceVelocity = 4, kTangentialImpulse = 8, kMass = 12, kRoomOfContact = 13, kContactNumbers = 16 };
+enum ContactSide : std::size_t {
+  kNormalOfContact = 0,
+  kSurfaceVelocity = 4,
+  kTangentialImpulse = 8,
+  kMass = 12,
+  kRoomOfContact = 13,
+  kContactNumbers = 16
+};
 
 /// What a sweep reads and writes; vectors are padded to four numbers, the last 0.
 struct SweepJob {
-  std::size_t count = 0;           ///< contacts of this sweep
-  const Index *which = nullptr;    ///< [count] their numbers, ascending; null: all
-  const Index *rows = nullptr;     ///< [contacts + 1]
-  const Index *slots = nullptr;    ///< [entries]
+  std::size_t count = 0;                              ///< contacts of this sweep
+  const Index *which = nullptr;                       ///< [count] their numbers, ascending; null: all
+  const Index *rows = nullptr;                        ///< [contacts + 1]
+  const Index *slots = nullptr;                       ///< [entries]
   const double *shares = nullptr, *pushes = nullptr;  ///< [entries] φ, φ/m
-  double *velocities = nullptr;    ///< [slots][4] in, out: m/s
-  double *sides = nullptr;         ///< [contacts][kContactNumbers]; tangential impulses out, and by how much the normal
-                                   ///< velocity was above `least` before
+  double *velocities = nullptr;                       ///< [slots][4] in, out: m/s
+  double *sides = nullptr;  ///< [contacts][kContactNumbers]; tangential impulses out, and by how much the normal
+                            ///< velocity was above `least` before
   const double *inverseMasses = nullptr, *least = nullptr, *friction = nullptr;  ///< [contacts]; friction null: without
-  double *impulses = nullptr;      ///< [contacts] in, out: N s
+  double *impulses = nullptr;                                                    ///< [contacts] in, out: N s
 };
 
 struct SweepResult {
   double change = 0.0, speed = 0.0;  ///< m/s
 };
 
-/// One sweep of projected Gauss-Seidel, forwards or backwards: impulses that keep normal velocities above `least`, within
-/// the cone of friction.
+/// One sweep of projected Gauss-Seidel, forwards or backwards: impulses that keep normal velocities above `least`,
+/// within the cone of friction.
 [[nodiscard]] SweepResult sweepContacts(const SweepJob &job, bool backwards);
 
 }  // namespace pointbased::kernels

@@ -10,14 +10,14 @@ namespace {
 
 // What a body begins inside is led out at this speed.
 constexpr double kRecoverySpeed = 0.1;  // m/s
-constexpr double kTrace = 1e-6;          // spacings
+constexpr double kTrace = 1e-6;         // spacings
 
 struct Penalised {
-  double gap = 0.0;          // m
-  Vec3 tangentialDisplacement = Vec3::Zero(); // m
-  double k = 0.0;            // N/m
-  double grip = 0.0;         // N, mu N
-  double elastic = 0.0;      // m, tangentialDisplacement that friction holds
+  double gap = 0.0;                            // m
+  Vec3 tangentialDisplacement = Vec3::Zero();  // m
+  double k = 0.0;                              // N/m
+  double grip = 0.0;                           // N, mu N
+  double elastic = 0.0;                        // m, tangentialDisplacement that friction holds
 };
 
 Penalised penalised(const ContactPoints &points, const ContactPenalty &penalty, const Contact &contact,
@@ -184,7 +184,8 @@ void finishContactStage(const ContactPoints &points, const ContactPenalty &penal
   for (Contact &contact : memory.active) {
     const Penalised s = penalised(points, penalty, contact, start, now);
     const double size = s.tangentialDisplacement.norm();
-    contact.tangentialDisplacement = size > s.elastic ? Vec3(s.elastic / size * s.tangentialDisplacement) : s.tangentialDisplacement;
+    contact.tangentialDisplacement =
+        size > s.elastic ? Vec3(s.elastic / size * s.tangentialDisplacement) : s.tangentialDisplacement;
     // A trace is left, so that the step which leads it out of the last of it knows that it does.
     const double left = contact.initialPenetration - kRecoverySpeed * penalty.h, trace = kTrace * penalty.spacing;
     contact.initialPenetration = left > trace ? left : contact.initialPenetration > trace ? trace : 0.0;

@@ -40,7 +40,8 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing) {
   for (const int pass : {0, 1})
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
       const auto &corners = surface.triangles[t];
-      const Vec3 &a = surface.positions[corners[0]], &b = surface.positions[corners[1]], &c = surface.positions[corners[2]];
+      const Vec3 &a = surface.positions[corners[0]], &b = surface.positions[corners[1]],
+                 &c = surface.positions[corners[2]];
       const Vec3 cross = (b - a).cross(c - a);
       const double doubled = cross.norm();
       if (!(doubled > 0.0)) continue;
@@ -105,7 +106,8 @@ SurfacePoints chooseContactPoints(const Surface &surface, double spacing, std::s
   return all;
 }
 
-ContactPoints carriedContact(SurfacePoints chosen, Interpolation binding, std::span<const Vec3> phyxels, double spacing) {
+ContactPoints carriedContact(SurfacePoints chosen, Interpolation binding, std::span<const Vec3> phyxels,
+                             double spacing) {
   ContactPoints out{std::move(binding), std::move(chosen.normals), std::move(chosen.areas), {}};
   out.spacings.assign(out.count(), spacing);
   for (std::size_t p = 0; p < out.count(); ++p) {

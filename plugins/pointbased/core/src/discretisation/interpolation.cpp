@@ -5,11 +5,11 @@
 #include <cmath>
 #include <functional>
 
+#include "base/point_tree.h"
+#include "base/polar.h"
 #include "discretisation/interpolation_at.h"
 #include "discretisation/moment.h"
-#include "base/point_tree.h"
 #include "pointbased/neighborhood.h"
-#include "base/polar.h"
 
 namespace pointbased {
 
@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kGrain = 128;
 
-// A point farther off its fit than the fit is wide looks for more phyxels, until they span space or are so many: from far
-// outside the nearest phyxels of a body are the skin of one side, which knows nothing of the stretch across it.
+// A point farther off its fit than the fit is wide looks for more phyxels, until they span space or are so many: from
+// far outside the nearest phyxels of a body are the skin of one side, which knows nothing of the stretch across it.
 constexpr std::size_t kMostPhyxelsPerPoint = 128;
 
 // A reference, since a std::function of a lambda that captures much allocates.
@@ -140,10 +140,12 @@ Interpolation bindToCloud(std::span<const Vec3> points, std::span<const Vec3> ph
 }
 
 void interpolateDisplacements(const Interpolation &binding, std::span<const Vec3> /*phyxelPositions*/,
-                              std::span<const Vec3> displacements, std::span<Vec3> out, const ParallelFor &parallelFor) {
+                              std::span<const Vec3> displacements, std::span<Vec3> out,
+                              const ParallelFor &parallelFor) {
   loop(parallelFor, binding.count(), [&](std::size_t p) {
     const bool turns = rankOf(binding, p) < 3;
-    out[p] = displacementAt(binding, p, displacements, turns ? gradientAt(binding, p, displacements) : Mat3::Identity());
+    out[p] =
+        displacementAt(binding, p, displacements, turns ? gradientAt(binding, p, displacements) : Mat3::Identity());
   });
 }
 
@@ -161,9 +163,9 @@ void spreadForces(const Interpolation &binding, std::span<const Vec3> pointForce
   for (std::size_t p = 0; p < binding.count(); ++p) spreadForce(binding, p, pointForces[p], forces);
 }
 
-void updateSurfels(const Interpolation &binding, std::span<const Vec3> restNormals, std::span<const Vec3> phyxelPositions,
-                   std::span<const Vec3> displacements, std::span<Vec3> positions, std::span<Vec3> normals,
-                   const ParallelFor &parallelFor) {
+void updateSurfels(const Interpolation &binding, std::span<const Vec3> restNormals,
+                   std::span<const Vec3> phyxelPositions, std::span<const Vec3> displacements,
+                   std::span<Vec3> positions, std::span<Vec3> normals, const ParallelFor &parallelFor) {
   if (normals.empty()) {
     interpolateDisplacements(binding, phyxelPositions, displacements, positions, parallelFor);
     loop(parallelFor, binding.count(), [&](std::size_t p) { positions[p] += binding.positions[p]; });

@@ -15,8 +15,7 @@ inline Vec3 fieldAt(const Interpolation &binding, std::size_t p, std::span<const
   if (first == last) return Vec3::Zero();
   const Vec3 anchor = field[binding.phyxels.indices[first]];
   Vec3 sum = Vec3::Zero();
-  for (Index e = first + 1; e < last; ++e)
-    sum += binding.weights[e] * (field[binding.phyxels.indices[e]] - anchor);
+  for (Index e = first + 1; e < last; ++e) sum += binding.weights[e] * (field[binding.phyxels.indices[e]] - anchor);
   return anchor + sum;
 }
 

@@ -36,9 +36,9 @@ struct PlaneNormal {
 /// The shortest rotation that turns one direction into another; neither is 0.
 Mat3 shortestRotation(const Vec3 &from, const Vec3 &to);
 
-/// Phyxels of a coplanar (rank 2), collinear (1) or single (0) stencil move the first `rank` directions of the frame only;
-/// fills in the others so that a rotation stays a rotation: the normal of the deformed plane, the shortest rotation of the
-/// line, nothing at all.
+/// Phyxels of a coplanar (rank 2), collinear (1) or single (0) stencil move the first `rank` directions of the frame
+/// only; fills in the others so that a rotation stays a rotation: the normal of the deformed plane, the shortest
+/// rotation of the line, nothing at all.
 inline Mat3 completed(const Mat3 &F, int rank, const Mat3 &frame) {
   if (rank == 0) return Mat3::Identity();
   const Vec3 t1 = frame.col(0), t2 = frame.col(1), n = frame.col(2);
@@ -52,7 +52,8 @@ inline Mat3 completed(const Mat3 &F, int rank, const Mat3 &frame) {
   return a * t1.transpose() + b * t2.transpose() + PlaneNormal(a, b, n).m * n.transpose();
 }
 
-/// d/ds completed(F + s dF) at s = 0; for a line turned by 180° the part across it is left out, which has no derivative.
+/// d/ds completed(F + s dF) at s = 0; for a line turned by 180° the part across it is left out, which has no
+/// derivative.
 inline Mat3 completedDifferential(const Mat3 &F, const Mat3 &dF, int rank, const Mat3 &frame) {
   if (rank == 0) return Mat3::Zero();
   const Vec3 t1 = frame.col(0), t2 = frame.col(1), n = frame.col(2);

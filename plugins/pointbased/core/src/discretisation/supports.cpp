@@ -6,9 +6,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "discretisation/interpolation_at.h"
 #include "base/point_tree.h"
 #include "base/polar.h"
+#include "discretisation/interpolation_at.h"
 
 namespace pointbased {
 
@@ -100,8 +100,9 @@ Vec3 motionRate(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origi
   return rate * (X - centreOf(fix, part, origin)) + fix.displacement;
 }
 
-Result<ConstrainedRegion> holdCloud(const Region &region, std::span<const Vec3> positions, std::span<const double> volumes,
-                           double spacing, const Surface &surface, const ParallelFor &parallelFor) {
+Result<ConstrainedRegion> holdCloud(const Region &region, std::span<const Vec3> positions,
+                                    std::span<const double> volumes, double spacing, const Surface &surface,
+                                    const ParallelFor &parallelFor) {
   if (const auto valid = validate(region); !valid) return tl::make_unexpected(valid.error());
   ConstrainedRegion part;
 
@@ -167,9 +168,9 @@ Result<LoadedPart> loadedPart(const Load &load, const Surface &surface, double s
   }
   if (inside.empty()) return tl::make_unexpected(std::string(kMeetsNothing));
   if (load.pressure != 0.0)
-    return tl::make_unexpected(
-        std::string("a pressure acts on a surface, but the region contains only volume of the body; let it contain a part of "
-                    "the surface, or give a force"));
+    return tl::make_unexpected(std::string(
+        "a pressure acts on a surface, but the region contains only volume of the body; let it contain a part of "
+        "the surface, or give a force"));
   for (double &share : part.shares) share /= volume;
   part.points = bind(inside, {});
   part.areaVectors.assign(inside.size(), Vec3::Zero());

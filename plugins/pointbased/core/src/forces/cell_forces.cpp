@@ -115,7 +115,8 @@ class CellForces final : public VectorForces {
     for (std::size_t i = 0; i < phyxels; ++i) rows_.offsets[i + 1] += rows_.offsets[i];
     rows_.indices.resize(all);
     std::vector<Index> next(rows_.offsets.begin(), rows_.offsets.end() - 1);
-    for (std::size_t place = 0; place < all; ++place) rows_.indices[next[phyxelOf(place)]++] = static_cast<Index>(place);
+    for (std::size_t place = 0; place < all; ++place)
+      rows_.indices[next[phyxelOf(place)]++] = static_cast<Index>(place);
     partials_.assign(4 * all, T(0));
   }
 
@@ -144,7 +145,8 @@ class CellForces final : public VectorForces {
       const Vec3 f = stencils_.axes.transpose() * fallback_.force(k);
       for (int c = 0; c < 3; ++c) out[4 * k + static_cast<std::size_t>(c)] = static_cast<T>(f[c]);
       const Index entry = fallback_.entries()[k], q = stencils_.pointOfEntry(entry);
-      out[4 * k + 3] = stiffness ? static_cast<T>(fallback_.ratio(q) * stiffnessOf(q, GradientRows(stencils_, q), entry)) : T(0);
+      out[4 * k + 3] =
+          stiffness ? static_cast<T>(fallback_.ratio(q) * stiffnessOf(q, GradientRows(stencils_, q), entry)) : T(0);
     }
   }
 
@@ -157,7 +159,8 @@ class CellForces final : public VectorForces {
     setAxes(job);
     job.forces = forces.front().data();
     job.masses = masses.empty() ? nullptr : masses.data();
-    // The bits of numbers that are not negative are in their order, and those of NaN come last: a maximum without a lock.
+    // The bits of numbers that are not negative are in their order, and those of NaN come last: a maximum without a
+    // lock.
     std::atomic<std::uint64_t> largest{0};
     runLoop(parallelFor, forces.size(), kPhyxelGrain, [&](std::size_t begin, std::size_t end) {
       const auto here = std::bit_cast<std::uint64_t>(std::abs(collectForces(job, begin, end)));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vector forces of clouds.
-#include "forces/kernels/cloud_kernel.h"
 #include "forces/cloud_stabilisation.h"
+#include "forces/kernels/cloud_kernel.h"
 #include "forces/vector_forces_parts.h"
 
 namespace pointbased::detail {
@@ -39,7 +39,8 @@ class CloudForces final : public VectorForces {
  public:
   CloudForces(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
               const CloudPlan &plan)
-      : stencils_(stencils), positions_(positions), constitution_(constitution), points_(plan.points), materials_(plan.materials), laws_(lawsOf<T>(constitution)),
+      : stencils_(stencils), positions_(positions), constitution_(constitution), points_(plan.points),
+        materials_(plan.materials), laws_(lawsOf<T>(constitution)),
         fallback_(stencils, positions, constitution_, plan.others) {
     const std::size_t n = positions.size();
     layPairs(stencils, positions, plan.full);
@@ -137,7 +138,8 @@ class CloudForces final : public VectorForces {
   // The stiffness of the control of a point over the factor of its weights; of other points the kernel does nothing.
   double controlOfPoint(const StencilSet &s, std::size_t q, bool full) const {
     if (!full || detail::stabilisationOf(constitution_, s) != Stabilisation::isotropic) return 0.0;
-    return s.weightFactors[q] * residualScale(materialOfPoint(constitution_, s, q), constitution_.stabilisation, s.volumes[q]);
+    return s.weightFactors[q] *
+           residualScale(materialOfPoint(constitution_, s, q), constitution_.stabilisation, s.volumes[q]);
   }
 
   void layPairs(const StencilSet &s, std::span<const Vec3> X, std::span<const std::uint8_t> full) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Isotropic control for clouds: what the affine fit of a point misses at its phyxels, in the directions that its stencil
-// spans: across a plane and a line phyxels are free. Private to the core.
+// Isotropic control for clouds: what the affine fit of a point misses at its phyxels, in the directions that its
+// stencil spans: across a plane and a line phyxels are free. Private to the core.
 #pragma once
 
 #include "discretisation/rank_deficient_gradient.h"
@@ -23,8 +23,8 @@ struct Offset {
   }
 };
 
-/// r_k and its change, U_q = scale/2 Σ w_k |r_k|². Of a plane r is projected onto the deformed plane, of a line onto the
-/// deformed line: a sheet bends freely and does not shear when it is bent.
+/// r_k and its change, U_q = scale/2 Σ w_k |r_k|². Of a plane r is projected onto the deformed plane, of a line onto
+/// the deformed line: a sheet bends freely and does not shear when it is bent.
 class ResidualPoint {
  public:
   ResidualPoint(const StencilSet &s, std::size_t q, const Mat3 &F)
@@ -61,8 +61,8 @@ class ResidualPoint {
     return Mat3::Identity();
   }
 
-  /// dU_q/dF over scale: zero for a full stencil, whose fit is orthogonal to what it misses, and along the seen directions
-  /// of a flat one; its normal or axis turns with F.
+  /// dU_q/dF over scale: zero for a full stencil, whose fit is orthogonal to what it misses, and along the seen
+  /// directions of a flat one; its normal or axis turns with F.
   [[nodiscard]] Mat3 stress(std::span<const Vec3> X, std::span<const Vec3> u) const {
     if (rank_ == 1) return length_ > 0.0 ? Mat3(lineSum(X, u) * frame_.col(0).transpose()) : Mat3(Mat3::Zero());
     if (rank_ != 2) return Mat3::Zero();
@@ -94,7 +94,8 @@ class ResidualPoint {
     const Vec3 across = inPlane(y);
     const Vec3 dAcross = dy - dm * m.dot(y) - m * (dm.dot(y) + m.dot(dy));
     return planeStress(b, dAcross, normal.length) +
-           (db.cross(across) * frame_.col(0).transpose() + across.cross(da) * frame_.col(1).transpose()) / normal.length -
+           (db.cross(across) * frame_.col(0).transpose() + across.cross(da) * frame_.col(1).transpose()) /
+               normal.length -
            planeStress(b, across, normal.length) * (m.dot(turned) / normal.length);
   }
 

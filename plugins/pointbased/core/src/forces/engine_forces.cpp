@@ -44,7 +44,8 @@ void pointForces(const Material &material, double stabilisation, const StencilSe
 // The same of lattice cells whose modes relax.
 void relaxingForces(const Material &material, double stabilisation, const StencilSet &s, std::span<const Vec3> u,
                     std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                    std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces, std::size_t from, std::size_t to) {
+                    std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces, std::size_t from,
+                    std::size_t to) {
   const RelaxingModes modes(material, stabilisation, 0.0);
   const bool linear = material.law == MaterialLaw::linear;
   for (std::size_t q = from; q < to; ++q) {
@@ -63,16 +64,17 @@ namespace detail {
 
 void entryForcesOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                    std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                   std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces, const ParallelFor &parallelFor) {
+                   std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces,
+                   const ParallelFor &parallelFor) {
   const Stabilisation control = stabilisationOf(constitution, s);
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
       if (control == Stabilisation::hourglass && material.relaxes())
-        return relaxingForces(material, constitution.stabilisation, s, u, gradients, stresses, relaxed, entryForces, from,
-                              to);
-      const auto run = control == Stabilisation::hourglass       ? pointForces<Stabilisation::hourglass>
+        return relaxingForces(material, constitution.stabilisation, s, u, gradients, stresses, relaxed, entryForces,
+                              from, to);
+      const auto run = control == Stabilisation::hourglass   ? pointForces<Stabilisation::hourglass>
                        : control == Stabilisation::isotropic ? pointForces<Stabilisation::isotropic>
-                                                       : pointForces<Stabilisation::none>;
+                                                             : pointForces<Stabilisation::none>;
       run(material, constitution.stabilisation, s, X, u, gradients, stresses, entryForces, from, to);
     });
   });

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/engine.h"
 
-#include "forces/point_stiffness.h"
 #include "base/symmetric_eigen.h"
+#include "forces/point_stiffness.h"
 
 namespace pointbased {
 
@@ -68,7 +68,8 @@ void stiffnessTriplets(const Constitution &constitution, const StencilSet &s, st
         for (std::size_t l = 0; l <= j; ++l) {
           const Index ej = first + static_cast<Index>(j), el = first + static_cast<Index>(l);
           const Mat3 K = point.block(ej, entries[j], el, entries[l]);
-          const int row = static_cast<int>(3 * s.phyxels.indices[ej]), column = static_cast<int>(3 * s.phyxels.indices[el]);
+          const int row = static_cast<int>(3 * s.phyxels.indices[ej]),
+                    column = static_cast<int>(3 * s.phyxels.indices[el]);
           for (int c = 0; c < 3; ++c)
             for (int r = 0; r < 3; ++r) {
               out.emplace_back(row + r, column + c, K(r, c));

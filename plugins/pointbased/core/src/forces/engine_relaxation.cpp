@@ -24,7 +24,8 @@ void relaxModes(const Constitution &constitution, const StencilSet &s, std::span
           const RelaxingModalPoint point(s, linear ? Mat3(Mat3::Identity()) : gradients[q], amplitudes(s, q, u));
           advance(modes, step, point.strain, before.modes[q], fresh);
         }
-        relaxed[q] = relaxes ? HourglassStrain(fresh.relaxed[0] + fresh.relaxed[1]) : HourglassStrain(HourglassStrain::Zero());
+        relaxed[q] =
+            relaxes ? HourglassStrain(fresh.relaxed[0] + fresh.relaxed[1]) : HourglassStrain(HourglassStrain::Zero());
         if (after) after->modes[q] = fresh;
       }
     });

@@ -68,8 +68,8 @@ double pointStresses(const Constitution &constitution, const StencilSet &s, std:
   return largest;
 }
 
-std::size_t plasticFlow(const Constitution &constitution, const StencilSet &s, std::span<const Mat3> gradients, double dt,
-                        PointHistory &history, const ParallelFor &parallelFor) {
+std::size_t plasticFlow(const Constitution &constitution, const StencilSet &s, std::span<const Mat3> gradients,
+                        double dt, PointHistory &history, const ParallelFor &parallelFor) {
   if (history.plasticInverse.empty()) return 0;
   std::atomic<std::size_t> flowed{0};
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
@@ -95,8 +95,8 @@ ElasticEnergy elasticEnergy(const Constitution &constitution, const StencilSet &
 
 ElasticEnergy detail::elasticEnergyOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                                       std::span<const Vec3> u, std::span<const Mat3> gradients,
-                                      const PointHistory &history, std::span<Eigen::Vector2d> perPoint, std::size_t begin,
-                                      std::size_t end) {
+                                      const PointHistory &history, std::span<Eigen::Vector2d> perPoint,
+                                      std::size_t begin, std::size_t end) {
   ElasticEnergy energy;
   const Stabilisation control = stabilisationOf(constitution, s);
   for (std::size_t q = begin; q < end; ++q) {
@@ -104,9 +104,8 @@ ElasticEnergy detail::elasticEnergyOf(const Constitution &constitution, const St
     const bool linear = material.law == MaterialLaw::linear;
     const bool plastic = !history.plasticInverse.empty() && material.plastic.enabled();
     const Mat3 F = linear ? lawGradient(Law<MaterialLaw::linear>(), s, q, gradients[q]) : gradients[q];
-    const double strain =
-        s.volumes[q] *
-        (plastic ? elastoplasticEnergyDensity(material, F, history.plasticInverse[q]) : energyDensity(material, F));
+    const double strain = s.volumes[q] * (plastic ? elastoplasticEnergyDensity(material, F, history.plasticInverse[q])
+                                                  : energyDensity(material, F));
     double stabilisation = 0.0;
     if (control == Stabilisation::hourglass && material.relaxes()) {
       const RelaxingModalPoint point(RelaxingModes(material, constitution.stabilisation, 0.0), s, q,

@@ -74,8 +74,7 @@ void fittedChange(const StencilSet &s, std::size_t q, std::span<const Vec3> du, 
     dA = all.rightCols<4>();
   } else {
     dFit.setZero();
-    for (Index e = first + 1; e < last; ++e)
-      dFit += (du[s.phyxels.indices[e]] - anchor) * gradients[e].transpose();
+    for (Index e = first + 1; e < last; ++e) dFit += (du[s.phyxels.indices[e]] - anchor) * gradients[e].transpose();
   }
 }
 
@@ -123,8 +122,8 @@ void runRelaxingChange(const Material &material, double stabilisation, const Ste
     Amplitudes dA;
     fittedChange<Stabilisation::hourglass>(s, q, field.change, dFit, dA);
     const Mat3 &F = field.gradients[q];
-    const RelaxingModalPoint point(modes, s, q, linear ? Mat3(Mat3::Identity()) : F, amplitudes(s, q, field.displacements),
-                                   response.hourglassPast(q));
+    const RelaxingModalPoint point(modes, s, q, linear ? Mat3(Mat3::Identity()) : F,
+                                   amplitudes(s, q, field.displacements), response.hourglassPast(q));
     const HourglassStrain dModes = dA.topRows<3>();
     HourglassStrain dStrain = point.FQ.transpose() * dModes;
     if (!linear) dStrain += (dFit * s.axes).transpose() * point.A;
@@ -144,19 +143,19 @@ void runRelaxingChange(const Material &material, double stabilisation, const Ste
 namespace detail {
 
 void entryDifferentialsOf(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
-                          std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history, double dt,
-                          double viscousScale, std::span<const Vec3> du, std::span<Vec3> entries,
+                          std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history,
+                          double dt, double viscousScale, std::span<const Vec3> du, std::span<Vec3> entries,
                           const ParallelFor &parallelFor) {
   const Field field{X, u, gradients, du};
   const Stabilisation control = stabilisationOf(constitution, s);
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
       if (control == Stabilisation::hourglass && material.relaxes())
-        return runRelaxingChange(material, constitution.stabilisation, s, field, history, dt, viscousScale, entries, from,
-                                 to);
-      const auto run = control == Stabilisation::hourglass       ? runChange<Stabilisation::hourglass>
+        return runRelaxingChange(material, constitution.stabilisation, s, field, history, dt, viscousScale, entries,
+                                 from, to);
+      const auto run = control == Stabilisation::hourglass   ? runChange<Stabilisation::hourglass>
                        : control == Stabilisation::isotropic ? runChange<Stabilisation::isotropic>
-                                                       : runChange<Stabilisation::none>;
+                                                             : runChange<Stabilisation::none>;
       run(material, constitution.stabilisation, s, field, history, dt, viscousScale, entries, from, to);
     });
   });

@@ -10,13 +10,14 @@ namespace pointbased::detail {
 /// The part of internalForces() up to the entries, for the points that parallelFor runs over.
 void entryForcesOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
                    std::span<const Vec3> displacements, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
-                   std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces, const ParallelFor &parallelFor);
+                   std::span<const HourglassStrain> relaxed, std::span<Vec3> entryForces,
+                   const ParallelFor &parallelFor);
 
 /// The part of forceDifferential() up to the entries, likewise.
 void entryDifferentialsOf(const Constitution &constitution, const StencilSet &stencils, std::span<const Vec3> positions,
-                          std::span<const Vec3> displacements, std::span<const Mat3> gradients, const PointHistory &history,
-                          double dt, double viscousScale, std::span<const Vec3> du, std::span<Vec3> entries,
-                          const ParallelFor &parallelFor);
+                          std::span<const Vec3> displacements, std::span<const Mat3> gradients,
+                          const PointHistory &history, double dt, double viscousScale, std::span<const Vec3> du,
+                          std::span<Vec3> entries, const ParallelFor &parallelFor);
 
 /// elasticEnergy() of the points [begin, end).
 [[nodiscard]] ElasticEnergy elasticEnergyOf(const Constitution &constitution, const StencilSet &stencils,

@@ -11,8 +11,8 @@ namespace pointbased::detail {
 /// continuum; with 0.1 cells rattled below them. Bonded cubes and indentations feel none of it.
 inline constexpr double kTwistStiffness = 0.3;
 
-/// Part of the shear of a twisted cell that warping leaves: with 0.42 the torque of a square bar of 3, 5 and 8 cells across is
-/// right to some tenths of a per cent.
+/// Part of the shear of a twisted cell that warping leaves: with 0.42 the torque of a square bar of 3, 5 and 8 cells
+/// across is right to some tenths of a per cent.
 inline constexpr double kWarping = 0.42;
 
 /// Energy of the strain that varies linearly within a cell, in plane stress:
@@ -23,11 +23,11 @@ inline constexpr double kWarping = 0.42;
 ///     U += κ v μ/2 (θ Σ t² + (1 - θ)/3 (Σ t)²),   t_z = √s_z 2 E_xy and so on,   θ = kWarping
 ///     U += κ v s² kTwistStiffness E/2 |a_xyz|²
 ///
-/// The shears t of a torsion about any axis sum to zero, and a twisted cell relieves about half of them by a warping that
-/// its corners cannot show; the sum of the t is bending of a turned cell, which keeps its stiffness.
+/// The shears t of a torsion about any axis sum to zero, and a twisted cell relieves about half of them by a warping
+/// that its corners cannot show; the sum of the t is bending of a turned cell, which keeps its stiffness.
 ///
-/// Plane stress, because across the plane a cell with free neighbours contracts: no locking as ν goes to one half. F^T makes
-/// it invariant to rotation. For the linear law F = I, so that it stays linear.
+/// Plane stress, because across the plane a cell with free neighbours contracts: no locking as ν goes to one half. F^T
+/// makes it invariant to rotation. For the linear law F = I, so that it stays linear.
 class HourglassEnergy {
  public:
   HourglassEnergy(const Material &material, double stabilisation) : mu_(stabilisation * material.mu()) {
@@ -92,12 +92,12 @@ inline Amplitudes amplitudes(const StencilSet &s, std::size_t q, std::span<const
 
 /// The hourglass energy of one point at its present amplitudes and F.
 struct ModalPoint {
-  Mat3 A;         ///< (a_xy, a_xz, a_yz), 1/m
-  Vec3 twist;     ///< a_xyz, 1/m²
-  Mat3 FQ;        ///< F Q; Q for the linear law
+  Mat3 A;      ///< (a_xy, a_xz, a_yz), 1/m
+  Vec3 twist;  ///< a_xyz, 1/m²
+  Mat3 FQ;     ///< F Q; Q for the linear law
   Vec3 vs;
   double twistStiffness;
-  Mat3 D, QD;     ///< dU/dB, and turned into the frame of X
+  Mat3 D, QD;  ///< dU/dB, and turned into the frame of X
   double energy;
 
   ModalPoint(const HourglassEnergy &hourglass, const StencilSet &s, std::size_t q, const Mat3 &F, const Amplitudes &all)

@@ -3,11 +3,11 @@
 #pragma once
 
 #include "discretisation/rank_deficient_gradient.h"
+#include "forces/cloud_stabilisation.h"
 #include "forces/hourglass_energy.h"
-#include "pointbased/plasticity.h"
 #include "forces/point_loops.h"
 #include "forces/relaxing_hourglass.h"
-#include "forces/cloud_stabilisation.h"
+#include "pointbased/plasticity.h"
 
 namespace pointbased::detail {
 
@@ -24,8 +24,8 @@ inline Mat3 completedLinearly(const Mat3 &H, int rank, const Mat3 &frame) {
   return seen - seen.transpose() * (Mat3::Identity() - T);
 }
 
-/// completedDifferential() for an isotropic stress. A line is turned without the twist about itself, which such a stress
-/// does not see and which grows without bound near half a turn.
+/// completedDifferential() for an isotropic stress. A line is turned without the twist about itself, which such a
+/// stress does not see and which grows without bound near half a turn.
 inline Mat3 completedWithoutTwist(const Mat3 &F, const Mat3 &dFit, int rank, const Mat3 &frame) {
   if (rank != 1) return completedDifferential(F, dFit, rank, frame);
   const Vec3 t = frame.col(0), a = F * t, da = dFit * t;
@@ -42,8 +42,7 @@ inline Mat3 completedWithoutTwist(const Mat3 &F, const Mat3 &dFit, int rank, con
 template <class Law>
 Mat3 lawGradient(Law, const StencilSet &s, std::size_t q, const Mat3 &F) {
   if constexpr (std::is_same_v<Law, detail::Law<MaterialLaw::linear>>) {
-    if (s.rank[q] < 3)
-      return Mat3::Identity() + completedLinearly(F - Mat3::Identity(), s.rank[q], frameOfPoint(s, q));
+    if (s.rank[q] < 3) return Mat3::Identity() + completedLinearly(F - Mat3::Identity(), s.rank[q], frameOfPoint(s, q));
   }
   return F;
 }

@@ -13,19 +13,19 @@ using Matrix9 = Eigen::Matrix<double, 9, 9>;
 /// A symmetric matrix without its negative eigenvalues.
 Matrix9 positivePart(const Matrix9 &C);
 
-/// K_jl = Σ g_jc g_ld C_cd + B_j^T H B_l + twist γ_j γ_l: C the 9x9 tangent of v P, B_j the change of B (HourglassEnergy) by the
-/// displacement of entry j.
+/// K_jl = Σ g_jc g_ld C_cd + B_j^T H B_l + twist γ_j γ_l: C the 9x9 tangent of v P, B_j the change of B
+/// (HourglassEnergy) by the displacement of entry j.
 ///
-/// The isotropic control adds scale Σ_k w_k c_kj c_kl, c_kj = δ_kj - δ_aj - g_j (X_k - X_a): what r_k changes by. At flat
-/// stencils the turning of the completed column is left out.
+/// The isotropic control adds scale Σ_k w_k c_kj c_kl, c_kj = δ_kj - δ_aj - g_j (X_k - X_a): what r_k changes by. At
+/// flat stencils the turning of the completed column is left out.
 class PointStiffness {
  public:
   using Columns = Eigen::Matrix<double, 9, 3>;
   /// What the blocks of one entry are made of.
   struct Entry {
-    Columns stress;     ///< d(v P) by displacements of the entry
-    Columns modes;      ///< dB by displacements of the entry
-    Columns conjugate;  ///< dD = H dB
+    Columns stress;             ///< d(v P) by displacements of the entry
+    Columns modes;              ///< dB by displacements of the entry
+    Columns conjugate;          ///< dD = H dB
     Mat3 twist = Mat3::Zero();  ///< only where modes relax: change of Q^T F^T a_xyz
   };
 
@@ -33,8 +33,7 @@ class PointStiffness {
                  std::span<const Vec3> u, std::span<const Mat3> gradients, const PointResponse &response,
                  double viscousScale)
       : s_(s), q_(q), gradientRows_(s, q), modeRows_(s, q), X_(X), control_(stabilisationOf(constitution, s)),
-        modal_(response.material, constitution.stabilisation),
-        linear_(response.material.law == MaterialLaw::linear),
+        modal_(response.material, constitution.stabilisation), linear_(response.material.law == MaterialLaw::linear),
         point_(modal_, s, q, linear_ ? Mat3(Mat3::Identity()) : gradients[q],
                control_ == Stabilisation::hourglass ? amplitudes(s, q, u) : Amplitudes(Amplitudes::Zero()),
                control_ == Stabilisation::hourglass ? s.variances[q] : Vec3(Vec3::Zero())) {

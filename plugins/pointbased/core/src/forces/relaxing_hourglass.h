@@ -18,10 +18,11 @@ namespace pointbased::detail {
 ///
 ///     D = D(μ', λ*') : e - D(μ, 2 μ λ'/(λ' + 2 μ')) : h
 ///
-/// Shears and a_xyz relax like μ. Other than in HourglassEnergy a_xyz is turned back by F too, ½ s |F^T a_xyz|²: the same
-/// where F turns, and as linear in its own strain as the rest, so that no closed loop gives work.
+/// Shears and a_xyz relax like μ. Other than in HourglassEnergy a_xyz is turned back by F too, ½ s |F^T a_xyz|²: the
+/// same where F turns, and as linear in its own strain as the rest, so that no closed loop gives work.
 ///
-/// Memory is kept in the layout of B: in the places of E_xx, E_yy those of the deviator, in those of the shears the shears.
+/// Memory is kept in the layout of B: in the places of E_xx, E_yy those of the deviator, in those of the shears the
+/// shears.
 class RelaxingModes {
  public:
   /// @param fresh  f: PronyStep::freshSum, or 0 where β at the end of the step is given as the past
@@ -31,7 +32,7 @@ class RelaxingModes {
 
   /// D, 3x4: of B and of Q^T F^T a_xyz.
   [[nodiscard]] HourglassStrain conjugate(const HourglassStrain &strain, const HourglassStrain &past, double volume,
-                                      const Vec3 &variances) const {
+                                          const Vec3 &variances) const {
     return applied(present_, strain, volume, variances) - applied(past_, past, volume, variances);
   }
   /// The same of a past that is zero, and of changes: dD of de.
@@ -65,7 +66,8 @@ class RelaxingModes {
         present_(scale * mu1, scale * 2.0 * mu1 * acrossOfSum_, (1.0 - fresh) * twist),
         past_(scale * mu, scale * 2.0 * mu * acrossOfSum_, twist) {}
 
-  static HourglassStrain applied(const HourglassEnergy &energy, const HourglassStrain &strain, double volume, const Vec3 &variances) {
+  static HourglassStrain applied(const HourglassEnergy &energy, const HourglassStrain &strain, double volume,
+                                 const Vec3 &variances) {
     HourglassStrain D;
     D.leftCols<3>() = energy.conjugate(strain.leftCols<3>(), volume * variances);
     D.col(3) = energy.twist(volume, variances) * strain.col(3);
@@ -78,12 +80,13 @@ class RelaxingModes {
 
 /// h: what of the past is left at the end of a step, were there no strain any more.
 inline HourglassStrain pastOf(const PronyStep &step, const HourglassHistory &memory) {
-  return step.keep[0] * memory.relaxed[0] + step.keep[1] * memory.relaxed[1] + (step.old[0] + step.old[1]) * memory.previous;
+  return step.keep[0] * memory.relaxed[0] + step.keep[1] * memory.relaxed[1] +
+         (step.old[0] + step.old[1]) * memory.previous;
 }
 
 /// The memory at the end of a step; `before` and `after` may be the same.
-inline void advance(const RelaxingModes &modes, const PronyStep &step, const HourglassStrain &strain, const HourglassHistory &before,
-                    HourglassHistory &after) {
+inline void advance(const RelaxingModes &modes, const PronyStep &step, const HourglassStrain &strain,
+                    const HourglassHistory &before, HourglassHistory &after) {
   const HourglassStrain deviator = modes.deviator(strain, pastOf(step, before));
   for (std::size_t k = 0; k < 2; ++k)
     after.relaxed[k] = step.keep[k] * before.relaxed[k] + step.fresh[k] * deviator + step.old[k] * before.previous;
@@ -93,14 +96,14 @@ inline void advance(const RelaxingModes &modes, const PronyStep &step, const Hou
 /// The relaxing modes of one point at its present amplitudes and F.
 struct RelaxingModalPoint {
   HourglassStrain A;       ///< (a_xy, a_xz, a_yz, a_xyz)
-  Mat3 FQ;             ///< F Q; Q for the linear law
+  Mat3 FQ;                 ///< F Q; Q for the linear law
   HourglassStrain strain;  ///< Q^T F^T A
   HourglassStrain D, QD;   ///< conjugate, and turned into the frame of X
 
   RelaxingModalPoint(const StencilSet &s, const Mat3 &F, const Amplitudes &all)
       : A(all.topRows<3>()), FQ(F * s.axes), strain(FQ.transpose() * A) {}
-  RelaxingModalPoint(const RelaxingModes &modes, const StencilSet &s, std::size_t q, const Mat3 &F, const Amplitudes &all,
-                     const HourglassStrain &past)
+  RelaxingModalPoint(const RelaxingModes &modes, const StencilSet &s, std::size_t q, const Mat3 &F,
+                     const Amplitudes &all, const HourglassStrain &past)
       : RelaxingModalPoint(s, F, all) {
     D = modes.conjugate(strain, past, s.volumes[q], s.variances[q]);
     QD = s.axes * D;

@@ -36,8 +36,8 @@ kernels::ScalarLaw scalarLaw(const Constitution &constitution) {
   return law;
 }
 
-ScalarFallback::ScalarFallback(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
-                         std::span<const Index> points)
+ScalarFallback::ScalarFallback(const StencilSet &stencils, std::span<const Vec3> positions,
+                               const Constitution &constitution, std::span<const Index> points)
     : stencils_(stencils), positions_(positions), constitution_(constitution) {
   if (points.empty()) return;
   for (const Index q : points) {
@@ -68,8 +68,8 @@ double ScalarFallback::evaluate(std::span<const Vec3> u, std::span<const Vec3> v
   deformationGradients(stencils_, u, gradients_, own);
   rates_.resize(v.empty() ? 0 : gradients_.size());
   if (!v.empty()) gradientRates(stencils_, v, rates_, own);
-  const double ratio = pointStresses(constitution_, stencils_, gradients_, rates_, PointHistory(), 0.0, nullptr, stresses_,
-                                     ratios_, own);
+  const double ratio = pointStresses(constitution_, stencils_, gradients_, rates_, PointHistory(), 0.0, nullptr,
+                                     stresses_, ratios_, own);
   entryForcesOf(constitution_, stencils_, positions_, u, gradients_, stresses_, {}, entryForces_, own);
   return ratio;
 }
@@ -80,8 +80,8 @@ void ScalarFallback::linearise(std::span<const Vec3> u, const ParallelFor &paral
 }
 
 void ScalarFallback::differential(std::span<const Vec3> du, double viscousScale, const ParallelFor &parallelFor) {
-  entryDifferentialsOf(constitution_, stencils_, positions_, linearisedAt_, gradients_, PointHistory(), 0.0, viscousScale, du,
-                       entryForces_, loop(parallelFor));
+  entryDifferentialsOf(constitution_, stencils_, positions_, linearisedAt_, gradients_, PointHistory(), 0.0,
+                       viscousScale, du, entryForces_, loop(parallelFor));
 }
 
 ElasticEnergy ScalarFallback::energy(std::span<const Vec3> u) const {
@@ -93,7 +93,8 @@ ElasticEnergy ScalarFallback::energy(std::span<const Vec3> u) const {
       body(begin, end);
     };
     deformationGradients(stencils_, u, gradients, run);
-    const ElasticEnergy part = elasticEnergyOf(constitution_, stencils_, positions_, u, gradients, PointHistory(), {}, begin, end);
+    const ElasticEnergy part =
+        elasticEnergyOf(constitution_, stencils_, positions_, u, gradients, PointHistory(), {}, begin, end);
     sum.strain += part.strain;
     sum.stabilisation += part.stabilisation;
   }
@@ -103,7 +104,7 @@ ElasticEnergy ScalarFallback::energy(std::span<const Vec3> u) const {
 std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span<const Vec3> positions,
                                            std::span<const double> masses, const Constitution &constitution,
                                            Precision precision) {
-  if ( positions.empty() || !stencils.reference.empty()) return nullptr;
+  if (positions.empty() || !stencils.reference.empty()) return nullptr;
   // The kernels know no history.
   for (const Material &m : constitution.materials)
     if (m.relaxes() || m.plastic.enabled()) return nullptr;

@@ -10,21 +10,22 @@
 
 namespace pointbased::detail {
 
-/// One evaluation of all internal forces of a body, fused: fit, law, control of the modes and the way back to the phyxels in
-/// one pass over cells, then one over phyxels. Points that no kernel takes (see cell_layout.h) are answered by the scalar
-/// engine within the same evaluation.
+/// One evaluation of all internal forces of a body, fused: fit, law, control of the modes and the way back to the
+/// phyxels in one pass over cells, then one over phyxels. Points that no kernel takes (see cell_layout.h) are answered
+/// by the scalar engine within the same evaluation.
 ///
-/// The same bits for any number of threads. On instruction sets with a fused multiply-add also the same bits everywhere;
-/// SSE4 and older ones round twice, and so differ in the last digits.
+/// The same bits for any number of threads. On instruction sets with a fused multiply-add also the same bits
+/// everywhere; SSE4 and older ones round twice, and so differ in the last digits.
 class VectorForces {
  public:
   virtual ~VectorForces() = default;
   /// @param displacements  [phyxels] u, m
   /// @param velocities     [phyxels] m/s, or empty: without viscous stress
   /// @param forces         [phyxels] out: N
-  /// @return how much the square of the largest frequency may have grown against rest, >= 1; NaN if anything is. Lattices:
-  ///         largest Σ_q τ_q v_q (λ + 2 μ) |g_qj|² / m_j of the phyxels over that at rest, τ_q the tangentRatio() (and stretch
-  ///         of modes) of a cell; clouds: largest τ_q
+  /// @return how much the square of the largest frequency may have grown against rest, >= 1; NaN if anything is.
+  /// Lattices:
+  ///         largest Σ_q τ_q v_q (λ + 2 μ) |g_qj|² / m_j of the phyxels over that at rest, τ_q the tangentRatio() (and
+  ///         stretch of modes) of a cell; clouds: largest τ_q
   /// @threads writes only `forces` and its own scratch; no allocation, no lock
   virtual double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities, std::span<Vec3> forces,
                           const ParallelFor &parallelFor) = 0;
@@ -40,7 +41,7 @@ class VectorForces {
 /// Null where no kernel would take at least half of the points: materials that flow or relax.
 /// @param masses  [phyxels] kg; has to live as long
 [[nodiscard]] std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span<const Vec3> positions,
-                                                         std::span<const double> masses, const Constitution &constitution,
-                                                         Precision precision);
+                                                         std::span<const double> masses,
+                                                         const Constitution &constitution, Precision precision);
 
 }  // namespace pointbased::detail

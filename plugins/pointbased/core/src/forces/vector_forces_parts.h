@@ -7,16 +7,16 @@
 #include "forces/entry_forces.h"
 #include "forces/kernels/cell_layout.h"
 #include "forces/point_loops.h"
-#include "pointbased/engine.h"
 #include "forces/vector_forces.h"
+#include "pointbased/engine.h"
 
 namespace pointbased::detail {
 
 inline constexpr std::size_t kPhyxelGrain = 256;
 
 [[nodiscard]] std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
-                                                         std::span<const double> masses, const Constitution &constitution,
-                                                         Precision precision);
+                                                         std::span<const double> masses,
+                                                         const Constitution &constitution, Precision precision);
 [[nodiscard]] std::unique_ptr<VectorForces> cloudForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
                                                           const Constitution &constitution, Precision precision);
 
@@ -26,7 +26,8 @@ inline constexpr std::size_t kPhyxelGrain = 256;
 template <class T>
 [[nodiscard]] std::vector<kernels::LawNumbers<T>> lawsOf(const Constitution &constitution) {
   std::vector<kernels::LawNumbers<T>> laws;
-  for (const Material &m : constitution.materials) laws.push_back(kernels::lawNumbers<T>(m, constitution.stabilisation));
+  for (const Material &m : constitution.materials)
+    laws.push_back(kernels::lawNumbers<T>(m, constitution.stabilisation));
   return laws;
 }
 
@@ -44,12 +45,13 @@ template <class T>
 class ScalarFallback {
  public:
   ScalarFallback(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
-              std::span<const Index> points);
+                 std::span<const Index> points);
   [[nodiscard]] bool empty() const { return runs_.empty(); }
   /// Their entries, in the order of forces().
   [[nodiscard]] std::span<const Index> entries() const { return entries_; }
   /// @return largest ratio
-  double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities, const ParallelFor &parallelFor);
+  double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities,
+                  const ParallelFor &parallelFor);
   void linearise(std::span<const Vec3> displacements, const ParallelFor &parallelFor);
   /// Changes of their forces, in force().
   void differential(std::span<const Vec3> du, double viscousScale, const ParallelFor &parallelFor);

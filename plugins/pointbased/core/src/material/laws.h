@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "pointbased/material.h"
 #include "base/polar.h"
 #include "base/symmetric_eigen.h"
+#include "pointbased/material.h"
 
 namespace pointbased::detail {
 
@@ -263,10 +263,14 @@ struct Law<MaterialLaw::neoHookean> {
 template <class Body>
 decltype(auto) withLaw(MaterialLaw law, Body &&body) {
   switch (law) {
-    case MaterialLaw::linear: return body(Law<MaterialLaw::linear>{});
-    case MaterialLaw::stVenantKirchhoff: return body(Law<MaterialLaw::stVenantKirchhoff>{});
-    case MaterialLaw::corotated: return body(Law<MaterialLaw::corotated>{});
-    case MaterialLaw::neoHookean: break;
+    case MaterialLaw::linear:
+      return body(Law<MaterialLaw::linear>{});
+    case MaterialLaw::stVenantKirchhoff:
+      return body(Law<MaterialLaw::stVenantKirchhoff>{});
+    case MaterialLaw::corotated:
+      return body(Law<MaterialLaw::corotated>{});
+    case MaterialLaw::neoHookean:
+      break;
   }
   return body(Law<MaterialLaw::neoHookean>{});
 }

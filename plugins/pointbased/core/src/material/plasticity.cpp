@@ -4,8 +4,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "material/laws.h"
 #include "base/symmetric_eigen.h"
+#include "material/laws.h"
 
 namespace pointbased {
 

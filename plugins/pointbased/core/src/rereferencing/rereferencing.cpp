@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "discretisation/interpolation_at.h"
-#include "pointbased/plasticity.h"
-#include "forces/point_loops.h"
 #include "base/point_tree.h"
 #include "base/polar.h"
-#include "rereferencing/rereferencing_parts.h"
-#include "body/rest_parts.h"
 #include "base/symmetric_eigen.h"
+#include "body/rest_parts.h"
+#include "discretisation/interpolation_at.h"
+#include "forces/point_loops.h"
+#include "pointbased/plasticity.h"
+#include "rereferencing/rereferencing_parts.h"
 
 namespace pointbased {
 

@@ -36,9 +36,9 @@ struct Rereferencing {
 /// for figures.
 ///
 /// @param body  one whose gradients are those of its present displacements
-/// Errors: a body that its surroundings hold (ElasticFoundation); a phyxel whose neighbours no longer span space; a state that is not finite; for lattices: no
-/// RestState::reshape, supports, loads, refinements or several materials, which are given in the first shape; a skin
-/// that holds another volume than the points do, by more than kSkinMismatch.
+/// Errors: a body that its surroundings hold (ElasticFoundation); a phyxel whose neighbours no longer span space; a
+/// state that is not finite; for lattices: no RestState::reshape, supports, loads, refinements or several materials,
+/// which are given in the first shape; a skin that holds another volume than the points do, by more than kSkinMismatch.
 inline constexpr double kSkinMismatch = 0.1;
 [[nodiscard]] Result<Rereferencing> rereferenced(const Body &body, const ParallelFor &parallelFor);
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/symmetric_eigen.h"
 #include "discretisation/interpolation_at.h"
 #include "rereferencing/rereferencing_parts.h"
-#include "base/symmetric_eigen.h"
 
 namespace pointbased {
 
@@ -24,7 +24,8 @@ double volumeOf(const Surface &surface) {
   const Vec3 about = surface.positions.front();
   for (const auto &t : surface.triangles)
     volume += (surface.positions[t[0]] - about)
-                  .dot((surface.positions[t[1]] - about).cross(surface.positions[t[2]] - about)) / 6.0;
+                  .dot((surface.positions[t[1]] - about).cross(surface.positions[t[2]] - about)) /
+              6.0;
   return volume;
 }
 

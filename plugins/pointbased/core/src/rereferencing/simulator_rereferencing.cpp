@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rereferencing/rereferencing.h"
 #include "pointbased/simulator.h"
+#include "rereferencing/rereferencing.h"
 
 namespace pointbased {
 namespace {
@@ -36,7 +36,8 @@ bool Simulator::rereferenceIfNeeded(std::size_t id, const StopRequest *stop) {
   }
   if (!renewal) {
     notRereferenced_.insert(id);
-    reportEvent("note", "body '" + body.name() + "' has flowed far, but its reference cannot be renewed: " + renewal.error());
+    reportEvent("note",
+                "body '" + body.name() + "' has flowed far, but its reference cannot be renewed: " + renewal.error());
     return false;
   }
   std::vector<Vec3> ways;
@@ -45,10 +46,11 @@ bool Simulator::rereferenceIfNeeded(std::size_t id, const StopRequest *stop) {
   body.rereference(std::move(renewal->rest), std::move(renewal->state), parallelFor_);
   bindProbes(id, ways);
   if (isReported(body.rereferenceCount()))
-    reportEvent("renewed",
-         "body '" + body.name() + "' has flowed far: its present shape is its reference, time " +
-             std::to_string(body.rereferenceCount()) +
-             (relieved > 0 ? "; " + std::to_string(relieved) + " crushed points have lost their elastic strain" : ""));
+    reportEvent(
+        "renewed",
+        "body '" + body.name() + "' has flowed far: its present shape is its reference, time " +
+            std::to_string(body.rereferenceCount()) +
+            (relieved > 0 ? "; " + std::to_string(relieved) + " crushed points have lost their elastic strain" : ""));
   return true;
 }
 

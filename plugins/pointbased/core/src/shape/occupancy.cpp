@@ -19,7 +19,8 @@ Result<void> check(const Occupancy &occupancy) {
   const auto &n = occupancy.size;
   const std::string grid = std::to_string(n[0]) + " x " + std::to_string(n[1]) + " x " + std::to_string(n[2]);
   if (n[0] * n[1] * n[2] != occupancy.fill.size() || occupancy.fill.empty())
-    return refuse("the occupancy has " + std::to_string(occupancy.fill.size()) + " values for a grid of " + grid + " voxels");
+    return refuse("the occupancy has " + std::to_string(occupancy.fill.size()) + " values for a grid of " + grid +
+                  " voxels");
   const Mat3 &steps = occupancy.steps;
   const double longest = steps.colwise().norm().maxCoeff();
   if (!steps.allFinite() || !occupancy.origin.allFinite() || !(longest > 0.0) ||

@@ -64,7 +64,8 @@ class LineTransform {
 }  // namespace
 
 OccupancyField::OccupancyField(const Occupancy &occupancy, const ParallelFor &parallelFor)
-    : steps_(occupancy.steps), toIndex_(occupancy.steps.inverse()), spacing_(occupancy.steps.colwise().norm().transpose()) {
+    : steps_(occupancy.steps), toIndex_(occupancy.steps.inverse()),
+      spacing_(occupancy.steps.colwise().norm().transpose()) {
   const Mat3 unit = steps_ * spacing_.cwiseInverse().asDiagonal();
   const Mat3 gram = unit.transpose() * unit;
   // On sheared grids the shortest way that index differences can stand for.
@@ -90,7 +91,8 @@ void OccupancyField::crop(const Occupancy &occupancy) {
         }
       }
   volume_ = sum * std::abs(steps_.determinant());
-  const Vec3 first = Vec3(static_cast<double>(low[0]), static_cast<double>(low[1]), static_cast<double>(low[2])) - Vec3::Ones();
+  const Vec3 first =
+      Vec3(static_cast<double>(low[0]), static_cast<double>(low[1]), static_cast<double>(low[2])) - Vec3::Ones();
   origin_ = occupancy.origin + steps_ * first;
   Level level;
   for (std::size_t a = 0; a < 3; ++a) level.size[a] = high[a] - low[a] + 2;
@@ -203,14 +205,15 @@ double OccupancyField::distance(const Vec3 &x) const {
   }
   if (!within) return length(beyond);
   const auto at = [&](std::ptrdiff_t i, std::ptrdiff_t j, std::ptrdiff_t k) {
-    return levels_[0].fill[offset(static_cast<std::size_t>(i), static_cast<std::size_t>(j), static_cast<std::size_t>(k))];
+    return levels_[0]
+        .fill[offset(static_cast<std::size_t>(i), static_cast<std::size_t>(j), static_cast<std::size_t>(k))];
   };
   const float own = at(v[0], v[1], v[2]);
   const bool full = isFull(own);
   if (!full && !isEmpty(own)) return 0.0;
   const Vec3 off = index - Vec3(static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2]));
-  const double middles = std::abs(static_cast<double>(
-      distances_[offset(static_cast<std::size_t>(v[0]), static_cast<std::size_t>(v[1]), static_cast<std::size_t>(v[2]))]));
+  const double middles = std::abs(static_cast<double>(distances_[offset(
+      static_cast<std::size_t>(v[0]), static_cast<std::size_t>(v[1]), static_cast<std::size_t>(v[2]))]));
   const double halfDiagonal = scale_ * 0.5 * spacing_.norm();
   const double least = std::max({0.0, middles - length(off) - halfDiagonal, length(beyond)});
   if (middles > 2.0 * spacing_.maxCoeff() + halfDiagonal) return least;
@@ -224,7 +227,9 @@ double OccupancyField::distance(const Vec3 &x) const {
         for (std::size_t a = 0; a < 3; ++a) there = there && u[a] >= 0 && u[a] < static_cast<std::ptrdiff_t>(n[a]);
         const float other = there ? at(u[0], u[1], u[2]) : 0.0f;
         if (full ? isFull(other) : isEmpty(other)) continue;
-        const auto step = [](std::ptrdiff_t to, double from) { return to == 0 ? 0.0 : 0.5 - static_cast<double>(to) * from; };
+        const auto step = [](std::ptrdiff_t to, double from) {
+          return to == 0 ? 0.0 : 0.5 - static_cast<double>(to) * from;
+        };
         nearest = std::min(nearest, length(Vec3(step(i, off[0]), step(j, off[1]), step(k, off[2]))));
       }
   const double ring = scale_ * ((Vec3::Constant(1.5) - off.cwiseAbs()).cwiseProduct(spacing_)).minCoeff();
@@ -248,7 +253,9 @@ double OccupancyField::about(const Vec3 &x) const {
   for (std::size_t c = 0; c < 8; ++c) {
     const std::size_t v = offset(low[0] + (c & 1), low[1] + (c >> 1 & 1), low[2] + (c >> 2));
     const auto d = static_cast<double>(distances_[v]);
-    const double value = d > 0.0 ? d - half : d < 0.0 ? d + half : 2.0 * half * (0.5 - static_cast<double>(levels_[0].fill[v]));
+    const double value = d > 0.0   ? d - half
+                         : d < 0.0 ? d + half
+                                   : 2.0 * half * (0.5 - static_cast<double>(levels_[0].fill[v]));
     sum += value * ((c & 1) != 0 ? t[0] : 1.0 - t[0]) * ((c >> 1 & 1) != 0 ? t[1] : 1.0 - t[1]) *
            ((c >> 2) != 0 ? t[2] : 1.0 - t[2]);
   }
@@ -265,7 +272,8 @@ double OccupancyField::alongVoxels(const Level &level, const Vec3 &centre, const
     const auto block = static_cast<double>(level.block[axis]);
     // In voxels of this level, from the border of the first one.
     const double from = (centre[a] - half[a] + 0.5) / block, to = (centre[a] + half[a] + 0.5) / block;
-    const double begin = std::max(0.0, std::floor(from)), end = std::min(static_cast<double>(level.size[axis]), std::ceil(to));
+    const double begin = std::max(0.0, std::floor(from)),
+                 end = std::min(static_cast<double>(level.size[axis]), std::ceil(to));
     if (!(begin < end)) return 0.0;
     first[axis] = static_cast<std::size_t>(begin);
     count[axis] = std::min(kMostAcross, static_cast<std::size_t>(end - begin));
@@ -297,7 +305,8 @@ double OccupancyField::byPoints(const Level &level, const Vec3 &centre, const Ma
     for (int j = 0; j < perAxis; ++j) {
       Vec3 at = first + k * step.col(2) + j * step.col(1);
       for (int i = 0; i < perAxis; ++i, at += step.col(0)) {
-        if (!(at[0] >= 0.0 && at[1] >= 0.0 && at[2] >= 0.0 && at[0] < size[0] && at[1] < size[1] && at[2] < size[2])) continue;
+        if (!(at[0] >= 0.0 && at[1] >= 0.0 && at[2] >= 0.0 && at[0] < size[0] && at[1] < size[1] && at[2] < size[2]))
+          continue;
         sum += static_cast<double>(level.fill[static_cast<std::size_t>(at[0]) +
                                               level.size[0] * (static_cast<std::size_t>(at[1]) +
                                                                level.size[1] * static_cast<std::size_t>(at[2]))]);
@@ -317,7 +326,8 @@ void OccupancyField::shares(std::span<const Vec3> centres, const Mat3 &axes, dou
   const double across = along ? 4.0 : 2.0;
   std::size_t l = 0;
   const auto blocksOf = [](const Level &level) {
-    return Vec3(static_cast<double>(level.block[0]), static_cast<double>(level.block[1]), static_cast<double>(level.block[2]));
+    return Vec3(static_cast<double>(level.block[0]), static_cast<double>(level.block[1]),
+                static_cast<double>(level.block[2]));
   };
   const auto edgesOf = [&](const Level &level) { return Vec3(blocksOf(level).cwiseProduct(spacing_)); };
   while (l + 1 < levels_.size() && edgesOf(levels_[l + 1]).maxCoeff() * across <= edge) ++l;
@@ -348,8 +358,10 @@ bool OccupancyField::crosses(const Vec3 &from, const Vec3 &to) const {
   for (int c = 0; c < 3; ++c) {
     const auto axis = static_cast<std::size_t>(c);
     const double margin = reach * toIndex_.row(c).norm();
-    const double first = std::clamp(std::floor(std::min(a[c], b[c]) - margin + 0.5), 0.0, static_cast<double>(n[axis] - 1));
-    const double last = std::clamp(std::floor(std::max(a[c], b[c]) + margin + 0.5), 0.0, static_cast<double>(n[axis] - 1));
+    const double first =
+        std::clamp(std::floor(std::min(a[c], b[c]) - margin + 0.5), 0.0, static_cast<double>(n[axis] - 1));
+    const double last =
+        std::clamp(std::floor(std::max(a[c], b[c]) + margin + 0.5), 0.0, static_cast<double>(n[axis] - 1));
     low[axis] = static_cast<std::ptrdiff_t>(first);
     size[axis] = static_cast<std::ptrdiff_t>(last - first) + 1;
     voxels *= static_cast<double>(size[axis]);
@@ -358,14 +370,16 @@ bool OccupancyField::crosses(const Vec3 &from, const Vec3 &to) const {
     const auto at = [&](std::size_t axis, std::ptrdiff_t by) { return static_cast<std::size_t>(low[axis] + by); };
     return static_cast<double>(levels_[0].fill[offset(at(0, i), at(1, j), at(2, k))]);
   };
-  const auto number = [&](std::ptrdiff_t i, std::ptrdiff_t j, std::ptrdiff_t k) { return i + size[0] * (j + size[1] * k); };
+  const auto number = [&](std::ptrdiff_t i, std::ptrdiff_t j, std::ptrdiff_t k) {
+    return i + size[0] * (j + size[1] * k);
+  };
   // The voxel around an end, or the fullest one beside it.
   const auto endOf = [&](const Vec3 &index) {
     std::array<std::ptrdiff_t, 3> v{};
     for (int c = 0; c < 3; ++c) {
       const auto axis = static_cast<std::size_t>(c);
-      v[axis] = static_cast<std::ptrdiff_t>(
-          std::clamp(std::floor(index[c] + 0.5) - static_cast<double>(low[axis]), 0.0, static_cast<double>(size[axis] - 1)));
+      v[axis] = static_cast<std::ptrdiff_t>(std::clamp(std::floor(index[c] + 0.5) - static_cast<double>(low[axis]), 0.0,
+                                                       static_cast<double>(size[axis] - 1)));
     }
     std::array<std::ptrdiff_t, 3> best = v;
     if (fillOf(v[0], v[1], v[2]) > 0.5) return best;
@@ -382,7 +396,8 @@ bool OccupancyField::crosses(const Vec3 &from, const Vec3 &to) const {
   // Straight on, as it mostly goes.
   const auto steps = static_cast<int>(std::ceil(2.0 * (b - a).cwiseAbs().maxCoeff())) + 1;
   bool clear = true;
-  for (int s = 0; s <= steps && clear; ++s) clear = fillAt(from + (to - from) * (static_cast<double>(s) / steps)) >= enough;
+  for (int s = 0; s <= steps && clear; ++s)
+    clear = fillAt(from + (to - from) * (static_cast<double>(s) / steps)) >= enough;
   if (clear) return false;
   if (voxels > 1e6) return true;
 

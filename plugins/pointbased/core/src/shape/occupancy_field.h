@@ -27,7 +27,7 @@ class OccupancyField {
  private:
   using Size3 = std::array<std::size_t, 3>;
   struct Level {
-    Size3 size{}, block{};      // voxels of the finest level per voxel here
+    Size3 size{}, block{};  // voxels of the finest level per voxel here
     std::vector<float> fill;
   };
 
@@ -42,14 +42,14 @@ class OccupancyField {
   [[nodiscard]] double alongVoxels(const Level &level, const Vec3 &centre, const Mat3 &cube) const;
   [[nodiscard]] double byPoints(const Level &level, const Vec3 &centre, const Mat3 &cube, int perAxis) const;
 
-  Vec3 origin_ = Vec3::Zero();       // middle of the first voxel kept, which is empty
+  Vec3 origin_ = Vec3::Zero();  // middle of the first voxel kept, which is empty
   Mat3 steps_ = Mat3::Identity(), toIndex_ = Mat3::Identity();
   Vec3 spacing_ = Vec3::Zero();
-  double scale_ = 1.0;               // of lengths from index differences; < 1 on sheared grids
+  double scale_ = 1.0;  // of lengths from index differences; < 1 on sheared grids
   double volume_ = 0.0;
   Vec3 min_ = Vec3::Zero(), max_ = Vec3::Zero();
-  std::vector<Level> levels_;        // the finest first; with an empty layer around
-  std::vector<float> distances_;     // between middles of voxels, negative in full ones, 0 in those filled in part
+  std::vector<Level> levels_;     // the finest first; with an empty layer around
+  std::vector<float> distances_;  // between middles of voxels, negative in full ones, 0 in those filled in part
 };
 
 }  // namespace pointbased::detail

@@ -31,26 +31,23 @@ std::string text(double value) {
   return buffer;
 }
 
-std::string text(const Vec3 &v) {
-  return "[" + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + "]";
-}
+std::string text(const Vec3 &v) { return "[" + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + "]"; }
 
 }  // namespace
 
 double signedDistance(const Region &region, const Vec3 &x) {
-  return std::visit(Overloaded{
-                        [](const EverywhereRegion &) { return -std::numeric_limits<double>::infinity(); },
-                        [&](const BoxRegion &box) {
-                          const Vec3 outside = excess(box, x);
-                          const double largest = outside.maxCoeff();
-                          return largest > 0.0 ? outside.cwiseMax(0.0).norm() : largest;
-                        },
-                        [&](const SphereRegion &sphere) { return (x - sphere.centre).norm() - sphere.radius; },
-                        [&](const HalfSpaceRegion &half) {
-                          return half.normal.dot(x - half.point) / half.normal.norm();
-                        },
-                    },
-                    region);
+  return std::visit(
+      Overloaded{
+          [](const EverywhereRegion &) { return -std::numeric_limits<double>::infinity(); },
+          [&](const BoxRegion &box) {
+            const Vec3 outside = excess(box, x);
+            const double largest = outside.maxCoeff();
+            return largest > 0.0 ? outside.cwiseMax(0.0).norm() : largest;
+          },
+          [&](const SphereRegion &sphere) { return (x - sphere.centre).norm() - sphere.radius; },
+          [&](const HalfSpaceRegion &half) { return half.normal.dot(x - half.point) / half.normal.norm(); },
+      },
+      region);
 }
 
 Vec3 borderNormal(const Region &region, const Vec3 &x) {
@@ -82,7 +79,9 @@ Vec3 borderNormal(const Region &region, const Vec3 &x) {
 Region shifted(const Region &region, const Vec3 &offset) {
   return std::visit(Overloaded{
                         [](const EverywhereRegion &all) { return Region(all); },
-                        [&](const BoxRegion &box) { return Region(BoxRegion{box.min - offset, box.max - offset}); },
+                        [&](const BoxRegion &box) {
+                          return Region(BoxRegion{box.min - offset, box.max - offset});
+                        },
                         [&](const SphereRegion &sphere) {
                           return Region(SphereRegion{sphere.centre - offset, sphere.radius});
                         },

@@ -85,8 +85,7 @@ double toleranceOf(const Surface &surface) {
 class Sampler {
  public:
   Sampler(const Surface &surface, double spacing, const Region &within)
-      : within_(within),
-        tolerance_(toleranceOf(surface)),
+      : within_(within), tolerance_(toleranceOf(surface)),
         spacing_(spacing > 0.0 ? std::max(spacing, tolerance_) : 0.0) {}
 
   void add(const Vec3 &a, const Vec3 &b, const Vec3 &c, Index triangle) {

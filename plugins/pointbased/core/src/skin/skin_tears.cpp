@@ -9,8 +9,8 @@
 namespace pointbased::detail {
 namespace {
 
-// Σ |φ_a - φ_b| of two points that a continuous field carries is less than this and so much per spacing between them: eight
-// corners change by one edge at most. Two points of different pieces have 2.
+// Σ |φ_a - φ_b| of two points that a continuous field carries is less than this and so much per spacing between them:
+// eight corners change by one edge at most. Two points of different pieces have 2.
 constexpr double kTorn = 0.75, kSlope = 8.0;
 constexpr double kBand = 0.5;             // spacings on either side
 constexpr std::size_t kMostAround = 256;  // points that a mean is made of; of finer skins the band is narrower
@@ -18,7 +18,9 @@ constexpr std::size_t kMostAround = 256;  // points that a mean is made of; of f
 struct Way {
   double length;  // m
   Index vertex;
-  bool operator>(const Way &other) const { return length != other.length ? length > other.length : vertex > other.vertex; }
+  bool operator>(const Way &other) const {
+    return length != other.length ? length > other.length : vertex > other.vertex;
+  }
 };
 using Queue = std::priority_queue<Way, std::vector<Way>, std::greater<>>;
 
@@ -105,7 +107,8 @@ struct Entry {
 };
 using Row = std::map<Index, Entry>;
 
-// Rows of others continued to the point along their gradients: each is exact for affine fields there, and so is their mean.
+// Rows of others continued to the point along their gradients: each is exact for affine fields there, and so is their
+// mean.
 Row meanRow(const Interpolation &rows, Index point, std::span<const Way> around) {
   const double reach = around.back().length;
   Row mean;

@@ -5,7 +5,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "skin/surfel_kernel.cpp"
-#include "base/kernels/instruction_sets.h"
+#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -24,9 +25,15 @@ HWY_INLINE Four each(const F &f) {
 }
 HWY_INLINE Four load(const float *p) { return {{p[0], p[1], p[2], p[3]}}; }
 HWY_INLINE Four all(float s) { return {{s, s, s, s}}; }
-HWY_INLINE Four sub(const Four &a, const Four &b) { return each([&](int k) { return a.x[k] - b.x[k]; }); }
-HWY_INLINE Four add(const Four &a, const Four &b) { return each([&](int k) { return a.x[k] + b.x[k]; }); }
-HWY_INLINE Four mul(const Four &a, const Four &b) { return each([&](int k) { return a.x[k] * b.x[k]; }); }
+HWY_INLINE Four sub(const Four &a, const Four &b) {
+  return each([&](int k) { return a.x[k] - b.x[k]; });
+}
+HWY_INLINE Four add(const Four &a, const Four &b) {
+  return each([&](int k) { return a.x[k] + b.x[k]; });
+}
+HWY_INLINE Four mul(const Four &a, const Four &b) {
+  return each([&](int k) { return a.x[k] * b.x[k]; });
+}
 HWY_INLINE Four mulAdd(const Four &a, const Four &b, const Four &c) {
   return each([&](int k) { return a.x[k] * b.x[k] + c.x[k]; });
 }
@@ -98,7 +105,8 @@ void moveCells(const SkinJob &job, std::size_t first, std::size_t last) {
     const float *frame = job.frames[place.frame].data();
     float n[4];
     store(mulAdd(all(static_cast<float>(rest[0])), load(frame),
-                 mulAdd(all(static_cast<float>(rest[1])), load(frame + 4), mul(all(static_cast<float>(rest[2])), load(frame + 8)))),
+                 mulAdd(all(static_cast<float>(rest[1])), load(frame + 4),
+                        mul(all(static_cast<float>(rest[2])), load(frame + 8)))),
           n);
     store(mulAdd(all(n[0]), cross(gy, gz), mulAdd(all(n[1]), cross(gz, gx), mul(all(n[2]), cross(gx, gy)))), n);
     writeNormal(n[0], n[1], n[2], rest, job.normals[p]);
@@ -124,7 +132,8 @@ void moveRows(const SkinJob &job, std::size_t first, std::size_t last) {
     job.positions[p] = {rx[3] + job.shift[0], ry[3] + job.shift[1], rz[3] + job.shift[2]};
     if (job.restNormals == nullptr) continue;
     const Vec3 &rest = job.restNormals[p];
-    const float numbers[4] = {static_cast<float>(rest[0]), static_cast<float>(rest[1]), static_cast<float>(rest[2]), 0.0f};
+    const float numbers[4] = {static_cast<float>(rest[0]), static_cast<float>(rest[1]), static_cast<float>(rest[2]),
+                              0.0f};
     const Four n = load(numbers);
     store(mul(n, cross(y, z)), rx);
     store(mul(n, cross(z, x)), ry);

@@ -10,12 +10,12 @@ namespace pointbased::kernels {
 
 /// What a range of points reads and writes.
 struct SkinJob {
-  const CellPlace *places = nullptr;                ///< [points]
-  std::span<const std::array<float, 12>> frames;    ///< cof(∂ξ/∂X), columns of four
-  const std::array<float, 4> *phyxels = nullptr;    ///< [phyxels] present positions
-  const Vec3 *restNormals = nullptr;                ///< [points]; null: positions only
-  Vec3f shift{};                                    ///< m, added to every position
-  Vec3f *positions = nullptr, *normals = nullptr;   ///< [points]
+  const CellPlace *places = nullptr;               ///< [points]
+  std::span<const std::array<float, 12>> frames;   ///< cof(∂ξ/∂X), columns of four
+  const std::array<float, 4> *phyxels = nullptr;   ///< [phyxels] present positions
+  const Vec3 *restNormals = nullptr;               ///< [points]; null: positions only
+  Vec3f shift{};                                   ///< m, added to every position
+  Vec3f *positions = nullptr, *normals = nullptr;  ///< [points]
   // Rows:
   const Index *rowOwners = nullptr, *rowOffsets = nullptr, *rowPhyxels = nullptr;
   const std::array<float, 4> *rowCoefficients = nullptr;

@@ -7,10 +7,10 @@
 #include <limits>
 #include <optional>
 
-#include "discretisation/interpolation_at.h"
-#include "skin/surfel_kernel.h"
-#include "forces/point_loops.h"
 #include "base/polar.h"
+#include "discretisation/interpolation_at.h"
+#include "forces/point_loops.h"
+#include "skin/surfel_kernel.h"
 
 namespace pointbased {
 
@@ -27,7 +27,8 @@ constexpr double kSameRow = 1e-11;
 std::array<double, kCorners> cellWeights(const std::array<double, 3> &at) {
   std::array<double, kCorners> weights{};
   for (std::size_t j = 0; j < kCorners; ++j)
-    weights[j] = (j & 1 ? at[0] : 1.0 - at[0]) * (j >> 1 & 1 ? at[1] : 1.0 - at[1]) * (j >> 2 & 1 ? at[2] : 1.0 - at[2]);
+    weights[j] =
+        (j & 1 ? at[0] : 1.0 - at[0]) * (j >> 1 & 1 ? at[1] : 1.0 - at[1]) * (j >> 2 & 1 ? at[2] : 1.0 - at[2]);
   return weights;
 }
 

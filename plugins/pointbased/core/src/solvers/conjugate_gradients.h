@@ -30,13 +30,14 @@ enum class LinearEnd {
   notFinite           ///< A or M gave no usable number
 };
 
-/// A x = b by conjugate gradients with preconditioner M, in pieces: run() may be called again with a smaller tolerance, and
-/// restart() goes on from the present x with another M.
+/// A x = b by conjugate gradients with preconditioner M, in pieces: run() may be called again with a smaller tolerance,
+/// and restart() goes on from the present x with another M.
 ///
-/// Stops when |r| in the norm of M^-1 is below tolerance times |b|, and the energy that the last eighth of the iterations
-/// gained is below tolerance² of all of it: with a weak preconditioner the residual of a slender body is small long before
-/// its bending is found, and the second test sees that.
-/// @source  Hestenes and Stiefel, J. Res. NBS 49, 1952; truncation: Steihaug, SIAM J. Numer. Anal. 20, 1983; the gain as an
+/// Stops when |r| in the norm of M^-1 is below tolerance times |b|, and the energy that the last eighth of the
+/// iterations gained is below tolerance² of all of it: with a weak preconditioner the residual of a slender body is
+/// small long before its bending is found, and the second test sees that.
+/// @source  Hestenes and Stiefel, J. Res. NBS 49, 1952; truncation: Steihaug, SIAM J. Numer. Anal. 20, 1983; the gain
+/// as an
 ///          estimate of the error: Strakos and Tichy, ETNA 13, 2002
 class ConjugateGradients {
  public:

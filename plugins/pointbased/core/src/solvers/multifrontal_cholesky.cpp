@@ -78,7 +78,9 @@ std::vector<int> postorder(const std::vector<int> &parent) {
   return out;
 }
 
-double trapezoid(int columns, int rows) { return 0.5 * columns * (columns + 1.0) + static_cast<double>(columns) * rows; }
+double trapezoid(int columns, int rows) {
+  return 0.5 * columns * (columns + 1.0) + static_cast<double>(columns) * rows;
+}
 
 }  // namespace
 
@@ -97,7 +99,8 @@ void MultifrontalCholesky::orderColumns(const std::vector<std::vector<int>> &gra
   order_.assign(permutation.indices().data(), permutation.indices().data() + n);
   position_.resize(order_.size());
   const auto invert = [this] {
-    for (std::size_t k = 0; k < order_.size(); ++k) position_[static_cast<std::size_t>(order_[k])] = static_cast<int>(k);
+    for (std::size_t k = 0; k < order_.size(); ++k)
+      position_[static_cast<std::size_t>(order_[k])] = static_cast<int>(k);
   };
   invert();
   const std::vector<int> post = postorder(eliminationTree(graph, order_, position_));
@@ -122,7 +125,8 @@ void MultifrontalCholesky::findFronts(const std::vector<std::vector<int>> &graph
       seen[static_cast<std::size_t>(i)] = column;
       rows[j].push_back(i);
     };
-    for (const int neighbour : graph[static_cast<std::size_t>(order_[j])]) add(position_[static_cast<std::size_t>(neighbour)]);
+    for (const int neighbour : graph[static_cast<std::size_t>(order_[j])])
+      add(position_[static_cast<std::size_t>(neighbour)]);
     for (const int child : children[j])
       for (const int i : rows[static_cast<std::size_t>(child)]) add(i);
     std::sort(rows[j].begin(), rows[j].end());
@@ -151,8 +155,8 @@ void MultifrontalCholesky::mergeFronts(std::vector<Front> &fronts, const std::ve
     const auto p = static_cast<std::size_t>(frontOf[static_cast<std::size_t>(above)]);
     Front &into = fronts[p];
     if (into.first != front.last) continue;
-    const double empty = zeros[p] + static_cast<double>(front.columns()) *
-                                        (into.size() - static_cast<double>(front.rows.size()));
+    const double empty =
+        zeros[p] + static_cast<double>(front.columns()) * (into.size() - static_cast<double>(front.rows.size()));
     const int columns = front.columns() + into.columns();
     const double allowed = columns <= kSmallColumns ? kZerosSmall : kZeros;
     if (empty > allowed * trapezoid(columns, static_cast<int>(into.rows.size()))) continue;
@@ -221,8 +225,8 @@ bool eliminate(Eigen::MatrixXd &dense, Eigen::Index inner, const StopRequest *st
 
 bool MultifrontalCholesky::factorise(const Sparse &matrix, double diagonalShift, const StopRequest *stop) {
   const double added = diagonalShift * matrix.diagonal().cwiseAbs().mean();
-  std::vector<int> local(order_.size(), 0);                 // row of a block in the present front
-  std::vector<Eigen::MatrixXd> updates(fronts_.size());     // what fronts have yet to add to their parents
+  std::vector<int> local(order_.size(), 0);              // row of a block in the present front
+  std::vector<Eigen::MatrixXd> updates(fronts_.size());  // what fronts have yet to add to their parents
   std::vector<std::vector<std::size_t>> children(fronts_.size());
   for (std::size_t s = 0; s < fronts_.size(); ++s)
     if (fronts_[s].parent >= 0) children[static_cast<std::size_t>(fronts_[s].parent)].push_back(s);
@@ -261,7 +265,8 @@ bool MultifrontalCholesky::factorise(const Sparse &matrix, double diagonalShift,
     const Eigen::Index inner = 3 * Eigen::Index(front.columns()), below = dense.rows() - inner;
     if (!eliminate(dense, inner, stop)) return false;
     if (below > 0) updates[s] = dense.bottomRightCorner(below, below);
-    Eigen::Map<Eigen::MatrixXf>(panels_.data() + front.panel, dense.rows(), inner) = dense.leftCols(inner).cast<float>();
+    Eigen::Map<Eigen::MatrixXf>(panels_.data() + front.panel, dense.rows(), inner) =
+        dense.leftCols(inner).cast<float>();
   }
   return true;
 }

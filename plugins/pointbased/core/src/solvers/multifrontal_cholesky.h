@@ -16,7 +16,8 @@ namespace pointbased::detail {
 /// front of its parent in the elimination tree (multifrontal). So the work is dense products, several times as fast as
 /// column after column, and the factor needs no indices. It is computed in double and kept in float: half the memory
 /// traffic of a solve, and as a preconditioner it stays exactly symmetric and positive.
-/// @source  Duff and Reid, ACM TOMS 9, 1983 (multifrontal); Liu, SIAM J. Matrix Anal. Appl. 11, 1990 (elimination trees)
+/// @source  Duff and Reid, ACM TOMS 9, 1983 (multifrontal); Liu, SIAM J. Matrix Anal. Appl. 11, 1990 (elimination
+/// trees)
 class MultifrontalCholesky {
  public:
   /// Order (minimum degree on the graph of the blocks), elimination tree and fronts of a pattern.
@@ -24,7 +25,8 @@ class MultifrontalCholesky {
   /// Numbers for the pattern that was analysed; both triangles must be there. False: not positive definite.
   /// @param diagonalShift  the diagonal is multiplied by 1 + diagonalShift, and diagonalShift times its mean is added
   /// @param stop  null, or what ends it with Stopped; it has to be factorised anew then
-  [[nodiscard]] bool factorise(const Eigen::SparseMatrix<double> &matrix, double diagonalShift, const StopRequest *stop = nullptr);
+  [[nodiscard]] bool factorise(const Eigen::SparseMatrix<double> &matrix, double diagonalShift,
+                               const StopRequest *stop = nullptr);
   /// x = (L L^T)^-1 b to float precision.
   void solve(std::span<const Vec3> b, std::span<Vec3> x);
 

@@ -16,16 +16,16 @@ using detail::LinearEnd;
 
 namespace {
 
-constexpr double kArmijo = 1e-4;           // part of the predicted decrease that a step must bring
-constexpr double kTightest = 1e-6;         // of the forcing terms
-constexpr double kConfirming = 1e-3;       // linear tolerance of a step that ends the solve
-constexpr double kResidualFall = 1e-6;     // of the first residual; see NewtonSettings::toleranceForce
-constexpr double kRounding = 1e-10;        // relative change of the energy that may be round-off of a cancelled sum
+constexpr double kArmijo = 1e-4;        // part of the predicted decrease that a step must bring
+constexpr double kTightest = 1e-6;      // of the forcing terms
+constexpr double kConfirming = 1e-3;    // linear tolerance of a step that ends the solve
+constexpr double kResidualFall = 1e-6;  // of the first residual; see NewtonSettings::toleranceForce
+constexpr double kRounding = 1e-10;     // relative change of the energy that may be round-off of a cancelled sum
 // of the displacement that is tolerated: what a step after the other may leave
 constexpr double kFoundAtStart = 1e-3;
 constexpr int kTrials = 48;
 constexpr int kDoublings = 16;
-constexpr int kPatience = 6;               // iterations without progress
+constexpr int kPatience = 6;  // iterations without progress
 
 }  // namespace
 
@@ -40,20 +40,22 @@ struct NewtonSolver::Impl {
 
  private:
   struct Direction {
-    bool newton = false;     // solved to `tolerance`, without negative curvature
-    bool negative = false;   // cut short by negative curvature
+    bool newton = false;    // solved to `tolerance`, without negative curvature
+    bool negative = false;  // cut short by negative curvature
     double tolerance = 1.0;
   };
   struct Evaluation {
     double energy = 0.0;
-    double norm = 0.0;            // of the gradient
+    double norm = 0.0;  // of the gradient
     detail::Largest residual;
   };
 
   bool gradientHere(IncrementalPotential &problem, std::vector<Vec3> &out, Evaluation &at);
   bool tryAt(IncrementalPotential &problem, std::span<const Vec3> u, double scale, double &energy);
-  Direction findDirection(IncrementalPotential &problem, const NewtonSettings &settings, double forcing, NewtonResult &result);
-  double search(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings, Evaluation &at, bool grow);
+  Direction findDirection(IncrementalPotential &problem, const NewtonSettings &settings, double forcing,
+                          NewtonResult &result);
+  double search(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings, Evaluation &at,
+                bool grow);
 };
 
 NewtonSolver::NewtonSolver() : impl_(std::make_unique<Impl>()) {}
@@ -105,8 +107,9 @@ bool NewtonSolver::Impl::tryAt(IncrementalPotential &problem, std::span<const Ve
   return std::isfinite(energy);
 }
 
-NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPotential &problem, const NewtonSettings &settings,
-                                                                double forcing, NewtonResult &result) {
+NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPotential &problem,
+                                                                const NewtonSettings &settings, double forcing,
+                                                                NewtonResult &result) {
   const std::size_t n = gradient.size();
   const std::span<const std::uint8_t> prescribed = problem.prescribed();
   const detail::Apply product = [&](std::span<const Vec3> in, std::span<Vec3> out) {
@@ -153,7 +156,8 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
   out.negative = end == LinearEnd::negativeCurvature;
   const std::span<const Vec3> found = linear.iterations() > 0 ? linear.x() : linear.preconditioned();
   direction.assign(found.begin(), found.end());
-  // Not downhill (round-off, or an operator that is not symmetric): the preconditioned gradient, at worst the plain one.
+  // Not downhill (round-off, or an operator that is not symmetric): the preconditioned gradient, at worst the plain
+  // one.
   const auto downhill = [this] {
     return dot(gradient, direction) < 0.0 && std::isfinite(detail::largest(direction).value);
   };
@@ -165,8 +169,8 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
   return out;
 }
 
-// Finds how far along the direction to go, moves u there, and leaves the problem, the gradient and `at` there. Returns the
-// scale, or 0: nothing found, all is as it was. `grow`: the direction has no natural length, try longer ones.
+// Finds how far along the direction to go, moves u there, and leaves the problem, the gradient and `at` there. Returns
+// the scale, or 0: nothing found, all is as it was. `grow`: the direction has no natural length, try longer ones.
 double NewtonSolver::Impl::search(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
                                   Evaluation &at, bool grow) {
   const double slope = dot(gradient, direction);
@@ -304,8 +308,8 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
     result.lastStep = scale * length;
     tell();
 
-    // Converged: a whole, trustworthy Newton step that moved nothing by more than the tolerance, after which the residual
-    // is smaller; twice in a row where it cannot become smaller.
+    // Converged: a whole, trustworthy Newton step that moved nothing by more than the tolerance, after which the
+    // residual is smaller; twice in a row where it cannot become smaller.
     if (newton && scale == 1.0 && result.lastStep <= settings.toleranceDisplacement &&
         (found.tolerance <= kConfirming || fallen())) {
       if (at.residual.value <= before.residual.value || ++small >= 2) return end(NewtonOutcome::converged);

@@ -18,17 +18,17 @@ using Sparse = Eigen::SparseMatrix<double>;
 using Incomplete = Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
 // Costs in about nanoseconds, as bench_newton showed them; only their ratios matter.
-constexpr double kProductCost = 1.15;          // per entry of the Hessian, matrix-free
-constexpr double kAssemblyCost = 50.0;         // per entry of the Hessian
-constexpr double kIncompleteCost = 80.0;       // per entry of the factor
-constexpr double kIncompleteSolveCost = 0.8;   // per entry of the factor, both ways
-constexpr double kCompleteCost = 0.12;         // per multiply-add
-constexpr double kCompleteSolveCost = 0.5;     // per entry of the factor, both ways
+constexpr double kProductCost = 1.15;         // per entry of the Hessian, matrix-free
+constexpr double kAssemblyCost = 50.0;        // per entry of the Hessian
+constexpr double kIncompleteCost = 80.0;      // per entry of the factor
+constexpr double kIncompleteSolveCost = 0.8;  // per entry of the factor, both ways
+constexpr double kCompleteCost = 0.12;        // per multiply-add
+constexpr double kCompleteSolveCost = 0.5;    // per entry of the factor, both ways
 
-constexpr double kCheap = 200.0;               // iterations; see the header
-constexpr double kUsual = 8.0;                 // iterations of a solve with a complete one that is not quite fresh
-constexpr std::size_t kMostAnalysed = 30000;   // phyxels; beyond, `automatic` does not think of a complete one
-constexpr double kMostEntries = 2.5e8;         // of a complete factor: 1 GB
+constexpr double kCheap = 200.0;              // iterations; see the header
+constexpr double kUsual = 8.0;                // iterations of a solve with a complete one that is not quite fresh
+constexpr std::size_t kMostAnalysed = 30000;  // phyxels; beyond, `automatic` does not think of a complete one
+constexpr double kMostEntries = 2.5e8;        // of a complete factor: 1 GB
 
 double decimals(double tolerance) { return std::max(1.0, -std::log10(tolerance)); }
 
@@ -49,8 +49,8 @@ struct AdaptivePreconditioner::Impl {
   MultifrontalCholesky complete;
   Incomplete incomplete;
 
-  // The books, in the unit of the costs. A fresh factorisation takes `rate` iterations per decimal of tolerance; -1: not
-  // known yet.
+  // The books, in the unit of the costs. A fresh factorisation takes `rate` iterations per decimal of tolerance; -1:
+  // not known yet.
   double price = 0.0, iteration = 1.0, rate = -1.0, excess = 0.0;
   // Of a complete factorisation while an incomplete one is in use; infinite price: not to be had.
   double completePrice = 0.0, completeIteration = 0.0, lost = 0.0;
@@ -174,8 +174,7 @@ void AdaptivePreconditioner::renew(IncrementalPotential &problem, const StopRequ
   const double entries = static_cast<double>(m.matrix.nonZeros()), half = 0.5 * entries;
   m.price = kAssemblyCost * entries + kIncompleteCost * half;
   m.iteration = kProductCost * entries + kIncompleteSolveCost * half;
-  if (m.kind == Preconditioner::factorised ||
-      (m.choice == Preconditioner::automatic && m.phyxels <= kMostAnalysed)) {
+  if (m.kind == Preconditioner::factorised || (m.choice == Preconditioner::automatic && m.phyxels <= kMostAnalysed)) {
     m.analyse();
     m.completePrice = m.complete.entries() > kMostEntries ? std::numeric_limits<double>::infinity()
                                                           : kAssemblyCost * entries + kCompleteCost * m.complete.work();
@@ -216,8 +215,7 @@ int AdaptivePreconditioner::iterationBudget(double tolerance, int most) const {
   if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) return most;
   double left = most;
   if (m.rate >= 0.0) left = std::min(left, m.rate * decimals(tolerance) + (m.price - m.excess) / m.iteration);
-  if (m.mayImprove())
-    left = std::min(left, (m.completePrice - m.lost + kUsual * m.completeIteration) / m.iteration);
+  if (m.mayImprove()) left = std::min(left, (m.completePrice - m.lost + kUsual * m.completeIteration) / m.iteration);
   return left < most ? std::max(0, static_cast<int>(left)) + 1 : most;
 }
 

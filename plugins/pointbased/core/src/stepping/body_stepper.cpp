@@ -21,8 +21,8 @@ std::uint64_t substepLimit(const Body &body) {
       std::clamp(kMostWork / points, static_cast<double>(kLeastSubsteps), static_cast<double>(kMostSubsteps)));
 }
 
-// Something outside puts energy into the body, or it takes up what it has lost. Wider than isDriven(): after a ramp what
-// swings still exchanges energy with its support.
+// Something outside puts energy into the body, or it takes up what it has lost. Wider than isDriven(): after a ramp
+// what swings still exchanges energy with its support.
 bool mayGainEnergy(const Body &body, std::span<const Obstacle> obstacles, double time) {
   if (body.grab) return true;
   for (const Obstacle &obstacle : obstacles)
@@ -163,7 +163,7 @@ double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uin
   body.keepState();
   bool again = false;  // from the mark
   while (true) {
-    Gone gone = again ? againFromMark(order, span)
+    Gone gone = again                                      ? againFromMark(order, span)
                 : integrator == Integrator::explicitVerlet ? advanceExplicit(order, span, mostSubsteps, glance)
                                                            : advanceImplicit(order, span);
     if (gone && order.number % EnergyWatch::kEnergyInterval == 0)
@@ -201,9 +201,9 @@ double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uin
     }
     scale_ *= 0.5;
     order.reportEvent("smaller_step", "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " +
-                                   finding.quantity + "; back to the state " +
-                                   (again ? "at " + number(mark_->time) + " s" : std::string("before")) +
-                                   ", with steps " + number(1.0 / scale_) + " times smaller");
+                                          finding.quantity + "; back to the state " +
+                                          (again ? "at " + number(mark_->time) + " s" : std::string("before")) +
+                                          ", with steps " + number(1.0 / scale_) + " times smaller");
   }
 }
 
@@ -237,8 +237,9 @@ BodyStepper::Gone BodyStepper::advanceImplicit(const StepContext &order, double 
     const ImplicitResult result =
         implicitStep(*body_, solver_, order.environment, order.time + k * piece, piece, scheme);
     if (!result.failure.empty())
-      return refused({result.newton.worst, result.failure,
-                      "a smaller solver.dt, solver.integrator = \"backward_euler\", or material.law = \"neo_hookean\""});
+      return refused(
+          {result.newton.worst, result.failure,
+           "a smaller solver.dt, solver.integrator = \"backward_euler\", or material.law = \"neo_hookean\""});
     bool finite = true;
     order.environment.clock->measure(kGuard, [&] { finite = quickCheck(*body_).finite; });
     if (!finite) return refused(firstNonFinite(*body_));
@@ -253,15 +254,17 @@ void BodyStepper::reportIntegrator(const StepContext &order) {
   if (order.world.integrator == Integrator::automatic) {
     if (integratorIn(order.world) != Integrator::implicitSdirk) return;
     const StepCost cost = predictCost(*body_, order.world.dt);
-    order.reportEvent("chosen", body + "is integrated implicitly: predicted to cost " + number(cost.implicitEvaluations) +
-                             " force evaluations per simulated second instead of " + number(cost.explicitEvaluations) +
-                             "; solver.integrator = \"explicit\" resolves its vibrations");
+    order.reportEvent("chosen",
+                      body + "is integrated implicitly: predicted to cost " + number(cost.implicitEvaluations) +
+                          " force evaluations per simulated second instead of " + number(cost.explicitEvaluations) +
+                          "; solver.integrator = \"explicit\" resolves its vibrations");
   } else if (order.world.integrator == Integrator::implicitMidpoint)
     order.reportEvent("switched", body + "relaxes, which the midpoint rule does not settle; it is given \"implicit\"");
   else
-    order.reportEvent("switched", body + "is so stiff that explicit steps would be " +
-                               number(kStepSafety * body_->stableStepAtRest()) +
-                               " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
+    order.reportEvent("switched",
+                      body + "is so stiff that explicit steps would be " +
+                          number(kStepSafety * body_->stableStepAtRest()) +
+                          " s long; it is integrated implicitly. If it hardly deforms, make it an obstacle (rigid)");
 }
 
 void BodyStepper::stop(const StepContext &order, const GuardFinding &finding) {

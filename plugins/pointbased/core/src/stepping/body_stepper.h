@@ -9,8 +9,8 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "stepping/guard.h"
 #include "pointbased/world_settings.h"
+#include "stepping/guard.h"
 #include "stepping/sleep_detector.h"
 #include "stepping/substep_controller.h"
 
@@ -20,18 +20,18 @@ namespace pointbased::detail {
 struct StepContext {
   const WorldSettings &world;
   Environment environment;
-  double time = 0.0;         ///< s, at its beginning
-  double dt = 0.0;           ///< s, its size
-  double loadFactor = 0.0;   ///< that has been reached; quasi-static
-  std::uint64_t number = 1;  ///< steps with this one
+  double time = 0.0;                                                           ///< s, at its beginning
+  double dt = 0.0;                                                             ///< s, its size
+  double loadFactor = 0.0;                                                     ///< that has been reached; quasi-static
+  std::uint64_t number = 1;                                                    ///< steps with this one
   std::function<void(const char *kind, const std::string &text)> reportEvent;  ///< who hears what had to be done
 };
 
 /// Advances one body and tells what it had to do.
 ///
-/// What the guard refuses is undone and tried again with steps half as long, down to 1/64 (crushed bodies: 1/4); good steps
-/// make them longer again. Energy that came from nothing has come within the steps since the last look at it, so these are
-/// all taken again, from the state of that look. Where nothing helps the body stops in the last good state.
+/// What the guard refuses is undone and tried again with steps half as long, down to 1/64 (crushed bodies: 1/4); good
+/// steps make them longer again. Energy that came from nothing has come within the steps since the last look at it, so
+/// these are all taken again, from the state of that look. Where nothing helps the body stops in the last good state.
 class BodyStepper {
  public:
   explicit BodyStepper(std::unique_ptr<Body> body) : body_(std::move(body)) {}

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stepping/body_stepper.h"
 #include "base/number_text.h"
+#include "stepping/body_stepper.h"
 
 namespace pointbased::detail {
 namespace {
 
 // Of the stable step at rest: below it a body stops (an impact at Mach 27: 1e-3).
 constexpr double kCrushed = 3e-4;
-// Of the usual step where points may bounce: what Verlet keeps is not quite the energy, and bounces turn the difference into
-// rattling. It falls with the square of the step.
+// Of the usual step where points may bounce: what Verlet keeps is not quite the energy, and bounces turn the difference
+// into rattling. It falls with the square of the step.
 constexpr double kBouncing = 0.5;
 constexpr double kStride = 0.25;  // spacings a phyxel may go, relative to its body, in a substep
 
@@ -23,7 +23,8 @@ bool bounces(const Environment &env) {
 
 }  // namespace
 
-BodyStepper::Gone BodyStepper::maxSubstep(const StepContext &order, double time, double left, const QuickCheckResult *glance) {
+BodyStepper::Gone BodyStepper::maxSubstep(const StepContext &order, double time, double left,
+                                          const QuickCheckResult *glance) {
   Body &body = *body_;
   const double rest = body.stableStepAtRest(), bare = body.stableStep(), stride = kStride * body.rest().spacing;
   GuardView view;
@@ -42,9 +43,8 @@ BodyStepper::Gone BodyStepper::maxSubstep(const StepContext &order, double time,
   if (!crushed) return stable;
   view = fullCheck(body);
   if (!view.finite) return refused(firstNonFinite(body), crushed);
-  const std::string why = bare > kCrushed * rest
-                              ? "it moves " + number(std::max(view.fastest, impact)) + " m/s"
-                              : "the body is crushed or inverted";
+  const std::string why = bare > kCrushed * rest ? "it moves " + number(std::max(view.fastest, impact)) + " m/s"
+                                                 : "the body is crushed or inverted";
   return refused({view.fastestPhyxel,
                   "the stable step has fallen to " + number(stable / part) + " s, 1/" + number(rest / stable * part) +
                       " of that at rest: " + why,
@@ -53,7 +53,7 @@ BodyStepper::Gone BodyStepper::maxSubstep(const StepContext &order, double time,
 }
 
 BodyStepper::Gone BodyStepper::advanceExplicit(const StepContext &order, double span, std::uint64_t mostSubsteps,
-                                             const QuickCheckResult &glance) {
+                                               const QuickCheckResult &glance) {
   Body &body = *body_;
   double left = span, time = order.time, needed = 1.0;
   std::uint64_t substeps = 0;
@@ -77,19 +77,20 @@ BodyStepper::Gone BodyStepper::advanceExplicit(const StepContext &order, double 
   return gone;
 }
 
-void BodyStepper::reportSubsteps(const StepContext &order, double span, double gone, std::uint64_t substeps, double needed) {
+void BodyStepper::reportSubsteps(const StepContext &order, double span, double gone, std::uint64_t substeps,
+                                 double needed) {
   const bool whole = !(gone < span);
   if (substeps > mostSubsteps_) {
     mostSubsteps_ = substeps;
     order.reportEvent("substep", "body '" + body_->name() + "': a step of " + number(span) + " s was divided into " +
-                              (whole ? std::to_string(substeps) : number(needed)) + " substeps of " +
-                              number(gone / static_cast<double>(substeps)) + " s");
+                                     (whole ? std::to_string(substeps) : number(needed)) + " substeps of " +
+                                     number(gone / static_cast<double>(substeps)) + " s");
   }
   if (whole || slowReported_) return;
   slowReported_ = true;
-  order.reportEvent("slowed", "body '" + body_->name() + "': a step ended after " + std::to_string(substeps) + " substeps at " +
-                           number(gone) + " s of " + number(span) +
-                           " s; time goes on by what is done in a step");
+  order.reportEvent("slowed", "body '" + body_->name() + "': a step ended after " + std::to_string(substeps) +
+                                  " substeps at " + number(gone) + " s of " + number(span) +
+                                  " s; time goes on by what is done in a step");
 }
 
 }  // namespace pointbased::detail

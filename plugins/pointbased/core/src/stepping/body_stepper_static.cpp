@@ -2,8 +2,8 @@
 // Quasi-static increments of the load on a body.
 #include <algorithm>
 
-#include "stepping/body_stepper.h"
 #include "base/number_text.h"
+#include "stepping/body_stepper.h"
 
 namespace pointbased::detail {
 namespace {
@@ -29,12 +29,13 @@ void BodyStepper::loadUpTo(const StepContext &order, double factor) {
     }
     body.restoreState();
     solver_.forget();
-    const GuardFinding finding{result.newton.worst, result.failure.empty() ? "the state is not finite" : result.failure,
-                               "more solver.load_steps, a smaller load, or solver.integrator = \"implicit\" with damping"};
+    const GuardFinding finding{
+        result.newton.worst, result.failure.empty() ? "the state is not finite" : result.failure,
+        "more solver.load_steps, a smaller load, or solver.integrator = \"implicit\" with damping"};
     if (++halvings > kMostHalvings) return stop(order, finding);
     size *= 0.5;
-    order.reportEvent("smaller_step", "body '" + body.name() + "': " + finding.quantity + "; back to load factor " + number(at) +
-                                   ", with increments of " + number(size));
+    order.reportEvent("smaller_step", "body '" + body.name() + "': " + finding.quantity + "; back to load factor " +
+                                          number(at) + ", with increments of " + number(size));
   }
 }
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <functional>
 
-#include "contact/contact_bounce.h"
 #include "base/kernels/field_kernel.h"
+#include "contact/contact_bounce.h"
 #include "pointbased/integrators.h"
 
 namespace pointbased {
@@ -19,7 +19,8 @@ bool isFaster(std::span<const Vec3> velocities, double speed) {
   double most = 0.0;
   for (int c = 0; c < 3; ++c) most += std::pow(std::max(std::abs(bounds.low[c]), std::abs(bounds.high[c])), 2);
   if (most <= speed * speed && std::isfinite(bounds.sum)) return false;
-  return std::any_of(velocities.begin(), velocities.end(), [&](const Vec3 &v) { return v.squaredNorm() > speed * speed; });
+  return std::any_of(velocities.begin(), velocities.end(),
+                     [&](const Vec3 &v) { return v.squaredNorm() > speed * speed; });
 }
 
 // Room in front of a surface within which a contact counts even when nothing moves, in spacings.
@@ -45,8 +46,16 @@ void evaluate(Body &body, const Environment &env, double time, double dt) {
 }  // namespace
 
 std::vector<std::string> stageNames() {
-  return {"deformation_gradients", "plastic_flow", "stresses", "internal_forces", "supports",
-          "contact",               "integrate",    "solve",    "guard",           "surfels"};
+  return {"deformation_gradients",
+          "plastic_flow",
+          "stresses",
+          "internal_forces",
+          "supports",
+          "contact",
+          "integrate",
+          "solve",
+          "guard",
+          "surfels"};
 }
 
 void applyGrab(Body &body, double stiffnessLimit) {
@@ -64,10 +73,12 @@ void applyGrab(Body &body, double stiffnessLimit) {
   }
   status.mass = 1.0 / inverseMass;
   const double omega = std::min(grab.frequency, stiffnessLimit);
-  status.force = status.mass * (omega * omega * (grab.target - status.point) - 2.0 * grab.dampingRatio * omega * velocity);
+  status.force =
+      status.mass * (omega * omega * (grab.target - status.point) - 2.0 * grab.dampingRatio * omega * velocity);
   const double size = status.force.norm();
   if (size > grab.maxForce) status.force *= grab.maxForce / size;
-  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) body.forces()[grab.phyxels[k]] += grab.weights[k] * status.force;
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k)
+    body.forces()[grab.phyxels[k]] += grab.weights[k] * status.force;
   body.grabStatus = status;
 }
 
@@ -154,9 +165,8 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
     }
   });
   if (contact)
-    clock.measure(kContact, [&] {
-      settleContactVelocities(rest.contact.binding, inverse, dt, body.contact, state.velocities);
-    });
+    clock.measure(kContact,
+                  [&] { settleContactVelocities(rest.contact.binding, inverse, dt, body.contact, state.velocities); });
   body.forcesCurrent = true;
 }
 

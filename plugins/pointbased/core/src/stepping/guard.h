@@ -37,7 +37,8 @@ struct QuickCheckResult {
 /// Of one field, likewise with its squares.
 [[nodiscard]] bool isFinite(std::span<const Vec3> field);
 
-/// Of a state that is not finite, in the sense of QuickCheckResult: the first phyxel whose displacement or velocity is not.
+/// Of a state that is not finite, in the sense of QuickCheckResult: the first phyxel whose displacement or velocity is
+/// not.
 [[nodiscard]] GuardFinding firstNonFinite(const Body &body);
 
 /// Watches the energy of a body that nothing drives: it may not grow. Asked every kEnergyInterval steps, because

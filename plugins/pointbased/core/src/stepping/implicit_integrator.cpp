@@ -9,18 +9,19 @@
 namespace pointbased {
 namespace {
 
-// Stiffness of contact in units of E A / d: a body of height H presses itself in by rho g H / (kContactStiffness E / d).
+// Stiffness of contact in units of E A / d: a body of height H presses itself in by rho g H / (kContactStiffness E /
+// d).
 constexpr double kContactStiffness = 30.0;
 constexpr double kContactMargin = 0.02;  // spacings
 constexpr int kContactRounds = 4;        // solutions of a stage until no point meets a surface that was not known
-constexpr double kRough = 100.0;        // tolerances within which a solution already tells what the contacts are
+constexpr double kRough = 100.0;         // tolerances within which a solution already tells what the contacts are
 // change of the contact forces that is left to the next stage, of all that presses
 constexpr double kSettled = 1e-2;
-constexpr int kFlowRounds = 30;          // of a static equilibrium with plastic flow
-constexpr int kHoldingRounds = 200;       // of a static equilibrium of what only contact holds
-constexpr double kStride = 0.5;          // spacings that it may move in one of them
-constexpr double kHoldMore = 8.0;        // times the inertia after one that went too far or was not solved
-constexpr double kLeaning = 1e-3;        // part of the loads that may still lean on inertia
+constexpr int kFlowRounds = 30;      // of a static equilibrium with plastic flow
+constexpr int kHoldingRounds = 200;  // of a static equilibrium of what only contact holds
+constexpr double kStride = 0.5;      // spacings that it may move in one of them
+constexpr double kHoldMore = 8.0;    // times the inertia after one that went too far or was not solved
+constexpr double kLeaning = 1e-3;    // part of the loads that may still lean on inertia
 
 std::string number(double value) {
   char text[40];
@@ -36,8 +37,8 @@ double largestModulus(const Constitution &constitution) {
 
 // One stage: base position and velocity, the length h, and the end time at which loads and supports count.
 struct ImplicitStage {
-  double h = 0.0;        // s; 0: static
-  double end = 0.0;      // s, or load factor
+  double h = 0.0;            // s; 0: static
+  double end = 0.0;          // s, or load factor
   double contactSpan = 0.0;  // s (or load factor) over which contact planes move
   std::vector<Vec3> p, q;
   double holding = 0.0;  // 1/s²: static, of the inertia that holds what nothing else does
@@ -175,7 +176,8 @@ class StageProblem final : public IncrementalPotential {
     if (body_.patches().rows() > 0) body_.patches().addForces(forces_);
     if (contact_) addContactForces(body_.rest().contact, body_.contact, penalty_, start_, state.displacements, forces_);
     if (around())
-      foundation().addForces(state.displacements, stage_.h > 0.0 ? std::span<const Vec3>(state.velocities) : std::span<const Vec3>(),
+      foundation().addForces(state.displacements,
+                             stage_.h > 0.0 ? std::span<const Vec3>(state.velocities) : std::span<const Vec3>(),
                              forces_, *env_.parallelFor);
     for (std::size_t i = 0; i < n_; ++i) {
       const double m = body_.masses()[i];
@@ -227,8 +229,8 @@ class StageProblem final : public IncrementalPotential {
   [[nodiscard]] bool assemble(Eigen::SparseMatrix<double> &out) override {
     const RestState &rest = body_.rest();
     triplets_.clear();
-    stiffnessTriplets(body_.constitution(), rest.stencils, rest.positions, body_.state().displacements, body_.gradients(),
-                      history(), dt(), viscousScale(), triplets_);
+    stiffnessTriplets(body_.constitution(), rest.stencils, rest.positions, body_.state().displacements,
+                      body_.gradients(), history(), dt(), viscousScale(), triplets_);
     for (std::size_t i = 0; i < n_; ++i)
       for (int c = 0; c < 3; ++c) {
         const int row = static_cast<int>(3 * i) + c;
@@ -289,8 +291,8 @@ class StageProblem final : public IncrementalPotential {
     for (std::size_t i = 0; i < n_; ++i) work_[i] += body_.forces()[i];
   }
 
-  // All energies of a solution are told from its first state on: another origin for one of them alone would be a step in
-  // the merit as large as the work itself.
+  // All energies of a solution are told from its first state on: another origin for one of them alone would be a step
+  // in the merit as large as the work itself.
   void setReference() {
     reference_ = body_.state().displacements;
     referenceWork_ = work_;
@@ -319,8 +321,7 @@ class StageProblem final : public IncrementalPotential {
 
 NewtonSettings settingsOf(const Body &body, const Environment &env, bool isStatic) {
   NewtonSettings settings;
-  settings.toleranceDisplacement =
-      env.tolerance > 0.0 ? env.tolerance : (isStatic ? 1e-6 : 1e-5) * body.rest().spacing;
+  settings.toleranceDisplacement = env.tolerance > 0.0 ? env.tolerance : (isStatic ? 1e-6 : 1e-5) * body.rest().spacing;
   settings.preconditioner = env.preconditioner;
   settings.stop = env.stop;
   settings.maxIterations = isStatic ? 60 : 30;
@@ -329,9 +330,12 @@ NewtonSettings settingsOf(const Body &body, const Environment &env, bool isStati
 
 std::string explain(const NewtonResult &result) {
   switch (result.outcome) {
-    case NewtonOutcome::converged: return {};
-    case NewtonOutcome::cancelled: return "cancelled";
-    default: break;
+    case NewtonOutcome::converged:
+      return {};
+    case NewtonOutcome::cancelled:
+      return "cancelled";
+    default:
+      break;
   }
   const char *what = result.outcome == NewtonOutcome::iterationLimit ? "the equilibrium was not found in time"
                      : result.outcome == NewtonOutcome::notFinite    ? "a quantity is not finite"
@@ -356,8 +360,8 @@ std::vector<Index> touching(const ContactState &contact) {
   return points;
 }
 
-// Where a solution of the stage begins: of the free way and of what else is offered the state of lowest energy. A free way
-// that goes deep into an obstacle is a bad beginning.
+// Where a solution of the stage begins: of the free way and of what else is offered the state of lowest energy. A free
+// way that goes deep into an obstacle is a bad beginning.
 std::vector<Vec3> beginningOf(StageProblem &problem, const std::vector<std::vector<Vec3>> &offers) {
   std::size_t best = 0;
   double lowest = std::numeric_limits<double>::infinity();
@@ -378,10 +382,10 @@ void fallFreely(const Body &body, const Environment &env, const ImplicitStage &s
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = stage.p[i] + slower * (stage.h * stage.q[i] + gained);
 }
 
-// Solves a stage with its contacts; body.state() is the end of it. `from` is the time at which the planes are looked for.
-// `goesOn`: asked when the contacts are about known; false: the stage is given up unfinished.
-NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage, double from,
-                        const std::function<bool()> &shouldContinue, std::span<const Vec3> offer = {},
+// Solves a stage with its contacts; body.state() is the end of it. `from` is the time at which the planes are looked
+// for. `goesOn`: asked when the contacts are about known; false: the stage is given up unfinished.
+NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env, const ImplicitStage &stage,
+                        double from, const std::function<bool()> &shouldContinue, std::span<const Vec3> offer = {},
                         const std::function<bool()> &goesOn = {}) {
   const bool contact = env.contact() && body.rest().contact.count() > 0;
   const ParallelFor &parallelFor = *env.parallelFor;
@@ -389,8 +393,7 @@ NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env
   const NewtonSettings settings = settingsOf(body, env, stage.h <= 0.0);
   const std::vector<Vec3> start = body.state().displacements;
   std::vector<Vec3> u = start;
-  if (stage.h > 0.0)
-    fallFreely(body, env, stage, u);
+  if (stage.h > 0.0) fallFreely(body, env, stage, u);
   // Held phyxels and whatever they carry start where they have to be.
   body.placeHeld(stage.end, false);
   const std::vector<Vec3> placed = body.state().displacements;
@@ -403,7 +406,8 @@ NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env
   const auto lookAlongTheWay = [&] {
     body.state().displacements = start;
     for (std::size_t i = 0; i < u.size(); ++i)
-      body.state().velocities[i] = stage.contactSpan > 0.0 ? Vec3((u[i] - start[i]) / stage.contactSpan) : Vec3(Vec3::Zero());
+      body.state().velocities[i] =
+          stage.contactSpan > 0.0 ? Vec3((u[i] - start[i]) / stage.contactSpan) : Vec3(Vec3::Zero());
     findContacts(env.obstacles, env.box, from, stage.contactSpan, kContactMargin * body.rest().spacing,
                  body.contactPositions(parallelFor), body.contactVelocities(parallelFor), body.rest().contact.radii,
                  body.contact, parallelFor);
@@ -436,8 +440,8 @@ NewtonResult solveStage(Body &body, NewtonSolver &solver, const Environment &env
   std::vector<Vec3> solution;  // the last one
   bool plain = false;
   for (int round = 0; round < kContactRounds; ++round) {
-    // Half way it is looked whether friction of what presses now is another, or the stage is not to go on: then it is not
-    // worth to go on to the end.
+    // Half way it is looked whether friction of what presses now is another, or the stage is not to go on: then it is
+    // not worth to go on to the end.
     bool asked = plain || round > 0, enough = false;
     const auto look = [&](const NewtonResult &r) {
       if (!wanted(r)) return false;
@@ -497,7 +501,8 @@ bool meets(Body &body, const Environment &env, std::span<const Vec3> start, doub
   }
   const std::span<const Vec3> ways = body.contactVelocities(*env.parallelFor);
   findContacts(env.obstacles, env.box, time, dt, kContactMargin * body.rest().spacing,
-               body.contactPositions(*env.parallelFor), ways, body.rest().contact.radii, body.contact, *env.parallelFor);
+               body.contactPositions(*env.parallelFor), ways, body.rest().contact.radii, body.contact,
+               *env.parallelFor);
   state.displacements = u;
   state.velocities = v;
   return std::any_of(body.contact.active.begin(), body.contact.active.end(), [&](const Contact &c) {
@@ -518,8 +523,8 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
   const auto run = [&](double from, const std::function<bool()> &goesOn = {}) {
     return solveStage(body, solver, env, stage, from, {}, {}, goesOn);
   };
-  // Both second-order schemes continue the forces of a first stage beyond it. Those of an impact do not go on, and would
-  // throw the body back with more than its energy: such steps are backward Euler, an inelastic impact.
+  // Both second-order schemes continue the forces of a first stage beyond it. Those of an impact do not go on, and
+  // would throw the body back with more than its energy: such steps are backward Euler, an inelastic impact.
   const std::vector<Index> touchedBefore = touching(body.contact);
   const std::vector<Contact> contactsBefore = body.contact.active;
   bool impact = false;
@@ -669,8 +674,8 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
     }
     if (!flowed && (holding == 0.0 || (moved < tolerance && leaning <= kLeaning * loads))) break;
     if (last) {
-      out.failure = "nothing holds it against its loads at load factor " + number(to) +
-                    " (it still moves " + number(1000.0 * moved) + " mm); add a [[fix]] or an obstacle below it";
+      out.failure = "nothing holds it against its loads at load factor " + number(to) + " (it still moves " +
+                    number(1000.0 * moved) + " mm); add a [[fix]] or an obstacle below it";
       return out;
     }
     if (moved < 0.5 * stride) holding *= moved < 0.01 * stride ? 0.125 : 0.5;

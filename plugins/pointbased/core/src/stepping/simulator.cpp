@@ -7,10 +7,10 @@
 #include <functional>
 #include <limits>
 
-#include "stepping/body_stepper.h"
 #include "base/flush_denormals.h"
-#include "pointbased/cloud_quality.h"
 #include "body/state_hash.h"
+#include "pointbased/cloud_quality.h"
+#include "stepping/body_stepper.h"
 #include "stepping/step_activity.h"
 #include "stepping/step_cost.h"
 
@@ -36,7 +36,8 @@ ParallelFor flushing(ParallelFor parallelFor) {
 }  // namespace
 
 Simulator::Simulator(ParallelFor parallelFor)
-    : loops_(flushing(std::move(parallelFor))), activity_(std::make_unique<detail::StepActivity>()), clock_(stageNames()) {}
+    : loops_(flushing(std::move(parallelFor))), activity_(std::make_unique<detail::StepActivity>()),
+      clock_(stageNames()) {}
 Simulator::~Simulator() = default;
 
 void Simulator::setWorld(const WorldSettings &world) {
@@ -228,8 +229,9 @@ detail::StepContext Simulator::order(const StopRequest *stop) {
   env.parallelFor = &parallelFor_;
   env.clock = &clock_;
   env.stop = stop;
-  return {world_, env, time_, stepSize(), loadFactor_, steps_ + 1,
-          [this](const char *kind, const std::string &text) { reportEvent(kind, text); }};
+  return {world_, env, time_, stepSize(), loadFactor_, steps_ + 1, [this](const char *kind, const std::string &text) {
+            reportEvent(kind, text);
+          }};
 }
 
 bool Simulator::finished() const { return quasiStatic() && loadFactor_ >= 1.0 - 1e-12; }

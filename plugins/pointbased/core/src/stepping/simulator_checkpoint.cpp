@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stepping/body_stepper.h"
 #include "base/number_text.h"
 #include "pointbased/simulator.h"
+#include "stepping/body_stepper.h"
 
 namespace pointbased {
 
@@ -50,7 +50,8 @@ bool Simulator::restore(const Checkpoint &checkpoint) {
   skinDeepest_ = checkpoint->skinDeepest;
   overlaps_ = checkpoint->overlaps;
   lastPair_ = checkpoint->lastPair;
-  reportEvent("restored", "at " + detail::number(from) + " s the state of " + detail::number(time()) + " s was taken up again");
+  reportEvent("restored",
+              "at " + detail::number(from) + " s the state of " + detail::number(time()) + " s was taken up again");
   return true;
 }
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "stepping/body_stepper.h"
 #include "base/number_text.h"
 #include "pointbased/simulator.h"
+#include "stepping/body_stepper.h"
 #include "stepping/skin_watch.h"
 
 namespace pointbased {
@@ -14,13 +14,14 @@ namespace {
 
 using detail::number;
 
-// Steps between two looks. One costs about as much as a few explicit steps, and less than one implicit step. Where explicit
-// steps are long, at least a look in a sixtieth of a second, if that is not too often.
+// Steps between two looks. One costs about as much as a few explicit steps, and less than one implicit step. Where
+// explicit steps are long, at least a look in a sixtieth of a second, if that is not too often.
 constexpr std::uint64_t kExplicitSteps = 128, kFewestExplicitSteps = 32, kOtherSteps = 4;
 constexpr double kTimeOfLook = 1.0 / 60.0;  // s
 // Of the spacing: what overlaps less is what label maps and the planes of nearest points leave.
 constexpr double kLeastOverlap = 0.1;
-// Points of contact per phyxel and step that are looked at for overlaps: one costs about as much as three phyxels of a step.
+// Points of contact per phyxel and step that are looked at for overlaps: one costs about as much as three phyxels of a
+// step.
 constexpr double kPointsOfLook = 1.0 / 64.0;
 // Of the spacing: edges between points of contact cut in by less.
 constexpr double kSkinThrough = 0.5;
@@ -50,7 +51,8 @@ std::uint64_t Simulator::lookEvery() const {
     return entry.second->integratorIn(world_) == Integrator::explicitVerlet;
   });
   if (!isExplicit) return kOtherSteps;
-  return static_cast<std::uint64_t>(std::clamp(std::ceil(kTimeOfLook / stepSize()), static_cast<double>(kFewestExplicitSteps),
+  return static_cast<std::uint64_t>(std::clamp(std::ceil(kTimeOfLook / stepSize()),
+                                               static_cast<double>(kFewestExplicitSteps),
                                                static_cast<double>(kExplicitSteps)));
 }
 
@@ -61,21 +63,26 @@ void Simulator::checkSkins() {
     for (const auto &[id, runner] : bodies_) {
       const Body &body = runner->body();
       // A skin of many points is looked at less often, and not at all where the body touches nothing.
-      const std::uint64_t every = kExplicitSteps * (1 + body.rest().surfels.count() / (16 * (1 + body.rest().pointCount())));
-      if (runner->asleep() || body.contact.active.empty() || (steps_ % every != 0 && steps_ % kExplicitSteps == 0)) continue;
+      const std::uint64_t every =
+          kExplicitSteps * (1 + body.rest().surfels.count() / (16 * (1 + body.rest().pointCount())));
+      if (runner->asleep() || body.contact.active.empty() || (steps_ % every != 0 && steps_ % kExplicitSteps == 0))
+        continue;
       const double depth = pointbased::skinDepth(body, {}, world_.box, clockOfRamps(), skin_, parallelFor_);
       double &deepest = skinDeepest_[id];
       const double through = kSkinThrough * body.rest().spacing;
       if (depth > through && deepest <= through)
-        reportEvent("skin", "body '" + body.name() + "': its skin reaches " + millimetres(depth) +
-                         " through the world's box between the points where it feels contact; a smaller sampling.spacing (it is " +
-                         millimetres(body.rest().spacing) + ") helps");
+        reportEvent(
+            "skin",
+            "body '" + body.name() + "': its skin reaches " + millimetres(depth) +
+                " through the world's box between the points where it feels contact; a smaller sampling.spacing (it is " +
+                millimetres(body.rest().spacing) + ") helps");
       deepest = std::max(deepest, depth);
     }
   lookAtPairs();
 }
 
-// At the start all of them, and in implicit steps, which cost more; else in turn, as many at a time as cost a few per cent of the steps in between.
+// At the start all of them, and in implicit steps, which cost more; else in turn, as many at a time as cost a few per
+// cent of the steps in between.
 void Simulator::lookAtPairs() {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   double phyxels = 0.0;
@@ -87,7 +94,8 @@ void Simulator::lookAtPairs() {
   }
   // From the pair after the one that was looked at last.
   std::rotate(pairs.begin(), std::upper_bound(pairs.begin(), pairs.end(), lastPair_), pairs.end());
-  double left = steps_ == 0 || lookEvery() == kOtherSteps ? std::numeric_limits<double>::infinity() : kPointsOfLook * phyxels * static_cast<double>(lookEvery());
+  double left = steps_ == 0 || lookEvery() == kOtherSteps ? std::numeric_limits<double>::infinity()
+                                                          : kPointsOfLook * phyxels * static_cast<double>(lookEvery());
   for (const auto &pair : pairs) {
     if (!(left > 0.0)) break;
     lastPair_ = pair;
@@ -97,8 +105,9 @@ void Simulator::lookAtPairs() {
     if (!(found.depth > kLeastOverlap * std::min(first.rest().spacing, second.rest().spacing))) continue;
     overlaps_.insert(pair);
     reportEvent("overlap", "bodies '" + first.name() + "' and '" + second.name() + "' overlap " +
-                        (steps_ == 0 ? "from the start" : "from here on") + ": " + millimetres(found.depth) +
-                        " deep, some " + number(1e6 * found.volume, 2) + " ml; bodies do not touch each other yet");
+                               (steps_ == 0 ? "from the start" : "from here on") + ": " + millimetres(found.depth) +
+                               " deep, some " + number(1e6 * found.volume, 2) +
+                               " ml; bodies do not touch each other yet");
   }
 }
 
@@ -110,13 +119,16 @@ void Simulator::tellAtStart() {
 }
 
 void Simulator::tellWhereRestitutionIsLost() {
-  const bool bounces = (world_.box.enabled && world_.box.restitution > 0.0) ||
-                       std::any_of(obstacles_.begin(), obstacles_.end(), [](const Obstacle &o) { return o.restitution > 0.0; });
+  const bool bounces =
+      (world_.box.enabled && world_.box.restitution > 0.0) ||
+      std::any_of(obstacles_.begin(), obstacles_.end(), [](const Obstacle &o) { return o.restitution > 0.0; });
   if (!bounces) return;
   for (const auto &[id, runner] : bodies_)
     if (!runner->body().rigid() && runner->integratorIn(world_) != Integrator::explicitVerlet)
-      reportEvent("warning", "body '" + runner->body().name() + "' does not bounce: restitution counts in explicit steps alone, and it is " +
-                          (quasiStatic() ? "solved quasi-statically" : "integrated implicitly; solver.integrator = \"explicit\" has it"));
+      reportEvent("warning", "body '" + runner->body().name() +
+                                 "' does not bounce: restitution counts in explicit steps alone, and it is " +
+                                 (quasiStatic() ? "solved quasi-statically"
+                                                : "integrated implicitly; solver.integrator = \"explicit\" has it"));
 }
 
 void Simulator::reportLimitingBody() {
@@ -136,8 +148,9 @@ void Simulator::reportLimitingBody() {
     }
   }
   if (!slowest || !std::isfinite(next) || !(least < kMuchSmaller * next)) return;
-  reportEvent("step", "body '" + slowest->name() + "' sets the step of all: " + number(least, 3) + " s, where the others could take " +
-                   number(next, 3) + " s; make it rigid (an obstacle) or lower its modulus, or set solver.integrator = \"auto\"");
+  reportEvent("step", "body '" + slowest->name() + "' sets the step of all: " + number(least, 3) +
+                          " s, where the others could take " + number(next, 3) +
+                          " s; make it rigid (an obstacle) or lower its modulus, or set solver.integrator = \"auto\"");
 }
 
 }  // namespace pointbased

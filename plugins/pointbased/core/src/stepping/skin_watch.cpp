@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/contact_search.h"
 #include "base/point_tree.h"
+#include "contact/contact_search.h"
 
 namespace pointbased {
 namespace {
@@ -29,7 +29,8 @@ struct Bounds {
 Bounds boundsOf(const Body &body) {
   Bounds bounds;
   const RestState &rest = body.rest();
-  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) bounds.add(rest.origin + rest.positions[i] + body.state().displacements[i]);
+  for (std::size_t i = 0; i < rest.phyxelCount(); ++i)
+    bounds.add(rest.origin + rest.positions[i] + body.state().displacements[i]);
   return bounds;
 }
 
@@ -114,7 +115,8 @@ Overlap overlapOf(const Body &a, const Body &b) {
   if (!boundsA.meets(boundsB, 0.0)) return {};
   const Side sideA = sideOf(a, boundsB, reach), sideB = sideOf(b, boundsA, reach);
   const Overlap inB = behind(sideA, sideB, reach), inA = behind(sideB, sideA, reach);
-  return {std::max(inA.depth, inB.depth), 0.5 * (inA.volume + inB.volume), a.rest().contact.count() + b.rest().contact.count()};
+  return {std::max(inA.depth, inB.depth), 0.5 * (inA.volume + inB.volume),
+          a.rest().contact.count() + b.rest().contact.count()};
 }
 
 }  // namespace pointbased

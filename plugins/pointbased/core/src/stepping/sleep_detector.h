@@ -6,10 +6,10 @@
 
 namespace pointbased::detail {
 
-/// A body rests when for kStillFor no phyxel has left a place by more than the tolerance: no force has moved it. Looked at
-/// are ways, not velocities: those of a body that rests on something are what an unfinished solution of its contacts
-/// leaves, and take it nowhere. What still creeps or swings within the tolerance is beyond what the state says: by default
-/// that is 1e-4 of the spacing, errors of the discretisation are hundreds of times as large.
+/// A body rests when for kStillFor no phyxel has left a place by more than the tolerance: no force has moved it. Looked
+/// at are ways, not velocities: those of a body that rests on something are what an unfinished solution of its contacts
+/// leaves, and take it nowhere. What still creeps or swings within the tolerance is beyond what the state says: by
+/// default that is 1e-4 of the spacing, errors of the discretisation are hundreds of times as large.
 class SleepDetector {
  public:
   static constexpr double kStillFor = 0.5;    // s
@@ -26,8 +26,8 @@ class SleepDetector {
   double unseen_ = 0.0;     // s since the last look
 };
 
-/// Somebody or something moves the body, or will before `time` + dt: a hand, a support or load whose ramp has not ended,
-/// an obstacle on its way that touches or can reach it, material that relaxes.
+/// Somebody or something moves the body, or will before `time` + dt: a hand, a support or load whose ramp has not
+/// ended, an obstacle on its way that touches or can reach it, material that relaxes.
 [[nodiscard]] bool isDriven(const Body &body, std::span<const Obstacle> obstacles, double time, double dt);
 
 }  // namespace pointbased::detail

@@ -9,8 +9,8 @@
 namespace pointbased::detail {
 namespace {
 
-constexpr double kExplicitOverhead = 0.3;        // of an evaluation: integration, supports, the guard
-constexpr double kImplicitEvaluations = 700.0;   // of a step of 500 phyxels
+constexpr double kExplicitOverhead = 0.3;       // of an evaluation: integration, supports, the guard
+constexpr double kImplicitEvaluations = 700.0;  // of a step of 500 phyxels
 
 }  // namespace
 

@@ -13,10 +13,10 @@ struct StepCost {
   [[nodiscard]] bool implicitIsCheaper() const { return implicitEvaluations < explicitEvaluations; }
 };
 
-/// Explicit: the substeps that the stable step at rest asks for, each an evaluation and kExplicitOverhead. Implicit: steps of
-/// dt (or 1/60 s) at kImplicitEvaluations sqrt(phyxels / 500), fitted to held beams of 500, 3 000 and 10 000 phyxels without
-/// contact at 10 MPa, where the choice is made: 720 … 4 600 evaluations per step. Softer bodies need up to four times as
-/// many, but are far on the explicit side.
+/// Explicit: the substeps that the stable step at rest asks for, each an evaluation and kExplicitOverhead. Implicit:
+/// steps of dt (or 1/60 s) at kImplicitEvaluations sqrt(phyxels / 500), fitted to held beams of 500, 3 000 and 10 000
+/// phyxels without contact at 10 MPa, where the choice is made: 720 … 4 600 evaluations per step. Softer bodies need up
+/// to four times as many, but are far on the explicit side.
 /// @param dt  s; <= 0: automatic
 [[nodiscard]] StepCost predictCost(const Body &body, double dt);
 

@@ -13,10 +13,10 @@ inline constexpr std::uint64_t kPatience = 256;
 
 /// Remembers how the steps of a body were cut, so that their size does not go to and fro.
 ///
-/// Each size of step keeps an energy of its own, (ω dt)²/4 of the exact one off in the fastest modes. One change moves the
-/// energy once, changes in turn can pump it into what swings. A step is therefore divided no coarser than those before it
-/// until fewer pieces would have done for kPatience steps (half as many: an eighth of that); and where somebody changes the steps themselves, care() makes
-/// them so small that these energies are the same to 4 %.
+/// Each size of step keeps an energy of its own, (ω dt)²/4 of the exact one off in the fastest modes. One change moves
+/// the energy once, changes in turn can pump it into what swings. A step is therefore divided no coarser than those
+/// before it until fewer pieces would have done for kPatience steps (half as many: an eighth of that); and where
+/// somebody changes the steps themselves, care() makes them so small that these energies are the same to 4 %.
 class SubstepController {
  public:
   /// @param dt  s, size of the step that begins
@@ -38,7 +38,8 @@ class SubstepController {
   /// @param stable  s, no more than this
   [[nodiscard]] double piece(double left, double dt, double stable) const {
     const double present = std::ceil(left * pieces_ / dt * kRound);
-    const double pieces = piecesOf(left, kRoom * stable) <= present ? present : std::max(piecesOf(left, stable), present);
+    const double pieces =
+        piecesOf(left, kRoom * stable) <= present ? present : std::max(piecesOf(left, stable), present);
     if (!(pieces > 1.0)) return left;
     return pieces < 1e15 ? left / pieces : stable;
   }
@@ -62,14 +63,14 @@ class SubstepController {
 
  private:
   static constexpr double kRestless = 0.25;
-  // Pieces may be that much longer than usual before there are more of them: 0.92 of what is stable instead of 0.8. A step
-  // that is right at rest would be halved by every strain that stiffens the body by a per cent.
+  // Pieces may be that much longer than usual before there are more of them: 0.92 of what is stable instead of 0.8. A
+  // step that is right at rest would be halved by every strain that stiffens the body by a per cent.
   static constexpr double kRoom = 1.15;
   static constexpr double kRound = 1.0 - 1e-9;  // what rounding adds is no further piece
 
-  double pieces_ = 1.0;             // of a step at present
-  std::uint64_t fewerWouldDo_ = 0;  // steps in a row
-  double last_ = 0.0;               // s
+  double pieces_ = 1.0;                                   // of a step at present
+  std::uint64_t fewerWouldDo_ = 0;                        // steps in a row
+  double last_ = 0.0;                                     // s
   std::uint64_t sinceChange_ = kPatience, restless_ = 0;  // steps since their size has changed, and left to be careful
 };
 

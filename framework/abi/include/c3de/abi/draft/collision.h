@@ -12,7 +12,7 @@ typedef struct c3de_ray_hit {
   double t;          /* along the direction; < 0: none */
   uint32_t triangle; /* 0xffffffff: none */
   uint32_t reserved;
-  double bary[3];    /* weights of the triangle's corners */
+  double bary[3]; /* weights of the triangle's corners */
 } c3de_ray_hit;
 
 typedef struct c3de_closest {
@@ -30,9 +30,9 @@ typedef struct c3de_collision_v0 {
   void *ctx;
   /* positions: comps 3, f32 or f64; triangles: comps 3, u32. Both are copied. [any] */
   c3de_status(C3DE_CALL *create)(void *ctx, c3de_view positions, c3de_view triangles, c3de_handle *out);
-  c3de_status(C3DE_CALL *destroy)(void *ctx, c3de_handle tree);                     /* [any], exclusive */
-  c3de_status(C3DE_CALL *refit)(void *ctx, c3de_handle tree, c3de_view positions);  /* same count [any], exclusive */
-  c3de_status(C3DE_CALL *rebuild)(void *ctx, c3de_handle tree);                     /* [any], exclusive */
+  c3de_status(C3DE_CALL *destroy)(void *ctx, c3de_handle tree);                    /* [any], exclusive */
+  c3de_status(C3DE_CALL *refit)(void *ctx, c3de_handle tree, c3de_view positions); /* same count [any], exclusive */
+  c3de_status(C3DE_CALL *rebuild)(void *ctx, c3de_handle tree);                    /* [any], exclusive */
   /* origins, directions: comps 3, f64, same count; first hit with t in [0, t_max]. [any] */
   c3de_status(C3DE_CALL *rays)(void *ctx, c3de_handle tree, c3de_view origins, c3de_view directions, double t_max,
                                c3de_ray_hit *out);

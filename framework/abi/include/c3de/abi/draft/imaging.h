@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Images and label maps of the workstation, to be read. World space is LPS, right-handed, millimetres; a whole index is the
- * middle of its voxel, i runs fastest. Images lie as they were scanned: where the material of a deformed body was then says
- * displacement() of the simulator's interface. What is stored never changes; the workstation may take it away at any
- * time, and its handle is stale from then on. */
+/* Images and label maps of the workstation, to be read. World space is LPS, right-handed, millimetres; a whole index is
+ * the middle of its voxel, i runs fastest. Images lie as they were scanned: where the material of a deformed body was
+ * then says displacement() of the simulator's interface. What is stored never changes; the workstation may take it away
+ * at any time, and its handle is stale from then on. */
 #ifndef C3DE_ABI_DRAFT_IMAGING_H
 #define C3DE_ABI_DRAFT_IMAGING_H
 
@@ -13,12 +13,12 @@
 typedef struct c3de_image_info {
   uint32_t size;
   uint32_t reserved;
-  c3de_str name;              /* for people; valid until the plugin is destroyed */
-  c3de_str unit;              /* of values: "HU"; empty when the file does not say; valid as long */
-  uint64_t points[3];         /* voxels along i, j, k; each at least 1 */
+  c3de_str name;               /* for people; valid until the plugin is destroyed */
+  c3de_str unit;               /* of values: "HU"; empty when the file does not say; valid as long */
+  uint64_t points[3];          /* voxels along i, j, k; each at least 1 */
   double world_from_index[16]; /* column-major, affine; mm from voxels; shear and either handedness are possible */
-  double min, max;            /* of the values, without what is not finite */
-  double low, high;           /* without the lowest and highest thousandth of the voxels; low < high */
+  double min, max;             /* of the values, without what is not finite */
+  double low, high;            /* without the lowest and highest thousandth of the voxels; low < high */
 } c3de_image_info;
 
 typedef struct c3de_label_map_info {
@@ -42,8 +42,8 @@ typedef struct c3de_imaging_v0 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
-  /* Up to capacity handles, always in the same order; *needed is how many images there are. C3DE_S_TRUNCATED if more than
-   * capacity; out may be null when that is 0. [any] */
+  /* Up to capacity handles, always in the same order; *needed is how many images there are. C3DE_S_TRUNCATED if more
+   * than capacity; out may be null when that is 0. [any] */
   c3de_status(C3DE_CALL *images)(void *ctx, c3de_handle *out, uint64_t capacity, uint64_t *needed);
   c3de_status(C3DE_CALL *image_info)(void *ctx, c3de_handle image, c3de_image_info *out); /* [any] */
   /* Rescaled values, linear between the middles of voxels. points: comps 3, f64, mm, world; out: f64, comps 1, as many
@@ -55,8 +55,8 @@ typedef struct c3de_imaging_v0 {
   c3de_status(C3DE_CALL *label_map_info)(void *ctx, c3de_handle map, c3de_label_map_info *out); /* [any] */
   /* The label of the nearest voxel, 0 for background and outside. points as in sample; out: u32, comps 1. [any] */
   c3de_status(C3DE_CALL *labels_at)(void *ctx, c3de_handle map, c3de_view points_mm, c3de_mview out);
-  /* Calls each() for every label that occurs, by value, without the background, until each() returns something other than
-   * C3DE_OK, which is returned. [any] */
+  /* Calls each() for every label that occurs, by value, without the background, until each() returns something other
+   * than C3DE_OK, which is returned. [any] */
   c3de_status(C3DE_CALL *enum_labels)(void *ctx, c3de_handle map, void *self,
                                       c3de_status(C3DE_CALL *each)(void *self, const c3de_label *label));
 } c3de_imaging_v0;

@@ -21,10 +21,13 @@ typedef struct c3de_ui_v0 {
   void(C3DE_CALL *text)(void *ctx, c3de_str text); /* wraps */
   void(C3DE_CALL *separator)(void *ctx);
   void(C3DE_CALL *same_line)(void *ctx);
-  uint32_t(C3DE_CALL *button)(void *ctx, c3de_str id, c3de_str label, uint32_t enabled); /* C3DE_UI_COMMITTED: pressed */
+  uint32_t(C3DE_CALL *button)(void *ctx, c3de_str id, c3de_str label,
+                              uint32_t enabled); /* C3DE_UI_COMMITTED: pressed */
   uint32_t(C3DE_CALL *checkbox)(void *ctx, c3de_str id, c3de_str label, uint32_t *value);
-  uint32_t(C3DE_CALL *slider)(void *ctx, c3de_str id, c3de_str label, c3de_str unit, double *value, double lo, double hi);
-  uint32_t(C3DE_CALL *choice)(void *ctx, c3de_str id, c3de_str label, uint32_t *index, const c3de_str *names, uint64_t n);
+  uint32_t(C3DE_CALL *slider)(void *ctx, c3de_str id, c3de_str label, c3de_str unit, double *value, double lo,
+                              double hi);
+  uint32_t(C3DE_CALL *choice)(void *ctx, c3de_str id, c3de_str label, uint32_t *index, const c3de_str *names,
+                              uint64_t n);
   /* Text of up to capacity - 1 bytes in place, zero-terminated. */
   uint32_t(C3DE_CALL *input_text)(void *ctx, c3de_str id, c3de_str label, char *buffer, uint64_t capacity);
   void(C3DE_CALL *progress)(void *ctx, double fraction, c3de_str text); /* negative fraction: unknown */
@@ -39,8 +42,8 @@ typedef struct c3de_ui_v0 {
                                    uint64_t capacity);
   /* rev 2: a patch of colour, sRGB 0 ... 1, before what same_line puts beside it. */
   void(C3DE_CALL *swatch)(void *ctx, float red, float green, float blue);
-  /* rev 3: what stands between them scrolls in a frame of its own, `rows` lines high (0: 12). Lists do not nest; the end
-   * of the panel ends a list. */
+  /* rev 3: what stands between them scrolls in a frame of its own, `rows` lines high (0: 12). Lists do not nest; the
+   * end of the panel ends a list. */
   void(C3DE_CALL *list_begin)(void *ctx, c3de_str id, uint32_t rows);
   void(C3DE_CALL *list_end)(void *ctx);
 } c3de_ui_v0;

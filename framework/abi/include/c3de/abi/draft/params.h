@@ -23,12 +23,12 @@
 
 typedef struct c3de_param_decl {
   uint32_t size;
-  uint32_t type;  /* C3DE_PARAM_* */
-  c3de_str id;    /* dotted, for example "material.youngs_modulus" */
-  c3de_str label; /* for example "Young's modulus" */
-  c3de_str unit;  /* SI, for example "Pa"; empty: none */
-  c3de_str doc;   /* meaning; effect of too small and too large */
-  c3de_str group; /* heading it stands under in a panel */
+  uint32_t type;             /* C3DE_PARAM_* */
+  c3de_str id;               /* dotted, for example "material.youngs_modulus" */
+  c3de_str label;            /* for example "Young's modulus" */
+  c3de_str unit;             /* SI, for example "Pa"; empty: none */
+  c3de_str doc;              /* meaning; effect of too small and too large */
+  c3de_str group;            /* heading it stands under in a panel */
   double min, max;           /* accepted values, inclusive unless C3DE_PARAM_*_OPEN; an infinite end that is
                               * inclusive accepts infinity ("never") */
   double soft_min, soft_max; /* range of the slider */

@@ -19,8 +19,8 @@ typedef struct c3de_scene_v0 {
   c3de_status(C3DE_CALL *remove_node)(void *ctx, c3de_handle node); /* and what is below it [main] */
   /* 16 numbers, column-major: world (mm) from node. [main] */
   c3de_status(C3DE_CALL *world_from_node)(void *ctx, c3de_handle node, double *out16);
-  c3de_status(C3DE_CALL *set_visible)(void *ctx, c3de_handle node, uint32_t visible);         /* [main] */
-  c3de_status(C3DE_CALL *is_visible)(void *ctx, c3de_handle node, uint32_t *visible);         /* [main] */
+  c3de_status(C3DE_CALL *set_visible)(void *ctx, c3de_handle node, uint32_t visible); /* [main] */
+  c3de_status(C3DE_CALL *is_visible)(void *ctx, c3de_handle node, uint32_t *visible); /* [main] */
   /* Bounds in the node's own space, used by "fit view". [main] */
   c3de_status(C3DE_CALL *set_bounds)(void *ctx, c3de_handle node, const double *min3, const double *max3);
 } c3de_scene_v0;
@@ -35,7 +35,7 @@ typedef struct c3de_mesh_info {
   uint32_t unit; /* the unit assumed when the file was read */
   uint64_t vertices, triangles, components;
   uint32_t closed, manifold, oriented, repaired; /* 0 or 1 */
-  double volume_mm3; /* signed; meaningful when closed */
+  double volume_mm3;                             /* signed; meaningful when closed */
   double min_mm[3], max_mm[3];
 } c3de_mesh_info;
 
@@ -45,10 +45,11 @@ typedef struct c3de_mesh_v0 {
   void *ctx;
   /* Reads, welds and checks a mesh file. The unit is one of C3DE_UNIT_M/MM/CM, or UNKNOWN: what a
    * comment such as UNITS=mm in the file says, else mm. progress may be null. [any] */
-  c3de_status(C3DE_CALL *load)(void *ctx, c3de_str path, uint32_t unit, const c3de_progress *progress, c3de_handle *out);
+  c3de_status(C3DE_CALL *load)(void *ctx, c3de_str path, uint32_t unit, const c3de_progress *progress,
+                               c3de_handle *out);
   /* positions: comps 3, f32 or f64, in mm; triangles: comps 3, u32. [any] */
   c3de_status(C3DE_CALL *create)(void *ctx, c3de_view positions_mm, c3de_view triangles, c3de_handle *out);
-  c3de_status(C3DE_CALL *release)(void *ctx, c3de_handle mesh); /* [any] */
+  c3de_status(C3DE_CALL *release)(void *ctx, c3de_handle mesh);                   /* [any] */
   c3de_status(C3DE_CALL *info)(void *ctx, c3de_handle mesh, c3de_mesh_info *out); /* [any] */
   /* What was found and repaired, several lines of text. [any] */
   c3de_status(C3DE_CALL *report)(void *ctx, c3de_handle mesh, c3de_sink text);

@@ -12,7 +12,7 @@
 #define C3DE_SIM_PAUSED 2u
 #define C3DE_SIM_FAILED 3u /* the last good state is kept; reset or stop leads out */
 
-#define C3DE_TRANSPORT_PLAY 1u  /* also: continue */
+#define C3DE_TRANSPORT_PLAY 1u /* also: continue */
 #define C3DE_TRANSPORT_PAUSE 2u
 #define C3DE_TRANSPORT_STOP 3u  /* ends and goes back to the initial state */
 #define C3DE_TRANSPORT_RESET 4u /* to the initial state, bit for bit; goes on playing if it was */
@@ -34,10 +34,10 @@ typedef struct c3de_simulation_v0 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
-  /* node: the simulation's scene node, as handed to iface.simulator attach(). Takes effect between two steps; pause, stop
-   * and reset end the one that is being computed, whose state before it stays. [any] */
+  /* node: the simulation's scene node, as handed to iface.simulator attach(). Takes effect between two steps; pause,
+   * stop and reset end the one that is being computed, whose state before it stays. [any] */
   c3de_status(C3DE_CALL *transport)(void *ctx, c3de_handle node, uint32_t action);
-  c3de_status(C3DE_CALL *set_target_rate)(void *ctx, c3de_handle node, double rate); /* 0: as fast as it goes [any] */
+  c3de_status(C3DE_CALL *set_target_rate)(void *ctx, c3de_handle node, double rate);   /* 0: as fast as it goes [any] */
   c3de_status(C3DE_CALL *state)(void *ctx, c3de_handle node, c3de_sim_transport *out); /* [any] */
   /* fn(self) runs on the simulation's thread between two steps, soon, also while paused. [any] */
   c3de_status(C3DE_CALL *post)(void *ctx, c3de_handle node, void *self, void(C3DE_CALL *fn)(void *self));

@@ -33,7 +33,7 @@ typedef struct c3de_event {
   /* World; through the pixel, unit direction. From the eye; of a press in a view that is cut, from where it enters what
    * is left. */
   double ray_origin_mm[3], ray_direction[3];
-  double view_direction[3];                  /* world; where the camera looks */
+  double view_direction[3]; /* world; where the camera looks */
   double time_s;
 } c3de_event;
 
@@ -56,9 +56,9 @@ typedef struct c3de_tools_v0 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
-  c3de_status(C3DE_CALL *add)(void *ctx, const c3de_tool *tool, c3de_handle *out); /* [main] */
-  c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle tool);                     /* [main] */
-  c3de_status(C3DE_CALL *activate)(void *ctx, c3de_handle tool);                   /* 0: none [main] */
+  c3de_status(C3DE_CALL *add)(void *ctx, const c3de_tool *tool, c3de_handle *out);  /* [main] */
+  c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle tool);                      /* [main] */
+  c3de_status(C3DE_CALL *activate)(void *ctx, c3de_handle tool);                    /* 0: none [main] */
   c3de_status(C3DE_CALL *is_active)(void *ctx, c3de_handle tool, uint32_t *active); /* [main] */
 } c3de_tools_v0;
 

@@ -8,12 +8,12 @@ namespace pointbased::kernels {
 
 /// v += h (m^-1 f + s g), rounded as the plain loop rounds it on every instruction set.
 struct Kick {
-  double h = 0.0;                        ///< s
-  const double *inverseMasses = nullptr; ///< [phyxels] 1/kg
-  const double *gravityShares = nullptr; ///< [phyxels], or null: ones
-  double gravity[3] = {};                ///< m/s²
-  const double *forces = nullptr;        ///< [phyxels][3] N
-  double *velocities = nullptr;          ///< [phyxels][3] in and out: m/s
+  double h = 0.0;                         ///< s
+  const double *inverseMasses = nullptr;  ///< [phyxels] 1/kg
+  const double *gravityShares = nullptr;  ///< [phyxels], or null: ones
+  double gravity[3] = {};                 ///< m/s²
+  const double *forces = nullptr;         ///< [phyxels][3] N
+  double *velocities = nullptr;           ///< [phyxels][3] in and out: m/s
 };
 /// Of the phyxels [begin, end); those of no inverse mass stay.
 /// @threads any, disjoint ranges

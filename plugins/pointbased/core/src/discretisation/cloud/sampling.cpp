@@ -5,16 +5,16 @@
 #include <cmath>
 #include <cstdint>
 
-#include "discretisation/lattice/lattice_grid.h"
 #include "base/number_text.h"
+#include "discretisation/lattice/lattice_grid.h"
 
 namespace pointbased {
 namespace {
 
 using detail::number;
 
-// Points per axis of the finer lattice inside a cell that the surface cuts: 5³ = 125 give each part's volume to about one
-// per cent; the sum is exact in any case.
+// Points per axis of the finer lattice inside a cell that the surface cuts: 5³ = 125 give each part's volume to about
+// one per cent; the sum is exact in any case.
 constexpr int kSubdivisions = 5;
 constexpr int kOutside = -1;
 
@@ -44,13 +44,15 @@ Lattice latticeOver(const BodyShape &shape, double spacing) {
   const Vec3 middle = 0.5 * (shape.min + shape.max);
   for (int a = 0; a < 3; ++a) {
     const double extent = shape.max[a] - shape.min[a];
-    lattice.n[static_cast<std::size_t>(a)] = std::max<std::int64_t>(1, std::llround(std::ceil(extent / spacing - 1e-6)));
+    lattice.n[static_cast<std::size_t>(a)] =
+        std::max<std::int64_t>(1, std::llround(std::ceil(extent / spacing - 1e-6)));
     lattice.origin[a] = middle[a] - 0.5 * spacing * static_cast<double>(lattice.n[static_cast<std::size_t>(a)] - 1);
   }
   return lattice;
 }
 
-std::vector<std::uint8_t> insideFlags(const BodyShape &shape, std::span<const Vec3> points, const ParallelFor &parallelFor) {
+std::vector<std::uint8_t> insideFlags(const BodyShape &shape, std::span<const Vec3> points,
+                                      const ParallelFor &parallelFor) {
   std::vector<std::uint8_t> flags(points.size());
   parallelFor(points.size(), 256, [&](std::size_t begin, std::size_t end) {
     std::vector<double> winding(end - begin);
@@ -120,7 +122,8 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   if (!(sampling.spacing >= 0.0) || !std::isfinite(sampling.spacing))
     return refuse("spacing = " + number(sampling.spacing, 4) + " m is not accepted: finite and > 0, or 0 with a count");
   if (sampling.spacing == 0.0 && (sampling.count < 1 || sampling.count > kMaximumPhyxels))
-    return refuse("count = " + std::to_string(sampling.count) + " is not accepted: 1 … " + std::to_string(kMaximumPhyxels));
+    return refuse("count = " + std::to_string(sampling.count) + " is not accepted: 1 … " +
+                  std::to_string(kMaximumPhyxels));
 
   const double spacing =
       sampling.spacing > 0.0 ? sampling.spacing : spacingForCount(shape, sampling.count, parallelFor);
@@ -128,8 +131,8 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   const double cellsWanted = (extent[0] / spacing + 1.0) * (extent[1] / spacing + 1.0) * (extent[2] / spacing + 1.0);
   if (shape.volume / (spacing * spacing * spacing) > static_cast<double>(kMaximumPhyxels) || cellsWanted > 5e7)
     return refuse("a spacing of " + number(spacing, 4) + " m makes about " +
-                  number(shape.volume / (spacing * spacing * spacing), 4) +
-                  " phyxels; at most " + std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
+                  number(shape.volume / (spacing * spacing * spacing), 4) + " phyxels; at most " +
+                  std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
   if (!shouldContinue(0.05)) return refuse("cancelled");
 
   // Which cells are inside, by their centres; which are cut, by a neighbour that differs or by the distance.
@@ -223,7 +226,8 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
     }
   }
   flush();
-  // Slivers of less than a fiftieth of a cell join their neighbours' scale instead of becoming points of almost no mass.
+  // Slivers of less than a fiftieth of a cell join their neighbours' scale instead of becoming points of almost no
+  // mass.
   for (const auto &[cell, orphan] : orphans)
     if (orphan.count >= kPerCell / 50 + 1 || cloud.positions.empty()) {
       cloud.positions.push_back(orphan.sum / orphan.count);

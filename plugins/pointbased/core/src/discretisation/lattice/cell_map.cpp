@@ -9,8 +9,8 @@ namespace pointbased::lattice {
 namespace {
 
 constexpr int kMaximumRings = 6;
-// A point of a surface looks for its part an eighth of an edge inside. A point of a part lies within half a diagonal of a
-// small cell of one of its samples, 0.2165 edges; one that was moved out of its cell an eighth farther.
+// A point of a surface looks for its part an eighth of an edge inside. A point of a part lies within half a diagonal of
+// a small cell of one of its samples, 0.2165 edges; one that was moved out of its cell an eighth farther.
 constexpr double kInwards = 0.125;
 constexpr double kReachOfSample = 0.23 + kInwards;
 // Samples of its part lie behind the point, but for those of a sliver: they lie up to half a small cell in front of it.
@@ -28,7 +28,7 @@ struct Trilinear {
   std::array<double, 8> functions;
   std::array<Vec3, 8> gradients;  // along the edges
   Vec3 x = Vec3::Zero();
-  Mat3 jacobian = Mat3::Zero();   // ∂x/∂ξ
+  Mat3 jacobian = Mat3::Zero();  // ∂x/∂ξ
 };
 
 Trilinear mapAt(const std::array<Vec3, 8> &hexahedron, const Vec3 &place) {
@@ -167,8 +167,8 @@ Index LatticeCellMap::nearestPart(const Target &target) const {
     const std::span<const std::uint64_t> codes = set_.index.codes();
     const auto begin = std::lower_bound(codes.begin(), codes.end(), code);
     const auto end = std::lower_bound(begin, codes.end(), code + codesPerCell);
-    nearestIn(static_cast<std::size_t>(begin - codes.begin()), static_cast<std::size_t>(end - codes.begin()), target, best,
-              part);
+    nearestIn(static_cast<std::size_t>(begin - codes.begin()), static_cast<std::size_t>(end - codes.begin()), target,
+              best, part);
   };
   const int rings = std::min(most, kMaximumRings);
   for (int ring = 0; ring <= rings; ++ring) {
@@ -227,9 +227,8 @@ double LatticeCellMap::outsideOf(Index part, const Vec3 &local) const {
 
 bool LatticeCellMap::shareCorner(Index a, Index b) const {
   const auto &first = parts_.parts[a].nodes, &second = parts_.parts[b].nodes;
-  return std::any_of(first.begin(), first.end(), [&](Index node) {
-    return std::find(second.begin(), second.end(), node) != second.end();
-  });
+  return std::any_of(first.begin(), first.end(),
+                     [&](Index node) { return std::find(second.begin(), second.end(), node) != second.end(); });
 }
 
 void LatticeCellMap::functionsAt(Index part, const Vec3 &local, std::array<double, 8> &functions,

@@ -38,7 +38,8 @@ class LatticeCellMap : public CellMap {
   /// @param outward  unit, lattice axes, or zero
   [[nodiscard]] Index partOf(const Vec3 &local, const Vec3 &outward) const;
   /// N_j and ∇N_j (1/m, lattice axes) of the cell of a part, continued where the point lies outside of it.
-  void functionsAt(Index part, const Vec3 &local, std::array<double, 8> &functions, std::array<Vec3, 8> &gradients) const;
+  void functionsAt(Index part, const Vec3 &local, std::array<double, 8> &functions,
+                   std::array<Vec3, 8> &gradients) const;
 
   /// Moves phyxels; `distorted`: cells (by index) that are no cubes any more.
   void move(std::vector<Vec3> positions, std::vector<std::uint8_t> distorted);
@@ -65,7 +66,7 @@ class LatticeCellMap : public CellMap {
   CellSet set_;
   PartSet parts_;
   NodeTable corners_;
-  std::vector<std::uint8_t> distorted_;   // per cell, or empty
+  std::vector<std::uint8_t> distorted_;  // per cell, or empty
 };
 
 }  // namespace pointbased::lattice

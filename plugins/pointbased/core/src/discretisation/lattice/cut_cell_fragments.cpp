@@ -90,8 +90,10 @@ void groupSamples(const CellSet &set, const BodyShape &shape, std::vector<Groups
     forOpenPairs(view, g, false, [&](int s, int t) {
       const Place &from = roots[static_cast<std::size_t>(s)], &to = roots[static_cast<std::size_t>(t)];
       const bool same = from.cell == to.cell && from.sample == to.sample;
-      if (!asks || !from.found() || !to.found() || same) g.join(s, t);
-      else open.push_back({c, static_cast<std::int8_t>(s), static_cast<std::int8_t>(t), from, to});
+      if (!asks || !from.found() || !to.found() || same)
+        g.join(s, t);
+      else
+        open.push_back({c, static_cast<std::int8_t>(s), static_cast<std::int8_t>(t), from, to});
     });
   }
   if (asks) decideOpen(open);
@@ -215,8 +217,8 @@ void linkParts(const CellSet &set, const BodyShape &shape, PartSet &result, cons
         if (!here.connects(s) || !there.connects(t)) continue;
         const Index a = partAt(c, s), b = partAt(other, t);
         if (known(a, b)) continue;
-        const bool certain = !asks || (here.inside(s) && there.inside(t) &&
-                                       here.depth(s) + there.depth(t) >= 1.05 * samples.separation);
+        const bool certain =
+            !asks || (here.inside(s) && there.inside(t) && here.depth(s) + there.depth(t) >= 1.05 * samples.separation);
         if (certain) {
           found.push_back({a, b, static_cast<std::uint8_t>(face)});
           continue;

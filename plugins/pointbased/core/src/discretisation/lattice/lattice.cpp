@@ -4,12 +4,12 @@
 #include <Eigen/LU>
 #include <optional>
 
+#include "base/look_for_end.h"
+#include "base/number_text.h"
 #include "discretisation/lattice/cell_map.h"
 #include "discretisation/lattice/lattice_constraints.h"
 #include "discretisation/lattice/lattice_jitter.h"
 #include "discretisation/lattice/lattice_masses.h"
-#include "base/look_for_end.h"
-#include "base/number_text.h"
 
 namespace pointbased {
 
@@ -31,12 +31,14 @@ Result<void> validate(const BodyShape &shape, const LatticeSampling &sampling) {
   if (!(sampling.spacing >= 0.0) || !std::isfinite(sampling.spacing))
     return refuse("spacing = " + number(sampling.spacing, 4) + " m is not accepted: finite and > 0, or 0 with a count");
   if (sampling.spacing == 0.0 && (sampling.count < 1 || sampling.count > kMaximumPhyxels))
-    return refuse("count = " + std::to_string(sampling.count) + " is not accepted: 1 … " + std::to_string(kMaximumPhyxels));
+    return refuse("count = " + std::to_string(sampling.count) + " is not accepted: 1 … " +
+                  std::to_string(kMaximumPhyxels));
   if (!(sampling.jitter >= 0.0 && sampling.jitter <= 0.3))
     return refuse("jitter = " + number(sampling.jitter, 4) + " is not accepted: 0 … 0.3");
   if (!(sampling.surfaceSpacing >= 0.0) || !std::isfinite(sampling.surfaceSpacing))
     return refuse("surfaceSpacing = " + number(sampling.surfaceSpacing, 4) + " m is not accepted: finite and >= 0");
-  if (!((sampling.axes.transpose() * sampling.axes - Mat3::Identity()).norm() < 1e-9) || !(sampling.axes.determinant() > 0.0))
+  if (!((sampling.axes.transpose() * sampling.axes - Mat3::Identity()).norm() < 1e-9) ||
+      !(sampling.axes.determinant() > 0.0))
     return refuse("axes are not a rotation");
   const auto check = [](const char *name, std::size_t i, const Region &region) -> Result<void> {
     const Result<void> valid = validate(region);
@@ -62,8 +64,8 @@ struct Cut {
   NodeTable corners;
 };
 
-Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing, const ParallelFor &parallelFor,
-                     const SamplingProgress &progress) {
+Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing,
+                     const ParallelFor &parallelFor, const SamplingProgress &progress) {
   if (const auto fits = checkSize(shape, sampling, spacing); !fits) return refuse(fits.error());
   auto set = findCells(shape, sampling, spacing, parallelFor, progress);
   if (!set) return refuse(set.error());
@@ -81,8 +83,8 @@ Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, do
   return cut;
 }
 
-// The number of corners falls in jumps as the spacing grows; a few corrections come within some per cent. Those of a cheap
-// estimate first, then of the real thing.
+// The number of corners falls in jumps as the spacing grows; a few corrections come within some per cent. Those of a
+// cheap estimate first, then of the real thing.
 Result<Cut> cutForCount(const BodyShape &shape, const LatticeSampling &sampling, const ParallelFor &parallelFor,
                         const SamplingProgress &progress) {
   constexpr int kEstimates = 16, kAttempts = 4;
@@ -177,10 +179,10 @@ PointGeometry pointOf(const LatticeCellMap &map, Index p, const PartContent &con
   for (std::size_t j = 0; j < 8; ++j) moments += modeSigns(j) * corners[j].transpose();
   const double plane = 0.5 / (edge * edge), space = 1.0 / (edge * edge * edge);
   Eigen::Vector4d scale = Eigen::Vector4d(plane, plane, plane, space).cwiseProduct(modeFactors(map.set(), part));
-  // The mode xyz of a cut part is held as that of a whole cell: its spread would let corners outside of the body rattle.
+  // The mode xyz of a cut part is held as that of a whole cell: its spread would let corners outside of the body
+  // rattle.
   scale[3] *= edge * edge / 12.0 / std::max(point.spread.mean(), 1e-3 * edge * edge);
-  for (std::size_t j = 0; j < 8; ++j)
-    point.modes[j] = scale.cwiseProduct(modeSigns(j) - moments * point.gradients[j]);
+  for (std::size_t j = 0; j < 8; ++j) point.modes[j] = scale.cwiseProduct(modeSigns(j) - moments * point.gradients[j]);
   return point;
 }
 
@@ -225,12 +227,15 @@ Result<void> checkRefinements(const BodyShape &shape, const LatticeSampling &sam
     const Region local = shifted(sampling.refinements[i].region, set.frame.origin);
     const auto meets = [&](const CutCellFragment &part) {
       const Cell &cell = set.cells[part.cell];
-      return part.kept && signedDistance(local, set.frame.axes * set.centre(cell)) <= 0.5 * std::sqrt(3.0) * set.edge(cell);
+      return part.kept &&
+             signedDistance(local, set.frame.axes * set.centre(cell)) <= 0.5 * std::sqrt(3.0) * set.edge(cell);
     };
     if (std::any_of(map.parts().begin(), map.parts().end(), meets)) continue;
-    const auto point = [](const Vec3 &x) { return "(" + number(x[0], 4) + ", " + number(x[1], 4) + ", " + number(x[2], 4) + ")"; };
-    return refuse("refinement " + std::to_string(i) + ": its region meets no part of the body, which spans " + point(shape.min) +
-                  " … " + point(shape.max) + " m; accepted: regions that hold some of it");
+    const auto point = [](const Vec3 &x) {
+      return "(" + number(x[0], 4) + ", " + number(x[1], 4) + ", " + number(x[2], 4) + ")";
+    };
+    return refuse("refinement " + std::to_string(i) + ": its region meets no part of the body, which spans " +
+                  point(shape.min) + " … " + point(shape.max) + " m; accepted: regions that hold some of it");
   }
   return {};
 }
@@ -247,9 +252,10 @@ Result<void> assignMaterials(const LatticeSampling &sampling, LatticeBody &body)
         any = true;
       }
     if (!any)
-      return refuse("material region " + std::to_string(i) +
-                    " holds the middle of no part of the body that can deform: it misses the body or is smaller than the "
-                    "cells");
+      return refuse(
+          "material region " + std::to_string(i) +
+          " holds the middle of no part of the body that can deform: it misses the body or is smaller than the "
+          "cells");
   }
   return {};
 }
@@ -264,7 +270,8 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &s
                                     : cutForCount(shape, sampling, parallelFor, stage);
   if (!cut) return refuse(cut.error());
 
-  const auto map = std::make_shared<LatticeCellMap>(std::move(cut->set), std::move(cut->parts), std::move(cut->corners));
+  const auto map =
+      std::make_shared<LatticeCellMap>(std::move(cut->set), std::move(cut->parts), std::move(cut->corners));
   if (const auto met = checkRefinements(shape, sampling, *map); !met) return refuse(met.error());
   std::vector<PartContent> contents = measureParts(*map, parallelFor);
   if (progress && !progress(0.88)) return refuse("cancelled");

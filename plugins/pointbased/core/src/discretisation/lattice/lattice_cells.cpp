@@ -2,8 +2,8 @@
 // Which cells of the lattice hold something of the body, and how they are refined.
 #include <numbers>
 
-#include "discretisation/lattice/lattice_samples.h"
 #include "base/number_text.h"
+#include "discretisation/lattice/lattice_samples.h"
 
 namespace pointbased::lattice {
 namespace {
@@ -39,7 +39,8 @@ Result<std::vector<State>> scan(const Questions &ask, const Frame &frame, const 
   const std::size_t total = nx * ny * nz;
   const auto centre = [&](std::size_t i) {
     return Vec3(frame.low + frame.spacing * (Vec3(static_cast<double>(i % nx), static_cast<double>(i / nx % ny),
-                                                  static_cast<double>(i / (nx * ny))) + Vec3::Constant(0.5)));
+                                                  static_cast<double>(i / (nx * ny))) +
+                                             Vec3::Constant(0.5)));
   };
   std::vector<State> states(total, State::kCut);
   if (!ask.measures()) return states;
@@ -114,8 +115,10 @@ class Tree {
       State &state = level(l).at(CellIndex::key(l, k));
       for (int c = 0; c < 8; ++c) {
         const Cell3 child{2 * k[0] + (c & 1), 2 * k[1] + (c >> 1 & 1), 2 * k[2] + (c >> 2)};
-        if (state == State::kFull) level(l + 1).emplace(CellIndex::key(l + 1, child), State::kFull);
-        else open.push_back(child);
+        if (state == State::kFull)
+          level(l + 1).emplace(CellIndex::key(l + 1, child), State::kFull);
+        else
+          open.push_back(child);
       }
       state = State::kSplit;
     }
@@ -133,8 +136,10 @@ class Tree {
         if (far[i] != 0) inside[i] = answers[a++];
     });
     for (std::size_t i = 0; i < open.size(); ++i)
-      if (far[i] == 0) level(l + 1).emplace(CellIndex::key(l + 1, open[i]), State::kCut);
-      else if (inside[i] != 0) level(l + 1).emplace(CellIndex::key(l + 1, open[i]), State::kFull);
+      if (far[i] == 0)
+        level(l + 1).emplace(CellIndex::key(l + 1, open[i]), State::kCut);
+      else if (inside[i] != 0)
+        level(l + 1).emplace(CellIndex::key(l + 1, open[i]), State::kFull);
   }
 
   // Splits cells next to cells of less than half their edge. True: something was split.
@@ -213,17 +218,19 @@ double partIn(const Region &region, const Frame &frame, const Vec3 &centre, doub
   return static_cast<double>(in) / kSamples;
 }
 
-// What the refined lattice will about be, before its octree takes time and memory: finer cells in the parts of coarse ones
-// that a refinement covers, and along the surface.
-Result<void> checkRefined(const BodyShape &shape, const LatticeSampling &sampling, const Frame &frame, std::span<const State> states,
-                          const ParallelFor &parallelFor) {
+// What the refined lattice will about be, before its octree takes time and memory: finer cells in the parts of coarse
+// ones that a refinement covers, and along the surface.
+Result<void> checkRefined(const BodyShape &shape, const LatticeSampling &sampling, const Frame &frame,
+                          std::span<const State> states, const ParallelFor &parallelFor) {
   const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]);
   std::vector<double> expected(states.size(), 0.0);
   parallelFor(states.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (states[i] == State::kEmpty) continue;
-      const Vec3 centre = frame.low + frame.spacing * (Vec3(static_cast<double>(i % nx), static_cast<double>(i / nx % ny),
-                                                            static_cast<double>(i / (nx * ny))) + Vec3::Constant(0.5));
+      const Vec3 centre =
+          frame.low + frame.spacing * (Vec3(static_cast<double>(i % nx), static_cast<double>(i / nx % ny),
+                                            static_cast<double>(i / (nx * ny))) +
+                                       Vec3::Constant(0.5));
       const double share = states[i] == State::kFull ? 1.0 : 0.5;
       for (const Refinement &r : sampling.refinements) {
         const double cells = std::pow(frame.spacing / halvedTo(frame.spacing, r.spacing), 3);
@@ -237,10 +244,12 @@ Result<void> checkRefined(const BodyShape &shape, const LatticeSampling &samplin
   // Coarse cells that hold little of the body count too much: no more than if all of it were that fine.
   total = std::min(total, expectedCorners(shape, finest));
   if (sampling.surfaceSpacing > 0.0 && sampling.surfaceSpacing < frame.spacing)
-    total = std::max(total, kLayersOfSurface * expectedSurfaceCorners(shape, halvedTo(frame.spacing, sampling.surfaceSpacing)));
+    total = std::max(
+        total, kLayersOfSurface * expectedSurfaceCorners(shape, halvedTo(frame.spacing, sampling.surfaceSpacing)));
   if (total <= static_cast<double>(kMaximumPhyxels)) return {};
-  return tl::unexpected<std::string>("refinements or surface_spacing make about " + number(total, 3) + " phyxels; at most " +
-                                     std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing there");
+  return tl::unexpected<std::string>("refinements or surface_spacing make about " + number(total, 3) +
+                                     " phyxels; at most " + std::to_string(kMaximumPhyxels) +
+                                     " are accepted: use a larger spacing there");
 }
 
 }  // namespace
@@ -260,7 +269,8 @@ Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &samplin
   const auto states = scan(ask, frame, parallelFor, [&](double f) { return !progress || progress(0.4 * f); });
   if (!states) return tl::unexpected(states.error());
   if (frame.levels > 0)
-    if (const auto fits = checkRefined(shape, sampling, frame, *states, parallelFor); !fits) return tl::unexpected(fits.error());
+    if (const auto fits = checkRefined(shape, sampling, frame, *states, parallelFor); !fits)
+      return tl::unexpected(fits.error());
   const auto baseCell = [&](std::size_t i) {
     const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]);
     return Cell3{static_cast<std::int32_t>(i % nx), static_cast<std::int32_t>(i / nx % ny),
@@ -280,8 +290,8 @@ Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &samplin
       std::vector<Cell3> split;
       for (const auto &[key, state] : tree.level(l)) {
         const double edge = tree.edge(l);
-        bool wanted = state == State::kCut && sampling.surfaceSpacing > 0.0 &&
-                      edge > sampling.surfaceSpacing * (1.0 + 1e-6);
+        bool wanted =
+            state == State::kCut && sampling.surfaceSpacing > 0.0 && edge > sampling.surfaceSpacing * (1.0 + 1e-6);
         for (const Refinement &r : sampling.refinements) {
           if (wanted) break;
           wanted = edge > r.spacing * (1.0 + 1e-6) && meets(r.region, frame, tree.centre(l, Tree::place(key)), edge);
@@ -356,7 +366,8 @@ std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampl
     cut.push_back(i);
     for (int c = 0; c < 8; ++c)
       points.push_back(frame.low + spacing * (Vec3(static_cast<double>(i % nx), static_cast<double>(i / nx % ny),
-                                                   static_cast<double>(i / (nx * ny))) + Vec3::Constant(0.5) +
+                                                   static_cast<double>(i / (nx * ny))) +
+                                              Vec3::Constant(0.5) +
                                               0.25 * Vec3(cornerSign(c, 0), cornerSign(c, 1), cornerSign(c, 2))));
   }
   std::vector<double> distances(points.size(), 0.0);

@@ -10,9 +10,9 @@ constexpr double kLoose = 0.05;
 
 // How a region cuts one small cell, as if its border were a plane there.
 struct RegionCut {
-  double distance = 0.0;             // of the centre of the small cell, m
-  Vec3 normal = Vec3::Zero();        // lattice axes
-  double share = 0.0;                // of the small cell, inside the region
+  double distance = 0.0;       // of the centre of the small cell, m
+  Vec3 normal = Vec3::Zero();  // lattice axes
+  double share = 0.0;          // of the small cell, inside the region
 };
 
 RegionCut cutOf(const CellSet &set, const Region &region, const Cell &cell, int sample) {
@@ -30,8 +30,8 @@ struct Divided {
   double border = 0.0;  // part of the border within the small cell that lies inside the body
 };
 
-// The content of a small cell on both sides of a region's border. Where border and surface run along each other they are
-// ends of intervals on one line; elsewhere each cuts the same part off what the other leaves.
+// The content of a small cell on both sides of a region's border. Where border and surface run along each other they
+// are ends of intervals on one line; elsewhere each cuts the same part off what the other leaves.
 Divided divide(const SampleContent &content, const Vec3 &middle, const RegionCut &cut) {
   Divided result{content, content};
   const double along = content.normal.dot(cut.normal);
@@ -39,7 +39,8 @@ Divided divide(const SampleContent &content, const Vec3 &middle, const RegionCut
     const auto keep = [&](SampleContent &side, double share, const Vec3 &towards) {
       side.share *= share;
       side.centre += 0.5 * (1.0 - share) * kSmall * towards;
-      side.variance = (side.variance - kSmall * kSmall / 12.0 * (1.0 - share * share) * towards.cwiseAbs2()).cwiseMax(0.0);
+      side.variance =
+          (side.variance - kSmall * kSmall / 12.0 * (1.0 - share * share) * towards.cwiseAbs2()).cwiseMax(0.0);
     };
     keep(result.held, cut.share, -cut.normal);
     keep(result.free, 1.0 - cut.share, cut.normal);
@@ -92,8 +93,8 @@ HeldPatch measureVolume(const CellSet &set, const CutCellFragment &part, const M
     const Divided divided = divide(content, sampleOffset(s), cut);
     if (cut.share > 0.0 && divided.held.share > 0.0)
       patch.held.add(divided.held.share / kSamples, divided.held.centre, divided.held.variance);
-    // The border as a smeared delta, one small cell wide along its normal. Between two cells it belongs to the outer one,
-    // which is the one that can deform.
+    // The border as a smeared delta, one small cell wide along its normal. Between two cells it belongs to the outer
+    // one, which is the one that can deform.
     const double reach = 0.5 * cut.normal.lpNorm<1>();
     const double layers = cut.distance / width - 1e-3;
     if (!(layers > -reach && layers <= reach) || divided.border <= 0.0) continue;
@@ -177,9 +178,12 @@ class Holder {
     measure(scale);
     findPhyxels();
     for (const HeldPatch &patch : patches_) {
-      if (hasBorder(patch)) addRow(patch, patch.borderArea, patch.border);
-      else if (patch.thin && patch.borderArea > 0.0) addRow(patch, patch.facingArea, patch.facing);
-      else if (patch.thin) addRow(patch, patch.surfaceArea, patch.surface);
+      if (hasBorder(patch))
+        addRow(patch, patch.borderArea, patch.border);
+      else if (patch.thin && patch.borderArea > 0.0)
+        addRow(patch, patch.facingArea, patch.facing);
+      else if (patch.thin)
+        addRow(patch, patch.surfaceArea, patch.surface);
     }
     return std::move(result_);
   }
@@ -209,9 +213,12 @@ class Holder {
     const Mat3 &axes = map_.set().frame.axes;
     // Slivers of volume beside a held face say nothing of where it is.
     const double cell = map_.set().frame.spacing * map_.set().frame.spacing * map_.set().frame.spacing;
-    const bool hasVolume = thick > 1e-3 * cell && (result_.area <= 0.0 || thick > 1e-3 * result_.area * map_.set().frame.spacing);
-    if (hasVolume) result_.centroid = axes * (sum / thick);
-    else if (result_.area > 0.0) result_.centroid = axes * (surface / result_.area);
+    const bool hasVolume =
+        thick > 1e-3 * cell && (result_.area <= 0.0 || thick > 1e-3 * result_.area * map_.set().frame.spacing);
+    if (hasVolume)
+      result_.centroid = axes * (sum / thick);
+    else if (result_.area > 0.0)
+      result_.centroid = axes * (surface / result_.area);
   }
 
   void findPhyxels() {
@@ -219,7 +226,8 @@ class Holder {
     std::vector<std::uint8_t> candidate(n, 0), onThin(n, 0);
     held_.assign(n, 0);
     for (const HeldPatch &patch : patches_) {
-      if (patch.thin) forPhyxels(map_, patch.part, [&](Index i) { onThin[i] = 1; });
+      if (patch.thin)
+        forPhyxels(map_, patch.part, [&](Index i) { onThin[i] = 1; });
       else if (!contents_[patch.part].isFree())
         forPhyxels(map_, patch.part, [&](Index i) { candidate[i] = 1; });
     }
@@ -315,9 +323,10 @@ HeldPatches findHeld(const BodyShape &shape, const LatticeSampling &sampling, co
   return result;
 }
 
-Result<std::vector<ConstrainedRegion>> holdLattice(const BodyShape &shape, const LatticeSampling &sampling, const LatticeCellMap &map,
-                                          const HeldPatches &patches, std::span<const PartContent> contents, double scale,
-                                          const ParallelFor &) {
+Result<std::vector<ConstrainedRegion>> holdLattice(const BodyShape &shape, const LatticeSampling &sampling,
+                                                   const LatticeCellMap &map, const HeldPatches &patches,
+                                                   std::span<const PartContent> contents, double scale,
+                                                   const ParallelFor &) {
   std::vector<ConstrainedRegion> result;
   if (patches.empty()) return result;
   std::vector<std::uint8_t> movable(map.corners().positions.size(), 0);
@@ -331,7 +340,8 @@ Result<std::vector<ConstrainedRegion>> holdLattice(const BodyShape &shape, const
     std::erase_if(part.phyxels, [&](Index i) { return taken[i] != 0; });
     for (const Index i : part.phyxels) taken[i] = 1;
     if (part.empty())
-      return tl::unexpected("fix " + std::to_string(r) + ": the region meets no part of the body; move or enlarge it until it does");
+      return tl::unexpected("fix " + std::to_string(r) +
+                            ": the region meets no part of the body; move or enlarge it until it does");
     result.push_back(std::move(part));
   }
   return result;

@@ -9,23 +9,23 @@ namespace pointbased::lattice {
 /// What a part holds: all of it, and what is free to deform.
 struct PartContent {
   Moments all, free;
-  bool touched = false;   ///< by a held region
+  bool touched = false;  ///< by a held region
   [[nodiscard]] bool isFree() const { return free.share > 1e-3 * all.share; }
 };
 
 /// What a held region has in common with one part; means are area-weighted.
 struct HeldPatch {
   Index part = 0;
-  Moments held;                           ///< material inside the region
-  double borderArea = 0.0;                ///< of the region's border inside the body, m²
-  std::array<double, 8> border{};         ///< Σ area N_j there, m²
-  double surfaceArea = 0.0;               ///< of the body's surface inside the region, m²
-  std::array<double, 8> surface{};        ///< Σ area N_j there, m²
+  Moments held;                     ///< material inside the region
+  double borderArea = 0.0;          ///< of the region's border inside the body, m²
+  std::array<double, 8> border{};   ///< Σ area N_j there, m²
+  double surfaceArea = 0.0;         ///< of the body's surface inside the region, m²
+  std::array<double, 8> surface{};  ///< Σ area N_j there, m²
   /// Of that, what faces away from the border: the other side of a held layer, m²
   double facingArea = 0.0;
-  std::array<double, 8> facing{};         ///< Σ area N_j there, m²
-  Vec3 surfaceCentre = Vec3::Zero();      ///< Σ area X, lattice axes, m³
-  bool thin = false;                      ///< acts as its surface: its material stays free
+  std::array<double, 8> facing{};     ///< Σ area N_j there, m²
+  Vec3 surfaceCentre = Vec3::Zero();  ///< Σ area X, lattice axes, m³
+  bool thin = false;                  ///< acts as its surface: its material stays free
 };
 
 /// By region, then by part.
@@ -37,9 +37,10 @@ using HeldPatches = std::vector<std::vector<HeldPatch>>;
 
 /// @param scale  of the volumes
 /// Errors: a region that meets no part of the body.
-[[nodiscard]] Result<std::vector<ConstrainedRegion>> holdLattice(const BodyShape &shape, const LatticeSampling &sampling,
-                                                        const LatticeCellMap &map, const HeldPatches &patches,
-                                                        std::span<const PartContent> contents, double scale,
-                                                        const ParallelFor &parallelFor);
+[[nodiscard]] Result<std::vector<ConstrainedRegion>> holdLattice(const BodyShape &shape,
+                                                                 const LatticeSampling &sampling,
+                                                                 const LatticeCellMap &map, const HeldPatches &patches,
+                                                                 std::span<const PartContent> contents, double scale,
+                                                                 const ParallelFor &parallelFor);
 
 }  // namespace pointbased::lattice

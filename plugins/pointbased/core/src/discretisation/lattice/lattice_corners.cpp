@@ -23,7 +23,8 @@ struct HangingNodeMasters {
 
 // Nodes of part a's face against those of part b, of a cell of the same size or twice as large.
 template <class Join, class Hang>
-void matchFaces(const CellSet &set, const PartSet &parts, const FragmentLink &link, const Join &join, const Hang &hang) {
+void matchFaces(const CellSet &set, const PartSet &parts, const FragmentLink &link, const Join &join,
+                const Hang &hang) {
   const Cell &a = set.cells[parts.parts[link.a].cell], &b = set.cells[parts.parts[link.b].cell];
   const int axis = link.face / 2, up = link.face % 2;
   for (int corner = 0; corner < 8; ++corner) {
@@ -36,8 +37,10 @@ void matchFaces(const CellSet &set, const PartSet &parts, const FragmentLink &li
     for (int along = 0; along < 3; ++along) {
       if (along == axis) continue;
       const std::int32_t offset = at[static_cast<std::size_t>(along)] - b.at[static_cast<std::size_t>(along)];
-      if (offset == b.size) fixed |= 1 << along;
-      else if (offset != 0) middle[static_cast<std::size_t>(middles++)] = along;
+      if (offset == b.size)
+        fixed |= 1 << along;
+      else if (offset != 0)
+        middle[static_cast<std::size_t>(middles++)] = along;
     }
     if (middles == 0) {
       join(cornerOf(link.a, corner), cornerOf(link.b, fixed));
@@ -60,8 +63,9 @@ NodeTable joinCorners(const CellSet &set, PartSet &parts) {
   DisjointSets sets(8 * parts.parts.size());
   std::vector<std::pair<Index, HangingNodeMasters>> hanging;
   for (const FragmentLink &link : parts.links)
-    matchFaces(set, parts, link, [&](Index a, Index b) { sets.join(a, b); },
-               [&](Index corner, const HangingNodeMasters &masters) { hanging.emplace_back(corner, masters); });
+    matchFaces(
+        set, parts, link, [&](Index a, Index b) { sets.join(a, b); },
+        [&](Index corner, const HangingNodeMasters &masters) { hanging.emplace_back(corner, masters); });
 
   // A corner that hangs on two larger cells joins their corners: the body goes on around their common edge.
   std::unordered_map<Index, HangingNodeMasters> mastersOf;
@@ -112,7 +116,8 @@ NodeTable joinCorners(const CellSet &set, PartSet &parts) {
     nodeOf[root] = static_cast<Index>(i);
     if (mastersOf.contains(root)) continue;
     phyxelOf[i] = static_cast<Index>(corners.positions.size());
-    corners.positions.push_back(set.frame.place(placeOf(set.cells[parts.parts[root / 8].cell], static_cast<int>(root % 8))));
+    corners.positions.push_back(
+        set.frame.place(placeOf(set.cells[parts.parts[root / 8].cell], static_cast<int>(root % 8))));
   }
   std::map<Index, double> row;
   const auto addTo = [&](const auto &self, Index root, double weight) -> void {

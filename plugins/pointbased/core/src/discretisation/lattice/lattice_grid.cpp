@@ -84,7 +84,8 @@ void Questions::distances(std::span<const Vec3> local, std::span<double> out) co
   });
 }
 
-void Questions::shares(std::span<const Vec3> local, double edge, std::span<double> parts, std::span<double> distances) const {
+void Questions::shares(std::span<const Vec3> local, double edge, std::span<double> parts,
+                       std::span<double> distances) const {
   inBatches(frame_, local, [&](std::span<const Vec3> world, std::size_t begin) {
     shape_.shares(world, frame_.axes, edge, parts.subspan(begin, world.size()), distances.subspan(begin, world.size()));
   });
@@ -127,9 +128,10 @@ std::vector<Wish> endsOf(const Region &region, const Frame &frame, int axis) {
   return {};
 }
 
-// The first border of a held region that crosses the body along this axis: corners on what is held as a surface, and a border
-// through the body in the middle of cells.
-std::optional<double> wantedCorner(const LatticeSampling &sampling, const Frame &frame, int axis, double min, double max) {
+// The first border of a held region that crosses the body along this axis: corners on what is held as a surface, and a
+// border through the body in the middle of cells.
+std::optional<double> wantedCorner(const LatticeSampling &sampling, const Frame &frame, int axis, double min,
+                                   double max) {
   const double slack = 0.1 * frame.spacing;
   for (const Region &region : sampling.held)
     for (const Wish &end : endsOf(region, frame, axis)) {
@@ -168,7 +170,8 @@ Frame frameOver(const BodyShape &shape, const LatticeSampling &sampling, double 
   frame.origin = 0.5 * (shape.min + shape.max);
   frame.axes = axes;
   frame.spacing = spacing;
-  // Bounds along the lattice: of the vertices where they are known and are the body's border, else of the box around it.
+  // Bounds along the lattice: of the vertices where they are known and are the body's border, else of the box around
+  // it.
   const Vec3 half = axes.transpose().cwiseAbs() * (0.5 * (shape.max - shape.min));
   Vec3 min = -half, max = half;
   if (!axes.isIdentity(0.0) && !shape.surface.positions.empty() && !shape.shares) {
@@ -191,8 +194,8 @@ Frame frameOver(const BodyShape &shape, const LatticeSampling &sampling, double 
 
 namespace {
 
-/// Lattice points whose cells a surface of one spacing² cuts, beside those that the volume counts: a surface of any direction
-/// cuts 1.5 cells, and half of them lie outside. Measured on an organ of 1 L: 1.36 at 3 mm, 1.33 at 2 mm.
+/// Lattice points whose cells a surface of one spacing² cuts, beside those that the volume counts: a surface of any
+/// direction cuts 1.5 cells, and half of them lie outside. Measured on an organ of 1 L: 1.36 at 3 mm, 1.33 at 2 mm.
 constexpr double kCornersPerCut = 1.35;
 
 double areaOf(const Surface &surface) {
@@ -218,7 +221,8 @@ Result<void> checkSize(const BodyShape &shape, const LatticeSampling &sampling, 
   const Frame frame = frameOver(shape, sampling, spacing);
   const double cells = static_cast<double>(frame.n[0]) * frame.n[1] * frame.n[2];
   // Of a wanted count the spacing that comes to it is still sought.
-  const double phyxels = sampling.spacing > 0.0 ? expectedCorners(shape, spacing) : shape.volume / (spacing * spacing * spacing);
+  const double phyxels =
+      sampling.spacing > 0.0 ? expectedCorners(shape, spacing) : shape.volume / (spacing * spacing * spacing);
   const std::int32_t most = std::max({frame.n[0], frame.n[1], frame.n[2]});
   if (phyxels > static_cast<double>(kMaximumPhyxels) || cells > 5e7 || most > 500'000)
     return tl::unexpected<std::string>("a spacing of " + number(spacing, 4) + " m makes about " + number(phyxels, 4) +

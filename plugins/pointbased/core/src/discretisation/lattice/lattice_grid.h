@@ -9,8 +9,8 @@
 
 /// Cells, parts and corners behind fillLattice; see lattice.h for the method.
 ///
-/// "Lattice axes" are coordinates along LatticeSampling::axes relative to LatticeBody::origin, m. Corner c of a cell lies at
-/// (c & 1, c >> 1 & 1, c >> 2), sample s at ((s & 3) + ½, (s >> 2 & 3) + ½, (s >> 4) + ½) / 4 of its edges.
+/// "Lattice axes" are coordinates along LatticeSampling::axes relative to LatticeBody::origin, m. Corner c of a cell
+/// lies at (c & 1, c >> 1 & 1, c >> 2), sample s at ((s & 3) + ½, (s >> 2 & 3) + ½, (s >> 4) + ½) / 4 of its edges.
 namespace pointbased::lattice {
 
 inline constexpr int kSamplesPerAxis = 4;
@@ -25,19 +25,20 @@ inline constexpr double kThinLayer = 0.25;
 [[nodiscard]] inline int sampleCoordinate(int sample, int axis) { return sample >> (2 * axis) & 3; }
 /// Place of a sample in its cell, in edges from the centre.
 [[nodiscard]] inline Vec3 sampleOffset(int sample) {
-  return (Vec3(sample & 3, sample >> 2 & 3, sample >> 4) + Vec3::Constant(0.5 - 0.5 * kSamplesPerAxis)) / kSamplesPerAxis;
+  return (Vec3(sample & 3, sample >> 2 & 3, sample >> 4) + Vec3::Constant(0.5 - 0.5 * kSamplesPerAxis)) /
+         kSamplesPerAxis;
 }
 
 using Cell3 = std::array<std::int32_t, 3>;
 
 /// Where the lattice lies.
 struct Frame {
-  Vec3 origin = Vec3::Zero();     ///< world, m
+  Vec3 origin = Vec3::Zero();  ///< world, m
   Mat3 axes = Mat3::Identity();
-  Vec3 low = Vec3::Zero();        ///< first corner, lattice axes, m
-  double spacing = 0.0;           ///< of the coarsest cells, m
-  Cell3 n{1, 1, 1};               ///< coarsest cells
-  int levels = 0;                 ///< halvings down to the finest cells
+  Vec3 low = Vec3::Zero();  ///< first corner, lattice axes, m
+  double spacing = 0.0;     ///< of the coarsest cells, m
+  Cell3 n{1, 1, 1};         ///< coarsest cells
+  int levels = 0;           ///< halvings down to the finest cells
 
   [[nodiscard]] std::int32_t finest() const { return std::int32_t{1} << levels; }
   [[nodiscard]] double unit() const { return spacing / finest(); }
@@ -50,9 +51,9 @@ struct Frame {
 using Samples = std::array<double, kSamples>;
 
 struct Cell {
-  Cell3 at{};               ///< first corner, units of the finest cells
-  std::int32_t size = 1;    ///< edge, likewise
-  Index samples = kNone;    ///< into CellSet::samples; kNone: wholly inside
+  Cell3 at{};             ///< first corner, units of the finest cells
+  std::int32_t size = 1;  ///< edge, likewise
+  Index samples = kNone;  ///< into CellSet::samples; kNone: wholly inside
 };
 
 /// Finds cells by their place: a search among the codes of their first corners.
@@ -88,9 +89,7 @@ struct CellSet {
   CellIndex index;
 
   [[nodiscard]] double edge(const Cell &cell) const { return frame.unit() * cell.size; }
-  [[nodiscard]] Vec3 centre(const Cell &cell) const {
-    return frame.place(cell.at) + Vec3::Constant(0.5 * edge(cell));
-  }
+  [[nodiscard]] Vec3 centre(const Cell &cell) const { return frame.place(cell.at) + Vec3::Constant(0.5 * edge(cell)); }
 };
 
 /// CutCellFragment of a small cell of edge `width` that is inside, from the signed distance of its centre.
@@ -119,11 +118,11 @@ class Questions {
   const Frame &frame_;
 };
 
-/// Along an axis on which a held region ends across the lattice (the first such region counts): with corners on a held face
-/// or sheet, and a border through the body in the middle of cells. There the means of its patches hold it about as stiffly as
-/// the continuum; corners in that plane held one by one made organs of 1 000 phyxels 4 to 10 % too stiff, borders anywhere in
-/// their cells scattered by 2 %. Else symmetric about the middle of the bounds, so that a box whose edges are multiples of the
-/// spacing has corners on its faces.
+/// Along an axis on which a held region ends across the lattice (the first such region counts): with corners on a held
+/// face or sheet, and a border through the body in the middle of cells. There the means of its patches hold it about as
+/// stiffly as the continuum; corners in that plane held one by one made organs of 1 000 phyxels 4 to 10 % too stiff,
+/// borders anywhere in their cells scattered by 2 %. Else symmetric about the middle of the bounds, so that a box whose
+/// edges are multiples of the spacing has corners on its faces.
 [[nodiscard]] Frame frameOver(const BodyShape &shape, const LatticeSampling &sampling, double spacing);
 
 /// Finds the cells, refined and graded. Errors: cancelled, too many.
@@ -135,7 +134,8 @@ class Questions {
 [[nodiscard]] std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampling, double spacing,
                                           const ParallelFor &parallelFor);
 
-/// About how many corners all cells of this edge have, from volume and area alone; for a smooth body within some per cent.
+/// About how many corners all cells of this edge have, from volume and area alone; for a smooth body within some per
+/// cent.
 [[nodiscard]] double expectedCorners(const BodyShape &shape, double spacing);
 /// The part of it that comes from the surface.
 [[nodiscard]] double expectedSurfaceCorners(const BodyShape &shape, double spacing);

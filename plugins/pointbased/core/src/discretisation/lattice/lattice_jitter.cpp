@@ -28,8 +28,10 @@ void jitterPhyxels(LatticeCellMap &map, std::span<const PartContent> contents, d
                       !contents[p].touched;
     for (const Index node : part.nodes)
       for (std::uint32_t e = corners.offsets[node]; e < corners.offsets[node + 1]; ++e)
-        if (full) ++fullCells[corners.phyxels[e]];
-        else others[corners.phyxels[e]] = 1;
+        if (full)
+          ++fullCells[corners.phyxels[e]];
+        else
+          others[corners.phyxels[e]] = 1;
   }
   std::vector<Vec3> positions = corners.positions;
   for (std::size_t i = 0; i < positions.size(); ++i)

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "discretisation/lattice/lattice_masses.h"
 
-#include "discretisation/lattice/lattice_jitter.h"
 #include "base/look_for_end.h"
+#include "discretisation/lattice/lattice_jitter.h"
 
 namespace pointbased::lattice {
 namespace {
 
 // Of what a phyxel has before the correction: the lighter it were, the shorter the explicit step.
 constexpr double kLeastMass = 0.55;
-// Of a part that fills hardly anything of its cell half goes to the corners evenly, of one that fills 5/6 of it nothing:
-// else corners that only a sliver reaches have hardly a mass, and their stiffness sets the explicit step.
+// Of a part that fills hardly anything of its cell half goes to the corners evenly, of one that fills 5/6 of it
+// nothing: else corners that only a sliver reaches have hardly a mass, and their stiffness sets the explicit step.
 constexpr double kEvenInSlivers = 0.5, kWellFilled = 5.0 / 6.0;
 
-// The most that Σ v |g|² d² over the mass of a phyxel may be, d the finest edge: what corners of whole cells have after the
-// correction (2.73 at the corner of a box). Phyxels of cut cells that had up to 6 set the explicit step of their body.
-// Beside held material more mass costs nothing: it hardly moves.
+// The most that Σ v |g|² d² over the mass of a phyxel may be, d the finest edge: what corners of whole cells have after
+// the correction (2.73 at the corner of a box). Phyxels of cut cells that had up to 6 set the explicit step of their
+// body. Beside held material more mass costs nothing: it hardly moves.
 constexpr double kMostStiffness = 2.8, kMostBesideHeld = 2.0;
 
 double evenPart(double share) { return kEvenInSlivers * std::max(0.0, 1.0 - share / kWellFilled); }
@@ -129,9 +129,8 @@ void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, 
       for (const Index end : {row.nodes[0], row.nodes[2]})
         forPhyxels(corners, end, [&](Index i, double) { factor = std::min(factor, allowed[i]); });
       for (std::size_t k = 0; k < 3; ++k)
-        forPhyxels(corners, row.nodes[k], [&](Index i, double weight) {
-          changed[i] += (k == 1 ? 2.0 : -1.0) * weight * factor * row.amount;
-        });
+        forPhyxels(corners, row.nodes[k],
+                   [&](Index i, double weight) { changed[i] += (k == 1 ? 2.0 : -1.0) * weight * factor * row.amount; });
     }
     settled = true;
     for (std::size_t i = 0; i < changed.size(); ++i)
@@ -145,7 +144,8 @@ void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, 
 
 // Gives phyxels that are still too light what they lack, from the middles of rows that they end: the same second
 // differences the other way round, so that volume and centre stay.
-void giveToLight(const NodeTable &corners, std::span<const Row3> rows, const Least &least, std::vector<double> &volumes) {
+void giveToLight(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
+                 std::vector<double> &volumes) {
   const auto phyxelOf = [&](Index node) {
     return corners.offsets[node + 1] - corners.offsets[node] == 1 ? corners.phyxels[corners.offsets[node]] : kNone;
   };
@@ -208,8 +208,10 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
       evenFree.resize(out.weights.size(), 0.0);
     }
     least.add(part, volume, gradients);
-    if (!holds) leastFree.add(part, volume, gradients);
-    else if (contents[p].isFree()) leastFree.add(part, freeVolume, gradientsOf(loose, edge));
+    if (!holds)
+      leastFree.add(part, volume, gradients);
+    else if (contents[p].isFree())
+      leastFree.add(part, freeVolume, gradientsOf(loose, edge));
     const double even = evenPart(contents[p].all.share), evenOfFree = evenPart(loose.share);
     for (std::size_t j = 0; j < 8; ++j)
       forPhyxels(corners, part.nodes[j], [&](Index i, double weight) {

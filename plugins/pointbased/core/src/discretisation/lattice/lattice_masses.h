@@ -19,11 +19,11 @@ struct PhyxelVolumes {
 ///
 ///     e = ∫_part (x − x₀)(x₁ − x) dV      along each axis; v h²/6 for a whole cell
 ///
-/// Second differences −e/(2h²) (1, −2, 1) over three corners in a row take that away and leave volume and centre as they
-/// are. Inside the body neighbours cancel; at its ends the weights become those of an end-corrected quadrature (3/8, 9/8,
-/// 9/8, 3/8 for three cells across: Simpson's three-eighths rule). Without them a bar of n cells has 1 + 2/n² times its
-/// inertia about its axis. Where a phyxel would be left with too little for a reasonable explicit step, the correction is
-/// partial or goes the other way; a body one cell thick has no three corners in a row across.
+/// Second differences −e/(2h²) (1, −2, 1) over three corners in a row take that away and leave volume and centre as
+/// they are. Inside the body neighbours cancel; at its ends the weights become those of an end-corrected quadrature
+/// (3/8, 9/8, 9/8, 3/8 for three cells across: Simpson's three-eighths rule). Without them a bar of n cells has 1 +
+/// 2/n² times its inertia about its axis. Where a phyxel would be left with too little for a reasonable explicit step,
+/// the correction is partial or goes the other way; a body one cell thick has no three corners in a row across.
 ///
 /// What moves beside held material is the free material's, but never less than its stiffness asks for: the support then
 /// carries less (`carried`), and the whole stays.

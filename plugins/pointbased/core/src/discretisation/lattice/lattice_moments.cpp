@@ -50,8 +50,8 @@ Moments fullCell() {
 std::array<double, 8> trilinear(const Vec3 &place) {
   std::array<double, 8> result{};
   for (int j = 0; j < 8; ++j)
-    result[static_cast<std::size_t>(j)] = (0.5 + cornerSign(j, 0) * place[0]) * (0.5 + cornerSign(j, 1) * place[1]) *
-                                          (0.5 + cornerSign(j, 2) * place[2]);
+    result[static_cast<std::size_t>(j)] =
+        (0.5 + cornerSign(j, 0) * place[0]) * (0.5 + cornerSign(j, 1) * place[1]) * (0.5 + cornerSign(j, 2) * place[2]);
   return result;
 }
 

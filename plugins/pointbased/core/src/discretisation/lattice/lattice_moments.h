@@ -5,14 +5,14 @@
 
 namespace pointbased::lattice {
 
-/// Moments of some material about the centre of its cell, in edges of the cell. All that the mean of a trilinear function and
-/// of its gradient needs.
+/// Moments of some material about the centre of its cell, in edges of the cell. All that the mean of a trilinear
+/// function and of its gradient needs.
 struct Moments {
-  double share = 0.0;           ///< of the cell
+  double share = 0.0;  ///< of the cell
   Vec3 first = Vec3::Zero();
-  Vec3 mixed = Vec3::Zero();    ///< xy, xz, yz
-  double triple = 0.0;          ///< xyz
-  Vec3 second = Vec3::Zero();   ///< xx, yy, zz
+  Vec3 mixed = Vec3::Zero();   ///< xy, xz, yz
+  double triple = 0.0;         ///< xyz
+  Vec3 second = Vec3::Zero();  ///< xx, yy, zz
 
   void add(double part, const Vec3 &centre, const Vec3 &variance);
   [[nodiscard]] Vec3 centroid() const { return first / share; }
@@ -31,12 +31,13 @@ struct Moments {
 
 /// What of a small cell around a sample is inside.
 struct SampleContent {
-  double share = 0.0;             ///< of the small cell
-  Vec3 centre = Vec3::Zero();     ///< of that, in edges of the cell from its centre
-  Vec3 variance = Vec3::Zero();   ///< edges²
-  Vec3 normal = Vec3::Zero();     ///< of the surface that cuts the small cell, outwards, or zero
+  double share = 0.0;            ///< of the small cell
+  Vec3 centre = Vec3::Zero();    ///< of that, in edges of the cell from its centre
+  Vec3 variance = Vec3::Zero();  ///< edges²
+  Vec3 normal = Vec3::Zero();    ///< of the surface that cuts the small cell, outwards, or zero
 };
-/// As if the surface were a plane across the small cell: its distance is known, its direction follows from the samples around.
+/// As if the surface were a plane across the small cell: its distance is known, its direction follows from the samples
+/// around.
 [[nodiscard]] SampleContent contentOf(const CellSet &set, const Cell &cell, int sample);
 
 /// Factors on the modes xy, xz, yz of a part of a cut cell: sqrt(max(0.02, 1 - 5 n_i² n_j²)), n the mean normal of the

@@ -12,8 +12,9 @@ Place neighbourOf(const CellSet &set, const Place &place, int axis, int sign) {
   // In eighths of the finest cells, the middle of the small cell behind the face.
   Cell3 at{};
   for (int a = 0; a < 3; ++a)
-    at[static_cast<std::size_t>(a)] = 8 * cell.at[static_cast<std::size_t>(a)] +
-                                      (2 * sampleCoordinate(place.sample, a) + 1 + (a == axis ? 2 * sign : 0)) * cell.size;
+    at[static_cast<std::size_t>(a)] =
+        8 * cell.at[static_cast<std::size_t>(a)] +
+        (2 * sampleCoordinate(place.sample, a) + 1 + (a == axis ? 2 * sign : 0)) * cell.size;
   const auto floored = [](std::int32_t value) { return value < 0 ? -1 : value / 8; };
   const Index other = set.index.holding({floored(at[0]), floored(at[1]), floored(at[2])});
   if (other == kNone) return {};
@@ -64,9 +65,12 @@ void sampleShares(const Questions &ask, const CellSet &set, std::span<const Cell
     ask.shares(points, width, parts, out[c]);
     for (std::size_t s = 0; s < kSamples; ++s) {
       double &distance = out[c][s];
-      if (parts[s] >= 1.0) distance = std::min(distance, -kBeyond * width);
-      else if (parts[s] <= 0.0) distance = std::max(distance, kBeyond * width);
-      else distance = (0.5 - parts[s]) * width;
+      if (parts[s] >= 1.0)
+        distance = std::min(distance, -kBeyond * width);
+      else if (parts[s] <= 0.0)
+        distance = std::max(distance, kBeyond * width);
+      else
+        distance = (0.5 - parts[s]) * width;
     }
   }
 }

@@ -8,8 +8,8 @@ namespace pointbased::lattice {
 
 inline constexpr int kNoSample = -1;
 
-/// Signed distances of the samples of some cells, m. Where the shape tells no distances: ± the edge. Where it tells shares:
-/// what shareOf() makes into them, of small cells that are full or empty beyond any doubt of View::depth().
+/// Signed distances of the samples of some cells, m. Where the shape tells no distances: ± the edge. Where it tells
+/// shares: what shareOf() makes into them, of small cells that are full or empty beyond any doubt of View::depth().
 /// @param out  [cells]
 void sampleCells(const Questions &ask, const CellSet &set, std::span<const Cell> cells, std::span<Samples> out,
                  const ParallelFor &parallelFor);

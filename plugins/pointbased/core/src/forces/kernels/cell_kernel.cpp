@@ -6,7 +6,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forces/kernels/cell_kernel.cpp"
-#include "base/kernels/instruction_sets.h"
+#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -105,8 +106,12 @@ double collectOf(const CollectJob<T> &job, std::size_t begin, std::size_t end) {
   return largest;
 }
 
-double CollectFloat(const CollectJob<float> &job, std::size_t begin, std::size_t end) { return collectOf(job, begin, end); }
-double CollectDouble(const CollectJob<double> &job, std::size_t begin, std::size_t end) { return collectOf(job, begin, end); }
+double CollectFloat(const CollectJob<float> &job, std::size_t begin, std::size_t end) {
+  return collectOf(job, begin, end);
+}
+double CollectDouble(const CollectJob<double> &job, std::size_t begin, std::size_t end) {
+  return collectOf(job, begin, end);
+}
 void CellForcesFloat(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end) {
   forcesOf(job, scalar, begin, end);
 }

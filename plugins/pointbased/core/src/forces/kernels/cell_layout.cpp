@@ -30,9 +30,21 @@ class Blocks {
       if (lane >= used)
         for (const CellNumber extent : {kVolume, kRootX, kRootY, kRootZ, kTwist}) n[extent] = 0.0;
       const double edge = 0.25 / n[kGradient], volume = edge * edge * edge, root = std::sqrt(volume) * edge;
-      const std::array<double, kCellNumbers> unit = {unitGradient(n[kGradient]), n[kGradient], n[kGradient], n[kGradient],
-                                                     n[kGradient], n[kGradient], n[kGradient], 1.0 / (edge * edge),
-                                                     1.0 / (edge * edge), 1.0 / (edge * edge), volume, root, root, root, edge};
+      const std::array<double, kCellNumbers> unit = {unitGradient(n[kGradient]),
+                                                     n[kGradient],
+                                                     n[kGradient],
+                                                     n[kGradient],
+                                                     n[kGradient],
+                                                     n[kGradient],
+                                                     n[kGradient],
+                                                     1.0 / (edge * edge),
+                                                     1.0 / (edge * edge),
+                                                     1.0 / (edge * edge),
+                                                     volume,
+                                                     root,
+                                                     root,
+                                                     root,
+                                                     edge};
       for (std::size_t k = 0; k < kCellNumbers; ++k) {
         block[k * kLanes<T> + lane] = static_cast<T>(n[k]);
         key.push_back(std::llround(n[k] / unit[k] * 1e12));

@@ -10,21 +10,21 @@
 
 namespace pointbased::kernels {
 
-/// The numbers of one point, in the order of CellNumber, where its stencil is that of eight corners of a cell: gradients are
-/// means of those of the trilinear functions, mode rows are multiples of the products of signs. Nothing where findShape()
-/// finds none.
+/// The numbers of one point, in the order of CellNumber, where its stencil is that of eight corners of a cell:
+/// gradients are means of those of the trilinear functions, mode rows are multiples of the products of signs. Nothing
+/// where findShape() finds none.
 [[nodiscard]] std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &stencils, std::size_t q);
 
 /// Points by slices.
 struct CellPlan {
-  std::vector<Index> points;              ///< [slices][lanes] point of each lane; the last one of a slice is repeated
-  std::vector<std::size_t> used;          ///< [slices] lanes that stand for a point
-  std::vector<std::uint16_t> materials;   ///< [slices]
-  std::vector<Index> others;              ///< points that are no cells, ascending
+  std::vector<Index> points;             ///< [slices][lanes] point of each lane; the last one of a slice is repeated
+  std::vector<std::size_t> used;         ///< [slices] lanes that stand for a point
+  std::vector<std::uint16_t> materials;  ///< [slices]
+  std::vector<Index> others;             ///< points that are no cells, ascending
 };
 
-/// Cells in the order of the points, which follows a space-filling curve, by material; within a chunk whole cells first, which
-/// are all alike.
+/// Cells in the order of the points, which follows a space-filling curve, by material; within a chunk whole cells
+/// first, which are all alike.
 /// @param suits  per material: whether the kernels know its response
 [[nodiscard]] CellPlan planCells(const StencilSet &stencils, std::size_t lanes, std::span<const std::uint8_t> suits);
 

@@ -79,8 +79,8 @@ struct CellRun {
     return t;
   }
 
-  /// What modes of these amplitudes add to τ v (λ + 2 μ), in the same unit: the second derivative of their energy by F is that
-  /// of v s μ |Fᵀa|², which grows with the square of the amplitudes and is nothing at rest.
+  /// What modes of these amplitudes add to τ v (λ + 2 μ), in the same unit: the second derivative of their energy by F
+  /// is that of v s μ |Fᵀa|², which grows with the square of the amplitudes and is nothing at rest.
   HWY_INLINE V hourglassStiffness(const Mat3Lanes<V> &A) const {
     const Vec3Lanes<V> root = roots();
     const V vx = hn::Mul(root.x, root.x), vy = hn::Mul(root.y, root.y), vz = hn::Mul(root.z, root.z);
@@ -109,13 +109,15 @@ struct CellRun {
       k[j] = hn::Mul(scale, hn::MulAdd(gx[j], gx[j], hn::MulAdd(gy[j], gy[j], hn::Mul(gz[j], gz[j]))));
   }
 
-  HWY_INLINE void scatter(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z, const V (&k)[kCorners]) const {
+  HWY_INLINE void scatter(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z,
+                          const V (&k)[kCorners]) const {
     V fx[kCorners], fy[kCorners], fz[kCorners];
     spreadSigns(x, fx);
     spreadSigns(y, fy);
     spreadSigns(z, fz);
     T *out = fields.entries + 4 * lane;
-    for (std::size_t j = 0; j < kCorners; ++j) hn::StoreInterleaved4(fx[j], fy[j], fz[j], k[j], d, out + 4 * j * kSlice);
+    for (std::size_t j = 0; j < kCorners; ++j)
+      hn::StoreInterleaved4(fx[j], fy[j], fz[j], k[j], d, out + 4 * j * kSlice);
   }
 
   HWY_INLINE Mat3Lanes<V> gradient(const SignSums<V> &x, const SignSums<V> &y, const SignSums<V> &z) const {
@@ -138,23 +140,27 @@ struct CellRun {
   /// @param k  goes with the forces
   HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const V (&k)[kCorners]) const {
     const V zero = hn::Zero(d);
-    scatter(unfit(S.c0.x, S.c1.x, S.c2.x, zero, zero, zero, zero), unfit(S.c0.y, S.c1.y, S.c2.y, zero, zero, zero, zero),
+    scatter(unfit(S.c0.x, S.c1.x, S.c2.x, zero, zero, zero, zero),
+            unfit(S.c0.y, S.c1.y, S.c2.y, zero, zero, zero, zero),
             unfit(S.c0.z, S.c1.z, S.c2.z, zero, zero, zero, zero), k);
   }
   HWY_INLINE void scatterStress(const Mat3Lanes<V> &S, const Mat3Lanes<V> &pull, const Vec3Lanes<V> &twisted,
                                 const V (&k)[kCorners]) const {
     const V kxy = number(kModeXY), kxz = number(kModeXZ), kyz = number(kModeYZ);
-    scatter(unfit(S.c0.x, S.c1.x, S.c2.x, hn::Mul(kxy, pull.c0.x), hn::Mul(kxz, pull.c1.x), hn::Mul(kyz, pull.c2.x), twisted.x),
-            unfit(S.c0.y, S.c1.y, S.c2.y, hn::Mul(kxy, pull.c0.y), hn::Mul(kxz, pull.c1.y), hn::Mul(kyz, pull.c2.y), twisted.y),
-            unfit(S.c0.z, S.c1.z, S.c2.z, hn::Mul(kxy, pull.c0.z), hn::Mul(kxz, pull.c1.z), hn::Mul(kyz, pull.c2.z), twisted.z),
+    scatter(unfit(S.c0.x, S.c1.x, S.c2.x, hn::Mul(kxy, pull.c0.x), hn::Mul(kxz, pull.c1.x), hn::Mul(kyz, pull.c2.x),
+                  twisted.x),
+            unfit(S.c0.y, S.c1.y, S.c2.y, hn::Mul(kxy, pull.c0.y), hn::Mul(kxz, pull.c1.y), hn::Mul(kyz, pull.c2.y),
+                  twisted.y),
+            unfit(S.c0.z, S.c1.z, S.c2.z, hn::Mul(kxy, pull.c0.z), hn::Mul(kxz, pull.c1.z), hn::Mul(kyz, pull.c2.z),
+                  twisted.z),
             k);
   }
 };
 
 enum class Sums : bool { none, perPhyxel };
 
-/// ofSlice(slice, fields) for the slices of a chunk; with Sums::perPhyxel what it leaves in fields.entries is summed for every
-/// phyxel of the chunk, slice by slice, corner by corner, lane by lane.
+/// ofSlice(slice, fields) for the slices of a chunk; with Sums::perPhyxel what it leaves in fields.entries is summed
+/// for every phyxel of the chunk, slice by slice, corner by corner, lane by lane.
 template <Sums kSums, class T, class OfSlice>
 HWY_INLINE void forChunk(const CellJob<T> &job, std::size_t chunk, const OfSlice &ofSlice) {
   const CellSlices<T> &cells = *job.cells;

@@ -4,7 +4,8 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forces/kernels/cell_tangent_kernel.cpp"
 #define C3DE_KERNEL_WITHOUT_SSE4
-#include "base/kernels/instruction_sets.h"
+#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -77,8 +78,9 @@ HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, 
   Mat3Lanes<V> B = A;
   if constexpr (kLaw != MaterialLaw::linear) B = A + transposeTimes(G, A);
   const V twisted = hn::MulAdd(x.xyz, x.xyz, hn::MulAdd(y.xyz, y.xyz, hn::Mul(z.xyz, z.xyz)));
-  hourglassEnergy = hn::Mul(hn::Set(d, Real<D>(0.5)),
-                        hn::MulAdd(run.twist(), twisted, product(B, hourglassConjugate(d, run.law, B, run.roots()))));
+  hourglassEnergy =
+      hn::Mul(hn::Set(d, Real<D>(0.5)),
+              hn::MulAdd(run.twist(), twisted, product(B, hourglassConjugate(d, run.law, B, run.roots()))));
 }
 
 // step(run) for all lanes of a slice.

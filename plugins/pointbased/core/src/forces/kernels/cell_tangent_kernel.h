@@ -11,7 +11,8 @@ namespace pointbased::kernels {
 void cellTangents(const CellJob<float> &job, std::size_t begin, std::size_t end);
 void cellTangents(const CellJob<double> &job, std::size_t begin, std::size_t end);
 
-/// Change of the forces on the phyxels of the chunks (job.partials) for changes of the displacements (job.displacements).
+/// Change of the forces on the phyxels of the chunks (job.partials) for changes of the displacements
+/// (job.displacements).
 void cellProducts(const CellJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 void cellProducts(const CellJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 

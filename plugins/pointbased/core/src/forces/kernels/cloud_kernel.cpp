@@ -4,7 +4,8 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "forces/kernels/cloud_kernel.cpp"
 #define C3DE_KERNEL_WITHOUT_SSE4
-#include "base/kernels/instruction_sets.h"
+#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -20,8 +21,7 @@ class Blocks;
 #if HWY_TARGET != HWY_SCALAR
 // Registers of at least four numbers: a row of 16 / lanes of them.
 template <class T, std::size_t kMost>
-  requires(kMost >= 4)
-class Blocks<T, kMost> {
+requires(kMost >= 4) class Blocks<T, kMost> {
  public:
   using D = hn::CappedTag<T, kMost>;
   using V = hn::Vec<D>;
@@ -48,7 +48,9 @@ class Blocks<T, kMost> {
   static HWY_INLINE V4 load(const T *four) { return hn::Load(D4(), four); }
   static HWY_INLINE V4 less(V4 a, V4 b) { return hn::Sub(a, b); }
   /// w (X_k - X_j, a_k + a_j)
-  static HWY_INLINE V4 pair(T w, const T *place, V4 from) { return hn::Mul(hn::Set(D4(), w), hn::Add(hn::Load(D4(), place), from)); }
+  static HWY_INLINE V4 pair(T w, const T *place, V4 from) {
+    return hn::Mul(hn::Set(D4(), w), hn::Add(hn::Load(D4(), place), from));
+  }
   static HWY_INLINE V4 turned(const T *place) {
     HWY_ALIGN T four[4] = {-place[0], -place[1], -place[2], place[3]};
     return hn::Load(D4(), four);
@@ -92,8 +94,7 @@ class Blocks<T, kMost> {
 
 // Narrower ones: number by number, in the same order and rounding.
 template <class T, std::size_t kMost>
-  requires(kMost < 4)
-class Blocks<T, kMost> {
+requires(kMost < 4) class Blocks<T, kMost> {
  public:
   struct V4 {
     T at[4];
@@ -173,8 +174,7 @@ HWY_INLINE void fitLanes(const CloudJob<T> &job, const T *field, const Index *po
     const auto from = sum.turned(job.places + 4 * std::size_t{j});
     forPairs(job.offsets[j], job.offsets[j + 1], [&](std::size_t p, std::size_t chain) HWY_ATTR {
       const std::size_t k = job.neighbours[p];
-      sum.addOuter(chain, sum.pair(job.weights[p], job.places + 4 * k, from),
-                   sum.less(sum.load(field + 4 * k), here));
+      sum.addOuter(chain, sum.pair(job.weights[p], job.places + 4 * k, from), sum.less(sum.load(field + 4 * k), here));
     });
     sum.store(sixteen);
     for (std::size_t b = 0; b < 4; ++b)
@@ -231,8 +231,7 @@ HWY_NOINLINE void solveSlice(const CloudJob<T> &job, const ScalarLaw &scalar, st
       largest.add(ratio);
       if (viscous) P = P + viscousStress(d, hn::Set(d, law.twoEta), G, times(columns3(rates), inverseMoment));
     }
-    const Mat3Lanes<V> M =
-        mulAdd(hn::Neg(number(kControl)), G, times(scaled(number(kCloudVolume), P), inverseMoment));
+    const Mat3Lanes<V> M = mulAdd(hn::Neg(number(kControl)), G, times(scaled(number(kCloudVolume), P), inverseMoment));
     const Vec3Lanes<V> own = column(fitted, 3) + times(M, Vec3Lanes<V>{number(kRestX), number(kRestY), number(kRestZ)});
     const Vec3Lanes<V> columns[4] = {M.c0, M.c1, M.c2, own};
     for (std::size_t b = 0; b < 4; ++b) {

@@ -16,12 +16,13 @@ void cloudTensors(const CloudJob<double> &job, const ScalarLaw &scalar, std::siz
 void cloudTangents(const CloudJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 void cloudTangents(const CloudJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 
-/// What cloudTensors() gives of the forces, of their change for changes of the displacements (job.displacements): forces are
-/// linear in M and in u.
+/// What cloudTensors() gives of the forces, of their change for changes of the displacements (job.displacements):
+/// forces are linear in M and in u.
 void cloudProducts(const CloudJob<float> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 void cloudProducts(const CloudJob<double> &job, const ScalarLaw &scalar, std::size_t begin, std::size_t end);
 
-/// Forces of the phyxels [begin, end) from the M of their neighbours, after all cloudTensors() (or their change after cloudProducts()).
+/// Forces of the phyxels [begin, end) from the M of their neighbours, after all cloudTensors() (or their change after
+/// cloudProducts()).
 /// @param forces  [phyxels][3] out: N
 void cloudForces(const CloudJob<float> &job, double *forces, std::size_t begin, std::size_t end);
 void cloudForces(const CloudJob<double> &job, double *forces, std::size_t begin, std::size_t end);

@@ -41,23 +41,26 @@ HWY_INLINE hn::Vec<D> fromBlocks(D d, const Block &block) {
 /// Vectors of phyxels, four numbers each, into one lane per index. By loads of 128 bits and a transposition: gather
 /// instructions take two to three times as long on some processors.
 template <class D>
-  requires(sizeof(hn::TFromD<D>) == 4)
-HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const float *base, const std::uint16_t *indices) {
+requires(sizeof(hn::TFromD<D>) == 4) HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const float *base,
+                                                                                  const std::uint16_t *indices) {
   const hn::FixedTag<float, 4> d4;
   const hn::Repartition<double, D> wide;
   const auto column = [&](std::size_t k) HWY_ATTR {
-    return fromBlocks(d, [&](std::size_t b) HWY_ATTR { return hn::Load(d4, base + 4 * std::size_t{indices[4 * b + k]}); });
+    return fromBlocks(d,
+                      [&](std::size_t b) HWY_ATTR { return hn::Load(d4, base + 4 * std::size_t{indices[4 * b + k]}); });
   };
   const auto v0 = column(0), v1 = column(1), v2 = column(2), v3 = column(3);
-  const auto xy0 = hn::BitCast(wide, hn::InterleaveLower(d, v0, v1)), xy1 = hn::BitCast(wide, hn::InterleaveLower(d, v2, v3));
-  const auto z0 = hn::BitCast(wide, hn::InterleaveUpper(d, v0, v1)), z1 = hn::BitCast(wide, hn::InterleaveUpper(d, v2, v3));
+  const auto xy0 = hn::BitCast(wide, hn::InterleaveLower(d, v0, v1)),
+             xy1 = hn::BitCast(wide, hn::InterleaveLower(d, v2, v3));
+  const auto z0 = hn::BitCast(wide, hn::InterleaveUpper(d, v0, v1)),
+             z1 = hn::BitCast(wide, hn::InterleaveUpper(d, v2, v3));
   return {hn::BitCast(d, hn::InterleaveLower(wide, xy0, xy1)), hn::BitCast(d, hn::InterleaveUpper(wide, xy0, xy1)),
           hn::BitCast(d, hn::InterleaveLower(wide, z0, z1))};
 }
 
 template <class D>
-  requires(sizeof(hn::TFromD<D>) == 8)
-HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const double *base, const std::uint16_t *indices) {
+requires(sizeof(hn::TFromD<D>) == 8) HWY_INLINE Vec3Lanes<hn::Vec<D>> loadVectors(D d, const double *base,
+                                                                                  const std::uint16_t *indices) {
   const hn::FixedTag<double, 2> d2;
   const auto column = [&](std::size_t k, std::size_t part) HWY_ATTR {
     return fromBlocks(
@@ -125,7 +128,8 @@ class Records {
     } else {
       for (std::size_t l = 0; l < count; ++l, out += 4) {
         double x[3], turnedTo[3];
-        for (int c = 0; c < 3; ++c) x[c] = field.at[3 * std::size_t{phyxels[l]} + static_cast<std::size_t>(c)] - field.at[c];
+        for (int c = 0; c < 3; ++c)
+          x[c] = field.at[3 * std::size_t{phyxels[l]} + static_cast<std::size_t>(c)] - field.at[c];
         for (int c = 0; c < 3; ++c) turnedTo[c] = (x[0] * axes[0][c] + x[1] * axes[1][c]) + x[2] * axes[2][c];
         for (int c = 0; c < 3; ++c) out[c] = static_cast<T>(turned ? turnedTo[c] : x[c]);
         out[3] = T(0);

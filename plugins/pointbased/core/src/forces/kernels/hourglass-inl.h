@@ -7,8 +7,8 @@
 #define POINTBASED_KERNELS_MODES_INL_H_
 #endif
 
-#include "forces/kernels/laws-inl.h"
 #include "forces/hourglass_energy.h"
+#include "forces/kernels/laws-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
@@ -16,7 +16,8 @@ namespace pointbased::kernels::HWY_NAMESPACE {
 /// dU/dB of HourglassEnergy::conjugate().
 /// @param B  columns xy, xz, yz
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE Mat3Lanes<V> hourglassConjugate(D d, const LawNumbers<Real<D>> &m, const Mat3Lanes<V> &B, const Vec3Lanes<V> &root) {
+HWY_INLINE Mat3Lanes<V> hourglassConjugate(D d, const LawNumbers<Real<D>> &m, const Mat3Lanes<V> &B,
+                                           const Vec3Lanes<V> &root) {
   using T = Real<D>;
   const V mu = hn::Set(d, m.hourglassMu), lambda = hn::Set(d, m.hourglassLambda), two = hn::Set(d, 2 * m.hourglassMu);
   const V theta = hn::Set(d, T(detail::kWarping)), rest = hn::Set(d, T((1.0 - detail::kWarping) / 3.0));

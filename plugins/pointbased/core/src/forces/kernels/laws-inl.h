@@ -25,7 +25,7 @@ struct Strain {
   Sym3Lanes<V> E;       ///< Green strain, (FᵀF - 1)/2
   Mat3Lanes<V> minors;  ///< cof G - Gᵀ
   V traceG;
-  V growth;             ///< J - 1
+  V growth;  ///< J - 1
 
   HWY_INLINE Strain(D d, const Mat3Lanes<V> &gradient) : G(gradient) {
     const V half = hn::Set(d, Real<D>(0.5));
@@ -66,8 +66,8 @@ HWY_INLINE Spread<V> spreadOf(D d, const Sym3Lanes<V> &E) {
   return {mean, hn::Sqrt(hn::Mul(hn::Set(d, Real<D>(2.0 / 3.0)), scatter))};
 }
 
-/// Upper bound of the largest eigenvalue of C = 1 + 2 E, as largestEigenvalueBound(): by mean and variance, and one step of
-/// Laguerre's method down from there where that may be more than 5 % too large.
+/// Upper bound of the largest eigenvalue of C = 1 + 2 E, as largestEigenvalueBound(): by mean and variance, and one
+/// step of Laguerre's method down from there where that may be more than 5 % too large.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V largestStretchSquared(D d, const Sym3Lanes<V> &E, const Spread<V> &s) {
   const V one = hn::Set(d, Real<D>(1)), mean = hn::Add(one, s.mean);
@@ -86,7 +86,8 @@ HWY_INLINE V largestStretchSquared(D d, const Sym3Lanes<V> &E, const Spread<V> &
   const V width2 = hn::Mul(s.width, s.width);
   const V p = hn::MulSub(hn::Mul(hn::Set(d, Real<D>(0.25)), width2), s.width, determinant);
   const V p1 = hn::Mul(hn::Set(d, Real<D>(2.25)), width2);
-  const V under = hn::MulSub(hn::Mul(hn::Set(d, Real<D>(4)), p1), p1, hn::Mul(hn::Set(d, Real<D>(36)), hn::Mul(p, s.width)));
+  const V under =
+      hn::MulSub(hn::Mul(hn::Set(d, Real<D>(4)), p1), p1, hn::Mul(hn::Set(d, Real<D>(36)), hn::Mul(p, s.width)));
   const V root = hn::Sqrt(hn::Max(hn::Zero(d), under));
   const V down = hn::Div(hn::Mul(hn::Set(d, Real<D>(3)), p), hn::Add(p1, root));
   const auto use = hn::And(wide, hn::Gt(p, hn::Zero(d)));
@@ -111,8 +112,8 @@ HWY_INLINE V largestAreaSquared(D d, const Mat3Lanes<V> &cof) {
 /// What a law answers: P and bounds of its tangent.
 template <class V>
 struct Answer {
-  Mat3Lanes<V> stress;     ///< first Piola-Kirchhoff, Pa
-  V wave, all;             ///< Pa, as Stiffness in material.cpp
+  Mat3Lanes<V> stress;  ///< first Piola-Kirchhoff, Pa
+  V wave, all;          ///< Pa, as Stiffness in material.cpp
 };
 
 /// λ tr(e) 1 + 2 μ e
@@ -134,7 +135,11 @@ HWY_INLINE Mat3Lanes<V> hooke(D d, const LawNumbers<Real<D>> &m, const Sym3Lanes
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE Sym3Lanes<V> smallStrain(D d, const Mat3Lanes<V> &G) {
   const V half = hn::Set(d, Real<D>(0.5));
-  return {G.c0.x, G.c1.y, G.c2.z, hn::Mul(half, hn::Add(G.c1.x, G.c0.y)), hn::Mul(half, hn::Add(G.c2.x, G.c0.z)),
+  return {G.c0.x,
+          G.c1.y,
+          G.c2.z,
+          hn::Mul(half, hn::Add(G.c1.x, G.c0.y)),
+          hn::Mul(half, hn::Add(G.c2.x, G.c0.z)),
           hn::Mul(half, hn::Add(G.c2.y, G.c1.z))};
 }
 
@@ -145,7 +150,8 @@ struct VolumeBoundsLanes {
 
   HWY_INLINE VolumeBoundsLanes(D d, const Strain<D> &strain, const Mat3Lanes<V> &cof, V stretch2)
       : areas2(squaredNorm(cof)), area2(largestAreaSquared(d, cof)),
-        size(hn::Sqrt(hn::MulAdd(hn::Set(d, Real<D>(2)), trace(strain.E), hn::Set(d, Real<D>(3))))), largest2(stretch2) {}
+        size(hn::Sqrt(hn::MulAdd(hn::Set(d, Real<D>(2)), trace(strain.E), hn::Set(d, Real<D>(3))))),
+        largest2(stretch2) {}
 
   HWY_INLINE V wave(D d, V g2) const { return hn::Mul(hn::Max(hn::Zero(d), g2), area2); }
   HWY_INLINE V along(D d, V g1, V g2, V J) const {
@@ -211,7 +217,8 @@ HWY_INLINE Answer<V> stVenantKirchhoff(D d, const LawNumbers<Real<D>> &m, const 
   const V stress = hn::MulAdd(hn::Set(d, m.lambda), trE, hn::Mul(hn::Set(d, m.mu), hn::Sub(stretch2, one)));
   a.wave = hn::MulAdd(hn::Set(d, m.lambda + 2 * m.mu), stretch2, stress);
   const V trC = hn::MulAdd(hn::Set(d, T(2)), trE, hn::Set(d, T(3)));
-  a.all = hn::Add(stress, hn::MulAdd(hn::Set(d, HWY_MAX(m.lambda, T(0))), trC, hn::Mul(hn::Set(d, 2 * m.mu), stretch2)));
+  a.all =
+      hn::Add(stress, hn::MulAdd(hn::Set(d, HWY_MAX(m.lambda, T(0))), trC, hn::Mul(hn::Set(d, 2 * m.mu), stretch2)));
   addVolumeTerm(d, m, s, stretch2, a);
   return a;
 }
@@ -280,7 +287,8 @@ HWY_INLINE Answer<V> corotated(D d, const LawNumbers<Real<D>> &m, const Strain<D
   a.wave = hn::Set(d, m.lambda + 2 * m.mu);
   a.all = hn::Set(d, HWY_MAX(3 * m.lambda, T(0)) + 2 * m.mu);
   // Tension beyond 2 mu turns with the frame: there the bound is another one.
-  const V bound = hn::Mul(lambda, hn::Sub(hn::Sqrt(hn::Mul(three, hn::MulAdd(hn::Set(d, T(2)), trace(s.E), three))), three));
+  const V bound =
+      hn::Mul(lambda, hn::Sub(hn::Sqrt(hn::Mul(three, hn::MulAdd(hn::Set(d, T(2)), trace(s.E), three))), three));
   stray = hn::Or(hn::Not(p.found), hn::Gt(bound, twoMu));
   if (m.lambda < 0) stray = hn::Or(stray, hn::Not(stray));
   addVolumeTerm(d, m, s, stretch2, a);

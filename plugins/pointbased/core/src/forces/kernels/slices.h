@@ -10,32 +10,40 @@
 
 namespace pointbased::kernels {
 
-/// Evaluation points per slice: one register of AVX-512. Narrower registers take a slice in parts, so that neither the layout
-/// nor the order of any sum depends on the machine.
+/// Evaluation points per slice: one register of AVX-512. Narrower registers take a slice in parts, so that neither the
+/// layout nor the order of any sum depends on the machine.
 template <class T>
 inline constexpr std::size_t kLanes = 64 / sizeof(T);
 
 /// Corners of a cell; corner j lies at the signs (j & 1, j >> 1 & 1, j >> 2).
 inline constexpr std::size_t kCorners = 8;
 
-/// What a cell needs beside its corners, in this order. With C_s = Σ_j s_j u_j for the eight products s of the corners' signs,
-/// h the edge and <·> means over the part of the body in the cell, in edges from its centre:
+/// What a cell needs beside its corners, in this order. With C_s = Σ_j s_j u_j for the eight products s of the corners'
+/// signs, h the edge and <·> means over the part of the body in the cell, in edges from its centre:
 ///
 ///     G_x = C_x/(4h) + C_xy <η>/(2h) + C_xz <ζ>/(2h) + C_xyz <ηζ>/h   (G = F - I; y and z alike)
 ///     a_m = k_m C_m,   m = xy, xz, yz;   |a_xyz|² v s̄² = t |C_xyz|²
 enum CellNumber : std::size_t {
-  kGradient,                  ///< 1/(4h), 1/m
-  kFirstX, kFirstY, kFirstZ,  ///< <ξ>/(2h), …, 1/m
-  kMixedX, kMixedY, kMixedZ,  ///< <ηζ>/h, <ξζ>/h, <ξη>/h, 1/m
-  kModeXY, kModeXZ, kModeYZ,  ///< k_m, 1/m²
-  kVolume,                    ///< v, m³; 0 in lanes that stand for nothing
-  kRootX, kRootY, kRootZ,     ///< √(v s), s the variances, m^2.5
-  kTwist,                     ///< t, m
+  kGradient,  ///< 1/(4h), 1/m
+  kFirstX,
+  kFirstY,
+  kFirstZ,  ///< <ξ>/(2h), …, 1/m
+  kMixedX,
+  kMixedY,
+  kMixedZ,  ///< <ηζ>/h, <ξζ>/h, <ξη>/h, 1/m
+  kModeXY,
+  kModeXZ,
+  kModeYZ,  ///< k_m, 1/m²
+  kVolume,  ///< v, m³; 0 in lanes that stand for nothing
+  kRootX,
+  kRootY,
+  kRootZ,  ///< √(v s), s the variances, m^2.5
+  kTwist,  ///< t, m
   kCellNumbers
 };
 
-/// Cells that are taken together: their phyxels stay in the first cache, and what they do to a phyxel is summed there before
-/// it goes on.
+/// Cells that are taken together: their phyxels stay in the first cache, and what they do to a phyxel is summed there
+/// before it goes on.
 inline constexpr std::size_t kChunkCells = 64;
 template <class T>
 inline constexpr std::size_t kChunkSlices = kChunkCells / kLanes<T>;
@@ -44,13 +52,13 @@ inline constexpr std::size_t kMostLocals = kChunkCells * kCorners;  ///< phyxels
 /// Cells of a lattice: kLanes of one material to a slice, kChunkSlices slices to a chunk.
 template <class T>
 struct CellSlices {
-  std::vector<std::uint16_t> materials;    ///< [slices]
-  AlignedVector<std::uint16_t> corners;    ///< [slices][kCorners][lanes] into the phyxels of the chunk
-  AlignedVector<T> numbers;                ///< [blocks][kCellNumbers][lanes]; slices of whole cells share a block
-  std::vector<Index> blocks;               ///< [slices] which
-  std::vector<std::uint8_t> whole;         ///< [blocks] 1: all cells are, so that |g_j|² = 3 kGradient²
-  std::vector<Index> firstLocals{0};       ///< [chunks + 1] into phyxels
-  std::vector<Index> phyxels;              ///< [chunks][those of its cells, ascending]
+  std::vector<std::uint16_t> materials;  ///< [slices]
+  AlignedVector<std::uint16_t> corners;  ///< [slices][kCorners][lanes] into the phyxels of the chunk
+  AlignedVector<T> numbers;              ///< [blocks][kCellNumbers][lanes]; slices of whole cells share a block
+  std::vector<Index> blocks;             ///< [slices] which
+  std::vector<std::uint8_t> whole;       ///< [blocks] 1: all cells are, so that |g_j|² = 3 kGradient²
+  std::vector<Index> firstLocals{0};     ///< [chunks + 1] into phyxels
+  std::vector<Index> phyxels;            ///< [chunks][those of its cells, ascending]
 
   [[nodiscard]] std::size_t count() const { return materials.size(); }
   [[nodiscard]] std::size_t chunks() const { return firstLocals.size() - 1; }
@@ -59,37 +67,38 @@ struct CellSlices {
 /// Numbers of a law, once per material.
 template <class T>
 struct LawNumbers {
-  int law = 0;                         ///< MaterialLaw
-  T lambda{}, mu{}, volume{};          ///< Pa
+  int law = 0;                                           ///< MaterialLaw
+  T lambda{}, mu{}, volume{};                            ///< Pa
   T hourglassMu{}, hourglassLambda{}, hourglassTwist{};  ///< Pa; stabilisation × μ, λ*, kTwistStiffness E
-  T waveAtRest{}, allAtRest{};         ///< Pa: what tangentRatio() divides by
-  T twoEta{};                          ///< Pa s: twice the viscosity
+  T waveAtRest{}, allAtRest{};                           ///< Pa: what tangentRatio() divides by
+  T twoEta{};                                            ///< Pa s: twice the viscosity
 };
 
-/// Answers where a lane is collapsed or turned beyond what the formulas of the kernels hold. F, P and their changes column
-/// after column, in lattice axes.
+/// Answers where a lane is collapsed or turned beyond what the formulas of the kernels hold. F, P and their changes
+/// column after column, in lattice axes.
 struct ScalarLaw {
   const void *context = nullptr;
   /// @return tangentRatio() of the law
   double (*stress)(const void *context, std::size_t material, const double *F, double *P) = nullptr;
-  void (*differential)(const void *context, std::size_t material, const double *F, const double *dF, double *dP) = nullptr;
+  void (*differential)(const void *context, std::size_t material, const double *F, const double *dF,
+                       double *dP) = nullptr;
   double (*energy)(const void *context, std::size_t material, const double *F) = nullptr;
 };
 
 /// What a product with the tangent needs of a point, in this order; the last ones of the corotated law alone.
 enum TangentNumber : std::size_t {
-  kTangentG,                       ///< 9: G
-  kTangentA = kTangentG + 9,       ///< 9: amplitudes of the modes xy, xz, yz, 1/m
-  kTangentFirst = kTangentA + 9,   ///< dW/dJ; corotated: 2 μ - λ (tr U - 3)
-  kTangentSecond,                  ///< d²W/dJ²
-  kTangentStray,                   ///< 1 where the scalar law has to answer, else 0
-  kTangentR,                       ///< 9: R
-  kTangentTurn = kTangentR + 9,    ///< 6: (tr(U) 1 - U)^-1, xx yy zz xy xz yz
+  kTangentG,                      ///< 9: G
+  kTangentA = kTangentG + 9,      ///< 9: amplitudes of the modes xy, xz, yz, 1/m
+  kTangentFirst = kTangentA + 9,  ///< dW/dJ; corotated: 2 μ - λ (tr U - 3)
+  kTangentSecond,                 ///< d²W/dJ²
+  kTangentStray,                  ///< 1 where the scalar law has to answer, else 0
+  kTangentR,                      ///< 9: R
+  kTangentTurn = kTangentR + 9,   ///< 6: (tr(U) 1 - U)^-1, xx yy zz xy xz yz
   kTangentNumbers = kTangentTurn + 6
 };
 
-/// A field of phyxels, as the body has it: [phyxels][3], world axes. The kernels take it relative to its first vector, so that
-/// a body far from where it was made loses no digits, and in lattice axes.
+/// A field of phyxels, as the body has it: [phyxels][3], world axes. The kernels take it relative to its first vector,
+/// so that a body far from where it was made loses no digits, and in lattice axes.
 struct PhyxelField {
   const double *at = nullptr;  ///< null: there is none
   std::size_t count = 0;       ///< phyxels
@@ -99,29 +108,29 @@ struct PhyxelField {
 template <class T>
 struct CellJob {
   const CellSlices<T> *cells = nullptr;
-  std::span<const LawNumbers<T>> laws;   ///< [materials]
-  bool hourglass = false;                    ///< with the energy of the modes
-  double axes[3][3] = {};                ///< of the lattice, columns
-  bool turned = false;                   ///< axes are not those of the world
-  PhyxelField displacements;             ///< m; of products: their changes
-  PhyxelField velocities;                ///< m/s; without them no viscous stress
-  T viscousScale{};                      ///< 1/s, of products: adds the viscous forces of that times the displacements
+  std::span<const LawNumbers<T>> laws;  ///< [materials]
+  bool hourglass = false;               ///< with the energy of the modes
+  double axes[3][3] = {};               ///< of the lattice, columns
+  bool turned = false;                  ///< axes are not those of the world
+  PhyxelField displacements;            ///< m; of products: their changes
+  PhyxelField velocities;               ///< m/s; without them no viscous stress
+  T viscousScale{};                     ///< 1/s, of products: adds the viscous forces of that times the displacements
   /// [locals of all chunks][4] out: what the chunk does to the phyxel, N, lattice axes; and its stiffness there, N/m:
   /// Σ τ v (λ + 2 μ) |g_j|², τ the tangentRatio() (and stretch of modes) of a cell; NaN where something is none.
   T *partials = nullptr;
-  T *tangents = nullptr;                 ///< [slices][kTangentNumbers][lanes] of cellTangents()
-  double *energies = nullptr;            ///< [slices][2] out of cellEnergies(): strain and modes, J
+  T *tangents = nullptr;       ///< [slices][kTangentNumbers][lanes] of cellTangents()
+  double *energies = nullptr;  ///< [slices][2] out of cellEnergies(): strain and modes, J
 };
 
 /// Sums of partials: rows of phyxels, places in ascending order.
 template <class T>
 struct CollectJob {
   std::span<const Index> offsets, places;
-  const T *partials = nullptr;           ///< [places][4]
+  const T *partials = nullptr;  ///< [places][4]
   double axes[3][3] = {};
   bool turned = false;
-  double *forces = nullptr;              ///< [phyxels][3] out: N, world axes
-  const double *masses = nullptr;        ///< [phyxels] kg; null: stiffness over mass is not asked for
+  double *forces = nullptr;        ///< [phyxels][3] out: N, world axes
+  const double *masses = nullptr;  ///< [phyxels] kg; null: stiffness over mass is not asked for
 };
 
 /// What a point of a cloud needs beside its pairs, in this order. With w the symmetric weights and d the ways to the
@@ -133,10 +142,17 @@ struct CollectJob {
 /// which is the sum over both stencils of every pair: the weights are symmetric, and what a fit misses is
 /// u_k - u_j + d - F d.
 enum CloudNumber : std::size_t {
-  kInverseXX, kInverseYY, kInverseZZ, kInverseXY, kInverseXZ, kInverseYZ,  ///< A^-1, 1/m²
-  kRestX, kRestY, kRestZ,  ///< Σ w d, m
-  kCloudVolume,            ///< v, m³; 0 in lanes that stand for nothing
-  kControl,                ///< a, N/m: stiffness of the control over the norm of the weights
+  kInverseXX,
+  kInverseYY,
+  kInverseZZ,
+  kInverseXY,
+  kInverseXZ,
+  kInverseYZ,  ///< A^-1, 1/m²
+  kRestX,
+  kRestY,
+  kRestZ,        ///< Σ w d, m
+  kCloudVolume,  ///< v, m³; 0 in lanes that stand for nothing
+  kControl,      ///< a, N/m: stiffness of the control over the norm of the weights
   kCloudNumbers
 };
 

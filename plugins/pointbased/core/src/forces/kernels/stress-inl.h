@@ -61,8 +61,8 @@ HWY_NOINLINE void answerStrays(D d, hn::Mask<D> stray, const Strain<D> &s, const
 
 // P and how much stiffer the point is than at rest, as tangentRatio(): at least 1, NaN where something is none.
 template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
-HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, V stretch2, const ScalarLaw &scalar,
-                                 std::size_t material, V &ratio) {
+HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, V stretch2,
+                                 const ScalarLaw &scalar, std::size_t material, V &ratio) {
   using T = Real<D>;
   Answer<V> a;
   hn::Mask<D> stray = hn::Lt(hn::Zero(d), hn::Zero(d));
@@ -92,10 +92,14 @@ HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain
 template <class Body>
 HWY_INLINE void withLaw(int law, const Body &body) {
   switch (static_cast<MaterialLaw>(law)) {
-    case MaterialLaw::linear: return body(std::integral_constant<MaterialLaw, MaterialLaw::linear>());
-    case MaterialLaw::stVenantKirchhoff: return body(std::integral_constant<MaterialLaw, MaterialLaw::stVenantKirchhoff>());
-    case MaterialLaw::corotated: return body(std::integral_constant<MaterialLaw, MaterialLaw::corotated>());
-    case MaterialLaw::neoHookean: break;
+    case MaterialLaw::linear:
+      return body(std::integral_constant<MaterialLaw, MaterialLaw::linear>());
+    case MaterialLaw::stVenantKirchhoff:
+      return body(std::integral_constant<MaterialLaw, MaterialLaw::stVenantKirchhoff>());
+    case MaterialLaw::corotated:
+      return body(std::integral_constant<MaterialLaw, MaterialLaw::corotated>());
+    case MaterialLaw::neoHookean:
+      break;
   }
   body(std::integral_constant<MaterialLaw, MaterialLaw::neoHookean>());
 }

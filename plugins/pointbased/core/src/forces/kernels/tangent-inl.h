@@ -76,7 +76,8 @@ HWY_INLINE void prepareTangent(D d, const LawNumbers<Real<D>> &m, const Strain<D
     out.setMatrix(kTangentR, p.R);
     const V turn[6] = {c.xx, c.yy, c.zz, c.xy, c.xz, c.yz};
     for (std::size_t k = 0; k < 6; ++k) out.set(kTangentTurn + k, hn::Mul(inverse, turn[k]));
-    out.set(kTangentFirst, hn::NegMulAdd(hn::Set(d, m.lambda), hn::Sub(p.trace, hn::Set(d, T(3))), hn::Set(d, 2 * m.mu)));
+    out.set(kTangentFirst,
+            hn::NegMulAdd(hn::Set(d, m.lambda), hn::Sub(p.trace, hn::Set(d, T(3))), hn::Set(d, 2 * m.mu)));
     out.set(kTangentSecond, volumeFirst);
     // As long as the two smaller stretches do not meet at zero; then the scalar law holds the turn.
     const V largest = hn::Sqrt(largestStretchSquared(d, s.E, spreadOf(d, s.E)));
@@ -91,12 +92,13 @@ HWY_INLINE void prepareTangent(D d, const LawNumbers<Real<D>> &m, const Strain<D
 /// M [w]x
 template <class V>
 HWY_INLINE Mat3Lanes<V> timesCross(const Mat3Lanes<V> &M, const Vec3Lanes<V> &w) {
-  return {scaled(w.z, M.c1) - scaled(w.y, M.c2), scaled(w.x, M.c2) - scaled(w.z, M.c0), scaled(w.y, M.c0) - scaled(w.x, M.c1)};
+  return {scaled(w.z, M.c1) - scaled(w.y, M.c2), scaled(w.x, M.c2) - scaled(w.z, M.c0),
+          scaled(w.y, M.c0) - scaled(w.x, M.c1)};
 }
 
 template <class D, class V = hn::Vec<D>>
-HWY_NOINLINE void answerStrayChanges(D d, V stray, const Mat3Lanes<V> &G, const Mat3Lanes<V> &dG, const ScalarLaw &scalar,
-                                     std::size_t material, Mat3Lanes<V> &dP) {
+HWY_NOINLINE void answerStrayChanges(D d, V stray, const Mat3Lanes<V> &G, const Mat3Lanes<V> &dG,
+                                     const ScalarLaw &scalar, std::size_t material, Mat3Lanes<V> &dP) {
   using T = Real<D>;
   constexpr std::size_t kMost = hn::MaxLanes(D());
   HWY_ALIGN T at[9][kMost];
@@ -144,7 +146,7 @@ HWY_INLINE Mat3Lanes<V> stressChange(D d, const LawNumbers<Real<D>> &m, const Ta
     } else {
       const Mat3Lanes<V> R = t.getMatrix(kTangentR), A = transposeTimes(R, dG);
       const Vec3Lanes<V> axial = {hn::Sub(A.c1.z, A.c2.y), hn::Sub(A.c2.x, A.c0.z), hn::Sub(A.c0.y, A.c1.x)};
-      const Sym3Lanes<V> turn = {t.get(kTangentTurn), t.get(kTangentTurn + 1), t.get(kTangentTurn + 2),
+      const Sym3Lanes<V> turn = {t.get(kTangentTurn),     t.get(kTangentTurn + 1), t.get(kTangentTurn + 2),
                                  t.get(kTangentTurn + 3), t.get(kTangentTurn + 4), t.get(kTangentTurn + 5)};
       const Mat3Lanes<V> dR = timesCross(R, times(full(turn), axial));
       dP = mulAdd(hn::Neg(first), dR, scaled(hn::Set(d, 2 * m.mu), dG));
@@ -159,7 +161,8 @@ HWY_INLINE Mat3Lanes<V> stressChange(D d, const LawNumbers<Real<D>> &m, const Ta
   }
   if constexpr (kLaw == MaterialLaw::neoHookean || kLaw == MaterialLaw::corotated) {
     const V stray = t.get(kTangentStray);
-    if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Gt(stray, hn::Zero(d))))) answerStrayChanges(d, stray, G, dG, scalar, material, dP);
+    if (HWY_UNLIKELY(!hn::AllFalse(d, hn::Gt(stray, hn::Zero(d)))))
+      answerStrayChanges(d, stray, G, dG, scalar, material, dP);
   }
   return dP;
 }
@@ -167,12 +170,14 @@ HWY_INLINE Mat3Lanes<V> stressChange(D d, const LawNumbers<Real<D>> &m, const Ta
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V doubleDot(D d, const Sym3Lanes<V> &e) {
   const V across = hn::MulAdd(e.xy, e.xy, hn::MulAdd(e.xz, e.xz, hn::Mul(e.yz, e.yz)));
-  return hn::MulAdd(hn::Set(d, Real<D>(2)), across, hn::MulAdd(e.xx, e.xx, hn::MulAdd(e.yy, e.yy, hn::Mul(e.zz, e.zz))));
+  return hn::MulAdd(hn::Set(d, Real<D>(2)), across,
+                    hn::MulAdd(e.xx, e.xx, hn::MulAdd(e.yy, e.yy, hn::Mul(e.zz, e.zz))));
 }
 
 /// W, J/m³.
 template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
-HWY_INLINE V energyOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, const ScalarLaw &scalar, std::size_t material) {
+HWY_INLINE V energyOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, const ScalarLaw &scalar,
+                      std::size_t material) {
   using T = Real<D>;
   const V one = hn::Set(d, T(1)), mu = hn::Set(d, m.mu), halfLambda = hn::Set(d, m.lambda / 2);
   hn::Mask<D> stray = hn::Lt(one, hn::Zero(d));

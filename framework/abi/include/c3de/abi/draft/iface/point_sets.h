@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Phyxels carry the physics of a body, surfels are its visible surface. A set that belongs to a simulator is read between
- * its steps; a set created alone is a cloud of points with the same fields. Units are SI. */
+/* Phyxels carry the physics of a body, surfels are its visible surface. A set that belongs to a simulator is read
+ * between its steps; a set created alone is a cloud of points with the same fields. Units are SI. */
 #ifndef C3DE_ABI_DRAFT_IFACE_POINT_SETS_H
 #define C3DE_ABI_DRAFT_IFACE_POINT_SETS_H
 

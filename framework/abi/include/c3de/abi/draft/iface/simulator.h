@@ -78,8 +78,8 @@ typedef struct c3de_sim_refinement { /* finer sampling in a region */
 typedef struct c3de_sim_grid {
   uint32_t size;
   uint32_t reserved;
-  uint64_t points[3];   /* along i, j, k; i fastest; each at least 1 */
-  double origin_m[3];   /* of point (0, 0, 0) */
+  uint64_t points[3];                           /* along i, j, k; i fastest; each at least 1 */
+  double origin_m[3];                           /* of point (0, 0, 0) */
   double step_i_m[3], step_j_m[3], step_k_m[3]; /* to the next point; they span space */
 } c3de_sim_grid;
 
@@ -87,8 +87,8 @@ typedef struct c3de_sim_grid {
 typedef struct c3de_sim_fill {
   uint32_t size;
   uint32_t reserved;
-  c3de_sim_grid grid;   /* points are the middles of voxels, in the frame of the mesh as m: before the body's placement */
-  const float *values;  /* [points], 0 ... 1 */
+  c3de_sim_grid grid; /* points are the middles of voxels, in the frame of the mesh as m: before the body's placement */
+  const float *values; /* [points], 0 ... 1 */
 } c3de_sim_fill;
 
 typedef struct c3de_sim_body {
@@ -97,7 +97,7 @@ typedef struct c3de_sim_body {
   c3de_str name;
   c3de_handle mesh; /* of the mesh service; the simulator keeps its own copy of what it needs */
   double position_m[3], rotation_deg[3], scale; /* scale, then rotation about x, y, z, then position; scale 0 means 1 */
-  const c3de_param_value *params; /* ids of C3DE_SIM_SCOPE_BODY; what is missing has its default */
+  const c3de_param_value *params;               /* ids of C3DE_SIM_SCOPE_BODY; what is missing has its default */
   uint64_t params_n;
   const c3de_progress *progress; /* may be null */
   /* What follows may be absent (by size) or null. Strides are those of the structs as the caller knows them. */
@@ -109,12 +109,12 @@ typedef struct c3de_sim_body {
   uint64_t parts_n, parts_stride;
   const c3de_sim_refinement *refinements;
   uint64_t refinements_n, refinements_stride;
-  double velocity_m_s[3];             /* at the start */
-  double angular_velocity_rad_s[3];   /* at the start, about the centre of mass */
+  double velocity_m_s[3];           /* at the start */
+  double angular_velocity_rad_s[3]; /* at the start, about the centre of mass */
   const c3de_sim_fill *fill; /* may be absent (by size) or null. What the body fills instead of the inside of the mesh,
                               * which is its skin then. The simulator keeps its own copy. */
-  const float *colour;       /* may be absent (by size) or null: the simulator chooses. [3], sRGB, 0 ... 1: the one in which
-                              * people know the body, that of its label. Of no effect on the physics. */
+  const float *colour; /* may be absent (by size) or null: the simulator chooses. [3], sRGB, 0 ... 1: the one in which
+                        * people know the body, that of its label. Of no effect on the physics. */
 } c3de_sim_body;
 
 typedef struct c3de_sim_obstacle { /* rigid; stands still or follows a prescribed motion */
@@ -142,10 +142,10 @@ typedef struct c3de_sim_status {
   uint64_t steps;
   double time_s, dt_s;
   uint64_t bodies, obstacles;
-  uint32_t finished; /* may be absent (by size). 1: nothing changes any more, a step does nothing: a quasi-static solution
-                      * has reached its full load. Reset, and a body that is added, make it 0 again. */
-  uint32_t stopped;  /* may be absent. Bodies that stand still in their last good state while the others go on; events of
-                      * the report say why. step() fails when none is left. */
+  uint32_t finished; /* may be absent (by size). 1: nothing changes any more, a step does nothing: a quasi-static
+                      * solution has reached its full load. Reset, and a body that is added, make it 0 again. */
+  uint32_t stopped; /* may be absent. Bodies that stand still in their last good state while the others go on; events of
+                     * the report say why. step() fails when none is left. */
 } c3de_sim_status;
 
 typedef struct c3de_simulator_v0 {
@@ -163,14 +163,15 @@ typedef struct c3de_simulator_v0 {
   /* Checks against the declarations; C3DE_E_ARG or C3DE_E_NOT_FOUND with text, then nothing is changed. [sim] */
   c3de_status(C3DE_CALL *set_world)(c3de_object *self, const c3de_param_value *values, uint64_t n, uint64_t stride);
   /* Builds the body in the calling thread and adds it between two steps; the initial state of the simulation is then
-   * the one that has it, at time 0. A message about one of its fixes, loads, parts or refinements begins with "fix N: ",
-   * "load N: ", "part N: " or "refinement N: ": the field index of a fix or load, the place in its array of a part or
-   * refinement, from 0. The host then names the line of the scene. [any] */
+   * the one that has it, at time 0. A message about one of its fixes, loads, parts or refinements begins with "fix N:
+   * ", "load N: ", "part N: " or "refinement N: ": the field index of a fix or load, the place in its array of a part
+   * or refinement, from 0. The host then names the line of the scene. [any] */
   c3de_status(C3DE_CALL *add_body)(c3de_object *self, const c3de_sim_body *body, c3de_handle *out);
   c3de_status(C3DE_CALL *add_obstacle)(c3de_object *self, const c3de_sim_obstacle *obstacle, c3de_handle *out);
   /* A material point, given in the body's placed reference shape, reported where it is now. [any] */
   c3de_status(C3DE_CALL *add_probe)(c3de_object *self, c3de_str name, c3de_handle body, const double *at_m3);
-  c3de_status(C3DE_CALL *set_body_param)(c3de_object *self, c3de_handle body, const c3de_param_value *value); /* [sim] */
+  c3de_status(C3DE_CALL *set_body_param)(c3de_object *self, c3de_handle body,
+                                         const c3de_param_value *value); /* [sim] */
   c3de_status(C3DE_CALL *get_body_param)(c3de_object *self, c3de_handle body, c3de_str id, c3de_param_value *out);
   c3de_status(C3DE_CALL *remove)(c3de_object *self, c3de_handle body_or_obstacle); /* [sim] */
   c3de_status(C3DE_CALL *clear)(c3de_object *self);                                /* [sim] */
@@ -192,16 +193,16 @@ typedef struct c3de_simulator_v0 {
   /* From revision 3. How far the material that is now at the points of a grid has come, over all bodies:
    * X = x - u(x). Around the bodies u falls to 0 within rim_m >= 0.
    * xyz_m: [points][3], i fastest. gap_m: null, or [points]: how far the material of X is from the point now, where the
-   * rim leads back into a body that has gone away; 0 at points of bodies and where X belongs to none, to about a spacing;
-   * very large where X lies outside of the grid. [sim] */
+   * rim leads back into a body that has gone away; 0 at points of bodies and where X belongs to none, to about a
+   * spacing; very large where X lies outside of the grid. [sim] */
   c3de_status(C3DE_CALL *displacement)(c3de_object *self, const c3de_sim_grid *grid, double rim_m, float *xyz_m,
                                        float *gap_m);
   /* From revision 4. raised 1: a step that is being computed, and every one that is asked for from now on, answers
    * C3DE_E_CANCELLED within a second or so and leaves the state before it; 0: steps are computed again. Who raises it
    * lowers it. [any] */
   c3de_status(C3DE_CALL *interrupt)(c3de_object *self, uint32_t raised);
-  /* From revision 4. What of the step that is being computed takes long and what would help, for people: one line, empty
-   * between steps. Does not wait for the step. [any] */
+  /* From revision 4. What of the step that is being computed takes long and what would help, for people: one line,
+   * empty between steps. Does not wait for the step. [any] */
   c3de_status(C3DE_CALL *activity)(c3de_object *self, c3de_sink text);
 } c3de_simulator_v0;
 
