@@ -41,8 +41,7 @@ Expected<pid_t> spawn(const std::vector<std::string> &arguments, posix_spawn_fil
   argv.push_back(nullptr);
   pid_t pid = 0;
   const int error = posix_spawnp(&pid, argv[0], actions, nullptr, argv.data(), environ);
-  if (error != 0)
-    return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + std::strerror(error));
+  if (error != 0) return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + std::strerror(error));
   return pid;
 }
 
@@ -126,6 +125,15 @@ void redirectDescriptor(int descriptor, int to) { dup2(to, descriptor); }
 void closeDescriptor(int descriptor) { close(descriptor); }
 int descriptorOf(std::FILE *file) { return fileno(file); }
 
+Expected<int> continueAs(const std::vector<std::string> &arguments) {
+  if (arguments.empty()) return fail(ErrorCode::usage, "no program to run");
+  std::vector<char *> words;
+  for (const std::string &argument : arguments) words.push_back(const_cast<char *>(argument.c_str()));
+  words.push_back(nullptr);
+  execv(words.front(), words.data());
+  return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + std::strerror(errno));
+}
+
 Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {
   int out[2], err[2];
   if (pipe2(out, O_CLOEXEC) != 0) return fail(ErrorCode::state, "no pipe");
@@ -193,7 +201,8 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
   return result;
 }
 
-Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &arguments, const std::filesystem::path &log) {
+Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &arguments,
+                                           const std::filesystem::path &log) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);

@@ -16,7 +16,8 @@ namespace c3de {
 namespace {
 
 std::string utf8(const std::wstring &wide) {
-  const int n = WideCharToMultiByte(CP_UTF8, 0, wide.data(), static_cast<int>(wide.size()), nullptr, 0, nullptr, nullptr);
+  const int n =
+      WideCharToMultiByte(CP_UTF8, 0, wide.data(), static_cast<int>(wide.size()), nullptr, 0, nullptr, nullptr);
   std::string text(static_cast<std::size_t>(n), '\0');
   WideCharToMultiByte(CP_UTF8, 0, wide.data(), static_cast<int>(wide.size()), text.data(), n, nullptr, nullptr);
   return text;
@@ -32,9 +33,9 @@ std::wstring wide(const std::string &text) {
 std::string lastErrorText() {
   const DWORD code = GetLastError();
   wchar_t *buffer = nullptr;
-  const DWORD n = FormatMessageW(
-      FORMAT_MESSAGE_ALLOCATE_BUFFER | FORMAT_MESSAGE_FROM_SYSTEM | FORMAT_MESSAGE_IGNORE_INSERTS, nullptr, code, 0,
-      reinterpret_cast<wchar_t *>(&buffer), 0, nullptr);
+  const DWORD n =
+      FormatMessageW(FORMAT_MESSAGE_ALLOCATE_BUFFER | FORMAT_MESSAGE_FROM_SYSTEM | FORMAT_MESSAGE_IGNORE_INSERTS,
+                     nullptr, code, 0, reinterpret_cast<wchar_t *>(&buffer), 0, nullptr);
   std::string text = n ? utf8(std::wstring(buffer, n)) : "error";
   LocalFree(buffer);
   while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
@@ -97,8 +98,8 @@ void readAll(HANDLE pipe, std::string *text) {
 Expected<DynamicLibrary> DynamicLibrary::open(const std::filesystem::path &path) {
   const UINT mode = SetErrorMode(SEM_FAILCRITICALERRORS);
   DynamicLibrary library;
-  library.handle_ = LoadLibraryExW(path.c_str(), nullptr,
-                                   LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR | LOAD_LIBRARY_SEARCH_DEFAULT_DIRS);
+  library.handle_ =
+      LoadLibraryExW(path.c_str(), nullptr, LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR | LOAD_LIBRARY_SEARCH_DEFAULT_DIRS);
   const std::string why = library.handle_ ? "" : lastErrorText();
   SetErrorMode(mode);
   if (!library.handle_) return fail(ErrorCode::plugin, why);
@@ -152,6 +153,22 @@ void redirectDescriptor(int descriptor, int to) { _dup2(to, descriptor); }
 void closeDescriptor(int descriptor) { _close(descriptor); }
 int descriptorOf(std::FILE *file) { return _fileno(file); }
 
+Expected<int> continueAs(const std::vector<std::string> &arguments) {
+  if (arguments.empty()) return fail(ErrorCode::usage, "no program to run");
+  STARTUPINFOW startup{};
+  startup.cb = sizeof startup;
+  PROCESS_INFORMATION process{};
+  std::wstring line = commandLine(arguments);
+  if (!CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE, 0, nullptr, nullptr, &startup, &process))
+    return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + lastErrorText());
+  WaitForSingleObject(process.hProcess, INFINITE);
+  DWORD code = 1;
+  GetExitCodeProcess(process.hProcess, &code);
+  CloseHandle(process.hThread);
+  CloseHandle(process.hProcess);
+  return static_cast<int>(code);
+}
+
 Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s) {
   SECURITY_ATTRIBUTES inherit{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};
   HANDLE outRead, outWrite, errRead, errWrite;
@@ -186,7 +203,8 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
   return result;
 }
 
-Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &arguments, const std::filesystem::path &log) {
+Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &arguments,
+                                           const std::filesystem::path &log) {
   SECURITY_ATTRIBUTES inherit{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};
   const HANDLE file = CreateFileW(log.c_str(), GENERIC_WRITE, FILE_SHARE_READ, &inherit, CREATE_ALWAYS, 0, nullptr);
   const Expected<PROCESS_INFORMATION> process = spawn(arguments, file, file);

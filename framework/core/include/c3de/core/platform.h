@@ -12,7 +12,8 @@
 
 namespace c3de {
 
-/// A shared library in this process. Never unloaded: unloading is not reliable (thread-local destructors, unique symbols).
+/// A shared library in this process. Never unloaded: unloading is not reliable (thread-local destructors, unique
+/// symbols).
 class DynamicLibrary {
  public:
   /// @param path  absolute; dependencies are searched beside it
@@ -59,6 +60,10 @@ struct ProcessResult {
 };
 /// Runs a program to its end, or ends it after timeout_s.
 [[nodiscard]] Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s);
+
+/// Goes on as another program, with the same console, folder and environment; arguments.front() is the program. Returns
+/// only the reason why it cannot be started; on Windows, which cannot replace a process, also its exit code at its end.
+[[nodiscard]] Expected<int> continueAs(const std::vector<std::string> &arguments);
 
 /// A program that runs beside this one; ended by the destructor.
 class ChildProcess {
