@@ -315,7 +315,7 @@ TEST_CASE("a view shows what has changed in it at once, and no more than that", 
     window.moveTo(inPane(window, "3D", 0.9, 0.9));
     window.waitUntil(
         "notices are gone", [](const Json &s) { return s["notifications"].empty(); }, 60.0);
-    window.screenshot(name);
+    window.screenshotAtRest(name);
   };
   const auto differ = [&](const char *before, const char *after, const std::vector<std::string> &changed) {
     for (const std::string pane : {"axial", "sagittal", "coronal", "3D"}) {
@@ -568,8 +568,9 @@ TEST_CASE("an image moves with its body, stands where it stands and goes back wi
     return sum / count;
   };
   const double flown_mm = kSpeed_mm_s * window.state()["transport"]["time_s"].get<double>();
-  // Voxels of 2 mm: a quarter of one.
-  CHECK(middle(after->volume) - middle(before->volume) == Approx(flown_mm).margin(0.5));
+  // Voxels of 2 mm belong to the block or not: its two faces jump from one to the next, half a voxel behind and ahead
+  // of the tissue in turn. Measured over 1.6 … 6.4 mm: a saw tooth of ±0.53 mm.
+  CHECK(middle(after->volume) - middle(before->volume) == Approx(flown_mm).margin(0.6));
   CHECK(fs::file_size(field) > 1000);
   window.moveTo(inPane(window, "3D", 0.5, 0.9));  // over a slice the key is the slice's
   window.key("ctrl+r");

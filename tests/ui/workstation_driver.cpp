@@ -272,15 +272,32 @@ void WorkstationDriver::screenshot(const std::string &name) {
   (void)runProcess({"import", "-window", "root", (folder_ / (name_ + "-" + name + ".png")).string()}, 20.0);
 }
 
+void WorkstationDriver::screenshotAtRest(const std::string &name) {
+  constexpr int kMostTries = 20;
+  screenshot(name);
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    const int frame = state().value("frame", 0);
+    pause(300);
+    screenshot("again");
+    const double differing = differingPixels(name, "again", "screen");
+    std::filesystem::rename(folder_ / (name_ + "-again.png"), folder_ / (name_ + "-" + name + ".png"));
+    if (differing == 0.0 && state().value("frame", 0) == frame) return;
+  }
+  throw std::runtime_error("the picture '" + name + "' does not stand still");
+}
+
 double WorkstationDriver::differingPixels(const std::string &first, const std::string &second,
                                           const std::string &pane) const {
   const auto file = [&](const std::string &name) { return (folder_ / (name_ + "-" + name + ".png")).string(); };
   const Json now = state();
-  const Json view = pane.empty() ? now["view"] : now["panes"][pane];
-  const auto whole = [&](const char *key) { return std::to_string(view[key].get<int>()); };
-  const std::string area = whole("w") + "x" + whole("h") + "+" + whole("x") + "+" + whole("y");
-  const auto result = runProcess(
-      {"compare", "-extract", area, "-metric", "AE", "-fuzz", "3%", file(first), file(second), "null:"}, 30.0);
+  std::vector<std::string> command{"compare", "-metric", "AE", "-fuzz", "3%"};
+  if (pane != "screen") {
+    const Json view = pane.empty() ? now["view"] : now["panes"][pane];
+    const auto whole = [&](const char *key) { return std::to_string(view[key].get<int>()); };
+    command.insert(command.end(), {"-extract", whole("w") + "x" + whole("h") + "+" + whole("x") + "+" + whole("y")});
+  }
+  command.insert(command.end(), {file(first), file(second), "null:"});
+  const auto result = runProcess(command, 30.0);
   // 0: equal, 1: they differ; the count goes to stderr.
   if (!result || result->exitCode > 1)
     throw std::runtime_error("compare failed: " + (result ? result->errorOutput : result.error().message));

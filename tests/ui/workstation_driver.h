@@ -76,7 +76,11 @@ class WorkstationDriver {
   void type(const std::string &text, int delay_ms = 40);
   /// PNG beside the log.
   void screenshot(const std::string &name);
-  /// How many pixels differ visibly between two screenshots: of the 3D view, or of one of the four views of an image.
+  /// Once the picture stands still: the state is written before the frame is on the screen, and on a busy machine that
+  /// takes a while.
+  void screenshotAtRest(const std::string &name);
+  /// How many pixels differ visibly between two screenshots: of the 3D view, or of one of the four views of an image;
+  /// of the whole screen for "screen".
   [[nodiscard]] double differingPixels(const std::string &first, const std::string &second,
                                        const std::string &pane = {}) const;
 
