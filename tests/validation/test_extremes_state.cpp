@@ -47,12 +47,9 @@ enum class Start { flat, point, mirrored, scrambled };
 
 void put(Body &body, Start start) {
   switch (start) {
-    case Start::flat:
-      return displace(body, Vec3(1, 1, 0).asDiagonal());
-    case Start::point:
-      return displace(body, Mat3::Zero());
-    case Start::mirrored:
-      return displace(body, Vec3(1, 1, -1).asDiagonal());
+    case Start::flat: return displace(body, Vec3(1, 1, 0).asDiagonal());
+    case Start::point: return displace(body, Mat3::Zero());
+    case Start::mirrored: return displace(body, Vec3(1, 1, -1).asDiagonal());
     case Start::scrambled: {
       shapes::Random random(7);
       for (Vec3 &u : body.state().displacements) u = 0.25 * kEdge * random.vector();

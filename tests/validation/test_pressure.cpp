@@ -19,15 +19,9 @@ Problem cube(Kind kind, int layers, double poissonRatio) {
   problem.material.poissonRatio = poissonRatio;
   problem.hold(face(2, 0.0));
   switch (kind) {
-    case Kind::compressed:
-      problem.move(face(2, 0.1), Vec3(0, 0, -0.02));
-      break;
-    case Kind::sheared:
-      problem.move(face(2, 0.1), Vec3(0.02, 0, 0));
-      break;
-    case Kind::sagging:
-      problem.world.gravity = Vec3(0, 0, -9.81);
-      break;
+    case Kind::compressed: problem.move(face(2, 0.1), Vec3(0, 0, -0.02)); break;
+    case Kind::sheared: problem.move(face(2, 0.1), Vec3(0.02, 0, 0)); break;
+    case Kind::sagging: problem.world.gravity = Vec3(0, 0, -9.81); break;
     case Kind::punched:
       problem.move(Region(BoxRegion{Vec3(-0.02, -0.02, 0.1 - 1e-7), Vec3(0.02, 0.02, 0.1 + 1e-7)}), Vec3(0, 0, -0.005));
   }

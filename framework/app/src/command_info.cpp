@@ -53,32 +53,21 @@ void describeValues(const std::vector<scene::SceneValue> &values, std::ostringst
   for (const scene::SceneValue &value : values) {
     text << "  " << value.value.id << " = " << value.value.display() << "\n";
     switch (value.value.type) {
-      case C3DE_PARAM_BOOL:
-        json[value.value.id] = value.value.num != 0.0;
-        break;
+      case C3DE_PARAM_BOOL: json[value.value.id] = value.value.num != 0.0; break;
       case C3DE_PARAM_I64:
-      case C3DE_PARAM_F64:
-        json[value.value.id] = jsonNumber(value.value.num);
-        break;
-      case C3DE_PARAM_VEC3:
-        json[value.value.id] = value.value.vec;
-        break;
-      default:
-        json[value.value.id] = value.value.text;
+      case C3DE_PARAM_F64: json[value.value.id] = jsonNumber(value.value.num); break;
+      case C3DE_PARAM_VEC3: json[value.value.id] = value.value.vec; break;
+      default: json[value.value.id] = value.value.text;
     }
   }
 }
 
 Json jsonOf(const scene::SceneRegion &region) {
   switch (region.kind) {
-    case scene::SceneRegion::Kind::box:
-      return {{"box", {{"min", region.a}, {"max", region.b}}}};
-    case scene::SceneRegion::Kind::sphere:
-      return {{"sphere", {{"centre", region.a}, {"radius", region.radius}}}};
-    case scene::SceneRegion::Kind::halfSpace:
-      return {{"half_space", {{"point", region.a}, {"normal", region.b}}}};
-    case scene::SceneRegion::Kind::everywhere:
-      break;
+    case scene::SceneRegion::Kind::box: return {{"box", {{"min", region.a}, {"max", region.b}}}};
+    case scene::SceneRegion::Kind::sphere: return {{"sphere", {{"centre", region.a}, {"radius", region.radius}}}};
+    case scene::SceneRegion::Kind::halfSpace: return {{"half_space", {{"point", region.a}, {"normal", region.b}}}};
+    case scene::SceneRegion::Kind::everywhere: break;
   }
   return {{"everywhere", true}};
 }

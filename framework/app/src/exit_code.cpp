@@ -7,23 +7,15 @@ namespace c3de::app {
 
 ExitCode exitCodeOf(ErrorCode code) {
   switch (code) {
-    case ErrorCode::usage:
-      return kUsage;
-    case ErrorCode::input:
-      return kInput;
-    case ErrorCode::plugin:
-      return kPlugin;
-    case ErrorCode::diverged:
-      return kDiverged;
-    case ErrorCode::graphics:
-      return kGraphics;
-    case ErrorCode::output:
-      return kOutput;
-    case ErrorCode::cancelled:
-      return kInterrupted;
+    case ErrorCode::usage: return kUsage;
+    case ErrorCode::input: return kInput;
+    case ErrorCode::plugin: return kPlugin;
+    case ErrorCode::diverged: return kDiverged;
+    case ErrorCode::graphics: return kGraphics;
+    case ErrorCode::output: return kOutput;
+    case ErrorCode::cancelled: return kInterrupted;
     case ErrorCode::state:
-    case ErrorCode::internal:
-      return kFailed;
+    case ErrorCode::internal: return kFailed;
   }
   return kFailed;
 }

@@ -40,17 +40,10 @@ TrianglePoint finish(const Vec3 &p, const Vec3 &a, const Vec3 &b, const Vec3 &c,
   result.feature = feature;
   switch (feature) {
     // A corner is that corner to the last bit, so that its triangles agree on the distance.
-    case Feature::cornerA:
-      result.point = a;
-      break;
-    case Feature::cornerB:
-      result.point = b;
-      break;
-    case Feature::cornerC:
-      result.point = c;
-      break;
-    default:
-      result.point = a + bary[1] * (b - a) + bary[2] * (c - a);
+    case Feature::cornerA: result.point = a; break;
+    case Feature::cornerB: result.point = b; break;
+    case Feature::cornerC: result.point = c; break;
+    default: result.point = a + bary[1] * (b - a) + bary[2] * (c - a);
   }
   const Vec3 d = p - result.point;
   result.distanceSquared = dot(d, d);

@@ -14,20 +14,13 @@ namespace {
 
 const char *typeName(std::uint32_t type) {
   switch (type) {
-    case C3DE_PARAM_F64:
-      return "a number";
-    case C3DE_PARAM_I64:
-      return "a whole number";
-    case C3DE_PARAM_BOOL:
-      return "true or false";
-    case C3DE_PARAM_CHOICE:
-      return "one of the choices";
-    case C3DE_PARAM_TEXT:
-      return "text";
-    case C3DE_PARAM_VEC3:
-      return "three numbers";
-    default:
-      return "a value";
+    case C3DE_PARAM_F64: return "a number";
+    case C3DE_PARAM_I64: return "a whole number";
+    case C3DE_PARAM_BOOL: return "true or false";
+    case C3DE_PARAM_CHOICE: return "one of the choices";
+    case C3DE_PARAM_TEXT: return "text";
+    case C3DE_PARAM_VEC3: return "three numbers";
+    default: return "a value";
   }
 }
 
@@ -69,16 +62,11 @@ ParameterValue ParameterValue::from(const c3de_param_value &value) {
 
 std::string ParameterValue::display() const {
   switch (type) {
-    case C3DE_PARAM_BOOL:
-      return num != 0.0 ? "true" : "false";
-    case C3DE_PARAM_I64:
-      return fmt::format("{:.0f}", num);
-    case C3DE_PARAM_F64:
-      return formatNumber(num);
-    case C3DE_PARAM_VEC3:
-      return fmt::format("[{}, {}, {}]", vec[0], vec[1], vec[2]);
-    default:
-      return '"' + text + '"';
+    case C3DE_PARAM_BOOL: return num != 0.0 ? "true" : "false";
+    case C3DE_PARAM_I64: return fmt::format("{:.0f}", num);
+    case C3DE_PARAM_F64: return formatNumber(num);
+    case C3DE_PARAM_VEC3: return fmt::format("[{}, {}, {}]", vec[0], vec[1], vec[2]);
+    default: return '"' + text + '"';
   }
 }
 
@@ -126,11 +114,8 @@ std::string ParameterDecl::accepted() const {
     case C3DE_PARAM_CHOICE:
       for (const std::string &choice : choices) text += (text.empty() ? "" : " | ") + choice;
       break;
-    case C3DE_PARAM_VEC3:
-      text = fmt::format("three numbers of {} … {}{}", min, max, unitSuffix(*this));
-      break;
-    default:
-      text = typeName(type);
+    case C3DE_PARAM_VEC3: text = fmt::format("three numbers of {} … {}{}", min, max, unitSuffix(*this)); break;
+    default: text = typeName(type);
   }
   if (flags & C3DE_PARAM_AUTO) text = "\"auto\" or " + text;
   return text;
@@ -167,8 +152,7 @@ Expected<void> checkParameter(const ParameterDecl &decl, const ParameterValue &v
       for (const double x : value.vec)
         if (!std::isfinite(x) || x < decl.min || x > decl.max) return refuse(decl, value);
       return {};
-    default:
-      return fail(ErrorCode::internal, fmt::format("{}: declared with unknown type {}", decl.id, decl.type));
+    default: return fail(ErrorCode::internal, fmt::format("{}: declared with unknown type {}", decl.id, decl.type));
   }
 }
 

@@ -64,8 +64,7 @@ Expected<void> ObjScan::checkVertex(std::string_view rest, std::size_t line) {
       case NumberState::notFinite:
         return refuse(
             line, fmt::format("{} coordinate {} of vertex {} is not finite", axis, quotedText(token), vertices_ + 1));
-      case NumberState::ok:
-        break;
+      case NumberState::ok: break;
     }
     if (std::abs(value) > limit_)
       return refuse(

@@ -7,24 +7,18 @@ namespace c3de::geometry {
 
 double millimetresPer(LengthUnit unit) {
   switch (unit) {
-    case LengthUnit::metre:
-      return 1000.0;
-    case LengthUnit::centimetre:
-      return 10.0;
-    case LengthUnit::millimetre:
-      break;
+    case LengthUnit::metre: return 1000.0;
+    case LengthUnit::centimetre: return 10.0;
+    case LengthUnit::millimetre: break;
   }
   return 1.0;
 }
 
 const char *unitName(LengthUnit unit) {
   switch (unit) {
-    case LengthUnit::metre:
-      return "m";
-    case LengthUnit::centimetre:
-      return "cm";
-    case LengthUnit::millimetre:
-      break;
+    case LengthUnit::metre: return "m";
+    case LengthUnit::centimetre: return "cm";
+    case LengthUnit::millimetre: break;
   }
   return "mm";
 }

@@ -119,10 +119,8 @@ Expected<void> VtkParser::reals(std::size_t n, const std::string &type, std::vec
       switch (parseNumber(t, out[i])) {
         case NumberState::notANumber:
           return refuse(fmt::format("coordinate {} is not a number (a decimal point is expected)", quotedText(t)));
-        case NumberState::notFinite:
-          return refuse(fmt::format("coordinate {} is not finite", quotedText(t)));
-        case NumberState::ok:
-          break;
+        case NumberState::notFinite: return refuse(fmt::format("coordinate {} is not finite", quotedText(t)));
+        case NumberState::ok: break;
       }
     }
     return {};

@@ -80,33 +80,21 @@ Expected<Nifti> parse(const std::filesystem::path &path) {
 
 Expected<Scalar> scalarOf(const std::filesystem::path &path, int type) {
   switch (type) {
-    case 2:
-      return Scalar::u8;
-    case 4:
-      return Scalar::i16;
-    case 8:
-      return Scalar::i32;
-    case 16:
-      return Scalar::f32;
-    case 64:
-      return Scalar::f64;
-    case 256:
-      return Scalar::i8;
-    case 512:
-      return Scalar::u16;
-    case 768:
-      return Scalar::u32;
-    case 1024:
-      return Scalar::i64;
-    case 1280:
-      return Scalar::u64;
+    case 2: return Scalar::u8;
+    case 4: return Scalar::i16;
+    case 8: return Scalar::i32;
+    case 16: return Scalar::f32;
+    case 64: return Scalar::f64;
+    case 256: return Scalar::i8;
+    case 512: return Scalar::u16;
+    case 768: return Scalar::u32;
+    case 1024: return Scalar::i64;
+    case 1280: return Scalar::u64;
     case 32:
     case 1792:
-    case 2048:
-      return refuse(path, "holds complex numbers; images of one number per voxel and colours are read");
+    case 2048: return refuse(path, "holds complex numbers; images of one number per voxel and colours are read");
     case 128:
-    case 2304:
-      return Scalar::u8;  // RGB24, RGBA32
+    case 2304: return Scalar::u8;  // RGB24, RGBA32
     default:
       return refuse(path, "its datatype " + std::to_string(type) +
                               " is not read; integers of 8 to 64 bits and floating point of 32 and 64 bits are");

@@ -193,26 +193,16 @@ Expected<Voxels> readStored(const ImageHeader &header, const ReadOptions &option
                             std::vector<std::string> &notices) {
   try {
     switch (header.scalar) {
-      case Scalar::i8:
-        return readOf<std::int8_t>(header, options, whole, notices);
-      case Scalar::u8:
-        return readOf<std::uint8_t>(header, options, whole, notices);
-      case Scalar::i16:
-        return readOf<std::int16_t>(header, options, whole, notices);
-      case Scalar::u16:
-        return readOf<std::uint16_t>(header, options, whole, notices);
-      case Scalar::i32:
-        return readOf<std::int32_t>(header, options, whole, notices);
-      case Scalar::u32:
-        return readOf<std::uint32_t>(header, options, whole, notices);
-      case Scalar::i64:
-        return readOf<std::int64_t>(header, options, whole, notices);
-      case Scalar::u64:
-        return readOf<std::uint64_t>(header, options, whole, notices);
-      case Scalar::f32:
-        return readOf<float>(header, options, whole, notices);
-      case Scalar::f64:
-        break;
+      case Scalar::i8: return readOf<std::int8_t>(header, options, whole, notices);
+      case Scalar::u8: return readOf<std::uint8_t>(header, options, whole, notices);
+      case Scalar::i16: return readOf<std::int16_t>(header, options, whole, notices);
+      case Scalar::u16: return readOf<std::uint16_t>(header, options, whole, notices);
+      case Scalar::i32: return readOf<std::int32_t>(header, options, whole, notices);
+      case Scalar::u32: return readOf<std::uint32_t>(header, options, whole, notices);
+      case Scalar::i64: return readOf<std::int64_t>(header, options, whole, notices);
+      case Scalar::u64: return readOf<std::uint64_t>(header, options, whole, notices);
+      case Scalar::f32: return readOf<float>(header, options, whole, notices);
+      case Scalar::f64: break;
     }
     return readOf<double>(header, options, whole, notices);
   } catch (const std::bad_alloc &) {

@@ -16,36 +16,25 @@ constexpr std::uint64_t kMostRows = 0xfffffffeu;
 
 std::size_t dtypeSize(std::uint32_t dtype) {
   switch (dtype) {
-    case C3DE_U8:
-      return 1;
+    case C3DE_U8: return 1;
     case C3DE_F32:
     case C3DE_I32:
-    case C3DE_U32:
-      return 4;
+    case C3DE_U32: return 4;
     case C3DE_F64:
-    case C3DE_U64:
-      return 8;
-    default:
-      return 0;
+    case C3DE_U64: return 8;
+    default: return 0;
   }
 }
 
 const char *dtypeName(std::uint32_t dtype) {
   switch (dtype) {
-    case C3DE_F32:
-      return "f32";
-    case C3DE_F64:
-      return "f64";
-    case C3DE_U8:
-      return "u8";
-    case C3DE_I32:
-      return "i32";
-    case C3DE_U32:
-      return "u32";
-    case C3DE_U64:
-      return "u64";
-    default:
-      return "unknown";
+    case C3DE_F32: return "f32";
+    case C3DE_F64: return "f64";
+    case C3DE_U8: return "u8";
+    case C3DE_I32: return "i32";
+    case C3DE_U32: return "u32";
+    case C3DE_U64: return "u64";
+    default: return "unknown";
   }
 }
 

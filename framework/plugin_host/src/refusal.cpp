@@ -20,24 +20,15 @@ void leaveText(const char *where, const char *what) noexcept {
 
 c3de_status statusOf(ErrorCode code) noexcept {
   switch (code) {
-    case ErrorCode::usage:
-      return C3DE_E_ARG;
-    case ErrorCode::input:
-      return C3DE_E_FORMAT;
-    case ErrorCode::plugin:
-      return C3DE_E_UNSUPPORTED;
-    case ErrorCode::diverged:
-      return C3DE_E_DIVERGED;
-    case ErrorCode::graphics:
-      return C3DE_E_GPU;
-    case ErrorCode::output:
-      return C3DE_E_IO;
-    case ErrorCode::cancelled:
-      return C3DE_E_CANCELLED;
-    case ErrorCode::state:
-      return C3DE_E_STATE;
-    case ErrorCode::internal:
-      break;
+    case ErrorCode::usage: return C3DE_E_ARG;
+    case ErrorCode::input: return C3DE_E_FORMAT;
+    case ErrorCode::plugin: return C3DE_E_UNSUPPORTED;
+    case ErrorCode::diverged: return C3DE_E_DIVERGED;
+    case ErrorCode::graphics: return C3DE_E_GPU;
+    case ErrorCode::output: return C3DE_E_IO;
+    case ErrorCode::cancelled: return C3DE_E_CANCELLED;
+    case ErrorCode::state: return C3DE_E_STATE;
+    case ErrorCode::internal: break;
   }
   return C3DE_E_INTERNAL;
 }
@@ -46,28 +37,20 @@ ErrorCode errorCodeOf(c3de_status status) noexcept {
   switch (status) {
     case C3DE_E_ARG:
     case C3DE_E_NOT_FOUND:
-    case C3DE_E_EXISTS:
-      return ErrorCode::usage;
+    case C3DE_E_EXISTS: return ErrorCode::usage;
     case C3DE_E_IO:
-    case C3DE_E_FORMAT:
-      return ErrorCode::input;
-    case C3DE_E_CANCELLED:
-      return ErrorCode::cancelled;
-    case C3DE_E_DIVERGED:
-      return ErrorCode::diverged;
-    case C3DE_E_GPU:
-      return ErrorCode::graphics;
+    case C3DE_E_FORMAT: return ErrorCode::input;
+    case C3DE_E_CANCELLED: return ErrorCode::cancelled;
+    case C3DE_E_DIVERGED: return ErrorCode::diverged;
+    case C3DE_E_GPU: return ErrorCode::graphics;
     case C3DE_E_STATE:
     case C3DE_E_STALE:
     case C3DE_E_THREAD:
-    case C3DE_E_TIMEOUT:
-      return ErrorCode::state;
+    case C3DE_E_TIMEOUT: return ErrorCode::state;
     case C3DE_E_VERSION:
     case C3DE_E_UNSUPPORTED:
-    case C3DE_E_EXCEPTION:
-      return ErrorCode::plugin;
-    default:
-      return ErrorCode::internal;
+    case C3DE_E_EXCEPTION: return ErrorCode::plugin;
+    default: return ErrorCode::internal;
   }
 }
 

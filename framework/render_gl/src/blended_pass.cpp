@@ -67,18 +67,11 @@ void BlendedPass::begin() {
 
 void BlendedPass::add(Proxy &proxy, const Frame &frame) {
   switch (proxy.kind) {
-    case ProxyKind::mesh:
-      addMesh(proxy, frame);
-      break;
-    case ProxyKind::spheres:
-      addSpheres(proxy, frame);
-      break;
-    case ProxyKind::lines:
-      addLines(proxy, frame);
-      break;
+    case ProxyKind::mesh: addMesh(proxy, frame); break;
+    case ProxyKind::spheres: addSpheres(proxy, frame); break;
+    case ProxyKind::lines: addLines(proxy, frame); break;
     case ProxyKind::label:
-    case ProxyKind::legend:
-      break;
+    case ProxyKind::legend: break;
   }
 }
 

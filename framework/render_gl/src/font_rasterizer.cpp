@@ -102,28 +102,20 @@ class BuiltInFont final : public FontRasterizer {
   static char lookAlike(char32_t c) {
     if (c >= 0x20 && c < 0x7F) return static_cast<char>(c);
     switch (c) {
-      case 0xA0:
-        return ' ';
-      case 0xB0:
-        return 'o';  // °
-      case 0xB2:
-        return '2';  // ²
-      case 0xB3:
-        return '3';  // ³
+      case 0xA0: return ' ';
+      case 0xB0: return 'o';  // °
+      case 0xB2: return '2';  // ²
+      case 0xB3: return '3';  // ³
       case 0xB5:
-      case 0x3BC:
-        return 'u';  // µ
-      case 0xD7:
-        return 'x';  // ×
+      case 0x3BC: return 'u';  // µ
+      case 0xD7: return 'x';   // ×
       case 0x2010:
       case 0x2011:
       case 0x2012:
       case 0x2013:
       case 0x2014:
-      case 0x2212:
-        return '-';
-      default:
-        return '\0';
+      case 0x2212: return '-';
+      default: return '\0';
     }
   }
   int zoom_;

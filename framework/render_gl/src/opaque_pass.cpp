@@ -54,18 +54,11 @@ ProxyBuffers &buffersOf(Proxy &proxy, RenderStatistics &statistics) {
     auto made = std::make_unique<ProxyBuffers>();
     glBindVertexArray(made->array.name());
     switch (proxy.kind) {
-      case ProxyKind::mesh:
-        describeMesh(proxy, *made);
-        break;
-      case ProxyKind::spheres:
-        describeSpheres(*made);
-        break;
-      case ProxyKind::lines:
-        describeLines(*made);
-        break;
+      case ProxyKind::mesh: describeMesh(proxy, *made); break;
+      case ProxyKind::spheres: describeSpheres(*made); break;
+      case ProxyKind::lines: describeLines(*made); break;
       case ProxyKind::label:
-      case ProxyKind::legend:
-        break;
+      case ProxyKind::legend: break;
     }
     proxy.backEnd = std::move(made);
     ++statistics.vertexArraysMade;
@@ -161,8 +154,7 @@ void drawOpaque(Proxy &proxy, const Frame &frame, const Programs &programs, Rend
       glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(proxy.positions.size() / 2));
       break;
     case ProxyKind::label:
-    case ProxyKind::legend:
-      break;
+    case ProxyKind::legend: break;
   }
   ++statistics.drawCalls;
 }

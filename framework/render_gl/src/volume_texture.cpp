@@ -20,31 +20,22 @@ struct TexelFormat {
 
 TexelFormat formatOf(VoxelType type) {
   switch (type) {
-    case VoxelType::int8:
-      return {GL_R8_SNORM, GL_BYTE, 1, 127.0};
-    case VoxelType::uint8:
-      return {GL_R8, GL_UNSIGNED_BYTE, 1, 255.0};
-    case VoxelType::int16:
-      return {GL_R16_SNORM, GL_SHORT, 2, 32767.0};
-    case VoxelType::uint16:
-      return {GL_R16, GL_UNSIGNED_SHORT, 2, 65535.0};
-    default:
-      return {GL_R32F, GL_FLOAT, 4, 1.0};
+    case VoxelType::int8: return {GL_R8_SNORM, GL_BYTE, 1, 127.0};
+    case VoxelType::uint8: return {GL_R8, GL_UNSIGNED_BYTE, 1, 255.0};
+    case VoxelType::int16: return {GL_R16_SNORM, GL_SHORT, 2, 32767.0};
+    case VoxelType::uint16: return {GL_R16, GL_UNSIGNED_SHORT, 2, 65535.0};
+    default: return {GL_R32F, GL_FLOAT, 4, 1.0};
   }
 }
 
 std::size_t bytesOf(VoxelType type) {
   switch (type) {
     case VoxelType::int8:
-    case VoxelType::uint8:
-      return 1;
+    case VoxelType::uint8: return 1;
     case VoxelType::int16:
-    case VoxelType::uint16:
-      return 2;
-    case VoxelType::float64:
-      return 8;
-    default:
-      return 4;
+    case VoxelType::uint16: return 2;
+    case VoxelType::float64: return 8;
+    default: return 4;
   }
 }
 
@@ -57,12 +48,9 @@ void toFloats(const From *from, std::span<float> to, std::size_t stride) {
 void copyRow(const unsigned char *row, VoxelType type, std::size_t stride, std::size_t count, unsigned char *to) {
   const auto floats = [&] { return std::span<float>(reinterpret_cast<float *>(to), count); };
   switch (type) {
-    case VoxelType::int32:
-      return toFloats(reinterpret_cast<const std::int32_t *>(row), floats(), stride);
-    case VoxelType::uint32:
-      return toFloats(reinterpret_cast<const std::uint32_t *>(row), floats(), stride);
-    case VoxelType::float64:
-      return toFloats(reinterpret_cast<const double *>(row), floats(), stride);
+    case VoxelType::int32: return toFloats(reinterpret_cast<const std::int32_t *>(row), floats(), stride);
+    case VoxelType::uint32: return toFloats(reinterpret_cast<const std::uint32_t *>(row), floats(), stride);
+    case VoxelType::float64: return toFloats(reinterpret_cast<const double *>(row), floats(), stride);
     default: {
       const std::size_t bytes = bytesOf(type);
       for (std::size_t i = 0; i < count; ++i) std::copy_n(row + i * stride * bytes, bytes, to + i * bytes);

@@ -198,20 +198,15 @@ void Simulation::Impl::apply(std::uint32_t action) {
       mode = C3DE_SIM_PAUSED;
       meter.pause();
       break;
-    case C3DE_TRANSPORT_STOP:
-      goToInitialState(false);
-      break;
-    case C3DE_TRANSPORT_RESET:
-      goToInitialState(mode == C3DE_SIM_PLAYING);
-      break;
+    case C3DE_TRANSPORT_STOP: goToInitialState(false); break;
+    case C3DE_TRANSPORT_RESET: goToInitialState(mode == C3DE_SIM_PLAYING); break;
     case C3DE_TRANSPORT_STEP:
       if (mode == C3DE_SIM_FAILED) break;
       mode = C3DE_SIM_PAUSED;
       step();
       meter.pause();
       break;
-    default:
-      log(LogLevel::warn, "unknown transport action " + std::to_string(action) + " ignored; known: 1 to 5");
+    default: log(LogLevel::warn, "unknown transport action " + std::to_string(action) + " ignored; known: 1 to 5");
   }
 }
 

@@ -58,8 +58,7 @@ TomlValue convert(const toml::node &node) {
       for (Placed &p : placed) out.entries.push_back(std::move(p.entry));
       break;
     }
-    default:
-      out.kind = TomlValue::Kind::date;
+    default: out.kind = TomlValue::Kind::date;
   }
   return out;
 }
@@ -81,16 +80,11 @@ std::string TomlValue::shown() const {
   constexpr std::size_t kMostBytes = 60;
   switch (kind) {
     case Kind::integer:
-    case Kind::number:
-      return formatNumber(num);
-    case Kind::text:
-      return "\"" + text + "\"";
-    case Kind::array:
-      break;
-    case Kind::table:
-      return "{ … }";
-    default:
-      return kindName();
+    case Kind::number: return formatNumber(num);
+    case Kind::text: return "\"" + text + "\"";
+    case Kind::array: break;
+    case Kind::table: return "{ … }";
+    default: return kindName();
   }
   std::string list;
   for (const TomlValue &item : items) {
@@ -102,20 +96,13 @@ std::string TomlValue::shown() const {
 
 std::string TomlValue::kindName() const {
   switch (kind) {
-    case Kind::boolean:
-      return num != 0.0 ? "true" : "false";
-    case Kind::integer:
-      return "a whole number";
-    case Kind::number:
-      return "a number";
-    case Kind::text:
-      return "the text \"" + text + "\"";
-    case Kind::array:
-      return shown();
-    case Kind::table:
-      return "a table";
-    case Kind::date:
-      return "a date or time";
+    case Kind::boolean: return num != 0.0 ? "true" : "false";
+    case Kind::integer: return "a whole number";
+    case Kind::number: return "a number";
+    case Kind::text: return "the text \"" + text + "\"";
+    case Kind::array: return shown();
+    case Kind::table: return "a table";
+    case Kind::date: return "a date or time";
   }
   return "a value";
 }
@@ -181,8 +168,7 @@ bool toParameter(const TomlValue &toml, const std::string &id, ParameterValue &o
       out.type = C3DE_PARAM_VEC3;
       out.vec = {toml.items[0].num, toml.items[1].num, toml.items[2].num};
       return true;
-    default:
-      return false;
+    default: return false;
   }
 }
 

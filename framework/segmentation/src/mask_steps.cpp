@@ -43,22 +43,14 @@ Expected<imaging::Mask> componentAt(const imaging::Mask &mask, const Vec3 &world
 
 std::string MaskStep::text() const {
   switch (kind) {
-    case Kind::label:
-      return "label " + std::to_string(label);
-    case Kind::labels:
-      return labels.empty() ? "nothing picked" : std::to_string(labels.size()) + " labels";
-    case Kind::threshold:
-      return "threshold " + formatNumber(low) + " … " + formatNumber(high);
-    case Kind::component:
-      return fmt::format("the part at {:.1f}, {:.1f}, {:.1f} mm", world[0], world[1], world[2]);
-    case Kind::largest:
-      return "the largest part";
-    case Kind::fillHoles:
-      return "holes filled";
-    case Kind::close:
-      return "closed by " + formatNumber(radius_mm) + " mm";
-    case Kind::open:
-      return "opened by " + formatNumber(radius_mm) + " mm";
+    case Kind::label: return "label " + std::to_string(label);
+    case Kind::labels: return labels.empty() ? "nothing picked" : std::to_string(labels.size()) + " labels";
+    case Kind::threshold: return "threshold " + formatNumber(low) + " … " + formatNumber(high);
+    case Kind::component: return fmt::format("the part at {:.1f}, {:.1f}, {:.1f} mm", world[0], world[1], world[2]);
+    case Kind::largest: return "the largest part";
+    case Kind::fillHoles: return "holes filled";
+    case Kind::close: return "closed by " + formatNumber(radius_mm) + " mm";
+    case Kind::open: return "opened by " + formatNumber(radius_mm) + " mm";
   }
   return {};
 }
@@ -78,16 +70,11 @@ Expected<imaging::Mask> carriedOut(const MaskStep &step, const MaskSources &sour
   if (!before || step.kind == Kind::labels)
     return fail(ErrorCode::usage, "nothing is picked yet; choose a label or a threshold first");
   switch (step.kind) {
-    case Kind::component:
-      return componentAt(*before, step.world, progress);
-    case Kind::largest:
-      return imaging::largestComponent(*before, progress);
-    case Kind::fillHoles:
-      return imaging::fillHoles(*before, progress);
-    case Kind::close:
-      return imaging::closed(*before, step.radius_mm, progress);
-    default:
-      return imaging::opened(*before, step.radius_mm, progress);
+    case Kind::component: return componentAt(*before, step.world, progress);
+    case Kind::largest: return imaging::largestComponent(*before, progress);
+    case Kind::fillHoles: return imaging::fillHoles(*before, progress);
+    case Kind::close: return imaging::closed(*before, step.radius_mm, progress);
+    default: return imaging::opened(*before, step.radius_mm, progress);
   }
 }
 

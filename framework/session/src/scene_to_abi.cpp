@@ -24,18 +24,10 @@ c3de_sim_region toAbi(const scene::SceneRegion &region) {
   c3de_sim_region out{};
   out.size = sizeof out;
   switch (region.kind) {
-    case scene::SceneRegion::Kind::everywhere:
-      out.kind = C3DE_SIM_REGION_EVERYWHERE;
-      break;
-    case scene::SceneRegion::Kind::box:
-      out.kind = C3DE_SIM_REGION_BOX;
-      break;
-    case scene::SceneRegion::Kind::sphere:
-      out.kind = C3DE_SIM_REGION_SPHERE;
-      break;
-    case scene::SceneRegion::Kind::halfSpace:
-      out.kind = C3DE_SIM_REGION_HALF_SPACE;
-      break;
+    case scene::SceneRegion::Kind::everywhere: out.kind = C3DE_SIM_REGION_EVERYWHERE; break;
+    case scene::SceneRegion::Kind::box: out.kind = C3DE_SIM_REGION_BOX; break;
+    case scene::SceneRegion::Kind::sphere: out.kind = C3DE_SIM_REGION_SPHERE; break;
+    case scene::SceneRegion::Kind::halfSpace: out.kind = C3DE_SIM_REGION_HALF_SPACE; break;
   }
   copy(out.a, region.a);
   copy(out.b, region.b);

@@ -24,14 +24,10 @@ constexpr std::size_t kAnswers = 128;  // more than frames in a second
 
 const char *modeName(std::uint32_t mode) {
   switch (mode) {
-    case C3DE_SIM_PLAYING:
-      return "playing";
-    case C3DE_SIM_PAUSED:
-      return "paused";
-    case C3DE_SIM_FAILED:
-      return "failed";
-    default:
-      return "stopped";
+    case C3DE_SIM_PLAYING: return "playing";
+    case C3DE_SIM_PAUSED: return "paused";
+    case C3DE_SIM_FAILED: return "failed";
+    default: return "stopped";
   }
 }
 

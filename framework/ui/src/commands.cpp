@@ -102,26 +102,16 @@ std::string keyText(std::uint32_t key, std::uint32_t modifiers) {
   if (modifiers & C3DE_MOD_SHIFT) text += "Shift+";
   if (modifiers & C3DE_MOD_ALT) text += "Alt+";
   switch (key) {
-    case ' ':
-      return text + "Space";
-    case keyEscape:
-      return text + "Esc";
-    case keyRight:
-      return text + "Right";
-    case keyLeft:
-      return text + "Left";
-    case keyUp:
-      return text + "Up";
-    case keyDown:
-      return text + "Down";
-    case keyF1:
-      return text + "F1";
-    case keyF5:
-      return text + "F5";
-    case keyF12:
-      return text + "F12";
-    default:
-      return text + static_cast<char>(key);
+    case ' ': return text + "Space";
+    case keyEscape: return text + "Esc";
+    case keyRight: return text + "Right";
+    case keyLeft: return text + "Left";
+    case keyUp: return text + "Up";
+    case keyDown: return text + "Down";
+    case keyF1: return text + "F1";
+    case keyF5: return text + "F5";
+    case keyF12: return text + "F12";
+    default: return text + static_cast<char>(key);
   }
 }
 

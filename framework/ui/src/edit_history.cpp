@@ -24,12 +24,9 @@ void EditHistory::follow(registry::ParameterRegistry *parameters, segmentation::
 
 std::uint64_t EditHistory::editsOf(Source source) const {
   switch (source) {
-    case Source::parameters:
-      return parameters_ ? parameters_->history().edits() : 0;
-    case Source::organ:
-      return organ_ ? organ_->mask().edits() : 0;
-    case Source::steps:
-      break;
+    case Source::parameters: return parameters_ ? parameters_->history().edits() : 0;
+    case Source::organ: return organ_ ? organ_->mask().edits() : 0;
+    case Source::steps: break;
   }
   return steps_ ? steps_->edits() : 0;
 }
@@ -47,8 +44,7 @@ std::string EditHistory::label(Source source, bool isUndo) const {
     case Source::organ:
       if (!organ_ || (isUndo && organ_->hasJustCreated())) return {};
       return isUndo ? organ_->mask().undoLabel() : organ_->mask().redoLabel();
-    case Source::steps:
-      break;
+    case Source::steps: break;
   }
   if (!steps_) return {};
   return isUndo ? steps_->undoLabel() : steps_->redoLabel();

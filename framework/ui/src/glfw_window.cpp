@@ -94,14 +94,10 @@ void fitIntoScreen(GLFWwindow *window) {
 
 std::uint32_t buttonOf(int button) {
   switch (button) {
-    case GLFW_MOUSE_BUTTON_LEFT:
-      return C3DE_BUTTON_LEFT;
-    case GLFW_MOUSE_BUTTON_RIGHT:
-      return C3DE_BUTTON_RIGHT;
-    case GLFW_MOUSE_BUTTON_MIDDLE:
-      return C3DE_BUTTON_MIDDLE;
-    default:
-      return 0;
+    case GLFW_MOUSE_BUTTON_LEFT: return C3DE_BUTTON_LEFT;
+    case GLFW_MOUSE_BUTTON_RIGHT: return C3DE_BUTTON_RIGHT;
+    case GLFW_MOUSE_BUTTON_MIDDLE: return C3DE_BUTTON_MIDDLE;
+    default: return 0;
   }
 }
 
@@ -138,26 +134,16 @@ OsEvent::Role roleOf(int key) {
 /// By what is printed on the key, so that Ctrl+Q is Q on every keyboard.
 std::uint32_t keyOf(int key, int scancode) {
   switch (key) {
-    case GLFW_KEY_ESCAPE:
-      return keyEscape;
-    case GLFW_KEY_RIGHT:
-      return keyRight;
-    case GLFW_KEY_LEFT:
-      return keyLeft;
-    case GLFW_KEY_UP:
-      return keyUp;
-    case GLFW_KEY_DOWN:
-      return keyDown;
-    case GLFW_KEY_F1:
-      return keyF1;
-    case GLFW_KEY_F5:
-      return keyF5;
-    case GLFW_KEY_F12:
-      return keyF12;
-    case GLFW_KEY_SPACE:
-      return ' ';
-    default:
-      break;
+    case GLFW_KEY_ESCAPE: return keyEscape;
+    case GLFW_KEY_RIGHT: return keyRight;
+    case GLFW_KEY_LEFT: return keyLeft;
+    case GLFW_KEY_UP: return keyUp;
+    case GLFW_KEY_DOWN: return keyDown;
+    case GLFW_KEY_F1: return keyF1;
+    case GLFW_KEY_F5: return keyF5;
+    case GLFW_KEY_F12: return keyF12;
+    case GLFW_KEY_SPACE: return ' ';
+    default: break;
   }
   if (key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) return static_cast<std::uint32_t>('0' + key - GLFW_KEY_KP_0);
   const char *name = glfwGetKeyName(key, scancode);

@@ -87,9 +87,7 @@ render::VolumeLook volumeLook(VolumePreset preset, const imaging::ValueRange &ra
                      {at(1.0), {1.0f, 0.97f, 0.92f, 0.5f}}};
       break;
     }
-    case VolumePreset::maximum:
-      look.isMaximum = true;
-      break;
+    case VolumePreset::maximum: look.isMaximum = true; break;
   }
   look.shift = std::clamp(shift, -1.0, 1.0) * width;
   return look;

@@ -175,8 +175,7 @@ bool ImageViews::isSliceKey(std::uint32_t key, std::uint32_t modifiers) {
     case keyRight:
     case 'B':
     case 'F':
-    case 'T':
-      return true;
+    case 'T': return true;
     default: {
       const auto presets = windowLevelPresets();
       return modifiers == 0 &&
@@ -189,16 +188,12 @@ bool ImageViews::handle(Pane slice, const ViewInput &input) {
   if (!image_ || slice == Pane::space) return false;
   bool isChanged = false;
   switch (input.kind) {
-    case ViewInput::Kind::press:
-      isChanged = press(slice, input);
-      break;
+    case ViewInput::Kind::press: isChanged = press(slice, input); break;
     case ViewInput::Kind::release:
       buttons_ &= ~input.button;
       if (input.button == dragButton_) drag_ = Drag::none;
       break;
-    case ViewInput::Kind::move:
-      isChanged = move(slice, input);
-      break;
+    case ViewInput::Kind::move: isChanged = move(slice, input); break;
     case ViewInput::Kind::wheel: {
       if (input.wheel == 0.0) break;
       if (input.modifiers & C3DE_MOD_CTRL)
@@ -209,9 +204,7 @@ bool ImageViews::handle(Pane slice, const ViewInput &input) {
       isChanged = true;
       break;
     }
-    case ViewInput::Kind::key:
-      isChanged = pressKey(slice, input);
-      break;
+    case ViewInput::Kind::key: isChanged = pressKey(slice, input); break;
   }
   lastX_ = input.x;
   lastY_ = input.y;
@@ -255,18 +248,10 @@ bool ImageViews::press(Pane slice, const ViewInput &input) {
 bool ImageViews::move(Pane slice, const ViewInput &input) {
   const double dx = input.x - lastX_, dy = input.y - lastY_;
   switch (drag_) {
-    case Drag::crossHair:
-      setCrossHair(view(slice).worldAt(input.x, input.y));
-      return true;
-    case Drag::windowLevel:
-      options_.windowLevel = dragged(options_.windowLevel, dx, dy, image_->range);
-      return true;
-    case Drag::pan:
-      view(slice).pan(dx, dy);
-      return true;
-    case Drag::zoom:
-      view(slice).zoom(-dy / kPixelsPerZoomStep, startX_, startY_);
-      return true;
+    case Drag::crossHair: setCrossHair(view(slice).worldAt(input.x, input.y)); return true;
+    case Drag::windowLevel: options_.windowLevel = dragged(options_.windowLevel, dx, dy, image_->range); return true;
+    case Drag::pan: view(slice).pan(dx, dy); return true;
+    case Drag::zoom: view(slice).zoom(-dy / kPixelsPerZoomStep, startX_, startY_); return true;
     case Drag::none:
       if (buttons_ != 0 || !(input.modifiers & C3DE_MOD_SHIFT)) return false;
       setCrossHair(view(slice).worldAt(input.x, input.y));
@@ -281,22 +266,17 @@ bool ImageViews::pressKey(Pane slice, const ViewInput &input) {
   switch (input.key) {
     case keyUp:
     case keyRight:
-    case 'F':
-      view(slice).scroll(slices);
-      return true;
+    case 'F': view(slice).scroll(slices); return true;
     case keyDown:
     case keyLeft:
-    case 'B':
-      view(slice).scroll(-slices);
-      return true;
+    case 'B': view(slice).scroll(-slices); return true;
     case 'T':
       if ((input.modifiers & C3DE_MOD_SHIFT) == 0)
         chooseTime(image_->time + 1);
       else if (image_->time > 0)
         chooseTime(image_->time - 1);
       return true;
-    default:
-      break;
+    default: break;
   }
   for (const WindowLevelPreset &preset : windowLevelPresets())
     if (preset.key == input.key) options_.windowLevel = windowLevelOf(preset, image_->range);

@@ -35,30 +35,21 @@ void ImGuiSession::take(const GlfwWindow &window, const OsEvent &event) {
       buttons_ |= event.button;
       isSecondPress_ = clicks_.isSecond(event);
       break;
-    case Kind::release:
-      buttons_ &= ~event.button;
-      break;
-    case Kind::wheel:
-      ImGui_ImplGlfw_ScrollCallback(window.handle(), event.wheelX, event.wheel);
-      break;
+    case Kind::release: buttons_ &= ~event.button; break;
+    case Kind::wheel: ImGui_ImplGlfw_ScrollCallback(window.handle(), event.wheelX, event.wheel); break;
     case Kind::keyDown:
     case Kind::keyUp:
       // 1 is GLFW_PRESS, 0 GLFW_RELEASE.
       ImGui_ImplGlfw_KeyCallback(window.handle(), event.rawKey, event.scanCode, event.kind == Kind::keyDown ? 1 : 0,
                                  event.rawModifiers);
       break;
-    case Kind::character:
-      ImGui_ImplGlfw_CharCallback(window.handle(), event.character);
-      break;
+    case Kind::character: ImGui_ImplGlfw_CharCallback(window.handle(), event.character); break;
     case Kind::focusLost:
       buttons_ = 0;
       ImGui_ImplGlfw_WindowFocusCallback(window.handle(), 0);
       break;
-    case Kind::focusGained:
-      ImGui_ImplGlfw_WindowFocusCallback(window.handle(), 1);
-      break;
-    default:
-      break;
+    case Kind::focusGained: ImGui_ImplGlfw_WindowFocusCallback(window.handle(), 1); break;
+    default: break;
   }
   if (event.kind == Kind::leave && buttons_ == 0)
     mouse_ = ImVec2(-FLT_MAX, -FLT_MAX);

@@ -20,20 +20,13 @@ struct MenuEntry {
 /// What a view is called where the patient's z is up.
 const char *patientLabel(Command command) {
   switch (command) {
-    case Command::viewFront:
-      return "Anterior (along +y)";
-    case Command::viewBack:
-      return "Posterior (along −y)";
-    case Command::viewLeft:
-      return "Left of the patient (along −x)";
-    case Command::viewRight:
-      return "Right of the patient (along +x)";
-    case Command::viewTop:
-      return "Superior (along −z)";
-    case Command::viewBottom:
-      return "Inferior (along +z)";
-    default:
-      return nullptr;
+    case Command::viewFront: return "Anterior (along +y)";
+    case Command::viewBack: return "Posterior (along −y)";
+    case Command::viewLeft: return "Left of the patient (along −x)";
+    case Command::viewRight: return "Right of the patient (along +x)";
+    case Command::viewTop: return "Superior (along −z)";
+    case Command::viewBottom: return "Inferior (along +z)";
+    default: return nullptr;
   }
 }
 

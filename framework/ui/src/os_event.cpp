@@ -17,27 +17,21 @@ class Frame {
   /// @param types  the event is of a key that makes a character
   [[nodiscard]] bool wouldLose(const OsEvent &event, bool types) const {
     switch (event.kind) {
-      case Kind::move:
-        return hasButton_ || hasWheel_ || !keys_.empty();
+      case Kind::move: return hasButton_ || hasWheel_ || !keys_.empty();
       case Kind::press:
-      case Kind::release:
-        return hasButton_ || hasWheel_ || hasCharacter_ || !keys_.empty();
-      case Kind::wheel:
-        return hasButton_;
+      case Kind::release: return hasButton_ || hasWheel_ || hasCharacter_ || !keys_.empty();
+      case Kind::wheel: return hasButton_;
       // Dear ImGui puts in the characters of a frame first and looks at Backspace, Enter and the like then; with Ctrl
       // down it drops them.
-      case Kind::character:
-        return hasButton_ || hasKeyDown_;
+      case Kind::character: return hasButton_ || hasKeyDown_;
       case Kind::keyDown:
         if (event.isRepeat && !types) return hasButton_;  // it repeats by itself
         if (types || event.role == Role::shift) return hasButton_ || hasKeyDown_;
         if (event.role == Role::modifier) return hasButton_ || hasCharacter_ || hasKeyDown_;
         return hasButton_ || hasCharacter_ || keys_.contains(event.rawKey);
       // Also of another key: A of Ctrl+A must be seen while Ctrl is still down.
-      case Kind::keyUp:
-        return hasButton_ || hasKeyDown_;
-      default:
-        return false;
+      case Kind::keyUp: return hasButton_ || hasKeyDown_;
+      default: return false;
     }
   }
 

@@ -161,9 +161,7 @@ std::optional<ParameterValue> parameterField(const FrameContext &frame, const st
   beginRow(frame, decl.label.empty() ? decl.id : decl.label, badge, isInline, reserved);
   switch (decl.type) {
     case C3DE_PARAM_F64:
-    case C3DE_PARAM_I64:
-      changed = numberParameter(frame, area, state, decl, value);
-      break;
+    case C3DE_PARAM_I64: changed = numberParameter(frame, area, state, decl, value); break;
     case C3DE_PARAM_BOOL: {
       bool isChecked = value.num != 0.0;
       if (ImGui::Checkbox("##check", &isChecked)) {
@@ -187,15 +185,9 @@ std::optional<ParameterValue> parameterField(const FrameContext &frame, const st
       }
       break;
     }
-    case C3DE_PARAM_TEXT:
-      changed = textParameter(frame, area, state, decl, value);
-      break;
-    case C3DE_PARAM_VEC3:
-      changed = vectorParameter(frame, area, state, decl, value);
-      break;
-    default:
-      ImGui::TextDisabled("(unknown type)");
-      break;
+    case C3DE_PARAM_TEXT: changed = textParameter(frame, area, state, decl, value); break;
+    case C3DE_PARAM_VEC3: changed = vectorParameter(frame, area, state, decl, value); break;
+    default: ImGui::TextDisabled("(unknown type)"); break;
   }
   endRow();
   itemTooltip(frame, documentation(decl));

@@ -48,12 +48,9 @@ SliceFrame sliceFrame(SliceAxis axis, Convention convention, const imaging::Volu
   const Vec3 &left = axes[0], &back = axes[1], &up = axes[2];
   const Vec3 across = convention == Convention::radiological ? left : -1.0 * left;
   switch (axis) {
-    case SliceAxis::axial:
-      return {across, back, up};
-    case SliceAxis::coronal:
-      return {across, -1.0 * up, -1.0 * back};
-    default:
-      return {back, -1.0 * up, left};
+    case SliceAxis::axial: return {across, back, up};
+    case SliceAxis::coronal: return {across, -1.0 * up, -1.0 * back};
+    default: return {back, -1.0 * up, left};
   }
 }
 

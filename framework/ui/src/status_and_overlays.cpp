@@ -29,14 +29,10 @@ struct ModeText {
 ModeText modeText(const SimulationView &simulation) {
   if (!simulation.exists) return {"No simulation", colour::kDim};
   switch (simulation.transport.mode) {
-    case C3DE_SIM_PLAYING:
-      return {"Playing", colour::kGood};
-    case C3DE_SIM_PAUSED:
-      return {"Paused", colour::kWarn};
-    case C3DE_SIM_FAILED:
-      return {"Failed", colour::kError};
-    default:
-      return {"Stopped", colour::kDim};
+    case C3DE_SIM_PLAYING: return {"Playing", colour::kGood};
+    case C3DE_SIM_PAUSED: return {"Paused", colour::kWarn};
+    case C3DE_SIM_FAILED: return {"Failed", colour::kError};
+    default: return {"Stopped", colour::kDim};
   }
 }
 

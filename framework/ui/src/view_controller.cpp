@@ -83,26 +83,17 @@ bool ViewController::handle(const ViewInput &input) {
     }
     case ViewInput::Kind::move:
       switch (drag_) {
-        case Drag::tool:
-          return tellTool(input, C3DE_EVENT_MOVE);
-        case Drag::orbit:
-          camera_.orbit(dx, dy, height_);
-          return true;
-        case Drag::pan:
-          camera_.pan(dx, dy, height_);
-          return true;
-        case Drag::zoom:
-          camera_.zoom(-dy / kPixelsPerZoomStep);
-          return true;
-        case Drag::none:
-          return buttons_ == 0 && tellTool(input, C3DE_EVENT_MOVE);
+        case Drag::tool: return tellTool(input, C3DE_EVENT_MOVE);
+        case Drag::orbit: camera_.orbit(dx, dy, height_); return true;
+        case Drag::pan: camera_.pan(dx, dy, height_); return true;
+        case Drag::zoom: camera_.zoom(-dy / kPixelsPerZoomStep); return true;
+        case Drag::none: return buttons_ == 0 && tellTool(input, C3DE_EVENT_MOVE);
       }
       return false;
     case ViewInput::Kind::wheel:
       if (!tellTool(input, C3DE_EVENT_WHEEL)) camera_.zoom(input.wheel);
       return true;
-    case ViewInput::Kind::key:
-      return tellTool(input, C3DE_EVENT_KEY);
+    case ViewInput::Kind::key: return tellTool(input, C3DE_EVENT_KEY);
   }
   return false;
 }

@@ -155,8 +155,7 @@ void WorkstationWindow::Impl::takeMouse(const OsEvent &event) {
       input.kind = ViewInput::Kind::wheel;
       if (const auto pane = paneAt(event.x, event.y)) handle(*pane, input, event);
       break;
-    default:
-      break;
+    default: break;
   }
 }
 
@@ -221,14 +220,9 @@ void WorkstationWindow::Impl::takeInput(FrameContext &context, const std::vector
       case OsEvent::Kind::drop:
         if (actions.open && !event.files.empty()) actions.open({event.files, "mm", false});
         break;
-      case OsEvent::Kind::keyDown:
-        takeKey(context, event);
-        break;
-      case OsEvent::Kind::close:
-        context.request(Command::quit);
-        break;
-      default:
-        takeMouse(event);
+      case OsEvent::Kind::keyDown: takeKey(context, event); break;
+      case OsEvent::Kind::close: context.request(Command::quit); break;
+      default: takeMouse(event);
     }
   }
 }
@@ -306,18 +300,10 @@ void WorkstationWindow::Impl::openExportDialog(Command command) {
     action = wanted;
   };
   switch (command) {
-    case Command::exportFrame:
-      set("Export simulation frame", kFrameExtensions, actions.exportFrame);
-      break;
-    case Command::exportImage:
-      set("Export deformed image", kImageExtensions, actions.exportImage);
-      break;
-    case Command::exportDisplacement:
-      set("Export displacement", kImageExtensions, actions.exportDisplacement);
-      break;
-    default:
-      set("Export surface", kSurfaceExtensions, actions.exportSurface);
-      break;
+    case Command::exportFrame: set("Export simulation frame", kFrameExtensions, actions.exportFrame); break;
+    case Command::exportImage: set("Export deformed image", kImageExtensions, actions.exportImage); break;
+    case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
+    default: set("Export surface", kSurfaceExtensions, actions.exportSurface); break;
   }
   request.chosen = [action](const std::filesystem::path &file, const std::string &) {
     if (action) action(file);
@@ -344,17 +330,10 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     if (actions.transport && context.simulation.exists) actions.transport(action);
   };
   switch (command) {
-    case Command::none:
-      break;
-    case Command::openMesh:
-      openDialog(true);
-      break;
-    case Command::openScene:
-      openDialog(false);
-      break;
-    case Command::openImage:
-      openImageDialog(false);
-      break;
+    case Command::none: break;
+    case Command::openMesh: openDialog(true); break;
+    case Command::openScene: openDialog(false); break;
+    case Command::openImage: openImageDialog(false); break;
     case Command::openLabels:
       if (images) openImageDialog(true);
       break;
@@ -406,39 +385,21 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
       state.toLose = actions.unsaved ? actions.unsaved() : std::string();
       if (state.toLose.empty()) window->requestClose();
       break;
-    case Command::resetView:
-      resetView(paneAt(context.mouseX, context.mouseY));
-      break;
+    case Command::resetView: resetView(paneAt(context.mouseX, context.mouseY)); break;
     case Command::undo:
       // What a tool holds is let go, and is the first to be undone.
       if (services.tools) services.tools->cancelActive();
       state.history.follow(services.parameters, services.organ, services.edits);
       state.history.undo();
       break;
-    case Command::redo:
-      state.history.redo();
-      break;
-    case Command::fitView:
-      framesToFit = 1;
-      break;
-    case Command::viewFront:
-      lookFrom({0, 0, -1}, {0, 1, 0});
-      break;
-    case Command::viewBack:
-      lookFrom({0, 0, 1}, {0, -1, 0});
-      break;
-    case Command::viewLeft:
-      lookFrom({1, 0, 0}, {-1, 0, 0});
-      break;
-    case Command::viewRight:
-      lookFrom({-1, 0, 0}, {1, 0, 0});
-      break;
-    case Command::viewTop:
-      lookFrom({0, -1, 0}, {0, 0, -1});
-      break;
-    case Command::viewBottom:
-      lookFrom({0, 1, 0}, {0, 0, 1});
-      break;
+    case Command::redo: state.history.redo(); break;
+    case Command::fitView: framesToFit = 1; break;
+    case Command::viewFront: lookFrom({0, 0, -1}, {0, 1, 0}); break;
+    case Command::viewBack: lookFrom({0, 0, 1}, {0, -1, 0}); break;
+    case Command::viewLeft: lookFrom({1, 0, 0}, {-1, 0, 0}); break;
+    case Command::viewRight: lookFrom({-1, 0, 0}, {1, 0, 0}); break;
+    case Command::viewTop: lookFrom({0, -1, 0}, {0, 0, -1}); break;
+    case Command::viewBottom: lookFrom({0, 1, 0}, {0, 0, 1}); break;
     case Command::resetLayout:
       state.layout = {};
       state.layout.resetSections = true;
@@ -447,9 +408,7 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::playPause:
       transport(context.simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
       break;
-    case Command::step:
-      transport(C3DE_TRANSPORT_STEP);
-      break;
+    case Command::step: transport(C3DE_TRANSPORT_STEP); break;
     // What a tool holds is gone with the state.
     case Command::reset:
     case Command::stop:
@@ -459,15 +418,9 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::orbitTool:
       if (services.tools) services.tools->activate({});
       break;
-    case Command::showShortcuts:
-      state.showShortcuts = true;
-      break;
-    case Command::showMessages:
-      state.showMessages = true;
-      break;
-    case Command::showAbout:
-      state.showAbout = true;
-      break;
+    case Command::showShortcuts: state.showShortcuts = true; break;
+    case Command::showMessages: state.showMessages = true; break;
+    case Command::showAbout: state.showAbout = true; break;
   }
 }
 

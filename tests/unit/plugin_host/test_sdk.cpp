@@ -42,16 +42,11 @@ class Clock : public Named, public Object<Clock> {
   std::uint64_t ticks() const noexcept { return ticks_; }
   Result<void> fail(std::uint32_t how) {
     switch (how) {
-      case 0:
-        return {};
-      case 1:
-        return Failure{C3DE_E_STATE, "asked to fail"};
-      case 2:
-        throw std::bad_alloc();
-      case 3:
-        throw std::runtime_error("an ordinary exception");
-      default:
-        throw 42;
+      case 0: return {};
+      case 1: return Failure{C3DE_E_STATE, "asked to fail"};
+      case 2: throw std::bad_alloc();
+      case 3: throw std::runtime_error("an ordinary exception");
+      default: throw 42;
     }
   }
 

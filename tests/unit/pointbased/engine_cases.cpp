@@ -161,14 +161,10 @@ Constitution constitution(const EngineCase &c, MaterialLaw law) {
 
 const char *nameOf(MaterialLaw law) {
   switch (law) {
-    case MaterialLaw::linear:
-      return "linear";
-    case MaterialLaw::stVenantKirchhoff:
-      return "St. Venant-Kirchhoff";
-    case MaterialLaw::corotated:
-      return "corotated";
-    case MaterialLaw::neoHookean:
-      break;
+    case MaterialLaw::linear: return "linear";
+    case MaterialLaw::stVenantKirchhoff: return "St. Venant-Kirchhoff";
+    case MaterialLaw::corotated: return "corotated";
+    case MaterialLaw::neoHookean: break;
   }
   return "neo-Hookean";
 }

@@ -36,17 +36,14 @@ Mat3 relaxingPart(const Material &material, const Mat3 &F) {
   const double mu = material.mu();
   const auto deviator = [](const Mat3 &e) { return Mat3(e - e.trace() / 3.0 * Mat3::Identity()); };
   switch (material.law) {
-    case MaterialLaw::linear:
-      return mu * deviator(F + F.transpose());
-    case MaterialLaw::stVenantKirchhoff:
-      return 2.0 * mu * F * deviator(greenStrain(F));
+    case MaterialLaw::linear: return mu * deviator(F + F.transpose());
+    case MaterialLaw::stVenantKirchhoff: return 2.0 * mu * F * deviator(greenStrain(F));
     case MaterialLaw::corotated: {
       const Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);  // det F > 0
       const Mat3 R = svd.matrixU() * svd.matrixV().transpose();
       return 2.0 * mu * R * deviator(R.transpose() * F);
     }
-    case MaterialLaw::neoHookean:
-      break;
+    case MaterialLaw::neoHookean: break;
   }
   return mu * deviator(F * F.transpose()) * F.inverse().transpose();
 }

@@ -17,14 +17,10 @@ using geometry::LengthUnit;
 
 std::optional<LengthUnit> unitOf(std::uint32_t unit) {
   switch (unit) {
-    case C3DE_UNIT_UNKNOWN:
-      return std::nullopt;
-    case C3DE_UNIT_M:
-      return LengthUnit::metre;
-    case C3DE_UNIT_MM:
-      return LengthUnit::millimetre;
-    case C3DE_UNIT_CM:
-      return LengthUnit::centimetre;
+    case C3DE_UNIT_UNKNOWN: return std::nullopt;
+    case C3DE_UNIT_M: return LengthUnit::metre;
+    case C3DE_UNIT_MM: return LengthUnit::millimetre;
+    case C3DE_UNIT_CM: return LengthUnit::centimetre;
     default:
       throw Refusal(C3DE_E_ARG, fmt::format("unit is {}, accepted: 0 (as the file says), 1 (m), 2 (mm), 3 (cm)", unit));
   }
@@ -32,12 +28,9 @@ std::optional<LengthUnit> unitOf(std::uint32_t unit) {
 
 std::uint32_t abiUnit(LengthUnit unit) {
   switch (unit) {
-    case LengthUnit::metre:
-      return C3DE_UNIT_M;
-    case LengthUnit::millimetre:
-      return C3DE_UNIT_MM;
-    case LengthUnit::centimetre:
-      return C3DE_UNIT_CM;
+    case LengthUnit::metre: return C3DE_UNIT_M;
+    case LengthUnit::millimetre: return C3DE_UNIT_MM;
+    case LengthUnit::centimetre: return C3DE_UNIT_CM;
   }
   return C3DE_UNIT_UNKNOWN;
 }

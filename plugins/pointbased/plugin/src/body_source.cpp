@@ -30,20 +30,11 @@ Vec3 vec(const double *v) { return {v[0], v[1], v[2]}; }
 Region readRegion(const c3de_sim_region &in, const std::string &where) {
   Region region;
   switch (in.kind) {
-    case C3DE_SIM_REGION_EVERYWHERE:
-      region = EverywhereRegion{};
-      break;
-    case C3DE_SIM_REGION_BOX:
-      region = BoxRegion{vec(in.a), vec(in.b)};
-      break;
-    case C3DE_SIM_REGION_SPHERE:
-      region = SphereRegion{vec(in.a), in.radius};
-      break;
-    case C3DE_SIM_REGION_HALF_SPACE:
-      region = HalfSpaceRegion{vec(in.a), vec(in.b)};
-      break;
-    default:
-      refuse(where, "region kind " + std::to_string(in.kind) + " is not known; accepted: 0 … 3");
+    case C3DE_SIM_REGION_EVERYWHERE: region = EverywhereRegion{}; break;
+    case C3DE_SIM_REGION_BOX: region = BoxRegion{vec(in.a), vec(in.b)}; break;
+    case C3DE_SIM_REGION_SPHERE: region = SphereRegion{vec(in.a), in.radius}; break;
+    case C3DE_SIM_REGION_HALF_SPACE: region = HalfSpaceRegion{vec(in.a), vec(in.b)}; break;
+    default: refuse(where, "region kind " + std::to_string(in.kind) + " is not known; accepted: 0 … 3");
   }
   if (const auto good = validate(region); !good) refuse(where, good.error());
   return region;

@@ -21,14 +21,10 @@ struct Meaning {
 
 Meaning meaningOf(ColourBy by) {
   switch (by) {
-    case ColourBy::vonMises:
-      return {"Stress (von Mises)", "kPa", ""};
-    case ColourBy::error:
-      return {"Strain error", "%", "of the mean strain\n"};
-    case ColourBy::stabilisation:
-      return {"Stabilisation", "%", "of the elastic energy\n"};
-    default:
-      return {"Displacement", "mm", ""};
+    case ColourBy::vonMises: return {"Stress (von Mises)", "kPa", ""};
+    case ColourBy::error: return {"Strain error", "%", "of the mean strain\n"};
+    case ColourBy::stabilisation: return {"Stabilisation", "%", "of the elastic energy\n"};
+    default: return {"Displacement", "mm", ""};
   }
 }
 

@@ -37,14 +37,10 @@ std::string millimetres(const Vec3 &x) {
 
 std::string_view modeName(std::uint32_t mode) {
   switch (mode) {
-    case C3DE_SIM_PLAYING:
-      return "playing";
-    case C3DE_SIM_PAUSED:
-      return "paused";
-    case C3DE_SIM_FAILED:
-      return "failed: the last good state is kept; reset leads out";
-    default:
-      return "stopped, at the initial state";
+    case C3DE_SIM_PLAYING: return "playing";
+    case C3DE_SIM_PAUSED: return "paused";
+    case C3DE_SIM_FAILED: return "failed: the last good state is kept; reset leads out";
+    default: return "stopped, at the initial state";
   }
 }
 

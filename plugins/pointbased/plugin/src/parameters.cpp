@@ -257,33 +257,25 @@ bool fits(const c3de_param_decl &d, const c3de_param_value &v) {
   const bool isNumber = v.type == C3DE_PARAM_F64 || v.type == C3DE_PARAM_I64;
   if ((d.flags & C3DE_PARAM_AUTO) && isText) return text(v.text) == "auto";
   switch (d.type) {
-    case C3DE_PARAM_F64:
-      return isNumber && inRange(d, v.num);
-    case C3DE_PARAM_I64:
-      return isNumber && inRange(d, v.num) && v.num == std::floor(v.num);
-    case C3DE_PARAM_BOOL:
-      return v.type == C3DE_PARAM_BOOL;
+    case C3DE_PARAM_F64: return isNumber && inRange(d, v.num);
+    case C3DE_PARAM_I64: return isNumber && inRange(d, v.num) && v.num == std::floor(v.num);
+    case C3DE_PARAM_BOOL: return v.type == C3DE_PARAM_BOOL;
     case C3DE_PARAM_VEC3:
       return v.type == C3DE_PARAM_VEC3 && inRange(d, v.vec[0]) && inRange(d, v.vec[1]) && inRange(d, v.vec[2]);
     case C3DE_PARAM_CHOICE:
       return isText && std::any_of(d.choices, d.choices + d.choices_n,
                                    [&](const c3de_str &choice) { return text(choice) == text(v.text); });
-    default:
-      return isText;
+    default: return isText;
   }
 }
 
 std::string shown(const c3de_param_value &v) {
   switch (v.type) {
     case C3DE_PARAM_TEXT:
-    case C3DE_PARAM_CHOICE:
-      return '"' + std::string(text(v.text)) + '"';
-    case C3DE_PARAM_VEC3:
-      return "[" + format(v.vec[0]) + ", " + format(v.vec[1]) + ", " + format(v.vec[2]) + "]";
-    case C3DE_PARAM_BOOL:
-      return v.num != 0.0 ? "true" : "false";
-    default:
-      return format(v.num);
+    case C3DE_PARAM_CHOICE: return '"' + std::string(text(v.text)) + '"';
+    case C3DE_PARAM_VEC3: return "[" + format(v.vec[0]) + ", " + format(v.vec[1]) + ", " + format(v.vec[2]) + "]";
+    case C3DE_PARAM_BOOL: return v.num != 0.0 ? "true" : "false";
+    default: return format(v.num);
   }
 }
 

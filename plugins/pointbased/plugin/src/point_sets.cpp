@@ -96,12 +96,9 @@ void PhyxelSet::read(std::uint32_t field, c3de_mview out) {
         return writeVectors(out, n, [&](std::size_t i) -> Vec3 {
           return rest.origin + rest.positions[i] + body.state().displacements[i];
         });
-      case C3DE_FIELD_VELOCITY:
-        return writeVectors(out, n, [&](std::size_t i) { return body.state().velocities[i]; });
-      case C3DE_FIELD_MASS:
-        return writeScalars(out, n, [&](std::size_t i) { return body.masses()[i]; });
-      case C3DE_FIELD_VOLUME:
-        return writeScalars(out, n, [&](std::size_t i) { return rest.volumes[i]; });
+      case C3DE_FIELD_VELOCITY: return writeVectors(out, n, [&](std::size_t i) { return body.state().velocities[i]; });
+      case C3DE_FIELD_MASS: return writeScalars(out, n, [&](std::size_t i) { return body.masses()[i]; });
+      case C3DE_FIELD_VOLUME: return writeScalars(out, n, [&](std::size_t i) { return rest.volumes[i]; });
       case C3DE_FIELD_GRADIENT:
       case C3DE_FIELD_STRAIN: {
         std::vector<Mat3> gradients(n);
@@ -117,8 +114,7 @@ void PhyxelSet::read(std::uint32_t field, c3de_mview out) {
         phyxelMeans(rest, points, means);
         return writeMatrices(out, n, [&](std::size_t i) { return means[i]; });
       }
-      default:
-        unknownField(field);
+      default: unknownField(field);
     }
   });
 }

@@ -21,18 +21,12 @@ Json json(const Vec3 &v) { return {v[0], v[1], v[2]}; }
 
 const char *nameOf(Integrator integrator) {
   switch (integrator) {
-    case Integrator::automatic:
-      return "auto";
-    case Integrator::explicitVerlet:
-      return "explicit";
-    case Integrator::implicitSdirk:
-      return "implicit";
-    case Integrator::implicitMidpoint:
-      return "midpoint";
-    case Integrator::backwardEuler:
-      return "backward_euler";
-    case Integrator::quasiStatic:
-      return "quasistatic";
+    case Integrator::automatic: return "auto";
+    case Integrator::explicitVerlet: return "explicit";
+    case Integrator::implicitSdirk: return "implicit";
+    case Integrator::implicitMidpoint: return "midpoint";
+    case Integrator::backwardEuler: return "backward_euler";
+    case Integrator::quasiStatic: return "quasistatic";
   }
   return "";
 }

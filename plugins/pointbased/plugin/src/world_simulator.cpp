@@ -94,17 +94,10 @@ c3de_status WorldSimulator::declarations(std::uint32_t scope, const c3de_param_d
                                          std::uint64_t *stride) {
   std::span<const c3de_param_decl> found;
   switch (scope) {
-    case C3DE_SIM_SCOPE_WORLD:
-      found = worldDeclarations();
-      break;
-    case C3DE_SIM_SCOPE_BODY:
-      found = bodyDeclarations();
-      break;
-    case C3DE_SIM_SCOPE_OBSTACLE:
-      found = obstacleDeclarations();
-      break;
-    default:
-      throw Error(C3DE_E_ARG, "scope " + std::to_string(scope) + " is not known; accepted: 1 … 3");
+    case C3DE_SIM_SCOPE_WORLD: found = worldDeclarations(); break;
+    case C3DE_SIM_SCOPE_BODY: found = bodyDeclarations(); break;
+    case C3DE_SIM_SCOPE_OBSTACLE: found = obstacleDeclarations(); break;
+    default: throw Error(C3DE_E_ARG, "scope " + std::to_string(scope) + " is not known; accepted: 1 … 3");
   }
   *decls = found.data();
   *n = found.size();

@@ -135,18 +135,12 @@ Law makeLaw(const std::string &name, double youngsModulus, double poissonRatio, 
 
 StressPoint evaluate(const Law &law, const Mat3 &F, const MixedPressure &pressure) {
   switch (law.kind) {
-    case LawKind::linear:
-      return linear(law, F);
-    case LawKind::stvk:
-      return stvk(law, F);
-    case LawKind::corotated:
-      return corotated(law, F);
-    case LawKind::neoHookean:
-      return neoHookean(law, F, nullptr);
-    case LawKind::neoHookeanMixed:
-      return neoHookean(law, F, &pressure);
-    case LawKind::isochoric:
-      return isochoric(law, F);
+    case LawKind::linear: return linear(law, F);
+    case LawKind::stvk: return stvk(law, F);
+    case LawKind::corotated: return corotated(law, F);
+    case LawKind::neoHookean: return neoHookean(law, F, nullptr);
+    case LawKind::neoHookeanMixed: return neoHookean(law, F, &pressure);
+    case LawKind::isochoric: return isochoric(law, F);
   }
   return {};
 }

@@ -37,17 +37,13 @@ inline constexpr std::uint32_t kDtype = [] {
 
 [[nodiscard]] constexpr std::uint64_t dtypeSize(std::uint32_t dtype) noexcept {
   switch (dtype) {
-    case C3DE_U8:
-      return 1;
+    case C3DE_U8: return 1;
     case C3DE_F32:
     case C3DE_I32:
-    case C3DE_U32:
-      return 4;
+    case C3DE_U32: return 4;
     case C3DE_F64:
-    case C3DE_U64:
-      return 8;
-    default:
-      return 0;
+    case C3DE_U64: return 8;
+    default: return 0;
   }
 }
 

@@ -263,14 +263,10 @@ struct Law<MaterialLaw::neoHookean> {
 template <class Body>
 decltype(auto) withLaw(MaterialLaw law, Body &&body) {
   switch (law) {
-    case MaterialLaw::linear:
-      return body(Law<MaterialLaw::linear>{});
-    case MaterialLaw::stVenantKirchhoff:
-      return body(Law<MaterialLaw::stVenantKirchhoff>{});
-    case MaterialLaw::corotated:
-      return body(Law<MaterialLaw::corotated>{});
-    case MaterialLaw::neoHookean:
-      break;
+    case MaterialLaw::linear: return body(Law<MaterialLaw::linear>{});
+    case MaterialLaw::stVenantKirchhoff: return body(Law<MaterialLaw::stVenantKirchhoff>{});
+    case MaterialLaw::corotated: return body(Law<MaterialLaw::corotated>{});
+    case MaterialLaw::neoHookean: break;
   }
   return body(Law<MaterialLaw::neoHookean>{});
 }

@@ -330,12 +330,9 @@ NewtonSettings settingsOf(const Body &body, const Environment &env, bool isStati
 
 std::string explain(const NewtonResult &result) {
   switch (result.outcome) {
-    case NewtonOutcome::converged:
-      return {};
-    case NewtonOutcome::cancelled:
-      return "cancelled";
-    default:
-      break;
+    case NewtonOutcome::converged: return {};
+    case NewtonOutcome::cancelled: return "cancelled";
+    default: break;
   }
   const char *what = result.outcome == NewtonOutcome::iterationLimit ? "the equilibrium was not found in time"
                      : result.outcome == NewtonOutcome::notFinite    ? "a quantity is not finite"

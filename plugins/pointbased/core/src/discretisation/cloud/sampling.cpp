@@ -105,6 +105,158 @@ double spacingForCount(const BodyShape &shape, std::size_t count, const Parallel
   return best;
 }
 
+constexpr int kPerCell = kSubdivisions * kSubdivisions * kSubdivisions;
+
+tl::unexpected<std::string> refuse(const std::string &text) { return tl::unexpected<std::string>(text); }
+
+Result<double> spacingOf(const BodyShape &shape, const Sampling &sampling, const ParallelFor &parallelFor) {
+  if (!(shape.volume > 0.0) || !std::isfinite(shape.volume))
+    return refuse("the body has a volume of " + number(shape.volume, 4) + " m³; a finite volume > 0 is needed");
+  if (!(sampling.spacing >= 0.0) || !std::isfinite(sampling.spacing))
+    return refuse("spacing = " + number(sampling.spacing, 4) + " m is not accepted: finite and > 0, or 0 with a count");
+  if (sampling.spacing == 0.0 && (sampling.count < 1 || sampling.count > kMaximumPhyxels))
+    return refuse("count = " + std::to_string(sampling.count) + " is not accepted: 1 … " +
+                  std::to_string(kMaximumPhyxels));
+  const double spacing =
+      sampling.spacing > 0.0 ? sampling.spacing : spacingForCount(shape, sampling.count, parallelFor);
+  const Vec3 extent = shape.max - shape.min;
+  const double cells = (extent[0] / spacing + 1.0) * (extent[1] / spacing + 1.0) * (extent[2] / spacing + 1.0);
+  const double phyxels = shape.volume / (spacing * spacing * spacing);
+  if (phyxels > static_cast<double>(kMaximumPhyxels) || cells > 5e7)
+    return refuse("a spacing of " + number(spacing, 4) + " m makes about " + number(phyxels, 4) + " phyxels; at most " +
+                  std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
+  return spacing;
+}
+
+// Which cells the surface may cut: those it comes near; all, where the shape does not tell the distance.
+std::vector<std::uint8_t> cutFlags(const BodyShape &shape, std::span<const Vec3> centres, double spacing,
+                                   const ParallelFor &parallelFor) {
+  std::vector<std::uint8_t> cut(centres.size(), 1);
+  if (!shape.surfaceDistance) return cut;
+  std::vector<double> distances(centres.size());
+  parallelFor(centres.size(), 256, [&](std::size_t begin, std::size_t end) {
+    shape.surfaceDistance(centres.subspan(begin, end - begin),
+                          std::span<double>(distances).subspan(begin, end - begin));
+  });
+  const double halfDiagonal = 0.5 * std::sqrt(3.0) * spacing;
+  for (std::size_t c = 0; c < cut.size(); ++c) cut[c] = distances[c] <= halfDiagonal * (1.0 + 1e-9) ? 1 : 0;
+  return cut;
+}
+
+// Divides cut cells among the phyxels: points of a finer lattice that lie in the body go to the nearest phyxel around;
+// those that find none start a phyxel of their own per cell.
+class CutCellDivision {
+ public:
+  CutCellDivision(const BodyShape &shape, const Lattice &lattice, std::span<const int> phyxelOfCell, PhyxelCloud &cloud,
+                  const ParallelFor &parallelFor)
+      : shape_(shape), lattice_(lattice), phyxelOfCell_(phyxelOfCell), cloud_(cloud), parallelFor_(parallelFor) {}
+
+  [[nodiscard]] double pointVolume() const { return lattice_.spacing * lattice_.spacing * lattice_.spacing / kPerCell; }
+  // @return  many wait: divide() them
+  bool add(std::size_t cell) {
+    for (int z = 0; z < kSubdivisions; ++z)
+      for (int y = 0; y < kSubdivisions; ++y)
+        for (int x = 0; x < kSubdivisions; ++x) {
+          const Vec3 offset = (Vec3(x, y, z) + Vec3::Constant(0.5)) / kSubdivisions - Vec3::Constant(0.5);
+          points_.push_back(lattice_.centre(cell) + lattice_.spacing * offset);
+          cellOfPoint_.push_back(cell);
+        }
+    constexpr std::size_t kBatch = 2048;
+    return points_.size() >= kBatch * kPerCell / 16;
+  }
+  void divide() {
+    const std::vector<double> parts = partsInside(shape_, points_, lattice_.spacing / kSubdivisions, parallelFor_);
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      if (!(parts[p] > 0.0)) continue;
+      if (const int nearest = nearestPhyxel(cellOfPoint_[p], points_[p]); nearest != kOutside) {
+        cloud_.volumes[static_cast<std::size_t>(nearest)] += parts[p] * pointVolume();
+        continue;
+      }
+      if (orphans_.empty() || orphans_.back().cell != cellOfPoint_[p]) orphans_.push_back({cellOfPoint_[p]});
+      orphans_.back().sum += parts[p] * points_[p];
+      orphans_.back().count += parts[p];
+    }
+    points_.clear();
+    cellOfPoint_.clear();
+  }
+  // Slivers of less than a fiftieth of a cell join their neighbours' scale instead of becoming points of almost no
+  // mass.
+  void addOrphans() {
+    for (const Orphan &orphan : orphans_)
+      if (orphan.count >= kPerCell / 50 + 1 || cloud_.positions.empty()) {
+        cloud_.positions.push_back(orphan.sum / orphan.count);
+        cloud_.volumes.push_back(orphan.count * pointVolume());
+      }
+  }
+
+ private:
+  struct Orphan {
+    std::size_t cell = 0;
+    Vec3 sum = Vec3::Zero();
+    double count = 0.0;  // cubes of the finer lattice
+  };
+
+  [[nodiscard]] int nearestPhyxel(std::size_t cellIndex, const Vec3 &point) const {
+    const auto cell = static_cast<std::int64_t>(cellIndex);
+    const auto &n = lattice_.n;
+    const std::int64_t cx = cell % n[0], cy = (cell / n[0]) % n[1], cz = cell / (n[0] * n[1]);
+    int nearest = kOutside;
+    double nearestSquared = 1e300;
+    for (std::int64_t z = std::max<std::int64_t>(0, cz - 1); z <= std::min(n[2] - 1, cz + 1); ++z)
+      for (std::int64_t y = std::max<std::int64_t>(0, cy - 1); y <= std::min(n[1] - 1, cy + 1); ++y)
+        for (std::int64_t x = std::max<std::int64_t>(0, cx - 1); x <= std::min(n[0] - 1, cx + 1); ++x) {
+          const int candidate = phyxelOfCell_[lattice_.index(x, y, z)];
+          if (candidate == kOutside) continue;
+          const double squared = (cloud_.positions[static_cast<std::size_t>(candidate)] - point).squaredNorm();
+          if (squared < nearestSquared) {
+            nearestSquared = squared;
+            nearest = candidate;
+          }
+        }
+    return nearest;
+  }
+
+  const BodyShape &shape_;
+  const Lattice &lattice_;
+  std::span<const int> phyxelOfCell_;
+  PhyxelCloud &cloud_;
+  const ParallelFor &parallelFor_;
+  std::vector<Vec3> points_;
+  std::vector<std::size_t> cellOfPoint_;
+  std::vector<Orphan> orphans_;
+};
+
+// Along a space-filling curve, so that neighbours are near in memory.
+void sortInSpace(PhyxelCloud &cloud, const Lattice &lattice) {
+  std::vector<std::pair<std::uint64_t, std::size_t>> curve;
+  for (std::size_t i = 0; i < cloud.positions.size(); ++i) {
+    const Vec3 q = (cloud.positions[i] - lattice.origin) / lattice.spacing;
+    lattice::Cell3 at;
+    for (std::size_t c = 0; c < 3; ++c)
+      at[c] = static_cast<std::int32_t>(std::clamp(std::round(q[static_cast<int>(c)]) + 1.0, 0.0, 1048575.0));
+    curve.emplace_back(lattice::mortonCode(at), i);
+  }
+  std::sort(curve.begin(), curve.end());
+  std::vector<Vec3> positions;
+  std::vector<double> volumes;
+  for (const auto &[code, i] : curve) {
+    positions.push_back(cloud.positions[i]);
+    volumes.push_back(cloud.volumes[i]);
+  }
+  cloud.positions = std::move(positions);
+  cloud.volumes = std::move(volumes);
+}
+
+void findContactRadii(PhyxelCloud &cloud, const BodyShape &shape) {
+  cloud.contactRadii.resize(cloud.positions.size());
+  if (shape.surfaceDistance) {
+    shape.surfaceDistance(cloud.positions, cloud.contactRadii);
+    for (double &r : cloud.contactRadii) r = std::min(r, 0.5 * cloud.spacing);
+  } else {
+    for (std::size_t i = 0; i < cloud.volumes.size(); ++i) cloud.contactRadii[i] = 0.5 * std::cbrt(cloud.volumes[i]);
+  }
+}
+
 }  // namespace
 
 std::size_t automaticCount(double volume, double area) {
@@ -115,162 +267,54 @@ std::size_t automaticCount(double volume, double area) {
 
 Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const ParallelFor &parallelFor,
                          const SamplingProgress &progress) {
-  const auto refuse = [](const std::string &text) { return tl::unexpected<std::string>(text); };
   const auto shouldContinue = [&](double fraction) { return !progress || progress(fraction); };
-  if (!(shape.volume > 0.0) || !std::isfinite(shape.volume))
-    return refuse("the body has a volume of " + number(shape.volume, 4) + " m³; a finite volume > 0 is needed");
-  if (!(sampling.spacing >= 0.0) || !std::isfinite(sampling.spacing))
-    return refuse("spacing = " + number(sampling.spacing, 4) + " m is not accepted: finite and > 0, or 0 with a count");
-  if (sampling.spacing == 0.0 && (sampling.count < 1 || sampling.count > kMaximumPhyxels))
-    return refuse("count = " + std::to_string(sampling.count) + " is not accepted: 1 … " +
-                  std::to_string(kMaximumPhyxels));
-
-  const double spacing =
-      sampling.spacing > 0.0 ? sampling.spacing : spacingForCount(shape, sampling.count, parallelFor);
-  const Vec3 extent = shape.max - shape.min;
-  const double cellsWanted = (extent[0] / spacing + 1.0) * (extent[1] / spacing + 1.0) * (extent[2] / spacing + 1.0);
-  if (shape.volume / (spacing * spacing * spacing) > static_cast<double>(kMaximumPhyxels) || cellsWanted > 5e7)
-    return refuse("a spacing of " + number(spacing, 4) + " m makes about " +
-                  number(shape.volume / (spacing * spacing * spacing), 4) + " phyxels; at most " +
-                  std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
+  const auto spacing = spacingOf(shape, sampling, parallelFor);
+  if (!spacing) return refuse(spacing.error());
   if (!shouldContinue(0.05)) return refuse("cancelled");
 
-  // Which cells are inside, by their centres; which are cut, by a neighbour that differs or by the distance.
-  const Lattice lattice = latticeOver(shape, spacing);
+  const Lattice lattice = latticeOver(shape, *spacing);
   const std::size_t cells = lattice.cells();
   std::vector<Vec3> centres(cells);
   for (std::size_t c = 0; c < cells; ++c) centres[c] = lattice.centre(c);
   const std::vector<std::uint8_t> inside = insideFlags(shape, centres, parallelFor);
   if (!shouldContinue(0.2)) return refuse("cancelled");
+  const std::vector<std::uint8_t> cut = cutFlags(shape, centres, *spacing, parallelFor);
+  if (!shouldContinue(0.35)) return refuse("cancelled");
 
   PhyxelCloud cloud;
-  cloud.spacing = spacing;
+  cloud.spacing = *spacing;
   std::vector<int> phyxelOfCell(cells, kOutside);
   for (std::size_t c = 0; c < cells; ++c)
     if (inside[c]) {
       phyxelOfCell[c] = static_cast<int>(cloud.positions.size());
       cloud.positions.push_back(centres[c]);
     }
-
-  std::vector<std::uint8_t> cut(cells, 1);
-  if (shape.surfaceDistance) {
-    std::vector<double> distances(cells);
-    parallelFor(cells, 256, [&](std::size_t begin, std::size_t end) {
-      shape.surfaceDistance(std::span<const Vec3>(centres).subspan(begin, end - begin),
-                            std::span<double>(distances).subspan(begin, end - begin));
-    });
-    const double halfDiagonal = 0.5 * std::sqrt(3.0) * spacing;
-    for (std::size_t c = 0; c < cells; ++c) cut[c] = distances[c] <= halfDiagonal * (1.0 + 1e-9) ? 1 : 0;
-  }
-  if (!shouldContinue(0.35)) return refuse("cancelled");
-
-  // Points of the finer lattice that lie in the body go to the nearest phyxel around; those that find none start a
-  // phyxel of their own per cell.
-  constexpr int kPerCell = kSubdivisions * kSubdivisions * kSubdivisions;
-  const double partVolume = spacing * spacing * spacing / kPerCell;
   cloud.volumes.assign(cloud.positions.size(), 0.0);
-  struct Orphan {
-    Vec3 sum = Vec3::Zero();
-    double count = 0.0;  // cubes of the finer lattice
-  };
-  std::vector<std::pair<std::size_t, Orphan>> orphans;
-  constexpr std::size_t kBatch = 2048;
-  std::vector<Vec3> points;
-  std::vector<std::size_t> cellOfPoint;
-  const auto flush = [&]() {
-    const std::vector<double> parts = partsInside(shape, points, spacing / kSubdivisions, parallelFor);
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      if (!(parts[p] > 0.0)) continue;
-      const auto cell = static_cast<std::int64_t>(cellOfPoint[p]);
-      const std::int64_t cx = cell % lattice.n[0], cy = (cell / lattice.n[0]) % lattice.n[1],
-                         cz = cell / (lattice.n[0] * lattice.n[1]);
-      int nearest = kOutside;
-      double nearestSquared = 1e300;
-      for (std::int64_t z = std::max<std::int64_t>(0, cz - 1); z <= std::min(lattice.n[2] - 1, cz + 1); ++z)
-        for (std::int64_t y = std::max<std::int64_t>(0, cy - 1); y <= std::min(lattice.n[1] - 1, cy + 1); ++y)
-          for (std::int64_t x = std::max<std::int64_t>(0, cx - 1); x <= std::min(lattice.n[0] - 1, cx + 1); ++x) {
-            const int candidate = phyxelOfCell[lattice.index(x, y, z)];
-            if (candidate == kOutside) continue;
-            const double squared = (cloud.positions[static_cast<std::size_t>(candidate)] - points[p]).squaredNorm();
-            if (squared < nearestSquared) {
-              nearestSquared = squared;
-              nearest = candidate;
-            }
-          }
-      if (nearest != kOutside) {
-        cloud.volumes[static_cast<std::size_t>(nearest)] += parts[p] * partVolume;
-        continue;
-      }
-      if (orphans.empty() || orphans.back().first != cellOfPoint[p]) orphans.push_back({cellOfPoint[p], {}});
-      orphans.back().second.sum += parts[p] * points[p];
-      orphans.back().second.count += parts[p];
-    }
-    points.clear();
-    cellOfPoint.clear();
-  };
+
+  CutCellDivision division(shape, lattice, phyxelOfCell, cloud, parallelFor);
+  const double pointVolume = division.pointVolume();
   for (std::size_t c = 0; c < cells; ++c) {
     if (!cut[c]) {
-      if (inside[c]) cloud.volumes[static_cast<std::size_t>(phyxelOfCell[c])] += kPerCell * partVolume;
-      continue;
-    }
-    for (int z = 0; z < kSubdivisions; ++z)
-      for (int y = 0; y < kSubdivisions; ++y)
-        for (int x = 0; x < kSubdivisions; ++x) {
-          const Vec3 offset = (Vec3(x, y, z) + Vec3::Constant(0.5)) / kSubdivisions - Vec3::Constant(0.5);
-          points.push_back(centres[c] + spacing * offset);
-          cellOfPoint.push_back(c);
-        }
-    if (points.size() >= kBatch * kPerCell / 16) {
-      flush();
+      if (inside[c]) cloud.volumes[static_cast<std::size_t>(phyxelOfCell[c])] += kPerCell * pointVolume;
+    } else if (division.add(c)) {
+      division.divide();
       if (!shouldContinue(0.35 + 0.6 * static_cast<double>(c) / static_cast<double>(cells))) return refuse("cancelled");
     }
   }
-  flush();
-  // Slivers of less than a fiftieth of a cell join their neighbours' scale instead of becoming points of almost no
-  // mass.
-  for (const auto &[cell, orphan] : orphans)
-    if (orphan.count >= kPerCell / 50 + 1 || cloud.positions.empty()) {
-      cloud.positions.push_back(orphan.sum / orphan.count);
-      cloud.volumes.push_back(orphan.count * partVolume);
-    }
+  division.divide();
+  division.addOrphans();
   if (cloud.positions.empty())
-    return refuse("no point of the body was found at a spacing of " + number(spacing, 4) +
+    return refuse("no point of the body was found at a spacing of " + number(*spacing, 4) +
                   " m: the body is thinner than a fifth of it, or not closed; use a smaller spacing");
 
   // A phyxel that sits right under the surface can end up without any point of the finer lattice.
-  for (double &v : cloud.volumes) v = std::max(v, partVolume);
-  double total = 0.0;
-  for (const double v : cloud.volumes) total += v;
-  for (double &v : cloud.volumes) v *= shape.volume / total;
-
-  // Along a space-filling curve, so that neighbours are near in memory.
-  std::vector<std::pair<std::uint64_t, std::size_t>> curve;
-  for (std::size_t i = 0; i < cloud.positions.size(); ++i) {
-    const Vec3 q = (cloud.positions[i] - lattice.origin) / spacing;
-    lattice::Cell3 at;
-    for (std::size_t c = 0; c < 3; ++c)
-      at[c] = static_cast<std::int32_t>(std::clamp(std::round(q[static_cast<int>(c)]) + 1.0, 0.0, 1048575.0));
-    curve.emplace_back(lattice::mortonCode(at), i);
-  }
-  std::sort(curve.begin(), curve.end());
-  std::vector<std::size_t> order;
-  for (const auto &[code, i] : curve) order.push_back(i);
-  PhyxelCloud sorted;
-  sorted.spacing = spacing;
-  sorted.countedVolume = total;
-  for (const std::size_t i : order) {
-    sorted.positions.push_back(cloud.positions[i]);
-    sorted.volumes.push_back(cloud.volumes[i]);
-  }
-  sorted.contactRadii.resize(order.size());
-  if (shape.surfaceDistance) {
-    shape.surfaceDistance(sorted.positions, sorted.contactRadii);
-    for (double &r : sorted.contactRadii) r = std::min(r, 0.5 * spacing);
-  } else {
-    for (std::size_t i = 0; i < order.size(); ++i) sorted.contactRadii[i] = 0.5 * std::cbrt(sorted.volumes[i]);
-  }
+  for (double &v : cloud.volumes) v = std::max(v, pointVolume);
+  for (const double v : cloud.volumes) cloud.countedVolume += v;
+  for (double &v : cloud.volumes) v *= shape.volume / cloud.countedVolume;
+  sortInSpace(cloud, lattice);
+  findContactRadii(cloud, shape);
   if (!shouldContinue(1.0)) return refuse("cancelled");
-  return sorted;
+  return cloud;
 }
 
 }  // namespace pointbased

@@ -92,14 +92,11 @@ HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain
 template <class Body>
 HWY_INLINE void withLaw(int law, const Body &body) {
   switch (static_cast<MaterialLaw>(law)) {
-    case MaterialLaw::linear:
-      return body(std::integral_constant<MaterialLaw, MaterialLaw::linear>());
+    case MaterialLaw::linear: return body(std::integral_constant<MaterialLaw, MaterialLaw::linear>());
     case MaterialLaw::stVenantKirchhoff:
       return body(std::integral_constant<MaterialLaw, MaterialLaw::stVenantKirchhoff>());
-    case MaterialLaw::corotated:
-      return body(std::integral_constant<MaterialLaw, MaterialLaw::corotated>());
-    case MaterialLaw::neoHookean:
-      break;
+    case MaterialLaw::corotated: return body(std::integral_constant<MaterialLaw, MaterialLaw::corotated>());
+    case MaterialLaw::neoHookean: break;
   }
   body(std::integral_constant<MaterialLaw, MaterialLaw::neoHookean>());
 }
