@@ -60,7 +60,7 @@ int mostDifferent(const Image &a, const Image &b) {
   return most;
 }
 
-constexpr Vec3 kLeft{1, 0, 0}, kBack{0, 1, 0}, kUp{0, 0, 1}, kDown{0, 0, -1};
+constexpr Vec3 kLeft{1, 0, 0}, kBack{0, 1, 0}, kDown{0, 0, -1};
 
 }  // namespace
 

@@ -172,9 +172,8 @@ void PhyxelSet::move(c3de_view view) {
   own_->computeGradients(context_.services.parallelFor());
 }
 
-SurfelSet::SurfelSet(PluginContext &context) : context_(context) {}
-SurfelSet::SurfelSet(PluginContext &context, sdk::Ref<WorldSimulator> simulator, std::uint64_t body)
-    : context_(context), simulator_(std::move(simulator)), body_(body) {}
+SurfelSet::SurfelSet(sdk::Ref<WorldSimulator> simulator, std::uint64_t body)
+    : simulator_(std::move(simulator)), body_(body) {}
 
 std::array<sdk::Interface, 1> SurfelSet::interfaces() { return {sdk::interfaceOf(sdk::kSurfelSetTable<SurfelSet>)}; }
 

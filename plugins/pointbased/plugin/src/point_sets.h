@@ -36,8 +36,8 @@ class PhyxelSet : public sdk::Object<PhyxelSet> {
 /// The registered class draft/c3de.pointbased.Surfel/0: the surface of a body, or points bound to a phyxel set.
 class SurfelSet : public sdk::Object<SurfelSet> {
  public:
-  explicit SurfelSet(PluginContext &context);
-  SurfelSet(PluginContext &context, sdk::Ref<WorldSimulator> simulator, std::uint64_t body);
+  explicit SurfelSet(PluginContext &) {}
+  SurfelSet(sdk::Ref<WorldSimulator> simulator, std::uint64_t body);
 
   // iface.surfel_set
   std::uint64_t count();
@@ -51,7 +51,6 @@ class SurfelSet : public sdk::Object<SurfelSet> {
  private:
   void withBody(const std::function<void(const Body &)> &read) const;
 
-  PluginContext &context_;
   sdk::Ref<WorldSimulator> simulator_;
   std::uint64_t body_ = 0;
   sdk::Ref<PhyxelSet> phyxels_;

@@ -464,7 +464,7 @@ sdk::Result<void> WorldSimulator::surfels(c3de_handle body, c3de_object **out) {
     const std::lock_guard lock(mutex_);
     (void)bodyOrThrow(body);
   }
-  *out = sdk::make<SurfelSet>(context_, sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
+  *out = sdk::make<SurfelSet>(sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
   return {};
 }
 
