@@ -261,6 +261,15 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   CHECK(window.value("image/label.4") == "true");
 
   window.click("organ/edge_automatic");
+  // A count of one's own takes the place of that by the thickness.
+  CHECK_FALSE(window.has("organ/phyxels"));
+  window.click("organ/count_automatic");
+  window.controlClick("organ/phyxels");
+  window.key("ctrl+a");
+  window.type("400");
+  window.key("Return");
+  window.waitForValue("organ/phyxels", "400");
+  window.screenshot("own_count");
   window.click("organ/make");
   window.waitUntil(
       "the trunk has joined them",
