@@ -104,7 +104,8 @@ TEST_CASE(
   const auto run = [&](const std::string &sampling) {
     const auto scene = writeFile(
         folder / "scene.toml",
-        "format = 1\n[world]\ngravity = [0, -9.81, 0]\n[solver]\nintegrator = \"quasistatic\"\nload_steps = 1\n[[body]]\nname = \"box\"\n"
+        "format = 1\n[world]\ngravity = [0, -9.81, 0]\n[solver]\nintegrator = \"quasistatic\"\nload_steps = "
+        "1\n[[body]]\nname = \"box\"\n"
         "mesh = \"box.obj\"\nmesh_unit = \"m\"\nmaterial = { youngs_modulus = 1e6 }\nsampling = { " +
             sampling +
             " }\n[[fix]]\nbody = \"box\"\nregion = { half_space = { point = [0.001, 0, 0], normal = [1, 0, 0] } }\n");

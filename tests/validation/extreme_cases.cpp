@@ -19,8 +19,10 @@ void row(const std::string &what, const std::string &result) {
   std::ofstream out(file, std::ios::app | std::ios::binary);
   if (fresh)
     out << "# Extremes\n\n"
-           "What happens at the edges of material, geometry, time and numbers. Every line is a test of `test_extremes`, which\n"
-           "asserts what is expected and writes this table when `C3DE_EXTREMES_TABLE` names a file. Files of meshes with\n"
+           "What happens at the edges of material, geometry, time and numbers. Every line is a test of "
+           "`test_extremes`, which\n"
+           "asserts what is expected and writes this table when `C3DE_EXTREMES_TABLE` names a file. Files of meshes "
+           "with\n"
            "numbers that are none, and open surfaces, are refused or repaired by name: `test_geometry`.\n\n"
            "| case | result | test |\n|---|---|---|\n";
   out << "| " << what << " | " << result << " | " << Catch::getResultCapture().getCurrentTestName() << " |\n";

@@ -238,9 +238,9 @@ int dispatch(int argc, char **argv) {
       "c3de");
   app.set_help_flag("-h,--help", "Say this");
   app.require_subcommand(0, 1);
-  app.add_option(
-      "FILES", arguments.files,
-      "Meshes, scenes (.toml) and images (DICOM folder, NIfTI, NRRD, MetaImage) to open; images after the first are label maps");
+  app.add_option("FILES", arguments.files,
+                 "Meshes, scenes (.toml) and images (DICOM folder, NIfTI, NRRD, MetaImage) to open; images after the "
+                 "first are label maps");
   app.add_flag("--version", arguments.version, "Print product, ABI and (with --json) services");
   app.add_flag("--json", arguments.json, "With --version: as JSON");
   app.add_flag("--play", arguments.play, "Play as soon as the scene is there");

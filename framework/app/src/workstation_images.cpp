@@ -118,12 +118,12 @@ void WorkstationImages::open(const std::filesystem::path &path, std::vector<std:
           series_ = wanted.series;
           if (read->isSegmentation)
             read->notices.emplace_back(
-                "Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file again.");
+                "Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file "
+                "again.");
           tell("Opened " + wanted.name, read->notices);
         } else {
-          tell(
-              "Opened " + wanted.name,
-              {"A segmentation: its segments lie over the image that is open, as labels. Close the image first to see it alone."});
+          tell("Opened " + wanted.name, {"A segmentation: its segments lie over the image that is open, as labels. "
+                                         "Close the image first to see it alone."});
         }
         for (const std::filesystem::path &file : maps) openLabels(file);
         if (!read->series.empty()) askForSeries(wanted.path, labels, read->series);

@@ -71,7 +71,8 @@ Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report)
   if (share > kMaxHoleShare) {
     const Hole &h = holes.front();
     return refuse(fmt::format(
-        "the surface is open: lids over its {} boundary edges would make up {:.3g} % of the surface, up to {:.0f} % is accepted. "
+        "the surface is open: lids over its {} boundary edges would make up {:.3g} % of the surface, up to {:.0f} % is "
+        "accepted. "
         "The largest opening is around ({:.4g}, {:.4g}, {:.4g}) mm with {:.3g} mm of rim; close it in a mesh editor",
         report.boundaryEdges, 100.0 * share, 100.0 * kMaxHoleShare, h.centre[0], h.centre[1], h.centre[2],
         h.perimeter_mm));
@@ -87,12 +88,15 @@ Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report)
   const Probes probes = probeInside(mesh, report.box);
   if (probes.inside == 0)
     return refuse(
-        "no point of a 16 x 16 x 16 grid over its box lies inside (winding number above 0.5); is it inside out or open?");
+        "no point of a 16 x 16 x 16 grid over its box lies inside (winding number above 0.5); is it inside out or "
+        "open?");
   if (static_cast<double>(probes.undecided) > kMaxUndecidedShare * static_cast<double>(probes.inside))
-    return refuse(fmt::format(
-        "inside and outside cannot be told apart: of a 16 x 16 x 16 grid over its box {} points lie inside, and {} are undecided "
-        "(winding number 0.25 to 0.75); up to {:.0f} % are accepted. Its triangles face inconsistent ways or leave gaps",
-        probes.inside, probes.undecided, 100.0 * kMaxUndecidedShare));
+    return refuse(
+        fmt::format("inside and outside cannot be told apart: of a 16 x 16 x 16 grid over its box {} points lie "
+                    "inside, and {} are undecided "
+                    "(winding number 0.25 to 0.75); up to {:.0f} % are accepted. Its triangles face inconsistent ways "
+                    "or leave gaps",
+                    probes.inside, probes.undecided, 100.0 * kMaxUndecidedShare));
   return {};
 }
 

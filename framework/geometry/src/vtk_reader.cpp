@@ -261,7 +261,8 @@ void VtkParser::skipMetadata() {
 Expected<RawMesh> VtkParser::run() {
   if (!line().starts_with("# vtk DataFile"))
     return refuse(
-        "the first line is not '# vtk DataFile Version ...'; legacy VTK files are accepted (XML has the extension .vtp)");
+        "the first line is not '# vtk DataFile Version ...'; legacy VTK files are accepted (XML has the extension "
+        ".vtp)");
   line();  // title, free text
   const std::string coding = lowerToken();
   if (coding != "ascii" && coding != "binary") return refuse("ASCII or BINARY expected, found " + quotedText(coding));

@@ -134,9 +134,10 @@ Expected<void> writeVtp(const std::filesystem::path &path, const TriangleMesh &m
   const std::size_t points = mesh.vertices.size(), triangles = mesh.triangles.size(),
                     verts = triangles == 0 ? points : 0;
   VtkXml xml("PolyData", title);
-  xml.line(fmt::format(
-      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">",
-      points, verts, triangles));
+  xml.line(
+      fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+                  "NumberOfPolys=\"{}\">",
+                  points, verts, triangles));
   xml.pointData(arrays);
   xml.points(mesh.vertices);
   xml.cells(

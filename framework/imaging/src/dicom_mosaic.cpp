@@ -91,7 +91,8 @@ void splitMosaic(const DicomSet &set, DicomFile &file) {
     count = static_cast<double>(set.number(privateTag(set, 0x0019, "SIEMENS MR HEADER", 0x0a)));
   if (count == 0.0)
     return refuseTiles(
-        "whose header does not say how many there are: NumberOfImagesInMosaic is missing (was the CSA header removed?)");
+        "whose header does not say how many there are: NumberOfImagesInMosaic is missing (was the CSA header "
+        "removed?)");
   if (!(count >= 1.0 && count <= 4096.0) || count != std::floor(count) || file.frames.size() != 1)
     return refuseTiles("whose header says " + formatNumber(count) + " tiles in " + std::to_string(file.frames.size()) +
                        " frames; accepted are 1 to 4096 in one");

@@ -260,9 +260,9 @@ class Planner {
       const double gap = along[blocks[b + 1].first] - along[block.first + block.count - 1];
       said += ", then " + rounded(gap) + " mm";
       if (gap > 4.5 * std::max(block.spacing_mm, blocks[b + 1].spacing_mm))
-        return refused(
-            "the slices lie in " + std::to_string(blocks.size()) + " blocks with " + rounded(gap) +
-            " mm between two of them, too far to be interpolated; each block can be read by itself as a part of its series (#1, #2, …)");
+        return refused("the slices lie in " + std::to_string(blocks.size()) + " blocks with " + rounded(gap) +
+                       " mm between two of them, too far to be interpolated; each block can be read by itself as a "
+                       "part of its series (#1, #2, …)");
     }
     const double step = finest->spacing_mm, anchor = along[finest->first];
     const auto below = static_cast<std::size_t>(std::lround(anchor / step)),
@@ -272,10 +272,10 @@ class Planner {
       return refused("the slices lie in blocks from " + rounded(step) + " mm apart, which would need " +
                      formatNumber(count) +
                      " slices; each block can be read by itself as a part of its series (#1, #2, …)");
-    note(
-        "The slices lie in " + std::to_string(blocks.size()) + " blocks: " + said +
-        ". They are one volume, resampled to " + rounded(step) +
-        " mm by interpolation between neighbours; each block can be opened by itself as a part of the series (#1, #2, …).");
+    note("The slices lie in " + std::to_string(blocks.size()) + " blocks: " + said +
+         ". They are one volume, resampled to " + rounded(step) +
+         " mm by interpolation between neighbours; each block can be opened by itself as a part of the series (#1, #2, "
+         "…).");
     const double from = anchor - static_cast<double>(below) * step;
     for (const double a : along) out_.at.push_back((a - from) / step);
     out_.resampled = true;

@@ -97,7 +97,8 @@ Expected<std::string> metaFile(const ImageToWrite &image) {
   for (const double x : column(g, 3)) origin.push_back(x);
   const std::string zipped = packed(image.voxels, Packing::zlib);
   std::string text =
-      "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\nCompressedDataSize = " +
+      "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = "
+      "True\nCompressedDataSize = " +
       std::to_string(zipped.size()) + "\nTransformMatrix = " + spaced(matrix) + "\nOffset = " + spaced(origin) +
       "\nCenterOfRotation = 0 0 0\nElementSpacing = " + spaced({spacing[0], spacing[1], spacing[2]}) +
       "\nDimSize = " + std::to_string(g.size[0]) + " " + std::to_string(g.size[1]) + " " + std::to_string(g.size[2]) +

@@ -140,10 +140,10 @@ Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
   if (const auto channels = numbersIn(valueOf(keys, {"ElementNumberOfChannels"}));
       !channels.empty() && channels[0] != 1.0) {
     if ((channels[0] != 3.0 && channels[0] != 4.0) || (header.scalar != Scalar::u8 && header.scalar != Scalar::u16))
-      return refuse(
-          path,
-          "holds " + formatNumber(channels[0]) + " numbers per voxel of type " + valueOf(keys, {"ElementType"}) +
-              " (a vector image); images of one number per voxel, and of 3 or 4 colours as MET_UCHAR or MET_USHORT, are read");
+      return refuse(path, "holds " + formatNumber(channels[0]) + " numbers per voxel of type " +
+                              valueOf(keys, {"ElementType"}) +
+                              " (a vector image); images of one number per voxel, and of 3 or 4 colours as MET_UCHAR "
+                              "or MET_USHORT, are read");
     header.channels = static_cast<std::size_t>(channels[0]);
   }
   header.bigEndian = isTrue(valueOf(keys, {"ElementByteOrderMSB", "BinaryDataByteOrderMSB"}));

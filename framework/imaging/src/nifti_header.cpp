@@ -223,10 +223,9 @@ Expected<ImageHeader> readNiftiHeader(const std::filesystem::path &path) {
       return refuse(path, "the header says " + formatNumber(sizes[a]) + " along axis " + std::to_string(a + 1));
   for (std::size_t a = 4; a < sizes.size(); ++a)
     if (sizes[a] > 1.0)
-      return refuse(
-          path,
-          "holds " + formatNumber(sizes[a]) +
-              " numbers per voxel (a vector image); images of one number per voxel and colours (RGB24, RGBA32) are read");
+      return refuse(path, "holds " + formatNumber(sizes[a]) +
+                              " numbers per voxel (a vector image); images of one number per voxel and colours (RGB24, "
+                              "RGBA32) are read");
   header.volumes = sizes.size() > 3 ? static_cast<std::size_t>(sizes[3]) : 1;
   const auto scalar = scalarOf(path, n.type);
   if (!scalar) return tl::unexpected(scalar.error());

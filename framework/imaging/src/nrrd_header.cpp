@@ -203,11 +203,11 @@ Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::v
     const bool countsVolumes =
         isOneOf(kind, {"time", "list"}) || (isBehind && isOneOf(kind, {"", "domain", "space", "???", "none"}));
     if (!countsVolumes)
-      return refuse(
-          header.path,
-          "holds " + formatNumber(sizes[a]) + " numbers per voxel (axis " + std::to_string(a + 1) +
-              (kind.empty() ? "" : ", '" + kind + "'") +
-              "): a vector image; read are images of one number per voxel, of 3 or 4 colours of 8 or 16 bits (first axis, kind RGB-color or RGBA-color), and time points (kind time or list)");
+      return refuse(header.path,
+                    "holds " + formatNumber(sizes[a]) + " numbers per voxel (axis " + std::to_string(a + 1) +
+                        (kind.empty() ? "" : ", '" + kind + "'") +
+                        "): a vector image; read are images of one number per voxel, of 3 or 4 colours of 8 or 16 bits "
+                        "(first axis, kind RGB-color or RGBA-color), and time points (kind time or list)");
     const bool isFirst = axes.empty() && header.channels == 1;
     if (!isBehind && !isFirst)
       return refuse(header.path, "has its time points between the axes of space (axis " + std::to_string(a + 1) +

@@ -42,9 +42,9 @@ Expected<Format> formatOrError(const std::filesystem::path &path) {
   if (format != Format::none) return format;
   // DICOM without its signature exists; no other format is worth a guess.
   if (readDicomHeader(path)) return Format::dicom;
-  return refuse(
-      path,
-      "is no image that is read here: DICOM, NIfTI (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr) and MetaImage (.mha, .mhd) are");
+  return refuse(path,
+                "is no image that is read here: DICOM, NIfTI (.nii, .nii.gz, .hdr), NRRD (.nrrd, .nhdr) and MetaImage "
+                "(.mha, .mhd) are");
 }
 
 Expected<ImageHeader> headerOf(const std::filesystem::path &path, Format format) {

@@ -41,7 +41,8 @@ bool SceneReader::readTime(const TomlValue &value, std::size_t &out) {
 
 bool SceneReader::readSeries(const TomlValue &value, std::string &out) {
   const char *const accepted =
-      "the identifier, the description or the number of a DICOM series, with a part behind it as in \"4#2\" (c3de info lists them)";
+      "the identifier, the description or the number of a DICOM series, with a part behind it as in \"4#2\" (c3de info "
+      "lists them)";
   if (value.isNumber() && value.num == std::floor(value.num) && value.num >= 0.0 && value.num < 1e9) {
     out = std::to_string(static_cast<long long>(value.num));
     return true;

@@ -35,10 +35,10 @@ constexpr std::array kCommands{
     CommandInfo{Command::redo, "edit.redo", "Redo", "Make the change again that was taken back", 'Y', C3DE_MOD_CTRL,
                 'Z', C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
     CommandInfo{Command::fitView, "view.fit", "Fit view", "Bring everything visible into the view", 'F', 0, 0},
-    CommandInfo{
-        Command::resetView, "view.reset", "Reset view",
-        "The view under the mouse as at the start: the middle slice, or all of the 3D view from the front; beside the views, all",
-        'R', 0, 0},
+    CommandInfo{Command::resetView, "view.reset", "Reset view",
+                "The view under the mouse as at the start: the middle slice, or all of the 3D view from the front; "
+                "beside the views, all",
+                'R', 0, 0},
     CommandInfo{Command::viewFront, "view.front", "Front (along −z)", "Look along −z", '1', 0, 0},
     CommandInfo{Command::viewBack, "view.back", "Back (along +z)", "Look along +z", '2', 0, 0},
     CommandInfo{Command::viewLeft, "view.left", "Left (along +x)", "Look along +x", '3', 0, 0},

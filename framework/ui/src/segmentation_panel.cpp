@@ -282,10 +282,10 @@ void SegmentationPanel::drawHolding(const c3de_ui_v0 &ui) {
   choice(ui, "held", "Held", held, {"by its surroundings", "the lowest part", "nothing"});
   tooltip(ui, "By its surroundings: elastically, where it is in the scan, so that it comes back. Nothing: it drifts");
   if (static_cast<segmentation::Held>(held) == segmentation::Held::surroundings)
-    slider(
-        ui, "surroundings", "Surroundings", "Pa/m", s.surroundings_Pa_m, 0.0, kStiffestSurroundings,
-        "How the tissue around pulls the surface to its place: stress per way. 30 000: an organ sinks some millimetres under "
-        "its own weight; 0: not at all");
+    slider(ui, "surroundings", "Surroundings", "Pa/m", s.surroundings_Pa_m, 0.0, kStiffestSurroundings,
+           "How the tissue around pulls the surface to its place: stress per way. 30 000: an organ sinks some "
+           "millimetres under "
+           "its own weight; 0: not at all");
   guide_.setHolding(static_cast<segmentation::Held>(held), s.surroundings_Pa_m);
 }
 

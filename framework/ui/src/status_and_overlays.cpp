@@ -57,7 +57,8 @@ std::string hintOf(const FrameContext &frame) {
                        : images->options().isWindowLevelMode ? "Left drag: window (sideways), level (upwards)"
                                                              : "Left: cross-hair";
     return std::string(left) +
-           "    Wheel: slices (Shift: ten)    Middle or Shift+left: pan    Right or Ctrl+wheel: zoom    Double click: only this view    R: reset";
+           "    Wheel: slices (Shift: ten)    Middle or Shift+left: pan    Right or Ctrl+wheel: zoom    Double click: "
+           "only this view    R: reset";
   }
   if (!isOver(Pane::space)) return "H: keys and mouse";
   if (frame.services.tools)

@@ -113,10 +113,8 @@ TEST_CASE("PLY keeps arrays per vertex under names of one word") {
   const auto path = testOutputFolder() / "box.ply";
   REQUIRE(writeMesh(path, mesh, {{shift, part}, ""}));
   const std::string bytes = readAll(path);
-  CHECK_THAT(
-      bytes,
-      Contains(
-          "property float displacement_mm_x\nproperty float displacement_mm_y\nproperty float displacement_mm_z\nproperty int body\n"));
+  CHECK_THAT(bytes, Contains("property float displacement_mm_x\nproperty float displacement_mm_y\nproperty float "
+                             "displacement_mm_z\nproperty int body\n"));
   const std::size_t begin = bytes.find("end_header\n") + 11;
   CHECK(bytes.size() - begin == 8 * (24 + 12 + 4) + 12 * 13);
   CHECK(bytes.substr(begin + 24, 4) == std::string("\0\0\x80\x3e", 4));  // 0.25f
@@ -165,7 +163,8 @@ TEST_CASE("VTP of other programs is read: text and inline base64, strips, severa
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<PolyData>\n";
   const std::string points =
       "<PointData><DataArray type=\"Float32\" Name=\"x\" format=\"ascii\">1 2 3 4</DataArray></PointData>"
-      "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0  10 0 0\n 0 10 0  0 0 10</DataArray></Points>\n";
+      "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0  10 0 0\n 0 10 0  0 0 "
+      "10</DataArray></Points>\n";
   const std::string tail = "</Piece></PolyData></VTKFile>";
   const std::string piece = "<Piece NumberOfPoints=\"4\" NumberOfPolys=\"4\">";
   const std::string polys =

@@ -70,8 +70,10 @@ TEST_CASE("The unit of the file scales vertices, box and volume") {
 
 TEST_CASE("Relative indices, texture indices, continued lines, Windows line ends and groups are understood") {
   const auto loaded = accepted(
-      "\xEF\xBB\xBF# comment\r\nmtllib none.mtl\r\no part\r\nv 0 0 0 # origin\r\nv 10 0 0\r\nv 0 10 0\r\nv 0 0 10\r\nvt 0 0\r\nvn 0 0 1\r\n"
-      "usemtl red\r\nf -4/1/1 -2/1/1 \\\r\n -3/1/1\r\ng other\r\nf 1//1 2//1 4//1\r\nf 1/1 4/1 3/1\r\ns off\r\nf 2 3 4");
+      "\xEF\xBB\xBF# comment\r\nmtllib none.mtl\r\no part\r\nv 0 0 0 # origin\r\nv 10 0 0\r\nv 0 10 0\r\nv 0 0 "
+      "10\r\nvt 0 0\r\nvn 0 0 1\r\n"
+      "usemtl red\r\nf -4/1/1 -2/1/1 \\\r\n -3/1/1\r\ng other\r\nf 1//1 2//1 4//1\r\nf 1/1 4/1 3/1\r\ns off\r\nf 2 3 "
+      "4");
   CHECK(loaded.mesh.triangles.size() == 4);
   CHECK(loaded.report.closed);
 }

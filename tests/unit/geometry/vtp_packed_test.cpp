@@ -153,7 +153,8 @@ TEST_CASE("Packed VTP files that are cut, changed or hostile are refused, and ta
     const std::string header = words(head, wordBytes), data = isBase64 ? base64(header) : header;
     return "<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" header_type=\"" +
            std::string(wordBytes == 8 ? "UInt64" : "UInt32") +
-           "\" compressor=\"vtkZLibDataCompressor\"><PolyData><Piece NumberOfPoints=\"4\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/>"
+           "\" compressor=\"vtkZLibDataCompressor\"><PolyData><Piece NumberOfPoints=\"4\"><Points><DataArray "
+           "type=\"Float32\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/>"
            "</Points></Piece></PolyData><AppendedData encoding=\"" +
            (isBase64 ? "base64" : "raw") + "\">_" + data + "</AppendedData></VTKFile>";
   };

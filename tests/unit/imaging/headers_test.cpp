@@ -14,7 +14,8 @@ std::string nrrd(const std::string &fields) {
 const std::string kDirections = "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n";
 
 std::string meta(const std::string &keys) {
-  return "ObjectType = Image\nNDims = 3\nDimSize = 2 1 1\nElementType = MET_UCHAR\nElementSpacing = 1 1 1\nTransformMatrix = 1 0 0 0 1 0 0 0 1\n" +
+  return "ObjectType = Image\nNDims = 3\nDimSize = 2 1 1\nElementType = MET_UCHAR\nElementSpacing = 1 1 "
+         "1\nTransformMatrix = 1 0 0 0 1 0 0 0 1\n" +
          keys + "ElementDataFile = LOCAL\nab";
 }
 
@@ -45,13 +46,14 @@ TEST_CASE("A field that NRRD does not know is an error that names the nearest on
 TEST_CASE("All fields of NRRD and pairs of one's own are accepted, a field as a pair is said", "[imaging]") {
   const auto file = testOutputFolder() / "field.nrrd";
   const auto all = readVolume(write(
-      file,
-      nrrd(
-          kDirections +
-          "Space Origin: (3,4,5)\ncontent: a\nnumber: 2\nblock size: 0\nthicknesses: nan nan 2\ncenterings: cell cell cell\n"
-          "labels: \"x\" \"y\" \"z\"\nkinds: domain domain domain\nmin: 0\nmax: 9\nold min: 0\noldmax: 9\nendian: little\n"
-          "line skip: 0\nbyteskip: 0\nsample units: \"HU\"\nspace units: \"mm\" \"mm\" \"mm\"\nmeasurement frame: (1,0,0) (0,1,0) (0,0,1)\n"
-          "axis mins: nan nan nan\naxismaxs: nan nan nan\nunits: \"mm\" \"mm\" \"mm\"\nmine:=what I like\n")));
+      file, nrrd(kDirections +
+                 "Space Origin: (3,4,5)\ncontent: a\nnumber: 2\nblock size: 0\nthicknesses: nan nan 2\ncenterings: "
+                 "cell cell cell\n"
+                 "labels: \"x\" \"y\" \"z\"\nkinds: domain domain domain\nmin: 0\nmax: 9\nold min: 0\noldmax: "
+                 "9\nendian: little\n"
+                 "line skip: 0\nbyteskip: 0\nsample units: \"HU\"\nspace units: \"mm\" \"mm\" \"mm\"\nmeasurement "
+                 "frame: (1,0,0) (0,1,0) (0,0,1)\n"
+                 "axis mins: nan nan nan\naxismaxs: nan nan nan\nunits: \"mm\" \"mm\" \"mm\"\nmine:=what I like\n")));
   if (!all) FAIL(all.error().message);
   checkAt(all->volume.geometry.worldAt({0, 0, 0}), {3, 4, 5});
   CHECK(all->notices.empty());
@@ -71,10 +73,8 @@ TEST_CASE("Keys that MetaImage does not know are said, with the nearest one", "[
   REQUIRE(own);
   CHECK(says(own->notices, "left out: ScannerOfTheWard"));
   checkAt(own->volume.geometry.worldAt({0, 0, 0}), {1, 2, 3});
-  const auto known = readVolume(write(
-      file,
-      meta(
-          "Offset = 1 2 3\nAnatomicalOrientation = RAI\nCenterOfRotation = 0 0 0\nCompressedData = False\nBinaryData = True\nComment = a\n")));
+  const auto known = readVolume(write(file, meta("Offset = 1 2 3\nAnatomicalOrientation = RAI\nCenterOfRotation = 0 0 "
+                                                 "0\nCompressedData = False\nBinaryData = True\nComment = a\n")));
   REQUIRE(known);
   CHECK(known->notices.empty());
 }
@@ -95,22 +95,23 @@ TEST_CASE("Colours are read as colours and their luma", "[imaging][colour]") {
   put(254, std::int16_t{1});
   for (std::size_t a = 0; a < 3; ++a) put(280 + 20 * a, 1.0f);
   const std::string nrrdFields =
-      "sizes: 3 2 2 1\nencoding: raw\nspace: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n";
+      "sizes: 3 2 2 1\nencoding: raw\nspace: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: "
+      "(0,0,0)\n";
   std::string wide;
   for (const char c : rgb) wide += std::string(2, c);  // c * 257
-  for (
-      const auto &[name, bytes] :
-      {std::pair{std::string("a.nii"), nifti + rgb},
-       {"a.nrrd",
-        "NRRD0004\ntype: uchar\ndimension: 4\nkinds: RGB-color domain domain domain\n" + nrrdFields + "\n" + rgb},
-       {"vector.nrrd",
-        "NRRD0004\ntype: uchar\ndimension: 4\nkinds: vector domain domain domain\n" + nrrdFields + "\n" + rgb},
-       {"wide.nrrd", "NRRD0004\ntype: ushort\nendian: little\ndimension: 4\nkinds: RGB-color domain domain domain\n" +
-                         nrrdFields + "\n" + wide},
-       {"a.mha",
-        "ObjectType = Image\nNDims = 3\nDimSize = 2 2 1\nElementNumberOfChannels = 3\nElementType = MET_UCHAR\nElementSpacing = 1 1 1\nTransformMatrix = 1 0 0 0 1 0 0 0 1\n"
-        "Offset = 0 0 0\nElementDataFile = LOCAL\n" +
-            rgb}}) {
+  for (const auto &[name, bytes] :
+       {std::pair{std::string("a.nii"), nifti + rgb},
+        {"a.nrrd",
+         "NRRD0004\ntype: uchar\ndimension: 4\nkinds: RGB-color domain domain domain\n" + nrrdFields + "\n" + rgb},
+        {"vector.nrrd",
+         "NRRD0004\ntype: uchar\ndimension: 4\nkinds: vector domain domain domain\n" + nrrdFields + "\n" + rgb},
+        {"wide.nrrd", "NRRD0004\ntype: ushort\nendian: little\ndimension: 4\nkinds: RGB-color domain domain domain\n" +
+                          nrrdFields + "\n" + wide},
+        {"a.mha",
+         "ObjectType = Image\nNDims = 3\nDimSize = 2 2 1\nElementNumberOfChannels = 3\nElementType = "
+         "MET_UCHAR\nElementSpacing = 1 1 1\nTransformMatrix = 1 0 0 0 1 0 0 0 1\n"
+         "Offset = 0 0 0\nElementDataFile = LOCAL\n" +
+             rgb}}) {
     CAPTURE(name);
     const auto loaded = readVolume(write(folder / name, bytes));
     if (!loaded) FAIL(loaded.error().message);
@@ -126,10 +127,11 @@ TEST_CASE("Colours are read as colours and their luma", "[imaging][colour]") {
     for (std::size_t length = bytes.size() - 12; length < bytes.size(); ++length)
       CHECK_FALSE(readVolume(write(folder / name, bytes.substr(0, length))));
   }
-  const auto four = readVolume(write(
-      folder / "four.nrrd",
-      "NRRD0004\ntype: uchar\ndimension: 4\nkinds: RGBA-color domain domain domain\nsizes: 4 1 1 1\nencoding: ascii\nspace: LPS\n"
-      "space directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n\n1 2 3 4"));
+  const auto four =
+      readVolume(write(folder / "four.nrrd",
+                       "NRRD0004\ntype: uchar\ndimension: 4\nkinds: RGBA-color domain domain domain\nsizes: 4 1 1 "
+                       "1\nencoding: ascii\nspace: LPS\n"
+                       "space directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n\n1 2 3 4"));
   REQUIRE(four);
   CHECK(four->volume.colours == std::vector<Rgba>{{1, 2, 3, 4}});
 }
@@ -137,7 +139,8 @@ TEST_CASE("Colours are read as colours and their luma", "[imaging][colour]") {
 TEST_CASE("Vectors that are no colours are refused by name", "[imaging][colour]") {
   const auto file = testOutputFolder() / "vector.nrrd";
   const std::string rest =
-      "dimension: 4\nsizes: 3 2 1 1\nencoding: ascii\nspace: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n";
+      "dimension: 4\nsizes: 3 2 1 1\nencoding: ascii\nspace: LPS\nspace directions: none (1,0,0) (0,1,0) "
+      "(0,0,1)\nspace origin: (0,0,0)\n";
   for (const char *fields :
        {"type: float\nkinds: vector domain domain domain\n", "type: float\nkinds: RGB-color domain domain domain\n",
         "type: uchar\nkinds: HSV-color domain domain domain\n", "type: short\n"}) {

@@ -76,7 +76,8 @@ TEST_CASE("Names of a table may have several words, which end where numbers begi
 
 TEST_CASE("Names and colours of Slicer's segments are read", "[imaging]") {
   const std::string segments =
-      "Segment0_LabelValue:=5\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment1_LabelValue:=1\nSegment1_Name:=spleen\nSegment1_Layer:=0\n";
+      "Segment0_LabelValue:=5\nSegment0_Name:=liver\nSegment0_Color:=1 0 "
+      "0\nSegment1_LabelValue:=1\nSegment1_Name:=spleen\nSegment1_Layer:=0\n";
   const auto file = textNrrd("a.seg.nrrd", "uint8", "4 1 1", "0 1 2 5", kPlaced + segments);
   const auto loaded = readLabelMap(file);
   REQUIRE(loaded);
@@ -93,9 +94,11 @@ TEST_CASE("Names and colours of Slicer's segments are read", "[imaging]") {
 TEST_CASE("Segments that overlap are read as layers, each with its names and colours", "[imaging]") {
   // Voxel 1 is liver and tumour; each layer has a label 1 of its own.
   const std::string head =
-      "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,7)\nkinds: list domain domain domain\n";
+      "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,7)\nkinds: list domain domain "
+      "domain\n";
   const std::string segments =
-      "Segment0_Layer:=0\nSegment0_LabelValue:=1\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment0_Extent:=0 1 0 0 0 0\n"
+      "Segment0_Layer:=0\nSegment0_LabelValue:=1\nSegment0_Name:=liver\nSegment0_Color:=1 0 0\nSegment0_Extent:=0 1 0 "
+      "0 0 0\n"
       "Segment1_Layer:=0\nSegment1_LabelValue:=2\nSegment1_Name:=spleen\nSegment1_Color:=0 1 0\n"
       "Segment2_Layer:=1\nSegment2_LabelValue:=1\nSegment2_Name:=tumour\nSegment2_Color:=0 0 1\n";
   const auto file = textNrrd("layers.seg.nrrd", "uint8", "2 4 1 1", "1 0  1 1  2 0  0 0", head + segments);
@@ -205,9 +208,9 @@ TEST_CASE("Spaces of NRRD are turned to LPS, units to millimetres", "[imaging]")
     checkAt(loaded->volume.geometry.worldAt({0, 0, 0}), turned);
     CHECK(loaded->notices.empty());
   }
-  const auto metres = readVolume(textNrrd(
-      "m.nrrd", "short", "1 1 2", "4 5",
-      "space: LPS\nspace units: \"m\" \"m\" \"m\"\nspace directions: (.002,0,0) (0,.002,0) (0,0,.002)\nspace origin: (.001,0,0)\n"));
+  const auto metres = readVolume(textNrrd("m.nrrd", "short", "1 1 2", "4 5",
+                                          "space: LPS\nspace units: \"m\" \"m\" \"m\"\nspace directions: (.002,0,0) "
+                                          "(0,.002,0) (0,0,.002)\nspace origin: (.001,0,0)\n"));
   REQUIRE(metres);
   checkAt(metres->volume.geometry.worldAt({0, 0, 1}), {1, 0, 2});
   const auto unplaced = readVolume(textNrrd("u.nrrd", "short", "1 1 2", "4 5", "spacings: 2 3 nan\n"));
@@ -245,10 +248,11 @@ TEST_CASE("Voxels in numbered files, behind lines and bytes, and as hexadecimal 
   }
   const auto absent = readVolume(write(folder / "absent.nhdr", head + "data file: s%03d.raw 3 6 1\n"));
   REQUIRE_FALSE(absent);
-  const auto list = readVolume(write(
-      folder / "list.mhd",
-      "ObjectType = Image\nNDims = 3\nDimSize = 2 1 3\nElementType = MET_SHORT\nElementSpacing = 1 1 1\nHeaderSize = -1\n"
-      "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\nElementDataFile = s%03d.raw 3 5 1\n"));
+  const auto list =
+      readVolume(write(folder / "list.mhd",
+                       "ObjectType = Image\nNDims = 3\nDimSize = 2 1 3\nElementType = MET_SHORT\nElementSpacing = 1 1 "
+                       "1\nHeaderSize = -1\n"
+                       "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\nElementDataFile = s%03d.raw 3 5 1\n"));
   REQUIRE(list);
   CHECK(list->volume.value(1, 0, 2) == 50.0);
   const auto hex = readVolume(write(

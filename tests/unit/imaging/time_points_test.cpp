@@ -60,7 +60,8 @@ std::string nrrdHead(const std::string &encoding, bool listIsFirst) {
          (listIsFirst ? "list domain domain domain" : "domain domain domain time") + "\n";
 }
 std::string metaHead(const std::string &more) {
-  return "ObjectType = Image\nNDims = 4\nDimSize = 5 4 3 4\nElementType = MET_SHORT\nElementSpacing = 1 1 1 1\nTransformMatrix = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\nOffset = 0 0 0 0\n" +
+  return "ObjectType = Image\nNDims = 4\nDimSize = 5 4 3 4\nElementType = MET_SHORT\nElementSpacing = 1 1 1 "
+         "1\nTransformMatrix = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\nOffset = 0 0 0 0\n" +
          more + "ElementDataFile = LOCAL\n";
 }
 
@@ -113,9 +114,9 @@ TEST_CASE("Each time point of a file can be read", "[imaging][time]") {
     REQUIRE_FALSE(beyond);
     CHECK_THAT(beyond.error().message, Contains("time 4 is asked for") && Contains("4 time points (0 … 3)"));
   }
-  const auto one = write(
-      folder / "one.nrrd",
-      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 1 1\nencoding: ascii\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n\n1 2");
+  const auto one = write(folder / "one.nrrd",
+                         "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 1 1\nencoding: ascii\nspace: LPS\nspace "
+                         "directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n\n1 2");
   REQUIRE(readVolume(one));
   const auto second = readVolume(one, at(1));
   REQUIRE_FALSE(second);

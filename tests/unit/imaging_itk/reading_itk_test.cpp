@@ -104,16 +104,16 @@ TEST_CASE("The brightness of colours is the luminance that ITK finds", "[imaging
     std::ofstream(folder / name, std::ios::binary) << head << rgb;
     return folder / name;
   };
-  for (
-      const fs::path &file :
-      {write(
-           "colour.nrrd",
-           "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 5 4 3\nencoding: raw\nspace: left-posterior-superior\n"
-           "space directions: none (2,0,0) (0,1.5,0) (0,0,3)\nspace origin: (4,5,6)\nkinds: RGB-color domain domain domain\n\n"),
-       write(
-           "colour.mha",
-           "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nTransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 4 5 6\n"
-           "ElementSpacing = 2 1.5 3\nDimSize = 5 4 3\nElementNumberOfChannels = 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n")}) {
+  for (const fs::path &file :
+       {write("colour.nrrd",
+              "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 5 4 3\nencoding: raw\nspace: left-posterior-superior\n"
+              "space directions: none (2,0,0) (0,1.5,0) (0,0,3)\nspace origin: (4,5,6)\nkinds: RGB-color domain domain "
+              "domain\n\n"),
+        write("colour.mha",
+              "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nTransformMatrix = 1 0 "
+              "0 0 1 0 0 0 1\nOffset = 4 5 6\n"
+              "ElementSpacing = 2 1.5 3\nDimSize = 5 4 3\nElementNumberOfChannels = 3\nElementType = "
+              "MET_UCHAR\nElementDataFile = LOCAL\n")}) {
     CAPTURE(file);
     const auto ours = readVolume(file);
     const auto theirs = itk_truth::read(file);

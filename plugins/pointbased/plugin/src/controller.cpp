@@ -235,7 +235,8 @@ void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.value("Stabilisation share",
              total > 0.0 ? fixed(100.0 * body->energy.stabilisation / total, 1) + " %" : std::string("–"));
     ui.tooltip(
-        "Part of the elastic energy that controls what the sampling cannot resolve; much above 5 %: use a smaller spacing");
+        "Part of the elastic energy that controls what the sampling cannot resolve; much above 5 %: use a smaller "
+        "spacing");
   }
   ui.value("State hash", hexadecimal(snapshot->hash));
   for (const std::string &notice : snapshot->notices) ui.text(notice);

@@ -36,25 +36,26 @@ constexpr std::array kWorld{
               {-kFar, kFar, -1.0, 1.0}, {1.0, 1.0, 1.0}),
     numberParam({"world.box.friction", "Wall friction", "", "Coulomb coefficient of the walls; 0: slippery", "World"},
                 {0.0, 10.0, 0.0, 1.0}, 0.3),
-    numberParam(
-        {"world.box.restitution", "Wall restitution", "",
-         "Part of its speed with which a point of the skin leaves the walls in explicit steps; 0: what arrives stays, 1: "
-         "contact takes no energy",
-         "World"},
-        {0.0, 1.0, 0.0, 1.0}, 0.0, C3DE_PARAM_ADVANCED),
+    numberParam({"world.box.restitution", "Wall restitution", "",
+                 "Part of its speed with which a point of the skin leaves the walls in explicit steps; 0: what arrives "
+                 "stays, 1: "
+                 "contact takes no energy",
+                 "World"},
+                {0.0, 1.0, 0.0, 1.0}, 0.0, C3DE_PARAM_ADVANCED),
     choiceParam(
         {"solver.integrator", "Integrator", "",
-         "auto: explicit or implicit, what is predicted to cost less for a body. explicit: velocity Verlet, in substeps where stability needs them. implicit: second order, for stiff bodies. "
+         "auto: explicit or implicit, what is predicted to cost less for a body. explicit: velocity Verlet, in "
+         "substeps where stability needs them. implicit: second order, for stiff bodies. "
          "midpoint: second order without any damping. backward_euler: first order, damps. quasistatic: equilibrium "
          "under loads that grow",
          "Solver"},
         kIntegrators, "auto"),
-    autoParam(
-        {"solver.dt", "Step", "s",
-         "Size of a step. auto: explicit 0.8 of the largest stable one, implicit 1/60; a larger explicit one is divided "
-         "into substeps, a smaller one costs time",
-         "Solver"},
-        {1e-9, 1.0, 1e-5, 0.02}, C3DE_PARAM_LOG_SCALE),
+    autoParam({"solver.dt", "Step", "s",
+               "Size of a step. auto: explicit 0.8 of the largest stable one, implicit 1/60; a larger explicit one is "
+               "divided "
+               "into substeps, a smaller one costs time",
+               "Solver"},
+              {1e-9, 1.0, 1e-5, 0.02}, C3DE_PARAM_LOG_SCALE),
     numberParam({"solver.damping", "Damping", "1/s",
                  "Mass-proportional: velocities, those of a fall too, decay by exp(-damping t); 0: none", "Solver"},
                 {0.0, 1e4, 0.0, 20.0}, 0.0),
@@ -169,24 +170,24 @@ constexpr std::array kBody{
                  "Of the tissue around (Kelvin-Voigt): it damps by its stiffness times this time; 0: swings undamped",
                  "Surroundings"},
                 {0.0, 1e6, 0.0, 0.1}, kRetardationTime, C3DE_PARAM_ADVANCED),
-    boolParam(
-        {"rigid", "Rigid", "",
-         "It stands as it is in its reference and costs nothing: for bone, whose step would be everybody's. Other bodies "
-         "do not touch it",
-         "Surroundings"},
-        false),
-    choiceParam(
-        {"sampling.evaluation", "Evaluation", "",
-         "stress_points: cells of a lattice cut by the body, accurate at any sampling; phyxels: the method of Müller et "
-         "al. 2004; auto: stress_points",
-         "Sampling"},
-        kEvaluations, "auto", C3DE_PARAM_NEEDS_RESET),
-    autoParam(
-        {"sampling.spacing", "Spacing", "m",
-         "Distance of the phyxels; auto: chosen by the count. Too large: the shape is not resolved; too small: slow, for "
-         "count and step both",
-         "Sampling"},
-        {0.0, 1e4, 0.001, 0.05}, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
+    boolParam({"rigid", "Rigid", "",
+               "It stands as it is in its reference and costs nothing: for bone, whose step would be everybody's. "
+               "Other bodies "
+               "do not touch it",
+               "Surroundings"},
+              false),
+    choiceParam({"sampling.evaluation", "Evaluation", "",
+                 "stress_points: cells of a lattice cut by the body, accurate at any sampling; phyxels: the method of "
+                 "Müller et "
+                 "al. 2004; auto: stress_points",
+                 "Sampling"},
+                kEvaluations, "auto", C3DE_PARAM_NEEDS_RESET),
+    autoParam({"sampling.spacing", "Spacing", "m",
+               "Distance of the phyxels; auto: chosen by the count. Too large: the shape is not resolved; too small: "
+               "slow, for "
+               "count and step both",
+               "Sampling"},
+              {0.0, 1e4, 0.001, 0.05}, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
     integerOrAuto(autoParam(
         {"sampling.count", "Count", "",
          "How many phyxels, within some per cent, when the spacing is auto. auto: 1000, of thin bodies up "
@@ -204,23 +205,23 @@ constexpr std::array kBody{
     numberParam(
         {"sampling.support", "Support", "spacings", "Radius of the neighbourhood when neighbours is auto", "Sampling"},
         {1.01, 6.0, 1.5, 3.0}, 1.8, C3DE_PARAM_NEEDS_RESET),
-    autoParam(
-        {"sampling.stabilisation", "Stabilisation", "",
-         "Control of the modes that one evaluation per point cannot see; auto: 0.92 for stress_points, 0.1 for phyxels; "
-         "0: rattles, above 1: stiff in bending",
-         "Sampling"},
-        {0.0, 100.0, 0.0, 1.0}, C3DE_PARAM_ADVANCED),
+    autoParam({"sampling.stabilisation", "Stabilisation", "",
+               "Control of the modes that one evaluation per point cannot see; auto: 0.92 for stress_points, 0.1 for "
+               "phyxels; "
+               "0: rattles, above 1: stiff in bending",
+               "Sampling"},
+              {0.0, 100.0, 0.0, 1.0}, C3DE_PARAM_ADVANCED),
 };
 
 constexpr std::array kObstacle{
     numberParam({"friction", "Friction", "", "Coulomb coefficient; 0: slippery", "Obstacle"}, {0.0, 10.0, 0.0, 1.0},
                 0.3),
-    numberParam(
-        {"restitution", "Restitution", "",
-         "Part of its speed with which a point of a skin leaves it in explicit steps; 0: what arrives stays, 1: contact "
-         "takes no energy",
-         "Obstacle"},
-        {0.0, 1.0, 0.0, 1.0}, 0.0),
+    numberParam({"restitution", "Restitution", "",
+                 "Part of its speed with which a point of a skin leaves it in explicit steps; 0: what arrives stays, "
+                 "1: contact "
+                 "takes no energy",
+                 "Obstacle"},
+                {0.0, 1.0, 0.0, 1.0}, 0.0),
 };
 
 std::string format(double value) {

@@ -66,7 +66,7 @@ class OrganSources {
 
 /// Without the specks of the mask.
 /// @param edge_mm   of the triangles of the skin; 0: automatic
-/// @param phyxels   about how many there will be: voxels are averaged to a sixteenth of their distance
+/// @param phyxels   about how many there will be, at least: voxels are averaged to a sixteenth of their distance
 [[nodiscard]] Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxels,
                                       const ProgressFn &progress);
 

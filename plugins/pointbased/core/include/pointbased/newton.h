@@ -110,9 +110,9 @@ class NewtonSolver {
   NewtonSolver(NewtonSolver &&) noexcept;
   NewtonSolver &operator=(NewtonSolver &&) noexcept;
 
-  /// @param u          in: the start; out: the minimum, or the lowest state that was found. The problem has been moved
-  ///                   there (unless the start cannot be evaluated)
-  /// @param shouldContinue       asked before every Newton step; false: stop (cancelled)
+  /// @param u  in: the start; out: the minimum, or the lowest state that was found. The problem has been moved
+  ///           there (unless the start cannot be evaluated)
+  /// @param shouldContinue  asked before every Newton step; false: stop (cancelled)
   [[nodiscard]] NewtonResult solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
                                    const std::function<bool(const NewtonResult &)> &shouldContinue = {});
   /// Forgets the factorisation: the problem has changed its shape or stiffness.

@@ -85,11 +85,11 @@ std::string tornWarning(const RestState &rest) {
     if (used[i] != 0 && joined.find(i) == i) ++pieces;
   if (rest.components <= pieces) return {};
   char text[300];
-  std::snprintf(
-      text, sizeof text,
-      "its surface has %zu connected piece%s, but its phyxels, %.3g mm apart, make %zu parts that nothing joins and that "
-      "move apart: it is in places too thin for them; a smaller sampling.spacing keeps it together",
-      pieces, pieces == 1 ? "" : "s", 1e3 * rest.spacing, rest.components);
+  std::snprintf(text, sizeof text,
+                "its surface has %zu connected piece%s, but its phyxels, %.3g mm apart, make %zu parts that nothing "
+                "joins and that "
+                "move apart: it is in places too thin for them; a smaller sampling.spacing keeps it together",
+                pieces, pieces == 1 ? "" : "s", 1e3 * rest.spacing, rest.components);
   return text;
 }
 

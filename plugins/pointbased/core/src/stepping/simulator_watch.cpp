@@ -71,11 +71,10 @@ void Simulator::checkSkins() {
       double &deepest = skinDeepest_[id];
       const double through = kSkinThrough * body.rest().spacing;
       if (depth > through && deepest <= through)
-        reportEvent(
-            "skin",
-            "body '" + body.name() + "': its skin reaches " + millimetres(depth) +
-                " through the world's box between the points where it feels contact; a smaller sampling.spacing (it is " +
-                millimetres(body.rest().spacing) + ") helps");
+        reportEvent("skin", "body '" + body.name() + "': its skin reaches " + millimetres(depth) +
+                                " through the world's box between the points where it feels contact; a smaller "
+                                "sampling.spacing (it is " +
+                                millimetres(body.rest().spacing) + ") helps");
       deepest = std::max(deepest, depth);
     }
   lookAtPairs();
