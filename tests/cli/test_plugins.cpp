@@ -12,7 +12,7 @@ TEST_CASE("plugins lists what lies beside the program, with its classes") {
   CHECK_THAT(runC3de({"plugins"}).output, Contains("loaded") && Contains("class "));
 }
 
-TEST_CASE("plugins says why a file is refused; only a named one is an error") {
+TEST_CASE("plugins says why a file is refused, only a named one is an error") {
   const auto folder = freshFolder("plugins");
   const auto broken = writeFile(folder / (std::string("broken") + c3de::pluginExtension()), "this is no library");
   const auto inFolder = runC3de({"plugins", "--json", "--plugin-path", folder.string()});

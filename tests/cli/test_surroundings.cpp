@@ -155,7 +155,7 @@ TEST_CASE("A rigid body leaves the step to the others, and takes neither fix nor
   CHECK_THAT(refused(box("bone", "rigid = 1\n")), Contains("rigid"));
 }
 
-TEST_CASE("Bone and air of an exported CT stay where they are; without that they bend with the body") {
+TEST_CASE("Bone and air of an exported CT stay where they are, without that they bend with the body") {
   const auto folder = freshFolder("still");
   writeHead(folder);
   const auto bends = largestChanges(folder, "still = \"nothing\"\n"), stays = largestChanges(folder, ""),

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The only place that includes Catch2: version 2 as Debian packages it, version 3 as vcpkg does.
-#pragma once
+// Guarded by a macro: part of precompiled headers, which a compiler cache may hand out again after a change of white
+// space; then "#pragma once", which compares contents, does not know the header again.
+#ifndef C3DE_TESTS_SUPPORT_CATCH_H
+#define C3DE_TESTS_SUPPORT_CATCH_H
 
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
@@ -49,3 +52,5 @@ void skip(const std::string &reason);
 #define C3DE_DATA_OR_SKIP(variable, relativePath)                                                  \
   const std::filesystem::path variable = std::filesystem::path(testDataFolder()) / (relativePath); \
   if (!std::filesystem::exists(variable)) C3DE_SKIP("test data not present: " + variable.string())
+
+#endif

@@ -59,7 +59,7 @@ std::size_t countOf(const LabelMap &map, std::uint16_t label) {
 
 }  // namespace
 
-TEST_CASE("Binary segments lie where their frames are, with names and colours; empty places are empty slices",
+TEST_CASE("Binary segments lie where their frames are, with names and colours, empty places are empty slices",
           "[imaging]") {
   Picture picture = segmentation("BINARY", {segment(2, "Leber l\xe4ngs", {41661, 41167, 40792}), segment(7, "Niere")},
                                  {frame(5.0, 7), frame(12.5, 2), frame(5.0, 2)});
@@ -102,7 +102,7 @@ TEST_CASE("Overlapping segments keep all of their voxels, in layers", "[imaging]
       "Segments overlap (in 2 voxels): they lie in 2 layers, each a label map of its own: organ, beside; tumour."));
 }
 
-TEST_CASE("Fractions belong to a segment from one half on; numbers of segments are labels", "[imaging]") {
+TEST_CASE("Fractions belong to a segment from one half on, numbers of segments are labels", "[imaging]") {
   std::vector<std::uint8_t> fractions(kEach, 0);
   fractions[3] = 99;
   fractions[4] = 100;

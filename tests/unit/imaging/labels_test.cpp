@@ -20,7 +20,7 @@ const std::string kPlaced = "space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,
 
 }  // namespace
 
-TEST_CASE("Labels are whole numbers that are not negative; the first voxel that is none is named", "[imaging]") {
+TEST_CASE("Labels are whole numbers that are not negative, the first voxel that is none is named", "[imaging]") {
   const auto good = readLabelMap(textNrrd("good.nrrd", "float", "2 2 1", "0 3 3 17", kPlaced));
   REQUIRE(good);
   REQUIRE(good->labels.labels.size() == 2);

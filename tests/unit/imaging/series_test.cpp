@@ -66,7 +66,7 @@ TEST_CASE("A hole of many slices is refused", "[imaging]") {
   CHECK_THAT(loaded.error().message, Contains("35 mm") && Contains("missing in a row"));
 }
 
-TEST_CASE("Copies of a slice are left out; another slice at its place is refused", "[imaging]") {
+TEST_CASE("Copies of a slice are left out, another slice at its place is refused", "[imaging]") {
   C3DE_DATA_OR_SKIP(data, kSeries);
   const auto folder = copies(data, {"I10", "I20", "I30"});
   std::filesystem::copy_file(data / "I20", folder / "again");

@@ -330,7 +330,7 @@ TEST_CASE("a body that has become a point does not rest there") {
     }
 }
 
-TEST_CASE("St. Venant-Kirchhoff rests mirrored; only volume stiffness pushes it out") {
+TEST_CASE("St. Venant-Kirchhoff rests mirrored, only volume stiffness pushes it out") {
   Material material = lawOf(MaterialLaw::stVenantKirchhoff, 1000.0, 0.3);
   const Mat3 mirror = Vec3(1, 1, -1).asDiagonal();
   CHECK(firstPiolaStress(material, mirror).norm() == 0.0);

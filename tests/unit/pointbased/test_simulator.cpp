@@ -84,7 +84,7 @@ TEST_CASE("a soft body falls into the box, comes to rest and stays finite") {
   CHECK_THAT(body.totalMass(), WithinRel(1060.0 * 0.005, 1e-12));
 }
 
-TEST_CASE("state hash: the same for 1 and 2 threads and from run to run; reset gives the initial one") {
+TEST_CASE("state hash: the same for 1 and 2 threads and from run to run, reset gives the initial one") {
   std::vector<std::uint64_t> hashes;
   for (const unsigned threads : {1u, 2u, 2u}) {
     c3de::ThreadPool pool(threads);

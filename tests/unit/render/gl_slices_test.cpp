@@ -217,7 +217,7 @@ TEST_CASE("A displacement shows the material that is now there, image and labels
   CHECK(mostDifferent(slice(*gl.renderer, look, plane), moved) == 0);
 }
 
-TEST_CASE("No displacement and one of zeros give the same pixels to the bit; outside its grid it is zero", "[slices]") {
+TEST_CASE("No displacement and one of zeros give the same pixels to the bit, outside its grid it is zero", "[slices]") {
   C3DE_GL_OR_SKIP(gl);
   ImageRenderer &images = *gl.renderer->images();
   const Phantom phantom =
