@@ -37,7 +37,7 @@ void writeHead(const std::filesystem::path &folder) {
   REQUIRE(imaging::writeVolume(folder / "head.nrrd", image));
 }
 
-// The largest changes of the exported image in bone, and in what is soft behind the ball, when it has flown 4 mm.
+// The largest changes of the exported image in bone, and in what is soft behind the ball, when it has flown 3 mm.
 std::array<double, 2> largestChanges(const std::filesystem::path &folder, const std::string &still) {
   const auto file =
       writeFile(folder / "scene.toml",
@@ -45,7 +45,7 @@ std::array<double, 2> largestChanges(const std::filesystem::path &folder, const 
                     "[[body]]\nname = \"ball\"\nvolume = \"head.nrrd\"\nthreshold = [30, 100]\nmend = { largest = "
                     "true }\nsampling = { count = 400 }\nvelocity = [0, 0, -0.1]\n");
   const auto image = folder / "warped.nrrd";
-  const auto ran = runC3de({"run", file.string(), "--until", "0.04", "--export-image", image.string(), "-q"});
+  const auto ran = runC3de({"run", file.string(), "--until", "0.03", "--export-image", image.string(), "-q"});
   INFO(ran.errorOutput);
   REQUIRE(ran.exitCode == 0);
   const auto before = imaging::readVolume(folder / "head.nrrd");
@@ -58,9 +58,10 @@ std::array<double, 2> largestChanges(const std::filesystem::path &folder, const 
       for (std::size_t i = 0; i < 40; ++i) {
         const double was = before->volume.value(i, j, k), is = after->volume.value(i, j, k);
         const Vec3 x = before->volume.geometry.worldAt({double(i), double(j), double(k)});
-        // The ball has come as far as the bone, not over it.
+        // The ball ends 1 mm from the bone. Edges of bodies are known to half a voxel.
         if (was == 900.0) most[0] = std::max(most[0], std::abs(is - was));
-        if (was == -80.0 && norm(x) < 12.0 && x[2] > 4.0) most[1] = std::max(most[1], std::abs(is - was));
+        if (was == -80.0 && norm(x) > 10.75 && norm(x) < 12.0 && x[2] > 4.0)
+          most[1] = std::max(most[1], std::abs(is - was));
       }
   return most;
 }
