@@ -179,7 +179,7 @@ TEST_CASE("steps of no size, of negative size and of no number are chosen by the
 }
 
 TEST_CASE(
-    "steps that are far too large are divided, and end early where that is too much; implicit ones stop with a "
+    "steps that are far too large are divided, and end early where that is too much, implicit ones stop with a "
     "report") {
   std::string result;
   for (const Integrator integrator : {Integrator::explicitVerlet, Integrator::implicitSdirk, Integrator::backwardEuler})

@@ -92,7 +92,7 @@ TEST_CASE("Every affine motion of a cloud is followed exactly, inside, outside a
 }
 
 TEST_CASE(
-    "The functions of a point sum to one and have the point as their mean; gradients sum to zero and to the identity",
+    "The functions of a point sum to one and have the point as their mean, gradients sum to zero and to the identity",
     "[interpolation]") {
   const std::vector<Vec3> X = randomCloud(300, 4);
   const std::vector<Vec3> points = probes(X);
