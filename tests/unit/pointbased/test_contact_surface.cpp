@@ -313,6 +313,56 @@ TEST_CASE("a free body that is put down quasi-statically lies on the floor, soft
   CHECK_THAT(lies.high - lies.low, WithinAbs(0.06 - 590.0 * 0.06 / (2.0 * youngs), 0.2 * 590.0 * 0.06 / youngs + 2e-5));
 }
 
+TEST_CASE("contact is as stiff as the material that touches, not as the stiffest of the body") {
+  BodyShape shape = box(Vec3(-0.03, 0.0, -0.03), Vec3(0.03, 0.08, 0.03));
+  shape.surface = boxSurface(shape.min, shape.max, 8);
+  BodyRecipe recipe;
+  recipe.sampling.spacing = 0.02;
+  recipe.sampling.materials = {{BoxRegion{Vec3(-1, 0.04, -1), Vec3(1, 1, 1)}, 1}};
+  const auto rest = buildRestState(shape, recipe, {}, serialFor());
+  REQUIRE(rest);
+  auto body = std::make_unique<Body>("layers", *rest, Constitution{{rubber(1e4), rubber(1e8)}, kLatticeStabilisation},
+                                     serialFor());
+  const std::vector<Vec3> places = [&] {
+    const std::span<const Vec3> x = body->contactPositions(serialFor());
+    return std::vector<Vec3>(x.begin(), x.end());
+  }();
+  REQUIRE(body->contactModuli().size() == places.size());
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    if (places[p][1] < 0.02) CHECK(body->contactModuli()[p] == 1e4);
+    if (places[p][1] > 0.06) CHECK(body->contactModuli()[p] == 1e8);
+  }
+  // It lies as deep as one that is soft throughout, whose sides swell as much: ρ g H d/(30 E) of 785 Pa in the mean.
+  Simulator simulator;
+  WorldSettings world = worldOf(Integrator::quasiStatic, kDown);
+  world.loadSteps = 2;
+  simulator.setWorld(world);
+  const std::size_t id = simulator.addBody(std::move(body));
+  simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
+  while (!simulator.finished()) REQUIRE(simulator.step());
+  const double mean = 785.0 * 0.02 / (30.0 * 1e4);
+  const double low = extent(*simulator.body(id), Vec3::UnitY()).low;
+  CHECK(low < -0.8 * mean);
+  CHECK(low > -4.0 * mean - 1e-5);
+}
+
+TEST_CASE("held patches are as stiff as the material around them") {
+  const BodyShape shape = box(Vec3::Zero(), Vec3(0.2, 0.04, 0.04));
+  BodyRecipe recipe;
+  recipe.sampling.spacing = 0.02;
+  recipe.sampling.materials = {{BoxRegion{Vec3(0.1, -1, -1), Vec3(1, 1, 1)}, 1}};
+  Fix fix;
+  fix.region = BoxRegion{Vec3(-1, -1, -1), Vec3(0.013, 1, 1)};
+  recipe.fixes = {fix};
+  const auto rest = buildRestState(shape, recipe, {}, serialFor());
+  REQUIRE(rest);
+  const Body body("bar", *rest, Constitution{{rubber(1e4), rubber(1e8)}, kLatticeStabilisation}, serialFor());
+  const std::vector<double> &areas = (*rest)->conditions.held.front().areas;
+  REQUIRE(!areas.empty());
+  for (std::size_t p = 0; p < areas.size(); ++p)
+    CHECK_THAT(body.patches().stiffness()[p], WithinRel(kPatchStiffness * 1e4 * areas[p] / (*rest)->spacing, 1e-12));
+}
+
 TEST_CASE("points of contact know the spacing of the cells that carry them") {
   BodyShape shape = box(Vec3(0, 0, 0), Vec3(0.08, 0.04, 0.04));
   shape.surface = boxSurface(shape.min, shape.max, 16);

@@ -169,6 +169,8 @@ class Body {
   [[nodiscard]] double kineticEnergy() const;
   [[nodiscard]] double totalMass() const;  ///< with what supports carry, kg
 
+  /// Young's modulus around the contact points, Pa.
+  [[nodiscard]] std::span<const double> contactModuli() const { return contactModuli_; }
   /// x and v of the contact points in the world; valid until the next call.
   std::span<const Vec3> contactPositions(const ParallelFor &parallelFor);
   std::span<const Vec3> contactVelocities(const ParallelFor &parallelFor);
@@ -231,6 +233,7 @@ class Body {
   Vec3 initialVelocity_ = Vec3::Zero(), initialAngularVelocity_ = Vec3::Zero();
   std::vector<double> masses_, inverseMasses_, supportMasses_;
   std::vector<double> weights_, supportWeights_, gravityShares_;
+  std::vector<double> contactModuli_;
   std::vector<Index> carrier_;  // fix that carries it
   std::vector<HeldPhyxel> heldPhyxels_;
   std::vector<std::uint8_t> heldMask_;

@@ -207,9 +207,10 @@ void settleContactVelocities(const Interpolation &binding, std::span<const doubl
 /// came since, N the normal force of the last solution (lagged), r = μ N / k_p. Friction is a spring until it slides,
 /// so what holds does not creep.
 struct ContactPenalty {
-  double stiffness = 0.0;  ///< k, Pa: some multiple of Young's modulus
-  double spacing = 0.0;    ///< d, m, where ContactPoints::spacings does not say
-  double h = 0.0;          ///< s, of the stage; quasi-static: of the load factor
+  double stiffness = 0.0;          ///< k over E
+  std::span<const double> moduli;  ///< [points] E, Pa, of the material that touches
+  double spacing = 0.0;            ///< d, m, where ContactPoints::spacings does not say
+  double h = 0.0;                  ///< s, of the stage; quasi-static: of the load factor
 };
 [[nodiscard]] double contactEnergy(const ContactPoints &points, const ContactState &memory,
                                    const ContactPenalty &penalty, std::span<const Vec3> start,

@@ -10,38 +10,58 @@
 namespace pointbased {
 namespace {
 
-// With several materials a phyxel has the mean density of the points around it, scaled so that the whole has the mass
-// of the points.
-std::vector<double> phyxelDensities(const Constitution &constitution, const RestState &rest) {
+// The mean of a number of the materials around every phyxel, by volume.
+std::vector<double> meansAround(const Constitution &constitution, const RestState &rest, double Material::*number) {
   const StencilSet &s = rest.stencils;
-  std::vector<double> densities(rest.phyxelCount(), constitution.materials.front().restDensity);
+  std::vector<double> means(rest.phyxelCount(), constitution.materials.front().*number);
   if (!rest.materialShares.empty()) {
     const std::size_t kinds = constitution.materials.size();
-    for (std::size_t i = 0; i < densities.size(); ++i) {
-      densities[i] = 0.0;
+    for (std::size_t i = 0; i < means.size(); ++i) {
+      means[i] = 0.0;
       for (std::size_t m = 0; m < kinds; ++m)
-        densities[i] += rest.materialShares[i * kinds + m] * constitution.materials[m].restDensity;
+        means[i] += rest.materialShares[i * kinds + m] * (constitution.materials[m].*number);
     }
-    return densities;
+    return means;
   }
-  if (s.materials.empty()) return densities;
+  if (s.materials.empty()) return means;
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    double sum = 0.0, volume = 0.0;
+    for (const Index entry : s.entriesOfPhyxel.row(i)) {
+      const Index q = s.pointOfEntry(entry);
+      sum += s.volumes[q] * (constitution.materials[s.materials[q]].*number);
+      volume += s.volumes[q];
+    }
+    if (volume > 0.0) means[i] = sum / volume;
+  }
+  return means;
+}
+
+// Scaled so that the whole has the mass of the points.
+std::vector<double> phyxelDensities(const Constitution &constitution, const RestState &rest) {
+  const StencilSet &s = rest.stencils;
+  std::vector<double> densities = meansAround(constitution, rest, &Material::restDensity);
+  if (!rest.materialShares.empty() || s.materials.empty()) return densities;
   const std::vector<double> &volumes = rest.weightVolumes.empty() ? rest.volumes : rest.weightVolumes;
   double mass = 0.0, shared = 0.0;
   for (std::size_t q = 0; q < s.pointCount(); ++q)
     mass += s.volumes[q] * constitution.materials[s.materials[q]].restDensity;
-  for (std::size_t i = 0; i < densities.size(); ++i) {
-    double sum = 0.0, volume = 0.0;
-    for (Index k = s.entriesOfPhyxel.offsets[i]; k < s.entriesOfPhyxel.offsets[i + 1]; ++k) {
-      const Index q = s.pointOfEntry(s.entriesOfPhyxel.indices[k]);
-      sum += s.volumes[q] * constitution.materials[s.materials[q]].restDensity;
-      volume += s.volumes[q];
-    }
-    if (volume > 0.0) densities[i] = sum / volume;
+  for (std::size_t i = 0; i < densities.size(); ++i)
     shared += densities[i] * (volumes[i] - (rest.heldVolumes.empty() ? 0.0 : rest.heldVolumes[i]));
-  }
   if (shared > 0.0)
     for (double &density : densities) density *= mass / shared;
   return densities;
+}
+
+// Young's modulus where something acts on a body, from those around the phyxels that carry the place. As a difference,
+// so that it is that of a body of one material to the bit.
+double modulusAt(std::span<const double> moduli, std::span<const Index> phyxels, std::span<const double> weights) {
+  const double first = moduli[phyxels.front()];
+  double sum = 0.0, all = 0.0;
+  for (std::size_t e = 0; e < phyxels.size(); ++e) {
+    sum += std::abs(weights[e]) * (moduli[phyxels[e]] - first);
+    all += std::abs(weights[e]);
+  }
+  return first + sum / all;
 }
 
 }  // namespace
@@ -147,6 +167,7 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
     inverseMasses_[i] = heldMask_[i] ? 0.0 : 1.0 / masses_[i];
   }
 
+  const std::vector<double> moduli = meansAround(constitution_, *rest_, &Material::youngsModulus);
   Csr rows;
   std::vector<double> weights, stiffness;
   for (const ConstrainedRegion &part : rest_->conditions.held)
@@ -156,11 +177,17 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
         weights.push_back(part.weights[e]);
       }
       rows.offsets.push_back(static_cast<Index>(rows.indices.size()));
-      double modulus = 0.0;
-      for (const Material &m : constitution_.materials) modulus = std::max(modulus, m.youngsModulus);
+      const std::size_t first = part.rows.offsets[p], count = part.rows.offsets[p + 1] - first;
+      const double modulus = modulusAt(moduli, part.rows.row(p), std::span(part.weights).subspan(first, count));
       stiffness.push_back(kPatchStiffness * modulus * part.areas[p] / rest_->spacing);
     }
   patches_.set(rows, weights, stiffness, inverseMasses_);
+  const Interpolation &touching = rest_->contact.binding;
+  contactModuli_.resize(rest_->contact.count());
+  for (std::size_t p = 0; p < contactModuli_.size(); ++p) {
+    const std::size_t first = touching.phyxels.offsets[p], count = touching.phyxels.offsets[p + 1] - first;
+    contactModuli_[p] = modulusAt(moduli, touching.phyxels.row(p), std::span(touching.weights).subspan(first, count));
+  }
   vectorise();
   restFrequency_ = largestFrequency(constitution_, s, rest_->positions, masses_, {}, parallelFor);
   foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));

@@ -33,7 +33,7 @@ Penalised penalised(const ContactPoints &points, const ContactPenalty &penalty, 
   out.gap = contact.gap + contact.initialPenetration + normal;
   out.tangentialDisplacement = contact.tangentialDisplacement + way - normal * contact.normal;
   const double spacing = points.spacings.empty() ? penalty.spacing : points.spacings[contact.point];
-  out.k = penalty.stiffness * points.areas[contact.point] / spacing;
+  out.k = penalty.stiffness * penalty.moduli[contact.point] * points.areas[contact.point] / spacing;
   out.grip = contact.friction * contact.normalForce;
   out.elastic = out.k > 0.0 ? out.grip / out.k : 0.0;
   return out;

@@ -29,12 +29,6 @@ std::string number(double value) {
   return text;
 }
 
-double largestModulus(const Constitution &constitution) {
-  double modulus = 0.0;
-  for (const Material &m : constitution.materials) modulus = std::max(modulus, m.youngsModulus);
-  return modulus;
-}
-
 // One stage: base position and velocity, the length h, and the end time at which loads and supports count.
 struct ImplicitStage {
   double h = 0.0;            // s; 0: static
@@ -92,7 +86,7 @@ class StageProblem final : public IncrementalPotential {
     vectorised_ = body.vectorised();
     work_.assign(n_, Vec3::Zero());
     contact_ = env.contact() && body.rest().contact.count() > 0;
-    penalty_ = {kContactStiffness * largestModulus(c), body.rest().spacing, stage.contactSpan};
+    penalty_ = {kContactStiffness, body.contactModuli(), body.rest().spacing, stage.contactSpan};
     start_ = body.state().displacements;
     double volume = 0.0, modulus = 0.0;
     for (const double v : body.rest().volumes) volume += v;
