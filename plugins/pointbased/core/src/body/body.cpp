@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/expects.h"
 #include "forces/vector_forces.h"
 
 namespace pointbased {
@@ -64,11 +65,17 @@ double modulusAt(std::span<const double> moduli, std::span<const Index> phyxels,
   return first + sum / all;
 }
 
+// How many materials the points of a body name.
+std::size_t materialsNamed(const StencilSet &s) {
+  return s.materials.empty() ? 1 : std::size_t{1} + *std::max_element(s.materials.begin(), s.materials.end());
+}
+
 }  // namespace
 
 Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution constitution,
            const ParallelFor &parallelFor)
     : name_(std::move(name)), rest_(std::move(rest)), first_(rest_) {
+  POINTBASED_EXPECTS(rest_ != nullptr && rest_->phyxelCount() > 0, "a rest state with phyxels");
   layOut();
   setConstitution(std::move(constitution), parallelFor);
   reset();
@@ -133,6 +140,8 @@ void Body::layOut() {
 }
 
 void Body::setConstitution(Constitution constitution, const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(constitution.materials.size() >= materialsNamed(rest_->stencils),
+                     "a material for every number that points have");
   const std::size_t points = rest_->pointCount();
   const bool remembersFlow = !state_.history.plasticInverse.empty(), remembersStress = !state_.history.prony.empty();
   const std::vector<Mat3> flow = std::move(state_.history.plasticInverse),

@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 
+#include "base/expects.h"
 #include "base/number_text.h"
 
 namespace pointbased {
@@ -53,6 +54,10 @@ void ElasticFoundation::forPairs(const Visit &visit) const {
 }
 
 void ElasticFoundation::bind(SurfacePoints points, Interpolation binding, std::size_t phyxels) {
+  POINTBASED_EXPECTS(binding.count() == points.count(), "one binding per point of the surface");
+  POINTBASED_EXPECTS(
+      std::all_of(binding.phyxels.indices.begin(), binding.phyxels.indices.end(), [&](Index j) { return j < phyxels; }),
+      "points are bound to phyxels that there are");
   points_ = std::move(points);
   binding_ = std::move(binding);
   area_ = std::accumulate(points_.areas.begin(), points_.areas.end(), 0.0);
@@ -99,6 +104,7 @@ Mat3 ElasticFoundation::block(Index e) const {
 
 double ElasticFoundation::energy(std::span<const Vec3> u) const {
   if (!acts()) return 0.0;
+  POINTBASED_EXPECTS(u.size() == placeOf_.size(), "one displacement per phyxel");
   double energy = 0.0;
   for (Index k = 0; k < touched_.size(); ++k) {
     Vec3 sum = Vec3::Zero();
@@ -123,6 +129,9 @@ void ElasticFoundation::apply(double scale, std::span<Vec3> out, const ParallelF
 void ElasticFoundation::addForces(std::span<const Vec3> u, std::span<const Vec3> velocities, std::span<Vec3> forces,
                                   const ParallelFor &parallelFor) const {
   if (!acts()) return;
+  POINTBASED_EXPECTS(u.size() == placeOf_.size() && forces.size() == placeOf_.size(),
+                     "one displacement and one force per phyxel");
+  POINTBASED_EXPECTS(velocities.empty() || velocities.size() == placeOf_.size(), "one velocity per phyxel, or none");
   const bool damps = settings_.retardationTime > 0.0 && !velocities.empty();
   for (std::size_t k = 0; k < touched_.size(); ++k) {
     ways_[k] = u[touched_[k]];
@@ -134,12 +143,14 @@ void ElasticFoundation::addForces(std::span<const Vec3> u, std::span<const Vec3>
 void ElasticFoundation::addProduct(double scale, std::span<const Vec3> du, std::span<Vec3> out,
                                    const ParallelFor &parallelFor) const {
   if (!acts()) return;
+  POINTBASED_EXPECTS(du.size() == placeOf_.size() && out.size() == placeOf_.size(), "one vector per phyxel");
   for (std::size_t k = 0; k < touched_.size(); ++k) ways_[k] = du[touched_[k]];
   apply(scale, out, parallelFor);
 }
 
 void ElasticFoundation::addBlocks(double scale, std::span<Mat3> blocks) const {
   if (!acts()) return;
+  POINTBASED_EXPECTS(blocks.size() == placeOf_.size(), "one block per phyxel");
   for (Index k = 0; k < touched_.size(); ++k)
     for (Index e = rows_.offsets[k]; e < rows_.offsets[k + 1]; ++e)
       if (rows_.indices[e] == k) blocks[touched_[k]] += scale * block(e);

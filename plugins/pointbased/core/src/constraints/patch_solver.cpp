@@ -2,6 +2,9 @@
 #include "pointbased/patch_solver.h"
 
 #include <Eigen/SparseCholesky>
+#include <algorithm>
+
+#include "base/expects.h"
 
 namespace pointbased {
 
@@ -37,6 +40,11 @@ void PatchSolver::clearForces() { impl_->forces.assign(rows(), Vec3::Zero()); }
 
 void PatchSolver::set(const Csr &rows, std::span<const double> weights, std::span<const double> stiffness,
                       std::span<const double> inverseMasses) {
+  POINTBASED_EXPECTS(weights.size() == rows.indices.size(), "one weight per entry of the rows");
+  POINTBASED_EXPECTS(stiffness.size() == rows.rows(), "one stiffness per patch");
+  POINTBASED_EXPECTS(
+      std::all_of(rows.indices.begin(), rows.indices.end(), [&](Index j) { return j < inverseMasses.size(); }),
+      "rows name phyxels that there are");
   Impl &m = *impl_;
   m.rows = rows;
   m.weights.assign(weights.begin(), weights.end());
@@ -63,6 +71,10 @@ void PatchSolver::correct(double dt, std::span<const Vec3> targets, std::span<Ve
   Impl &m = *impl_;
   const std::size_t n = rows();
   if (n == 0) return;
+  POINTBASED_EXPECTS(dt > 0.0, "a step");
+  POINTBASED_EXPECTS(targets.size() == n, "one target per patch");
+  POINTBASED_EXPECTS(displacements.size() == m.inverseMasses.size() && velocities.size() == m.inverseMasses.size(),
+                     "one displacement and one velocity per phyxel");
   // Parts of a step differ in their last digits.
   if (!(std::abs(dt - m.factorisedDt) <= 1e-9 * dt)) {
     Eigen::SparseMatrix<double> A = m.coupling;
@@ -89,6 +101,7 @@ void PatchSolver::correct(double dt, std::span<const Vec3> targets, std::span<Ve
 
 void PatchSolver::kick(double h, std::span<Vec3> velocities) const {
   const Impl &m = *impl_;
+  POINTBASED_EXPECTS(velocities.size() == m.inverseMasses.size(), "one velocity per phyxel");
   for (std::size_t p = 0; p < rows(); ++p)
     for (Index e = m.rows.offsets[p]; e < m.rows.offsets[p + 1]; ++e) {
       const Index j = m.rows.indices[e];
@@ -104,6 +117,7 @@ void PatchSolver::addForces(std::span<Vec3> forces) const {
 }
 
 double PatchSolver::energy(std::span<const Vec3> targets, std::span<const Vec3> u) const {
+  POINTBASED_EXPECTS(targets.size() == rows(), "one target per patch");
   double sum = 0.0;
   for (std::size_t p = 0; p < rows(); ++p)
     sum += 0.5 * impl_->stiffness[p] * (impl_->mean(p, u) - targets[p]).squaredNorm();
@@ -111,6 +125,7 @@ double PatchSolver::energy(std::span<const Vec3> targets, std::span<const Vec3> 
 }
 
 void PatchSolver::updateForces(std::span<const Vec3> targets, std::span<const Vec3> u) {
+  POINTBASED_EXPECTS(targets.size() == rows(), "one target per patch");
   for (std::size_t p = 0; p < rows(); ++p) impl_->forces[p] = impl_->stiffness[p] * (targets[p] - impl_->mean(p, u));
 }
 

@@ -5,12 +5,20 @@
 
 #include "pointbased/contact.h"
 
+#include "base/expects.h"
+
 namespace pointbased {
 namespace {
 
 // What a body begins inside is led out at this speed.
 constexpr double kRecoverySpeed = 0.1;  // m/s
 constexpr double kTrace = 1e-6;         // spacings
+
+void expectSizes(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                 std::span<const Vec3> now) {
+  POINTBASED_EXPECTS(penalty.moduli.size() == points.count(), "one modulus per contact point");
+  POINTBASED_EXPECTS(start.size() == now.size(), "displacements of the same phyxels");
+}
 
 struct Penalised {
   double gap = 0.0;                            // m
@@ -68,6 +76,7 @@ Mat3 hessianOf(const Penalised &s, const Vec3 &normal) {
 template <class Visit>
 void forActing(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                std::span<const Vec3> start, std::span<const Vec3> now, const Visit &visit) {
+  expectSizes(points, penalty, start, now);
   for (const Contact &contact : memory.active) {
     const Penalised s = penalised(points, penalty, contact, start, now);
     if (s.gap < 0.0 || s.grip > 0.0) visit(contact, s);
@@ -78,6 +87,7 @@ void forActing(const ContactPoints &points, const ContactState &memory, const Co
 
 double contactEnergy(const ContactPoints &points, const ContactState &memory, const ContactPenalty &penalty,
                      std::span<const Vec3> start, std::span<const Vec3> now) {
+  expectSizes(points, penalty, start, now);
   double energy = 0.0;
   for (const Contact &contact : memory.active) {
     const Penalised s = penalised(points, penalty, contact, start, now);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "base/expects.h"
 #include "base/point_tree.h"
 #include "base/polar.h"
 #include "discretisation/interpolation_at.h"
@@ -142,6 +143,7 @@ Interpolation bindToCloud(std::span<const Vec3> points, std::span<const Vec3> ph
 void interpolateDisplacements(const Interpolation &binding, std::span<const Vec3> /*phyxelPositions*/,
                               std::span<const Vec3> displacements, std::span<Vec3> out,
                               const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(out.size() == binding.count(), "one result per point");
   loop(parallelFor, binding.count(), [&](std::size_t p) {
     const bool turns = rankOf(binding, p) < 3;
     out[p] =
@@ -151,21 +153,27 @@ void interpolateDisplacements(const Interpolation &binding, std::span<const Vec3
 
 void interpolateField(const Interpolation &binding, std::span<const Vec3> field, std::span<Vec3> out,
                       const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(out.size() == binding.count(), "one result per point");
   loop(parallelFor, binding.count(), [&](std::size_t p) { out[p] = fieldAt(binding, p, field); });
 }
 
 void interpolateGradients(const Interpolation &binding, std::span<const Vec3> displacements, std::span<Mat3> out,
                           const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(out.size() == binding.count(), "one result per point");
   loop(parallelFor, binding.count(), [&](std::size_t p) { out[p] = gradientAt(binding, p, displacements); });
 }
 
 void spreadForces(const Interpolation &binding, std::span<const Vec3> pointForces, std::span<Vec3> forces) {
+  POINTBASED_EXPECTS(pointForces.size() == binding.count(), "one force per point");
   for (std::size_t p = 0; p < binding.count(); ++p) spreadForce(binding, p, pointForces[p], forces);
 }
 
 void updateSurfels(const Interpolation &binding, std::span<const Vec3> restNormals,
                    std::span<const Vec3> phyxelPositions, std::span<const Vec3> displacements,
                    std::span<Vec3> positions, std::span<Vec3> normals, const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(positions.size() == binding.count(), "one position per surfel");
+  POINTBASED_EXPECTS(normals.empty() || (normals.size() == binding.count() && restNormals.size() == binding.count()),
+                     "one normal per surfel, and one at rest, or none");
   if (normals.empty()) {
     interpolateDisplacements(binding, phyxelPositions, displacements, positions, parallelFor);
     loop(parallelFor, binding.count(), [&](std::size_t p) { positions[p] += binding.positions[p]; });

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/expects.h"
 #include "base/point_tree.h"
 #include "base/polar.h"
 #include "discretisation/interpolation_at.h"
@@ -180,6 +181,8 @@ Result<LoadedPart> loadedPart(const Load &load, const Surface &surface, double s
 void addLoadForces(const Load &load, const LoadedPart &part, double s, std::span<const Vec3> displacements,
                    std::span<Vec3> forces) {
   const bool presses = load.pressure != 0.0;
+  POINTBASED_EXPECTS(displacements.size() == forces.size() || !(presses && load.follower),
+                     "one displacement per phyxel where a pressure follows the surface");
   for (std::size_t p = 0; p < part.points.count(); ++p) {
     Vec3 force = (s * part.shares[p]) * load.force;
     if (presses) {

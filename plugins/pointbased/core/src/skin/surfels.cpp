@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/expects.h"
 #include "base/polar.h"
 #include "discretisation/interpolation_at.h"
 #include "forces/point_loops.h"
@@ -220,6 +221,7 @@ Vec3 turned(const Mat3 &F, const Vec3 &rest) {
 
 void interpolateScalars(const Surfels &surfels, std::span<const double> field, std::span<double> out,
                         const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(out.size() == surfels.count(), "one result per surfel");
   const Interpolation &rows = surfels.rows();
   runLoop(parallelFor, surfels.count(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
@@ -246,6 +248,10 @@ void interpolateScalars(const Surfels &surfels, std::span<const double> field, s
 void updateSurfels(const Surfels &surfels, std::span<const Vec3> restNormals, std::span<const Vec3> phyxelPositions,
                    std::span<const Vec3> displacements, std::span<Vec3> positions, std::span<Vec3> normals,
                    const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(positions.size() == surfels.count(), "one position per surfel");
+  POINTBASED_EXPECTS(normals.empty() || (normals.size() == surfels.count() && restNormals.size() == surfels.count()),
+                     "one normal per surfel, and one at rest, or none");
+  POINTBASED_EXPECTS(displacements.size() == phyxelPositions.size(), "one displacement per phyxel");
   const Interpolation &rows = surfels.rows();
   runLoop(parallelFor, surfels.count(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
@@ -268,6 +274,10 @@ void updateSurfels(const Surfels &surfels, std::span<const Vec3> restNormals, st
 void updateSurfels(const Surfels &surfels, std::span<const Vec3> restNormals, const Vec3 &origin,
                    std::span<const Vec3> phyxelPositions, std::span<const Vec3> displacements, ScreenPhyxels &scratch,
                    std::span<Vec3f> positions, std::span<Vec3f> normals, const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(positions.size() == surfels.count(), "one position per surfel");
+  POINTBASED_EXPECTS(normals.empty() || (normals.size() == surfels.count() && restNormals.size() == surfels.count()),
+                     "one normal per surfel, and one at rest, or none");
+  POINTBASED_EXPECTS(displacements.size() == phyxelPositions.size(), "one displacement per phyxel");
   const std::size_t n = phyxelPositions.size();
   if (n == 0 || surfels.count() == 0) return;
   scratch.reference = phyxelPositions[0] + displacements[0];

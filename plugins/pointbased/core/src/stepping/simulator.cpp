@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 
+#include "base/expects.h"
 #include "base/flush_denormals.h"
 #include "body/state_hash.h"
 #include "pointbased/cloud_quality.h"
@@ -64,6 +65,7 @@ void Simulator::setWorld(const WorldSettings &world) {
 }
 
 std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
+  POINTBASED_EXPECTS(body != nullptr, "a body");
   body->quasiStatic = quasiStatic();
   body->setPrecision(world_.precision);
   std::string cloud = inspectCloud(body->rest()).warning();
@@ -360,6 +362,10 @@ void Simulator::reset() {
 void Simulator::setGrab(std::size_t id, Grab grab) {
   Body *target = body(id);
   if (!target || grab.phyxels.empty() || target->rigid()) return;
+  POINTBASED_EXPECTS(grab.weights.size() == grab.phyxels.size(), "one weight per grabbed phyxel");
+  POINTBASED_EXPECTS(
+      std::all_of(grab.phyxels.begin(), grab.phyxels.end(), [&](Index i) { return i < target->rest().phyxelCount(); }),
+      "grabs phyxels that there are");
   target->grab = std::move(grab);
   target->forcesCurrent = false;
   bodies_.at(id)->forgetEnergy();

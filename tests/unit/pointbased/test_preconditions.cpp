@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a caller gets wrong is said with the function and what it expects, before anything is read or written.
+#include <stdexcept>
+
+#include "contact_cases.h"
+#include "pointbased/precondition.h"
+#include "support/catch.h"
+
+using namespace pointbased;
+
+namespace {
+
+/// Broken preconditions are exceptions as long as it lives.
+class Thrown {
+ public:
+  Thrown()
+      : before_(setPreconditionHandler([](const char *condition, const char *text, const char *function) {
+          throw std::logic_error(std::string(function) + ": " + text + ": " + condition);
+        })) {}
+  ~Thrown() { setPreconditionHandler(before_); }
+  Thrown(const Thrown &) = delete;
+  Thrown &operator=(const Thrown &) = delete;
+
+ private:
+  PreconditionHandler before_;
+};
+
+template <class Call>
+std::string brokenBy(const Call &call) {
+  const Thrown thrown;
+  try {
+    call();
+  } catch (const std::logic_error &error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
+std::unique_ptr<Body> cube() {
+  return shapes::latticeBox(Vec3::Zero(), Vec3::Constant(0.04), 0.02, shapes::rubber(1e4));
+}
+
+}  // namespace
+
+TEST_CASE("A body needs phyxels, and a material for every number that its points have") {
+  CHECK_THAT(brokenBy([] {
+               Body("none", nullptr, Constitution{{Material()}, 1.0}, serialFor());
+             }),
+             Contains("a rest state with phyxels"));
+  const auto body = cube();
+  CHECK_THAT(brokenBy([&] {
+               body->setConstitution(Constitution{{}, 1.0}, serialFor());
+             }),
+             Contains("setConstitution") && Contains("a material for every number"));
+  CHECK(body->constitution().materials.size() == 1);
+  CHECK_THAT(brokenBy([] { Simulator().addBody(nullptr); }), Contains("addBody: a body"));
+}
+
+TEST_CASE("Fields of the wrong size are refused by what they go through") {
+  const auto body = cube();
+  const std::size_t n = body->rest().phyxelCount(), surfels = body->rest().surfels.count();
+  REQUIRE(surfels > 0);
+  const std::vector<Vec3> u(n, Vec3::Zero()), normals(surfels, Vec3::UnitX()), shorter(n - 1, Vec3::Zero());
+  std::vector<Vec3> out(surfels), few(surfels - 1);
+  const auto update = [&](std::span<const Vec3> displacements, std::span<Vec3> positions, std::span<Vec3> directions) {
+    return brokenBy([&] {
+      updateSurfels(body->rest().surfels, normals, body->rest().positions, displacements, positions, directions,
+                    serialFor());
+    });
+  };
+  CHECK(update(u, out, {}) == "nothing");
+  CHECK_THAT(update(u, few, {}), Contains("updateSurfels: one position per surfel"));
+  CHECK_THAT(update(u, out, few), Contains("one normal per surfel"));
+  CHECK_THAT(update(shorter, out, {}), Contains("one displacement per phyxel"));
+
+  const ContactPoints &points = body->rest().contact;
+  std::vector<Vec3> ways(points.count() + 1);
+  CHECK_THAT(brokenBy([&] { interpolateField(points.binding, u, ways, serialFor()); }),
+             Contains("interpolateField: one result per point"));
+  CHECK_THAT(brokenBy([&] { (void)contactEnergy(points, body->contact, ContactPenalty(), u, u); }),
+             Contains("one modulus per contact point"));
+}
+
+TEST_CASE("Springs of patches and of the surroundings take fields of their phyxels alone") {
+  PatchSolver patches;
+  Csr row;
+  row.indices = {0, 7};
+  row.offsets = {0, 2};
+  const std::vector<double> weights = {0.5, 0.5}, stiffness = {1e3}, masses(5, 1.0);
+  CHECK_THAT(brokenBy([&] { patches.set(row, weights, stiffness, masses); }),
+             Contains("set: rows name phyxels that there are"));
+  row.indices = {0, 4};
+  CHECK_THAT(brokenBy([&] { patches.set(row, {}, stiffness, masses); }), Contains("one weight per entry"));
+  patches.set(row, weights, stiffness, masses);
+  std::vector<Vec3> u(5, Vec3::Zero()), v = u;
+  CHECK_THAT(brokenBy([&] { patches.correct(1e-3, {}, u, v); }), Contains("one target per patch"));
+  CHECK_THAT(brokenBy([&] { patches.correct(0.0, std::vector<Vec3>(1), u, v); }), Contains("correct: a step"));
+
+  const auto body = cube();
+  Foundation foundation;
+  foundation.stiffness = 1e4;
+  REQUIRE(body->setFoundation(foundation));
+  REQUIRE(body->foundation().acts());
+  CHECK_THAT(brokenBy([&] { (void)body->foundation().energy(u); }), Contains("energy: one displacement per phyxel"));
+}
+
+TEST_CASE("A hand holds phyxels that there are") {
+  Simulator simulator;
+  const std::size_t id = simulator.addBody(cube());
+  const auto count = static_cast<Index>(simulator.body(id)->rest().phyxelCount());
+  Grab grab;
+  grab.phyxels = {0, count};
+  grab.weights = {0.5, 0.5};
+  CHECK_THAT(brokenBy([&] { simulator.setGrab(id, grab); }), Contains("setGrab: grabs phyxels that there are"));
+  grab.phyxels = {0, count - 1};
+  grab.weights = {1.0};
+  CHECK_THAT(brokenBy([&] { simulator.setGrab(id, grab); }), Contains("one weight per grabbed phyxel"));
+  CHECK_FALSE(simulator.body(id)->grab);
+  grab.weights = {0.5, 0.5};
+  simulator.setGrab(id, grab);
+  CHECK(simulator.body(id)->grab);
+}
