@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stepping/stage_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pointbased::detail {
+namespace {
+
+// Stiffness of contact in units of E A / d: a body of height H presses itself in by rho g H / (kContactStiffness E /
+// d).
+constexpr double kContactStiffness = 30.0;
+
+// Over triplets, of which a large body has millions; looks whether they are still wanted.
+class AskedTriplets {
+ public:
+  AskedTriplets(const Eigen::Triplet<double> *at, const StopRequest *stop) : at_(at), stop_(stop) {}
+  AskedTriplets &operator++() {
+    constexpr std::size_t kLookEvery = 1 << 22;
+    if (++seen_ % kLookEvery == 0) endIfRaised(stop_);
+    ++at_;
+    return *this;
+  }
+  const Eigen::Triplet<double> *operator->() const { return at_; }
+  bool operator!=(const AskedTriplets &other) const { return at_ != other.at_; }
+
+ private:
+  const Eigen::Triplet<double> *at_;
+  const StopRequest *stop_;
+  std::size_t seen_ = 0;
+};
+
+}  // namespace
+
+StageProblem::StageProblem(Body &body, const Environment &env, const ImplicitStage &stage)
+    : body_(body), env_(env), stage_(stage), n_(body.rest().phyxelCount()) {
+  a_ = stage.h > 0.0 ? 1.0 / (stage.h * stage.h) : stage.holding;
+  damping_ = stage.h > 0.0 ? env.damping / stage.h : 0.0;
+  const BoundaryConditions &conditions = body.rest().conditions;
+  dead_.assign(n_, Vec3::Zero());
+  for (std::size_t l = 0; l < conditions.loads.size(); ++l) {
+    const Load &load = conditions.loads[l];
+    if (load.pressure != 0.0 && load.follower)
+      followers_ = true;
+    else
+      addLoadForces(load, conditions.loaded[l], body.factor(load.ramp, stage.end), body.state().displacements, dead_);
+  }
+  for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.weights()[i] * env.gravity;
+  if (body.grab && stage.h > 0.0) {
+    // The hand's spring is taken at the beginning of the stage, soft enough not to be thrown by its own delay.
+    std::fill(body.forces().begin(), body.forces().end(), Vec3::Zero());
+    applyGrab(body, 0.3 / stage.h);
+    for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.forces()[i];
+    body.forcesCurrent = false;
+  }
+  const Constitution &c = body.constitution();
+  dissipative_ = stage.h > 0.0 && (c.viscous() || c.relaxing());
+  vectorised_ = body.vectorised();
+  work_.assign(n_, Vec3::Zero());
+  contact_ = env.contact() && body.rest().contact.count() > 0;
+  penalty_ = {kContactStiffness, body.contactModuli(), body.rest().spacing, stage.contactSpan};
+  start_ = body.state().displacements;
+  double volume = 0.0, modulus = 0.0;
+  for (const double v : body.rest().volumes) volume += v;
+  for (const Material &m : c.materials) modulus = std::max(modulus, m.waveModulus());
+  roundOff_ = std::numeric_limits<double>::epsilon() * modulus * volume;
+  (void)body.patchTargets(stage.end);
+}
+
+bool StageProblem::setState(std::span<const Vec3> u) {
+  State &state = body_.state();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n_; ++i) {
+    state.displacements[i] = u[i];
+    if (stage_.h > 0.0) state.velocities[i] = (u[i] - stage_.p[i]) / stage_.h;
+    sum += u[i].squaredNorm();
+  }
+  if (!std::isfinite(sum)) return false;
+  if (vectorised_) {
+    body_.forgetPoints();
+  } else {
+    body_.computeGradients(*env_.parallelFor);
+  }
+  workCurrent_ = linearised_ = false;
+  return true;
+}
+
+double StageProblem::energy() {
+  const State &state = body_.state();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n_; ++i) {
+    const Vec3 &u = state.displacements[i];
+    const double m = body_.masses()[i];
+    if (stage_.h > 0.0)
+      sum += 0.5 * a_ * m * (u - stage_.p[i] - stage_.h * stage_.q[i]).squaredNorm() +
+             0.5 * damping_ * m * (u - stage_.p[i]).squaredNorm();
+    else if (a_ > 0.0)
+      sum += 0.5 * a_ * m * (u - start_[i]).squaredNorm();
+    sum -= dead_[i].dot(u);
+  }
+  const ElasticEnergy elastic = body_.elasticEnergy(*env_.parallelFor);
+  sum += elastic.strain + elastic.stabilisation;
+  if (body_.patches().rows() > 0) sum += body_.patches().energy(targets(), state.displacements);
+  if (contact_) sum += contactEnergy(body_.rest().contact, body_.contact, penalty_, start_, state.displacements);
+  if (around()) {
+    // Damping, with the velocity of the end of the stage, has a potential of the way within it.
+    sum += foundation().energy(state.displacements);
+    if (lag() > 0.0) sum += lag() * foundation().energy(way());
+  }
+  if (followers_ || dissipative_) {
+    computeWork();
+    if (reference_.empty()) setReference();
+    sum += referenceEnergy_ - workSinceReference();
+  }
+  return sum;
+}
+
+void StageProblem::gradient(std::span<Vec3> out) {
+  State &state = body_.state();
+  if (followers_ || dissipative_) {
+    computeWork();
+    if (!reference_.empty()) referenceEnergy_ -= workSinceReference();
+    setReference();
+  }
+  if (vectorised_) {
+    body_.evaluateInternal(false, *env_.parallelFor);
+  } else {
+    body_.computeElasticStresses(*env_.parallelFor);
+    body_.computeInternalForces(*env_.parallelFor);
+  }
+  if (body_.patches().rows() > 0) body_.patches().updateForces(targets(), state.displacements);
+  forces_.assign(body_.forces().begin(), body_.forces().end());
+  if (body_.patches().rows() > 0) body_.patches().addForces(forces_);
+  if (contact_) addContactForces(body_.rest().contact, body_.contact, penalty_, start_, state.displacements, forces_);
+  if (around())
+    foundation().addForces(state.displacements,
+                           stage_.h > 0.0 ? std::span<const Vec3>(state.velocities) : std::span<const Vec3>(), forces_,
+                           *env_.parallelFor);
+  for (std::size_t i = 0; i < n_; ++i) {
+    const double m = body_.masses()[i];
+    Vec3 g = -forces_[i] - dead_[i] - work_[i];
+    if (stage_.h > 0.0)
+      g += a_ * m * (state.displacements[i] - stage_.p[i] - stage_.h * stage_.q[i]) +
+           damping_ * m * (state.displacements[i] - stage_.p[i]);
+    else if (a_ > 0.0)
+      g += a_ * m * (state.displacements[i] - start_[i]);
+    out[i] = g;
+  }
+}
+
+double StageProblem::reach(std::span<const Vec3> gradient) const {
+  if (!(stage_.h > 0.0)) return std::numeric_limits<double>::infinity();
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < n_; ++i) farthest = std::max(farthest, gradient[i].norm() / body_.masses()[i]);
+  return farthest / (a_ + damping_);
+}
+
+void StageProblem::product(std::span<const Vec3> du, std::span<Vec3> out) {
+  const RestState &rest = body_.rest();
+  if (vectorised_) {
+    if (!linearised_) body_.linearise(*env_.parallelFor);
+    linearised_ = true;
+    body_.forceDifferential(du, viscousScale(), out, *env_.parallelFor);
+  } else {
+    forceDifferential(body_.constitution(), rest.stencils, rest.positions, body_.state().displacements,
+                      body_.gradients(), history(), dt(), viscousScale(), du, scratch_, out, *env_.parallelFor);
+  }
+  for (std::size_t i = 0; i < n_; ++i) out[i] = (a_ + damping_) * body_.masses()[i] * du[i] - out[i];
+  if (body_.patches().rows() > 0) body_.patches().addProduct(du, out);
+  if (contact_) addContactProduct(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, du, out);
+  foundation().addProduct(1.0 + lag(), du, out, *env_.parallelFor);
+}
+
+void StageProblem::diagonalBlocks(std::span<Mat3> out) {
+  const RestState &rest = body_.rest();
+  stiffnessBlocks(body_.constitution(), rest.stencils, rest.positions, body_.state().displacements, body_.gradients(),
+                  history(), dt(), viscousScale(), out, *env_.parallelFor);
+  for (std::size_t i = 0; i < n_; ++i) out[i].diagonal().array() += (a_ + damping_) * body_.masses()[i];
+  if (body_.patches().rows() > 0) body_.patches().addDiagonal(out);
+  if (contact_) addContactBlocks(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, out);
+  foundation().addBlocks(1.0 + lag(), out);
+}
+
+bool StageProblem::assemble(Eigen::SparseMatrix<double> &out) {
+  const RestState &rest = body_.rest();
+  triplets_.clear();
+  stiffnessTriplets(body_.constitution(), rest.stencils, rest.positions, body_.state().displacements, body_.gradients(),
+                    history(), dt(), viscousScale(), triplets_);
+  for (std::size_t i = 0; i < n_; ++i)
+    for (int c = 0; c < 3; ++c) {
+      const int row = static_cast<int>(3 * i) + c;
+      triplets_.emplace_back(row, row, (a_ + damping_) * body_.masses()[i]);
+    }
+  if (body_.patches().rows() > 0) body_.patches().addTriplets(triplets_);
+  if (contact_)
+    addContactTriplets(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, triplets_);
+  foundation().addTriplets(1.0 + lag(), triplets_);
+  out.resize(static_cast<Eigen::Index>(3 * n_), static_cast<Eigen::Index>(3 * n_));
+  endIfRaised(env_.stop);
+  out.setFromTriplets(AskedTriplets(triplets_.data(), env_.stop),
+                      AskedTriplets(triplets_.data() + triplets_.size(), env_.stop));
+  return true;
+}
+
+std::span<const Vec3> StageProblem::way() {
+  way_.resize(n_);
+  for (std::size_t i = 0; i < n_; ++i) way_[i] = body_.state().displacements[i] - stage_.p[i];
+  return way_;
+}
+
+void StageProblem::computeWork() {
+  if (workCurrent_) return;
+  workCurrent_ = true;
+  std::fill(work_.begin(), work_.end(), Vec3::Zero());
+  const BoundaryConditions &conditions = body_.rest().conditions;
+  for (std::size_t l = 0; l < conditions.loads.size(); ++l)
+    if (conditions.loads[l].pressure != 0.0 && conditions.loads[l].follower)
+      addLoadForces(conditions.loads[l], conditions.loaded[l], body_.factor(conditions.loads[l].ramp, stage_.end),
+                    body_.state().displacements, work_);
+  if (!dissipative_) return;
+  const ParallelFor &parallelFor = *env_.parallelFor;
+  const auto forcesWith = [&](bool history) {
+    if (vectorised_) return body_.evaluateInternal(history, parallelFor);
+    if (history) {
+      body_.computeTrialStresses(stage_.elapsed, parallelFor);
+    } else {
+      body_.computeElasticStresses(parallelFor);
+    }
+    body_.computeInternalForces(parallelFor);
+  };
+  forcesWith(false);
+  for (std::size_t i = 0; i < n_; ++i) work_[i] -= body_.forces()[i];
+  forcesWith(true);
+  for (std::size_t i = 0; i < n_; ++i) work_[i] += body_.forces()[i];
+}
+
+void StageProblem::setReference() {
+  reference_ = body_.state().displacements;
+  referenceWork_ = work_;
+}
+
+double StageProblem::workSinceReference() const {
+  double work = 0.0;
+  for (std::size_t i = 0; i < n_; ++i)
+    work += 0.5 * (work_[i] + referenceWork_[i]).dot(body_.state().displacements[i] - reference_[i]);
+  return work;
+}
+
+}  // namespace pointbased::detail

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a stage of an implicit or static step minimises. Private to the core.
+#pragma once
+
+#include "pointbased/integrators.h"
+
+namespace pointbased::detail {
+
+/// One stage: base position p (m) and velocity q (m/s) of the phyxels, the length h, and the end time at which loads
+/// and supports count.
+struct ImplicitStage {
+  double h = 0.0;            ///< s; 0: static
+  double end = 0.0;          ///< s, or load factor
+  double contactSpan = 0.0;  ///< s (or load factor) over which contact planes move
+  std::vector<Vec3> p, q;
+  double holding = 0.0;  ///< 1/s²: static, of the inertia that holds what nothing else does
+  double elapsed = 0.0;  ///< s since the beginning of the step: what relaxes has relaxed for so long
+};
+
+/// The incremental potential of a stage at the displacements of the body: inertia, elastic energy, supports, contact,
+/// surroundings and loads; forces without a potential (followers, viscous and relaxing ones) by the work they do since
+/// the last gradient. Leaves the body where it was last evaluated.
+/// @source  integrators.h, implicitStep()
+class StageProblem final : public IncrementalPotential {
+ public:
+  StageProblem(Body &body, const Environment &env, const ImplicitStage &stage);
+
+  [[nodiscard]] ContactPenalty &penalty() { return penalty_; }
+  [[nodiscard]] std::span<const Vec3> start() const { return start_; }
+
+  [[nodiscard]] std::size_t phyxels() const override { return n_; }
+  [[nodiscard]] std::span<const std::uint8_t> prescribed() const override { return body_.heldMask(); }
+  [[nodiscard]] bool setState(std::span<const Vec3> u) override;
+  [[nodiscard]] double energy() override;
+  // Laws tell the energy by terms of the size of their moduli, however small the strain.
+  [[nodiscard]] double roundOff() const override { return roundOff_; }
+  void gradient(std::span<Vec3> out) override;
+  // The Hessian is at least that of inertia where nothing is crushed.
+  [[nodiscard]] double reach(std::span<const Vec3> gradient) const override;
+  void product(std::span<const Vec3> du, std::span<Vec3> out) override;
+  void diagonalBlocks(std::span<Mat3> out) override;
+  [[nodiscard]] bool assemble(Eigen::SparseMatrix<double> &out) override;
+
+ private:
+  [[nodiscard]] std::span<const Vec3> targets() { return body_.patchTargets(stage_.end); }
+  [[nodiscard]] const ElasticFoundation &foundation() const { return body_.foundation(); }
+  [[nodiscard]] bool around() const { return foundation().acts(); }
+  // Of the foundation's damping to its stiffness, in the Hessian.
+  [[nodiscard]] double lag() const { return stage_.h > 0.0 ? foundation().settings().retardationTime / stage_.h : 0.0; }
+  [[nodiscard]] std::span<const Vec3> way();
+  [[nodiscard]] double dt() const { return dissipative_ ? stage_.elapsed : 0.0; }
+  [[nodiscard]] double viscousScale() const { return dissipative_ ? 1.0 / stage_.h : 0.0; }
+  // At the beginning of the step: what relaxes is advanced from there by dt().
+  [[nodiscard]] const PointHistory &history() const { return body_.state().history; }
+
+  // Forces that have no potential, at the present displacements: followers; viscous and relaxing stresses as the
+  // difference to the elastic ones.
+  void computeWork();
+
+  // All energies of a solution are told from its first state on: another origin for one of them alone would be a step
+  // in the merit as large as the work itself.
+  void setReference();
+  [[nodiscard]] double workSinceReference() const;
+
+  Body &body_;
+  const Environment &env_;
+  const ImplicitStage &stage_;
+  std::size_t n_;
+  double a_ = 0.0, damping_ = 0.0;
+  bool followers_ = false, dissipative_ = false, contact_ = false, workCurrent_ = false;
+  bool vectorised_ = false, linearised_ = false;
+  std::vector<Vec3> dead_, work_, start_, forces_, way_;
+  std::vector<Vec3> reference_, referenceWork_;
+  double referenceEnergy_ = 0.0, roundOff_ = 0.0;
+  ContactPenalty penalty_;
+  TangentScratch scratch_;
+  std::vector<Eigen::Triplet<double>> triplets_;
+};
+
+}  // namespace pointbased::detail
