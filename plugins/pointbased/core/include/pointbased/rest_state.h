@@ -61,7 +61,7 @@ struct RestState {
   std::vector<std::array<Index, 3>> skin;  ///< triangles between surfels; may be empty
   std::vector<Vec3> surfelNormals;         ///< unit; empty: points without normals
   ContactPoints contact;
-  /// [phyxels] how far the body goes with a phyxel, of the phyxel's own way: leverageOf(). Empty: as far.
+  /// [phyxels] how far the body goes with a phyxel, of the phyxel's own way: maxInfluencesOf(). Empty: as far.
   std::vector<float> maxInfluence;
   Binder bind;  ///< material points, frame of the phyxels
   BoundaryConditions conditions;
@@ -78,7 +78,7 @@ struct RestState {
 /// Of lattices: a corner that only a sliver of the body reaches moves hardly anything, so it may be fast. The most that
 /// a phyxel moves a point of contact (more than 1: the point lies outside of its cell), or changes F of a point by,
 /// compared with a phyxel amid whole cells, where at most 1 counts.
-[[nodiscard]] std::vector<float> leverageOf(const RestState &rest);
+[[nodiscard]] std::vector<float> maxInfluencesOf(const RestState &rest);
 
 /// How a shape becomes a body.
 struct BodyRecipe {

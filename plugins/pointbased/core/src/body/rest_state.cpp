@@ -194,8 +194,113 @@ std::vector<Index> piecesOf(const RestState &rest) {
   return pieces;
 }
 
+tl::unexpected<std::string> refused(const std::string &text) { return tl::unexpected<std::string>(text); }
+
 std::string numbered(const char *what, std::size_t number, const std::string &text) {
   return std::string(what) + " " + std::to_string(number) + ": " + text;
+}
+
+// What is far off in any case (a wrong unit) is not to be heard after minutes of building.
+Result<void> checkRegions(const BodyShape &shape, const BodyRecipe &recipe) {
+  const double reach = 1.5 * (shape.max - shape.min).norm();
+  const auto check = [&](const char *what, std::size_t number, const Region &region) -> Result<void> {
+    if (const auto good = validate(region); !good) return refused(numbered(what, number, good.error()));
+    if (signedDistance(region, 0.5 * (shape.min + shape.max)) <= reach) return {};
+    return refused(numbered(what, number, "the region meets no part of the body; move or enlarge it until it does"));
+  };
+  for (std::size_t i = 0; i < recipe.fixes.size(); ++i)
+    if (auto good = check("fix", i, recipe.fixes[i].region); !good) return good;
+  for (std::size_t i = 0; i < recipe.loads.size(); ++i)
+    if (auto good = check("load", i, recipe.loads[i].region); !good) return good;
+  return {};
+}
+
+// Surfels and contact points, carried by the cells.
+void bindSkin(const BodyShape &shape, const LatticeSampling &sampling, std::span<const Vec3> surfelNormals,
+              RestState &rest) {
+  const Surface local = shiftedSurface(shape.surface, rest.origin);
+  Interpolation skin = rest.bind(local.positions, surfelNormals);
+  (void)detail::closeTears(local, rest.spacing, skin);
+  rest.surfels = Surfels(skin);
+  rest.surfelNormals.assign(surfelNormals.begin(), surfelNormals.end());
+  rest.skin = local.triangles;
+  if (local.triangles.empty()) return;
+  // As fine as the finest cells: a refined place is refined to be touched.
+  double finest = rest.spacing;
+  for (const Refinement &refinement : sampling.refinements)
+    while (finest > refinement.spacing * (1.0 + 1e-9)) finest *= 0.5;
+  while (sampling.surfaceSpacing > 0.0 && finest > sampling.surfaceSpacing * (1.0 + 1e-9)) finest *= 0.5;
+  SurfacePoints chosen =
+      rest.components > 1 ? chooseContactPoints(local, finest, piecesOf(rest)) : chooseContactPoints(local, finest);
+  Interpolation binding = rest.bind(chosen.positions, chosen.normals);
+  rest.contact = carriedContact(std::move(chosen), std::move(binding), rest.positions, rest.spacing);
+}
+
+// @param held  out: what the fixes hold
+Result<std::shared_ptr<RestState>> restOfLattice(const BodyShape &shape, const BodyRecipe &recipe,
+                                                 std::span<const Vec3> surfelNormals, const ParallelFor &parallelFor,
+                                                 const SamplingProgress &progress,
+                                                 std::vector<ConstrainedRegion> &held) {
+  LatticeSampling sampling = recipe.sampling;
+  sampling.held.clear();
+  for (const Fix &fix : recipe.fixes) sampling.held.push_back(fix.region);
+  auto filled = fillLattice(shape, sampling, parallelFor, progress);
+  if (!filled) return refused(filled.error());
+  LatticeBody &body = *filled;
+  auto rest = std::make_shared<RestState>();
+  rest->evaluation = Evaluation::stressPoints;
+  rest->origin = body.origin;
+  rest->spacing = body.spacing;
+  rest->sampling = recipe.sampling;
+  rest->reshape = recipe.reshape;
+  rest->shapeVolume = shape.volume;
+  rest->countedVolume = body.countedVolume;
+  rest->positions = std::move(body.positions);
+  rest->volumes = std::move(body.volumes);
+  rest->weightVolumes = std::move(body.weightVolumes);
+  rest->heldVolumes = std::move(body.heldVolumes);
+  rest->supportVolumes = std::move(body.supportVolumes);
+  rest->stencils = std::move(body.stencils);
+  rest->pointCentres = std::move(body.pointCentres);
+  rest->components = body.components;
+  NeighbourCounter counter;
+  forNeighbours(rest->stencils, rest->positions.size(), [&](std::span<const Index> row) { counter.add(row.size()); });
+  rest->latticeNeighbours = counter.counted();
+  compactRows(rest->stencils);
+  held = std::move(body.held);
+  rest->bind = [cells = body.cells, parallelFor](std::span<const Vec3> points, std::span<const Vec3> normals) {
+    return cells->bind(points, normals, parallelFor);
+  };
+  bindSkin(shape, sampling, surfelNormals, *rest);
+  rest->maxInfluence = maxInfluencesOf(*rest);
+  return rest;
+}
+
+// @param held  out: what the fixes hold
+Result<std::shared_ptr<RestState>> restOfFilledCloud(const BodyShape &shape, const BodyRecipe &recipe,
+                                                     std::span<const Vec3> surfelNormals,
+                                                     const ParallelFor &parallelFor, const SamplingProgress &progress,
+                                                     std::vector<ConstrainedRegion> &held) {
+  const auto cloud = fill(shape, {recipe.sampling.spacing, recipe.sampling.count}, parallelFor, progress);
+  if (!cloud) return refused(cloud.error());
+  const std::shared_ptr<RestState> rest =
+      restOfCloud(*cloud, recipe.neighbors, shape.volume, shape.surface, surfelNormals, &shape, parallelFor);
+  if (!recipe.sampling.materials.empty()) {
+    rest->stencils.materials.assign(rest->pointCount(), 0);
+    for (const auto &[region, material] : recipe.sampling.materials) {
+      const Region here = shifted(region, rest->origin);
+      for (std::size_t q = 0; q < rest->pointCount(); ++q)
+        if (contains(here, rest->pointCentres[q])) rest->stencils.materials[q] = material;
+    }
+  }
+  const Surface local = shiftedSurface(shape.surface, rest->origin);
+  for (std::size_t i = 0; i < recipe.fixes.size(); ++i) {
+    auto part = holdCloud(shifted(recipe.fixes[i].region, rest->origin), rest->positions, rest->volumes, rest->spacing,
+                          local, parallelFor);
+    if (!part) return refused(numbered("fix", i, part.error()));
+    held.push_back(std::move(*part));
+  }
+  return rest;
 }
 
 }  // namespace
@@ -210,109 +315,32 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
                                                         std::span<const Vec3> surfelNormals,
                                                         const ParallelFor &parallelFor,
                                                         const SamplingProgress &progress) {
-  const auto refuse = [](const std::string &text) { return tl::unexpected<std::string>(text); };
-  const auto part = [&](double from, double to) {
-    return [&progress, from, to](double f) { return !progress || progress(from + (to - from) * f); };
+  if (const auto good = checkRegions(shape, recipe); !good) return refused(good.error());
+  const bool isLattice = recipe.evaluation == Evaluation::stressPoints;
+  const SamplingProgress filling = [&progress, share = isLattice ? 0.85 : 0.7](double f) {
+    return !progress || progress(share * f);
   };
-  // What is far off in any case (a wrong unit) is not to be heard after minutes of building.
-  const double reach = 1.5 * (shape.max - shape.min).norm();
-  const auto check = [&](const Region &region) -> Result<void> {
-    if (const auto good = validate(region); !good) return good;
-    if (signedDistance(region, 0.5 * (shape.min + shape.max)) <= reach) return {};
-    return refuse("the region meets no part of the body; move or enlarge it until it does");
-  };
-  for (std::size_t i = 0; i < recipe.fixes.size(); ++i)
-    if (const auto good = check(recipe.fixes[i].region); !good) return refuse(numbered("fix", i, good.error()));
-  for (std::size_t i = 0; i < recipe.loads.size(); ++i)
-    if (const auto good = check(recipe.loads[i].region); !good) return refuse(numbered("load", i, good.error()));
-
-  std::shared_ptr<RestState> rest;
   BoundaryConditions conditions{recipe.fixes, {}, recipe.loads, {}};
-  if (recipe.evaluation == Evaluation::stressPoints) {
-    LatticeSampling sampling = recipe.sampling;
-    sampling.held.clear();
-    for (const Fix &fix : recipe.fixes) sampling.held.push_back(fix.region);
-    auto filled = fillLattice(shape, sampling, parallelFor, part(0.0, 0.85));
-    if (!filled) return refuse(filled.error());
-    LatticeBody &body = *filled;
-    rest = std::make_shared<RestState>();
-    rest->evaluation = Evaluation::stressPoints;
-    rest->origin = body.origin;
-    rest->spacing = body.spacing;
-    rest->sampling = recipe.sampling;
-    rest->reshape = recipe.reshape;
-    rest->shapeVolume = shape.volume;
-    rest->countedVolume = body.countedVolume;
-    rest->positions = std::move(body.positions);
-    rest->volumes = std::move(body.volumes);
-    rest->weightVolumes = std::move(body.weightVolumes);
-    rest->heldVolumes = std::move(body.heldVolumes);
-    rest->supportVolumes = std::move(body.supportVolumes);
-    rest->stencils = std::move(body.stencils);
-    rest->pointCentres = std::move(body.pointCentres);
-    rest->components = body.components;
-    NeighbourCounter counter;
-    forNeighbours(rest->stencils, rest->positions.size(), [&](std::span<const Index> row) { counter.add(row.size()); });
-    rest->latticeNeighbours = counter.counted();
-    compactRows(rest->stencils);
-    conditions.held = std::move(body.held);
-    rest->bind = [cells = body.cells, parallelFor](std::span<const Vec3> points, std::span<const Vec3> normals) {
-      return cells->bind(points, normals, parallelFor);
-    };
-    const Surface local = shiftedSurface(shape.surface, rest->origin);
-    Interpolation skin = rest->bind(local.positions, surfelNormals);
-    (void)detail::closeTears(local, rest->spacing, skin);
-    rest->surfels = Surfels(skin);
-    rest->surfelNormals.assign(surfelNormals.begin(), surfelNormals.end());
-    rest->skin = local.triangles;
-    if (!local.triangles.empty()) {
-      // As fine as the finest cells: a refined place is refined to be touched.
-      double finest = rest->spacing;
-      for (const Refinement &refinement : sampling.refinements)
-        while (finest > refinement.spacing * (1.0 + 1e-9)) finest *= 0.5;
-      while (sampling.surfaceSpacing > 0.0 && finest > sampling.surfaceSpacing * (1.0 + 1e-9)) finest *= 0.5;
-      SurfacePoints chosen = rest->components > 1 ? chooseContactPoints(local, finest, piecesOf(*rest))
-                                                  : chooseContactPoints(local, finest);
-      Interpolation binding = rest->bind(chosen.positions, chosen.normals);
-      rest->contact = carriedContact(std::move(chosen), std::move(binding), rest->positions, rest->spacing);
-    }
-    rest->maxInfluence = leverageOf(*rest);
-  } else {
-    const auto cloud = fill(shape, {recipe.sampling.spacing, recipe.sampling.count}, parallelFor, part(0.0, 0.7));
-    if (!cloud) return refuse(cloud.error());
-    rest = restOfCloud(*cloud, recipe.neighbors, shape.volume, shape.surface, surfelNormals, &shape, parallelFor);
-    const Surface local = shiftedSurface(shape.surface, rest->origin);
-    if (!recipe.sampling.materials.empty()) {
-      rest->stencils.materials.assign(rest->pointCount(), 0);
-      for (const auto &[region, material] : recipe.sampling.materials) {
-        const Region here = shifted(region, rest->origin);
-        for (std::size_t q = 0; q < rest->pointCount(); ++q)
-          if (contains(here, rest->pointCentres[q])) rest->stencils.materials[q] = material;
-      }
-    }
-    for (std::size_t i = 0; i < recipe.fixes.size(); ++i) {
-      auto held = holdCloud(shifted(recipe.fixes[i].region, rest->origin), rest->positions, rest->volumes,
-                            rest->spacing, local, parallelFor);
-      if (!held) return refuse(numbered("fix", i, held.error()));
-      conditions.held.push_back(std::move(*held));
-    }
-  }
-  if (progress && !progress(0.9)) return refuse("cancelled");
+  const auto build = isLattice ? restOfLattice : restOfFilledCloud;
+  auto built = build(shape, recipe, surfelNormals, parallelFor, filling, conditions.held);
+  if (!built) return refused(built.error());
+  const std::shared_ptr<RestState> rest = std::move(*built);
+  if (progress && !progress(0.9)) return refused("cancelled");
 
   const Surface local = shiftedSurface(shape.surface, rest->origin);
   for (std::size_t i = 0; i < recipe.loads.size(); ++i) {
     Load here = recipe.loads[i];
     here.region = shifted(here.region, rest->origin);
     auto loaded = loadedPart(here, local, rest->spacing, rest->bind, rest->pointCentres, rest->stencils.volumes);
-    if (!loaded) return refuse(numbered("load", i, loaded.error()));
+    if (!loaded) return refused(numbered("load", i, loaded.error()));
     conditions.loaded.push_back(std::move(*loaded));
   }
   rest->conditions = std::move(conditions);
-  if (progress && !progress(1.0)) return refuse("cancelled");
-  return std::shared_ptr<const RestState>(std::move(rest));
+  if (progress && !progress(1.0)) return refused("cancelled");
+  return std::shared_ptr<const RestState>(rest);
 }
 
-std::vector<float> leverageOf(const RestState &rest) {
+std::vector<float> maxInfluencesOf(const RestState &rest) {
   // |g| of a corner of a whole cell of edge d is √3/(4 d).
   const double whole = std::sqrt(3.0) / (4.0 * rest.spacing);
   std::vector<double> most(rest.phyxelCount(), 0.0);
