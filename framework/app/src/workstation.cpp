@@ -252,7 +252,7 @@ std::string Workstation::unsaved() const {
         " s. Its state is lost; File > Export… writes it.");
   if (const segmentation::SegmentationWorkflow &guide = images_->guide();
       guide.mask().mask() || !guide.pickedLabels().empty())
-    add("What is picked in the image has not been made an organ.");
+    add("No body has been created of what is picked in the image.");
   for (const BackgroundJobs::Status &job : session_->jobs().running()) add("Still running: " + job.title + ".");
   return text;
 }
@@ -344,23 +344,24 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
   askForWarp();
   simulation->transport(C3DE_TRANSPORT_PLAY);
   const bool isOne = result.created.size() == 1;
-  const std::string it = isOne ? "it" : "them", lives = isOne ? " lives" : " live";
+  const std::string it = isOne ? "it" : "them";
   panels_.notify(
-      C3DE_LOG_INFO, namesOf(result.created) + lives,
+      C3DE_LOG_INFO, (isOne ? "Body created: " : "Bodies created: ") + namesOf(result.created),
       result.isNew ? "Pinch " + it + " in the 3D view (P). Gravity is off, because the scan shows the organ" +
                          (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
                    : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.");
   if (!result.notTried.empty())
     panels_.notify(C3DE_LOG_INFO, "Cancelled",
-                   namesOf(result.notTried) + (result.notTried.size() == 1 ? " was" : " were") + " not made.");
+                   namesOf(result.notTried) + (result.notTried.size() == 1 ? " was" : " were") + " not created.");
   std::string reasons;
   for (const auto &[name, error] : result.failed) reasons += error.message + "\n";
   if (reasons.empty()) return;
-  log(LogLevel::error, "organs that could not be made: " + reasons);
-  panels_.notify(C3DE_LOG_ERROR,
-                 result.failed.size() == 1 ? result.failed.front().first + " could not be made"
-                                           : std::to_string(result.failed.size()) + " organs could not be made",
-                 reasons + (result.failed.size() == 1 ? "It stays" : "They stay") + " picked; the others live.");
+  log(LogLevel::error, "bodies that could not be created: " + reasons);
+  panels_.notify(
+      C3DE_LOG_ERROR,
+      result.failed.size() == 1 ? result.failed.front().first + " could not be created"
+                                : std::to_string(result.failed.size()) + " bodies could not be created",
+      reasons + (result.failed.size() == 1 ? "It stays" : "They stay") + " picked; the others were created.");
 }
 
 /// The image deforms with the bodies while both are there.

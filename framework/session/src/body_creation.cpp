@@ -105,11 +105,11 @@ scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask
 
 std::string namesOf(const std::vector<segmentation::BodyRequest> &requests) {
   constexpr std::size_t kMost = 4;
-  if (requests.size() > kMost) return std::to_string(requests.size()) + " organs";
+  const std::size_t named = requests.size() > kMost ? kMost - 1 : requests.size();
   std::string names;
-  for (std::size_t i = 0; i < requests.size(); ++i)
+  for (std::size_t i = 0; i < named; ++i)
     names += (i == 0 ? "" : i + 1 == requests.size() ? " and " : ", ") + requests[i].name;
-  return names;
+  return named < requests.size() ? names + " and " + std::to_string(requests.size() - named) + " more" : names;
 }
 
 Expected<void> BodyCreation::createAll(c3de_object *simulator, bool isNew, Result &result, const ProgressFn &progress) {
@@ -154,7 +154,7 @@ void BodyCreation::createBodies(std::vector<segmentation::BodyRequest> requests)
   if (requests.empty()) return;
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
-  const std::string names = namesOf(requests), title = "Could not make " + names;
+  const std::string names = namesOf(requests), title = "Could not create " + names;
 
   scene::Simulation *present = session_.simulation();
   const auto result = std::make_shared<Result>();
@@ -181,7 +181,7 @@ void BodyCreation::createBodies(std::vector<segmentation::BodyRequest> requests)
     simulator = std::make_shared<ObjectRef>(*created);
   }
   job_ = session_.jobs().submit(
-      kJobOwner, "Making " + names,
+      kJobOwner, "Creating " + names,
       [this, simulator, result](const ProgressFn &progress) {
         return createAll(simulator->get(), result->isNew, *result, progress);
       },

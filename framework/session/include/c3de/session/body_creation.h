@@ -44,7 +44,7 @@ class BodyCreation {
   std::uint64_t serial_ = 0;
 };
 
-/// "liver, spleen and stomach"; of more than four: how many.
+/// "liver, spleen and stomach"; of more than four the first three: "liver, spleen, stomach and 2 more".
 [[nodiscard]] std::string namesOf(const std::vector<segmentation::BodyRequest> &requests);
 /// The world that bodies from a scan begin in: without gravity, damped, no body yet.
 [[nodiscard]] scene::SceneFile sceneWithoutBodies();
