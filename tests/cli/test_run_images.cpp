@@ -220,7 +220,7 @@ TEST_CASE("A view of slices is refused where there is no image, and a name that 
   CHECK(runC3de({"run", scene, "--steps", "1", "--view", "3d"}).exitCode == 2);
 }
 
-TEST_CASE("Liver, spleen and kidneys of a CT live within ten seconds of its file", "[data]") {
+TEST_CASE("Liver, spleen and kidneys of a CT take their first step within ten seconds of its file", "[data]") {
   const std::filesystem::path labels =
       std::filesystem::path(testDataFolder()) / "volume/totalseg/example_seg_fast_force_split.nii.gz";
   if (!std::filesystem::exists(labels)) {

@@ -189,7 +189,7 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.screenshot("organs_picked");
   window.click("organ/make");
   window.waitUntil(
-      "they live", [](const Json &s) { return s["jobs"].empty() && s["transport"]["time_s"] > 0.2; }, 60.0);
+      "they are created", [](const Json &s) { return s["jobs"].empty() && s["transport"]["time_s"] > 0.2; }, 60.0);
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organs");
 }

@@ -86,7 +86,8 @@ Json pinch(WorkstationDriver &window) {
 
 }  // namespace
 
-TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows when it is pulled", "[image_walk]") {
+TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan follows when it is pulled",
+          "[image_walk]") {
   C3DE_WINDOW_OR_SKIP();
   C3DE_DATA_OR_SKIP(image, "volume/totalseg/example_ct.nii.gz");
   WorkstationDriver window("image_walk");
@@ -151,7 +152,7 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
   window.screenshot("organ");
   window.click("organ/make");
   window.waitUntil(
-      "the organ lives",
+      "the body is created",
       [](const Json &s) {
         return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
                number(s, "image/axial.outlines") >= 1 && number(s, "image/coronal.outlines") >= 1;
@@ -161,7 +162,7 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
   window.click("notification/close.0");
   takePinchTool(window);
   window.waitUntil("the scan knows its displacement", [](const Json &s) { return shift_mm(s, "coronal") < 0.5; });
-  window.screenshot("alive");
+  window.screenshot("created");
   window.moveTo(window.inView(0.38, 0.4));
   (void)pinch(window);
   for (int i = 1; i <= 8; ++i) window.moveTo(window.inView(0.38 + 0.03 * i, 0.4 + 0.04 * i));
@@ -171,7 +172,7 @@ TEST_CASE("a liver is found in a CT by threshold, lives, and the scan follows wh
   window.screenshot("pulled");
   for (const char *pane : {"axial", "coronal", "3D"}) {
     INFO(pane);
-    CHECK(window.differingPixels("alive", "pulled", pane) > 300);
+    CHECK(window.differingPixels("created", "pulled", pane) > 300);
   }
   CHECK(number(pulled, "pointbased.controller/Pinch force") > 0.0);
   // Behind the liver, which has come forwards: the scan does not show it twice.
@@ -214,7 +215,7 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   window.screenshot("held");
   window.click("organ/make");
   window.waitUntil(
-      "the organ lives",
+      "the body is created",
       [](const Json &s) {
         return s["jobs"].empty() && s["transport"]["mode"] == "playing" && s["transport"]["time_s"] > 0.2 &&
                number(s, "image/axial.outlines") + number(s, "image/coronal.outlines") +

@@ -66,7 +66,7 @@ Point axialPixel(const WorkstationDriver &window, const Vec3 &world) {
 
 }  // namespace
 
-TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "[image_guide]") {
+TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes a body", "[image_guide]") {
   C3DE_WINDOW_OR_SKIP();
   const Phantom phantom;
   const fs::path file = fs::path(testOutputRoot()) / "ui" / "image_guide_phantom.nii.gz";
@@ -122,7 +122,7 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "
   window.screenshot("material");
   window.click("organ/make");
   window.waitUntil(
-      "the organ lives",
+      "the body is created",
       [](const Json &s) {
         return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["mode"] == "playing" &&
                s["transport"]["time_s"] > 0.0;
@@ -132,7 +132,7 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and made", "
   CHECK(std::any_of(state["nodes"].begin(), state["nodes"].end(),
                     [](const Json &node) { return node["name"] == "liver"; }));
   REQUIRE(state["notifications"].size() == 1);
-  CHECK(state["notifications"][0]["title"] == "liver lives");
+  CHECK(state["notifications"][0]["title"] == "Body created: liver");
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("made");
 }
@@ -237,7 +237,7 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.key("Return");
   window.click("organ/make");
   const Json made = window.waitUntil(
-      "the kidneys live",
+      "the kidneys are created",
       [](const Json &s) {
         return s["jobs"].empty() && s["transport"]["exists"] == true && s["transport"]["time_s"] > 0.0 &&
                hasNode(s, "kidney_left");
@@ -245,8 +245,8 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
       120.0);
   CHECK(hasNode(made, "kidney_right"));
   CHECK_FALSE(hasNode(made, "muscle_trunk"));
-  CHECK_FALSE(notification(made, "kidney_right and kidney_left live").is_null());
-  const Json refused = notification(made, "muscle_trunk could not be made");
+  CHECK_FALSE(notification(made, "Bodies created: kidney_right and kidney_left").is_null());
+  const Json refused = notification(made, "muscle_trunk could not be created");
   REQUIRE_FALSE(refused.is_null());
   CHECK(refused["severity"] == "error");
   CHECK_THAT(refused["text"].get<std::string>(), Contains("edge length of 0.5 mm") && Contains("It stays picked"));
@@ -276,13 +276,13 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
       [](const Json &s) { return s["jobs"].empty() && hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left"); }, 60.0);
   window.waitForValue("image/label.4", "false");
   window.moveTo(axialPixel(window, {0, -45, 0}));
-  window.screenshot("alive");
+  window.screenshot("created");
 
   // Keys do not lay what the bodies were made of over them; the panel does, and says so.
   window.key("ctrl+z");
   window.waitFrames(3);
   CHECK(text(window.state(), "image/preview") == "none");
-  // The same organ a second time is refused, and what lives goes on.
+  // The same body a second time is refused, and the simulation goes on.
   window.click("organ/undo");
   // The panel grows row by row until the mask is shown, and what is below moves.
   window.waitUntil("it is picked again", [](const Json &s) {
@@ -292,8 +292,8 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.waitFrames(3);
   window.click("organ/make");
   const Json again = window.waitUntil(
-      "it is refused", [](const Json &s) { return !notification(s, "Could not make muscle_trunk").is_null(); });
-  CHECK_THAT(notification(again, "Could not make muscle_trunk")["text"].get<std::string>(),
+      "it is refused", [](const Json &s) { return !notification(s, "Could not create muscle_trunk").is_null(); });
+  CHECK_THAT(notification(again, "Could not create muscle_trunk")["text"].get<std::string>(),
              Contains("has a body of this name"));
   CHECK(again["transport"]["mode"] == "playing");
 }

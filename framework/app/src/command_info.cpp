@@ -142,7 +142,7 @@ Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::
   return json;
 }
 
-Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, OrganSources &sources,
+Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, BodySources &sources,
                             std::ostringstream &text) {
   Preparation took;
   const auto picked = sources.pick(body.volume, {}, took);
@@ -169,7 +169,7 @@ void describeBuilt(c3de_object *simulator, std::size_t index, std::ostringstream
 
 /// The check that `run` makes, as far as it can be made; how far, for people and as "checked_by_simulator", "built".
 /// @returns  the simulator with its bodies, empty where they were not built
-Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene, bool isQuick, OrganSources &sources,
+Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene, bool isQuick, BodySources &sources,
                                  std::string &howFar, Json &json) {
   auto created = session.createSimulator();
   ObjectRef simulator(created ? *created : nullptr);
@@ -226,7 +226,7 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
   const auto scene = scene::loadScene(file, &session.materials());
   if (!scene) return tl::unexpected(scene.error());
   Described out;
-  OrganSources sources;
+  BodySources sources;
   std::string howFar;
   const auto built = checkLikeRun(session, *scene, isQuick, sources, howFar, out.json);
   if (!built) return tl::unexpected(built.error());

@@ -12,12 +12,12 @@
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/statistics.h"
+#include "c3de/session/body_sources.h"
 #include "c3de/session/build_scene.h"
 #include "c3de/session/export_simulation.h"
 #include "c3de/session/file_kind.h"
 #include "c3de/session/headless_run.h"
 #include "c3de/session/interrupt.h"
-#include "c3de/session/organ.h"
 #include "c3de/session/progress_line.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/written_outputs.h"
@@ -190,7 +190,7 @@ Expected<PictureView> viewAsked(const RunOptions &options, const scene::SceneFil
 }
 
 /// The scene's image has been read before, and is there.
-Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile &scene, OrganSources &sources,
+Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile &scene, BodySources &sources,
                                         const scene::MaterialLibrary &materials) {
   PictureSources out;
   out.view = view;
@@ -218,7 +218,7 @@ Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile
 }
 
 Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
-                           const RunOptions &options, RunPicture &picture, PictureView view, OrganSources &sources,
+                           const RunOptions &options, RunPicture &picture, PictureView view, BodySources &sources,
                            const std::vector<Coverage> &coverage) {
   const auto shown = pictureSources(view, scene, sources, session.materials());
   if (!shown) return tl::unexpected(shown.error());
@@ -250,7 +250,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
 
   const RunLimits limits = limitsOf(*scene, simulator.get(), options, begin);
   Prepared prepared;
-  OrganSources sources;
+  BodySources sources;
   {
     ProgressLine progress(options.quiet);
     std::string present;

@@ -78,10 +78,10 @@ class Workstation {
   registry::EditList edits_;
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
-  std::unique_ptr<WorkstationLoader> loader_;  ///< used by the session's jobs until they end
-  std::unique_ptr<BodyCreation> organ_;        ///< likewise
-  std::unique_ptr<WorkstationImages> images_;  ///< likewise
-  DisplacementSampler warp_;                   ///< used by the simulation's thread
+  std::unique_ptr<WorkstationLoader> loader_;   ///< used by the session's jobs until they end
+  std::unique_ptr<BodyCreation> bodyCreation_;  ///< likewise
+  std::unique_ptr<WorkstationImages> images_;   ///< likewise
+  DisplacementSampler warp_;                    ///< used by the simulation's thread
   std::unique_ptr<Session> session_;
   scene::SceneImage image_;  ///< how images deform beside the simulation
   using StillAsked = std::tuple<scene::SceneStill, std::shared_ptr<const scene::StoredImage>,
@@ -121,16 +121,17 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
       WorkstationLoader::Events{[this](const WorkstationLoader::Loaded &loaded) { onLoaded(loaded); },
                                 [this](const std::string &title, const Error &error) { onFailed(title, error); }});
   session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
-  organ_ = std::make_unique<BodyCreation>(
+  bodyCreation_ = std::make_unique<BodyCreation>(
       *session_,
       BodyCreation::Events{[this](const BodyCreation::Result &result) { onBodiesReady(result); },
                            [this](const std::string &title, const Error &error) { onFailed(title, error); }});
   images_ = std::make_unique<WorkstationImages>(
       *session_, *renderer_, panels_,
-      WorkstationImages::Events{
-          [this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
-          [this](const std::string &title, const Error &error) { onFailed(title, error); },
-          [this](std::vector<segmentation::BodyRequest> requests) { organ_->makeOrgans(std::move(requests)); }});
+      WorkstationImages::Events{[this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
+                                [this](const std::string &title, const Error &error) { onFailed(title, error); },
+                                [this](std::vector<segmentation::BodyRequest> requests) {
+                                  bodyCreation_->createBodies(std::move(requests));
+                                }});
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
                     &images_->guide(), &edits_},
                    actions());
@@ -251,7 +252,7 @@ std::string Workstation::unsaved() const {
         " s. Its state is lost; File > Export… writes it.");
   if (const segmentation::SegmentationWorkflow &guide = images_->guide();
       guide.mask().mask() || !guide.pickedLabels().empty())
-    add("What is picked in the image has not been made an organ.");
+    add("No body has been created of what is picked in the image.");
   for (const BackgroundJobs::Status &job : session_->jobs().running()) add("Still running: " + job.title + ".");
   return text;
 }
@@ -336,30 +337,31 @@ void Workstation::onBodiesReady(const BodyCreation::Result &result) {
     simulation->setTargetRate(targetRate_);
     images_->onBodiesRemoved();
   }
-  images_->onBodiesReady(result.made);
+  images_->onBodiesReady(result.created);
   images_->showMissing(result.coverage, result.isNew);
   tools_.cancelActive();  // the simulation begins anew, and what a tool held is gone
   warp_.begin();
   askForWarp();
   simulation->transport(C3DE_TRANSPORT_PLAY);
-  const bool isOne = result.made.size() == 1;
-  const std::string it = isOne ? "it" : "them", lives = isOne ? " lives" : " live";
+  const bool isOne = result.created.size() == 1;
+  const std::string it = isOne ? "it" : "them";
   panels_.notify(
-      C3DE_LOG_INFO, namesOf(result.made) + lives,
+      C3DE_LOG_INFO, (isOne ? "Body created: " : "Bodies created: ") + namesOf(result.created),
       result.isNew ? "Pinch " + it + " in the 3D view (P). Gravity is off, because the scan shows the organ" +
                          (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
                    : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.");
-  if (!result.left.empty())
+  if (!result.notTried.empty())
     panels_.notify(C3DE_LOG_INFO, "Cancelled",
-                   namesOf(result.left) + (result.left.size() == 1 ? " was" : " were") + " not made.");
+                   namesOf(result.notTried) + (result.notTried.size() == 1 ? " was" : " were") + " not created.");
   std::string reasons;
   for (const auto &[name, error] : result.failed) reasons += error.message + "\n";
   if (reasons.empty()) return;
-  log(LogLevel::error, "organs that could not be made: " + reasons);
-  panels_.notify(C3DE_LOG_ERROR,
-                 result.failed.size() == 1 ? result.failed.front().first + " could not be made"
-                                           : std::to_string(result.failed.size()) + " organs could not be made",
-                 reasons + (result.failed.size() == 1 ? "It stays" : "They stay") + " picked; the others live.");
+  log(LogLevel::error, "bodies that could not be created: " + reasons);
+  panels_.notify(
+      C3DE_LOG_ERROR,
+      result.failed.size() == 1 ? result.failed.front().first + " could not be created"
+                                : std::to_string(result.failed.size()) + " bodies could not be created",
+      reasons + (result.failed.size() == 1 ? "It stays" : "They stay") + " picked; the others were created.");
 }
 
 /// The image deforms with the bodies while both are there.

@@ -66,7 +66,7 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
                                      Events events)
     : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)),
       displacement_(renderer.images(), views_),
-      guide_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.makeOrgans}) {
+      guide_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}) {
   if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
   views_.setTimeChooser([this](std::size_t time) { readTime(time); });
 }
@@ -192,7 +192,7 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
   }
   session_.sceneGraph().touch();
   guide_.setSources({image, nullptr});
-  organPanel_.emplace(panels_, views_, guide_);
+  segmentationPanel_.emplace(panels_, views_, guide_);
   panel_.emplace(panels_, views_,
                  ui::ImagePanel::LabelMaps{[this] {
                                              std::vector<std::string> names;
@@ -289,14 +289,14 @@ void WorkstationImages::showLabels(const OpenLabels &open) {
   views_.setHandles(handles);
 }
 
-void WorkstationImages::onBodiesReady(const std::vector<segmentation::BodyRequest> &organs) {
-  for (const segmentation::BodyRequest &organ : organs)
+void WorkstationImages::onBodiesReady(const std::vector<segmentation::BodyRequest> &requests) {
+  for (const segmentation::BodyRequest &request : requests)
     for (OpenLabels &open : labelMaps_) {
-      if (!organ.labels || open.labels != organ.labels) continue;
-      open.hidden.push_back(organ.label);
-      if (open.labels.get() == views_.labels()) views_.setLabelOpacity(organ.label, 0.0f);
+      if (!request.labels || open.labels != request.labels) continue;
+      open.hidden.push_back(request.label);
+      if (open.labels.get() == views_.labels()) views_.setLabelOpacity(request.label, 0.0f);
     }
-  guide_.onBodiesCreated(organs);
+  guide_.onBodiesCreated(requests);
 }
 
 void WorkstationImages::onBodiesRemoved() {
@@ -362,7 +362,7 @@ void WorkstationImages::close() {
   if (!labelJob_.isNull()) session_.jobs().cancel(std::exchange(labelJob_, {}));
   waitingLabels_.clear();
   labelMaps_.clear();
-  organPanel_.reset();
+  segmentationPanel_.reset();
   guide_.setSources({});
   removeLabels();
   displacement_.forget();

@@ -32,7 +32,7 @@ class WorkstationImages {
     std::function<void()> shown;   ///< another image is in the views
     std::function<void()> closed;  ///< there is none any more
     std::function<void(const std::string &title, const Error &error)> failed;
-    std::function<void(std::vector<segmentation::BodyRequest>)> makeOrgans;
+    std::function<void(std::vector<segmentation::BodyRequest>)> createBodies;
   };
   WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels, Events events);
   ~WorkstationImages();
@@ -52,8 +52,8 @@ class WorkstationImages {
             const std::string &series = {}, std::size_t time = 0, Segmentation segmentation = Segmentation::labels);
   /// Over the image that is open, one after the other; the last one is shown, the panel leads back to the others.
   void openLabels(const std::filesystem::path &path);
-  /// The outlines of the organs take the place of their labels, and nothing of them is picked any more.
-  void onBodiesReady(const std::vector<segmentation::BodyRequest> &organs);
+  /// The outlines of the bodies take the place of their labels, and nothing of them is picked any more.
+  void onBodiesReady(const std::vector<segmentation::BodyRequest> &requests);
   /// The bodies are gone: their labels are shown again.
   void onBodiesRemoved();
   void close();
@@ -70,7 +70,7 @@ class WorkstationImages {
   struct OpenLabels {
     std::filesystem::path path;
     std::shared_ptr<const scene::StoredLabels> labels;
-    std::vector<std::uint16_t> hidden;  ///< because their organs live
+    std::vector<std::uint16_t> hidden;  ///< because their bodies are there
   };
   void show(std::shared_ptr<scene::StoredImage> image);
   /// Reads another time point of the image that is open and puts it in its place.
@@ -94,7 +94,7 @@ class WorkstationImages {
   DisplacementPresenter displacement_;
   std::optional<ui::ImagePanel> panel_;
   segmentation::SegmentationWorkflow guide_;
-  std::optional<ui::SegmentationPanel> organPanel_;
+  std::optional<ui::SegmentationPanel> segmentationPanel_;
   std::unique_ptr<SeriesChoice> choice_;
   std::filesystem::path path_;  ///< of the image that is open
   std::string series_;

@@ -315,7 +315,7 @@ std::string SegmentationWorkflow::blockingReason() const {
   if (mask_.isBusy()) return "the mask is being computed";
   if (mask_.voxels() == 0) return "the mask is empty (1)";
   if (!material()) return "no material is chosen (2)";
-  if (settings_.name.empty()) return "the organ has no name (2)";
+  if (settings_.name.empty()) return "the body has no name (2)";
   return {};
 }
 
@@ -358,17 +358,17 @@ void SegmentationWorkflow::createBodies() {
   events_.make(std::move(requests));
 }
 
-void SegmentationWorkflow::onBodiesCreated(const std::vector<BodyRequest> &made) {
+void SegmentationWorkflow::onBodiesCreated(const std::vector<BodyRequest> &created) {
   std::vector<std::uint16_t> picked = pickedLabels();
-  bool isPickMade = false;
-  for (const BodyRequest &one : made) {
+  bool isPickCreated = false;
+  for (const BodyRequest &one : created) {
     const bool isOfThisMap = one.labels && one.labels == mask_.sources().labels;
-    if (!one.mask && isOfThisMap) isPickMade = std::erase(picked, one.label) > 0 || isPickMade;
+    if (!one.mask && isOfThisMap) isPickCreated = std::erase(picked, one.label) > 0 || isPickCreated;
     if (!one.mask || one.mask != mask_.mask()) continue;
     picked.clear();
-    isPickMade = true;
+    isPickCreated = true;
   }
-  if (!isPickMade) return;
+  if (!isPickCreated) return;
   MaskStep rest;
   rest.isRest = true;
   if (picked.size() == 1) return chooseLabel(picked.front(), rest);

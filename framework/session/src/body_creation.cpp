@@ -12,7 +12,7 @@
 namespace c3de::session {
 namespace {
 
-// Of the extent along gravity: how much is held of an organ that lies.
+// Of the extent along gravity: how much is held of a body that lies.
 constexpr double kHeldPart = 0.12;
 
 scene::SceneValue numberOf(const std::string &id, double value) {
@@ -52,7 +52,7 @@ std::set<std::string> bodyNames(Session &session) {
 
 }  // namespace
 
-scene::SceneFile sceneWithoutOrgans() {
+scene::SceneFile sceneWithoutBodies() {
   scene::SceneFile scene;
   scene::SceneValue gravity;
   gravity.value.id = "world.gravity";
@@ -103,19 +103,19 @@ scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask
   return scene;
 }
 
-std::string namesOf(const std::vector<segmentation::BodyRequest> &organs) {
+std::string namesOf(const std::vector<segmentation::BodyRequest> &requests) {
   constexpr std::size_t kMost = 4;
-  if (organs.size() > kMost) return std::to_string(organs.size()) + " organs";
+  const std::size_t named = requests.size() > kMost ? kMost - 1 : requests.size();
   std::string names;
-  for (std::size_t i = 0; i < organs.size(); ++i)
-    names += (i == 0 ? "" : i + 1 == organs.size() ? " and " : ", ") + organs[i].name;
-  return names;
+  for (std::size_t i = 0; i < named; ++i)
+    names += (i == 0 ? "" : i + 1 == requests.size() ? " and " : ", ") + requests[i].name;
+  return named < requests.size() ? names + " and " + std::to_string(requests.size() - named) + " more" : names;
 }
 
-Expected<void> BodyCreation::makeAll(c3de_object *simulator, bool isNew, Result &result, const ProgressFn &progress) {
+Expected<void> BodyCreation::createAll(c3de_object *simulator, bool isNew, Result &result, const ProgressFn &progress) {
   if (isNew)
-    if (auto begun = session_.populate(simulator, sceneWithoutOrgans(), {}); !begun) return begun;
-  const std::vector<segmentation::BodyRequest> requests = std::exchange(result.left, {});
+    if (auto begun = session_.populate(simulator, sceneWithoutBodies(), {}); !begun) return begun;
+  const std::vector<segmentation::BodyRequest> requests = std::exchange(result.notTried, {});
   const auto count = static_cast<double>(requests.size());
   for (std::size_t i = 0; i < requests.size(); ++i) {
     const segmentation::BodyRequest &request = requests[i];
@@ -131,11 +131,11 @@ Expected<void> BodyCreation::makeAll(c3de_object *simulator, bool isNew, Result 
       made = session_.addBodies(
           simulator, sceneOf(request, std::move(*mask), session_.materials().find(request.material)), part, &prepared);
     if (made) {
-      result.made.push_back(request);
+      result.created.push_back(request);
       result.coverage.insert(result.coverage.end(), prepared.coverage.begin(), prepared.coverage.end());
     } else if (made.error().code == ErrorCode::cancelled) {
-      result.left.assign(requests.begin() + static_cast<std::ptrdiff_t>(i), requests.end());
-      if (isNew || result.made.empty()) return made;
+      result.notTried.assign(requests.begin() + static_cast<std::ptrdiff_t>(i), requests.end());
+      if (isNew || result.created.empty()) return made;
       break;
     } else {
       // Some errors name it already.
@@ -144,17 +144,17 @@ Expected<void> BodyCreation::makeAll(c3de_object *simulator, bool isNew, Result 
       result.failed.emplace_back(request.name, std::move(error));
     }
   }
-  if (!result.made.empty()) return {};
+  if (!result.created.empty()) return {};
   std::string text;
   for (const auto &[name, error] : result.failed) text += (text.empty() ? "" : "\n") + error.message;
   return fail(result.failed.empty() ? ErrorCode::state : result.failed.front().second.code, text);
 }
 
-void BodyCreation::makeOrgans(std::vector<segmentation::BodyRequest> requests) {
+void BodyCreation::createBodies(std::vector<segmentation::BodyRequest> requests) {
   if (requests.empty()) return;
   if (!job_.isNull()) session_.jobs().cancel(job_);
   const std::uint64_t serial = ++serial_;
-  const std::string names = namesOf(requests), title = "Could not make " + names;
+  const std::string names = namesOf(requests), title = "Could not create " + names;
 
   scene::Simulation *present = session_.simulation();
   const auto result = std::make_shared<Result>();
@@ -167,9 +167,9 @@ void BodyCreation::makeOrgans(std::vector<segmentation::BodyRequest> requests) {
           request.name, Error{ErrorCode::usage, request.name + ": the simulation has a body of this name already; "
                                                                "accepted: another name"});
     else
-      result->left.push_back(std::move(request));
+      result->notTried.push_back(std::move(request));
   }
-  if (result->left.empty()) return events_.failed(title, result->failed.front().second);
+  if (result->notTried.empty()) return events_.failed(title, result->failed.front().second);
   std::shared_ptr<ObjectRef> simulator;
   if (!result->isNew) {
     c3de_object *object = present->object();
@@ -181,18 +181,18 @@ void BodyCreation::makeOrgans(std::vector<segmentation::BodyRequest> requests) {
     simulator = std::make_shared<ObjectRef>(*created);
   }
   job_ = session_.jobs().submit(
-      kJobOwner, "Making " + names,
+      kJobOwner, "Creating " + names,
       [this, simulator, result](const ProgressFn &progress) {
-        return makeAll(simulator->get(), result->isNew, *result, progress);
+        return createAll(simulator->get(), result->isNew, *result, progress);
       },
       [this, serial, simulator, result, title](const Expected<void> &done) {
         if (serial != serial_) return;
         job_ = {};
         if (!done) return events_.failed(title, done.error());
         if (result->isNew)
-          if (auto adopted = session_.adopt(simulator->get(), namesOf(result->made)); !adopted)
+          if (auto adopted = session_.adopt(simulator->get(), namesOf(result->created)); !adopted)
             return events_.failed(title, adopted.error());
-        events_.made(*result);
+        events_.created(*result);
       });
 }
 

@@ -6,7 +6,7 @@
 
 namespace c3de::session {
 
-Expected<void> readSceneImage(const scene::SceneFile &scene, OrganSources &sources, const ProgressFn &progress) {
+Expected<void> readSceneImage(const scene::SceneFile &scene, BodySources &sources, const ProgressFn &progress) {
   if (!scene.image) return {};
   imaging::ReadOptions options;
   options.progress = progress;
@@ -26,8 +26,8 @@ Expected<void> readSceneImage(const scene::SceneFile &scene, OrganSources &sourc
   return {};
 }
 
-Expected<void> buildScene(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
-                          OrganSources &sources, const ProgressFn &progress, Prepared *prepared) {
+Expected<void> buildScene(Session &session, c3de_object *simulator, const scene::SceneFile &scene, BodySources &sources,
+                          const ProgressFn &progress, Prepared *prepared) {
   if (auto read = readSceneImage(scene, sources, progress); !read) return read;
   return session.populate(simulator, scene, progress, prepared, &sources);
 }

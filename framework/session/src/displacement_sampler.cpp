@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "c3de/imaging/masks.h"
+#include "c3de/session/body_sources.h"
 #include "c3de/session/body_states.h"
-#include "c3de/session/organ.h"
 #include "c3de/session/simulator_access.h"
 
 namespace c3de::session {

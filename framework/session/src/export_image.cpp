@@ -15,8 +15,8 @@
 #include "c3de/imaging/reading.h"
 #include "c3de/imaging/warp.h"
 #include "c3de/imaging/writing.h"
+#include "c3de/session/body_sources.h"
 #include "c3de/session/displacement_sampler.h"
-#include "c3de/session/organ.h"
 #include "c3de/session/still_rule.h"
 
 namespace c3de::session {
@@ -60,7 +60,7 @@ Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFil
   return {};
 }
 
-Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sources,
+Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, BodySources &sources,
                                 const scene::MaterialLibrary &materials) {
   ImageWarp how;
   if (!scene.image) return how;

@@ -11,8 +11,8 @@
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/render/renderer.h"
+#include "c3de/session/body_sources.h"
 #include "c3de/session/file_kind.h"
-#include "c3de/session/organ.h"
 #include "c3de/session/resources.h"
 #include "c3de/session/scene_to_abi.h"
 #include "c3de/session/simulator_access.h"
@@ -144,20 +144,20 @@ class PartProgress {
   c3de_progress abi_{};
 };
 
-Expected<Organ> meshOf(const scene::SceneBody &body, const ProgressFn &progress) {
-  Organ organ;
+Expected<BodyGeometry> meshOf(const scene::SceneBody &body, const ProgressFn &progress) {
+  BodyGeometry loaded;
   {
-    const TimeSpent reading(organ.took.reading_s);
+    const TimeSpent reading(loaded.took.reading_s);
     auto mesh = geometry::loadMesh(body.mesh, body.meshUnit, progress);
     if (!mesh) return tl::unexpected(mesh.error());
-    organ.skin = std::move(*mesh);
+    loaded.skin = std::move(*mesh);
   }
-  if (const auto fillable = geometry::checkFillable(organ.skin.mesh, organ.skin.report); !fillable)
+  if (const auto fillable = geometry::checkFillable(loaded.skin.mesh, loaded.skin.report); !fillable)
     return tl::unexpected(fillable.error());
-  return organ;
+  return loaded;
 }
 
-Expected<Organ> loadFromVolume(OrganSources &sources, const scene::SceneBody &body, const ProgressFn &progress) {
+Expected<BodyGeometry> loadFromVolume(BodySources &sources, const scene::SceneBody &body, const ProgressFn &progress) {
   Preparation took;
   const auto picked = sources.pick(body.volume, progress, took);
   if (!picked) return tl::unexpected(picked.error());
@@ -168,11 +168,11 @@ Expected<Organ> loadFromVolume(OrganSources &sources, const scene::SceneBody &bo
     if (value.value.id == "sampling.spacing" && value.value.num > 0.0)
       phyxels = imaging::volumeOf(picked->mask) / std::pow(value.value.num * scene::kMillimetresPerMetre, 3);
   }
-  auto organ = organOf(picked->mask, body.volume.edgeLength_mm, phyxels, progress);
-  if (!organ) return organ;
-  organ->took += took;
-  organ->colour = picked->colour;
-  return organ;
+  auto loaded = bodyGeometryOf(picked->mask, body.volume.edgeLength_mm, phyxels, progress);
+  if (!loaded) return loaded;
+  loaded->took += took;
+  loaded->colour = picked->colour;
+  return loaded;
 }
 
 /// Keeps a mesh in the store for the duration of a call.
@@ -230,7 +230,7 @@ struct Session::Impl {
   void release(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
   [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                              const scene::SceneFile &scene, const FittedScene &fitted,
-                                                             OrganSources &sources, const ProgressFn &progress,
+                                                             BodySources &sources, const ProgressFn &progress,
                                                              Prepared &prepared);
 };
 
@@ -245,10 +245,10 @@ Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, 
 
 Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
                                                             const scene::SceneFile &scene, const FittedScene &fitted,
-                                                            OrganSources &sources, const ProgressFn &progress,
+                                                            BodySources &sources, const ProgressFn &progress,
                                                             Prepared &prepared) {
   // All meshes before the first body: what is wrong with the last of them is not to be heard after minutes of building.
-  std::vector<std::optional<Organ>> meshed(scene.bodies.size());
+  std::vector<std::optional<BodyGeometry>> meshed(scene.bodies.size());
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const scene::SceneBody &body = scene.bodies[i];
     if (body.mesh.empty()) continue;
@@ -265,8 +265,8 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const ProgressFn reading = [&](double f, const std::string &what) {
       return partProgress.update(0.1 * std::max(f, 0.0), what);
     };
-    Expected<Organ> source =
-        meshed[i] ? Expected<Organ>(std::move(*meshed[i])) : loadFromVolume(sources, body, reading);
+    Expected<BodyGeometry> source =
+        meshed[i] ? Expected<BodyGeometry>(std::move(*meshed[i])) : loadFromVolume(sources, body, reading);
     if (!source) return failInScene(source.error(), scene, body.line);
     for (const std::string &notice : sources.takeNotices())
       log(LogLevel::warn, body.volume.file.string() + ": " + notice);
@@ -398,7 +398,7 @@ Expected<void> Session::checkValues(c3de_object *simulator, const scene::SceneFi
 }
 
 Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile &scene, const ProgressFn &progress,
-                                 Prepared *prepared, OrganSources *sources) {
+                                 Prepared *prepared, BodySources *sources) {
   const auto tableOrError = simulatorTable(simulator);
   if (!tableOrError) return tl::unexpected(tableOrError.error());
   const c3de_simulator_v0 *table = *tableOrError;
@@ -432,7 +432,7 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
   }
 
   Prepared unused;
-  OrganSources ofThis;
+  BodySources ofThis;
   auto bodies = impl_->addBodies(
       table, simulator, scene, *fitted, sources != nullptr ? *sources : ofThis,
       [&](double f, const std::string &what) {
@@ -460,7 +460,7 @@ Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile
   const auto fitted = fitScene(simulator, scene);
   if (!fitted) return tl::unexpected(fitted.error());
   Prepared unused;
-  OrganSources sources;
+  BodySources sources;
   const auto added =
       impl_->addBodies(*table, simulator, scene, *fitted, sources, progress, prepared != nullptr ? *prepared : unused);
   if (!added) return tl::unexpected(added.error());

@@ -9,12 +9,12 @@
 
 namespace c3de::ui {
 
-void EditHistory::follow(registry::ParameterRegistry *parameters, segmentation::SegmentationWorkflow *organ,
+void EditHistory::follow(registry::ParameterRegistry *parameters, segmentation::SegmentationWorkflow *workflow,
                          registry::EditList *steps) {
   parameters_ = parameters;
-  organ_ = organ;
+  workflow_ = workflow;
   steps_ = steps;
-  for (const Source source : {Source::parameters, Source::organ, Source::steps}) {
+  for (const Source source : {Source::parameters, Source::segmentation, Source::steps}) {
     std::uint64_t &seen = edits_[static_cast<std::size_t>(source)];
     const std::uint64_t edits = editsOf(source);
     if (edits != seen) bringForward(source);
@@ -25,7 +25,7 @@ void EditHistory::follow(registry::ParameterRegistry *parameters, segmentation::
 std::uint64_t EditHistory::editsOf(Source source) const {
   switch (source) {
     case Source::parameters: return parameters_ ? parameters_->history().edits() : 0;
-    case Source::organ: return organ_ ? organ_->mask().edits() : 0;
+    case Source::segmentation: return workflow_ ? workflow_->mask().edits() : 0;
     case Source::steps: break;
   }
   return steps_ ? steps_->edits() : 0;
@@ -41,9 +41,9 @@ std::string EditHistory::label(Source source, bool isUndo) const {
     case Source::parameters:
       if (!parameters_) return {};
       return isUndo ? parameters_->history().undoLabel() : parameters_->history().redoLabel();
-    case Source::organ:
-      if (!organ_ || (isUndo && organ_->hasJustCreated())) return {};
-      return isUndo ? organ_->mask().undoLabel() : organ_->mask().redoLabel();
+    case Source::segmentation:
+      if (!workflow_ || (isUndo && workflow_->hasJustCreated())) return {};
+      return isUndo ? workflow_->mask().undoLabel() : workflow_->mask().redoLabel();
     case Source::steps: break;
   }
   if (!steps_) return {};
@@ -53,7 +53,8 @@ std::string EditHistory::label(Source source, bool isUndo) const {
 EditHistory::Source EditHistory::source(bool isUndo) const {
   for (const Source source : latestFirst_) {
     // A person who undoes it twice quickly means its steps both times.
-    const bool isBusy = source == Source::organ && source == latestFirst_.front() && organ_ && organ_->mask().isBusy();
+    const bool isBusy =
+        source == Source::segmentation && source == latestFirst_.front() && workflow_ && workflow_->mask().isBusy();
     if (isBusy || !label(source, isUndo).empty()) return source;
   }
   return latestFirst_.front();
@@ -66,12 +67,12 @@ void EditHistory::carryOut(bool isUndo) {
     case Source::parameters:
       if (parameters_) isUndo ? parameters_->history().undo(*parameters_) : parameters_->history().redo(*parameters_);
       break;
-    case Source::organ:
-      if (!organ_) break;
+    case Source::segmentation:
+      if (!workflow_) break;
       if (!isUndo)
-        organ_->redo();
-      else if (organ_->mask().isBusy() || !label(source, true).empty())
-        organ_->undo();
+        workflow_->redo();
+      else if (workflow_->mask().isBusy() || !label(source, true).empty())
+        workflow_->undo();
       break;
     case Source::steps:
       if (steps_) isUndo ? steps_->undo() : steps_->redo();

@@ -64,9 +64,9 @@ void SegmentationPanel::draw(const c3de_ui_v0 &ui) {
   drawHolding(ui);
   heading(ui, "4  Simulate");
   const std::string reason = guide_.blockingReason();
-  const std::string makes = several > 0 ? fmt::format("Make {} organs alive", several) : std::string("Make it alive");
-  if (button(ui, "make", makes, reason.empty())) guide_.createBodies();
-  tooltip(ui, "Makes a body of each that is picked: its surface, its phyxels, its material");
+  const std::string create = several > 0 ? fmt::format("Create {} bodies", several) : std::string("Create body");
+  if (button(ui, "make", create, reason.empty())) guide_.createBodies();
+  tooltip(ui, "A body of the simulation of each that is picked: its surface, its phyxels, its material");
   if (!reason.empty()) text(ui, "Not yet: " + reason + ".");
 }
 
@@ -181,7 +181,7 @@ void SegmentationPanel::drawUndo(const c3de_ui_v0 &ui) {
   const std::string undone = mask.undoLabel(), redone = mask.redoLabel();
   if (button(ui, "undo", "Undo", !undone.empty())) guide_.undo();
   tooltip(ui, ("Takes back the last step" + (undone.empty() ? "" : ": " + undone) +
-               " (Ctrl+Z; not by keys after an organ was made: what it was made of is laid over it)")
+               " (Ctrl+Z; not by keys after a body was created: what it comes from is laid over it)")
                   .c_str());
   sameLine(ui);
   if (button(ui, "redo", "Redo", !redone.empty())) guide_.redo();

@@ -389,7 +389,7 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::undo:
       // What a tool holds is let go, and is the first to be undone.
       if (services.tools) services.tools->cancelActive();
-      state.history.follow(services.parameters, services.organ, services.edits);
+      state.history.follow(services.parameters, services.workflow, services.edits);
       state.history.undo();
       break;
     case Command::redo: state.history.redo(); break;
@@ -534,7 +534,7 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
 
   FrameContext context{impl.services,   impl.actions, simulation,      impl.imgui->theme(),
                        impl.automation, impl.state,   impl.fileDialog, impl.camera};
-  impl.state.history.follow(impl.services.parameters, impl.services.organ, impl.services.edits);
+  impl.state.history.follow(impl.services.parameters, impl.services.workflow, impl.services.edits);
   context.windowSize = impl.window->windowSize();
   context.frame = ++impl.frame;
   context.framesPerSecond = impl.framesPerSecond;

@@ -137,7 +137,7 @@ TEST_CASE("A chosen material stays when the name changes", "[organ]") {
   CHECK(f.guide.settings().material == "fat");
 }
 
-TEST_CASE("What is made alive is what was picked and chosen", "[organ]") {
+TEST_CASE("A body is requested of what was picked and chosen", "[organ]") {
   Fixture f;
   CHECK_THAT(f.guide.blockingReason(), Contains("nothing is picked"));
   f.guide.setLow(60.0);
@@ -227,7 +227,7 @@ TEST_CASE("Several ticked labels become a request each, with the material of the
   CHECK(imaging::voxelCount(*mask) == Fixture::kSmall);
 }
 
-TEST_CASE("What has been made is picked no more, what could not be made stays", "[organ]") {
+TEST_CASE("What has become a body is picked no more, what could not stays", "[organ]") {
   Fixture f;
   f.guide.setSources(f.sources);
   f.guide.chooseLabels({8, 3});

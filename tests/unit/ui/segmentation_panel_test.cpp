@@ -67,7 +67,7 @@ TEST_CASE("Undo takes back what was edited last, of the parameters or of the org
   CHECK(f.guide.mask().mask());
 }
 
-TEST_CASE("Undo does not lay what a living organ was made of over it, whatever else is still picked", "[organ]") {
+TEST_CASE("Undo does not lay what a body was created of over it, whatever else is still picked", "[organ]") {
   Fixture f;
   EditHistory history;
   const auto undoLabel = [&] {
@@ -88,7 +88,7 @@ TEST_CASE("Undo does not lay what a living organ was made of over it, whatever e
   CHECK_FALSE(undoLabel().empty());
   std::vector<segmentation::BodyRequest> made = make();
   REQUIRE(made.size() == 2);
-  made.pop_back();  // the other one could not be made
+  made.pop_back();  // the other one could not be created
   f.guide.onBodiesCreated(made);
   f.settle();
   CHECK(f.guide.pickedLabels() == std::vector<std::uint16_t>{8});
@@ -152,8 +152,7 @@ TEST_CASE("A map of many labels has a filter, and several are ticked at once", "
   draw();
   CHECK_THAT(draw(), Contains("Ticked: kidney_left, thing") && Contains("Picked: 2 labels, 35.0 ml") &&
                          Contains("Source: PMID 21862792") && Contains("Young's modulus: 5 kPa (2 kPa … 15 kPa)") &&
-                         Contains("[disabled button: Make 2 organs alive]") &&
-                         Contains("no material is chosen for thing"));
+                         Contains("[disabled button: Create 2 bodies]") && Contains("no material is chosen for thing"));
   text.setText("material.8", "fat");
   draw();
   text.press("make");
@@ -180,7 +179,7 @@ TEST_CASE("The panel leads from labels to the button", "[organ]") {
   f.guide.setSources(f.sources);
   f.settle();
   CHECK_THAT(draw(), Contains("[#ff0000]  [ ] kidney_left   27.0 ml (label.3)") && Contains("Picked: nothing yet") &&
-                         !Contains("Make it alive"));
+                         !Contains("Create body"));
   text.check("label.3", true);
   draw();
   CHECK_THAT(draw(), Contains("[x] kidney_left") && Contains("Picked: 27.0 ml, 216 voxels") &&

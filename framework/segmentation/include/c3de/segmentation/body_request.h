@@ -11,7 +11,7 @@
 
 namespace c3de::segmentation {
 
-/// What holds an organ.
+/// What holds a body.
 enum class Held {
   surroundings,  ///< elastically, where it is in the scan: the tissue around
   lowestPart,    ///< what lies lowest, along gravity, stands still
@@ -36,7 +36,7 @@ struct BodyRequest {
   bool isRigid = false;                               ///< it stands where it is in the scan and costs nothing
 };
 
-/// The voxels of the organ. Any thread. ErrorCode::usage: there are none; cancelled.
+/// The voxels of the body. Any thread. ErrorCode::usage: there are none; cancelled.
 [[nodiscard]] Expected<imaging::Mask> maskOf(const BodyRequest &request, const ProgressFn &progress = {});
 
 }  // namespace c3de::segmentation

@@ -36,8 +36,8 @@ struct SegmentationSettings {
   bool keepsLargest = false, fillsHoles = false;  ///< of each of several labels
 };
 
-/// The path from an image to living organs: pick, material, sampling, go. One label or threshold gives a mask that can
-/// be mended; of several labels each is taken as it is. No drawing. Main thread; lifetime as MaskEditor.
+/// The path from an image to bodies of a simulation: pick, material, sampling, go. One label or threshold gives a mask
+/// that can be mended; of several labels each is taken as it is. No drawing. Main thread; lifetime as MaskEditor.
 class SegmentationWorkflow {
  public:
   struct Events {
@@ -112,13 +112,14 @@ class SegmentationWorkflow {
   void setRigid(std::uint16_t label, bool isRigid) { labelRigid_[label] = isRigid; }
   void setMending(bool keepsLargest, bool fillsHoles);
 
-  /// Why it cannot be made alive yet, for a person; empty: it can.
+  /// Why no body can be created of it yet, for a person; empty: it can.
   [[nodiscard]] std::string blockingReason() const;
   /// Does nothing while blockingReason() has a reason.
   void createBodies();
-  /// What has been made is picked no more; what could not be made stays.
-  void onBodiesCreated(const std::vector<BodyRequest> &made);
-  /// The last step is what was left of a making: a step farther back, and what lives would be laid over itself.
+  /// What has become a body is picked no more; what could not stays.
+  void onBodiesCreated(const std::vector<BodyRequest> &created);
+  /// The last step is what was left when bodies were created: a step farther back, and what a body comes from would be
+  /// laid over it.
   [[nodiscard]] bool hasJustCreated() const;
 
  private:

@@ -15,27 +15,28 @@ namespace c3de::session {
 /// Makes bodies of what a person has picked in an image. Main thread. Must outlive the session's jobs.
 class BodyCreation {
  public:
-  /// What has become of a request for several organs. The failed ones are missing, all others are there.
+  /// What has become of a request for several bodies. The failed ones are missing, all others are there.
   struct Result {
-    std::vector<segmentation::BodyRequest> made, left;  ///< left: not tried any more, because it was cancelled
-    std::vector<std::pair<std::string, Error>> failed;  ///< by name
-    std::vector<Coverage> coverage;                     ///< of those that live
+    std::vector<segmentation::BodyRequest> created, notTried;  ///< notTried: because it was cancelled before
+    std::vector<std::pair<std::string, Error>> failed;         ///< by name
+    std::vector<Coverage> coverage;                            ///< of those that were created
     bool isNew = false;  ///< in a simulation of their own, which is the present one now; else beside what was there
   };
   struct Events {
-    std::function<void(const Result &)> made;                                  ///< at least one lives
-    std::function<void(const std::string &title, const Error &error)> failed;  ///< none does
+    std::function<void(const Result &)> created;                               ///< at least one body
+    std::function<void(const std::string &title, const Error &error)> failed;  ///< no body
   };
   BodyCreation(Session &session, Events events) : session_(session), events_(std::move(events)) {}
 
-  /// In one background job, with progress, one after the other; a later request ends one that runs. The organs join the
+  /// In one background job, with progress, one after the other; a later request ends one that runs. The bodies join the
   /// present simulation; where there is none, one begins without gravity: the scan shows organs in balance with it. One
-  /// that fails does not keep the others from living. When it is cancelled, those that have joined the present
+  /// that fails does not keep the others from being created. When it is cancelled, those that have joined the present
   /// simulation stay, and a new one is given up.
-  void makeOrgans(std::vector<segmentation::BodyRequest> requests);
+  void createBodies(std::vector<segmentation::BodyRequest> requests);
 
  private:
-  [[nodiscard]] Expected<void> makeAll(c3de_object *simulator, bool isNew, Result &result, const ProgressFn &progress);
+  [[nodiscard]] Expected<void> createAll(c3de_object *simulator, bool isNew, Result &result,
+                                         const ProgressFn &progress);
 
   Session &session_;
   Events events_;
@@ -43,10 +44,10 @@ class BodyCreation {
   std::uint64_t serial_ = 0;
 };
 
-/// "liver, spleen and stomach"; of more than four: how many.
-[[nodiscard]] std::string namesOf(const std::vector<segmentation::BodyRequest> &organs);
-/// The world of organs alone.
-[[nodiscard]] scene::SceneFile sceneWithoutOrgans();
+/// "liver, spleen and stomach"; of more than four the first three: "liver, spleen, stomach and 2 more".
+[[nodiscard]] std::string namesOf(const std::vector<segmentation::BodyRequest> &requests);
+/// The world that bodies from a scan begin in: without gravity, damped, no body yet.
+[[nodiscard]] scene::SceneFile sceneWithoutBodies();
 /// The request as a scene of one body. @param preset  null: the values of the simulator
 [[nodiscard]] scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask mask,
                                        const scene::MaterialPreset *preset);

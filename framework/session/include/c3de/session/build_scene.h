@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "c3de/session/organ.h"
+#include "c3de/session/body_sources.h"
 #include "c3de/session/session.h"
 
 namespace c3de::session {
@@ -10,11 +10,10 @@ namespace c3de::session {
 /// with its label maps, then fills the simulator (Session::populate). Errors begin with the place in the scene.
 /// @param sources  keeps the images that were read
 [[nodiscard]] Expected<void> buildScene(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
-                                        OrganSources &sources, const ProgressFn &progress,
-                                        Prepared *prepared = nullptr);
+                                        BodySources &sources, const ProgressFn &progress, Prepared *prepared = nullptr);
 
 /// The part of it that needs no simulator. Any thread.
-[[nodiscard]] Expected<void> readSceneImage(const scene::SceneFile &scene, OrganSources &sources,
+[[nodiscard]] Expected<void> readSceneImage(const scene::SceneFile &scene, BodySources &sources,
                                             const ProgressFn &progress);
 
 }  // namespace c3de::session

@@ -23,7 +23,7 @@ struct Coverage {
 /// @param specks  of `asked` that were left out before
 [[nodiscard]] Coverage coverageOf(const imaging::Mask &asked, const geometry::TriangleMesh &skin, std::size_t specks);
 
-/// "12.3 ml (4.5 %) of what was picked for 'aorta' is not in the body: …", with what would help; empty where nothing is
+/// "12.3 ml (4.5 %) of what was asked for as 'aorta' is in no body; …", with what would help; empty where nothing is
 /// missing that a person would want to know: less than a thousandth.
 [[nodiscard]] std::string sentenceOf(const Coverage &coverage);
 

@@ -18,7 +18,7 @@ class ThreadPool;
 
 namespace c3de::session {
 
-class OrganSources;
+class BodySources;
 
 /// What of the deformed scan is written; empty paths: not wanted. NRRD, NIfTI or MetaImage, by extension.
 struct ImageExport {
@@ -37,7 +37,7 @@ struct ImageWarp {
 };
 /// That of a scene, whose image and labels are read if they are not yet. Errors: those of reading and of stillRuleOf(),
 /// with the line of [image].
-[[nodiscard]] Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, OrganSources &sources,
+[[nodiscard]] Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, BodySources &sources,
                                               const scene::MaterialLibrary &materials);
 
 /// Before the simulation begins: that there is an image whose grid they take, and that the files can be written.

@@ -32,7 +32,7 @@ namespace c3de::session {
 /// Owner of the program's own background jobs; a session cancels and waits for them before the plugins go.
 inline constexpr const char *kJobOwner = "c3de";
 
-class OrganSources;
+class BodySources;
 
 struct SessionOptions {
   bool usePlugins = true;
@@ -85,7 +85,7 @@ class Session {
   /// @param sources   null, or where the images of bodies are read and kept for others
   [[nodiscard]] Expected<void> populate(c3de_object *simulator, const scene::SceneFile &scene,
                                         const ProgressFn &progress, Prepared *prepared = nullptr,
-                                        OrganSources *sources = nullptr);
+                                        BodySources *sources = nullptr);
 
   /// Adds the bodies of a scene, with their fixes and loads, to a simulator that goes on with the rest as it is; its
   /// initial state is then the one that has them. Errors and `prepared` as of populate(). Any thread.

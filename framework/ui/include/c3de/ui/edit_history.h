@@ -17,13 +17,14 @@ class ParameterRegistry;
 
 namespace c3de::ui {
 
-/// Undo and Redo of the window: of parameters, of the steps that pick an organ, or of the steps of plugins, whichever a
-/// person has edited last; when that one has nothing to offer, the one before it. While a step of the organ is computed
-/// nothing is. What an organ was picked by is not undone here once it lives: it would be laid over it. Main thread.
+/// Undo and Redo of the window: of parameters, of the steps of a segmentation, or of the steps of plugins, whichever a
+/// person has edited last; when that one has nothing to offer, the one before it. While a step of the segmentation is
+/// computed nothing is. What a body was picked by is not undone here once it has been created: it would be laid over
+/// it. Main thread.
 class EditHistory {
  public:
   /// Once per frame; null: there is none. They must outlive the calls below.
-  void follow(registry::ParameterRegistry *parameters, segmentation::SegmentationWorkflow *organ,
+  void follow(registry::ParameterRegistry *parameters, segmentation::SegmentationWorkflow *workflow,
               registry::EditList *steps = nullptr);
   /// Of what would be undone or redone; empty: nothing.
   [[nodiscard]] std::string undoLabel() const { return label(source(true), true); }
@@ -32,7 +33,7 @@ class EditHistory {
   void redo() { carryOut(false); }
 
  private:
-  enum class Source { parameters, organ, steps };
+  enum class Source { parameters, segmentation, steps };
   static constexpr std::size_t kSources = 3;
   [[nodiscard]] std::uint64_t editsOf(Source source) const;
   [[nodiscard]] std::string label(Source source, bool isUndo) const;
@@ -42,9 +43,9 @@ class EditHistory {
   void carryOut(bool isUndo);
 
   registry::ParameterRegistry *parameters_ = nullptr;
-  segmentation::SegmentationWorkflow *organ_ = nullptr;
+  segmentation::SegmentationWorkflow *workflow_ = nullptr;
   registry::EditList *steps_ = nullptr;
-  std::array<Source, kSources> latestFirst_{Source::parameters, Source::organ, Source::steps};
+  std::array<Source, kSources> latestFirst_{Source::parameters, Source::segmentation, Source::steps};
   std::array<std::uint64_t, kSources> edits_{};  ///< that have been seen, by Source
 };
 

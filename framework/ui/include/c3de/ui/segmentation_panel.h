@@ -7,8 +7,8 @@
 
 namespace c3de::ui {
 
-/// The panel of the path from an image to a living organ, in numbered steps. It stands in the registry while it lives.
-/// Main thread.
+/// The panel of the path from an image to a body of the simulation, in numbered steps. It stands in the registry while
+/// it lives. Main thread.
 class SegmentationPanel {
  public:
   SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views, segmentation::SegmentationWorkflow &guide);

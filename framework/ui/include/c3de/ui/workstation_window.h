@@ -77,9 +77,9 @@ struct WindowServices {
   registry::ParameterRegistry *parameters = nullptr;
   scene::SceneGraph *scene = nullptr;
   BackgroundJobs *jobs = nullptr;
-  ImageViews *images = nullptr;                         ///< while it has an image, slices stand beside the 3D view
-  segmentation::SegmentationWorkflow *organ = nullptr;  ///< its steps are undone while they are what was edited last
-  registry::EditList *edits = nullptr;                  ///< of plugins, likewise
+  ImageViews *images = nullptr;                            ///< while it has an image, slices stand beside the 3D view
+  segmentation::SegmentationWorkflow *workflow = nullptr;  ///< its steps are undone while they are what was edited last
+  registry::EditList *edits = nullptr;                     ///< of plugins, likewise
 };
 
 /// For Help > About.

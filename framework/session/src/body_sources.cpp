@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "c3de/session/organ.h"
+#include "c3de/session/body_sources.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,8 +62,8 @@ Expected<FoundLabel> labelOf(const scene::SceneVolume &volume, const std::vector
 
 }  // namespace
 
-Expected<std::shared_ptr<const OrganSources::Layers>> OrganSources::labels(const std::filesystem::path &file,
-                                                                           const imaging::ReadOptions &options) {
+Expected<std::shared_ptr<const BodySources::Layers>> BodySources::labels(const std::filesystem::path &file,
+                                                                         const imaging::ReadOptions &options) {
   auto &stored = labels_[{file, options.series, options.time}];
   if (stored) return stored;
   auto loaded = imaging::readLabelMap(file, options);
@@ -74,8 +74,8 @@ Expected<std::shared_ptr<const OrganSources::Layers>> OrganSources::labels(const
   return stored = std::move(layers);
 }
 
-Expected<std::shared_ptr<const imaging::Volume>> OrganSources::volume(const std::filesystem::path &file,
-                                                                      const imaging::ReadOptions &options) {
+Expected<std::shared_ptr<const imaging::Volume>> BodySources::volume(const std::filesystem::path &file,
+                                                                     const imaging::ReadOptions &options) {
   auto &stored = volumes_[{file, options.series, options.time}];
   if (stored) return stored;
   auto loaded = imaging::readVolume(file, options);
@@ -84,8 +84,8 @@ Expected<std::shared_ptr<const imaging::Volume>> OrganSources::volume(const std:
   return stored = std::make_shared<const imaging::Volume>(std::move(loaded->volume));
 }
 
-Expected<PickedVoxels> OrganSources::pick(const scene::SceneVolume &volume, const ProgressFn &progress,
-                                          Preparation &took) {
+Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const ProgressFn &progress,
+                                         Preparation &took) {
   imaging::ReadOptions options;
   options.progress = progress;
   options.series = volume.series;
@@ -129,35 +129,36 @@ Expected<PickedVoxels> OrganSources::pick(const scene::SceneVolume &volume, cons
   return PickedVoxels{std::move(*mask), colour};
 }
 
-std::vector<std::string> OrganSources::takeNotices() { return std::exchange(notices_, {}); }
+std::vector<std::string> BodySources::takeNotices() { return std::exchange(notices_, {}); }
 
-Expected<Organ> organOf(const imaging::Mask &asked, double edge_mm, double phyxels, const ProgressFn &progress) {
-  Organ organ;
+Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm, double phyxels,
+                                      const ProgressFn &progress) {
+  BodyGeometry built;
   auto cleaned = [&] {
-    const TimeSpent masking(organ.took.masks_s);
+    const TimeSpent masking(built.took.masks_s);
     return imaging::withoutSpecks(asked, progress);
   }();
   if (!cleaned) return tl::unexpected(cleaned.error());
   const imaging::Mask &mask = cleaned->mask;
-  organ.volume_mm3 = imaging::volumeOf(mask);
+  built.volume_mm3 = imaging::volumeOf(mask);
   imaging::SurfaceSettings settings;
   settings.edgeLength = edge_mm;
   {
-    const TimeSpent surfacing(organ.took.surfaces_s);
+    const TimeSpent surfacing(built.took.surfaces_s);
     auto surface = imaging::surfaceOf(mask, settings, progress);
     if (!surface) return tl::unexpected(surface.error());
     auto skin = geometry::buildMesh(std::move(*surface), geometry::LengthUnit::millimetre);
     if (!skin) return tl::unexpected(skin.error());
-    organ.skin = std::move(*skin);
-    organ.coverage = coverageOf(asked, organ.skin.mesh, cleaned->specks);
+    built.skin = std::move(*skin);
+    built.coverage = coverageOf(asked, built.skin.mesh, cleaned->specks);
   }
   {
-    const TimeSpent filling(organ.took.fills_s);
-    auto fill = imaging::fillOf(mask, std::cbrt(organ.volume_mm3 / std::max(phyxels, 1.0)) / kVoxelsPerSpacing);
+    const TimeSpent filling(built.took.fills_s);
+    auto fill = imaging::fillOf(mask, std::cbrt(built.volume_mm3 / std::max(phyxels, 1.0)) / kVoxelsPerSpacing);
     if (!fill) return tl::unexpected(fill.error());
-    organ.fill = std::move(*fill);
+    built.fill = std::move(*fill);
   }
-  return organ;
+  return built;
 }
 
 tl::unexpected<Error> failInScene(const Error &error, const scene::SceneFile &scene, int line) {

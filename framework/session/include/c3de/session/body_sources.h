@@ -23,11 +23,11 @@
 
 namespace c3de::session {
 
-/// A part of an image as a simulator takes it: a skin and what it fills.
-struct Organ {
+/// The shape of a body as a simulator takes it: its skin, and what of an image it fills.
+struct BodyGeometry {
   geometry::LoadedMesh skin;
-  imaging::Fill fill;
-  double volume_mm3 = 0.0;                     ///< voxel count times voxel volume
+  imaging::Fill fill;                          ///< of a mesh: empty
+  double volume_mm3 = 0.0;                     ///< voxel count times voxel volume; of a mesh: 0
   Coverage coverage;                           ///< of the mask; of a mesh: nothing
   std::optional<std::array<float, 3>> colour;  ///< linear RGB of its label; none: it is of no label
   Preparation took;                            ///< what was done for it
@@ -39,8 +39,8 @@ struct PickedVoxels {
   std::optional<std::array<float, 3>> colour;  ///< linear RGB of its label; none: it is of no label
 };
 
-/// Files of images, read once for all bodies of a scene. One thread at a time.
-class OrganSources {
+/// Images and label maps that the bodies of a scene come from, each file read once. One thread at a time.
+class BodySources {
  public:
   /// What the scene asks for. Errors say which file, which label and which labels there are.
   /// @param took  reading and masks are added
@@ -64,11 +64,11 @@ class OrganSources {
   std::vector<std::string> notices_;
 };
 
-/// Without the specks of the mask.
+/// Of a mask, without its specks. Errors are those of surface and fill.
 /// @param edge_mm   of the triangles of the skin; 0: automatic
 /// @param phyxels   about how many there will be, at least: voxels are averaged to a sixteenth of their distance
-[[nodiscard]] Expected<Organ> organOf(const imaging::Mask &mask, double edge_mm, double phyxels,
-                                      const ProgressFn &progress);
+[[nodiscard]] Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &mask, double edge_mm, double phyxels,
+                                                    const ProgressFn &progress);
 
 /// What goes wrong with a file or a value that a scene names, with the place in the scene; a value that cannot be used
 /// is input then, not usage.

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "c3de/abi/draft/iface/point_sets.h"
+#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/core/parameter.h"
+#include "c3de/core/vec.h"
+
+namespace c3de::session::test {
+
+/// Numbers of points, one row after the other, by C3DE_FIELD_*. A field that is missing is refused.
+using Fields = std::map<std::uint32_t, std::vector<double>>;
+
+/// A body that the stand-in says it has, in metres.
+struct StandInBody {
+  std::string name = "body";
+  double spacing_m = 0.01;
+  std::uint64_t surfels = 0, phyxels = 0;
+  Fields skin, points;
+  std::vector<Triangle> triangles;
+};
+/// A closed cube of eight surfels that has moved. @param edge_m, low_m  in the reference
+StandInBody cubeBody(double edge_m, const Vec3 &low_m, const Vec3 &moved_m);
+
+/// What add_body() was handed.
+struct AddedBody {
+  std::string name;
+  std::map<std::string, double> params;
+  std::uint64_t fixes = 0;
+  bool hasFill = false, hasColour = false;
+  std::uint64_t mesh = 0;
+};
+
+/// A simulator without physics: says what it is told to say, keeps what it is handed, fails where it is asked to.
+class StandInSimulator {
+ public:
+  StandInSimulator();
+  StandInSimulator(const StandInSimulator &) = delete;
+  StandInSimulator &operator=(const StandInSimulator &) = delete;
+
+  [[nodiscard]] c3de_object *object() { return &shared_.object; }
+  [[nodiscard]] const c3de_simulator_v0 *table();
+  [[nodiscard]] int references() const { return references_; }
+
+  // What it says:
+  std::vector<StandInBody> bodies;
+  std::uint32_t revision = 4, tableSize = sizeof(c3de_simulator_v0), setRevision = 2;
+  bool answersInterface = true, setsAnswer = true;
+  std::map<std::string, c3de_status> failing;  ///< by the name of the function
+  /// Numbers from -1 to 1e9; gravity, min and max: vectors from -10 to 10; enabled, rigid: switches.
+  std::vector<std::string> worldIds, bodyIds;
+  std::string report = R"({"bodies": [], "probes": []})";
+  Vec3 displacement_m{};
+  double gap_m = 0.0;
+  double dt_s = 0.1;
+  bool standsStill = false;          ///< a step changes nothing
+  std::uint64_t finishesAtStep = 0;  ///< a solution without time; 0: not one
+  std::uint32_t stopped = 0;         ///< bodies
+  std::uint32_t triangleComponents = 3;
+  std::size_t cancelsFrom = 0;  ///< add_body() is cancelled from this body on; 0: never
+  // What it was handed:
+  std::vector<ParameterValue> world;
+  std::vector<AddedBody> added;
+  std::vector<std::string> obstacles;
+  std::vector<double> rims_m;  ///< of the calls of displacement()
+  std::vector<c3de_sim_grid> grids;
+  std::vector<std::uint32_t> interrupts;
+  std::atomic<std::size_t> interruptCalls{0};
+  std::atomic<std::uint64_t> steps{0};
+  std::atomic<int> openSets{0};  ///< that have not been given back
+  std::atomic<std::uint64_t> attached{0};
+
+ private:
+  struct Shared {
+    c3de_object object;
+    StandInSimulator *owner;
+  };
+  static StandInSimulator &of(c3de_object *self) { return *reinterpret_cast<Shared *>(self)->owner; }
+  static c3de_object_vt makeVt();
+  static c3de_simulator_v0 makeTable();
+  [[nodiscard]] c3de_status answer(const char *function) const;
+  c3de_status openSet(const char *function, c3de_handle body, bool isSkin, c3de_object **out);
+  void declare();
+
+  c3de_object_vt vt_ = makeVt();
+  c3de_simulator_v0 table_ = makeTable();
+  Shared shared_{};
+  std::vector<c3de_param_decl> worldDecls_, bodyDecls_;
+  std::atomic<int> references_{1};
+};
+
+}  // namespace c3de::session::test
