@@ -38,13 +38,13 @@ bool message(const FrameContext &frame, const registry::Notification &n, const s
   ImGui::BeginGroup();
   ImGui::Indent(frame.theme.px(10.0f));
   ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0, 0, 0, 0));
-  const float buttonSize = ImGui::GetFrameHeight(), width = ImGui::GetContentRegionAvail().x;
-  const std::string title = elided(n.title, width - buttonSize - frame.theme.px(4.0f));
+  const float buttonSize = ImGui::GetFrameHeight();
   ImGui::PushFont(frame.theme.bold);
   ImGui::AlignTextToFramePadding();
-  ImGui::TextColored(severityTint(n.severity), "%s", title.c_str());
+  ImGui::PushTextWrapPos(ImGui::GetWindowContentRegionMax().x - buttonSize - frame.theme.px(4.0f));
+  ImGui::TextColored(severityTint(n.severity), "%s", n.title.c_str());
+  ImGui::PopTextWrapPos();
   ImGui::PopFont();
-  itemTooltip(frame, title == n.title ? std::string() : n.title);
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - buttonSize);
   const bool isClosed = iconButton("close", Icon::close, buttonSize, colour::kDim, true);
   markItem(frame, "notification", "close." + index);
