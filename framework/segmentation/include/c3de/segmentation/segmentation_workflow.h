@@ -33,7 +33,7 @@ struct SegmentationSettings {
   SamplingChoice sampling;
   Held held = Held::surroundings;
   double surroundings_Pa_m = kSurroundingsStiffness;
-  bool keepsLargest = false, fillsHoles = false;  ///< of each of several labels
+  imaging::Mending mend;  ///< of each of several labels
 };
 
 /// The path from an image to living organs: pick, material, sampling, go. One label or threshold gives a mask that can
@@ -110,7 +110,7 @@ class SegmentationWorkflow {
   /// Of one of several labels.
   [[nodiscard]] bool isRigid(std::uint16_t label) const;
   void setRigid(std::uint16_t label, bool isRigid) { labelRigid_[label] = isRigid; }
-  void setMending(bool keepsLargest, bool fillsHoles);
+  void setMending(const imaging::Mending &mend);
 
   /// Why it cannot be made alive yet, for a person; empty: it can.
   [[nodiscard]] std::string blockingReason() const;
