@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "c3de/geometry/mesh_io.h"
+#include "c3de/geometry/mesh_writer.h"
 #include "implicit_surface.h"
 
 namespace {
@@ -107,7 +108,7 @@ int main(int argc, char **argv) {
                 "A liver-shaped organ of our own: blended ellipsoids, polygonised at {} mm by tools/make_organ.cpp.",
                 spacing)
           : fmt::format("A rounded block, 160 x 60 x 120 mm, polygonised at {} mm by tools/make_organ.cpp.", spacing);
-  if (const auto saved = geometry::saveObj(argv[2], built->mesh, geometry::LengthUnit::millimetre, comment); !saved)
+  if (const auto saved = geometry::writeMesh(argv[2], built->mesh, {{}, comment}); !saved)
     return fail(saved.error().message);
   fmt::print("{}quality      {:.3f} (worst triangle, 1 is equilateral)\n", built->report.text(),
              tools::worstTriangleQuality(built->mesh));

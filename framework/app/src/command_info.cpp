@@ -1,26 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "command_info.h"
-
-#include <cmath>
+// `c3de info`
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 
-#include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
-#include "c3de/imaging/reading.h"
-#include "c3de/session/build_scene.h"
 #include "c3de/session/file_kind.h"
-#include "c3de/session/progress_line.h"
-#include "c3de/session/simulator_access.h"
+#include "command_line.h"
+#include "commands.h"
 #include "exit_code.h"
 #include "info_image.h"
+#include "info_scene.h"
 #include "standard_output.h"
 
 namespace c3de::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+struct InfoArguments {
+  std::string series;         ///< of a folder of images with several; empty: the only one, or a list of them
+  std::size_t time = 0;       ///< of images of several time points
+  bool patientNames = false;  ///< whether the names of patients are shown
+  bool isQuick = false;       ///< bodies of scenes are not built: what only that can tell is not checked
+};
 
 Expected<Described> describeMesh(const std::filesystem::path &file, const std::string &unitText) {
   std::optional<geometry::LengthUnit> unit;
@@ -46,291 +49,82 @@ Expected<Described> describeMesh(const std::filesystem::path &file, const std::s
   return out;
 }
 
-/// Infinity has no number in JSON.
-Json jsonNumber(double x) { return std::isfinite(x) ? Json(x) : Json(formatNumber(x)); }
-
-void describeValues(const std::vector<scene::SceneValue> &values, std::ostringstream &text, Json &json) {
-  for (const scene::SceneValue &value : values) {
-    text << "  " << value.value.id << " = " << value.value.display() << "\n";
-    switch (value.value.type) {
-      case C3DE_PARAM_BOOL: json[value.value.id] = value.value.num != 0.0; break;
-      case C3DE_PARAM_I64:
-      case C3DE_PARAM_F64: json[value.value.id] = jsonNumber(value.value.num); break;
-      case C3DE_PARAM_VEC3: json[value.value.id] = value.value.vec; break;
-      default: json[value.value.id] = value.value.text;
-    }
-  }
+bool isScene(const std::filesystem::path &file) {
+  std::error_code code;
+  return std::filesystem::exists(file, code) && kindOf(file) == FileKind::scene;
 }
 
-Json jsonOf(const scene::SceneRegion &region) {
-  switch (region.kind) {
-    case scene::SceneRegion::Kind::box: return {{"box", {{"min", region.a}, {"max", region.b}}}};
-    case scene::SceneRegion::Kind::sphere: return {{"sphere", {{"centre", region.a}, {"radius", region.radius}}}};
-    case scene::SceneRegion::Kind::halfSpace: return {{"half_space", {{"point", region.a}, {"normal", region.b}}}};
-    case scene::SceneRegion::Kind::everywhere: break;
-  }
-  return {{"everywhere", true}};
-}
-
-Json jsonOf(const scene::SceneMotion &motion) {
-  Json json{{"displacement", motion.displacement_m}, {"rotation_deg", motion.rotation_deg}, {"ramp", motion.ramp_s}};
-  if (motion.centre_m) json["centre"] = *motion.centre_m;
-  return json;
-}
-
-/// Materials of regions and finer sampling of a body.
-void describeRegions(const scene::SceneBody &body, std::ostringstream &text, Json &json) {
-  for (const scene::ScenePart &part : body.parts) {
-    text << "  part " << json["parts"].size() << " in " << jsonOf(part.region).dump() << "\n";
-    Json params = Json::object();
-    describeValues(part.params, text, params);
-    json["parts"].push_back(Json{{"region", jsonOf(part.region)}, {"params", std::move(params)}});
-  }
-  for (const scene::SceneRefinement &refinement : body.refinements) {
-    text << "  spacing " << formatNumber(refinement.spacing_m) << " m in " << jsonOf(refinement.region).dump() << "\n";
-    json["refinements"].push_back(Json{{"region", jsonOf(refinement.region)}, {"spacing_m", refinement.spacing_m}});
-  }
-}
-
-/// What holds and loads the bodies.
-void describeSupports(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
-  const auto title = [&](const char *what, std::size_t number, const std::string &name, const std::string &body) {
-    text << what << " " << number << (name.empty() ? "" : " \"" + name + "\"") << " of body \"" << body << "\"\n";
-  };
-  json["fixes"] = Json::array();
-  for (const scene::SceneFix &fix : scene.fixes) {
-    title("fix", json["fixes"].size(), fix.name, fix.body);
-    Json one{{"name", fix.name}, {"body", fix.body}, {"region", jsonOf(fix.region)}, {"motion", jsonOf(fix.motion)}};
-    text << "  region " << one["region"].dump() << "\n";
-    if (fix.motion.displacement_m != Vec3{} || fix.motion.rotation_deg != Vec3{})
-      text << "  motion " << one["motion"].dump() << "\n";
-    json["fixes"].push_back(std::move(one));
-  }
-  json["loads"] = Json::array();
-  for (const scene::SceneLoad &load : scene.loads) {
-    title("load", json["loads"].size(), load.name, load.body);
-    Json one{{"name", load.name}, {"body", load.body}, {"region", jsonOf(load.region)}};
-    if (load.force_N) one["force_N"] = *load.force_N;
-    if (load.pressure_Pa) {
-      one["pressure_Pa"] = *load.pressure_Pa;
-      one["follower"] = load.follower;
-    }
-    one["ramp"] = load.ramp_s;
-    text << "  region " << one["region"].dump() << "\n";
-    if (load.force_N) text << "  force " << one["force_N"].dump() << " N\n";
-    if (load.pressure_Pa) text << "  pressure " << one["pressure_Pa"].dump() << " Pa\n";
-    json["loads"].push_back(std::move(one));
-  }
-}
-
-/// Says what the mesh of a body or obstacle is; the error names the line of the scene.
-Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::filesystem::path &mesh,
-                            geometry::LengthUnit unit, bool mustBeFillable, std::ostringstream &text) {
-  const auto loaded = geometry::loadMesh(mesh, unit);
-  if (!loaded) return failInScene(loaded.error(), scene, line);
-  const geometry::MeshReport &report = loaded->report;
-  if (mustBeFillable)
-    if (const auto fillable = geometry::checkFillable(loaded->mesh, report); !fillable)
-      return failInScene(fillable.error(), scene, line);
-  text << "  mesh " << mesh.string() << " (" << geometry::unitName(unit) << "): " << report.vertices << " vertices, "
-       << report.triangles << " triangles, " << (report.closed ? "closed" : "open") << "\n";
-  for (const std::string &repair : report.repairs) text << "  repaired: " << repair << "\n";
-  for (const std::string &warning : report.warnings) text << "  warning: " << warning << "\n";
-  Json json = Json::parse(report.json(), nullptr, false);
-  if (!json.is_object()) json = Json::object();
-  json["file"] = mesh.string();
-  return json;
-}
-
-Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, BodySources &sources,
-                            std::ostringstream &text) {
-  Preparation took;
-  const auto picked = sources.pick(body.volume, {}, took);
-  if (!picked) return failInScene(picked.error(), scene, body.line);
-  const std::size_t voxels = imaging::voxelCount(picked->mask);
-  const double millilitres = imaging::volumeOf(picked->mask) / 1000.0;
-  text << "  volume " << body.volume.file.string() << ": " << voxels << " voxels, " << millilitres << " ml\n";
-  return Json{{"file", body.volume.file.string()}, {"voxels", voxels}, {"volume_ml", millilitres}};
-}
-
-/// What the simulator has made of a body; nothing where it does not say.
-void describeBuilt(c3de_object *simulator, std::size_t index, std::ostringstream &text, Json &json) {
-  const auto table = simulatorTable(simulator);
-  c3de_handle body{};
-  c3de_sim_body_info info{};
-  info.size = sizeof info;
-  if (!table || (*table)->body_at(simulator, index, &body) < 0 || (*table)->body_info(simulator, body, &info) < 0)
-    return;
-  json["phyxels"] = info.phyxels;
-  json["spacing_m"] = info.spacing_m;
-  json["mass_kg"] = info.mass_kg;
-  text << "  " << info.phyxels << " phyxels, spacing " << info.spacing_m << " m, " << info.mass_kg << " kg\n";
-}
-
-/// The check that `run` makes, as far as it can be made; how far, for people and as "checked_by_simulator", "built".
-/// @returns  the simulator with its bodies, empty where they were not built
-Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene, bool isQuick, BodySources &sources,
-                                 std::string &howFar, Json &json) {
-  auto created = session.createSimulator();
-  ObjectRef simulator(created ? *created : nullptr);
-  json["checked_by_simulator"] = created.has_value();
-  json["built"] = created && !isQuick;
-  if (created && !isQuick) {
-    ProgressLine progress(false);
-    const auto built =
-        buildScene(session, simulator.get(), scene, sources, [&](double fraction, const std::string &what) {
-          progress.update(fraction, what);
-          return true;
-        });
-    progress.finish();
-    if (!built) return tl::unexpected(built.error());
-    howFar = "checked as for a run: every key is known to the simulator, and its bodies were built\n";
-    return simulator;
-  }
-  if (auto read = readSceneImage(scene, sources, {}); !read) return tl::unexpected(read.error());
-  const std::string unbuilt = "sampling, and whether fixes, loads and probes meet their bodies, ";
-  if (!created) {
-    howFar = "not checked: keys and values of materials, sampling, solver and world; " + unbuilt + "because " +
-             created.error().message + "\n";
-    return ObjectRef();
-  }
-  if (auto good = session.checkValues(simulator.get(), scene); !good) return tl::unexpected(good.error());
-  howFar =
-      "every key is known to the simulator; not checked: " + unbuilt + "because bodies are not built with --quick\n";
-  return ObjectRef();
-}
-
-/// Says what the image beside the simulation is, and whether its labels can be read.
-Expected<Json> describeSceneImage(const scene::SceneFile &scene, std::ostringstream &text) {
-  const scene::SceneImage &image = *scene.image;
-  const auto named = [&](const Error &error) { return failInScene(error, scene, image.line); };
+/// @param session  null where the file is no scene
+Expected<Described> describe(const std::filesystem::path &file, const InfoArguments &arguments, const CommandLine &line,
+                             Session *session) {
+  std::error_code code;
+  if (!std::filesystem::exists(file, code)) return fail(ErrorCode::input, file.string() + ": no such file");
   imaging::ReadOptions options;
-  options.time = image.time;
-  options.series = image.series;
-  const auto described = describeVolume(image.file, options);
-  if (!described) return named(described.error());
-  text << "image " << image.file.string() << "\n";
-  std::istringstream lines(described->text);
-  for (std::string line; std::getline(lines, line);) text << "  " << line << "\n";
-  Json json = described->json;
-  json["labels"] = Json::array();
-  for (const std::filesystem::path &labels : image.labels) {
-    if (const auto loaded = imaging::readLabelMap(labels); !loaded) return named(loaded.error());
-    text << "  labels " << labels.string() << "\n";
-    json["labels"].push_back(labels.string());
+  options.series = arguments.series;
+  options.time = arguments.time;
+  switch (kindOf(file)) {
+    case FileKind::image: return describeImage(file, options, arguments.patientNames);
+    case FileKind::scene: return describeScene(*session, file, arguments.isQuick);
+    case FileKind::mesh: return describeMesh(file, line.unit);
+    case FileKind::unknown: break;
   }
-  return json;
+  return tl::unexpected(unknownKind(file));
 }
 
-Expected<Described> describeScene(Session &session, const std::filesystem::path &file, bool isQuick) {
-  const auto scene = scene::loadScene(file, &session.materials());
-  if (!scene) return tl::unexpected(scene.error());
-  Described out;
-  BodySources sources;
-  std::string howFar;
-  const auto built = checkLikeRun(session, *scene, isQuick, sources, howFar, out.json);
-  if (!built) return tl::unexpected(built.error());
-  std::ostringstream text;
-  text << "scene \"" << scene->title << "\"\n";
-  out.json["file"] = file.string();
-  out.json["kind"] = "scene";
-  out.json["title"] = scene->title;
-  out.json["world"] = Json::object();
-  describeValues(scene->world, text, out.json["world"]);
-  if (scene->image) {
-    auto image = describeSceneImage(*scene, text);
-    if (!image) return tl::unexpected(image.error());
-    out.json["image"] = std::move(*image);
-  }
-  out.json["bodies"] = Json::array();
-  for (const scene::SceneBody &body : scene->bodies) {
-    text << "body \"" << body.name << "\"\n";
-    const auto source = body.mesh.empty() ? describeMask(*scene, body, sources, text)
-                                          : describePart(*scene, body.line, body.mesh, body.meshUnit, true, text);
-    if (!source) return tl::unexpected(source.error());
-    Json json{{"name", body.name}, {body.mesh.empty() ? "volume" : "mesh", *source}, {"params", Json::object()}};
-    if (built->get() != nullptr) describeBuilt(built->get(), out.json["bodies"].size(), text, json);
-    describeValues(body.params, text, json["params"]);
-    describeRegions(body, text, json);
-    if (body.velocity_m_s != Vec3{}) json["velocity"] = body.velocity_m_s;
-    if (body.angularVelocity_rad_s != Vec3{}) json["angular_velocity"] = body.angularVelocity_rad_s;
-    out.json["bodies"].push_back(std::move(json));
-  }
-  describeSupports(*scene, text, out.json);
-  out.json["obstacles"] = Json::array();
-  for (const scene::SceneObstacle &obstacle : scene->obstacles) {
-    text << "obstacle \"" << obstacle.name << "\"\n";
-    const auto mesh = describePart(*scene, obstacle.line, obstacle.mesh, obstacle.meshUnit, false, text);
-    if (!mesh) return tl::unexpected(mesh.error());
-    Json json{{"name", obstacle.name}, {"mesh", *mesh}, {"params", Json::object()}};
-    describeValues(obstacle.params, text, json["params"]);
-    if (obstacle.motion) {
-      json["motion"] = jsonOf(*obstacle.motion);
-      text << "  motion " << json["motion"].dump() << "\n";
-    }
-    out.json["obstacles"].push_back(std::move(json));
-  }
-  out.json["probes"] = Json::array();
-  for (const scene::SceneProbe &probe : scene->probes) {
-    text << "probe \"" << probe.name << "\" of body \"" << probe.body << "\"\n";
-    out.json["probes"].push_back(Json{{"name", probe.name}, {"body", probe.body}, {"at_m", probe.at_m}});
-  }
-
-  if (scene->bodies.size() > 1) {
-    const char *note = "bodies do not touch each other yet: what meets another body passes through it";
-    text << "note: " << note << "\n";
-    out.json["notes"].push_back(note);
-  }
-  text << howFar;
-  out.text = text.str();
-  return out;
-}
-
-}  // namespace
-
-int showInfo(const InfoOptions &options) {
+/// What each file contains and what is wrong with it; goes on after a file that is refused.
+int showInfo(const InfoArguments &arguments, const CommandLine &line) {
   std::unique_ptr<Session> session;
   ExitCode exitCode = kDone;
   Json list = Json::array();
-  imaging::ReadOptions readOptions;
-  readOptions.series = options.series;
-  readOptions.time = options.time;
-  for (const std::filesystem::path &file : options.files) {
-    Expected<Described> described;
-    std::error_code code;
-    if (!std::filesystem::exists(file, code)) {
-      described = fail(ErrorCode::input, file.string() + ": no such file");
-    } else if (const FileKind kind = kindOf(file); kind == FileKind::image) {
-      described = describeImage(file, readOptions, options.patientNames);
-    } else if (kind == FileKind::scene) {
-      // Plugins are loaded for the first scene only: a mesh needs none.
-      if (!session) {
-        auto made = Session::create(options.session);
-        if (!made) return reportError(made.error());
-        session = std::move(*made);
-      }
-      described = describeScene(*session, file, options.isQuick);
-    } else if (kind == FileKind::mesh) {
-      described = describeMesh(file, options.meshUnit);
-    } else {
-      described = tl::unexpected(unknownKind(file));
+  for (const std::string &file : line.files) {
+    // Plugins are loaded for the first scene only: the others need none.
+    if (!session && isScene(file)) {
+      auto made = Session::create(line.sessionOptions());
+      if (!made) return reportError(made.error());
+      session = std::move(*made);
     }
+    auto described = describe(file, arguments, line, session.get());
     if (!described) {
       const ExitCode failed = reportError(described.error());
       if (exitCode == kDone) exitCode = failed;
-      list.push_back(Json{{"file", file.string()}, {"error", described.error().message}});
+      list.push_back(Json{{"file", file}, {"error", described.error().message}});
       continue;
     }
     list.push_back(std::move(described->json));
-    if (options.json) continue;
+    if (line.json) continue;
     const std::string &text = described->text;
-    printOut(file.string() + "\n" + text + (text.empty() || text.back() == '\n' ? "" : "\n"));
+    printOut(file + "\n" + text + (text.empty() || text.back() == '\n' ? "" : "\n"));
   }
-  if (options.json) {
-    const Json &out = options.files.size() == 1 ? list.front() : list;
+  if (line.json) {
+    const Json &out = list.size() == 1 ? list.front() : list;
     printOut(out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   }
   return exitCode;
 }
+
+Handler declare(CLI::App &app, CommandLine &line) {
+  const auto arguments = std::make_shared<InfoArguments>();
+  app.add_option("FILE", line.files,
+                 "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files and scenes")
+      ->required();
+  app.add_option("--series", arguments->series,
+                 "The series of a folder that holds several: its identifier, number or description, a part behind a #")
+      ->type_name("ID");
+  app.add_option("--time", arguments->time, "The time point of an image that holds several, from 0")
+      ->check(CLI::Range(0LL, 1000000LL))
+      ->type_name("N");
+  app.add_flag("--patient-names", arguments->patientNames, "Show the names of patients, which are left out otherwise");
+  app.add_flag("--quick", arguments->isQuick,
+               "Do not build the bodies of scenes; what only that can tell is not checked");
+  app.add_flag("--json", line.json, "One object for one file, a list for several");
+  addUnit(app, line);
+  addSessionOptions(app, line);
+  return [arguments, &line] { return showInfo(*arguments, line); };
+}
+
+}  // namespace
+
+const Command kInfoCommand{"info", "What a mesh, image, folder of images or scene contains, and what is wrong with it",
+                           declare};
 
 }  // namespace c3de::app

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "command_plugins.h"
-
-#include <array>
+// `c3de plugins`
 #include <nlohmann/json.hpp>
 
-#include "c3de/abi/draft/all.h"
 #include "c3de/core/log.h"
 #include "c3de/session/file_kind.h"
+#include "command_line.h"
+#include "commands.h"
 #include "exit_code.h"
 #include "standard_output.h"
 
@@ -14,12 +13,6 @@ namespace c3de::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::array kServices{C3DE_COLLISION_ID, C3DE_HISTORY_ID,    C3DE_IMAGING_ID, C3DE_JOBS_ID,     C3DE_LOG_ID,
-                               C3DE_MESH_ID,      C3DE_PANELS_ID,     C3DE_PARAMS_ID,  C3DE_REGISTRY_ID, C3DE_RENDER_ID,
-                               C3DE_SCENE_ID,     C3DE_SIMULATION_ID, C3DE_TIME_ID,    C3DE_TOOLS_ID};
-
-std::string dump(const Json &json) { return json.dump(2, ' ', false, Json::error_handler_t::replace); }
 
 Json describe(const plugin_host::PluginInfo &plugin) {
   const bool loaded = plugin.state == plugin_host::PluginState::loaded;
@@ -34,8 +27,8 @@ Json describe(const plugin_host::PluginInfo &plugin) {
   return json;
 }
 
-}  // namespace
-
+/// What was found, loaded, refused and why. A plugin that was named with --plugin and refused counts as an error, one
+/// that lies in a folder does not.
 int listPlugins(const SessionOptions &options, bool json) {
   // The named ones are loaded here, one by one: a refusal is what this command is to show, not what ends it.
   SessionOptions withoutNamed = options;
@@ -71,7 +64,7 @@ int listPlugins(const SessionOptions &options, bool json) {
                                     {"doc", one.doc},
                                     {"plugin", one.plugin},
                                     {"interfaces", one.interfaces}});
-    printOut(dump(out) + "\n");
+    printOut(out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     return exitCode;
   }
   std::string text;
@@ -91,17 +84,14 @@ int listPlugins(const SessionOptions &options, bool json) {
   return exitCode;
 }
 
-void printVersion(bool json) {
-  if (!json) {
-    printOut("c3de " C3DE_VERSION ", plugin ABI " + std::to_string(C3DE_ABI_MAJOR) + "." +
-             std::to_string(C3DE_ABI_MINOR) + "\n");
-    return;
-  }
-  const Json out{{"product", "c3de"},
-                 {"version", C3DE_VERSION},
-                 {"abi", {{"major", C3DE_ABI_MAJOR}, {"minor", C3DE_ABI_MINOR}}},
-                 {"services", kServices}};
-  printOut(dump(out) + "\n");
+Handler declare(CLI::App &app, CommandLine &line) {
+  app.add_flag("--json", line.json, "As JSON");
+  addSessionOptions(app, line);
+  return [&line] { return listPlugins(line.sessionOptions(), line.json); };
 }
+
+}  // namespace
+
+const Command kPluginsCommand{"plugins", "What was found, loaded, refused and why", declare};
 
 }  // namespace c3de::app

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <unordered_map>
 
 #include "mesh_edges.h"
@@ -182,53 +183,67 @@ void removeDegenerateTriangles(TriangleMesh &mesh, std::vector<std::string> &rep
         fmt::format("{} without area {} dropped", counted(flat, "triangle", "triangles"), wasOrWere(flat)));
 }
 
-void removeDuplicateTriangles(TriangleMesh &mesh, std::vector<std::string> &repairs) {
-  struct Entry {
-    Triangle sorted;
-    unsigned triangle;
-    bool even;
-  };
-  std::vector<Entry> entries(mesh.triangles.size());
+/// A triangle among those with the same corners.
+struct Copy {
+  Triangle sorted;
+  unsigned triangle;
+  bool even;  ///< runs as the sorted corners do
+};
+
+/// By how many more of them run one way.
+int netOf(std::span<const Copy> group) {
+  int net = 0;
+  for (const Copy &copy : group) net += copy.even ? 1 : -1;
+  return net;
+}
+
+/// All triangles, those with the same corners beside each other.
+std::vector<Copy> sortedCopies(const TriangleMesh &mesh) {
+  std::vector<Copy> copies(mesh.triangles.size());
   for (unsigned t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle &c = mesh.triangles[t];
     Triangle s = c;
     std::sort(s.begin(), s.end());
     const bool even =
         (c[0] == s[0] && c[1] == s[1]) || (c[1] == s[0] && c[2] == s[1]) || (c[2] == s[0] && c[0] == s[1]);
-    entries[t] = {s, t, even};
+    copies[t] = {s, t, even};
   }
-  std::sort(entries.begin(), entries.end(), [](const Entry &a, const Entry &b) {
+  std::sort(copies.begin(), copies.end(), [](const Copy &a, const Copy &b) {
     return a.sorted != b.sorted ? a.sorted < b.sorted : a.triangle < b.triangle;
   });
+  return copies;
+}
 
-  std::vector<std::vector<const Entry *>> groups;
-  std::size_t cancelling = 0;
-  for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
-    std::vector<const Entry *> group;
-    int net = 0;
-    for (; end < entries.size() && entries[end].sorted == entries[begin].sorted; ++end) {
-      group.push_back(&entries[end]);
-      net += entries[end].even ? 1 : -1;
-    }
-    if (group.size() < 2) continue;
-    if (net == 0) cancelling += group.size();
-    groups.push_back(std::move(group));
+/// Those with the same corners, where there are several.
+std::vector<std::span<const Copy>> groupsOf(std::span<const Copy> copies) {
+  std::vector<std::span<const Copy>> groups;
+  for (std::size_t begin = 0, end = 0; begin < copies.size(); begin = end) {
+    while (end < copies.size() && copies[end].sorted == copies[begin].sorted) ++end;
+    if (end - begin > 1) groups.push_back(copies.subspan(begin, end - begin));
   }
+  return groups;
+}
+
+void removeDuplicateTriangles(TriangleMesh &mesh, std::vector<std::string> &repairs) {
+  const std::vector<Copy> all = sortedCopies(mesh);
+  const std::vector<std::span<const Copy>> groups = groupsOf(all);
   if (groups.empty()) return;
+  std::size_t cancelling = 0;
+  for (const auto &group : groups)
+    if (netOf(group) == 0) cancelling += group.size();
 
   const bool twoSided = 2 * cancelling > mesh.triangles.size();
   std::vector<char> drop(mesh.triangles.size(), 0);
   std::size_t copies = 0, opposite = 0;
   for (const auto &group : groups) {
-    int net = 0;
-    for (const Entry *e : group) net += e->even ? 1 : -1;
-    const Entry *keep = nullptr;
+    const int net = netOf(group);
+    const Copy *keep = nullptr;
     if (net != 0 || twoSided)
-      for (const Entry *e : group)
-        if (!keep && (net == 0 || e->even == (net > 0))) keep = e;
-    for (const Entry *e : group)
-      if (e != keep) {
-        drop[e->triangle] = 1;
+      for (const Copy &copy : group)
+        if (!keep && (net == 0 || copy.even == (net > 0))) keep = &copy;
+    for (const Copy &copy : group)
+      if (&copy != keep) {
+        drop[copy.triangle] = 1;
         ++(keep ? copies : opposite);
       }
   }

@@ -33,13 +33,11 @@ Probes probeInside(const TriangleMesh &mesh, const Box &box) {
   return probes;
 }
 
-}  // namespace
+tl::unexpected<Error> refuse(const std::string &why) {
+  return fail(ErrorCode::input, "the mesh cannot be filled: " + why);
+}
 
-Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report) {
-  constexpr double kMaxUndecidedShare = 0.2;
-  const auto refuse = [](std::string why) {
-    return fail(ErrorCode::input, "the mesh cannot be filled: " + std::move(why));
-  };
+Expected<void> checkNumbers(const TriangleMesh &mesh) {
   if (mesh.triangles.size() < 4)
     return refuse(fmt::format("it has {} triangles; a closed surface has at least 4", mesh.triangles.size()));
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -49,7 +47,10 @@ Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report)
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     for (double x : mesh.vertices[v])
       if (!std::isfinite(x)) return refuse(fmt::format("coordinate {} of vertex {} is not finite", x, v));
+  return {};
+}
 
+Expected<void> checkSize(const MeshReport &report) {
   const Vec3 size = report.box.max - report.box.min;
   const double diagonal = norm(size);
   if (diagonal > kMaxDiagonal_mm)
@@ -62,7 +63,32 @@ Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report)
         "its volume is {:.3g} mm³ at a size of {:.3g} x {:.3g} x {:.3g} mm: it is flat or encloses nothing; "
         "a surface around a volume is expected",
         report.volume_mm3, size[0], size[1], size[2]));
+  return {};
+}
 
+/// Where edges do not match up, only trying tells whether there is an inside.
+Expected<void> checkInside(const TriangleMesh &mesh, const Box &box) {
+  constexpr double kMaxUndecidedShare = 0.2;
+  const Probes probes = probeInside(mesh, box);
+  if (probes.inside == 0)
+    return refuse(
+        "no point of a 16 x 16 x 16 grid over its box lies inside (winding number above 0.5); is it inside out or "
+        "open?");
+  if (static_cast<double>(probes.undecided) > kMaxUndecidedShare * static_cast<double>(probes.inside))
+    return refuse(
+        fmt::format("inside and outside cannot be told apart: of a 16 x 16 x 16 grid over its box {} points lie "
+                    "inside, and {} are undecided "
+                    "(winding number 0.25 to 0.75); up to {:.0f} % are accepted. Its triangles face inconsistent ways "
+                    "or leave gaps",
+                    probes.inside, probes.undecided, 100.0 * kMaxUndecidedShare));
+  return {};
+}
+
+}  // namespace
+
+Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report) {
+  if (auto good = checkNumbers(mesh); !good) return good;
+  if (auto good = checkSize(report); !good) return good;
   const std::vector<TriangleSide> sides = sortedSides(mesh.triangles);
   bool balanced = true;
   forEachEdge(sides, [&](std::span<const TriangleSide> edge) { balanced = balanced && isBalanced(edge); });
@@ -77,26 +103,10 @@ Expected<void> checkFillable(const TriangleMesh &mesh, const MeshReport &report)
         report.boundaryEdges, 100.0 * share, 100.0 * kMaxHoleShare, h.centre[0], h.centre[1], h.centre[2],
         h.perimeter_mm));
   }
-  if (balanced) {
-    if (report.volume_mm3 < 0.0)
-      return refuse(
-          fmt::format("it is inside out (volume {:.4g} mm³); turn its triangles, as loading it from a file does",
-                      report.volume_mm3));
-    return {};
-  }
-  // Where edges do not match up, only trying tells whether there is an inside.
-  const Probes probes = probeInside(mesh, report.box);
-  if (probes.inside == 0)
-    return refuse(
-        "no point of a 16 x 16 x 16 grid over its box lies inside (winding number above 0.5); is it inside out or "
-        "open?");
-  if (static_cast<double>(probes.undecided) > kMaxUndecidedShare * static_cast<double>(probes.inside))
-    return refuse(
-        fmt::format("inside and outside cannot be told apart: of a 16 x 16 x 16 grid over its box {} points lie "
-                    "inside, and {} are undecided "
-                    "(winding number 0.25 to 0.75); up to {:.0f} % are accepted. Its triangles face inconsistent ways "
-                    "or leave gaps",
-                    probes.inside, probes.undecided, 100.0 * kMaxUndecidedShare));
+  if (!balanced) return checkInside(mesh, report.box);
+  if (report.volume_mm3 < 0.0)
+    return refuse(fmt::format(
+        "it is inside out (volume {:.4g} mm³); turn its triangles, as loading it from a file does", report.volume_mm3));
   return {};
 }
 

@@ -14,7 +14,7 @@ inline constexpr std::string_view kFrameText = "SPACE=LPS UNITS=mm";
 
 /// What comments in the head of a mesh file say about its numbers.
 struct FrameComment {
-  std::optional<LengthUnit> unit;  ///< "UNITS=mm", or "unit: mm" as saveObj() writes it
+  std::optional<LengthUnit> unit;  ///< "UNITS=mm", or "unit: mm"
   bool isRas = false;              ///< "SPACE=RAS": x to the right, y to the front; else LPS is taken
 };
 

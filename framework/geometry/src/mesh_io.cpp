@@ -7,8 +7,6 @@
 #include <array>
 #include <cmath>
 
-#include "c3de/core/output_file.h"
-#include "c3de/core/text.h"
 #include "clean_up.h"
 #include "file_text.h"
 #include "frame_comment.h"
@@ -126,18 +124,6 @@ Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<L
 
 Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit) {
   return cleanUp(std::move(raw), unit, {}, "mesh", {});
-}
-
-Expected<void> saveObj(const std::filesystem::path &path, const TriangleMesh &mesh, LengthUnit unit,
-                       std::string_view comment) {
-  std::string text = comment.empty() ? std::string() : fmt::format("# {}\n", comment);
-  text += fmt::format("# unit: {}\n", unitName(unit));
-  const double perUnit = millimetresPer(unit);
-  for (const Vec3 &v : mesh.vertices)
-    text += fmt::format("v {} {} {}\n", formatNumber(v[0] / perUnit), formatNumber(v[1] / perUnit),
-                        formatNumber(v[2] / perUnit));
-  for (const Triangle &t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-  return writeWholeFile(path, text);
 }
 
 }  // namespace c3de::geometry

@@ -70,6 +70,34 @@ void warnAboutEdges(const TriangleMesh &mesh, const std::vector<TriangleSide> &s
                                    report.misorientedEdges == 1 ? " has" : "s have"));
 }
 
+void judgeEdges(const TriangleMesh &mesh, std::span<const TriangleSide> sides, MeshReport &report) {
+  forEachEdge(sides, [&](std::span<const TriangleSide> edge) {
+    if (edge.size() == 1)
+      ++report.boundaryEdges;
+    else if (edge.size() > 2)
+      ++report.nonManifoldEdges;
+    else if (edge[0].forward == edge[1].forward)
+      ++report.misorientedEdges;
+  });
+  report.closed = report.boundaryEdges == 0 && !mesh.triangles.empty();
+  report.manifold = report.nonManifoldEdges == 0;
+  report.oriented = report.misorientedEdges == 0;
+}
+
+std::size_t countComponents(const TriangleMesh &mesh) {
+  DisjointSets sets(mesh.vertices.size());
+  std::vector<char> used(mesh.vertices.size(), 0);
+  for (const Triangle &t : mesh.triangles) {
+    sets.join(t[0], t[1]);
+    sets.join(t[0], t[2]);
+    for (unsigned v : t) used[v] = 1;
+  }
+  // The root of a group is one of its members, so a group with a triangle has a used root.
+  std::size_t count = 0;
+  for (unsigned v = 0; v < used.size(); ++v) count += used[v] && sets.find(v) == v;
+  return count;
+}
+
 }  // namespace
 
 MeshReport inspect(const TriangleMesh &original, LengthUnit unit) {
@@ -98,30 +126,11 @@ MeshReport inspect(const TriangleMesh &original, LengthUnit unit) {
   for (const Triangle &t : mesh.triangles) report.degenerateTriangles += isDegenerate(mesh, t, diagonal);
 
   const std::vector<TriangleSide> sides = sortedSides(mesh.triangles);
-  forEachEdge(sides, [&](std::span<const TriangleSide> edge) {
-    if (edge.size() == 1)
-      ++report.boundaryEdges;
-    else if (edge.size() > 2)
-      ++report.nonManifoldEdges;
-    else if (edge[0].forward == edge[1].forward)
-      ++report.misorientedEdges;
-  });
-  report.closed = report.boundaryEdges == 0 && !mesh.triangles.empty();
-  report.manifold = report.nonManifoldEdges == 0;
-  report.oriented = report.misorientedEdges == 0;
+  judgeEdges(mesh, sides, report);
   report.insideOut =
       report.closed && report.oriented && report.volume_mm3 < 0.0 && !isFlat(report.volume_mm3, diagonal);
 
-  DisjointSets sets(mesh.vertices.size());
-  std::vector<char> used(mesh.vertices.size(), 0);
-  for (const Triangle &t : mesh.triangles) {
-    sets.join(t[0], t[1]);
-    sets.join(t[0], t[2]);
-    for (unsigned v : t) used[v] = 1;
-  }
-  // The root of a group is one of its members, so a group with a triangle has a used root.
-  for (unsigned v = 0; v < used.size(); ++v) report.components += used[v] && sets.find(v) == v;
-
+  report.components = countComponents(mesh);
   if (mesh.triangles.empty()) {
     report.warnings.push_back("The mesh has no triangles.");
     return report;

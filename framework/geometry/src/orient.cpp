@@ -18,65 +18,91 @@ double triangleArea(const TriangleMesh &mesh, const Triangle &t) {
   return 0.5 * norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
 }
 
-/// Walks over edges with two triangles; where a patch can be made to face one way, turns its smaller part.
-void makeConsistent(TriangleMesh &mesh, std::vector<std::string> &repairs) {
-  const std::vector<TriangleSide> sides = sortedSides(mesh.triangles);
+/// Triangles that share an edge with no third one, in CSR; left out where all face the same way.
+struct Neighbours {
+  struct Other {
+    unsigned triangle;
+    bool agrees;  ///< faces the same way
+  };
+  std::vector<std::size_t> begin;
+  std::vector<Other> others;
+  bool allAgree = true;
+
+  [[nodiscard]] std::span<const Other> of(unsigned t) const {
+    return std::span(others).subspan(begin[t], begin[t + 1] - begin[t]);
+  }
+};
+
+Neighbours neighboursOf(const TriangleMesh &mesh) {
   struct Link {
     unsigned a, b;
     bool agree;
   };
   std::vector<Link> links;
-  bool anyMisoriented = false;
-  forEachEdge(sides, [&](std::span<const TriangleSide> edge) {
+  Neighbours out;
+  forEachEdge(sortedSides(mesh.triangles), [&](std::span<const TriangleSide> edge) {
     if (edge.size() != 2 || edge[0].triangle == edge[1].triangle) return;
     const bool agree = edge[0].forward != edge[1].forward;
-    anyMisoriented |= !agree;
+    out.allAgree &= agree;
     links.push_back({edge[0].triangle, edge[1].triangle, agree});
   });
-  if (!anyMisoriented) return;
-
-  // Neighbours in CSR.
-  const std::size_t n = mesh.triangles.size();
-  std::vector<std::size_t> begin(n + 1, 0);
-  for (const Link &l : links) ++begin[l.a + 1], ++begin[l.b + 1];
-  for (std::size_t i = 0; i < n; ++i) begin[i + 1] += begin[i];
-  std::vector<std::pair<unsigned, bool>> neighbours(begin[n]);
-  std::vector<std::size_t> fill(begin.begin(), begin.end() - 1);
+  if (out.allAgree) return out;
+  out.begin.assign(mesh.triangles.size() + 1, 0);
+  for (const Link &l : links) ++out.begin[l.a + 1], ++out.begin[l.b + 1];
+  for (std::size_t i = 1; i < out.begin.size(); ++i) out.begin[i] += out.begin[i - 1];
+  out.others.resize(out.begin.back());
+  std::vector<std::size_t> fill(out.begin.begin(), out.begin.end() - 1);
   for (const Link &l : links) {
-    neighbours[fill[l.a]++] = {l.b, l.agree};
-    neighbours[fill[l.b]++] = {l.a, l.agree};
+    out.others[fill[l.a]++] = {l.b, l.agree};
+    out.others[fill[l.b]++] = {l.a, l.agree};
   }
+  return out;
+}
 
-  enum : signed char { kUnseen = 0, kKeep = 1, kTurn = -1 };
-  std::vector<signed char> side(n, kUnseen);
-  std::size_t turned = 0, oneSided = 0;
-  std::vector<unsigned> patch;
-  for (unsigned seed = 0; seed < n; ++seed) {
-    if (side[seed] != kUnseen) continue;
-    patch.assign(1, seed);
-    side[seed] = kKeep;
-    bool orientable = true;
-    double keepArea = 0.0, turnArea = 0.0;
-    for (std::size_t i = 0; i < patch.size(); ++i) {
-      const unsigned t = patch[i];
-      (side[t] == kKeep ? keepArea : turnArea) += triangleArea(mesh, mesh.triangles[t]);
-      for (std::size_t k = begin[t]; k < begin[t + 1]; ++k) {
-        const auto [other, agree] = neighbours[k];
-        const signed char expected = agree ? side[t] : static_cast<signed char>(-side[t]);
-        if (side[other] == kUnseen) {
-          side[other] = expected;
-          patch.push_back(other);
-        } else if (side[other] != expected) {
-          orientable = false;
-        }
+enum Side : signed char { kUnseen = 0, kKeep = 1, kTurn = -1 };
+
+/// What hangs together with a triangle, each with the side that it would have to face.
+struct Patch {
+  std::vector<unsigned> triangles;
+  bool isOrientable = true;
+  double keepArea = 0.0, turnArea = 0.0;
+};
+
+Patch walkPatch(const TriangleMesh &mesh, const Neighbours &neighbours, unsigned seed, std::vector<signed char> &side) {
+  Patch patch;
+  patch.triangles.assign(1, seed);
+  side[seed] = kKeep;
+  for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
+    const unsigned t = patch.triangles[i];
+    (side[t] == kKeep ? patch.keepArea : patch.turnArea) += triangleArea(mesh, mesh.triangles[t]);
+    for (const auto [other, agrees] : neighbours.of(t)) {
+      const signed char expected = agrees ? side[t] : static_cast<signed char>(-side[t]);
+      if (side[other] == kUnseen) {
+        side[other] = expected;
+        patch.triangles.push_back(other);
+      } else if (side[other] != expected) {
+        patch.isOrientable = false;
       }
     }
-    if (!orientable) {
+  }
+  return patch;
+}
+
+/// Walks over edges with two triangles; where a patch can be made to face one way, turns its smaller part.
+void makeConsistent(TriangleMesh &mesh, std::vector<std::string> &repairs) {
+  const Neighbours neighbours = neighboursOf(mesh);
+  if (neighbours.allAgree) return;
+  std::vector<signed char> side(mesh.triangles.size(), kUnseen);
+  std::size_t turned = 0, oneSided = 0;
+  for (unsigned seed = 0; seed < side.size(); ++seed) {
+    if (side[seed] != kUnseen) continue;
+    const Patch patch = walkPatch(mesh, neighbours, seed, side);
+    if (!patch.isOrientable) {
       ++oneSided;
       continue;
     }
-    const signed char toTurn = turnArea <= keepArea ? kTurn : kKeep;
-    for (unsigned t : patch)
+    const signed char toTurn = patch.turnArea <= patch.keepArea ? kTurn : kKeep;
+    for (const unsigned t : patch.triangles)
       if (side[t] == toTurn) {
         flip(mesh.triangles[t]);
         ++turned;

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <span>
+#include <vector>
 
 namespace c3de::geometry {
 namespace {
@@ -40,72 +43,97 @@ std::vector<Point2> project(std::span<const Vec3> vertices, std::span<const unsi
   return points;
 }
 
+/// Along the diagonal that leaves the better triangles.
+void splitQuad(std::span<const Point2> p, std::span<const unsigned> corners, std::vector<Triangle> &out) {
+  const double along02 = std::min(signedHeight(p[0], p[1], p[2]), signedHeight(p[0], p[2], p[3]));
+  const double along13 = std::min(signedHeight(p[1], p[2], p[3]), signedHeight(p[1], p[3], p[0]));
+  if (along02 >= along13) {
+    out.push_back({corners[0], corners[1], corners[2]});
+    out.push_back({corners[0], corners[2], corners[3]});
+  } else {
+    out.push_back({corners[1], corners[2], corners[3]});
+    out.push_back({corners[1], corners[3], corners[0]});
+  }
+}
+
+/// The corners of a polygon that are left while ears are cut off.
+class EarCutter {
+ public:
+  explicit EarCutter(std::span<const Point2> points) : p_(points), next_(points.size()), previous_(points.size()) {
+    const std::size_t n = p_.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      next_[i] = (i + 1) % n;
+      previous_[i] = (i + n - 1) % n;
+    }
+    for (std::size_t i = 0; i < n; ++i)
+      if (doubleArea(p_[previous_[i]], p_[i], p_[next_[i]]) < 0.0) reflex_.push_back(i);
+  }
+
+  [[nodiscard]] bool isConvex() const { return reflex_.empty(); }
+
+  void cutAll(std::span<const unsigned> corners, std::vector<Triangle> &out) {
+    const auto add = [&](std::size_t i) { out.push_back({corners[previous_[i]], corners[i], corners[next_[i]]}); };
+    std::size_t current = 0;
+    for (std::size_t left = p_.size(); left > 3; --left) {
+      const std::size_t ear = findEar(current, left);
+      add(ear);
+      next_[previous_[ear]] = next_[ear];
+      previous_[next_[ear]] = previous_[ear];
+      current = next_[next_[ear]];  // not the neighbour: a fan of slivers would result
+      next_[ear] = p_.size();       // marks it as cut off
+    }
+    add(current);
+  }
+
+ private:
+  /// The next one from `current` on; without any the best shaped corner.
+  [[nodiscard]] std::size_t findEar(std::size_t current, std::size_t left) const {
+    std::size_t ear = current, best = current;
+    double bestHeight = height(best);
+    for (std::size_t k = 0; k < left; ++k, ear = next_[ear]) {
+      if (isEar(ear)) return ear;
+      if (height(ear) > bestHeight) {
+        best = ear;
+        bestHeight = height(ear);
+      }
+    }
+    return best;  // crosses itself or has no area: any choice covers it
+  }
+
+  /// A convex corner whose triangle holds no reflex corner.
+  [[nodiscard]] bool isEar(std::size_t i) const {
+    const Point2 &a = p_[previous_[i]], &b = p_[i], &c = p_[next_[i]];
+    if (doubleArea(a, b, c) <= 0.0) return false;
+    for (std::size_t r : reflex_) {
+      if (r == i || r == previous_[i] || r == next_[i] || next_[r] == p_.size()) continue;
+      if (doubleArea(a, b, p_[r]) >= 0.0 && doubleArea(b, c, p_[r]) >= 0.0 && doubleArea(c, a, p_[r]) >= 0.0)
+        return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] double height(std::size_t i) const { return signedHeight(p_[previous_[i]], p_[i], p_[next_[i]]); }
+
+  std::span<const Point2> p_;
+  std::vector<std::size_t> next_, previous_, reflex_;
+};
+
 }  // namespace
 
 bool triangulatePolygon(std::span<const Vec3> vertices, std::span<const unsigned> corners, std::vector<Triangle> &out) {
   constexpr std::size_t kMaxConcaveCorners = 4096;
-  const std::size_t n = corners.size();
-  if (n == 3) {
+  if (corners.size() == 3) {
     out.push_back({corners[0], corners[1], corners[2]});
     return true;
   }
   const std::vector<Point2> p = project(vertices, corners);
-  if (n == 4) {
-    const double along02 = std::min(signedHeight(p[0], p[1], p[2]), signedHeight(p[0], p[2], p[3]));
-    const double along13 = std::min(signedHeight(p[1], p[2], p[3]), signedHeight(p[1], p[3], p[0]));
-    if (along02 >= along13) {
-      out.push_back({corners[0], corners[1], corners[2]});
-      out.push_back({corners[0], corners[2], corners[3]});
-    } else {
-      out.push_back({corners[1], corners[2], corners[3]});
-      out.push_back({corners[1], corners[3], corners[0]});
-    }
+  if (corners.size() == 4) {
+    splitQuad(p, corners, out);
     return true;
   }
-
-  std::vector<std::size_t> next(n), previous(n), reflex;
-  for (std::size_t i = 0; i < n; ++i) {
-    next[i] = (i + 1) % n;
-    previous[i] = (i + n - 1) % n;
-  }
-  for (std::size_t i = 0; i < n; ++i)
-    if (doubleArea(p[previous[i]], p[i], p[next[i]]) < 0.0) reflex.push_back(i);
-  if (!reflex.empty() && n > kMaxConcaveCorners) return false;
-
-  // An ear is a convex corner whose triangle holds no reflex corner.
-  const auto isEar = [&](std::size_t i) {
-    const Point2 &a = p[previous[i]], &b = p[i], &c = p[next[i]];
-    if (doubleArea(a, b, c) <= 0.0) return false;
-    for (std::size_t r : reflex) {
-      if (r == i || r == previous[i] || r == next[i] || next[r] == n) continue;
-      if (doubleArea(a, b, p[r]) >= 0.0 && doubleArea(b, c, p[r]) >= 0.0 && doubleArea(c, a, p[r]) >= 0.0) return false;
-    }
-    return true;
-  };
-  std::size_t current = 0;
-  for (std::size_t left = n; left > 3; --left) {
-    std::size_t ear = current, best = current;
-    double bestHeight = signedHeight(p[previous[best]], p[best], p[next[best]]);
-    bool found = false;
-    for (std::size_t k = 0; k < left; ++k, ear = next[ear]) {
-      if (isEar(ear)) {
-        found = true;
-        break;
-      }
-      const double height = signedHeight(p[previous[ear]], p[ear], p[next[ear]]);
-      if (height > bestHeight) {
-        best = ear;
-        bestHeight = height;
-      }
-    }
-    if (!found) ear = best;  // crosses itself or has no area: any choice covers it
-    out.push_back({corners[previous[ear]], corners[ear], corners[next[ear]]});
-    next[previous[ear]] = next[ear];
-    previous[next[ear]] = previous[ear];
-    current = next[next[ear]];  // not the neighbour: a fan of slivers would result
-    next[ear] = n;              // marks it as cut off
-  }
-  out.push_back({corners[previous[current]], corners[current], corners[next[current]]});
+  EarCutter cutter(p);
+  if (!cutter.isConvex() && corners.size() > kMaxConcaveCorners) return false;
+  cutter.cutAll(corners, out);
   return true;
 }
 

@@ -30,17 +30,12 @@ std::string withoutEntities(std::string_view text) {
 
 }  // namespace
 
-XmlScan::Tag XmlScan::next() {
-  Tag tag;
-  const auto broken = [&tag] {
-    tag.kind = Kind::broken;
-    return tag;
-  };
+bool XmlScan::toTag() {
   while (true) {
     const std::size_t begin = text_.find('<', at_);
     if (begin == std::string_view::npos) {
       at_ = text_.size();
-      return tag;
+      return true;
     }
     std::string_view terminator;
     if (text_.substr(begin).starts_with("<!--"))
@@ -50,22 +45,49 @@ XmlScan::Tag XmlScan::next() {
     else if (text_.substr(begin).starts_with("<!"))
       terminator = ">";
     if (terminator.empty()) {
-      at_ = begin + 1;
-      break;
+      at_ = begin;
+      return true;
     }
     const std::size_t end = text_.find(terminator, begin + 2);
-    if (end == std::string_view::npos) return broken();
+    if (end == std::string_view::npos) return false;
     at_ = end + terminator.size();
   }
-  const auto skipSpace = [this] {
-    while (at_ < text_.size() && isSpace(text_[at_])) ++at_;
+}
+
+void XmlScan::skipSpace() {
+  while (at_ < text_.size() && isSpace(text_[at_])) ++at_;
+}
+
+std::string XmlScan::word() {
+  const std::size_t begin = at_;
+  while (at_ < text_.size() && !isSpace(text_[at_]) && text_[at_] != '>' && text_[at_] != '/' && text_[at_] != '=')
+    ++at_;
+  return std::string(text_.substr(begin, at_ - begin));
+}
+
+bool XmlScan::attribute(Tag &tag) {
+  const std::string key = word();
+  skipSpace();
+  if (key.empty() || at_ >= text_.size() || text_[at_] != '=') return false;
+  ++at_;
+  skipSpace();
+  if (at_ >= text_.size() || (text_[at_] != '"' && text_[at_] != '\'')) return false;
+  const std::size_t end = text_.find(text_[at_], at_ + 1);
+  if (end == std::string_view::npos) return false;
+  tag.attributes[key] = withoutEntities(text_.substr(at_ + 1, end - at_ - 1));
+  at_ = end + 1;
+  return true;
+}
+
+XmlScan::Tag XmlScan::next() {
+  Tag tag;
+  const auto broken = [&tag] {
+    tag.kind = Kind::broken;
+    return tag;
   };
-  const auto word = [this] {
-    const std::size_t begin = at_;
-    while (at_ < text_.size() && !isSpace(text_[at_]) && text_[at_] != '>' && text_[at_] != '/' && text_[at_] != '=')
-      ++at_;
-    return std::string(text_.substr(begin, at_ - begin));
-  };
+  if (!toTag()) return broken();
+  if (at_ >= text_.size()) return tag;
+  ++at_;
   tag.kind = Kind::open;
   if (at_ < text_.size() && text_[at_] == '/') {
     tag.kind = Kind::close;
@@ -85,16 +107,7 @@ XmlScan::Tag XmlScan::next() {
       tag.kind = Kind::selfClosed;
       return tag;
     }
-    const std::string key = word();
-    skipSpace();
-    if (key.empty() || at_ >= text_.size() || text_[at_] != '=') return broken();
-    ++at_;
-    skipSpace();
-    if (at_ >= text_.size() || (text_[at_] != '"' && text_[at_] != '\'')) return broken();
-    const std::size_t end = text_.find(text_[at_], at_ + 1);
-    if (end == std::string_view::npos) return broken();
-    tag.attributes[key] = withoutEntities(text_.substr(at_ + 1, end - at_ - 1));
-    at_ = end + 1;
+    if (!attribute(tag)) return broken();
   }
 }
 

@@ -31,6 +31,12 @@ class XmlScan {
   [[nodiscard]] std::size_t position() const { return at_; }
 
  private:
+  /// To the next '<' of a tag, or the end. False: what is to be skipped does not end.
+  bool toTag();
+  void skipSpace();
+  std::string word();
+  bool attribute(Tag &tag);  ///< false: broken
+
   std::string_view text_;
   std::size_t at_ = 0;
 };

@@ -148,6 +148,32 @@ void placeByOffsets(const DicomSet &set, DicomFile &out) {
     out.frames[f].position = origin + (offsets[f] - offsets[0]) * normal;
 }
 
+/// The frames and where they lie; the refusal says why they are no volume. False: there is no number of frames.
+bool readFrames(const DicomSet &set, DicomFile &out) {
+  const std::string stated = set.text(0x00280008);
+  const double count = stated.empty() ? 1.0 : numberOr(numbersIn(stated), 0.0);
+  if (!(count >= 1.0 && count <= 1e5)) {
+    out.refusal = "its Number of Frames is '" + stated + "'";
+    out.frames.resize(1);
+    return false;
+  }
+  const auto shared = set.items(0x52009229), own = set.items(0x52009230);
+  for (std::size_t f = 0; f < static_cast<std::size_t>(count); ++f) {
+    out.frames.push_back(readFrame(
+        {f < own.size() ? &own[f] : nullptr, shared.empty() ? nullptr : &shared.front(), set}, set, out.modality, out));
+    out.frames.back().time = static_cast<double>(f);
+  }
+  if (!out.segmentation) placeByOffsets(set, out);
+  if (out.refusal.empty() && out.frames.size() > 1 && !out.frames.front().position) {
+    if (isFilmed(out.modality))
+      out.isFilm = true;
+    else
+      out.refusal =
+          "its " + std::to_string(out.frames.size()) + " frames have no place in the patient (a film, not a volume)";
+  }
+  return true;
+}
+
 std::optional<DicomFile> describe(const std::filesystem::path &path, const DicomSet &set) {
   DicomFile out;
   out.path = path;
@@ -185,28 +211,7 @@ std::optional<DicomFile> describe(const std::filesystem::path &path, const Dicom
     out.notices.push_back("The image is meant to be shown with small values bright (MONOCHROME1).");
   if (set.has(0x00283000))
     out.notices.push_back("The image has a table of values (Modality LUT), which is not applied.");
-
-  const std::string stated = set.text(0x00280008);
-  const double count = stated.empty() ? 1.0 : numberOr(numbersIn(stated), 0.0);
-  if (!(count >= 1.0 && count <= 1e5)) {
-    out.refusal = "its Number of Frames is '" + stated + "'";
-    out.frames.resize(1);
-    return out;
-  }
-  const auto shared = set.items(0x52009229), own = set.items(0x52009230);
-  for (std::size_t f = 0; f < static_cast<std::size_t>(count); ++f) {
-    out.frames.push_back(readFrame(
-        {f < own.size() ? &own[f] : nullptr, shared.empty() ? nullptr : &shared.front(), set}, set, out.modality, out));
-    out.frames.back().time = static_cast<double>(f);
-  }
-  if (!out.segmentation) placeByOffsets(set, out);
-  if (out.refusal.empty() && out.frames.size() > 1 && !out.frames.front().position) {
-    if (isFilmed(out.modality))
-      out.isFilm = true;
-    else
-      out.refusal =
-          "its " + std::to_string(out.frames.size()) + " frames have no place in the patient (a film, not a volume)";
-  }
+  if (!readFrames(set, out)) return out;
   std::sort(out.notices.begin(), out.notices.end());
   out.notices.erase(std::unique(out.notices.begin(), out.notices.end()), out.notices.end());
   return out;

@@ -70,6 +70,83 @@ void put(std::string &bytes, std::size_t at, double value) {
   std::memcpy(bytes.data() + at, &number, sizeof number);
 }
 
+/// The header of NIfTI-1, or of NIfTI-2 for more than 32767 voxels along an axis: the same fields at other places, some
+/// of them larger.
+class NiftiHeader {
+ public:
+  explicit NiftiHeader(const ImageToWrite &image)
+      : second_(std::max({image.geometry.size[0], image.geometry.size[1], image.geometry.size[2]}) > 32767),
+        bytes_(second_ ? 544 : 352, '\0') {  // the last four bytes say that no extension follows
+    put<std::int32_t>(bytes_, 0, second_ ? 540 : 348);
+    std::memcpy(bytes_.data() + (second_ ? 4 : 344), second_ ? "n+2\0\r\n\032\n" : "n+1\0", second_ ? 8 : 4);
+    writeVoxelType(image);
+    writePlace(image.geometry);
+  }
+
+  [[nodiscard]] const std::string &bytes() const { return bytes_; }
+
+ private:
+  void writeVoxelType(const ImageToWrite &image) {
+    const VolumeGeometry &g = image.geometry;
+    const bool vector = image.components > 1;
+    const double dims[8] = {vector ? 5.0 : 3.0,
+                            static_cast<double>(g.size[0]),
+                            static_cast<double>(g.size[1]),
+                            static_cast<double>(g.size[2]),
+                            1.0,
+                            static_cast<double>(image.components),
+                            1.0,
+                            1.0};
+    for (std::size_t d = 0; d < 8; ++d) whole(40 + 2 * d, 16 + 8 * d, dims[d]);
+    field<std::int16_t, std::int16_t>(70, 12, niftiType(image.scalar));
+    field<std::int16_t, std::int16_t>(72, 14, static_cast<double>(8 * bytesOf(image.scalar)));
+    code(68, 504, vector ? 1007.0 : image.labels ? 1002.0 : 0.0);
+    field<float, std::int64_t>(108, 168, static_cast<double>(bytes_.size()));
+    real(112, 176, image.slope);
+    real(116, 184, image.intercept);
+    field<std::int8_t, std::int32_t>(123, 500, 2);  // millimetres
+  }
+
+  void writePlace(const VolumeGeometry &g) {
+    std::array<Vec3, 4> c;
+    for (std::size_t a = 0; a < 4; ++a) {
+      const Vec3 lps = column(g, a);
+      c[a] = {-lps[0] + 0.0, -lps[1] + 0.0, lps[2]};
+    }
+    const Vec3 spacing = g.spacing();
+    real(76, 104, 1.0);
+    for (std::size_t a = 0; a < 3; ++a) real(80 + 4 * a, 112 + 8 * a, spacing[a]);
+    for (std::size_t row = 0; row < 3; ++row)
+      for (std::size_t a = 0; a < 4; ++a) real(280 + 16 * row + 4 * a, 400 + 32 * row + 8 * a, c[a][row]);
+    code(254, 348, 1.0);
+    if (!(g.shear() < 1e-5)) return;  // a qform can only turn
+    const auto q = quaternionOf((1.0 / spacing[0]) * c[0], (1.0 / spacing[1]) * c[1], (1.0 / spacing[2]) * c[2]);
+    real(76, 104, q[3]);
+    for (std::size_t a = 0; a < 3; ++a) real(256 + 4 * a, 352 + 8 * a, q[a]);
+    for (std::size_t a = 0; a < 3; ++a) real(268 + 4 * a, 376 + 8 * a, c[3][a]);
+    code(252, 344, 1.0);
+  }
+
+  /// At the offsets in NIfTI-1 and in NIfTI-2.
+  template <class First, class Second>
+  void field(std::size_t first, std::size_t second, double value) {
+    if (second_)
+      put<Second>(bytes_, second, value);
+    else
+      put<First>(bytes_, first, value);
+  }
+  void whole(std::size_t first, std::size_t second, double value) {
+    field<std::int16_t, std::int64_t>(first, second, value);
+  }
+  void real(std::size_t first, std::size_t second, double value) { field<float, double>(first, second, value); }
+  void code(std::size_t first, std::size_t second, double value) {
+    field<std::int16_t, std::int32_t>(first, second, value);
+  }
+
+  bool second_;
+  std::string bytes_;
+};
+
 }  // namespace
 
 Expected<std::string> nrrdFile(const ImageToWrite &image) {
@@ -108,75 +185,10 @@ Expected<std::string> metaFile(const ImageToWrite &image) {
 }
 
 Expected<std::string> niftiFile(const ImageToWrite &image) {
-  const VolumeGeometry &g = image.geometry;
-  const bool second = std::max({g.size[0], g.size[1], g.size[2]}) > 32767;
-  const std::size_t header = second ? 544 : 352;  // the last four bytes say that no extension follows
-  std::string bytes(header, '\0');
-  const auto whole = [&](std::size_t first, std::size_t secondAt, double value) {
-    if (second)
-      put<std::int64_t>(bytes, secondAt, value);
-    else
-      put<std::int16_t>(bytes, first, value);
-  };
-  const auto real = [&](std::size_t first, std::size_t secondAt, double value) {
-    if (second)
-      put<double>(bytes, secondAt, value);
-    else
-      put<float>(bytes, first, value);
-  };
-  const auto code = [&](std::size_t first, std::size_t secondAt, double value) {
-    if (second)
-      put<std::int32_t>(bytes, secondAt, value);
-    else
-      put<std::int16_t>(bytes, first, value);
-  };
-  put<std::int32_t>(bytes, 0, second ? 540 : 348);
-  std::memcpy(bytes.data() + (second ? 4 : 344), second ? "n+2\0\r\n\032\n" : "n+1\0", second ? 8 : 4);
-  const bool vector = image.components > 1;
-  const double dims[8] = {vector ? 5.0 : 3.0,
-                          static_cast<double>(g.size[0]),
-                          static_cast<double>(g.size[1]),
-                          static_cast<double>(g.size[2]),
-                          1.0,
-                          static_cast<double>(image.components),
-                          1.0,
-                          1.0};
-  for (std::size_t d = 0; d < 8; ++d) whole(40 + 2 * d, 16 + 8 * d, dims[d]);
-  put<std::int16_t>(bytes, second ? 12 : 70, niftiType(image.scalar));
-  put<std::int16_t>(bytes, second ? 14 : 72, static_cast<double>(8 * bytesOf(image.scalar)));
-  code(68, 504, vector ? 1007.0 : image.labels ? 1002.0 : 0.0);
-  if (second)
-    put<std::int64_t>(bytes, 168, 544);
-  else
-    put<float>(bytes, 108, 352);
-  real(112, 176, image.slope);
-  real(116, 184, image.intercept);
-  if (second)
-    put<std::int32_t>(bytes, 500, 2);
-  else
-    bytes[123] = 2;  // millimetres
-
-  std::array<Vec3, 4> c;
-  for (std::size_t a = 0; a < 4; ++a) {
-    const Vec3 lps = column(g, a);
-    c[a] = {-lps[0] + 0.0, -lps[1] + 0.0, lps[2]};
-  }
-  const Vec3 spacing = g.spacing();
-  real(76, 104, 1.0);
-  for (std::size_t a = 0; a < 3; ++a) real(80 + 4 * a, 112 + 8 * a, spacing[a]);
-  for (std::size_t row = 0; row < 3; ++row)
-    for (std::size_t a = 0; a < 4; ++a) real(280 + 16 * row + 4 * a, 400 + 32 * row + 8 * a, c[a][row]);
-  code(254, 348, 1.0);
-  if (g.shear() < 1e-5) {  // a qform can only turn
-    const auto q = quaternionOf((1.0 / spacing[0]) * c[0], (1.0 / spacing[1]) * c[1], (1.0 / spacing[2]) * c[2]);
-    real(76, 104, q[3]);
-    for (std::size_t a = 0; a < 3; ++a) real(256 + 4 * a, 352 + 8 * a, q[a]);
-    for (std::size_t a = 0; a < 3; ++a) real(268 + 4 * a, 376 + 8 * a, c[3][a]);
-    code(252, 344, 1.0);
-  }
-  if (!vector) return bytes + std::string(image.voxels);
+  std::string bytes = NiftiHeader(image).bytes();
+  if (image.components < 2) return bytes + std::string(image.voxels);
   // The components of a NIfTI vector lie one volume behind the other.
-  const std::size_t each = bytesOf(image.scalar), n = g.voxelCount();
+  const std::size_t header = bytes.size(), each = bytesOf(image.scalar), n = image.geometry.voxelCount();
   bytes.resize(header + image.voxels.size());
   for (std::size_t a = 0; a < image.components; ++a)
     for (std::size_t v = 0; v < n; ++v)

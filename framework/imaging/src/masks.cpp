@@ -56,6 +56,15 @@ std::size_t voxelCount(const Mask &mask) {
 
 double volumeOf(const Mask &mask) { return static_cast<double>(voxelCount(mask)) * mask.geometry.voxelVolume(); }
 
+Expected<Mask> mended(Mask mask, const Mending &how, const ProgressFn &progress) {
+  Expected<Mask> out = std::move(mask);
+  if (how.opening_mm > 0.0) out = opened(*out, how.opening_mm, progress);
+  if (out && how.closing_mm > 0.0) out = closed(*out, how.closing_mm, progress);
+  if (out && how.largest) out = largestComponent(*out, progress);
+  if (out && how.fillHoles) out = fillHoles(*out, progress);
+  return out;
+}
+
 Expected<LabelMap> resampled(const LabelMap &labels, const VolumeGeometry &grid, const ProgressFn &progress) {
   if (grid.voxelCount() == 0)
     return fail(ErrorCode::usage, fmt::format("a grid of {} x {} x {} voxels has none; each size has to be at least 1",

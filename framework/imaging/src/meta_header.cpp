@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <optional>
 
 #include "c3de/core/text.h"
 #include "image_header.h"
@@ -107,23 +108,20 @@ Expected<std::vector<std::string>> dataFiles(const std::filesystem::path &path, 
   return names;
 }
 
-}  // namespace
+/// The first of the numbers of a key; nothing where it is not there.
+std::optional<double> numberOf(const Keys &keys, const char *name) {
+  const auto all = numbersIn(valueOf(keys, {name}));
+  return all.empty() ? std::nullopt : std::optional(all.front());
+}
 
-Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
-  const auto parsed = parse(path);
-  if (!parsed) return tl::unexpected(parsed.error());
-  const Keys &keys = parsed->keys;
-  ImageHeader header;
-  header.path = path;
-  if (std::string unknown = unknownKeys(keys); !unknown.empty()) header.notices.push_back(std::move(unknown));
-  if (const std::string kind = valueOf(keys, {"ObjectType"}); !kind.empty() && kind != "Image")
-    return refuse(path, "holds a MetaIO object of type '" + kind + "'; images are read");
+/// Returns the number of dimensions, of which the fourth is time.
+Expected<std::size_t> readSize(ImageHeader &header, const Keys &keys) {
   const auto sizes = numbersIn(valueOf(keys, {"DimSize"}));
   const double stated =
       keys.contains("NDims") ? numbersIn(keys.at("NDims") + " 0").front() : static_cast<double>(sizes.size());
   if (!(stated >= 2 && stated <= 4) || sizes.size() < static_cast<std::size_t>(stated))
-    return refuse(path, "the header says NDims = " + formatNumber(stated) + " with " + std::to_string(sizes.size()) +
-                            " sizes; 2 to 4 dimensions are read");
+    return refuse(header.path, "the header says NDims = " + formatNumber(stated) + " with " +
+                                   std::to_string(sizes.size()) + " sizes; 2 to 4 dimensions are read");
   const auto n = static_cast<std::size_t>(stated);
   if (const auto set =
           setSize(header, {sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(n, 3))});
@@ -131,23 +129,31 @@ Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
     return tl::unexpected(set.error());
   if (n == 4) {
     if (!(sizes[3] >= 1.0 && sizes[3] < 1e6))
-      return refuse(path, "the header says " + formatNumber(sizes[3]) + " along axis 4");
+      return refuse(header.path, "the header says " + formatNumber(sizes[3]) + " along axis 4");
     header.volumes = static_cast<std::size_t>(sizes[3]);
   }
-  const auto scalar = scalarOf(path, valueOf(keys, {"ElementType"}));
+  return n;
+}
+
+Expected<void> readVoxelType(ImageHeader &header, const Keys &keys) {
+  const std::string type = valueOf(keys, {"ElementType"});
+  const auto scalar = scalarOf(header.path, type);
   if (!scalar) return tl::unexpected(scalar.error());
   header.scalar = *scalar;
-  if (const auto channels = numbersIn(valueOf(keys, {"ElementNumberOfChannels"}));
-      !channels.empty() && channels[0] != 1.0) {
-    if ((channels[0] != 3.0 && channels[0] != 4.0) || (header.scalar != Scalar::u8 && header.scalar != Scalar::u16))
-      return refuse(path, "holds " + formatNumber(channels[0]) + " numbers per voxel of type " +
-                              valueOf(keys, {"ElementType"}) +
-                              " (a vector image); images of one number per voxel, and of 3 or 4 colours as MET_UCHAR "
-                              "or MET_USHORT, are read");
-    header.channels = static_cast<std::size_t>(channels[0]);
+  if (const auto channels = numberOf(keys, "ElementNumberOfChannels"); channels && *channels != 1.0) {
+    if ((*channels != 3.0 && *channels != 4.0) || (header.scalar != Scalar::u8 && header.scalar != Scalar::u16))
+      return refuse(header.path,
+                    "holds " + formatNumber(*channels) + " numbers per voxel of type " + type +
+                        " (a vector image); images of one number per voxel, and of 3 or 4 colours as MET_UCHAR "
+                        "or MET_USHORT, are read");
+    header.channels = static_cast<std::size_t>(*channels);
   }
   header.bigEndian = isTrue(valueOf(keys, {"ElementByteOrderMSB", "BinaryDataByteOrderMSB"}));
+  return {};
+}
 
+/// Where the voxels lie in the world, with a notice for what the header does not say.
+Expected<void> place(ImageHeader &header, const Keys &keys, std::size_t n) {
   auto spacing = numbersIn(valueOf(keys, {"ElementSpacing", "ElementSize"}));
   if (spacing.size() < n) {
     header.notices.push_back("The header gives no spacing: 1 mm is taken.");
@@ -170,40 +176,62 @@ Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
     if (n == 2) return a < 2 ? spacing[a] * Vec3{matrix[2 * a], matrix[2 * a + 1], 0.0} : Vec3{0.0, 0.0, 1.0};
     return spacing[a] * Vec3{matrix[a * n], matrix[a * n + 1], matrix[a * n + 2]};
   };
-  if (const auto set =
-          setAffine(header, direction(0), direction(1), direction(2), {offset[0], offset[1], n == 2 ? 0.0 : offset[2]});
-      !set)
-    return tl::unexpected(set.error());
+  return setAffine(header, direction(0), direction(1), direction(2), {offset[0], offset[1], n == 2 ? 0.0 : offset[2]});
+}
 
-  if (const auto s = numbersIn(valueOf(keys, {"ElementToIntensityFunctionSlope"}));
-      !s.empty() && std::isfinite(s[0]) && s[0] != 0.0)
-    header.slope = s[0];
-  if (const auto s = numbersIn(valueOf(keys, {"ElementToIntensityFunctionOffset"})); !s.empty() && std::isfinite(s[0]))
-    header.intercept = s[0];
+void readIntensities(ImageHeader &header, const Keys &keys) {
+  if (const auto slope = numberOf(keys, "ElementToIntensityFunctionSlope");
+      slope && std::isfinite(*slope) && *slope != 0.0)
+    header.slope = *slope;
+  if (const auto intercept = numberOf(keys, "ElementToIntensityFunctionOffset"); intercept && std::isfinite(*intercept))
+    header.intercept = *intercept;
   if (valueOf(keys, {"Modality"}) == "MET_MOD_CT") header.unit = "HU", header.modality = "CT";
+}
 
-  const bool binary = !keys.contains("BinaryData") || isTrue(keys.at("BinaryData"));
-  header.encoding = !binary                                     ? ImageHeader::Encoding::text
-                    : isTrue(valueOf(keys, {"CompressedData"})) ? ImageHeader::Encoding::deflated
-                                                                : ImageHeader::Encoding::raw;
-  const auto files = dataFiles(path, *parsed);
+/// Which files hold the voxels, from which byte on, and how.
+Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
+  const bool binary = !parsed.keys.contains("BinaryData") || isTrue(parsed.keys.at("BinaryData"));
+  header.encoding = !binary                                            ? ImageHeader::Encoding::text
+                    : isTrue(valueOf(parsed.keys, {"CompressedData"})) ? ImageHeader::Encoding::deflated
+                                                                       : ImageHeader::Encoding::raw;
+  const auto files = dataFiles(header.path, parsed);
   if (!files) return tl::unexpected(files.error());
-  const auto headerSize = numbersIn(valueOf(keys, {"HeaderSize"}));
+  const double headerSize = numberOf(parsed.keys, "HeaderSize").value_or(0.0);
   for (const std::string &name : *files) {
     const bool local = name == "LOCAL" || name == "Local" || name == "local";
-    ImageHeader::Part part{local ? path : path.parent_path() / name, local ? parsed->dataOffset : 0};
-    if (!local && !headerSize.empty() && headerSize[0] != 0.0) {
+    ImageHeader::Part part{local ? header.path : header.path.parent_path() / name, local ? parsed.dataOffset : 0};
+    if (!local && headerSize != 0.0) {
       std::error_code code;
       const auto length = static_cast<double>(std::filesystem::file_size(part.path, code));
       const double bytes = bytesOfAll(header) / static_cast<double>(files->size());
-      const double at = headerSize[0] < 0.0 ? length - bytes : headerSize[0];  // -1: the voxels end the file
+      const double at = headerSize < 0.0 ? length - bytes : headerSize;  // -1: the voxels end the file
       if (code || !(at >= 0.0 && at <= length))
-        return refuse(part.path, "does not hold the voxels that " + path.filename().string() + " says");
+        return refuse(part.path, "does not hold the voxels that " + header.path.filename().string() + " says");
       part.offset = static_cast<std::uint64_t>(at);
     }
     header.parts.push_back(std::move(part));
   }
-  if (header.parts.empty()) return refuse(path, "names no file with voxels");
+  if (header.parts.empty()) return refuse(header.path, "names no file with voxels");
+  return {};
+}
+
+}  // namespace
+
+Expected<ImageHeader> readMetaHeader(const std::filesystem::path &path) {
+  const auto parsed = parse(path);
+  if (!parsed) return tl::unexpected(parsed.error());
+  const Keys &keys = parsed->keys;
+  ImageHeader header;
+  header.path = path;
+  if (std::string unknown = unknownKeys(keys); !unknown.empty()) header.notices.push_back(std::move(unknown));
+  if (const std::string kind = valueOf(keys, {"ObjectType"}); !kind.empty() && kind != "Image")
+    return refuse(path, "holds a MetaIO object of type '" + kind + "'; images are read");
+  const auto dimensions = readSize(header, keys);
+  if (!dimensions) return tl::unexpected(dimensions.error());
+  if (const auto good = readVoxelType(header, keys); !good) return tl::unexpected(good.error());
+  if (const auto good = place(header, keys, *dimensions); !good) return tl::unexpected(good.error());
+  readIntensities(header, keys);
+  if (const auto good = findData(header, *parsed); !good) return tl::unexpected(good.error());
   return header;
 }
 

@@ -17,6 +17,12 @@ struct Parsed {
   std::vector<std::string> list;  ///< file names after `data file: LIST`
   std::vector<std::string> notices;
   std::uint64_t dataOffset = 0;  ///< behind the empty line that ends the header; 0: none
+
+  /// Empty where it is not there.
+  [[nodiscard]] std::string field(const std::string &name) const {
+    const auto found = fields.find(name);
+    return found == fields.end() ? std::string() : found->second;
+  }
 };
 
 /// The fields of the format, version 5, as they are written here; and what else its readers take for them.
@@ -222,23 +228,19 @@ Expected<std::vector<std::size_t>> spatialAxes(ImageHeader &header, const std::v
 }
 
 Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vector<double> &sizes) {
-  const auto field = [&](const char *name) {
-    const auto found = parsed.fields.find(name);
-    return found == parsed.fields.end() ? std::string() : found->second;
-  };
-  const auto directions = vectorsIn(field("space directions"));
-  const auto axes = spatialAxes(header, sizes, directions, words(field("kinds")));
+  const auto directions = vectorsIn(parsed.field("space directions"));
+  const auto axes = spatialAxes(header, sizes, directions, words(parsed.field("kinds")));
   if (!axes) return tl::unexpected(axes.error());
   std::vector<double> inSpace;
   for (const std::size_t a : *axes) inSpace.push_back(sizes[a]);
   if (const auto set = setSize(header, inSpace); !set) return set;
-  const Vec3 sign = toLps(field("space"), header.notices);
-  std::string units = field("space units");
+  const Vec3 sign = toLps(parsed.field("space"), header.notices);
+  std::string units = parsed.field("space units");
   units.erase(std::remove(units.begin(), units.end(), '"'), units.end());
   const auto unit = words(units);
 
   std::array<Vec3, 3> column{};
-  const auto spacings = numbersIn(field("spacings"));
+  const auto spacings = numbersIn(parsed.field("spacings"));
   if (directions.empty())
     header.notices.push_back("The header does not say how the image lies in the patient: only its spacing is known.");
   for (std::size_t a = 0; a < 3; ++a) {
@@ -263,7 +265,7 @@ Expected<void> place(ImageHeader &header, const Parsed &parsed, const std::vecto
       column[a][a] = sign[a];
     }
   }
-  const auto origins = vectorsIn(field("space origin"));
+  const auto origins = vectorsIn(parsed.field("space origin"));
   Vec3 origin{};
   if (!directions.empty() && origins.empty())
     header.notices.push_back("The header does not say where the first voxel lies (space origin): 0, 0, 0 is taken.");
@@ -290,12 +292,8 @@ Expected<std::uint64_t> afterLines(const std::filesystem::path &path, std::uint6
   return offset;
 }
 
-Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
-  const auto field = [&](const char *name) {
-    const auto found = parsed.fields.find(name);
-    return found == parsed.fields.end() ? std::string() : found->second;
-  };
-  const std::string encoding = lowerCase(field("encoding"));
+Expected<void> readEncoding(ImageHeader &header, const Parsed &parsed) {
+  const std::string encoding = lowerCase(parsed.field("encoding"));
   using Encoding = ImageHeader::Encoding;
   if (encoding == "raw")
     header.encoding = Encoding::raw;
@@ -307,12 +305,16 @@ Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
     header.encoding = Encoding::hex;
   else
     return refuse(header.path, "its encoding '" + encoding + "' is not read; raw, gzip, text and hex are");
-  header.bigEndian = lowerCase(field("endian")) == "big";
+  header.bigEndian = lowerCase(parsed.field("endian")) == "big";
   if (header.encoding == Encoding::raw || header.encoding == Encoding::deflated)
-    if (bytesOf(header.scalar) > 1 && field("endian").empty())
+    if (bytesOf(header.scalar) > 1 && parsed.field("endian").empty())
       return refuse(header.path, "the header does not say the byte order (endian)");
+  return {};
+}
 
-  const std::string named = field("data file");
+/// The file itself, or what "data file" names: one, a list, or a numbered pattern `name%03d.raw first last step`.
+Expected<void> findParts(ImageHeader &header, const Parsed &parsed) {
+  const std::string named = parsed.field("data file");
   std::vector<std::string> names;
   if (named.starts_with("LIST")) {
     names = parsed.list;
@@ -330,9 +332,13 @@ Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
   }
   for (const std::string &name : names) header.parts.push_back({header.path.parent_path() / name, 0});
   if (header.parts.empty()) return refuse(header.path, "names no file with voxels");
+  return {};
+}
 
+/// "line skip" and "byte skip": where the voxels of each part begin.
+Expected<void> skip(ImageHeader &header, const Parsed &parsed) {
   const auto numberOf = [&](const char *name) {
-    const auto all = numbersIn(field(name));
+    const auto all = numbersIn(parsed.field(name));
     return all.empty() ? 0.0 : all[0];
   };
   const double lines = numberOf("line skip"), bytes = numberOf("byte skip");
@@ -344,7 +350,7 @@ Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
       if (!at) return tl::unexpected(at.error());
       part.offset = *at;
     }
-    if (header.encoding == Encoding::deflated) {
+    if (header.encoding == ImageHeader::Encoding::deflated) {
       if (bytes < 0.0) return refuse(header.path, "its byte skip of -1 does not go with compressed voxels");
       header.skip = static_cast<std::uint64_t>(bytes);
     } else if (bytes < 0.0) {  // -1: the voxels end the file
@@ -360,26 +366,28 @@ Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
   return {};
 }
 
+Expected<void> findData(ImageHeader &header, const Parsed &parsed) {
+  if (auto good = readEncoding(header, parsed); !good) return good;
+  if (auto good = findParts(header, parsed); !good) return good;
+  return skip(header, parsed);
+}
+
 }  // namespace
 
 Expected<ImageHeader> readNrrdHeader(const std::filesystem::path &path) {
   const auto parsed = parse(path);
   if (!parsed) return tl::unexpected(parsed.error());
-  const auto field = [&](const char *name) {
-    const auto found = parsed->fields.find(name);
-    return found == parsed->fields.end() ? std::string() : found->second;
-  };
   ImageHeader header;
   header.path = path;
   header.keys = parsed->keys;
   header.notices = parsed->notices;
-  const auto scalar = scalarOf(path, lowerCase(field("type")));
+  const auto scalar = scalarOf(path, lowerCase(parsed->field("type")));
   if (!scalar) return tl::unexpected(scalar.error());
   header.scalar = *scalar;
-  const auto sizes = numbersIn(field("sizes")), dimension = numbersIn(field("dimension"));
+  const auto sizes = numbersIn(parsed->field("sizes")), dimension = numbersIn(parsed->field("dimension"));
   if (dimension.empty() || sizes.size() < 2 || sizes.size() > 16 || dimension[0] != static_cast<double>(sizes.size()))
-    return refuse(path, "the header says dimension '" + field("dimension") + "' with " + std::to_string(sizes.size()) +
-                            " sizes; 2 to 16 are read");
+    return refuse(path, "the header says dimension '" + parsed->field("dimension") + "' with " +
+                            std::to_string(sizes.size()) + " sizes; 2 to 16 are read");
   if (const auto placed = place(header, *parsed, sizes); !placed) return tl::unexpected(placed.error());
   header.segmented = std::any_of(header.keys.begin(), header.keys.end(),
                                  [](const auto &key) { return key.first.starts_with("Segment0_"); });

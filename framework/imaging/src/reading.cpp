@@ -123,6 +123,26 @@ tl::unexpected<Error> hasOneTime(const std::filesystem::path &path, std::size_t 
   return refuse(path, "time " + std::to_string(asked) + " is asked for; the file has one time point (0)");
 }
 
+tl::unexpected<Error> holdsColours(const std::filesystem::path &path) {
+  return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0 to 65535, one per voxel");
+}
+
+/// A segmentation, or an image whose values are numbers of labels.
+Expected<LoadedLabels> readDicomLabels(const std::filesystem::path &path, const ReadOptions &options) {
+  auto segments = readDicomSegments(path, options);
+  if (!segments) return tl::unexpected(segments.error());
+  if (*segments) return std::move(**segments);
+  const auto loaded = readDicom(path, options);
+  if (!loaded) return tl::unexpected(loaded.error());
+  if (!loaded->volume.colours.empty()) return holdsColours(path);
+  LoadedLabels out;
+  out.notices = loaded->notices;
+  auto map = labelsOf(path, loaded->volume, {});
+  if (!map) return tl::unexpected(map.error());
+  out.labels = std::move(*map);
+  return out;
+}
+
 constexpr std::size_t kMostLayers = 256;
 
 }  // namespace
@@ -144,25 +164,10 @@ Expected<LoadedVolume> readVolume(const std::filesystem::path &path, const ReadO
 Expected<LoadedLabels> readLabelMap(const std::filesystem::path &path, const ReadOptions &options) {
   const auto format = formatOrError(path);
   if (!format) return tl::unexpected(format.error());
-  if (*format == Format::dicom) {
-    auto segments = readDicomSegments(path, options);
-    if (!segments) return tl::unexpected(segments.error());
-    if (*segments) return std::move(**segments);
-    const auto loaded = readDicom(path, options);
-    if (!loaded) return tl::unexpected(loaded.error());
-    if (!loaded->volume.colours.empty())
-      return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0 to 65535, one per voxel");
-    LoadedLabels out;
-    out.notices = loaded->notices;
-    auto map = labelsOf(path, loaded->volume, {});
-    if (!map) return tl::unexpected(map.error());
-    out.labels = std::move(*map);
-    return out;
-  }
+  if (*format == Format::dicom) return readDicomLabels(path, options);
   const auto header = headerOf(path, *format);
   if (!header) return tl::unexpected(header.error());
-  if (header->channels > 1)
-    return refuse(path, "is no label map: it holds colours; labels are whole numbers from 0 to 65535, one per voxel");
+  if (header->channels > 1) return holdsColours(path);
   if (header->layered && options.time > 0) return hasOneTime(path, options.time);
   const std::size_t layers = header->layered ? header->volumes : 1;
   if (layers > kMostLayers)

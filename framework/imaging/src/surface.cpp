@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "c3de/imaging/mask_coverage.h"
 #include "c3de/imaging/masks.h"
@@ -216,16 +218,153 @@ std::vector<std::uint8_t> untangle(EditMesh &mesh, std::span<const unsigned> cro
   return moves;
 }
 
-}  // namespace
+using Continue = std::function<bool(double)>;  // of the fraction that is done; false: stop
 
-Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettings &settings,
-                                           const ProgressFn &progress) {
-  if (const auto good = checkMask(mask); !good) return tl::unexpected(good.error());
+Expected<void> checkSettings(const SurfaceSettings &settings) {
   for (const auto &[name, value] :
        {std::pair{"edge length", settings.edgeLength}, std::pair{"smoothing length", settings.smoothingLength}})
     if (!(value >= 0.0) || !std::isfinite(value))
       return fail(ErrorCode::usage,
                   fmt::format("{} = {} mm is not accepted: finite and > 0, or 0 to have it chosen", name, value));
+  return {};
+}
+
+struct BlockGrid {
+  Fill fill;
+  bool isCoarse;  // blocks of more than one voxel
+};
+
+// The mask as it is seen under such edges; by single voxels where nothing is left of it in blocks.
+BlockGrid blockGridOf(const Mask &mask, const VoxelBox &box, double edge) {
+  constexpr std::array<std::size_t, 3> kVoxel{1, 1, 1};
+  const std::array<std::size_t, 3> block = blocksUpTo(mask.geometry, edge / kVoxelsPerEdge);
+  BlockGrid grid{fillInBlocks(mask, box, block), block != kVoxel};
+  if (std::none_of(grid.fill.values.begin(), grid.fill.values.end(), [](float f) { return f >= kHalf; }))
+    grid = {fillInBlocks(mask, box, kVoxel), false};
+  if (grid.isCoarse) dropSpecks(grid.fill);
+  return grid;
+}
+
+// Areas of the parts as they are, and the volumes that they should have: of all together `seen`.
+PartMeasures targetsOf(const EditMesh &surface, std::span<const Vec3> points, std::size_t parts, double seen) {
+  PartMeasures wanted = measure(surface, points, parts, points.front());
+  for (unsigned v = 0; v < points.size(); ++v) wanted.volumes[surface.tags[v]] += surface.owed[v];
+  double counted = 0.0;
+  for (const double v : wanted.volumes) counted += v;
+  for (double &v : wanted.volumes) v *= seen / counted;
+  return wanted;
+}
+
+Expected<void> checkTriangles(double area, double edge) {
+  const double triangles = trianglesOf(area / kAreaOfSteps, edge);
+  if (triangles <= kMostTriangles) return {};
+  return fail(ErrorCode::usage,
+              fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are "
+                          "accepted: choose longer edges",
+                          edge, triangles, kMostTriangles));
+}
+
+// A smoothed surface on its way to even triangles: it stays at the border of the blocks and keeps the volumes of its
+// parts.
+class SkinShaper {
+ public:
+  // @param edge, length  of the edges, of smoothing, mm
+  // @param longest       edge of a block, mm
+  SkinShaper(EditMesh &surface, const Fill &grid, std::span<const double> volumes, double edge, double length,
+             double longest)
+      : surface_(surface), grid_(grid), indexOf_(affineInverse(grid.geometry.indexToWorld)), volumes_(volumes),
+        edge_(edge), reach_(kReach * length), edges_(noLongerThan(edge)),
+        cells_(grid, *std::min_element(edges_.begin(), edges_.end()) / longest) {}
+
+  // Fairing reaches over some edges only. Edges far shorter than voxels come by halves, each evened out, or the steps
+  // of the voxels would stay as knobs.
+  bool remeshByHalves(double firstEdge, const Continue &shouldContinue) {
+    settleOver(std::cbrt(grid_.geometry.voxelVolume()));
+    for (double level = firstEdge; level > 1.5 * edge_; level *= 0.5) {
+      std::vector<double> coarser(edges_);
+      for (std::size_t p = 0; p < coarser.size(); ++p)
+        coarser[p] = std::max(edges_[p], std::min(level, 0.5 * kMostOfPart * std::cbrt(std::abs(volumes_[p]))));
+      if (!remeshTo(coarser, level, shouldContinue)) return false;
+    }
+    return remeshTo(edges_, edge_, shouldContinue);
+  }
+
+  void restoreBorderAndVolumes() {
+    for (int t = 0; t < kHolds; ++t) {
+      settleOver(edge_);
+      holdAtBorder();
+    }
+    settleOver(edge_);
+    restoreVolumes(surface_, volumes_, edges_, kFinely);
+  }
+
+  // Where triangles go through others: as few as can be had in some turns.
+  void untangleAll() {
+    std::vector<unsigned> crossed = crossedTriangles(surface_);
+    std::vector<Vec3> best = surface_.points;
+    std::size_t fewest = crossed.size();
+    const double noise = kNoise / 3.0 * surface_.halfEdges();
+    for (int t = 0; t < kUntanglings && !crossed.empty() && static_cast<double>(crossed.size()) < noise; ++t) {
+      const std::vector<std::uint8_t> moved = untangle(surface_, crossed, edges_);
+      holdAtBorder();
+      restoreVolumes(surface_, volumes_, edges_, kFinely);
+      crossed = crossedTriangles(surface_, moved);
+      // All over once more: volumes have been restored everywhere.
+      if (crossed.empty()) crossed = crossedTriangles(surface_);
+      if (crossed.size() >= fewest) continue;
+      fewest = crossed.size();
+      best = surface_.points;
+    }
+    surface_.points.swap(best);
+  }
+
+ private:
+  // By part: small ones need shorter edges to have a shape.
+  [[nodiscard]] std::vector<double> noLongerThan(double edge) const {
+    std::vector<double> edges;
+    for (const double volume : volumes_) edges.push_back(std::min(edge, kMostOfPart * std::cbrt(std::abs(volume))));
+    return edges;
+  }
+
+  bool remeshTo(std::span<const double> edges, double present, const Continue &shouldContinue) {
+    const auto round = [&](double fraction) {
+      settleOver(present);
+      holdAtBorder();
+      return shouldContinue(fraction);
+    };
+    if (!remesh(surface_, edges, round)) return false;
+    fair(surface_, kFairings);
+    return true;
+  }
+
+  // @param present  length of the edges there are
+  void settleOver(double present) { settle(surface_, edges_, reach_ / present, kCoarsely); }
+
+  void holdAtBorder() {
+    const std::vector<Vec3> before = surface_.points;
+    for (unsigned v = 0; v < surface_.points.size(); ++v) {
+      if (!surface_.isUsed(v)) continue;
+      const Vec3 held = cells_.nearest(transformPoint(indexOf_, surface_.points[v]));
+      surface_.points[v] = transformPoint(grid_.geometry.indexToWorld, held);
+    }
+    bookMoves(surface_, before);
+  }
+
+  EditMesh &surface_;
+  const Fill &grid_;
+  Mat4 indexOf_;
+  std::span<const double> volumes_;  // by part, as edges_
+  double edge_, reach_;
+  std::vector<double> edges_;
+  BorderCells cells_;
+};
+
+}  // namespace
+
+Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettings &settings,
+                                           const ProgressFn &progress) {
+  if (const auto good = checkMask(mask); !good) return tl::unexpected(good.error());
+  if (const auto good = checkSettings(settings); !good) return tl::unexpected(good.error());
   const VoxelBox box = boxAround(mask);
   if (box.empty()) return fail(ErrorCode::usage, "the mask is empty: there is no surface around nothing");
   const double volume = volumeOf(mask);
@@ -235,108 +374,40 @@ Expected<geometry::TriangleMesh> surfaceOf(const Mask &mask, const SurfaceSettin
   const bool isThin = hasThinParts(mask, thickness, voxel, volume);
   const double edge =
       settings.edgeLength > 0.0 ? settings.edgeLength : automaticEdge(visible, thickness, voxel, isThin);
-  std::array<std::size_t, 3> block = blocksUpTo(mask.geometry, edge / kVoxelsPerEdge);
   const auto shouldContinue = [&](double fraction) { return goesOn(progress, fraction, "surface"); };
 
-  Fill grid = fillInBlocks(mask, box, block);
-  if (std::none_of(grid.values.begin(), grid.values.end(), [](float f) { return f >= kHalf; })) {
-    block = {1, 1, 1};
-    grid = fillInBlocks(mask, box, block);
-  }
-  const bool isCoarse = block != std::array<std::size_t, 3>{1, 1, 1};
-  if (isCoarse) dropSpecks(grid);
+  const BlockGrid blocks = blockGridOf(mask, box, edge);
+  const Fill &grid = blocks.fill;
+  const auto toWorld = [&](const Vec3 &index) { return transformPoint(grid.geometry.indexToWorld, index); };
   if (!shouldContinue(0.1)) return cancelled();
   SurfaceNet net = surfaceNetOf(grid, mask.geometry.handedness() < 0.0);
   EditMesh &surface = net.mesh;
   const std::size_t parts = tagParts(surface);
   // What has been lost among blocks stays lost: the rest would grow by it.
-  const double seen = isCoarse ? bookBlocks(grid, net) : volume;
+  const double seen = blocks.isCoarse ? bookBlocks(grid, net) : volume;
   std::vector<Vec3> homes(net.homes.size());
-  std::transform(net.homes.begin(), net.homes.end(), homes.begin(),
-                 [&](const Vec3 &home) { return transformPoint(grid.geometry.indexToWorld, home); });
-  PartMeasures wanted = measure(surface, homes, parts, homes.front());
-  double area = 0.0, counted = 0.0;
-  for (unsigned v = 0; v < homes.size(); ++v) wanted.volumes[surface.tags[v]] += surface.owed[v];
-  for (std::size_t p = 0; p < parts; ++p) {
-    area += wanted.areas[p];
-    counted += wanted.volumes[p];
-  }
-  for (double &v : wanted.volumes) v *= seen / counted;
-  const double triangles = trianglesOf(area / kAreaOfSteps, edge);
-  if (triangles > kMostTriangles)
-    return fail(ErrorCode::usage,
-                fmt::format("an edge length of {:.3g} mm makes about {:.2g} triangles; at most {:.2g} are "
-                            "accepted: choose longer edges",
-                            edge, triangles, kMostTriangles));
+  std::transform(net.homes.begin(), net.homes.end(), homes.begin(), toWorld);
+  const PartMeasures wanted = targetsOf(surface, homes, parts, seen);
+  const double area = std::accumulate(wanted.areas.begin(), wanted.areas.end(), 0.0);
+  if (const auto good = checkTriangles(area, edge); !good) return tl::unexpected(good.error());
   if (!shouldContinue(0.3)) return cancelled();
 
-  const Vec3 voxels = grid.geometry.spacing();
-  const double shortest = *std::min_element(voxels.begin(), voxels.end());
-  const double longest = *std::max_element(voxels.begin(), voxels.end());
+  const Vec3 spacing = grid.geometry.spacing();
+  const double shortest = *std::min_element(spacing.begin(), spacing.end());
+  const double longest = *std::max_element(spacing.begin(), spacing.end());
   const double length = settings.smoothingLength > 0.0 ? settings.smoothingLength : kDefaultLength * longest;
   const double relaxations = std::ceil(kRelaxations * length * length / (shortest * shortest));
   relax(net, static_cast<std::size_t>(std::min(kMostRelaxations, relaxations)));
-  for (Vec3 &point : surface.points) point = transformPoint(grid.geometry.indexToWorld, point);
+  for (Vec3 &point : surface.points) point = toWorld(point);
   bookMoves(surface, homes);
   if (!shouldContinue(0.5)) return cancelled();
-  // Small parts need shorter edges to have a shape.
-  std::vector<double> edges(parts);
-  for (std::size_t p = 0; p < parts; ++p)
-    edges[p] = std::min(edge, kMostOfPart * std::cbrt(std::abs(wanted.volumes[p])));
-  const double reach = kReach * length;
-  settle(surface, edges, reach / std::cbrt(grid.geometry.voxelVolume()), kCoarsely);
-  const BorderCells cells(grid, *std::min_element(edges.begin(), edges.end()) / longest);
-  const Mat4 indexOf = affineInverse(grid.geometry.indexToWorld);
-  const auto holdAtBorder = [&] {
-    const std::vector<Vec3> before = surface.points;
-    for (unsigned v = 0; v < surface.points.size(); ++v) {
-      if (!surface.isUsed(v)) continue;
-      const Vec3 held = cells.nearest(transformPoint(indexOf, surface.points[v]));
-      surface.points[v] = transformPoint(grid.geometry.indexToWorld, held);
-    }
-    bookMoves(surface, before);
-  };
-  double present = edge;  // of the edges there are
-  const auto round = [&](double fraction) {
-    settle(surface, edges, reach / present, kCoarsely);
-    holdAtBorder();
-    return shouldContinue(0.5 + 0.4 * fraction);
-  };
-  // Fairing reaches over some edges only. Edges far shorter than voxels come by halves, each evened out, or the steps
-  // of the voxels would stay as knobs.
-  for (double level = isThin ? kShortestOfVoxel * voxel : kFirstLevel * longest; level > 1.5 * edge; level *= 0.5) {
-    std::vector<double> coarser(edges);
-    for (std::size_t p = 0; p < parts; ++p)
-      coarser[p] = std::max(edges[p], std::min(level, 0.5 * kMostOfPart * std::cbrt(std::abs(wanted.volumes[p]))));
-    present = level;
-    if (!remesh(surface, coarser, round)) return cancelled();
-    fair(surface, kFairings);
-  }
-  present = edge;
-  if (!remesh(surface, edges, round)) return cancelled();
-  fair(surface, kFairings);
-  for (int t = 0; t < kHolds; ++t) {
-    settle(surface, edges, reach / edge, kCoarsely);
-    holdAtBorder();
-  }
-  settle(surface, edges, reach / edge, kCoarsely);
-  restoreVolumes(surface, wanted.volumes, edges, kFinely);
-  std::vector<unsigned> crossed = crossedTriangles(surface);
-  std::vector<Vec3> best = surface.points;
-  std::size_t fewest = crossed.size();
-  const double noise = kNoise / 3.0 * surface.halfEdges();
-  for (int t = 0; t < kUntanglings && !crossed.empty() && static_cast<double>(crossed.size()) < noise; ++t) {
-    const std::vector<std::uint8_t> moved = untangle(surface, crossed, edges);
-    holdAtBorder();
-    restoreVolumes(surface, wanted.volumes, edges, kFinely);
-    crossed = crossedTriangles(surface, moved);
-    // All over once more: volumes have been restored everywhere.
-    if (crossed.empty()) crossed = crossedTriangles(surface);
-    if (crossed.size() >= fewest) continue;
-    fewest = crossed.size();
-    best = surface.points;
-  }
-  surface.points.swap(best);
+
+  SkinShaper shaper(surface, grid, wanted.volumes, edge, length, longest);
+  const double firstEdge = isThin ? kShortestOfVoxel * voxel : kFirstLevel * longest;
+  if (!shaper.remeshByHalves(firstEdge, [&](double fraction) { return shouldContinue(0.5 + 0.4 * fraction); }))
+    return cancelled();
+  shaper.restoreBorderAndVolumes();
+  shaper.untangleAll();
   if (!shouldContinue(1.0)) return cancelled();
   return surface.mesh();
 }

@@ -54,6 +54,31 @@ void makeTexture(const Texture &texture, GLenum internal, GLenum format, GLenum 
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 
+/// Uniforms: where eye, image and cuts are.
+void setPlaces(const ImageParts &parts, const Frame &frame) {
+  using namespace shaders;
+  const Mat4 worldFromView = affineInverse(frame.view);
+  const auto setMatrix = [](int location, const Mat4 &m) {
+    const Mat4f f = toFloat(m);
+    glUniformMatrix4fv(location, 1, GL_FALSE, f.data());
+  };
+  setMatrix(kImageFromView, multiply(parts.image->indexFromWorld, worldFromView));
+  if (parts.displacement) {
+    setMatrix(kNodeFromView, multiply(parts.displacement->indexFromWorld, worldFromView));
+    Mat4 textureFromWorld = parts.image->indexFromWorld;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t r = 0; r < 3; ++r)
+        textureFromWorld[4 * c + r] /= static_cast<double>(parts.image->place.size[r]);
+    const Mat3f linear = linearPart(textureFromWorld);
+    glUniformMatrix3fv(kTextureFromShift, 1, GL_FALSE, linear.data());
+  }
+  const Mat4 &p = frame.projection;
+  glUniform4f(kLens, static_cast<float>(1.0 / p[0]), static_cast<float>(1.0 / p[5]), static_cast<float>(p[10]),
+              static_cast<float>(p[14]));
+  glUniform1f(kNearest, frame.nearPlane);
+  glUniform4fv(kRayCuts, static_cast<GLsizei>(frame.cuts.size()), frame.cuts[0].data());
+}
+
 }  // namespace
 
 const Program *RayPass::programFor(unsigned variant, RenderStatistics &statistics) {
@@ -133,6 +158,23 @@ std::optional<RayPass::Picture> RayPass::begin(const Frame &frame, int divisor, 
   return picture;
 }
 
+void RayPass::setTransfer(const Program &program, const ImageParts &parts, const ImageScene &scene, double step_mm) {
+  const VolumeLook &look = scene.volume;
+  if (look.isMaximum) {
+    const std::array<float, 2> grey = greyRamp(*parts.image, scene.look.window, scene.look.level);
+    glUniform2fv(shaders::kTransfer, 1, grey.data());
+    return;
+  }
+  buildTable(look, step_mm);
+  glUseProgram(program.name());
+  // The table's ends are the centres of its first and last texel.
+  const double low = look.points.front().value + look.shift;
+  const double range = std::max(look.points.back().value + look.shift - low, 1e-12);
+  const double texels = (kTableSize - 1.0) / kTableSize;
+  glUniform2f(shaders::kTransfer, static_cast<float>(texels * parts.image->scale / range),
+              static_cast<float>(texels * (parts.image->offset - low) / range + 0.5 / kTableSize));
+}
+
 void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageScene &scene, const Frame &frame, int rows,
                        RenderStatistics &statistics) {
   const VolumeLook &look = scene.volume;
@@ -152,42 +194,11 @@ void RayPass::castRows(Picture &picture, const ImageParts &parts, const ImageSce
   const double step_mm = finestSpacing(parts.image->place) * (picture.divisor > 1 ? 1.5 : 0.5);
   using namespace shaders;
   glUseProgram(program->name());
-  Mat4 worldFromView = affineInverse(frame.view);
-  const auto setMatrix = [](int location, const Mat4 &m) {
-    const Mat4f f = toFloat(m);
-    glUniformMatrix4fv(location, 1, GL_FALSE, f.data());
-  };
-  setMatrix(kImageFromView, multiply(parts.image->indexFromWorld, worldFromView));
-  if (parts.displacement) {
-    setMatrix(kNodeFromView, multiply(parts.displacement->indexFromWorld, worldFromView));
-    Mat4 textureFromWorld = parts.image->indexFromWorld;
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t r = 0; r < 3; ++r)
-        textureFromWorld[4 * c + r] /= static_cast<double>(parts.image->place.size[r]);
-    const Mat3f linear = linearPart(textureFromWorld);
-    glUniformMatrix3fv(kTextureFromShift, 1, GL_FALSE, linear.data());
-  }
+  setPlaces(parts, frame);
+  setTransfer(*program, parts, scene, step_mm);
   if (variant & kVacated) glUniform1f(kLeastGap, static_cast<float>(scene.look.leastGap));
-  const Mat4 &p = frame.projection;
-  glUniform4f(kLens, static_cast<float>(1.0 / p[0]), static_cast<float>(1.0 / p[5]), static_cast<float>(p[10]),
-              static_cast<float>(p[14]));
-  if (look.isMaximum) {
-    const std::array<float, 2> grey = greyRamp(*parts.image, scene.look.window, scene.look.level);
-    glUniform2fv(kTransfer, 1, grey.data());
-  } else {
-    buildTable(look, step_mm);
-    glUseProgram(program->name());
-    // The table's ends are the centres of its first and last texel.
-    const double low = look.points.front().value + look.shift;
-    const double range = std::max(look.points.back().value + look.shift - low, 1e-12);
-    const double texels = (kTableSize - 1.0) / kTableSize;
-    glUniform2f(kTransfer, static_cast<float>(texels * parts.image->scale / range),
-                static_cast<float>(texels * (parts.image->offset - low) / range + 0.5 / kTableSize));
-  }
   glUniform1f(kStep, static_cast<float>(step_mm));
   glUniform2f(kPixel, 2.0f / static_cast<float>(picture.width), 2.0f / static_cast<float>(picture.height));
-  glUniform1f(kNearest, frame.nearPlane);
-  glUniform4fv(kRayCuts, static_cast<GLsizei>(frame.cuts.size()), frame.cuts[0].data());
   bindImageTextures(parts, true);
   bindTexture(kTransferUnit, GL_TEXTURE_2D, table_.name());
   bindTexture(kDepthUnit, GL_TEXTURE_2D, picture.depth.name());

@@ -57,6 +57,8 @@ class RayPass {
                  RenderStatistics &statistics);
   void layOver(const Texture &part, const Frame &frame, int x, int y, RenderStatistics &statistics);
   [[nodiscard]] const Program *programFor(unsigned variant, RenderStatistics &statistics);
+  /// Of values to colours; for the program that is in use.
+  void setTransfer(const Program &program, const ImageParts &parts, const ImageScene &scene, double step_mm);
   void buildTable(const VolumeLook &look, double step_mm);
 
   std::array<std::optional<Program>, 64> programs_;

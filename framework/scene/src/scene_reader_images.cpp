@@ -182,13 +182,13 @@ bool SceneReader::volumeKey(SceneVolume &volume, const std::string &key, const T
   for (const auto &[member, memberValue] : value.entries) {
     bool good = false;
     if (member == "opening")
-      good = length("mend.opening", memberValue, volume.opening_mm);
+      good = length("mend.opening", memberValue, volume.mend.opening_mm);
     else if (member == "closing")
-      good = length("mend.closing", memberValue, volume.closing_mm);
+      good = length("mend.closing", memberValue, volume.mend.closing_mm);
     else if (member == "largest")
-      good = readBool("mend.largest", memberValue, volume.largest);
+      good = readBool("mend.largest", memberValue, volume.mend.largest);
     else if (member == "fill_holes")
-      good = readBool("mend.fill_holes", memberValue, volume.fillHoles);
+      good = readBool("mend.fill_holes", memberValue, volume.mend.fillHoles);
     else
       return refuseKey(memberValue.line, member, "mend", kMendKeys);
     if (!good) return false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/segmentation/body_request.h"
 
-#include "c3de/imaging/masks.h"
+#include <utility>
 
 namespace c3de::segmentation {
 
@@ -13,9 +13,8 @@ Expected<imaging::Mask> maskOf(const BodyRequest &request, const ProgressFn &pro
     return fail(ErrorCode::usage,
                 request.mask ? std::string("the mask is empty; accepted: one with voxels")
                              : "no voxel of " + request.labels->name + " has label " + std::to_string(request.label));
-  if (mask && !request.mask && request.keepsLargest) mask = imaging::largestComponent(*mask, progress);
-  if (mask && !request.mask && request.fillsHoles) mask = imaging::fillHoles(*mask, progress);
-  return mask;
+  if (!mask || request.mask) return mask;
+  return imaging::mended(std::move(*mask), request.mend, progress);
 }
 
 }  // namespace c3de::segmentation

@@ -295,10 +295,7 @@ bool SegmentationWorkflow::isRigid(std::uint16_t label) const {
   return preset && preset->isRigid;
 }
 
-void SegmentationWorkflow::setMending(bool keepsLargest, bool fillsHoles) {
-  settings_.keepsLargest = keepsLargest;
-  settings_.fillsHoles = fillsHoles;
-}
+void SegmentationWorkflow::setMending(const imaging::Mending &mend) { settings_.mend = mend; }
 
 std::string SegmentationWorkflow::blockingReason() const {
   const std::vector<std::uint16_t> picked = pickedLabels();
@@ -350,8 +347,7 @@ void SegmentationWorkflow::createBodies() {
     request.name = isTaken ? name + " (" + std::to_string(label) + ")" : name;
     request.labels = mask_.sources().labels;
     request.label = label;
-    request.keepsLargest = settings_.keepsLargest;
-    request.fillsHoles = settings_.fillsHoles;
+    request.mend = settings_.mend;
     request.material = materialOf(label)->name;
     request.isRigid = isRigid(label);
   }

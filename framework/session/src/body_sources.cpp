@@ -117,10 +117,7 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
     mask = imaging::maskOf(*label->map, label->label->value);
     colour = label->label->colour;
   }
-  if (mask && volume.opening_mm > 0.0) mask = imaging::opened(*mask, volume.opening_mm, progress);
-  if (mask && volume.closing_mm > 0.0) mask = imaging::closed(*mask, volume.closing_mm, progress);
-  if (mask && volume.largest) mask = imaging::largestComponent(*mask, progress);
-  if (mask && volume.fillHoles) mask = imaging::fillHoles(*mask, progress);
+  if (mask) mask = imaging::mended(std::move(*mask), volume.mend, progress);
   if (mask && imaging::voxelCount(*mask) == 0)
     return fail(ErrorCode::input, volume.file.string() +
                                       ": nothing is left of what was asked for; accepted: a label or a "

@@ -118,49 +118,32 @@ void FileDialog::drawList(FrameContext &frame) {
   if (isPickedFinal) choose(picked);
 }
 
-void FileDialog::draw(FrameContext &frame) {
-  if (!isOpen_) return;
-  const std::string popup = request_.title + "###file-dialog";
-  if (isNew_) {
-    ImGui::OpenPopup(popup.c_str());
-  }
-  const ImVec2 size(std::min(frame.theme.px(640.0f), 0.9f * static_cast<float>(frame.windowSize[0])),
-                    std::min(frame.theme.px(480.0f), 0.9f * static_cast<float>(frame.windowSize[1])));
-  ImGui::SetNextWindowSize(size, ImGuiCond_Appearing);
-  ImGui::SetNextWindowPos(
-      ImVec2(0.5f * static_cast<float>(frame.windowSize[0]), 0.5f * static_cast<float>(frame.windowSize[1])),
-      ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
-  bool keepsOpen = true;
-  if (!ImGui::BeginPopupModal(popup.c_str(), &keepsOpen, ImGuiWindowFlags_NoSavedSettings)) {
-    isOpen_ = false;
-    return;
-  }
-  drawFolders(frame);
-  drawList(frame);
+void FileDialog::drawError(FrameContext &frame) {
+  if (error_.empty()) return;
+  ImGui::PushStyleColor(ImGuiCol_Text, colour::kError);
+  ImGui::TextWrapped("%s", error_.c_str());
+  ImGui::PopStyleColor();
+  frame.automation.value(kArea, "error", error_);
+}
 
-  if (!error_.empty()) {
-    ImGui::PushStyleColor(ImGuiCol_Text, colour::kError);
-    ImGui::TextWrapped("%s", error_.c_str());
-    ImGui::PopStyleColor();
-    frame.automation.value(kArea, "error", error_);
-  }
-  if (request_.asksMeshUnit) {
-    ImGui::AlignTextToFramePadding();
-    ImGui::TextUnformatted("Unit of the numbers in the file");
-    ImGui::SameLine();
-    ImGui::SetNextItemWidth(frame.theme.px(220.0f));
-    const bool isComboOpen = ImGui::BeginCombo("##unit", kUnitLabels[unit_]);
-    markOpener(frame, kArea, "unit", isComboOpen);
-    if (isComboOpen) {
-      for (int i = 0; i < static_cast<int>(std::size(kUnits)); ++i) {
-        if (ImGui::Selectable(kUnitLabels[i], i == unit_)) unit_ = i;
-        markItem(frame, kArea, std::string("unit.option.") + kUnits[i]);
-      }
-      ImGui::EndCombo();
+void FileDialog::drawUnit(FrameContext &frame) {
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted("Unit of the numbers in the file");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(frame.theme.px(220.0f));
+  const bool isComboOpen = ImGui::BeginCombo("##unit", kUnitLabels[unit_]);
+  markOpener(frame, kArea, "unit", isComboOpen);
+  if (isComboOpen) {
+    for (int i = 0; i < static_cast<int>(std::size(kUnits)); ++i) {
+      if (ImGui::Selectable(kUnitLabels[i], i == unit_)) unit_ = i;
+      markItem(frame, kArea, std::string("unit.option.") + kUnits[i]);
     }
-    frame.automation.value(kArea, "unit", kUnits[unit_]);
+    ImGui::EndCombo();
   }
+  frame.automation.value(kArea, "unit", kUnits[unit_]);
+}
 
+bool FileDialog::drawName(FrameContext &frame) {
   ImGui::SetNextItemWidth(-1.0f);
   if (isNew_) ImGui::SetKeyboardFocusHere();
   isNew_ = false;
@@ -171,6 +154,10 @@ void FileDialog::draw(FrameContext &frame) {
   framesToFocus_ = ImGui::IsItemActive() ? 0 : std::max(framesToFocus_ - 1, 0);
   markItem(frame, kArea, "path");
   frame.automation.value(kArea, "path", typed_);
+  return isEntered;
+}
+
+bool FileDialog::drawConfirm(FrameContext &frame) {
   const bool hasText = typed_[0] != '\0';
   ImGui::BeginDisabled(!hasText);
   ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.20f, 0.42f, 0.48f, 1.0f));
@@ -178,11 +165,10 @@ void FileDialog::draw(FrameContext &frame) {
   ImGui::PopStyleColor();
   markItem(frame, kArea, "open", hasText);
   ImGui::EndDisabled();
-  // Enter opens what is marked in the list, too.
-  const auto isDown = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
-  const bool isConfirmed =
-      !isEntered && !ImGui::IsAnyItemActive() && (isDown(ImGuiKey_Enter) || isDown(ImGuiKey_KeyPadEnter));
-  if ((isEntered || isPressed || isConfirmed) && hasText) choose(typed_);
+  return isPressed;
+}
+
+bool FileDialog::drawCancel(FrameContext &frame) {
   ImGui::SameLine();
   const bool isCancelled = ImGui::Button("Cancel", ImVec2(frame.theme.px(96.0f), 0));
   markItem(frame, kArea, "cancel");
@@ -192,9 +178,37 @@ void FileDialog::draw(FrameContext &frame) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextColored(colour::kDim, "%s",
                      elided(filter.empty() ? " all files" : filter, ImGui::GetContentRegionAvail().x).c_str());
-
   const bool isEscaped = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !ImGui::IsAnyItemActive();
-  if (isDone_ || isCancelled || isEscaped || !keepsOpen) {
+  return isCancelled || isEscaped;
+}
+
+void FileDialog::draw(FrameContext &frame) {
+  if (!isOpen_) return;
+  const std::string popup = request_.title + "###file-dialog";
+  if (isNew_) ImGui::OpenPopup(popup.c_str());
+  const ImVec2 window(static_cast<float>(frame.windowSize[0]), static_cast<float>(frame.windowSize[1]));
+  const ImVec2 size(std::min(frame.theme.px(640.0f), 0.9f * window.x),
+                    std::min(frame.theme.px(480.0f), 0.9f * window.y));
+  ImGui::SetNextWindowSize(size, ImGuiCond_Appearing);
+  ImGui::SetNextWindowPos(ImVec2(0.5f * window.x, 0.5f * window.y), ImGuiCond_Appearing, ImVec2(0.5f, 0.5f));
+  bool keepsOpen = true;
+  if (!ImGui::BeginPopupModal(popup.c_str(), &keepsOpen, ImGuiWindowFlags_NoSavedSettings)) {
+    isOpen_ = false;
+    return;
+  }
+  drawFolders(frame);
+  drawList(frame);
+  drawError(frame);
+  if (request_.asksMeshUnit) drawUnit(frame);
+  const bool isEntered = drawName(frame);
+  const bool isPressed = drawConfirm(frame);
+  // Enter opens what is marked in the list, too.
+  const auto isDown = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
+  const bool isConfirmed =
+      !isEntered && !ImGui::IsAnyItemActive() && (isDown(ImGuiKey_Enter) || isDown(ImGuiKey_KeyPadEnter));
+  if ((isEntered || isPressed || isConfirmed) && typed_[0] != '\0') choose(typed_);
+  const bool isCancelled = drawCancel(frame);
+  if (isDone_ || isCancelled || !keepsOpen) {
     ImGui::CloseCurrentPopup();
     isOpen_ = false;
   }

@@ -35,6 +35,13 @@ class FileDialog {
   void choose(const std::string &typed);
   void drawList(FrameContext &frame);
   void drawFolders(FrameContext &frame);
+  void drawError(FrameContext &frame);
+  void drawUnit(FrameContext &frame);
+  /// The field for the name. True: Enter in it.
+  bool drawName(FrameContext &frame);
+  bool drawConfirm(FrameContext &frame);
+  /// Button or Escape; and the extensions that are shown.
+  bool drawCancel(FrameContext &frame);
 
   FileBrowser browser_;
   Request request_;

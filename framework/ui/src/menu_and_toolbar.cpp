@@ -30,7 +30,7 @@ const char *patientLabel(Command command) {
   }
 }
 
-void menuItem(FrameContext &frame, const char *area, const MenuEntry &entry, bool isChecked = false) {
+void menuItem(FrameContext &frame, const MenuEntry &entry, bool isChecked = false) {
   const CommandInfo &info = commandInfo(entry.command);
   const bool isEnabled =
       (!entry.needsSimulation || frame.simulation.exists) && (!entry.needsImage || frame.shownImages());
@@ -38,7 +38,7 @@ void menuItem(FrameContext &frame, const char *area, const MenuEntry &entry, boo
   const char *label = frame.camera.upAxis == render::UpAxis::z ? patientLabel(entry.command) : nullptr;
   if (ImGui::MenuItem(label ? label : info.label, key.empty() ? nullptr : key.c_str(), isChecked, isEnabled))
     frame.request(entry.command);
-  markItem(frame, area, info.id, isEnabled);
+  markItem(frame, "menu", info.id, isEnabled);
   itemTooltip(frame, isEnabled
                          ? info.doc
                          : std::string(info.doc) + (entry.needsImage ? " (no image is open)" : " (nothing is loaded)"));
@@ -62,9 +62,67 @@ bool beginMenu(FrameContext &frame, const char *label, const char *id) {
   return isOpen;
 }
 
+void fileMenu(FrameContext &frame) {
+  menuItem(frame, {Command::openMesh});
+  menuItem(frame, {Command::openScene});
+  menuItem(frame, {Command::openImage});
+  menuItem(frame, {Command::openLabels, false, true});
+  menuItem(frame, {Command::closeImage, false, true});
+  menuItem(frame, {Command::reload, true});
+  ImGui::Separator();
+  menuItem(frame, {Command::exportSurface, true});
+  menuItem(frame, {Command::exportFrame, true});
+  menuItem(frame, {Command::exportImage, true, true});
+  menuItem(frame, {Command::exportDisplacement, true, true});
+  menuItem(frame, {Command::screenshot});
+  ImGui::Separator();
+  menuItem(frame, {Command::quit});
+}
+
+void editMenu(FrameContext &frame) {
+  editItem(frame, Command::undo);
+  editItem(frame, Command::redo);
+}
+
+void viewMenu(FrameContext &frame) {
+  menuItem(frame, {Command::fitView});
+  menuItem(frame, {Command::resetView});
+  ImGui::Separator();
+  for (const Command view : {Command::viewFront, Command::viewBack, Command::viewLeft, Command::viewRight,
+                             Command::viewTop, Command::viewBottom})
+    menuItem(frame, {view});
+  ImGui::Separator();
+  const ImageViews *images = frame.shownImages();
+  menuItem(frame, {Command::fourViews, false, true}, images && !images->maximised());
+  menuItem(frame, {Command::onlySpace, false, true}, images && images->maximised() == Pane::space);
+  menuItem(frame, {Command::resetSlices, false, true});
+  menuItem(frame, {Command::crossHair, false, true}, images && images->options().showsCrossHair);
+  menuItem(frame, {Command::windowLevelMode, false, true}, images && images->options().isWindowLevelMode);
+  ImGui::Separator();
+  const auto isCut = [&](Pane pane) {
+    return images && images->options().cuts[static_cast<std::size_t>(pane)] != SliceCut::none;
+  };
+  menuItem(frame, {Command::cutAxial, false, true}, isCut(Pane::axial));
+  menuItem(frame, {Command::cutSagittal, false, true}, isCut(Pane::sagittal));
+  menuItem(frame, {Command::cutCoronal, false, true}, isCut(Pane::coronal));
+  ImGui::Separator();
+  menuItem(frame, {Command::resetLayout});
+}
+
+void simulationMenu(FrameContext &frame) {
+  for (const Command command : {Command::playPause, Command::step, Command::reset, Command::stop})
+    menuItem(frame, {command, true});
+}
+
+void helpMenu(FrameContext &frame) {
+  menuItem(frame, {Command::showShortcuts});
+  menuItem(frame, {Command::showMessages});
+  menuItem(frame, {Command::showAbout});
+}
+
 void toolsMenu(FrameContext &frame) {
   registry::ToolRegistry *tools = frame.services.tools;
-  menuItem(frame, "menu", {Command::orbitTool}, !tools || tools->active().isNull());
+  menuItem(frame, {Command::orbitTool}, !tools || tools->active().isNull());
   if (!tools) return;
   for (const registry::ToolRegistry::Entry &entry : tools->tools()) {
     const std::string key = isFreeForTools(entry.tool->shortcut) ? keyText(entry.tool->shortcut, 0) : std::string();
@@ -171,72 +229,22 @@ void beginFixed(const char *name, const PixelRect &area, const ImVec4 &backgroun
 }
 
 float drawMenuBar(FrameContext &frame) {
+  struct Menu {
+    const char *label, *id;
+    void (*draw)(FrameContext &frame);
+  };
+  static constexpr Menu kMenus[] = {{"File", "file", fileMenu},    {"Edit", "edit", editMenu},
+                                    {"View", "view", viewMenu},    {"Simulation", "simulation", simulationMenu},
+                                    {"Tools", "tools", toolsMenu}, {"Help", "help", helpMenu}};
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(frame.theme.px(8.0f), frame.theme.px(5.0f)));
   float height = 0.0f;
   if (ImGui::BeginMainMenuBar()) {
     height = ImGui::GetWindowSize().y;
     ImGui::PopStyleVar();
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(frame.theme.px(8.0f), frame.theme.px(4.0f)));
-    if (beginMenu(frame, "File", "file")) {
-      menuItem(frame, "menu", {Command::openMesh});
-      menuItem(frame, "menu", {Command::openScene});
-      menuItem(frame, "menu", {Command::openImage});
-      menuItem(frame, "menu", {Command::openLabels, false, true});
-      menuItem(frame, "menu", {Command::closeImage, false, true});
-      menuItem(frame, "menu", {Command::reload, true});
-      ImGui::Separator();
-      menuItem(frame, "menu", {Command::exportSurface, true});
-      menuItem(frame, "menu", {Command::exportFrame, true});
-      menuItem(frame, "menu", {Command::exportImage, true, true});
-      menuItem(frame, "menu", {Command::exportDisplacement, true, true});
-      menuItem(frame, "menu", {Command::screenshot});
-      ImGui::Separator();
-      menuItem(frame, "menu", {Command::quit});
-      ImGui::EndMenu();
-    }
-    if (beginMenu(frame, "Edit", "edit")) {
-      editItem(frame, Command::undo);
-      editItem(frame, Command::redo);
-      ImGui::EndMenu();
-    }
-    if (beginMenu(frame, "View", "view")) {
-      menuItem(frame, "menu", {Command::fitView});
-      menuItem(frame, "menu", {Command::resetView});
-      ImGui::Separator();
-      for (const Command view : {Command::viewFront, Command::viewBack, Command::viewLeft, Command::viewRight,
-                                 Command::viewTop, Command::viewBottom})
-        menuItem(frame, "menu", {view});
-      ImGui::Separator();
-      const ImageViews *images = frame.shownImages();
-      menuItem(frame, "menu", {Command::fourViews, false, true}, images && !images->maximised());
-      menuItem(frame, "menu", {Command::onlySpace, false, true}, images && images->maximised() == Pane::space);
-      menuItem(frame, "menu", {Command::resetSlices, false, true});
-      menuItem(frame, "menu", {Command::crossHair, false, true}, images && images->options().showsCrossHair);
-      menuItem(frame, "menu", {Command::windowLevelMode, false, true}, images && images->options().isWindowLevelMode);
-      ImGui::Separator();
-      const auto isCut = [&](Pane pane) {
-        return images && images->options().cuts[static_cast<std::size_t>(pane)] != SliceCut::none;
-      };
-      menuItem(frame, "menu", {Command::cutAxial, false, true}, isCut(Pane::axial));
-      menuItem(frame, "menu", {Command::cutSagittal, false, true}, isCut(Pane::sagittal));
-      menuItem(frame, "menu", {Command::cutCoronal, false, true}, isCut(Pane::coronal));
-      ImGui::Separator();
-      menuItem(frame, "menu", {Command::resetLayout});
-      ImGui::EndMenu();
-    }
-    if (beginMenu(frame, "Simulation", "simulation")) {
-      for (const Command command : {Command::playPause, Command::step, Command::reset, Command::stop})
-        menuItem(frame, "menu", {command, true});
-      ImGui::EndMenu();
-    }
-    if (beginMenu(frame, "Tools", "tools")) {
-      toolsMenu(frame);
-      ImGui::EndMenu();
-    }
-    if (beginMenu(frame, "Help", "help")) {
-      menuItem(frame, "menu", {Command::showShortcuts});
-      menuItem(frame, "menu", {Command::showMessages});
-      menuItem(frame, "menu", {Command::showAbout});
+    for (const Menu &menu : kMenus) {
+      if (!beginMenu(frame, menu.label, menu.id)) continue;
+      menu.draw(frame);
       ImGui::EndMenu();
     }
     ImGui::EndMainMenuBar();

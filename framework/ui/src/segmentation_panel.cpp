@@ -203,10 +203,10 @@ void SegmentationPanel::drawSeveral(const c3de_ui_v0 &ui) {
                 : fmt::format("{} labels", guide_.pickedLabels().size()));
   row(ui, "Ticked", names);
   if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
-  bool keepsLargest = guide_.settings().keepsLargest, fillsHoles = guide_.settings().fillsHoles;
-  checkbox(ui, "each_largest", "Keep the largest part of each", keepsLargest, "Voxels that lie apart are left out");
-  checkbox(ui, "each_filled", "Fill the holes of each", fillsHoles, "What is enclosed on all sides");
-  guide_.setMending(keepsLargest, fillsHoles);
+  imaging::Mending mend = guide_.settings().mend;
+  checkbox(ui, "each_largest", "Keep the largest part of each", mend.largest, "Voxels that lie apart are left out");
+  checkbox(ui, "each_filled", "Fill the holes of each", mend.fillHoles, "What is enclosed on all sides");
+  guide_.setMending(mend);
 }
 
 void SegmentationPanel::drawMaterial(const c3de_ui_v0 &ui) {

@@ -72,12 +72,19 @@ struct WorkstationWindow::Impl {
   double frameBegan_s = 0.0;
   double newsFrame_s = 0.0;  ///< that the last frame took that showed what was new
 
+  std::vector<OsEvent> takeEvents();
+  void layOutAndCarryOut(FrameContext &context, const render::Renderer &renderer);
+  void paint(render::Renderer &renderer);
   void takeInput(FrameContext &context, const std::vector<OsEvent> &events);
   void takeMouse(const OsEvent &event);
   void takeKey(FrameContext &frame, const OsEvent &event);
   void layOut(FrameContext &frame, const render::Renderer &renderer);
   void carryOut(FrameContext &frame);
   void carryOut(FrameContext &frame, Command command);
+  void quitOrAsk();
+  void undo();
+  void resetLayout();
+  void transport(const SimulationView &simulation, std::uint32_t action);
   void openDialog(bool isMesh);
   void openImageDialog(bool areLabels);
   void openExportDialog(Command command);
@@ -324,97 +331,88 @@ void WorkstationWindow::Impl::resetView(std::optional<Pane> pane) {
   framesToFit = 1;
 }
 
+void WorkstationWindow::Impl::quitOrAsk() {
+  state.toLose = actions.unsaved ? actions.unsaved() : std::string();
+  if (state.toLose.empty()) window->requestClose();
+}
+
+void WorkstationWindow::Impl::undo() {
+  // What a tool holds is let go, and is the first to be undone.
+  if (services.tools) services.tools->cancelActive();
+  state.history.follow(services.parameters, services.workflow, services.edits);
+  state.history.undo();
+}
+
+void WorkstationWindow::Impl::resetLayout() {
+  state.layout = {};
+  state.layout.resetSections = true;
+  if (ImageViews *images = shownImages()) images->setMaximised({});
+}
+
+void WorkstationWindow::Impl::transport(const SimulationView &simulation, std::uint32_t action) {
+  // What a tool holds is gone with the state.
+  if (action == C3DE_TRANSPORT_RESET || action == C3DE_TRANSPORT_STOP) viewController->cancel();
+  if (actions.transport && simulation.exists) actions.transport(action);
+}
+
 void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
-  ImageViews *images = shownImages();
-  const auto transport = [&](std::uint32_t action) {
-    if (actions.transport && context.simulation.exists) actions.transport(action);
+  const SimulationView &simulation = context.simulation;
+  const auto call = [](const std::function<void()> &action) {
+    if (action) action();
+  };
+  const auto onImage = [&](const auto &act) {
+    if (ImageViews *images = shownImages()) act(*images);
+  };
+  const auto toggle = [&](bool ImageOptions::*flag) {
+    onImage([flag](ImageViews &images) {
+      ImageOptions options = images.options();
+      options.*flag = !(options.*flag);
+      images.setOptions(options);
+    });
   };
   switch (command) {
     case Command::none: break;
     case Command::openMesh: openDialog(true); break;
     case Command::openScene: openDialog(false); break;
     case Command::openImage: openImageDialog(false); break;
-    case Command::openLabels:
-      if (images) openImageDialog(true);
-      break;
-    case Command::closeImage:
-      if (images && actions.closeImage) actions.closeImage();
-      break;
-    case Command::fourViews:
-      if (images) images->setMaximised({});
-      break;
-    case Command::onlySpace:
-      if (images) images->setMaximised(Pane::space);
-      break;
-    case Command::resetSlices:
-      if (images) images->resetViews();
-      break;
-    case Command::crossHair:
-    case Command::windowLevelMode:
-      if (images) {
-        ImageOptions options = images->options();
-        bool &flag = command == Command::crossHair ? options.showsCrossHair : options.isWindowLevelMode;
-        flag = !flag;
-        images->setOptions(options);
-      }
-      break;
-    case Command::cutAxial:
-      if (images) images->turnCut(Pane::axial);
-      break;
-    case Command::cutSagittal:
-      if (images) images->turnCut(Pane::sagittal);
-      break;
-    case Command::cutCoronal:
-      if (images) images->turnCut(Pane::coronal);
-      break;
-    case Command::reload:
-      if (actions.reload) actions.reload();
-      break;
+    case Command::openLabels: onImage([&](ImageViews &) { openImageDialog(true); }); break;
+    case Command::closeImage: onImage([&](ImageViews &) { call(actions.closeImage); }); break;
+    case Command::reload: call(actions.reload); break;
     case Command::exportSurface:
     case Command::exportFrame:
-      if (context.simulation.exists) openExportDialog(command);
+      if (simulation.exists) openExportDialog(command);
       break;
     case Command::exportImage:
     case Command::exportDisplacement:
-      if (context.simulation.exists && images) openExportDialog(command);
+      if (simulation.exists && shownImages()) openExportDialog(command);
       break;
-    case Command::screenshot:
-      if (actions.screenshot) actions.screenshot();
-      break;
-    case Command::quit:
-      state.toLose = actions.unsaved ? actions.unsaved() : std::string();
-      if (state.toLose.empty()) window->requestClose();
-      break;
-    case Command::resetView: resetView(paneAt(context.mouseX, context.mouseY)); break;
-    case Command::undo:
-      // What a tool holds is let go, and is the first to be undone.
-      if (services.tools) services.tools->cancelActive();
-      state.history.follow(services.parameters, services.workflow, services.edits);
-      state.history.undo();
-      break;
+    case Command::screenshot: call(actions.screenshot); break;
+    case Command::quit: quitOrAsk(); break;
+    case Command::undo: undo(); break;
     case Command::redo: state.history.redo(); break;
     case Command::fitView: framesToFit = 1; break;
+    case Command::resetView: resetView(paneAt(context.mouseX, context.mouseY)); break;
     case Command::viewFront: lookFrom({0, 0, -1}, {0, 1, 0}); break;
     case Command::viewBack: lookFrom({0, 0, 1}, {0, -1, 0}); break;
     case Command::viewLeft: lookFrom({1, 0, 0}, {-1, 0, 0}); break;
     case Command::viewRight: lookFrom({-1, 0, 0}, {1, 0, 0}); break;
     case Command::viewTop: lookFrom({0, -1, 0}, {0, 0, -1}); break;
     case Command::viewBottom: lookFrom({0, 1, 0}, {0, 0, 1}); break;
-    case Command::resetLayout:
-      state.layout = {};
-      state.layout.resetSections = true;
-      if (images) images->setMaximised({});
-      break;
+    case Command::fourViews: onImage([](ImageViews &images) { images.setMaximised({}); }); break;
+    case Command::onlySpace: onImage([](ImageViews &images) { images.setMaximised(Pane::space); }); break;
+    case Command::resetSlices: onImage([](ImageViews &images) { images.resetViews(); }); break;
+    case Command::crossHair: toggle(&ImageOptions::showsCrossHair); break;
+    case Command::windowLevelMode: toggle(&ImageOptions::isWindowLevelMode); break;
+    case Command::cutAxial: onImage([](ImageViews &images) { images.turnCut(Pane::axial); }); break;
+    case Command::cutSagittal: onImage([](ImageViews &images) { images.turnCut(Pane::sagittal); }); break;
+    case Command::cutCoronal: onImage([](ImageViews &images) { images.turnCut(Pane::coronal); }); break;
+    case Command::resetLayout: resetLayout(); break;
     case Command::playPause:
-      transport(context.simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
+      transport(simulation, simulation.transport.mode == C3DE_SIM_PLAYING ? C3DE_TRANSPORT_PAUSE : C3DE_TRANSPORT_PLAY);
       break;
-    case Command::step: transport(C3DE_TRANSPORT_STEP); break;
-    // What a tool holds is gone with the state.
-    case Command::reset:
-    case Command::stop:
-      viewController->cancel();
-      transport(command == Command::reset ? C3DE_TRANSPORT_RESET : C3DE_TRANSPORT_STOP);
-      break;
+    case Command::step: transport(simulation, C3DE_TRANSPORT_STEP); break;
+    case Command::reset: transport(simulation, C3DE_TRANSPORT_RESET); break;
+    case Command::stop: transport(simulation, C3DE_TRANSPORT_STOP); break;
     case Command::orbitTool:
       if (services.tools) services.tools->activate({});
       break;
@@ -525,6 +523,47 @@ bool WorkstationWindow::waitForFrame() {
   return impl.takesNews;
 }
 
+std::vector<OsEvent> WorkstationWindow::Impl::takeEvents() {
+  window->wait(0.0);  // what has come since the frame was due
+  std::vector<OsEvent> events = window->takeEvents(fileDialog.awaitsTyping());
+  for (const OsEvent &event : events) imgui->take(*window, event);
+  if (!events.empty())
+    framesToSettle = kFramesToSettle;
+  else if (framesToSettle > 0)
+    --framesToSettle;
+  if (!takesNews) framesToSettle = std::max(framesToSettle, 1);  // what is new waits
+  return events;
+}
+
+void WorkstationWindow::Impl::layOutAndCarryOut(FrameContext &context, const render::Renderer &renderer) {
+  carryOut(context);
+  state.tooltip.isSeen = false;
+  const float dockHeight = state.dock.height;
+  layOut(context, renderer);
+  if (state.dock.height != dockHeight) framesToSettle = std::max(framesToSettle, 2);
+  if (state.quits) window->requestClose();
+  if (!state.tooltip.isSeen) state.tooltip = {};
+  carryOut(context);
+  fitIfWanted();
+}
+
+void WorkstationWindow::Impl::paint(render::Renderer &renderer) {
+  const auto pixels = window->framebufferSize();
+  if (pixels[0] <= 0 || pixels[1] <= 0) return;
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, pixels[0], pixels[1]);
+  glDisable(GL_SCISSOR_TEST);
+  glClearColor(colour::kChrome.x, colour::kChrome.y, colour::kChrome.z, 1.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
+  if (actions.beforeDraw) actions.beforeDraw();
+  if (!views) views.emplace();
+  views->draw(renderer, shownImages(), camera,
+              {area, panes, [&](const PixelRect &rect) { return viewportOf(rect); }, pixels});
+  isRefining = !view.isEmpty() && shownImages() && renderer.images() && renderer.images()->wantsRefinement();
+  glViewport(0, 0, pixels[0], pixels[1]);
+  imgui->draw();
+}
+
 void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationView &simulation) {
   Impl &impl = *impl_;
   impl.isMoving = (simulation.exists &&
@@ -543,48 +582,18 @@ void WorkstationWindow::drawFrame(render::Renderer &renderer, const SimulationVi
   context.view = impl.view;
   context.panes = impl.panes;
 
-  impl.window->wait(0.0);  // what has come since the frame was due
-  const std::vector<OsEvent> events = impl.window->takeEvents(impl.fileDialog.awaitsTyping());
-  for (const OsEvent &event : events) impl.imgui->take(*impl.window, event);
-  if (!events.empty())
-    impl.framesToSettle = kFramesToSettle;
-  else if (impl.framesToSettle > 0)
-    --impl.framesToSettle;
-  if (!impl.takesNews) impl.framesToSettle = std::max(impl.framesToSettle, 1);  // what is new waits
+  const std::vector<OsEvent> events = impl.takeEvents();
   impl.imgui->beginFrame();
   impl.automation.beginFrame();
   context.mouseX = ImGui::GetIO().MousePos.x;
   context.mouseY = ImGui::GetIO().MousePos.y;
   impl.takeInput(context, events);
-  impl.carryOut(context);
-  impl.state.tooltip.isSeen = false;
-  const float dockHeight = impl.state.dock.height;
-  impl.layOut(context, renderer);
-  if (impl.state.dock.height != dockHeight) impl.framesToSettle = std::max(impl.framesToSettle, 2);
-  if (impl.state.quits) impl.window->requestClose();
-  if (!impl.state.tooltip.isSeen) impl.state.tooltip = {};
-  impl.carryOut(context);
-  impl.fitIfWanted();
+  impl.layOutAndCarryOut(context, renderer);
   context.mouseButtons = impl.buttons;
   impl.automation.endFrame(context, GlfwWindow::now_s());
   impl.imgui->endFrame();
 
-  const auto pixels = impl.window->framebufferSize();
-  if (pixels[0] > 0 && pixels[1] > 0) {
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    glViewport(0, 0, pixels[0], pixels[1]);
-    glDisable(GL_SCISSOR_TEST);
-    glClearColor(colour::kChrome.x, colour::kChrome.y, colour::kChrome.z, 1.0f);
-    glClear(GL_COLOR_BUFFER_BIT);
-    if (impl.actions.beforeDraw) impl.actions.beforeDraw();
-    if (!impl.views) impl.views.emplace();
-    impl.views->draw(renderer, impl.shownImages(), impl.camera,
-                     {impl.area, impl.panes, [&](const PixelRect &rect) { return impl.viewportOf(rect); }, pixels});
-    impl.isRefining =
-        !impl.view.isEmpty() && impl.shownImages() && renderer.images() && renderer.images()->wantsRefinement();
-    glViewport(0, 0, pixels[0], pixels[1]);
-    impl.imgui->draw();
-  }
+  impl.paint(renderer);
   impl.window->swap();
   if (impl.takesNews) impl.newsFrame_s = GlfwWindow::now_s() - impl.frameBegan_s;
   if (!events.empty())

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "c3de/geometry/mesh_io.h"
+#include "c3de/geometry/mesh_writer.h"
 #include "c3de/geometry/winding_number.h"
 #include "c3de/imaging/masks.h"
 #include "c3de/imaging/surface.h"
@@ -66,7 +67,7 @@ void checkScan(const Volume &volume) {
   const geometry::TriangleMesh letters = surfaceAbove(volume, kBlock, kInk);
   checkLetters(letters);
   const auto file = testOutputFolder() / "letters.obj";
-  const auto saved = geometry::saveObj(file, letters, geometry::LengthUnit::millimetre);
+  const auto saved = geometry::writeMesh(file, letters);
   REQUIRE(saved);
   const auto again = geometry::loadMesh(file, geometry::LengthUnit::millimetre);
   REQUIRE(again);

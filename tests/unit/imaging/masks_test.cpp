@@ -162,6 +162,22 @@ TEST_CASE("holes are filled, bays and tunnels are not", "[imaging][masks]") {
   CHECK(voxelCount(value(fillHoles(cut))) == 215);
 }
 
+TEST_CASE("mending opens, closes, keeps the largest part and fills holes, in this order", "[imaging][masks]") {
+  const VolumeGeometry grid = phantoms::grid({20, 12, 12});
+  Mask mask = phantoms::box(grid, {1, 1, 1}, {9, 9, 9});
+  phantoms::set(mask, {5, 5, 5}, false);
+  const Mask other = phantoms::box(grid, {12, 2, 2}, {17, 7, 7});
+  for (std::size_t v = 0; v < mask.voxels.size(); ++v) mask.voxels[v] |= other.voxels[v];
+  for (std::size_t i = 9; i < 12; ++i) phantoms::set(mask, {i, 4, 4}, true);  // a bridge, which opening takes away
+  CHECK(value(mended(mask, {})).voxels == mask.voxels);
+  const Mask all = value(mended(mask, {1.0, 1.0, true, true}));
+  CHECK(all.voxels == value(fillHoles(value(largestComponent(value(closed(value(opened(mask, 1.0)), 1.0)))))).voxels);
+  CHECK(get(all, {2, 2, 2}));
+  CHECK_FALSE(get(all, {10, 4, 4}));
+  CHECK_FALSE(get(all, {14, 4, 4}));
+  CHECK_THAT(mended(mask, {0.0, 1e9, false, false}).error().message, Contains("radius"));
+}
+
 TEST_CASE("closing and opening are what their definition says, on any grid", "[imaging][masks]") {
   for (const VolumeGeometry &g :
        {phantoms::grid({17, 16, 15}), phantoms::oblique({17, 16, 15}, {0.7, 1.3, 2.1}, true), sheared()})

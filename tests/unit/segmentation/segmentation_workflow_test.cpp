@@ -212,7 +212,7 @@ TEST_CASE("Several ticked labels become a request each, with the material of the
   f.guide.createBodies();
   CHECK(f.made.empty());
   f.guide.chooseMaterialOf(8, "fat");
-  f.guide.setMending(true, true);
+  f.guide.setMending({.largest = true, .fillHoles = true});
   f.guide.setSampling({false, 640.0, true, 3.5});
   f.guide.setHolding(Held::lowestPart, 2e5);
   f.guide.createBodies();
@@ -220,8 +220,8 @@ TEST_CASE("Several ticked labels become a request each, with the material of the
   CHECK((f.made[0].name == "thing" && f.made[0].material == "fat" && f.made[0].label == 8));
   CHECK((f.made[1].name == "kidney_left" && f.made[1].material == "kidney_cortex" && f.made[1].label == 3));
   for (const BodyRequest &request : f.made)
-    CHECK((request.phyxels == 640 && request.edge_mm == 0.0 && request.held == Held::lowestPart && request.fillsHoles &&
-           request.keepsLargest));
+    CHECK((request.phyxels == 640 && request.edge_mm == 0.0 && request.held == Held::lowestPart &&
+           request.mend.fillHoles && request.mend.largest));
   const auto mask = maskOf(f.made[0]);
   REQUIRE(mask);
   CHECK(imaging::voxelCount(*mask) == Fixture::kSmall);

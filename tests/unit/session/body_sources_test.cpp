@@ -130,21 +130,21 @@ TEST_CASE("A mask is mended in the order of the scene") {
     return imaging::voxelCount(picked->mask);
   };
   scene::SceneVolume volume = numbered(file, 3);
-  volume.largest = true;
+  volume.mend.largest = true;
   CHECK(voxels(volume) == ballVoxels() - 2);
-  volume.fillHoles = true;
+  volume.mend.fillHoles = true;
   CHECK(voxels(volume) == ballVoxels() - 1);
   volume = numbered(file, 3);
-  volume.fillHoles = true;
+  volume.mend.fillHoles = true;
   CHECK(voxels(volume) == ballVoxels() + 1);
   volume = numbered(file, 5);
-  volume.opening_mm = 3.0;
+  volume.mend.opening_mm = 3.0;
   const auto nothing = sources.pick(volume, {}, took);
   REQUIRE_FALSE(nothing);
   CHECK(nothing.error().code == ErrorCode::input);
   CHECK_THAT(nothing.error().message, Contains("labels.nrrd: nothing is left of what was asked for"));
   volume = numbered(file, 3);
-  volume.closing_mm = 2.5;
+  volume.mend.closing_mm = 2.5;
   CHECK(voxels(volume) >= ballVoxels() + 1);
 }
 

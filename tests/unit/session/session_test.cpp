@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "box_mesh.h"
-#include "c3de/geometry/mesh_io.h"
+#include "c3de/geometry/mesh_writer.h"
 #include "c3de/imaging/writing.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/build_scene.h"
@@ -39,7 +39,7 @@ struct Fixture {
   Fixture() {
     simulator.worldIds = {"world.gravity", "solver.dt"};
     simulator.bodyIds = {"material.density", "sampling.count", "friction"};
-    REQUIRE(geometry::saveObj(folder / "box.obj", boxMesh({0, 0, 0}, {100, 20, 20}), geometry::LengthUnit::millimetre));
+    REQUIRE(geometry::writeMesh(folder / "box.obj", boxMesh({0, 0, 0}, {100, 20, 20})));
     std::ofstream(folder / "garbage.obj") << "# UNITS=mm\nv 0 0 zero\n";
     std::ofstream(folder / "garbage.nrrd") << "NRRD0004\ntype: odd\n";
     imaging::LabelMap labels;

@@ -35,10 +35,6 @@ struct LoadedMesh {
 [[nodiscard]] std::span<const std::string_view> meshExtensions();
 [[nodiscard]] bool isMeshFile(const std::filesystem::path &path);  ///< by its extension alone
 
-/// Writes OBJ in the given unit. @param comment  one line for the head of the file, beside the unit
-[[nodiscard]] Expected<void> saveObj(const std::filesystem::path &path, const TriangleMesh &mesh, LengthUnit unit,
-                                     std::string_view comment = {});
-
 /// The same clean-up for a mesh that was made in memory; its numbers are in the given unit.
 [[nodiscard]] Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit);
 

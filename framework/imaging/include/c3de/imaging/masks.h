@@ -62,6 +62,13 @@ struct Fill {
 /// what it cuts goes on behind it. Errors as of closed().
 [[nodiscard]] Expected<Mask> opened(const Mask &mask, double radius_mm, const ProgressFn &progress = {});
 
+/// What makes the mask of an organ of raw voxels, in this order; 0 and false: not wanted.
+struct Mending {
+  double opening_mm = 0.0, closing_mm = 0.0;
+  bool largest = false, fillHoles = false;
+};
+[[nodiscard]] Expected<Mask> mended(Mask mask, const Mending &how, const ProgressFn &progress = {});
+
 /// Labels on another grid: each voxel takes the label at its centre, 0 where the map has none. Errors: a grid without
 /// voxels.
 [[nodiscard]] Expected<LabelMap> resampled(const LabelMap &labels, const VolumeGeometry &grid,

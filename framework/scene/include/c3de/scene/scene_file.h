@@ -13,7 +13,7 @@
 #include "c3de/core/parameter.h"
 #include "c3de/core/vec.h"
 #include "c3de/geometry/triangle_mesh.h"
-#include "c3de/imaging/volume.h"
+#include "c3de/imaging/masks.h"
 #include "c3de/scene/materials.h"
 
 namespace c3de::scene {
@@ -65,8 +65,7 @@ struct SceneRefinement {
   int line = 0;
 };
 
-/// What of an image is a body: a label of a label map, or the values of an image between two limits; then mended, in
-/// this order.
+/// What of an image is a body: a label of a label map, or the values of an image between two limits; then mended.
 struct SceneVolume {
   std::filesystem::path file;                      ///< file or DICOM folder; empty: the body has a mesh, or `mask`
   std::size_t time = 0;                            ///< of several time points of the file, from 0
@@ -76,8 +75,7 @@ struct SceneVolume {
   std::string labelName;                           ///< or its name; empty: not by name
   std::string series;                              ///< imaging::ReadOptions::series of the file or folder
   std::optional<std::array<double, 2>> threshold;  ///< lowest and highest value that belong to it
-  double opening_mm = 0.0, closing_mm = 0.0;       ///< 0: none
-  bool largest = false, fillHoles = false;
+  imaging::Mending mend;
   double edgeLength_mm = 0.0;  ///< of the triangles of the skin; 0: automatic
 };
 

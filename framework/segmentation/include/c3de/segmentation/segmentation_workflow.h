@@ -33,7 +33,7 @@ struct SegmentationSettings {
   SamplingChoice sampling;
   Held held = Held::surroundings;
   double surroundings_Pa_m = kSurroundingsStiffness;
-  bool keepsLargest = false, fillsHoles = false;  ///< of each of several labels
+  imaging::Mending mend;  ///< of each of several labels
 };
 
 /// The path from an image to bodies of a simulation: pick, material, sampling, go. One label or threshold gives a mask
@@ -110,7 +110,7 @@ class SegmentationWorkflow {
   /// Of one of several labels.
   [[nodiscard]] bool isRigid(std::uint16_t label) const;
   void setRigid(std::uint16_t label, bool isRigid) { labelRigid_[label] = isRigid; }
-  void setMending(bool keepsLargest, bool fillsHoles);
+  void setMending(const imaging::Mending &mend);
 
   /// Why no body can be created of it yet, for a person; empty: it can.
   [[nodiscard]] std::string blockingReason() const;
