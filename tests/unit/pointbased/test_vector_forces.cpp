@@ -293,14 +293,3 @@ TEST_CASE("evaluation by kernels gives the same bits on every instruction set wi
         CHECK(energies[0] == energies[1]);
       }
 }
-
-TEST_CASE("bodies that flow or relax go by stages", "[kernels]") {
-  const Case c = bodies().front();
-  Material relaxing = materialOf(MaterialLaw::neoHookean), plastic = relaxing;
-  relaxing.prony[0] = {0.3, 1.0};
-  plastic.plastic.yield = 0.1;
-  plastic.plastic.creep = 0.5;
-  plastic.plastic.max = 1.0;
-  for (const Material &m : {relaxing, plastic})
-    CHECK_FALSE(Body("b", c.rest, Constitution{{m}, kLatticeStabilisation}, serialFor()).vectorised());
-}
