@@ -160,38 +160,54 @@ HWY_INLINE ModalStrain<V> relaxModes(D d, const MaterialHistory &m, const PointR
   return {first.B + second.B, first.xyz + second.xyz};
 }
 
-template <MaterialLaw kLaw, bool kRelaxes, class D>
+/// F_e of some lanes after their flow.
+template <bool kFlows, class D, class V = hn::Vec<D>>
+struct ElasticState {
+  Mat3Lanes<V> plastic;  // F_p^-1 - 1
+  Strain<D> strain;
+  V stretch2;
+
+  HWY_INLINE ElasticState(const CellMemory<D> &memory, const Mat3Lanes<V> &G, V)
+      : plastic(memory.plasticInverse()), strain(memory.run.d, elasticPart(G, plastic)) {
+    const D d = memory.run.d;
+    if (memory.flow(strain, G, plastic)) strain = Strain<D>(d, elasticPart(G, plastic));
+    stretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E));
+  }
+  HWY_INLINE void pullBack(D d, Mat3Lanes<V> &P, V &ratio) const {
+    P = P + times(P, transposed(plastic));
+    const Sym3Lanes<V> left = greenStrain(d, transposed(plastic));  // (F_p^-1 F_p^-ᵀ - 1)/2
+    ratio = hn::Mul(ratio, largestStretchSquared(d, left, spreadOf(d, left)));
+  }
+};
+template <class D, class V>
+struct ElasticState<false, D, V> {
+  Strain<D> strain;
+  V stretch2;
+
+  HWY_INLINE ElasticState(const CellMemory<D> &memory, const Mat3Lanes<V> &G, V totalStretch2)
+      : strain(memory.run.d, G), stretch2(totalStretch2) {}
+  HWY_INLINE void pullBack(D, Mat3Lanes<V> &, V &) const {}
+};
+
+template <MaterialLaw kLaw, bool kFlows, bool kRelaxes, class D>
 HWY_INLINE void forcesOfLanes(const CellRun<D> &run, const HistoryJob &history, const ScalarLaw &scalar) {
   using V = hn::Vec<D>;
   const D d = run.d;
   HWY_ALIGN double spare[36];
   const CellMemory<D> memory(run, history, spare);
-  const bool flows = memory.material.flows;
   SignSums<V> x, y, z;
   run.gatherCorners(run.fields.displacements, x, y, z);
   const Mat3Lanes<V> G = run.gradient(x, y, z);
-  Mat3Lanes<V> plastic = scaled(hn::Zero(d), G);
-  Strain<D> strain(d, G);
-  V stretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E)), elasticStretch2 = stretch2;
-  if (flows) {
-    plastic = memory.plasticInverse();
-    strain = Strain<D>(d, elasticPart(G, plastic));
-    if (memory.flow(strain, G, plastic)) {
-      strain = Strain<D>(d, elasticPart(G, plastic));
-    }
-    elasticStretch2 = largestStretchSquared(d, strain.E, spreadOf(d, strain.E));
-  }
-  const FrameOf<kLaw, D> frame(d, strain);
+  const Sym3Lanes<V> E = greenStrain(d, G);
+  const V stretch2 = largestStretchSquared(d, E, spreadOf(d, E));
+  const ElasticState<kFlows, D> elastic(memory, G, stretch2);
+  const FrameOf<kLaw, D> frame(d, elastic.strain);
   V ratio;
-  Mat3Lanes<V> S = stressOf<kLaw>(d, run.law, strain, frame, elasticStretch2, scalar, run.material(), ratio);
+  Mat3Lanes<V> S = stressOf<kLaw>(d, run.law, elastic.strain, frame, elastic.stretch2, scalar, run.material(), ratio);
   if constexpr (kRelaxes)
-    S = S - relaxedStress<kLaw>(d, run.law, memory.material, strain, frame, memory.template records<27>(history.prony),
-                                memory.axes, scalar, run.material());
-  if (flows) {
-    S = S + times(S, transposed(plastic));
-    const Sym3Lanes<V> left = greenStrain(d, transposed(plastic));  // (F_p^-1 F_p^-ᵀ - 1)/2
-    ratio = hn::Mul(ratio, largestStretchSquared(d, left, spreadOf(d, left)));
-  }
+    S = S - relaxedStress<kLaw>(d, run.law, memory.material, elastic.strain, frame,
+                                memory.template records<27>(history.prony), memory.axes, scalar, run.material());
+  elastic.pullBack(d, S, ratio);
   if (run.fields.velocities) {
     SignSums<V> vx, vy, vz;
     run.gatherCorners(run.fields.velocities, vx, vy, vz);
@@ -266,15 +282,11 @@ HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const HistoryJob &history
                                                         product(B, hourglassConjugate(d, run.law, B, run.roots()))));
 }
 
-template <MaterialLaw kLaw>
+template <MaterialLaw kLaw, bool kFlows, bool kRelaxes>
 HWY_NOINLINE void forcesOfSlice(const CellJob<double> &job, const HistoryJob &history, const ScalarLaw &scalar,
                                 const ChunkFields<double> &fields, std::size_t slice) {
-  // Registers are few: what does not relax has a body of its own.
-  if (history.materials[job.cells->materials[slice]].relaxes) {
-    forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { forcesOfLanes<kLaw, true>(run, history, scalar); });
-  } else {
-    forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { forcesOfLanes<kLaw, false>(run, history, scalar); });
-  }
+  forLanes(job, fields, slice,
+           [&](const auto &run) HWY_ATTR { forcesOfLanes<kLaw, kFlows, kRelaxes>(run, history, scalar); });
 }
 
 template <MaterialLaw kLaw>
@@ -287,10 +299,17 @@ HWY_NOINLINE void energiesOfSlice(const CellJob<double> &job, const HistoryJob &
 
 void HistoryForces(const CellJob<double> &job, const HistoryJob &history, const ScalarLaw &scalar, std::size_t begin,
                    std::size_t end) {
-  forSlices<Sums::perPhyxel>(job, begin, end,
-                             [&](auto law, std::size_t slice, const ChunkFields<double> &fields) HWY_ATTR {
-                               forcesOfSlice<decltype(law)::value>(job, history, scalar, fields, slice);
-                             });
+  forSlices<Sums::perPhyxel>(
+      job, begin, end, [&](auto law, std::size_t slice, const ChunkFields<double> &fields) HWY_ATTR {
+        constexpr MaterialLaw kLaw = decltype(law)::value;
+        const MaterialHistory &material = history.materials[job.cells->materials[slice]];
+        // Registers are few: each kind of material has a function of its own.
+        const auto run = material.flows
+                             ? material.relaxes ? forcesOfSlice<kLaw, true, true> : forcesOfSlice<kLaw, true, false>
+                         : material.relaxes ? forcesOfSlice<kLaw, false, true>
+                                            : forcesOfSlice<kLaw, false, false>;
+        run(job, history, scalar, fields, slice);
+      });
 }
 void HistoryEnergies(const CellJob<double> &job, const HistoryJob &history, const ScalarLaw &scalar, std::size_t begin,
                      std::size_t end) {
