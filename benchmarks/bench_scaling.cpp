@@ -10,11 +10,16 @@
 //   substep  one explicit step of Simulator: forces, integration and the guard, without contact
 // in turns, medians. A small ball has more surface, so fewer cells per phyxel: costs per evaluation point stand beside.
 //
+// Memory of materials: the same evaluation of 3 000 phyxels over a step of 1 ms with a material that flows or relaxes,
+// over that of the elastic one.
+//
 // Memory: what operator new has given out for the rest state and for the body, by counting; "of these" the vectors that
 // can be seen from outside, by their sizes. Surfels: what a rest state with them has more.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
@@ -114,6 +119,45 @@ void surfelMemory(bench::Report &report, std::size_t surfels, const ParallelFor 
   }
 }
 
+// What a step costs where the material remembers its past.
+void historyTable(bench::Report &report, double seconds, const ParallelFor &parallelFor) {
+  constexpr std::size_t kPhyxels = 3000;
+  constexpr double kStep = 1e-3;  // s
+  report.table("materials with a memory", {{"evaluation", "evaluation          "},
+                                           {"material", "material            "},
+                                           {"phyxels", "phyxels"},
+                                           {"points", "points"},
+                                           {"forces_median_ms", "forces ms", 4},
+                                           {"forces_ns_per_point", "ns/point", 1},
+                                           {"over_elastic", "over elastic", 2}});
+  const char *const names[] = {"elastic", "below yield", "flows everywhere", "one Prony term", "two Prony terms"};
+  for (const Kind &kind : kKinds) {
+    const auto rest =
+        kind.lattice ? bench::latticeBall(kPhyxels, 0, parallelFor) : bench::cloudBall(kPhyxels, 0, parallelFor);
+    std::vector<Body> bodies;
+    for (std::size_t k = 0; k < std::size(names); ++k) {
+      Constitution constitution = bench::constitutionFor(*rest);
+      Material &material = constitution.materials.front();
+      if (k == 1 || k == 2) {
+        material.plastic.yield = k == 1 ? 1.0 : 0.01;
+        material.plastic.creep = 0.5;
+      }
+      if (k >= 3) material.prony[0] = {0.3, 0.1};
+      if (k == 4) material.prony[1] = {0.2, 1.0};
+      Body &body = bodies.emplace_back("ball", rest, std::move(constitution), parallelFor);
+      body.setPrecision(kind.precision);
+      bench::deform(body);
+    }
+    std::vector<std::function<void()>> evaluations;
+    for (Body &body : bodies) evaluations.emplace_back([&] { body.evaluate(0.0, kStep, parallelFor); });
+    const std::vector<Timing> times = bench::measureInTurns(seconds, evaluations);
+    for (std::size_t k = 0; k < bodies.size(); ++k)
+      report.row({bench::evaluationName(bodies[k]), names[k], rest->phyxelCount(), rest->pointCount(),
+                  times[k].median_ms, 1e6 * times[k].median_ms / static_cast<double>(rest->pointCount()),
+                  times[k].median_ms / times[0].median_ms});
+  }
+}
+
 struct Spread {
   double least = 1e300, most = 0.0;
   void add(double value) {
@@ -197,6 +241,8 @@ int main(int argc, char **argv) {
       report.note(text);
       report.fact("spread_" + quantity + ", " + evaluation, spread.most / spread.least);
     }
+
+  historyTable(report, options.seconds, parallelFor);
 
   report.table("bytes per phyxel", {{"evaluation", "evaluation          "},
                                     {"phyxels", "phyxels"},

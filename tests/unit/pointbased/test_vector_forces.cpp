@@ -1,82 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The vector kernels against the scalar engine, which stays as the slower, plainer way to the same forces.
-#include <hwy/targets.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "pointbased/lattice.h"
-#include "shapes.h"
 #include "support/catch.h"
+#include "vector_cases.h"
 
-using namespace pointbased;
+using namespace vector_cases;
 
 namespace {
-
-struct Case {
-  const char *name;
-  std::shared_ptr<const RestState> rest;
-};
-
-std::shared_ptr<const RestState> latticeBody(const BodyShape &shape, LatticeSampling sampling,
-                                             std::vector<Fix> fixes = {}) {
-  BodyRecipe recipe;
-  recipe.sampling = std::move(sampling);
-  recipe.fixes = std::move(fixes);
-  auto rest = buildRestState(shape, recipe, {}, serialFor());
-  if (!rest) throw std::runtime_error(rest.error());
-  return *rest;
-}
-
-std::vector<Case> bodies() {
-  const BodyShape ball = shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05);
-  LatticeSampling plain, turned, refined;
-  plain.count = turned.count = 400;
-  turned.axes = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-  refined.spacing = 0.02;
-  refined.refinements.push_back({BoxRegion{Vec3(0.05, 0.1, -0.2), Vec3(0.1, 0.3, 0.0)}, 0.01});
-  return {{"cut cells", latticeBody(ball, plain)},
-          {"turned lattice", latticeBody(ball, turned)},
-          {"refined lattice", latticeBody(ball, refined)},
-          {"two lobes", latticeBody(shapes::horseshoe(), plain)}};
-}
-
-std::vector<Case> clouds() {
-  const BodyShape ball = shapes::ball(Vec3(0.1, 0.2, -0.1), 0.05);
-  // A tail of single file: stencils that span a line or a plane only.
-  std::vector<Vec3> tailed;
-  for (const Vec3 &x : shapes::filled(ball, 0.012).positions) tailed.push_back(x);
-  for (int i = 0; i < 9; ++i) tailed.emplace_back(0.155 + 0.012 * i, 0.2, -0.1);
-  return {{"ball", shapes::restState(ball, 0.012)},
-          {"many neighbours", shapes::restState(ball, 0.012, NeighborChoice{26, 1.8})},
-          {"tail", shapes::restState(tailed, 0.012)}};
-}
-
-Material materialOf(MaterialLaw law) {
-  Material m;
-  m.youngsModulus = 6000.0;
-  m.poissonRatio = 0.45;
-  m.law = law;
-  return m;
-}
-
-// A stretch, a turn and some noise.
-void deform(Body &body, double size, double noise, std::uint64_t seed) {
-  support::Random random(seed);
-  Mat3 A;
-  for (int c = 0; c < 3; ++c) A.col(c) = size * random.vector();
-  const Mat3 R = Eigen::AngleAxisd(2.0 * size, Vec3(1, -1, 2).normalized()).toRotationMatrix();
-  const Mat3 H = R * (Mat3::Identity() + A) - Mat3::Identity();
-  for (std::size_t i = 0; i < body.rest().phyxelCount(); ++i)
-    body.state().displacements[i] =
-        H * body.rest().positions[i] + noise * body.rest().spacing * random.vector() + Vec3(0.01, -0.02, 0.03);
-}
-
-double largest(std::span<const Vec3> field) {
-  double most = 0.0;
-  for (const Vec3 &v : field) most = std::max(most, v.norm());
-  return most;
-}
 
 // Largest difference of the two ways, over the largest force; and how much longer the stable step is.
 struct Difference {
@@ -88,13 +21,8 @@ Difference difference(Body &body) {
   const std::vector<Vec3> fast(body.forces().begin(), body.forces().end());
   const double step = body.stableStep();
   shapes::evaluate(body);
-  std::vector<Vec3> off;
-  for (std::size_t i = 0; i < fast.size(); ++i) off.push_back(fast[i] - body.forces()[i]);
-  return {largest(off) / largest(body.forces()), step / body.stableStep() - 1.0};
+  return {relativeDifference(body.forces(), fast), step / body.stableStep() - 1.0};
 }
-
-constexpr MaterialLaw kLaws[] = {MaterialLaw::linear, MaterialLaw::stVenantKirchhoff, MaterialLaw::corotated,
-                                 MaterialLaw::neoHookean};
 
 }  // namespace
 
@@ -280,10 +208,8 @@ TEST_CASE("products with the tangent are those of the scalar engine", "[kernels]
             TangentScratch scratch;
             forceDifferential(constitution, c.rest->stencils, c.rest->positions, body.state().displacements,
                               body.gradients(), PointHistory(), 0.0, viscousScale, du, scratch, plain, serialFor());
-            std::vector<Vec3> off;
-            for (std::size_t i = 0; i < du.size(); ++i) off.push_back(fast[i] - plain[i]);
             INFO(c.name << ", law " << static_cast<int>(law) << ", strain " << size << ", k_v " << volumeStiffness);
-            CHECK(largest(off) < 1e-10 * largest(plain));  // round-off, and that of the turn of the corotated law
+            CHECK(relativeDifference(plain, fast) < 1e-10);  // round-off, and that of the turn of the corotated law
           }
 }
 
@@ -322,13 +248,6 @@ TEST_CASE("several materials of a body are each answered by their own law", "[ke
 }
 
 TEST_CASE("evaluation by kernels gives the same bits however its loops are cut", "[kernels]") {
-  const ParallelFor pieces = [](std::size_t n, std::size_t, const std::function<void(std::size_t, std::size_t)> &body) {
-    for (std::size_t end = n; end > 0;) {
-      const std::size_t begin = end > 7 ? end - 7 : 0;
-      body(begin, end);
-      end = begin;
-    }
-  };
   for (const bool lattice : {true, false})
     for (const Precision precision : {Precision::doublePrecision, Precision::singlePrecision}) {
       const Case c = lattice ? bodies()[2] : clouds()[2];
@@ -338,23 +257,15 @@ TEST_CASE("evaluation by kernels gives the same bits however its loops are cut",
       body.evaluate(0.0, 0.0, serialFor());
       const std::vector<Vec3> whole(body.forces().begin(), body.forces().end());
       const double step = body.stableStep();
-      body.evaluate(0.0, 0.0, pieces);
+      body.evaluate(0.0, 0.0, inPieces());
       CHECK(body.stableStep() == step);
       CHECK(std::equal(whole.begin(), whole.end(), body.forces().begin()));
     }
 }
 
 TEST_CASE("evaluation by kernels gives the same bits on every instruction set with a fused multiply-add", "[kernels]") {
-  struct Restore {
-    ~Restore() {
-      hwy::SetSupportedTargetsForTest(0);
-      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    }
-  } restore;
-  std::vector<std::int64_t> targets;
-  for (const std::int64_t target : {HWY_AVX3, HWY_AVX2})
-    if ((hwy::SupportedTargets() & target) != 0) targets.push_back(target);
-  if (targets.size() < 2) {
+  const InstructionSets sets;
+  if (sets.fused().size() < 2) {
     c3de::test::skip("this machine has one such instruction set only");
     return;
   }
@@ -369,10 +280,8 @@ TEST_CASE("evaluation by kernels gives the same bits on every instruction set wi
         deform(body, 0.3, 0.1, 3);
         std::vector<std::vector<Vec3>> forces;
         std::vector<double> steps, energies;
-        for (const std::int64_t target : targets) {
-          hwy::SetSupportedTargetsForTest(target);
-          hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-          CHECK(kernelTarget() == hwy::TargetName(target));
+        for (const std::int64_t target : sets.fused()) {
+          sets.use(target);
           body.evaluate(0.0, 0.0, serialFor());
           forces.emplace_back(body.forces().begin(), body.forces().end());
           steps.push_back(body.stableStep());
@@ -383,15 +292,4 @@ TEST_CASE("evaluation by kernels gives the same bits on every instruction set wi
         CHECK(steps[0] == steps[1]);
         CHECK(energies[0] == energies[1]);
       }
-}
-
-TEST_CASE("bodies that flow or relax go by stages", "[kernels]") {
-  const Case c = bodies().front();
-  Material relaxing = materialOf(MaterialLaw::neoHookean), plastic = relaxing;
-  relaxing.prony[0] = {0.3, 1.0};
-  plastic.plastic.yield = 0.1;
-  plastic.plastic.creep = 0.5;
-  plastic.plastic.max = 1.0;
-  for (const Material &m : {relaxing, plastic})
-    CHECK_FALSE(Body("b", c.rest, Constitution{{m}, kLatticeStabilisation}, serialFor()).vectorised());
 }

@@ -137,9 +137,11 @@ Json attachmentJson(const Simulator &simulator, std::size_t id) {
 std::string howComputed(const Simulator &simulator, std::size_t id) {
   const Body &body = *simulator.body(id);
   const Integrator integrator = simulator.integratorOf(id);
-  const bool single = integrator == Integrator::explicitVerlet && body.precision() == Precision::singlePrecision;
+  const bool isExplicit = integrator == Integrator::explicitVerlet;
+  const bool single = isExplicit && body.precision() == Precision::singlePrecision && !body.constitution().remembers();
   if (body.rigid()) return "rigid: it is not";
-  if (!body.vectorised()) return std::string(nameOf(integrator)) + ", by stages";
+  if (!(isExplicit ? body.vectorised() : body.vectorisedTangent()))
+    return std::string(nameOf(integrator)) + ", by stages";
   return std::string(nameOf(integrator)) + (single ? ", single" : ", double") + " precision, " + kernelTarget();
 }
 

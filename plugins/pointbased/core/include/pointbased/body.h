@@ -106,17 +106,22 @@ class Body {
   [[nodiscard]] double stableStep() const { return stableStepFor(tangentRatio_); }
   [[nodiscard]] double restFrequency() const { return restFrequency_; }
 
-  /// Of what the force kernels compute with; takes effect with the next evaluation.
+  /// Of what the force kernels compute with; takes effect with the next evaluation. Materials that flow or relax are
+  /// computed in double precision always.
   void setPrecision(Precision precision);
   [[nodiscard]] Precision precision() const { return precision_; }
-  /// Whether evaluate() runs vector kernels: not with materials that flow or relax, nor on a renewed reference.
+  /// Whether evaluate() and elasticEnergy() run vector kernels: not on a renewed reference, nor with clouds that flow
+  /// or relax.
   [[nodiscard]] bool vectorised() const { return vectorForces_ != nullptr; }
+  /// Whether evaluateInternal(), linearise() and forceDifferential() are there too: not with materials that flow or
+  /// relax.
+  [[nodiscard]] bool vectorisedTangent() const { return vectorised() && !constitution_.remembers(); }
 
   /// forces() and tangentRatio() of the present state, loads at time (or load factor) t: all that an explicit step
   /// needs. Fused where the body is vectorised(), else the stages below, with plastic flow and Prony terms over dt.
   void evaluate(double t, double dt, const ParallelFor &parallelFor);
-  /// Of a body that is vectorised(), in double precision whatever precision() is: forces() without loads (and without
-  /// viscous ones, if asked); the tangent there, and its products df = -K du, with viscous forces of velocities
+  /// Of a body with vectorisedTangent(), in double precision whatever precision() is: forces() without loads (and
+  /// without viscous ones, if asked); the tangent there, and its products df = -K du, with viscous forces of velocities
   /// viscousScale du.
   void evaluateInternal(bool viscous, const ParallelFor &parallelFor);
   /// Displacements have been changed from outside: what is known of the points is old.

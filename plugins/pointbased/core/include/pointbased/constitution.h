@@ -17,6 +17,7 @@ struct Constitution {
   [[nodiscard]] bool viscous() const;   ///< any viscosity > 0
   [[nodiscard]] bool relaxing() const;  ///< any Prony term
   [[nodiscard]] bool plastic() const;   ///< any enabled plasticity
+  [[nodiscard]] bool remembers() const { return relaxing() || plastic(); }
 };
 
 /// What the points of a body remember. A vector is empty where no material needs it, and then its stage does not run.

@@ -24,6 +24,9 @@ struct FlowResult {
   bool capped = false;         ///< held back by Plasticity::max
 };
 
+/// Share of the strain above yield that flows in dt (s), 1 - (1 - creep)^(dt / creepTime).
+[[nodiscard]] double flowShare(const Plasticity &plastic, double dt);
+
 /// Lets a point flow for dt and says whether it did.
 ///
 /// F = Fe Fp with det Fp = 1. With the elastic deviatoric Hencky strain h of Fe, of norm |h| and direction N = h/|h|,

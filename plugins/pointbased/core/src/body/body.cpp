@@ -250,7 +250,7 @@ detail::VectorForces &Body::exactForces() const {
 void Body::evaluateInternal(bool viscous, const ParallelFor &parallelFor) {
   const std::span<const Vec3> velocities =
       viscous && constitution_.viscous() ? state_.velocities : std::span<const Vec3>();
-  tangentRatio_ = exactForces().evaluate(state_.displacements, velocities, forces_, parallelFor);
+  tangentRatio_ = exactForces().evaluate(state_.displacements, velocities, {state_.history, 0.0}, forces_, parallelFor);
   gradientsOld_ = stressesOld_ = true;
 }
 
@@ -270,7 +270,7 @@ void Body::evaluate(double t, double dt, const ParallelFor &parallelFor) {
     return;
   }
   const std::span<const Vec3> velocities = constitution_.viscous() ? state_.velocities : std::span<const Vec3>();
-  tangentRatio_ = vectorForces_->evaluate(state_.displacements, velocities, forces_, parallelFor);
+  tangentRatio_ = vectorForces_->evaluate(state_.displacements, velocities, {state_.history, dt}, forces_, parallelFor);
   gradientsOld_ = stressesOld_ = true;
   addLoads(t, parallelFor);
 }
@@ -287,7 +287,7 @@ std::span<const Mat3> Body::gradients() const {
 std::span<const Mat3> Body::stresses() const {
   makePoints();
   if (stressesOld_) {
-    // Only of bodies without a history: others are not vectorised.
+    // With the memory of the end of the step: over no time nothing more relaxes.
     tangentRatios_.resize(rest_->pointCount());
     std::vector<Mat3> rates;
     if (constitution_.viscous()) {
@@ -374,7 +374,7 @@ double Body::factor(double ramp, double t) const {
 }
 
 ElasticEnergy Body::elasticEnergy(const ParallelFor &parallelFor) const {
-  return vectorised() ? exactForces().energy(state_.displacements, parallelFor) : elasticEnergy();
+  return vectorised() ? exactForces().energy(state_.displacements, state_.history, parallelFor) : elasticEnergy();
 }
 
 ElasticEnergy Body::elasticEnergy(std::span<Eigen::Vector2d> perPoint) const {

@@ -5,9 +5,12 @@
 #include <bit>
 #include <cmath>
 
+#include "forces/kernels/cell_history_kernel.h"
 #include "forces/kernels/cell_kernel.h"
 #include "forces/kernels/cell_tangent_kernel.h"
+#include "forces/relaxing_hourglass.h"
 #include "forces/vector_forces_parts.h"
+#include "pointbased/plasticity.h"
 
 namespace pointbased::detail {
 namespace {
@@ -18,26 +21,110 @@ PhyxelField fieldOf(std::span<const Vec3> field) {
   return {field.empty() ? nullptr : field.front().data(), field.size()};
 }
 
+// Plastic flow of one point, for the kernel.
+struct PointFlow {
+  const Constitution &constitution;
+  const Mat3 &axes;
+  const HistoryStep &step;
+
+  static void run(const void *context, std::size_t material, Index point, const double *F) {
+    const auto &self = *static_cast<const PointFlow *>(context);
+    const Mat3 world = self.axes * Eigen::Map<const Mat3>(F) * self.axes.transpose();
+    (void)plasticFlow(self.constitution.materials[material].plastic, world, self.step.dt,
+                      self.step.history.plasticInverse[point]);
+  }
+};
+
+// What cells remember, as the kernel wants it; of bodies that remember nothing, nothing.
+class CellMemories {
+ public:
+  CellMemories(const Constitution &constitution, const CellPlan &plan)
+      : materials_(constitution.remembers() ? constitution.materials.size() : 0) {
+    if (materials_.empty()) return;
+    points_ = plan.points;
+    used_ = plan.used;
+  }
+  [[nodiscard]] bool any() const { return !materials_.empty(); }
+
+  /// @param flow  has to live as long as the job
+  [[nodiscard]] HistoryJob job(const Constitution &constitution, const HistoryStep &step, const PointFlow &flow) {
+    HistoryJob job = energyJob(constitution, step.history);
+    for (std::size_t m = 0; m < materials_.size(); ++m) {
+      const Material &material = constitution.materials[m];
+      if (materials_[m].flows) materials_[m].flowShare = flowShare(material.plastic, step.dt);
+      if (!materials_[m].relaxes) continue;
+      const PronyStep prony = pronyStep(material, step.dt);
+      const RelaxingModes modes(material, constitution.stabilisation, prony.freshSum);
+      materials_[m].keep = prony.keep;
+      materials_[m].fresh = prony.fresh;
+      materials_[m].old = prony.old;
+      materials_[m].acrossOfPast = modes.acrossOfPast();
+      materials_[m].acrossOfSum = modes.acrossOfSum();
+    }
+    static_assert(sizeof(PronyPoint) == 27 * sizeof(double) && sizeof(HourglassHistory) == 36 * sizeof(double));
+    if (!step.history.prony.empty()) job.prony = step.history.prony.front().previous.data();
+    if (!step.history.modes.empty()) job.modes = step.history.modes.front().previous.data();
+    if (!step.history.plasticInverse.empty() && step.dt > 0.0) {
+      job.flow = &PointFlow::run;
+      job.flowContext = &flow;
+    }
+    return job;
+  }
+
+  [[nodiscard]] HistoryJob energyJob(const Constitution &constitution, const PointHistory &history) {
+    for (std::size_t m = 0; m < materials_.size(); ++m) {
+      const Material &material = constitution.materials[m];
+      materials_[m].flows = !history.plasticInverse.empty() && material.plastic.enabled();
+      materials_[m].relaxes = !history.prony.empty() && material.relaxes();
+      // As plasticFlow() decides, a little sooner than that.
+      const double limit = (1.0 - 1e-9) * material.plastic.yield / (1.0 + 2.0 * material.plastic.yield);
+      materials_[m].elasticLimit2 = limit * limit;
+      materials_[m].yield = material.plastic.yield;
+      materials_[m].plasticMax = material.plastic.max;
+    }
+    HistoryJob job;
+    job.points = points_;
+    job.used = used_;
+    job.materials = materials_;
+    // Where nothing flows it is read only.
+    if (!history.plasticInverse.empty())
+      job.plasticInverse = const_cast<double *>(history.plasticInverse.front().data());
+    return job;
+  }
+
+ private:
+  std::vector<Index> points_;
+  std::vector<std::size_t> used_;
+  std::vector<MaterialHistory> materials_;
+};
+
 template <class T>
 class CellForces final : public VectorForces {
  public:
   CellForces(const StencilSet &stencils, std::span<const Vec3> positions, std::span<const double> masses,
              const Constitution &constitution, const CellPlan &plan)
       : stencils_(stencils), masses_(masses), constitution_(constitution), cells_(sliceCells<T>(stencils, plan)),
-        laws_(lawsOf<T>(constitution)), fallback_(stencils, positions, constitution_, plan.others),
-        turned_(stencils.axes != Mat3::Identity()) {
+        laws_(lawsOf<T>(constitution)), memories_(constitution, plan),
+        fallback_(stencils, positions, constitution_, plan.others), turned_(stencils.axes != Mat3::Identity()) {
     layRows(positions.size());
     stiffnessAtRest_ = largestStiffnessAtRest();
   }
 
-  double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, std::span<Vec3> forces,
+  double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, const HistoryStep &step, std::span<Vec3> forces,
                   const ParallelFor &parallelFor) override {
     CellJob<T> job = this->job(u);
     job.velocities = fieldOf(v);
     const ScalarLaw scalar = scalarLaw(constitution_);
-    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellForces(job, scalar, begin, end); });
+    const PointFlow flow{constitution_, stencils_.axes, step};
+    const HistoryJob history = memories_.any() ? memories_.job(constitution_, step, flow) : HistoryJob();
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) {
+      if constexpr (std::is_same_v<T, double>) {
+        if (memories_.any()) return cellHistoryForces(job, history, scalar, begin, end);
+      }
+      cellForces(job, scalar, begin, end);
+    });
     if (!fallback_.empty()) {
-      (void)fallback_.evaluate(u, v, parallelFor);
+      (void)fallback_.evaluate(u, v, step, parallelFor);
       takeOthers(true);
     }
     const double stiffness = collect(masses_, forces, parallelFor);
@@ -45,12 +132,19 @@ class CellForces final : public VectorForces {
     return stiffness <= stiffnessAtRest_ ? 1.0 : stiffness / stiffnessAtRest_;
   }
 
-  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
+  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> u, const PointHistory &history,
+                                     const ParallelFor &parallelFor) override {
     energies_.resize(2 * cells_.count());
     const CellJob<T> job = this->job(u);
     const ScalarLaw scalar = scalarLaw(constitution_);
-    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) { cellEnergies(job, scalar, begin, end); });
-    ElasticEnergy sum = fallback_.empty() ? ElasticEnergy() : fallback_.energy(u);
+    const HistoryJob memory = memories_.any() ? memories_.energyJob(constitution_, history) : HistoryJob();
+    forChunks(parallelFor, [&](std::size_t begin, std::size_t end) {
+      if constexpr (std::is_same_v<T, double>) {
+        if (memories_.any()) return cellHistoryEnergies(job, memory, scalar, begin, end);
+      }
+      cellEnergies(job, scalar, begin, end);
+    });
+    ElasticEnergy sum = fallback_.empty() ? ElasticEnergy() : fallback_.energy(u, history);
     for (std::size_t slice = 0; slice < cells_.count(); ++slice) {
       sum.strain += energies_[2 * slice];
       sum.stabilisation += energies_[2 * slice + 1];
@@ -176,6 +270,7 @@ class CellForces final : public VectorForces {
   const Constitution constitution_;
   CellSlices<T> cells_;
   std::vector<LawNumbers<T>> laws_;
+  CellMemories memories_;
   ScalarFallback fallback_;
   bool turned_;
   Csr rows_;                      // [phyxels] places in partials_
@@ -194,7 +289,7 @@ std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span
   // The kernel's neo-Hookean law is the one with the square of the logarithm.
   for (const Material &m : constitution.materials)
     suits.push_back(m.law != MaterialLaw::neoHookean || m.lambda() >= 0.0 ? 1 : 0);
-  const bool single = precision == Precision::singlePrecision;
+  const bool single = precision == Precision::singlePrecision && !constitution.remembers();  // why: see HistoryJob
   const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;
   if (single) return std::make_unique<CellForces<float>>(stencils, positions, masses, constitution, plan);

@@ -52,7 +52,7 @@ class CloudForces final : public VectorForces {
       phyxelOfOther_.push_back(stencils.phyxels.indices[fallback_.entries()[k]]);
   }
 
-  double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, std::span<Vec3> forces,
+  double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, const HistoryStep &step, std::span<Vec3> forces,
                   const ParallelFor &parallelFor) override {
     pack(u, displacements_, parallelFor);
     if (!v.empty()) pack(v, velocities_, parallelFor);
@@ -62,15 +62,16 @@ class CloudForces final : public VectorForces {
     runLoop(parallelFor, materials_.size(), 1,
             [&](std::size_t begin, std::size_t end) { cloudTensors(job, scalar, begin, end); });
     collect(job, forces, parallelFor);
-    const double others = fallback_.empty() ? 1.0 : fallback_.evaluate(u, v, parallelFor);
+    const double others = fallback_.empty() ? 1.0 : fallback_.evaluate(u, v, step, parallelFor);
     addOthers(forces);
     return largestRatio<T>(ratios_, others);
   }
 
-  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> u, const ParallelFor &parallelFor) override {
+  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> u, const PointHistory &history,
+                                     const ParallelFor &parallelFor) override {
     gradients_.resize(stencils_.pointCount());
     deformationGradients(stencils_, u, gradients_, parallelFor);
-    return elasticEnergy(constitution_, stencils_, positions_, u, gradients_, PointHistory());
+    return elasticEnergy(constitution_, stencils_, positions_, u, gradients_, history);
   }
 
   void linearise(std::span<const Vec3> u, const ParallelFor &parallelFor) override {

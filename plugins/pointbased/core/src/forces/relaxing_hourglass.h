@@ -42,6 +42,10 @@ class RelaxingModes {
   /// With the moduli of dD.
   [[nodiscard]] const HourglassEnergy &present() const { return present_; }
 
+  /// E_zz = -acrossOfPast (h_xx + h_yy) - acrossOfSum (E_xx + E_yy)
+  [[nodiscard]] double acrossOfPast() const { return acrossOfPast_; }
+  [[nodiscard]] double acrossOfSum() const { return acrossOfSum_; }
+
   /// dev e in plane stress.
   [[nodiscard]] HourglassStrain deviator(const HourglassStrain &strain, const HourglassStrain &past) const {
     HourglassStrain out = strain;
@@ -74,7 +78,7 @@ class RelaxingModes {
     return D;
   }
 
-  double acrossOfPast_, acrossOfSum_;  // E_zz = -acrossOfPast (h_xx + h_yy) - acrossOfSum (E_xx + E_yy)
+  double acrossOfPast_, acrossOfSum_;
   HourglassEnergy present_, past_;
 };
 

@@ -3,6 +3,7 @@
 
 #include "forces/kernels/cell_kernel.h"
 #include "forces/vector_forces_parts.h"
+#include "material/relaxation.h"
 
 namespace pointbased::detail {
 
@@ -32,6 +33,14 @@ kernels::ScalarLaw scalarLaw(const Constitution &constitution) {
   law.energy = [](const void *context, std::size_t material, const double *F) {
     const Mat3 gradient = Matrix(F);
     return energyDensity(materialAt(context, material), gradient);
+  };
+  law.drive = [](const void *context, std::size_t material, const double *F, double *D) {
+    Eigen::Map<Mat3> answer(D);
+    answer = pronyDrive(materialAt(context, material), Matrix(F));
+  };
+  law.pushed = [](const void *context, std::size_t material, const double *F, const double *Q, double *P) {
+    Eigen::Map<Mat3> answer(P);
+    answer = pronyPushed(materialAt(context, material), Matrix(F), Matrix(Q));
   };
   return law;
 }
@@ -63,14 +72,20 @@ ParallelFor ScalarFallback::loop(const ParallelFor &parallelFor) const {
   };
 }
 
-double ScalarFallback::evaluate(std::span<const Vec3> u, std::span<const Vec3> v, const ParallelFor &parallelFor) {
+double ScalarFallback::evaluate(std::span<const Vec3> u, std::span<const Vec3> v, const HistoryStep &step,
+                                const ParallelFor &parallelFor) {
   const ParallelFor own = loop(parallelFor);
   deformationGradients(stencils_, u, gradients_, own);
   rates_.resize(v.empty() ? 0 : gradients_.size());
   if (!v.empty()) gradientRates(stencils_, v, rates_, own);
-  const double ratio = pointStresses(constitution_, stencils_, gradients_, rates_, PointHistory(), 0.0, nullptr,
-                                     stresses_, ratios_, own);
-  entryForcesOf(constitution_, stencils_, positions_, u, gradients_, stresses_, {}, entryForces_, own);
+  PointHistory &history = step.history;
+  (void)plasticFlow(constitution_, stencils_, gradients_, step.dt, history, own);
+  const double ratio =
+      pointStresses(constitution_, stencils_, gradients_, rates_, history, step.dt, &history, stresses_, ratios_, own);
+  relaxedModes_.resize(history.modes.size());
+  if (!history.modes.empty())
+    relaxModes(constitution_, stencils_, u, gradients_, history, step.dt, &history, relaxedModes_, own);
+  entryForcesOf(constitution_, stencils_, positions_, u, gradients_, stresses_, relaxedModes_, entryForces_, own);
   return ratio;
 }
 
@@ -84,7 +99,7 @@ void ScalarFallback::differential(std::span<const Vec3> du, double viscousScale,
                        viscousScale, du, entryForces_, loop(parallelFor));
 }
 
-ElasticEnergy ScalarFallback::energy(std::span<const Vec3> u) const {
+ElasticEnergy ScalarFallback::energy(std::span<const Vec3> u, const PointHistory &history) const {
   std::vector<Mat3> gradients(stencils_.pointCount());
   ElasticEnergy sum;
   for (const auto &[begin, end] : runs_) {
@@ -94,7 +109,7 @@ ElasticEnergy ScalarFallback::energy(std::span<const Vec3> u) const {
     };
     deformationGradients(stencils_, u, gradients, run);
     const ElasticEnergy part =
-        elasticEnergyOf(constitution_, stencils_, positions_, u, gradients, PointHistory(), {}, begin, end);
+        elasticEnergyOf(constitution_, stencils_, positions_, u, gradients, history, {}, begin, end);
     sum.strain += part.strain;
     sum.stabilisation += part.stabilisation;
   }
@@ -105,11 +120,9 @@ std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span
                                            std::span<const double> masses, const Constitution &constitution,
                                            Precision precision) {
   if (positions.empty() || !stencils.reference.empty()) return nullptr;
-  // The kernels know no history.
-  for (const Material &m : constitution.materials)
-    if (m.relaxes() || m.plastic.enabled()) return nullptr;
-  return stencils.isLattice() ? cellForcesOf(stencils, positions, masses, constitution, precision)
-                              : cloudForcesOf(stencils, positions, constitution, precision);
+  if (stencils.isLattice()) return cellForcesOf(stencils, positions, masses, constitution, precision);
+  // The kernels of clouds know no history.
+  return constitution.remembers() ? nullptr : cloudForcesOf(stencils, positions, constitution, precision);
 }
 
 }  // namespace pointbased::detail

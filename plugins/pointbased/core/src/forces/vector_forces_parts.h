@@ -50,12 +50,12 @@ class ScalarFallback {
   /// Their entries, in the order of forces().
   [[nodiscard]] std::span<const Index> entries() const { return entries_; }
   /// @return largest ratio
-  double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities,
+  double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities, const HistoryStep &step,
                   const ParallelFor &parallelFor);
   void linearise(std::span<const Vec3> displacements, const ParallelFor &parallelFor);
   /// Changes of their forces, in force().
   void differential(std::span<const Vec3> du, double viscousScale, const ParallelFor &parallelFor);
-  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> displacements) const;
+  [[nodiscard]] ElasticEnergy energy(std::span<const Vec3> displacements, const PointHistory &history) const;
   [[nodiscard]] const Vec3 &force(std::size_t entry) const { return entryForces_[entries_[entry]]; }
   /// Of a point, at the last evaluate().
   [[nodiscard]] double ratio(std::size_t point) const { return ratios_[point]; }
@@ -70,6 +70,7 @@ class ScalarFallback {
   std::vector<Index> entries_;
   std::vector<Vec3> entryForces_;
   std::vector<Mat3> gradients_, rates_, stresses_;
+  std::vector<HourglassStrain> relaxedModes_;
   std::vector<double> ratios_;
   std::vector<Vec3> linearisedAt_;  // [phyxels] m
 };

@@ -34,6 +34,10 @@ double deviatoricHenckyNorm(const Mat3 &F) {
   return deviator(halfLog(symmetricEigenvalues(F.transpose() * F))).norm();
 }
 
+double flowShare(const Plasticity &plastic, double dt) {
+  return plastic.creep >= 1.0 ? 1.0 : -std::expm1(dt / plastic.creepTime * std::log1p(-plastic.creep));
+}
+
 bool plasticFlow(const Plasticity &plastic, const Mat3 &F, double dt, Mat3 &plasticInverse, FlowResult *result,
                  const Mat3 *before) {
   if (result) *result = FlowResult();
@@ -50,8 +54,7 @@ bool plasticFlow(const Plasticity &plastic, const Mat3 &F, double dt, Mat3 &plas
   const double norm = h.norm();
   const double excess = norm - plastic.yield;
   if (!(excess > 0.0)) return false;
-  const double share = plastic.creep >= 1.0 ? 1.0 : -std::expm1(dt / plastic.creepTime * std::log1p(-plastic.creep));
-  const double flow = share * excess;
+  const double flow = flowShare(plastic, dt) * excess;
 
   const Vec3 change = (-flow / norm * h).array().exp();
   Mat3 next = plasticInverse * eigen.vectors * change.asDiagonal() * eigen.vectors.transpose();

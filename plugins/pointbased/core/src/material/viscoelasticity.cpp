@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "material/laws.h"
+#include "material/relaxation.h"
 
 namespace pointbased {
 
@@ -162,6 +163,14 @@ Relaxation<law> relaxationAt(detail::Law<law>, const Mat3 &F) {
 }
 
 }  // namespace
+
+Mat3 detail::pronyDrive(const Material &material, const Mat3 &F) {
+  return withLaw(material.law, [&](auto law) -> Mat3 { return relaxationAt(law, F).drive(Moduli(material)); });
+}
+
+Mat3 detail::pronyPushed(const Material &material, const Mat3 &F, const Mat3 &Q) {
+  return withLaw(material.law, [&](auto law) -> Mat3 { return relaxationAt(law, F).pushed(Q); });
+}
 
 PronyStep pronyStep(const Material &material, double dt) {
   PronyStep step;

@@ -118,7 +118,7 @@ void BodyStepper::undoStep(const ParallelFor &parallelFor) {
   body_->restoreState();
   body_->contact.blocks = ContactState::Blocks();
   body_->computeGradients(parallelFor);
-  body_->computeStresses(0.0, parallelFor);
+  body_->computeTrialStresses(0.0, parallelFor);
   wake();
   solver_.forget();
   ++changes_;
@@ -191,7 +191,7 @@ double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uin
     }
     body.restoreState();
     body.computeGradients(*order.environment.parallelFor);
-    body.computeStresses(0.0, *order.environment.parallelFor);
+    body.computeTrialStresses(0.0, *order.environment.parallelFor);
     solver_.forget();
     goodSteps_ = 0;
     const GuardFinding &finding = gone.error().finding;
@@ -272,7 +272,7 @@ void BodyStepper::stop(const StepContext &order, const GuardFinding &finding) {
   const ParallelFor &parallelFor = *order.environment.parallelFor;
   // Forces and strains of the state that stays, not of the step that failed.
   body.computeGradients(parallelFor);
-  body.computeStresses(0.0, parallelFor);
+  body.computeTrialStresses(0.0, parallelFor);
   body.computeForces(body.quasiStatic ? order.loadFactor : order.time, parallelFor);
   body.stopped = "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " + finding.quantity +
                  "; it stands still in the last good state. Help: " + finding.help;

@@ -56,7 +56,7 @@ StageProblem::StageProblem(Body &body, const Environment &env, const ImplicitSta
   }
   const Constitution &c = body.constitution();
   dissipative_ = stage.h > 0.0 && (c.viscous() || c.relaxing());
-  vectorised_ = body.vectorised();
+  vectorised_ = body.vectorisedTangent();
   work_.assign(n_, Vec3::Zero());
   contact_ = env.contact() && body.rest().contact.count() > 0;
   penalty_ = {kContactStiffness, body.contactModuli(), body.rest().spacing, stage.contactSpan};

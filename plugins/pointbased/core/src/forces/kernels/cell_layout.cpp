@@ -40,6 +40,7 @@ class Blocks {
                                                      1.0 / (edge * edge),
                                                      1.0 / (edge * edge),
                                                      1.0 / (edge * edge),
+                                                     1.0 / volume,
                                                      volume,
                                                      root,
                                                      root,
@@ -92,6 +93,7 @@ std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s,
   }
   const Vec3 root = (s.volumes[q] * s.variances[q]).cwiseSqrt();
   const double spread = s.variances[q].mean();
+  n[kModeXYZ] = shape->modes[3];
   n[kVolume] = s.volumes[q];
   n[kRootX] = root[0];
   n[kRootY] = root[1];

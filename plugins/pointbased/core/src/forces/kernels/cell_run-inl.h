@@ -7,8 +7,11 @@
 #define POINTBASED_KERNELS_CELL_RUN_INL_H_
 #endif
 
+#include <type_traits>
+
 #include "forces/kernels/corners-inl.h"
 #include "forces/kernels/slices.h"
+#include "forces/kernels/stress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
@@ -187,6 +190,45 @@ HWY_INLINE void forChunk(const CellJob<T> &job, std::size_t chunk, const OfSlice
         Records<T>::add(entries + 4 * k, sums + 4 * std::size_t{corners[k]});
     }
   }
+}
+
+/// step(run) for all lanes of a slice.
+template <class T, class Step>
+HWY_INLINE void forLanes(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice, const Step &step) {
+  using D = hn::CappedTag<T, kLanes<T>>;
+  const D d;
+  for (std::size_t lane = 0; lane < kLanes<T>; lane += hn::Lanes(d)) step(CellRun<D>(d, job, fields, slice, lane));
+}
+
+/// job.energies of a slice: energies(run, strain, modes) of its lanes, J.
+template <class T, class Energies>
+HWY_INLINE void storeEnergies(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice,
+                              const Energies &energies) {
+  HWY_ALIGN T strain[kLanes<T>];
+  HWY_ALIGN T modes[kLanes<T>];
+  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR {
+    hn::Vec<std::remove_const_t<decltype(run.d)>> strainEnergy, hourglassEnergy;
+    energies(run, strainEnergy, hourglassEnergy);
+    hn::Store(strainEnergy, run.d, strain + run.lane);
+    hn::Store(hourglassEnergy, run.d, modes + run.lane);
+  });
+  // One after the other: the same sum whatever the width.
+  double strainSum = 0.0, hourglassSum = 0.0;
+  for (std::size_t lane = 0; lane < kLanes<T>; ++lane) {
+    strainSum += static_cast<double>(strain[lane]);
+    hourglassSum += static_cast<double>(modes[lane]);
+  }
+  job.energies[2 * slice] = strainSum;
+  job.energies[2 * slice + 1] = hourglassSum;
+}
+
+/// of(law, slice, fields) for the slices of some chunks.
+template <Sums kSums, class T, class Of>
+HWY_INLINE void forSlices(const CellJob<T> &job, std::size_t begin, std::size_t end, const Of &of) {
+  for (std::size_t chunk = begin; chunk < end; ++chunk)
+    forChunk<kSums>(job, chunk, [&](std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
+      withLaw(job.laws[job.cells->materials[slice]].law, [&](auto law) HWY_ATTR { of(law, slice, fields); });
+    });
 }
 
 }  // namespace pointbased::kernels::HWY_NAMESPACE

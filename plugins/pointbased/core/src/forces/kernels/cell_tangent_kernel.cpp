@@ -83,14 +83,6 @@ HWY_INLINE void energiesOfLanes(const CellRun<D> &run, const ScalarLaw &scalar, 
               hn::MulAdd(run.twist(), twisted, product(B, hourglassConjugate(d, run.law, B, run.roots()))));
 }
 
-// step(run) for all lanes of a slice.
-template <class T, class Step>
-HWY_INLINE void forLanes(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice, const Step &step) {
-  using D = hn::CappedTag<T, kLanes<T>>;
-  const D d;
-  for (std::size_t lane = 0; lane < kLanes<T>; lane += hn::Lanes(d)) step(CellRun<D>(d, job, fields, slice, lane));
-}
-
 template <MaterialLaw kLaw, class T>
 HWY_NOINLINE void tangentsOfSlice(const CellJob<T> &job, const ChunkFields<T> &fields, std::size_t slice) {
   forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR { tangentOfLanes<kLaw>(run); });
@@ -103,31 +95,9 @@ HWY_NOINLINE void productsOfSlice(const CellJob<T> &job, const ScalarLaw &scalar
 template <MaterialLaw kLaw, class T>
 HWY_NOINLINE void energiesOfSlice(const CellJob<T> &job, const ScalarLaw &scalar, const ChunkFields<T> &fields,
                                   std::size_t slice) {
-  HWY_ALIGN T strain[kLanes<T>];
-  HWY_ALIGN T modes[kLanes<T>];
-  forLanes(job, fields, slice, [&](const auto &run) HWY_ATTR {
-    hn::Vec<std::remove_const_t<decltype(run.d)>> strainEnergy, hourglassEnergy;
-    energiesOfLanes<kLaw>(run, scalar, strainEnergy, hourglassEnergy);
-    hn::Store(strainEnergy, run.d, strain + run.lane);
-    hn::Store(hourglassEnergy, run.d, modes + run.lane);
+  storeEnergies(job, fields, slice, [&](const auto &run, auto &strain, auto &modes) HWY_ATTR {
+    energiesOfLanes<kLaw>(run, scalar, strain, modes);
   });
-  // One after the other: the same sum whatever the width.
-  double strainSum = 0.0, hourglassSum = 0.0;
-  for (std::size_t lane = 0; lane < kLanes<T>; ++lane) {
-    strainSum += static_cast<double>(strain[lane]);
-    hourglassSum += static_cast<double>(modes[lane]);
-  }
-  job.energies[2 * slice] = strainSum;
-  job.energies[2 * slice + 1] = hourglassSum;
-}
-
-// of(law, slice, fields) for the slices of some chunks.
-template <Sums kSums, class T, class Of>
-HWY_INLINE void forSlices(const CellJob<T> &job, std::size_t begin, std::size_t end, const Of &of) {
-  for (std::size_t chunk = begin; chunk < end; ++chunk)
-    forChunk<kSums>(job, chunk, [&](std::size_t slice, const ChunkFields<T> &fields) HWY_ATTR {
-      withLaw(job.laws[job.cells->materials[slice]].law, [&](auto law) HWY_ATTR { of(law, slice, fields); });
-    });
 }
 
 template <class T>

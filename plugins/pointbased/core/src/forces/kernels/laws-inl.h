@@ -11,6 +11,8 @@
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
+#include <type_traits>
+
 #include "forces/kernels/slices.h"
 #include "forces/kernels/vectors-inl.h"
 #include "pointbased/material.h"
@@ -18,29 +20,39 @@
 HWY_BEFORE_NAMESPACE();
 namespace pointbased::kernels::HWY_NAMESPACE {
 
+/// (FᵀF - 1)/2
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Sym3Lanes<V> greenStrain(D d, const Mat3Lanes<V> &G) {
+  const V half = hn::Set(d, Real<D>(0.5));
+  const Sym3Lanes<V> GG = gram(G);
+  return {hn::MulAdd(half, GG.xx, G.c0.x),
+          hn::MulAdd(half, GG.yy, G.c1.y),
+          hn::MulAdd(half, GG.zz, G.c2.z),
+          hn::Mul(half, hn::Add(GG.xy, hn::Add(G.c1.x, G.c0.y))),
+          hn::Mul(half, hn::Add(GG.xz, hn::Add(G.c2.x, G.c0.z))),
+          hn::Mul(half, hn::Add(GG.yz, hn::Add(G.c2.y, G.c1.z)))};
+}
+
+/// det(1 + G) - 1 = tr G + tr cof G + det G
+template <class V>
+HWY_INLINE V growthOf(const Mat3Lanes<V> &G, const Mat3Lanes<V> &cofG) {
+  return hn::Add(trace(G), hn::Add(trace(cofG), dot(G.c0, cofG.c0)));
+}
+
 /// What several laws and the bounds of the tangent need of one G.
 template <class D, class V = hn::Vec<D>>
 struct Strain {
   Mat3Lanes<V> G;
-  Sym3Lanes<V> E;       ///< Green strain, (FᵀF - 1)/2
+  Sym3Lanes<V> E;       ///< Green strain
   Mat3Lanes<V> minors;  ///< cof G - Gᵀ
   V traceG;
   V growth;  ///< J - 1
 
-  HWY_INLINE Strain(D d, const Mat3Lanes<V> &gradient) : G(gradient) {
-    const V half = hn::Set(d, Real<D>(0.5));
-    const Sym3Lanes<V> GG = gram(G);
-    E.xx = hn::MulAdd(half, GG.xx, G.c0.x);
-    E.yy = hn::MulAdd(half, GG.yy, G.c1.y);
-    E.zz = hn::MulAdd(half, GG.zz, G.c2.z);
-    E.xy = hn::Mul(half, hn::Add(GG.xy, hn::Add(G.c1.x, G.c0.y)));
-    E.xz = hn::Mul(half, hn::Add(GG.xz, hn::Add(G.c2.x, G.c0.z)));
-    E.yz = hn::Mul(half, hn::Add(GG.yz, hn::Add(G.c2.y, G.c1.z)));
-    // J - 1 = tr G + tr cof G + det G
+  HWY_INLINE Strain(D d, const Mat3Lanes<V> &gradient) : G(gradient), E(greenStrain(d, gradient)) {
     const Mat3Lanes<V> cofG = cofactor(G);
     minors = cofG - transposed(G);
     traceG = trace(G);
-    growth = hn::Add(traceG, hn::Add(trace(cofG), dot(G.c0, cofG.c0)));
+    growth = growthOf(G, cofG);
   }
   /// cof F = (1 + tr G) 1 + minors
   HWY_INLINE Mat3Lanes<V> cofactorOfF(D d) const {
@@ -275,11 +287,19 @@ struct PolarLanes {
   }
 };
 
+template <class D>
+struct NoFrame {
+  HWY_INLINE NoFrame(D, const Strain<D> &) {}
+};
+/// What a law needs of the rotation.
+template <MaterialLaw kLaw, class D>
+using FrameOf = std::conditional_t<kLaw == MaterialLaw::corotated, PolarLanes<D>, NoFrame<D>>;
+
 /// @param stray  out: where the scalar law has to answer
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE Answer<V> corotated(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, V stretch2, hn::Mask<D> &stray) {
+HWY_INLINE Answer<V> corotated(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, const PolarLanes<D> &p,
+                               V stretch2, hn::Mask<D> &stray) {
   using T = Real<D>;
-  const PolarLanes<D> p(d, s);
   const V three = hn::Set(d, T(3)), lambda = hn::Set(d, m.lambda), twoMu = hn::Set(d, 2 * m.mu);
   Answer<V> a;
   const Mat3Lanes<V> off = plusDiagonal(s.G - p.R, hn::Set(d, T(1)));

@@ -2,6 +2,7 @@
 // What the vector kernels read and write: plain numbers in slices, as a GPU would want them too. Private to the core.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -22,7 +23,7 @@ inline constexpr std::size_t kCorners = 8;
 /// signs, h the edge and <·> means over the part of the body in the cell, in edges from its centre:
 ///
 ///     G_x = C_x/(4h) + C_xy <η>/(2h) + C_xz <ζ>/(2h) + C_xyz <ηζ>/h   (G = F - I; y and z alike)
-///     a_m = k_m C_m,   m = xy, xz, yz;   |a_xyz|² v s̄² = t |C_xyz|²
+///     a_m = k_m C_m,   m = xy, xz, yz, xyz;   |a_xyz|² v s̄² = t |C_xyz|²
 enum CellNumber : std::size_t {
   kGradient,  ///< 1/(4h), 1/m
   kFirstX,
@@ -33,8 +34,9 @@ enum CellNumber : std::size_t {
   kMixedZ,  ///< <ηζ>/h, <ξζ>/h, <ξη>/h, 1/m
   kModeXY,
   kModeXZ,
-  kModeYZ,  ///< k_m, 1/m²
-  kVolume,  ///< v, m³; 0 in lanes that stand for nothing
+  kModeYZ,   ///< k_m, 1/m²
+  kModeXYZ,  ///< 1/m³
+  kVolume,   ///< v, m³; 0 in lanes that stand for nothing
   kRootX,
   kRootY,
   kRootZ,  ///< √(v s), s the variances, m^2.5
@@ -83,6 +85,35 @@ struct ScalarLaw {
   void (*differential)(const void *context, std::size_t material, const double *F, const double *dF,
                        double *dP) = nullptr;
   double (*energy)(const void *context, std::size_t material, const double *F) = nullptr;
+  /// pronyDrive() and pronyPushed()
+  void (*drive)(const void *context, std::size_t material, const double *F, double *D) = nullptr;
+  void (*pushed)(const void *context, std::size_t material, const double *F, const double *Q, double *P) = nullptr;
+};
+
+/// What a material remembers and how it changes over a step, once per evaluation.
+struct MaterialHistory {
+  bool flows = false, relaxes = false;
+  /// Square of the norm of the Green strain of F_e up to which no point flows, whatever its strain is otherwise
+  double elasticLimit2 = 0.0;
+  double yield = 0.0, flowShare = 0.0, plasticMax = 0.0;  ///< Plasticity; share of the excess that flows in the step
+  std::array<double, 2> keep{1.0, 1.0}, fresh{}, old{};   ///< PronyStep
+  double acrossOfPast = 0.0, acrossOfSum = 0.0;           ///< RelaxingModes
+};
+
+/// The memory of a body, which stays where the body has it: plain numbers, point after point, in world axes; those of
+/// the modes in lattice axes. Kernels turn it into lanes and back. Double only: over a step of 1e-6 relaxation times
+/// what comes to a memory in single precision would be lost in its round-off.
+struct HistoryJob {
+  std::span<const Index> points;               ///< [slices][lanes]
+  std::span<const std::size_t> used;           ///< [slices] lanes that stand for a point
+  std::span<const MaterialHistory> materials;  ///< [materials]
+  double *plasticInverse = nullptr;            ///< [points][9] F_p^-1, in and out
+  double *prony = nullptr;                     ///< [points][27] PronyPoint, in and out
+  double *modes = nullptr;                     ///< [points][36] HourglassHistory, in and out; null: modes do not relax
+  /// plasticFlow() of a point at this F (column after column, lattice axes), where the kernel does not know it; null:
+  /// nothing flows.
+  void (*flow)(const void *context, std::size_t material, Index point, const double *F) = nullptr;
+  const void *flowContext = nullptr;
 };
 
 /// What a product with the tangent needs of a point, in this order; the last ones of the corotated law alone.

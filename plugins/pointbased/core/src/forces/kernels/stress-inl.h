@@ -61,8 +61,8 @@ HWY_NOINLINE void answerStrays(D d, hn::Mask<D> stray, const Strain<D> &s, const
 
 // P and how much stiffer the point is than at rest, as tangentRatio(): at least 1, NaN where something is none.
 template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
-HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, V stretch2,
-                                 const ScalarLaw &scalar, std::size_t material, V &ratio) {
+HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, const FrameOf<kLaw, D> &frame,
+                                 V stretch2, const ScalarLaw &scalar, std::size_t material, V &ratio) {
   using T = Real<D>;
   Answer<V> a;
   hn::Mask<D> stray = hn::Lt(hn::Zero(d), hn::Zero(d));
@@ -71,7 +71,7 @@ HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain
   } else if constexpr (kLaw == MaterialLaw::stVenantKirchhoff) {
     a = stVenantKirchhoff(d, m, s, stretch2);
   } else if constexpr (kLaw == MaterialLaw::corotated) {
-    a = corotated(d, m, s, stretch2, stray);
+    a = corotated(d, m, s, frame, stretch2, stray);
   } else {
     a = neoHookean(d, m, s, stretch2);
   }
@@ -86,6 +86,12 @@ HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain
   // What is no number must not get lost in a maximum.
   ratio = hn::Add(ratio, hn::Mul(hn::Zero(d), s.growth));
   return a.stress;
+}
+
+template <MaterialLaw kLaw, class D, class V = hn::Vec<D>>
+HWY_INLINE Mat3Lanes<V> stressOf(D d, const LawNumbers<Real<D>> &m, const Strain<D> &s, V stretch2,
+                                 const ScalarLaw &scalar, std::size_t material, V &ratio) {
+  return stressOf<kLaw>(d, m, s, FrameOf<kLaw, D>(d, s), stretch2, scalar, material, ratio);
 }
 
 /// body(std::integral_constant of the law)

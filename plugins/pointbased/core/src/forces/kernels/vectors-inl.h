@@ -134,6 +134,26 @@ HWY_INLINE Sym3Lanes<V> gram(const Mat3Lanes<V> &a) {
   return {dot(a.c0, a.c0), dot(a.c1, a.c1), dot(a.c2, a.c2), dot(a.c0, a.c1), dot(a.c0, a.c2), dot(a.c1, a.c2)};
 }
 template <class V>
+HWY_INLINE Sym3Lanes<V> operator+(const Sym3Lanes<V> &a, const Sym3Lanes<V> &b) {
+  return {hn::Add(a.xx, b.xx), hn::Add(a.yy, b.yy), hn::Add(a.zz, b.zz),
+          hn::Add(a.xy, b.xy), hn::Add(a.xz, b.xz), hn::Add(a.yz, b.yz)};
+}
+template <class V>
+HWY_INLINE Sym3Lanes<V> scaled(V s, const Sym3Lanes<V> &a) {
+  return {hn::Mul(s, a.xx), hn::Mul(s, a.yy), hn::Mul(s, a.zz), hn::Mul(s, a.xy), hn::Mul(s, a.xz), hn::Mul(s, a.yz)};
+}
+/// s a + b
+template <class V>
+HWY_INLINE Sym3Lanes<V> mulAdd(V s, const Sym3Lanes<V> &a, const Sym3Lanes<V> &b) {
+  return {hn::MulAdd(s, a.xx, b.xx), hn::MulAdd(s, a.yy, b.yy), hn::MulAdd(s, a.zz, b.zz),
+          hn::MulAdd(s, a.xy, b.xy), hn::MulAdd(s, a.xz, b.xz), hn::MulAdd(s, a.yz, b.yz)};
+}
+template <class V>
+HWY_INLINE V squaredNorm(const Sym3Lanes<V> &a) {
+  const V across = hn::MulAdd(a.xy, a.xy, hn::MulAdd(a.xz, a.xz, hn::Mul(a.yz, a.yz)));
+  return hn::MulAdd(a.xx, a.xx, hn::MulAdd(a.yy, a.yy, hn::MulAdd(a.zz, a.zz, hn::Add(across, across))));
+}
+template <class V>
 HWY_INLINE V trace(const Sym3Lanes<V> &a) {
   return hn::Add(hn::Add(a.xx, a.yy), a.zz);
 }
