@@ -104,6 +104,39 @@ TEST_CASE("Springs of patches and of the surroundings take fields of their phyxe
   CHECK_THAT(brokenBy([&] { (void)body->foundation().energy(u); }), Contains("energy: one displacement per phyxel"));
 }
 
+TEST_CASE("The engine takes fields of all phyxels and all evaluation points") {
+  const auto body = cube();
+  const RestState &rest = body->rest();
+  const Constitution &constitution = body->constitution();
+  const std::vector<Vec3> u(rest.phyxelCount(), Vec3::Zero()), shorter(u.size() - 1, Vec3::Zero());
+  std::vector<Mat3> F(rest.pointCount()), stresses(rest.pointCount());
+  std::vector<double> ratios(rest.pointCount());
+  CHECK_THAT(brokenBy([&] { deformationGradients(rest.stencils, shorter, F, serialFor()); }),
+             Contains("deformationGradients: one displacement per phyxel"));
+  CHECK(brokenBy([&] { deformationGradients(rest.stencils, u, F, serialFor()); }) == "nothing");
+  const auto stress = [&](const Constitution &of, std::span<const Mat3> gradients) {
+    return brokenBy([&] {
+      (void)pointStresses(of, rest.stencils, gradients, {}, PointHistory(), 0.0, nullptr, stresses, ratios,
+                          serialFor());
+    });
+  };
+  CHECK(stress(constitution, F) == "nothing");
+  CHECK_THAT(stress(constitution, std::span(F).first(1)), Contains("one gradient per evaluation point"));
+  CHECK_THAT(stress(Constitution{{}, 1.0}, F), Contains("pointStresses: a material"));
+  std::vector<Vec3> entries(rest.stencils.phyxels.indices.size()), forces(u.size());
+  CHECK_THAT(brokenBy([&] {
+               internalForces(constitution, rest.stencils, rest.positions, u, F, stresses, std::span(entries).first(3),
+                              forces, serialFor());
+             }),
+             Contains("internalForces: room for every entry and every phyxel"));
+  TangentScratch scratch;
+  CHECK_THAT(brokenBy([&] {
+               forceDifferential(constitution, rest.stencils, rest.positions, u, F, PointHistory(), 0.0, 0.0, shorter,
+                                 scratch, forces, serialFor());
+             }),
+             Contains("forceDifferential: one change of place and of force per phyxel"));
+}
+
 TEST_CASE("A hand holds phyxels that there are") {
   Simulator simulator;
   const std::size_t id = simulator.addBody(cube());

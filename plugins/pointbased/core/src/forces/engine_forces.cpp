@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/engine.h"
 
+#include "base/expects.h"
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
 #include "forces/relaxing_hourglass.h"
@@ -86,6 +87,13 @@ void internalForces(const Constitution &constitution, const StencilSet &s, std::
                     std::span<const Vec3> u, std::span<const Mat3> gradients, std::span<const Mat3> stresses,
                     std::span<Vec3> entryForces, std::span<Vec3> forces, const ParallelFor &parallelFor,
                     std::span<const HourglassStrain> relaxed) {
+  POINTBASED_EXPECTS(!constitution.materials.empty(), "a material");
+  POINTBASED_EXPECTS(X.size() == s.entriesOfPhyxel.rows() && u.size() == X.size(),
+                     "one position and one displacement per phyxel");
+  POINTBASED_EXPECTS(gradients.size() == s.pointCount(), "one gradient per evaluation point");
+  POINTBASED_EXPECTS(stresses.size() == s.pointCount(), "one stress per evaluation point");
+  POINTBASED_EXPECTS(entryForces.size() == s.phyxels.indices.size() && forces.size() == X.size(),
+                     "room for every entry and every phyxel");
   entryForcesOf(constitution, s, X, u, gradients, stresses, relaxed, entryForces, parallelFor);
   gather<Vec3>(s, entryForces, forces, parallelFor);
 }

@@ -4,6 +4,8 @@
 
 #include "pointbased/engine.h"
 
+#include "base/expects.h"
+
 namespace pointbased {
 namespace {
 
@@ -22,6 +24,9 @@ std::vector<Vec3> pseudoRandomField(std::size_t n) {
 
 double largestFrequency(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                         std::span<const double> masses, std::span<const double> extra, const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(!constitution.materials.empty(), "a material");
+  POINTBASED_EXPECTS(X.size() == s.entriesOfPhyxel.rows() && masses.size() == X.size(),
+                     "one position and one mass per phyxel");
   const std::size_t n = X.size();
   if (n == 0) return 0.0;
   const std::vector<Vec3> rest(n, Vec3::Zero());

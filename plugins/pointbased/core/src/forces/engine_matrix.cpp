@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/engine.h"
 
+#include "base/expects.h"
 #include "base/symmetric_eigen.h"
 #include "forces/point_stiffness.h"
 
@@ -26,6 +27,11 @@ Mat3 positiveDefinite(const Mat3 &block) {
 void stiffnessBlocks(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                      std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history, double dt,
                      double viscousScale, std::span<Mat3> blocks, const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(!constitution.materials.empty(), "a material");
+  POINTBASED_EXPECTS(X.size() == s.entriesOfPhyxel.rows() && u.size() == X.size(),
+                     "one position and one displacement per phyxel");
+  POINTBASED_EXPECTS(gradients.size() == s.pointCount(), "one gradient per evaluation point");
+  POINTBASED_EXPECTS(blocks.size() == X.size(), "one block per phyxel");
   std::vector<Mat3> ofEntries(s.phyxels.indices.size());
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
@@ -47,6 +53,10 @@ void stiffnessBlocks(const Constitution &constitution, const StencilSet &s, std:
 void stiffnessTriplets(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                        std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history, double dt,
                        double viscousScale, std::vector<Eigen::Triplet<double>> &out) {
+  POINTBASED_EXPECTS(!constitution.materials.empty(), "a material");
+  POINTBASED_EXPECTS(X.size() == s.entriesOfPhyxel.rows() && u.size() == X.size(),
+                     "one position and one displacement per phyxel");
+  POINTBASED_EXPECTS(gradients.size() == s.pointCount(), "one gradient per evaluation point");
   out.clear();
   std::size_t count = 0;
   for (std::size_t q = 0; q < s.pointCount(); ++q) {

@@ -5,6 +5,7 @@
 
 #include "pointbased/engine.h"
 
+#include "base/expects.h"
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
 
@@ -30,6 +31,11 @@ double ratioAt(const Material &material, const Mat3 &F, const Mat3 &plasticInver
 double pointStresses(const Constitution &constitution, const StencilSet &s, std::span<const Mat3> gradients,
                      std::span<const Mat3> rates, const PointHistory &before, double dt, PointHistory *after,
                      std::span<Mat3> out, std::span<double> ratios, const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(!constitution.materials.empty(), "a material");
+  POINTBASED_EXPECTS(gradients.size() == s.pointCount(), "one gradient per evaluation point");
+  POINTBASED_EXPECTS(rates.empty() || rates.size() == s.pointCount(), "one rate per evaluation point, or none");
+  POINTBASED_EXPECTS(out.size() == s.pointCount() && ratios.size() == s.pointCount(),
+                     "one result per evaluation point");
   const bool hourglass = stabilisationOf(constitution, s) == Stabilisation::hourglass;
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
@@ -70,6 +76,9 @@ double pointStresses(const Constitution &constitution, const StencilSet &s, std:
 
 std::size_t plasticFlow(const Constitution &constitution, const StencilSet &s, std::span<const Mat3> gradients,
                         double dt, PointHistory &history, const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(gradients.size() == s.pointCount(), "one gradient per evaluation point");
+  POINTBASED_EXPECTS(history.plasticInverse.empty() || history.plasticInverse.size() == s.pointCount(),
+                     "a history of every evaluation point, or none");
   if (history.plasticInverse.empty()) return 0;
   std::atomic<std::size_t> flowed{0};
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
@@ -90,6 +99,11 @@ std::size_t plasticFlow(const Constitution &constitution, const StencilSet &s, s
 ElasticEnergy elasticEnergy(const Constitution &constitution, const StencilSet &s, std::span<const Vec3> X,
                             std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history,
                             std::span<Eigen::Vector2d> perPoint) {
+  POINTBASED_EXPECTS(!constitution.materials.empty(), "a material");
+  POINTBASED_EXPECTS(X.size() == s.entriesOfPhyxel.rows() && u.size() == X.size(),
+                     "one position and one displacement per phyxel");
+  POINTBASED_EXPECTS(gradients.size() == s.pointCount(), "one gradient per evaluation point");
+  POINTBASED_EXPECTS(perPoint.empty() || perPoint.size() == s.pointCount(), "room for every evaluation point, or none");
   return elasticEnergyOf(constitution, s, X, u, gradients, history, perPoint, 0, s.pointCount());
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/engine.h"
 
+#include "base/expects.h"
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
 #include "forces/relaxing_hourglass.h"
@@ -167,6 +168,11 @@ void forceDifferential(const Constitution &constitution, const StencilSet &s, st
                        std::span<const Vec3> u, std::span<const Mat3> gradients, const PointHistory &history, double dt,
                        double viscousScale, std::span<const Vec3> du, TangentScratch &scratch, std::span<Vec3> df,
                        const ParallelFor &parallelFor) {
+  POINTBASED_EXPECTS(!constitution.materials.empty(), "a material");
+  POINTBASED_EXPECTS(X.size() == s.entriesOfPhyxel.rows() && u.size() == X.size(),
+                     "one position and one displacement per phyxel");
+  POINTBASED_EXPECTS(gradients.size() == s.pointCount(), "one gradient per evaluation point");
+  POINTBASED_EXPECTS(du.size() == X.size() && df.size() == X.size(), "one change of place and of force per phyxel");
   scratch.entries.resize(s.phyxels.indices.size());
   entryDifferentialsOf(constitution, s, X, u, gradients, history, dt, viscousScale, du, scratch.entries, parallelFor);
   gather<Vec3>(s, scratch.entries, df, parallelFor);
