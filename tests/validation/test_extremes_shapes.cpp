@@ -283,7 +283,7 @@ TEST_CASE("a cloud in parts is counted in parts") {
     for (const Vec3 &x : gridPoints(2, 3, 2, kSpacing)) points.push_back(x + shift);
   auto body = cloud(points, kSpacing, rubber(1e4));
   CHECK(body->rest().components == 4);
-  CHECK(shapes::restState(std::vector<Vec3>(), kSpacing)->components == 0);
+  CHECK(cloud({}, kSpacing, rubber(1e4))->rest().components == 0);
   row("disconnected cloud", "four parts are four components; an empty one has none");
 }
 

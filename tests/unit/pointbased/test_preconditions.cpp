@@ -42,11 +42,11 @@ std::unique_ptr<Body> cube() {
 
 }  // namespace
 
-TEST_CASE("A body needs phyxels, and a material for every number that its points have") {
+TEST_CASE("A body needs a rest state, and a material for every number that its points have") {
   CHECK_THAT(brokenBy([] {
                Body("none", nullptr, Constitution{{Material()}, 1.0}, serialFor());
              }),
-             Contains("a rest state with phyxels"));
+             Contains("Body: a rest state"));
   const auto body = cube();
   CHECK_THAT(brokenBy([&] {
                body->setConstitution(Constitution{{}, 1.0}, serialFor());

@@ -75,7 +75,7 @@ std::size_t materialsNamed(const StencilSet &s) {
 Body::Body(std::string name, std::shared_ptr<const RestState> rest, Constitution constitution,
            const ParallelFor &parallelFor)
     : name_(std::move(name)), rest_(std::move(rest)), first_(rest_) {
-  POINTBASED_EXPECTS(rest_ != nullptr && rest_->phyxelCount() > 0, "a rest state with phyxels");
+  POINTBASED_EXPECTS(rest_ != nullptr, "a rest state");
   layOut();
   setConstitution(std::move(constitution), parallelFor);
   reset();
