@@ -4,12 +4,10 @@
 //   bench_limit [--target AVX3|AVX2|SSE4|SSSE3] [--seconds S] [--csv FILE] [--json FILE]
 //
 // machine  flop/s of chains of multiply-adds in registers, in single and double precision; bytes/s of a triad a = b + s
-// c
-//          whose arrays fit into the second-level cache, into the last one perhaps, and into none
+//          c whose arrays fit into the second-level cache, into the last one perhaps, and into none
 // forces   flop/s and bytes/s of the kernel of cells alone and of a whole evaluation, neo-Hookean with the energy of
-// the
-//          modes, on balls: operations and bytes of force_counts.h over the median time; in turns with the chains of
-//          multiply-adds, so that the per cent are of the same minute
+//          the modes, on balls: operations and bytes of force_counts.h over the median time; in turns with the chains
+//          of multiply-adds, so that the per cent are of the same minute
 //
 // One thread. --target: not the best instruction set of the machine but this one.
 #include <hwy/targets.h>

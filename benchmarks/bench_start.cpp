@@ -5,8 +5,7 @@
 //
 // window  c3de on its default scene: first frame, frame with the simulation ready to play, first step after --play
 // organ   a scene with an organ of 30 000 triangles made here and 3 000 phyxels on a lattice: likewise, and `c3de run`
-// to
-//         the end of its first step, without a window
+//         to the end of its first step, without a window
 //
 // Wall time is from the start of the process to the moment this program sees the frame in the file of
 // --automation-state (looked at every 2 ms; the program writes it at most 20 times a second). Processor time is the

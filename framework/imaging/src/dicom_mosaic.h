@@ -4,9 +4,8 @@
 // "Siemens mosaic format" and "Siemens format DICOM with CSA header" (nipy.org/nibabel/dicom):
 // - Image Type holds the word MOSAIC; a picture has g x g cells, g = ceil(sqrt(NumberOfImagesInMosaic)).
 // - The CSA image header, private element (0029,xx10) behind the creator "SIEMENS CSA HEADER", has
-// NumberOfImagesInMosaic
-//   and SliceNormalVector, the direction in which slices follow each other. It is the cross product of Image
-//   Orientation or its opposite.
+//   NumberOfImagesInMosaic and SliceNormalVector, the direction in which slices follow each other. It is the cross
+//   product of Image Orientation or its opposite.
 // - Image Position is that of a single picture as large as the mosaic around the centre of the first slice. The first
 //   voxel of the first tile lies at
 //       position + alongRow * columnStep * (columns - tileColumns) / 2 + alongColumn * rowStep * (rows - tileRows) / 2.

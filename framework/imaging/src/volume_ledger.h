@@ -17,8 +17,7 @@ void bookMoves(EditMesh &mesh, std::span<const Vec3> before);
 /// Spreads and pays.
 /// @param edges  lengths by tag: no vertex goes farther than a quarter of one at a time
 /// @param reach  how far accounts are spread, as many edges in the root mean square; what is lost and found again
-/// within
-///               it (the steps of voxels) is not paid
+///               within it (the steps of voxels) is not paid
 /// @param times  payments, each of what the ones before left open
 void settle(EditMesh &mesh, std::span<const double> edges, double reach, int times);
 

@@ -11,23 +11,22 @@
 //   mouse          {x, y, buttons}: as the last frame saw it; buttons as in C3DE_BUTTON_*
 //   focused        the window has the keyboard
 //   widgets        "area/id": [x0, y0, x1, y1] of everything that can be clicked, clipped to what is visible. Areas:
-//   menu,
-//                  toolbar, scene, dialog, notification, job, window, and the id of each panel with the ids of its
-//                  widgets (a parameter has its own id, its "auto" box ".auto", an open list ".option.NAME")
+//                  menu, toolbar, scene, dialog, notification, job, window, and the id of each panel with the ids of
+//                  its widgets (a parameter has its own id, its "auto" box ".auto", an open list ".option.NAME")
 //   scrolled_out   "area/id": the same for what exists but is scrolled out of its panel
 //   disabled       ["area/id", …] of those in `widgets` that do not react now
 //   values         "area/name": text of value rows and of what widgets show
 //   transport      {exists, title, mode, steps, time_s, target_rate, real_time_factor, step_ms, step_running_s,
-//   activity};
-//                  mode: stopped, playing, paused, failed; activity: of a step that takes long, what would help
+//                  activity}; mode: stopped, playing, paused, failed; activity: of a step that takes long, what would
+//                  help
 //   tool           id of the active tool, "orbit" for none
 //   notifications  [{severity, title, text}], severity: debug, info, warn, error
 //   jobs           [{title, what, fraction}]
 //   camera         {yaw, pitch, distance, focus: [x, y, z]}
 //   nodes          [{name, depth, visible}] of the scene
 //   answers        [[frame, x, y, characters, shown_s], …] of the newest frames that took input: the mouse as in
-//   `mouse`,
-//                  characters that had been taken in all, and when the frame had been shown, s on the steady clock
+//                  `mouse`, characters that had been taken in all, and when the frame had been shown, s on the steady
+//                  clock
 //   closing        true in the last state that is written
 #pragma once
 

@@ -43,9 +43,9 @@ struct SeriesInfo {
   std::size_t files = 0;
   std::size_t times = 1;  ///< time points that ReadOptions::time chooses from
   bool isPart = false;    ///< of the series before it, which is read unless this one is asked for
-  /// For readLabelMap(): of DICOM, or with the segments of 3D Slicer or a label table of NIfTI.
+  /// For readLabelMap(): of DICOM, or with the segments of 3D Slicer or a label table of NIfTI. Of DICOM readVolume()
+  /// takes it only where there is nothing else.
   bool isSegmentation = false;
-  ///< Of DICOM readVolume() takes it only where there is nothing else
   bool holdsNamedFile = false;  ///< the file that listSeries() was asked for is one of its files
   std::filesystem::path folder;
   std::string refusal;      ///< why readVolume() would not take it; empty: it would try

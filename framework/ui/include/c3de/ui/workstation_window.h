@@ -116,8 +116,7 @@ class WorkstationWindow {
 
   /// Waits until a frame is due: at once after input, at most 60 times a second while something moves, else never.
   /// @return whether the frame is to show what is new. Where frames take long and input waits, it only answers that,
-  /// with
-  ///   everything else as the last frame has shown it; the next one takes what is new.
+  ///   with everything else as the last frame has shown it; the next one takes what is new.
   [[nodiscard]] bool waitForFrame();
   /// Takes input, draws the scene through the renderer and everything around it, shows the frame.
   void drawFrame(render::Renderer &renderer, const SimulationView &simulation);

@@ -17,17 +17,16 @@ struct ContactPoints {
   Interpolation binding;
   std::vector<Vec3> normals;  ///< N, unit
   std::vector<double> areas;  ///< m²; their sum is the area of the surface
-  /// M, kept between a point and an obstacle; empty: 0. Bodies without a surface touch with
+  /// m, kept between a point and an obstacle; empty: 0. Bodies without a surface touch with their phyxels, which are
+  /// balls
   std::vector<double> radii;
-  ///< their phyxels, which are balls
   std::vector<double> spacings = {};  ///< m, of the cells that carry a point; empty: all are ContactPenalty::spacing
 
   [[nodiscard]] std::size_t count() const { return binding.count(); }
 };
 
 /// @param spacing  of the phyxels, m: one point of every cube of half of it that the surface passes, so three or four
-/// per
-///                 phyxel of the skin; more make contact slower, not better, because a cell's faces have no other
+///                 per phyxel of the skin; more make contact slower, not better, because a cell's faces have no other
 ///                 shapes
 [[nodiscard]] SurfacePoints chooseContactPoints(const Surface &surface, double spacing);
 /// The same for a body of several connected pieces. A piece so small that fewer than kLeastOfPiece of these points lie
@@ -57,9 +56,9 @@ struct Contact {
   Vec3 settleFriction = Vec3::Zero();   ///< N s, likewise
   // Of implicit and static solutions:
   double normalForce = 0.0;  ///< N, of the last solution
-  /// M, penetration that it began with and that is not pushed back at once
+  /// m, penetration that it began with and that is not pushed back at once
   double initialPenetration = 0.0;
-  /// M, elastic tangential way at the beginning of the stage: what friction holds
+  /// m, elastic tangential way at the beginning of the stage: what friction holds
   Vec3 tangentialDisplacement = Vec3::Zero();
   static constexpr Index kWall = 0xffffffffu;
 };
@@ -87,7 +86,7 @@ struct ContactState {
   };
   std::vector<std::vector<Side>> sides;  ///< [obstacles][points]
   std::vector<Contact> active;           ///< of the present step: by point, then obstacle
-  /// M, deepest penetration of a point at the beginning of a step since the start
+  /// m, deepest penetration of a point at the beginning of a step since the start
   double deepest = 0.0;
   double margin = 0.0;  ///< m, of the last findContacts()
   // scratch, so that a step allocates nothing
@@ -186,8 +185,8 @@ struct ImpulseSettings {
 /// @param inverseMasses  [phyxels] 1/kg; 0 for held ones
 /// @return total impulse on the body, N s (for reports; without that of the split impulses)
 /// @source  Jean, The non-smooth contact dynamics method, CMAME 177, 1999 (impulses, Gauss-Seidel); Cline and Pai,
-/// Post-stabilization
-///          for rigid body simulation with contact and constraints, ICRA 2003 (positions apart from velocities)
+///          Post-stabilization for rigid body simulation with contact and constraints, ICRA 2003 (positions apart from
+///          velocities)
 Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
                           const ImpulseSettings &settings, ContactState &memory, std::span<Vec3> velocities);
 
@@ -232,9 +231,9 @@ void addContactTriplets(const ContactPoints &points, const ContactState &memory,
 class ContactForces {
  public:
   /// Remembers the forces on the points, N, as they are now.
-  void tell(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-            std::span<const Vec3> now, const ContactState &memory);
-  /// Σ_p |change of the force on p since tell()| over Σ_p of all that presses now; 0 where nothing presses and nothing
+  void record(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+              std::span<const Vec3> now, const ContactState &memory);
+  /// Σ_p |change of the force on p since record()| over Σ_p of all that presses now; 0 where nothing presses and nothing
   /// did.
   [[nodiscard]] double changeTo(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                                 std::span<const Vec3> now, const ContactState &memory);

@@ -33,8 +33,7 @@ struct Foundation {
 /// isotropic. A rigid block of surface A is held with k A. Zero in the reference, exactly. The tissue around has no
 /// mass and does not slide; N is of the reference, so with k_n ≠ k_t turns should stay small.
 /// @source  Winkler, Die Lehre von der Elasticität und Festigkeit, 1867; Kerr, Elastic and viscoelastic foundation
-/// models,
-///          J. Appl. Mech. 31, 1964 (with damping)
+///          models, J. Appl. Mech. 31, 1964 (with damping)
 class ElasticFoundation {
  public:
   ElasticFoundation() = default;

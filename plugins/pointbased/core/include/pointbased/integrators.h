@@ -9,7 +9,7 @@
 namespace pointbased {
 
 enum class Integrator {
-  /// ExplicitVerlet or implicitSdirk, for each body what is predicted to cost less (Simulator::predictedCost)
+  /// explicitVerlet or implicitSdirk, for each body what is predicted to cost less (Simulator::predictedCost)
   automatic,
   explicitVerlet,    ///< velocity Verlet in substeps below the stable step
   implicitSdirk,     ///< two-stage diagonally implicit Runge-Kutta: second order, damps only what dt does not resolve

@@ -113,8 +113,7 @@ struct StressTangent {
 ///
 /// @threads any
 /// @source  own: along a⊗n J is linear, so that the wave modulus of the neo-Hookean law is mu + W''(J) |cof F|²; that
-/// of
-///          StVK is S_1 + (lambda + 2 mu) s_1²; largest eigenvalues bounded by Laguerre's method from above
+///          of StVK is S_1 + (lambda + 2 mu) s_1²; largest eigenvalues bounded by Laguerre's method from above
 [[nodiscard]] double tangentRatio(const Material &material, const Mat3 &F);
 
 }  // namespace pointbased

@@ -42,9 +42,9 @@ class IncrementalPotential {
 };
 
 enum class Preconditioner {
-  /// Complete where that is cheap (some 3000 phyxels on a lattice), else incomplete until its iterations have
+  /// Complete where that is cheap (some 3000 phyxels on a lattice), else incomplete until its iterations have paid for
+  /// a complete one (at most 30 000 phyxels); blocks where the Hessian cannot be assembled
   automatic,
-  ///< paid for a complete one (at most 30 000 phyxels); blocks where the Hessian cannot be assembled
   blockJacobi,  ///< 3x3 blocks
   incomplete,   ///< incomplete Cholesky of the assembled Hessian
   factorised    ///< complete Cholesky of an assembled Hessian
@@ -52,11 +52,9 @@ enum class Preconditioner {
 
 /// Converged is
 ///  - a residual of at most toleranceForce (exactly zero where that is 0), also at the start; or
-///  - a start from which the minimum is within a thousandth of toleranceDisplacement (IncrementalPotential::reach());
-///  or
+///  - a start from which the minimum is within a thousandth of toleranceDisplacement (IncrementalPotential::reach()); or
 ///  - a Newton step that was taken whole (not cut by the line search, by largestStep() or by negative curvature), moved
-///  no
-///    phyxel by more than toleranceDisplacement, did not raise the residual, and came from a linear solve to 1e-3 or
+///    no phyxel by more than toleranceDisplacement, did not raise the residual, and came from a linear solve to 1e-3 or
 ///    better; a solve that finds so small a step at a looser tolerance goes on to 1e-3 before it is believed. Where the
 ///    residual is all round-off and does rise, two such steps in a row count; or
 ///  - no further progress, with a residual below 1e-6 of the first one: round-off is all that is left.
@@ -101,8 +99,7 @@ struct NewtonResult {
 /// (Armijo) or, where the change drowns in round-off, a falling gradient whose slope along the step says so (Hager and
 /// Zhang).
 /// @source  Nocedal and Wright, Numerical Optimization, 2nd ed., ch. 7.1; Steihaug 1983; Eisenstat and Walker, SIAM J.
-/// Sci.
-///          Comput. 17, 1996, choice 2; Hager and Zhang, SIAM J. Optim. 16, 2005, approximate Wolfe conditions
+///          Sci. Comput. 17, 1996, choice 2; Hager and Zhang, SIAM J. Optim. 16, 2005, approximate Wolfe conditions
 class NewtonSolver {
  public:
   NewtonSolver();

@@ -30,8 +30,7 @@ struct Occupancy {
 /// filled at least half as much as both ends: gaps of one empty voxel separate, staircases do not.
 ///
 /// @param surface  world, m: the skin, for surfels, contact, supports and loads; a smooth one around the same voxels.
-/// May be
-///                 empty, as in BodyShape
+///                 May be empty, as in BodyShape
 /// Errors: a size that does not fit the fill, values that are not 0 … 1, steps that span no volume, nothing filled.
 /// Memory: 8 bytes per voxel of the part of the grid that is filled. Time: 0.1 µs per voxel on one thread.
 [[nodiscard]] Result<BodyShape> shapeOf(const Occupancy &occupancy, Surface surface = {},

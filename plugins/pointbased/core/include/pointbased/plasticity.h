@@ -42,8 +42,7 @@ struct FlowResult {
 /// @param plasticInverse  in and out: Fp^-1; start with the identity
 /// @param result          if wanted: what happened; the strains are filled only if something flowed
 /// @param before          if given: F_p^-1 of the flow before the reference was renewed (rereferencing.h); `max` and
-///                        plasticStrain are
-///                        of all of it, F_p F_p,before
+///                        plasticStrain are of all of it, F_p F_p,before
 /// @return  false, with plasticInverse untouched bit for bit, where nothing flows: not enabled(), below yield, dt <= 0,
 ///          det F <= kSmallestFlowRatio, F not finite
 /// @threads any; a point clearly below yield costs no eigenvalues

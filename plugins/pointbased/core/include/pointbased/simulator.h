@@ -28,13 +28,13 @@ struct Probe {
   std::size_t body = 0;
   Vec3 reference = Vec3::Zero();  ///< world, m
   Interpolation binding;          ///< one point
-  /// M, way of the point from `reference` to where it is bound (rereferencing.h)
+  /// m, way of the point from `reference` to where it is bound (rereferencing.h)
   Vec3 referenceShift = Vec3::Zero();
 };
 
 struct SimulationEvent {
   double time = 0.0;  ///< s
-  /// Substep | slowed | smaller_step | stopped | switched | renewed | restored | note | warning | skin | overlap | step
+  /// substep | slowed | smaller_step | stopped | switched | renewed | restored | note | warning | skin | overlap | step
   std::string kind;
   std::string text;
 };
@@ -97,8 +97,7 @@ class Simulator {
   /// One step of the present size: explicit in the substeps that stability needs, up to 10 000 (then time goes on by
   /// what is done). Refused when every body has stopped. Quasi-static: one load increment; nothing when finished().
   /// @param stop  null, or what ends the step when it is raised, in a fraction of a second: every body is then where it
-  /// was
-  ///              before the step. Another thread may raise it.
+  ///              was before the step. Another thread may raise it.
   [[nodiscard]] tl::expected<void, StepFailure> step(const StopRequest *stop = nullptr);
   /// Of the step that is being computed: the body that it is at, why that may take long, what would help. Empty between
   /// steps. Any thread.

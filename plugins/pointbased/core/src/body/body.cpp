@@ -53,13 +53,13 @@ std::vector<double> phyxelDensities(const Constitution &constitution, const Rest
   return densities;
 }
 
-// Young's modulus where something acts on a body, from those around the phyxels that carry the place. As a difference,
-// so that it is that of a body of one material to the bit.
-double modulusAt(std::span<const double> moduli, std::span<const Index> phyxels, std::span<const double> weights) {
-  const double first = moduli[phyxels.front()];
+// Young's modulus where something acts on a body: the mean of those around the phyxels of a row. As a difference to the
+// first, so that a body of one material has its modulus to the bit.
+double modulusAt(std::span<const double> moduli, const Csr &rows, std::span<const double> weights, std::size_t row) {
+  const double first = moduli[rows.indices[rows.offsets[row]]];
   double sum = 0.0, all = 0.0;
-  for (std::size_t e = 0; e < phyxels.size(); ++e) {
-    sum += std::abs(weights[e]) * (moduli[phyxels[e]] - first);
+  for (Index e = rows.offsets[row]; e < rows.offsets[row + 1]; ++e) {
+    sum += std::abs(weights[e]) * (moduli[rows.indices[e]] - first);
     all += std::abs(weights[e]);
   }
   return first + sum / all;
@@ -186,17 +186,14 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
         weights.push_back(part.weights[e]);
       }
       rows.offsets.push_back(static_cast<Index>(rows.indices.size()));
-      const std::size_t first = part.rows.offsets[p], count = part.rows.offsets[p + 1] - first;
-      const double modulus = modulusAt(moduli, part.rows.row(p), std::span(part.weights).subspan(first, count));
+      const double modulus = modulusAt(moduli, part.rows, part.weights, p);
       stiffness.push_back(kPatchStiffness * modulus * part.areas[p] / rest_->spacing);
     }
   patches_.set(rows, weights, stiffness, inverseMasses_);
   const Interpolation &touching = rest_->contact.binding;
   contactModuli_.resize(rest_->contact.count());
-  for (std::size_t p = 0; p < contactModuli_.size(); ++p) {
-    const std::size_t first = touching.phyxels.offsets[p], count = touching.phyxels.offsets[p + 1] - first;
-    contactModuli_[p] = modulusAt(moduli, touching.phyxels.row(p), std::span(touching.weights).subspan(first, count));
-  }
+  for (std::size_t p = 0; p < contactModuli_.size(); ++p)
+    contactModuli_[p] = modulusAt(moduli, touching.phyxels, touching.weights, p);
   vectorise();
   restFrequency_ = largestFrequency(constitution_, s, rest_->positions, masses_, {}, parallelFor);
   foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));

@@ -18,9 +18,8 @@ namespace pointbased {
 /// that moves may).
 ///
 /// @param velocities  [phyxels] m/s, at the same time as the positions: the energy of velocity Verlet counts with
-/// these; half a
-///                    kick later, they hold what a compressed body pushes against the surface, and bouncing with it
-///                    would be energy from nothing
+///                    these; half a kick later, they hold what a compressed body pushes against the surface, and
+///                    bouncing with it would be energy from nothing
 /// @return total impulse on the body, N s
 /// @source  Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988 (restitution at several
 /// contacts)

@@ -166,8 +166,8 @@ double forcesOnPoints(const ContactPoints &points, const ContactPenalty &penalty
 
 }  // namespace
 
-void ContactForces::tell(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
-                         std::span<const Vec3> now, const ContactState &memory) {
+void ContactForces::record(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                           std::span<const Vec3> now, const ContactState &memory) {
   (void)forcesOnPoints(points, penalty, start, now, memory, then_);
 }
 

@@ -37,8 +37,7 @@ enum class LinearEnd {
 /// iterations gained is below tolerance² of all of it: with a weak preconditioner the residual of a slender body is
 /// small long before its bending is found, and the second test sees that.
 /// @source  Hestenes and Stiefel, J. Res. NBS 49, 1952; truncation: Steihaug, SIAM J. Numer. Anal. 20, 1983; the gain
-/// as an
-///          estimate of the error: Strakos and Tichy, ETNA 13, 2002
+///          as an estimate of the error: Strakos and Tichy, ETNA 13, 2002
 class ConjugateGradients {
  public:
   /// From x = 0. `b` must outlive the solve.

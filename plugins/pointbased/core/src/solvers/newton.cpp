@@ -251,7 +251,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
     result.outcome = outcome;
     return result;
   };
-  const auto tell = [&] {
+  const auto report = [&] {
     result.residual = at.residual.value;
     result.worst = at.residual.at;
     result.factorisations = keeper.factorisations() - factorisationsBefore;
@@ -265,7 +265,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
     return end(NewtonOutcome::notFinite);
   }
   const bool finite = gradientHere(problem, gradient, at);
-  tell();
+  report();
   if (!finite) return end(NewtonOutcome::notFinite);
 
   if (problem.reach(gradient) <= kFoundAtStart * settings.toleranceDisplacement) return end(NewtonOutcome::converged);
@@ -291,7 +291,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
       if (newton && length <= std::max(settings.toleranceDisplacement,
                                        8.0 * std::numeric_limits<double>::epsilon() * detail::largest(u).value)) {
         result.lastStep = length;
-        tell();
+        report();
         return end(NewtonOutcome::converged);
       }
       newton = false;
@@ -299,14 +299,14 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
       length = detail::largest(direction).value;
       scale = search(problem, u, settings, at, false);
       if (scale == 0.0) {
-        tell();
+        report();
         return end(fallen() ? NewtonOutcome::converged : NewtonOutcome::noDescent);
       }
     } else {
       length = detail::largest(direction).value;  // it may have grown
     }
     result.lastStep = scale * length;
-    tell();
+    report();
 
     // Converged: a whole, trustworthy Newton step that moved nothing by more than the tolerance, after which the
     // residual is smaller; twice in a row where it cannot become smaller.

@@ -103,10 +103,10 @@ double StageProblem::energy() {
   sum += elastic.strain + elastic.stabilisation;
   if (body_.patches().rows() > 0) sum += body_.patches().energy(targets(), state.displacements);
   if (contact_) sum += contactEnergy(body_.rest().contact, body_.contact, penalty_, start_, state.displacements);
-  if (around()) {
+  if (foundationActs()) {
     // Damping, with the velocity of the end of the stage, has a potential of the way within it.
     sum += foundation().energy(state.displacements);
-    if (lag() > 0.0) sum += lag() * foundation().energy(way());
+    if (relativeRetardation() > 0.0) sum += relativeRetardation() * foundation().energy(displacementOfStage());
   }
   if (followers_ || dissipative_) {
     computeWork();
@@ -133,7 +133,7 @@ void StageProblem::gradient(std::span<Vec3> out) {
   forces_.assign(body_.forces().begin(), body_.forces().end());
   if (body_.patches().rows() > 0) body_.patches().addForces(forces_);
   if (contact_) addContactForces(body_.rest().contact, body_.contact, penalty_, start_, state.displacements, forces_);
-  if (around())
+  if (foundationActs())
     foundation().addForces(state.displacements,
                            stage_.h > 0.0 ? std::span<const Vec3>(state.velocities) : std::span<const Vec3>(), forces_,
                            *env_.parallelFor);
@@ -169,7 +169,7 @@ void StageProblem::product(std::span<const Vec3> du, std::span<Vec3> out) {
   for (std::size_t i = 0; i < n_; ++i) out[i] = (a_ + damping_) * body_.masses()[i] * du[i] - out[i];
   if (body_.patches().rows() > 0) body_.patches().addProduct(du, out);
   if (contact_) addContactProduct(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, du, out);
-  foundation().addProduct(1.0 + lag(), du, out, *env_.parallelFor);
+  foundation().addProduct(1.0 + relativeRetardation(), du, out, *env_.parallelFor);
 }
 
 void StageProblem::diagonalBlocks(std::span<Mat3> out) {
@@ -179,7 +179,7 @@ void StageProblem::diagonalBlocks(std::span<Mat3> out) {
   for (std::size_t i = 0; i < n_; ++i) out[i].diagonal().array() += (a_ + damping_) * body_.masses()[i];
   if (body_.patches().rows() > 0) body_.patches().addDiagonal(out);
   if (contact_) addContactBlocks(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, out);
-  foundation().addBlocks(1.0 + lag(), out);
+  foundation().addBlocks(1.0 + relativeRetardation(), out);
 }
 
 bool StageProblem::assemble(Eigen::SparseMatrix<double> &out) {
@@ -195,7 +195,7 @@ bool StageProblem::assemble(Eigen::SparseMatrix<double> &out) {
   if (body_.patches().rows() > 0) body_.patches().addTriplets(triplets_);
   if (contact_)
     addContactTriplets(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, triplets_);
-  foundation().addTriplets(1.0 + lag(), triplets_);
+  foundation().addTriplets(1.0 + relativeRetardation(), triplets_);
   out.resize(static_cast<Eigen::Index>(3 * n_), static_cast<Eigen::Index>(3 * n_));
   endIfRaised(env_.stop);
   out.setFromTriplets(AskedTriplets(triplets_.data(), env_.stop),
@@ -203,10 +203,10 @@ bool StageProblem::assemble(Eigen::SparseMatrix<double> &out) {
   return true;
 }
 
-std::span<const Vec3> StageProblem::way() {
-  way_.resize(n_);
-  for (std::size_t i = 0; i < n_; ++i) way_[i] = body_.state().displacements[i] - stage_.p[i];
-  return way_;
+std::span<const Vec3> StageProblem::displacementOfStage() {
+  displacementOfStage_.resize(n_);
+  for (std::size_t i = 0; i < n_; ++i) displacementOfStage_[i] = body_.state().displacements[i] - stage_.p[i];
+  return displacementOfStage_;
 }
 
 void StageProblem::computeWork() {

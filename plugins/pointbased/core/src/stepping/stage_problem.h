@@ -44,10 +44,12 @@ class StageProblem final : public IncrementalPotential {
  private:
   [[nodiscard]] std::span<const Vec3> targets() { return body_.patchTargets(stage_.end); }
   [[nodiscard]] const ElasticFoundation &foundation() const { return body_.foundation(); }
-  [[nodiscard]] bool around() const { return foundation().acts(); }
-  // Of the foundation's damping to its stiffness, in the Hessian.
-  [[nodiscard]] double lag() const { return stage_.h > 0.0 ? foundation().settings().retardationTime / stage_.h : 0.0; }
-  [[nodiscard]] std::span<const Vec3> way();
+  [[nodiscard]] bool foundationActs() const { return foundation().acts(); }
+  // Retardation time over h: the foundation's damping relative to its stiffness, in the Hessian.
+  [[nodiscard]] double relativeRetardation() const {
+    return stage_.h > 0.0 ? foundation().settings().retardationTime / stage_.h : 0.0;
+  }
+  [[nodiscard]] std::span<const Vec3> displacementOfStage();
   [[nodiscard]] double dt() const { return dissipative_ ? stage_.elapsed : 0.0; }
   [[nodiscard]] double viscousScale() const { return dissipative_ ? 1.0 / stage_.h : 0.0; }
   // At the beginning of the step: what relaxes is advanced from there by dt().
@@ -69,7 +71,7 @@ class StageProblem final : public IncrementalPotential {
   double a_ = 0.0, damping_ = 0.0;
   bool followers_ = false, dissipative_ = false, contact_ = false, workCurrent_ = false;
   bool vectorised_ = false, linearised_ = false;
-  std::vector<Vec3> dead_, work_, start_, forces_, way_;
+  std::vector<Vec3> dead_, work_, start_, forces_, displacementOfStage_;
   std::vector<Vec3> reference_, referenceWork_;
   double referenceEnergy_ = 0.0, roundOff_ = 0.0;
   ContactPenalty penalty_;

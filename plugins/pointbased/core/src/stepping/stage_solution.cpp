@@ -59,24 +59,23 @@ class StageSolution {
   }
 
   NewtonResult solve() {
-    if (env_.contact() && body_.rest().contact.count() > 0) {
+    const bool touches = env_.contact() && points().count() > 0;
+    bool complete = true;
+    if (touches) {
       begin();
-      if (!solveContacts()) {
-        // Whoever solves it in another way may begin where this one has got to.
-        (void)problem_.setState(u_);
-        return result_;
-      }
+      complete = solveContacts();
     } else {
       (void)newton([&](const NewtonResult &) { return wanted(); });
     }
+    // Of a stage that was given up, too: whoever solves it in another way may begin where this one has got to.
     (void)problem_.setState(u_);
-    if (touches_ && result_.good()) finishContactStage(points(), problem_.penalty(), start_, u_, memory());
+    if (touches && complete && result_.good()) finishContactStage(points(), problem_.penalty(), start_, u_, memory());
     return result_;
   }
 
  private:
   // What a round of contact has come to.
-  enum class Round { again, plainly, done, givenUp };
+  enum class Round { again, restart, done, givenUp };
 
   [[nodiscard]] const ContactPoints &points() const { return body_.rest().contact; }
   [[nodiscard]] ContactState &memory() { return body_.contact; }
@@ -105,12 +104,11 @@ class StageSolution {
   }
 
   void updateFriction() { updateNormalForces(points(), problem_.penalty(), start_, u_, memory()); }
-  void keepForces() { forces_.tell(points(), problem_.penalty(), start_, u_, memory()); }
+  void recordForces() { forces_.record(points(), problem_.penalty(), start_, u_, memory()); }
   [[nodiscard]] double changeOfForces() { return forces_.changeTo(points(), problem_.penalty(), start_, u_, memory()); }
 
   void begin() {
-    touches_ = true;
-    freeWay_ = u_;
+    freeMotion_ = u_;
     findContactsOfWay();
     if (!(stage_.h > 0.0) || memory().active.empty()) return;
     std::vector<std::vector<Vec3>> offers{u_, start_};
@@ -121,30 +119,29 @@ class StageSolution {
 
   // @return false: given up, because it is not to go on
   bool solveContacts() {
-    for (int round = 0; round < kContactRounds; ++round) switch (solveRound(round)) {
-        case Round::again: break;
-        case Round::plainly:
-          // Once more from the free way, to the end.
-          plain_ = true;
-          u_ = freeWay_;
-          round = -1;
-          break;
-        case Round::done: return true;
-        case Round::givenUp: return false;
-      }
+    for (int round = 0; round < kContactRounds; ++round) {
+      const Round outcome = solveRound(round);
+      if (outcome == Round::done) return true;
+      if (outcome == Round::givenUp) return false;
+      if (outcome != Round::restart) continue;
+      // Once more from the free motion, to the end.
+      restarted_ = true;
+      u_ = freeMotion_;
+      round = -1;
+    }
     return true;
   }
 
   Round solveRound(int round) {
-    // Half way it is looked whether friction of what presses now is another, or the stage is not to go on: then it is
-    // not worth to go on to the end.
-    bool asked = plain_ || round > 0, enough = false;
+    // Before the iterations have converged it is checked whether friction has changed with what presses now, or whether
+    // the stage is to be given up: then the rest of them would be wasted.
+    bool asked = restarted_ || round > 0, enough = false;
     const auto look = [&](const NewtonResult &r) {
       if (!wanted()) return false;
       if (asked || r.iterations == 0 || r.lastStep > kRough * settings_.toleranceDisplacement) return true;
       asked = true;
       kept_ = memory().active;
-      keepForces();
+      recordForces();
       updateFriction();
       enough = !goesOn() || changeOfForces() > kSettled;
       if (!enough) memory().active.swap(kept_);
@@ -154,9 +151,9 @@ class StageSolution {
     if (!newton(look) && !enough) return afterFailure();
     if (!enough) solution_ = u_;
     result_.outcome = NewtonOutcome::converged;
-    // Told anew, with the planes that the solution meets and friction of its normal forces, the forces of contact are
-    // those it was found with, or it is solved again with what they are now.
-    if (!enough) keepForces();
+    // With the planes that the solution meets, and friction of its normal forces, the contact forces have to be those it
+    // was found with; else it is solved again with what they are now.
+    if (!enough) recordForces();
     updateFriction();
     findContactsOfWay();
     updateFriction();
@@ -174,7 +171,7 @@ class StageSolution {
       result_.outcome = NewtonOutcome::converged;
       return Round::done;
     }
-    return plain_ || stage_.h <= 0.0 ? Round::done : Round::plainly;
+    return restarted_ || stage_.h <= 0.0 ? Round::done : Round::restart;
   }
 
   Body &body_;
@@ -185,12 +182,12 @@ class StageSolution {
   StageProblem problem_;
   NewtonSettings settings_;
   const std::vector<Vec3> start_;
-  std::vector<Vec3> u_, placed_, freeWay_;
+  std::vector<Vec3> u_, placed_, freeMotion_;
   std::vector<Vec3> solution_;  // the last one
   std::vector<Contact> kept_;
   ContactForces forces_;
   NewtonResult result_;
-  bool touches_ = false, plain_ = false;
+  bool restarted_ = false;
 };
 
 }  // namespace

@@ -179,14 +179,14 @@ struct RelaxationLanes<MaterialLaw::corotated, D> {
   HWY_INLINE Sym3Lanes<V> drive(V mu) const { return scaled(hn::Add(mu, mu), deviator(d, U)); }
   // R (Q + [a]x), (tr(U) 1 - U) a = axial of U Q - Q U
   HWY_INLINE Mat3Lanes<V> pushed(const Sym3Lanes<V> &Q) const {
-    const Mat3Lanes<V> full = kernels::HWY_NAMESPACE::full(Q), UQ = times(kernels::HWY_NAMESPACE::full(U), full);
+    const Mat3Lanes<V> Q3 = full(Q), UQ = times(full(U), Q3);
     const Vec3Lanes<V> w = {hn::Sub(UQ.c1.z, UQ.c2.y), hn::Sub(UQ.c2.x, UQ.c0.z), hn::Sub(UQ.c0.y, UQ.c1.x)};
     const V zero = hn::Zero(d);
-    const Mat3Lanes<V> sums = plusDiagonal(kernels::HWY_NAMESPACE::full(scaled(hn::Set(d, Real<D>(-1)), U)), p.trace);
+    const Mat3Lanes<V> sums = plusDiagonal(full(scaled(hn::Set(d, Real<D>(-1)), U)), p.trace);
     const Mat3Lanes<V> c = cofactor(sums);
     const Vec3Lanes<V> a = scaled(hn::Div(hn::Set(d, Real<D>(1)), dot(sums.c0, c.c0)), times(c, w));
     const Mat3Lanes<V> spin = {{zero, a.z, hn::Neg(a.y)}, {hn::Neg(a.z), zero, a.x}, {a.y, hn::Neg(a.x), zero}};
-    return times(p.R, full + spin);
+    return times(p.R, Q3 + spin);
   }
 };
 
