@@ -81,7 +81,7 @@ SolvedBody::SolvedBody(const Problem &problem) : shape_(problem.shape) {
   if (simulator_.quasiStatic())
     while (!simulator_.finished())
       if (const auto done = simulator_.step(); !done) throw std::runtime_error(done.error().text);
-  if (!body().stopped.empty()) throw std::runtime_error(body().stopped);
+  if (body().stopped) throw std::runtime_error(body().stopMessage());
   milliseconds_ = watch.milliseconds();
 }
 
@@ -89,7 +89,7 @@ void SolvedBody::run(double until) {
   const Stopwatch watch;
   while (simulator_.time() < until)
     if (const auto done = simulator_.step(); !done) throw std::runtime_error(done.error().text);
-  if (!body().stopped.empty()) throw std::runtime_error(body().stopped);
+  if (body().stopped) throw std::runtime_error(body().stopMessage());
   milliseconds_ += watch.milliseconds();
 }
 

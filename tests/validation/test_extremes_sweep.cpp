@@ -96,16 +96,16 @@ AtlasRun fallAndPull(const std::shared_ptr<const RestState> &rest, double youngs
     run.seconds = processorSeconds() - start;
     run.steps += good ? 1 : 0;
   }
-  const bool reported =
-      Contains("phyxel").match(body.stopped) && Contains("Help").match(body.stopped) && told(simulator, "stopped");
+  const bool reported = Contains("phyxel").match(body.stopMessage()) && Contains("Help").match(body.stopMessage()) &&
+                        told(simulator, "stopped");
   if (run.slowestStep > kHang) {
     run.reason = "a step took " + text(run.slowestStep) + " s";
   } else if (!finite(body)) {
     run.reason = "numbers that are none";
   } else if (!good) {
     run.ending = reported ? Ending::stopped : Ending::failed;
-    run.reason = reported ? kindOf(body.stopped) : "a stop without a report";
-  } else if (!body.stopped.empty()) {
+    run.reason = reported ? kindOf(body.stopMessage()) : "a stop without a report";
+  } else if (body.stopped) {
     run.reason = "a stop that step() does not tell of";
   } else {
     run.ending = run.steps == steps || simulator.finished() ? Ending::finite : Ending::finiteSoFar;

@@ -174,7 +174,7 @@ TEST_CASE("1e6 explicit steps of a free vibration: the energy does not drift", "
   double first = 0.0, last = 0.0, low = e0, high = e0, n = 0.0, x1 = 0.0, x2 = 0.0, y1 = 0.0, xy = 0.0;
   const Stopwatch watch;
   for (int i = 0; i < kSteps; ++i) {
-    if (!body.simulator().step()) FAIL(body.body().stopped);
+    if (!body.simulator().step()) FAIL(body.body().stopMessage());
     const bool early = i < kPart, late = i >= kSteps - kPart;
     if (!early && !late && i % kEvery != 0) continue;
     const double e = energy();

@@ -305,7 +305,7 @@ TEST_CASE("a free body that is put down quasi-statically lies on the floor, soft
       simulator.addBody(latticeBox(Vec3(-0.03, 0.05, -0.03), Vec3(0.03, 0.11, 0.03), 0.02, material));
   simulator.addObstacle(halfSpace(Vec3::Zero(), Vec3::UnitY(), 0.3));
   while (!simulator.finished()) REQUIRE(simulator.step());
-  CHECK(simulator.body(id)->stopped.empty());
+  CHECK_FALSE(simulator.body(id)->stopped);
   // Down to what the penalty lets in, ρ g H d/(30 E), four times that at the edges, and the tolerance of the solution.
   const Extent lies = extent(*simulator.body(id), Vec3::UnitY());
   CHECK_THAT(lies.low, WithinAbs(0.0, 4.0 * 590.0 * 0.02 / (30.0 * youngs) + 1e-5));

@@ -176,7 +176,7 @@ TEST_CASE("a lattice drop that may flow without end variances on, its volume and
                              << shapes::volumeOf(skinOf(body)) / volume << ", share of the control " << share[renewing]
                              << ", stable step " << step[renewing] << ", gravity " << energy.gravity);
     CHECK(body.totalMass() == Approx(mass).epsilon(1e-13));
-    CHECK(body.stopped.empty());
+    CHECK_FALSE(body.stopped);
     lost[renewing] = 1.0 - shapes::volumeOf(skinOf(body)) / volume;
     CHECK(std::abs(lost[renewing]) < 0.02);  // 0.3 % of it under its weight; the rest are coarse facets that flatten
     CHECK((body.rereferenceCount() >= 2) == renewing);

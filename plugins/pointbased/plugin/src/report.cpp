@@ -31,89 +31,108 @@ const char *nameOf(Integrator integrator) {
   return "";
 }
 
-Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const ErrorEstimate &error) {
-  const Body &body = *simulator.body(reported.id);
-  const RestState &rest = body.rest();
-  Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero(), centre = Vec3::Zero();
+struct MassSums {
+  Vec3 momentum = Vec3::Zero(), angularMomentum = Vec3::Zero(), centre = Vec3::Zero();
   double mass = 0.0, volume = 0.0;
+};
+
+MassSums massSums(const Body &body) {
+  const RestState &rest = body.rest();
+  MassSums sums;
   for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
     const double m = body.masses()[i] + (body.supportMasses().empty() ? 0.0 : body.supportMasses()[i]);
     const Vec3 x = rest.origin + rest.positions[i] + body.state().displacements[i];
     const Vec3 &v = body.state().velocities[i];
-    momentum += m * v;
-    angular += m * x.cross(v);
-    centre += m * x;
-    mass += m;
-    volume += rest.volumes[i];
+    sums.momentum += m * v;
+    sums.angularMomentum += m * x.cross(v);
+    sums.centre += m * x;
+    sums.mass += m;
+    sums.volume += rest.volumes[i];
   }
-  if (mass > 0.0) centre /= mass;
+  if (sums.mass > 0.0) sums.centre /= sums.mass;
+  return sums;
+}
 
-  double minJ = 1.0, maxStretch = 1.0;
+struct Extremes {
+  double minJ = 1.0, maxStretch = 1.0, plastic = 0.0;
   std::size_t inverted = 0;
+};
+
+Extremes extremesOf(const Body &body) {
+  Extremes out;
   for (const Mat3 &F : body.gradients()) {
     const double J = F.determinant();
-    minJ = std::min(minJ, J);
-    if (J <= 0.0) ++inverted;
+    out.minJ = std::min(out.minJ, J);
+    if (J <= 0.0) ++out.inverted;
     const Eigen::SelfAdjointEigenSolver<Mat3> eigen(F.transpose() * F, Eigen::EigenvaluesOnly);
-    maxStretch = std::max(maxStretch, std::sqrt(std::max(0.0, eigen.eigenvalues()[2])));
+    out.maxStretch = std::max(out.maxStretch, std::sqrt(std::max(0.0, eigen.eigenvalues()[2])));
   }
-
-  double plastic = 0.0;
   const PointHistory &history = body.state().history;
   for (std::size_t q = 0; q < history.plasticInverse.size(); ++q)
-    plastic = std::max(plastic, henckyStrain(history.allFlow(q)).norm());
+    out.plastic = std::max(out.plastic, henckyStrain(history.allFlow(q)).norm());
+  return out;
+}
+
+Json neighboursJson(const RestState &rest) {
   const Neighbours neighbours = countNeighbours(rest);
-  Json near = {{"min", neighbours.min}, {"mean", neighbours.mean}, {"max", neighbours.max}};
-  if (rest.evaluation == Evaluation::phyxels) {
-    const CloudQuality quality = inspectCloud(rest);
-    near["few"] = quality.few;
-    near["many"] = quality.many;
-    near["flat"] = quality.flat;
-    near["coincident"] = quality.coincident;
-    near["moment_condition"] = quality.condition;
-  }
+  Json out = {{"min", neighbours.min}, {"mean", neighbours.mean}, {"max", neighbours.max}};
+  if (rest.evaluation != Evaluation::phyxels) return out;
+  const CloudQuality quality = inspectCloud(rest);
+  out["few"] = quality.few;
+  out["many"] = quality.many;
+  out["flat"] = quality.flat;
+  out["coincident"] = quality.coincident;
+  out["moment_condition"] = quality.condition;
+  return out;
+}
+
+Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const ErrorEstimate &error) {
+  const Body &body = *simulator.body(reported.id);
+  const RestState &rest = body.rest();
+  const MassSums sums = massSums(body);
+  const Extremes extremes = extremesOf(body);
   const Simulator::Energy energy = simulator.energy(reported.id);
-  return {
-      {"name", body.name()},
-      {"evaluation", rest.evaluation == Evaluation::stressPoints ? "stress_points" : "phyxels"},
-      {"phyxels", rest.phyxelCount()},
-      {"points", rest.pointCount()},
-      {"components", rest.components},
-      {"surfels", rest.surfels.count()},
-      {"spacing_m", rest.spacing},
-      {"mass_kg", mass},
-      {"volume_m3", volume},
-      {"mesh_volume_m3", reported.meshVolume},
-      {"counted_volume_m3", rest.countedVolume},
-      {"represented_part", volume > 0.0 && rest.countedVolume > 0.0 ? std::min(1.0, rest.countedVolume / volume) : 1.0},
-      {"neighbours", near},
-      {"stable_dt_s", body.stableStepAtRest()},
-      {"integrator", nameOf(simulator.integratorOf(reported.id))},
-      {"predicted_evaluations_per_s",
-       {{"explicit", simulator.predictedCost(reported.id).first},
-        {"implicit", simulator.predictedCost(reported.id).second}}},
-      {"kernels", body.vectorised() ? kernelTarget() : "by stages"},
-      {"energy_J",
-       {{"kinetic", energy.kinetic},
-        {"elastic", energy.elastic},
-        {"stabilisation", energy.stabilisation},
-        {"gravity", energy.gravity},
-        {"attachment", energy.foundation},
-        {"plastic", 0.0}}},
-      {"momentum", json(momentum)},
-      {"angular_momentum", json(angular)},
-      {"centre_of_mass_m", json(centre)},
-      {"min_J", minJ},
-      {"max_stretch", maxStretch},
-      {"error_estimate", error.relative},
-      {"stabilisation_share", error.stabilisationShare},
-      {"inverted_points", inverted},
-      {"max_plastic_strain", plastic},
-      {"deepest_penetration_m", simulator.skinDepth(reported.id)},
-      {"cost_ms_per_s", 1e3 * simulator.costOf(reported.id)},
-      {"asleep", simulator.asleep(reported.id)},
-      {"rigid", body.rigid()},
-      {"stopped", body.stopped}};
+  return {{"name", body.name()},
+          {"evaluation", rest.evaluation == Evaluation::stressPoints ? "stress_points" : "phyxels"},
+          {"phyxels", rest.phyxelCount()},
+          {"points", rest.pointCount()},
+          {"components", rest.components},
+          {"surfels", rest.surfels.count()},
+          {"spacing_m", rest.spacing},
+          {"mass_kg", sums.mass},
+          {"volume_m3", sums.volume},
+          {"mesh_volume_m3", reported.meshVolume},
+          {"counted_volume_m3", rest.countedVolume},
+          {"represented_part",
+           sums.volume > 0.0 && rest.countedVolume > 0.0 ? std::min(1.0, rest.countedVolume / sums.volume) : 1.0},
+          {"neighbours", neighboursJson(rest)},
+          {"stable_dt_s", body.stableStepAtRest()},
+          {"integrator", nameOf(simulator.integratorOf(reported.id))},
+          {"predicted_evaluations_per_s",
+           {{"explicit", simulator.predictedCost(reported.id).first},
+            {"implicit", simulator.predictedCost(reported.id).second}}},
+          {"kernels", body.vectorised() ? kernelTarget() : "by stages"},
+          {"energy_J",
+           {{"kinetic", energy.kinetic},
+            {"elastic", energy.elastic},
+            {"stabilisation", energy.stabilisation},
+            {"gravity", energy.gravity},
+            {"attachment", energy.foundation},
+            {"plastic", 0.0}}},
+          {"momentum", json(sums.momentum)},
+          {"angular_momentum", json(sums.angularMomentum)},
+          {"centre_of_mass_m", json(sums.centre)},
+          {"min_J", extremes.minJ},
+          {"max_stretch", extremes.maxStretch},
+          {"error_estimate", error.relative},
+          {"stabilisation_share", error.stabilisationShare},
+          {"inverted_points", extremes.inverted},
+          {"max_plastic_strain", extremes.plastic},
+          {"deepest_penetration_m", simulator.skinDepth(reported.id)},
+          {"cost_ms_per_s", 1e3 * simulator.costOf(reported.id)},
+          {"asleep", simulator.asleep(reported.id)},
+          {"rigid", body.rigid()},
+          {"stopped", body.stopMessage()}};
 }
 
 // What holds a body elastically where it is in the scan.

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "pointbased/contact.h"
 #include "pointbased/elastic_foundation.h"
@@ -47,12 +48,19 @@ struct GrabStatus {
   double mass = 0.0;          ///< kg that it holds
 };
 
+/// What is wrong with a state, so that the body does not go on from there.
+struct GuardFinding {
+  Index phyxel = 0;
+  std::string quantity;  ///< what it is, with its value
+  std::string help;      ///< the setting that would help
+};
+
 /// What steps change of a body, kept so that it can go on from there.
 struct BodyCheckpoint {
   std::shared_ptr<const RestState> rest;
   State state;
   ContactState contact;
-  std::string stopped;
+  std::optional<GuardFinding> stopped;
   std::size_t rereferenceCount = 0;
   Vec3 referenceShiftMoment = Vec3::Zero();  ///< kg m
   bool rigid = false;
@@ -205,8 +213,10 @@ class Body {
   /// @return false: nothing is changed, because the body was rigid then and is not now, or the other way round
   bool restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallelFor);
 
-  /// Why the body stands still although the simulation goes on; empty: it does not.
-  std::string stopped;
+  /// Why the body stands still in its last good state although the simulation goes on; nothing: it does not.
+  std::optional<GuardFinding> stopped;
+  /// That in words, with names and remedy; empty: it does not stand still.
+  [[nodiscard]] std::string stopMessage() const;
   std::optional<Grab> grab;
   std::optional<GrabStatus> grabStatus;
   ContactState contact;

@@ -61,6 +61,12 @@ void Body::restoreState() {
   forcesCurrent = false;
 }
 
+std::string Body::stopMessage() const {
+  if (!stopped) return {};
+  return "body '" + name() + "', phyxel " + std::to_string(stopped->phyxel) + ": " + stopped->quantity +
+         "; it stands still in the last good state. Help: " + stopped->help;
+}
+
 BodyCheckpoint Body::checkpoint() const {
   return {rest_, state_, contact, stopped, rereferenceCount_, referenceShiftMoment_, rigid_};
 }
@@ -124,7 +130,7 @@ void Body::reset() {
   tangentRatio_ = 1.0;
   patches_.clearForces();
   contact = ContactState();
-  stopped.clear();
+  stopped.reset();
   grab.reset();
   grabStatus.reset();
   forcesCurrent = false;

@@ -109,12 +109,13 @@ void learn(const Step &step, const Vec3 &at, const Vec3 &way, double radius, con
 
 Vec3 tangential(const Vec3 &v, const Vec3 &normal) { return v - normal.dot(v) * normal; }
 
+bool before(const Contact &a, const Contact &b) {
+  return a.point != b.point ? a.point < b.point : a.obstacle < b.obstacle;
+}
+
 // What contacts that go on remember.
 void keepMemories(ContactState &memory) {
   std::size_t from = 0;
-  const auto before = [](const Contact &a, const Contact &b) {
-    return a.point != b.point ? a.point < b.point : a.obstacle < b.obstacle;
-  };
   for (Contact &contact : memory.active) {
     while (from < memory.previous.size() && before(memory.previous[from], contact)) ++from;
     bool goesOn = false;
@@ -166,97 +167,119 @@ Step stepOf(const Obstacle &obstacle, double time, double dt, double margin) {
           margin};
 }
 
+/// What is found of one obstacle.
+class ObstacleSearch {
+ public:
+  ObstacleSearch(const Obstacle &obstacle, std::size_t number, const Step &step, const Looked &looked,
+                 std::size_t count, ContactState &memory)
+      : obstacle_(obstacle), number_(static_cast<Index>(number)), step_(step), looked_(looked),
+        clearance_(memory.clearance[number]), sides_(memory.sides[number]), ask_(memory.questions),
+        active_(memory.active) {
+    if (clearance_.size() != count) clearance_.assign(count, ClearanceCache());
+    if (sides_.size() != count) sides_.assign(count, Side());
+  }
+
+  void run(const ParallelFor &parallelFor) {
+    collectQuestions();
+    if (!ask_.points.empty()) answerQuestions(parallelFor);
+    for (const Index k : ask_.candidates) addContacts(k);
+  }
+
+ private:
+  void collectQuestions() {
+    ask_.points.clear();
+    ask_.candidates.clear();
+    ask_.positions.clear();
+    ask_.ways.clear();
+    ask_.ranges.clear();
+    for (std::size_t k = 0; k < looked_.count(); ++k) {
+      const ClearanceCache &known = clearance_[looked_.point(k)];
+      const Vec3 at = step_.local(looked_.positions[k]);
+      const Vec3 way = step_.way(looked_.positions[k], at, looked_.velocities[k]);
+      const double length = way.norm();
+      const Need need = needOf(known, at, length, looked_.radius(k), step_.margin);
+      if (need == Need::nothing) continue;
+      ask_.candidates.push_back(static_cast<Index>(k));
+      if (need == Need::known) continue;
+      ask_.points.push_back(static_cast<Index>(k));
+      ask_.positions.push_back(at);
+      ask_.ways.push_back(way);
+      // Without limit at first and from inside, so that a point that is deep inside is known to be there; twice as far
+      // when it has gone far without meeting anything.
+      const bool unlimited = known.reach < 0.0 || known.distance < 0.0;
+      ask_.ranges.push_back(unlimited ? std::numeric_limits<double>::infinity()
+                                      : looked_.radius(k) + std::max({kReachMargins * step_.margin, kReachWays * length,
+                                                                      2.0 * (at - known.at).norm()}));
+    }
+  }
+
+  void answerQuestions(const ParallelFor &parallelFor) {
+    ask_.answers.assign(ask_.points.size(), SurfacePoint());
+    parallelFor(ask_.points.size(), 16, [&](std::size_t begin, std::size_t end) {
+      obstacle_.closest(std::span<const Vec3>(ask_.positions).subspan(begin, end - begin),
+                        std::span<const double>(ask_.ranges).subspan(begin, end - begin),
+                        std::span<SurfacePoint>(ask_.answers).subspan(begin, end - begin));
+      for (std::size_t k = begin; k < end; ++k) {
+        const Index p = looked_.point(ask_.points[k]);
+        learn(step_, ask_.positions[k], ask_.ways[k], looked_.radius(ask_.points[k]), ask_.answers[k], ask_.ranges[k],
+              clearance_[p], sides_[p]);
+      }
+    });
+  }
+
+  void addContacts(Index k) {
+    const double margin = step_.margin;
+    const ClearanceCache &known = clearance_[looked_.point(k)];
+    const Vec3 at = step_.local(looked_.positions[k]);
+    const double length = step_.way(looked_.positions[k], at, looked_.velocities[k]).norm();
+    // What is not a number goes on, so that the guard finds it.
+    if (!(known.distance == std::numeric_limits<double>::infinity())) {
+      const double gap = known.distance + known.normal.dot(at - known.at) - looked_.radius(k);
+      // Without a way to follow the plane has to do for all that is in reach.
+      if (!(gap > (obstacle_.crossing ? margin : length + margin))) add(k, at, known.normal, gap);
+    }
+    if (known.ahead) {
+      const double gap = known.aheadNormal.dot(at) - known.aheadOffset - looked_.radius(k);
+      if (!(gap > length + margin)) add(k, at, known.aheadNormal, gap);
+    }
+  }
+
+  void add(Index k, const Vec3 &at, const Vec3 &normal, double gap) {
+    Contact contact;
+    contact.point = looked_.point(k);
+    contact.normal = step_.moves ? Vec3(step_.now.rotation * normal) : normal;
+    contact.gap = gap;
+    contact.surfaceVelocity = step_.surfaceVelocity(at);
+    contact.friction = obstacle_.friction;
+    contact.restitution = obstacle_.restitution;
+    contact.obstacle = number_;
+    active_.push_back(contact);
+  }
+
+  const Obstacle &obstacle_;
+  Index number_;
+  const Step &step_;
+  const Looked &looked_;
+  std::vector<ClearanceCache> &clearance_;
+  std::vector<Side> &sides_;
+  ContactState::ClosestPointQueries &ask_;
+  std::vector<Contact> &active_;
+};
+
 }  // namespace
 
 void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox &box, double time, double dt,
                             double margin, std::size_t count, const Looked &looked, ContactState &memory,
                             const ParallelFor &parallelFor) {
-  const std::size_t n = looked.count();
-  const std::span<const Vec3> positions = looked.positions, velocities = looked.velocities;
   std::swap(memory.previous, memory.active);
   memory.active.clear();
   memory.margin = margin;
   memory.clearance.resize(obstacles.size());
   memory.sides.resize(obstacles.size());
-  ContactState::ClosestPointQueries &ask = memory.questions;
-
-  for (std::size_t o = 0; o < obstacles.size(); ++o) {
-    const Obstacle &obstacle = obstacles[o];
-    const Step step = stepOf(obstacle, time, dt, margin);
-    std::vector<ClearanceCache> &clearance = memory.clearance[o];
-    std::vector<Side> &sides = memory.sides[o];
-    if (clearance.size() != count) clearance.assign(count, ClearanceCache());
-    if (sides.size() != count) sides.assign(count, Side());
-
-    ask.points.clear();
-    ask.candidates.clear();
-    ask.positions.clear();
-    ask.ways.clear();
-    ask.ranges.clear();
-    for (std::size_t k = 0; k < n; ++k) {
-      const ClearanceCache &known = clearance[looked.point(k)];
-      const Vec3 at = step.local(positions[k]), way = step.way(positions[k], at, velocities[k]);
-      const double length = way.norm();
-      const Need need = needOf(known, at, length, looked.radius(k), margin);
-      if (need == Need::nothing) continue;
-      ask.candidates.push_back(static_cast<Index>(k));
-      if (need == Need::known) continue;
-      ask.points.push_back(static_cast<Index>(k));
-      ask.positions.push_back(at);
-      ask.ways.push_back(way);
-      // Without limit at first and from inside, so that a point that is deep inside is known to be there; twice as far
-      // when it has gone far without meeting anything.
-      const bool unlimited = known.reach < 0.0 || known.distance < 0.0;
-      ask.ranges.push_back(unlimited ? std::numeric_limits<double>::infinity()
-                                     : looked.radius(k) + std::max({kReachMargins * margin, kReachWays * length,
-                                                                    2.0 * (at - known.at).norm()}));
-    }
-    if (!ask.points.empty()) {
-      ask.answers.assign(ask.points.size(), SurfacePoint());
-      parallelFor(ask.points.size(), 16, [&](std::size_t begin, std::size_t end) {
-        obstacle.closest(std::span<const Vec3>(ask.positions).subspan(begin, end - begin),
-                         std::span<const double>(ask.ranges).subspan(begin, end - begin),
-                         std::span<SurfacePoint>(ask.answers).subspan(begin, end - begin));
-        for (std::size_t k = begin; k < end; ++k) {
-          const Index p = looked.point(ask.points[k]);
-          learn(step, ask.positions[k], ask.ways[k], looked.radius(ask.points[k]), ask.answers[k], ask.ranges[k],
-                clearance[p], sides[p]);
-        }
-      });
-    }
-
-    for (const Index k : ask.candidates) {
-      const ClearanceCache &known = clearance[looked.point(k)];
-      const Vec3 at = step.local(positions[k]);
-      const double length = step.way(positions[k], at, velocities[k]).norm();
-      const auto add = [&](const Vec3 &normal, double gap) {
-        Contact contact;
-        contact.point = looked.point(k);
-        contact.normal = step.moves ? Vec3(step.now.rotation * normal) : normal;
-        contact.gap = gap;
-        contact.surfaceVelocity = step.surfaceVelocity(at);
-        contact.friction = obstacle.friction;
-        contact.restitution = obstacle.restitution;
-        contact.obstacle = static_cast<Index>(o);
-        memory.active.push_back(contact);
-      };
-      // What is not a number goes on, so that the guard finds it.
-      if (!(known.distance == std::numeric_limits<double>::infinity())) {
-        const double gap = known.distance + known.normal.dot(at - known.at) - looked.radius(k);
-        // Without a way to follow the plane has to do for all that is in reach.
-        if (!(gap > (obstacle.crossing ? margin : length + margin))) add(known.normal, gap);
-      }
-      if (known.ahead) {
-        const double gap = known.aheadNormal.dot(at) - known.aheadOffset - looked.radius(k);
-        if (!(gap > length + margin)) add(known.aheadNormal, gap);
-      }
-    }
-  }
+  for (std::size_t o = 0; o < obstacles.size(); ++o)
+    ObstacleSearch(obstacles[o], o, stepOf(obstacles[o], time, dt, margin), looked, count, memory).run(parallelFor);
   if (box.enabled) addWalls(box, dt, margin, looked, memory.active);
 
-  const auto before = [](const Contact &a, const Contact &b) {
-    return a.point != b.point ? a.point < b.point : a.obstacle < b.obstacle;
-  };
   // A stable sort takes memory, and with one obstacle there is nothing to sort.
   if (!std::is_sorted(memory.active.begin(), memory.active.end(), before))
     std::stable_sort(memory.active.begin(), memory.active.end(), before);

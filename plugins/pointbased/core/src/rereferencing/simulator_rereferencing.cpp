@@ -24,7 +24,7 @@ void Simulator::bindProbes(std::size_t id, std::span<const Vec3> ways) {
 
 bool Simulator::rereferenceIfNeeded(std::size_t id, const StopRequest *stop) {
   Body &body = *this->body(id);
-  if (!world_.rereference || !body.stopped.empty() || notRereferenced_.contains(id)) return false;
+  if (!world_.rereference || body.stopped || notRereferenced_.contains(id)) return false;
   if ((steps_ + 1) % kLookInterval != 0 || !body.constitution().plastic() || !needsRereferencing(body)) return false;
   body.computeGradients(parallelFor_);
   Result<Rereferencing> renewal;

@@ -348,86 +348,107 @@ void OccupancyField::shares(std::span<const Vec3> centres, const Mat3 &axes, dou
   }
 }
 
-bool OccupancyField::crosses(const Vec3 &from, const Vec3 &to) const {
-  const Vec3 a = indexOf(from), b = indexOf(to);
-  const Size3 &n = levels_[0].size;
-  const double distance = (to - from).norm();
-  const double reach = std::max(1.01 * spacing_.maxCoeff(), 0.25 * distance);
-  std::array<std::ptrdiff_t, 3> low{}, size{};
-  double voxels = 1.0;
-  for (int c = 0; c < 3; ++c) {
-    const auto axis = static_cast<std::size_t>(c);
-    const double margin = reach * toIndex_.row(c).norm();
-    const double first =
-        std::clamp(std::floor(std::min(a[c], b[c]) - margin + 0.5), 0.0, static_cast<double>(n[axis] - 1));
-    const double last =
-        std::clamp(std::floor(std::max(a[c], b[c]) + margin + 0.5), 0.0, static_cast<double>(n[axis] - 1));
-    low[axis] = static_cast<std::ptrdiff_t>(first);
-    size[axis] = static_cast<std::ptrdiff_t>(last - first) + 1;
-    voxels *= static_cast<double>(size[axis]);
-  }
-  const auto fillOf = [&](std::ptrdiff_t i, std::ptrdiff_t j, std::ptrdiff_t k) {
-    const auto at = [&](std::size_t axis, std::ptrdiff_t by) { return static_cast<std::size_t>(low[axis] + by); };
-    return static_cast<double>(levels_[0].fill[offset(at(0, i), at(1, j), at(2, k))]);
-  };
-  const auto number = [&](std::ptrdiff_t i, std::ptrdiff_t j, std::ptrdiff_t k) {
-    return i + size[0] * (j + size[1] * k);
-  };
-  // The voxel around an end, or the fullest one beside it.
-  const auto endOf = [&](const Vec3 &index) {
-    std::array<std::ptrdiff_t, 3> v{};
+/// The voxels near the way from one point to another.
+class OccupancyField::Surroundings {
+ public:
+  using Voxel = std::array<std::ptrdiff_t, 3>;  // from the lowest of them
+
+  Surroundings(const OccupancyField &field, const Vec3 &from, const Vec3 &to)
+      : field_(field), from_(from), way_(to - from), fromIndex_(field.indexOf(from)), toIndex_(field.indexOf(to)),
+        reach_(std::max(1.01 * field.spacing_.maxCoeff(), 0.25 * way_.norm())) {
+    const Size3 &n = field.levels_[0].size;
     for (int c = 0; c < 3; ++c) {
       const auto axis = static_cast<std::size_t>(c);
-      v[axis] = static_cast<std::ptrdiff_t>(std::clamp(std::floor(index[c] + 0.5) - static_cast<double>(low[axis]), 0.0,
-                                                       static_cast<double>(size[axis] - 1)));
+      const double margin = reach_ * field.toIndex_.row(c).norm();
+      const auto clamped = [&](double index) {
+        return std::clamp(std::floor(index + 0.5), 0.0, static_cast<double>(n[axis] - 1));
+      };
+      const double first = clamped(std::min(fromIndex_[c], toIndex_[c]) - margin);
+      const double last = clamped(std::max(fromIndex_[c], toIndex_[c]) + margin);
+      low_[axis] = static_cast<std::ptrdiff_t>(first);
+      size_[axis] = static_cast<std::ptrdiff_t>(last - first) + 1;
     }
-    std::array<std::ptrdiff_t, 3> best = v;
-    if (fillOf(v[0], v[1], v[2]) > 0.5) return best;
-    for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(0, v[2] - 1); k <= std::min(size[2] - 1, v[2] + 1); ++k)
-      for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, v[1] - 1); j <= std::min(size[1] - 1, v[1] + 1); ++j)
-        for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, v[0] - 1); i <= std::min(size[0] - 1, v[0] + 1); ++i)
-          if (fillOf(i, j, k) > fillOf(best[0], best[1], best[2])) best = {i, j, k};
-    return best;
-  };
-  const auto start = endOf(a), end = endOf(b);
-  const double enough = 0.5 * std::min(fillOf(start[0], start[1], start[2]), fillOf(end[0], end[1], end[2]));
-  if (!(enough > 0.5 * kTiny)) return true;
-
-  // Straight on, as it mostly goes.
-  const auto steps = static_cast<int>(std::ceil(2.0 * (b - a).cwiseAbs().maxCoeff())) + 1;
-  bool clear = true;
-  for (int s = 0; s <= steps && clear; ++s)
-    clear = fillAt(from + (to - from) * (static_cast<double>(s) / steps)) >= enough;
-  if (clear) return false;
-  if (voxels > 1e6) return true;
-
-  // From voxel to voxel, near the way.
-  const Vec3 way = to - from;
-  const double squared = std::max(way.squaredNorm(), 1e-300);
-  std::vector<std::uint8_t> seen(static_cast<std::size_t>(voxels), 0);
-  std::vector<std::array<std::ptrdiff_t, 3>> stack{start};
-  seen[static_cast<std::size_t>(number(start[0], start[1], start[2]))] = 1;
-  while (!stack.empty()) {
-    const auto v = stack.back();
-    stack.pop_back();
-    if (v == end) return false;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      for (const std::ptrdiff_t sign : {-1, 1}) {
-        auto u = v;
-        u[axis] += sign;
-        if (u[axis] < 0 || u[axis] >= size[axis]) continue;
-        std::uint8_t &known = seen[static_cast<std::size_t>(number(u[0], u[1], u[2]))];
-        if (known != 0) continue;
-        known = 1;
-        if (fillOf(u[0], u[1], u[2]) < enough) continue;
-        const Vec3 x = origin_ + steps_ * Vec3(static_cast<double>(low[0] + u[0]), static_cast<double>(low[1] + u[1]),
-                                               static_cast<double>(low[2] + u[2]));
-        const double t = std::clamp(way.dot(x - from) / squared, 0.0, 1.0);
-        if (u != end && (x - from - t * way).norm() > reach) continue;
-        stack.push_back(u);
-      }
   }
-  return true;
+
+  [[nodiscard]] double count() const {
+    return static_cast<double>(size_[0]) * static_cast<double>(size_[1]) * static_cast<double>(size_[2]);
+  }
+  [[nodiscard]] double fill(const Voxel &v) const {
+    const auto at = [&](std::size_t axis) { return static_cast<std::size_t>(low_[axis] + v[axis]); };
+    return static_cast<double>(field_.levels_[0].fill[field_.offset(at(0), at(1), at(2))]);
+  }
+  [[nodiscard]] Voxel start() const { return fullestAt(fromIndex_); }
+  [[nodiscard]] Voxel end() const { return fullestAt(toIndex_); }
+
+  [[nodiscard]] bool straight(double enough) const {
+    const auto steps = static_cast<int>(std::ceil(2.0 * (toIndex_ - fromIndex_).cwiseAbs().maxCoeff())) + 1;
+    for (int s = 0; s <= steps; ++s)
+      if (!(field_.fillAt(from_ + way_ * (static_cast<double>(s) / steps)) >= enough)) return false;
+    return true;
+  }
+  /// From voxel to voxel, near the way.
+  [[nodiscard]] bool connected(const Voxel &start, const Voxel &end, double enough) const {
+    std::vector<std::uint8_t> seen(static_cast<std::size_t>(count()), 0);
+    std::vector<Voxel> stack{start};
+    seen[number(start)] = 1;
+    while (!stack.empty()) {
+      const Voxel v = stack.back();
+      stack.pop_back();
+      if (v == end) return true;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const std::ptrdiff_t sign : {-1, 1}) {
+          Voxel u = v;
+          u[axis] += sign;
+          if (u[axis] < 0 || u[axis] >= size_[axis] || seen[number(u)] != 0) continue;
+          seen[number(u)] = 1;
+          if (fill(u) >= enough && (u == end || near(u))) stack.push_back(u);
+        }
+    }
+    return false;
+  }
+
+ private:
+  [[nodiscard]] std::size_t number(const Voxel &v) const {
+    return static_cast<std::size_t>(v[0] + size_[0] * (v[1] + size_[1] * v[2]));
+  }
+  [[nodiscard]] bool near(const Voxel &u) const {
+    const Vec3 x =
+        field_.origin_ + field_.steps_ * Vec3(static_cast<double>(low_[0] + u[0]), static_cast<double>(low_[1] + u[1]),
+                                              static_cast<double>(low_[2] + u[2]));
+    const double t = std::clamp(way_.dot(x - from_) / std::max(way_.squaredNorm(), 1e-300), 0.0, 1.0);
+    return !((x - from_ - t * way_).norm() > reach_);
+  }
+  // The voxel around a place, or the fullest one beside it.
+  [[nodiscard]] Voxel fullestAt(const Vec3 &index) const {
+    Voxel v{};
+    for (int c = 0; c < 3; ++c) {
+      const auto axis = static_cast<std::size_t>(c);
+      v[axis] = static_cast<std::ptrdiff_t>(std::clamp(std::floor(index[c] + 0.5) - static_cast<double>(low_[axis]),
+                                                       0.0, static_cast<double>(size_[axis] - 1)));
+    }
+    Voxel best = v;
+    if (fill(v) > 0.5) return best;
+    for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(0, v[2] - 1); k <= std::min(size_[2] - 1, v[2] + 1); ++k)
+      for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, v[1] - 1); j <= std::min(size_[1] - 1, v[1] + 1); ++j)
+        for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, v[0] - 1); i <= std::min(size_[0] - 1, v[0] + 1); ++i)
+          if (fill({i, j, k}) > fill(best)) best = {i, j, k};
+    return best;
+  }
+
+  const OccupancyField &field_;
+  Vec3 from_, way_, fromIndex_, toIndex_;
+  double reach_;
+  Voxel low_{}, size_{};
+};
+
+bool OccupancyField::crosses(const Vec3 &from, const Vec3 &to) const {
+  const Surroundings around(*this, from, to);
+  const Surroundings::Voxel start = around.start(), end = around.end();
+  const double enough = 0.5 * std::min(around.fill(start), around.fill(end));
+  if (!(enough > 0.5 * kTiny)) return true;
+  if (around.straight(enough)) return false;  // as it mostly goes
+  constexpr double kMostVoxels = 1e6;
+  return around.count() > kMostVoxels || !around.connected(start, end, enough);
 }
 
 }  // namespace pointbased::detail

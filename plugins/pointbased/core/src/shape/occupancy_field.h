@@ -25,6 +25,8 @@ class OccupancyField {
   [[nodiscard]] bool crosses(const Vec3 &from, const Vec3 &to) const;
 
  private:
+  class Surroundings;
+
   using Size3 = std::array<std::size_t, 3>;
   struct Level {
     Size3 size{}, block{};  // voxels of the finest level per voxel here

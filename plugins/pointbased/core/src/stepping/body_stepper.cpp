@@ -274,9 +274,8 @@ void BodyStepper::stop(const StepContext &order, const GuardFinding &finding) {
   body.computeGradients(parallelFor);
   body.computeTrialStresses(0.0, parallelFor);
   body.computeForces(body.quasiStatic ? order.loadFactor : order.time, parallelFor);
-  body.stopped = "body '" + body.name() + "', phyxel " + std::to_string(finding.phyxel) + ": " + finding.quantity +
-                 "; it stands still in the last good state. Help: " + finding.help;
-  order.reportEvent("stopped", body.stopped);
+  body.stopped = finding;
+  order.reportEvent("stopped", body.stopMessage());
 }
 
 }  // namespace pointbased::detail

@@ -38,7 +38,7 @@ class BodyStepper {
 
   [[nodiscard]] Body &body() { return *body_; }
   [[nodiscard]] const Body &body() const { return *body_; }
-  [[nodiscard]] bool stopped() const { return !body_->stopped.empty(); }
+  [[nodiscard]] bool stopped() const { return body_->stopped.has_value(); }
   /// The world's, or another where that would not do (noted once).
   [[nodiscard]] Integrator integratorIn(const WorldSettings &world) const;
 

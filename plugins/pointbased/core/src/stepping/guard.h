@@ -8,13 +8,6 @@
 
 namespace pointbased {
 
-/// What the guard found wrong with a state.
-struct GuardFinding {
-  Index phyxel = 0;
-  std::string quantity;  ///< what it is, with its value
-  std::string help;      ///< the setting that would help
-};
-
 /// What the guard sees on the way over the phyxels.
 struct GuardView {
   bool finite = true;

@@ -266,7 +266,7 @@ bool Simulator::failed() const {
 tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   const auto refusal = [this] {
     std::string text;
-    for (const auto &[id, runner] : bodies_) text += (text.empty() ? "" : "; ") + runner->body().stopped;
+    for (const auto &[id, runner] : bodies_) text += (text.empty() ? "" : "; ") + runner->body().stopMessage();
     return tl::unexpected<StepFailure>({text});
   };
   if (failed()) return refusal();

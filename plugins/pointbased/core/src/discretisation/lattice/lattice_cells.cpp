@@ -30,18 +30,27 @@ std::vector<std::uint8_t> farFromSurface(const Questions &ask, std::span<const V
   return far;
 }
 
-// States of the coarsest cells, by raster index. Two neighbours that are both farther from the surface than half a
+// Coarsest cells have a number: x runs fastest.
+Cell3 baseCell(const Frame &frame, std::size_t i) {
+  const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]);
+  return Cell3{static_cast<std::int32_t>(i % nx), static_cast<std::int32_t>(i / nx % ny),
+               static_cast<std::int32_t>(i / (nx * ny))};
+}
+
+// Centre of a coarsest cell, in edges from the corner of the lattice.
+Vec3 baseCentre(const Frame &frame, std::size_t i) {
+  const Cell3 k = baseCell(frame, i);
+  return Vec3(k[0], k[1], k[2]) + Vec3::Constant(0.5);
+}
+
+// States of the coarsest cells, by number. Two neighbours that are both farther from the surface than half a
 // diagonal lie on the same side of it, so one question per connected group decides them all.
 Result<std::vector<State>> scan(const Questions &ask, const Frame &frame, const ParallelFor &parallelFor,
                                 const SamplingProgress &progress) {
   const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]),
              nz = static_cast<std::size_t>(frame.n[2]);
   const std::size_t total = nx * ny * nz;
-  const auto centre = [&](std::size_t i) {
-    return Vec3(frame.low + frame.spacing * (Vec3(static_cast<double>(i % nx), static_cast<double>(i / nx % ny),
-                                                  static_cast<double>(i / (nx * ny))) +
-                                             Vec3::Constant(0.5)));
-  };
+  const auto centre = [&](std::size_t i) { return Vec3(frame.low + frame.spacing * baseCentre(frame, i)); };
   std::vector<State> states(total, State::kCut);
   if (!ask.measures()) return states;
   constexpr std::size_t kChunk = 1u << 16;
@@ -222,15 +231,11 @@ double partIn(const Region &region, const Frame &frame, const Vec3 &centre, doub
 // ones that a refinement covers, and along the surface.
 Result<void> checkRefined(const BodyShape &shape, const LatticeSampling &sampling, const Frame &frame,
                           std::span<const State> states, const ParallelFor &parallelFor) {
-  const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]);
   std::vector<double> expected(states.size(), 0.0);
   parallelFor(states.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (states[i] == State::kEmpty) continue;
-      const Vec3 centre =
-          frame.low + frame.spacing * (Vec3(static_cast<double>(i % nx), static_cast<double>(i / nx % ny),
-                                            static_cast<double>(i / (nx * ny))) +
-                                       Vec3::Constant(0.5));
+      const Vec3 centre = frame.low + frame.spacing * baseCentre(frame, i);
       const double share = states[i] == State::kFull ? 1.0 : 0.5;
       for (const Refinement &r : sampling.refinements) {
         const double cells = std::pow(frame.spacing / halvedTo(frame.spacing, r.spacing), 3);
@@ -252,84 +257,83 @@ Result<void> checkRefined(const BodyShape &shape, const LatticeSampling &samplin
                                      " are accepted: use a larger spacing there");
 }
 
-}  // namespace
+/// A cell that holds something of the body, not yet sampled.
+struct Leaf {
+  Cell cell;
+  State state = State::kEmpty;
+};
 
-Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing,
-                          const ParallelFor &parallelFor, const SamplingProgress &progress) {
-  CellSet set;
-  set.frame = frameOver(shape, sampling, spacing);
-  set.frame.levels = levelsNeeded(sampling, spacing);
-  const Frame &frame = set.frame;
-  const std::int32_t most = std::max({frame.n[0], frame.n[1], frame.n[2]});
-  if (frame.levels > 15 || (static_cast<std::int64_t>(most) << frame.levels) >= (1 << 20))
-    return tl::unexpected(tooMany());
-  const Questions ask(shape, frame);
-  set.measured = ask.measures();
+std::vector<Leaf> coarsestLeaves(const Frame &frame, std::span<const State> states) {
+  std::vector<Leaf> leaves;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (states[i] != State::kEmpty) leaves.push_back({Cell{baseCell(frame, i), 1, kNone}, states[i]});
+  return leaves;
+}
 
-  const auto states = scan(ask, frame, parallelFor, [&](double f) { return !progress || progress(0.4 * f); });
-  if (!states) return tl::unexpected(states.error());
-  if (frame.levels > 0)
-    if (const auto fits = checkRefined(shape, sampling, frame, *states, parallelFor); !fits)
-      return tl::unexpected(fits.error());
-  const auto baseCell = [&](std::size_t i) {
-    const auto nx = static_cast<std::size_t>(frame.n[0]), ny = static_cast<std::size_t>(frame.n[1]);
-    return Cell3{static_cast<std::int32_t>(i % nx), static_cast<std::int32_t>(i / nx % ny),
-                 static_cast<std::int32_t>(i / (nx * ny))};
-  };
-
-  // Leaves: the coarsest cells, or those of an octree over them.
-  std::vector<std::pair<Cell, State>> leaves;
-  if (frame.levels == 0) {
-    for (std::size_t i = 0; i < states->size(); ++i)
-      if ((*states)[i] != State::kEmpty) leaves.push_back({Cell{baseCell(i), 1, kNone}, (*states)[i]});
-  } else {
-    Tree tree(ask, frame, parallelFor);
-    for (std::size_t i = 0; i < states->size(); ++i)
-      if ((*states)[i] != State::kEmpty) tree.level(0).emplace(CellIndex::key(0, baseCell(i)), (*states)[i]);
-    for (int l = 0; l < frame.levels; ++l) {
-      std::vector<Cell3> split;
-      for (const auto &[key, state] : tree.level(l)) {
-        const double edge = tree.edge(l);
-        bool wanted =
-            state == State::kCut && sampling.surfaceSpacing > 0.0 && edge > sampling.surfaceSpacing * (1.0 + 1e-6);
-        for (const Refinement &r : sampling.refinements) {
-          if (wanted) break;
-          wanted = edge > r.spacing * (1.0 + 1e-6) && meets(r.region, frame, tree.centre(l, Tree::place(key)), edge);
-        }
-        if (wanted) split.push_back(Tree::place(key));
-      }
-      if (tree.size() + 8 * split.size() > 4 * kMaximumPhyxels) return tl::unexpected(tooMany());
-      tree.split(l, std::move(split));
+// Cells of a level that are coarser than the surface or a refinement wants them.
+std::vector<Cell3> cellsToSplit(Tree &tree, int level, const LatticeSampling &sampling, const Frame &frame) {
+  std::vector<Cell3> split;
+  for (const auto &[key, state] : tree.level(level)) {
+    const double edge = tree.edge(level);
+    bool wanted =
+        state == State::kCut && sampling.surfaceSpacing > 0.0 && edge > sampling.surfaceSpacing * (1.0 + 1e-6);
+    for (const Refinement &r : sampling.refinements) {
+      if (wanted) break;
+      wanted = edge > r.spacing * (1.0 + 1e-6) && meets(r.region, frame, tree.centre(level, Tree::place(key)), edge);
     }
-    while (tree.grade())
-      if (tree.size() > 8 * kMaximumPhyxels) return tl::unexpected(tooMany());
-    for (int l = 0; l <= frame.levels; ++l)
-      for (const auto &[key, state] : tree.level(l)) {
-        if (state == State::kSplit) continue;
-        const std::int32_t size = std::int32_t{1} << (frame.levels - l);
-        const Cell3 k = Tree::place(key);
-        leaves.push_back({Cell{{k[0] * size, k[1] * size, k[2] * size}, size, kNone}, state});
-      }
+    if (wanted) split.push_back(Tree::place(key));
   }
-  std::sort(leaves.begin(), leaves.end(),
-            [](const auto &a, const auto &b) { return mortonCode(a.first.at) < mortonCode(b.first.at); });
+  return split;
+}
 
-  // Samples of those that the surface may cut.
+// Of an octree over the coarsest cells.
+Result<std::vector<Leaf>> octreeLeaves(const Questions &ask, const Frame &frame, const LatticeSampling &sampling,
+                                       std::span<const State> states, const ParallelFor &parallelFor) {
+  Tree tree(ask, frame, parallelFor);
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (states[i] != State::kEmpty) tree.level(0).emplace(CellIndex::key(0, baseCell(frame, i)), states[i]);
+  for (int l = 0; l < frame.levels; ++l) {
+    std::vector<Cell3> split = cellsToSplit(tree, l, sampling, frame);
+    if (tree.size() + 8 * split.size() > 4 * kMaximumPhyxels) return tl::unexpected(tooMany());
+    tree.split(l, std::move(split));
+  }
+  while (tree.grade())
+    if (tree.size() > 8 * kMaximumPhyxels) return tl::unexpected(tooMany());
+  std::vector<Leaf> leaves;
+  for (int l = 0; l <= frame.levels; ++l)
+    for (const auto &[key, state] : tree.level(l)) {
+      if (state == State::kSplit) continue;
+      const std::int32_t size = std::int32_t{1} << (frame.levels - l);
+      const Cell3 k = Tree::place(key);
+      leaves.push_back({Cell{{k[0] * size, k[1] * size, k[2] * size}, size, kNone}, state});
+    }
+  return leaves;
+}
+
+// Samples of the leaves that the surface may cut, in their order; nothing: cancelled.
+Result<std::vector<Samples>> sampleCut(const Questions &ask, const CellSet &set, std::span<const Leaf> leaves,
+                                       const ParallelFor &parallelFor, const SamplingProgress &progress) {
   std::vector<Cell> cut;
-  for (const auto &[cell, state] : leaves)
-    if (state == State::kCut) cut.push_back(cell);
+  for (const Leaf &leaf : leaves)
+    if (leaf.state == State::kCut) cut.push_back(leaf.cell);
   std::vector<Samples> samples(cut.size());
   constexpr std::size_t kChunk = 4096;
   for (std::size_t begin = 0; begin < cut.size(); begin += kChunk) {
     const std::size_t count = std::min(kChunk, cut.size() - begin);
     sampleCells(ask, set, std::span<const Cell>(cut).subspan(begin, count),
                 std::span<Samples>(samples).subspan(begin, count), parallelFor);
-    if (progress && !progress(0.4 + 0.6 * static_cast<double>(begin + count) / static_cast<double>(cut.size())))
+    if (progress && !progress(static_cast<double>(begin + count) / static_cast<double>(cut.size())))
       return tl::unexpected<std::string>("cancelled");
   }
+  return samples;
+}
+
+// Keeps what holds something of the body, with its samples where that is not all of it.
+void keepFilled(std::span<const Leaf> leaves, std::span<const Samples> samples, CellSet &set) {
   std::size_t next = 0;
-  for (auto &[cell, state] : leaves) {
-    if (state == State::kCut) {
+  for (const Leaf &leaf : leaves) {
+    Cell cell = leaf.cell;
+    if (leaf.state == State::kCut) {
       const Samples &distances = samples[next++];
       const double width = set.edge(cell) / kSamplesPerAxis;
       bool any = false, all = true;
@@ -346,6 +350,40 @@ Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &samplin
     }
     set.cells.push_back(cell);
   }
+}
+
+}  // namespace
+
+Result<CellSet> findCells(const BodyShape &shape, const LatticeSampling &sampling, double spacing,
+                          const ParallelFor &parallelFor, const SamplingProgress &progress) {
+  CellSet set;
+  set.frame = frameOver(shape, sampling, spacing);
+  set.frame.levels = levelsNeeded(sampling, spacing);
+  const Frame &frame = set.frame;
+  const std::int32_t most = std::max({frame.n[0], frame.n[1], frame.n[2]});
+  if (frame.levels > 15 || (static_cast<std::int64_t>(most) << frame.levels) >= (1 << 20))
+    return tl::unexpected(tooMany());
+  const Questions ask(shape, frame);
+  set.measured = ask.measures();
+
+  const auto states = scan(ask, frame, parallelFor, [&](double f) { return !progress || progress(0.4 * f); });
+  if (!states) return tl::unexpected(states.error());
+  Result<std::vector<Leaf>> leaves;
+  if (frame.levels == 0) {
+    leaves = coarsestLeaves(frame, *states);
+  } else {
+    if (const auto fits = checkRefined(shape, sampling, frame, *states, parallelFor); !fits)
+      return tl::unexpected(fits.error());
+    leaves = octreeLeaves(ask, frame, sampling, *states, parallelFor);
+    if (!leaves) return tl::unexpected(leaves.error());
+  }
+  std::sort(leaves->begin(), leaves->end(),
+            [](const Leaf &a, const Leaf &b) { return mortonCode(a.cell.at) < mortonCode(b.cell.at); });
+
+  const auto samples =
+      sampleCut(ask, set, *leaves, parallelFor, [&](double f) { return !progress || progress(0.4 + 0.6 * f); });
+  if (!samples) return tl::unexpected(samples.error());
+  keepFilled(*leaves, *samples, set);
   set.index.build(set.cells, frame);
   return set;
 }
@@ -365,9 +403,7 @@ std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampl
     if ((*states)[i] != State::kCut) continue;
     cut.push_back(i);
     for (int c = 0; c < 8; ++c)
-      points.push_back(frame.low + spacing * (Vec3(static_cast<double>(i % nx), static_cast<double>(i / nx % ny),
-                                                   static_cast<double>(i / (nx * ny))) +
-                                              Vec3::Constant(0.5) +
+      points.push_back(frame.low + spacing * (baseCentre(frame, i) +
                                               0.25 * Vec3(cornerSign(c, 0), cornerSign(c, 1), cornerSign(c, 2))));
   }
   std::vector<double> distances(points.size(), 0.0);

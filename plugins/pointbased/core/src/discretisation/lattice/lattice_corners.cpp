@@ -57,98 +57,122 @@ void matchFaces(const CellSet &set, const PartSet &parts, const FragmentLink &li
   }
 }
 
-}  // namespace
+/// The corners of all fragments, joined where the body goes on.
+class CornerJoiner {
+ public:
+  CornerJoiner(const CellSet &set, const PartSet &parts)
+      : set_(set), parts_(parts), sets_(8 * parts.parts.size()), nodeOf_(8 * parts.parts.size(), kNone) {}
 
-NodeTable joinCorners(const CellSet &set, PartSet &parts) {
-  DisjointSets sets(8 * parts.parts.size());
-  std::vector<std::pair<Index, HangingNodeMasters>> hanging;
-  for (const FragmentLink &link : parts.links)
-    matchFaces(
-        set, parts, link, [&](Index a, Index b) { sets.join(a, b); },
-        [&](Index corner, const HangingNodeMasters &masters) { hanging.emplace_back(corner, masters); });
-
-  // A corner that hangs on two larger cells joins their corners: the body goes on around their common edge.
-  std::unordered_map<Index, HangingNodeMasters> mastersOf;
-  for (bool joined = true; joined;) {
-    joined = false;
-    mastersOf.clear();
-    for (const auto &[corner, masters] : hanging) {
-      const auto [found, isNew] = mastersOf.emplace(sets.find(corner), masters);
-      if (isNew) continue;
-      for (int i = 0; i < masters.count; ++i)
-        for (int j = 0; j < found->second.count; ++j) {
-          const Index a = masters.corners[static_cast<std::size_t>(i)];
-          const Index b = found->second.corners[static_cast<std::size_t>(j)];
-          if (placeOf(set.cells[parts.parts[a / 8].cell], static_cast<int>(a % 8)) ==
-              placeOf(set.cells[parts.parts[b / 8].cell], static_cast<int>(b % 8)))
-            joined = sets.join(a, b) || joined;
-        }
+  void join() {
+    std::vector<std::pair<Index, HangingNodeMasters>> hanging;
+    for (const FragmentLink &link : parts_.links)
+      matchFaces(
+          set_, parts_, link, [&](Index a, Index b) { sets_.join(a, b); },
+          [&](Index corner, const HangingNodeMasters &masters) { hanging.emplace_back(corner, masters); });
+    // A corner that hangs on two larger cells joins their corners: the body goes on around their common edge.
+    for (bool joined = true; joined;) {
+      joined = false;
+      mastersOf_.clear();
+      for (const auto &[corner, masters] : hanging) {
+        const auto [found, isNew] = mastersOf_.emplace(sets_.find(corner), masters);
+        if (!isNew) joined = joinMasters(masters, found->second) || joined;
+      }
     }
   }
 
   // Nodes of what is kept, and those they hang on, in the order of their places.
-  std::vector<Index> nodeOf(8 * parts.parts.size(), kNone);  // by root
-  std::vector<Index> roots;
-  const auto use = [&](const auto &self, Index corner) -> void {
-    const Index root = sets.find(corner);
-    if (nodeOf[root] != kNone) return;
-    nodeOf[root] = 0;
-    roots.push_back(root);
-    const auto found = mastersOf.find(root);
-    if (found == mastersOf.end()) return;
-    for (int i = 0; i < found->second.count; ++i) self(self, found->second.corners[static_cast<std::size_t>(i)]);
-  };
-  for (std::size_t p = 0; p < parts.parts.size(); ++p)
-    if (parts.parts[p].kept)
-      for (int corner = 0; corner < 8; ++corner) use(use, cornerOf(static_cast<Index>(p), corner));
-  const auto codeOf = [&](Index root) {
-    return mortonCode(placeOf(set.cells[parts.parts[root / 8].cell], static_cast<int>(root % 8)));
-  };
-  std::vector<std::pair<std::uint64_t, Index>> order;
-  order.reserve(roots.size());
-  for (const Index root : roots) order.emplace_back(codeOf(root), root);
-  std::sort(order.begin(), order.end());
-
-  NodeTable corners;
-  std::vector<Index> phyxelOf(order.size(), kNone);
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Index root = order[i].second;
-    nodeOf[root] = static_cast<Index>(i);
-    if (mastersOf.contains(root)) continue;
-    phyxelOf[i] = static_cast<Index>(corners.positions.size());
-    corners.positions.push_back(
-        set.frame.place(placeOf(set.cells[parts.parts[root / 8].cell], static_cast<int>(root % 8))));
+  void number() {
+    for (std::size_t p = 0; p < parts_.parts.size(); ++p)
+      if (parts_.parts[p].kept)
+        for (int corner = 0; corner < 8; ++corner) use(cornerOf(static_cast<Index>(p), corner));
+    std::vector<std::pair<std::uint64_t, Index>> order;
+    order.reserve(nodes_.size());
+    for (const Index root : nodes_) order.emplace_back(mortonCode(placeOfCorner(root)), root);
+    std::sort(order.begin(), order.end());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      nodes_[i] = order[i].second;
+      nodeOf_[nodes_[i]] = static_cast<Index>(i);
+    }
   }
-  std::map<Index, double> row;
-  const auto addTo = [&](const auto &self, Index root, double weight) -> void {
-    const auto found = mastersOf.find(root);
-    if (found == mastersOf.end()) {
-      row[phyxelOf[nodeOf[root]]] += weight;
+
+  [[nodiscard]] Index node(Index corner) { return nodeOf_[sets_.find(corner)]; }
+
+  // Phyxels are the nodes that hang on none.
+  NodeTable table() {
+    NodeTable out;
+    std::vector<Index> phyxelOf(nodes_.size(), kNone);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      if (mastersOf_.contains(nodes_[i])) continue;
+      phyxelOf[i] = static_cast<Index>(out.positions.size());
+      out.positions.push_back(set_.frame.place(placeOfCorner(nodes_[i])));
+    }
+    std::map<Index, double> row;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      row.clear();
+      addTo(row, phyxelOf, nodes_[i], 1.0);
+      for (const auto &[phyxel, weight] : row) {
+        out.phyxels.push_back(phyxel);
+        out.weights.push_back(weight);
+      }
+      out.offsets.push_back(static_cast<std::uint32_t>(out.phyxels.size()));
+    }
+    return out;
+  }
+
+ private:
+  [[nodiscard]] Cell3 placeOfCorner(Index corner) const {
+    return placeOf(set_.cells[parts_.parts[corner / 8].cell], static_cast<int>(corner % 8));
+  }
+
+  bool joinMasters(const HangingNodeMasters &some, const HangingNodeMasters &others) {
+    bool joined = false;
+    for (int i = 0; i < some.count; ++i)
+      for (int j = 0; j < others.count; ++j) {
+        const Index a = some.corners[static_cast<std::size_t>(i)], b = others.corners[static_cast<std::size_t>(j)];
+        if (placeOfCorner(a) == placeOfCorner(b)) joined = sets_.join(a, b) || joined;
+      }
+    return joined;
+  }
+
+  void use(Index corner) {
+    const Index root = sets_.find(corner);
+    if (nodeOf_[root] != kNone) return;
+    nodeOf_[root] = 0;
+    nodes_.push_back(root);
+    const auto found = mastersOf_.find(root);
+    if (found == mastersOf_.end()) return;
+    for (int i = 0; i < found->second.count; ++i) use(found->second.corners[static_cast<std::size_t>(i)]);
+  }
+
+  void addTo(std::map<Index, double> &row, std::span<const Index> phyxelOf, Index root, double weight) {
+    const auto found = mastersOf_.find(root);
+    if (found == mastersOf_.end()) {
+      row[phyxelOf[nodeOf_[root]]] += weight;
       return;
     }
-    for (int i = 0; i < found->second.count; ++i)
-      self(self, sets.find(found->second.corners[static_cast<std::size_t>(i)]), weight / found->second.count);
-  };
-  for (const auto &[code, root] : order) {
-    if (const Index phyxel = phyxelOf[nodeOf[root]]; phyxel != kNone) {
-      corners.phyxels.push_back(phyxel);
-      corners.weights.push_back(1.0);
-    } else {
-      row.clear();
-      addTo(addTo, root, 1.0);
-      for (const auto &[p, weight] : row) {
-        corners.phyxels.push_back(p);
-        corners.weights.push_back(weight);
-      }
-    }
-    corners.offsets.push_back(static_cast<std::uint32_t>(corners.phyxels.size()));
+    const HangingNodeMasters &masters = found->second;
+    for (int i = 0; i < masters.count; ++i)
+      addTo(row, phyxelOf, sets_.find(masters.corners[static_cast<std::size_t>(i)]), weight / masters.count);
   }
+
+  const CellSet &set_;
+  const PartSet &parts_;
+  DisjointSets sets_;
+  std::unordered_map<Index, HangingNodeMasters> mastersOf_;  // by root
+  std::vector<Index> nodeOf_;                                // by root
+  std::vector<Index> nodes_;                                 // their roots
+};
+
+}  // namespace
+
+NodeTable joinCorners(const CellSet &set, PartSet &parts) {
+  CornerJoiner joiner(set, parts);
+  joiner.join();
+  joiner.number();
   for (std::size_t p = 0; p < parts.parts.size(); ++p)
-    for (int corner = 0; corner < 8; ++corner) {
-      const Index root = sets.find(cornerOf(static_cast<Index>(p), corner));
-      parts.parts[p].nodes[static_cast<std::size_t>(corner)] = nodeOf[root];
-    }
-  return corners;
+    for (int corner = 0; corner < 8; ++corner)
+      parts.parts[p].nodes[static_cast<std::size_t>(corner)] = joiner.node(cornerOf(static_cast<Index>(p), corner));
+  return joiner.table();
 }
 
 void NodeTable::compact() {
