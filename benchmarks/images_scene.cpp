@@ -15,7 +15,7 @@
 #include "c3de/session/session.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/ui/image_views.h"
-#include "displacement_presenter.h"
+#include "workstation/displacement_presenter.h"
 
 namespace bench {
 namespace {

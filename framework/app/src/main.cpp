@@ -7,11 +7,11 @@
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
-#include "command_line.h"
-#include "commands.h"
-#include "exit_code.h"
-#include "standard_output.h"
-#include "version.h"
+#include "commands/command_line.h"
+#include "commands/commands.h"
+#include "commands/exit_code.h"
+#include "commands/standard_output.h"
+#include "commands/version.h"
 
 namespace {
 

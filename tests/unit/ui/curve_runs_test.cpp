@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Outlines in slices: thick lines along a curve end at its corners, where their mitres would be spikes.
-#include "curve_runs.h"
+#include "logic/curve_runs.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "os_event.h"
+#include "logic/os_event.h"
 
 #include "support/catch.h"
 

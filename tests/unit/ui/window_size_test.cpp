@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "window_size.h"
+#include "logic/window_size.h"
 
 #include <limits>
 

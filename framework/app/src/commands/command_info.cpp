@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// `c3de info`
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "c3de/geometry/mesh_io.h"
+#include "c3de/session/file_kind.h"
+#include "commands/command_line.h"
+#include "commands/commands.h"
+#include "commands/exit_code.h"
+#include "commands/info_image.h"
+#include "commands/info_scene.h"
+#include "commands/standard_output.h"
+
+namespace c3de::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InfoArguments {
+  std::string series;         ///< of a folder of images with several; empty: the only one, or a list of them
+  std::size_t time = 0;       ///< of images of several time points
+  bool patientNames = false;  ///< whether the names of patients are shown
+  bool isQuick = false;       ///< bodies of scenes are not built: what only that can tell is not checked
+};
+
+Expected<Described> describeMesh(const std::filesystem::path &file, const std::string &unitText) {
+  std::optional<geometry::LengthUnit> unit;
+  if (!unitText.empty()) {
+    const auto stated = scene::parseLengthUnit(unitText);
+    if (!stated) return fail(ErrorCode::usage, "--unit: " + stated.error().message);
+    unit = *stated;
+  }
+  const auto loaded = geometry::loadMesh(file, unit);
+  if (!loaded) return tl::unexpected(loaded.error());
+  Described out;
+  out.json = Json::parse(loaded->report.json(), nullptr, false);
+  if (!out.json.is_object()) out.json = Json::object();
+  out.json["file"] = file.string();
+  out.json["kind"] = "mesh";
+  out.text = loaded->report.text();
+  const auto fillable = geometry::checkFillable(loaded->mesh, loaded->report);
+  out.json["fillable"] = fillable.has_value();
+  if (!fillable) {
+    out.json["not_fillable_because"] = fillable.error().message;
+    out.text += "\nnot fillable: " + fillable.error().message;
+  }
+  return out;
+}
+
+bool isScene(const std::filesystem::path &file) {
+  std::error_code code;
+  return std::filesystem::exists(file, code) && kindOf(file) == FileKind::scene;
+}
+
+/// @param session  null where the file is no scene
+Expected<Described> describe(const std::filesystem::path &file, const InfoArguments &arguments, const CommandLine &line,
+                             Session *session) {
+  std::error_code code;
+  if (!std::filesystem::exists(file, code)) return fail(ErrorCode::input, file.string() + ": no such file");
+  imaging::ReadOptions options;
+  options.series = arguments.series;
+  options.time = arguments.time;
+  switch (kindOf(file)) {
+    case FileKind::image: return describeImage(file, options, arguments.patientNames);
+    case FileKind::scene: return describeScene(*session, file, arguments.isQuick);
+    case FileKind::mesh: return describeMesh(file, line.unit);
+    case FileKind::unknown: break;
+  }
+  return tl::unexpected(unknownKind(file));
+}
+
+/// What each file contains and what is wrong with it; goes on after a file that is refused.
+int showInfo(const InfoArguments &arguments, const CommandLine &line) {
+  std::unique_ptr<Session> session;
+  ExitCode exitCode = kDone;
+  Json list = Json::array();
+  for (const std::string &file : line.files) {
+    // Plugins are loaded for the first scene only: the others need none.
+    if (!session && isScene(file)) {
+      auto made = Session::create(line.sessionOptions());
+      if (!made) return reportError(made.error());
+      session = std::move(*made);
+    }
+    auto described = describe(file, arguments, line, session.get());
+    if (!described) {
+      const ExitCode failed = reportError(described.error());
+      if (exitCode == kDone) exitCode = failed;
+      list.push_back(Json{{"file", file}, {"error", described.error().message}});
+      continue;
+    }
+    list.push_back(std::move(described->json));
+    if (line.json) continue;
+    const std::string &text = described->text;
+    printOut(file + "\n" + text + (text.empty() || text.back() == '\n' ? "" : "\n"));
+  }
+  if (line.json) {
+    const Json &out = list.size() == 1 ? list.front() : list;
+    printOut(out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  }
+  return exitCode;
+}
+
+Handler declare(CLI::App &app, CommandLine &line) {
+  const auto arguments = std::make_shared<InfoArguments>();
+  app.add_option("FILE", line.files,
+                 "Meshes, images (DICOM, NIfTI, NRRD, MetaImage), folders of DICOM files and scenes")
+      ->required();
+  app.add_option("--series", arguments->series,
+                 "The series of a folder that holds several: its identifier, number or description, a part behind a #")
+      ->type_name("ID");
+  app.add_option("--time", arguments->time, "The time point of an image that holds several, from 0")
+      ->check(CLI::Range(0LL, 1000000LL))
+      ->type_name("N");
+  app.add_flag("--patient-names", arguments->patientNames, "Show the names of patients, which are left out otherwise");
+  app.add_flag("--quick", arguments->isQuick,
+               "Do not build the bodies of scenes; what only that can tell is not checked");
+  app.add_flag("--json", line.json, "One object for one file, a list for several");
+  addUnit(app, line);
+  addSessionOptions(app, line);
+  return [arguments, &line] { return showInfo(*arguments, line); };
+}
+
+}  // namespace
+
+const Command kInfoCommand{"info", "What a mesh, image, folder of images or scene contains, and what is wrong with it",
+                           declare};
+
+}  // namespace c3de::app

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/command_line.h"
+
+namespace c3de::app {
+
+SessionOptions CommandLine::sessionOptions() const {
+  SessionOptions options;
+  options.usePlugins = !noPlugins;
+  for (const std::string &file : plugins) options.pluginFiles.emplace_back(file);
+  for (const std::string &folder : pluginPaths) options.pluginFolders.emplace_back(folder);
+  options.threads = threads.value_or(0);
+  return options;
+}
+
+CLI::Option *addFile(CLI::App &app, const std::string &name, std::filesystem::path &file, const std::string &type,
+                     const std::string &help) {
+  const auto isNamed = [](const std::string &text) -> std::string {
+    if (text.empty()) return "the name is empty; accepted: a file name";
+    if (text.starts_with("--")) return "'" + text + "' is an option; accepted: a file name";
+    return {};
+  };
+  return app
+      .add_option_function<std::string>(
+          name, [&file](const std::string &text) { file = text; }, help)
+      ->type_name(type)
+      ->check(CLI::Validator(isNamed, "", ""));
+}
+
+CLI::Option *addSize(CLI::App &app, CommandLine &line, const std::string &help) {
+  return addParsed(app, "--size", line.size, help, [](const std::string &text) { return parseSize(text); })
+      ->type_name("WxH");
+}
+
+CLI::Option *addUnit(CLI::App &app, CommandLine &line) {
+  return app.add_option("--unit", line.unit, "Unit of meshes: m, mm or cm; default: what the file says, else mm")
+      ->check(CLI::IsMember({"m", "mm", "cm"}))
+      ->type_name("UNIT");
+}
+
+void addSessionOptions(CLI::App &app, CommandLine &line) {
+  app.add_option("--plugin", line.plugins, "Load this plugin; ends with 4 if it is refused (repeatable)")
+      ->type_name("PATH")
+      ->allow_extra_args(false);
+  app.add_option("--plugin-path", line.pluginPaths, "Look for plugins in this folder, too (repeatable)")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+  app.add_flag("--no-plugins", line.noPlugins, "Load no plugin");
+  addCount(app, "--threads", line.threads, 1, 1024, "Threads that compute; default: as many as the machine has");
+  app.add_flag("-v,--verbose", line.verbose, "Say more");
+}
+
+}  // namespace c3de::app

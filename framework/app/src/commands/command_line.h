@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app.h"
+#include "c3de/session/session.h"
+#include "commands/option_values.h"
+#include "workstation/workstation.h"
+
+namespace c3de::app {
+
+/// The command line as it was given, and the options that several commands take: they may stand before the command,
+/// too.
+struct CommandLine {
+  int argc;
+  char **argv;
+  int (*openWindow)(const WorkstationOptions &options);  ///< null: the window program goes on where one is wanted
+
+  std::vector<std::string> files{}, plugins{}, pluginPaths{};
+  bool noPlugins = false, json = false, version = false, verbose = false;
+  std::optional<unsigned> threads{};
+  std::optional<PictureSize> size{};
+  std::string unit{};  ///< of meshes
+
+  [[nodiscard]] SessionOptions sessionOptions() const;
+};
+
+/// An option whose text is turned into a value by a function of ours.
+template <class Value, class Parse>
+CLI::Option *addParsed(CLI::App &app, const std::string &name, Value &value, const std::string &help, Parse parse) {
+  return app.add_option_function<std::string>(
+      name,
+      [name, &value, parse](const std::string &text) {
+        const auto parsed = parse(text);
+        if (!parsed) throw CLI::ValidationError(name, parsed.error().message);
+        value = *parsed;
+      },
+      help);
+}
+
+/// @param value  a double, or an optional one
+template <class Value>
+CLI::Option *addSeconds(CLI::App &app, const std::string &name, Value &value, double least, const std::string &help) {
+  return addParsed(app, name, value, help,
+                   [least](const std::string &text) { return parseDecimal(text, least, 1e9, "s"); })
+      ->type_name("SECONDS");
+}
+
+/// @param value  an unsigned number that holds `most`, or an optional one
+template <class Value>
+CLI::Option *addCount(CLI::App &app, const std::string &name, Value &value, long long least, long long most,
+                      const std::string &help) {
+  return addParsed(
+             app, name, value, help,
+             [least, most](const std::string &text) {
+               return parseWhole(text, least, most).map([](long long n) { return static_cast<std::uint64_t>(n); });
+             })
+      ->type_name("N");
+}
+
+/// @param type  "FILE.json"
+CLI::Option *addFile(CLI::App &app, const std::string &name, std::filesystem::path &file, const std::string &type,
+                     const std::string &help);
+CLI::Option *addSize(CLI::App &app, CommandLine &line, const std::string &help);
+CLI::Option *addUnit(CLI::App &app, CommandLine &line);
+void addSessionOptions(CLI::App &app, CommandLine &line);
+
+}  // namespace c3de::app

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// `c3de run`: its options.
+#include <memory>
+
+#include "c3de/core/log.h"
+#include "c3de/core/text.h"
+#include "commands/command_line.h"
+#include "commands/commands.h"
+#include "commands/exit_code.h"
+#include "commands/run_scene.h"
+#include "commands/window_program.h"
+
+namespace c3de::app {
+namespace {
+
+struct RunArguments {
+  RunOptions options;
+  std::string view;
+};
+
+int run(const RunArguments &arguments, const CommandLine &line) {
+  RunOptions options = arguments.options;
+  if (options.quiet) setLogThreshold(LogLevel::error);
+  if (!options.screenshot.empty() && !line.openWindow && hasWindowProgram())
+    return continueInWindowProgram(line.argc, line.argv);
+  options.session = line.sessionOptions();
+  options.meshUnit = line.unit;
+  if (line.size) {
+    if (options.screenshot.empty()) return reportError({ErrorCode::usage, "--size is for --screenshot"});
+    options.width = line.size->width;
+    options.height = line.size->height;
+  }
+  if (!arguments.view.empty()) {
+    if (options.screenshot.empty()) return reportError({ErrorCode::usage, "--view is for --screenshot"});
+    options.view = pictureViewOf(arguments.view);
+    if (!options.view)
+      return reportError(
+          {ErrorCode::usage, "--view " + arguments.view + ": accepted: 3d, axial, sagittal, coronal, four-up"});
+  }
+  return runScene(options);
+}
+
+Handler declare(CLI::App &app, CommandLine &line) {
+  const auto arguments = std::make_shared<RunArguments>();
+  RunOptions &options = arguments->options;
+  app.add_option_function<std::string>(
+         "SCENE", [&options](const std::string &text) { options.scene = text; },
+         "A scene (.toml), or a mesh as one body")
+      ->required();
+  CLI::Option *until = addSeconds(app, "--until", options.until_s, 0.0,
+                                  "Simulated time to reach; default: 1 s (a quasi-static solution: its full load)");
+  addCount(app, "--steps", options.steps, 0, 1000000000000LL, "Steps to make, instead of --until")->excludes(until);
+  addSeconds(app, "--time-limit", options.timeLimit_s, 0.0,
+             "Wall-clock time after which the run stops between two steps, writes its outputs and ends with 124");
+  app.add_option("--set", options.overrides,
+                 "Replace a value of the scene, for example body.liver.material.youngs_modulus=6e3 (repeatable)")
+      ->type_name("PATH=VALUE")
+      ->allow_extra_args(false);
+  addFile(app, "--report", options.report, "FILE.json", "Write the report as JSON");
+  addFile(app, "--probes", options.probes, "FILE.csv", "Write the probes over time as CSV");
+  addCount(app, "--probes-every", options.probesEvery, 1, 1000000000LL, "Steps between two rows of --probes")
+      ->default_str("1");
+  addFile(app, "--screenshot", options.screenshot, "FILE.png", "Draw the end state");
+  addSize(app, line, "Size of the screenshot; default: 1280x720");
+  app.add_option(
+         "--view", arguments->view,
+         "What the screenshot shows: 3d, axial, sagittal, coronal or four-up; default: four-up where the scene has an "
+         "image, else 3d")
+      ->type_name("VIEW");
+  CLI::Option *exportList = addFile(app, "--export", options.exportList, "FILE.pvd",
+                                    "Write the simulation for ParaView: phyxels and skins over time");
+  addSeconds(app, "--export-every", options.exportEvery_s, 1e-9, "Simulated time between two frames of --export")
+      ->default_str(formatNumber(kDefaultExportEvery_s))
+      ->needs(exportList);
+  addFile(app, "--export-image", options.exportImage.image, "FILE",
+          "Write the scene's image as the tissue lies at the end (nrrd, nii, nii.gz, mha)");
+  addFile(app, "--export-displacement", options.exportImage.displacement, "FILE",
+          "Write how far the tissue has come, mm at the voxels of the image");
+  addFile(app, "--export-surface", options.exportSurface, "FILE",
+          "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each");
+  addCount(app, "--seed", options.seed, 0, 9223372036854775807LL,
+           "Kept in the report; nothing in this version is random");
+  app.add_flag("-q,--quiet", options.quiet, "Say nothing but errors");
+  addUnit(app, line);
+  addSessionOptions(app, line);
+  return [arguments, &line] { return run(*arguments, line); };
+}
+
+}  // namespace
+
+const Command kRunCommand{"run", "Simulate without a window", declare};
+
+}  // namespace c3de::app

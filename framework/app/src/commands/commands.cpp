@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/commands.h"
+
+namespace c3de::app {
+namespace {
+
+constexpr Command kStudyCommand{"study", "Not served yet", nullptr};
+constexpr const Command *kCommands[]{&kRunCommand, &kInfoCommand, &kPluginsCommand, &kStudyCommand};
+
+}  // namespace
+
+std::span<const Command *const> commands() { return kCommands; }
+
+std::string servedCommands(std::string_view last) {
+  std::string text, pending;
+  for (const Command *command : commands()) {
+    if (!command->declare) continue;
+    if (!pending.empty()) text += (text.empty() ? "" : ", ") + pending;
+    pending = command->name;
+  }
+  return text + std::string(last) + pending;
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/info_scene.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "c3de/core/text.h"
+#include "c3de/geometry/mesh_io.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/session/build_scene.h"
+#include "c3de/session/progress_line.h"
+#include "c3de/session/simulator_access.h"
+
+namespace c3de::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Infinity has no number in JSON.
+Json jsonNumber(double x) { return std::isfinite(x) ? Json(x) : Json(formatNumber(x)); }
+
+void describeValues(const std::vector<scene::SceneValue> &values, std::ostringstream &text, Json &json) {
+  for (const scene::SceneValue &value : values) {
+    text << "  " << value.value.id << " = " << value.value.display() << "\n";
+    switch (value.value.type) {
+      case C3DE_PARAM_BOOL: json[value.value.id] = value.value.num != 0.0; break;
+      case C3DE_PARAM_I64:
+      case C3DE_PARAM_F64: json[value.value.id] = jsonNumber(value.value.num); break;
+      case C3DE_PARAM_VEC3: json[value.value.id] = value.value.vec; break;
+      default: json[value.value.id] = value.value.text;
+    }
+  }
+}
+
+Json jsonOf(const scene::SceneRegion &region) {
+  switch (region.kind) {
+    case scene::SceneRegion::Kind::box: return {{"box", {{"min", region.a}, {"max", region.b}}}};
+    case scene::SceneRegion::Kind::sphere: return {{"sphere", {{"centre", region.a}, {"radius", region.radius}}}};
+    case scene::SceneRegion::Kind::halfSpace: return {{"half_space", {{"point", region.a}, {"normal", region.b}}}};
+    case scene::SceneRegion::Kind::everywhere: break;
+  }
+  return {{"everywhere", true}};
+}
+
+Json jsonOf(const scene::SceneMotion &motion) {
+  Json json{{"displacement", motion.displacement_m}, {"rotation_deg", motion.rotation_deg}, {"ramp", motion.ramp_s}};
+  if (motion.centre_m) json["centre"] = *motion.centre_m;
+  return json;
+}
+
+/// Materials of regions and finer sampling of a body.
+void describeRegions(const scene::SceneBody &body, std::ostringstream &text, Json &json) {
+  for (const scene::ScenePart &part : body.parts) {
+    text << "  part " << json["parts"].size() << " in " << jsonOf(part.region).dump() << "\n";
+    Json params = Json::object();
+    describeValues(part.params, text, params);
+    json["parts"].push_back(Json{{"region", jsonOf(part.region)}, {"params", std::move(params)}});
+  }
+  for (const scene::SceneRefinement &refinement : body.refinements) {
+    text << "  spacing " << formatNumber(refinement.spacing_m) << " m in " << jsonOf(refinement.region).dump() << "\n";
+    json["refinements"].push_back(Json{{"region", jsonOf(refinement.region)}, {"spacing_m", refinement.spacing_m}});
+  }
+}
+
+/// What holds and loads the bodies.
+void describeSupports(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
+  const auto title = [&](const char *what, std::size_t number, const std::string &name, const std::string &body) {
+    text << what << " " << number << (name.empty() ? "" : " \"" + name + "\"") << " of body \"" << body << "\"\n";
+  };
+  json["fixes"] = Json::array();
+  for (const scene::SceneFix &fix : scene.fixes) {
+    title("fix", json["fixes"].size(), fix.name, fix.body);
+    Json one{{"name", fix.name}, {"body", fix.body}, {"region", jsonOf(fix.region)}, {"motion", jsonOf(fix.motion)}};
+    text << "  region " << one["region"].dump() << "\n";
+    if (fix.motion.displacement_m != Vec3{} || fix.motion.rotation_deg != Vec3{})
+      text << "  motion " << one["motion"].dump() << "\n";
+    json["fixes"].push_back(std::move(one));
+  }
+  json["loads"] = Json::array();
+  for (const scene::SceneLoad &load : scene.loads) {
+    title("load", json["loads"].size(), load.name, load.body);
+    Json one{{"name", load.name}, {"body", load.body}, {"region", jsonOf(load.region)}};
+    if (load.force_N) one["force_N"] = *load.force_N;
+    if (load.pressure_Pa) {
+      one["pressure_Pa"] = *load.pressure_Pa;
+      one["follower"] = load.follower;
+    }
+    one["ramp"] = load.ramp_s;
+    text << "  region " << one["region"].dump() << "\n";
+    if (load.force_N) text << "  force " << one["force_N"].dump() << " N\n";
+    if (load.pressure_Pa) text << "  pressure " << one["pressure_Pa"].dump() << " Pa\n";
+    json["loads"].push_back(std::move(one));
+  }
+}
+
+/// Says what the mesh of a body or obstacle is; the error names the line of the scene.
+Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::filesystem::path &mesh,
+                            geometry::LengthUnit unit, bool mustBeFillable, std::ostringstream &text) {
+  const auto loaded = geometry::loadMesh(mesh, unit);
+  if (!loaded) return failInScene(loaded.error(), scene, line);
+  const geometry::MeshReport &report = loaded->report;
+  if (mustBeFillable)
+    if (const auto fillable = geometry::checkFillable(loaded->mesh, report); !fillable)
+      return failInScene(fillable.error(), scene, line);
+  text << "  mesh " << mesh.string() << " (" << geometry::unitName(unit) << "): " << report.vertices << " vertices, "
+       << report.triangles << " triangles, " << (report.closed ? "closed" : "open") << "\n";
+  for (const std::string &repair : report.repairs) text << "  repaired: " << repair << "\n";
+  for (const std::string &warning : report.warnings) text << "  warning: " << warning << "\n";
+  Json json = Json::parse(report.json(), nullptr, false);
+  if (!json.is_object()) json = Json::object();
+  json["file"] = mesh.string();
+  return json;
+}
+
+Expected<Json> describeMask(const scene::SceneFile &scene, const scene::SceneBody &body, BodySources &sources,
+                            std::ostringstream &text) {
+  Preparation took;
+  const auto picked = sources.pick(body.volume, {}, took);
+  if (!picked) return failInScene(picked.error(), scene, body.line);
+  const std::size_t voxels = imaging::voxelCount(picked->mask);
+  const double millilitres = imaging::volumeOf(picked->mask) / 1000.0;
+  text << "  volume " << body.volume.file.string() << ": " << voxels << " voxels, " << millilitres << " ml\n";
+  return Json{{"file", body.volume.file.string()}, {"voxels", voxels}, {"volume_ml", millilitres}};
+}
+
+/// What the simulator has made of a body; nothing where it does not say.
+void describeBuilt(c3de_object *simulator, std::size_t index, std::ostringstream &text, Json &json) {
+  const auto table = simulatorTable(simulator);
+  c3de_handle body{};
+  c3de_sim_body_info info{};
+  info.size = sizeof info;
+  if (!table || (*table)->body_at(simulator, index, &body) < 0 || (*table)->body_info(simulator, body, &info) < 0)
+    return;
+  json["phyxels"] = info.phyxels;
+  json["spacing_m"] = info.spacing_m;
+  json["mass_kg"] = info.mass_kg;
+  text << "  " << info.phyxels << " phyxels, spacing " << info.spacing_m << " m, " << info.mass_kg << " kg\n";
+}
+
+/// The check that `run` makes, as far as it can be made; how far, for people and as "checked_by_simulator", "built".
+/// @returns  the simulator with its bodies, empty where they were not built
+Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene, bool isQuick, BodySources &sources,
+                                 std::string &howFar, Json &json) {
+  auto created = session.createSimulator();
+  ObjectRef simulator(created ? *created : nullptr);
+  json["checked_by_simulator"] = created.has_value();
+  json["built"] = created && !isQuick;
+  if (created && !isQuick) {
+    ProgressLine progress(false);
+    const auto built =
+        buildScene(session, simulator.get(), scene, sources, [&](double fraction, const std::string &what) {
+          progress.update(fraction, what);
+          return true;
+        });
+    progress.finish();
+    if (!built) return tl::unexpected(built.error());
+    howFar = "checked as for a run: every key is known to the simulator, and its bodies were built\n";
+    return simulator;
+  }
+  if (auto read = readSceneImage(scene, sources, {}); !read) return tl::unexpected(read.error());
+  const std::string unbuilt = "sampling, and whether fixes, loads and probes meet their bodies, ";
+  if (!created) {
+    howFar = "not checked: keys and values of materials, sampling, solver and world; " + unbuilt + "because " +
+             created.error().message + "\n";
+    return ObjectRef();
+  }
+  if (auto good = session.checkValues(simulator.get(), scene); !good) return tl::unexpected(good.error());
+  howFar =
+      "every key is known to the simulator; not checked: " + unbuilt + "because bodies are not built with --quick\n";
+  return ObjectRef();
+}
+
+/// Says what the image beside the simulation is, and whether its labels can be read.
+Expected<Json> describeSceneImage(const scene::SceneFile &scene, std::ostringstream &text) {
+  const scene::SceneImage &image = *scene.image;
+  const auto named = [&](const Error &error) { return failInScene(error, scene, image.line); };
+  imaging::ReadOptions options;
+  options.time = image.time;
+  options.series = image.series;
+  const auto described = describeVolume(image.file, options);
+  if (!described) return named(described.error());
+  text << "image " << image.file.string() << "\n";
+  std::istringstream lines(described->text);
+  for (std::string line; std::getline(lines, line);) text << "  " << line << "\n";
+  Json json = described->json;
+  json["labels"] = Json::array();
+  for (const std::filesystem::path &labels : image.labels) {
+    if (const auto loaded = imaging::readLabelMap(labels); !loaded) return named(loaded.error());
+    text << "  labels " << labels.string() << "\n";
+    json["labels"].push_back(labels.string());
+  }
+  return json;
+}
+
+/// @param simulator  with the bodies; null: they were not built
+Expected<void> describeBodies(const scene::SceneFile &scene, c3de_object *simulator, BodySources &sources,
+                              std::ostringstream &text, Json &json) {
+  json["bodies"] = Json::array();
+  for (const scene::SceneBody &body : scene.bodies) {
+    text << "body \"" << body.name << "\"\n";
+    const auto source = body.mesh.empty() ? describeMask(scene, body, sources, text)
+                                          : describePart(scene, body.line, body.mesh, body.meshUnit, true, text);
+    if (!source) return tl::unexpected(source.error());
+    Json one{{"name", body.name}, {body.mesh.empty() ? "volume" : "mesh", *source}, {"params", Json::object()}};
+    if (simulator != nullptr) describeBuilt(simulator, json["bodies"].size(), text, one);
+    describeValues(body.params, text, one["params"]);
+    describeRegions(body, text, one);
+    if (body.velocity_m_s != Vec3{}) one["velocity"] = body.velocity_m_s;
+    if (body.angularVelocity_rad_s != Vec3{}) one["angular_velocity"] = body.angularVelocity_rad_s;
+    json["bodies"].push_back(std::move(one));
+  }
+  return {};
+}
+
+Expected<void> describeObstacles(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
+  json["obstacles"] = Json::array();
+  for (const scene::SceneObstacle &obstacle : scene.obstacles) {
+    text << "obstacle \"" << obstacle.name << "\"\n";
+    const auto mesh = describePart(scene, obstacle.line, obstacle.mesh, obstacle.meshUnit, false, text);
+    if (!mesh) return tl::unexpected(mesh.error());
+    Json one{{"name", obstacle.name}, {"mesh", *mesh}, {"params", Json::object()}};
+    describeValues(obstacle.params, text, one["params"]);
+    if (obstacle.motion) {
+      one["motion"] = jsonOf(*obstacle.motion);
+      text << "  motion " << one["motion"].dump() << "\n";
+    }
+    json["obstacles"].push_back(std::move(one));
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<Described> describeScene(Session &session, const std::filesystem::path &file, bool isQuick) {
+  const auto scene = scene::loadScene(file, &session.materials());
+  if (!scene) return tl::unexpected(scene.error());
+  Described out;
+  BodySources sources;
+  std::string howFar;
+  const auto built = checkLikeRun(session, *scene, isQuick, sources, howFar, out.json);
+  if (!built) return tl::unexpected(built.error());
+  std::ostringstream text;
+  text << "scene \"" << scene->title << "\"\n";
+  out.json["file"] = file.string();
+  out.json["kind"] = "scene";
+  out.json["title"] = scene->title;
+  out.json["world"] = Json::object();
+  describeValues(scene->world, text, out.json["world"]);
+  if (scene->image) {
+    auto image = describeSceneImage(*scene, text);
+    if (!image) return tl::unexpected(image.error());
+    out.json["image"] = std::move(*image);
+  }
+  if (auto good = describeBodies(*scene, built->get(), sources, text, out.json); !good)
+    return tl::unexpected(good.error());
+  describeSupports(*scene, text, out.json);
+  if (auto good = describeObstacles(*scene, text, out.json); !good) return tl::unexpected(good.error());
+  out.json["probes"] = Json::array();
+  for (const scene::SceneProbe &probe : scene->probes) {
+    text << "probe \"" << probe.name << "\" of body \"" << probe.body << "\"\n";
+    out.json["probes"].push_back(Json{{"name", probe.name}, {"body", probe.body}, {"at_m", probe.at_m}});
+  }
+
+  if (scene->bodies.size() > 1) {
+    const char *note = "bodies do not touch each other yet: what meets another body passes through it";
+    text << "note: " << note << "\n";
+    out.json["notes"].push_back(note);
+  }
+  text << howFar;
+  out.text = text.str();
+  return out;
+}
+
+}  // namespace c3de::app

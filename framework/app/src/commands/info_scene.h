@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "app.h"
+#include "c3de/core/expected.h"
+#include "c3de/session/session.h"
+#include "commands/info_image.h"
+
+namespace c3de::app {
+
+/// Says what a scene holds, checked as for a run. @param isQuick  without building its bodies
+[[nodiscard]] Expected<Described> describeScene(Session &session, const std::filesystem::path &file, bool isQuick);
+
+}  // namespace c3de::app

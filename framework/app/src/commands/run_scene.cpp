@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/run_scene.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <span>
+#include <utility>
+
+#include "c3de/core/log.h"
+#include "c3de/core/output_file.h"
+#include "c3de/core/text.h"
+#include "c3de/geometry/mesh_io.h"
+#include "c3de/imaging/statistics.h"
+#include "c3de/session/body_sources.h"
+#include "c3de/session/build_scene.h"
+#include "c3de/session/export_simulation.h"
+#include "c3de/session/file_kind.h"
+#include "c3de/session/headless_run.h"
+#include "c3de/session/interrupt.h"
+#include "c3de/session/progress_line.h"
+#include "c3de/session/simulator_access.h"
+#include "c3de/session/written_outputs.h"
+#include "commands/exit_code.h"
+#include "commands/standard_output.h"
+#include "run_picture.h"
+
+namespace c3de::app {
+namespace {
+
+Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::MaterialLibrary &materials) {
+  Expected<scene::SceneFile> scene;
+  if (scene::isScenePath(options.scene)) {
+    scene = scene::loadScene(options.scene, &materials);
+  } else {
+    std::error_code code;
+    if (!std::filesystem::is_regular_file(options.scene, code))
+      return fail(ErrorCode::input,
+                  options.scene.string() +
+                      (std::filesystem::is_directory(options.scene, code) ? ": is a folder" : ": no such file") +
+                      "; accepted: a scene (.toml) or a mesh");
+    if (const FileKind kind = kindOf(options.scene); kind == FileKind::unknown)
+      return tl::unexpected(unknownKind(options.scene));
+    else if (kind == FileKind::image)
+      return fail(ErrorCode::input, options.scene.string() +
+                                        ": is an image; accepted: a mesh, or a scene (.toml) whose [[body]] "
+                                        "names it as its volume, with a label or a threshold");
+    geometry::LengthUnit unit = geometry::unitInFile(options.scene).value_or(geometry::LengthUnit::millimetre);
+    if (!options.meshUnit.empty()) {
+      const auto stated = scene::parseLengthUnit(options.meshUnit);
+      if (!stated) return fail(ErrorCode::usage, "--unit: " + stated.error().message);
+      unit = *stated;
+    }
+    scene = scene::sceneForMesh(options.scene, unit);
+  }
+  for (const std::string &assignment : options.overrides) {
+    if (!scene) break;
+    if (auto applied = scene::applyOverride(*scene, assignment, &materials); !applied)
+      return tl::unexpected(applied.error());
+  }
+  return scene;
+}
+
+/// A value of the world as the scene asks for it, or the simulator's default; none where neither says it.
+std::optional<ParameterValue> worldValue(const scene::SceneFile &scene, c3de_object *simulator, const std::string &id) {
+  for (const scene::SceneValue &value : scene.world)
+    if (value.value.id == id) return value.value;
+  if (const auto decls = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD))
+    if (const auto decl = findParameter(*decls, id)) return (*decl)->fallbackValue();
+  return std::nullopt;
+}
+
+RunLimits limitsOf(const scene::SceneFile &scene, c3de_object *simulator, const RunOptions &options,
+                   std::chrono::steady_clock::time_point begin) {
+  RunLimits limits;
+  limits.begin = begin;
+  if (const auto integrator = worldValue(scene, simulator, "solver.integrator")) limits.integrator = integrator->text;
+  if (const auto steps = worldValue(scene, simulator, "solver.load_steps"); steps && steps->num > 0.0)
+    limits.loadSteps = steps->num;
+  if (options.timeLimit_s)
+    limits.deadline = begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                  std::chrono::duration<double>(*options.timeLimit_s));
+  return limits;
+}
+
+void printSummary(const RunFacts &facts) {
+  if (facts.integrator == kQuasistatic)
+    return printOut(
+        fmt::format("{}: {}, {} load steps in {:.3g} s\n", facts.scene, facts.outcome, facts.steps, facts.wall_s));
+  const Preparation &took = facts.prepared.took;
+  if (took.masks_s > 0.0)
+    printOut(fmt::format(
+        "{}: first step after {:.3g} s (reading {:.3g}, masks {:.3g}, surfaces {:.3g}, fills {:.3g}, bodies {:.3g}, "
+        "step {:.3g})\n",
+        facts.scene, facts.toFirstStep_s, took.reading_s, took.masks_s, took.surfaces_s, took.fills_s, took.bodies_s,
+        facts.firstStep_s));
+  for (const Coverage &body : facts.prepared.coverage)
+    if (const std::string text = sentenceOf(body); !text.empty()) printOut(fmt::format("{}: {}\n", facts.scene, text));
+  const double factor = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
+  printOut(fmt::format("{}: {}, {} steps of {:.4g} s, {:.6g} s simulated in {:.3g} s ({:.3g} times real time)\n",
+                       facts.scene, facts.outcome, facts.steps, facts.dt_s, facts.time_s, facts.wall_s, factor));
+}
+
+std::vector<std::string> namesOf(const scene::SceneFile &scene) {
+  std::vector<std::string> names;
+  for (const scene::SceneBody &body : scene.bodies) names.push_back(body.name);
+  return names;
+}
+
+std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const scene::SceneFile &scene) {
+  std::vector<std::filesystem::path> all{options.report,
+                                         options.probes,
+                                         options.screenshot,
+                                         options.exportList,
+                                         options.exportImage.image,
+                                         options.exportImage.displacement,
+                                         vacatedFile(options.exportImage.displacement)};
+  if (!options.exportSurface.empty())
+    for (std::filesystem::path &file : surfaceFiles(options.exportSurface, namesOf(scene)))
+      all.push_back(std::move(file));
+  return all;
+}
+
+std::vector<std::filesystem::path> inputsOf(const RunOptions &options, const scene::SceneFile &scene) {
+  std::vector<std::filesystem::path> all{options.scene};
+  all.insert(all.end(), options.session.pluginFiles.begin(), options.session.pluginFiles.end());
+  for (const scene::SceneBody &body : scene.bodies) all.insert(all.end(), {body.mesh, body.volume.file});
+  for (const scene::SceneObstacle &obstacle : scene.obstacles) all.push_back(obstacle.mesh);
+  if (scene.image) {
+    all.push_back(scene.image->file);
+    all.insert(all.end(), scene.image->labels.begin(), scene.image->labels.end());
+  }
+  return all;
+}
+
+/// Frames are many files, which take the place of what the folder holds under their names.
+Expected<void> checkFramesFolder(const RunOptions &options, std::span<const std::filesystem::path> others) {
+  if (options.exportList.empty()) return {};
+  const std::filesystem::path folder = framesFolder(options.exportList);
+  std::error_code code;
+  for (const std::filesystem::path &other : others)
+    if (!other.empty() &&
+        std::filesystem::equivalent(other.has_parent_path() ? other.parent_path() : ".", folder, code))
+      return fail(ErrorCode::usage,
+                  other.string() + ": lies in the folder that --export fills with frames; accepted: another folder");
+  return {};
+}
+
+/// That nothing is lost, neither an input nor one output to another. Without a scene of outputs alone.
+Expected<void> checkFiles(const RunOptions &options, const scene::SceneFile *scene) {
+  const std::vector<std::filesystem::path> outputs = outputsOf(options, scene != nullptr ? *scene : scene::SceneFile{});
+  std::vector<std::filesystem::path> inputs;
+  if (scene != nullptr) inputs = inputsOf(options, *scene);
+  if (auto good = checkOutputs(outputs, inputs); !good) return good;
+  for (const auto &others : {inputs, outputs})
+    if (auto good = checkFramesFolder(options, others); !good) return good;
+  return {};
+}
+
+Expected<void> writeReport(const RunOptions &options, const RunFacts &facts, const HeadlessRun &run) {
+  const auto simulatorJson = run.simulatorReport();
+  if (!simulatorJson) return tl::unexpected(simulatorJson.error());
+  const auto json = reportJson(facts, *simulatorJson);
+  if (!json) return tl::unexpected(json.error());
+  return writeWholeFile(options.report, *json);
+}
+
+/// Of the scene's image, which has been read before.
+Expected<void> writeImageExports(const RunOptions &options, Session &session, const scene::SceneFile &scene,
+                                 BodySources &sources, const c3de_simulator_v0 *table, c3de_object *simulator,
+                                 WrittenOutputs &outputs) {
+  imaging::ReadOptions chosen;
+  chosen.series = scene.image->series;
+  chosen.time = scene.image->time;
+  const auto image = sources.volume(scene.image->file, chosen);
+  if (!image) return tl::unexpected(image.error());
+  const auto how = imageWarpOf(scene, sources, session.materials());
+  if (!how) return tl::unexpected(how.error());
+  const ImageExport &wanted = options.exportImage;
+  const auto u = presentDisplacement(table, simulator, **image, *how);
+  for (const auto &file : {wanted.image, wanted.displacement}) {
+    if (file.empty()) continue;
+    const ImageExport one = file == wanted.image ? ImageExport{file, {}} : ImageExport{{}, file};
+    const auto told =
+        u ? writeImages(one, **image, *u, {}, &session.pool()) : Expected<std::string>(tl::unexpected(u.error()));
+    if (told) log(LogLevel::info, *told);
+    const Expected<void> written = told ? Expected<void>() : Expected<void>(tl::unexpected(told.error()));
+    outputs.note(file, written);
+    if (file == wanted.displacement && told) outputs.note(vacatedFile(file), written);
+  }
+  return {};
+}
+
+void writeSurfaceExport(const RunOptions &options, Session &session, c3de_object *simulator, WrittenOutputs &outputs) {
+  const auto states = readBodyStates(simulator, BodyParts::skin, [&] { return session.plugins().takeError(); });
+  if (!states) return outputs.addFailure(options.exportSurface, states.error());
+  writeSurfaces(options.exportSurface, *states,
+                [&](const auto &file, const auto &result) { outputs.note(file, result); });
+}
+
+/// Before the run, so that a view that cannot be drawn costs none.
+Expected<PictureView> viewAsked(const RunOptions &options, const scene::SceneFile &scene) {
+  const PictureView view = options.view.value_or(scene.image ? PictureView::four : PictureView::space);
+  if (view == PictureView::space || scene.image) return view;
+  return fail(ErrorCode::usage, std::string("--view ") + nameOf(view) + " shows slices of an image, and " +
+                                    scene.where(1) + " has no [image]; accepted: --view 3d");
+}
+
+/// The scene's image has been read before, and is there.
+Expected<PictureSources> pictureSources(PictureView view, const scene::SceneFile &scene, BodySources &sources,
+                                        const scene::MaterialLibrary &materials) {
+  PictureSources out;
+  out.view = view;
+  if (view == PictureView::space) return out;
+  imaging::ReadOptions atTime;
+  atTime.time = scene.image->time;
+  const auto image = sources.volume(scene.image->file, atTime);
+  if (!image) return tl::unexpected(image.error());
+  out.image = std::make_shared<scene::StoredImage>();
+  out.image->name = imageName(scene.image->file);
+  out.image->volume = **image;
+  out.image->range = imaging::robustRange(out.image->volume);
+  auto how = imageWarpOf(scene, sources, materials);
+  if (!how) return tl::unexpected(how.error());
+  out.how = std::move(*how);
+  out.warp = scene.image->warp;
+  if (scene.image->labels.empty()) return out;
+  const auto labels = sources.labels(scene.image->labels.back(), {});
+  if (!labels) return tl::unexpected(labels.error());
+  if ((*labels)->empty()) return out;
+  out.labels = std::make_shared<scene::StoredLabels>();
+  out.labels->name = imageName(scene.image->labels.back());
+  out.labels->map = (*labels)->back();
+  return out;
+}
+
+Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene::SceneFile &scene,
+                           const RunOptions &options, RunPicture &picture, PictureView view, BodySources &sources,
+                           const std::vector<Coverage> &coverage) {
+  const auto shown = pictureSources(view, scene, sources, session.materials());
+  if (!shown) return tl::unexpected(shown.error());
+  if (auto adopted = session.adopt(simulator, scene.title); !adopted) return adopted;
+  return picture.write(session, options.screenshot, options.width, options.height, *shown, coverage);
+}
+
+/// What can be refused before anything is built. Returns what the screenshot shows.
+Expected<PictureView> checkBeforeBuilding(const RunOptions &options, const scene::SceneFile &scene) {
+  if (!options.exportSurface.empty())
+    if (const auto writable = checkSurfaceExport(options.exportSurface, namesOf(scene)); !writable)
+      return tl::unexpected(writable.error());
+  if (const auto good = checkFiles(options, &scene); !good) return tl::unexpected(good.error());
+  if (const auto good = checkImageExport(options.exportImage, scene); !good) return tl::unexpected(good.error());
+  return viewAsked(options, scene);
+}
+
+/// Returns what is to be said where the time limit came first; empty: the bodies are there.
+Expected<std::string> buildBodies(const RunOptions &options, const RunLimits &limits, Session &session,
+                                  c3de_object *simulator, const scene::SceneFile &scene, BodySources &sources,
+                                  Prepared &prepared) {
+  ProgressLine progress(options.quiet);
+  std::string present;
+  bool isOver = false;
+  const auto built = buildScene(
+      session, simulator, scene, sources,
+      [&](double fraction, const std::string &what) {
+        present = what;
+        progress.update(fraction, what);
+        isOver = isOver || (limits.deadline && std::chrono::steady_clock::now() >= *limits.deadline);
+        return !isOver && !wasInterrupted();
+      },
+      &prepared);
+  if (built) return std::string();
+  if (built.error().code != ErrorCode::cancelled) return tl::unexpected(built.error());
+  const std::string where = present + "; no step was made, and there is no state to keep";
+  if (isOver) return "the time limit of " + formatNumber(*options.timeLimit_s) + " s was reached at " + where;
+  return fail(ErrorCode::cancelled, "interrupted at " + where);
+}
+
+struct Simulated {
+  RunFacts facts;
+  std::string overBefore;  ///< the time limit, before the first step; empty: there are facts
+};
+
+Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPicture *picture,
+                             std::chrono::steady_clock::time_point begin, WrittenOutputs &outputs) {
+  auto scene = readScene(options, session.materials());
+  if (!scene) return tl::unexpected(scene.error());
+  const auto view = checkBeforeBuilding(options, *scene);
+  if (!view) return tl::unexpected(view.error());
+  auto created = session.createSimulator();
+  if (!created) return tl::unexpected(created.error());
+  const ObjectRef simulator(*created);
+  const auto table = simulatorTable(simulator.get());
+  if (!table) return tl::unexpected(table.error());
+
+  const RunLimits limits = limitsOf(*scene, simulator.get(), options, begin);
+  Prepared prepared;
+  BodySources sources;
+  auto overBefore = buildBodies(options, limits, session, simulator.get(), *scene, sources, prepared);
+  if (!overBefore) return tl::unexpected(overBefore.error());
+  if (!overBefore->empty()) return Simulated{{}, std::move(*overBefore)};
+
+  HeadlessRun run(session, simulator.get(), *table, options, limits, outputs);
+  if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
+  RunFacts facts = run.facts();
+  facts.prepared = std::move(prepared);
+  facts.scene = scene->title;
+  facts.source = options.scene.string();
+
+  if (const auto simulatorJson = run.simulatorReport())
+    if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;
+  if (!options.report.empty()) outputs.note(options.report, writeReport(options, facts, run));
+  if (!options.exportSurface.empty()) writeSurfaceExport(options, session, simulator.get(), outputs);
+  if (options.exportImage.isWanted())
+    if (const auto good = writeImageExports(options, session, *scene, sources, *table, simulator.get(), outputs); !good)
+      return tl::unexpected(good.error());
+  if (picture != nullptr)
+    outputs.note(options.screenshot, drawPicture(session, simulator.get(), *scene, options, *picture, *view, sources,
+                                                 facts.prepared.coverage));
+  return Simulated{facts, {}};
+}
+
+}  // namespace
+
+int runScene(const RunOptions &options) {
+  const auto begin = std::chrono::steady_clock::now();
+  watchForInterrupt();
+  if (!options.exportList.empty())
+    if (const auto writable = checkSimulationExport(options.exportList); !writable)
+      return reportError(writable.error());
+  if (!options.exportSurface.empty())
+    if (const auto writable = checkSurfaceExport(options.exportSurface, {}); !writable)
+      return reportError(writable.error());
+  if (const auto good = checkFiles(options, nullptr); !good) return reportError(good.error());
+
+  std::unique_ptr<RunPicture> picture;
+  SessionOptions sessionOptions = options.session;
+  if (!options.screenshot.empty()) {
+    auto made = RunPicture::create();
+    if (!made) return reportError(made.error());
+    picture = std::move(*made);
+    sessionOptions.renderer = &picture->renderer();
+  }
+  auto session = Session::create(sessionOptions);
+  if (!session) return reportError(session.error());
+  WrittenOutputs outputs;
+  const auto simulated = simulate(options, **session, picture.get(), begin, outputs);
+  if (!simulated) {
+    if (!outputs.areComplete()) reportError(outputs.error());
+    return reportError(simulated.error());
+  }
+  if (!simulated->overBefore.empty()) {
+    reportError({ErrorCode::cancelled, simulated->overBefore});
+    return kTimeLimit;
+  }
+  const RunFacts *facts = &simulated->facts;
+
+  if (!options.quiet) {
+    printSummary(*facts);
+    for (const std::string &notice : facts->notices) std::printf("  note: %s\n", notice.c_str());
+  }
+  const std::string kept = outputs.written().empty() ? "; --report FILE.json keeps the last good state"
+                                                     : "; the last good state is in " + outputs.written();
+  ExitCode exitCode = kDone;
+  if (facts->outcome == "diverged") {
+    exitCode = reportError({ErrorCode::diverged, "the simulation diverged: " + facts->failure + kept});
+  } else if (facts->outcome == "time_limit") {
+    reportError({ErrorCode::cancelled, facts->failure + kept});
+    exitCode = kTimeLimit;
+  } else if (facts->outcome == "interrupted") {
+    exitCode = reportError({ErrorCode::cancelled, facts->failure});
+  } else if (facts->outcome != "done") {
+    exitCode = reportError({ErrorCode::internal, facts->failure});
+  }
+  // What was to be kept and is not counts most.
+  return outputs.areComplete() ? exitCode : reportError(outputs.error());
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,439 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation/workstation.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "c3de/abi/draft/log.h"
+#include "c3de/core/log.h"
+#include "c3de/core/text.h"
+#include "c3de/imaging/label_names.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/registry/edit_list.h"
+#include "c3de/registry/panel_registry.h"
+#include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/tool_registry.h"
+#include "c3de/render/renderer.h"
+#include "c3de/render_gl/gl_renderer.h"
+#include "c3de/session/body_creation.h"
+#include "c3de/session/displacement_sampler.h"
+#include "c3de/session/file_kind.h"
+#include "c3de/session/simulator_access.h"
+#include "c3de/session/still_rule.h"
+#include "c3de/ui/commands.h"
+#include "c3de/ui/file_browser.h"
+#include "c3de/ui/view_controller.h"
+#include "c3de/ui/workstation_window.h"
+#include "commands/exit_code.h"
+#include "workstation/workstation_export.h"
+#include "workstation/workstation_images.h"
+#include "workstation/workstation_loader.h"
+#include "workstation/workstation_screenshot.h"
+
+namespace c3de::app {
+namespace {
+
+std::string keyOf(ui::Command command) {
+  const ui::CommandInfo &info = ui::commandInfo(command);
+  return ui::keyText(info.key, info.modifiers);
+}
+
+constexpr double kSmallOrgan_mm = 20.0, kLargeOrgan_mm = 5000.0;
+
+/// One run of the window. Members are destroyed from the last to the first: the session lets go of its plugins while
+/// registries, renderer and graphics context are still there.
+class Workstation {
+ public:
+  [[nodiscard]] Expected<void> start(const WorkstationOptions &options);
+  void run();
+
+ private:
+  void open(const ui::OpenRequest &request);
+  [[nodiscard]] ui::WindowActions actions();
+  [[nodiscard]] std::string proposedName(ui::Command exported) const;
+  [[nodiscard]] std::string unsaved() const;
+  [[nodiscard]] ui::AboutText about() const;
+  [[nodiscard]] ui::SimulationView simulationView();
+  void showPluginProblems();
+  void saveScreenshot();
+  void watchForFailure();
+  void onImageShown();
+  void askForWarp();
+  [[nodiscard]] StillPlaces stillPlaces();
+  void takeWarp();
+  void onBodiesReady(const BodyCreation::Result &result);
+  void onLoaded(const WorkstationLoader::Loaded &loaded);
+  void checkSize(const std::string &unit, double size_mm);
+  void onFailed(const std::string &title, const Error &error);
+
+  registry::PanelRegistry panels_;
+  registry::ParameterRegistry parameters_;
+  registry::ToolRegistry tools_;
+  registry::EditList edits_;
+  std::unique_ptr<ui::WorkstationWindow> window_;
+  std::unique_ptr<render::Renderer> renderer_;
+  std::unique_ptr<WorkstationLoader> loader_;   ///< used by the session's jobs until they end
+  std::unique_ptr<BodyCreation> bodyCreation_;  ///< likewise
+  std::unique_ptr<WorkstationImages> images_;   ///< likewise
+  DisplacementSampler warp_;                    ///< used by the simulation's thread
+  std::unique_ptr<Session> session_;
+  scene::SceneImage image_;  ///< how images deform beside the simulation
+  using StillAsked = std::tuple<scene::SceneStill, std::shared_ptr<const scene::StoredImage>,
+                                std::shared_ptr<const scene::StoredLabels>>;
+  StillAsked stillAsked_;  ///< what was wanted to stay when the warp was asked for
+  bool playsWhenLoaded_ = false;
+  bool hasReportedFailure_ = false;
+  double targetRate_ = 1.0;
+};
+
+Expected<void> Workstation::start(const WorkstationOptions &options) {
+  ui::WindowOptions windowOptions;
+  windowOptions.width = options.width;
+  windowOptions.height = options.height;
+  windowOptions.automationState = options.automationState;
+  auto window = ui::WorkstationWindow::create(windowOptions);
+  if (!window) return tl::unexpected(window.error());
+  window_ = std::move(*window);
+  auto renderer = render::createGlRenderer();
+  if (!renderer) return tl::unexpected(renderer.error());
+  renderer_ = std::move(*renderer);
+
+  SessionOptions sessionOptions = options.session;
+  sessionOptions.renderer = renderer_.get();
+  sessionOptions.panels = &panels_;
+  sessionOptions.parameters = &parameters_;
+  sessionOptions.tools = &tools_;
+  sessionOptions.edits = &edits_;
+  auto session = Session::create(sessionOptions);
+  if (!session) return tl::unexpected(session.error());
+  session_ = std::move(*session);
+  session_->setPublishedHook([this](const scene::Simulation &simulation) { warp_.onPublished(simulation); });
+
+  playsWhenLoaded_ = options.play;
+  loader_ = std::make_unique<WorkstationLoader>(
+      *session_,
+      WorkstationLoader::Events{[this](const WorkstationLoader::Loaded &loaded) { onLoaded(loaded); },
+                                [this](const std::string &title, const Error &error) { onFailed(title, error); }});
+  session_->mainQueue().setWaker([window = window_.get()] { window->wake(); });
+  bodyCreation_ = std::make_unique<BodyCreation>(
+      *session_,
+      BodyCreation::Events{[this](const BodyCreation::Result &result) { onBodiesReady(result); },
+                           [this](const std::string &title, const Error &error) { onFailed(title, error); }});
+  images_ = std::make_unique<WorkstationImages>(
+      *session_, *renderer_, panels_,
+      WorkstationImages::Events{[this] { onImageShown(); }, [this] { warp_.want(false, image_.rim_mm); },
+                                [this](const std::string &title, const Error &error) { onFailed(title, error); },
+                                [this](std::vector<segmentation::BodyRequest> requests) {
+                                  bodyCreation_->createBodies(std::move(requests));
+                                }});
+  window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
+                    &images_->guide(), &edits_},
+                   actions());
+  window_->setAbout(about());
+  showPluginProblems();
+  if (!options.notice.empty()) {
+    log(LogLevel::warn, options.notice);
+    panels_.notify(C3DE_LOG_INFO, "Another scene than usual", options.notice);
+  }
+  open({options.files, options.meshUnit, false});
+  return {};
+}
+
+void Workstation::run() {
+  while (!window_->closeRequested()) {
+    const bool takesNews = window_->waitForFrame();
+    if (takesNews) {
+      session_->mainQueue().runFrame();
+      watchForFailure();
+    }
+    // The state first: one that stands is the last that draws a frame, and its displacement is asked for after it.
+    const ui::SimulationView simulation = simulationView();
+    if (takesNews) takeWarp();
+    window_->drawFrame(*renderer_, simulation);
+  }
+  window_->writeAutomationState();
+  session_->mainQueue().setWaker({});
+}
+
+/// Images go to the views, everything else becomes a simulation. Of several images the first is shown and the others
+/// are laid over it as label maps.
+void Workstation::open(const ui::OpenRequest &request) {
+  std::vector<std::filesystem::path> images, others;
+  for (const std::filesystem::path &file : request.files) {
+    std::error_code ignored;
+    const FileKind kind = request.areLabels ? FileKind::image : kindOf(file);
+    // One that is nothing does not keep the others from being opened.
+    if (kind == FileKind::unknown && std::filesystem::is_regular_file(file, ignored))
+      onFailed("Could not open " + pathText(file.filename()), unknownKind(file));
+    else
+      (kind == FileKind::image ? images : others).push_back(file);
+  }
+  if (!images.empty() && request.areLabels)
+    images_->openLabels(images.front());
+  else if (!images.empty())
+    images_->open(images.front(), {images.begin() + 1, images.end()});
+  if (!others.empty()) loader_->open(others, request.meshUnit);
+}
+
+ui::WindowActions Workstation::actions() {
+  ui::WindowActions actions;
+  actions.open = [this](const ui::OpenRequest &request) { open(request); };
+  actions.closeImage = [this] {
+    images_->close();
+    window_->camera().upAxis = render::UpAxis::y;
+    window_->requestFit();
+  };
+  actions.reload = [this] { loader_->reload(); };
+  actions.transport = [this](std::uint32_t action) {
+    if (scene::Simulation *simulation = session_->simulation()) simulation->transport(action);
+  };
+  actions.setTargetRate = [this](double rate) {
+    targetRate_ = rate;
+    if (scene::Simulation *simulation = session_->simulation()) simulation->setTargetRate(rate);
+  };
+  actions.screenshot = [this] { saveScreenshot(); };
+  const auto tell = [this](const Expected<std::string> &written) {
+    if (written)
+      panels_.notify(C3DE_LOG_INFO, "Exported", *written);
+    else
+      onFailed("The export could not be written", written.error());
+  };
+  actions.exportSurface = [this, tell](const std::filesystem::path &file) {
+    exportPresentSurface(*session_, file, tell);
+  };
+  actions.exportFrame = [this, tell](const std::filesystem::path &file) { exportPresentFrame(*session_, file, tell); };
+  const auto exportImage = [this, tell](const ImageExport &wanted) {
+    const StillPlaces still = images_->views().image() ? stillPlaces() : StillPlaces{};
+    // The map of labels is lent by what holds it.
+    const std::shared_ptr<const imaging::LabelMap> labels =
+        still.labels ? std::shared_ptr<const imaging::LabelMap>(still.labels, &still.labels->map) : nullptr;
+    exportPresentImage(*session_, images_->views().sharedImage(), {image_.rim_mm, still.rule, labels}, wanted, tell);
+  };
+  actions.exportImage = [exportImage](const std::filesystem::path &file) { exportImage({file, {}}); };
+  actions.exportDisplacement = [exportImage](const std::filesystem::path &file) { exportImage({{}, file}); };
+  actions.proposeName = [this](ui::Command exported) { return proposedName(exported); };
+  actions.unsaved = [this] { return unsaved(); };
+  actions.beforeDraw = [this] {
+    session_->plugins().syncScene();
+    images_->followNode();
+  };
+  return actions;
+}
+
+/// After the image or the simulation, what is written of it, and its time.
+std::string Workstation::proposedName(ui::Command exported) const {
+  const scene::StoredImage *image = images_->views().image();
+  const scene::Node *node = session_->sceneGraph().find(session_->simulationNode());
+  const bool isOfImage = exported == ui::Command::exportImage || exported == ui::Command::exportDisplacement;
+  std::string name = isOfImage && image ? imaging::nameFromFile(pathFromText(image->name))
+                     : node             ? node->name
+                                        : std::string();
+  if (name.empty()) name = isOfImage ? "image" : "bodies";
+  name = ui::fileNamePart(name);
+  if (exported == ui::Command::exportImage) name += "-deformed";
+  if (exported == ui::Command::exportDisplacement) name += "-displacement";
+  if (scene::Simulation *simulation = session_->simulation())
+    name += fmt::format("-{:.3f}s", simulation->state().time_s);
+  return name;
+}
+
+/// What quitting would lose.
+std::string Workstation::unsaved() const {
+  std::string text;
+  const auto add = [&](const std::string &line) { text += (text.empty() ? "" : "\n") + line; };
+  if (const scene::Simulation *simulation = session_->simulation(); simulation && simulation->state().steps > 0)
+    add("The simulation has run to t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
+        " s. Its state is lost; File > Export… writes it.");
+  if (const segmentation::SegmentationWorkflow &guide = images_->guide();
+      guide.mask().mask() || !guide.pickedLabels().empty())
+    add("No body has been created of what is picked in the image.");
+  for (const BackgroundJobs::Status &job : session_->jobs().running()) add("Still running: " + job.title + ".");
+  return text;
+}
+
+ui::AboutText Workstation::about() const {
+  ui::AboutText about;
+  about.version =
+      "C3DE " C3DE_VERSION ", plugin ABI " + std::to_string(C3DE_ABI_MAJOR) + "." + std::to_string(C3DE_ABI_MINOR);
+  about.graphics = renderer_->description();
+  for (const plugin_host::PluginInfo &plugin : session_->plugins().plugins()) {
+    const std::string file = pathText(plugin.path);
+    const std::string name = !plugin.displayName.empty() ? plugin.displayName
+                             : !plugin.id.empty()        ? plugin.id
+                                                         : pathText(plugin.path.filename());
+    const bool isRefused = plugin.state == plugin_host::PluginState::refused;
+    about.plugins.push_back(
+        {name, plugin.version, plugin.vendor, plugin.license, file, isRefused ? plugin.reason : ""});
+  }
+  return about;
+}
+
+ui::SimulationView Workstation::simulationView() {
+  ui::SimulationView view;
+  view.transport.size = sizeof view.transport;
+  const scene::Simulation *simulation = session_->simulation();
+  if (!simulation) return view;
+  view.exists = true;
+  view.transport = simulation->state();
+  if (view.isLongStep()) view.activity = simulation->activity();
+  if (const scene::Node *node = session_->sceneGraph().find(session_->simulationNode())) view.title = node->name;
+  return view;
+}
+
+void Workstation::showPluginProblems() {
+  for (const plugin_host::PluginInfo &plugin : session_->plugins().plugins())
+    if (plugin.state == plugin_host::PluginState::refused)
+      panels_.notify(C3DE_LOG_WARN, "Plugin " + pathText(plugin.path.filename()) + " was refused", plugin.reason);
+}
+
+void Workstation::saveScreenshot() {
+  const auto file = saveViewScreenshot(*renderer_, window_->camera(), window_->viewWidth(), window_->viewHeight());
+  if (file)
+    panels_.notify(C3DE_LOG_INFO, "Screenshot saved", pathText(*file));
+  else
+    onFailed("The screenshot could not be saved", file.error());
+}
+
+/// A failed simulation says so once, with the way out.
+void Workstation::watchForFailure() {
+  scene::Simulation *simulation = session_->simulation();
+  const bool hasFailed = simulation && simulation->state().mode == C3DE_SIM_FAILED;
+  if (hasFailed && !hasReportedFailure_) {
+    const std::string why = simulation->failure();
+    log(LogLevel::error, "the simulation stopped: " + why);
+    panels_.notify(C3DE_LOG_ERROR, "The simulation stopped",
+                   why + "\nThe last good state is shown. Reset (" + keyOf(ui::Command::reset) +
+                       ") goes back to the initial state.");
+  }
+  hasReportedFailure_ = hasFailed;
+}
+
+/// A wrong unit makes an organ of the size of a house or of a grain, and everything after that is wrong.
+void Workstation::checkSize(const std::string &unit, double size_mm) {
+  if (unit.empty() || !(size_mm > 0.0)) return;
+  if (size_mm < kSmallOrgan_mm || size_mm > kLargeOrgan_mm)
+    panels_.notify(C3DE_LOG_WARN, "Is the unit right?",
+                   "The numbers of the file were taken as " + unit + ". That makes what is shown " +
+                       formatNumber(std::round(size_mm * 10.0) / 10.0) +
+                       " mm across. File > Open mesh… asks for another unit; on the command line it is --unit.");
+}
+
+void Workstation::onImageShown() {
+  render::Camera &camera = window_->camera();
+  if (camera.upAxis != render::UpAxis::z) ui::viewOfImages(camera);
+  window_->requestFit();
+  askForWarp();
+}
+
+void Workstation::onBodiesReady(const BodyCreation::Result &result) {
+  scene::Simulation *simulation = session_->simulation();
+  if (result.isNew) {
+    simulation->setTargetRate(targetRate_);
+    images_->onBodiesRemoved();
+  }
+  images_->onBodiesReady(result.created);
+  images_->showMissing(result.coverage, result.isNew);
+  tools_.cancelActive();  // the simulation begins anew, and what a tool held is gone
+  warp_.begin();
+  askForWarp();
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  const bool isOne = result.created.size() == 1;
+  const std::string it = isOne ? "it" : "them";
+  panels_.notify(
+      C3DE_LOG_INFO, (isOne ? "Body created: " : "Bodies created: ") + namesOf(result.created),
+      result.isNew ? "Pinch " + it + " in the 3D view (P). Gravity is off, because the scan shows the organ" +
+                         (isOne ? "" : "s") + " in balance with it; it is in the panel of the simulation."
+                   : std::string(isOne ? "It" : "They") + " joined the simulation that was there, which begins anew.");
+  if (!result.notTried.empty())
+    panels_.notify(C3DE_LOG_INFO, "Cancelled",
+                   namesOf(result.notTried) + (result.notTried.size() == 1 ? " was" : " were") + " not created.");
+  std::string reasons;
+  for (const auto &[name, error] : result.failed) reasons += error.message + "\n";
+  if (reasons.empty()) return;
+  log(LogLevel::error, "bodies that could not be created: " + reasons);
+  panels_.notify(
+      C3DE_LOG_ERROR,
+      result.failed.size() == 1 ? result.failed.front().first + " could not be created"
+                                : std::to_string(result.failed.size()) + " bodies could not be created",
+      reasons + (result.failed.size() == 1 ? "It stays" : "They stay") + " picked; the others were created.");
+}
+
+/// The image deforms with the bodies while both are there.
+void Workstation::askForWarp() {
+  scene::Simulation *simulation = session_->simulation();
+  const bool wanted = image_.warp && simulation && images_->views().image() && servesFills(simulation->table());
+  const ui::ImageViews &views = images_->views();
+  stillAsked_ = {views.options().still, views.sharedImage(), views.sharedLabels()};
+  warp_.want(wanted, image_.rim_mm, wanted ? views.image()->volume.geometry : imaging::VolumeGeometry{},
+             wanted ? stillPlaces() : StillPlaces{});
+  if (!wanted) return images_->showDisplacement(nullptr);
+  simulation->post([] {});  // publishes once more
+}
+
+/// What of the image stays, as the panel says it.
+StillPlaces Workstation::stillPlaces() {
+  const ui::ImageViews &views = images_->views();
+  StillPlaces places{views.sharedImage(), views.sharedLabels(), {}};
+  auto rule = stillRuleOf(views.options().still, places.image->volume, places.labels ? &places.labels->map : nullptr,
+                          session_->materials());
+  if (rule)
+    places.rule = std::move(*rule);
+  else
+    onFailed("Everything in the image moves with the bodies", rule.error());
+  return places;
+}
+
+/// Before a frame, whose texts say it as its slices show it.
+void Workstation::takeWarp() {
+  const ui::ImageViews &views = images_->views();
+  if (warp_.wanted() && stillAsked_ != StillAsked{views.options().still, views.sharedImage(), views.sharedLabels()})
+    askForWarp();
+  if (auto newest = warp_.take()) images_->showDisplacement(std::move(newest));
+  scene::Simulation *simulation = session_->simulation();
+  if (warp_.isBehind() && simulation && simulation->state().mode != C3DE_SIM_PLAYING) simulation->post([] {});
+}
+
+void Workstation::onLoaded(const WorkstationLoader::Loaded &loaded) {
+  if (!loaded.isReload) window_->requestFit();
+  checkSize(loaded.unit, loaded.size_mm);
+  image_ = loaded.image.value_or(scene::SceneImage{});
+  ui::ImageOptions options = images_->views().options();
+  options.still = image_.still;
+  images_->views().setOptions(options);
+  images_->onBodiesRemoved();
+  images_->showMissing(loaded.coverage, true);
+  warp_.begin();
+  images_->showDisplacement(nullptr);
+  if (loaded.image && !loaded.isReload)
+    images_->open(loaded.image->file, loaded.image->labels, loaded.image->series, loaded.image->time,
+                  WorkstationImages::Segmentation::image);
+  else
+    askForWarp();
+  scene::Simulation *simulation = session_->simulation();
+  simulation->setTargetRate(targetRate_);
+  if (std::exchange(playsWhenLoaded_, false)) simulation->transport(C3DE_TRANSPORT_PLAY);
+}
+
+void Workstation::onFailed(const std::string &title, const Error &error) {
+  const bool isCancelled = error.code == ErrorCode::cancelled;
+  const std::string stays = session_ && session_->simulation() ? "\nWhat was open before stays as it is." : "";
+  if (!isCancelled) log(LogLevel::error, title + ": " + error.message);
+  panels_.notify(isCancelled ? C3DE_LOG_INFO : C3DE_LOG_ERROR, title, error.message + stays);
+}
+
+}  // namespace
+
+int runWorkstation(const WorkstationOptions &options) {
+  Workstation workstation;
+  if (auto started = workstation.start(options); !started) return reportError(started.error());
+  workstation.run();
+  return kDone;
+}
+
+}  // namespace c3de::app

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation/workstation_export.h"
+
+#include <utility>
+
+#include "c3de/core/path_text.h"
+#include "c3de/session/export_simulation.h"
+
+namespace c3de::app {
+namespace {
+
+/// Runs `write` on the simulation's thread and carries its answer to the main thread.
+void whileStanding(Session &session, std::function<Expected<std::string>(scene::Simulation &)> write, ExportTold told) {
+  scene::Simulation *simulation = session.simulation();
+  if (simulation == nullptr) return;
+  simulation->post([simulation, queue = &session.mainQueue(), write = std::move(write), told = std::move(told)] {
+    queue->post([told, answer = write(*simulation)] { told(answer); });
+  });
+}
+
+}  // namespace
+
+void exportPresentSurface(Session &session, const std::filesystem::path &file, ExportTold told) {
+  plugin_host::PluginHost *host = &session.plugins();
+  const auto write = [host, file](scene::Simulation &simulation) -> Expected<std::string> {
+    const auto states = readBodyStates(simulation.object(), BodyParts::skin, [host] { return host->takeError(); });
+    if (!states) return tl::unexpected(states.error());
+    std::string written, failed;
+    ErrorCode code = ErrorCode::output;
+    writeSurfaces(file, *states, [&](const std::filesystem::path &one, const Expected<void> &result) {
+      std::string &text = result ? written : failed;
+      text += (text.empty() ? "" : "\n") + (result ? pathText(one) : result.error().message);
+      if (!result) code = result.error().code;
+    });
+    if (failed.empty()) return written;
+    return fail(code, failed + (written.empty() ? "" : "\nWritten:\n" + written));
+  };
+  whileStanding(session, write, std::move(told));
+}
+
+void exportPresentFrame(Session &session, const std::filesystem::path &file, ExportTold told) {
+  plugin_host::PluginHost *host = &session.plugins();
+  const auto write = [host, file](scene::Simulation &simulation) -> Expected<std::string> {
+    const auto states =
+        readBodyStates(simulation.object(), BodyParts::skinAndPhyxels, [host] { return host->takeError(); });
+    if (!states) return tl::unexpected(states.error());
+    c3de_sim_status status{};
+    status.size = sizeof status;
+    if (simulation.table()->status(simulation.object(), &status) < 0)
+      return fail(ErrorCode::plugin, "the simulator does not say its time");
+    SimulationExport frame(file);
+    if (auto added = frame.addFrame(status.time_s, *states); !added) return tl::unexpected(added.error());
+    if (auto finished = frame.finish(); !finished) return tl::unexpected(finished.error());
+    return pathText(file) + "\n" + pathText(framesFolder(file));
+  };
+  whileStanding(session, write, std::move(told));
+}
+
+void exportPresentImage(Session &session, std::shared_ptr<const scene::StoredImage> image, const ImageWarp &how,
+                        const ImageExport &wanted, ExportTold told) {
+  scene::Simulation *simulation = session.simulation();
+  if (simulation == nullptr || !image) return;
+  const std::filesystem::path file = wanted.image.empty() ? wanted.displacement : wanted.image;
+  if (auto good = checkImageFile(file); !good) return told(tl::unexpected(good.error()));
+  const auto write = [&session, image, wanted, file, told](std::shared_ptr<const imaging::DisplacementGrid> u) {
+    const auto written = std::make_shared<std::string>();
+    (void)session.jobs().submit(
+        kJobOwner, "Writing " + pathText(file.filename()),
+        [image, wanted, u, written](const ProgressFn &progress) -> Expected<void> {
+          auto answer = writeImages(wanted, image->volume, *u, progress, nullptr);
+          if (!answer) return tl::unexpected(answer.error());
+          *written = std::move(*answer);
+          return {};
+        },
+        [written, told](const Expected<void> &result) {
+          if (result) return told(*written);
+          if (result.error().code != ErrorCode::cancelled) told(tl::unexpected(result.error()));
+        });
+  };
+  simulation->post([simulation, queue = &session.mainQueue(), image, how, write, told] {
+    auto u = presentDisplacement(simulation->table(), simulation->object(), image->volume, how);
+    if (!u) return queue->post([told, error = u.error()] { told(tl::unexpected(error)); });
+    queue->post([write, shared = std::make_shared<const imaging::DisplacementGrid>(std::move(*u))] { write(shared); });
+  });
+}
+
+}  // namespace c3de::app

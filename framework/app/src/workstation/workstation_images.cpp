@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation/workstation_images.h"
+
+#include "c3de/session/file_kind.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "c3de/abi/draft/log.h"
+#include "c3de/core/path_text.h"
+#include "c3de/core/text.h"
+#include "c3de/imaging/warp_grid.h"
+#include "c3de/render/image_renderer.h"
+
+namespace c3de::app {
+namespace {
+
+/// What a job reads, handed over to the main thread when it is complete.
+struct ReadImage {
+  std::shared_ptr<scene::StoredImage> image;
+  std::vector<std::string> notices;
+  std::vector<imaging::SeriesInfo> series;  ///< to choose from; nothing was read then
+  bool isSegmentation = false;              ///< to be opened as labels
+};
+
+/// A file, or one of its series at one of its time points.
+struct ImageToRead {
+  std::filesystem::path path;
+  std::string series;
+  std::size_t time = 0;
+  std::string name;  ///< for people
+};
+
+/// For a job.
+Expected<void> readStored(const ImageToRead &wanted, const ProgressFn &progress, ReadImage &read) {
+  imaging::ReadOptions options;
+  options.series = wanted.series;
+  options.time = wanted.time;
+  options.progress = progress;
+  auto loaded = imaging::readVolume(wanted.path, options);
+  if (!loaded) return tl::unexpected(loaded.error());
+  if (progress && !progress(-1.0, "looking at the values"))
+    return fail(ErrorCode::cancelled, "opening " + wanted.name + " was cancelled");
+  auto image = std::make_shared<scene::StoredImage>();
+  image->name = wanted.name;
+  image->volume = std::move(loaded->volume);
+  image->range = imaging::robustRange(image->volume);
+  image->time = wanted.time;
+  image->times = loaded->times;
+  read.image = std::move(image);
+  read.notices = std::move(loaded->notices);
+  return {};
+}
+
+/// Whether a segmentation was meant: by the file that was named, or because there is nothing else.
+bool isSegmentation(const std::vector<imaging::SeriesInfo> &readable) {
+  const auto segments = [](const imaging::SeriesInfo &s) { return s.isSegmentation; };
+  return (!readable.empty() && std::all_of(readable.begin(), readable.end(), segments)) ||
+         std::any_of(readable.begin(), readable.end(),
+                     [&](const imaging::SeriesInfo &s) { return s.holdsNamedFile && segments(s); });
+}
+
+}  // namespace
+
+WorkstationImages::WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels,
+                                     Events events)
+    : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)),
+      displacement_(renderer.images(), views_),
+      guide_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}) {
+  if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
+  views_.setTimeChooser([this](std::size_t time) { readTime(time); });
+}
+
+WorkstationImages::~WorkstationImages() {
+  choice_.reset();
+  render::ImageRenderer *images = renderer_.images();
+  if (!images) return;
+  const ui::ImageHandles &handles = views_.handles();
+  for (const Handle handle : {handles.image, handles.labels, handles.preview, handles.missing}) images->remove(handle);
+}
+
+void WorkstationImages::open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
+                             const std::string &series, std::size_t time, Segmentation segmentation) {
+  choice_.reset();
+  if (!job_.isNull()) session_.jobs().cancel(job_);
+  const std::uint64_t serial = ++serial_;
+  const auto read = std::make_shared<ReadImage>();
+  const ImageToRead wanted{path, series, time, imageName(path)};
+  const bool laysOver = segmentation == Segmentation::labels && views_.image() != nullptr;
+  job_ = session_.jobs().submit(
+      kJobOwner, "Opening " + wanted.name,
+      [wanted, read, laysOver](const ProgressFn &progress) -> Expected<void> {
+        if (wanted.series.empty()) {
+          auto found = imaging::listSeries(wanted.path, progress);
+          if (!found) return tl::unexpected(found.error());
+          std::erase_if(*found, [](const imaging::SeriesInfo &s) { return !s.refusal.empty(); });
+          read->isSegmentation = isSegmentation(*found);
+          if (read->isSegmentation && laysOver) return {};
+          std::erase_if(*found, [&](const imaging::SeriesInfo &s) { return s.isSegmentation != read->isSegmentation; });
+          const auto wholes =
+              std::count_if(found->begin(), found->end(), [](const imaging::SeriesInfo &s) { return !s.isPart; });
+          if (found->size() > 1 && !read->isSegmentation) read->series = std::move(*found);
+          // one series in parts is opened as a whole, and its parts are offered
+          if (wholes > 1 && !read->isSegmentation) return {};
+        }
+        return readStored(wanted, progress, *read);
+      },
+      [this, wanted, labels = std::move(labels), read, serial](const Expected<void> &result) {
+        if (serial != serial_) return;  // a later request has taken over
+        job_ = {};
+        if (!result) return events_.failed("Could not open " + wanted.name, result.error());
+        if (!read->image && !read->isSegmentation) return askForSeries(wanted.path, labels, read->series);
+        std::vector<std::filesystem::path> maps = labels;
+        if (read->isSegmentation) maps.insert(maps.begin(), wanted.path);
+        if (read->image) {
+          show(read->image);
+          path_ = wanted.path;
+          series_ = wanted.series;
+          if (read->isSegmentation)
+            read->notices.emplace_back(
+                "Its segments lie over its numbers as labels. To see them over a scan, open the scan, then this file "
+                "again.");
+          tell("Opened " + wanted.name, read->notices);
+        } else {
+          tell("Opened " + wanted.name, {"A segmentation: its segments lie over the image that is open, as labels. "
+                                         "Close the image first to see it alone."});
+        }
+        for (const std::filesystem::path &file : maps) openLabels(file);
+        if (!read->series.empty()) askForSeries(wanted.path, labels, read->series);
+      });
+}
+
+void WorkstationImages::readTime(std::size_t time) {
+  if (!timeJob_.isNull()) session_.jobs().cancel(timeJob_);
+  const std::uint64_t serial = ++timeSerial_;
+  const ImageToRead wanted{path_, series_, time, imageName(path_)};
+  const auto read = std::make_shared<ReadImage>();
+  timeJob_ = session_.jobs().submit(
+      kJobOwner, "Reading time point " + std::to_string(time) + " of " + wanted.name,
+      [wanted, read](const ProgressFn &progress) { return readStored(wanted, progress, *read); },
+      [this, read, wanted, serial](const Expected<void> &result) {
+        if (serial != timeSerial_) return;
+        timeJob_ = {};
+        if (!result)
+          return events_.failed("Could not read time point " + std::to_string(wanted.time) + " of " + wanted.name,
+                                result.error());
+        showTime(read->image);
+      });
+}
+
+void WorkstationImages::showTime(std::shared_ptr<scene::StoredImage> image) {
+  render::ImageRenderer *images = renderer_.images();
+  const scene::StoredImage *shown = views_.image();
+  if (!images || !shown) return;
+  if (!imaging::sameGrid(shown->volume.geometry, image->volume.geometry))
+    return events_.failed("Could not show another time point of " + image->name,
+                          {ErrorCode::input, "it does not lie where the one that is open lies"});
+  auto handle = images->addImage(voxelsOf(image->volume));
+  if (!handle) return events_.failed("Could not show " + image->name, handle.error());
+  images->remove(views_.handles().image);
+  session_.images().removeImage(storedImage_);
+  storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
+  views_.replaceImage(image, *handle);
+  guide_.replaceImage(image);
+}
+
+void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
+  render::ImageRenderer *images = renderer_.images();
+  if (!images) return;
+  std::string notice;
+  auto handle = images->addImage(voxelsOf(image->volume), &notice);
+  if (!handle) return events_.failed("Could not show " + image->name, handle.error());
+  const bool isAnother = views_.image() != nullptr && session_.simulation() != nullptr;
+  close();
+  storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
+  views_.setImage(image);
+  views_.setHandles({*handle, {}, {}, {}, {}, {}});
+  markMissing();
+  node_ = session_.sceneGraph().add({}, image->name);
+  scene::Node *node = session_.sceneGraph().find(node_);
+  node->hasBounds = true;
+  const imaging::VolumeGeometry &grid = image->volume.geometry;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    Vec3 index{};
+    for (std::size_t a = 0; a < 3; ++a)
+      index[a] = (corner >> a & 1u) != 0 ? static_cast<double>(grid.size[a]) - 0.5 : -0.5;
+    const Vec3 at = grid.worldAt(index);
+    for (std::size_t a = 0; a < 3; ++a) {
+      node->boundsMin[a] = corner == 0 ? at[a] : std::min(node->boundsMin[a], at[a]);
+      node->boundsMax[a] = corner == 0 ? at[a] : std::max(node->boundsMax[a], at[a]);
+    }
+  }
+  session_.sceneGraph().touch();
+  guide_.setSources({image, nullptr});
+  segmentationPanel_.emplace(panels_, views_, guide_);
+  panel_.emplace(panels_, views_,
+                 ui::ImagePanel::LabelMaps{[this] {
+                                             std::vector<std::string> names;
+                                             for (const OpenLabels &open : labelMaps_)
+                                               names.push_back(open.labels->name);
+                                             return names;
+                                           },
+                                           [this] { return shownLabels(); },
+                                           [this](std::size_t index) { showLabels(OpenLabels(labelMaps_[index])); }});
+  if (!notice.empty()) tell("Opened " + image->name, {notice});
+  if (isAnother)
+    tell("The simulation goes on",
+         {"Its bodies were there before " + image->name + ", and deform it where they lie in it."});
+  events_.shown();
+}
+
+void WorkstationImages::openLabels(const std::filesystem::path &path) {
+  const std::string name = imageName(path);
+  if (!views_.image())
+    return events_.failed(
+        "Could not open " + name,
+        {ErrorCode::state, "a label map is laid over an image, and none is open; open the image first"});
+  waitingLabels_.push_back(path);
+  if (labelJob_.isNull()) readNextLabels();
+}
+
+void WorkstationImages::readNextLabels() {
+  if (waitingLabels_.empty()) return;
+  const std::filesystem::path path = waitingLabels_.front();
+  waitingLabels_.pop_front();
+  const std::string name = imageName(path);
+  const std::uint64_t serial = ++labelSerial_;
+  const auto read = std::make_shared<std::vector<std::shared_ptr<const scene::StoredLabels>>>();
+  const auto notices = std::make_shared<std::vector<std::string>>();
+  labelJob_ = session_.jobs().submit(
+      kJobOwner, "Opening labels " + name,
+      [path, read, notices, name](const ProgressFn &progress) -> Expected<void> {
+        imaging::ReadOptions options;
+        options.progress = progress;
+        auto loaded = imaging::readLabelMap(path, options);
+        if (!loaded) return tl::unexpected(loaded.error());
+        loaded->layers.insert(loaded->layers.begin(), std::move(loaded->labels));
+        for (imaging::LabelMap &layer : loaded->layers) {
+          auto one = std::make_shared<scene::StoredLabels>();
+          one->name = loaded->layers.size() == 1 ? name
+                                                 : name + ", layer " + std::to_string(read->size() + 1) + " of " +
+                                                       std::to_string(loaded->layers.size());
+          one->map = std::move(layer);
+          read->push_back(std::move(one));
+        }
+        *notices = std::move(loaded->notices);
+        return {};
+      },
+      [this, path, read, notices, name, serial](const Expected<void> &result) {
+        if (serial != labelSerial_) return;
+        labelJob_ = {};
+        if (!result) {
+          events_.failed("Could not open " + name, result.error());
+        } else {
+          std::erase_if(labelMaps_, [&](const OpenLabels &open) { return open.path == path; });
+          for (const auto &layer : *read) labelMaps_.push_back({path, layer, {}});
+          showLabels(OpenLabels(labelMaps_[labelMaps_.size() - read->size()]));
+          if (const scene::StoredImage *image = views_.image()) {
+            imaging::WorldBox shared = imaging::boxOf(image->volume.geometry);
+            shared.cutTo(imaging::boxOf(read->front()->map.geometry));
+            if (shared.isEmpty())
+              notices->push_back("It lies beside the image " + image->name +
+                                 ": no slice shows it. Is it of another scan?");
+          }
+          tell("Opened " + name, *notices);
+        }
+        readNextLabels();
+      });
+}
+
+std::size_t WorkstationImages::shownLabels() const {
+  const auto shown = std::find_if(labelMaps_.begin(), labelMaps_.end(),
+                                  [&](const OpenLabels &open) { return open.labels.get() == views_.labels(); });
+  return static_cast<std::size_t>(shown - labelMaps_.begin());
+}
+
+void WorkstationImages::showLabels(const OpenLabels &open) {
+  render::ImageRenderer *images = renderer_.images();
+  if (!images || !views_.image()) return;
+  auto handle = images->addLabels(placeOf(open.labels->map.geometry), open.labels->map.voxels);
+  if (!handle) return events_.failed("Could not show " + open.labels->name, handle.error());
+  removeLabels();
+  storedLabels_ = session_.images().add(open.labels);
+  guide_.setSources({guide_.mask().sources().image, open.labels});
+  views_.setLabels(open.labels);
+  for (const std::uint16_t label : open.hidden) views_.setLabelOpacity(label, 0.0f);
+  ui::ImageHandles handles = views_.handles();
+  handles.labels = *handle;
+  views_.setHandles(handles);
+}
+
+void WorkstationImages::onBodiesReady(const std::vector<segmentation::BodyRequest> &requests) {
+  for (const segmentation::BodyRequest &request : requests)
+    for (OpenLabels &open : labelMaps_) {
+      if (!request.labels || open.labels != request.labels) continue;
+      open.hidden.push_back(request.label);
+      if (open.labels.get() == views_.labels()) views_.setLabelOpacity(request.label, 0.0f);
+    }
+  guide_.onBodiesCreated(requests);
+}
+
+void WorkstationImages::onBodiesRemoved() {
+  for (OpenLabels &open : labelMaps_)
+    for (const std::uint16_t label : std::exchange(open.hidden, {}))
+      if (open.labels.get() == views_.labels()) views_.setLabelOpacity(label, 1.0f);
+}
+
+void WorkstationImages::removeLabels() {
+  ui::ImageHandles handles = views_.handles();
+  if (render::ImageRenderer *images = renderer_.images()) images->remove(handles.labels);
+  handles.labels = {};
+  views_.setHandles(handles);
+  views_.setLabels(nullptr);
+  session_.images().removeLabels(std::exchange(storedLabels_, {}));
+}
+
+/// Of what is being picked, over the slices.
+void WorkstationImages::showPreview() {
+  render::ImageRenderer *images = renderer_.images();
+  views_.setPickedLabels(guide_.isSeveral() ? guide_.pickedLabels() : std::vector<std::uint16_t>());
+  if (!images || preview_ == guide_.mask().preview()) return;
+  preview_ = guide_.mask().preview();
+  ui::ImageHandles handles = views_.handles();
+  images->remove(std::exchange(handles.preview, {}));
+  if (preview_ && !preview_->voxels.empty()) {
+    auto handle = images->addLabels(placeOf(preview_->geometry), preview_->voxels);
+    if (!handle) return views_.setHandles(handles), events_.failed("Could not show what is picked", handle.error());
+    handles.preview = *handle;
+    const std::pair<std::uint16_t, render::Colour> colour{std::uint16_t{1}, guide_.colour()};
+    images->setLabelColours(handles.preview, {&colour, 1});
+  }
+  views_.setHandles(handles);
+}
+
+void WorkstationImages::showDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement) {
+  if (const auto shown = displacement_.show(std::move(displacement)); !shown)
+    events_.failed("Could not show the displacement", shown.error());
+}
+
+void WorkstationImages::showMissing(const std::vector<Coverage> &bodies, bool isNew) {
+  if (isNew) coverage_.clear();
+  coverage_.insert(coverage_.end(), bodies.begin(), bodies.end());
+  std::vector<std::string> sentences;
+  for (const Coverage &body : bodies)
+    if (std::string text = sentenceOf(body); !text.empty()) sentences.push_back(std::move(text));
+  if (!sentences.empty()) sentences.emplace_back("It is hatched in the slices.");
+  tell("Not all of it is there", sentences);
+  markMissing();
+}
+
+void WorkstationImages::markMissing() {
+  render::ImageRenderer *images = renderer_.images();
+  if (!images) return;
+  if (const auto marked = app::showMissing(*images, views_, coverage_); !marked)
+    events_.failed("What is in no body cannot be marked", marked.error());
+}
+
+void WorkstationImages::close() {
+  ++timeSerial_;
+  if (!timeJob_.isNull()) session_.jobs().cancel(std::exchange(timeJob_, {}));
+  ++labelSerial_;
+  if (!labelJob_.isNull()) session_.jobs().cancel(std::exchange(labelJob_, {}));
+  waitingLabels_.clear();
+  labelMaps_.clear();
+  segmentationPanel_.reset();
+  guide_.setSources({});
+  removeLabels();
+  displacement_.forget();
+  if (render::ImageRenderer *images = renderer_.images())
+    for (const Handle handle : {views_.handles().image, views_.handles().missing}) images->remove(handle);
+  views_.setImage(nullptr);
+  session_.images().removeImage(std::exchange(storedImage_, {}));
+  session_.sceneGraph().remove(std::exchange(node_, {}));
+  panel_.reset();
+  if (events_.closed) events_.closed();
+}
+
+void WorkstationImages::followNode() {
+  if (views_.image()) views_.setVisibleInSpace(session_.sceneGraph().isVisible(node_));
+  // "Fit view" brings in what is drawn; an image that is only in the slices is not.
+  if (scene::Node *node = session_.sceneGraph().find(node_))
+    node->hasBounds = views_.options().showsSlicesInSpace || views_.options().showsVolume;
+}
+
+void WorkstationImages::tell(const std::string &title, const std::vector<std::string> &notices) {
+  std::string text;
+  for (const std::string &notice : notices) text += (text.empty() ? "" : "\n") + notice;
+  if (!text.empty()) panels_.notify(C3DE_LOG_INFO, title, text);
+}
+
+void WorkstationImages::askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
+                                     std::vector<imaging::SeriesInfo> series) {
+  choice_.reset();
+  choice_ = std::make_unique<SeriesChoice>(panels_, path, std::move(series),
+                                           [this, path, labels = std::move(labels)](const std::string &id) {
+                                             if (id.empty())
+                                               choice_.reset();
+                                             else
+                                               open(path, labels, id);
+                                           });
+}
+
+}  // namespace c3de::app

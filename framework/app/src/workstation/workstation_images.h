@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app.h"
+#include "c3de/imaging/displacement.h"
+#include "c3de/imaging/reading.h"
+#include "c3de/session/session.h"
+#include "c3de/ui/image_panel.h"
+#include "c3de/ui/segmentation_panel.h"
+#include "workstation/displacement_presenter.h"
+#include "workstation/series_choice.h"
+
+namespace c3de::render {
+class Renderer;
+}
+
+namespace c3de::app {
+
+/// Opens images and label maps beside the window: reading runs in a background job, and only what is complete takes the
+/// place of what was there. Main thread. Must outlive the session's jobs, and the renderer must outlive it.
+class WorkstationImages {
+ public:
+  struct Events {
+    std::function<void()> shown;   ///< another image is in the views
+    std::function<void()> closed;  ///< there is none any more
+    std::function<void(const std::string &title, const Error &error)> failed;
+    std::function<void(std::vector<segmentation::BodyRequest>)> createBodies;
+  };
+  WorkstationImages(Session &session, render::Renderer &renderer, registry::PanelRegistry &panels, Events events);
+  ~WorkstationImages();
+  WorkstationImages(const WorkstationImages &) = delete;
+  WorkstationImages &operator=(const WorkstationImages &) = delete;
+
+  [[nodiscard]] ui::ImageViews &views() { return views_; }
+  [[nodiscard]] segmentation::SegmentationWorkflow &guide() { return guide_; }
+  /// What is to be done with a segmentation that is opened as an image.
+  enum class Segmentation {
+    labels,  ///< it is laid over the image that is open; where none is, over its own numbers
+    image    ///< likewise over its own numbers, in the place of the image that is open
+  };
+  /// A file, a DICOM folder or any file of its series; ends a load that is running. Of several series a panel asks for
+  /// one.
+  void open(const std::filesystem::path &path, std::vector<std::filesystem::path> labels = {},
+            const std::string &series = {}, std::size_t time = 0, Segmentation segmentation = Segmentation::labels);
+  /// Over the image that is open, one after the other; the last one is shown, the panel leads back to the others.
+  void openLabels(const std::filesystem::path &path);
+  /// The outlines of the bodies take the place of their labels, and nothing of them is picked any more.
+  void onBodiesReady(const std::vector<segmentation::BodyRequest> &requests);
+  /// The bodies are gone: their labels are shown again.
+  void onBodiesRemoved();
+  void close();
+  /// Shows how the tissue has moved. Null: as it was.
+  void showDisplacement(std::shared_ptr<const imaging::DisplacementGrid> displacement);
+  /// Marks what of the masks of bodies is in none of them, also in an image that is opened later, and says so.
+  /// @param isNew  in the place of what was marked; else beside it
+  void showMissing(const std::vector<Coverage> &bodies, bool isNew);
+  /// Takes over whether the image's node is visible.
+  void followNode();
+
+ private:
+  /// A label map that has been opened.
+  struct OpenLabels {
+    std::filesystem::path path;
+    std::shared_ptr<const scene::StoredLabels> labels;
+    std::vector<std::uint16_t> hidden;  ///< because their bodies are there
+  };
+  void show(std::shared_ptr<scene::StoredImage> image);
+  /// Reads another time point of the image that is open and puts it in its place.
+  void readTime(std::size_t time);
+  void showTime(std::shared_ptr<scene::StoredImage> image);
+  void readNextLabels();
+  void showLabels(const OpenLabels &open);
+  [[nodiscard]] std::size_t shownLabels() const;
+  void removeLabels();
+  void showPreview();
+  void markMissing();
+  void askForSeries(const std::filesystem::path &path, std::vector<std::filesystem::path> labels,
+                    std::vector<imaging::SeriesInfo> series);
+  void tell(const std::string &title, const std::vector<std::string> &notices);
+
+  Session &session_;
+  render::Renderer &renderer_;
+  registry::PanelRegistry &panels_;
+  Events events_;
+  ui::ImageViews views_;
+  DisplacementPresenter displacement_;
+  std::optional<ui::ImagePanel> panel_;
+  segmentation::SegmentationWorkflow guide_;
+  std::optional<ui::SegmentationPanel> segmentationPanel_;
+  std::unique_ptr<SeriesChoice> choice_;
+  std::filesystem::path path_;  ///< of the image that is open
+  std::string series_;
+  std::vector<OpenLabels> labelMaps_;
+  std::deque<std::filesystem::path> waitingLabels_;
+  Handle job_, timeJob_, labelJob_, node_, storedImage_, storedLabels_;
+  std::shared_ptr<const segmentation::MaskPreview> preview_;  ///< that is shown
+  std::vector<Coverage> coverage_;
+  std::uint64_t serial_ = 0, timeSerial_ = 0, labelSerial_ = 0;
+};
+
+}  // namespace c3de::app

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation/workstation_loader.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "c3de/core/path_text.h"
+#include "c3de/geometry/mesh_io.h"
+#include "c3de/session/default_floor.h"
+#include "c3de/session/simulator_access.h"
+
+namespace c3de::app {
+namespace {
+
+std::string namesOf(const std::vector<std::filesystem::path> &files) {
+  std::string text;
+  for (const auto &file : files) text += (text.empty() ? "" : ", ") + pathText(file.filename());
+  return text;
+}
+
+/// Bodies are addressed by name, so two meshes of one name need two.
+std::string uniqueName(const scene::SceneFile &scene, const std::string &wanted) {
+  const auto isTaken = [&](const std::string &name) {
+    return std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                       [&](const scene::SceneBody &body) { return body.name == name; });
+  };
+  std::string name = wanted;
+  for (int i = 2; isTaken(name); ++i) name = wanted + " " + std::to_string(i);
+  return name;
+}
+
+bool isGltf(const std::filesystem::path &file) { return file.extension() == ".gltf" || file.extension() == ".glb"; }
+
+std::string unitText(const std::vector<std::filesystem::path> &files, const std::string &stated) {
+  std::string text;
+  for (const std::filesystem::path &file : files) {
+    if (scene::isScenePath(file)) continue;
+    const auto said = geometry::unitInFile(file);
+    const std::string unit = !stated.empty() ? stated + ", as was asked"
+                             : isGltf(file)  ? "m, as glTF has it"
+                             : said          ? std::string(geometry::unitName(*said)) + ", as the file says"
+                                             : "mm, because it says none";
+    if (text.find(unit) == std::string::npos) text += (text.empty() ? "" : "; ") + unit;
+  }
+  return text;
+}
+
+}  // namespace
+
+Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesystem::path> &files,
+                                                   const std::string &meshUnit) const {
+  const auto stated = scene::parseLengthUnit(meshUnit.empty() ? "mm" : meshUnit);
+  if (!stated) return tl::unexpected(stated.error());
+  scene::SceneFile result;
+  bool hasResult = false;
+  const auto scenes = std::count_if(files.begin(), files.end(), scene::isScenePath);
+  if (scenes > 1)
+    return fail(ErrorCode::usage,
+                "several scenes at once: " + namesOf(files) + "; accepted: one scene, and meshes to add to it");
+  if (scenes == 1) {
+    auto loaded =
+        scene::loadScene(*std::find_if(files.begin(), files.end(), scene::isScenePath), &session_.materials());
+    if (!loaded) return loaded;
+    result = std::move(*loaded);
+    hasResult = true;
+  }
+  for (const std::filesystem::path &file : files) {
+    if (scene::isScenePath(file)) continue;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error))
+      return fail(ErrorCode::input, pathText(file) + ": not a file; accepted: meshes, images and scenes (.toml)");
+    scene::SceneFile one = scene::sceneForMesh(
+        file, meshUnit.empty() ? geometry::unitInFile(file).value_or(geometry::LengthUnit::millimetre) : *stated);
+    if (!hasResult) {
+      result = std::move(one);
+      hasResult = true;
+      continue;
+    }
+    for (scene::SceneBody &body : one.bodies) {
+      body.name = uniqueName(result, body.name);
+      result.bodies.push_back(std::move(body));
+    }
+  }
+  return result;
+}
+
+void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, const std::string &meshUnit,
+                             bool isReload) {
+  if (files.empty()) return;
+  const std::string title = "Could not open " + namesOf(files);
+  if (!session_.simulation()) {
+    files_ = files;
+    meshUnit_ = meshUnit;
+  }
+  auto scene = read(files, meshUnit);
+  if (!scene) return events_.failed(title, scene.error());
+  auto created = session_.createSimulator();
+  if (!created) return events_.failed(title, created.error());
+
+  if (!job_.isNull()) session_.jobs().cancel(job_);
+  const std::uint64_t serial = ++serial_;
+  const bool needsFloor = std::none_of(files.begin(), files.end(), scene::isScenePath);
+  struct Placed {
+    std::optional<Bounds_m> bodies, room;
+  };
+  const auto placed = std::make_shared<Placed>();
+  // The job and its end share the simulator; it goes with the last of them.
+  const auto simulator = std::make_shared<ObjectRef>(*created);
+  const auto shared = std::make_shared<const scene::SceneFile>(std::move(*scene));
+  const auto prepared = std::make_shared<Prepared>();
+  const std::string sceneTitle = shared->title.empty() ? namesOf(files) : shared->title;
+  job_ = session_.jobs().submit(
+      kJobOwner, "Opening " + namesOf(files),
+      [this, simulator, shared, prepared, placed, needsFloor](const ProgressFn &progress) -> Expected<void> {
+        if (auto populated = session_.populate(simulator->get(), *shared, progress, prepared.get()); !populated)
+          return populated;
+        placed->bodies = boundsOfBodies(simulator->get());
+        if (!needsFloor || !placed->bodies) return {};
+        const auto room = putUpRoom(simulator->get(), *placed->bodies);
+        if (!room) return tl::unexpected(room.error());
+        placed->room = *room;
+        return {};
+      },
+      [this, simulator, shared, prepared, placed, sceneTitle, title, files, meshUnit, isReload,
+       serial](const Expected<void> &result) {
+        // A later request has taken over.
+        if (serial != serial_) return;
+        job_ = {};
+        if (!result) return events_.failed(title, result.error());
+        if (auto adopted = session_.adopt(simulator->get(), sceneTitle); !adopted)
+          return events_.failed(title, adopted.error());
+        files_ = files;
+        meshUnit_ = meshUnit;
+        double size_mm = 0.0;
+        if (placed->bodies) size_mm = scene::kMillimetresPerMetre * norm(placed->bodies->max - placed->bodies->min);
+        if (scene::Node *node = session_.sceneGraph().find(session_.simulationNode());
+            node != nullptr && placed->room) {
+          const Bounds_m framed = framedWith(*placed->bodies, *placed->room);
+          node->hasBounds = true;
+          node->boundsMin = framed.min;
+          node->boundsMax = framed.max;
+          session_.sceneGraph().touch();
+        }
+        events_.loaded({isReload, size_mm, unitText(files, meshUnit), shared->image, prepared->coverage});
+      });
+}
+
+}  // namespace c3de::app

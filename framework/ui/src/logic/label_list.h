@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lists of labels in panels: a label map may have hundreds.
+#pragma once
+
+#include <string>
+
+#include "panels/panel_widgets.h"
+
+namespace c3de::ui {
+
+/// From here on a list has a filter and scrolls.
+inline constexpr std::size_t kManyLabels = 12;
+
+/// Every word of the filter occurs in the name; capitals do not matter, and "_" is a space.
+[[nodiscard]] bool isListed(const std::string &name, const std::string &filter);
+
+/// Draws filter and frame of a list of `count` labels of which `listed` are listed, when there are many; `rows` draws
+/// them.
+template <typename Rows>
+void labelList(const c3de_ui_v0 &ui, std::size_t count, std::size_t listed, std::string &filter, const Rows &rows) {
+  if (count <= kManyLabels) return rows();
+  inputText(ui, "label_filter", "Filter", filter);
+  tooltip(ui, "Labels whose names have these letters in them: \"kidney\", \"lung left\"");
+  ui.list_begin(ui.ctx, toAbi(std::string_view("labels")),
+                static_cast<std::uint32_t>(std::clamp<std::size_t>(listed, 1, kManyLabels)));
+  if (listed == 0) text(ui, "No label is called so.");
+  rows();
+  ui.list_end(ui.ctx);
+}
+
+}  // namespace c3de::ui

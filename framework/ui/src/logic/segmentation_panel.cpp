@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/ui/segmentation_panel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "logic/label_list.h"
+#include "panels/panel_widgets.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr double kFewestPhyxels = 50.0, kMostPhyxels = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
+constexpr double kStiffestSurroundings = 3e5;  // Pa/m
+constexpr const char *kRigid =
+    "It stands where it is in the scan and costs nothing: for bone, whose small step would be everybody's";
+constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0;
+
+void swatch(const c3de_ui_v0 &ui, const render::Colour &colour) {
+  ui.swatch(ui.ctx, colour[0], colour[1], colour[2]);
+  sameLine(ui);
+}
+
+}  // namespace
+
+SegmentationPanel::SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views,
+                                     segmentation::SegmentationWorkflow &guide)
+    : panels_(panels), views_(views), guide_(guide) {
+  registry::Panel panel;
+  panel.owner = "c3de";
+  panel.id = "organ";
+  panel.title = "Organ";
+  panel.self = this;
+  panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<SegmentationPanel *>(self)->draw(*ui); };
+  panel_ = panels_.add(std::move(panel));
+}
+
+SegmentationPanel::~SegmentationPanel() {
+  views_.cancelPick();
+  panels_.remove(panel_);
+}
+
+void SegmentationPanel::draw(const c3de_ui_v0 &ui) {
+  if (!guide_.mask().sources().image) return;
+  heading(ui, "1  Pick it in the image");
+  drawSource(ui);
+  const std::size_t several = guide_.isSeveral() ? guide_.pickedLabels().size() : 0;
+  if (several > 0)
+    drawSeveral(ui);
+  else
+    drawSteps(ui);
+  drawUndo(ui);
+  // One thing after the other: the rest would only fill the panel.
+  if (several == 0 && !guide_.mask().mask())
+    return text(ui, "Then: its material, how finely it is sampled, and the simulation.");
+  heading(ui, several > 0 ? "2  Materials" : "2  Material");
+  if (several > 0)
+    drawMaterials(ui);
+  else
+    drawMaterial(ui);
+  heading(ui, several > 0 ? "3  Sampling, of each" : "3  Sampling");
+  drawSampling(ui);
+  drawHolding(ui);
+  heading(ui, "4  Simulate");
+  const std::string reason = guide_.blockingReason();
+  const std::string create = several > 0 ? fmt::format("Create {} bodies", several) : std::string("Create body");
+  if (button(ui, "make", create, reason.empty())) guide_.createBodies();
+  tooltip(ui, "A body of the simulation of each that is picked: its surface, its phyxels, its material");
+  if (!reason.empty()) text(ui, "Not yet: " + reason + ".");
+}
+
+void SegmentationPanel::clickButton(const c3de_ui_v0 &ui, const char *id, const char *label, const char *doc,
+                                    void (segmentation::SegmentationWorkflow::*clicked)(const Vec3 &)) {
+  const bool isAwaited = views_.isPicking() && awaited_ && std::string_view(awaited_) == id;
+  const bool isPressed = button(ui, id, isAwaited ? "Click it in a slice…" : label);
+  tooltip(ui, doc);
+  if (!isPressed) return;
+  awaited_ = id;
+  if (isAwaited)
+    views_.cancelPick();
+  else
+    views_.pickNext([guide = &guide_, clicked](const Vec3 &reference) { (guide->*clicked)(reference); });
+}
+
+void SegmentationPanel::drawSource(const c3de_ui_v0 &ui) {
+  if (guide_.mask().sources().labels) {
+    std::uint32_t index = guide_.settings().isFromLabel ? 0 : 1;
+    if (choice(ui, "source", "From", index, {"a label", "values between"})) guide_.setFromLabel(index == 0);
+  }
+  if (guide_.settings().isFromLabel)
+    drawLabels(ui);
+  else
+    drawThreshold(ui);
+}
+
+void SegmentationPanel::drawLabels(const c3de_ui_v0 &ui) {
+  const std::vector<segmentation::SegmentationWorkflow::LabelRow> rows = guide_.labels();
+  std::vector<const segmentation::SegmentationWorkflow::LabelRow *> listed;
+  for (const segmentation::SegmentationWorkflow::LabelRow &row : rows)
+    if (rows.size() <= kManyLabels || isListed(row.name, filter_)) listed.push_back(&row);
+  clickButton(ui, "label_click", "Tick the label I click",
+              "The next click in a slice: the label that is there. Esc: no click",
+              &segmentation::SegmentationWorkflow::tickLabelAt);
+  labelList(ui, rows.size(), listed.size(), filter_, [&] {
+    for (const segmentation::SegmentationWorkflow::LabelRow *row : listed) {
+      swatch(ui, row->colour);
+      bool isPicked = row->isChosen;
+      const std::string volume = row->volume_ml ? fmt::format("{:.1f} ml", *row->volume_ml) : std::string("… ml");
+      if (checkbox(ui, "label." + std::to_string(row->value), row->name + "   " + volume, isPicked, ""))
+        guide_.tickLabel(row->value, isPicked);
+    }
+  });
+  if (rows.size() < 2) return;
+  if (button(ui, "tick_listed", "Tick the listed", !listed.empty())) {
+    std::vector<std::uint16_t> values = guide_.pickedLabels();
+    for (const segmentation::SegmentationWorkflow::LabelRow *row : listed)
+      if (!row->isChosen) values.push_back(row->value);
+    guide_.chooseLabels(values);
+  }
+  tooltip(ui, "Beside those that are ticked already. Each becomes a body of its own");
+  sameLine(ui);
+  if (button(ui, "untick", "Untick all", !guide_.pickedLabels().empty())) guide_.chooseLabels({});
+}
+
+void SegmentationPanel::drawThreshold(const c3de_ui_v0 &ui) {
+  const scene::StoredImage &image = *guide_.mask().sources().image;
+  double low = guide_.settings().low, high = guide_.settings().high;
+  const double least = std::min({image.range.min, low}), most = std::max({image.range.max, high});
+  if (slider(ui, "low", "Lowest", image.volume.unit, low, least, most, "The lowest value that belongs to the organ"))
+    guide_.setLow(low);
+  if (slider(ui, "high", "Highest", image.volume.unit, high, least, most,
+             "The highest value that belongs to the organ"))
+    guide_.setHigh(high);
+  bool isShown = false;
+  for (const segmentation::MaskStep &step : guide_.mask().steps())
+    if (step.startsAnew()) isShown = step.kind == segmentation::MaskStep::Kind::threshold;
+  if (!isShown && button(ui, "threshold", "Show what lies between")) guide_.showThreshold();
+}
+
+void SegmentationPanel::drawSteps(const c3de_ui_v0 &ui) {
+  using Kind = segmentation::MaskStep::Kind;
+  const segmentation::MaskEditor &mask = guide_.mask();
+  const bool hasMask = mask.mask() != nullptr;
+  std::string volume =
+      hasMask ? fmt::format("{:.1f} ml, {} voxels", mask.volume_ml(), mask.voxels()) : std::string("nothing yet");
+  if (mask.isBusy()) volume += " …";
+  row(ui, "Picked", volume);
+  if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
+  if (!hasMask) return;
+  swatch(ui, guide_.colour());
+  ImageOptions options = views_.options();
+  if (checkbox(ui, "overlay", "Show it over the slices", options.showsPreview, "Instead of the label map"))
+    views_.setOptions(options);
+  if (mask.preview() && mask.preview()->stride > 1)
+    row(ui, "Overlay", fmt::format("every {}. voxel", mask.preview()->stride));
+  const std::vector<segmentation::MaskStep> steps = mask.steps();
+  std::string done;
+  for (const segmentation::MaskStep &step : steps) done = step.startsAnew() ? step.text() : done + ", " + step.text();
+  if (!done.empty()) row(ui, "Steps", done);
+
+  clickButton(ui, "component", "Keep only the part I click",
+              "The next click in a slice: what hangs together with that voxel stays. Esc: no click",
+              &segmentation::SegmentationWorkflow::keepComponentAt);
+  if (button(ui, "largest", "Keep the largest part")) guide_.carryOut(Kind::largest);
+  sameLine(ui);
+  if (button(ui, "fill_holes", "Fill holes")) guide_.carryOut(Kind::fillHoles);
+  double radius = guide_.settings().radius_mm;
+  if (slider(ui, "radius", "Radius", "mm", radius, kSmallestRadius_mm, kLargestRadius_mm, "Of closing and opening"))
+    guide_.setRadius(radius);
+  if (button(ui, "close", "Close gaps")) guide_.carryOut(Kind::close);
+  tooltip(ui, "Closing: gaps and bays narrower than twice the radius are filled");
+  sameLine(ui);
+  if (button(ui, "open", "Remove bridges")) guide_.carryOut(Kind::open);
+  tooltip(ui, "Opening: bridges and spurs narrower than twice the radius are removed");
+}
+
+void SegmentationPanel::drawUndo(const c3de_ui_v0 &ui) {
+  const segmentation::MaskEditor &mask = guide_.mask();
+  if (!mask.mask() && !mask.canUndo() && !mask.canRedo()) return;
+  const std::string undone = mask.undoLabel(), redone = mask.redoLabel();
+  if (button(ui, "undo", "Undo", !undone.empty())) guide_.undo();
+  tooltip(ui, ("Takes back the last step" + (undone.empty() ? "" : ": " + undone) +
+               " (Ctrl+Z; not by keys after a body was created: what it comes from is laid over it)")
+                  .c_str());
+  sameLine(ui);
+  if (button(ui, "redo", "Redo", !redone.empty())) guide_.redo();
+  tooltip(ui, ("Does it again" + (redone.empty() ? "" : ": " + redone) + " (Ctrl+Shift+Z)").c_str());
+}
+
+void SegmentationPanel::drawSeveral(const c3de_ui_v0 &ui) {
+  double volume_ml = 0.0;
+  bool isCounted = true;
+  std::string names;
+  for (const segmentation::SegmentationWorkflow::LabelRow &row : guide_.labels()) {
+    if (!row.isChosen) continue;
+    names += (names.empty() ? "" : ", ") + row.name;
+    isCounted = isCounted && row.volume_ml;
+    volume_ml += row.volume_ml.value_or(0.0);
+  }
+  row(ui, "Picked",
+      isCounted ? fmt::format("{} labels, {:.1f} ml", guide_.pickedLabels().size(), volume_ml)
+                : fmt::format("{} labels", guide_.pickedLabels().size()));
+  row(ui, "Ticked", names);
+  if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
+  imaging::Mending mend = guide_.settings().mend;
+  checkbox(ui, "each_largest", "Keep the largest part of each", mend.largest, "Voxels that lie apart are left out");
+  checkbox(ui, "each_filled", "Fill the holes of each", mend.fillHoles, "What is enclosed on all sides");
+  guide_.setMending(mend);
+}
+
+void SegmentationPanel::drawMaterial(const c3de_ui_v0 &ui) {
+  std::string name = guide_.settings().name;
+  if (inputText(ui, "name", "Name", name)) guide_.setName(name);
+  std::vector<std::string> names{"– choose –"};
+  std::uint32_t index = 0;
+  for (const scene::MaterialPreset &preset : guide_.materials().presets()) {
+    if (preset.name == guide_.settings().material) index = static_cast<std::uint32_t>(names.size());
+    names.push_back(preset.name);
+  }
+  if (choice(ui, "material", "Material", index, names)) guide_.chooseMaterial(index > 0 ? names[index] : std::string());
+  const scene::MaterialPreset *preset = guide_.material();
+  if (!preset) return;
+  row(ui, "Young's modulus",
+      segmentation::stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
+  row(ui, "Poisson's ratio",
+      fmt::format("{:.4g} ({:.4g} … {:.4g})", preset->poissonRatio, preset->poissonRatioMin, preset->poissonRatioMax));
+  row(ui, "Density", fmt::format("{:.4g} kg/m³", preset->density));
+  row(ui, "Measured", preset->evidence);
+  row(ui, "Source", preset->source);
+  if (!preset->note.empty()) row(ui, "Note", preset->note);
+}
+
+void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
+  std::vector<std::string> names{"– choose –"};
+  for (const scene::MaterialPreset &preset : guide_.materials().presets()) names.push_back(preset.name);
+  for (const segmentation::SegmentationWorkflow::LabelRow &label : guide_.labels()) {
+    if (!label.isChosen) continue;
+    const scene::MaterialPreset *preset = guide_.materialOf(label.value);
+    std::uint32_t index = 0;
+    for (std::uint32_t i = 1; preset && i < names.size(); ++i)
+      if (names[i] == preset->name) index = i;
+    swatch(ui, label.colour);
+    text(ui, label.name);
+    const std::string id = "material." + std::to_string(label.value);
+    if (choice(ui, id.c_str(), "Material", index, names))
+      guide_.chooseMaterialOf(label.value, index > 0 ? names[index] : std::string());
+    bool isRigid = guide_.isRigid(label.value);
+    if (checkbox(ui, "rigid." + std::to_string(label.value), "Rigid", isRigid, kRigid))
+      guide_.setRigid(label.value, isRigid);
+    if (!preset) continue;
+    row(ui, "Young's modulus",
+        segmentation::stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
+    row(ui, "ν, density",
+        fmt::format("{:.4g} ({:.4g} … {:.4g}), {:.4g} kg/m³", preset->poissonRatio, preset->poissonRatioMin,
+                    preset->poissonRatioMax, preset->density));
+    row(ui, "Source", preset->source);
+  }
+}
+
+void SegmentationPanel::drawSampling(const c3de_ui_v0 &ui) {
+  segmentation::SamplingChoice s = guide_.settings().sampling;
+  checkbox(ui, "count_automatic", "Phyxels by the thickness", s.isCountAutomatic,
+           "1000, of what is thin up to 4000, so that their distance is at most half of the thickness");
+  if (!s.isCountAutomatic)
+    slider(ui, "phyxels", "Phyxels", "", s.phyxels, kFewestPhyxels, kMostPhyxels,
+           "About so many; more are more exact and slower");
+  checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic,
+           "One and a half voxels, longer where that makes too many triangles, shorter for what is thin");
+  if (!s.isEdgeAutomatic) slider(ui, "edge", "Edge length", "mm", s.edge_mm, kShortestEdge_mm, kLongestEdge_mm, "");
+  guide_.setSampling(s);
+}
+
+void SegmentationPanel::drawHolding(const c3de_ui_v0 &ui) {
+  if (!guide_.isSeveral()) {
+    bool isRigid = guide_.isRigid();
+    if (checkbox(ui, "rigid", "Rigid", isRigid, kRigid)) guide_.setRigid(isRigid);
+    if (isRigid) return;
+  }
+  segmentation::SegmentationSettings s = guide_.settings();
+  auto held = static_cast<std::uint32_t>(s.held);
+  choice(ui, "held", "Held", held, {"by its surroundings", "the lowest part", "nothing"});
+  tooltip(ui, "By its surroundings: elastically, where it is in the scan, so that it comes back. Nothing: it drifts");
+  if (static_cast<segmentation::Held>(held) == segmentation::Held::surroundings)
+    slider(ui, "surroundings", "Surroundings", "Pa/m", s.surroundings_Pa_m, 0.0, kStiffestSurroundings,
+           "How the tissue around pulls the surface to its place: stress per way. 30 000: an organ sinks some "
+           "millimetres under "
+           "its own weight; 0: not at all");
+  guide_.setHolding(static_cast<segmentation::Held>(held), s.surroundings_Pa_m);
+}
+
+}  // namespace c3de::ui

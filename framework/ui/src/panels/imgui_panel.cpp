@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "panels/imgui_panel.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "c3de/core/text.h"
+#include "c3de/registry/number_text.h"
+#include "c3de/registry/parameter_registry.h"
+#include "window/file_dialog.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr std::uint32_t kListRows = 12, kMostListRows = 100;
+
+std::string text(c3de_str s) { return std::string(fromAbi(s)); }
+
+void wrappedText(const std::string &shown) {
+  ImGui::PushTextWrapPos(0.0f);
+  ImGui::TextUnformatted(shown.data(), shown.data() + shown.size());
+  ImGui::PopTextWrapPos();
+}
+
+}  // namespace
+
+ImGuiPanels::ImGuiPanels() { fillTable(); }
+
+void ImGuiPanels::draw(FrameContext &frame, const registry::Panel &panel) {
+  if (!panel.onUi) return;
+  frame_ = &frame;
+  thread_ = std::this_thread::get_id();
+  area_ = panel.id;
+  used_.clear();
+  isSameLine_ = false;
+  ImGui::PushID(panel.id.c_str());
+  panel.onUi(panel.self, &table_);
+  listEnd();
+  ImGui::PopID();
+  frame_ = nullptr;
+}
+
+std::string ImGuiPanels::uniqueId(c3de_str id) {
+  const std::string wanted = text(id);
+  std::string unique = wanted.empty() ? "unnamed" : wanted;
+  for (int i = 2; !used_.insert(unique).second; ++i)
+    unique = (wanted.empty() ? "unnamed" : wanted) + "#" + std::to_string(i);
+  return unique;
+}
+
+bool ImGuiPanels::takeSameLine() {
+  const bool was = isSameLine_;
+  isSameLine_ = false;
+  if (was) ImGui::SameLine();
+  return was;
+}
+
+std::uint32_t ImGuiPanels::button(c3de_str id, c3de_str label, bool isEnabled) {
+  takeSameLine();
+  const std::string unique = uniqueId(id);
+  ImGui::BeginDisabled(!isEnabled);
+  const bool isPressed = ImGui::Button((text(label) + "###" + unique).c_str());
+  ImGui::EndDisabled();
+  markItem(*frame_, area_, unique, isEnabled);
+  return isPressed && isEnabled ? C3DE_UI_COMMITTED : 0;
+}
+
+std::uint32_t ImGuiPanels::checkbox(c3de_str id, c3de_str label, std::uint32_t *value) {
+  if (!value) return 0;
+  takeSameLine();
+  const std::string unique = uniqueId(id);
+  bool isChecked = *value != 0;
+  const bool isChanged = ImGui::Checkbox((text(label) + "###" + unique).c_str(), &isChecked);
+  markItem(*frame_, area_, unique);
+  if (isChanged) *value = isChecked ? 1 : 0;
+  frame_->automation.value(area_, unique, *value ? "true" : "false");
+  return isChanged ? C3DE_UI_CHANGED | C3DE_UI_COMMITTED : 0;
+}
+
+std::uint32_t ImGuiPanels::slider(c3de_str id, c3de_str label, c3de_str unit, double *value, double lo, double hi) {
+  if (!value) return 0;
+  const bool isInline = takeSameLine();
+  const std::string unique = uniqueId(id);
+  FieldState &state = field(unique);
+  NumberSpec spec;
+  spec.low = lo;
+  spec.high = hi;
+  spec.unit = text(unit);
+  const auto check = [&](double x) -> Expected<void> {
+    if (std::isfinite(x) && (!(lo <= hi) || (x >= lo && x <= hi))) return {};
+    const std::string unitText = spec.unit.empty() ? "" : " " + spec.unit;
+    return fail(ErrorCode::usage, formatNumber(x) + " is not accepted; accepted: " + formatNumber(lo) + " … " +
+                                      formatNumber(hi) + unitText);
+  };
+  beginRow(*frame_, text(label), nullptr, isInline, 0.0f);
+  const std::uint32_t result = numberField(*frame_, area_, unique, state, spec, *value, check);
+  endRow();
+  fieldError(*frame_, state);
+  return result;
+}
+
+std::uint32_t ImGuiPanels::choice(c3de_str id, c3de_str label, std::uint32_t *index, const c3de_str *names,
+                                  std::uint64_t n) {
+  if (!index) return 0;
+  const bool isInline = takeSameLine();
+  const std::string unique = uniqueId(id);
+  std::vector<std::string> list;
+  for (std::uint64_t i = 0; names && i < n; ++i) list.push_back(text(names[i]));
+  beginRow(*frame_, text(label), nullptr, isInline, 0.0f);
+  const std::uint32_t result = choiceField(*frame_, area_, unique, list, *index);
+  endRow();
+  return result;
+}
+
+std::uint32_t ImGuiPanels::inputText(c3de_str id, c3de_str label, char *buffer, std::uint64_t capacity) {
+  if (!buffer || capacity == 0) return 0;
+  const bool isInline = takeSameLine();
+  const std::string unique = uniqueId(id);
+  buffer[capacity - 1] = '\0';
+  beginRow(*frame_, text(label), nullptr, isInline, 0.0f);
+  std::uint32_t result = 0;
+  if (ImGui::InputText(("###" + unique).c_str(), buffer, static_cast<std::size_t>(capacity))) result |= C3DE_UI_CHANGED;
+  if (ImGui::IsItemActive()) result |= C3DE_UI_ACTIVE;
+  if (ImGui::IsItemDeactivatedAfterEdit()) result |= C3DE_UI_COMMITTED;
+  markItem(*frame_, area_, unique);
+  endRow();
+  frame_->automation.value(area_, unique, std::string(registry::bufferText(buffer, capacity)));
+  return result;
+}
+
+std::uint32_t ImGuiPanels::fileButton(c3de_str id, c3de_str label, c3de_str extensions, char *buffer,
+                                      std::uint64_t capacity) {
+  if (!buffer || capacity == 0) return 0;
+  takeSameLine();
+  const std::string unique = uniqueId(id);
+  FieldState &state = field(unique);
+  std::uint32_t result = 0;
+  if (state.chosenFile) {
+    if (state.chosenFile->size() < capacity) {
+      registry::copyText(buffer, capacity, *state.chosenFile);
+      result = C3DE_UI_CHANGED | C3DE_UI_COMMITTED;
+      state.error.clear();
+    } else {
+      state.error = "the path is too long: " + std::to_string(state.chosenFile->size()) + " bytes; accepted: below " +
+                    std::to_string(capacity);
+    }
+    state.chosenFile.reset();
+  }
+
+  ImGui::BeginGroup();
+  if (ImGui::Button((text(label) + "###" + unique).c_str())) {
+    FileDialog::Request request;
+    request.title = text(label);
+    request.extensions = text(extensions);
+    // The result waits here until the panel is drawn again; the panel or the plugin may be gone by then.
+    request.chosen = [this, key = area_ + "/" + unique](const std::filesystem::path &file, const std::string &) {
+      fields_[key].chosenFile = pathText(file);
+    };
+    frame_->fileDialog.open(std::move(request));
+  }
+  markItem(*frame_, area_, unique);
+  const std::string chosen(registry::bufferText(buffer, capacity));
+  ImGui::SameLine();
+  const std::string name = chosen.empty() ? "no file" : pathText(pathFromText(chosen).filename());
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextColored(chosen.empty() ? colour::kDim : colour::kText, "%s",
+                     elided(name, ImGui::GetContentRegionAvail().x).c_str());
+  ImGui::EndGroup();
+  itemTooltip(*frame_, chosen);
+  fieldError(*frame_, state);
+  frame_->automation.value(area_, unique, chosen);
+  return result;
+}
+
+void ImGuiPanels::listBegin(c3de_str id, std::uint32_t rows) {
+  listEnd();
+  isSameLine_ = false;
+  const float height =
+      static_cast<float>(rows == 0 ? kListRows : std::min(rows, kMostListRows)) * ImGui::GetFrameHeightWithSpacing();
+  ImGui::BeginChild(("###list" + uniqueId(id)).c_str(), ImVec2(0.0f, height + 2.0f * ImGui::GetStyle().WindowPadding.y),
+                    true);
+  isInList_ = true;
+}
+
+void ImGuiPanels::listEnd() {
+  if (!isInList_) return;
+  isInList_ = isSameLine_ = false;
+  ImGui::EndChild();
+}
+
+void ImGuiPanels::heading(c3de_str shown) {
+  isSameLine_ = false;
+  ImGui::Dummy(ImVec2(0.0f, frame_->theme.px(2.0f)));
+  ImGui::PushFont(frame_->theme.bold);
+  ImGui::TextColored(colour::kAccent, "%s", text(shown).c_str());
+  ImGui::PopFont();
+}
+
+void ImGuiPanels::value(c3de_str name, c3de_str shown) {
+  takeSameLine();
+  const std::string nameText = text(name), valueText = text(shown);
+  ImGui::BeginGroup();
+  const float labelWidth = std::floor(0.42f * ImGui::GetContentRegionAvail().x);
+  ImGui::TextColored(colour::kDim, "%s", elided(nameText, labelWidth - frame_->theme.px(6.0f)).c_str());
+  ImGui::SameLine(labelWidth);
+  wrappedText(valueText);
+  ImGui::EndGroup();
+  frame_->automation.value(area_, nameText, valueText);
+}
+
+void ImGuiPanels::progress(double fraction, c3de_str shown) {
+  takeSameLine();
+  const std::string label = text(shown);
+  const ImVec2 size(-1.0f, ImGui::GetFrameHeight());
+  if (fraction >= 0.0) {
+    ImGui::ProgressBar(static_cast<float>(std::min(fraction, 1.0)), size, label.c_str());
+  } else {
+    ImGui::ProgressBar(0.0f, size, label.c_str());
+    const ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
+    const float phase = static_cast<float>(std::fmod(ImGui::GetTime() * 0.6, 1.0)), width = max.x - min.x;
+    const float begin = min.x + (1.25f * phase - 0.25f) * width;
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(std::max(begin, min.x), max.y - frame_->theme.px(3.0f)),
+                                              ImVec2(std::min(begin + 0.25f * width, max.x), max.y),
+                                              ImGui::GetColorU32(colour::kAccent), 2.0f);
+  }
+  frame_->automation.value(area_, "progress", label);
+}
+
+void ImGuiPanels::parameterRows(Handle handle, const std::string &group, bool isAdvanced) {
+  registry::ParameterRegistry &registry = *frame_->services.parameters;
+  if (!ImGui::IsAnyItemActive()) registry.history().endGesture();
+  const registry::ParameterSet *set = registry.find(handle);
+  if (!set) return;
+  // A copy: a listener may change or remove the set.
+  const std::vector<ParameterDecl> decls = set->decls;
+  std::string heading;
+  for (std::size_t i = 0; i < decls.size(); ++i) {
+    const ParameterDecl &decl = decls[i];
+    if ((!group.empty() && decl.group != group) || ((decl.flags & C3DE_PARAM_ADVANCED) != 0) != isAdvanced) continue;
+    if (group.empty() && !decl.group.empty() && decl.group != heading) {
+      heading = decl.group;
+      ImGui::PushFont(frame_->theme.bold);
+      ImGui::TextColored(colour::kDim, "%s", heading.c_str());
+      ImGui::PopFont();
+    }
+    set = registry.find(handle);
+    if (!set || set->values.size() != decls.size() || set->decls[i].id != decl.id) return;
+    FieldState &state = field(decl.id);
+    used_.insert(decl.id);
+    const ParameterValue value = set->values[i];
+    const auto changed = parameterField(*frame_, area_, state, decl, value, false);
+    if (!changed) continue;
+    auto done = registry.edit(handle, *changed);
+    state.error = done ? std::string() : done.error().message;
+  }
+}
+
+void ImGuiPanels::params(c3de_handle set, c3de_str group) {
+  isSameLine_ = false;
+  const Handle handle = Handle::fromBits(set.v);
+  const registry::ParameterSet *found =
+      frame_->services.parameters ? frame_->services.parameters->find(handle) : nullptr;
+  if (!found) return;
+  const std::string wanted = text(group);
+  bool hasAdvanced = false, needsRebuild = false;
+  for (const ParameterDecl &decl : found->decls) {
+    if (!wanted.empty() && decl.group != wanted) continue;
+    hasAdvanced = hasAdvanced || (decl.flags & C3DE_PARAM_ADVANCED);
+    needsRebuild = needsRebuild || (decl.flags & C3DE_PARAM_NEEDS_RESET);
+  }
+
+  ImGui::PushID(static_cast<int>(handle.index));
+  parameterRows(handle, wanted, false);
+  if (hasAdvanced) {
+    const bool isOpen = ImGui::TreeNodeEx(("Advanced###advanced" + wanted).c_str(), ImGuiTreeNodeFlags_SpanAvailWidth);
+    markItem(*frame_, area_, wanted.empty() ? "advanced" : "advanced." + wanted);
+    if (isOpen) {
+      parameterRows(handle, wanted, true);
+      ImGui::TreePop();
+    }
+  }
+  if (needsRebuild) {
+    ImGui::PushFont(frame_->theme.small);
+    ImGui::TextColored(colour::kWarn, "%s", frame_->theme.hasGlyph(0x21BB) ? "↻" : "*");
+    ImGui::SameLine(0.0f, frame_->theme.px(4.0f));
+    ImGui::TextColored(colour::kDim, "applies on rebuild");
+    ImGui::PopFont();
+  }
+  ImGui::PopID();
+}
+
+void ImGuiPanels::fillTable() {
+  c3de_ui_v0 &t = table_;
+  t.size = sizeof t;
+  t.rev = 3;
+  t.ctx = this;
+  t.heading = [](void *c, c3de_str s) noexcept {
+    if (of(c).isUsable()) of(c).heading(s);
+  };
+  t.text = [](void *c, c3de_str s) noexcept {
+    if (!of(c).isUsable() || fromAbi(s).empty()) return;
+    if (of(c).takeSameLine()) ImGui::AlignTextToFramePadding();
+    wrappedText(text(s));
+  };
+  t.separator = [](void *c) noexcept {
+    if (!of(c).isUsable()) return;
+    of(c).isSameLine_ = false;
+    ImGui::Separator();
+  };
+  t.same_line = [](void *c) noexcept {
+    if (of(c).isUsable()) of(c).isSameLine_ = true;
+  };
+  t.button = [](void *c, c3de_str id, c3de_str label, std::uint32_t enabled) noexcept {
+    return of(c).isUsable() ? of(c).button(id, label, enabled != 0) : 0u;
+  };
+  t.checkbox = [](void *c, c3de_str id, c3de_str label, std::uint32_t *v) noexcept {
+    return of(c).isUsable() ? of(c).checkbox(id, label, v) : 0u;
+  };
+  t.slider = [](void *c, c3de_str id, c3de_str label, c3de_str unit, double *v, double lo, double hi) noexcept {
+    return of(c).isUsable() ? of(c).slider(id, label, unit, v, lo, hi) : 0u;
+  };
+  t.choice = [](void *c, c3de_str id, c3de_str label, std::uint32_t *i, const c3de_str *names,
+                std::uint64_t n) noexcept { return of(c).isUsable() ? of(c).choice(id, label, i, names, n) : 0u; };
+  t.input_text = [](void *c, c3de_str id, c3de_str label, char *buffer, std::uint64_t capacity) noexcept {
+    return of(c).isUsable() ? of(c).inputText(id, label, buffer, capacity) : 0u;
+  };
+  t.progress = [](void *c, double fraction, c3de_str s) noexcept {
+    if (of(c).isUsable()) of(c).progress(fraction, s);
+  };
+  t.value = [](void *c, c3de_str name, c3de_str v) noexcept {
+    if (of(c).isUsable()) of(c).value(name, v);
+  };
+  t.tooltip = [](void *c, c3de_str s) noexcept {
+    if (of(c).isUsable()) itemTooltip(*of(c).frame_, text(s));
+  };
+  t.params = [](void *c, c3de_handle set, c3de_str group) noexcept {
+    if (of(c).isUsable()) of(c).params(set, group);
+  };
+  t.file_button = [](void *c, c3de_str id, c3de_str label, c3de_str extensions, char *buffer,
+                     std::uint64_t capacity) noexcept {
+    return of(c).isUsable() ? of(c).fileButton(id, label, extensions, buffer, capacity) : 0u;
+  };
+  t.swatch = [](void *c, float red, float green, float blue) noexcept {
+    if (!of(c).isUsable()) return;
+    of(c).takeSameLine();
+    const float side = ImGui::GetFrameHeight(), inset = 0.2f * side;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::Dummy(ImVec2(side - inset, side));
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, at.y + inset),
+                                              ImVec2(at.x + side - 2.0f * inset, at.y + side - inset),
+                                              ImGui::GetColorU32(ImVec4(red, green, blue, 1.0f)), 2.0f);
+  };
+  t.list_begin = [](void *c, c3de_str id, std::uint32_t rows) noexcept {
+    if (of(c).isUsable()) of(c).listBegin(id, rows);
+  };
+  t.list_end = [](void *c) noexcept {
+    if (of(c).isUsable()) of(c).listEnd();
+  };
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands over the slices. Everything is drawn onto the picture of the renderer; positions come from the views.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "c3de/geometry/plane_section.h"
+#include "c3de/imaging/volume.h"
+#include "c3de/render/renderer.h"
+#include "logic/curve_runs.h"
+#include "window/chrome.h"
+
+namespace c3de::ui {
+namespace {
+
+constexpr ImU32 kShadow = IM_COL32(0, 0, 0, 200), kLetter = IM_COL32(240, 214, 120, 255),
+                kInk = IM_COL32(222, 228, 236, 255);
+constexpr ImU32 kCross = IM_COL32(90, 200, 250, 210);
+constexpr std::array<ImU32, 4> kBorders{IM_COL32(219, 92, 92, 255), IM_COL32(224, 194, 76, 255),
+                                        IM_COL32(102, 189, 107, 255), IM_COL32(70, 80, 96, 255)};
+
+void shadowed(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) {
+  list->AddText(ImVec2(at.x + 1, at.y + 1), kShadow, text.c_str());
+  list->AddText(at, tint, text.c_str());
+}
+
+/// On a dark ground: read over bright tissue and colours of labels too.
+void grounded(ImDrawList *list, ImVec2 at, ImU32 tint, const std::string &text) {
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  list->AddRectFilled(ImVec2(at.x - 3, at.y - 1), ImVec2(at.x + size.x + 3, at.y + size.y + 1), IM_COL32(0, 0, 0, 140),
+                      3.0f);
+  shadowed(list, at, tint, text);
+}
+
+ImU32 tintOf(const render::Colour &c) {
+  const auto byte = [](float v) { return static_cast<int>(std::lround(255.0f * std::clamp(v, 0.0f, 1.0f))); };
+  return IM_COL32(byte(c[0]), byte(c[1]), byte(c[2]), 255);
+}
+
+/// One slice of the frame, with what is needed to draw over it.
+struct SliceCanvas {
+  FrameContext &frame;
+  const ImageViews &images;
+  Pane pane;
+  const PixelRect &rect;
+  const SliceView &view;
+  ImDrawList *list;
+
+  [[nodiscard]] ImVec2 pixelOf(const Vec3 &world) const {
+    const SliceView::Pixel p = view.pixelOf(world);
+    return {rect.x + static_cast<float>(p.x), rect.y + static_cast<float>(p.y)};
+  }
+  [[nodiscard]] float px(float logical) const { return frame.theme.px(logical); }
+};
+
+void drawRuns(ImDrawList *list, const std::vector<CurveRun> &runs, ImU32 tint, float width) {
+  std::vector<ImVec2> points;
+  for (const CurveRun &run : runs) {
+    points.clear();
+    for (const CurvePoint &p : run.points) points.emplace_back(p.x, p.y);
+    list->AddPolyline(points.data(), static_cast<int>(points.size()), tint,
+                      run.isClosed ? ImDrawFlags_Closed : ImDrawFlags_None, width);
+  }
+}
+
+void drawOutlines(const SliceCanvas &canvas, const render::Renderer &renderer) {
+  if (!canvas.images.options().showsOutlines) return;
+  const Vec3 point = canvas.view.worldAt(0, 0), normal = canvas.view.frame().forward;
+  std::size_t curves = 0;
+  renderer.forEachMesh([&](const render::MeshView &mesh) {
+    // Into the mesh's space goes the plane, not every vertex into the world's; (v - p) n = 0 with v = M x.
+    const Mat4 &m = mesh.worldFromProxy;
+    const Vec3 local{m[0] * normal[0] + m[1] * normal[1] + m[2] * normal[2],
+                     m[4] * normal[0] + m[5] * normal[1] + m[6] * normal[2],
+                     m[8] * normal[0] + m[9] * normal[1] + m[10] * normal[2]};
+    const Vec3 origin = transformPoint(imaging::affineInverse(m), point);
+    // Bright enough on dark tissue, whatever the surface's own colour.
+    render::Colour colour = mesh.material.colour;
+    const float most = std::max({colour[0], colour[1], colour[2], 0.05f});
+    for (std::size_t k = 0; k < 3; ++k) colour[k] = colour[k] / most;
+    for (const geometry::Polyline &curve : geometry::planeSection(mesh.positions, mesh.triangles, origin, local)) {
+      ++curves;
+      std::vector<CurvePoint> pixels;
+      pixels.reserve(curve.points.size());
+      for (const Vec3 &p : curve.points) {
+        const ImVec2 pixel = canvas.pixelOf(transformPoint(m, p));
+        pixels.push_back({pixel.x, pixel.y});
+      }
+      const std::vector<CurveRun> runs = curveRuns(pixels, curve.isClosed);
+      drawRuns(canvas.list, runs, kShadow, canvas.px(3.0f));
+      drawRuns(canvas.list, runs, tintOf(colour), canvas.px(1.6f));
+    }
+  });
+  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".outlines", std::to_string(curves));
+}
+
+void drawCrossHair(const SliceCanvas &canvas) {
+  const bool isShown = canvas.images.options().showsCrossHair && canvas.view.isOnSlice(canvas.images.crossHair());
+  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".cross_hair",
+                                isShown ? "shown" : "hidden");
+  if (!isShown) return;
+  const ImVec2 at = canvas.pixelOf(canvas.images.crossHair());
+  const PixelRect &r = canvas.rect;
+  const float gap = canvas.px(6.0f);
+  const auto line = [&](ImVec2 a, ImVec2 b) { canvas.list->AddLine(a, b, kCross, 1.0f); };
+  if (at.y >= r.y && at.y < r.y + r.h) {
+    line(ImVec2(r.x, at.y), ImVec2(std::min(at.x - gap, r.x + r.w), at.y));
+    line(ImVec2(std::max(at.x + gap, r.x), at.y), ImVec2(r.x + r.w, at.y));
+  }
+  if (at.x >= r.x && at.x < r.x + r.w) {
+    line(ImVec2(at.x, r.y), ImVec2(at.x, std::min(at.y - gap, r.y + r.h)));
+    line(ImVec2(at.x, std::max(at.y + gap, r.y)), ImVec2(at.x, r.y + r.h));
+  }
+}
+
+void drawLetters(const SliceCanvas &canvas) {
+  const SliceFrame &f = canvas.view.frame();
+  const PixelRect &r = canvas.rect;
+  const std::string left = orientationLetters(-1.0 * f.right), right = orientationLetters(f.right),
+                    top = orientationLetters(-1.0 * f.down), bottom = orientationLetters(f.down);
+  const float edge = canvas.px(6.0f);
+  ImGui::PushFont(canvas.frame.theme.bold);
+  const auto size = [](const std::string &text) { return ImGui::CalcTextSize(text.c_str()); };
+  shadowed(canvas.list, ImVec2(r.x + edge, r.y + 0.5f * (r.h - size(left).y)), kLetter, left);
+  shadowed(canvas.list, ImVec2(r.x + r.w - edge - size(right).x, r.y + 0.5f * (r.h - size(right).y)), kLetter, right);
+  shadowed(canvas.list, ImVec2(r.x + 0.5f * (r.w - size(top).x), r.y + edge), kLetter, top);
+  // Above the line of the read-out.
+  shadowed(canvas.list, ImVec2(r.x + 0.5f * (r.w - size(bottom).x), r.y + r.h - edge - 2.1f * size(bottom).y), kLetter,
+           bottom);
+  ImGui::PopFont();
+  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".letters",
+                                left + "|" + right + "|" + top + "|" + bottom);
+}
+
+void drawScaleBar(const SliceCanvas &canvas) {
+  const PixelRect &r = canvas.rect;
+  const ScaleBar bar = scaleBar(canvas.view.millimetresPerPixel(), 0.25 * r.w);
+  if (bar.text.empty()) return;
+  const auto length = static_cast<float>(bar.length_px);
+  const float x1 = r.x + r.w - canvas.px(14.0f), x0 = x1 - length, y = r.y + r.h - canvas.px(30.0f),
+              tick = canvas.px(4.0f);
+  for (const auto &[tint, offset] : {std::pair{kShadow, 1.0f}, {kInk, 0.0f}}) {
+    canvas.list->AddLine(ImVec2(x0 + offset, y + offset), ImVec2(x1 + offset, y + offset), tint, canvas.px(1.5f));
+    for (const float x : {x0, x1})
+      canvas.list->AddLine(ImVec2(x + offset, y - tick + offset), ImVec2(x + offset, y + tick + offset), tint,
+                           canvas.px(1.5f));
+  }
+  const float width = ImGui::CalcTextSize(bar.text.c_str()).x;
+  shadowed(canvas.list, ImVec2(0.5f * (x0 + x1 - width), y - tick - ImGui::GetTextLineHeight() - 1), kInk, bar.text);
+  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".scale", bar.text);
+}
+
+/// The bar of |u|.
+void drawShiftLegend(const SliceCanvas &canvas) {
+  const ImageOptions &options = canvas.images.options();
+  if (!options.showsShift || !canvas.images.hasDisplacement()) return;
+  const auto colours = shiftColours();
+  const float h = std::min(0.45f * canvas.rect.h, canvas.px(140.0f)), w = canvas.px(10.0f);
+  const float x = canvas.rect.x + canvas.px(24.0f), y0 = canvas.rect.y + 0.5f * (canvas.rect.h - h);
+  constexpr std::size_t kPieces = 32;
+  for (std::size_t i = 0; i < kPieces; ++i) {
+    const auto colour = [&](std::size_t k) { return tintOf(colours[k * (colours.size() - 1) / kPieces]); };
+    const float top = y0 + h * (1.0f - static_cast<float>(i + 1) / kPieces),
+                bottom = y0 + h * (1.0f - static_cast<float>(i) / kPieces);
+    canvas.list->AddRectFilledMultiColor(ImVec2(x, top), ImVec2(x + w, bottom), colour(i + 1), colour(i + 1), colour(i),
+                                         colour(i));
+  }
+  const float line = ImGui::GetTextLineHeight();
+  shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), y0 - 0.5f * line), kInk,
+           fmt::format("{:.3g} mm", options.shiftHigh));
+  shadowed(canvas.list, ImVec2(x + w + canvas.px(4.0f), y0 + h - 0.5f * line), kInk,
+           fmt::format("{:.3g} mm", options.shiftLow));
+  shadowed(canvas.list, ImVec2(x, y0 - 1.7f * line), kInk, "|u|");
+}
+
+/// What the hatching of missing tissue means.
+void drawMissingLegend(const SliceCanvas &canvas) {
+  const std::string &text = canvas.images.missingText();
+  canvas.frame.automation.value("image", std::string(paneName(canvas.pane)) + ".missing", text.empty() ? "none" : text);
+  if (text.empty() || canvas.images.handles().missing.isNull()) return;
+  const PixelRect &r = canvas.rect;
+  const float line = ImGui::GetTextLineHeight(), size = 0.8f * line, edge = canvas.px(8.0f);
+  const ImVec2 at(r.x + edge, r.y + r.h - edge - 2.3f * line);
+  const ImU32 tint = IM_COL32(255, 115, 242, 255);
+  canvas.list->AddRectFilled(at, ImVec2(at.x + size, at.y + size), IM_COL32(90, 40, 85, 255));
+  for (const float part : {0.0f, 0.5f})
+    canvas.list->AddLine(ImVec2(at.x + part * size, at.y), ImVec2(at.x + size, at.y + (1.0f - part) * size), tint,
+                         canvas.px(1.5f));
+  canvas.list->AddRect(at, ImVec2(at.x + size, at.y + size), tint);
+  grounded(canvas.list, ImVec2(at.x + size + canvas.px(6.0f), at.y - 0.1f * line), kInk,
+           elided(text, r.w - 2 * edge - size - canvas.px(6.0f)));
+}
+
+void drawTexts(const SliceCanvas &canvas) {
+  const PixelRect &r = canvas.rect;
+  const ImageOptions &options = canvas.images.options();
+  const float edge = canvas.px(8.0f), line = ImGui::GetTextLineHeight() + canvas.px(2.0f);
+  const std::string name = paneName(canvas.pane);
+  const std::string slice = fmt::format("{}  {} / {}", name, canvas.view.slice() + 1, canvas.view.sliceCount());
+  grounded(canvas.list, ImVec2(r.x + edge, r.y + edge), kBorders[static_cast<std::size_t>(canvas.pane)], slice);
+  const std::string windowLevel =
+      fmt::format("W {:.5g}  L {:.5g}", options.windowLevel.window, options.windowLevel.level);
+  grounded(canvas.list, ImVec2(r.x + edge, r.y + edge + line), kInk, windowLevel);
+  if (options.isWindowLevelMode)
+    shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + 2 * line), kLetter, "drag: window/level");
+  if (canvas.images.isPicking())
+    shadowed(canvas.list, ImVec2(r.x + edge, r.y + edge + (options.isWindowLevelMode ? 3 : 2) * line), kLetter,
+             "click: this part (Esc: none)");
+  // Which side is which is a matter of safety: said in every view that it turns.
+  const std::string convention = options.convention == Convention::radiological ? "radiological" : "neurological";
+  const std::string badge = canvas.pane == Pane::sagittal ? std::string() : convention;
+  if (!badge.empty())
+    shadowed(canvas.list, ImVec2(r.x + r.w - edge - ImGui::CalcTextSize(badge.c_str()).x, r.y + edge), kLetter, badge);
+
+  // Under the mouse, else at the cross-hair.
+  const bool isHere = r.contains(canvas.frame.mouseX, canvas.frame.mouseY);
+  const Vec3 world =
+      isHere ? canvas.view.worldAt(canvas.frame.mouseX - r.x, canvas.frame.mouseY - r.y) : canvas.images.crossHair();
+  const std::string text = canvas.images.readout(world).text();
+  const std::string shown = elided(text, r.w - 2 * edge);
+  grounded(canvas.list, ImVec2(r.x + edge, r.y + r.h - edge - line), isHere ? kInk : ImGui::GetColorU32(colour::kDim),
+           shown);
+
+  AutomationState &automation = canvas.frame.automation;
+  automation.value("image", name + ".slice", std::to_string(canvas.view.slice()));
+  automation.value("image", name + ".readout", text);
+  automation.value("image", name + ".scale_mm_per_px", fmt::format("{:.6g}", canvas.view.millimetresPerPixel()));
+}
+
+/// A small cross in the 3D view, in front of everything.
+void drawCrossInSpace(FrameContext &frame, const ImageViews &images) {
+  const PixelRect &r = frame.view;
+  if (r.isEmpty() || !images.options().showsCrossHair) return;
+  const auto pixelOf = [&](const Vec3 &world) {
+    const Vec3 p = frame.camera.project(world, static_cast<int>(r.w), static_cast<int>(r.h));
+    return std::pair(ImVec2(r.x + static_cast<float>(p[0]), r.y + static_cast<float>(p[1])), p[2]);
+  };
+  ImDrawList *list = ImGui::GetBackgroundDrawList();
+  const double arm = 18.0 * frame.camera.millimetresPerPixel(images.crossHair(), static_cast<int>(r.h));
+  for (std::size_t a = 0; a < 3; ++a) {
+    Vec3 along{};
+    along[a] = arm;
+    const auto [p, depthP] = pixelOf(images.crossHair() - along);
+    const auto [q, depthQ] = pixelOf(images.crossHair() + along);
+    if (depthP > 0.0 && depthQ > 0.0) list->AddLine(p, q, kCross, frame.theme.px(1.5f));
+  }
+}
+
+}  // namespace
+
+void drawSliceDecorations(FrameContext &frame, const render::Renderer &renderer) {
+  const ImageViews *images = frame.shownImages();
+  if (!images) return;
+  ImDrawList *list = ImGui::GetBackgroundDrawList();
+  ImGui::PushFont(frame.theme.small);
+  for (const Pane pane : kSlicePanes) {
+    const PixelRect &r = frame.panes[static_cast<std::size_t>(pane)];
+    if (r.isEmpty()) continue;
+    list->PushClipRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), true);
+    const SliceCanvas canvas{frame, *images, pane, r, images->view(pane), list};
+    drawOutlines(canvas, renderer);
+    drawCrossHair(canvas);
+    drawLetters(canvas);
+    drawScaleBar(canvas);
+    drawShiftLegend(canvas);
+    drawMissingLegend(canvas);
+    drawTexts(canvas);
+    list->AddRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), kBorders[static_cast<std::size_t>(pane)], 0.0f, 0,
+                  1.0f);
+    list->PopClipRect();
+  }
+  if (!frame.view.isEmpty()) {
+    const PixelRect &r = frame.view;
+    list->PushClipRect(ImVec2(r.x, r.y), ImVec2(r.x + r.w, r.y + r.h), true);
+    drawCrossInSpace(frame, *images);
+    list->PopClipRect();
+  }
+  ImGui::PopFont();
+
+  const ImageOptions &options = images->options();
+  const Vec3 &cross = images->crossHair();
+  AutomationState &automation = frame.automation;
+  automation.value("image", "name", images->image()->name);
+  automation.value("image", "window", fmt::format("{:.6g}", options.windowLevel.window));
+  automation.value("image", "level", fmt::format("{:.6g}", options.windowLevel.level));
+  automation.value("image", "cross_hair", fmt::format("{:.3f} {:.3f} {:.3f}", cross[0], cross[1], cross[2]));
+  automation.value("image", "preview",
+                   images->handles().preview.isNull() ? "none"
+                   : options.showsPreview             ? "shown"
+                                                      : "hidden");
+  automation.value("image", "picking", images->isPicking() ? "on" : "off");
+  automation.value("image", "layout", images->maximised() ? paneName(*images->maximised()) : "four");
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <imgui.h>
+
+#include <cfloat>
+#include <cstdint>
+
+#include "window/glfw_window.h"
+#include "window/theme.h"
+
+namespace c3de::ui {
+
+/// Dear ImGui with its two back ends, for as long as the window lives.
+class ImGuiSession {
+ public:
+  explicit ImGuiSession(const GlfwWindow &window);
+  ~ImGuiSession();
+  ImGuiSession(const ImGuiSession &) = delete;
+  ImGuiSession &operator=(const ImGuiSession &) = delete;
+
+  /// Hands on an event of the frame that begins next.
+  void take(const GlfwWindow &window, const OsEvent &event);
+  void beginFrame();
+  void endFrame();
+  /// Into the bound framebuffer.
+  void draw();
+  [[nodiscard]] const Theme &theme() const { return theme_; }
+
+ private:
+  Theme theme_;
+  ImVec2 mouse_{-FLT_MAX, -FLT_MAX};
+  std::uint32_t buttons_ = 0;
+  ClickPairs clicks_;
+  bool isSecondPress_ = false;  ///< in this frame
+};
+
+}  // namespace c3de::ui

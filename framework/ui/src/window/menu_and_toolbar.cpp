@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <iterator>
+
+#include "c3de/abi/draft/tools.h"
+#include "c3de/core/text.h"
+#include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/tool_registry.h"
+#include "window/chrome.h"
+
+namespace c3de::ui {
+namespace {
+
+struct MenuEntry {
+  Command command;
+  bool needsSimulation = false;
+  bool needsImage = false;
+};
+
+/// What a view is called where the patient's z is up.
+const char *patientLabel(Command command) {
+  switch (command) {
+    case Command::viewFront: return "Anterior (along +y)";
+    case Command::viewBack: return "Posterior (along −y)";
+    case Command::viewLeft: return "Left of the patient (along −x)";
+    case Command::viewRight: return "Right of the patient (along +x)";
+    case Command::viewTop: return "Superior (along −z)";
+    case Command::viewBottom: return "Inferior (along +z)";
+    default: return nullptr;
+  }
+}
+
+void menuItem(FrameContext &frame, const MenuEntry &entry, bool isChecked = false) {
+  const CommandInfo &info = commandInfo(entry.command);
+  const bool isEnabled =
+      (!entry.needsSimulation || frame.simulation.exists) && (!entry.needsImage || frame.shownImages());
+  const std::string key = keyText(info.key, info.modifiers);
+  const char *label = frame.camera.upAxis == render::UpAxis::z ? patientLabel(entry.command) : nullptr;
+  if (ImGui::MenuItem(label ? label : info.label, key.empty() ? nullptr : key.c_str(), isChecked, isEnabled))
+    frame.request(entry.command);
+  markItem(frame, "menu", info.id, isEnabled);
+  itemTooltip(frame, isEnabled
+                         ? info.doc
+                         : std::string(info.doc) + (entry.needsImage ? " (no image is open)" : " (nothing is loaded)"));
+}
+
+/// "Undo Young's modulus": says what it would change.
+void editItem(FrameContext &frame, Command command) {
+  const CommandInfo &info = commandInfo(command);
+  const EditHistory &history = frame.state.history;
+  const std::string what = command == Command::undo ? history.undoLabel() : history.redoLabel();
+  const std::string label = std::string(info.label) + (what.empty() ? "" : " " + what) + "###" + info.id;
+  const std::string key = keyText(info.key, info.modifiers);
+  if (ImGui::MenuItem(label.c_str(), key.c_str(), false, !what.empty())) frame.request(command);
+  markItem(frame, "menu", info.id, !what.empty());
+  itemTooltip(frame, what.empty() ? std::string(info.doc) + " (there is none)" : info.doc);
+}
+
+bool beginMenu(FrameContext &frame, const char *label, const char *id) {
+  const bool isOpen = ImGui::BeginMenu(label);
+  markOpener(frame, "menu", id, isOpen);
+  return isOpen;
+}
+
+void fileMenu(FrameContext &frame) {
+  menuItem(frame, {Command::openMesh});
+  menuItem(frame, {Command::openScene});
+  menuItem(frame, {Command::openImage});
+  menuItem(frame, {Command::openLabels, false, true});
+  menuItem(frame, {Command::closeImage, false, true});
+  menuItem(frame, {Command::reload, true});
+  ImGui::Separator();
+  menuItem(frame, {Command::exportSurface, true});
+  menuItem(frame, {Command::exportFrame, true});
+  menuItem(frame, {Command::exportImage, true, true});
+  menuItem(frame, {Command::exportDisplacement, true, true});
+  menuItem(frame, {Command::screenshot});
+  ImGui::Separator();
+  menuItem(frame, {Command::quit});
+}
+
+void editMenu(FrameContext &frame) {
+  editItem(frame, Command::undo);
+  editItem(frame, Command::redo);
+}
+
+void viewMenu(FrameContext &frame) {
+  menuItem(frame, {Command::fitView});
+  menuItem(frame, {Command::resetView});
+  ImGui::Separator();
+  for (const Command view : {Command::viewFront, Command::viewBack, Command::viewLeft, Command::viewRight,
+                             Command::viewTop, Command::viewBottom})
+    menuItem(frame, {view});
+  ImGui::Separator();
+  const ImageViews *images = frame.shownImages();
+  menuItem(frame, {Command::fourViews, false, true}, images && !images->maximised());
+  menuItem(frame, {Command::onlySpace, false, true}, images && images->maximised() == Pane::space);
+  menuItem(frame, {Command::resetSlices, false, true});
+  menuItem(frame, {Command::crossHair, false, true}, images && images->options().showsCrossHair);
+  menuItem(frame, {Command::windowLevelMode, false, true}, images && images->options().isWindowLevelMode);
+  ImGui::Separator();
+  const auto isCut = [&](Pane pane) {
+    return images && images->options().cuts[static_cast<std::size_t>(pane)] != SliceCut::none;
+  };
+  menuItem(frame, {Command::cutAxial, false, true}, isCut(Pane::axial));
+  menuItem(frame, {Command::cutSagittal, false, true}, isCut(Pane::sagittal));
+  menuItem(frame, {Command::cutCoronal, false, true}, isCut(Pane::coronal));
+  ImGui::Separator();
+  menuItem(frame, {Command::resetLayout});
+}
+
+void simulationMenu(FrameContext &frame) {
+  for (const Command command : {Command::playPause, Command::step, Command::reset, Command::stop})
+    menuItem(frame, {command, true});
+}
+
+void helpMenu(FrameContext &frame) {
+  menuItem(frame, {Command::showShortcuts});
+  menuItem(frame, {Command::showMessages});
+  menuItem(frame, {Command::showAbout});
+}
+
+void toolsMenu(FrameContext &frame) {
+  registry::ToolRegistry *tools = frame.services.tools;
+  menuItem(frame, {Command::orbitTool}, !tools || tools->active().isNull());
+  if (!tools) return;
+  for (const registry::ToolRegistry::Entry &entry : tools->tools()) {
+    const std::string key = isFreeForTools(entry.tool->shortcut) ? keyText(entry.tool->shortcut, 0) : std::string();
+    const std::string label = entry.tool->label + "###" + entry.tool->id, id = "tools." + entry.tool->id;
+    const std::string hint = entry.tool->hint;
+    const bool isPicked =
+        ImGui::MenuItem(label.c_str(), key.empty() ? nullptr : key.c_str(), tools->active() == entry.handle);
+    markItem(frame, "menu", id);
+    itemTooltip(frame, hint);
+    if (isPicked) {
+      tools->activate(entry.handle);
+      return;  // the list may have changed
+    }
+  }
+}
+
+void transportButton(FrameContext &frame, const char *id, Command command, Icon icon, const ImVec4 &tint,
+                     bool isEnabled, const std::string &doc) {
+  const CommandInfo &info = commandInfo(command);
+  if (iconButton(id, icon, ImGui::GetFrameHeight() * 1.15f, tint, isEnabled)) frame.request(command);
+  markItem(frame, "toolbar", id, isEnabled);
+  const std::string key = keyText(info.key, info.modifiers);
+  itemTooltip(frame, doc + (key.empty() ? "" : "  (" + key + ")") + (isEnabled ? "" : "\nNothing is loaded."));
+  ImGui::SameLine(0.0f, frame.theme.px(4.0f));
+}
+
+void rateChoice(FrameContext &frame) {
+  static constexpr double kRates[] = {0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 0.0};
+  static constexpr const char *kLabels[] = {"1/8×", "1/4×", "1/2×", "1×", "2×", "4×", "8×", "max"};
+  const double rate = frame.simulation.transport.target_rate;
+  const auto *known = std::find(std::begin(kRates), std::end(kRates), rate);
+  const std::string shown = known != std::end(kRates) ? kLabels[known - std::begin(kRates)] : formatNumber(rate) + "×";
+  ImGui::BeginDisabled(!frame.simulation.exists);
+  ImGui::SetNextItemWidth(frame.theme.px(78.0f));
+  const bool isOpen = ImGui::BeginCombo("##rate", frame.simulation.exists ? shown.c_str() : "1×");
+  markOpener(frame, "toolbar", "rate", isOpen, frame.simulation.exists);
+  if (isOpen) {
+    for (std::size_t i = 0; i < std::size(kRates); ++i) {
+      if (ImGui::Selectable(kLabels[i], kRates[i] == rate) && frame.actions.setTargetRate)
+        frame.actions.setTargetRate(kRates[i]);
+      markItem(frame, "toolbar", std::string("rate.option.") + kLabels[i]);
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::EndDisabled();
+  itemTooltip(frame, "Target rate: simulated seconds per second. 1× is real time, max is as fast as it goes.");
+}
+
+void separator(const FrameContext &frame) {
+  ImGui::SameLine(0.0f, frame.theme.px(12.0f));
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float height = ImGui::GetFrameHeight() * 1.15f;
+  ImGui::GetWindowDrawList()->AddLine(ImVec2(at.x, at.y + 3), ImVec2(at.x, at.y + height - 3),
+                                      ImGui::GetColorU32(colour::kLine));
+  ImGui::Dummy(ImVec2(1, height));
+  ImGui::SameLine(0.0f, frame.theme.px(12.0f));
+}
+
+bool toolButton(FrameContext &frame, const std::string &id, const std::string &label, bool isActive,
+                const std::string &tooltip) {
+  const ImVec4 on(0.20f, 0.42f, 0.48f, 1.0f);
+  if (isActive) {
+    ImGui::PushStyleColor(ImGuiCol_Button, on);
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4(0.24f, 0.49f, 0.55f, 1.0f));
+  }
+  const bool isPressed = ImGui::Button((label + "###" + id).c_str(), ImVec2(0, ImGui::GetFrameHeight() * 1.15f));
+  if (isActive) ImGui::PopStyleColor(2);
+  markItem(frame, "toolbar", id);
+  itemTooltip(frame, tooltip);
+  ImGui::SameLine(0.0f, frame.theme.px(4.0f));
+  return isPressed;
+}
+
+void toolButtons(FrameContext &frame) {
+  registry::ToolRegistry *tools = frame.services.tools;
+  const bool isOrbit = !tools || tools->active().isNull();
+  if (toolButton(frame, "tool.orbit", "Orbit", isOrbit, "The left button turns the camera  (O)"))
+    frame.request(Command::orbitTool);
+  if (!tools) return;
+  for (const registry::ToolRegistry::Entry &entry : tools->tools()) {
+    const std::string key = isFreeForTools(entry.tool->shortcut) ? "  (" + keyText(entry.tool->shortcut, 0) + ")" : "";
+    if (toolButton(frame, "tool." + entry.tool->id, entry.tool->label, tools->active() == entry.handle,
+                   entry.tool->hint + key)) {
+      tools->activate(entry.handle);
+      return;  // the list may have changed
+    }
+  }
+}
+
+}  // namespace
+
+void beginFixed(const char *name, const PixelRect &area, const ImVec4 &background, ImVec2 padding, int extraFlags) {
+  ImGui::SetNextWindowPos(ImVec2(area.x, area.y));
+  ImGui::SetNextWindowSize(ImVec2(std::max(area.w, 1.0f), std::max(area.h, 1.0f)));
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, background);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, padding);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
+  // An area that appears by itself must not end a drag or the typing in another: it takes no focus.
+  ImGui::Begin(name, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoFocusOnAppearing | extraFlags);
+  ImGui::PopStyleVar(2);
+  ImGui::PopStyleColor();
+}
+
+float drawMenuBar(FrameContext &frame) {
+  struct Menu {
+    const char *label, *id;
+    void (*draw)(FrameContext &frame);
+  };
+  static constexpr Menu kMenus[] = {{"File", "file", fileMenu},    {"Edit", "edit", editMenu},
+                                    {"View", "view", viewMenu},    {"Simulation", "simulation", simulationMenu},
+                                    {"Tools", "tools", toolsMenu}, {"Help", "help", helpMenu}};
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(frame.theme.px(8.0f), frame.theme.px(5.0f)));
+  float height = 0.0f;
+  if (ImGui::BeginMainMenuBar()) {
+    height = ImGui::GetWindowSize().y;
+    ImGui::PopStyleVar();
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(frame.theme.px(8.0f), frame.theme.px(4.0f)));
+    for (const Menu &menu : kMenus) {
+      if (!beginMenu(frame, menu.label, menu.id)) continue;
+      menu.draw(frame);
+      ImGui::EndMenu();
+    }
+    ImGui::EndMainMenuBar();
+  }
+  ImGui::PopStyleVar();
+  return height;
+}
+
+void drawToolbar(FrameContext &frame, const PixelRect &area) {
+  beginFixed("##toolbar", area, colour::kChrome, ImVec2(frame.theme.px(10.0f), frame.theme.px(5.0f)),
+             ImGuiWindowFlags_NoScrollWithMouse);
+  const bool exists = frame.simulation.exists;
+  const std::uint32_t mode = frame.simulation.transport.mode;
+  const bool isPlaying = exists && mode == C3DE_SIM_PLAYING, hasFailed = exists && mode == C3DE_SIM_FAILED;
+  transportButton(frame, "play", Command::playPause, isPlaying ? Icon::pause : Icon::play,
+                  isPlaying ? colour::kWarn : colour::kGood, exists && !hasFailed,
+                  isPlaying                 ? "Pause"
+                  : mode == C3DE_SIM_PAUSED ? "Continue"
+                                            : "Play");
+  transportButton(frame, "step", Command::step, Icon::step, colour::kText, exists && !hasFailed,
+                  commandInfo(Command::step).doc);
+  transportButton(frame, "reset", Command::reset, Icon::reset, colour::kText, exists, commandInfo(Command::reset).doc);
+  transportButton(frame, "stop", Command::stop, Icon::stop, colour::kText, exists, commandInfo(Command::stop).doc);
+  ImGui::SameLine(0.0f, frame.theme.px(10.0f));
+  // As tall as the buttons beside it.
+  ImGui::PushStyleVar(
+      ImGuiStyleVar_FramePadding,
+      ImVec2(ImGui::GetStyle().FramePadding.x, 0.5f * (1.15f * ImGui::GetFrameHeight() - ImGui::GetFontSize())));
+  rateChoice(frame);
+  ImGui::PopStyleVar();
+  separator(frame);
+  toolButtons(frame);
+  if (const ImageViews *images = frame.shownImages()) {
+    separator(frame);
+    const bool isOn = images->options().isWindowLevelMode;
+    if (toolButton(frame, "slices.cross_hair", "Cross-hair", !isOn,
+                   "The left button sets the cross-hair in slices  (W)") &&
+        isOn)
+      frame.request(Command::windowLevelMode);
+    if (toolButton(frame, "slices.window_level", "W/L", isOn,
+                   std::string(commandInfo(Command::windowLevelMode).doc) + "  (W)") &&
+        !isOn)
+      frame.request(Command::windowLevelMode);
+  }
+  ImGui::End();
+}
+
+}  // namespace c3de::ui

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "c3de/abi/draft/log.h"
+#include "c3de/core/background_jobs.h"
+#include "c3de/core/text.h"
+#include "c3de/registry/panel_registry.h"
+#include "c3de/registry/tool_registry.h"
+#include "c3de/scene/scene_graph.h"
+#include "window/chrome.h"
+
+namespace c3de::ui {
+namespace {
+
+std::string fixedText(double value, int decimals) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
+  return text.data();
+}
+
+struct ModeText {
+  const char *text;
+  ImVec4 tint;
+};
+
+ModeText modeText(const SimulationView &simulation) {
+  if (!simulation.exists) return {"No simulation", colour::kDim};
+  switch (simulation.transport.mode) {
+    case C3DE_SIM_PLAYING: return {"Playing", colour::kGood};
+    case C3DE_SIM_PAUSED: return {"Paused", colour::kWarn};
+    case C3DE_SIM_FAILED: return {"Failed", colour::kError};
+    default: return {"Stopped", colour::kDim};
+  }
+}
+
+void cell(FrameContext &frame, const char *name, const std::string &text, const ImVec4 &tint, float minWidth,
+          const char *tooltip) {
+  const float begin = ImGui::GetCursorPosX();
+  ImGui::TextColored(tint, "%s", text.c_str());
+  itemTooltip(frame, tooltip);
+  frame.automation.value("status", name, text);
+  const float width = std::max(ImGui::CalcTextSize(text.c_str()).x, frame.theme.px(minWidth));
+  ImGui::SameLine(begin + width + frame.theme.px(18.0f));
+}
+
+/// What the mouse does where it is.
+std::string hintOf(const FrameContext &frame) {
+  const auto isOver = [&](Pane pane) {
+    return frame.panes[static_cast<std::size_t>(pane)].contains(frame.mouseX, frame.mouseY);
+  };
+  if (const ImageViews *images = frame.shownImages();
+      images && std::any_of(kSlicePanes.begin(), kSlicePanes.end(), isOver)) {
+    const char *left = images->isPicking()                   ? "Click: pick what is there"
+                       : images->options().isWindowLevelMode ? "Left drag: window (sideways), level (upwards)"
+                                                             : "Left: cross-hair";
+    return std::string(left) +
+           "    Wheel: slices (Shift: ten)    Middle or Shift+left: pan    Right or Ctrl+wheel: zoom    Double click: "
+           "only this view    R: reset";
+  }
+  if (!isOver(Pane::space)) return "H: keys and mouse";
+  if (frame.services.tools)
+    if (const registry::Tool *tool = frame.services.tools->find(frame.services.tools->active()))
+      return tool->label + ": " + tool->hint;
+  return "Left drag: orbit    Middle or Shift+left: pan    Right, Ctrl+left or wheel: zoom    F: fit    R: reset";
+}
+
+}  // namespace
+
+void drawStatusBar(FrameContext &frame, const PixelRect &area) {
+  beginFixed("##status", area, colour::kChrome, ImVec2(frame.theme.px(12.0f), frame.theme.px(5.0f)),
+             ImGuiWindowFlags_NoScrollWithMouse);
+  ImGui::PushFont(frame.theme.small);
+  const SimulationView &simulation = frame.simulation;
+  const c3de_sim_transport &t = simulation.transport;
+  const ModeText mode = modeText(simulation);
+
+  const ImVec2 dot = ImGui::GetCursorScreenPos();
+  const float lineHeight = ImGui::GetTextLineHeight();
+  ImGui::GetWindowDrawList()->AddCircleFilled(ImVec2(dot.x + 0.35f * lineHeight, dot.y + 0.55f * lineHeight),
+                                              0.28f * lineHeight, ImGui::GetColorU32(mode.tint));
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + 1.1f * lineHeight);
+  cell(frame, "mode", mode.text, mode.tint, 56, "State of the simulation");
+  if (simulation.exists) {
+    cell(frame, "time", "t = " + fixedText(t.time_s, 3) + " s", colour::kText, 84, "Simulated time");
+    cell(frame, "steps", "step " + std::to_string(t.steps), colour::kDim, 74, "Steps since the initial state");
+    const std::string target = t.target_rate > 0.0 ? formatNumber(t.target_rate) + "×" : std::string("max");
+    const bool isSlow = t.mode == C3DE_SIM_PLAYING && t.target_rate > 0.0 && t.real_time_factor < 0.9 * t.target_rate;
+    const bool hasRate = t.mode == C3DE_SIM_PLAYING;
+    cell(frame, "rate",
+         hasRate ? fixedText(t.real_time_factor, 2) + "× real time (target " + target + ")" : "target " + target,
+         isSlow ? colour::kWarn : colour::kText, 190,
+         "Simulated seconds per second, achieved over the last second of playing, and aimed at");
+    cell(frame, "step_ms", fixedText(t.step_ms, 2) + " ms/step",
+         simulation.isLongStep() ? colour::kWarn : colour::kText, 88,
+         "Wall time of a step, mean of the last second; of the present one when that is longer");
+  }
+  const std::string hint = hintOf(frame);
+  const std::string rate =
+      frame.framesPerSecond > 0.0 ? fixedText(frame.framesPerSecond, 0) + " fps" : std::string("idle");
+  const std::size_t messages = frame.services.panels ? frame.services.panels->log().size() : 0;
+  const std::string messagesText = "Messages (" + std::to_string(messages) + ")";
+  const float rateAt = ImGui::GetWindowContentRegionMax().x - frame.theme.px(56.0f);
+  const float right = rateAt - ImGui::CalcTextSize(messagesText.c_str()).x - frame.theme.px(26.0f);
+  const std::string shownHint = elided(hint, right - ImGui::GetCursorPosX() - frame.theme.px(12.0f));
+  ImGui::TextColored(colour::kDim, "%s", shownHint.c_str());
+  itemTooltip(frame, hint);
+  frame.automation.value("status", "hint", hint);
+  ImGui::SameLine(right);
+  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0, 0, 0, 0));
+  ImGui::PushStyleColor(ImGuiCol_Text, colour::kDim);
+  if (ImGui::SmallButton(messagesText.c_str())) frame.request(Command::showMessages);
+  ImGui::PopStyleColor(2);
+  markItem(frame, "status", "messages");
+  itemTooltip(frame, commandInfo(Command::showMessages).doc);
+  ImGui::SameLine(rateAt);
+  ImGui::TextColored(colour::kDim, "%s", rate.c_str());
+  itemTooltip(frame, "Frames drawn per second; nothing is drawn while nothing changes");
+  ImGui::PopFont();
+  ImGui::End();
+}
+
+void drawViewDecorations(FrameContext &frame) {
+  if (frame.view.isEmpty()) return;
+  ImDrawList *list = ImGui::GetBackgroundDrawList();
+  const PixelRect &view = frame.view;
+  list->PushClipRect(ImVec2(view.x, view.y), ImVec2(view.x + view.w, view.y + view.h));
+
+  // World axes as the camera sees them; nearer ends are drawn last.
+  struct Axis {
+    Vec3 direction;
+    const char *name;
+    ImU32 tint;
+  };
+  std::array<Axis, 3> axes{{{{1, 0, 0}, "x", IM_COL32(224, 92, 92, 255)},
+                            {{0, 1, 0}, "y", IM_COL32(116, 190, 104, 255)},
+                            {{0, 0, 1}, "z", IM_COL32(98, 148, 232, 255)}}};
+  const Vec3 right = frame.camera.right(), up = frame.camera.up(), forward = frame.camera.forward();
+  std::sort(axes.begin(), axes.end(),
+            [&](const Axis &a, const Axis &b) { return dot(a.direction, forward) > dot(b.direction, forward); });
+  const float length = frame.theme.px(30.0f);
+  const ImVec2 origin(view.x + frame.theme.px(48.0f), view.y + view.h - frame.theme.px(48.0f));
+  for (const Axis &axis : axes) {
+    const auto dx = static_cast<float>(dot(axis.direction, right)), dy = static_cast<float>(-dot(axis.direction, up));
+    const ImVec2 tip(origin.x + dx * length, origin.y + dy * length);
+    list->AddLine(origin, tip, axis.tint, frame.theme.px(2.0f));
+    const ImVec2 size = ImGui::CalcTextSize(axis.name);
+    list->AddText(
+        ImVec2(origin.x + dx * 1.35f * length - 0.5f * size.x, origin.y + dy * 1.35f * length - 0.5f * size.y),
+        axis.tint, axis.name);
+  }
+
+  const bool isAsked = frame.services.panels && frame.services.panels->hasViewPanel();
+  const bool isEmpty =
+      !isAsked && !frame.simulation.exists && (!frame.services.scene || frame.services.scene->rows().empty());
+  const bool isBusy = frame.services.jobs && !frame.services.jobs->running().empty();
+  if (isEmpty && !isBusy) {
+    const char *const lines[] = {"Open an image (Ctrl+I), a mesh (Ctrl+M) or a scene (Ctrl+O),", "or drop a file here"};
+    float y = view.y + 0.45f * view.h;
+    for (const char *line : lines) {
+      const ImVec2 size = ImGui::CalcTextSize(line);
+      list->AddText(ImVec2(view.x + 0.5f * (view.w - size.x), y), ImGui::GetColorU32(colour::kDim), line);
+      y += 1.4f * size.y;
+    }
+  }
+  if (frame.simulation.exists && !frame.simulation.title.empty())
+    list->AddText(frame.theme.bold, frame.theme.bold->FontSize,
+                  ImVec2(view.x + frame.theme.px(14.0f), view.y + frame.theme.px(10.0f)),
+                  ImGui::GetColorU32(colour::kText), frame.simulation.title.c_str());
+  list->PopClipRect();
+}
+
+}  // namespace c3de::ui
