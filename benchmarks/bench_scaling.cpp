@@ -183,7 +183,7 @@ int main(int argc, char **argv) {
   const ParallelFor parallelFor = bench::parallelForOf(pool);
   bench::Report report(line.name(), options);
 
-  std::map<std::string, std::map<std::string, Spread>> variances;
+  std::map<std::string, std::map<std::string, Spread>> spreads;
   for (const Kind &kind : kKinds) {
     std::string evaluation = bench::evaluationName(*build(kind, kSizes[0], 0, parallelFor).body);
     report.table("cost, " + evaluation, {{"evaluation", ""},
@@ -225,7 +225,7 @@ int main(int argc, char **argv) {
                   forces_ns / n, forces_ns / points, times[1].median_ms, times[1].p99_ms, substep_ns / n,
                   substep_ns / points});
       if (built.rest->phyxelCount() < kSpreadFrom) continue;
-      auto &of = variances[evaluation];
+      auto &of = spreads[evaluation];
       of["forces_per_phyxel"].add(forces_ns / n);
       of["forces_per_point"].add(forces_ns / points);
       of["substep_per_phyxel"].add(substep_ns / n);
@@ -233,7 +233,7 @@ int main(int argc, char **argv) {
     }
   }
   report.note("\nspread: largest cost over least, from 1 000 phyxels on");
-  for (const auto &[evaluation, of] : variances)
+  for (const auto &[evaluation, of] : spreads)
     for (const auto &[quantity, spread] : of) {
       char text[160];
       std::snprintf(text, sizeof text, "  %-20s  %-18s  %.2f", evaluation.c_str(), quantity.c_str(),

@@ -151,7 +151,7 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   window.waitUntil(
       "image and labels are shown",
       [](const Json &s) {
-        return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("organ/label_filter");
+        return s["panes"].size() == 4 && s["jobs"].empty() && s["widgets"].contains("segmentation/label_filter");
       },
       60.0);
   const auto inCoronal = [&](double u, double v) {
@@ -161,33 +161,33 @@ TEST_CASE("Pictures of the way to an organ for the user guide", "[.guide]") {
   };
   window.clickAt(inCoronal(0.25, 0.1));
   window.key("4");
-  window.click("organ/label_filter");
+  window.click("segmentation/label_filter");
   window.type("liver");
   window.screenshot("organ_labels");
-  window.click("organ/label.5");
-  window.waitForValue("organ/material", "liver");
-  window.click("organ/close");
+  window.click("segmentation/label.5");
+  window.waitForValue("segmentation/material", "liver");
+  window.click("segmentation/close");
   window.waitUntil(
       "it is closed",
       [](const Json &s) {
-        return s["jobs"].empty() && s["values"].value("organ/Steps", "").find("closed by") != std::string::npos;
+        return s["jobs"].empty() && s["values"].value("segmentation/Steps", "").find("closed by") != std::string::npos;
       },
       60.0);
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organ");
 
-  window.click("organ/label_filter");
+  window.click("segmentation/label_filter");
   window.key("ctrl+a");
   window.type("spleen");
-  window.click("organ/label.1");
-  window.click("organ/label_filter");
+  window.click("segmentation/label.1");
+  window.click("segmentation/label_filter");
   window.key("ctrl+a");
   window.type("kidney");
-  window.click("organ/label.2");
-  window.click("organ/label.3");
+  window.click("segmentation/label.2");
+  window.click("segmentation/label.3");
   window.moveTo(inCoronal(0.9, 0.95));
   window.screenshot("organs_picked");
-  window.click("organ/make");
+  window.click("segmentation/create");
   window.waitUntil(
       "they are created", [](const Json &s) { return s["jobs"].empty() && s["transport"]["time_s"] > 0.2; }, 60.0);
   window.moveTo(inCoronal(0.9, 0.95));

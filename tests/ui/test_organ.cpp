@@ -197,7 +197,7 @@ TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves 
   };
   choose(copy);
   window.waitUntil(
-      "the new organ is there", [](const Json &s) { return row(s, "Organ") == "second_organ" && s["jobs"].empty(); },
+      "the new organ is there", [](const Json &s) { return row(s, "Body") == "second_organ" && s["jobs"].empty(); },
       60.0);
   CHECK(window.state()["notifications"].empty());
   window.screenshot("loaded");
@@ -208,7 +208,7 @@ TEST_CASE("an organ is loaded through the plugin's panel, and a bad file leaves 
   const Json refused = window.waitUntil("it is refused", [](const Json &s) { return !s["notifications"].empty(); });
   CHECK(refused["notifications"][0]["severity"] == "error");
   CHECK_THAT(refused["notifications"][0]["text"].get<std::string>(), Contains("bad_organ.obj"));
-  CHECK(row(refused, "Organ") == "second_organ");
+  CHECK(row(refused, "Body") == "second_organ");
   window.screenshot("refused");
 }
 

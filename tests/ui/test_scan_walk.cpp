@@ -58,11 +58,11 @@ Json pointAt(WorkstationDriver &window, const Vec3 &centre, const Vec3 &target) 
 
 /// The material of the same name follows.
 void nameOrgan(WorkstationDriver &window, const char *name) {
-  window.click("organ/name");
+  window.click("segmentation/name");
   window.key("ctrl+a");
   window.type(name);
   window.key("Return");
-  window.waitForValue("organ/material", name);
+  window.waitForValue("segmentation/material", name);
 }
 
 /// In the 3D view from the front, without the planes of the slices, which would be in the way of the mouse.
@@ -119,24 +119,25 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
     window.type(value);
     window.key("Return");
   };
-  const auto picked = [](const Json &s) { return number(s, "organ/Picked"); };
+  const auto picked = [](const Json &s) { return number(s, "segmentation/Picked"); };
   const auto settled = [&](const char *what, const auto &isMet) {
     return window.waitUntil(
         what, [&](const Json &s) { return s["jobs"].empty() && isMet(picked(s)); }, 60.0);
   };
-  enter("organ/low", "20");
-  enter("organ/high", "100");
-  window.waitUntil("both ends count", [](const Json &s) { return text(s, "organ/Steps") == "threshold 20 … 100"; });
+  enter("segmentation/low", "20");
+  enter("segmentation/high", "100");
+  window.waitUntil("both ends count",
+                   [](const Json &s) { return text(s, "segmentation/Steps") == "threshold 20 … 100"; });
   const double between = picked(settled("soft tissue is picked", [](double ml) { return ml > 3000.0; }));
   CHECK(window.value("image/preview") == "shown");
   window.moveTo(pixelOf(window, "axial", centre, liver));
   window.screenshot("threshold");
-  window.click("organ/fill_holes");
+  window.click("segmentation/fill_holes");
   const double filled = picked(settled("holes are filled", [&](double ml) { return ml > 1.02 * between; }));
-  enter("organ/radius", "9");
-  window.click("organ/open");
+  enter("segmentation/radius", "9");
+  window.click("segmentation/open");
   const double opened = picked(settled("bridges are removed", [&](double ml) { return ml < 0.9 * filled; }));
-  window.click("organ/component");
+  window.click("segmentation/component");
   window.waitUntil("a click is waited for", [](const Json &s) { return text(s, "image/picking") == "on"; });
   window.clickAt(pixelOf(window, "axial", centre, liver));
   const double organ = picked(settled("a part is picked", [&](double ml) { return ml < 0.95 * opened; }));
@@ -146,11 +147,11 @@ TEST_CASE("a liver is found in a CT by threshold, becomes a body, and the scan f
 
   nameOrgan(window, "liver");
   // Held by nothing it goes far enough to leave its place.
-  window.click("organ/held");
-  window.click("organ/held.option.nothing");
-  window.waitForValue("organ/held", "nothing");
+  window.click("segmentation/held");
+  window.click("segmentation/held.option.nothing");
+  window.waitForValue("segmentation/held", "nothing");
   window.screenshot("organ");
-  window.click("organ/make");
+  window.click("segmentation/create");
   window.waitUntil(
       "the body is created",
       [](const Json &s) {
@@ -204,16 +205,16 @@ TEST_CASE("an organ of a CT that is pulled by three centimetres and let go comes
   window.key("4");
 
   // The spleen, as it is in the labels; what holds it is what is proposed.
-  window.click("organ/label_filter");
+  window.click("segmentation/label_filter");
   window.type("spleen");
-  window.click("organ/label.1");
-  window.waitUntil("it is picked", [](const Json &s) { return text(s, "organ/Picked").starts_with("261"); });
+  window.click("segmentation/label.1");
+  window.waitUntil("it is picked", [](const Json &s) { return text(s, "segmentation/Picked").starts_with("261"); });
   nameOrgan(window, "spleen");
-  CHECK(window.value("organ/held") == "by its surroundings");
-  CHECK(window.number("organ/surroundings") == 30000.0);
-  (void)window.locate("organ/surroundings");
+  CHECK(window.value("segmentation/held") == "by its surroundings");
+  CHECK(window.number("segmentation/surroundings") == 30000.0);
+  (void)window.locate("segmentation/surroundings");
   window.screenshot("held");
-  window.click("organ/make");
+  window.click("segmentation/create");
   window.waitUntil(
       "the body is created",
       [](const Json &s) {

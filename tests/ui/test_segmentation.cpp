@@ -79,48 +79,48 @@ TEST_CASE("an organ is picked by threshold, click and filled holes, and becomes 
   CHECK(window.value("image/preview") == "none");
   window.screenshot("before");
 
-  window.controlClick("organ/low");
+  window.controlClick("segmentation/low");
   window.key("ctrl+a");
   window.type("60");
   window.key("Return");
-  window.waitForValue("organ/Picked", pickedText(phantom.organ + phantom.other));
+  window.waitForValue("segmentation/Picked", pickedText(phantom.organ + phantom.other));
   CHECK(window.value("image/preview") == "shown");
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("threshold");
   CHECK(window.differingPixels("before", "threshold") > 500);
 
-  window.click("organ/component");
+  window.click("segmentation/component");
   window.waitUntil("a click is waited for", [](const Json &s) { return text(s, "image/picking") == "on"; });
   window.clickAt(axialPixel(window, {0, -40, 0}));
   window.waitUntil("a click beside it is told", [](const Json &s) {
-    return text(s, "organ/Problem").find("outside of the mask") != std::string::npos;
+    return text(s, "segmentation/Problem").find("outside of the mask") != std::string::npos;
   });
-  CHECK(window.value("organ/Picked") == pickedText(phantom.organ + phantom.other));
+  CHECK(window.value("segmentation/Picked") == pickedText(phantom.organ + phantom.other));
   const std::string cross = window.value("image/cross_hair");
-  window.click("organ/component");
+  window.click("segmentation/component");
   window.waitUntil("a click is waited for again", [](const Json &s) { return text(s, "image/picking") == "on"; });
   window.screenshot("picking");
   window.clickAt(axialPixel(window, {-35, 0, 0}));
-  window.waitForValue("organ/Picked", pickedText(phantom.organ));
+  window.waitForValue("segmentation/Picked", pickedText(phantom.organ));
   CHECK(window.value("image/cross_hair") == cross);
   CHECK(window.value("image/picking") == "off");
 
-  window.click("organ/fill_holes");
-  window.waitForValue("organ/Picked", pickedText(phantom.organ + phantom.cavity));
-  window.click("organ/undo");
-  window.waitForValue("organ/Picked", pickedText(phantom.organ));
-  window.click("organ/fill_holes");
-  window.waitForValue("organ/Picked", pickedText(phantom.organ + phantom.cavity));
+  window.click("segmentation/fill_holes");
+  window.waitForValue("segmentation/Picked", pickedText(phantom.organ + phantom.cavity));
+  window.click("segmentation/undo");
+  window.waitForValue("segmentation/Picked", pickedText(phantom.organ));
+  window.click("segmentation/fill_holes");
+  window.waitForValue("segmentation/Picked", pickedText(phantom.organ + phantom.cavity));
 
-  CHECK(window.value("organ/material") == "– choose –");
-  window.click("organ/name");
+  CHECK(window.value("segmentation/material") == "– choose –");
+  window.click("segmentation/name");
   window.key("ctrl+a");
   window.type("liver");
   window.key("Return");
-  window.waitForValue("organ/material", "liver");
-  CHECK_THAT(window.value("organ/Young's modulus"), Contains("6 kPa (1 kPa … 15 kPa)"));
+  window.waitForValue("segmentation/material", "liver");
+  CHECK_THAT(window.value("segmentation/Young's modulus"), Contains("6 kPa (1 kPa … 15 kPa)"));
   window.screenshot("material");
-  window.click("organ/make");
+  window.click("segmentation/create");
   window.waitUntil(
       "the body is created",
       [](const Json &s) {
@@ -203,39 +203,42 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.waitUntil(
       "both label maps are open",
       [](const Json &s) { return s["jobs"].empty() && text(s, "image/label_map") == "image_organs_other.nrrd"; }, 60.0);
-  CHECK(window.has("organ/label.4"));
-  CHECK_FALSE(window.has("organ/label_filter"));
+  CHECK(window.has("segmentation/label.4"));
+  CHECK_FALSE(window.has("segmentation/label_filter"));
   window.click("image/label_map");
   window.click("image/label_map.option.image_organs_many.nrrd");
   window.waitForValue("image/label_map", "image_organs_many.nrrd");
 
-  window.click("organ/label_filter");
+  window.click("segmentation/label_filter");
   window.type("kidney");
-  window.click("organ/tick_listed");
-  window.waitUntil("both are picked", [](const Json &s) { return text(s, "organ/Picked").starts_with("2 labels"); });
-  CHECK(window.value("organ/material.2") == "kidney_cortex");
-  CHECK(window.value("organ/Young's modulus") == "5 kPa (2 kPa … 15 kPa)");
-  CHECK_THAT(window.value("organ/Source"), Contains("PMID"));
-  window.click("organ/label_filter");
+  window.click("segmentation/tick_listed");
+  window.waitUntil("both are picked",
+                   [](const Json &s) { return text(s, "segmentation/Picked").starts_with("2 labels"); });
+  CHECK(window.value("segmentation/material.2") == "kidney_cortex");
+  CHECK(window.value("segmentation/Young's modulus") == "5 kPa (2 kPa … 15 kPa)");
+  CHECK_THAT(window.value("segmentation/Source"), Contains("PMID"));
+  window.click("segmentation/label_filter");
   window.key("ctrl+a");
   window.type("trunk");
-  window.click("organ/label.4");
-  window.waitUntil("three are picked", [](const Json &s) { return text(s, "organ/Picked").starts_with("3 labels"); });
+  window.click("segmentation/label.4");
+  window.waitUntil("three are picked",
+                   [](const Json &s) { return text(s, "segmentation/Picked").starts_with("3 labels"); });
   window.moveTo(axialPixel(window, {0, -45, 0}));
   window.screenshot("picked");
   window.key("ctrl+z");
   window.waitUntil("the last is taken back",
-                   [](const Json &s) { return text(s, "organ/Picked").starts_with("2 labels"); });
+                   [](const Json &s) { return text(s, "segmentation/Picked").starts_with("2 labels"); });
   window.key("ctrl+shift+z");
-  window.waitUntil("it is there again", [](const Json &s) { return text(s, "organ/Picked").starts_with("3 labels"); });
+  window.waitUntil("it is there again",
+                   [](const Json &s) { return text(s, "segmentation/Picked").starts_with("3 labels"); });
 
   // Edges of half a millimetre are too many for the trunk alone.
-  window.click("organ/edge_automatic");
-  window.controlClick("organ/edge");
+  window.click("segmentation/edge_automatic");
+  window.controlClick("segmentation/edge");
   window.key("ctrl+a");
   window.type("0.5");
   window.key("Return");
-  window.click("organ/make");
+  window.click("segmentation/create");
   const Json made = window.waitUntil(
       "the kidneys are created",
       [](const Json &s) {
@@ -251,7 +254,7 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   CHECK(refused["severity"] == "error");
   CHECK_THAT(refused["text"].get<std::string>(), Contains("edge length of 0.5 mm") && Contains("It stays picked"));
   window.waitUntil("it is what is picked",
-                   [](const Json &s) { return text(s, "organ/Picked").ends_with(" 125000 voxels"); });
+                   [](const Json &s) { return text(s, "segmentation/Picked").ends_with(" 125000 voxels"); });
   // Bodies have the colours of their labels: both are blue ones.
   window.screenshot("kidneys");
   CHECK(window.shareOfColour("kidneys", "b > 1.5*r && b > 0.25") > 0.002);
@@ -260,17 +263,17 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   CHECK(window.value("image/label.3") == "false");
   CHECK(window.value("image/label.4") == "true");
 
-  window.click("organ/edge_automatic");
+  window.click("segmentation/edge_automatic");
   // A count of one's own takes the place of that by the thickness.
-  CHECK_FALSE(window.has("organ/phyxels"));
-  window.click("organ/count_automatic");
-  window.controlClick("organ/phyxels");
+  CHECK_FALSE(window.has("segmentation/phyxels"));
+  window.click("segmentation/count_automatic");
+  window.controlClick("segmentation/phyxels");
   window.key("ctrl+a");
   window.type("400");
   window.key("Return");
-  window.waitForValue("organ/phyxels", "400");
+  window.waitForValue("segmentation/phyxels", "400");
   window.screenshot("own_count");
-  window.click("organ/make");
+  window.click("segmentation/create");
   window.waitUntil(
       "the trunk has joined them",
       [](const Json &s) { return s["jobs"].empty() && hasNode(s, "muscle_trunk") && hasNode(s, "kidney_left"); }, 60.0);
@@ -283,14 +286,14 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
   window.waitFrames(3);
   CHECK(text(window.state(), "image/preview") == "none");
   // The same body a second time is refused, and the simulation goes on.
-  window.click("organ/undo");
+  window.click("segmentation/undo");
   // The panel grows row by row until the mask is shown, and what is below moves.
   window.waitUntil("it is picked again", [](const Json &s) {
-    return text(s, "organ/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() &&
-           text(s, "organ/overlay") == "true" && text(s, "image/preview") == "shown";
+    return text(s, "segmentation/Picked").ends_with(" 125000 voxels") && s["jobs"].empty() &&
+           text(s, "segmentation/overlay") == "true" && text(s, "image/preview") == "shown";
   });
   window.waitFrames(3);
-  window.click("organ/make");
+  window.click("segmentation/create");
   const Json again = window.waitUntil(
       "it is refused", [](const Json &s) { return !notification(s, "Could not create muscle_trunk").is_null(); });
   CHECK_THAT(notification(again, "Could not create muscle_trunk")["text"].get<std::string>(),

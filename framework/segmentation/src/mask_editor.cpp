@@ -113,7 +113,7 @@ void MaskEditor::startNext() {
   isStepRunning_ = true;
   waiting_.pop_front();
   submit(
-      "Organ: " + running_.text(),
+      "Segmentation: " + running_.text(),
       [step = running_, sources = sources_, before = shown_.mask](const ProgressFn &progress) {
         return carriedOut(step, sources, before.get(), progress);
       },
@@ -151,7 +151,7 @@ void MaskEditor::goTo(std::size_t done) {
     running_ = states_[done - 1].step;
     isStepRunning_ = false;
     submit(
-        done < done_ ? "Organ: undo" : "Organ: redo",
+        done < done_ ? "Segmentation: undo" : "Segmentation: redo",
         [packed](const ProgressFn &) -> Expected<imaging::Mask> { return packed->mask(); }, packed,
         [this, done](const Result &) { done_ = done; });
   } else {

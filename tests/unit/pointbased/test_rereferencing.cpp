@@ -367,8 +367,7 @@ TEST_CASE("a follower pressure goes on with the surface it has after a renewal, 
   }
 }
 
-TEST_CASE(
-    "a drop that may flow without end variances over the floor, its volume kept, its height falling all the way") {
+TEST_CASE("a drop that may flow without end spreads over the floor, its volume kept, its height falling all the way") {
   std::array<double, 2> share{}, step{};
   for (const bool renewing : {true, false}) {
     const double radius = 0.04;

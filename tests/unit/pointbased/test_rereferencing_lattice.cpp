@@ -155,7 +155,7 @@ struct Drop {
 
 }  // namespace
 
-TEST_CASE("a lattice drop that may flow without end variances on, its volume and its step kept") {
+TEST_CASE("a lattice drop that may flow without end spreads on, its volume and its step kept") {
   std::array<double, 2> share{}, step{}, gravity{}, lost{};
   for (const bool renewing : {true, false}) {
     Drop drop(renewing);

@@ -155,7 +155,7 @@ TEST_CASE("A map of many labels has a filter, and several are ticked at once", "
                          Contains("[disabled button: Create 2 bodies]") && Contains("no material is chosen for thing"));
   text.setText("material.8", "fat");
   draw();
-  text.press("make");
+  text.press("create");
   draw();
   REQUIRE(f.made.size() == 2);
   CHECK(f.made[1].material == "fat");
@@ -199,7 +199,7 @@ TEST_CASE("The panel leads from labels to the button", "[organ]") {
   text.setNumber("radius", 6.0);
   text.press("close");
   draw();
-  text.press("make");
+  text.press("create");
   draw();
   CHECK(text.problems().empty());
   REQUIRE(f.made.size() == 1);

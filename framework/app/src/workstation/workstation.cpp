@@ -133,7 +133,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
                                   bodyCreation_->createBodies(std::move(requests));
                                 }});
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
-                    &images_->guide(), &edits_},
+                    &images_->workflow(), &edits_},
                    actions());
   window_->setAbout(about());
   showPluginProblems();
@@ -250,8 +250,8 @@ std::string Workstation::unsaved() const {
   if (const scene::Simulation *simulation = session_->simulation(); simulation && simulation->state().steps > 0)
     add("The simulation has run to t = " + formatNumber(std::round(1e3 * simulation->state().time_s) / 1e3) +
         " s. Its state is lost; File > Export… writes it.");
-  if (const segmentation::SegmentationWorkflow &guide = images_->guide();
-      guide.mask().mask() || !guide.pickedLabels().empty())
+  if (const segmentation::SegmentationWorkflow &workflow = images_->workflow();
+      workflow.mask().mask() || !workflow.pickedLabels().empty())
     add("No body has been created of what is picked in the image.");
   for (const BackgroundJobs::Status &job : session_->jobs().running()) add("Still running: " + job.title + ".");
   return text;

@@ -66,7 +66,7 @@ WorkstationImages::WorkstationImages(Session &session, render::Renderer &rendere
                                      Events events)
     : session_(session), renderer_(renderer), panels_(panels), events_(std::move(events)),
       displacement_(renderer.images(), views_),
-      guide_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}) {
+      workflow_(session.jobs(), kJobOwner, session.materials(), {[this] { showPreview(); }, events_.createBodies}) {
   if (render::ImageRenderer *images = renderer_.images()) images->setShiftColours(ui::shiftColours());
   views_.setTimeChooser([this](std::size_t time) { readTime(time); });
 }
@@ -161,7 +161,7 @@ void WorkstationImages::showTime(std::shared_ptr<scene::StoredImage> image) {
   session_.images().removeImage(storedImage_);
   storedImage_ = session_.images().add(std::shared_ptr<const scene::StoredImage>(image));
   views_.replaceImage(image, *handle);
-  guide_.replaceImage(image);
+  workflow_.replaceImage(image);
 }
 
 void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
@@ -191,8 +191,8 @@ void WorkstationImages::show(std::shared_ptr<scene::StoredImage> image) {
     }
   }
   session_.sceneGraph().touch();
-  guide_.setSources({image, nullptr});
-  segmentationPanel_.emplace(panels_, views_, guide_);
+  workflow_.setSources({image, nullptr});
+  segmentationPanel_.emplace(panels_, views_, workflow_);
   panel_.emplace(panels_, views_,
                  ui::ImagePanel::LabelMaps{[this] {
                                              std::vector<std::string> names;
@@ -281,7 +281,7 @@ void WorkstationImages::showLabels(const OpenLabels &open) {
   if (!handle) return events_.failed("Could not show " + open.labels->name, handle.error());
   removeLabels();
   storedLabels_ = session_.images().add(open.labels);
-  guide_.setSources({guide_.mask().sources().image, open.labels});
+  workflow_.setSources({workflow_.mask().sources().image, open.labels});
   views_.setLabels(open.labels);
   for (const std::uint16_t label : open.hidden) views_.setLabelOpacity(label, 0.0f);
   ui::ImageHandles handles = views_.handles();
@@ -296,7 +296,7 @@ void WorkstationImages::onBodiesReady(const std::vector<segmentation::BodyReques
       open.hidden.push_back(request.label);
       if (open.labels.get() == views_.labels()) views_.setLabelOpacity(request.label, 0.0f);
     }
-  guide_.onBodiesCreated(requests);
+  workflow_.onBodiesCreated(requests);
 }
 
 void WorkstationImages::onBodiesRemoved() {
@@ -317,16 +317,16 @@ void WorkstationImages::removeLabels() {
 /// Of what is being picked, over the slices.
 void WorkstationImages::showPreview() {
   render::ImageRenderer *images = renderer_.images();
-  views_.setPickedLabels(guide_.isSeveral() ? guide_.pickedLabels() : std::vector<std::uint16_t>());
-  if (!images || preview_ == guide_.mask().preview()) return;
-  preview_ = guide_.mask().preview();
+  views_.setPickedLabels(workflow_.isSeveral() ? workflow_.pickedLabels() : std::vector<std::uint16_t>());
+  if (!images || preview_ == workflow_.mask().preview()) return;
+  preview_ = workflow_.mask().preview();
   ui::ImageHandles handles = views_.handles();
   images->remove(std::exchange(handles.preview, {}));
   if (preview_ && !preview_->voxels.empty()) {
     auto handle = images->addLabels(placeOf(preview_->geometry), preview_->voxels);
     if (!handle) return views_.setHandles(handles), events_.failed("Could not show what is picked", handle.error());
     handles.preview = *handle;
-    const std::pair<std::uint16_t, render::Colour> colour{std::uint16_t{1}, guide_.colour()};
+    const std::pair<std::uint16_t, render::Colour> colour{std::uint16_t{1}, workflow_.colour()};
     images->setLabelColours(handles.preview, {&colour, 1});
   }
   views_.setHandles(handles);
@@ -363,7 +363,7 @@ void WorkstationImages::close() {
   waitingLabels_.clear();
   labelMaps_.clear();
   segmentationPanel_.reset();
-  guide_.setSources({});
+  workflow_.setSources({});
   removeLabels();
   displacement_.forget();
   if (render::ImageRenderer *images = renderer_.images())

@@ -40,7 +40,7 @@ class WorkstationImages {
   WorkstationImages &operator=(const WorkstationImages &) = delete;
 
   [[nodiscard]] ui::ImageViews &views() { return views_; }
-  [[nodiscard]] segmentation::SegmentationWorkflow &guide() { return guide_; }
+  [[nodiscard]] segmentation::SegmentationWorkflow &workflow() { return workflow_; }
   /// What is to be done with a segmentation that is opened as an image.
   enum class Segmentation {
     labels,  ///< it is laid over the image that is open; where none is, over its own numbers
@@ -93,7 +93,7 @@ class WorkstationImages {
   ui::ImageViews views_;
   DisplacementPresenter displacement_;
   std::optional<ui::ImagePanel> panel_;
-  segmentation::SegmentationWorkflow guide_;
+  segmentation::SegmentationWorkflow workflow_;
   std::optional<ui::SegmentationPanel> segmentationPanel_;
   std::unique_ptr<SeriesChoice> choice_;
   std::filesystem::path path_;  ///< of the image that is open

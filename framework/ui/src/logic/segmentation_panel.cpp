@@ -25,12 +25,12 @@ void swatch(const c3de_ui_v0 &ui, const render::Colour &colour) {
 }  // namespace
 
 SegmentationPanel::SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views,
-                                     segmentation::SegmentationWorkflow &guide)
-    : panels_(panels), views_(views), guide_(guide) {
+                                     segmentation::SegmentationWorkflow &workflow)
+    : panels_(panels), views_(views), workflow_(workflow) {
   registry::Panel panel;
   panel.owner = "c3de";
-  panel.id = "organ";
-  panel.title = "Organ";
+  panel.id = "segmentation";
+  panel.title = "Segmentation";
   panel.self = this;
   panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<SegmentationPanel *>(self)->draw(*ui); };
   panel_ = panels_.add(std::move(panel));
@@ -42,17 +42,17 @@ SegmentationPanel::~SegmentationPanel() {
 }
 
 void SegmentationPanel::draw(const c3de_ui_v0 &ui) {
-  if (!guide_.mask().sources().image) return;
+  if (!workflow_.mask().sources().image) return;
   heading(ui, "1  Pick it in the image");
   drawSource(ui);
-  const std::size_t several = guide_.isSeveral() ? guide_.pickedLabels().size() : 0;
+  const std::size_t several = workflow_.isSeveral() ? workflow_.pickedLabels().size() : 0;
   if (several > 0)
     drawSeveral(ui);
   else
     drawSteps(ui);
   drawUndo(ui);
   // One thing after the other: the rest would only fill the panel.
-  if (several == 0 && !guide_.mask().mask())
+  if (several == 0 && !workflow_.mask().mask())
     return text(ui, "Then: its material, how finely it is sampled, and the simulation.");
   heading(ui, several > 0 ? "2  Materials" : "2  Material");
   if (several > 0)
@@ -63,9 +63,9 @@ void SegmentationPanel::draw(const c3de_ui_v0 &ui) {
   drawSampling(ui);
   drawHolding(ui);
   heading(ui, "4  Simulate");
-  const std::string reason = guide_.blockingReason();
+  const std::string reason = workflow_.blockingReason();
   const std::string create = several > 0 ? fmt::format("Create {} bodies", several) : std::string("Create body");
-  if (button(ui, "make", create, reason.empty())) guide_.createBodies();
+  if (button(ui, "create", create, reason.empty())) workflow_.createBodies();
   tooltip(ui, "A body of the simulation of each that is picked: its surface, its phyxels, its material");
   if (!reason.empty()) text(ui, "Not yet: " + reason + ".");
 }
@@ -80,22 +80,22 @@ void SegmentationPanel::clickButton(const c3de_ui_v0 &ui, const char *id, const 
   if (isAwaited)
     views_.cancelPick();
   else
-    views_.pickNext([guide = &guide_, clicked](const Vec3 &reference) { (guide->*clicked)(reference); });
+    views_.pickNext([workflow = &workflow_, clicked](const Vec3 &reference) { (workflow->*clicked)(reference); });
 }
 
 void SegmentationPanel::drawSource(const c3de_ui_v0 &ui) {
-  if (guide_.mask().sources().labels) {
-    std::uint32_t index = guide_.settings().isFromLabel ? 0 : 1;
-    if (choice(ui, "source", "From", index, {"a label", "values between"})) guide_.setFromLabel(index == 0);
+  if (workflow_.mask().sources().labels) {
+    std::uint32_t index = workflow_.settings().isFromLabel ? 0 : 1;
+    if (choice(ui, "source", "From", index, {"a label", "values between"})) workflow_.setFromLabel(index == 0);
   }
-  if (guide_.settings().isFromLabel)
+  if (workflow_.settings().isFromLabel)
     drawLabels(ui);
   else
     drawThreshold(ui);
 }
 
 void SegmentationPanel::drawLabels(const c3de_ui_v0 &ui) {
-  const std::vector<segmentation::SegmentationWorkflow::LabelRow> rows = guide_.labels();
+  const std::vector<segmentation::SegmentationWorkflow::LabelRow> rows = workflow_.labels();
   std::vector<const segmentation::SegmentationWorkflow::LabelRow *> listed;
   for (const segmentation::SegmentationWorkflow::LabelRow &row : rows)
     if (rows.size() <= kManyLabels || isListed(row.name, filter_)) listed.push_back(&row);
@@ -108,47 +108,46 @@ void SegmentationPanel::drawLabels(const c3de_ui_v0 &ui) {
       bool isPicked = row->isChosen;
       const std::string volume = row->volume_ml ? fmt::format("{:.1f} ml", *row->volume_ml) : std::string("… ml");
       if (checkbox(ui, "label." + std::to_string(row->value), row->name + "   " + volume, isPicked, ""))
-        guide_.tickLabel(row->value, isPicked);
+        workflow_.tickLabel(row->value, isPicked);
     }
   });
   if (rows.size() < 2) return;
   if (button(ui, "tick_listed", "Tick the listed", !listed.empty())) {
-    std::vector<std::uint16_t> values = guide_.pickedLabels();
+    std::vector<std::uint16_t> values = workflow_.pickedLabels();
     for (const segmentation::SegmentationWorkflow::LabelRow *row : listed)
       if (!row->isChosen) values.push_back(row->value);
-    guide_.chooseLabels(values);
+    workflow_.chooseLabels(values);
   }
   tooltip(ui, "Beside those that are ticked already. Each becomes a body of its own");
   sameLine(ui);
-  if (button(ui, "untick", "Untick all", !guide_.pickedLabels().empty())) guide_.chooseLabels({});
+  if (button(ui, "untick", "Untick all", !workflow_.pickedLabels().empty())) workflow_.chooseLabels({});
 }
 
 void SegmentationPanel::drawThreshold(const c3de_ui_v0 &ui) {
-  const scene::StoredImage &image = *guide_.mask().sources().image;
-  double low = guide_.settings().low, high = guide_.settings().high;
+  const scene::StoredImage &image = *workflow_.mask().sources().image;
+  double low = workflow_.settings().low, high = workflow_.settings().high;
   const double least = std::min({image.range.min, low}), most = std::max({image.range.max, high});
-  if (slider(ui, "low", "Lowest", image.volume.unit, low, least, most, "The lowest value that belongs to the organ"))
-    guide_.setLow(low);
-  if (slider(ui, "high", "Highest", image.volume.unit, high, least, most,
-             "The highest value that belongs to the organ"))
-    guide_.setHigh(high);
+  if (slider(ui, "low", "Lowest", image.volume.unit, low, least, most, "The lowest value that belongs to the body"))
+    workflow_.setLow(low);
+  if (slider(ui, "high", "Highest", image.volume.unit, high, least, most, "The highest value that belongs to the body"))
+    workflow_.setHigh(high);
   bool isShown = false;
-  for (const segmentation::MaskStep &step : guide_.mask().steps())
+  for (const segmentation::MaskStep &step : workflow_.mask().steps())
     if (step.startsAnew()) isShown = step.kind == segmentation::MaskStep::Kind::threshold;
-  if (!isShown && button(ui, "threshold", "Show what lies between")) guide_.showThreshold();
+  if (!isShown && button(ui, "threshold", "Show what lies between")) workflow_.showThreshold();
 }
 
 void SegmentationPanel::drawSteps(const c3de_ui_v0 &ui) {
   using Kind = segmentation::MaskStep::Kind;
-  const segmentation::MaskEditor &mask = guide_.mask();
+  const segmentation::MaskEditor &mask = workflow_.mask();
   const bool hasMask = mask.mask() != nullptr;
   std::string volume =
       hasMask ? fmt::format("{:.1f} ml, {} voxels", mask.volume_ml(), mask.voxels()) : std::string("nothing yet");
   if (mask.isBusy()) volume += " …";
   row(ui, "Picked", volume);
-  if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
+  if (const std::string problem = workflow_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
   if (!hasMask) return;
-  swatch(ui, guide_.colour());
+  swatch(ui, workflow_.colour());
   ImageOptions options = views_.options();
   if (checkbox(ui, "overlay", "Show it over the slices", options.showsPreview, "Instead of the label map"))
     views_.setOptions(options);
@@ -162,29 +161,29 @@ void SegmentationPanel::drawSteps(const c3de_ui_v0 &ui) {
   clickButton(ui, "component", "Keep only the part I click",
               "The next click in a slice: what hangs together with that voxel stays. Esc: no click",
               &segmentation::SegmentationWorkflow::keepComponentAt);
-  if (button(ui, "largest", "Keep the largest part")) guide_.carryOut(Kind::largest);
+  if (button(ui, "largest", "Keep the largest part")) workflow_.carryOut(Kind::largest);
   sameLine(ui);
-  if (button(ui, "fill_holes", "Fill holes")) guide_.carryOut(Kind::fillHoles);
-  double radius = guide_.settings().radius_mm;
+  if (button(ui, "fill_holes", "Fill holes")) workflow_.carryOut(Kind::fillHoles);
+  double radius = workflow_.settings().radius_mm;
   if (slider(ui, "radius", "Radius", "mm", radius, kSmallestRadius_mm, kLargestRadius_mm, "Of closing and opening"))
-    guide_.setRadius(radius);
-  if (button(ui, "close", "Close gaps")) guide_.carryOut(Kind::close);
+    workflow_.setRadius(radius);
+  if (button(ui, "close", "Close gaps")) workflow_.carryOut(Kind::close);
   tooltip(ui, "Closing: gaps and bays narrower than twice the radius are filled");
   sameLine(ui);
-  if (button(ui, "open", "Remove bridges")) guide_.carryOut(Kind::open);
+  if (button(ui, "open", "Remove bridges")) workflow_.carryOut(Kind::open);
   tooltip(ui, "Opening: bridges and spurs narrower than twice the radius are removed");
 }
 
 void SegmentationPanel::drawUndo(const c3de_ui_v0 &ui) {
-  const segmentation::MaskEditor &mask = guide_.mask();
+  const segmentation::MaskEditor &mask = workflow_.mask();
   if (!mask.mask() && !mask.canUndo() && !mask.canRedo()) return;
   const std::string undone = mask.undoLabel(), redone = mask.redoLabel();
-  if (button(ui, "undo", "Undo", !undone.empty())) guide_.undo();
+  if (button(ui, "undo", "Undo", !undone.empty())) workflow_.undo();
   tooltip(ui, ("Takes back the last step" + (undone.empty() ? "" : ": " + undone) +
                " (Ctrl+Z; not by keys after a body was created: what it comes from is laid over it)")
                   .c_str());
   sameLine(ui);
-  if (button(ui, "redo", "Redo", !redone.empty())) guide_.redo();
+  if (button(ui, "redo", "Redo", !redone.empty())) workflow_.redo();
   tooltip(ui, ("Does it again" + (redone.empty() ? "" : ": " + redone) + " (Ctrl+Shift+Z)").c_str());
 }
 
@@ -192,34 +191,35 @@ void SegmentationPanel::drawSeveral(const c3de_ui_v0 &ui) {
   double volume_ml = 0.0;
   bool isCounted = true;
   std::string names;
-  for (const segmentation::SegmentationWorkflow::LabelRow &row : guide_.labels()) {
+  for (const segmentation::SegmentationWorkflow::LabelRow &row : workflow_.labels()) {
     if (!row.isChosen) continue;
     names += (names.empty() ? "" : ", ") + row.name;
     isCounted = isCounted && row.volume_ml;
     volume_ml += row.volume_ml.value_or(0.0);
   }
   row(ui, "Picked",
-      isCounted ? fmt::format("{} labels, {:.1f} ml", guide_.pickedLabels().size(), volume_ml)
-                : fmt::format("{} labels", guide_.pickedLabels().size()));
+      isCounted ? fmt::format("{} labels, {:.1f} ml", workflow_.pickedLabels().size(), volume_ml)
+                : fmt::format("{} labels", workflow_.pickedLabels().size()));
   row(ui, "Ticked", names);
-  if (const std::string problem = guide_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
-  imaging::Mending mend = guide_.settings().mend;
+  if (const std::string problem = workflow_.maskProblem(); !problem.empty()) row(ui, "Problem", problem);
+  imaging::Mending mend = workflow_.settings().mend;
   checkbox(ui, "each_largest", "Keep the largest part of each", mend.largest, "Voxels that lie apart are left out");
   checkbox(ui, "each_filled", "Fill the holes of each", mend.fillHoles, "What is enclosed on all sides");
-  guide_.setMending(mend);
+  workflow_.setMending(mend);
 }
 
 void SegmentationPanel::drawMaterial(const c3de_ui_v0 &ui) {
-  std::string name = guide_.settings().name;
-  if (inputText(ui, "name", "Name", name)) guide_.setName(name);
+  std::string name = workflow_.settings().name;
+  if (inputText(ui, "name", "Name", name)) workflow_.setName(name);
   std::vector<std::string> names{"– choose –"};
   std::uint32_t index = 0;
-  for (const scene::MaterialPreset &preset : guide_.materials().presets()) {
-    if (preset.name == guide_.settings().material) index = static_cast<std::uint32_t>(names.size());
+  for (const scene::MaterialPreset &preset : workflow_.materials().presets()) {
+    if (preset.name == workflow_.settings().material) index = static_cast<std::uint32_t>(names.size());
     names.push_back(preset.name);
   }
-  if (choice(ui, "material", "Material", index, names)) guide_.chooseMaterial(index > 0 ? names[index] : std::string());
-  const scene::MaterialPreset *preset = guide_.material();
+  if (choice(ui, "material", "Material", index, names))
+    workflow_.chooseMaterial(index > 0 ? names[index] : std::string());
+  const scene::MaterialPreset *preset = workflow_.material();
   if (!preset) return;
   row(ui, "Young's modulus",
       segmentation::stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
@@ -233,10 +233,10 @@ void SegmentationPanel::drawMaterial(const c3de_ui_v0 &ui) {
 
 void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
   std::vector<std::string> names{"– choose –"};
-  for (const scene::MaterialPreset &preset : guide_.materials().presets()) names.push_back(preset.name);
-  for (const segmentation::SegmentationWorkflow::LabelRow &label : guide_.labels()) {
+  for (const scene::MaterialPreset &preset : workflow_.materials().presets()) names.push_back(preset.name);
+  for (const segmentation::SegmentationWorkflow::LabelRow &label : workflow_.labels()) {
     if (!label.isChosen) continue;
-    const scene::MaterialPreset *preset = guide_.materialOf(label.value);
+    const scene::MaterialPreset *preset = workflow_.materialOf(label.value);
     std::uint32_t index = 0;
     for (std::uint32_t i = 1; preset && i < names.size(); ++i)
       if (names[i] == preset->name) index = i;
@@ -244,10 +244,10 @@ void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
     text(ui, label.name);
     const std::string id = "material." + std::to_string(label.value);
     if (choice(ui, id.c_str(), "Material", index, names))
-      guide_.chooseMaterialOf(label.value, index > 0 ? names[index] : std::string());
-    bool isRigid = guide_.isRigid(label.value);
+      workflow_.chooseMaterialOf(label.value, index > 0 ? names[index] : std::string());
+    bool isRigid = workflow_.isRigid(label.value);
     if (checkbox(ui, "rigid." + std::to_string(label.value), "Rigid", isRigid, kRigid))
-      guide_.setRigid(label.value, isRigid);
+      workflow_.setRigid(label.value, isRigid);
     if (!preset) continue;
     row(ui, "Young's modulus",
         segmentation::stiffnessText(preset->youngsModulus, preset->youngsModulusMin, preset->youngsModulusMax));
@@ -259,7 +259,7 @@ void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
 }
 
 void SegmentationPanel::drawSampling(const c3de_ui_v0 &ui) {
-  segmentation::SamplingChoice s = guide_.settings().sampling;
+  segmentation::SamplingChoice s = workflow_.settings().sampling;
   checkbox(ui, "count_automatic", "Phyxels by the thickness", s.isCountAutomatic,
            "1000, of what is thin up to 4000, so that their distance is at most half of the thickness");
   if (!s.isCountAutomatic)
@@ -268,16 +268,16 @@ void SegmentationPanel::drawSampling(const c3de_ui_v0 &ui) {
   checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic,
            "One and a half voxels, longer where that makes too many triangles, shorter for what is thin");
   if (!s.isEdgeAutomatic) slider(ui, "edge", "Edge length", "mm", s.edge_mm, kShortestEdge_mm, kLongestEdge_mm, "");
-  guide_.setSampling(s);
+  workflow_.setSampling(s);
 }
 
 void SegmentationPanel::drawHolding(const c3de_ui_v0 &ui) {
-  if (!guide_.isSeveral()) {
-    bool isRigid = guide_.isRigid();
-    if (checkbox(ui, "rigid", "Rigid", isRigid, kRigid)) guide_.setRigid(isRigid);
+  if (!workflow_.isSeveral()) {
+    bool isRigid = workflow_.isRigid();
+    if (checkbox(ui, "rigid", "Rigid", isRigid, kRigid)) workflow_.setRigid(isRigid);
     if (isRigid) return;
   }
-  segmentation::SegmentationSettings s = guide_.settings();
+  segmentation::SegmentationSettings s = workflow_.settings();
   auto held = static_cast<std::uint32_t>(s.held);
   choice(ui, "held", "Held", held, {"by its surroundings", "the lowest part", "nothing"});
   tooltip(ui, "By its surroundings: elastically, where it is in the scan, so that it comes back. Nothing: it drifts");
@@ -286,7 +286,7 @@ void SegmentationPanel::drawHolding(const c3de_ui_v0 &ui) {
            "How the tissue around pulls the surface to its place: stress per way. 30 000: an organ sinks some "
            "millimetres under "
            "its own weight; 0: not at all");
-  guide_.setHolding(static_cast<segmentation::Held>(held), s.surroundings_Pa_m);
+  workflow_.setHolding(static_cast<segmentation::Held>(held), s.surroundings_Pa_m);
 }
 
 }  // namespace c3de::ui

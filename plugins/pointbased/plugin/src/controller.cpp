@@ -54,7 +54,7 @@ std::string readable(std::string name) {
 
 Controller::Controller(const Services &services, PinchTool &pinch) : services_(services), pinch_(pinch) {
   bodyParameters_ = sdk::orThrow(services_.params.declare(
-      "Organ", bodyDeclarations(), [this](const c3de_param_value &value) { bodyParameterChanged(value); }));
+      "Body", bodyDeclarations(), [this](const c3de_param_value &value) { bodyParameterChanged(value); }));
   worldParameters_ = sdk::orThrow(services_.params.declare(
       "World", worldDeclarations(), [this](const c3de_param_value &value) { worldParameterChanged(value); }));
 }
@@ -93,7 +93,7 @@ void Controller::draw(sdk::Ui &ui) {
   followBody(snapshot.get());
   drawRun(ui, snapshot.get());
   if (snapshot) offerRigid(ui, *snapshot);
-  drawOrgan(ui, snapshot.get());
+  drawBody(ui, snapshot.get());
   drawView(ui, snapshot.get());
   drawPinch(ui);
   drawMaterial(ui);
@@ -101,13 +101,13 @@ void Controller::draw(sdk::Ui &ui) {
   if (snapshot) drawStages(ui, *snapshot);
 }
 
-void Controller::drawOrgan(sdk::Ui &ui, const Snapshot *snapshot) {
-  ui.heading("Organ");
+void Controller::drawBody(sdk::Ui &ui, const Snapshot *snapshot) {
+  ui.heading("Body");
   (void)ui.fileButton("browse", "Browse…", "obj;stl;ply;vtk", path_);
   (void)ui.inputText("path", "File", path_);
   ui.tooltip("A closed surface: OBJ, STL, PLY or VTK polydata");
   (void)ui.choice("unit", "Unit of the file", unit_, kUnitNames);
-  (void)ui.checkbox("replace", "Replace the present organ", replace_);
+  (void)ui.checkbox("replace", "Replace the present body", replace_);
   if (job_) {
     if (const auto state = services_.jobs.progress(*job_)) {
       ui.progress(state->fraction, state->what);
@@ -118,12 +118,12 @@ void Controller::drawOrgan(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.tooltip("Reads the surface and fills it with phyxels as set below; what is there stays when that fails");
     ui.sameLine();
     if (ui.button("rebuild", "Rebuild", body_ != 0)) rebuild();
-    ui.tooltip("Fills the present organ again with the sampling below");
+    ui.tooltip("Fills the present body again with the sampling below");
   }
   if (snapshot && snapshot->bodies.size() > 1) chooseBody(ui, *snapshot);
   const BodySnapshot *body = snapshot ? snapshot->body(body_) : nullptr;
   if (body) {
-    if (snapshot->bodies.size() == 1) ui.value("Organ", body->name);
+    if (snapshot->bodies.size() == 1) ui.value("Body", body->name);
     ui.value("Phyxels", std::to_string(body->phyxels.size()));
     ui.value("Surfels", std::to_string(body->surfels.size()));
     ui.value("Spacing", fixed(1e3 * body->rest->spacing, 2) + " mm");
@@ -145,7 +145,7 @@ void Controller::chooseBody(sdk::Ui &ui, const Snapshot &snapshot) {
     if (body.id == body_) index = static_cast<std::uint32_t>(names.size());
     names.push_back(body.name);
   }
-  if (ui.choice("body", "Organ", index, names)) showBody(snapshot.bodies[index]);
+  if (ui.choice("body", "Body", index, names)) showBody(snapshot.bodies[index]);
   ui.tooltip("Whose figures and parameters are shown");
 }
 

@@ -20,7 +20,7 @@ class Controller : public sdk::Panel {
   void setSimulator(WorldSimulator *simulator, SimulatorView *view);
 
  private:
-  void drawOrgan(sdk::Ui &ui, const Snapshot *snapshot);
+  void drawBody(sdk::Ui &ui, const Snapshot *snapshot);
   void drawMaterial(sdk::Ui &ui);
   void drawRun(sdk::Ui &ui, const Snapshot *snapshot);
   void drawStages(sdk::Ui &ui, const Snapshot &snapshot);

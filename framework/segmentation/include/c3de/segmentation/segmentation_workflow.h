@@ -44,7 +44,7 @@ class SegmentationWorkflow {
     std::function<void()> maskChanged;                   ///< or what is known of it
     std::function<void(std::vector<BodyRequest>)> make;  ///< not empty
   };
-  /// @param materials  must outlive the guide
+  /// @param materials  must outlive the workflow
   SegmentationWorkflow(BackgroundJobs &jobs, std::string jobOwner, const scene::MaterialLibrary &materials,
                        Events events);
   ~SegmentationWorkflow();

@@ -11,7 +11,7 @@ namespace c3de::ui {
 /// it lives. Main thread.
 class SegmentationPanel {
  public:
-  SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views, segmentation::SegmentationWorkflow &guide);
+  SegmentationPanel(registry::PanelRegistry &panels, ImageViews &views, segmentation::SegmentationWorkflow &workflow);
   ~SegmentationPanel();
   SegmentationPanel(const SegmentationPanel &) = delete;
   SegmentationPanel &operator=(const SegmentationPanel &) = delete;
@@ -34,7 +34,7 @@ class SegmentationPanel {
 
   registry::PanelRegistry &panels_;
   ImageViews &views_;
-  segmentation::SegmentationWorkflow &guide_;
+  segmentation::SegmentationWorkflow &workflow_;
   Handle panel_;
   std::string filter_;             ///< of the labels that are listed
   const char *awaited_ = nullptr;  ///< id of the button that was pressed last
