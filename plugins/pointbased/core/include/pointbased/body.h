@@ -201,6 +201,12 @@ class Body {
   void setRigid(bool rigid);
   [[nodiscard]] bool rigid() const { return rigid_; }
 
+  /// N per phyxel, from outside of the model, added to those of the scene: constant over a step, kept until they are set
+  /// again. Quasi-static: times the load factor.
+  /// @param forces  [phyxels], finite; empty: none
+  void setExternalForces(std::span<const Vec3> forces);
+  [[nodiscard]] std::span<const Vec3> externalForces() const { return externalForces_; }
+
   /// The state before a step, kept in case the step fails.
   void keepState();
   void restoreState();
@@ -258,6 +264,7 @@ class Body {
   bool rigid_ = false;
   std::vector<Index> fixOfPatch_;
   std::vector<Vec3> patchPoints_, patchShifts_, patchTargets_;
+  std::vector<Vec3> externalForces_;  // empty: none
   std::vector<Vec3> forces_, entryForces_, contactPositions_, contactVelocities_;
   // Of the points; old after evaluate() by vector kernels, until somebody asks for them; empty until they are needed.
   mutable std::vector<Mat3> gradients_, stresses_;

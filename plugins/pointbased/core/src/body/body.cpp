@@ -96,6 +96,7 @@ void Body::layOut() {
   masses_.resize(n);
   inverseMasses_.resize(n);
   forces_.assign(n, Vec3::Zero());
+  externalForces_.clear();
   std::vector<Mat3>().swap(gradients_);
   std::vector<Mat3>().swap(stresses_);
   gradientsOld_ = stressesOld_ = false;
@@ -363,6 +364,20 @@ void Body::addLoads(double t, const ParallelFor &parallelFor) {
   for (std::size_t l = 0; l < conditions.loads.size(); ++l)
     addLoadForces(conditions.loads[l], conditions.loaded[l], factor(conditions.loads[l].ramp, t), state_.displacements,
                   forces_);
+  const double share = factor(0.0, t);
+  for (std::size_t i = 0; i < externalForces_.size(); ++i) forces_[i] += share * externalForces_[i];
+}
+
+void Body::setExternalForces(std::span<const Vec3> forces) {
+  POINTBASED_EXPECTS(forces.empty() || forces.size() == rest_->phyxelCount(), "one external force per phyxel, or none");
+  if (forces.empty() && externalForces_.empty()) return;
+  const bool patchable = forcesCurrent && !quasiStatic && forces.size() == externalForces_.size();
+  // Steps that follow each other need no evaluation between them.
+  if (patchable)
+    for (std::size_t i = 0; i < forces.size(); ++i) forces_[i] += forces[i] - externalForces_[i];
+  else
+    forcesCurrent = false;
+  externalForces_.assign(forces.begin(), forces.end());
 }
 
 double Body::factor(double ramp, double t) const {

@@ -84,6 +84,7 @@ bool Body::restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallel
   stopped = checkpoint.stopped;
   grab.reset();
   grabStatus.reset();
+  externalForces_.clear();
   patches_.clearForces();
   forces_.assign(rest_->phyxelCount(), Vec3::Zero());
   computeGradients(parallelFor);
@@ -133,6 +134,7 @@ void Body::reset() {
   stopped.reset();
   grab.reset();
   grabStatus.reset();
+  externalForces_.clear();
   forcesCurrent = false;
   keepState();
 }

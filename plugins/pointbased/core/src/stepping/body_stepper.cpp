@@ -24,7 +24,7 @@ std::uint64_t substepLimit(const Body &body) {
 // Something outside puts energy into the body, or it takes up what it has lost. Wider than isDriven(): after a ramp
 // what swings still exchanges energy with its support.
 bool mayGainEnergy(const Body &body, std::span<const Obstacle> obstacles, double time) {
-  if (body.grab) return true;
+  if (body.grab || !body.externalForces().empty()) return true;
   for (const Obstacle &obstacle : obstacles)
     if (obstacle.motion) return true;
   const BoundaryConditions &conditions = body.rest().conditions;

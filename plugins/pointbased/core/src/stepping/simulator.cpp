@@ -359,6 +359,16 @@ void Simulator::reset() {
   advanced_ = 0.0;
 }
 
+void Simulator::setExternalForces(std::size_t id, std::span<const Vec3> forces) {
+  Body *target = body(id);
+  if (!target || target->rigid()) return;
+  const bool none = std::all_of(forces.begin(), forces.end(), [](const Vec3 &f) { return f.isZero(0.0); });
+  if (none && target->externalForces().empty()) return;
+  if (none) bodies_.at(id)->forgetEnergy();  // what they have put in has not come from nothing
+  if (!none && bodies_.at(id)->asleep()) bodies_.at(id)->wake();
+  target->setExternalForces(none ? std::span<const Vec3>() : forces);
+}
+
 void Simulator::setGrab(std::size_t id, Grab grab) {
   Body *target = body(id);
   if (!target || grab.phyxels.empty() || target->rigid()) return;
