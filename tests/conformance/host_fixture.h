@@ -19,6 +19,7 @@
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/tool_registry.h"
 #include "c3de/render/renderer.h"
+#include "c3de/scene/force_fields.h"
 #include "c3de/scene/image_store.h"
 #include "c3de/scene/mesh_store.h"
 #include "c3de/scene/scene_graph.h"
@@ -43,6 +44,7 @@ class HostFixture {
     services.meshes = &meshes;
     services.images = &images;
     services.simulations = &simulations;
+    services.forces = &forces;
     if (!headless) {
       services.renderer = renderer.get();
       services.panels = &panels;
@@ -107,6 +109,7 @@ class HostFixture {
   scene::MeshStore meshes;
   scene::ImageStore images;
   scene::SimulationDirectory simulations;
+  scene::ForceFields forces;
   std::unique_ptr<render::Renderer> renderer = render::createNullRenderer();
   registry::PanelRegistry panels;
   registry::ParameterRegistry parameters;

@@ -845,6 +845,46 @@ static void drive_simulation(c3de_handle node) {
   GIVES(C3DE_E_NOT_FOUND, simulation->post(simulation->ctx, kNone, &sim_calls, count_call));
 }
 
+/* ---- forces ---- */
+
+static uint64_t force_calls;
+static c3de_status C3DE_CALL push_up(void *self, const c3de_force_call *call) {
+  *(uint64_t *)self += 1;
+  HOLDS(call->size >= sizeof *call);
+  for (uint64_t i = 0; i < call->count; ++i) call->forces_N[3 * i + 1] += 1.0;
+  return C3DE_OK;
+}
+
+static void drive_forces(c3de_handle node) {
+  const c3de_forces_v0 *forces = service(C3DE_FORCES_ID);
+  c3de_force_field field = {sizeof field, 0, {"up", 2}, &force_calls, push_up};
+  c3de_handle all, one, none;
+  GIVES(C3DE_OK, forces->add(forces->ctx, kNone, &field, &all));
+  GIVES(C3DE_OK, forces->add(forces->ctx, node, &field, &one));
+  HOLDS(all.v != 0 && one.v != 0 && all.v != one.v);
+  GIVES(C3DE_E_ARG, forces->add(forces->ctx, kNoSuch, &field, &none));
+  HOLDS(none.v == 0);
+  GIVES(C3DE_E_ARG, forces->add(forces->ctx, kNone, NULL, &none));
+  GIVES(C3DE_E_ARG, forces->add(forces->ctx, kNone, &field, NULL));
+  field.size = 4;
+  GIVES(C3DE_E_ARG, forces->add(forces->ctx, kNone, &field, &none));
+  field.size = sizeof field + 64; /* of a later revision: what is known counts */
+  GIVES(C3DE_OK, forces->add(forces->ctx, kNone, &field, &none));
+  GIVES(C3DE_OK, forces->remove(forces->ctx, none));
+  field.size = sizeof field;
+  field.apply = NULL;
+  GIVES(C3DE_E_ARG, forces->add(forces->ctx, kNone, &field, &none));
+  field.apply = push_up;
+  field.name.ptr = "\xff";
+  field.name.len = 1;
+  GIVES(C3DE_E_ARG, forces->add(forces->ctx, kNone, &field, &none));
+  GIVES(C3DE_OK, forces->remove(forces->ctx, one));
+  GIVES(C3DE_E_STALE, forces->remove(forces->ctx, one));
+  GIVES(C3DE_E_STALE, forces->remove(forces->ctx, kNoSuch));
+  GIVES(C3DE_E_STALE, forces->remove(forces->ctx, kNone));
+  /* The other one is taken back with the plugin. */
+}
+
 /* ---- imaging: the store has what test_services.cpp puts there ---- */
 
 static c3de_status C3DE_CALL sum_labels(void *self, const c3de_label *label) {
@@ -1082,6 +1122,7 @@ static uint64_t C3DE_CALL run(c3de_object *self, c3de_str name, c3de_handle simu
   if (IS("jobs")) drive_jobs();
   if (IS("time")) drive_time();
   if (IS("simulation")) drive_simulation(simulation);
+  if (IS("forces")) drive_forces(simulation);
   if (IS("imaging")) drive_imaging();
   if (IS("imaging of what is gone")) drive_imaging_of_what_is_gone();
   if (IS("imaging without a store")) drive_imaging_without_a_store();

@@ -9,6 +9,7 @@
 #include "c3de/core/platform.h"
 #include "c3de/core/thread_pool.h"
 #include "c3de/plugin_host/plugin_host.h"
+#include "c3de/scene/force_fields.h"
 #include "c3de/scene/mesh_store.h"
 #include "c3de/scene/scene_graph.h"
 #include "c3de/scene/simulation_directory.h"
@@ -24,6 +25,7 @@ struct SimulatorSession::Impl {
     services.sceneGraph = &graph;
     services.meshes = &meshes;
     services.simulations = &simulations;
+    services.forces = &forces;
     host = std::make_unique<plugin_host::PluginHost>(services);
     const auto file = std::filesystem::path(testPluginFolder()) / (std::string("pointbased") + pluginExtension());
     if (const auto loaded = host->load(file); !loaded) throw std::runtime_error(loaded.error().message);
@@ -47,6 +49,7 @@ struct SimulatorSession::Impl {
   scene::SceneGraph graph;
   scene::MeshStore meshes;
   scene::SimulationDirectory simulations;
+  scene::ForceFields forces;
   plugin_host::Services services;
   std::unique_ptr<plugin_host::PluginHost> host;
   c3de_object *simulator = nullptr;

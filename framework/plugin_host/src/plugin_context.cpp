@@ -12,6 +12,7 @@
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/tool_registry.h"
+#include "c3de/scene/force_fields.h"
 #include "c3de/scene/mesh_store.h"
 #include "c3de/scene/scene_graph.h"
 #include "last_error.h"
@@ -61,7 +62,7 @@ PluginContext::PluginContext(HostState &host, std::string id)
       tables_{makeLogTable(this),     makeRegistryTable(this),  makeMeshTable(this),   makeSceneTable(this),
               makeRenderTable(this),  makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
               makeToolsTable(this),   makeJobsTable(this),      makeTimeTable(this),   makeSimulationTable(this),
-              makeImagingTable(this), makeHistoryTable(this)} {}
+              makeImagingTable(this), makeHistoryTable(this),   makeForcesTable(this)} {}
 
 PluginContext::~PluginContext() = default;
 
@@ -108,6 +109,7 @@ void PluginContext::revokeAll() {
     const std::lock_guard lock(posted->mutex);
     posted->waiting.clear();
   }
+  if (s.forces) s.forces->removeOwnedBy(id_);
   // Tools first: one of them may be active, and its callbacks are closed already.
   if (s.tools) s.tools->removeOwnedBy(id_);
   if (s.edits) s.edits->removeOwnedBy(id_);

@@ -35,6 +35,7 @@ struct ServiceTables {
   c3de_simulation_v0 simulation;
   c3de_imaging_v0 imaging;
   c3de_history_v0 history;
+  c3de_forces_v0 forces;
 };
 
 /// Functions that a plugin has posted to the main thread and that have not run yet. Shared with the queue, which may

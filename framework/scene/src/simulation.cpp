@@ -65,6 +65,7 @@ struct Simulation::Impl {
   bool advancing = true;    ///< the last step changed something; an empty world may have nothing to do
   bool unpublished = true;  ///< the state has changed since the last snapshot
   Clock::time_point publishedAt{};
+  std::function<Expected<void>()> beforeStep;
 
   std::thread thread;
 
@@ -231,6 +232,13 @@ void Simulation::Impl::goToInitialState(bool goOnPlaying) {
 }
 
 void Simulation::Impl::step() {
+  if (beforeStep)
+    if (const auto ready = beforeStep(); !ready) {
+      log(LogLevel::error, ready.error().message + "; the simulation pauses");
+      mode = C3DE_SIM_PAUSED;
+      meter.pause();
+      return;
+    }
   const double timeBefore_s = status.time_s;
   const std::uint64_t stepsBefore = status.steps;
   const Clock::time_point begin = Clock::now();
@@ -344,6 +352,10 @@ void Simulation::setTargetRate(double rate) {
     impl->pace.start(Clock::now(), impl->status.time_s);
     impl->meter.clear();
   });
+}
+
+void Simulation::setBeforeStep(std::function<Expected<void>()> prepare) {
+  post([impl = impl_.get(), prepare = std::move(prepare)] { impl->beforeStep = prepare; });
 }
 
 void Simulation::post(std::function<void()> command) {

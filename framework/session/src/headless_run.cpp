@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "c3de/core/text.h"
+#include "c3de/scene/force_fields.h"
 #include "c3de/scene/text_sink.h"
 #include "c3de/session/interrupt.h"
 #include "c3de/session/progress_line.h"
@@ -149,6 +150,11 @@ Expected<void> HeadlessRun::run() {
     const double timeBefore_s = facts_.time_s;
     const std::uint64_t stepsBefore = facts_.steps;
     const Clock::time_point begin = Clock::now();
+    if (const auto ready = session_.forces().apply({}, simulator_, table_); !ready) {
+      facts_.outcome = "failed";
+      facts_.failure = ready.error().message;
+      break;
+    }
     const c3de_status code = table_->step(simulator_);
     wall_s += std::chrono::duration<double>(Clock::now() - begin).count();
     if (facts_.firstStep_s == 0.0) {

@@ -11,6 +11,7 @@
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/render/renderer.h"
+#include "c3de/scene/force_fields.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/file_kind.h"
 #include "c3de/session/resources.h"
@@ -216,6 +217,7 @@ struct Session::Impl {
   scene::MeshStore meshes;
   scene::ImageStore images;
   scene::SimulationDirectory simulations;
+  scene::ForceFields forces;
   scene::MaterialLibrary materials;
   std::vector<std::filesystem::path> folders;
   std::function<void(const scene::Simulation &)> publishedHook;
@@ -333,6 +335,7 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   services.meshes = &impl->meshes;
   services.images = &impl->images;
   services.simulations = &impl->simulations;
+  services.forces = &impl->forces;
   services.renderer = options.renderer;
   services.panels = options.panels;
   services.parameters = options.parameters;
@@ -367,6 +370,7 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
 }
 
 ThreadPool &Session::pool() { return impl_->pool; }
+scene::ForceFields &Session::forces() { return impl_->forces; }
 MainQueue &Session::mainQueue() { return impl_->mainQueue; }
 BackgroundJobs &Session::jobs() { return impl_->jobs; }
 scene::SceneGraph &Session::sceneGraph() { return impl_->sceneGraph; }
@@ -483,6 +487,9 @@ Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) 
   impl_->sceneGraph.find(nextNode)->parentFromNode = worldFromSimulation;
   impl_->sceneGraph.touch();
   impl_->simulations.add(nextNode, next);
+  next->setBeforeStep([forces = &impl_->forces, nextNode, simulator, table = next->table()] {
+    return forces->apply(nextNode, simulator, table);
+  });
 
   // The one before lets go of its panels and proxies first, so that there is never a second set of them.
   if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});

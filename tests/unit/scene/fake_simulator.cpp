@@ -45,6 +45,7 @@ c3de_simulator_v0 FakeSimulator::makeTable() {
       std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(left, std::chrono::milliseconds(5)));
     }
     if (fake.steps + 1 == fake.failAtStep) return C3DE_E_DIVERGED;
+    fake.acted = fake.forces;
     ++fake.totalSteps;
     const bool finished = fake.finishesAtStep > 0 && fake.steps >= fake.finishesAtStep;
     if (!fake.standsStill && !finished) ++fake.steps;
@@ -68,7 +69,7 @@ c3de_simulator_v0 FakeSimulator::makeTable() {
     out->steps = fake.steps;
     out->dt_s = fake.dt_s;
     out->time_s = static_cast<double>(out->steps) * out->dt_s;
-    out->bodies = 1;
+    out->bodies = fake.forces.size();
     if (fake.finishesAtStep == 0) return C3DE_OK;
     out->dt_s = out->time_s = 0.0;
     out->finished = out->steps >= fake.finishesAtStep ? 1u : 0u;
@@ -76,6 +77,24 @@ c3de_simulator_v0 FakeSimulator::makeTable() {
   };
   table.interrupt = [](c3de_object *self, std::uint32_t raised) -> c3de_status {
     of(self).interrupted = raised != 0;
+    return C3DE_OK;
+  };
+  table.body_at = [](c3de_object *self, std::uint64_t index, c3de_handle *out) -> c3de_status {
+    if (index >= of(self).forces.size()) return C3DE_E_ARG;
+    out->v = index + 1;
+    return C3DE_OK;
+  };
+  table.body_info = [](c3de_object *, c3de_handle body, c3de_sim_body_info *out) -> c3de_status {
+    out->name = c3de::toAbi(body.v == 1 ? "first" : "second");
+    return C3DE_OK;
+  };
+  table.points = [](c3de_object *self, c3de_handle body, c3de_sim_points *out) -> c3de_status {
+    static const std::vector<double> kNumbers(3 * kPoints, 2.0);
+    std::vector<double> &forces = of(self).forces.at(body.v - 1);
+    std::fill(forces.begin(), forces.end(), 0.0);
+    out->count = kPoints;
+    out->positions_m = out->velocities_m_s = out->masses_kg = kNumbers.data();
+    out->forces_N = forces.data();
     return C3DE_OK;
   };
   table.activity = [](c3de_object *self, c3de_sink text) -> c3de_status {

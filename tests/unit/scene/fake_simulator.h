@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "c3de/abi/draft/iface/simulator.h"
 
@@ -32,6 +33,11 @@ class FakeSimulator {
   std::atomic<std::uint32_t> revision{4};    ///< 3: a step cannot be ended
   std::atomic<std::uint64_t> endedSteps{0};  ///< half way
   std::atomic<bool> interrupted{false};
+
+  /// From revision 5: the forces on the points of its bodies, as they were when the last step began.
+  static constexpr std::size_t kPoints = 4;
+  std::vector<std::vector<double>> forces{std::vector<double>(3 * kPoints)};  ///< of each body
+  std::vector<std::vector<double>> acted;
 
  private:
   struct Shared {

@@ -41,6 +41,7 @@ constexpr std::array kCatalogue{
     ServiceEntry{C3DE_JOBS_ID, &has<&Services::jobs>, "background jobs", &member<&ServiceTables::jobs>},
     ServiceEntry{C3DE_TIME_ID, &has<&Services::mainQueue>, "a main loop", &member<&ServiceTables::time>},
     ServiceEntry{C3DE_SIMULATION_ID, &has<&Services::simulations>, "simulations", &member<&ServiceTables::simulation>},
+    ServiceEntry{C3DE_FORCES_ID, &has<&Services::forces>, "simulations", &member<&ServiceTables::forces>},
     ServiceEntry{C3DE_IMAGING_ID, &has<&Services::images>, "images", &member<&ServiceTables::imaging>},
     ServiceEntry{C3DE_HISTORY_ID, &has<&Services::edits>, "a window", &member<&ServiceTables::history>},
 };

@@ -21,6 +21,7 @@ class PluginContext;
 [[nodiscard]] c3de_jobs_v0 makeJobsTable(PluginContext *plugin);
 [[nodiscard]] c3de_time_v0 makeTimeTable(PluginContext *plugin);
 [[nodiscard]] c3de_simulation_v0 makeSimulationTable(PluginContext *plugin);
+[[nodiscard]] c3de_forces_v0 makeForcesTable(PluginContext *plugin);
 [[nodiscard]] c3de_imaging_v0 makeImagingTable(PluginContext *plugin);
 [[nodiscard]] c3de_history_v0 makeHistoryTable(PluginContext *plugin);
 

@@ -257,8 +257,46 @@ void WorldSimulator::clear() {
   obstacles_.clear();
 }
 
+void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
+  const std::lock_guard lock(mutex_);
+  (void)bodyOrThrow(handle);
+  const Body &body = *simulator_.body(handle.v);
+  c3de_sim_points points{};
+  if (!body.rigid() && !body.stopped) {
+    LentPoints &lent = lent_[handle.v];
+    const RestState &rest = body.rest();
+    const std::size_t n = rest.phyxelCount();
+    lent.positions.resize(n);
+    for (std::size_t i = 0; i < n; ++i)
+      lent.positions[i] = rest.origin + rest.positions[i] + body.state().displacements[i];
+    lent.velocities = body.state().velocities;
+    lent.forces.assign(n, Vec3::Zero());
+    lent.masses.resize(n);
+    for (std::size_t i = 0; i < n; ++i) lent.masses[i] = body.inverseMasses()[i] > 0.0 ? body.masses()[i] : 0.0;
+    points.count = n;
+    points.positions_m = lent.positions.front().data();
+    points.velocities_m_s = lent.velocities.front().data();
+    points.masses_kg = lent.masses.data();
+    points.forces_N = lent.forces.front().data();
+  }
+  writeOut(out, points);
+}
+
+// Of those that were asked for since the last step; the others have none.
+void WorldSimulator::takeForces() {
+  for (const auto &[id, record] : bodies_) {
+    const auto found = lent_.find(id);
+    const Body &body = *simulator_.body(id);
+    const bool fits = found != lent_.end() && found->second.forces.size() == body.rest().phyxelCount();
+    simulator_.setExternalForces(id, fits ? std::span<const Vec3>(found->second.forces) : std::span<const Vec3>());
+    if (found != lent_.end()) found->second.forces.clear();
+  }
+  std::erase_if(lent_, [this](const auto &entry) { return !bodies_.contains(entry.first); });
+}
+
 sdk::Result<void> WorldSimulator::step() {
   const std::lock_guard lock(mutex_);
+  takeForces();
   request_.beginStep();
   auto stepped = simulator_.step(&request_);
   request_.endStep();

@@ -63,6 +63,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   sdk::Result<void> surfels(c3de_handle body, c3de_object **out);
   void interrupt(std::uint32_t raised) { request_.interrupt(raised != 0); }
   void activity(c3de_sink text);
+  void points(c3de_handle body, c3de_sim_points *out);
   void displacement(const c3de_sim_grid *grid, double rim, float *out, float *gaps) const;
 
   // For the controller, the view and the pinch of this plugin.
@@ -114,6 +115,14 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   ParameterValues world_{worldDeclarations()};
   std::map<std::uint64_t, BodyRecord> bodies_;
   std::map<std::uint64_t, ObstacleRecord> obstacles_;
+  /// Of bodies on which forces from outside are to act in the next step. Copies, because another thread may replace the
+  /// body while they are being written.
+  struct LentPoints {
+    std::vector<Vec3> positions, velocities, forces;
+    std::vector<double> masses;
+  };
+  std::map<std::uint64_t, LentPoints> lent_;
+  void takeForces();
   std::size_t nextOrder_ = 0;
   SnapshotExchange exchange_;
   Colouring colouring_;

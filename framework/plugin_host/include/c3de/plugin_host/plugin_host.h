@@ -17,6 +17,7 @@ namespace render {
 class Renderer;
 }
 namespace scene {
+class ForceFields;
 class ImageStore;
 class MeshStore;
 class SceneGraph;
@@ -42,6 +43,7 @@ struct Services {
   scene::MeshStore *meshes = nullptr;
   scene::ImageStore *images = nullptr;
   scene::SimulationDirectory *simulations = nullptr;
+  scene::ForceFields *forces = nullptr;
   render::Renderer *renderer = nullptr;
   registry::PanelRegistry *panels = nullptr;
   registry::ParameterRegistry *parameters = nullptr;

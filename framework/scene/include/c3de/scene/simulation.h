@@ -48,6 +48,9 @@ class Simulation {
   [[nodiscard]] std::string activity() const;
   /// Why it failed; empty while it has not.
   [[nodiscard]] std::string failure() const;
+  /// Called on the simulation's thread before each step from the next one on; an error is logged, the step is not made,
+  /// and the simulation pauses. Any thread.
+  void setBeforeStep(std::function<Expected<void>()> prepare);
   /// Called on the simulation's thread after each published snapshot, for example to wake the window. When this
   /// returns, the listener before is not running and will not be called again.
   void setPublishedListener(std::function<void()> listener);

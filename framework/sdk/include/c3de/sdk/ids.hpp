@@ -24,6 +24,8 @@ inline constexpr std::string_view kTableId<c3de_render_v0>{C3DE_RENDER_ID};
 template <>
 inline constexpr std::string_view kTableId<c3de_collision_v0>{C3DE_COLLISION_ID};
 template <>
+inline constexpr std::string_view kTableId<c3de_forces_v0>{C3DE_FORCES_ID};
+template <>
 inline constexpr std::string_view kTableId<c3de_params_v0>{C3DE_PARAMS_ID};
 template <>
 inline constexpr std::string_view kTableId<c3de_panels_v0>{C3DE_PANELS_ID};

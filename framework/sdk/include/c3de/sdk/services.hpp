@@ -477,6 +477,46 @@ class Simulation : public Service<c3de_simulation_v0> {
   }
 };
 
+/// A field that acts until it is destroyed or removed.
+class ForceField {
+ public:
+  ForceField() noexcept = default;
+  [[nodiscard]] c3de_handle handle() const noexcept { return owned_.handle(); }
+  explicit operator bool() const noexcept { return static_cast<bool>(owned_); }
+  /// When this returns, the function is not running and will not be called again. Not from the function itself.
+  void remove() noexcept {
+    owned_.reset();
+    apply_.reset();
+  }
+
+ private:
+  friend class Forces;
+  using Apply = std::function<Result<void>(const c3de_force_call &)>;
+  std::unique_ptr<Apply> apply_;
+  Owned<c3de_forces_v0, &c3de_forces_v0::remove> owned_;  // goes first
+};
+
+/// Forces on the bodies of running simulations. Any thread.
+class Forces : public Service<c3de_forces_v0> {
+ public:
+  using Service::Service;
+  /// @param apply       adds forces to the points of a body before each step; runs on the simulation's thread; may throw
+  /// @param simulation  its scene node, or 0: all
+  Result<ForceField> add(std::string_view name, std::function<Result<void>(const c3de_force_call &)> apply,
+                         c3de_handle simulation = {}) const {
+    ForceField out;
+    out.apply_ = std::make_unique<ForceField::Apply>(std::move(apply));
+    const auto run = [](void *self, const c3de_force_call *call) noexcept -> c3de_status {
+      return guard([&] { return (*static_cast<ForceField::Apply *>(self))(*call); });
+    };
+    const c3de_force_field field{sizeof(c3de_force_field), 0, str(name), out.apply_.get(), +run};
+    auto owned = own<&c3de_forces_v0::add, Owned<c3de_forces_v0, &c3de_forces_v0::remove>>(simulation, &field);
+    if (!owned) return owned.failure();
+    out.owned_ = std::move(*owned);
+    return out;
+  }
+};
+
 /// Undo and Redo of the window. Main thread.
 class History : public Service<c3de_history_v0> {
  public:

@@ -17,6 +17,10 @@ inline constexpr bool kHasInterrupt = requires {
   &D::activity;
 };
 template <class D>
+inline constexpr bool kHasPoints = requires {
+  &D::points;
+};
+template <class D>
 inline constexpr bool kHasTriangles = requires {
   &D::triangles;
 };
@@ -45,27 +49,38 @@ constexpr auto activitySlot() -> decltype(c3de_simulator_v0::activity) {
     return nullptr;
 }
 
+template <class D>
+constexpr auto pointsSlot() -> decltype(c3de_simulator_v0::points) {
+  if constexpr (kHasPoints<D>)
+    return thunk<D, &D::points>;
+  else
+    return nullptr;
+}
+
+template <class D>
+constexpr std::uint32_t simulatorRevision() {
+  if (!kHasDisplacement<D>) return 2;
+  if (!kHasInterrupt<D>) return 3;
+  return kHasPoints<D> ? 5 : 4;
+}
+
 /// Static table of iface.simulator for an Object<Derived>; every slot has a member function of Derived (see
 /// thunk). addBody() has to serve fixes, loads, parts, refinements and velocities, or refuse them. It is of
 /// revision 3 where Derived has displacement(), and addBody() then has to serve or refuse `fill`, else of revision 2;
-/// of revision 4 where it has displacement(), interrupt() and activity():
+/// of revision 4 where it has displacement(), interrupt() and activity(), and of 5 with points() beside them:
 ///
 ///   static std::array<Interface, 1> interfaces() { return {interfaceOf(kSimulatorTable<WorldSimulator>)}; }
 template <class D>
 inline constexpr c3de_simulator_v0 kSimulatorTable{
-    sizeof(c3de_simulator_v0),  !kHasDisplacement<D> ? 2u : kHasInterrupt<D> ? 4u : 3u,
-    thunk<D, &D::attach>,       thunk<D, &D::declarations>,
-    thunk<D, &D::setWorld>,     thunk<D, &D::addBody>,
-    thunk<D, &D::addObstacle>,  thunk<D, &D::addProbe>,
-    thunk<D, &D::setBodyParam>, thunk<D, &D::getBodyParam>,
-    thunk<D, &D::remove>,       thunk<D, &D::clear>,
-    thunk<D, &D::step>,         thunk<D, &D::reset>,
-    thunk<D, &D::publish>,      thunk<D, &D::status>,
-    thunk<D, &D::stateHash>,    thunk<D, &D::report>,
-    thunk<D, &D::bodyAt>,       thunk<D, &D::bodyInfo>,
-    thunk<D, &D::phyxels>,      thunk<D, &D::surfels>,
-    displacementSlot<D>(),      interruptSlot<D>(),
-    activitySlot<D>()};
+    sizeof(c3de_simulator_v0),  simulatorRevision<D>(),  thunk<D, &D::attach>,
+    thunk<D, &D::declarations>, thunk<D, &D::setWorld>,  thunk<D, &D::addBody>,
+    thunk<D, &D::addObstacle>,  thunk<D, &D::addProbe>,  thunk<D, &D::setBodyParam>,
+    thunk<D, &D::getBodyParam>, thunk<D, &D::remove>,    thunk<D, &D::clear>,
+    thunk<D, &D::step>,         thunk<D, &D::reset>,     thunk<D, &D::publish>,
+    thunk<D, &D::status>,       thunk<D, &D::stateHash>, thunk<D, &D::report>,
+    thunk<D, &D::bodyAt>,       thunk<D, &D::bodyInfo>,  thunk<D, &D::phyxels>,
+    thunk<D, &D::surfels>,      displacementSlot<D>(),   interruptSlot<D>(),
+    activitySlot<D>(),          pointsSlot<D>()};
 
 template <class D>
 inline constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0), 1,

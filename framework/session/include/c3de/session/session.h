@@ -56,6 +56,8 @@ class Session {
   ~Session();
 
   [[nodiscard]] ThreadPool &pool();
+  /// Of plugins, on the bodies of whatever runs.
+  [[nodiscard]] scene::ForceFields &forces();
   [[nodiscard]] MainQueue &mainQueue();
   [[nodiscard]] BackgroundJobs &jobs();
   [[nodiscard]] scene::SceneGraph &sceneGraph();

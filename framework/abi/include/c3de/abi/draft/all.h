@@ -6,6 +6,7 @@
 #include "../entry.h"
 #include "../object.h"
 #include "collision.h"
+#include "forces.h"
 #include "history.h"
 #include "iface/point_sets.h"
 #include "iface/simulator.h"

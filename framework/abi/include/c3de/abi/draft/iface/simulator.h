@@ -148,9 +148,21 @@ typedef struct c3de_sim_status {
                      * the report say why. step() fails when none is left. */
 } c3de_sim_status;
 
+/* The points of a body that forces act on, before a step. Arrays lie tight. */
+typedef struct c3de_sim_points {
+  uint32_t size;
+  uint32_t reserved;
+  uint64_t count;               /* 0: forces do not move this body, because it is rigid or has stopped */
+  const double *positions_m;    /* [count][3] */
+  const double *velocities_m_s; /* [count][3] */
+  const double *masses_kg;      /* [count], 0 where the body is held */
+  double *forces_N;             /* [count][3], zero; what is written acts in the next step */
+} c3de_sim_points;
+
 typedef struct c3de_simulator_v0 {
   uint32_t size;
-  uint32_t rev; /* 4: has interrupt() and activity(). A step of an older one cannot be ended.
+  uint32_t rev; /* 5: has points(). Forces of plugins cannot act in an older one, and the host says so.
+                 * 4: has interrupt() and activity(). A step of an older one cannot be ended.
                  * 3: reads `fill` of c3de_sim_body and has displacement().
                  * 2: reads what follows `progress` in c3de_sim_body, obstacles' motion, and answers `finished`. A host
                  * refuses scenes that need it when the simulator is of revision 1, which would ignore it in silence. */
@@ -204,6 +216,9 @@ typedef struct c3de_simulator_v0 {
   /* From revision 4. What of the step that is being computed takes long and what would help, for people: one line,
    * empty between steps. Does not wait for the step. [any] */
   c3de_status(C3DE_CALL *activity)(c3de_object *self, c3de_sink text);
+  /* From revision 5. The points of a body, for forces from outside in the next step. The arrays are the simulator's and
+   * valid until that step begins; a body that is not asked about before a step has no such forces in it. [sim] */
+  c3de_status(C3DE_CALL *points)(c3de_object *self, c3de_handle body, c3de_sim_points *out);
 } c3de_simulator_v0;
 
 #endif

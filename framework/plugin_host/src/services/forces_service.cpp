@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstddef>
+
+#include "arguments.h"
+#include "c3de/scene/force_fields.h"
+#include "c3de/scene/simulation_directory.h"
+#include "last_error.h"
+#include "services/services.h"
+
+namespace c3de::plugin_host {
+namespace {
+
+c3de_status C3DE_CALL add(void *ctx, c3de_handle simulation, const c3de_force_field *field, c3de_handle *out) noexcept {
+  return serve(ctx, "forces.add", [&](PluginContext &plugin) {
+    requireNonNull(out, "out")->v = 0;
+    constexpr std::size_t kFirstSize = offsetof(c3de_force_field, apply) + sizeof field->apply;
+    const auto given = structOf(field, "field", kFirstSize);
+    requireNonNull(given.apply, "field.apply");
+    scene::ForceFields::Field taken;
+    taken.name = textOf(given.name, "field.name");
+    taken.owner = plugin.id();
+    taken.simulation = handleOf(simulation);
+    if (simulation.v != 0 && !plugin.services().simulations->find(taken.simulation))
+      throw Refusal(C3DE_E_ARG, fmt::format("simulation {:#x} is no node of a simulation; accepted: one, or 0 for all",
+                                            simulation.v));
+    taken.apply = [owner = &plugin, given](const c3de_force_call &call) {
+      c3de_status status = C3DE_E_EXCEPTION;
+      callPlugin(*owner, "apply of a force field", [&] { status = given.apply(given.self, &call); });
+      return status;
+    };
+    taken.takeError = [] { return takeLastError(); };
+    writeHandle(out, plugin.services().forces->add(std::move(taken)));
+  });
+}
+
+c3de_status C3DE_CALL remove(void *ctx, c3de_handle field) noexcept {
+  return serve(ctx, "forces.remove", [&](PluginContext &plugin) {
+    switch (plugin.services().forces->remove(handleOf(field), plugin.id())) {
+      case scene::ForceFields::Removal::done: return;
+      case scene::ForceFields::Removal::fromApply:
+        throw Refusal(C3DE_E_STATE, "a force field cannot be removed while one is applied on this thread");
+      case scene::ForceFields::Removal::stale:
+        throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no force field of handle {:#x}", plugin.id(), field.v));
+    }
+  });
+}
+
+}  // namespace
+
+c3de_forces_v0 makeForcesTable(PluginContext *plugin) {
+  return {sizeof(c3de_forces_v0), kServiceRevision, plugin, &add, &remove};
+}
+
+}  // namespace c3de::plugin_host

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "c3de/abi/draft/forces.h"
+#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/core/expected.h"
+#include "c3de/core/handle.h"
+
+namespace c3de::scene {
+
+/// Forces of plugins on the bodies of running simulations.
+class ForceFields {
+ public:
+  struct Field {
+    std::string name;
+    std::string owner;  ///< the plugin's id
+    Handle simulation;  ///< its node; null: all
+    /// Below 0: not applied, and `takeError` says why.
+    std::function<c3de_status(const c3de_force_call &)> apply;
+    std::function<std::string()> takeError;
+  };
+
+  Handle add(Field field);  ///< any thread
+  enum class Removal { done, stale, fromApply };
+  /// When this returns, the field is not being applied and will not be again. Any thread; a field cannot be removed
+  /// while this thread applies one.
+  /// @param owner  whose it has to be
+  Removal remove(Handle field, const std::string &owner);
+  void removeOwnedBy(const std::string &owner);
+
+  /// Before a step, on its thread: lets every field of the simulation add its forces. The error names the first field
+  /// that failed, which is removed; the step must not be made then.
+  /// @param simulation  its node; null without a window
+  [[nodiscard]] Expected<void> apply(Handle simulation, c3de_object *simulator, const c3de_simulator_v0 *table);
+
+ private:
+  [[nodiscard]] Expected<void> applyTo(Handle simulation, c3de_object *simulator, const c3de_simulator_v0 *table,
+                                       c3de_handle body, double time_s);
+  [[nodiscard]] bool actsOn(Handle simulation) const;
+
+  std::atomic<std::size_t> count_{0};  ///< so that a step without fields takes no lock
+  std::mutex mutex_;                   ///< held while fields are applied
+  std::atomic<std::thread::id> applying_{};
+  std::map<std::uint64_t, Field> fields_;  ///< in the order they were added
+  std::uint32_t next_ = 1;
+};
+
+}  // namespace c3de::scene

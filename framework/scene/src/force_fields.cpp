@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/scene/force_fields.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "c3de/core/text.h"
+
+namespace c3de::scene {
+namespace {
+
+// The first number that is not finite. A sum of products with zero sees them all without a branch for each.
+std::optional<std::size_t> firstNonFinite(const double *values, std::size_t count) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < count; ++i) sum += 0.0 * values[i];
+  if (sum == 0.0) return std::nullopt;
+  for (std::size_t i = 0; i < count; ++i)
+    if (!std::isfinite(values[i])) return i;
+  return std::nullopt;
+}
+
+bool givesPoints(const c3de_simulator_v0 *table) {
+  return table->rev >= 5 && C3DE_HAS(c3de_simulator_v0, table, points) && table->points != nullptr;
+}
+
+std::string textOf(c3de_str text) { return text.ptr != nullptr ? std::string(text.ptr, text.len) : std::string(); }
+
+}  // namespace
+
+Handle ForceFields::add(Field field) {
+  const std::lock_guard lock(mutex_);
+  const Handle handle{next_++, 1};
+  fields_.emplace(handle.bits(), std::move(field));
+  count_ = fields_.size();
+  return handle;
+}
+
+ForceFields::Removal ForceFields::remove(Handle field, const std::string &owner) {
+  if (applying_ == std::this_thread::get_id()) return Removal::fromApply;
+  const std::lock_guard lock(mutex_);
+  const auto found = fields_.find(field.bits());
+  if (found == fields_.end() || found->second.owner != owner) return Removal::stale;
+  fields_.erase(found);
+  count_ = fields_.size();
+  return Removal::done;
+}
+
+void ForceFields::removeOwnedBy(const std::string &owner) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(fields_, [&](const auto &entry) { return entry.second.owner == owner; });
+  count_ = fields_.size();
+}
+
+bool ForceFields::actsOn(Handle simulation) const {
+  for (const auto &[id, field] : fields_)
+    if (field.simulation.isNull() || field.simulation == simulation) return true;
+  return false;
+}
+
+Expected<void> ForceFields::apply(Handle simulation, c3de_object *simulator, const c3de_simulator_v0 *table) {
+  if (count_ == 0) return {};
+  const std::lock_guard lock(mutex_);
+  if (!actsOn(simulation)) return {};
+  if (!givesPoints(table)) {
+    const Field field = fields_.begin()->second;
+    fields_.clear();
+    count_ = 0;
+    return fail(ErrorCode::plugin,
+                fmt::format("the force field '{}' of {} cannot act: the simulator takes no forces from outside ({} of "
+                            "revision {}, needed: 5); all force fields are removed",
+                            field.name, field.owner, C3DE_IFACE_SIMULATOR_ID, table->rev));
+  }
+  c3de_sim_status status{};
+  status.size = sizeof status;
+  if (table->status(simulator, &status) < 0) return fail(ErrorCode::plugin, "the simulator does not say its status");
+  struct Applying {
+    explicit Applying(std::atomic<std::thread::id> &where) : thread(where) { thread = std::this_thread::get_id(); }
+    ~Applying() { thread = std::thread::id(); }
+    std::atomic<std::thread::id> &thread;
+  } const applying(applying_);
+  for (std::uint64_t i = 0; i < status.bodies; ++i) {
+    c3de_handle body{};
+    if (table->body_at(simulator, i, &body) < 0) continue;
+    const auto applied = applyTo(simulation, simulator, table, body, status.time_s);
+    if (applied) continue;
+    // What has been written for others must not act in a later step.
+    for (std::uint64_t k = 0; k <= i; ++k) {
+      c3de_sim_points points{};
+      points.size = sizeof points;
+      if (table->body_at(simulator, k, &body) >= 0) (void)table->points(simulator, body, &points);
+    }
+    return applied;
+  }
+  return {};
+}
+
+Expected<void> ForceFields::applyTo(Handle simulation, c3de_object *simulator, const c3de_simulator_v0 *table,
+                                    c3de_handle body, double time_s) {
+  c3de_sim_points points{};
+  points.size = sizeof points;
+  if (table->points(simulator, body, &points) < 0 || points.count == 0) return {};
+  c3de_sim_body_info info{};
+  info.size = sizeof info;
+  const std::string name = table->body_info(simulator, body, &info) < 0 ? std::string() : textOf(info.name);
+  const c3de_force_call call{sizeof(c3de_force_call),
+                             0,
+                             {simulation.bits()},
+                             body,
+                             toAbi(name),
+                             time_s,
+                             points.count,
+                             points.positions_m,
+                             points.velocities_m_s,
+                             points.masses_kg,
+                             points.forces_N};
+  const std::size_t numbers = 3 * static_cast<std::size_t>(points.count);
+  for (auto at = fields_.begin(); at != fields_.end(); ++at) {
+    const Field &field = at->second;
+    if (!field.simulation.isNull() && field.simulation != simulation) continue;
+    std::string why;
+    if (const c3de_status code = field.apply(call); code < 0) {
+      why = field.takeError ? field.takeError() : std::string();
+      if (why.empty()) why = fmt::format("status {}", code);
+    } else if (const auto bad = firstNonFinite(points.forces_N, numbers)) {
+      why = fmt::format("the force on its point {} is {}", *bad / 3, points.forces_N[*bad]);
+    } else {
+      continue;
+    }
+    const std::string message =
+        fmt::format("the force field '{}' of {} is removed: for body '{}': {}", field.name, field.owner, name, why);
+    fields_.erase(at);
+    count_ = fields_.size();
+    return fail(ErrorCode::plugin, message);
+  }
+  return {};
+}
+
+}  // namespace c3de::scene

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <chrono>
+#include <limits>
+#include <numeric>
+#include <thread>
+
+#include "c3de/scene/force_fields.h"
+#include "c3de/scene/simulation.h"
+#include "fake_simulator.h"
+#include "support/catch.h"
+
+using namespace c3de;
+using scene::ForceFields;
+
+namespace {
+
+struct Fixture {
+  Fixture() {
+    fake.revision = 5;
+    fake.forces.assign(2, std::vector<double>(3 * FakeSimulator::kPoints));
+    fake.object()->vt->query(fake.object(), {C3DE_IFACE_SIMULATOR_ID, sizeof C3DE_IFACE_SIMULATOR_ID - 1}, 1, &found);
+  }
+  [[nodiscard]] const c3de_simulator_v0 *table() const { return static_cast<const c3de_simulator_v0 *>(found); }
+  [[nodiscard]] Expected<void> apply(Handle node = {}) { return fields.apply(node, fake.object(), table()); }
+  Handle addPush(double force, Handle node = {}, const std::string &owner = "org.test") {
+    return fields.add({"push",
+                       owner,
+                       node,
+                       [force](const c3de_force_call &call) -> c3de_status {
+                         for (std::uint64_t i = 0; i < 3 * call.count; ++i) call.forces_N[i] += force;
+                         return C3DE_OK;
+                       },
+                       {}});
+  }
+  [[nodiscard]] double sum() const {
+    double all = 0.0;
+    for (const std::vector<double> &body : fake.forces) all += std::accumulate(body.begin(), body.end(), 0.0);
+    return all;
+  }
+
+  FakeSimulator fake;
+  ForceFields fields;
+  const void *found = nullptr;
+};
+
+constexpr double kNumbers = 2.0 * 3.0 * FakeSimulator::kPoints;  // of both bodies
+
+}  // namespace
+
+TEST_CASE("Force fields add up on every body, in each step anew") {
+  Fixture f;
+  f.addPush(1.0);
+  f.addPush(0.5);
+  for (int step = 0; step < 3; ++step) {
+    REQUIRE(f.apply());
+    CHECK(f.sum() == 1.5 * kNumbers);
+  }
+}
+
+TEST_CASE("A force field of one simulation does not act in another") {
+  Fixture f;
+  f.addPush(1.0, Handle{7, 1});
+  REQUIRE(f.apply(Handle{8, 1}));
+  CHECK(f.sum() == 0.0);
+  REQUIRE(f.apply(Handle{7, 1}));
+  CHECK(f.sum() == kNumbers);
+}
+
+TEST_CASE("Only its owner removes a force field") {
+  Fixture f;
+  const Handle mine = f.addPush(1.0, {}, "org.mine");
+  CHECK(f.fields.remove(mine, "org.other") == ForceFields::Removal::stale);
+  CHECK(f.fields.remove(mine, "org.mine") == ForceFields::Removal::done);
+  CHECK(f.fields.remove(mine, "org.mine") == ForceFields::Removal::stale);
+  f.addPush(1.0, {}, "org.mine");
+  f.addPush(1.0, {}, "org.other");
+  f.fields.removeOwnedBy("org.mine");
+  REQUIRE(f.apply());
+  CHECK(f.sum() == kNumbers);
+}
+
+TEST_CASE("A force field that fails is removed, is named with its plugin, and leaves no force behind") {
+  Fixture f;
+  f.addPush(1.0);
+  int calls = 0;
+  f.fields.add({"second thoughts",
+                "org.bad",
+                {},
+                [&](const c3de_force_call &call) -> c3de_status {
+                  call.forces_N[0] += 3.0;
+                  return ++calls == 2 ? C3DE_E_INTERNAL : C3DE_OK;  // for the second body
+                },
+                [] { return std::string("it has run out"); }});
+  const auto failed = f.apply();
+  REQUIRE_FALSE(failed);
+  CHECK_THAT(failed.error().message,
+             Catch::Matchers::Contains("second thoughts") && Catch::Matchers::Contains("org.bad") &&
+                 Catch::Matchers::Contains("'second'") && Catch::Matchers::Contains("it has run out"));
+  CHECK(f.sum() == 0.0);
+  REQUIRE(f.apply());
+  CHECK(f.sum() == kNumbers);
+}
+
+TEST_CASE("A force that is not finite is found, with its point") {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    Fixture f;
+    f.fields.add({"bad",
+                  "org.bad",
+                  {},
+                  [bad](const c3de_force_call &call) -> c3de_status {
+                    call.forces_N[3 * 2 + 1] = bad;
+                    return C3DE_OK;
+                  },
+                  {}});
+    const auto failed = f.apply();
+    REQUIRE_FALSE(failed);
+    CHECK_THAT(failed.error().message, Catch::Matchers::Contains("point 2"));
+    CHECK(f.sum() == 0.0);
+    CHECK(f.apply());
+  }
+}
+
+TEST_CASE("A simulator that takes no forces is said, once") {
+  Fixture f;
+  f.fake.revision = 4;
+  f.fake.object()->vt->query(f.fake.object(), {C3DE_IFACE_SIMULATOR_ID, sizeof C3DE_IFACE_SIMULATOR_ID - 1}, 1,
+                             &f.found);
+  f.addPush(1.0);
+  const auto failed = f.apply();
+  REQUIRE_FALSE(failed);
+  CHECK_THAT(failed.error().message, Catch::Matchers::Contains("revision 4, needed: 5"));
+  CHECK(f.apply());
+}
+
+TEST_CASE("A force field cannot be removed while it is applied, and removal waits for another thread's") {
+  Fixture f;
+  Handle field;
+  std::atomic<bool> running{false}, mayEnd{false};
+  auto inside = ForceFields::Removal::done;
+  field = f.fields.add({"slow",
+                        "org.test",
+                        {},
+                        [&](const c3de_force_call &) -> c3de_status {
+                          inside = f.fields.remove(field, "org.test");
+                          running = true;
+                          while (!mayEnd) std::this_thread::yield();
+                          return C3DE_OK;
+                        },
+                        {}});
+  std::thread stepping([&] { CHECK(f.apply()); });
+  while (!running) std::this_thread::yield();
+  std::atomic<bool> removed{false};
+  std::thread removing([&] {
+    CHECK(f.fields.remove(field, "org.test") == ForceFields::Removal::done);
+    removed = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  CHECK_FALSE(removed);
+  mayEnd = true;
+  stepping.join();
+  removing.join();
+  CHECK(removed);
+  CHECK(inside == ForceFields::Removal::fromApply);
+}
+
+TEST_CASE("What cannot be prepared pauses a simulation before the step, and the next play goes on") {
+  FakeSimulator fake;
+  auto created = scene::Simulation::create(fake.object());
+  REQUIRE(created);
+  std::atomic<int> asked{0};
+  (*created)->setBeforeStep([&]() -> Expected<void> {
+    if (++asked == 3) return fail(ErrorCode::plugin, "the third is not to be");
+    return {};
+  });
+  (*created)->setTargetRate(0.0);
+  (*created)->transport(C3DE_TRANSPORT_PLAY);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while ((*created)->state().mode != C3DE_SIM_PAUSED && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK((*created)->state().mode == C3DE_SIM_PAUSED);
+  CHECK(fake.steps == 2);
+  (*created)->transport(C3DE_TRANSPORT_PLAY);
+  while (fake.steps < 5 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(fake.steps >= 5);
+}
