@@ -99,7 +99,21 @@ c3de_handle SimulatorSession::addObstacle(geometry::LoadedMesh mesh, const Place
   return out;
 }
 
-void SimulatorSession::step() { check(impl_->table->step(impl_->simulator), "step"); }
+void SimulatorSession::step() {
+  if (const auto ready = impl_->forces.apply({}, impl_->simulator, impl_->table); !ready)
+    throw std::runtime_error(ready.error().message);
+  check(impl_->table->step(impl_->simulator), "step");
+}
+void SimulatorSession::addForce(std::function<void(const c3de_force_call &)> apply) {
+  impl_->forces.add({"test",
+                     "test",
+                     {},
+                     [apply = std::move(apply)](const c3de_force_call &call) -> c3de_status {
+                       apply(call);
+                       return C3DE_OK;
+                     },
+                     {}});
+}
 void SimulatorSession::reset() { check(impl_->table->reset(impl_->simulator), "reset"); }
 
 c3de_sim_status SimulatorSession::status() {

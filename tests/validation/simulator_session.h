@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,7 +29,10 @@ class SimulatorSession {
   c3de_handle addBody(geometry::LoadedMesh mesh, const Placement &placement,
                       const std::vector<c3de_param_value> &values);
   c3de_handle addObstacle(geometry::LoadedMesh mesh, const Placement &placement, double friction);
+  /// With the forces of addForce(), as hosts do it.
   void step();
+  /// Acts in every step from now on.
+  void addForce(std::function<void(const c3de_force_call &)> apply);
   void reset();
   [[nodiscard]] c3de_sim_status status();
   [[nodiscard]] std::uint64_t stateHash();

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -13,11 +15,12 @@
 namespace c3de::scene {
 namespace {
 
-// The first number that is not finite. A sum of products with zero sees them all without a branch for each.
+// The first number that is not finite. Exponents of all bits are found without a branch for each.
 std::optional<std::size_t> firstNonFinite(const double *values, std::size_t count) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < count; ++i) sum += 0.0 * values[i];
-  if (sum == 0.0) return std::nullopt;
+  constexpr std::uint64_t kExponent = 0x7ff0000000000000u, kUnit = 0x0010000000000000u;
+  std::uint64_t overflow = 0;
+  for (std::size_t i = 0; i < count; ++i) overflow |= (std::bit_cast<std::uint64_t>(values[i]) & kExponent) + kUnit;
+  if (overflow >> 63 == 0) return std::nullopt;
   for (std::size_t i = 0; i < count; ++i)
     if (!std::isfinite(values[i])) return i;
   return std::nullopt;
@@ -103,14 +106,11 @@ Expected<void> ForceFields::applyTo(Handle simulation, c3de_object *simulator, c
   c3de_sim_points points{};
   points.size = sizeof points;
   if (table->points(simulator, body, &points) < 0 || points.count == 0) return {};
-  c3de_sim_body_info info{};
-  info.size = sizeof info;
-  const std::string name = table->body_info(simulator, body, &info) < 0 ? std::string() : textOf(info.name);
   const c3de_force_call call{sizeof(c3de_force_call),
                              0,
                              {simulation.bits()},
                              body,
-                             toAbi(name),
+                             points.name,
                              time_s,
                              points.count,
                              points.positions_m,
@@ -130,8 +130,8 @@ Expected<void> ForceFields::applyTo(Handle simulation, c3de_object *simulator, c
     } else {
       continue;
     }
-    const std::string message =
-        fmt::format("the force field '{}' of {} is removed: for body '{}': {}", field.name, field.owner, name, why);
+    const std::string message = fmt::format("the force field '{}' of {} is removed: for body '{}': {}", field.name,
+                                            field.owner, textOf(points.name), why);
     fields_.erase(at);
     count_ = fields_.size();
     return fail(ErrorCode::plugin, message);

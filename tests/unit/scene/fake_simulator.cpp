@@ -84,14 +84,11 @@ c3de_simulator_v0 FakeSimulator::makeTable() {
     out->v = index + 1;
     return C3DE_OK;
   };
-  table.body_info = [](c3de_object *, c3de_handle body, c3de_sim_body_info *out) -> c3de_status {
-    out->name = c3de::toAbi(body.v == 1 ? "first" : "second");
-    return C3DE_OK;
-  };
   table.points = [](c3de_object *self, c3de_handle body, c3de_sim_points *out) -> c3de_status {
     static const std::vector<double> kNumbers(3 * kPoints, 2.0);
     std::vector<double> &forces = of(self).forces.at(body.v - 1);
     std::fill(forces.begin(), forces.end(), 0.0);
+    out->name = c3de::toAbi(body.v == 1 ? "first" : "second");
     out->count = kPoints;
     out->positions_m = out->velocities_m_s = out->masses_kg = kNumbers.data();
     out->forces_N = forces.data();

@@ -222,6 +222,7 @@ sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_para
     // Parts keep what they say themselves.
     for (BodyPart &part : record.source.parts)
       if (std::find(part.own.begin(), part.own.end(), id) == part.own.end()) sdk::orThrow(part.values.set(in));
+    if (const auto lent = lent_.find(body.v); lent != lent_.end()) lent->second.masses.clear();
     simulator_.setConstitution(body.v, constitutionOf(record.name, record.source, changed));
   }
   record.values = std::make_shared<const ParameterValues>(std::move(changed));
@@ -259,9 +260,10 @@ void WorldSimulator::clear() {
 
 void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
   const std::lock_guard lock(mutex_);
-  (void)bodyOrThrow(handle);
+  const BodyRecord &record = bodyOrThrow(handle);
   const Body &body = *simulator_.body(handle.v);
   c3de_sim_points points{};
+  points.name = {record.name.data(), record.name.size()};
   if (!body.rigid() && !body.stopped) {
     LentPoints &lent = lent_[handle.v];
     const RestState &rest = body.rest();
@@ -271,8 +273,12 @@ void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
       lent.positions[i] = rest.origin + rest.positions[i] + body.state().displacements[i];
     lent.velocities = body.state().velocities;
     lent.forces.assign(n, Vec3::Zero());
-    lent.masses.resize(n);
-    for (std::size_t i = 0; i < n; ++i) lent.masses[i] = body.inverseMasses()[i] > 0.0 ? body.masses()[i] : 0.0;
+    lent.asked = true;
+    if (lent.masses.size() != n || lent.rest != &rest) {
+      lent.rest = &rest;
+      lent.masses.resize(n);
+      for (std::size_t i = 0; i < n; ++i) lent.masses[i] = body.inverseMasses()[i] > 0.0 ? body.masses()[i] : 0.0;
+    }
     points.count = n;
     points.positions_m = lent.positions.front().data();
     points.velocities_m_s = lent.velocities.front().data();
@@ -287,9 +293,11 @@ void WorldSimulator::takeForces() {
   for (const auto &[id, record] : bodies_) {
     const auto found = lent_.find(id);
     const Body &body = *simulator_.body(id);
-    const bool fits = found != lent_.end() && found->second.forces.size() == body.rest().phyxelCount();
-    simulator_.setExternalForces(id, fits ? std::span<const Vec3>(found->second.forces) : std::span<const Vec3>());
-    if (found != lent_.end()) found->second.forces.clear();
+    const bool asked = found != lent_.end() && std::exchange(found->second.asked, false);
+    if (asked && found->second.forces.size() == body.rest().phyxelCount())
+      simulator_.swapExternalForces(id, found->second.forces);
+    else if (!body.externalForces().empty())
+      simulator_.setExternalForces(id, {});
   }
   std::erase_if(lent_, [this](const auto &entry) { return !bodies_.contains(entry.first); });
 }

@@ -119,7 +119,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// body while they are being written.
   struct LentPoints {
     std::vector<Vec3> positions, velocities, forces;
-    std::vector<double> masses;
+    std::vector<double> masses;  // empty: to be taken anew
+    const RestState *rest = nullptr;
+    bool asked = false;
   };
   std::map<std::uint64_t, LentPoints> lent_;
   void takeForces();

@@ -205,6 +205,8 @@ class Body {
   /// again. Quasi-static: times the load factor.
   /// @param forces  [phyxels], finite; empty: none
   void setExternalForces(std::span<const Vec3> forces);
+  /// Likewise; `forces` has room of the size it had when this returns, and other contents.
+  void swapExternalForces(std::vector<Vec3> &forces);
   [[nodiscard]] std::span<const Vec3> externalForces() const { return externalForces_; }
 
   /// The state before a step, kept in case the step fails.

@@ -137,6 +137,7 @@ class Simulator {
   /// Forces on the phyxels of a body from outside of the model (Body::setExternalForces), from the next step on until
   /// they are set again; wakes it. Of no effect on a rigid body.
   void setExternalForces(std::size_t body, std::span<const Vec3> forces);
+  void swapExternalForces(std::size_t body, std::vector<Vec3> &forces);
   void setGrab(std::size_t body, Grab grab);
   void moveGrab(std::size_t body, const Vec3 &target);
   void releaseGrab(std::size_t body);

@@ -364,20 +364,31 @@ void Body::addLoads(double t, const ParallelFor &parallelFor) {
   for (std::size_t l = 0; l < conditions.loads.size(); ++l)
     addLoadForces(conditions.loads[l], conditions.loaded[l], factor(conditions.loads[l].ramp, t), state_.displacements,
                   forces_);
+  if (externalForces_.empty()) return;
   const double share = factor(0.0, t);
-  for (std::size_t i = 0; i < externalForces_.size(); ++i) forces_[i] += share * externalForces_[i];
+  double *sum = forces_.front().data();
+  const double *added = externalForces_.front().data();
+  for (std::size_t i = 0; i < 3 * externalForces_.size(); ++i) sum[i] += share * added[i];
 }
 
 void Body::setExternalForces(std::span<const Vec3> forces) {
+  std::vector<Vec3> copy(forces.begin(), forces.end());
+  swapExternalForces(copy);
+}
+
+void Body::swapExternalForces(std::vector<Vec3> &forces) {
   POINTBASED_EXPECTS(forces.empty() || forces.size() == rest_->phyxelCount(), "one external force per phyxel, or none");
   if (forces.empty() && externalForces_.empty()) return;
   const bool patchable = forcesCurrent && !quasiStatic && forces.size() == externalForces_.size();
   // Steps that follow each other need no evaluation between them.
-  if (patchable)
-    for (std::size_t i = 0; i < forces.size(); ++i) forces_[i] += forces[i] - externalForces_[i];
-  else
+  if (patchable) {
+    double *sum = forces_.front().data();
+    const double *now = forces.front().data(), *before = externalForces_.front().data();
+    for (std::size_t i = 0; i < 3 * forces.size(); ++i) sum[i] += now[i] - before[i];
+  } else {
     forcesCurrent = false;
-  externalForces_.assign(forces.begin(), forces.end());
+  }
+  externalForces_.swap(forces);
 }
 
 double Body::factor(double ramp, double t) const {

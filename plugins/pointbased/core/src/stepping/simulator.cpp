@@ -360,13 +360,21 @@ void Simulator::reset() {
 }
 
 void Simulator::setExternalForces(std::size_t id, std::span<const Vec3> forces) {
+  std::vector<Vec3> copy(forces.begin(), forces.end());
+  swapExternalForces(id, copy);
+}
+
+void Simulator::swapExternalForces(std::size_t id, std::vector<Vec3> &forces) {
   Body *target = body(id);
   if (!target || target->rigid()) return;
   const bool none = std::all_of(forces.begin(), forces.end(), [](const Vec3 &f) { return f.isZero(0.0); });
   if (none && target->externalForces().empty()) return;
   if (none) bodies_.at(id)->forgetEnergy();  // what they have put in has not come from nothing
   if (!none && bodies_.at(id)->asleep()) bodies_.at(id)->wake();
-  target->setExternalForces(none ? std::span<const Vec3>() : forces);
+  if (none)
+    target->setExternalForces({});
+  else
+    target->swapExternalForces(forces);
 }
 
 void Simulator::setGrab(std::size_t id, Grab grab) {
