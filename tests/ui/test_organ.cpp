@@ -609,3 +609,41 @@ TEST_CASE("a reset while something is pinched ends the pinch", "[organ_pinch_res
   window.screenshot("let_go");
   window.release();
 }
+
+TEST_CASE("a plugin's force field pulls an organ of the point-based plugin, live by its parameter", "[organ_magnet]") {
+  C3DE_ORGAN_OR_SKIP();
+  const std::string magnet =
+      (fs::path(testExampleFolder()) / (std::string("magnet") + c3de::pluginExtension())).string();
+  if (!fs::exists(magnet)) C3DE_SKIP("the magnet is not built");
+  constexpr const char *kStrength = "org.c3de.magnet.panel/strength", *kPulls = "org.c3de.magnet.panel/Pulls with";
+  WorkstationDriver window("organ_magnet");
+  window.start({floatingOrgan().string(), "--plugin", magnet});
+  window.waitUntil(
+      "the organ is shown",
+      [](const Json &s) {
+        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
+      },
+      60.0);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing"; });
+  CHECK(window.value(kPulls) == "0 N on 0 points");
+  window.screenshot("before");
+
+  const Point at = window.locate(kStrength);
+  window.drag(at, {at.x + 40, at.y}, 4);
+  const auto force = [&](const Json &s) { return std::strtod(s["values"].value(kPulls, "0").c_str(), nullptr); };
+  const Json pulled = window.waitUntil("it pulls", [&](const Json &s) { return force(s) > 0.0; });
+  const std::string hash = row(pulled, "State hash");
+  window.waitUntil("the organ follows", [&](const Json &s) { return row(s, "State hash") != hash; });
+  const double near = force(window.waitUntil("it comes nearer, so that it is pulled harder",
+                                             [&](const Json &s) { return force(s) > 1.2 * force(pulled); }));
+  CHECK(near > 0.0);
+  window.screenshot("after");
+  CHECK(window.differingPixels("before", "after") > 500);
+
+  window.key("ctrl+z");
+  window.waitUntil("without the force it is off", [&](const Json &s) { return force(s) == 0.0; });
+  CHECK(window.state()["messages"].empty());
+}
