@@ -176,8 +176,10 @@ Expected<const ParameterDecl *> findParameter(const std::vector<ParameterDecl> &
 std::vector<ParameterDecl> readDeclarations(const c3de_param_decl *decls, std::uint64_t n, std::uint64_t stride) {
   std::vector<ParameterDecl> out;
   const auto *bytes = reinterpret_cast<const unsigned char *>(decls);
+  // 0: tight, in the size that the other side knows.
+  const std::uint64_t step = stride != 0 || n == 0 ? stride : decls->size;
   for (std::uint64_t i = 0; i < n; ++i) {
-    const unsigned char *row = bytes + i * stride;
+    const unsigned char *row = bytes + i * step;
     c3de_param_decl decl{};
     std::uint32_t size = 0;
     std::memcpy(&size, row, sizeof size);

@@ -112,6 +112,11 @@ std::string idOf(c3de_str text, const char *name) {
   return id;
 }
 
+void refuseStride(const char *name, std::uint64_t stride, std::uint64_t least, std::uint64_t alignment) {
+  throw Refusal(C3DE_E_ARG, fmt::format("{}: stride is {}, accepted: 0 (tight) or a multiple of {} from {} to {}", name,
+                                        stride, alignment, least, kLargestStride));
+}
+
 void refuseSize(const char *name, std::uint64_t size, std::size_t needed) {
   throw Refusal(C3DE_E_ARG, fmt::format("{}: its member size is {}, needed are at least {}", name, size, needed));
 }

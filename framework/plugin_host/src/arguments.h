@@ -12,6 +12,7 @@
 #include "c3de/abi/base.h"
 #include "c3de/core/handle.h"
 #include "c3de/core/vec.h"
+#include "first_sizes.h"
 #include "refusal.h"
 
 namespace c3de::plugin_host {
@@ -32,16 +33,18 @@ T *requireNonNull(T *pointer, const char *name) {
   return pointer;
 }
 
+/// Beyond, a stride is rubbish and not that of a newer plugin.
+inline constexpr std::uint64_t kLargestStride = 65536;
+[[noreturn]] void refuseStride(const char *name, std::uint64_t stride, std::uint64_t least, std::uint64_t alignment);
 [[noreturn]] void refuseSize(const char *name, std::uint64_t size, std::size_t needed);
 
-/// The struct as far as both sides know it; members beyond the caller's size are zero.
-/// @param firstSize  of the first published revision
+/// The struct as far as both sides know it; members beyond the caller's size are zero. Refused below the first size.
 template <class T>
-[[nodiscard]] T structOf(const T *in, const char *name, std::size_t firstSize = sizeof(T)) {
+[[nodiscard]] T structOf(const T *in, const char *name) {
   requireNonNull(in, name);
   std::uint32_t size = 0;
   std::memcpy(&size, in, sizeof size);
-  if (size < firstSize) refuseSize(name, size, firstSize);
+  if (size < FirstSize<T>::value) refuseSize(name, size, FirstSize<T>::value);
   T copy{};
   std::memcpy(&copy, in, std::min<std::size_t>(size, sizeof(T)));
   return copy;
@@ -49,12 +52,23 @@ template <class T>
 
 /// Writes as much as the caller has room for and leaves its size as it is.
 template <class T>
-void writeStruct(T *out, T value, const char *name, std::size_t firstSize = sizeof(T)) {
+void writeStruct(T *out, T value, const char *name) {
   requireNonNull(out, name);
   const std::uint32_t size = out->size;
-  if (size < firstSize) refuseSize(name, size, firstSize);
+  if (size < FirstSize<T>::value) refuseSize(name, size, FirstSize<T>::value);
   value.size = size;
   std::memcpy(out, &value, std::min<std::size_t>(size, sizeof(T)));
+}
+
+/// From one struct of an array to the next: 0 means tight, in the size that the caller knows.
+template <class T>
+[[nodiscard]] std::uint64_t strideOf(const T *first, std::uint64_t stride, const char *name) {
+  std::uint32_t size = 0;
+  std::memcpy(&size, first, sizeof size);
+  const std::uint64_t step = stride == 0 ? size : stride;
+  if (step < FirstSize<T>::value || step > kLargestStride || step % alignof(T) != 0)
+    refuseStride(name, stride, FirstSize<T>::value, alignof(T));
+  return step;
 }
 
 inline void writeHandle(c3de_handle *out, Handle handle) { out->v = handle.bits(); }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "c3de/core/text.h"
+#include "first_sizes.h"
 #include "last_error.h"
 #include "refusal.h"
 
@@ -71,7 +72,7 @@ c3de_object *ClassRegistry::create(const std::string &id) {
     const std::string reason = takeLastError();
     throw Refusal(status, id + ": " + (reason.empty() ? statusName(status) : reason));
   }
-  if (!object || !object->vt || object->vt->size < sizeof(c3de_object_vt) || !object->vt->retain ||
+  if (!object || !object->vt || object->vt->size < FirstSize<c3de_object_vt>::value || !object->vt->retain ||
       !object->vt->release || !object->vt->query)
     throw Refusal(C3DE_E_INTERNAL, id + ": the class made an object without a complete function table");
   return object;

@@ -57,9 +57,12 @@ void checkNeeds(const c3de_plugin &plugin, const Services &services) {
     refuseDescriptor(fmt::format("needs_n is {}, accepted are at most {}", plugin.needs_n, kMostNeeds));
   if (plugin.needs_n == 0) return;
   if (!plugin.needs) refuseDescriptor(fmt::format("needs is null, needs_n is {}", plugin.needs_n));
-  const std::uint64_t stride = plugin.needs_stride == 0 ? sizeof(c3de_service_req) : plugin.needs_stride;
-  if (stride < sizeof(c3de_service_req) || stride > kPlausibleSize || stride % alignof(c3de_service_req) != 0)
-    refuseDescriptor(fmt::format("needs_stride is {}, expected is {}", stride, sizeof(c3de_service_req)));
+  std::uint64_t stride = 0;
+  try {
+    stride = strideOf(plugin.needs, plugin.needs_stride, "needs");
+  } catch (const Refusal &refusal) {
+    refuseDescriptor(refusal.what());
+  }
   const auto *bytes = reinterpret_cast<const unsigned char *>(plugin.needs);
   for (std::uint64_t i = 0; i < plugin.needs_n; ++i) {
     const auto need = structOf(reinterpret_cast<const c3de_service_req *>(bytes + i * stride), "needs entry");
@@ -80,8 +83,8 @@ void checkNeeds(const c3de_plugin &plugin, const Services &services) {
 Candidate checkDescriptor(const c3de_plugin *descriptor, const Services &services) {
   std::uint32_t size = 0;
   std::memcpy(&size, descriptor, sizeof size);
-  if (size < sizeof(c3de_plugin) || size > kPlausibleSize)
-    refuseDescriptor(fmt::format("its member size is {}, expected is {}", size, sizeof(c3de_plugin)));
+  if (size < FirstSize<c3de_plugin>::value || size > kPlausibleSize)
+    refuseDescriptor(fmt::format("its member size is {}, accepted: from {} on", size, FirstSize<c3de_plugin>::value));
   Candidate out;
   out.plugin = structOf(descriptor, "descriptor");
   try {

@@ -124,7 +124,7 @@ Expected<void> readSkin(c3de_object *set, BodyState &body) {
   body.skin.vertices = pointsInMillimetres(*now);
   body.skinArrays.push_back(displacements(*now, *reference));
   const c3de_surfel_set_v0 *table = reader->table();
-  if (table->rev < 2 || table->size < sizeof(c3de_surfel_set_v0)) return {};
+  if (table->rev < 2 || !C3DE_HAS(c3de_surfel_set_v0, table, triangles)) return {};
   c3de_view view{};
   if (table->triangles(reader->set(), &view) < 0) return {};
   if (view.count > 0 && (view.comps != 3 || view.dtype != C3DE_U32 || view.data == nullptr))

@@ -35,6 +35,12 @@ std::pair<c3de_status, std::string> refusalOf(F &&f) {
 
 }  // namespace
 
+/// Now has a member that First had not: what every struct of the boundary looks like once it has grown.
+template <>
+struct c3de::plugin_host::FirstSize<Now> {
+  static constexpr std::size_t value = sizeof(First);
+};
+
 TEST_CASE("UTF-8 is told from what is not") {
   CHECK(isUtf8(""));
   CHECK(isUtf8("plain"));
@@ -61,7 +67,7 @@ TEST_CASE("texts and ids are copied or refused with their name") {
 
 TEST_CASE("a struct of an older caller is read as far as it goes, the rest is zero") {
   const First first{sizeof(First), 7};
-  const Now read = structOf(reinterpret_cast<const Now *>(&first), "thing", sizeof(First));
+  const Now read = structOf(reinterpret_cast<const Now *>(&first), "thing");
   CHECK(read.a == 7);
   CHECK(read.b == 0);
 }
@@ -71,13 +77,13 @@ TEST_CASE("a struct of a newer caller is read as far as we know it") {
     Now known;
     std::uint64_t more;
   } newer{{sizeof(Newer), 7, 8}, 9};
-  const Now read = structOf(&newer.known, "thing", sizeof(First));
+  const Now read = structOf(&newer.known, "thing");
   CHECK(read.b == 8);
 }
 
 TEST_CASE("a struct below its first revision is refused") {
   const Now tooSmall{4, 7, 8};
-  CHECK(refusalOf([&] { (void)structOf(&tooSmall, "thing", sizeof(First)); }).second ==
+  CHECK(refusalOf([&] { (void)structOf(&tooSmall, "thing"); }).second ==
         "thing: its member size is 4, needed are at least 8");
   const Now *volatile nothing = nullptr;  // volatile: the compiler must not see it coming
   CHECK(refusalOf([&] { (void)structOf(static_cast<const Now *>(nothing), "thing"); }).second == "thing is null");
@@ -88,7 +94,7 @@ TEST_CASE("an out struct is written as far as the caller has room, and keeps its
     First known;
     std::uint64_t canary;
   } older{{sizeof(First), 0}, 42};
-  writeStruct(reinterpret_cast<Now *>(&older), Now{0, 5, 6}, "out", sizeof(First));
+  writeStruct(reinterpret_cast<Now *>(&older), Now{0, 5, 6}, "out");
   CHECK(older.known.a == 5);
   CHECK(older.known.size == sizeof(First));
   CHECK(older.canary == 42);
@@ -122,4 +128,19 @@ TEST_CASE("a double that a float cannot hold is refused where floats are wanted"
 TEST_CASE("no rows need no data") {
   CHECK(positionsOf({nullptr, 0, 3, C3DE_F64, 0}, "positions").empty());
   CHECK(refusalOf([] { (void)positionsOf({nullptr, 1, 3, C3DE_F64, 0}, "positions"); }).second == "positions is null");
+}
+
+TEST_CASE("an array of structs of an older caller is read in the caller's steps") {
+  const First older[3] = {{sizeof(First), 1}, {sizeof(First), 2}, {sizeof(First), 3}};
+  const auto *rows = reinterpret_cast<const Now *>(older);
+  const std::uint64_t step = strideOf(rows, 0, "rows");
+  CHECK(step == sizeof(First));
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    const Now read = structOf(reinterpret_cast<const Now *>(reinterpret_cast<const char *>(older) + i * step), "row");
+    CHECK(read.a == i + 1);
+    CHECK(read.b == 0);
+  }
+  CHECK(strideOf(rows, 64, "rows") == 64);
+  for (const std::uint64_t bad : {std::uint64_t{4}, std::uint64_t{9}, std::uint64_t{1} << 40})
+    CHECK(refusalOf([&] { (void)strideOf(rows, bad, "rows"); }).first == C3DE_E_ARG);
 }

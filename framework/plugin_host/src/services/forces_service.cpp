@@ -15,8 +15,7 @@ namespace {
 c3de_status C3DE_CALL add(void *ctx, c3de_handle simulation, const c3de_force_field *field, c3de_handle *out) noexcept {
   return serve(ctx, "forces.add", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
-    constexpr std::size_t kFirstSize = offsetof(c3de_force_field, apply) + sizeof field->apply;
-    const auto given = structOf(field, "field", kFirstSize);
+    const auto given = structOf(field, "field");
     requireNonNull(given.apply, "field.apply");
     scene::ForceFields::Field taken;
     taken.name = textOf(given.name, "field.name");

@@ -66,10 +66,7 @@ c3de_status C3DE_CALL declare(void *ctx, c3de_str title, const c3de_param_decl *
     if (n == 0 || n > kMostDeclarations)
       throw Refusal(C3DE_E_ARG, fmt::format("n is {}, accepted: 1 to {}", n, kMostDeclarations));
     requireNonNull(decls, "decls");
-    const std::uint64_t step = stride == 0 ? sizeof(c3de_param_decl) : stride;
-    if (step < sizeof(c3de_param_decl) || step % alignof(c3de_param_decl) != 0)
-      throw Refusal(C3DE_E_ARG, fmt::format("stride is {}, accepted: 0 (tight) or a multiple of {} from {} on", stride,
-                                            alignof(c3de_param_decl), sizeof(c3de_param_decl)));
+    const std::uint64_t step = strideOf(decls, stride, "decls");
     std::set<std::string> ids;
     const auto *bytes = reinterpret_cast<const unsigned char *>(decls);
     for (std::uint64_t i = 0; i < n; ++i) {

@@ -39,9 +39,8 @@ c3de_status C3DE_CALL setTargetRate(void *ctx, c3de_handle node, double rate) no
 }
 
 c3de_status C3DE_CALL state(void *ctx, c3de_handle node, c3de_sim_transport *out) noexcept {
-  return serve(ctx, "simulation.state", [&](PluginContext &plugin) {
-    writeStruct(out, find(plugin, node)->state(), "out", offsetof(c3de_sim_transport, step_running_s));
-  });
+  return serve(ctx, "simulation.state",
+               [&](PluginContext &plugin) { writeStruct(out, find(plugin, node)->state(), "out"); });
 }
 
 c3de_status C3DE_CALL post(void *ctx, c3de_handle node, void *self, void(C3DE_CALL *fn)(void *self)) noexcept {

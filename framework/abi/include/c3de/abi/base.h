@@ -4,6 +4,8 @@
  * Rules that hold in every header of this folder:
  *  - C11 and C++20; fixed-width types; no bool, no enum-typed field, no size_t, no C++ type.
  *  - A struct that may grow begins with `uint32_t size`; new members go last and zero means "as before".
+ *    One that stands by value within another does not grow: its successor gets another name. Arrays of structs come with
+ *    a stride, 0 = tight in the size of who made them.
  *    In-structs: the callee reads min(size, what it knows). Out-structs: the caller sets size, the callee writes that
  * much.
  *  - Strings and views are borrowed for the duration of the call unless the comment says otherwise.
