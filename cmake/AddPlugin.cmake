@@ -1,4 +1,4 @@
-# c3de_add_plugin(NAME SOURCES … [LINKS …])
+# c3de_add_plugin(NAME SOURCES … [LINKS …] [OUTPUT_DIRECTORY …])
 #
 # A loadable plugin: exactly one exported symbol (c3de_plugin_query), no undefined symbol, nothing of the host linked.
 # Hidden visibility alone still leaks library templates, hence the version script; -fno-gnu-unique, which
@@ -7,7 +7,10 @@ set(C3DE_CMAKE_DIR "${CMAKE_CURRENT_LIST_DIR}")
 function(c3de_add_plugin name)
   cmake_parse_arguments(ARG "" "OUTPUT_DIRECTORY" "SOURCES;LINKS" ${ARGN})
   if(NOT ARG_OUTPUT_DIRECTORY)
-    set(ARG_OUTPUT_DIRECTORY "${C3DE_PLUGIN_OUTPUT_DIRECTORY}")
+    set(ARG_OUTPUT_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}")  # of a project that uses the installed SDK
+    if(C3DE_PLUGIN_OUTPUT_DIRECTORY)
+      set(ARG_OUTPUT_DIRECTORY "${C3DE_PLUGIN_OUTPUT_DIRECTORY}")
+    endif()
   endif()
   add_library(${name} MODULE ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS})

@@ -50,3 +50,18 @@ TEST_CASE("Without plugins a run ends with 4 and says what is missing") {
   CHECK(list.exitCode == 0);
   CHECK(nlohmann::json::parse(list.output).at("plugins").empty());
 }
+
+TEST_CASE("Without the search for plugins those that are named are loaded, and no others") {
+  const auto folder = freshFolder("named-plugins");
+  const std::string named =
+      (std::filesystem::path(testPluginFolder()) / (std::string("pointbased") + c3de::pluginExtension())).string();
+  const auto result =
+      runC3de({"run", writeBoxScene(folder).string(), "--no-plugins", "--plugin", named, "--steps", "2"});
+  CHECK(result.exitCode == 0);
+  const auto list = runC3de({"plugins", "--no-plugins", "--plugin", named, "--json"});
+  CHECK(list.exitCode == 0);
+  const auto found = nlohmann::json::parse(list.output);
+  CHECK(found.at("folders").empty());
+  REQUIRE(found.at("plugins").size() == 1);
+  CHECK(found.at("plugins").at(0).at("id") == "c3de.pointbased");
+}

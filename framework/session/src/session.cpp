@@ -343,21 +343,21 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   services.edits = options.edits;
   impl->host = std::make_unique<plugin_host::PluginHost>(services);
   std::unique_ptr<Session> session(new Session(std::move(impl)));
-  if (!options.usePlugins) return session;
-
   // Named plugins first, so that they shadow those of the folders.
   plugin_host::PluginHost &host = *session->impl_->host;
   for (const auto &file : options.pluginFiles)
     if (const auto loaded = host.load(file); !loaded) return fail(ErrorCode::plugin, loaded.error().message);
   auto &folders = session->impl_->folders;
-  for (const auto &folder : options.pluginFolders) {
-    std::error_code code;
-    if (!std::filesystem::is_directory(folder, code))
-      return fail(ErrorCode::plugin, "--plugin-path " + notAFolder(folder));
-    folders.push_back(folder);
+  if (options.searchPlugins) {
+    for (const auto &folder : options.pluginFolders) {
+      std::error_code code;
+      if (!std::filesystem::is_directory(folder, code))
+        return fail(ErrorCode::plugin, "--plugin-path " + notAFolder(folder));
+      folders.push_back(folder);
+    }
+    for (const auto &folder : plugin_host::defaultPluginFolders()) folders.push_back(folder);
+    for (const auto &folder : folders) host.loadFolder(folder);
   }
-  for (const auto &folder : plugin_host::defaultPluginFolders()) folders.push_back(folder);
-  for (const auto &folder : folders) host.loadFolder(folder);
   host.start();
   // A named plugin may load and then fail to start.
   for (const plugin_host::PluginInfo &plugin : host.plugins())

@@ -51,7 +51,7 @@ struct Fixture {
     simulator.bodyIds = {"material.density", "material.youngs_modulus", "material.poisson_ratio",
                          "surroundings.stiffness"};
     SessionOptions options;
-    options.usePlugins = false;
+    options.searchPlugins = false;
     options.threads = 1;
     session = std::move(*Session::create(options));
     if (hasSimulation) {

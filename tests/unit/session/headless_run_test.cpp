@@ -27,7 +27,7 @@ struct Fixture {
 
   Fixture() {
     SessionOptions without;
-    without.usePlugins = false;
+    without.searchPlugins = false;
     without.threads = 1;
     session = std::move(*Session::create(without));
     options.quiet = true;

@@ -22,7 +22,7 @@ namespace {
 
 std::unique_ptr<Session> sessionWithoutPlugins() {
   SessionOptions options;
-  options.usePlugins = false;
+  options.searchPlugins = false;
   options.threads = 1;
   auto session = Session::create(options);
   if (!session) FAIL(session.error().message);

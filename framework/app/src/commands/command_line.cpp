@@ -5,7 +5,7 @@ namespace c3de::app {
 
 SessionOptions CommandLine::sessionOptions() const {
   SessionOptions options;
-  options.usePlugins = !noPlugins;
+  options.searchPlugins = !noPlugins;
   for (const std::string &file : plugins) options.pluginFiles.emplace_back(file);
   for (const std::string &folder : pluginPaths) options.pluginFolders.emplace_back(folder);
   options.threads = threads.value_or(0);
@@ -44,7 +44,7 @@ void addSessionOptions(CLI::App &app, CommandLine &line) {
   app.add_option("--plugin-path", line.pluginPaths, "Look for plugins in this folder, too (repeatable)")
       ->type_name("DIR")
       ->allow_extra_args(false);
-  app.add_flag("--no-plugins", line.noPlugins, "Load no plugin");
+  app.add_flag("--no-plugins", line.noPlugins, "Look for plugins in no folder; those of --plugin are loaded");
   addCount(app, "--threads", line.threads, 1, 1024, "Threads that compute; default: as many as the machine has");
   app.add_flag("-v,--verbose", line.verbose, "Say more");
 }

@@ -32,16 +32,17 @@ Json describe(const plugin_host::PluginInfo &plugin) {
 int listPlugins(const SessionOptions &options, bool json) {
   // The named ones are loaded here, one by one: a refusal is what this command is to show, not what ends it.
   SessionOptions withoutNamed = options;
-  withoutNamed.usePlugins = false;
+  withoutNamed.searchPlugins = false;
+  withoutNamed.pluginFiles.clear();
   auto session = Session::create(withoutNamed);
   if (!session) return reportError(session.error());
   plugin_host::PluginHost &host = (*session)->plugins();
   ExitCode exitCode = kDone;
   std::vector<std::filesystem::path> folders;
-  if (options.usePlugins) {
-    for (const auto &file : options.pluginFiles)
-      if (const auto loaded = host.load(file); !loaded)
-        exitCode = reportError({ErrorCode::plugin, loaded.error().message});
+  for (const auto &file : options.pluginFiles)
+    if (const auto loaded = host.load(file); !loaded)
+      exitCode = reportError({ErrorCode::plugin, loaded.error().message});
+  if (options.searchPlugins) {
     for (const auto &folder : options.pluginFolders) {
       std::error_code code;
       if (std::filesystem::is_directory(folder, code))
@@ -51,8 +52,8 @@ int listPlugins(const SessionOptions &options, bool json) {
     }
     for (const auto &folder : plugin_host::defaultPluginFolders()) folders.push_back(folder);
     for (const auto &folder : folders) host.loadFolder(folder);
-    host.start();
   }
+  host.start();
 
   if (json) {
     Json out{{"folders", Json::array()}, {"plugins", Json::array()}, {"classes", Json::array()}};
@@ -68,7 +69,7 @@ int listPlugins(const SessionOptions &options, bool json) {
     return exitCode;
   }
   std::string text;
-  if (!options.usePlugins) text += "--no-plugins: nothing was looked for\n";
+  if (!options.searchPlugins) text += "--no-plugins: no folder was looked in\n";
   for (const auto &folder : folders) text += "looked in " + folder.string() + "\n";
   for (const auto &plugin : host.plugins()) {
     if (plugin.state == plugin_host::PluginState::refused) {

@@ -35,7 +35,7 @@ inline constexpr const char *kJobOwner = "c3de";
 class BodySources;
 
 struct SessionOptions {
-  bool usePlugins = true;
+  bool searchPlugins = true;                         ///< in folders; false: only those that pluginFiles names
   std::vector<std::filesystem::path> pluginFiles;    ///< --plugin: each must load, or the session fails
   std::vector<std::filesystem::path> pluginFolders;  ///< --plugin-path, before the default folders
   unsigned threads = 0;                              ///< 0: as many as the machine has

@@ -1,0 +1,38 @@
+# What `cmake --install BUILD --component NAME --prefix PREFIX` puts where:
+#   runtime  the programs, the point-based plugin and the resources
+#   sdk      headers of the plugin boundary and of its C++ comfort, the CMake package C3DE, a pkg-config file, examples
+include(CMakePackageConfigHelpers)
+include(GNUInstallDirs)
+
+install(TARGETS c3de RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
+if(TARGET c3de_workstation)
+  install(TARGETS c3de_workstation RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
+endif()
+# Both are looked for relative to the program.
+if(TARGET pointbased)
+  install(TARGETS pointbased LIBRARY DESTINATION lib/c3de/plugins COMPONENT runtime
+                             RUNTIME DESTINATION lib/c3de/plugins COMPONENT runtime)
+endif()
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/resources/" DESTINATION share/c3de COMPONENT runtime)
+
+set_target_properties(c3de_abi PROPERTIES EXPORT_NAME abi)
+set_target_properties(c3de_sdk PROPERTIES EXPORT_NAME sdk)
+install(TARGETS c3de_abi c3de_sdk EXPORT C3DEPluginSDK
+  FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT sdk)
+set(package "${CMAKE_INSTALL_LIBDIR}/cmake/C3DE")
+install(EXPORT C3DEPluginSDK NAMESPACE c3de:: DESTINATION "${package}" COMPONENT sdk)
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/C3DEConfig.cmake.in" "${PROJECT_BINARY_DIR}/C3DEConfig.cmake"
+  INSTALL_DESTINATION "${package}")
+# Headers of a package and the host that loads its plugins need not be of one version: the boundary negotiates.
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/C3DEConfigVersion.cmake" COMPATIBILITY SameMinorVersion
+  ARCH_INDEPENDENT)
+install(FILES "${PROJECT_BINARY_DIR}/C3DEConfig.cmake" "${PROJECT_BINARY_DIR}/C3DEConfigVersion.cmake"
+  "${CMAKE_CURRENT_LIST_DIR}/AddPlugin.cmake" "${CMAKE_CURRENT_LIST_DIR}/plugin.version"
+  DESTINATION "${package}" COMPONENT sdk)
+configure_file("${CMAKE_CURRENT_LIST_DIR}/c3de-sdk.pc.in" "${PROJECT_BINARY_DIR}/c3de-sdk.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/c3de-sdk.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT sdk)
+install(FILES "${PROJECT_SOURCE_DIR}/plugins/hello/hello.c" "${PROJECT_SOURCE_DIR}/plugins/hello/greeter.h"
+  "${PROJECT_SOURCE_DIR}/plugins/magnet/magnet.cpp"
+  "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/minimal.c" "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/probe.cpp"
+  "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/CMakeLists.txt"
+  DESTINATION share/c3de/examples COMPONENT sdk)
