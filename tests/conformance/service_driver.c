@@ -845,6 +845,27 @@ static void drive_simulation(c3de_handle node) {
   GIVES(C3DE_E_NOT_FOUND, simulation->post(simulation->ctx, kNone, &sim_calls, count_call));
 }
 
+/* ---- handles of one kind where another is asked for ---- */
+
+static void drive_kinds(c3de_handle node) {
+  const c3de_collision_v0 *collision = service(C3DE_COLLISION_ID);
+  const c3de_mesh_v0 *mesh = service(C3DE_MESH_ID);
+  c3de_handle tree, made;
+  c3de_mesh_info info;
+  memset(&info, 0, sizeof info);
+  info.size = sizeof info;
+  GIVES(C3DE_OK, collision->create(collision->ctx, corners(), faces(), &tree));
+  GIVES(C3DE_OK, mesh->create(mesh->ctx, corners(), faces(), &made));
+  GIVES(C3DE_OK, mesh->info(mesh->ctx, made, &info));
+  GIVES(C3DE_E_STALE, mesh->info(mesh->ctx, tree, &info));
+  SAYS("that of a collision tree");
+  GIVES(C3DE_E_STALE, mesh->info(mesh->ctx, node, &info));
+  SAYS("that of a scene node");
+  GIVES(C3DE_E_STALE, collision->destroy(collision->ctx, made));
+  SAYS("that of a mesh");
+  GIVES(C3DE_OK, collision->destroy(collision->ctx, tree));
+}
+
 /* ---- forces ---- */
 
 static uint64_t force_calls;
@@ -1122,6 +1143,7 @@ static uint64_t C3DE_CALL run(c3de_object *self, c3de_str name, c3de_handle simu
   if (IS("jobs")) drive_jobs();
   if (IS("time")) drive_time();
   if (IS("simulation")) drive_simulation(simulation);
+  if (IS("kinds")) drive_kinds(simulation);
   if (IS("forces")) drive_forces(simulation);
   if (IS("imaging")) drive_imaging();
   if (IS("imaging of what is gone")) drive_imaging_of_what_is_gone();

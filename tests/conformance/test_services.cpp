@@ -85,6 +85,7 @@ TEST_CASE("the history service answers good and bad arguments, and its steps are
   f.host.reset();
   CHECK(f.edits.undoLabel() == "");  // a plugin that goes takes its steps along
 }
+TEST_CASE("a handle of one kind is refused where another is asked for, with both kinds") { check("kinds", 8); }
 TEST_CASE("the forces service answers good and bad arguments") { check("forces", 18); }
 TEST_CASE("the simulation service answers good and bad arguments") { check("simulation", 12); }
 

@@ -29,7 +29,7 @@ struct BackgroundJobs::Impl {
   explicit Impl(MainQueue &queue) : mainQueue(queue) {}
 
   MainQueue &mainQueue;
-  HandleTable<std::shared_ptr<Job>> jobs;  // main thread only
+  HandleTable<std::shared_ptr<Job>, HandleKind::job> jobs;  // main thread only
   // Posted functions may outlive this object; they hold the flag and look before they touch.
   std::shared_ptr<bool> alive = std::make_shared<bool>(true);
 

@@ -112,6 +112,11 @@ std::string idOf(c3de_str text, const char *name) {
   return id;
 }
 
+std::string textOf(c3de_handle handle) {
+  const std::string kind = nameOf(handleOf(handle).kind());
+  return fmt::format("{:#x}{}", handle.v, kind.empty() ? "" : " (that of a " + kind + ")");
+}
+
 void refuseStride(const char *name, std::uint64_t stride, std::uint64_t least, std::uint64_t alignment) {
   throw Refusal(C3DE_E_ARG, fmt::format("{}: stride is {}, accepted: 0 (tight) or a multiple of {} from {} to {}", name,
                                         stride, alignment, least, kLargestStride));

@@ -72,6 +72,8 @@ template <class T>
 }
 
 inline void writeHandle(c3de_handle *out, Handle handle) { out->v = handle.bits(); }
+/// For messages: its number and, where it has one, its kind.
+[[nodiscard]] std::string textOf(c3de_handle handle);
 [[nodiscard]] inline Handle handleOf(c3de_handle handle) { return Handle::fromBits(handle.v); }
 
 [[nodiscard]] double finiteOf(double value, const char *name);

@@ -52,7 +52,7 @@ class CollisionTrees {
 
  private:
   mutable std::mutex mutex_;
-  HandleTable<std::shared_ptr<SharedTree>> trees_;
+  HandleTable<std::shared_ptr<SharedTree>, HandleKind::tree> trees_;
 };
 
 }  // namespace c3de::plugin_host

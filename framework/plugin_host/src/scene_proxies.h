@@ -45,7 +45,7 @@ class SceneProxies {
 
   render::Renderer *renderer_;
   scene::SceneGraph *graph_;
-  HandleTable<SceneProxy> proxies_;
+  HandleTable<SceneProxy, HandleKind::proxy> proxies_;
 };
 
 }  // namespace c3de::plugin_host

@@ -36,7 +36,7 @@ std::string textOf(c3de_str text) { return text.ptr != nullptr ? std::string(tex
 
 Handle ForceFields::add(Field field) {
   const std::lock_guard lock(mutex_);
-  const Handle handle{next_++, 1};
+  const Handle handle{next_++, Handle::firstOf(HandleKind::forceField)};
   fields_.emplace(handle.bits(), std::move(field));
   count_ = fields_.size();
   return handle;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <string>
+
 #include "c3de/core/handle.h"
 #include "support/catch.h"
 
@@ -22,4 +24,21 @@ TEST_CASE("the null handle finds nothing and bits travel both ways") {
   const Handle a = table.add(1);
   CHECK(Handle::fromBits(a.bits()) == a);
   CHECK(table.find(Handle::fromBits(0xffffffffffffffffull)) == nullptr);
+}
+
+TEST_CASE("handles of two kinds are never equal, however often their slots are used again") {
+  HandleTable<int, HandleKind::mesh> meshes;
+  HandleTable<int, HandleKind::tree> trees;
+  for (int round = 0; round < 1000; ++round) {
+    const Handle mesh = meshes.add(round), tree = trees.add(round);
+    CHECK(mesh.kind() == HandleKind::mesh);
+    CHECK(tree.kind() == HandleKind::tree);
+    CHECK(mesh != tree);
+    CHECK(trees.find(mesh) == nullptr);
+    CHECK(meshes.find(tree) == nullptr);
+    CHECK(Handle::fromBits(mesh.bits()).kind() == HandleKind::mesh);
+    meshes.remove(mesh);
+    trees.remove(tree);
+  }
+  CHECK(std::string(nameOf(HandleKind::labelMap)) == "label map");
 }

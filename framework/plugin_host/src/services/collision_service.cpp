@@ -11,7 +11,7 @@ namespace {
 
 std::shared_ptr<SharedTree> find(PluginContext &plugin, c3de_handle tree) {
   auto found = plugin.host().trees.find(handleOf(tree));
-  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no tree of handle {:#x}", tree.v));
+  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no tree of handle {}", textOf(tree)));
   return found;
 }
 
@@ -19,7 +19,7 @@ std::shared_ptr<SharedTree> find(PluginContext &plugin, c3de_handle tree) {
 std::shared_ptr<SharedTree> findOwn(PluginContext &plugin, c3de_handle tree) {
   auto found = find(plugin, tree);
   if (found->owner != plugin.id())
-    throw Refusal(C3DE_E_STATE, fmt::format("the tree of handle {:#x} belongs to plugin {}", tree.v, found->owner));
+    throw Refusal(C3DE_E_STATE, fmt::format("the tree of handle {} belongs to plugin {}", textOf(tree), found->owner));
   return found;
 }
 

@@ -22,8 +22,8 @@ c3de_status C3DE_CALL add(void *ctx, c3de_handle simulation, const c3de_force_fi
     taken.owner = plugin.id();
     taken.simulation = handleOf(simulation);
     if (simulation.v != 0 && !plugin.services().simulations->find(taken.simulation))
-      throw Refusal(C3DE_E_ARG, fmt::format("simulation {:#x} is no node of a simulation; accepted: one, or 0 for all",
-                                            simulation.v));
+      throw Refusal(C3DE_E_ARG, fmt::format("simulation {} is no node of a simulation; accepted: one, or 0 for all",
+                                            textOf(simulation)));
     taken.apply = [owner = &plugin, given](const c3de_force_call &call) {
       c3de_status status = C3DE_E_EXCEPTION;
       callPlugin(*owner, "apply of a force field", [&] { status = given.apply(given.self, &call); });
@@ -41,7 +41,8 @@ c3de_status C3DE_CALL remove(void *ctx, c3de_handle field) noexcept {
       case scene::ForceFields::Removal::fromApply:
         throw Refusal(C3DE_E_STATE, "a force field cannot be removed while one is applied on this thread");
       case scene::ForceFields::Removal::stale:
-        throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no force field of handle {:#x}", plugin.id(), field.v));
+        throw Refusal(C3DE_E_STALE,
+                      fmt::format("plugin {} has no force field of handle {}", plugin.id(), textOf(field)));
     }
   });
 }

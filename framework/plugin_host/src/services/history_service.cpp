@@ -37,7 +37,7 @@ c3de_status C3DE_CALL removeEdit(void *ctx, c3de_handle edit) noexcept {
         plugin.services().edits->remove(handleOf(edit));
         return;
       }
-    throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no step of handle {:#x}", plugin.id(), edit.v));
+    throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no step of handle {}", plugin.id(), textOf(edit)));
   });
 }
 

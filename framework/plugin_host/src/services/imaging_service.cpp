@@ -11,13 +11,13 @@ namespace {
 
 std::shared_ptr<const scene::StoredImage> findImage(PluginContext &plugin, c3de_handle image) {
   auto found = plugin.services().images->image(handleOf(image));
-  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no image of handle {:#x}", image.v));
+  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no image of handle {}", textOf(image)));
   return found;
 }
 
 std::shared_ptr<const scene::StoredLabels> findLabels(PluginContext &plugin, c3de_handle map) {
   auto found = plugin.services().images->labels(handleOf(map));
-  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no label map of handle {:#x}", map.v));
+  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no label map of handle {}", textOf(map)));
   return found;
 }
 

@@ -97,7 +97,7 @@ BackgroundJobs::Status find(PluginContext &plugin, c3de_handle job) {
     for (BackgroundJobs::Status &status : plugin.services().jobs->running())
       if (status.handle == handleOf(job)) return std::move(status);
   plugin.jobs.erase(job.v);
-  throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no running job of handle {:#x}", plugin.id(), job.v));
+  throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no running job of handle {}", plugin.id(), textOf(job)));
 }
 
 c3de_status C3DE_CALL cancel(void *ctx, c3de_handle job) noexcept {

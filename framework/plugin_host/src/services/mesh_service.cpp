@@ -46,7 +46,7 @@ void store(PluginContext &plugin, geometry::LoadedMesh mesh, c3de_handle *out) {
 
 std::shared_ptr<const scene::StoredMesh> find(PluginContext &plugin, c3de_handle mesh) {
   auto found = plugin.services().meshes->find(handleOf(mesh));
-  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no mesh of handle {:#x}", mesh.v));
+  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no mesh of handle {}", textOf(mesh)));
   return found;
 }
 
@@ -81,7 +81,7 @@ c3de_status C3DE_CALL release(void *ctx, c3de_handle mesh) noexcept {
       const std::lock_guard lock(plugin.meshMutex);
       if (plugin.meshes.erase(mesh.v) == 0)
         throw Refusal(C3DE_E_STATE,
-                      fmt::format("the mesh of handle {:#x} was not made by plugin {}", mesh.v, plugin.id()));
+                      fmt::format("the mesh of handle {} was not made by plugin {}", textOf(mesh), plugin.id()));
     }
     plugin.services().meshes->remove(handleOf(mesh));
   });

@@ -35,7 +35,7 @@ c3de_status C3DE_CALL removePanel(void *ctx, c3de_handle panel) noexcept {
   return serveOnMain(ctx, "panels.remove", [&](PluginContext &plugin) {
     const auto found = plugin.panels.find(panel.v);
     if (found == plugin.panels.end())
-      throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no panel of handle {:#x}", plugin.id(), panel.v));
+      throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no panel of handle {}", plugin.id(), textOf(panel)));
     plugin.services().panels->remove(handleOf(panel));
     plugin.panels.erase(found);
   });

@@ -46,7 +46,7 @@ ParameterDecl declarationOf(const c3de_param_decl *decl) {
 
 registry::ParameterSet &find(PluginContext &plugin, c3de_handle set) {
   registry::ParameterSet *found = plugin.services().parameters->find(handleOf(set));
-  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no parameter set of handle {:#x}", set.v));
+  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no parameter set of handle {}", textOf(set)));
   return *found;
 }
 

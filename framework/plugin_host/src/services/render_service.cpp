@@ -18,9 +18,10 @@ SceneProxy &find(PluginContext &plugin, c3de_handle proxy) {
   SceneProxy *found = plugin.host().proxies.find(handleOf(proxy));
   if (!found)
     throw Refusal(C3DE_E_STALE,
-                  fmt::format("there is no proxy of handle {:#x}; its node may have been removed", proxy.v));
+                  fmt::format("there is no proxy of handle {}; its node may have been removed", textOf(proxy)));
   if (found->owner != plugin.id())
-    throw Refusal(C3DE_E_STATE, fmt::format("the proxy of handle {:#x} belongs to plugin {}", proxy.v, found->owner));
+    throw Refusal(C3DE_E_STATE,
+                  fmt::format("the proxy of handle {} belongs to plugin {}", textOf(proxy), found->owner));
   return *found;
 }
 
@@ -43,7 +44,7 @@ Vec3f labelPointOf(const double *at3) {
 
 void requireNode(PluginContext &plugin, c3de_handle node) {
   if (!plugin.services().sceneGraph->find(handleOf(node)))
-    throw Refusal(C3DE_E_STALE, fmt::format("there is no scene node of handle {:#x}", node.v));
+    throw Refusal(C3DE_E_STALE, fmt::format("there is no scene node of handle {}", textOf(node)));
 }
 
 void keep(PluginContext &plugin, c3de_handle node, Handle drawn, ProxyKind kind, std::size_t count,

@@ -11,7 +11,7 @@ namespace {
 
 scene::Node &find(PluginContext &plugin, c3de_handle node) {
   scene::Node *found = plugin.services().sceneGraph->find(handleOf(node));
-  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no scene node of handle {:#x}", node.v));
+  if (!found) throw Refusal(C3DE_E_STALE, fmt::format("there is no scene node of handle {}", textOf(node)));
   return *found;
 }
 

@@ -15,7 +15,7 @@ namespace {
 std::shared_ptr<scene::Simulation> find(PluginContext &plugin, c3de_handle node) {
   auto found = plugin.services().simulations->find(handleOf(node));
   if (!found)
-    throw Refusal(C3DE_E_NOT_FOUND, fmt::format("no simulation stands behind the node of handle {:#x}", node.v));
+    throw Refusal(C3DE_E_NOT_FOUND, fmt::format("no simulation stands behind the node of handle {}", textOf(node)));
   return found;
 }
 

@@ -66,7 +66,7 @@ c3de_status C3DE_CALL removeFrameCallback(void *ctx, c3de_handle callback) noexc
   return serveOnMain(ctx, "time.remove_frame_callback", [&](PluginContext &plugin) {
     if (plugin.frameCallbacks.erase(callback.v) == 0)
       throw Refusal(C3DE_E_STALE,
-                    fmt::format("plugin {} has no frame callback of handle {:#x}", plugin.id(), callback.v));
+                    fmt::format("plugin {} has no frame callback of handle {}", plugin.id(), textOf(callback)));
     plugin.services().mainQueue->removeFrameCallback(handleOf(callback));
   });
 }

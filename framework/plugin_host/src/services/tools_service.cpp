@@ -17,7 +17,7 @@ bool isLive(PluginContext &plugin, c3de_handle tool) {
 }
 
 void requireLive(PluginContext &plugin, c3de_handle tool) {
-  if (!isLive(plugin, tool)) throw Refusal(C3DE_E_STALE, fmt::format("there is no tool of handle {:#x}", tool.v));
+  if (!isLive(plugin, tool)) throw Refusal(C3DE_E_STALE, fmt::format("there is no tool of handle {}", textOf(tool)));
 }
 
 c3de_status C3DE_CALL add(void *ctx, const c3de_tool *tool, c3de_handle *out) noexcept {
@@ -56,7 +56,7 @@ c3de_status C3DE_CALL add(void *ctx, const c3de_tool *tool, c3de_handle *out) no
 c3de_status C3DE_CALL removeTool(void *ctx, c3de_handle tool) noexcept {
   return serveOnMain(ctx, "tools.remove", [&](PluginContext &plugin) {
     if (!plugin.tools.contains(tool.v))
-      throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no tool of handle {:#x}", plugin.id(), tool.v));
+      throw Refusal(C3DE_E_STALE, fmt::format("plugin {} has no tool of handle {}", plugin.id(), textOf(tool)));
     plugin.services().tools->remove(handleOf(tool));
     plugin.tools.erase(tool.v);
   });

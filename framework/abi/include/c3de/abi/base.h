@@ -59,7 +59,7 @@ typedef int32_t c3de_status;
 #define C3DE_E_EXCEPTION ((c3de_status)-16) /* an exception was caught at the boundary */
 #define C3DE_E_INTERNAL ((c3de_status)-17)
 
-/* Index and generation of an object on the other side; 0 is none. A stale handle answers C3DE_E_STALE. */
+/* Kind, index and generation of an object on the other side; 0 is none; those of two kinds are never equal. A stale handle answers C3DE_E_STALE. */
 typedef struct c3de_handle {
   uint64_t v;
 } c3de_handle;

@@ -8,12 +8,37 @@
 
 namespace c3de {
 
+/// What a handle leads to. In the uppermost eight bits of its generation, so that no two kinds have a handle in common.
+enum class HandleKind : std::uint8_t {
+  other,
+  node,
+  mesh,
+  image,
+  labelMap,
+  tree,
+  proxy,
+  panel,
+  tool,
+  parameterSet,
+  job,
+  frameCallback,
+  edit,
+  forceField,
+};
+/// For messages: "scene node"; empty for `other` and for what is no kind.
+[[nodiscard]] const char *nameOf(HandleKind kind);
+
 /// Index and generation; zero is null. What the ABI carries as c3de_handle.
 struct Handle {
   std::uint32_t index = 0;
   std::uint32_t generation = 0;
 
   [[nodiscard]] bool isNull() const { return generation == 0; }
+  [[nodiscard]] HandleKind kind() const { return static_cast<HandleKind>(generation >> 24); }
+  /// The first generation of a kind.
+  [[nodiscard]] static constexpr std::uint32_t firstOf(HandleKind kind) {
+    return (static_cast<std::uint32_t>(kind) << 24) | 1u;
+  }
   [[nodiscard]] std::uint64_t bits() const { return (std::uint64_t{generation} << 32) | index; }
   [[nodiscard]] static Handle fromBits(std::uint64_t v) {
     return {static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(v >> 32)};
@@ -22,7 +47,7 @@ struct Handle {
 };
 
 /// Slots addressed by Handle; a handle to a removed object is recognised as stale. Not synchronised.
-template <class T>
+template <class T, HandleKind kKind = HandleKind::other>
 class HandleTable {
  public:
   Handle add(T value) {
@@ -45,8 +70,11 @@ class HandleTable {
 
   bool remove(Handle h) {
     if (!isLive(h)) return false;
-    slots_[h.index].value.reset();
-    ++slots_[h.index].generation;
+    Slot &slot = slots_[h.index];
+    slot.value.reset();
+    // Of its kind for ever, and never null.
+    constexpr std::uint32_t kCounter = 0x00ffffffu;
+    slot.generation = (slot.generation & kCounter) == kCounter ? Handle::firstOf(kKind) : slot.generation + 1;
     free_.push_back(h.index);
     return true;
   }
@@ -68,7 +96,7 @@ class HandleTable {
  private:
   struct Slot {
     std::optional<T> value;
-    std::uint32_t generation = 1;
+    std::uint32_t generation = Handle::firstOf(kKind);
   };
   [[nodiscard]] bool isLive(Handle h) const {
     return !h.isNull() && h.index < slots_.size() && slots_[h.index].generation == h.generation &&

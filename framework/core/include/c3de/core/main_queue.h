@@ -37,7 +37,7 @@ class MainQueue {
   mutable std::mutex mutex_;
   std::vector<std::function<void()>> posted_;
   std::function<void()> waker_;
-  HandleTable<Callback> callbacks_;
+  HandleTable<Callback, HandleKind::frameCallback> callbacks_;
   std::uint64_t frame_ = 0;
 };
 

@@ -49,7 +49,7 @@ class EditList {
   void forget(std::size_t index);
   bool carryOut(std::size_t index, bool isUndo);
 
-  HandleTable<Edit> table_;
+  HandleTable<Edit, HandleKind::edit> table_;
   std::vector<Handle> order_;
   std::size_t done_ = 0;  ///< of the order: those before it can be undone, the others redone
   std::uint64_t edits_ = 0;

@@ -47,7 +47,7 @@ class PanelRegistry {
   [[nodiscard]] bool hasViewPanel();
 
  private:
-  HandleTable<Panel> panels_;
+  HandleTable<Panel, HandleKind::panel> panels_;
   std::vector<Handle> order_;
   std::vector<Notification> notifications_, log_;
   std::uint64_t serial_ = 0;

@@ -35,7 +35,7 @@ class ParameterRegistry {
   [[nodiscard]] const ParameterHistory &history() const { return history_; }
 
  private:
-  HandleTable<ParameterSet> sets_;
+  HandleTable<ParameterSet, HandleKind::parameterSet> sets_;
   ParameterHistory history_;
 };
 

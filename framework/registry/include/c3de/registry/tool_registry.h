@@ -42,7 +42,7 @@ class ToolRegistry {
   [[nodiscard]] std::vector<Entry> tools() const;
 
  private:
-  HandleTable<Tool> tools_;
+  HandleTable<Tool, HandleKind::tool> tools_;
   std::vector<Handle> order_;
   Handle active_;
 };

@@ -44,8 +44,8 @@ class ImageStore {
 
  private:
   mutable std::mutex mutex_;
-  HandleTable<std::shared_ptr<const StoredImage>> images_;
-  HandleTable<std::shared_ptr<const StoredLabels>> labels_;
+  HandleTable<std::shared_ptr<const StoredImage>, HandleKind::image> images_;
+  HandleTable<std::shared_ptr<const StoredLabels>, HandleKind::labelMap> labels_;
 };
 
 }  // namespace c3de::scene

@@ -29,7 +29,7 @@ class MeshStore {
 
  private:
   mutable std::mutex mutex_;
-  HandleTable<std::shared_ptr<const StoredMesh>> meshes_;
+  HandleTable<std::shared_ptr<const StoredMesh>, HandleKind::mesh> meshes_;
 };
 
 }  // namespace c3de::scene

@@ -45,7 +45,7 @@ class SceneGraph {
   void touch() { ++generation_; }  ///< for who has changed a node through find()
 
  private:
-  HandleTable<Node> nodes_;
+  HandleTable<Node, HandleKind::node> nodes_;
   std::vector<Handle> order_;
   std::uint64_t generation_ = 0;
 };
