@@ -277,3 +277,14 @@ displacement = [0, -1, 0]
   CHECK(json.at("bodies").at(0).at("params").at("material.plastic.yield") == "inf");
   CHECK(json.at("obstacles").at(0).at("motion").at("displacement") == Json{0, -1, 0});
 }
+
+TEST_CASE("Where two plugins simulate, a run says which one does, and one alone can be asked for") {
+  const auto scene = writeRecorded(freshFolder("two_simulators"), "");
+  const auto both = runRecorder({"run", scene.string(), "--steps", "1"});
+  CHECK(both.exitCode == 0);
+  CHECK_THAT(both.errorOutput,
+             Contains("several classes simulate; a.test.Recorder/0 is used, not draft/c3de.pointbased"));
+  const auto alone = runRecorder({"run", scene.string(), "--steps", "1", "--no-plugins"});
+  CHECK(alone.exitCode == 0);
+  CHECK_THAT(alone.errorOutput, !Contains("several classes"));
+}

@@ -392,6 +392,12 @@ Expected<c3de_object *> Session::createSimulator() {
     return fail(ErrorCode::plugin, std::string("no loaded plugin offers a class that answers ") +
                                        C3DE_IFACE_SIMULATOR_ID + "; folders searched: " + listOf(impl_->folders) +
                                        "; `c3de plugins` says what was found and why it was refused");
+  if (ids.size() > 1) {
+    // The first by its id: nobody is to take a scene over without being seen.
+    std::string text = "several classes simulate; " + ids.front() + " is used, not";
+    for (std::size_t i = 1; i < ids.size(); ++i) text += (i > 1 ? ", " : " ") + ids[i];
+    log(LogLevel::warn, text + ". --no-plugins with --plugin loads one alone");
+  }
   return impl_->host->createObject(ids.front());
 }
 
