@@ -23,7 +23,7 @@ foreach(compiler IN LISTS COMPILERS)
   if(compiler MATCHES "clang")
     set(cc clang)
   endif()
-  run("${CMAKE_COMMAND}" -E env --unset=CFLAGS --unset=CXXFLAGS "${CMAKE_COMMAND}" -S "${PLACE}/prefix/share/c3de/examples"
+  run("${CMAKE_COMMAND}" -E env --unset=CFLAGS --unset=CXXFLAGS "${CMAKE_COMMAND}" -G Ninja -S "${PLACE}/prefix/share/c3de/examples"
       -B "${plugins}" "-DCMAKE_PREFIX_PATH=${PLACE}/prefix" "-DCMAKE_C_COMPILER=${cc}" "-DCMAKE_CXX_COMPILER=${compiler}"
       -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_C_FLAGS=-Wall -Wextra -Wpedantic -Werror"
       "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror")
