@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A magnet: pulls the points of every body, whoever simulates it, towards a pole. Shows how a plugin that knows nothing of
-// a simulator acts on a running simulation, live by parameters, and reads something of it.
+// A magnet: pulls the points of every body, whoever simulates it, towards a pole. Shows how a plugin that knows nothing
+// of a simulator acts on a running simulation, live by parameters, and reads something of it.
 #include <array>
 #include <atomic>
 #include <cmath>

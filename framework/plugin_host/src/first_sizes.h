@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How large the structs that plugins hand over, or take answers in, were when they were first published. A plugin that was
-// built then still passes structs of that size, so these numbers never change; a struct without one does not compile.
+// How large the structs that plugins hand over, or take answers in, were when they were first published. A plugin that
+// was built then still passes structs of that size, so these numbers never change; a struct without one does not
+// compile.
 #pragma once
 
 #include <cstddef>

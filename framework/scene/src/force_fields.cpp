@@ -30,11 +30,14 @@ bool givesPoints(const c3de_simulator_v0 *table) {
   return table->rev >= 5 && C3DE_HAS(c3de_simulator_v0, table, points) && table->points != nullptr;
 }
 
-std::string textOf(c3de_str text) { return text.ptr != nullptr ? std::string(text.ptr, text.len) : std::string(); }
+bool actsOn(const ForceFields::Field &field, Handle simulation) {
+  return field.simulation.isNull() || field.simulation == simulation;
+}
 
 }  // namespace
 
 Handle ForceFields::add(Field field) {
+  if (applying_ == std::this_thread::get_id()) return {};
   const std::lock_guard lock(mutex_);
   const Handle handle{next_++, Handle::firstOf(HandleKind::forceField)};
   fields_.emplace(handle.bits(), std::move(field));
@@ -58,24 +61,20 @@ void ForceFields::removeOwnedBy(const std::string &owner) {
   count_ = fields_.size();
 }
 
-bool ForceFields::actsOn(Handle simulation) const {
-  for (const auto &[id, field] : fields_)
-    if (field.simulation.isNull() || field.simulation == simulation) return true;
-  return false;
-}
-
 Expected<void> ForceFields::apply(Handle simulation, c3de_object *simulator, const c3de_simulator_v0 *table) {
   if (count_ == 0) return {};
   const std::lock_guard lock(mutex_);
-  if (!actsOn(simulation)) return {};
+  const auto acts = [&](const auto &entry) { return actsOn(entry.second, simulation); };
+  const auto first = std::find_if(fields_.begin(), fields_.end(), acts);
+  if (first == fields_.end()) return {};
   if (!givesPoints(table)) {
-    const Field field = fields_.begin()->second;
-    fields_.clear();
-    count_ = 0;
-    return fail(ErrorCode::plugin,
-                fmt::format("the force field '{}' of {} cannot act: the simulator takes no forces from outside ({} of "
-                            "revision {}, needed: 5); all force fields are removed",
-                            field.name, field.owner, C3DE_IFACE_SIMULATOR_ID, table->rev));
+    const std::string message = fmt::format(
+        "the force field '{}' of {} cannot act: the simulator takes no forces from outside ({} of revision "
+        "{}, needed: 5); it and all others that would act here are removed",
+        first->second.name, first->second.owner, C3DE_IFACE_SIMULATOR_ID, table->rev);
+    std::erase_if(fields_, acts);
+    count_ = fields_.size();
+    return fail(ErrorCode::plugin, message);
   }
   c3de_sim_status status{};
   status.size = sizeof status;
@@ -120,7 +119,7 @@ Expected<void> ForceFields::applyTo(Handle simulation, c3de_object *simulator, c
   const std::size_t numbers = 3 * static_cast<std::size_t>(points.count);
   for (auto at = fields_.begin(); at != fields_.end(); ++at) {
     const Field &field = at->second;
-    if (!field.simulation.isNull() && field.simulation != simulation) continue;
+    if (!actsOn(field, simulation)) continue;
     std::string why;
     if (const c3de_status code = field.apply(call); code < 0) {
       why = field.takeError ? field.takeError() : std::string();
@@ -131,7 +130,7 @@ Expected<void> ForceFields::applyTo(Handle simulation, c3de_object *simulator, c
       continue;
     }
     const std::string message = fmt::format("the force field '{}' of {} is removed: for body '{}': {}", field.name,
-                                            field.owner, textOf(points.name), why);
+                                            field.owner, fromAbi(points.name), why);
     fields_.erase(at);
     count_ = fields_.size();
     return fail(ErrorCode::plugin, message);

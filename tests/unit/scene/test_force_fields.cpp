@@ -95,8 +95,7 @@ TEST_CASE("A force field that fails is removed, is named with its plugin, and le
   const auto failed = f.apply();
   REQUIRE_FALSE(failed);
   CHECK_THAT(failed.error().message,
-             Catch::Matchers::Contains("second thoughts") && Catch::Matchers::Contains("org.bad") &&
-                 Catch::Matchers::Contains("'second'") && Catch::Matchers::Contains("it has run out"));
+             Contains("second thoughts") && Contains("org.bad") && Contains("'second'") && Contains("it has run out"));
   CHECK(f.sum() == 0.0);
   REQUIRE(f.apply());
   CHECK(f.sum() == kNumbers);
@@ -115,7 +114,7 @@ TEST_CASE("A force that is not finite is found, with its point") {
                   {}});
     const auto failed = f.apply();
     REQUIRE_FALSE(failed);
-    CHECK_THAT(failed.error().message, Catch::Matchers::Contains("point 2"));
+    CHECK_THAT(failed.error().message, Contains("point 2"));
     CHECK(f.sum() == 0.0);
     CHECK(f.apply());
   }
@@ -127,22 +126,26 @@ TEST_CASE("A simulator that takes no forces is said, once") {
   f.fake.object()->vt->query(f.fake.object(), {C3DE_IFACE_SIMULATOR_ID, sizeof C3DE_IFACE_SIMULATOR_ID - 1}, 1,
                              &f.found);
   f.addPush(1.0);
+  const Handle elsewhere = f.addPush(1.0, Handle{7, 1});
   const auto failed = f.apply();
   REQUIRE_FALSE(failed);
-  CHECK_THAT(failed.error().message, Catch::Matchers::Contains("revision 4, needed: 5"));
+  CHECK_THAT(failed.error().message, Contains("revision 4, needed: 5"));
   CHECK(f.apply());
+  CHECK(f.fields.remove(elsewhere, "org.test") == ForceFields::Removal::done);
 }
 
-TEST_CASE("A force field cannot be removed while it is applied, and removal waits for another thread's") {
+TEST_CASE("No force field is added or removed by who is applying one, and removal waits for another thread's") {
   Fixture f;
   Handle field;
   std::atomic<bool> running{false}, mayEnd{false};
   auto inside = ForceFields::Removal::done;
+  Handle added{1, 1};
   field = f.fields.add({"slow",
                         "org.test",
                         {},
                         [&](const c3de_force_call &) -> c3de_status {
                           inside = f.fields.remove(field, "org.test");
+                          added = f.fields.add({});
                           running = true;
                           while (!mayEnd) std::this_thread::yield();
                           return C3DE_OK;
@@ -162,6 +165,7 @@ TEST_CASE("A force field cannot be removed while it is applied, and removal wait
   removing.join();
   CHECK(removed);
   CHECK(inside == ForceFields::Removal::fromApply);
+  CHECK(added.isNull());
 }
 
 TEST_CASE("What cannot be prepared pauses a simulation before the step, and the next play goes on") {

@@ -21,7 +21,8 @@ c3de_status C3DE_CALL add(void *ctx, c3de_handle simulation, const c3de_force_fi
     taken.name = textOf(given.name, "field.name");
     taken.owner = plugin.id();
     taken.simulation = handleOf(simulation);
-    if (simulation.v != 0 && !plugin.services().simulations->find(taken.simulation))
+    const scene::SimulationDirectory *simulations = plugin.services().simulations;
+    if (simulation.v != 0 && (simulations == nullptr || !simulations->find(taken.simulation)))
       throw Refusal(C3DE_E_ARG, fmt::format("simulation {} is no node of a simulation; accepted: one, or 0 for all",
                                             textOf(simulation)));
     taken.apply = [owner = &plugin, given](const c3de_force_call &call) {
@@ -30,7 +31,10 @@ c3de_status C3DE_CALL add(void *ctx, c3de_handle simulation, const c3de_force_fi
       return status;
     };
     taken.takeError = [] { return takeLastError(); };
-    writeHandle(out, plugin.services().forces->add(std::move(taken)));
+    const Handle added = plugin.services().forces->add(std::move(taken));
+    if (added.isNull())
+      throw Refusal(C3DE_E_STATE, "a force field cannot be added while one is applied on this thread");
+    writeHandle(out, added);
   });
 }
 

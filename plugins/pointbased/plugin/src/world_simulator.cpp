@@ -263,22 +263,23 @@ void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
   const BodyRecord &record = bodyOrThrow(handle);
   const Body &body = *simulator_.body(handle.v);
   c3de_sim_points points{};
-  points.name = {record.name.data(), record.name.size()};
-  if (!body.rigid() && !body.stopped) {
+  const RestState &rest = body.rest();
+  const std::size_t n = rest.phyxelCount();
+  if (n > 0 && !body.rigid() && !body.stopped) {
     LentPoints &lent = lent_[handle.v];
-    const RestState &rest = body.rest();
-    const std::size_t n = rest.phyxelCount();
+    lent.name = record.name;
     lent.positions.resize(n);
     for (std::size_t i = 0; i < n; ++i)
       lent.positions[i] = rest.origin + rest.positions[i] + body.state().displacements[i];
     lent.velocities = body.state().velocities;
     lent.forces.assign(n, Vec3::Zero());
     lent.asked = true;
-    if (lent.masses.size() != n || lent.rest != &rest) {
-      lent.rest = &rest;
+    if (lent.masses.size() != n || lent.rest != body.sharedRest()) {
+      lent.rest = body.sharedRest();
       lent.masses.resize(n);
       for (std::size_t i = 0; i < n; ++i) lent.masses[i] = body.inverseMasses()[i] > 0.0 ? body.masses()[i] : 0.0;
     }
+    points.name = sdk::str(lent.name);
     points.count = n;
     points.positions_m = lent.positions.front().data();
     points.velocities_m_s = lent.velocities.front().data();

@@ -119,8 +119,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// body while they are being written.
   struct LentPoints {
     std::vector<Vec3> positions, velocities, forces;
-    std::vector<double> masses;  // empty: to be taken anew
-    const RestState *rest = nullptr;
+    std::vector<double> masses;             // empty: to be taken anew
+    std::shared_ptr<const RestState> rest;  // that the masses are of
+    std::string name;
     bool asked = false;
   };
   std::map<std::uint64_t, LentPoints> lent_;

@@ -4,10 +4,9 @@
  * Rules that hold in every header of this folder:
  *  - C11 and C++20; fixed-width types; no bool, no enum-typed field, no size_t, no C++ type.
  *  - A struct that may grow begins with `uint32_t size`; new members go last and zero means "as before".
- *    One that stands by value within another does not grow: its successor gets another name. Arrays of structs come with
- *    a stride, 0 = tight in the size of who made them.
+ *    One that stands by value within another does not grow: its successor gets another name.
  *    In-structs: the callee reads min(size, what it knows). Out-structs: the caller sets size, the callee writes that
- * much.
+ *    much. Arrays of structs come with a stride, 0 = tight in the size of who made them.
  *  - Strings and views are borrowed for the duration of the call unless the comment says otherwise.
  *  - Thread tags: [main] the thread of the window, [sim] the simulation's thread, [any] every thread, concurrently.
  *  - A function pointer of a table is never null for the revision that was asked for.
@@ -59,7 +58,8 @@ typedef int32_t c3de_status;
 #define C3DE_E_EXCEPTION ((c3de_status)-16) /* an exception was caught at the boundary */
 #define C3DE_E_INTERNAL ((c3de_status)-17)
 
-/* Kind, index and generation of an object on the other side; 0 is none; those of two kinds are never equal. A stale handle answers C3DE_E_STALE. */
+/* Kind, index and generation of an object on the other side; 0 is none, and those of two kinds are never equal. A stale
+ * handle answers C3DE_E_STALE. */
 typedef struct c3de_handle {
   uint64_t v;
 } c3de_handle;

@@ -27,10 +27,10 @@ class ForceFields {
     std::function<std::string()> takeError;
   };
 
-  Handle add(Field field);  ///< any thread
+  /// Any thread; null: not added, because this thread is applying a field.
+  Handle add(Field field);
   enum class Removal { done, stale, fromApply };
-  /// When this returns, the field is not being applied and will not be again. Any thread; a field cannot be removed
-  /// while this thread applies one.
+  /// When this returns, the field is not being applied and will not be again. Any thread, but not while it applies one.
   /// @param owner  whose it has to be
   Removal remove(Handle field, const std::string &owner);
   void removeOwnedBy(const std::string &owner);
@@ -43,7 +43,6 @@ class ForceFields {
  private:
   [[nodiscard]] Expected<void> applyTo(Handle simulation, c3de_object *simulator, const c3de_simulator_v0 *table,
                                        c3de_handle body, double time_s);
-  [[nodiscard]] bool actsOn(Handle simulation) const;
 
   std::atomic<std::size_t> count_{0};  ///< so that a step without fields takes no lock
   std::mutex mutex_;                   ///< held while fields are applied

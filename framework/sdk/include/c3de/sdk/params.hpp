@@ -102,7 +102,7 @@ template <std::size_t N>
   return {sizeof(c3de_param_value), C3DE_PARAM_VEC3, str(id), 0.0, {nullptr, 0}, {value[0], value[1], value[2]}};
 }
 
-/// Element i of an array of growable structs that came with a stride in bytes (0: tight, in the size of the other side).
+/// Element i of an array of growable structs with a stride in bytes (0: tight, in the size of the other side).
 template <class T>
 [[nodiscard]] const T &strided(const T *first, std::uint64_t i, std::uint64_t stride) noexcept {
   return *reinterpret_cast<const T *>(reinterpret_cast<const unsigned char *>(first) +

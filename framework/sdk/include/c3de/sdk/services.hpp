@@ -481,6 +481,15 @@ class Simulation : public Service<c3de_simulation_v0> {
 class ForceField {
  public:
   ForceField() noexcept = default;
+  ForceField(ForceField &&) noexcept = default;
+  ForceField &operator=(ForceField &&other) noexcept {
+    if (this == &other) return *this;
+    remove();  // before its function goes, which the simulation's thread may be calling
+    apply_ = std::move(other.apply_);
+    owned_ = std::move(other.owned_);
+    return *this;
+  }
+  ~ForceField() = default;
   [[nodiscard]] c3de_handle handle() const noexcept { return owned_.handle(); }
   explicit operator bool() const noexcept { return static_cast<bool>(owned_); }
   /// When this returns, the function is not running and will not be called again. Not from the function itself.
@@ -500,7 +509,7 @@ class ForceField {
 class Forces : public Service<c3de_forces_v0> {
  public:
   using Service::Service;
-  /// @param apply       adds forces to the points of a body before each step; runs on the simulation's thread; may throw
+  /// @param apply       adds forces to the points of a body before each step, on the simulation's thread; may throw
   /// @param simulation  its scene node, or 0: all
   Result<ForceField> add(std::string_view name, std::function<Result<void>(const c3de_force_call &)> apply,
                          c3de_handle simulation = {}) const {

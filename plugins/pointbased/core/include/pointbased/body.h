@@ -203,9 +203,7 @@ class Body {
 
   /// N per phyxel, from outside of the model, added to those of the scene: constant over a step, kept until they are set
   /// again. Quasi-static: times the load factor.
-  /// @param forces  [phyxels], finite; empty: none
-  void setExternalForces(std::span<const Vec3> forces);
-  /// Likewise; `forces` has room of the size it had when this returns, and other contents.
+  /// @param forces  [phyxels], finite; empty: none. Has those of before when this returns
   void swapExternalForces(std::vector<Vec3> &forces);
   [[nodiscard]] std::span<const Vec3> externalForces() const { return externalForces_; }
 

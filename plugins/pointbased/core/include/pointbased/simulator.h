@@ -134,7 +134,7 @@ class Simulator {
   /// Grows whenever the state of a body may have changed: who has seen a number need not look again.
   [[nodiscard]] std::uint64_t changes(std::size_t body) const;
 
-  /// Forces on the phyxels of a body from outside of the model (Body::setExternalForces), from the next step on until
+  /// Forces on the phyxels of a body from outside of the model (Body::swapExternalForces), from the next step on until
   /// they are set again; wakes it. Of no effect on a rigid body.
   void setExternalForces(std::size_t body, std::span<const Vec3> forces);
   void swapExternalForces(std::size_t body, std::vector<Vec3> &forces);

@@ -371,11 +371,6 @@ void Body::addLoads(double t, const ParallelFor &parallelFor) {
   for (std::size_t i = 0; i < 3 * externalForces_.size(); ++i) sum[i] += share * added[i];
 }
 
-void Body::setExternalForces(std::span<const Vec3> forces) {
-  std::vector<Vec3> copy(forces.begin(), forces.end());
-  swapExternalForces(copy);
-}
-
 void Body::swapExternalForces(std::vector<Vec3> &forces) {
   POINTBASED_EXPECTS(forces.empty() || forces.size() == rest_->phyxelCount(), "one external force per phyxel, or none");
   if (forces.empty() && externalForces_.empty()) return;

@@ -371,10 +371,8 @@ void Simulator::swapExternalForces(std::size_t id, std::vector<Vec3> &forces) {
   if (none && target->externalForces().empty()) return;
   if (none) bodies_.at(id)->forgetEnergy();  // what they have put in has not come from nothing
   if (!none && bodies_.at(id)->asleep()) bodies_.at(id)->wake();
-  if (none)
-    target->setExternalForces({});
-  else
-    target->swapExternalForces(forces);
+  if (none) forces.clear();
+  target->swapExternalForces(forces);
 }
 
 void Simulator::setGrab(std::size_t id, Grab grab) {

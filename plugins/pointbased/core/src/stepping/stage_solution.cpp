@@ -151,8 +151,8 @@ class StageSolution {
     if (!newton(look) && !enough) return afterFailure();
     if (!enough) solution_ = u_;
     result_.outcome = NewtonOutcome::converged;
-    // With the planes that the solution meets, and friction of its normal forces, the contact forces have to be those it
-    // was found with; else it is solved again with what they are now.
+    // With the planes that the solution meets, and friction of its normal forces, the contact forces have to be those
+    // it was found with; else it is solved again with what they are now.
     if (!enough) recordForces();
     updateFriction();
     findContactsOfWay();

@@ -38,7 +38,8 @@ typedef struct c3de_forces_v0 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
-  /* From the next step on. simulation: the scene node of one, or 0: all, also those that come later. C3DE_E_ARG. [any] */
+  /* From the next step on. simulation: the scene node of one, or 0: all, also those that come later. C3DE_E_ARG;
+   * C3DE_E_STATE: called from an apply. [any] */
   c3de_status(C3DE_CALL *add)(void *ctx, c3de_handle simulation, const c3de_force_field *field, c3de_handle *out);
   /* When this returns, apply is not running and will not be called again. C3DE_E_STALE: it has been removed already;
    * C3DE_E_STATE: called from an apply. [any] */

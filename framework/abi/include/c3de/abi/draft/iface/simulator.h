@@ -152,7 +152,7 @@ typedef struct c3de_sim_status {
 typedef struct c3de_sim_points {
   uint32_t size;
   uint32_t reserved;
-  c3de_str name;                /* of the body */
+  c3de_str name;                /* of the body; may be empty where count is 0 */
   uint64_t count;               /* 0: forces do not move this body, because it is rigid or has stopped */
   const double *positions_m;    /* [count][3] */
   const double *velocities_m_s; /* [count][3] */
