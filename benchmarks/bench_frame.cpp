@@ -195,7 +195,7 @@ class Target {
   GLuint buffers_[2]{}, frame_ = 0;
 };
 
-Json reportOf(const c3de_simulator_v0 &table, c3de_object *simulator) {
+Json reportOf(const c3de_simulator_v1 &table, c3de_object *simulator) {
   std::string text;
   c3de_sink sink{};
   sink.self = &text;
@@ -220,7 +220,7 @@ Json measure(const std::string &name, const std::filesystem::path &file, const O
   sessionOptions.renderer = renderer.get();
   auto session = orStop(session::Session::create(sessionOptions));
   const session::ObjectRef simulator(orStop(session->createSimulator()));
-  const c3de_simulator_v0 &table = *orStop(session::simulatorTable(simulator.get()));
+  const c3de_simulator_v1 &table = *orStop(session::simulatorTable(simulator.get()));
   auto scene = orStop(scene::loadScene(file, &session->materials()));
   const std::string dt = "solver.dt=" + std::to_string(1.0 / 60.0);
   for (const std::string &assignment :

@@ -39,7 +39,7 @@ render::VoxelType typeOf(const imaging::Voxels &voxels) {
 
 class SceneBench {
  public:
-  SceneBench(render::Renderer &renderer, session::Session &session, const c3de_simulator_v0 &table,
+  SceneBench(render::Renderer &renderer, session::Session &session, const c3de_simulator_v1 &table,
              c3de_object *simulator, std::shared_ptr<scene::StoredImage> image, double rim_mm)
       : renderer_(renderer), images_(*renderer.images()), session_(session), table_(table), simulator_(simulator),
         rim_mm_(rim_mm) {
@@ -129,7 +129,7 @@ class SceneBench {
   render::Renderer &renderer_;
   render::ImageRenderer &images_;
   session::Session &session_;
-  const c3de_simulator_v0 &table_;
+  const c3de_simulator_v1 &table_;
   c3de_object *simulator_;
   double rim_mm_;
   ui::ImageViews views_;

@@ -17,7 +17,7 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/resources/" DESTINATION share/c3de COMP
 
 set_target_properties(c3de_abi PROPERTIES EXPORT_NAME abi)
 set_target_properties(c3de_sdk PROPERTIES EXPORT_NAME sdk)
-install(TARGETS c3de_abi c3de_sdk EXPORT C3DEPluginSDK
+install(TARGETS c3de_abi c3de_sdk c3de_pointbased_abi EXPORT C3DEPluginSDK
   FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT sdk)
 set(package "${CMAKE_INSTALL_LIBDIR}/cmake/C3DE")
 install(EXPORT C3DEPluginSDK NAMESPACE c3de:: DESTINATION "${package}" COMPONENT sdk)

@@ -53,7 +53,7 @@ Json json(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride)
 
 Json json(const c3de_sim_fill *fill) {
   if (!fill) return nullptr;
-  const c3de_sim_grid &grid = fill->grid;
+  const c3de_sim_grid &grid = *fill->grid;
   double sum = 0.0, middle[3]{};
   const float *value = fill->values;
   for (std::uint64_t k = 0; k < grid.points[2]; ++k)
@@ -73,8 +73,8 @@ Json json(const c3de_sim_fill *fill) {
           {"step_k_m", vector(grid.step_k_m)}};
 }
 
-void findSomething(const c3de_sim_region &region, const std::string &what) {
-  if (region.radius == 666.0) throw sdk::Error(C3DE_E_ARG, what + ": the region meets no part of the body");
+void findSomething(const c3de_sim_region &region, const char *table, std::uint32_t index) {
+  if (region.radius == 666.0) throw sdk::Error(C3DE_E_ARG, "the region meets no part of the body", {table, index, {}});
 }
 
 class Recorder : public sdk::Object<Recorder> {
@@ -109,33 +109,33 @@ class Recorder : public sdk::Object<Recorder> {
               {"colour", in->colour ? Json{in->colour[0], in->colour[1], in->colour[2]} : Json()}};
     for (std::uint64_t i = 0; i < in->fixes_n; ++i) {
       const c3de_sim_fix &fix = sdk::strided(in->fixes, i, in->fixes_stride);
-      findSomething(fix.region, "fix " + std::to_string(fix.index));
+      findSomething(*fix.region, "fix", static_cast<std::uint32_t>(fix.index));
       body["fixes"].push_back({{"index", fix.index},
                                {"name", std::string(sdk::text(fix.name))},
-                               {"region", json(fix.region)},
-                               {"motion", json(fix.motion)}});
+                               {"region", json(*fix.region)},
+                               {"motion", json(*fix.motion)}});
     }
     for (std::uint64_t i = 0; i < in->loads_n; ++i) {
       const c3de_sim_load &load = sdk::strided(in->loads, i, in->loads_stride);
-      findSomething(load.region, "load " + std::to_string(load.index));
+      findSomething(*load.region, "load", static_cast<std::uint32_t>(load.index));
       body["loads"].push_back({{"index", load.index},
                                {"name", std::string(sdk::text(load.name))},
                                {"flags", load.flags},
-                               {"region", json(load.region)},
+                               {"region", json(*load.region)},
                                {"force_N", vector(load.force_N)},
                                {"pressure_Pa", load.pressure_Pa},
                                {"ramp_s", load.ramp_s}});
     }
     for (std::uint64_t i = 0; i < in->parts_n; ++i) {
       const c3de_sim_part &part = sdk::strided(in->parts, i, in->parts_stride);
-      findSomething(part.region, "part " + std::to_string(i));
+      findSomething(*part.region, "part", static_cast<std::uint32_t>(i));
       body["parts"].push_back(
-          {{"region", json(part.region)}, {"params", json(part.params, part.params_n, part.params_stride)}});
+          {{"region", json(*part.region)}, {"params", json(part.params, part.params_n, part.params_stride)}});
     }
     for (std::uint64_t i = 0; i < in->refinements_n; ++i) {
       const c3de_sim_refinement &refinement = sdk::strided(in->refinements, i, in->refinements_stride);
-      findSomething(refinement.region, "refinement " + std::to_string(i));
-      body["refinements"].push_back({{"region", json(refinement.region)}, {"spacing_m", refinement.spacing_m}});
+      findSomething(*refinement.region, "refinement", static_cast<std::uint32_t>(i));
+      body["refinements"].push_back({{"region", json(*refinement.region)}, {"spacing_m", refinement.spacing_m}});
     }
     if (in->velocity_m_s[0] == 13.0) failsAt_ = 4;
     bodies_.push_back(std::move(body));
@@ -146,7 +146,7 @@ class Recorder : public sdk::Object<Recorder> {
         {{"name", std::string(sdk::text(in->name))}, {"motion", in->motion ? json(*in->motion) : Json()}});
     *out = {1000 + obstacles_.size()};
   }
-  void addProbe(c3de_str name, c3de_handle, const double *) { probes_.emplace_back(sdk::text(name)); }
+  void addProbe(c3de_str name, c3de_handle, const double *, c3de_handle *) { probes_.emplace_back(sdk::text(name)); }
   void setBodyParam(c3de_handle, const c3de_param_value *) {}
   void getBodyParam(c3de_handle, c3de_str, c3de_param_value *) {}
   void remove(c3de_handle) {}
@@ -167,7 +167,9 @@ class Recorder : public sdk::Object<Recorder> {
             bodies_.size(),
             obstacles_.size(),
             finished() ? 1u : 0u,
-            0};
+            0,
+            quasistatic_ ? C3DE_SIM_LOAD_STEPS : 0u,
+            quasistatic_ ? static_cast<std::uint32_t>(loadSteps_) : 0u};
   }
   void stateHash(std::uint64_t *out) const { *out = steps_ + 1; }
   c3de_status report(c3de_sink sink) const {
@@ -181,10 +183,24 @@ class Recorder : public sdk::Object<Recorder> {
   }
   void bodyAt(std::uint64_t, c3de_handle *) {}
   void bodyInfo(c3de_handle, c3de_sim_body_info *) {}
-  void phyxels(c3de_handle, c3de_object **) {}
-  void surfels(c3de_handle, c3de_object **) {}
-  // There for its revision: that of a simulator which is handed fills.
+  c3de_status enumFields(c3de_handle, void *, c3de_status(C3DE_CALL *)(void *, const c3de_sim_field *)) {
+    return C3DE_OK;
+  }
+  c3de_status readField(c3de_handle, std::uint32_t, c3de_str, c3de_mview) { return C3DE_E_NOT_FOUND; }
+  c3de_status triangles(c3de_handle, c3de_view *) { return C3DE_E_NOT_FOUND; }
+  c3de_status enumProbes(void *visitor, c3de_status(C3DE_CALL *each)(void *, const c3de_sim_probe *)) {
+    for (const std::string &name : probes_) {
+      c3de_sim_probe probe{};
+      probe.size = sizeof probe;
+      probe.name = sdk::str(name);
+      probe.position_m[0] = static_cast<double>(steps_);
+      if (const c3de_status code = each(visitor, &probe); code != C3DE_OK) return code;
+    }
+    return C3DE_OK;
+  }
+#if !defined(RECORDER_WITHOUT_FILLS)
   c3de_status displacement(const c3de_sim_grid *, double, float *, float *) const { return C3DE_E_UNSUPPORTED; }
+#endif
 
  private:
   [[nodiscard]] bool finished() const { return quasistatic_ && steps_ >= loadSteps_; }
@@ -196,16 +212,7 @@ class Recorder : public sdk::Object<Recorder> {
   std::vector<std::string> probes_;
 };
 
-#if defined(RECORDER_OF_REVISION_1)
-constexpr c3de_simulator_v0 ofRevision1() {
-  c3de_simulator_v0 table = sdk::kSimulatorTable<Recorder>;
-  table.rev = 1;
-  return table;
-}
-constexpr c3de_simulator_v0 kTable = ofRevision1();
-#else
-constexpr const c3de_simulator_v0 &kTable = sdk::kSimulatorTable<Recorder>;
-#endif
+constexpr const c3de_simulator_v1 &kTable = sdk::kSimulatorTable<Recorder>;
 
 std::array<sdk::Interface, 1> Recorder::interfaces() { return {sdk::interfaceOf(kTable)}; }
 
@@ -215,7 +222,6 @@ class RecorderPlugin {
       .id = "test.recorder", .version = "1.0.0", .displayName = "Recorder", .vendor = "C3DE", .license = "Apache-2.0"};
   static constexpr std::array needs{sdk::required<c3de_registry_v0>()};
 
-  // The first class of simulators, by name, is the one that runs.
   explicit RecorderPlugin(sdk::Host host) {
     sdk::orThrow(sdk::Registry(host).add<Recorder>("a.test.Recorder/0", "Recorder", "Records.", *this));
   }

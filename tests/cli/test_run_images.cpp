@@ -83,8 +83,8 @@ TEST_CASE("A simulator is handed the voxels of the label in metres and its colou
                                "format = 1\n[[body]]\nvolume = \"organs.nrrd\"\nname = \"ball\"\nlabel = 2\n[[body]]\n"
                                "name = \"box\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\n");
   (void)writeBoxScene(folder);
-  const auto ran =
-      runC3de({"run", "--plugin", C3DE_RECORDER, scene.string(), "--steps", "1", "--report", report.string()});
+  const auto ran = runC3de(
+      {"run", "--no-plugins", "--plugin", C3DE_RECORDER, scene.string(), "--steps", "1", "--report", report.string()});
   INFO(ran.errorOutput);
   REQUIRE(ran.exitCode == 0);
   const auto json = nlohmann::json::parse(readFile(report));
@@ -138,9 +138,10 @@ TEST_CASE("A threshold that leaves nothing and a simulator that cannot fill are 
   CHECK(refused.exitCode == 3);
   CHECK_THAT(refused.errorOutput, Contains("empty.toml:2: ") && Contains("nothing is left"));
   const auto good = writeFile(folder / "good.toml", std::string(kBody) + "label = 1\n");
-  const auto old = runC3de({"run", "--plugin", C3DE_RECORDER_OF_REVISION_1, good.string(), "--steps", "1"});
+  const auto old =
+      runC3de({"run", "--no-plugins", "--plugin", C3DE_RECORDER_WITHOUT_FILLS, good.string(), "--steps", "1"});
   CHECK(old.exitCode != 0);
-  CHECK_THAT(old.errorOutput, Contains("'volume' is not served by this simulator") && Contains("needed: 3"));
+  CHECK_THAT(old.errorOutput, Contains("'volume' is not served by this simulator"));
 }
 
 TEST_CASE("What of a label is in no body is told in ml, in the report, as an event and in the summary") {

@@ -9,7 +9,7 @@
 namespace {
 
 c3de::ProcessResult runRecorder(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin() + 1, {"--plugin", C3DE_RECORDER});
+  arguments.insert(arguments.begin() + 1, {"--no-plugins", "--plugin", C3DE_RECORDER});
   return runC3de(std::move(arguments));
 }
 
@@ -154,27 +154,6 @@ TEST_CASE("A simulator's refusal of a support or part leads to its line in the s
   }
 }
 
-TEST_CASE("A simulator that was built before supports existed does not ignore them in silence") {
-  const auto folder = freshFolder("revision-1");
-  const auto run = [&](const std::string &more) {
-    return runC3de(
-        {"run", writeRecorded(folder, more).string(), "--plugin", C3DE_RECORDER_OF_REVISION_1, "--steps", "1", "-q"});
-  };
-  CHECK(run("").exitCode == 0);
-  const std::string region = "region = { everywhere = true }\n", mesh = "mesh = \"box.obj\"\nmesh_unit = \"m\"\n";
-  for (const std::string &more :
-       {"[[fix]]\n" + region, "[[load]]\npressure = 1\n" + region,
-        "[[body.parts]]\nmaterial = { density = 1 }\n" + region, "[[body.sampling.refine]]\nspacing = 1\n" + region,
-        std::string("velocity = [1, 0, 0]\n"), std::string("angular_velocity = [1, 0, 0]\n"),
-        "[[obstacle]]\ndisplacement = [1, 0, 0]\n" + mesh}) {
-    INFO(more);
-    const auto refused = run(more);
-    CHECK(refused.exitCode == 3);
-    CHECK_THAT(refused.errorOutput,
-               Contains("scene.toml:") && Contains("is not served by this simulator") && Contains("revision 1"));
-  }
-}
-
 TEST_CASE("What a simulator does not declare for a part is refused with the line of the part") {
   const auto folder = freshFolder("unknown-in-part");
   const auto scene =
@@ -278,13 +257,36 @@ displacement = [0, -1, 0]
   CHECK(json.at("obstacles").at(0).at("motion").at("displacement") == Json{0, -1, 0});
 }
 
-TEST_CASE("Where two plugins simulate, a run says which one does, and one alone can be asked for") {
-  const auto scene = writeRecorded(freshFolder("two_simulators"), "");
-  const auto both = runRecorder({"run", scene.string(), "--steps", "1"});
-  CHECK(both.exitCode == 0);
-  CHECK_THAT(both.errorOutput,
-             Contains("several classes simulate; a.test.Recorder/0 is used, not draft/c3de.pointbased"));
-  const auto alone = runRecorder({"run", scene.string(), "--steps", "1", "--no-plugins"});
-  CHECK(alone.exitCode == 0);
-  CHECK_THAT(alone.errorOutput, !Contains("several classes"));
+TEST_CASE("Where two plugins simulate the scene says which, and the report names class, plugin and version") {
+  const auto folder = freshFolder("two_simulators");
+  const auto scene = writeRecorded(folder, ""), report = folder / "report.json";
+  const auto run = [&](const std::vector<std::string> &more) {
+    std::vector<std::string> arguments{"run",     "--plugin", C3DE_RECORDER, scene.string(),
+                                       "--steps", "1",        "--report",    report.string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runC3de(arguments);
+  };
+  const auto neither = run({});
+  CHECK(neither.exitCode != 0);
+  CHECK_THAT(neither.errorOutput, Contains("several classes simulate: a.test.Recorder/0, draft/c3de.pointbased") &&
+                                      Contains("[simulator] class = "));
+  const std::pair<std::string, std::string> classes[] = {{"a.test.Recorder/0", "test.recorder"},
+                                                         {"draft/c3de.pointbased.WorldSimulator/0", "c3de.pointbased"}};
+  for (const auto &[id, plugin] : classes) {
+    // What the scene declares is the recorder's; the other refuses it by name, which is who was asked.
+    const auto chosen = run({"--set", "simulator.class=" + id});
+    if (plugin != "test.recorder") {
+      CHECK_THAT(chosen.errorOutput, !Contains("several classes"));
+      continue;
+    }
+    CHECK(chosen.exitCode == 0);
+    const nlohmann::json said = nlohmann::json::parse(readFile(report)).at("simulator");
+    CHECK(said.at("class") == id);
+    CHECK(said.at("plugin") == plugin);
+    CHECK(said.at("version") == "1.0.0");
+  }
+  CHECK(run({"--no-plugins"}).exitCode == 0);
+  const auto unknown = run({"--set", "simulator.class=org.example.None/1"});
+  CHECK(unknown.exitCode != 0);
+  CHECK_THAT(unknown.errorOutput, Contains("'org.example.None/1'; there are: a.test.Recorder/0"));
 }

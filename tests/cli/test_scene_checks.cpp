@@ -141,8 +141,8 @@ TEST_CASE("info tells what was built of a body") {
   REQUIRE(json.exitCode == 0);
   const auto parsed = nlohmann::json::parse(json.output);
   CHECK(parsed.at("built") == true);
-  CHECK(parsed.at("bodies").at(0).at("phyxels") > 400);
-  CHECK(parsed.at("bodies").at(0).at("phyxels") < 600);
+  CHECK(parsed.at("bodies").at(0).at("points") > 400);
+  CHECK(parsed.at("bodies").at(0).at("points") < 600);
 }
 
 TEST_CASE("Without a count a thin body has more phyxels than a thick one") {
@@ -156,7 +156,7 @@ TEST_CASE("Without a count a thin body has more phyxels than a thick one") {
     const auto told = runC3de({"info", writeFile(folder / "scene.toml", text).string(), "--json"});
     INFO(told.errorOutput);
     REQUIRE(told.exitCode == 0);
-    return nlohmann::json::parse(told.output).at("bodies").at(0).at("phyxels").get<double>();
+    return nlohmann::json::parse(told.output).at("bodies").at(0).at("points").get<double>();
   };
   CHECK(phyxelsOf("box.obj", "") == Approx(1000).epsilon(0.08));
   // V = 0.01 m³, A = 0.52 m²: 2A³/V² = 2812.

@@ -22,7 +22,7 @@ class CountingSimulator : public sdk::Object<CountingSimulator> {
   void setWorld(const c3de_param_value *, std::uint64_t, std::uint64_t) {}
   void addBody(const c3de_sim_body *, c3de_handle *) { throw sdk::Error(C3DE_E_UNSUPPORTED, "no bodies here"); }
   void addObstacle(const c3de_sim_obstacle *, c3de_handle *) {}
-  void addProbe(c3de_str, c3de_handle, const double *) {}
+  void addProbe(c3de_str, c3de_handle, const double *, c3de_handle *) {}
   void setBodyParam(c3de_handle, const c3de_param_value *) {}
   void getBodyParam(c3de_handle, c3de_str, c3de_param_value *) {}
   void remove(c3de_handle) {}
@@ -32,14 +32,18 @@ class CountingSimulator : public sdk::Object<CountingSimulator> {
   void publish() {}
   void status(c3de_sim_status *out) const {
     const std::uint32_t size = out->size;
-    *out = {size, 0, steps_, 1e-3 * static_cast<double>(steps_), 1e-3, 0, 0, 0, 0};
+    *out = {size, 0, steps_, 1e-3 * static_cast<double>(steps_), 1e-3, 0, 0, 0, 0, 0, 0};
   }
   void stateHash(std::uint64_t *out) const { *out = steps_; }
   c3de_status report(c3de_sink json) const { return sdk::put(json, "{}"); }
   void bodyAt(std::uint64_t, c3de_handle *) {}
   void bodyInfo(c3de_handle, c3de_sim_body_info *) {}
-  void phyxels(c3de_handle, c3de_object **) {}
-  void surfels(c3de_handle, c3de_object **) {}
+  c3de_status enumFields(c3de_handle, void *, c3de_status(C3DE_CALL *)(void *, const c3de_sim_field *)) {
+    return C3DE_OK;
+  }
+  c3de_status readField(c3de_handle, std::uint32_t, c3de_str, c3de_mview) { return C3DE_E_NOT_FOUND; }
+  c3de_status triangles(c3de_handle, c3de_view *) { return C3DE_E_NOT_FOUND; }
+  c3de_status enumProbes(void *, c3de_status(C3DE_CALL *)(void *, const c3de_sim_probe *)) { return C3DE_OK; }
 
  private:
   std::uint64_t steps_ = 0;

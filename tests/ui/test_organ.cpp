@@ -292,7 +292,7 @@ TEST_CASE("surface and frame of the present state are exported through the menu"
   CHECK(fs::file_size(folder / "now.stl") > 84 + 50 * 100);  // more than a hundred triangles
   save("file.export_frame", folder / "now.pvd");
   window.waitUntil("the frame is there", [&](const Json &) { return fs::exists(folder / "now.pvd"); });
-  CHECK(fs::exists(folder / "now_frames" / "phyxels_000000.vtu"));
+  CHECK(fs::exists(folder / "now_frames" / "points_000000.vtu"));
   CHECK(fs::exists(folder / "now_frames" / "skin_000000.vtp"));
   // A file that is there is replaced only after a second press.
   const auto before = fs::last_write_time(folder / "now.stl");

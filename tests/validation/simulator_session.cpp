@@ -17,6 +17,25 @@
 
 namespace c3de::test {
 
+namespace {
+
+c3de_sim_placement toAbi(const SimulatorSession::Placement &placement) {
+  c3de_sim_placement out{};
+  out.size = sizeof out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.position_m[i] = placement.position_m[i];
+    out.rotation_deg[i] = placement.rotation_deg[i];
+  }
+  out.scale = placement.scale;
+  if (placement.matrix) {
+    out.flags = C3DE_SIM_PLACED_BY_MATRIX;
+    std::copy(placement.matrix->begin(), placement.matrix->end(), out.matrix);
+  }
+  return out;
+}
+
+}  // namespace
+
 struct SimulatorSession::Impl {
   explicit Impl(unsigned threads) : pool(threads) {
     services.pool = &pool;
@@ -37,7 +56,7 @@ struct SimulatorSession::Impl {
     const void *found = nullptr;
     if (simulator->vt->query(simulator, {id, std::strlen(id)}, 1, &found) != C3DE_OK)
       throw std::runtime_error("no simulator");
-    table = static_cast<const c3de_simulator_v0 *>(found);
+    table = static_cast<const c3de_simulator_v1 *>(found);
   }
   ~Impl() {
     if (simulator) simulator->vt->release(simulator);
@@ -53,7 +72,7 @@ struct SimulatorSession::Impl {
   plugin_host::Services services;
   std::unique_ptr<plugin_host::PluginHost> host;
   c3de_object *simulator = nullptr;
-  const c3de_simulator_v0 *table = nullptr;
+  const c3de_simulator_v1 *table = nullptr;
 };
 
 SimulatorSession::SimulatorSession(unsigned threads) : impl_(std::make_unique<Impl>(threads)) {}
@@ -74,8 +93,8 @@ c3de_handle SimulatorSession::addBody(geometry::LoadedMesh mesh, const Placement
   body.params_stride = sizeof(c3de_param_value);
   body.name = {"body", 4};
   body.mesh = {impl_->meshes.add(std::move(mesh)).bits()};
-  for (std::size_t i = 0; i < 3; ++i) body.position_m[i] = placement.position_m[i];
-  body.scale = placement.scale;
+  const c3de_sim_placement where = toAbi(placement);
+  body.placement = &where;
   body.params = values.data();
   body.params_n = values.size();
   c3de_handle out{};
@@ -90,8 +109,8 @@ c3de_handle SimulatorSession::addObstacle(geometry::LoadedMesh mesh, const Place
   obstacle.params_stride = sizeof(c3de_param_value);
   obstacle.name = {"obstacle", 8};
   obstacle.mesh = {impl_->meshes.add(std::move(mesh)).bits()};
-  for (std::size_t i = 0; i < 3; ++i) obstacle.position_m[i] = placement.position_m[i];
-  obstacle.scale = placement.scale;
+  const c3de_sim_placement where = toAbi(placement);
+  obstacle.placement = &where;
   obstacle.params = &value;
   obstacle.params_n = 1;
   c3de_handle out{};
@@ -152,53 +171,50 @@ c3de_object *SimulatorSession::create(const std::string &classId) {
   return *created;
 }
 
+void SimulatorSession::remove(c3de_handle handle) { check(impl_->table->remove(impl_->simulator, handle), "remove"); }
+
 c3de_object *SimulatorSession::phyxelSet(c3de_handle body) {
+  const void *found = nullptr;
+  const char *id = C3DE_POINTBASED_BODIES_ID;
+  check(impl_->simulator->vt->query(impl_->simulator, {id, std::strlen(id)}, 1, &found), "query");
   c3de_object *set = nullptr;
-  check(impl_->table->phyxels(impl_->simulator, body, &set), "phyxels");
+  check(static_cast<const c3de_pointbased_bodies_v0 *>(found)->phyxels(impl_->simulator, body, &set), "phyxels");
   return set;
 }
 
-void SimulatorSession::remove(c3de_handle handle) { check(impl_->table->remove(impl_->simulator, handle), "remove"); }
-
-std::vector<Vec3> SimulatorSession::phyxels(c3de_handle body, std::uint32_t field) {
-  c3de_object *set = phyxelSet(body);
-  const void *found = nullptr;
-  const char *id = C3DE_IFACE_PHYXEL_SET_ID;
-  check(set->vt->query(set, {id, std::strlen(id)}, 1, &found), "query");
-  const auto *table = static_cast<const c3de_phyxel_set_v0 *>(found);
-  std::vector<Vec3> out(static_cast<std::size_t>(table->count(set)));
-  const c3de_status status = table->read(set, field, {out.data(), out.size(), 3, C3DE_F64, sizeof(Vec3)});
-  set->vt->release(set);
-  check(status, "read");
+std::vector<double> SimulatorSession::read(c3de_handle body, std::uint32_t on, const char *field,
+                                           std::uint32_t components) {
+  const c3de_sim_body_info about = info(body);
+  const std::uint64_t count = on == C3DE_SIM_ON_POINTS ? about.points : about.surface_points;
+  std::vector<double> out(static_cast<std::size_t>(count) * components);
+  check(impl_->table->read_field(impl_->simulator, body, on, {field, std::strlen(field)},
+                                 {out.data(), count, components, C3DE_F64, 0}),
+        "read_field");
   return out;
+}
+
+std::vector<Vec3> SimulatorSession::vectors(c3de_handle body, std::uint32_t on, const char *field) {
+  const std::vector<double> numbers = read(body, on, field, 3);
+  std::vector<Vec3> out(numbers.size() / 3);
+  for (std::size_t i = 0; i < numbers.size(); ++i) out[i / 3][i % 3] = numbers[i];
+  return out;
+}
+
+std::vector<Vec3> SimulatorSession::phyxels(c3de_handle body, const char *field) {
+  return vectors(body, C3DE_SIM_ON_POINTS, field);
+}
+
+std::vector<Vec3> SimulatorSession::surfels(c3de_handle body, const char *field) {
+  return vectors(body, C3DE_SIM_ON_SURFACE, field);
 }
 
 std::vector<double> SimulatorSession::phyxelMasses(c3de_handle body) {
-  c3de_object *set = phyxelSet(body);
-  const void *found = nullptr;
-  const char *id = C3DE_IFACE_PHYXEL_SET_ID;
-  check(set->vt->query(set, {id, std::strlen(id)}, 1, &found), "query");
-  const auto *table = static_cast<const c3de_phyxel_set_v0 *>(found);
-  std::vector<double> out(static_cast<std::size_t>(table->count(set)));
-  const c3de_status status = table->read(set, C3DE_FIELD_MASS, {out.data(), out.size(), 1, C3DE_F64, sizeof(double)});
-  set->vt->release(set);
-  check(status, "read");
-  return out;
+  return read(body, C3DE_SIM_ON_POINTS, C3DE_SIM_FIELD_MASS, 1);
 }
 
-std::vector<Vec3> SimulatorSession::surfels(c3de_handle body, std::uint32_t field) {
-  c3de_object *set = nullptr;
-  check(impl_->table->surfels(impl_->simulator, body, &set), "surfels");
-  const void *found = nullptr;
-  const char *id = C3DE_IFACE_SURFEL_SET_ID;
-  check(set->vt->query(set, {id, std::strlen(id)}, 1, &found), "query");
-  const auto *table = static_cast<const c3de_surfel_set_v0 *>(found);
-  std::vector<Vec3> out(static_cast<std::size_t>(table->count(set)));
-  const c3de_status status = table->read(set, field, {out.data(), out.size(), 3, C3DE_F64, sizeof(Vec3)});
-  set->vt->release(set);
-  check(status, "read");
-  return out;
-}
+c3de_object *SimulatorSession::object() { return impl_->simulator; }
+const c3de_simulator_v1 *SimulatorSession::table() { return impl_->table; }
+std::string SimulatorSession::takeError() { return impl_->host->takeError(); }
 
 c3de_param_value SimulatorSession::number(const char *id, double value) {
   c3de_param_value v{};

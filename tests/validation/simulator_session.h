@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "c3de/abi/draft/all.h"
 #include "c3de/core/vec.h"
 #include "c3de/geometry/mesh_io.h"
+#include "c3de/pointbased/point_sets.h"
 
 namespace c3de::test {
 
@@ -23,6 +26,8 @@ class SimulatorSession {
   struct Placement {
     Vec3 position_m{};
     double scale = 1.0;
+    Vec3 rotation_deg = Vec3{};
+    std::optional<std::array<double, 16>> matrix = std::nullopt;  ///< column-major, in the place of the others
   };
   /// Throws with the text of the plugin when something is refused.
   void setWorld(const std::vector<c3de_param_value> &values);
@@ -38,10 +43,10 @@ class SimulatorSession {
   [[nodiscard]] std::uint64_t stateHash();
   [[nodiscard]] std::string report();  ///< JSON
   [[nodiscard]] c3de_sim_body_info info(c3de_handle body);
-  /// A field of iface.phyxel_set with three components, for example C3DE_FIELD_POSITION.
-  [[nodiscard]] std::vector<Vec3> phyxels(c3de_handle body, std::uint32_t field);
+  /// A field of phyxels with three components, for example C3DE_SIM_FIELD_POSITION.
+  [[nodiscard]] std::vector<Vec3> phyxels(c3de_handle body, const char *field);
   [[nodiscard]] std::vector<double> phyxelMasses(c3de_handle body);
-  [[nodiscard]] std::vector<Vec3> surfels(c3de_handle body, std::uint32_t field);
+  [[nodiscard]] std::vector<Vec3> surfels(c3de_handle body, const char *field);
 
   /// A new object of a registered class, with a count of one.
   [[nodiscard]] c3de_object *create(const std::string &classId);
@@ -52,7 +57,14 @@ class SimulatorSession {
   [[nodiscard]] static c3de_param_value number(const char *id, double value);
   [[nodiscard]] static c3de_param_value vector(const char *id, const Vec3 &value);
 
+  [[nodiscard]] c3de_object *object();
+  [[nodiscard]] const c3de_simulator_v1 *table();
+  [[nodiscard]] std::string takeError();
+
  private:
+  [[nodiscard]] std::vector<double> read(c3de_handle body, std::uint32_t on, const char *field,
+                                         std::uint32_t components);
+  [[nodiscard]] std::vector<Vec3> vectors(c3de_handle body, std::uint32_t on, const char *field);
   void check(c3de_status status, const char *what);
   struct Impl;
   std::unique_ptr<Impl> impl_;

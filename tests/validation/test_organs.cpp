@@ -85,7 +85,7 @@ void fallAndRest(const Organ &organ) {
        SimulatorSession::number("material.density", kDensity), SimulatorSession::number("sampling.count", 1000.0)});
 
   const c3de_sim_body_info info = session.info(body);
-  CHECK_THAT(static_cast<double>(info.phyxels), WithinRel(1000.0, 0.1));
+  CHECK_THAT(static_cast<double>(info.points), WithinRel(1000.0, 0.1));
   CHECK_THAT(info.mass_kg, WithinRel(kDensity * volume_m3, 1e-9));
 
   const std::uint64_t initial = session.stateHash();
@@ -94,7 +94,7 @@ void fallAndRest(const Organ &organ) {
     session.step();
     if (session.status().steps % 50 != 0) continue;
     // The skin is what touches; phyxels at the corners of cut cells lie outside of the body.
-    for (const Vec3 &x : session.surfels(body, C3DE_FIELD_POSITION)) {
+    for (const Vec3 &x : session.surfels(body, C3DE_SIM_FIELD_POSITION)) {
       REQUIRE((std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2])));
       deepest = std::min(deepest, tree->closest(x, 2.0 * info.spacing_m).distance);
     }
@@ -102,20 +102,20 @@ void fallAndRest(const Organ &organ) {
   // By mass: corners of cells that the body only touches carry next to nothing.
   double fastest = 0.0, squares = 0.0, total = 0.0;
   const std::vector<double> masses = session.phyxelMasses(body);
-  const std::vector<Vec3> velocities = session.phyxels(body, C3DE_FIELD_VELOCITY);
+  const std::vector<Vec3> velocities = session.phyxels(body, C3DE_SIM_FIELD_VELOCITY);
   for (std::size_t i = 0; i < velocities.size(); ++i) {
     fastest = std::max(fastest, norm(velocities[i]));
     squares += masses[i] * dot(velocities[i], velocities[i]);
     total += masses[i];
   }
   const double rms = std::sqrt(squares / total);
-  WARN(organ.file << ": " << info.phyxels << " phyxels, spacing " << 1e3 * info.spacing_m << " mm, deepest "
+  WARN(organ.file << ": " << info.points << " phyxels, spacing " << 1e3 * info.spacing_m << " mm, deepest "
                   << 1e3 * deepest << " mm, speed rms " << rms << " m/s, largest " << fastest << " m/s, "
                   << session.status().steps << " steps");
   CHECK(deepest > -0.5 * info.spacing_m);
   // It landed at about 0.6 m/s; what is left is the slow creep of a soft body that still slides and sags.
   CHECK(rms < 0.03);
-  for (const Vec3 &x : session.surfels(body, C3DE_FIELD_POSITION))
+  for (const Vec3 &x : session.surfels(body, C3DE_SIM_FIELD_POSITION))
     REQUIRE((std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2])));
 
   session.reset();
@@ -165,7 +165,7 @@ TEST_CASE("every organ of the data either simulates or is refused with what is w
       const c3de_handle body =
           session.addBody(*mesh, {{0, 0, 0}, 200.0 / extent}, {SimulatorSession::number("sampling.count", 300.0)});
       for (int i = 0; i < 20; ++i) session.step();
-      for (const Vec3 &x : session.phyxels(body, C3DE_FIELD_POSITION)) REQUIRE(std::isfinite(x[0] + x[1] + x[2]));
+      for (const Vec3 &x : session.phyxels(body, C3DE_SIM_FIELD_POSITION)) REQUIRE(std::isfinite(x[0] + x[1] + x[2]));
       ++simulated;
     } catch (const std::runtime_error &error) {
       WARN(file.filename().string() << " is refused: " << error.what());

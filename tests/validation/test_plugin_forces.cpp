@@ -23,7 +23,7 @@ geometry::LoadedMesh organ() {
 }
 
 Vec3 momentumOf(SimulatorSession &session, c3de_handle body) {
-  const std::vector<Vec3> velocities = session.phyxels(body, C3DE_FIELD_VELOCITY);
+  const std::vector<Vec3> velocities = session.phyxels(body, C3DE_SIM_FIELD_VELOCITY);
   const std::vector<double> masses = session.phyxelMasses(body);
   Vec3 sum{};
   for (std::size_t i = 0; i < masses.size(); ++i)

@@ -87,6 +87,7 @@ ParameterDecl ParameterDecl::from(const c3de_param_decl &decl) {
   d.fallbackVec = {decl.fallback_vec[0], decl.fallback_vec[1], decl.fallback_vec[2]};
   for (std::uint64_t i = 0; i < decl.choices_n; ++i) d.choices.emplace_back(fromAbi(decl.choices[i]));
   d.flags = decl.flags;
+  d.alternativeTo = fromAbi(decl.alternative_to);
   return d;
 }
 

@@ -39,6 +39,7 @@ C3DE_FIRST_SIZE(c3de_sim_transport, 48);  // without step_running_s
 C3DE_FIRST_SIZE(c3de_label_map_info, 184);
 C3DE_FIRST_SIZE(c3de_progress, 24);
 C3DE_FIRST_SIZE(c3de_force_field, 40);
+C3DE_FIRST_SIZE(c3de_error_place, 40);
 
 #undef C3DE_FIRST_SIZE
 

@@ -8,19 +8,34 @@ namespace c3de::plugin_host {
 namespace {
 
 // Per thread and not per host: a failing call and the question why come from the same thread, one after the other.
-thread_local std::string lastError;
+thread_local PluginError lastError;
 
 }  // namespace
 
 void setLastError(std::string_view text) noexcept {
   try {
-    lastError.assign(text);
+    lastError = {std::string(text), {}, 0, {}};
   } catch (...) {
-    lastError.clear();
+    lastError = {};
   }
 }
 
-std::string takeLastError() noexcept { return std::exchange(lastError, std::string()); }
+void setLastError(PluginError error) noexcept { lastError = std::move(error); }
+
+PluginError takeLastErrorAt() noexcept { return std::exchange(lastError, PluginError()); }
+
+std::string takeLastError() noexcept {
+  try {
+    return describe(takeLastErrorAt());
+  } catch (...) {
+    return {};
+  }
+}
+
+std::string describe(const PluginError &error) {
+  const std::string table = error.table.empty() ? "" : error.table + " " + std::to_string(error.index) + ": ";
+  return table + (error.key.empty() ? "" : error.key + ": ") + error.text;
+}
 
 std::string statusName(c3de_status status) {
   static constexpr std::array kNames{"C3DE_OK",          "C3DE_E_ARG",       "C3DE_E_VERSION",  "C3DE_E_UNSUPPORTED",

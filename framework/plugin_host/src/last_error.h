@@ -6,12 +6,15 @@
 #include <string_view>
 
 #include "c3de/abi/base.h"
+#include "c3de/plugin_host/plugin_error.h"
 
 namespace c3de::plugin_host {
 
 void setLastError(std::string_view text) noexcept;
-/// Clears it.
+void setLastError(PluginError error) noexcept;
+/// Clears it. The text names the place, too.
 [[nodiscard]] std::string takeLastError() noexcept;
+[[nodiscard]] PluginError takeLastErrorAt() noexcept;
 /// "C3DE_E_ARG" of -1; the number of what is unknown.
 [[nodiscard]] std::string statusName(c3de_status status);
 

@@ -32,17 +32,28 @@ c3de_status C3DE_CALL getService(void *ctx, c3de_str id, std::uint32_t minRev, c
   });
 }
 
-void C3DE_CALL setError(void *, c3de_status status, c3de_str message) noexcept {
-  // From any plugin, also one that is going: its text is what the person will read.
+/// Text of any plugin, also one that is going: what the person will read.
+std::string readable(c3de_str message, const std::string &otherwise) {
   const std::string_view text = fromAbi(message);
+  return text.empty() || text.size() > kLongestText || !isUtf8(text) ? otherwise : std::string(text);
+}
+
+void C3DE_CALL setErrorAt(void *, c3de_status status, c3de_str message, const c3de_error_place *place) noexcept {
   try {
-    if (text.empty() || text.size() > kLongestText || !isUtf8(text))
-      setLastError(statusName(status));
-    else
-      setLastError(text);
+    PluginError error{readable(message, statusName(status)), {}, 0, {}};
+    if (place != nullptr && place->size >= FirstSize<c3de_error_place>::value) {
+      error.table = readable(place->table, {});
+      error.index = place->index;
+      error.key = readable(place->key, {});
+    }
+    setLastError(std::move(error));
   } catch (...) {
-    setLastError({});
+    setLastError(std::string_view());
   }
+}
+
+void C3DE_CALL setError(void *ctx, c3de_status status, c3de_str message) noexcept {
+  setErrorAt(ctx, status, message, nullptr);
 }
 
 c3de_status C3DE_CALL takeError(void *, c3de_sink sink) noexcept {
@@ -58,7 +69,8 @@ c3de_status C3DE_CALL takeError(void *, c3de_sink sink) noexcept {
 }  // namespace
 
 PluginContext::PluginContext(HostState &host, std::string id)
-    : host_(host), id_(std::move(id)), abi_{sizeof(c3de_host), 1, this, &getService, &setError, &takeError},
+    : host_(host),
+      id_(std::move(id)), abi_{sizeof(c3de_host), 2, this, &getService, &setError, &takeError, &setErrorAt},
       tables_{makeLogTable(this),     makeRegistryTable(this),  makeMeshTable(this),   makeSceneTable(this),
               makeRenderTable(this),  makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
               makeToolsTable(this),   makeJobsTable(this),      makeTimeTable(this),   makeSimulationTable(this),

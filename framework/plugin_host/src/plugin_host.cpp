@@ -39,7 +39,7 @@ std::string reasonOf(c3de_status status) {
 /// Calls one of the plugin's entry functions and gives the reason when it failed.
 template <class F>
 Expected<void> call(const PluginContext &context, const char *what, F &&f) {
-  setLastError({});
+  setLastError(std::string_view());
   c3de_status status = C3DE_E_EXCEPTION;
   try {
     status = f();
@@ -199,5 +199,6 @@ Expected<c3de_object *> PluginHost::createObject(const std::string &classId) {
 }
 
 std::string PluginHost::takeError() { return takeLastError(); }
+PluginError PluginHost::takeErrorAt() { return takeLastErrorAt(); }
 
 }  // namespace c3de::plugin_host

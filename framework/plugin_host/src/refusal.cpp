@@ -12,7 +12,7 @@ void leaveText(const char *where, const char *what) noexcept {
   try {
     setLastError(where ? std::string(where) + ": " + what : std::string(what));
   } catch (...) {
-    setLastError({});
+    setLastError(std::string_view());
   }
 }
 

@@ -26,9 +26,7 @@ std::optional<std::size_t> firstNonFinite(const double *values, std::size_t coun
   return std::nullopt;
 }
 
-bool givesPoints(const c3de_simulator_v0 *table) {
-  return table->rev >= 5 && C3DE_HAS(c3de_simulator_v0, table, points) && table->points != nullptr;
-}
+bool givesPoints(const c3de_simulator_v1 *table) { return table->points != nullptr; }
 
 bool actsOn(const ForceFields::Field &field, Handle simulation) {
   return field.simulation.isNull() || field.simulation == simulation;
@@ -61,7 +59,7 @@ void ForceFields::removeOwnedBy(const std::string &owner) {
   count_ = fields_.size();
 }
 
-Expected<void> ForceFields::apply(Handle simulation, c3de_object *simulator, const c3de_simulator_v0 *table) {
+Expected<void> ForceFields::apply(Handle simulation, c3de_object *simulator, const c3de_simulator_v1 *table) {
   if (count_ == 0) return {};
   const std::lock_guard lock(mutex_);
   const auto acts = [&](const auto &entry) { return actsOn(entry.second, simulation); };
@@ -69,9 +67,9 @@ Expected<void> ForceFields::apply(Handle simulation, c3de_object *simulator, con
   if (first == fields_.end()) return {};
   if (!givesPoints(table)) {
     const std::string message = fmt::format(
-        "the force field '{}' of {} cannot act: the simulator takes no forces from outside ({} of revision "
-        "{}, needed: 5); it and all others that would act here are removed",
-        first->second.name, first->second.owner, C3DE_IFACE_SIMULATOR_ID, table->rev);
+        "the force field '{}' of {} cannot act: the simulator takes no forces from outside (points() of {} is "
+        "null); it and all others that would act here are removed",
+        first->second.name, first->second.owner, C3DE_IFACE_SIMULATOR_ID);
     std::erase_if(fields_, acts);
     count_ = fields_.size();
     return fail(ErrorCode::plugin, message);
@@ -100,7 +98,7 @@ Expected<void> ForceFields::apply(Handle simulation, c3de_object *simulator, con
   return {};
 }
 
-Expected<void> ForceFields::applyTo(Handle simulation, c3de_object *simulator, const c3de_simulator_v0 *table,
+Expected<void> ForceFields::applyTo(Handle simulation, c3de_object *simulator, const c3de_simulator_v1 *table,
                                     c3de_handle body, double time_s) {
   c3de_sim_points points{};
   points.size = sizeof points;

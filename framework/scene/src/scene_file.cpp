@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include "c3de/core/text.h"
 #include "scene_reader.h"
@@ -73,7 +74,7 @@ SceneFile sceneForMesh(const std::filesystem::path &mesh, geometry::LengthUnit u
   body.meshUnit = unit;
   scene.bodies.push_back(std::move(body));
   SceneValue gravity;
-  gravity.value.id = "world.gravity";
+  gravity.value.id = C3DE_PARAM_ID_GRAVITY;
   gravity.value.type = C3DE_PARAM_VEC3;
   gravity.value.vec = {0.0, -9.81, 0.0};
   scene.world.push_back(std::move(gravity));
@@ -95,17 +96,15 @@ Expected<void> applyOverride(SceneFile &scene, std::string_view assignment, cons
   return {};
 }
 
-Expected<ParameterValue> fitToDeclaration(const SceneFile &scene, const SceneValue &value,
-                                          const std::vector<ParameterDecl> &decls) {
-  const ErrorCode code = value.overridePath.empty() ? ErrorCode::input : ErrorCode::usage;
+namespace {
+
+ErrorCode codeOf(const SceneValue &value) { return value.overridePath.empty() ? ErrorCode::input : ErrorCode::usage; }
+
+Expected<ParameterValue> fitted(const SceneFile &scene, const SceneValue &value,
+                                const std::vector<ParameterDecl> &decls) {
   const std::string where = scene.where(value) + ": ";
   const auto decl = findParameter(decls, value.value.id);
-  if (!decl) {
-    if (!isKnownToTheFormat(value.value.id)) return fail(code, where + decl.error().message);
-    std::string served;
-    for (const ParameterDecl &known : decls) served += (served.empty() ? "" : ", ") + known.id;
-    return fail(code, where + "'" + value.value.id + "' is not served yet; this version serves: " + served);
-  }
+  if (!decl) return fail(codeOf(value), where + decl.error().message);
   ParameterValue fitted = value.value;
   const bool isAuto = ((*decl)->flags & C3DE_PARAM_AUTO) != 0 && fitted.text == "auto";
   if (fitted.type == C3DE_PARAM_I64 && (*decl)->type == C3DE_PARAM_F64) fitted.type = C3DE_PARAM_F64;
@@ -113,8 +112,50 @@ Expected<ParameterValue> fitToDeclaration(const SceneFile &scene, const SceneVal
     fitted.type = C3DE_PARAM_I64;
   if (fitted.type == C3DE_PARAM_TEXT && (*decl)->type == C3DE_PARAM_CHOICE && !isAuto) fitted.type = C3DE_PARAM_CHOICE;
   const auto good = checkParameter(**decl, fitted);
-  if (!good) return fail(code, where + good.error().message);
+  if (!good) return fail(codeOf(value), where + good.error().message);
   return fitted;
+}
+
+const SceneValue *valueOf(const std::vector<SceneValue> &values, const std::string &id) {
+  const auto found = std::find_if(values.begin(), values.end(), [&](const SceneValue &v) { return v.value.id == id; });
+  return found == values.end() ? nullptr : &*found;
+}
+
+/// "material.prony1." of "material.prony1.share".
+std::string tableOf(const std::string &id) { return id.substr(0, id.rfind('.') + 1); }
+
+}  // namespace
+
+Expected<std::vector<ParameterValue>> fitToDeclarations(const SceneFile &scene, const std::vector<SceneValue> &values,
+                                                        const std::vector<ParameterDecl> &decls) {
+  std::set<std::string> superseded;
+  for (const ParameterDecl &decl : decls) {
+    const SceneValue *said = valueOf(values, decl.id);
+    if (said == nullptr || decl.alternativeTo.empty()) continue;
+    const SceneValue *other = valueOf(values, decl.alternativeTo);
+    if (other == nullptr) continue;
+    if (said->overridePath.empty() == other->overridePath.empty())
+      return fail(codeOf(*said), scene.where(*said) + ": '" + decl.id + "' and '" + decl.alternativeTo +
+                                     "' say the same; accepted: one of them");
+    superseded.insert(said->overridePath.empty() ? decl.id : decl.alternativeTo);
+  }
+  for (const SceneValue &value : values) {
+    const auto decl = findParameter(decls, value.value.id);
+    if (!decl || ((*decl)->flags & C3DE_PARAM_TOGETHER) == 0) continue;
+    for (const ParameterDecl &other : decls)
+      if ((other.flags & C3DE_PARAM_TOGETHER) != 0 && tableOf(other.id) == tableOf((*decl)->id) &&
+          valueOf(values, other.id) == nullptr)
+        return fail(codeOf(value), scene.where(value) + ": '" + value.value.id + "' without '" + other.id +
+                                       "'; accepted: both or neither");
+  }
+  std::vector<ParameterValue> all;
+  for (const SceneValue &value : values) {
+    if (superseded.contains(value.value.id)) continue;
+    auto one = fitted(scene, value, decls);
+    if (!one) return tl::unexpected(one.error());
+    all.push_back(std::move(*one));
+  }
+  return all;
 }
 
 Expected<geometry::LengthUnit> parseLengthUnit(std::string_view name) {

@@ -12,14 +12,19 @@ namespace {
 const std::vector<std::string> kBodyKeys{
     "name",     "mesh",      "mesh_unit", "position",         "rotation_deg", "scale",  "material",
     "sampling", "parts",     "velocity",  "angular_velocity", "volume",       "series", "time",
-    "label",    "threshold", "mend",      "edge_length",      "rigid"};
-const std::vector<std::string> kObstacleKeys{"name",   "mesh",     "mesh_unit",   "position",     "rotation_deg",
-                                             "scale",  "friction", "restitution", "displacement", "motion_rotation_deg",
-                                             "centre", "ramp"};
+    "label",    "threshold", "mend",      "edge_length",      "rigid",        "matrix"};
+const std::vector<std::string> kObstacleKeys{
+    "name",        "mesh",         "mesh_unit",           "position", "rotation_deg", "scale",  "friction",
+    "restitution", "displacement", "motion_rotation_deg", "centre",   "ramp",         "matrix", "motion_quaternion"};
 const std::vector<std::string> kProbeKeys{"name", "body", "at"};
-const std::vector<std::string> kRootKeys{"format", "title", "image", "world",      "solver",   "view",
-                                         "body",   "fix",   "load",  "attachment", "obstacle", "probe"};
+const std::vector<std::string> kRootKeys{"format", "title", "image",      "world",    "solver", "view",     "body",
+                                         "fix",    "load",  "attachment", "obstacle", "probe",  "simulator"};
 const char *const kMotionRotation = "motion_rotation_deg";
+const char *const kMotionQuaternion = "motion_quaternion";
+
+bool isPlacement(const std::string &key) {
+  return key == "position" || key == "rotation_deg" || key == "scale" || key == "matrix";
+}
 
 bool hasControlCharacter(const std::string &text) {
   return std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
@@ -69,6 +74,8 @@ bool SceneReader::readScene(const TomlValue &root) {
     if (key == "format") continue;
     if (key == "title") {
       if (!readText(key, value, scene_.title)) return false;
+    } else if (key == "simulator") {
+      if (!readSimulator(value)) return false;
     } else if (key == "image") {
       if (!readImage(value)) return false;
     } else if (key == "world" || key == "solver" || key == "view") {
@@ -106,13 +113,30 @@ bool SceneReader::readWorld(const std::string &prefix, const TomlValue &table) {
   return true;
 }
 
+bool SceneReader::readSimulator(const TomlValue &table) {
+  if (table.kind != TomlValue::Kind::table)
+    return refuse(table.line, "'simulator' is " + table.kindName() + "; accepted: a table, [simulator] class = \"…\"");
+  for (const auto &[key, value] : table.entries) {
+    if (key != "class") return refuseKey(value.line, key, "[simulator]", {"class"});
+    if (!readSimulatorClass(value)) return false;
+  }
+  return true;
+}
+
+bool SceneReader::readSimulatorClass(const TomlValue &value) {
+  if (!readText("class", value, scene_.simulatorClass)) return false;
+  if (scene_.simulatorClass.empty())
+    return refuse(value.line, "class is empty; accepted: the id of a class that simulates, `c3de plugins` lists them");
+  scene_.simulatorLine = override_.empty() ? value.line : 0;
+  return true;
+}
+
 bool SceneReader::readBody(const TomlValue &table) {
   SceneBody body;
   body.line = table.line;
   for (const auto &[key, value] : table.entries)
     if (!bodyKey(body, key, value)) return false;
-  if (!checkSource(table, body)) return false;
-  if (!checkAlternatives(body)) return false;
+  if (!checkSource(table, body) || !checkPlacement(table, body.placement)) return false;
 
   const auto taken = [this](const std::string &name) {
     return std::any_of(scene_.bodies.begin(), scene_.bodies.end(),
@@ -140,7 +164,11 @@ bool SceneReader::readObstacle(const TomlValue &table) {
     return refuse(table.line, "the obstacle has no 'mesh'; accepted: a mesh file beside the scene");
   if (!requireUnit(table, obstacle.mesh, obstacle.meshUnit)) return false;
   // Whoever writes rotation_deg and ramp means a rotation that takes place.
-  if (obstacle.motion && table.find("displacement") == nullptr && table.find(kMotionRotation) == nullptr)
+  if (!checkPlacement(table, obstacle.placement)) return false;
+  if (obstacle.motion && obstacle.motion->quaternion && table.find(kMotionRotation) != nullptr)
+    return refuse(table.line, "the obstacle has 'motion_rotation_deg' and 'motion_quaternion'; accepted: one of them");
+  if (obstacle.motion && table.find("displacement") == nullptr && table.find(kMotionRotation) == nullptr &&
+      !obstacle.motion->quaternion)
     return refuse(table.line,
                   "the obstacle has 'centre' or 'ramp' and nothing that moves it; accepted: displacement = "
                   "[x, y, z] in m, motion_rotation_deg = [x, y, z]; rotation_deg is how it stands at the start");
@@ -191,8 +219,8 @@ bool SceneReader::checkBox() {
   const SceneValue *min = nullptr, *max = nullptr, *any = nullptr;
   for (const SceneValue &value : scene_.world) {
     if (value.value.id.rfind("world.box.", 0) == 0) any = &value;
-    if (value.value.id == "world.box.min") min = &value;
-    if (value.value.id == "world.box.max") max = &value;
+    if (value.value.id == C3DE_PARAM_ID_BOX_MIN) min = &value;
+    if (value.value.id == C3DE_PARAM_ID_BOX_MAX) max = &value;
   }
   if (any == nullptr) return true;
   if (min == nullptr || max == nullptr) {
@@ -206,10 +234,10 @@ bool SceneReader::checkBox() {
       return refuse(max->line, "world.box: min " + min->value.display() + " and max " + max->value.display() +
                                    " leave no room; accepted: min below max in x, y and z");
   const bool said = std::any_of(scene_.world.begin(), scene_.world.end(),
-                                [](const SceneValue &value) { return value.value.id == "world.box.enabled"; });
+                                [](const SceneValue &value) { return value.value.id == C3DE_PARAM_ID_BOX_ENABLED; });
   if (!said) {
     ParameterValue enabled;
-    enabled.id = "world.box.enabled";
+    enabled.id = C3DE_PARAM_ID_BOX_ENABLED;
     enabled.type = C3DE_PARAM_BOOL;
     enabled.num = 1.0;
     put(scene_.world, enabled, min->line);
@@ -229,11 +257,11 @@ bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlVal
       if (!samplingKey(body, member, memberValue)) return false;
     return true;
   }
-  if (key == "rigid") return store(body.params, key, value);
+  if (key == C3DE_PARAM_ID_RIGID) return store(body.params, key, value);
   if (key == "parts") return readParts(value, body.parts);
   if (key == "velocity") return readVec3(key, value, body.velocity_m_s);
   if (key == "angular_velocity") return readVec3(key, value, body.angularVelocity_rad_s);
-  if (key == "position" || key == "rotation_deg" || key == "scale") return placementKey(body.placement, key, value);
+  if (isPlacement(key)) return placementKey(body.placement, key, value);
   if (key == "volume" || key == "series" || key == "time" || key == "label" || key == "threshold" || key == "mend" ||
       key == "edge_length")
     return volumeKey(body.volume, key, value);
@@ -244,9 +272,9 @@ bool SceneReader::obstacleKey(SceneObstacle &obstacle, const std::string &key, c
   if (key == "name") return readText(key, value, obstacle.name);
   if (key == "mesh") return meshKey(key, value, obstacle.mesh);
   if (key == "mesh_unit") return unitKey(key, value, obstacle.meshUnit);
-  if (key == "friction" || key == "restitution") return store(obstacle.params, key, value);
-  if (key == "position" || key == "rotation_deg" || key == "scale") return placementKey(obstacle.placement, key, value);
-  if (key == "displacement" || key == kMotionRotation || key == "centre" || key == "ramp") {
+  if (key == C3DE_PARAM_ID_FRICTION || key == C3DE_PARAM_ID_RESTITUTION) return store(obstacle.params, key, value);
+  if (isPlacement(key)) return placementKey(obstacle.placement, key, value);
+  if (key == "displacement" || key == kMotionRotation || key == kMotionQuaternion || key == "centre" || key == "ramp") {
     if (!obstacle.motion) obstacle.motion.emplace();
     return motionKey(*obstacle.motion, key, kMotionRotation, value);
   }

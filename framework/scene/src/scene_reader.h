@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "c3de/abi/draft/iface/parameter_ids.h"
 #include "c3de/scene/scene_file.h"
 #include "toml_document.h"
 
@@ -31,6 +32,8 @@ class SceneReader {
 
   bool tables(const TomlValue &value, const std::string &key);
   bool readWorld(const std::string &prefix, const TomlValue &table);
+  bool readSimulator(const TomlValue &table);
+  bool readSimulatorClass(const TomlValue &value);
   bool readBody(const TomlValue &table);
   bool readObstacle(const TomlValue &table);
   bool readProbe(const TomlValue &table);
@@ -52,20 +55,21 @@ class SceneReader {
   bool meshKey(const std::string &key, const TomlValue &value, std::filesystem::path &out);
   bool unitKey(const std::string &key, const TomlValue &value, geometry::LengthUnit &out);
   bool placementKey(ScenePlacement &placement, const std::string &key, const TomlValue &value);
+  bool checkPlacement(const TomlValue &table, const ScenePlacement &placement);
   bool samplingKey(SceneBody &body, const std::string &key, const TomlValue &value);
   bool requireUnit(const TomlValue &table, const std::filesystem::path &mesh, geometry::LengthUnit &unit);
 
   /// The whole value of `material`.
   bool readMaterial(std::vector<SceneValue> &params, const TomlValue &value);
-  /// One key of a material: law, plastic, prony, …
-  bool materialKey(std::vector<SceneValue> &params, const std::string &key, const TomlValue &value);
-  bool readProny(std::vector<SceneValue> &params, const TomlValue &value);
 
   bool readRegion(const TomlValue &value, SceneRegion &out);
   bool readParts(const TomlValue &value, std::vector<ScenePart> &out);
   bool readRefinements(const TomlValue &value, std::vector<SceneRefinement> &out);
-  /// A motion has one key or more of displacement, rotation, centre and ramp. @param rotationKey what it is called here
+  /// A motion has one key or more of displacement, rotation, quaternion, centre and ramp.
+  /// @param rotationKey  what the rotation by angles is called here
   bool motionKey(SceneMotion &motion, const std::string &key, const std::string &rotationKey, const TomlValue &value);
+  /// A unit quaternion [x, y, z, w].
+  bool readQuaternion(const std::string &key, const TomlValue &value, std::optional<std::array<double, 4>> &out);
 
   // scene_reader_images.cpp
   bool readImage(const TomlValue &table);
@@ -78,6 +82,7 @@ class SceneReader {
 
   bool readName(const TomlValue &value, std::string &out);
   bool readText(const std::string &key, const TomlValue &value, std::string &out);
+  bool readMatrix(const TomlValue &value, std::optional<Mat4> &out);
   bool readVec3(const std::string &key, const TomlValue &value, Vec3 &out);
   bool readNumber(const std::string &key, const std::string &accepted, const TomlValue &value, double &out);
   bool readBool(const std::string &key, const TomlValue &value, bool &out);
@@ -86,10 +91,10 @@ class SceneReader {
                    const std::vector<std::string> &keys);
   bool requireTables(const std::string &place, const std::string &accepted, const TomlValue &value);
 
-  /// Stores the value, or what is in the table, under ids that begin with id; replaces what has the id.
+  /// Stores the value, or what is in the table, under ids that begin with id; replaces what has the id. The tables of a
+  /// list are numbered from 1: "id1.key", "id2.key".
   bool store(std::vector<SceneValue> &values, const std::string &id, const TomlValue &value);
   void put(std::vector<SceneValue> &values, ParameterValue value, int line);
-  bool checkAlternatives(const SceneBody &body);
 
   bool refusePath(const std::string &path);
   bool overrideBody(const std::string &rest, const TomlValue &value);
@@ -117,8 +122,5 @@ class SceneReader {
 [[nodiscard]] std::string joined(const std::vector<std::string> &names);
 
 [[nodiscard]] std::filesystem::path pathFromUtf8(const std::string &text);
-
-/// Ids of the scene format that a simulator may or may not serve.
-[[nodiscard]] bool isKnownToTheFormat(std::string_view id);
 
 }  // namespace c3de::scene

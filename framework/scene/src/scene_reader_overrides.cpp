@@ -59,6 +59,7 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value) 
   const std::string rest = dot == std::string::npos ? std::string() : path.substr(dot + 1);
   if (path == "title") return readText(path, value, scene_.title);
   if (rest.empty()) return refusePath(path);
+  if (path == "simulator.class") return readSimulatorClass(value);
   if (first == "world" || first == "solver" || first == "view") return store(scene_.world, path, value) && checkBox();
   if (first == "body") return overrideBody(rest, value);
   if (first == "fix") return overrideFix(rest, value);
@@ -69,27 +70,32 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value) 
 }
 
 bool SceneReader::refusePath(const std::string &path) {
-  std::vector<std::string> known{
-      "title",       "world.gravity",  "world.box.min",     "world.box.max",       "solver.integrator",
-      "solver.dt",   "solver.damping", "solver.load_steps", "solver.tolerance_mm", "view.surface",
-      "view.points", "view.colour",    "view.range"};
+  // What else stands under world, solver, view, material and sampling is for the simulator to say.
+  std::vector<std::string> known{"title",
+                                 "simulator.class",
+                                 C3DE_PARAM_ID_GRAVITY,
+                                 C3DE_PARAM_ID_BOX_MIN,
+                                 C3DE_PARAM_ID_BOX_MAX,
+                                 "solver.…",
+                                 C3DE_PARAM_ID_DAMPING,
+                                 "view.…"};
   std::string list = joined(known);
   const auto add = [&](const std::string &element, const std::vector<std::string> &keys) {
     list += ", " + element + "." + (keys.size() == 1 ? keys.front() : "…");
     for (const std::string &key : keys) known.push_back(element + "." + key);
   };
   for (const SceneBody &body : scene_.bodies)
-    add("body." + body.name,
-        {"material.law", "material.density", "material.youngs_modulus", "material.poisson_ratio", "sampling.spacing",
-         "sampling.count", "surroundings.stiffness", "rigid", "position", "rotation_deg", "scale"});
+    add("body." + body.name, {C3DE_PARAM_ID_DENSITY, C3DE_PARAM_ID_YOUNGS_MODULUS, C3DE_PARAM_ID_POISSON_RATIO,
+                              C3DE_PARAM_ID_SPACING, C3DE_PARAM_ID_COUNT, C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS,
+                              C3DE_PARAM_ID_RIGID, "position", "rotation_deg", "matrix", "scale"});
   for (std::size_t i = 0; i < scene_.fixes.size(); ++i)
     add("fix." + nameOrNumber(scene_.fixes[i], i),
         {"displacement", "rotation_deg", "centre", "ramp", "region", "body"});
   for (std::size_t i = 0; i < scene_.loads.size(); ++i)
     add("load." + nameOrNumber(scene_.loads[i], i), {"force", "pressure", "follower", "ramp", "region", "body"});
   for (const SceneObstacle &obstacle : scene_.obstacles)
-    add("obstacle." + obstacle.name,
-        {"friction", "restitution", "displacement", "ramp", "position", "rotation_deg", "scale"});
+    add("obstacle." + obstacle.name, {C3DE_PARAM_ID_FRICTION, C3DE_PARAM_ID_RESTITUTION, "displacement", "ramp",
+                                      "position", "rotation_deg", "scale"});
   for (const SceneProbe &probe : scene_.probes) add("probe." + probe.name, {"at"});
   const std::string nearest = nearestName(path, known);
   return refuse(
@@ -102,7 +108,7 @@ bool SceneReader::overrideBody(const std::string &rest, const TomlValue &value) 
   if (body == nullptr) return refuse(0, noElement(scene_.bodies, "body", rest));
   if (key == "name") return refuse(0, "the name of a body cannot be changed here");
   if (key == "material.preset") return readMaterial(body->params, value);
-  if (const auto member = keyUnder("material.", key)) return materialKey(body->params, *member, value);
+  if (keyUnder("material.", key)) return store(body->params, key, value);
   if (const auto member = keyUnder("sampling.", key)) return samplingKey(*body, *member, value);
   if (keyUnder("surroundings.", key)) return store(body->params, key, value);
   if (const auto member = keyUnder("parts.", key)) return overridePart(*body, *member, value);
@@ -128,7 +134,7 @@ bool SceneReader::overridePart(SceneBody &body, const std::string &rest, const T
     if (!key) continue;
     if (*key == "region") return readRegion(value, body.parts[i].region);
     if (*key == "material" || *key == "material.preset") return readMaterial(body.parts[i].params, value);
-    if (const auto member = keyUnder("material.", *key)) return materialKey(body.parts[i].params, *member, value);
+    if (keyUnder("material.", *key)) return store(body.parts[i].params, *key, value);
     return refuseKey(0, *key, "a part of a body", {"region", "material"});
   }
   return refuse(0, "there is no such part; the body '" + body.name + "' has " + std::to_string(body.parts.size()) +

@@ -8,7 +8,8 @@
 namespace c3de::scene {
 namespace {
 
-const std::vector<std::string> kFixKeys{"name", "body", "region", "displacement", "rotation_deg", "centre", "ramp"};
+const std::vector<std::string> kFixKeys{"name",         "body",       "region", "displacement",
+                                        "rotation_deg", "quaternion", "centre", "ramp"};
 const std::vector<std::string> kLoadKeys{"name", "body", "region", "force", "pressure", "follower", "ramp"};
 const std::vector<std::string> kRegionKeys{"box", "sphere", "half_space", "everywhere"};
 
@@ -86,6 +87,7 @@ bool SceneReader::motionKey(SceneMotion &motion, const std::string &key, const s
                             const TomlValue &value) {
   if (key == "displacement") return readVec3(key, value, motion.displacement_m);
   if (key == rotationKey) return readVec3(key, value, motion.rotation_deg);
+  if (key == "quaternion" || key == "motion_quaternion") return readQuaternion(key, value, motion.quaternion);
   if (key == "centre") {
     Vec3 centre{};
     if (!readVec3(key, value, centre)) return false;
@@ -97,11 +99,29 @@ bool SceneReader::motionKey(SceneMotion &motion, const std::string &key, const s
   return motion.ramp_s >= 0.0 || refuse(value.line, key + " is " + formatNumber(value.num) + "; accepted: " + accepted);
 }
 
+bool SceneReader::readQuaternion(const std::string &key, const TomlValue &value,
+                                 std::optional<std::array<double, 4>> &out) {
+  // What six printed digits leave of a unit quaternion; the rest is made exact.
+  constexpr double kTolerance = 1e-5;
+  const std::string accepted = "; accepted: a quaternion [x, y, z, w] of length 1";
+  if (!value.isNumbers(4)) return refuse(value.line, key + " is " + value.kindName() + accepted);
+  double square = 0.0;
+  for (const TomlValue &item : value.items) square += item.num * item.num;
+  const double length = std::sqrt(square);
+  if (!(std::abs(length - 1.0) <= kTolerance))
+    return refuse(value.line, key + " has the length " + formatNumber(length) + accepted);
+  out.emplace();
+  for (std::size_t i = 0; i < 4; ++i) (*out)[i] = value.items[i].num / length;
+  return true;
+}
+
 bool SceneReader::readFix(const TomlValue &table) {
   SceneFix fix;
   fix.line = table.line;
   for (const auto &[key, value] : table.entries)
     if (!fixKey(fix, key, value)) return false;
+  if (fix.motion.quaternion && table.find("rotation_deg") != nullptr)
+    return refuse(table.line, "the fix has 'rotation_deg' and 'quaternion'; accepted: one of them");
   if (table.find("region") == nullptr)
     return refuse(table.line, "the fix has no 'region'; accepted: one of " + acceptedRegions());
   if (isTaken(scene_.fixes, fix.name))
@@ -114,7 +134,7 @@ bool SceneReader::fixKey(SceneFix &fix, const std::string &key, const TomlValue 
   if (key == "name") return readName(value, fix.name);
   if (key == "body") return readText(key, value, fix.body);
   if (key == "region") return readRegion(value, fix.region);
-  if (key == "displacement" || key == "rotation_deg" || key == "centre" || key == "ramp")
+  if (key == "displacement" || key == "rotation_deg" || key == "quaternion" || key == "centre" || key == "ramp")
     return motionKey(fix.motion, key, "rotation_deg", value);
   return refuseKey(value.line, key, "[[fix]]", kFixKeys);
 }

@@ -11,6 +11,14 @@
 namespace c3de::scene {
 namespace {
 
+/// Whether an id is under "list1", "list2", …: those of the entries of a list of tables.
+bool isEntryOf(const std::string &id, const std::string &list) {
+  if (id.compare(0, list.size(), list) != 0) return false;
+  std::size_t end = list.size();
+  while (end < id.size() && id[end] >= '0' && id[end] <= '9') ++end;
+  return end > list.size() && end < id.size() && id[end] == '.';
+}
+
 /// Formats that say in which unit their numbers are.
 bool carriesUnit(const std::filesystem::path &mesh) {
   const std::string extension = mesh.extension().string();
@@ -21,55 +29,6 @@ bool carriesUnit(const std::filesystem::path &mesh) {
 
 std::filesystem::path pathFromUtf8(const std::string &text) {
   return std::filesystem::path(std::u8string(text.begin(), text.end()));
-}
-
-bool isKnownToTheFormat(std::string_view id) {
-  static constexpr std::array kIds{"world.gravity",
-                                   "world.box.min",
-                                   "world.box.max",
-                                   "world.box.enabled",
-                                   "solver.integrator",
-                                   "solver.dt",
-                                   "solver.damping",
-                                   "solver.tolerance_mm",
-                                   "solver.load_steps",
-                                   "solver.preconditioner",
-                                   "solver.precision",
-                                   "solver.sleep",
-                                   "view.surface",
-                                   "view.points",
-                                   "view.colour",
-                                   "view.range",
-                                   "material.law",
-                                   "material.density",
-                                   "material.youngs_modulus",
-                                   "material.poisson_ratio",
-                                   "material.viscosity",
-                                   "material.volume_stiffness",
-                                   "material.plastic",
-                                   "material.plastic.yield",
-                                   "material.plastic.creep",
-                                   "material.plastic.creep_time",
-                                   "material.plastic.max",
-                                   "material.prony1.share",
-                                   "material.prony1.time",
-                                   "material.prony2.share",
-                                   "material.prony2.time",
-                                   "sampling.evaluation",
-                                   "sampling.spacing",
-                                   "sampling.count",
-                                   "sampling.neighbours",
-                                   "sampling.support",
-                                   "sampling.stabilisation",
-                                   "sampling.surface_spacing",
-                                   "sampling.jitter",
-                                   "surroundings.stiffness",
-                                   "surroundings.tangential",
-                                   "surroundings.retardation_time",
-                                   "rigid",
-                                   "friction",
-                                   "restitution"};
-  return std::find(kIds.begin(), kIds.end(), id) != kIds.end();
 }
 
 bool SceneReader::meshKey(const std::string &key, const TomlValue &value, std::filesystem::path &out) {
@@ -99,10 +58,36 @@ bool SceneReader::unitKey(const std::string &key, const TomlValue &value, geomet
 bool SceneReader::placementKey(ScenePlacement &placement, const std::string &key, const TomlValue &value) {
   if (key == "position") return readVec3(key, value, placement.position_m);
   if (key == "rotation_deg") return readVec3(key, value, placement.rotation_deg);
+  if (key == "matrix") return readMatrix(value, placement.matrix);
   if (!value.isNumber()) return refuse(value.line, "scale is " + value.kindName() + "; accepted: a number above 0");
   if (!std::isfinite(value.num) || value.num <= 0.0)
     return refuse(value.line, "scale is " + formatNumber(value.num) + "; accepted: a number above 0");
   placement.scale = value.num;
+  return true;
+}
+
+bool SceneReader::checkPlacement(const TomlValue &table, const ScenePlacement &placement) {
+  if (!placement.matrix) return true;
+  for (const char *other : {"position", "rotation_deg", "scale"})
+    if (table.find(other) != nullptr)
+      return refuse(table.line, std::string("'matrix' and '") + other + "'; accepted: the matrix alone, or without it");
+  return true;
+}
+
+bool SceneReader::readMatrix(const TomlValue &value, std::optional<Mat4> &out) {
+  const bool isGood =
+      value.kind == TomlValue::Kind::array && value.items.size() == 4 &&
+      std::all_of(value.items.begin(), value.items.end(), [](const TomlValue &row) {
+        return row.isNumbers(4) && std::all_of(row.items.begin(), row.items.end(),
+                                               [](const TomlValue &one) { return std::isfinite(one.num); });
+      });
+  if (!isGood)
+    return refuse(value.line,
+                  "matrix is " + value.kindName() +
+                      "; accepted: four rows of four finite numbers, m from the mesh in m, last row 0, 0, 0, 1");
+  out.emplace();
+  for (std::size_t r = 0; r < 4; ++r)
+    for (std::size_t c = 0; c < 4; ++c) (*out)[4 * c + r] = value.items[r].items[c].num;
   return true;
 }
 
@@ -129,33 +114,12 @@ bool SceneReader::readMaterial(std::vector<SceneValue> &params, const TomlValue 
       parameter.num = num;
       put(params, parameter, preset->line);
     };
-    number("material.density", found->density);
-    number("material.youngs_modulus", found->youngsModulus);
-    number("material.poisson_ratio", found->poissonRatio);
+    number(C3DE_PARAM_ID_DENSITY, found->density);
+    number(C3DE_PARAM_ID_YOUNGS_MODULUS, found->youngsModulus);
+    number(C3DE_PARAM_ID_POISSON_RATIO, found->poissonRatio);
   }
   for (const auto &[key, member] : value.entries)
-    if (key != "preset" && !materialKey(params, key, member)) return false;
-  return true;
-}
-
-bool SceneReader::materialKey(std::vector<SceneValue> &params, const std::string &key, const TomlValue &value) {
-  return key == "prony" ? readProny(params, value) : store(params, "material." + key, value);
-}
-
-bool SceneReader::readProny(std::vector<SceneValue> &params, const TomlValue &value) {
-  static constexpr std::size_t kTerms = 2;
-  const std::string accepted = "one or two terms, [ { share = 0.3, time = 0.1 } ]";
-  if (!requireTables("material.prony", accepted, value)) return false;
-  if (value.items.size() > kTerms)
-    return refuse(value.line,
-                  "material.prony has " + std::to_string(value.items.size()) + " terms; accepted: " + accepted);
-  // The terms replace what was there: a second one of a preset or of the file must not stay beside a new first one.
-  std::erase_if(params, [](const SceneValue &other) { return other.value.id.rfind("material.prony", 0) == 0; });
-  for (std::size_t i = 0; i < value.items.size(); ++i) {
-    if (!requireKeys("a term of material.prony", "{ share = 0.3, time = 0.1 }", value.items[i], {"share", "time"}) ||
-        !store(params, "material.prony" + std::to_string(i + 1), value.items[i]))
-      return false;
-  }
+    if (key != "preset" && !store(params, "material." + key, member)) return false;
   return true;
 }
 
@@ -235,6 +199,16 @@ bool SceneReader::store(std::vector<SceneValue> &values, const std::string &id, 
       if (!store(values, id + "." + key, member)) return false;
     return true;
   }
+  const bool isListOfTables = value.kind == TomlValue::Kind::array && !value.items.empty() &&
+                              std::all_of(value.items.begin(), value.items.end(),
+                                          [](const TomlValue &item) { return item.kind == TomlValue::Kind::table; });
+  if (isListOfTables) {
+    // The list replaces what was there: a second entry of the file must not stay beside a new first one.
+    std::erase_if(values, [&](const SceneValue &other) { return isEntryOf(other.value.id, id); });
+    for (std::size_t i = 0; i < value.items.size(); ++i)
+      if (!store(values, id + std::to_string(i + 1), value.items[i])) return false;
+    return true;
+  }
   ParameterValue parameter;
   if (!toParameter(value, id, parameter))
     return refuse(value.line, id + " is " + value.kindName() + "; accepted: a number, text, true, false or [x, y, z]");
@@ -243,17 +217,6 @@ bool SceneReader::store(std::vector<SceneValue> &values, const std::string &id, 
 }
 
 void SceneReader::put(std::vector<SceneValue> &values, ParameterValue value, int line) {
-  // Of two ways to say the same thing, the override is what counts.
-  static constexpr std::array<std::array<const char *, 2>, 2> kAlternatives{
-      {{"sampling.spacing", "sampling.count"}, {"sampling.neighbours", "sampling.support"}}};
-  if (!override_.empty())
-    for (const auto &alternatives : kAlternatives) {
-      const auto isOneOf = [&alternatives](const std::string &id) {
-        return std::find(alternatives.begin(), alternatives.end(), id) != alternatives.end();
-      };
-      if (isOneOf(value.id)) std::erase_if(values, [&](const SceneValue &other) { return isOneOf(other.value.id); });
-    }
-
   const SceneValue stored{std::move(value), override_.empty() ? line : 0, override_};
   for (SceneValue &present : values) {
     if (present.value.id != stored.value.id) continue;
@@ -261,20 +224,6 @@ void SceneReader::put(std::vector<SceneValue> &values, ParameterValue value, int
     return;
   }
   values.push_back(stored);
-}
-
-bool SceneReader::checkAlternatives(const SceneBody &body) {
-  const auto find = [&](const char *id) {
-    return std::find_if(body.params.begin(), body.params.end(), [&](const SceneValue &v) { return v.value.id == id; });
-  };
-  const auto both = [&](const char *a, const char *b) {
-    return find(a) != body.params.end() && find(b) != body.params.end();
-  };
-  if (both("sampling.spacing", "sampling.count"))
-    return refuse(find("sampling.count")->line, "sampling has spacing and count; accepted: one of them");
-  if (both("sampling.neighbours", "sampling.support"))
-    return refuse(find("sampling.support")->line, "sampling has neighbours and support; accepted: one of them");
-  return true;
 }
 
 }  // namespace c3de::scene

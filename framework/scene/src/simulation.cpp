@@ -16,6 +16,7 @@
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/core/thread_priority.h"
+#include "c3de/scene/simulator_table.h"
 #include "c3de/scene/text_sink.h"
 #include "pace.h"
 
@@ -33,7 +34,7 @@ double seconds(Clock::duration d) { return std::chrono::duration<double>(d).coun
 
 struct Simulation::Impl {
   c3de_object *object = nullptr;
-  const c3de_simulator_v0 *table = nullptr;
+  const c3de_simulator_v1 *table = nullptr;
   std::function<std::string()> takeError;
 
   std::mutex queueMutex;
@@ -74,8 +75,6 @@ struct Simulation::Impl {
   void enqueue(std::function<void()> command, bool isUrgent = false);
   bool runCommands(std::vector<Command> &commands);
   void begin(Command &command);
-  /// Whether the simulator has a slot; those of older revisions end before it.
-  [[nodiscard]] bool has(std::size_t endOfSlot) const { return table->rev >= 4 && table->size >= endOfSlot; }
   void interrupt(bool raised);
   void apply(std::uint32_t action);
   void play();
@@ -103,8 +102,7 @@ Simulation::Impl::~Impl() {
 
 /// Under the mutex of the queue, so that it is raised as long as anything urgent waits.
 void Simulation::Impl::interrupt(bool raised) {
-  if (has(offsetof(c3de_simulator_v0, interrupt) + sizeof table->interrupt) && table->interrupt != nullptr)
-    table->interrupt(object, raised ? 1u : 0u);
+  if (table->interrupt != nullptr) table->interrupt(object, raised ? 1u : 0u);
 }
 
 void Simulation::Impl::enqueue(std::function<void()> command, bool isUrgent) {
@@ -315,20 +313,12 @@ Simulation::~Simulation() = default;
 Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
                                                          std::function<std::string()> takeError) {
   if (simulator == nullptr) return fail(ErrorCode::internal, "no simulator object was given");
-  const void *table = nullptr;
-  const c3de_status code = simulator->vt->query(simulator, toAbi(C3DE_IFACE_SIMULATOR_ID), 0, &table);
-  if (code < 0 || table == nullptr)
-    return fail(ErrorCode::plugin, std::string("the object does not answer ") + C3DE_IFACE_SIMULATOR_ID + " (status " +
-                                       std::to_string(code) + ")");
-  const auto *simulatorTable = static_cast<const c3de_simulator_v0 *>(table);
-  if (simulatorTable->size < offsetof(c3de_simulator_v0, displacement))
-    return fail(ErrorCode::plugin, std::string("the table of ") + C3DE_IFACE_SIMULATOR_ID + " has " +
-                                       std::to_string(simulatorTable->size) +
-                                       " bytes; needed: " + std::to_string(offsetof(c3de_simulator_v0, displacement)));
+  const auto table = simulatorTable(simulator);
+  if (!table) return tl::unexpected(table.error());
   auto impl = std::make_unique<Impl>();
   simulator->vt->retain(simulator);
   impl->object = simulator;
-  impl->table = simulatorTable;
+  impl->table = *table;
   impl->takeError = std::move(takeError);
   impl->show();
   impl->thread = std::thread([running = impl.get()] { running->run(); });
@@ -392,9 +382,8 @@ c3de_sim_transport Simulation::state() const {
 }
 
 std::string Simulation::activity() const {
-  const c3de_simulator_v0 *table = impl_->table;
-  if (!impl_->has(offsetof(c3de_simulator_v0, activity) + sizeof table->activity) || table->activity == nullptr)
-    return {};
+  const c3de_simulator_v1 *table = impl_->table;
+  if (table->activity == nullptr) return {};
   std::string text;
   return table->activity(impl_->object, sinkInto(text)) < 0 ? std::string() : text;
 }
@@ -410,6 +399,6 @@ void Simulation::setPublishedListener(std::function<void()> listener) {
 }
 
 c3de_object *Simulation::object() const { return impl_->object; }
-const c3de_simulator_v0 *Simulation::table() const { return impl_->table; }
+const c3de_simulator_v1 *Simulation::table() const { return impl_->table; }
 
 }  // namespace c3de::scene

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "c3de/abi/draft/iface/parameter_ids.h"
 #include "c3de/session/simulator_access.h"
 
 namespace c3de::session {
@@ -55,11 +56,11 @@ std::set<std::string> bodyNames(Session &session) {
 scene::SceneFile sceneWithoutBodies() {
   scene::SceneFile scene;
   scene::SceneValue gravity;
-  gravity.value.id = "world.gravity";
+  gravity.value.id = C3DE_PARAM_ID_GRAVITY;
   gravity.value.type = C3DE_PARAM_VEC3;
   gravity.value.vec = {0.0, 0.0, 0.0};  // the scan shows the organs in balance with it
   scene.world.push_back(gravity);
-  scene.world.push_back(numberOf("solver.damping", 2.0));
+  scene.world.push_back(numberOf(C3DE_PARAM_ID_DAMPING, 2.0));
   return scene;
 }
 
@@ -70,20 +71,20 @@ scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask
   scene::SceneBody body;
   body.name = request.name;
   if (request.phyxels > 0) {
-    body.params.push_back(numberOf("sampling.count", static_cast<double>(request.phyxels)));
+    body.params.push_back(numberOf(C3DE_PARAM_ID_COUNT, static_cast<double>(request.phyxels)));
     body.params.back().value.type = C3DE_PARAM_I64;
   }
   if (preset) {
-    body.params.push_back(numberOf("material.density", preset->density));
-    body.params.push_back(numberOf("material.youngs_modulus", preset->youngsModulus));
-    body.params.push_back(numberOf("material.poisson_ratio", preset->poissonRatio));
+    body.params.push_back(numberOf(C3DE_PARAM_ID_DENSITY, preset->density));
+    body.params.push_back(numberOf(C3DE_PARAM_ID_YOUNGS_MODULUS, preset->youngsModulus));
+    body.params.push_back(numberOf(C3DE_PARAM_ID_POISSON_RATIO, preset->poissonRatio));
   }
   if (request.isRigid) {
-    scene::SceneValue rigid = numberOf("rigid", 1.0);
+    scene::SceneValue rigid = numberOf(C3DE_PARAM_ID_RIGID, 1.0);
     rigid.value.type = C3DE_PARAM_BOOL;
     body.params.push_back(rigid);
   } else if (request.held == segmentation::Held::surroundings && request.surroundings_Pa_m > 0.0) {
-    body.params.push_back(numberOf("surroundings.stiffness", request.surroundings_Pa_m));
+    body.params.push_back(numberOf(C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS, request.surroundings_Pa_m));
   } else if (request.held == segmentation::Held::lowestPart) {
     const auto [low, high] = extentToTheBack(mask);
     scene::SceneFix fix;
@@ -113,8 +114,13 @@ std::string namesOf(const std::vector<segmentation::BodyRequest> &requests) {
 }
 
 Expected<void> BodyCreation::createAll(c3de_object *simulator, bool isNew, Result &result, const ProgressFn &progress) {
-  if (isNew)
-    if (auto begun = session_.populate(simulator, sceneWithoutBodies(), {}); !begun) return begun;
+  if (isNew) {
+    auto world = sceneWithoutBodies();
+    if (const auto decls = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD))
+      std::erase_if(world.world,
+                    [&](const scene::SceneValue &value) { return !findParameter(*decls, value.value.id); });
+    if (auto begun = session_.populate(simulator, world, {}); !begun) return begun;
+  }
   const std::vector<segmentation::BodyRequest> requests = std::exchange(result.notTried, {});
   const auto count = static_cast<double>(requests.size());
   for (std::size_t i = 0; i < requests.size(); ++i) {

@@ -128,7 +128,7 @@ Expected<PickedVoxels> BodySources::pick(const scene::SceneVolume &volume, const
 
 std::vector<std::string> BodySources::takeNotices() { return std::exchange(notices_, {}); }
 
-Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm, double phyxels,
+Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm, double points,
                                       const ProgressFn &progress) {
   BodyGeometry built;
   auto cleaned = [&] {
@@ -151,7 +151,7 @@ Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &asked, double edge_mm
   }
   {
     const TimeSpent filling(built.took.fills_s);
-    auto fill = imaging::fillOf(mask, std::cbrt(built.volume_mm3 / std::max(phyxels, 1.0)) / kVoxelsPerSpacing);
+    auto fill = imaging::fillOf(mask, std::cbrt(built.volume_mm3 / std::max(points, 1.0)) / kVoxelsPerSpacing);
     if (!fill) return tl::unexpected(fill.error());
     built.fill = std::move(*fill);
   }
@@ -173,14 +173,6 @@ c3de_sim_grid toAbi(const imaging::VolumeGeometry &grid) {
     out.step_k_m[a] = m[8 + a] / scene::kMillimetresPerMetre;
     out.origin_m[a] = m[12 + a] / scene::kMillimetresPerMetre;
   }
-  return out;
-}
-
-c3de_sim_fill toAbi(const imaging::Fill &fill) {
-  c3de_sim_fill out{};
-  out.size = sizeof out;
-  out.grid = toAbi(fill.geometry);
-  out.values = fill.values.data();
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "c3de/abi/draft/iface/parameter_ids.h"
 #include "c3de/session/scene_to_abi.h"
 #include "c3de/session/simulator_access.h"
 
@@ -39,7 +40,7 @@ std::optional<Bounds_m> boundsOfBodies(c3de_object *simulator) {
   Bounds_m bounds{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
   c3de_handle body{};
   for (std::uint64_t i = 0; (*table)->body_at(simulator, i, &body) >= 0; ++i)
-    for (const Vec3 &x : surfelPositions(simulator, body))
+    for (const Vec3 &x : surfacePositions(simulator, body))
       for (std::size_t a = 0; a < 3; ++a) {
         bounds.min[a] = std::min(bounds.min[a], x[a]);
         bounds.max[a] = std::max(bounds.max[a], x[a]);
@@ -55,9 +56,9 @@ Expected<std::optional<Bounds_m>> putUpRoom(c3de_object *simulator, const Bounds
   if (!decls) return tl::unexpected(decls.error());
   const Bounds_m room = roomAround(bodies);
   std::vector<ParameterValue> values(3);
-  values[0].id = "world.box.min";
-  values[1].id = "world.box.max";
-  values[2].id = "world.box.enabled";
+  values[0].id = C3DE_PARAM_ID_BOX_MIN;
+  values[1].id = C3DE_PARAM_ID_BOX_MAX;
+  values[2].id = C3DE_PARAM_ID_BOX_ENABLED;
   values[0].type = values[1].type = C3DE_PARAM_VEC3;
   values[2].type = C3DE_PARAM_BOOL;
   values[0].vec = room.min;

@@ -33,7 +33,7 @@ std::shared_ptr<const imaging::Mask> withStill(const std::shared_ptr<const imagi
 
 }  // namespace
 
-PresentBodies presentBodies(const c3de_simulator_v0 *table, c3de_object *simulator) {
+PresentBodies presentBodies(const c3de_simulator_v1 *table, c3de_object *simulator) {
   PresentBodies bodies;
   bodies.spacing_mm = std::numeric_limits<double>::infinity();
   c3de_handle body{};
@@ -42,12 +42,12 @@ PresentBodies presentBodies(const c3de_simulator_v0 *table, c3de_object *simulat
     info.size = sizeof info;
     if (table->body_info(simulator, body, &info) < 0) continue;
     bodies.spacing_mm = std::min(bodies.spacing_mm, info.spacing_m * scene::kMillimetresPerMetre);
-    for (const Vec3 &x : surfelPositions(simulator, body)) bodies.box.add(scene::kMillimetresPerMetre * x);
+    for (const Vec3 &x : surfacePositions(simulator, body)) bodies.box.add(scene::kMillimetresPerMetre * x);
   }
   return bodies;
 }
 
-bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm,
+bool readDisplacement(const c3de_simulator_v1 *table, c3de_object *simulator, double rim_mm,
                       imaging::DisplacementGrid &grid) {
   if (!servesFills(table) || grid.geometry.voxelCount() == 0) return false;
   grid.xyz_mm.resize(3 * grid.geometry.voxelCount());

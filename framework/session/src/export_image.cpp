@@ -83,7 +83,7 @@ Expected<ImageWarp> imageWarpOf(const scene::SceneFile &scene, BodySources &sour
   return how;
 }
 
-Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator,
+Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v1 *table, c3de_object *simulator,
                                                         const imaging::Volume &image, const ImageWarp &how) {
   imaging::DisplacementGrid u;
   u.geometry = gridOf(presentBodies(table, simulator), image.geometry, how.rim_mm);

@@ -121,23 +121,23 @@ Expected<void> SimulationExport::addFrame(double time_s, const std::vector<BodyS
   geometry::TriangleMesh skin;
   for (const BodyState &body : bodies) {
     const auto first = static_cast<unsigned>(skin.vertices.size());
-    cloud.points.insert(cloud.points.end(), body.phyxels.points.begin(), body.phyxels.points.end());
+    cloud.points.insert(cloud.points.end(), body.inside.points.begin(), body.inside.points.end());
     skin.vertices.insert(skin.vertices.end(), body.skin.vertices.begin(), body.skin.vertices.end());
     for (const Triangle &t : body.skin.triangles) skin.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   cloud.arrays = joined(
-      bodies, [](const BodyState &b) -> const auto & { return b.phyxels.arrays; },
-      [](const BodyState &b) { return b.phyxels.points.size(); });
+      bodies, [](const BodyState &b) -> const auto & { return b.inside.arrays; },
+      [](const BodyState &b) { return b.inside.points.size(); });
   const auto skinArrays = joined(
       bodies, [](const BodyState &b) -> const auto & { return b.skinArrays; },
       [](const BodyState &b) { return b.skin.vertices.size(); });
-  const std::string phyxelFile = numbered("phyxels", frames_, ".vtu"), skinFile = numbered("skin", frames_, ".vtp");
-  if (auto ok = geometry::writeVtu(folder / phyxelFile, cloud, title); !ok) return ok;
+  const std::string pointFile = numbered("points", frames_, ".vtu"), skinFile = numbered("skin", frames_, ".vtp");
+  if (auto ok = geometry::writeVtu(folder / pointFile, cloud, title); !ok) return ok;
   if (auto ok = geometry::writeVtp(folder / skinFile, skin, skinArrays, title); !ok) {
-    fs::remove(folder / phyxelFile, code);
+    fs::remove(folder / pointFile, code);
     return ok;
   }
-  entries_.push_back({time_s, 0, folder.filename() / phyxelFile});
+  entries_.push_back({time_s, 0, folder.filename() / pointFile});
   entries_.push_back({time_s, 1, folder.filename() / skinFile});
   ++frames_;
   isListed_ = false;

@@ -10,6 +10,7 @@
 #include "c3de/scene/text_sink.h"
 #include "c3de/session/interrupt.h"
 #include "c3de/session/progress_line.h"
+#include "c3de/session/simulator_access.h"
 #include "c3de/session/step_limit.h"
 
 namespace c3de::session {
@@ -43,6 +44,8 @@ Expected<void> HeadlessRun::readStatus() {
   facts_.dt_s = status.dt_s;
   finished_ = status.finished != 0;
   stopped_ = status.stopped;
+  facts_.isLoadStepped = (status.flags & C3DE_SIM_LOAD_STEPS) != 0;
+  plannedSteps_ = status.planned_steps;
   return {};
 }
 
@@ -58,7 +61,7 @@ bool HeadlessRun::isDone() const {
 double HeadlessRun::fraction() const {
   const auto steps = static_cast<double>(facts_.steps);
   if (options_.steps) return steps / static_cast<double>(*options_.steps);
-  if (isQuasistatic()) return limits_.loadSteps ? steps / *limits_.loadSteps : 0.0;
+  if (isQuasistatic()) return plannedSteps_ > 0 ? steps / plannedSteps_ : 0.0;
   return facts_.time_s / options_.until_s.value_or(kDefaultDuration_s);
 }
 
@@ -69,7 +72,7 @@ std::string HeadlessRun::position() const {
 
 Expected<void> HeadlessRun::addFrame() {
   const auto states =
-      readBodyStates(simulator_, BodyParts::skinAndPhyxels, [this] { return session_.plugins().takeError(); });
+      readBodyStates(simulator_, BodyParts::skinAndInside, [this] { return session_.plugins().takeError(); });
   if (!states) return tl::unexpected(states.error());
   return export_->addFrame(isQuasistatic() ? static_cast<double>(facts_.steps) : facts_.time_s, *states);
 }
@@ -94,9 +97,7 @@ void HeadlessRun::exportFrame(bool isEnd) {
 
 Expected<void> HeadlessRun::sampleProbes() {
   sampledStep_ = facts_.steps;
-  const auto json = simulatorReport();
-  if (!json) return tl::unexpected(json.error());
-  const auto samples = probesOf(*json);
+  const auto samples = readProbes(table_, simulator_);
   if (!samples) return tl::unexpected(samples.error());
   Expected<void> written;
   if (!probes_) {

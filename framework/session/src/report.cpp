@@ -26,15 +26,6 @@ std::string hexadecimal(std::uint64_t value) {
   return text.data();
 }
 
-Vec3 vec3Of(const Json &probe, const char *key) {
-  const auto found = probe.find(key);
-  Vec3 out{};
-  if (found == probe.end() || !found->is_array() || found->size() != 3) return out;
-  for (std::size_t i = 0; i < 3; ++i)
-    if ((*found)[i].is_number()) out[i] = (*found)[i].get<double>();
-  return out;
-}
-
 /// The part that a simulator says it stands for is of what it was given, which is less than what was asked for.
 void addCoverage(const std::vector<Coverage> &coverage, Json &report) {
   for (const Coverage &one : coverage) {
@@ -77,7 +68,11 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
                                {"first_step_s", facts.firstStep_s},
                                {"to_first_step_s", facts.toFirstStep_s}};
   report["dt_s"] = facts.dt_s;
-  report["integrator"] = simulator->contains("integrator") ? simulator->at("integrator") : Json(facts.integrator);
+  if (!facts.simulator.classId.empty())
+    report["simulator"] = Json{
+        {"class", facts.simulator.classId}, {"plugin", facts.simulator.plugin}, {"version", facts.simulator.version}};
+  report["integrator"] =
+      simulator->contains("integrator") ? simulator->at("integrator") : Json(facts.isLoadStepped ? "quasistatic" : "");
   if (facts.seed) report["seed"] = *facts.seed;
   // What the simulator says stays as it is; what it does not say is empty rather than absent.
   for (const char *key : {"bodies", "probes"})
@@ -102,21 +97,6 @@ Expected<std::vector<std::string>> noticesOf(const std::string &simulatorJson) {
   for (const Json &notice : *notices)
     if (notice.is_string()) lines.push_back(notice.get<std::string>());
   return lines;
-}
-
-Expected<std::vector<ProbeSample>> probesOf(const std::string &simulatorJson) {
-  const auto simulator = parseSimulatorReport(simulatorJson);
-  if (!simulator) return tl::unexpected(simulator.error());
-  std::vector<ProbeSample> samples;
-  const auto probes = simulator->find("probes");
-  if (probes == simulator->end() || !probes->is_array()) return samples;
-  for (const Json &probe : *probes) {
-    if (!probe.is_object()) continue;
-    const auto name = probe.find("name");
-    samples.push_back({name != probe.end() && name->is_string() ? name->get<std::string>() : std::string(),
-                       vec3Of(probe, "position_m"), vec3Of(probe, "velocity_m_s")});
-  }
-  return samples;
 }
 
 }  // namespace c3de::session

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/scene_to_abi.h"
 
-#include <charconv>
+#include <algorithm>
 
 #include "c3de/core/text.h"
 
@@ -38,12 +38,30 @@ c3de_sim_region toAbi(const scene::SceneRegion &region) {
 c3de_sim_motion toAbi(const scene::SceneMotion &motion) {
   c3de_sim_motion out{};
   out.size = sizeof out;
-  out.flags = motion.centre_m ? C3DE_SIM_HAS_CENTRE : 0u;
+  out.flags = (motion.centre_m ? C3DE_SIM_HAS_CENTRE : 0u) | (motion.quaternion ? C3DE_SIM_HAS_QUATERNION : 0u);
+  if (motion.quaternion) std::copy(motion.quaternion->begin(), motion.quaternion->end(), out.quaternion);
   copy(out.displacement_m, motion.displacement_m);
   copy(out.rotation_deg, motion.rotation_deg);
   copy(out.centre_m, motion.centre_m.value_or(Vec3{}));
   out.ramp_s = motion.ramp_s;
   return out;
+}
+
+c3de_sim_placement toAbi(const scene::ScenePlacement &placement) {
+  c3de_sim_placement out{};
+  out.size = sizeof out;
+  copy(out.position_m, placement.position_m);
+  copy(out.rotation_deg, placement.rotation_deg);
+  out.scale = placement.scale;
+  if (placement.matrix) {
+    out.flags = C3DE_SIM_PLACED_BY_MATRIX;
+    std::copy(placement.matrix->begin(), placement.matrix->end(), out.matrix);
+  }
+  return out;
+}
+
+const c3de_sim_region *BodyTables::keep(const scene::SceneRegion &region) {
+  return &regions_.emplace_back(toAbi(region));
 }
 
 BodyTables::BodyTables(const scene::SceneFile &scene, const scene::SceneBody &body,
@@ -56,8 +74,8 @@ BodyTables::BodyTables(const scene::SceneFile &scene, const scene::SceneBody &bo
     out.size = sizeof out;
     out.index = static_cast<std::uint32_t>(i);
     out.name = c3de::toAbi(fix.name);
-    out.region = toAbi(fix.region);
-    out.motion = toAbi(fix.motion);
+    out.region = keep(fix.region);
+    out.motion = &motions_.emplace_back(toAbi(fix.motion));
     fixes_.push_back(out);
   }
   for (std::size_t i = 0; i < scene.loads.size(); ++i) {
@@ -68,7 +86,7 @@ BodyTables::BodyTables(const scene::SceneFile &scene, const scene::SceneBody &bo
     out.flags = (load.pressure_Pa ? C3DE_SIM_LOAD_PRESSURE : 0u) | (load.follower ? 0u : C3DE_SIM_LOAD_DEAD);
     out.index = static_cast<std::uint32_t>(i);
     out.name = c3de::toAbi(load.name);
-    out.region = toAbi(load.region);
+    out.region = keep(load.region);
     copy(out.force_N, load.force_N.value_or(Vec3{}));
     out.pressure_Pa = load.pressure_Pa.value_or(0.0);
     out.ramp_s = load.ramp_s;
@@ -79,7 +97,7 @@ BodyTables::BodyTables(const scene::SceneFile &scene, const scene::SceneBody &bo
     c3de_sim_part out{};
     out.size = sizeof out;
     out.params_stride = sizeof(c3de_param_value);
-    out.region = toAbi(body.parts[i].region);
+    out.region = keep(body.parts[i].region);
     out.params = partValues_[i].data();
     out.params_n = partValues_[i].size();
     parts_.push_back(out);
@@ -87,7 +105,7 @@ BodyTables::BodyTables(const scene::SceneFile &scene, const scene::SceneBody &bo
   for (const scene::SceneRefinement &refinement : body.refinements) {
     c3de_sim_refinement out{};
     out.size = sizeof out;
-    out.region = toAbi(refinement.region);
+    out.region = keep(refinement.region);
     out.spacing_m = refinement.spacing_m;
     refinements_.push_back(out);
   }
@@ -107,23 +125,16 @@ void BodyTables::fill(c3de_sim_body &out) const {
   copy(out.angular_velocity_rad_s, body_.angularVelocity_rad_s);
 }
 
-std::optional<int> sceneLineOf(const scene::SceneFile &scene, const scene::SceneBody &body, std::string_view message) {
-  const auto numberAfter = [&](std::string_view word) -> std::optional<std::size_t> {
-    if (message.substr(0, word.size()) != word) return std::nullopt;
-    const char *begin = message.data() + word.size(), *end = message.data() + message.size();
-    std::size_t number = 0;
-    const auto [rest, code] = std::from_chars(begin, end, number);
-    if (code != std::errc() || rest == end || *rest != ':') return std::nullopt;
-    return number;
+std::optional<int> sceneLineOf(const scene::SceneFile &scene, const scene::SceneBody &body,
+                               const plugin_host::PluginError &error) {
+  const auto lineOf = [&](const auto &tables) -> std::optional<int> {
+    if (error.index >= tables.size()) return std::nullopt;
+    return tables[error.index].line;
   };
-  const auto lineOf = [](const auto &tables, std::size_t number) -> std::optional<int> {
-    if (number >= tables.size()) return std::nullopt;
-    return tables[number].line;
-  };
-  if (const auto number = numberAfter("fix ")) return lineOf(scene.fixes, *number);
-  if (const auto number = numberAfter("load ")) return lineOf(scene.loads, *number);
-  if (const auto number = numberAfter("part ")) return lineOf(body.parts, *number);
-  if (const auto number = numberAfter("refinement ")) return lineOf(body.refinements, *number);
+  if (error.table == "fix") return lineOf(scene.fixes);
+  if (error.table == "load") return lineOf(scene.loads);
+  if (error.table == "part") return lineOf(body.parts);
+  if (error.table == "refinement") return lineOf(body.refinements);
   return std::nullopt;
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "c3de/abi/draft/iface/parameter_ids.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
@@ -27,19 +28,6 @@ std::string listOf(const std::vector<std::filesystem::path> &paths) {
   return text.empty() ? "none" : text;
 }
 
-/// The values of one table of the scene as the simulator wants them.
-Expected<std::vector<ParameterValue>> fitAll(const scene::SceneFile &scene,
-                                             const std::vector<scene::SceneValue> &values,
-                                             const std::vector<ParameterDecl> &decls) {
-  std::vector<ParameterValue> fitted;
-  for (const scene::SceneValue &value : values) {
-    auto one = scene::fitToDeclaration(scene, value, decls);
-    if (!one) return tl::unexpected(one.error());
-    fitted.push_back(std::move(*one));
-  }
-  return fitted;
-}
-
 /// A scene whose every value has been checked.
 struct FittedScene {
   std::vector<ParameterValue> world;
@@ -47,39 +35,13 @@ struct FittedScene {
   std::vector<std::vector<std::vector<ParameterValue>>> parts;  ///< per body and part
 };
 
-/// The first body that a simulator of revision 2 would fill by its skin without a word.
-std::optional<std::pair<int, std::string>> firstOfRevision3(const scene::SceneFile &scene) {
-  for (const scene::SceneBody &body : scene.bodies)
-    if (body.mesh.empty()) return std::pair(body.line, std::string("volume"));
-  return std::nullopt;
-}
-
-/// The first table of the scene that a simulator of revision 1 would ignore without a word.
-std::optional<std::pair<int, std::string>> featureNeedingRevision2(const scene::SceneFile &scene) {
-  for (const scene::SceneFix &fix : scene.fixes) return std::pair(fix.line, std::string("fix"));
-  for (const scene::SceneLoad &load : scene.loads) return std::pair(load.line, std::string("load"));
-  for (const scene::SceneBody &body : scene.bodies) {
-    for (const scene::ScenePart &part : body.parts) return std::pair(part.line, std::string("parts"));
-    for (const scene::SceneRefinement &one : body.refinements)
-      return std::pair(one.line, std::string("sampling.refine"));
-    if (body.velocity_m_s != Vec3{}) return std::pair(body.line, std::string("velocity"));
-    if (body.angularVelocity_rad_s != Vec3{}) return std::pair(body.line, std::string("angular_velocity"));
-  }
-  for (const scene::SceneObstacle &obstacle : scene.obstacles)
-    if (obstacle.motion) return std::pair(obstacle.line, std::string("the motion of an obstacle"));
-  return std::nullopt;
-}
-
 Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &scene) {
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());
-  for (const std::uint32_t needed : {2u, 3u}) {
-    if ((*table)->rev >= needed) continue;
-    if (const auto unserved = needed == 2 ? featureNeedingRevision2(scene) : firstOfRevision3(scene))
-      return fail(ErrorCode::input, scene.where(unserved->first) + ": '" + unserved->second +
-                                        "' is not served by this simulator, whose interface is of revision " +
-                                        std::to_string((*table)->rev) + "; needed: " + std::to_string(needed));
-  }
+  if (!servesFills(*table))
+    for (const scene::SceneBody &body : scene.bodies)
+      if (body.mesh.empty())
+        return fail(ErrorCode::input, scene.where(body.line) + ": 'volume' is not served by this simulator");
   const auto world = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
   if (!world) return tl::unexpected(world.error());
   const auto body = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_BODY);
@@ -88,22 +50,22 @@ Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &s
   if (!obstacle) return tl::unexpected(obstacle.error());
 
   FittedScene fitted;
-  auto values = fitAll(scene, scene.world, *world);
+  auto values = scene::fitToDeclarations(scene, scene.world, *world);
   if (!values) return tl::unexpected(values.error());
   fitted.world = std::move(*values);
   for (const scene::SceneBody &one : scene.bodies) {
-    values = fitAll(scene, one.params, *body);
+    values = scene::fitToDeclarations(scene, one.params, *body);
     if (!values) return tl::unexpected(values.error());
     fitted.bodies.push_back(std::move(*values));
     fitted.parts.emplace_back();
     for (const scene::ScenePart &part : one.parts) {
-      values = fitAll(scene, part.params, *body);
+      values = scene::fitToDeclarations(scene, part.params, *body);
       if (!values) return tl::unexpected(values.error());
       fitted.parts.back().push_back(std::move(*values));
     }
   }
   for (const scene::SceneObstacle &one : scene.obstacles) {
-    values = fitAll(scene, one.params, *obstacle);
+    values = scene::fitToDeclarations(scene, one.params, *obstacle);
     if (!values) return tl::unexpected(values.error());
     fitted.obstacles.push_back(std::move(*values));
   }
@@ -158,18 +120,20 @@ Expected<BodyGeometry> meshOf(const scene::SceneBody &body, const ProgressFn &pr
   return loaded;
 }
 
-Expected<BodyGeometry> loadFromVolume(BodySources &sources, const scene::SceneBody &body, const ProgressFn &progress) {
+/// @param values  of the body, checked
+Expected<BodyGeometry> loadFromVolume(BodySources &sources, const scene::SceneBody &body,
+                                      const std::vector<ParameterValue> &values, const ProgressFn &progress) {
   Preparation took;
   const auto picked = sources.pick(body.volume, progress, took);
   if (!picked) return tl::unexpected(picked.error());
-  // As many phyxels as the scene says, or as fit its spacing.
-  double phyxels = 1000.0;
-  for (const scene::SceneValue &value : body.params) {
-    if (value.value.id == "sampling.count" && value.value.num > 0.0) phyxels = value.value.num;
-    if (value.value.id == "sampling.spacing" && value.value.num > 0.0)
-      phyxels = imaging::volumeOf(picked->mask) / std::pow(value.value.num * scene::kMillimetresPerMetre, 3);
+  // As many points as the scene says, or as fit its spacing.
+  double points = 1000.0;
+  for (const ParameterValue &value : values) {
+    if (value.id == C3DE_PARAM_ID_COUNT && value.num > 0.0) points = value.num;
+    if (value.id == C3DE_PARAM_ID_SPACING && value.num > 0.0)
+      points = imaging::volumeOf(picked->mask) / std::pow(value.num * scene::kMillimetresPerMetre, 3);
   }
-  auto loaded = bodyGeometryOf(picked->mask, body.volume.edgeLength_mm, phyxels, progress);
+  auto loaded = bodyGeometryOf(picked->mask, body.volume.edgeLength_mm, points, progress);
   if (!loaded) return loaded;
   loaded->took += took;
   loaded->colour = picked->colour;
@@ -192,14 +156,14 @@ class MeshLease {
 
 /// What bodies and obstacles have in common; it points into what it is made of.
 template <class Described>
-Described toAbi(const std::string &name, const MeshLease &mesh, const scene::ScenePlacement &placement,
+Described toAbi(const std::string &name, const MeshLease &mesh, const c3de_sim_placement &placement,
                 const std::vector<c3de_param_value> &params) {
   Described abi{};
   abi.size = sizeof abi;
   abi.params_stride = sizeof(c3de_param_value);
   abi.name = c3de::toAbi(name);
   abi.mesh = mesh.abi();
-  place(abi, placement);
+  abi.placement = &placement;
   abi.params = params.data();
   abi.params_n = params.size();
   return abi;
@@ -221,6 +185,7 @@ struct Session::Impl {
   scene::MaterialLibrary materials;
   std::vector<std::filesystem::path> folders;
   std::function<void(const scene::Simulation &)> publishedHook;
+  std::string simulatorClass;                     ///< where a scene does not say one
   std::unique_ptr<plugin_host::PluginHost> host;  ///< after everything that plugins reach
   std::shared_ptr<scene::Simulation> simulation;
   Handle node;
@@ -230,7 +195,7 @@ struct Session::Impl {
   [[nodiscard]] Error lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
                                 const scene::SceneBody *body = nullptr) const;
   void release(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
-  [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
+  [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v1 *table, c3de_object *simulator,
                                                              const scene::SceneFile &scene, const FittedScene &fitted,
                                                              BodySources &sources, const ProgressFn &progress,
                                                              Prepared &prepared);
@@ -239,13 +204,14 @@ struct Session::Impl {
 Error Session::Impl::lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
                                const scene::SceneBody *body) const {
   if (code == C3DE_E_CANCELLED) return {ErrorCode::cancelled, what + " was cancelled"};
-  const std::string text = host->takeError();
-  if (body != nullptr) line = sceneLineOf(scene, *body, text).value_or(line);
-  return {ErrorCode::input,
-          scene.where(line) + ": " + (text.empty() ? what + " failed (status " + std::to_string(code) + ")" : text)};
+  const plugin_host::PluginError error = host->takeErrorAt();
+  if (body != nullptr) line = sceneLineOf(scene, *body, error).value_or(line);
+  return {ErrorCode::input, scene.where(line) + ": " +
+                                (error.text.empty() ? what + " failed (status " + std::to_string(code) + ")"
+                                                    : plugin_host::describe(error))};
 }
 
-Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator_v0 *table, c3de_object *simulator,
+Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator_v1 *table, c3de_object *simulator,
                                                             const scene::SceneFile &scene, const FittedScene &fitted,
                                                             BodySources &sources, const ProgressFn &progress,
                                                             Prepared &prepared) {
@@ -267,8 +233,8 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const ProgressFn reading = [&](double f, const std::string &what) {
       return partProgress.update(0.1 * std::max(f, 0.0), what);
     };
-    Expected<BodyGeometry> source =
-        meshed[i] ? Expected<BodyGeometry>(std::move(*meshed[i])) : loadFromVolume(sources, body, reading);
+    Expected<BodyGeometry> source = meshed[i] ? Expected<BodyGeometry>(std::move(*meshed[i]))
+                                              : loadFromVolume(sources, body, fitted.bodies[i], reading);
     if (!source) return failInScene(source.error(), scene, body.line);
     for (const std::string &notice : sources.takeNotices())
       log(LogLevel::warn, body.volume.file.string() + ": " + notice);
@@ -281,8 +247,10 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const TimeSpent building(prepared.took.bodies_s);
     const MeshLease lease(meshes, std::move(source->skin));
     const std::vector<c3de_param_value> params = toAbi(fitted.bodies[i]);
-    const c3de_sim_fill fill = toAbi(source->fill);
-    auto abi = toAbi<c3de_sim_body>(body.name, lease, body.placement, params);
+    const c3de_sim_grid grid = toAbi(source->fill.geometry);
+    const c3de_sim_fill fill{sizeof(c3de_sim_fill), 0, &grid, source->fill.values.data()};
+    const c3de_sim_placement placement = toAbi(body.placement);
+    auto abi = toAbi<c3de_sim_body>(body.name, lease, placement, params);
     if (body.mesh.empty()) abi.fill = &fill;
     const render::Colour colour = render::shownColour(source->colour.value_or(std::array<float, 3>{}));
     if (source->colour) abi.colour = colour.data();
@@ -386,19 +354,48 @@ void Session::setPublishedHook(std::function<void(const scene::Simulation &)> ho
   impl_->publishedHook = std::move(hook);
 }
 
-Expected<c3de_object *> Session::createSimulator() {
+Expected<SimulatorIdentity> Session::chooseSimulator(const std::string &classId) const {
   const std::vector<std::string> ids = impl_->host->classesWith(C3DE_IFACE_SIMULATOR_ID);
   if (ids.empty())
     return fail(ErrorCode::plugin, std::string("no loaded plugin offers a class that answers ") +
                                        C3DE_IFACE_SIMULATOR_ID + "; folders searched: " + listOf(impl_->folders) +
                                        "; `c3de plugins` says what was found and why it was refused");
-  if (ids.size() > 1) {
-    // The first by its id: nobody is to take a scene over without being seen.
-    std::string text = "several classes simulate; " + ids.front() + " is used, not";
-    for (std::size_t i = 1; i < ids.size(); ++i) text += (i > 1 ? ", " : " ") + ids[i];
-    log(LogLevel::warn, text + ". --no-plugins with --plugin loads one alone");
-  }
-  return impl_->host->createObject(ids.front());
+  std::string list;
+  for (const std::string &id : ids) list += (list.empty() ? "" : ", ") + id;
+  const std::string wanted = !classId.empty() ? classId : impl_->simulatorClass;
+  if (wanted.empty() && ids.size() > 1)
+    return fail(ErrorCode::plugin, "several classes simulate: " + list +
+                                       "; choose one with [simulator] class = \"…\" in the scene, --set "
+                                       "simulator.class=…, or in the window under Simulation");
+  const std::string &chosen = wanted.empty() ? ids.front() : wanted;
+  if (std::find(ids.begin(), ids.end(), chosen) == ids.end())
+    return fail(ErrorCode::plugin, "no loaded plugin offers the simulator class '" + chosen + "'; there are: " + list);
+  SimulatorIdentity identity{chosen, {}, {}, {}};
+  for (const plugin_host::ClassInfo &info : impl_->host->classes())
+    if (info.id == chosen) {
+      identity.label = info.label;
+      identity.plugin = info.plugin;
+    }
+  for (const plugin_host::PluginInfo &plugin : impl_->host->plugins())
+    if (plugin.id == identity.plugin && plugin.state == plugin_host::PluginState::loaded)
+      identity.version = plugin.version;
+  return identity;
+}
+
+std::vector<SimulatorIdentity> Session::simulators() const {
+  std::vector<SimulatorIdentity> all;
+  for (const std::string &id : impl_->host->classesWith(C3DE_IFACE_SIMULATOR_ID))
+    if (auto one = chooseSimulator(id)) all.push_back(std::move(*one));
+  return all;
+}
+
+void Session::setSimulatorClass(const std::string &classId) { impl_->simulatorClass = classId; }
+const std::string &Session::simulatorClass() const { return impl_->simulatorClass; }
+
+Expected<c3de_object *> Session::createSimulator(const std::string &classId) {
+  const auto chosen = chooseSimulator(classId);
+  if (!chosen) return tl::unexpected(chosen.error());
+  return impl_->host->createObject(chosen->classId);
 }
 
 Expected<void> Session::checkValues(c3de_object *simulator, const scene::SceneFile &scene) {
@@ -411,7 +408,7 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
                                  Prepared *prepared, BodySources *sources) {
   const auto tableOrError = simulatorTable(simulator);
   if (!tableOrError) return tl::unexpected(tableOrError.error());
-  const c3de_simulator_v0 *table = *tableOrError;
+  const c3de_simulator_v1 *table = *tableOrError;
   const auto fitted = fitScene(simulator, scene);
   if (!fitted) return tl::unexpected(fitted.error());
 
@@ -430,7 +427,8 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
     if (!mesh) return fail(mesh.error().code, scene.where(obstacle.line) + ": " + mesh.error().message);
     const MeshLease lease(impl_->meshes, std::move(*mesh));
     const std::vector<c3de_param_value> params = toAbi(fitted->obstacles[i]);
-    auto abi = toAbi<c3de_sim_obstacle>(obstacle.name, lease, obstacle.placement, params);
+    const c3de_sim_placement placement = toAbi(obstacle.placement);
+    auto abi = toAbi<c3de_sim_obstacle>(obstacle.name, lease, placement, params);
     c3de_sim_motion motion{};
     if (obstacle.motion) {
       motion = toAbi(*obstacle.motion);
@@ -456,7 +454,9 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
     const auto body = std::find_if(scene.bodies.begin(), scene.bodies.end(),
                                    [&](const scene::SceneBody &candidate) { return candidate.name == probe.body; });
     const c3de_handle handle = (*bodies)[static_cast<std::size_t>(body - scene.bodies.begin())];
-    if (const c3de_status code = table->add_probe(simulator, c3de::toAbi(probe.name), handle, probe.at_m.data());
+    c3de_handle added{};
+    if (const c3de_status code =
+            table->add_probe(simulator, c3de::toAbi(probe.name), handle, probe.at_m.data(), &added);
         code < 0)
       return tl::unexpected(impl_->lastError(code, scene, probe.line, "adding probe '" + probe.name + "'"));
   }

@@ -3,25 +3,9 @@
 
 #include <cstddef>
 
-#include "c3de/abi/draft/iface/point_sets.h"
 #include "c3de/core/text.h"
 
 namespace c3de::session {
-
-Expected<const c3de_simulator_v0 *> simulatorTable(c3de_object *simulator) {
-  const void *table = nullptr;
-  const c3de_status code = simulator->vt->query(simulator, toAbi(C3DE_IFACE_SIMULATOR_ID), 0, &table);
-  if (code < 0 || table == nullptr)
-    return fail(ErrorCode::plugin, std::string("the object does not answer ") + C3DE_IFACE_SIMULATOR_ID + " (status " +
-                                       std::to_string(code) + ")");
-  const auto *typed = static_cast<const c3de_simulator_v0 *>(table);
-  // What came with revision 3 may be missing.
-  constexpr std::uint32_t kNeeded = offsetof(c3de_simulator_v0, displacement);
-  if (typed->size < kNeeded)
-    return fail(ErrorCode::plugin, std::string("the table of ") + C3DE_IFACE_SIMULATOR_ID + " has " +
-                                       std::to_string(typed->size) + " bytes; needed: " + std::to_string(kNeeded));
-  return typed;
-}
 
 Expected<std::vector<ParameterDecl>> simulatorDeclarations(c3de_object *simulator, std::uint32_t scope) {
   const auto table = simulatorTable(simulator);
@@ -35,26 +19,38 @@ Expected<std::vector<ParameterDecl>> simulatorDeclarations(c3de_object *simulato
   return readDeclarations(decls, n, stride);
 }
 
-bool servesFills(const c3de_simulator_v0 *table) {
-  return table->rev >= 3 && table->size >= offsetof(c3de_simulator_v0, interrupt) && table->displacement != nullptr;
-}
+bool servesFills(const c3de_simulator_v1 *table) { return table->displacement != nullptr; }
 
-bool endsSteps(const c3de_simulator_v0 *table) {
-  return table->rev >= 4 && table->size >= offsetof(c3de_simulator_v0, activity) && table->interrupt != nullptr;
-}
+bool endsSteps(const c3de_simulator_v1 *table) { return table->interrupt != nullptr; }
 
-std::vector<Vec3> surfelPositions(c3de_object *simulator, c3de_handle body) {
+std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body) {
   const auto table = simulatorTable(simulator);
-  c3de_object *found = nullptr;
-  if (!table || (*table)->surfels(simulator, body, &found) < 0 || found == nullptr) return {};
-  const ObjectRef set(found);
-  const void *answered = nullptr;
-  if (found->vt->query(found, toAbi(C3DE_IFACE_SURFEL_SET_ID), 0, &answered) < 0 || answered == nullptr) return {};
-  const auto *surfels = static_cast<const c3de_surfel_set_v0 *>(answered);
-  std::vector<Vec3> positions(surfels->count(found));
+  c3de_sim_body_info info{};
+  info.size = sizeof info;
+  if (!table || (*table)->body_info(simulator, body, &info) < 0) return {};
+  std::vector<Vec3> positions(info.surface_points);
   const c3de_mview view{positions.data(), positions.size(), 3, C3DE_F64, sizeof(Vec3)};
-  if (surfels->read(found, C3DE_FIELD_POSITION, view) < 0) positions.clear();
+  if ((*table)->read_field(simulator, body, C3DE_SIM_ON_SURFACE, toAbi(C3DE_SIM_FIELD_POSITION), view) < 0) return {};
   return positions;
+}
+
+Expected<std::vector<ProbeSample>> readProbes(const c3de_simulator_v1 *table, c3de_object *simulator) {
+  std::vector<ProbeSample> samples;
+  const c3de_status code =
+      table->enum_probes(simulator, &samples, [](void *visitor, const c3de_sim_probe *probe) -> c3de_status {
+        // Nothing may be thrown through the boundary.
+        try {
+          const auto vec = [](const double(&v)[3]) { return Vec3{v[0], v[1], v[2]}; };
+          static_cast<std::vector<ProbeSample> *>(visitor)->push_back(
+              {std::string(fromAbi(probe->name)), vec(probe->position_m), vec(probe->velocity_m_s)});
+          return C3DE_OK;
+        } catch (...) {
+          return C3DE_E_NOMEM;
+        }
+      });
+  if (code < 0)
+    return fail(ErrorCode::plugin, "the simulator does not say its probes (status " + std::to_string(code) + ")");
+  return samples;
 }
 
 }  // namespace c3de::session

@@ -11,7 +11,7 @@ constexpr std::chrono::milliseconds kLookEvery{50};  // a signal wakes nobody
 
 }  // namespace
 
-StepLimit::StepLimit(c3de_object *simulator, const c3de_simulator_v0 *table,
+StepLimit::StepLimit(c3de_object *simulator, const c3de_simulator_v1 *table,
                      std::optional<std::chrono::steady_clock::time_point> deadline)
     : simulator_(simulator), table_(table), deadline_(deadline) {
   if (endsSteps(table)) thread_ = std::thread([this] { watch(); });

@@ -85,7 +85,7 @@ TEST_CASE("an object answers its interfaces, by revision, through the boundary")
   CHECK(table->set(theirs.get(), 1.5) == C3DE_OK);
   CHECK(table->ticks(theirs.get()) == 1500);
   CHECK(theirs.query<test_clock_v0>(3) == nullptr);
-  CHECK(theirs.query<c3de_simulator_v0>() == nullptr);
+  CHECK(theirs.query<c3de_simulator_v1>() == nullptr);
   CHECK(clock.abi()->vt->query(clock.abi(), str("x"), 1, nullptr) == C3DE_E_ARG);
 }
 

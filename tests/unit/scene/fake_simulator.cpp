@@ -22,16 +22,54 @@ c3de_object_vt FakeSimulator::makeVt() {
     if (!fake.answersInterface || c3de::fromAbi(id) != std::string_view(C3DE_IFACE_SIMULATOR_ID))
       return C3DE_E_NOT_FOUND;
     fake.table_.size = fake.tableSize;
-    fake.table_.rev = fake.revision;
+    if (!fake.endsSteps) fake.table_.interrupt = nullptr;
+    if (!fake.takesForces) fake.table_.points = nullptr;
     *table = &fake.table_;
     return C3DE_OK;
   };
   return vt;
 }
 
-c3de_simulator_v0 FakeSimulator::makeTable() {
-  c3de_simulator_v0 table{};
+c3de_simulator_v1 FakeSimulator::makeTable() {
+  c3de_simulator_v1 table{};
   table.size = sizeof table;
+  table.rev = 1;
+  table.attach = [](c3de_object *, c3de_handle) -> c3de_status { return C3DE_OK; };
+  table.declarations = [](c3de_object *, std::uint32_t, const c3de_param_decl **, std::uint64_t *n,
+                          std::uint64_t *) -> c3de_status {
+    *n = 0;
+    return C3DE_OK;
+  };
+  table.set_world = [](c3de_object *, const c3de_param_value *, std::uint64_t, std::uint64_t) -> c3de_status {
+    return C3DE_OK;
+  };
+  table.add_body = [](c3de_object *, const c3de_sim_body *, c3de_handle *) -> c3de_status { return C3DE_E_STATE; };
+  table.add_obstacle = [](c3de_object *, const c3de_sim_obstacle *, c3de_handle *) -> c3de_status {
+    return C3DE_E_STATE;
+  };
+  table.add_probe = [](c3de_object *, c3de_str, c3de_handle, const double *, c3de_handle *) -> c3de_status {
+    return C3DE_E_STATE;
+  };
+  table.set_body_param = [](c3de_object *, c3de_handle, const c3de_param_value *) -> c3de_status { return C3DE_OK; };
+  table.get_body_param = [](c3de_object *, c3de_handle, c3de_str, c3de_param_value *) -> c3de_status {
+    return C3DE_E_NOT_FOUND;
+  };
+  table.remove = [](c3de_object *, c3de_handle) -> c3de_status { return C3DE_E_NOT_FOUND; };
+  table.clear = [](c3de_object *) -> c3de_status { return C3DE_OK; };
+  table.state_hash = [](c3de_object *, std::uint64_t *out) -> c3de_status {
+    *out = 1;
+    return C3DE_OK;
+  };
+  table.report = [](c3de_object *, c3de_sink) -> c3de_status { return C3DE_OK; };
+  table.body_info = [](c3de_object *, c3de_handle, c3de_sim_body_info *) -> c3de_status { return C3DE_OK; };
+  table.enum_fields = [](c3de_object *, c3de_handle, void *,
+                         c3de_status(C3DE_CALL *)(void *, const c3de_sim_field *)) -> c3de_status { return C3DE_OK; };
+  table.read_field = [](c3de_object *, c3de_handle, std::uint32_t, c3de_str, c3de_mview) -> c3de_status {
+    return C3DE_E_NOT_FOUND;
+  };
+  table.triangles = [](c3de_object *, c3de_handle, c3de_view *) -> c3de_status { return C3DE_E_NOT_FOUND; };
+  table.enum_probes = [](c3de_object *, void *,
+                         c3de_status(C3DE_CALL *)(void *, const c3de_sim_probe *)) -> c3de_status { return C3DE_OK; };
   table.step = [](c3de_object *self) -> c3de_status {
     FakeSimulator &fake = of(self);
     const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(fake.stepCost_us);

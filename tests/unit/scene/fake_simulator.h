@@ -28,13 +28,13 @@ class FakeSimulator {
   std::atomic<bool> standsStill{false};  ///< a step changes nothing
   std::atomic<std::uint64_t> steps{0}, resets{0}, publishes{0}, totalSteps{0};
   std::atomic<std::uint64_t> publishedStep{0};  ///< the state that the last snapshot shows
-  std::atomic<std::uint32_t> tableSize{sizeof(c3de_simulator_v0)};
+  std::atomic<std::uint32_t> tableSize{sizeof(c3de_simulator_v1)};
   std::atomic<bool> answersInterface{true};
-  std::atomic<std::uint32_t> revision{4};    ///< 3: a step cannot be ended
-  std::atomic<std::uint64_t> endedSteps{0};  ///< half way
+  std::atomic<bool> endsSteps{true}, takesForces{true};  ///< those slots are not null
+  std::atomic<std::uint64_t> endedSteps{0};              ///< half way
   std::atomic<bool> interrupted{false};
 
-  /// From revision 5: the forces on the points of its bodies, as they were when the last step began.
+  /// The forces on the points of its bodies, as they were when the last step began.
   static constexpr std::size_t kPoints = 4;
   std::vector<std::vector<double>> forces{std::vector<double>(3 * kPoints)};  ///< of each body
   std::vector<std::vector<double>> acted;
@@ -46,10 +46,10 @@ class FakeSimulator {
   };
   static FakeSimulator &of(c3de_object *object) { return *reinterpret_cast<Shared *>(object)->owner; }
   static c3de_object_vt makeVt();
-  static c3de_simulator_v0 makeTable();
+  static c3de_simulator_v1 makeTable();
 
   c3de_object_vt vt_ = makeVt();
-  c3de_simulator_v0 table_ = makeTable();
+  c3de_simulator_v1 table_ = makeTable();
   Shared shared_{};
   std::atomic<int> references_{1};
 };

@@ -17,11 +17,10 @@ namespace {
 
 struct Fixture {
   Fixture() {
-    fake.revision = 5;
     fake.forces.assign(2, std::vector<double>(3 * FakeSimulator::kPoints));
     fake.object()->vt->query(fake.object(), {C3DE_IFACE_SIMULATOR_ID, sizeof C3DE_IFACE_SIMULATOR_ID - 1}, 1, &found);
   }
-  [[nodiscard]] const c3de_simulator_v0 *table() const { return static_cast<const c3de_simulator_v0 *>(found); }
+  [[nodiscard]] const c3de_simulator_v1 *table() const { return static_cast<const c3de_simulator_v1 *>(found); }
   [[nodiscard]] Expected<void> apply(Handle node = {}) { return fields.apply(node, fake.object(), table()); }
   Handle addPush(double force, Handle node = {}, const std::string &owner = "org.test") {
     return fields.add({"push",
@@ -122,14 +121,14 @@ TEST_CASE("A force that is not finite is found, with its point") {
 
 TEST_CASE("A simulator that takes no forces is said, once") {
   Fixture f;
-  f.fake.revision = 4;
+  f.fake.takesForces = false;
   f.fake.object()->vt->query(f.fake.object(), {C3DE_IFACE_SIMULATOR_ID, sizeof C3DE_IFACE_SIMULATOR_ID - 1}, 1,
                              &f.found);
   f.addPush(1.0);
   const Handle elsewhere = f.addPush(1.0, Handle{7, 1});
   const auto failed = f.apply();
   REQUIRE_FALSE(failed);
-  CHECK_THAT(failed.error().message, Contains("revision 4, needed: 5"));
+  CHECK_THAT(failed.error().message, Contains("takes no forces from outside (points() of"));
   CHECK(f.apply());
   CHECK(f.fields.remove(elsewhere, "org.test") == ForceFields::Removal::done);
 }

@@ -130,13 +130,6 @@ TEST_CASE("Nested values of a material are overridden by their path") {
   CHECK(findValue(scene.bodies[0].params, "material.prony2.share") == nullptr);
 }
 
-TEST_CASE("Overriding one of two ways to say the same thing takes the other away") {
-  scene::SceneFile scene = liverScene();
-  REQUIRE(scene::applyOverride(scene, "body.liver.sampling.count=2000", nullptr).has_value());
-  CHECK(findValue(scene.bodies[0].params, "sampling.count")->value.num == 2000.0);
-  CHECK(findValue(scene.bodies[0].params, "sampling.spacing") == nullptr);
-}
-
 TEST_CASE("An override of what a body is made from counts, or is refused") {
   const auto made = parse("format = 1\n[[body]]\nname = \"liver\"\nvolume = \".\"\nlabel = 5\n");
   REQUIRE(made.has_value());
@@ -205,7 +198,7 @@ TEST_CASE("A value that the simulator does not know is a usage error when it cam
   REQUIRE(scene::applyOverride(scene, "solver.dumping=1", nullptr).has_value());
   ParameterDecl damping;
   damping.id = "solver.damping";
-  const auto fitted = scene::fitToDeclaration(scene, scene.world.front(), {damping});
+  const auto fitted = scene::fitToDeclarations(scene, {scene.world.front()}, {damping});
   REQUIRE_FALSE(fitted.has_value());
   CHECK(fitted.error().code == ErrorCode::usage);
   CHECK_THAT(fitted.error().message, Contains("--set solver.dumping: ") && Contains("solver.damping"));

@@ -139,11 +139,11 @@ sampling = { count = 1000.5 }
   count.max = 1e6;
   const std::vector<ParameterDecl> decls{density, law, modulus, count};
   const auto fit = [&](const char *id) {
-    return scene::fitToDeclaration(*scene, *findValue(scene->bodies[0].params, id), decls);
+    return scene::fitToDeclarations(*scene, {*findValue(scene->bodies[0].params, id)}, decls);
   };
 
-  CHECK(fit("material.density").value().type == C3DE_PARAM_F64);
-  CHECK(fit("material.law").value().type == C3DE_PARAM_CHOICE);
+  CHECK(fit("material.density").value().front().type == C3DE_PARAM_F64);
+  CHECK(fit("material.law").value().front().type == C3DE_PARAM_CHOICE);
   const auto negative = fit("material.youngs_modulus");
   REQUIRE_FALSE(negative.has_value());
   CHECK(negative.error().code == ErrorCode::input);
@@ -157,16 +157,113 @@ sampling = { count = 1000.5 }
   CHECK_THAT(fraction.error().message, Contains("test.toml:6: "));
 }
 
-TEST_CASE("A key that the format knows and the simulator does not is refused as not served yet") {
+TEST_CASE("A key that the simulator does not declare is refused with its line and the nearest") {
   const auto scene = parse(kMinimal + "material = { plastic = { yield = 0.1 } }\n");
   REQUIRE(scene.has_value());
   ParameterDecl density;
   density.id = "material.density";
-  const auto fitted = scene::fitToDeclaration(*scene, scene->bodies[0].params[0], {density});
+  const auto fitted = scene::fitToDeclarations(*scene, scene->bodies[0].params, {density});
   REQUIRE_FALSE(fitted.has_value());
-  CHECK_THAT(fitted.error().message, Contains("test.toml:5: ") &&
-                                         Contains("'material.plastic.yield' is not served yet") &&
+  CHECK_THAT(fitted.error().message, Contains("test.toml:5: ") && Contains("unknown key 'material.plastic.yield'") &&
                                          Contains("material.density"));
+}
+
+TEST_CASE("Of two ways to say the same thing a scene says one, and an override counts") {
+  ParameterDecl spacing, count;
+  spacing.id = "sampling.spacing";
+  count.id = "sampling.count";
+  spacing.max = count.max = 1e6;
+  count.alternativeTo = spacing.id;
+  const std::vector<ParameterDecl> decls{spacing, count};
+  auto scene = parse(kMinimal + "sampling = { spacing = 0.1, count = 3 }\n");
+  REQUIRE(scene.has_value());
+  const auto both = scene::fitToDeclarations(*scene, scene->bodies[0].params, decls);
+  REQUIRE_FALSE(both.has_value());
+  CHECK_THAT(both.error().message, Contains("test.toml:5: ") && Contains("'sampling.count'") &&
+                                       Contains("'sampling.spacing'") && Contains("one of them"));
+  for (const bool isCount : {true, false}) {
+    scene = parse(kMinimal + (isCount ? "sampling = { spacing = 0.1 }\n" : "sampling = { count = 3 }\n"));
+    REQUIRE(scene.has_value());
+    const std::string name = scene->bodies[0].name;
+    REQUIRE(scene::applyOverride(*scene, "body." + name + (isCount ? ".sampling.count=7" : ".sampling.spacing=7"),
+                                 nullptr));
+    const auto fitted = scene::fitToDeclarations(*scene, scene->bodies[0].params, decls);
+    REQUIRE(fitted.has_value());
+    REQUIRE(fitted->size() == 1);
+    CHECK(fitted->front().id == (isCount ? count.id : spacing.id));
+    CHECK(fitted->front().num == 7.0);
+  }
+}
+
+TEST_CASE("What is declared to be said together is not said in part, and an entry too many is unknown") {
+  std::vector<ParameterDecl> decls(4);
+  const char *const ids[] = {"material.prony1.share", "material.prony1.time", "material.prony2.share",
+                             "material.prony2.time"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    decls[i].id = ids[i];
+    decls[i].max = 10.0;
+    decls[i].flags = C3DE_PARAM_TOGETHER;
+  }
+  const auto fit = [&](const std::string &terms) {
+    const auto scene = parse(kMinimal + "material = { prony = [ " + terms + " ] }\n");
+    REQUIRE(scene.has_value());
+    return scene::fitToDeclarations(*scene, scene->bodies[0].params, decls);
+  };
+  CHECK(fit("{ share = 0.1, time = 2 }").value().size() == 2);
+  const auto part = fit("{ share = 0.1, time = 2 }, { share = 0.1 }");
+  REQUIRE_FALSE(part.has_value());
+  CHECK_THAT(part.error().message,
+             Contains("test.toml:5: ") && Contains("'material.prony2.share' without 'material.prony2.time'"));
+  const auto third = fit("{ share = 0.1, time = 2 }, { share = 0.1, time = 3 }, { share = 0.1, time = 4 }");
+  REQUIRE_FALSE(third.has_value());
+  CHECK_THAT(third.error().message, Contains("unknown key 'material.prony3.share'") && Contains("material.prony"));
+}
+
+TEST_CASE("A scene names the class that simulates") {
+  auto scene =
+      parse("format = 1\n[simulator]\nclass = \"org.example.Sim/1\"\n" + kMinimal.substr(kMinimal.find('\n') + 1));
+  REQUIRE(scene.has_value());
+  CHECK(scene->simulatorClass == "org.example.Sim/1");
+  CHECK(scene->simulatorLine == 3);
+  REQUIRE(scene::applyOverride(*scene, "simulator.class=org.example.Other/1", nullptr));
+  CHECK(scene->simulatorClass == "org.example.Other/1");
+  CHECK(scene->simulatorLine == 0);
+  for (const char *bad : {"[simulator]\nclass = \"\"\n", "[simulator]\nclass = 3\n", "[simulator]\nclas = \"x\"\n"}) {
+    const auto refused = parse(std::string("format = 1\n") + bad + kMinimal.substr(kMinimal.find('\n') + 1));
+    REQUIRE_FALSE(refused.has_value());
+    CHECK_THAT(refused.error().message, Contains("test.toml:3: "));
+  }
+}
+
+TEST_CASE("A matrix places a mesh and a quaternion turns a support, and what is neither is refused") {
+  const auto scene = parse(kMinimal +
+                           "matrix = [[0,-1,0,1],[1,0,0,2],[0,0,1,3],[0,0,0,1]]\n[[fix]]\nregion = { everywhere = "
+                           "true }\nquaternion = [0, 0, 0.6, 0.8]\n");
+  REQUIRE(scene.has_value());
+  const auto &matrix = scene->bodies[0].placement.matrix;
+  REQUIRE(matrix.has_value());
+  CHECK((*matrix)[1] == 1.0);
+  CHECK((*matrix)[4] == -1.0);
+  CHECK((*matrix)[13] == 2.0);
+  REQUIRE(scene->fixes[0].motion.quaternion.has_value());
+  CHECK((*scene->fixes[0].motion.quaternion)[3] == 0.8);
+  struct Bad {
+    const char *text, *contains;
+  };
+  for (const Bad &bad :
+       {Bad{"matrix = [[1,0,0,1],[1,0,0,2],[0,0,1,3]]\n", "four rows"},
+        Bad{"matrix = [[1,0,0,nan],[0,1,0,2],[0,0,1,3],[0,0,0,1]]\n", "finite"},
+        Bad{"matrix = [[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]]\nscale = 2\n", "'matrix' and 'scale'"},
+        Bad{"[[fix]]\nregion = { everywhere = true }\nquaternion = [0, 0, 1, 1]\n", "length 1"},
+        Bad{"[[fix]]\nregion = { everywhere = true }\nquaternion = [0, 0, 1]\n", "[x, y, z, w]"},
+        Bad{"[[fix]]\nregion = { everywhere = true }\nquaternion = [0, 0, 0, 1]\nrotation_deg = [1, 0, "
+            "0]\n",
+            "one of them"}}) {
+    const auto refused = parse(kMinimal + bad.text);
+    INFO(bad.text);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK_THAT(refused.error().message, Contains("test.toml:") && Contains(bad.contains));
+  }
 }
 
 TEST_CASE("What is to be seen stands in a scene like what is to be solved") {

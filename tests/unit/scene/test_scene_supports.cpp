@@ -186,7 +186,7 @@ TEST_CASE("Keys of the solver are handed on as they are") {
   // Whether they are served is for the simulator to say.
   ParameterDecl damping;
   damping.id = "solver.damping";
-  const auto fitted = scene::fitToDeclaration(*scene, *findValue(scene->world, "solver.load_steps"), {damping});
+  const auto fitted = scene::fitToDeclarations(*scene, {*findValue(scene->world, "solver.load_steps")}, {damping});
   REQUIRE_FALSE(fitted.has_value());
-  CHECK_THAT(fitted.error().message, Contains("test.toml:9: ") && Contains("'solver.load_steps' is not served"));
+  CHECK_THAT(fitted.error().message, Contains("test.toml:9: ") && Contains("unknown key 'solver.load_steps'"));
 }

@@ -197,7 +197,7 @@ TEST_CASE("The geometry of a body has the volume of its mask, as skin and as fil
         ErrorCode::cancelled);
 }
 
-TEST_CASE("Voxels are averaged to a sixteenth of the distance of phyxels, never finer than they are") {
+TEST_CASE("Voxels are averaged to a sixteenth of the distance of points, never finer than they are") {
   imaging::Mask cube;
   cube.geometry = {{44, 44, 44}, {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1}};
   cube.voxels.assign(44 * 44 * 44, 0);
@@ -212,19 +212,16 @@ TEST_CASE("Voxels are averaged to a sixteenth of the distance of phyxels, never 
   CHECK(fine->fill.geometry.spacing() == Vec3{2, 2, 2});
 }
 
-TEST_CASE("Grids and fills go to a simulator in metres") {
-  imaging::Fill fill;
-  fill.geometry = {{2, 3, 4}, {1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 10, 20, 30, 1}};
-  fill.values.assign(24, 0.5f);
-  const c3de_sim_fill out = toAbi(fill);
+TEST_CASE("Grids go to a simulator in metres") {
+  const imaging::VolumeGeometry geometry{{2, 3, 4}, {1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0, 10, 20, 30, 1}};
+  const c3de_sim_grid out = toAbi(geometry);
   CHECK(out.size == sizeof out);
-  CHECK(out.values == fill.values.data());
-  CHECK(out.grid.points[0] == 2);
-  CHECK(out.grid.points[2] == 4);
-  CHECK_THAT(out.grid.step_i_m[2], WithinAbs(0.003, 1e-15));
-  CHECK_THAT(out.grid.step_j_m[0], WithinAbs(0.004, 1e-15));
-  CHECK_THAT(out.grid.step_k_m[1], WithinAbs(0.008, 1e-15));
-  CHECK_THAT(out.grid.origin_m[2], WithinAbs(0.03, 1e-15));
+  CHECK(out.points[0] == 2);
+  CHECK(out.points[2] == 4);
+  CHECK_THAT(out.step_i_m[2], WithinAbs(0.003, 1e-15));
+  CHECK_THAT(out.step_j_m[0], WithinAbs(0.004, 1e-15));
+  CHECK_THAT(out.step_k_m[1], WithinAbs(0.008, 1e-15));
+  CHECK_THAT(out.origin_m[2], WithinAbs(0.03, 1e-15));
 }
 
 TEST_CASE("What is wrong with a file that a scene names is told with the line, and is input") {

@@ -19,32 +19,31 @@ const geometry::PointArray *named(const std::vector<geometry::PointArray> &array
   return found == arrays.end() ? nullptr : &*found;
 }
 
-/// A cube that has moved by (1, 0, 0) m, with two phyxels: one pulled along x by 300 Pa, one inverted.
-StandInBody bodyWithPhyxels() {
+/// A cube that has moved by (1, 0, 0) m, with two points.
+StandInBody bodyWithPoints() {
   StandInBody body = cubeBody(0.1, {0, 0, 0}, {1, 0, 0});
   body.name = "liver";
-  body.phyxels = 2;
-  body.points = {{C3DE_FIELD_REFERENCE_POSITION, {0, 0, 0, 0.1, 0, 0}},
-                 {C3DE_FIELD_POSITION, {0, 0.002, 0, 0.1, 0, 0.003}},
-                 {C3DE_FIELD_VELOCITY, {1, 2, 3, 4, 5, 6}},
-                 {C3DE_FIELD_MASS, {0.5, 0.25}},
-                 {C3DE_FIELD_GRADIENT, {1, 0, 0, 0.5, 1, 0, 0, 0, 1, -1, 0, 0, 0, 1, 0, 0, 0, 1}},
-                 {C3DE_FIELD_STRESS, {0, 0, 0, 0, 0, 0, 0, 0, 300, 300, 0, 0, 0, 0, 0, 0, 0, 0}}};
+  body.points = 2;
+  body.inside = {{"reference_position", "m", {0, 0, 0, 0.1, 0, 0}},
+                 {"position", "m", {0, 0.002, 0, 0.1, 0, 0.003}},
+                 {"velocity", "m/s", {1, 2, 3, 4, 5, 6}},
+                 {"mass", "kg", {0.5, 0.25}},
+                 {"deformation_gradient", "1", {1, 0, 0, 0.5, 1, 0, 0, 0, 1, -1, 0, 0, 0, 1, 0, 0, 0, 1}}};
   return body;
 }
 
-Expected<std::vector<BodyState>> read(StandInSimulator &simulator, BodyParts parts = BodyParts::skinAndPhyxels,
+Expected<std::vector<BodyState>> read(StandInSimulator &simulator, BodyParts parts = BodyParts::skinAndInside,
                                       const std::string &text = {}) {
   return readBodyStates(simulator.object(), parts, [text] { return text; });
 }
 
 }  // namespace
 
-TEST_CASE("Skins and phyxels are told in millimetres, with their displacement and the units in the names") {
+TEST_CASE("Skins and points are told in millimetres, with their displacement and the units in the names") {
   StandInSimulator simulator;
-  simulator.bodies = {bodyWithPhyxels(), cubeBody(0.2, {0, 0, 0}, {0, 0, 0})};
-  simulator.bodies[1].points = simulator.bodies[0].points;
-  simulator.bodies[1].phyxels = 2;
+  simulator.bodies = {bodyWithPoints(), cubeBody(0.2, {0, 0, 0}, {0, 0, 0})};
+  simulator.bodies[1].inside = simulator.bodies[0].inside;
+  simulator.bodies[1].points = 2;
   const auto states = read(simulator);
   REQUIRE(states);
   REQUIRE(states->size() == 2);
@@ -57,87 +56,63 @@ TEST_CASE("Skins and phyxels are told in millimetres, with their displacement an
   REQUIRE(liver.skinArrays.size() == 1);
   CHECK(liver.skinArrays[0].name == "displacement [mm]");
   CHECK_THAT(liver.skinArrays[0].values[0], WithinAbs(1000.0, 1e-9));
-  REQUIRE(liver.phyxels.points.size() == 2);
-  CHECK(norm(liver.phyxels.points[1] - Vec3{100, 0, 3}) < 1e-9);
-  const auto *moved = named(liver.phyxels.arrays, "displacement [mm]");
+  REQUIRE(liver.inside.points.size() == 2);
+  CHECK(norm(liver.inside.points[1] - Vec3{100, 0, 3}) < 1e-9);
+  const auto *moved = named(liver.inside.arrays, "displacement [mm]");
   REQUIRE(moved);
   CHECK_THAT(moved->values[1], WithinAbs(2.0, 1e-9));
   CHECK_THAT(moved->values[5], WithinAbs(3.0, 1e-9));
-  const auto *velocity = named(liver.phyxels.arrays, "velocity [m/s]");
+  const auto *velocity = named(liver.inside.arrays, "velocity [m/s]");
   REQUIRE(velocity);
   CHECK(velocity->values == std::vector<double>{1, 2, 3, 4, 5, 6});
-  REQUIRE(named(liver.phyxels.arrays, "mass [kg]"));
-  CHECK(simulator.openSets == 0);
+  REQUIRE(named(liver.inside.arrays, "mass [kg]"));
 }
 
-TEST_CASE("Matrices are told row by row, and von Mises stress is that of the Cauchy stress") {
+TEST_CASE("Matrices are told row by row") {
   StandInSimulator simulator;
-  simulator.bodies = {bodyWithPhyxels()};
+  simulator.bodies = {bodyWithPoints()};
   const auto states = read(simulator);
   REQUIRE(states);
-  const auto &arrays = states->front().phyxels.arrays;
-  const auto *gradient = named(arrays, "deformation_gradient [1]");
+  const auto *gradient = named(states->front().inside.arrays, "deformation_gradient [1]");
   REQUIRE(gradient);
   CHECK(gradient->components == 9);
   // F(0, 1), the fourth number of the columns, is the second of the rows.
   CHECK(gradient->values[1] == 0.5);
   CHECK(gradient->values[3] == 0.0);
-  const auto *mises = named(arrays, "stress_vm [Pa]");
-  REQUIRE(mises);
-  REQUIRE(mises->values.size() == 2);
-  // Uniaxial along z, which the shear in x and y leaves alone, det F = 1; the other point is inverted.
-  CHECK_THAT(mises->values[0], WithinAbs(300.0, 1e-9));
-  CHECK(mises->values[1] == 0.0);
 }
 
-TEST_CASE("Von Mises stress of a stretched point follows F S F^T / det F") {
+TEST_CASE("Fields are those of the simulator, with its names and units, and one that it does not read is left out") {
   StandInSimulator simulator;
-  simulator.bodies = {bodyWithPhyxels()};
-  // Twice as long along x, 300 Pa in the reference: 300 * 2 * 2 / 2.
-  simulator.bodies[0].points[C3DE_FIELD_GRADIENT] = {2, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-  // And a pure shear of 100 Pa: the square root of three times as much.
-  simulator.bodies[0].points[C3DE_FIELD_STRESS] = {300, 0, 0, 0, 0, 0, 0, 0, 0, 0, 100, 0, 100, 0, 0, 0, 0, 0};
-  const auto states = read(simulator);
+  simulator.bodies = {bodyWithPoints()};
+  simulator.bodies[0].inside.push_back({"temperature", "K", {310, 311}});
+  simulator.bodies[0].inside.push_back({"pair", "1", {1, 2, 3, 4}});  // two components: no array of VTK's
+  auto states = read(simulator);
   REQUIRE(states);
-  const auto *mises = named(states->front().phyxels.arrays, "stress_vm [Pa]");
-  REQUIRE(mises);
-  CHECK_THAT(mises->values[0], WithinAbs(600.0, 1e-9));
-  CHECK_THAT(mises->values[1], WithinAbs(173.20508075688772, 1e-9));
-}
-
-TEST_CASE("Fields that a simulator does not offer are left out, and so is what follows from them") {
-  StandInSimulator simulator;
-  simulator.bodies = {bodyWithPhyxels()};
-  simulator.bodies[0].points.erase(C3DE_FIELD_GRADIENT);
-  const auto states = read(simulator);
+  const auto *temperature = named(states->front().inside.arrays, "temperature [K]");
+  REQUIRE(temperature);
+  CHECK(temperature->values == std::vector<double>{310, 311});
+  CHECK_FALSE(named(states->front().inside.arrays, "pair [1]"));
+  simulator.failing["enum_fields"] = C3DE_E_INTERNAL;
+  states = read(simulator);
   REQUIRE(states);
-  const auto &arrays = states->front().phyxels.arrays;
-  CHECK(named(arrays, "stress_pk2 [Pa]"));
-  CHECK_FALSE(named(arrays, "stress_vm [Pa]"));
-  CHECK_FALSE(named(arrays, "deformation_gradient [1]"));
-  CHECK_FALSE(named(arrays, "volume [m^3]"));
+  CHECK(named(states->front().inside.arrays, "displacement [mm]"));
 }
 
-TEST_CASE("Where skins alone are asked for, phyxels are not read") {
+TEST_CASE("Where skins alone are asked for, points are not read") {
   StandInSimulator simulator;
-  simulator.bodies = {bodyWithPhyxels()};
-  simulator.failing["phyxels"] = C3DE_E_INTERNAL;
+  simulator.bodies = {bodyWithPoints()};
+  simulator.failing["points"] = C3DE_E_INTERNAL;
   const auto states = read(simulator, BodyParts::skin);
   REQUIRE(states);
-  CHECK(states->front().phyxels.points.empty());
+  CHECK(states->front().inside.points.empty());
   CHECK(states->front().skin.vertices.size() == 8);
 }
 
-TEST_CASE("A surfel set that lends no triangles gives points alone, and triangles of another form are refused") {
+TEST_CASE("A surface without triangles gives points alone, and triangles of another form or of no vertex are refused") {
   StandInSimulator simulator;
-  simulator.bodies = {bodyWithPhyxels()};
-  simulator.setRevision = 1;
-  auto states = read(simulator);
-  REQUIRE(states);
-  CHECK(states->front().skin.triangles.empty());
-  simulator.setRevision = 2;
+  simulator.bodies = {bodyWithPoints()};
   simulator.failing["triangles"] = C3DE_E_UNSUPPORTED;
-  states = read(simulator);
+  auto states = read(simulator);
   REQUIRE(states);
   CHECK(states->front().skin.triangles.empty());
   simulator.failing.clear();
@@ -146,6 +121,11 @@ TEST_CASE("A surfel set that lends no triangles gives points alone, and triangle
   REQUIRE_FALSE(states);
   CHECK(states.error().code == ErrorCode::plugin);
   CHECK_THAT(states.error().message, Contains("the triangles of 'liver' are not three u32 each"));
+  simulator.triangleComponents = 3;
+  simulator.bodies[0].triangles[4][1] = 8;
+  states = read(simulator);
+  REQUIRE_FALSE(states);
+  CHECK_THAT(states.error().message, Contains("a triangle of 'liver' refers to vertex 8; there are 8"));
 }
 
 TEST_CASE("What a simulator does not give is named with the body and the reason it left") {
@@ -155,24 +135,21 @@ TEST_CASE("What a simulator does not give is named with the body and the reason 
   const Refusal refusals[] = {{"status", "", "does not give its status: status -17"},
                               {"body_at", "busy", "does not give body 0: busy"},
                               {"body_info", "", "does not give the name of a body: status -17"},
-                              {"surfels", "no skin", "does not give the surface of 'liver': no skin"},
-                              {"phyxels", "", "does not give the phyxels of 'liver': status -17"}};
+                              {"surface", "", "gives no positions of the surface of 'liver'"},
+                              {"points", "", "gives no positions of the points of 'liver'"}};
   for (const Refusal &one : refusals) {
     StandInSimulator simulator;
-    simulator.bodies = {bodyWithPhyxels()};
+    simulator.bodies = {bodyWithPoints()};
     simulator.failing[one.function] = C3DE_E_INTERNAL;
-    const auto states = read(simulator, BodyParts::skinAndPhyxels, one.text);
+    const auto states = read(simulator, BodyParts::skinAndInside, one.text);
     REQUIRE_FALSE(states);
     CHECK(states.error().code == ErrorCode::plugin);
     CHECK_THAT(states.error().message, Contains(one.message));
-    CHECK(simulator.openSets == 0);
   }
   StandInSimulator simulator;
-  simulator.bodies = {bodyWithPhyxels()};
-  simulator.bodies[0].points.erase(C3DE_FIELD_POSITION);
-  CHECK_THAT(read(simulator).error().message, Contains("no positions of the phyxels of 'liver'"));
-  simulator.bodies[0].skin.erase(C3DE_FIELD_REFERENCE_POSITION);
+  simulator.bodies = {bodyWithPoints()};
+  eraseField(simulator.bodies[0].inside, "position");
+  CHECK_THAT(read(simulator).error().message, Contains("no positions of the points of 'liver'"));
+  eraseField(simulator.bodies[0].skin, "reference_position");
   CHECK_THAT(read(simulator).error().message, Contains("no positions of the surface of 'liver'"));
-  simulator.setsAnswer = false;
-  CHECK_THAT(read(simulator).error().message, Contains("set does not answer " C3DE_IFACE_SURFEL_SET_ID));
 }

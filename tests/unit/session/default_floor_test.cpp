@@ -37,7 +37,7 @@ TEST_CASE("Bounds are those of all skins as they are now, and without a skin the
   CHECK(norm(bounds->min - Vec3{0, 0, -1}) < 1e-12);
   CHECK(norm(bounds->max - Vec3{1.1, 3.2, 0.1}) < 1e-12);
   simulator.bodies.resize(1);
-  simulator.failing["surfels"] = C3DE_E_INTERNAL;
+  simulator.failing["surface"] = C3DE_E_INTERNAL;
   CHECK_FALSE(boundsOfBodies(simulator.object()));
 }
 

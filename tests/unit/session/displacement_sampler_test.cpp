@@ -92,11 +92,12 @@ TEST_CASE("A displacement is asked for in metres and told in mm") {
   simulator.failing["displacement"] = C3DE_E_UNSUPPORTED;
   CHECK_FALSE(readDisplacement(simulator.table(), simulator.object(), 10.0, grid));
   simulator.failing.clear();
-  simulator.revision = 2;
-  CHECK_FALSE(readDisplacement(simulator.table(), simulator.object(), 10.0, grid));
-  simulator.revision = 3;
   grid.geometry.size = {0, 0, 0};
   CHECK_FALSE(readDisplacement(simulator.table(), simulator.object(), 10.0, grid));
+  StandInSimulator without;
+  without.hasDisplacement = false;
+  grid.geometry.size = {2, 3, 4};
+  CHECK_FALSE(readDisplacement(without.table(), without.object(), 10.0, grid));
   CHECK(simulator.grids.size() == 1);
 }
 

@@ -28,8 +28,8 @@ BodyState state(const std::string &name, const std::string &onlyHere = {}) {
   body.skin = boxMesh({0, 0, 0}, {1, 1, 1});
   body.skinArrays = {{"displacement [mm]", 3, std::vector<double>(24, 0.0)}};
   if (!onlyHere.empty()) body.skinArrays.push_back({onlyHere, 1, std::vector<double>(8, 1.0)});
-  body.phyxels.points = {{0, 0, 0}, {1, 1, 1}};
-  body.phyxels.arrays = {{"mass [kg]", 1, {1.0, 2.0}}};
+  body.inside.points = {{0, 0, 0}, {1, 1, 1}};
+  body.inside.arrays = {{"mass [kg]", 1, {1.0, 2.0}}};
   return body;
 }
 
@@ -82,8 +82,8 @@ TEST_CASE("A frame has all bodies, told apart by a number, with the arrays that 
   }
   const std::string list = textOf(folder / "run.pvd");
   CHECK_THAT(list, Contains("timestep=\"0.25\"") && Contains("run_frames/skin_000001.vtp") &&
-                       Contains("run_frames/phyxels_000000.vtu"));
-  const std::string skin = textOf(frames / "skin_000000.vtp"), points = textOf(frames / "phyxels_000001.vtu");
+                       Contains("run_frames/points_000000.vtu"));
+  const std::string skin = textOf(frames / "skin_000000.vtp"), points = textOf(frames / "points_000001.vtu");
   CHECK_THAT(skin, Contains("bodies: 0 = liver, 1 = spleen") && Contains("NumberOfPoints=\"16\"") &&
                        Contains("NumberOfPolys=\"24\"") && Contains("Name=\"displacement [mm]\"") &&
                        Contains("Name=\"body\"") && !Contains("only [1]"));

@@ -31,7 +31,7 @@ struct Fixture {
     without.threads = 1;
     session = std::move(*Session::create(without));
     options.quiet = true;
-    simulator.report = R"({"probes": [{"name": "tip", "position_m": [1, 2, 3]}]})";
+    simulator.probes = {{"tip", {1, 2, 3}}};
   }
   Expected<void> run() {
     made = std::make_unique<HeadlessRun>(*session, simulator.object(), simulator.table(), options, limits, outputs);
@@ -59,7 +59,6 @@ TEST_CASE("A run ends after the steps that were asked for, and its facts are the
   Fixture f;
   f.options.steps = 3;
   f.options.seed = 11;
-  f.limits.integrator = "implicit";
   REQUIRE(f.run());
   CHECK(f.facts().outcome == "done");
   CHECK(f.facts().failure.empty());
@@ -69,7 +68,7 @@ TEST_CASE("A run ends after the steps that were asked for, and its facts are the
   CHECK(f.facts().stateHash == 0xabcdu);
   CHECK(f.facts().threads == 1);
   CHECK(f.facts().seed == 11u);
-  CHECK(f.facts().integrator == "implicit");
+  CHECK_FALSE(f.facts().isLoadStepped);
   CHECK(f.outputs.areComplete());
 }
 
@@ -88,8 +87,8 @@ TEST_CASE("A run ends at its time, of which many steps may miss a hair, and afte
 TEST_CASE("A quasi-static solution goes on until the simulator says that it is finished") {
   Fixture f;
   f.simulator.finishesAtStep = 5;
-  f.limits.integrator = kQuasistatic;
   REQUIRE(f.run());
+  CHECK(f.facts().isLoadStepped);
   CHECK(f.facts().outcome == "done");
   CHECK(f.facts().steps == 5);
 }
@@ -103,7 +102,6 @@ TEST_CASE("A step that fails ends the run, and the place and the reason are told
   Fixture load;
   load.simulator.failing["step"] = C3DE_E_STATE;
   load.simulator.finishesAtStep = 5;
-  load.limits.integrator = kQuasistatic;
   REQUIRE(load.run());
   CHECK(load.facts().outcome == "failed");
   CHECK(load.facts().failure == "load step 1 failed: status -7");
@@ -174,8 +172,8 @@ TEST_CASE("Probes that cannot be written are told, and the run goes on without t
 TEST_CASE("Frames are exported at their times and at the end") {
   Fixture f;
   f.simulator.bodies = {cubeBody(0.1, {0, 0, 0}, {0, 0, 0})};
-  f.simulator.bodies[0].phyxels = 1;
-  f.simulator.bodies[0].points = {{C3DE_FIELD_POSITION, {0, 0, 0}}, {C3DE_FIELD_REFERENCE_POSITION, {0, 0, 0}}};
+  f.simulator.bodies[0].points = 1;
+  f.simulator.bodies[0].inside = {{"position", "m", {0, 0, 0}}, {"reference_position", "m", {0, 0, 0}}};
   f.options.steps = 5;
   f.options.exportList = testOutputFolder() / "run.pvd";
   f.options.exportEvery_s = 0.2;
@@ -186,7 +184,6 @@ TEST_CASE("Frames are exported at their times and at the end") {
   Fixture load;
   load.simulator.bodies = f.simulator.bodies;
   load.simulator.finishesAtStep = 3;
-  load.limits.integrator = kQuasistatic;
   load.options.exportList = testOutputFolder() / "load.pvd";
   REQUIRE(load.run());
   CHECK(framesOf(load.options.exportList) == 4);
@@ -195,7 +192,7 @@ TEST_CASE("Frames are exported at their times and at the end") {
 TEST_CASE("An export that fails on the way is told, and the run goes on without it") {
   Fixture f;
   f.simulator.bodies = {cubeBody(0.1, {0, 0, 0}, {0, 0, 0})};
-  f.simulator.failing["surfels"] = C3DE_E_INTERNAL;
+  f.simulator.failing["surface"] = C3DE_E_INTERNAL;
   f.options.steps = 2;
   f.options.exportList = testOutputFolder() / "run.pvd";
   REQUIRE(f.run());
@@ -205,9 +202,9 @@ TEST_CASE("An export that fails on the way is told, and the run goes on without 
   CHECK(f.outputs.error().code == ErrorCode::plugin);
 }
 
-TEST_CASE("A simulator that does not say its status, its report or its hash ends the run with an error") {
+TEST_CASE("A simulator that does not say its status, its probes or its hash ends the run with an error") {
   const std::pair<const char *, const char *> refusals[] = {{"status", "does not say its status (-17)"},
-                                                            {"report", "the simulator gives no report: status -17"},
+                                                            {"enum_probes", "does not say its probes (status -17)"},
                                                             {"state_hash", "the simulator gives no state hash"}};
   for (const auto &[function, message] : refusals) {
     Fixture f;

@@ -52,9 +52,9 @@ TEST_CASE("Before the deadline, or without one, no step is ended, and the limit 
   CHECK(Clock::now() - begin < std::chrono::seconds(5));
 }
 
-TEST_CASE("A simulator of revision 3 is not asked to end its steps") {
+TEST_CASE("A simulator that cannot end its steps is not asked to") {
   StandInSimulator simulator;
-  simulator.revision = 3;
+  simulator.hasInterrupt = false;
   {
     const StepLimit limit(simulator.object(), simulator.table(), Clock::now());
     std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -36,7 +36,7 @@ TEST_CASE("A report has the run's facts, and what the simulator says stays as it
   facts.time_s = 2.0;
   facts.wall_s = 0.5;
   facts.dt_s = 0.2;
-  facts.integrator = "explicit";
+  facts.simulator = {"org.example.Sim/1", "Sim", "org.example", "1.2.3"};
   facts.stateHash = 0xabcdu;
   facts.seed = 7;
   facts.prepared.took.reading_s = 0.25;
@@ -52,7 +52,9 @@ TEST_CASE("A report has the run's facts, and what the simulator says stays as it
   CHECK(report["steps"] == 10);
   CHECK(report["real_time_factor"] == 4.0);
   CHECK(report["dt_s"] == 0.2);
-  CHECK(report["integrator"] == "explicit");
+  CHECK(report["simulator"]["class"] == "org.example.Sim/1");
+  CHECK(report["simulator"]["plugin"] == "org.example");
+  CHECK(report["simulator"]["version"] == "1.2.3");
   CHECK(report["seed"] == 7);
   CHECK(report["preparation"]["reading_s"] == 0.25);
   CHECK(report["preparation"]["first_step_s"] == 0.125);
@@ -63,7 +65,7 @@ TEST_CASE("A report has the run's facts, and what the simulator says stays as it
   CHECK(report["notices"] == Json::array({"look"}));
   CHECK(report["load_factor"] == 0.5);
 
-  // What nobody says is empty rather than absent; a simulator's own integrator wins.
+  // What nobody says is empty rather than absent.
   report = reportOf({}, R"({"integrator": "implicit"})");
   CHECK(report["integrator"] == "implicit");
   CHECK(report["probes"] == Json::array());
@@ -99,14 +101,11 @@ TEST_CASE("A simulator's report that is no JSON object is of no use, and its beg
     INFO(text);
     const auto report = reportJson({}, text);
     const auto notices = noticesOf(text);
-    const auto probes = probesOf(text);
     REQUIRE_FALSE(report);
     REQUIRE_FALSE(notices);
-    REQUIRE_FALSE(probes);
     CHECK(report.error().code == ErrorCode::plugin);
     CHECK(report.error().message == "the simulator's report is not a JSON object; it begins with: " + text);
     CHECK(notices.error().message == report.error().message);
-    CHECK(probes.error().message == report.error().message);
   }
   const auto longOne = noticesOf(std::string(1000, 'x'));
   REQUIRE_FALSE(longOne);
@@ -117,20 +116,6 @@ TEST_CASE("Notices are the texts of the report") {
   CHECK(noticesOf("{}").value().empty());
   CHECK(noticesOf(R"({"notices": 3})").value().empty());
   CHECK(noticesOf(R"({"notices": ["a", 1, "b"]})").value() == std::vector<std::string>{"a", "b"});
-}
-
-TEST_CASE("Probes have name, position and velocity, and what is missing is zero") {
-  CHECK(probesOf("{}").value().empty());
-  const auto probes = probesOf(R"({"probes": [{"name": "tip", "position_m": [1, 2, 3], "velocity_m_s": [4, 5, 6.5]}, 7,
-                                              {"position_m": [1, 2], "velocity_m_s": ["x", 1, 2]}]})");
-  REQUIRE(probes);
-  REQUIRE(probes->size() == 2);
-  CHECK((*probes)[0].name == "tip");
-  CHECK((*probes)[0].position_m == Vec3{1, 2, 3});
-  CHECK((*probes)[0].velocity_m_s == Vec3{4, 5, 6.5});
-  CHECK((*probes)[1].name.empty());
-  CHECK((*probes)[1].position_m == Vec3{});
-  CHECK((*probes)[1].velocity_m_s == Vec3{0, 1, 2});
 }
 
 TEST_CASE("Probes over time are a table whose names are quoted where they must be") {

@@ -96,7 +96,7 @@ TEST_CASE("A body gets its own fixes and loads with their numbers in the scene, 
   CHECK(out.fixes[0].index == 1);
   CHECK(fromAbi(out.fixes[0].name) == "fix of spleen");
   CHECK(out.fixes[1].index == 2);
-  CHECK(out.fixes[1].region.radius == 0.2);
+  CHECK(out.fixes[1].region->radius == 0.2);
   REQUIRE(out.loads_n == 2);
   CHECK(out.loads[0].index == 1);
   CHECK(out.loads[0].flags == C3DE_SIM_LOAD_PRESSURE);
@@ -106,7 +106,7 @@ TEST_CASE("A body gets its own fixes and loads with their numbers in the scene, 
   CHECK(vec(out.loads[1].force_N) == Vec3{0, 0, 3});
   CHECK(out.loads[1].ramp_s == 0.5);
   REQUIRE(out.parts_n == 1);
-  CHECK(out.parts[0].region.radius == 0.3);
+  CHECK(out.parts[0].region->radius == 0.3);
   REQUIRE(out.parts[0].params_n == 1);
   CHECK(fromAbi(out.parts[0].params[0].id) == "material.density");
   CHECK(out.parts[0].params[0].num == 900.0);
@@ -124,7 +124,7 @@ TEST_CASE("A body gets its own fixes and loads with their numbers in the scene, 
   CHECK(out.fixes_n + out.loads_n + out.parts_n + out.refinements_n == 0);
 }
 
-TEST_CASE("A simulator's message about a table of a body leads back to its line") {
+TEST_CASE("An error about a table of a body leads back to its line") {
   scene::SceneFile scene;
   scene.fixes.resize(3);
   scene.loads.resize(2);
@@ -135,24 +135,27 @@ TEST_CASE("A simulator's message about a table of a body leads back to its line"
   scene.loads[0].line = 20;
   body.parts[1].line = 31;
   body.refinements[0].line = 40;
-  CHECK(sceneLineOf(scene, body, "fix 2: the region meets no part of the body") == 12);
-  CHECK(sceneLineOf(scene, body, "load 0: too large") == 20);
-  CHECK(sceneLineOf(scene, body, "part 1: x") == 31);
-  CHECK(sceneLineOf(scene, body, "refinement 0: x") == 40);
-  for (const char *other : {"fix 3: there is none", "fix 2 is wrong", "fix : x", "fix -1: x", "a fix 2: x", "load", ""})
-    CHECK_FALSE(sceneLineOf(scene, body, other));
+  CHECK(sceneLineOf(scene, body, {"x", "fix", 2, {}}) == 12);
+  CHECK(sceneLineOf(scene, body, {"x", "load", 0, {}}) == 20);
+  CHECK(sceneLineOf(scene, body, {"x", "part", 1, {}}) == 31);
+  CHECK(sceneLineOf(scene, body, {"x", "refinement", 0, {}}) == 40);
+  CHECK_FALSE(sceneLineOf(scene, body, {"x", "fix", 3, {}}));
+  CHECK_FALSE(sceneLineOf(scene, body, {"fix 2: x", {}, 2, {}}));
+  CHECK_FALSE(sceneLineOf(scene, body, {"x", "moon", 0, {}}));
 }
 
-TEST_CASE("A placement goes into bodies and obstacles alike") {
-  const scene::ScenePlacement placement{{1, 2, 3}, {10, 20, 30}, 0.5};
-  c3de_sim_body body{};
-  c3de_sim_obstacle obstacle{};
-  place(body, placement);
-  place(obstacle, placement);
-  CHECK(vec(body.position_m) == Vec3{1, 2, 3});
-  CHECK(vec(obstacle.position_m) == Vec3{1, 2, 3});
-  CHECK(vec(body.rotation_deg) == Vec3{10, 20, 30});
-  CHECK(vec(obstacle.rotation_deg) == Vec3{10, 20, 30});
-  CHECK(body.scale == 0.5);
-  CHECK(obstacle.scale == 0.5);
+TEST_CASE("A placement is angles, or a matrix in their place") {
+  scene::ScenePlacement placement{{1, 2, 3}, {10, 20, 30}, 0.5, {}};
+  c3de_sim_placement out = toAbi(placement);
+  CHECK(out.size == sizeof out);
+  CHECK(out.flags == 0);
+  CHECK(vec(out.position_m) == Vec3{1, 2, 3});
+  CHECK(vec(out.rotation_deg) == Vec3{10, 20, 30});
+  CHECK(out.scale == 0.5);
+  placement.matrix = kIdentity4;
+  (*placement.matrix)[12] = 7.0;
+  out = toAbi(placement);
+  CHECK(out.flags == C3DE_SIM_PLACED_BY_MATRIX);
+  CHECK(out.matrix[12] == 7.0);
+  CHECK(out.matrix[15] == 1.0);
 }

@@ -118,28 +118,14 @@ TEST_CASE("A key that the simulator does not know, or a value it does not take, 
   CHECK(f.simulator.world.empty());
 }
 
-TEST_CASE("What an older simulator would ignore in silence is refused by name and line") {
+TEST_CASE("A body of an image is refused by name and line where the simulator fills none") {
   Fixture f;
-  f.simulator.revision = 2;
-  auto refused = f.populate(kSpleen);
+  f.simulator.hasDisplacement = false;
+  const auto refused = f.populate(kSpleen);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::input);
-  CHECK_THAT(refused.error().message,
-             Contains(f.where(2)) && Contains("'volume' is not served") && Contains("revision 2; needed: 3"));
+  CHECK_THAT(refused.error().message, Contains(f.where(2)) && Contains("'volume' is not served"));
   CHECK(f.populate(kBox));
-  f.simulator.revision = 1;
-  const std::pair<std::string, const char *> features[] = {
-      {"[[fix]]\nbody = \"box\"\nregion = { sphere = { centre = [0, 0, 0], radius = 1 } }\n", "'fix'"},
-      {"[[load]]\nbody = \"box\"\nregion = { sphere = { centre = [0, 0, 0], radius = 1 } }\nforce = [0, 1, 0]\n",
-       "'load'"}};
-  for (const auto &[text, name] : features) {
-    refused = f.populate(kBox + text);
-    REQUIRE_FALSE(refused);
-    CHECK_THAT(refused.error().message, Contains(f.where(5)) && Contains(name) && Contains("revision 1; needed: 2"));
-  }
-  refused = f.populate(kBox + "velocity = [1, 0, 0]\n");
-  REQUIRE_FALSE(refused);
-  CHECK_THAT(refused.error().message, Contains("'velocity'"));
 }
 
 TEST_CASE("Files that cannot be read are told with the line of their body, before the first body is built") {

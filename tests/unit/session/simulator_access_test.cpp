@@ -11,18 +11,21 @@ using namespace c3de::session;
 using session::test::cubeBody;
 using session::test::StandInSimulator;
 
-TEST_CASE("A simulator's table is had from revision 1 on, and an object without one is refused with what it lacks") {
+TEST_CASE("An object without the table, or with one that is too short or lacks a slot, is refused with what it lacks") {
   StandInSimulator simulator;
-  simulator.tableSize = offsetof(c3de_simulator_v0, displacement);
   const auto table = simulatorTable(simulator.object());
   REQUIRE(table);
   CHECK(*table == simulator.table());
-  simulator.tableSize -= 8;
+  simulator.tableSize = 248;
   const auto small = simulatorTable(simulator.object());
   REQUIRE_FALSE(small);
   CHECK(small.error().code == ErrorCode::plugin);
-  CHECK_THAT(small.error().message, Contains(std::to_string(simulator.tableSize) + " bytes; needed: " +
-                                             std::to_string(offsetof(c3de_simulator_v0, displacement))));
+  CHECK_THAT(small.error().message, Contains("248 bytes; needed: 256"));
+  simulator.tableSize = sizeof(c3de_simulator_v1);
+  simulator.lacksStateHash = true;
+  const auto lacking = simulatorTable(simulator.object());
+  REQUIRE_FALSE(lacking);
+  CHECK_THAT(lacking.error().message, Contains("state_hash() in the table of " C3DE_IFACE_SIMULATOR_ID " is null"));
   simulator.answersInterface = false;
   const auto none = simulatorTable(simulator.object());
   REQUIRE_FALSE(none);
@@ -30,21 +33,13 @@ TEST_CASE("A simulator's table is had from revision 1 on, and an object without 
   CHECK_THAT(none.error().message, Contains("does not answer " C3DE_IFACE_SIMULATOR_ID " (status -5)"));
 }
 
-TEST_CASE("What a simulator can do follows from its revision and the size of its table") {
-  StandInSimulator simulator;
-  CHECK(servesFills(simulator.table()));
-  CHECK(endsSteps(simulator.table()));
-  simulator.revision = 3;
-  CHECK(servesFills(simulator.table()));
-  CHECK_FALSE(endsSteps(simulator.table()));
-  simulator.revision = 2;
-  CHECK_FALSE(servesFills(simulator.table()));
-  simulator.revision = 4;
-  simulator.tableSize = offsetof(c3de_simulator_v0, interrupt);
-  CHECK(servesFills(simulator.table()));
-  CHECK_FALSE(endsSteps(simulator.table()));
-  simulator.tableSize = offsetof(c3de_simulator_v0, displacement);
-  CHECK_FALSE(servesFills(simulator.table()));
+TEST_CASE("What a simulator can do follows from the slots that are not null") {
+  StandInSimulator all, none;
+  none.hasDisplacement = none.hasInterrupt = false;
+  CHECK(servesFills(all.table()));
+  CHECK(endsSteps(all.table()));
+  CHECK_FALSE(servesFills(none.table()));
+  CHECK_FALSE(endsSteps(none.table()));
 }
 
 TEST_CASE("Declarations are those of the scope, and a simulator that does not say them is named with it") {
@@ -66,19 +61,31 @@ TEST_CASE("Declarations are those of the scope, and a simulator that does not sa
   CHECK_THAT(refused.error().message, Contains("scope 3 (status -17)"));
 }
 
-TEST_CASE("Surfels of a body are where they are now, in metres, and their set is given back") {
+TEST_CASE("The surface of a body is where it is now, in metres") {
   StandInSimulator simulator;
   simulator.bodies = {cubeBody(0.1, {0, 0, 0}, {1, 2, 3})};
-  const std::vector<Vec3> x = surfelPositions(simulator.object(), {1});
+  const std::vector<Vec3> x = surfacePositions(simulator.object(), {1});
   REQUIRE(x.size() == 8);
   CHECK(norm(x.front() - Vec3{1, 2, 3}) < 1e-12);
   CHECK(norm(x.back() - Vec3{1.1, 2.1, 3.1}) < 1e-12);
-  CHECK(surfelPositions(simulator.object(), {7}).empty());
-  simulator.bodies.front().skin.erase(C3DE_FIELD_POSITION);
-  CHECK(surfelPositions(simulator.object(), {1}).empty());
-  simulator.setsAnswer = false;
-  CHECK(surfelPositions(simulator.object(), {1}).empty());
-  CHECK(simulator.openSets == 0);
+  CHECK(surfacePositions(simulator.object(), {7}).empty());
+  eraseField(simulator.bodies.front().skin, "position");
+  CHECK(surfacePositions(simulator.object(), {1}).empty());
+}
+
+TEST_CASE("Probes are read with name and position, and a simulator that does not say them is an error") {
+  StandInSimulator simulator;
+  simulator.probes = {{"tip", {1, 2, 3}}, {"root", {0, 0, 4}}};
+  const auto probes = readProbes(simulator.table(), simulator.object());
+  REQUIRE(probes);
+  REQUIRE(probes->size() == 2);
+  CHECK((*probes)[0].name == "tip");
+  CHECK((*probes)[0].position_m == Vec3{1, 2, 3});
+  CHECK((*probes)[1].name == "root");
+  simulator.failing["enum_probes"] = C3DE_E_INTERNAL;
+  const auto refused = readProbes(simulator.table(), simulator.object());
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::plugin);
 }
 
 TEST_CASE("An object reference gives back the one count it took over, however it moves") {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stand_in_simulator.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "c3de/core/text.h"
@@ -14,71 +15,6 @@ std::vector<double> rowsOf(const std::vector<Vec3> &points) {
   return rows;
 }
 
-/// A set of phyxels or surfels. The object comes first: it is found by its address.
-struct Set {
-  c3de_object object{};
-  StandInSimulator *owner = nullptr;
-  bool isSkin = false;
-  Fields fields;
-  std::uint64_t count = 0;
-  std::vector<Triangle> triangles;
-  std::uint32_t references = 1;
-};
-
-Set &setOf(c3de_object *self) { return *reinterpret_cast<Set *>(self); }
-
-std::uint64_t countOf(c3de_object *self) { return setOf(self).count; }
-
-c3de_status readField(c3de_object *self, std::uint32_t field, c3de_mview out) {
-  const Set &set = setOf(self);
-  const auto found = set.fields.find(field);
-  if (found == set.fields.end()) return C3DE_E_UNSUPPORTED;
-  if (out.dtype != C3DE_F64 || out.count != set.count || out.count * out.comps != found->second.size())
-    return C3DE_E_ARG;
-  const std::size_t row = sizeof(double) * out.comps;
-  const std::size_t stride = out.stride != 0 ? static_cast<std::size_t>(out.stride) : row;
-  for (std::size_t i = 0; i < out.count; ++i)
-    std::memcpy(static_cast<char *>(out.data) + i * stride, found->second.data() + i * out.comps, row);
-  return C3DE_OK;
-}
-
-c3de_phyxel_set_v0 phyxelTable{sizeof(c3de_phyxel_set_v0), 1, countOf, readField, nullptr, nullptr, nullptr};
-
-c3de_status trianglesOf(c3de_object *self, c3de_view *out) {
-  const Set &set = setOf(self);
-  if (const auto refused = set.owner->failing.find("triangles"); refused != set.owner->failing.end())
-    return refused->second;
-  *out = {set.triangles.data(), set.triangles.size(), set.owner->triangleComponents, C3DE_U32, 0};
-  return C3DE_OK;
-}
-
-c3de_surfel_set_v0 surfelTable{sizeof(c3de_surfel_set_v0), 2, countOf, readField, nullptr, nullptr, trianglesOf};
-
-c3de_object_vt setVt() {
-  c3de_object_vt vt{};
-  vt.size = sizeof vt;
-  vt.retain = [](c3de_object *self) -> std::uint32_t { return ++setOf(self).references; };
-  vt.release = [](c3de_object *self) -> std::uint32_t {
-    const std::uint32_t left = --setOf(self).references;
-    if (left == 0) {
-      --setOf(self).owner->openSets;
-      delete &setOf(self);
-    }
-    return left;
-  };
-  vt.query = [](c3de_object *self, c3de_str id, std::uint32_t, const void **table) -> c3de_status {
-    const Set &set = setOf(self);
-    const char *own = set.isSkin ? C3DE_IFACE_SURFEL_SET_ID : C3DE_IFACE_PHYXEL_SET_ID;
-    if (!set.owner->setsAnswer || fromAbi(id) != std::string_view(own)) return C3DE_E_NOT_FOUND;
-    if (surfelTable.rev != set.owner->setRevision) surfelTable.rev = set.owner->setRevision;
-    *table = set.isSkin ? static_cast<const void *>(&surfelTable) : &phyxelTable;
-    return C3DE_OK;
-  };
-  return vt;
-}
-
-const c3de_object_vt kSetVt = setVt();
-
 }  // namespace
 
 StandInBody cubeBody(double edge_m, const Vec3 &low_m, const Vec3 &moved_m) {
@@ -91,11 +27,20 @@ StandInBody cubeBody(double edge_m, const Vec3 &low_m, const Vec3 &moved_m) {
     reference.push_back(x);
     now.push_back(x + moved_m);
   }
-  body.surfels = 8;
-  body.skin = {{C3DE_FIELD_REFERENCE_POSITION, rowsOf(reference)}, {C3DE_FIELD_POSITION, rowsOf(now)}};
+  body.surfacePoints = 8;
+  body.skin = {{C3DE_SIM_FIELD_REFERENCE_POSITION, "m", rowsOf(reference)},
+               {C3DE_SIM_FIELD_POSITION, "m", rowsOf(now)}};
   body.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   return body;
+}
+
+std::vector<double> &numbersOf(Fields &fields, const std::string &name) {
+  return std::find_if(fields.begin(), fields.end(), [&](const StandInField &f) { return f.name == name; })->numbers;
+}
+
+void eraseField(Fields &fields, const std::string &name) {
+  std::erase_if(fields, [&](const StandInField &field) { return field.name == name; });
 }
 
 StandInSimulator::StandInSimulator() {
@@ -103,10 +48,12 @@ StandInSimulator::StandInSimulator() {
   shared_.owner = this;
 }
 
-const c3de_simulator_v0 *StandInSimulator::table() {
+const c3de_simulator_v1 *StandInSimulator::table() {
   // Written only where a test has changed it: the simulation's thread reads.
   if (table_.size != tableSize) table_.size = tableSize;
-  if (table_.rev != revision) table_.rev = revision;
+  if (!hasDisplacement && table_.displacement != nullptr) table_.displacement = nullptr;
+  if (lacksStateHash && table_.state_hash != nullptr) table_.state_hash = nullptr;
+  if (!hasInterrupt && table_.interrupt != nullptr) table_.interrupt = nullptr;
   return &table_;
 }
 
@@ -134,22 +81,6 @@ void StandInSimulator::declare() {
   fill(bodyIds, bodyDecls_);
 }
 
-c3de_status StandInSimulator::openSet(const char *function, c3de_handle body, bool isSkin, c3de_object **out) {
-  if (const c3de_status code = answer(function); code < 0) return code;
-  if (body.v == 0 || body.v > bodies.size()) return C3DE_E_STALE;
-  const StandInBody &from = bodies[body.v - 1];
-  auto set = std::make_unique<Set>();
-  set->object.vt = &kSetVt;
-  set->owner = this;
-  set->isSkin = isSkin;
-  set->fields = isSkin ? from.skin : from.points;
-  set->count = isSkin ? from.surfels : from.phyxels;
-  set->triangles = from.triangles;
-  ++openSets;
-  *out = &set.release()->object;
-  return C3DE_OK;
-}
-
 c3de_object_vt StandInSimulator::makeVt() {
   c3de_object_vt vt{};
   vt.size = sizeof vt;
@@ -163,8 +94,8 @@ c3de_object_vt StandInSimulator::makeVt() {
   return vt;
 }
 
-c3de_simulator_v0 StandInSimulator::makeTable() {
-  c3de_simulator_v0 table{};
+c3de_simulator_v1 StandInSimulator::makeTable() {
+  c3de_simulator_v1 table{};
   table.attach = [](c3de_object *self, c3de_handle node) -> c3de_status {
     of(self).attached = node.v;
     return node.v != 0 ? of(self).answer("attach") : C3DE_OK;
@@ -206,9 +137,15 @@ c3de_simulator_v0 StandInSimulator::makeTable() {
     *out = {1000};
     return C3DE_OK;
   };
-  table.add_probe = [](c3de_object *self, c3de_str, c3de_handle, const double *) -> c3de_status {
+  table.add_probe = [](c3de_object *self, c3de_str, c3de_handle, const double *, c3de_handle *) -> c3de_status {
     return of(self).answer("add_probe");
   };
+  table.set_body_param = [](c3de_object *, c3de_handle, const c3de_param_value *) -> c3de_status { return C3DE_OK; };
+  table.get_body_param = [](c3de_object *, c3de_handle, c3de_str, c3de_param_value *) -> c3de_status {
+    return C3DE_E_NOT_FOUND;
+  };
+  table.remove = [](c3de_object *, c3de_handle) -> c3de_status { return C3DE_E_NOT_FOUND; };
+  table.clear = [](c3de_object *) -> c3de_status { return C3DE_OK; };
   table.step = [](c3de_object *self) -> c3de_status {
     if (const c3de_status code = of(self).answer("step"); code < 0) return code;
     if (!of(self).standsStill) ++of(self).steps;
@@ -227,6 +164,8 @@ c3de_simulator_v0 StandInSimulator::makeTable() {
     out->bodies = it.bodies.size();
     out->finished = it.finishesAtStep != 0 && it.steps >= it.finishesAtStep ? 1u : 0u;
     out->stopped = it.stopped;
+    if (it.finishesAtStep != 0) out->flags = C3DE_SIM_LOAD_STEPS;
+    out->planned_steps = it.plannedSteps;
     return it.answer("status");
   };
   table.state_hash = [](c3de_object *self, std::uint64_t *out) -> c3de_status {
@@ -244,16 +183,65 @@ c3de_simulator_v0 StandInSimulator::makeTable() {
     return C3DE_OK;
   };
   table.body_info = [](c3de_object *self, c3de_handle body, c3de_sim_body_info *out) -> c3de_status {
+    if (body.v == 0 || body.v > of(self).bodies.size()) return C3DE_E_STALE;
     const StandInBody &from = of(self).bodies[body.v - 1];
     out->name = c3de::toAbi(from.name);
     out->spacing_m = from.spacing_m;
+    out->points = from.points;
+    out->surface_points = from.surfacePoints;
     return of(self).answer("body_info");
   };
-  table.phyxels = [](c3de_object *self, c3de_handle body, c3de_object **out) -> c3de_status {
-    return of(self).openSet("phyxels", body, false, out);
+  table.enum_fields = [](c3de_object *self, c3de_handle body, void *visitor,
+                         c3de_status(C3DE_CALL * each)(void *, const c3de_sim_field *)) -> c3de_status {
+    const StandInBody &from = of(self).bodies[body.v - 1];
+    for (const std::uint32_t on : {C3DE_SIM_ON_POINTS, C3DE_SIM_ON_SURFACE}) {
+      const std::uint64_t count = on == C3DE_SIM_ON_POINTS ? from.points : from.surfacePoints;
+      for (const StandInField &one : on == C3DE_SIM_ON_POINTS ? from.inside : from.skin) {
+        c3de_sim_field field{};
+        field.size = sizeof field;
+        field.on = on;
+        field.name = c3de::toAbi(one.name);
+        field.unit = c3de::toAbi(one.unit);
+        field.comps = static_cast<std::uint32_t>(count == 0 ? 1 : one.numbers.size() / count);
+        if (const c3de_status code = each(visitor, &field); code != C3DE_OK) return code;
+      }
+    }
+    return of(self).answer("enum_fields");
   };
-  table.surfels = [](c3de_object *self, c3de_handle body, c3de_object **out) -> c3de_status {
-    return of(self).openSet("surfels", body, true, out);
+  table.read_field = [](c3de_object *self, c3de_handle body, std::uint32_t on, c3de_str name,
+                        c3de_mview out) -> c3de_status {
+    if (const c3de_status code = of(self).answer(on == C3DE_SIM_ON_POINTS ? "points" : "surface"); code < 0)
+      return code;
+    const StandInBody &from = of(self).bodies[body.v - 1];
+    const std::uint64_t count = on == C3DE_SIM_ON_POINTS ? from.points : from.surfacePoints;
+    for (const StandInField &one : on == C3DE_SIM_ON_POINTS ? from.inside : from.skin) {
+      if (one.name != fromAbi(name)) continue;
+      if (out.dtype != C3DE_F64 || out.count != count || out.count * out.comps != one.numbers.size()) return C3DE_E_ARG;
+      const std::size_t row = sizeof(double) * out.comps;
+      const std::size_t stride = out.stride != 0 ? static_cast<std::size_t>(out.stride) : row;
+      for (std::size_t i = 0; i < out.count; ++i)
+        std::memcpy(static_cast<char *>(out.data) + i * stride, one.numbers.data() + i * out.comps, row);
+      return C3DE_OK;
+    }
+    return C3DE_E_NOT_FOUND;
+  };
+  table.triangles = [](c3de_object *self, c3de_handle body, c3de_view *out) -> c3de_status {
+    if (const c3de_status code = of(self).answer("triangles"); code < 0) return code;
+    const std::vector<Triangle> &triangles = of(self).bodies[body.v - 1].triangles;
+    *out = {triangles.data(), triangles.size(), of(self).triangleComponents, C3DE_U32, 0};
+    return C3DE_OK;
+  };
+  table.enum_probes = [](c3de_object *self, void *visitor,
+                         c3de_status(C3DE_CALL * each)(void *, const c3de_sim_probe *)) -> c3de_status {
+    if (const c3de_status code = of(self).answer("enum_probes"); code < 0) return code;
+    for (const auto &[name, at] : of(self).probes) {
+      c3de_sim_probe probe{};
+      probe.size = sizeof probe;
+      probe.name = c3de::toAbi(name);
+      for (std::size_t a = 0; a < 3; ++a) probe.position_m[a] = at[a];
+      if (const c3de_status code = each(visitor, &probe); code != C3DE_OK) return code;
+    }
+    return C3DE_OK;
   };
   table.displacement = [](c3de_object *self, const c3de_sim_grid *grid, double rim_m, float *xyz_m,
                           float *gap_m) -> c3de_status {

@@ -8,25 +8,30 @@
 #include <string>
 #include <vector>
 
-#include "c3de/abi/draft/iface/point_sets.h"
 #include "c3de/abi/draft/iface/simulator.h"
 #include "c3de/core/parameter.h"
 #include "c3de/core/vec.h"
 
 namespace c3de::session::test {
 
-/// Numbers of points, one row after the other, by C3DE_FIELD_*. A field that is missing is refused.
-using Fields = std::map<std::uint32_t, std::vector<double>>;
+/// Numbers of points, one row after the other. A field that is missing is refused.
+struct StandInField {
+  std::string name, unit;
+  std::vector<double> numbers;
+};
+using Fields = std::vector<StandInField>;
+std::vector<double> &numbersOf(Fields &fields, const std::string &name);
+void eraseField(Fields &fields, const std::string &name);
 
 /// A body that the stand-in says it has, in metres.
 struct StandInBody {
   std::string name = "body";
   double spacing_m = 0.01;
-  std::uint64_t surfels = 0, phyxels = 0;
-  Fields skin, points;
+  std::uint64_t surfacePoints = 0, points = 0;
+  Fields skin, inside;
   std::vector<Triangle> triangles;
 };
-/// A closed cube of eight surfels that has moved. @param edge_m, low_m  in the reference
+/// A closed cube of eight surface points that has moved. @param edge_m, low_m  in the reference
 StandInBody cubeBody(double edge_m, const Vec3 &low_m, const Vec3 &moved_m);
 
 /// What add_body() was handed.
@@ -46,22 +51,26 @@ class StandInSimulator {
   StandInSimulator &operator=(const StandInSimulator &) = delete;
 
   [[nodiscard]] c3de_object *object() { return &shared_.object; }
-  [[nodiscard]] const c3de_simulator_v0 *table();
+  [[nodiscard]] const c3de_simulator_v1 *table();
   [[nodiscard]] int references() const { return references_; }
 
   // What it says:
   std::vector<StandInBody> bodies;
-  std::uint32_t revision = 4, tableSize = sizeof(c3de_simulator_v0), setRevision = 2;
-  bool answersInterface = true, setsAnswer = true;
-  std::map<std::string, c3de_status> failing;  ///< by the name of the function
+  std::uint32_t tableSize = sizeof(c3de_simulator_v1);
+  bool answersInterface = true;
+  bool lacksStateHash = false;
+  bool hasDisplacement = true, hasInterrupt = true;  ///< those slots are not null
+  std::map<std::string, c3de_status> failing;        ///< by the name of the function
   /// Numbers from -1 to 1e9; gravity, min and max: vectors from -10 to 10; enabled, rigid: switches.
   std::vector<std::string> worldIds, bodyIds;
   std::string report = R"({"bodies": [], "probes": []})";
+  std::vector<std::pair<std::string, Vec3>> probes;  ///< name and position, m
   Vec3 displacement_m{};
   double gap_m = 0.0;
   double dt_s = 0.1;
   bool standsStill = false;          ///< a step changes nothing
   std::uint64_t finishesAtStep = 0;  ///< a solution without time; 0: not one
+  std::uint32_t plannedSteps = 0;    ///< of that solution
   std::uint32_t stopped = 0;         ///< bodies
   std::uint32_t triangleComponents = 3;
   std::size_t cancelsFrom = 0;  ///< add_body() is cancelled from this body on; 0: never
@@ -74,7 +83,6 @@ class StandInSimulator {
   std::vector<std::uint32_t> interrupts;
   std::atomic<std::size_t> interruptCalls{0};
   std::atomic<std::uint64_t> steps{0};
-  std::atomic<int> openSets{0};  ///< that have not been given back
   std::atomic<std::uint64_t> attached{0};
 
  private:
@@ -84,13 +92,12 @@ class StandInSimulator {
   };
   static StandInSimulator &of(c3de_object *self) { return *reinterpret_cast<Shared *>(self)->owner; }
   static c3de_object_vt makeVt();
-  static c3de_simulator_v0 makeTable();
+  static c3de_simulator_v1 makeTable();
   [[nodiscard]] c3de_status answer(const char *function) const;
-  c3de_status openSet(const char *function, c3de_handle body, bool isSkin, c3de_object **out);
   void declare();
 
   c3de_object_vt vt_ = makeVt();
-  c3de_simulator_v0 table_ = makeTable();
+  c3de_simulator_v1 table_ = makeTable();
   Shared shared_{};
   std::vector<c3de_param_decl> worldDecls_, bodyDecls_;
   std::atomic<int> references_{1};

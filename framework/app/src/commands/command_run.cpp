@@ -68,7 +68,7 @@ Handler declare(CLI::App &app, CommandLine &line) {
          "image, else 3d")
       ->type_name("VIEW");
   CLI::Option *exportList = addFile(app, "--export", options.exportList, "FILE.pvd",
-                                    "Write the simulation for ParaView: phyxels and skins over time");
+                                    "Write the simulation for ParaView: points and skins over time");
   addSeconds(app, "--export-every", options.exportEvery_s, 1e-9, "Simulated time between two frames of --export")
       ->default_str(formatNumber(kDefaultExportEvery_s))
       ->needs(exportList);

@@ -131,17 +131,17 @@ void describeBuilt(c3de_object *simulator, std::size_t index, std::ostringstream
   info.size = sizeof info;
   if (!table || (*table)->body_at(simulator, index, &body) < 0 || (*table)->body_info(simulator, body, &info) < 0)
     return;
-  json["phyxels"] = info.phyxels;
+  json["points"] = info.points;
   json["spacing_m"] = info.spacing_m;
   json["mass_kg"] = info.mass_kg;
-  text << "  " << info.phyxels << " phyxels, spacing " << info.spacing_m << " m, " << info.mass_kg << " kg\n";
+  text << "  " << info.points << " points, spacing " << info.spacing_m << " m, " << info.mass_kg << " kg\n";
 }
 
 /// The check that `run` makes, as far as it can be made; how far, for people and as "checked_by_simulator", "built".
 /// @returns  the simulator with its bodies, empty where they were not built
 Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene, bool isQuick, BodySources &sources,
                                  std::string &howFar, Json &json) {
-  auto created = session.createSimulator();
+  auto created = session.createSimulator(scene.simulatorClass);
   ObjectRef simulator(created ? *created : nullptr);
   json["checked_by_simulator"] = created.has_value();
   json["built"] = created && !isQuick;

@@ -61,22 +61,9 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Mat
   return scene;
 }
 
-/// A value of the world as the scene asks for it, or the simulator's default; none where neither says it.
-std::optional<ParameterValue> worldValue(const scene::SceneFile &scene, c3de_object *simulator, const std::string &id) {
-  for (const scene::SceneValue &value : scene.world)
-    if (value.value.id == id) return value.value;
-  if (const auto decls = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD))
-    if (const auto decl = findParameter(*decls, id)) return (*decl)->fallbackValue();
-  return std::nullopt;
-}
-
-RunLimits limitsOf(const scene::SceneFile &scene, c3de_object *simulator, const RunOptions &options,
-                   std::chrono::steady_clock::time_point begin) {
+RunLimits limitsOf(const RunOptions &options, std::chrono::steady_clock::time_point begin) {
   RunLimits limits;
   limits.begin = begin;
-  if (const auto integrator = worldValue(scene, simulator, "solver.integrator")) limits.integrator = integrator->text;
-  if (const auto steps = worldValue(scene, simulator, "solver.load_steps"); steps && steps->num > 0.0)
-    limits.loadSteps = steps->num;
   if (options.timeLimit_s)
     limits.deadline = begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                   std::chrono::duration<double>(*options.timeLimit_s));
@@ -84,7 +71,7 @@ RunLimits limitsOf(const scene::SceneFile &scene, c3de_object *simulator, const 
 }
 
 void printSummary(const RunFacts &facts) {
-  if (facts.integrator == kQuasistatic)
+  if (facts.isLoadStepped)
     return printOut(
         fmt::format("{}: {}, {} load steps in {:.3g} s\n", facts.scene, facts.outcome, facts.steps, facts.wall_s));
   const Preparation &took = facts.prepared.took;
@@ -167,7 +154,7 @@ Expected<void> writeReport(const RunOptions &options, const RunFacts &facts, con
 
 /// Of the scene's image, which has been read before.
 Expected<void> writeImageExports(const RunOptions &options, Session &session, const scene::SceneFile &scene,
-                                 BodySources &sources, const c3de_simulator_v0 *table, c3de_object *simulator,
+                                 BodySources &sources, const c3de_simulator_v1 *table, c3de_object *simulator,
                                  WrittenOutputs &outputs) {
   imaging::ReadOptions chosen;
   chosen.series = scene.image->series;
@@ -287,13 +274,15 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (!scene) return tl::unexpected(scene.error());
   const auto view = checkBeforeBuilding(options, *scene);
   if (!view) return tl::unexpected(view.error());
-  auto created = session.createSimulator();
+  const auto chosen = session.chooseSimulator(scene->simulatorClass);
+  if (!chosen) return failInScene(chosen.error(), *scene, scene->simulatorLine);
+  auto created = session.createSimulator(chosen->classId);
   if (!created) return tl::unexpected(created.error());
   const ObjectRef simulator(*created);
   const auto table = simulatorTable(simulator.get());
   if (!table) return tl::unexpected(table.error());
 
-  const RunLimits limits = limitsOf(*scene, simulator.get(), options, begin);
+  const RunLimits limits = limitsOf(options, begin);
   Prepared prepared;
   BodySources sources;
   auto overBefore = buildBodies(options, limits, session, simulator.get(), *scene, sources, prepared);
@@ -306,6 +295,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   facts.prepared = std::move(prepared);
   facts.scene = scene->title;
   facts.source = options.scene.string();
+  facts.simulator = *chosen;
 
   if (const auto simulatorJson = run.simulatorReport())
     if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;

@@ -190,6 +190,13 @@ ui::WindowActions Workstation::actions() {
     window_->requestFit();
   };
   actions.reload = [this] { loader_->reload(); };
+  actions.simulators = [this] {
+    std::vector<ui::SimulatorChoice> choices;
+    for (const SimulatorIdentity &one : session_->simulators())
+      choices.push_back({one.classId, one.label, one.plugin, one.classId == session_->simulatorClass()});
+    return choices;
+  };
+  actions.chooseSimulator = [this](const std::string &id) { session_->setSimulatorClass(id); };
   actions.transport = [this](std::uint32_t action) {
     if (scene::Simulation *simulation = session_->simulation()) simulation->transport(action);
   };

@@ -42,7 +42,7 @@ void exportPresentFrame(Session &session, const std::filesystem::path &file, Exp
   plugin_host::PluginHost *host = &session.plugins();
   const auto write = [host, file](scene::Simulation &simulation) -> Expected<std::string> {
     const auto states =
-        readBodyStates(simulation.object(), BodyParts::skinAndPhyxels, [host] { return host->takeError(); });
+        readBodyStates(simulation.object(), BodyParts::skinAndInside, [host] { return host->takeError(); });
     if (!states) return tl::unexpected(states.error());
     c3de_sim_status status{};
     status.size = sizeof status;

@@ -94,7 +94,7 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
   }
   auto scene = read(files, meshUnit);
   if (!scene) return events_.failed(title, scene.error());
-  auto created = session_.createSimulator();
+  auto created = session_.createSimulator(scene->simulatorClass);
   if (!created) return events_.failed(title, created.error());
 
   if (!job_.isNull()) session_.jobs().cancel(job_);

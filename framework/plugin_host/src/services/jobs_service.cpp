@@ -56,7 +56,7 @@ struct Job {
       }
     };
     const c3de_progress progress{sizeof(c3de_progress), 0, const_cast<ProgressFn *>(&report), +update};
-    setLastError({});
+    setLastError(std::string_view());
     status = C3DE_E_EXCEPTION;
     callPlugin(*plugin, "the run of a job", [&] { status = real.run(real.self, &progress); });
     if (status >= 0) return {};

@@ -112,6 +112,18 @@ void viewMenu(FrameContext &frame) {
 void simulationMenu(FrameContext &frame) {
   for (const Command command : {Command::playPause, Command::step, Command::reset, Command::stop})
     menuItem(frame, {command, true});
+  if (!frame.actions.simulators || !frame.actions.chooseSimulator) return;
+  const std::vector<SimulatorChoice> choices = frame.actions.simulators();
+  if (choices.size() < 2) return;
+  ImGui::Separator();
+  ImGui::TextDisabled("What is opened next is simulated by");
+  for (const SimulatorChoice &choice : choices) {
+    const std::string label = choice.label + "###" + choice.id;
+    const bool isPicked = ImGui::MenuItem(label.c_str(), nullptr, choice.isChosen);
+    markItem(frame, "menu", "simulator." + choice.id);
+    itemTooltip(frame, choice.id + " of " + choice.plugin);
+    if (isPicked) frame.actions.chooseSimulator(choice.id);
+  }
 }
 
 void helpMenu(FrameContext &frame) {

@@ -83,19 +83,19 @@ Reshape reshapeOf(const Services &services) {
 
 }  // namespace
 
-// "fix 1: …" of the core counts the body's own; messages use the numbers of the scene.
-std::optional<std::string> renumbered(const std::string &text, const BodySource &source) {
-  const auto replace = [&](const char *word, const std::vector<std::uint32_t> &numbers) -> std::optional<std::string> {
-    const std::string prefix = std::string(word) + " ";
-    if (text.rfind(prefix, 0) != 0) return std::nullopt;
-    const std::size_t colon = text.find(':');
-    const auto own = static_cast<std::size_t>(std::strtoul(text.c_str() + prefix.size(), nullptr, 10));
-    if (colon == std::string::npos || own >= numbers.size()) return std::nullopt;
-    return prefix + std::to_string(numbers[own]) + text.substr(colon);
-  };
-  if (text.rfind("refinement ", 0) == 0) return text;  // numbered per body in the scene, too
-  if (auto fix = replace("fix", source.fixNumbers)) return fix;
-  return replace("load", source.loadNumbers);
+// "fix 1: …" of the core counts the body's own; places have the numbers of the scene.
+sdk::Error errorOf(const std::string &text, const std::string &name, const BodySource &source) {
+  const std::size_t blank = text.find(' '), colon = text.find(": ");
+  if (blank != std::string::npos && colon != std::string::npos && blank < colon) {
+    const std::string table = text.substr(0, blank), what = text.substr(colon + 2);
+    const auto own = static_cast<std::uint32_t>(std::strtoul(text.c_str() + blank, nullptr, 10));
+    if (table == "refinement") return {C3DE_E_ARG, what, {table, own, {}}};
+    if (table == "fix" && own < source.fixNumbers.size())
+      return {C3DE_E_ARG, what, {table, source.fixNumbers[own], {}}};
+    if (table == "load" && own < source.loadNumbers.size())
+      return {C3DE_E_ARG, what, {table, source.loadNumbers[own], {}}};
+  }
+  return {C3DE_E_ARG, name + ": " + text};
 }
 
 Constitution constitutionOf(const std::string &name, const BodySource &source, const ParameterValues &values) {
@@ -153,8 +153,7 @@ BuiltBody build(const Services &services, const std::string &name, c3de_handle m
   });
   if (!rest) {
     if (rest.error() == "cancelled") throw cancelled();
-    const std::optional<std::string> spoken = renumbered(rest.error(), source);
-    throw sdk::Error(C3DE_E_ARG, spoken ? *spoken : name + ": " + rest.error());
+    throw errorOf(rest.error(), name, source);
   }
   if (const std::string thin = tooCoarse(**rest, areaOf(*out.surface)); !thin.empty() && !isRigid(values))
     throw sdk::Error(C3DE_E_ARG, name + ": " + thin);

@@ -23,11 +23,15 @@ T element(const T *first, std::uint64_t index, std::uint64_t stride) {
 
 Vec3 vec(const double *v) { return {v[0], v[1], v[2]}; }
 
-[[noreturn]] void refuse(const std::string &where, const std::string &what) {
-  throw Error(C3DE_E_ARG, where + ": " + what);
+[[noreturn]] void refuse(const sdk::ErrorPlace &where, const std::string &what) {
+  throw Error(C3DE_E_ARG, what, where);
 }
 
-Region readRegion(const c3de_sim_region &in, const std::string &where) {
+sdk::ErrorPlace member(const char *key) { return {{}, 0, key}; }
+
+Region readRegion(const c3de_sim_region *given, const sdk::ErrorPlace &where) {
+  if (given == nullptr) refuse(where, "region is null");
+  const c3de_sim_region in = element(given, 0, 0);
   Region region;
   switch (in.kind) {
     case C3DE_SIM_REGION_EVERYWHERE: region = EverywhereRegion{}; break;
@@ -40,9 +44,23 @@ Region readRegion(const c3de_sim_region &in, const std::string &where) {
   return region;
 }
 
-void setMotion(const c3de_sim_motion &in, Fix &fix, const std::string &where) {
+/// rad, the shorter way.
+Vec3 rotationVectorOf(const double *xyzw, const sdk::ErrorPlace &where) {
+  Eigen::Quaterniond q(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+  if (!q.coeffs().allFinite() || std::abs(q.norm() - 1.0) > 1e-6) refuse(where, "quaternion is not of unit length");
+  q.normalize();
+  const Eigen::AngleAxisd turn(q);
+  return turn.angle() * turn.axis();
+}
+
+void setMotion(const c3de_sim_motion *given, Fix &fix, const sdk::ErrorPlace &where) {
+  if (given == nullptr) return;
+  const c3de_sim_motion in = element(given, 0, 0);
   fix.displacement = vec(in.displacement_m);
-  fix.rotation_deg = vec(in.rotation_deg);
+  if (in.flags & C3DE_SIM_HAS_QUATERNION)
+    fix.rotationVector = rotationVectorOf(in.quaternion, where);
+  else
+    fix.rotation_deg = vec(in.rotation_deg);
   if (in.flags & C3DE_SIM_HAS_CENTRE) fix.centre = vec(in.centre_m);
   fix.ramp = in.ramp_s;
   if (!fix.displacement.allFinite() || !fix.rotation_deg.allFinite() || (fix.centre && !fix.centre->allFinite()))
@@ -50,10 +68,24 @@ void setMotion(const c3de_sim_motion &in, Fix &fix, const std::string &where) {
   if (!std::isfinite(fix.ramp) || fix.ramp < 0.0) refuse(where, "ramp is not finite and >= 0 s");
 }
 
+Load readLoad(const c3de_sim_load &in, const sdk::ErrorPlace &where) {
+  Load load;
+  load.region = readRegion(in.region, where);
+  if (in.flags & C3DE_SIM_LOAD_PRESSURE)
+    load.pressure = in.pressure_Pa;
+  else
+    load.force = vec(in.force_N);
+  load.follower = !(in.flags & C3DE_SIM_LOAD_DEAD);
+  load.ramp = in.ramp_s;
+  if (!load.force.allFinite() || !std::isfinite(load.pressure)) refuse(where, "force or pressure is not finite");
+  if (!std::isfinite(load.ramp) || load.ramp < 0.0) refuse(where, "ramp is not finite and >= 0 s");
+  return load;
+}
+
 std::shared_ptr<const FillSource> readFill(const c3de_sim_fill &fill, const Placement &placement) {
   const c3de_sim_fill in = element(&fill, 0, fill.size);
-  const FieldGrid grid = readGrid(in.grid, "fill");
-  if (in.values == nullptr) refuse("fill", "values is null");
+  if (in.grid == nullptr || in.values == nullptr) refuse(member("fill"), "grid or values is null");
+  const FieldGrid grid = readGrid(*in.grid, "fill");
   const PlacementTransform transform(placement);
   const auto placed = [&](const Vec3 &metres) { return transform.metres(metres / kMetresPerMillimetre); };
   Occupancy occupancy;
@@ -67,19 +99,18 @@ std::shared_ptr<const FillSource> readFill(const c3de_sim_fill &fill, const Plac
 
 std::optional<Fix> readMotion(const c3de_sim_motion *motion, const char *what) {
   if (!motion) return std::nullopt;
-  const c3de_sim_motion in = element(motion, 0, 0);
   Fix fix;
   fix.region = EverywhereRegion{};
-  setMotion(in, fix, what);
+  setMotion(motion, fix, member(what));
   return fix;
 }
 
 BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) {
   BodySource source;
-  source.placement = {vec(body.position_m), vec(body.rotation_deg), body.scale == 0.0 ? 1.0 : body.scale};
+  source.placement = readPlacement(body.placement);
   for (std::uint64_t i = 0; body.fixes && i < body.fixes_n; ++i) {
     const c3de_sim_fix in = element(body.fixes, i, body.fixes_stride);
-    const std::string where = "fix " + std::to_string(in.index);
+    const sdk::ErrorPlace where{"fix", in.index, {}};
     Fix fix;
     fix.region = readRegion(in.region, where);
     setMotion(in.motion, fix, where);
@@ -88,23 +119,13 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
   }
   for (std::uint64_t i = 0; body.loads && i < body.loads_n; ++i) {
     const c3de_sim_load in = element(body.loads, i, body.loads_stride);
-    const std::string where = "load " + std::to_string(in.index);
-    Load load;
-    load.region = readRegion(in.region, where);
-    if (in.flags & C3DE_SIM_LOAD_PRESSURE)
-      load.pressure = in.pressure_Pa;
-    else
-      load.force = vec(in.force_N);
-    load.follower = !(in.flags & C3DE_SIM_LOAD_DEAD);
-    load.ramp = in.ramp_s;
-    if (!load.force.allFinite() || !std::isfinite(load.pressure)) refuse(where, "force or pressure is not finite");
-    if (!std::isfinite(load.ramp) || load.ramp < 0.0) refuse(where, "ramp is not finite and >= 0 s");
-    source.loads.push_back(std::move(load));
+    const sdk::ErrorPlace where{"load", in.index, {}};
+    source.loads.push_back(readLoad(in, where));
     source.loadNumbers.push_back(in.index);
   }
   for (std::uint64_t i = 0; body.parts && i < body.parts_n; ++i) {
     const c3de_sim_part in = element(body.parts, i, body.parts_stride);
-    const std::string where = "part " + std::to_string(i);
+    const sdk::ErrorPlace where{"part", static_cast<std::uint32_t>(i), {}};
     ParameterValues own = values;
     if (auto set = own.set(in.params, in.params_n, in.params_stride); !set) refuse(where, set.failure().message);
     std::vector<std::string> said;
@@ -114,23 +135,29 @@ BodySource readSource(const c3de_sim_body &body, const ParameterValues &values) 
   }
   for (std::uint64_t i = 0; body.refinements && i < body.refinements_n; ++i) {
     const c3de_sim_refinement in = element(body.refinements, i, body.refinements_stride);
-    const std::string where = "refinement " + std::to_string(i);
+    const sdk::ErrorPlace where{"refinement", static_cast<std::uint32_t>(i), {}};
     if (!std::isfinite(in.spacing_m) || in.spacing_m <= 0.0) refuse(where, "spacing is not finite and > 0 m");
     source.refinements.push_back({readRegion(in.region, where), in.spacing_m});
   }
   source.velocity = vec(body.velocity_m_s);
   source.angularVelocity = vec(body.angular_velocity_rad_s);
   if (!source.velocity.allFinite() || !source.angularVelocity.allFinite())
-    refuse("velocity", "velocity and angular velocity have to be finite");
+    refuse(member("velocity"), "velocity and angular velocity have to be finite");
   if (body.colour != nullptr) {
     source.colour.emplace();
     for (std::size_t c = 0; c < 3; ++c) {
       (*source.colour)[c] = body.colour[c];
-      if (!(body.colour[c] >= 0.0f && body.colour[c] <= 1.0f)) refuse("colour", "is not in 0 ... 1");
+      if (!(body.colour[c] >= 0.0f && body.colour[c] <= 1.0f)) refuse(member("colour"), "is not in 0 ... 1");
     }
   }
   if (body.fill != nullptr) source.fill = readFill(*body.fill, source.placement);
   return source;
+}
+
+Load readLoad(const c3de_sim_load *load) {
+  if (load == nullptr) throw Error(C3DE_E_ARG, "load is null");
+  const c3de_sim_load in = element(load, 0, 0);
+  return readLoad(in, {"load", in.index, {}});
 }
 
 FieldGrid readGrid(const c3de_sim_grid &grid, const char *what) {
@@ -140,7 +167,8 @@ FieldGrid readGrid(const c3de_sim_grid &grid, const char *what) {
   std::uint64_t count = 1;
   for (std::size_t a = 0; a < 3; ++a) {
     if (in.points[a] == 0 || in.points[a] > kMost / count)
-      refuse(what, "has " + std::to_string(in.points[a]) + " points along an axis; accepted: 1 and more, 2^31 in all");
+      refuse(member(what),
+             "has " + std::to_string(in.points[a]) + " points along an axis; accepted: 1 and more, 2^31 in all");
     count *= in.points[a];
     out.size[a] = static_cast<std::size_t>(in.points[a]);
   }
@@ -148,7 +176,7 @@ FieldGrid readGrid(const c3de_sim_grid &grid, const char *what) {
   out.steps << vec(in.step_i_m), vec(in.step_j_m), vec(in.step_k_m);
   const double volume = std::abs(out.steps.determinant());
   if (!out.origin.allFinite() || !out.steps.allFinite() || !(volume > 0.0))
-    refuse(what, "its steps have to span space");
+    refuse(member(what), "its steps have to span space");
   return out;
 }
 

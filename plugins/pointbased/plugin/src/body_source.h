@@ -47,9 +47,12 @@ struct BodySource {
   Vec3 velocity = Vec3::Zero(), angularVelocity = Vec3::Zero();  ///< m/s, rad/s; at the start
 };
 
-/// Reads what add_body was given, without the mesh. Errors as sdk::Error, "fix 2: …" in front.
+/// Reads what add_body was given, without the mesh. Errors as sdk::Error with their place.
 /// @param values  of the body: what a part does not say is as there
 [[nodiscard]] BodySource readSource(const c3de_sim_body &body, const ParameterValues &values);
+
+/// A load of add_load. Errors as sdk::Error.
+[[nodiscard]] Load readLoad(const c3de_sim_load *load);
 
 /// A grid of the host. Errors as sdk::Error, `what` in front.
 [[nodiscard]] FieldGrid readGrid(const c3de_sim_grid &grid, const char *what);

@@ -336,13 +336,16 @@ void Controller::load() {
     body.params_stride = sizeof(c3de_param_value);
     body.name = sdk::str(name);
     body.mesh = mesh->handle();
+    c3de_sim_placement placement{};
+    placement.size = sizeof placement;
+    placement.scale = 1.0;
     // A replacement stands where the one before stood.
     if (before != 0)
       if (const auto source = simulator->source(before)) {
         const Vec3 &p = source->placement.position;
-        for (int i = 0; i < 3; ++i) body.position_m[i] = p[i];
+        for (int i = 0; i < 3; ++i) placement.position_m[i] = p[i];
       }
-    body.scale = 1.0;
+    body.placement = &placement;
     body.params = params.data();
     body.params_n = params.size();
     body.progress = progress.abi();

@@ -150,13 +150,13 @@ constexpr std::array kBody{
                 {0.0, kNever, 0.0, 5.0}, kNever),
     numberParam({"material.prony1.share", "Relaxation 1, share", "",
                  "Part of the shear modulus that relaxes with the first time; 0: none", "Relaxation"},
-                {0.0, 1.0, 0.0, 0.9}, 0.0, C3DE_PARAM_MAX_OPEN),
+                {0.0, 1.0, 0.0, 0.9}, 0.0, C3DE_PARAM_MAX_OPEN | C3DE_PARAM_TOGETHER),
     numberParam({"material.prony1.time", "Relaxation 1, time", "s", "Relaxation time", "Relaxation"},
-                {0.0, 1e9, 0.01, 100.0}, 1.0, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
+                {0.0, 1e9, 0.01, 100.0}, 1.0, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE | C3DE_PARAM_TOGETHER),
     numberParam({"material.prony2.share", "Relaxation 2, share", "", "The same for a second time", "Relaxation"},
-                {0.0, 1.0, 0.0, 0.9}, 0.0, C3DE_PARAM_MAX_OPEN),
+                {0.0, 1.0, 0.0, 0.9}, 0.0, C3DE_PARAM_MAX_OPEN | C3DE_PARAM_TOGETHER),
     numberParam({"material.prony2.time", "Relaxation 2, time", "s", "Relaxation time", "Relaxation"},
-                {0.0, 1e9, 0.01, 100.0}, 10.0, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE),
+                {0.0, 1e9, 0.01, 100.0}, 10.0, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_LOG_SCALE | C3DE_PARAM_TOGETHER),
     numberParam(
         {"surroundings.stiffness", "Held by surroundings", "Pa/m",
          "Elastic foundation: the tissue around pulls every point of the surface to its place in the reference by this "
@@ -192,7 +192,7 @@ constexpr std::array kBody{
         {"sampling.count", "Count", "",
          "How many phyxels, within some per cent, when the spacing is auto. auto: 1000, of thin bodies up "
          "to 4000, so that the spacing is at most half of the thickness",
-         "Sampling"},
+         "Sampling", C3DE_PARAM_ID_SPACING},
         {1.0, static_cast<double>(kMaximumPhyxels), 50.0, 5000.0}, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_LOG_SCALE)),
     numberParam({"sampling.surface_spacing", "Surface spacing", "m",
                  "stress_points: cells that the surface cuts are divided until they are at most this; 0: as inside",
@@ -202,9 +202,9 @@ constexpr std::array kBody{
                  "stress_points: phyxels inside are moved at random by up to this part of the spacing", "Sampling"},
                 {0.0, 0.3, 0.0, 0.3}, 0.0, C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED),
     neighboursParam(),
-    numberParam(
-        {"sampling.support", "Support", "spacings", "Radius of the neighbourhood when neighbours is auto", "Sampling"},
-        {1.01, 6.0, 1.5, 3.0}, 1.8, C3DE_PARAM_NEEDS_RESET),
+    numberParam({"sampling.support", "Support", "spacings", "Radius of the neighbourhood when neighbours is auto",
+                 "Sampling", "sampling.neighbours"},
+                {1.01, 6.0, 1.5, 3.0}, 1.8, C3DE_PARAM_NEEDS_RESET),
     autoParam({"sampling.stabilisation", "Stabilisation", "",
                "Control of the modes that one evaluation per point cannot see; auto: 0.92 for stress_points, 0.1 for "
                "phyxels; "

@@ -11,37 +11,7 @@ namespace {
 
 constexpr sdk::Material kMarker{{1.0f, 0.85f, 0.2f, 1.0f}, false};
 constexpr double kMarkerRadius = 0.3;  // of the spacing
-constexpr double kLeastRadius = 2.0;   // spacings: a patch of a few phyxels at any sampling
-// The pull is limited to this many times E r²: it strains the held patch by several hundred per cent, and no more
-// however far the hand is torn away.
-constexpr double kStrongestPull = 4.0;
-
 sdk::Vec3 toArray(const Vec3 &v) { return {v[0], v[1], v[2]}; }
-
-// The phyxels within the radius of a surfel, all measured at rest, weighted towards the middle; the surfel's own ones
-// when none is so near.
-Grab patchAround(const RestState &rest, std::size_t surfel, double radius) {
-  Grab grab;
-  double sum = 0.0;
-  const Interpolation binding = rest.surfels.expanded(surfel, rest.positions);
-  const Vec3 &at = binding.positions.front();
-  std::vector<std::uint8_t> held(rest.phyxelCount(), 0);
-  for (const ConstrainedRegion &part : rest.conditions.held)
-    for (const Index i : part.phyxels) held[i] = 1;
-  for (std::size_t i = 0; i < rest.phyxelCount(); ++i) {
-    if (held[i]) continue;
-    const double weight = rest.volumes[i] * kernelWeight((rest.positions[i] - at).norm(), radius);
-    if (weight <= 0.0) continue;
-    grab.phyxels.push_back(static_cast<Index>(i));
-    grab.weights.push_back(weight);
-    sum += weight;
-  }
-  for (double &w : grab.weights) w /= sum;
-  if (!grab.phyxels.empty()) return grab;
-  grab.phyxels = binding.phyxels.indices;
-  grab.weights = binding.weights;
-  return grab;
-}
 
 Vec3 vectorOf(const Vec3f &x) { return {x[0], x[1], x[2]}; }
 
@@ -127,11 +97,7 @@ bool PinchTool::press(const c3de_event &event) {
     return (vectorOf(body->surfels[a]) - under).squaredNorm() < (vectorOf(body->surfels[b]) - under).squaredNorm();
   });
 
-  const double radius = std::max(1e-3 * settings_.radius_mm, kLeastRadius * body->rest->spacing);
-  Grab grab = patchAround(*body->rest, surfel, radius);
-  grab.frequency = 2.0 * EIGEN_PI * settings_.frequency_hz;
-  grab.dampingRatio = settings_.dampingRatio;
-  grab.maxForce = kStrongestPull * body->youngsModulus * radius * radius;
+  Grab grab = grabAround(*body->rest, surfel, settings_, body->youngsModulus);
   Vec3 grabbed = Vec3::Zero();
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k) grabbed += grab.weights[k] * body->phyxels[grab.phyxels[k]];
   grab.target = grabbed;

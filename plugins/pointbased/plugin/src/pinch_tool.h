@@ -4,17 +4,13 @@
 #include <optional>
 
 #include "c3de/sdk/tool.hpp"
+#include "grab_patch.h"
 #include "pull_history.h"
 #include "world_simulator.h"
 
 namespace pointbased {
 
 /// How the pinch holds.
-struct PinchSettings {
-  double frequency_hz = 25.0;  ///< of the spring on the mass it holds
-  double dampingRatio = 1.0;
-  double radius_mm = 18.0;  ///< of the patch around the surfel; at least two spacings are taken
-};
 
 /// Press on the surface: the nearest surfel under the mouse is held, through the host's collision service; drag: a
 /// damped spring pulls its phyxels; release or Escape: let go. A marker shows where, an arrow the pull, a label the

@@ -8,20 +8,41 @@
 
 namespace pointbased {
 
+Placement readPlacement(const c3de_sim_placement *placement) {
+  Placement out;
+  if (placement == nullptr) return out;
+  c3de_sim_placement in{};
+  std::memcpy(&in, placement, std::min<std::size_t>(placement->size, sizeof in));
+  if (in.flags & C3DE_SIM_PLACED_BY_MATRIX) {
+    const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix4d>(in.matrix);
+    const Mat3 linear = matrix.topLeftCorner<3, 3>();
+    const double scale = std::cbrt(linear.determinant());
+    // What single precision and six printed digits leave of a rotation.
+    constexpr double kTolerance = 1e-5;
+    if (!matrix.allFinite() || !(scale > 0.0) || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1) ||
+        (linear.transpose() * linear / (scale * scale) - Mat3::Identity()).cwiseAbs().maxCoeff() > kTolerance)
+      throw sdk::Error(C3DE_E_ARG,
+                       "matrix: not a rotation times one scale above 0 with a displacement, last row 0 0 0 1");
+    return {matrix.topRightCorner<3, 1>(), Eigen::Quaterniond(Mat3(linear / scale)).normalized().toRotationMatrix(),
+            scale};
+  }
+  const Vec3 angles = Vec3(in.rotation_deg) * (EIGEN_PI / 180.0);
+  out.position = Vec3(in.position_m);
+  out.scale = in.scale == 0.0 ? 1.0 : in.scale;
+  out.rotation = (Eigen::AngleAxisd(angles[2], Vec3::UnitZ()) * Eigen::AngleAxisd(angles[1], Vec3::UnitY()) *
+                  Eigen::AngleAxisd(angles[0], Vec3::UnitX()))
+                     .toRotationMatrix();
+  if (!out.position.allFinite() || !out.rotation.allFinite() || !std::isfinite(out.scale) || out.scale < 0.0)
+    throw sdk::Error(C3DE_E_ARG, "position, rotation and scale must be finite, scale > 0");
+  return out;
+}
+
 PlacementTransform::PlacementTransform(const Placement &p) : position_(p.position) {
-  const Vec3 angles = p.rotation_deg * (EIGEN_PI / 180.0);
-  const double scale = p.scale == 0.0 ? 1.0 : p.scale;
-  const Mat3 rotation = (Eigen::AngleAxisd(angles[2], Vec3::UnitZ()) * Eigen::AngleAxisd(angles[1], Vec3::UnitY()) *
-                         Eigen::AngleAxisd(angles[0], Vec3::UnitX()))
-                            .toRotationMatrix();
-  linear_ = scale * rotation;
-  inverse_ = rotation.transpose() / scale;
+  linear_ = p.scale * p.rotation;
+  inverse_ = p.rotation.transpose() / p.scale;
 }
 
 std::shared_ptr<PlacedMesh> placeMesh(const Services &services, c3de_handle mesh, const Placement &placement) {
-  if (!placement.position.allFinite() || !placement.rotation_deg.allFinite() || !std::isfinite(placement.scale) ||
-      placement.scale < 0.0)
-    throw sdk::Error(C3DE_E_ARG, "position, rotation and scale must be finite, scale > 0");
   const auto positions = sdk::orThrow(services.meshes.positions(mesh));
   const auto triangles = sdk::orThrow(services.meshes.triangles(mesh));
   const auto info = sdk::orThrow(services.meshes.info(mesh));

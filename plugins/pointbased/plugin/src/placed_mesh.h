@@ -11,9 +11,12 @@ namespace pointbased {
 /// Scale, then rotation about x, y, z, then position.
 struct Placement {
   Vec3 position = Vec3::Zero();  ///< m
-  Vec3 rotation_deg = Vec3::Zero();
-  double scale = 1.0;
+  Mat3 rotation = Mat3::Identity();
+  double scale = 1.0;  ///< > 0
 };
+
+/// As the host says it. Errors as sdk::Error: what is not finite, and a matrix that is not a rotation times a scale.
+[[nodiscard]] Placement readPlacement(const c3de_sim_placement *placement);
 
 /// A mesh of the host, in metres where the scene puts it, with its tree for distances and picking. Const once made, but
 /// for the tree, which a picking tool may refit.

@@ -28,11 +28,11 @@ class PointBasedPlugin : public SimulatorListener {
   explicit PointBasedPlugin(sdk::Host host) : context_{Services(host), this}, pinch_(context_.services) {
     const sdk::Registry &registry = context_.services.registry;
     sdk::orThrow(registry.add<WorldSimulator>(
-        kWorldSimulatorClass, "Point-based simulator",
+        C3DE_POINTBASED_WORLD_SIMULATOR_CLASS, "Point-based simulator",
         "Deformable bodies by the point-based method of Müller et al. 2004; iface.simulator", context_));
-    sdk::orThrow(registry.add<PhyxelSet>(kPhyxelClass, "Phyxels",
+    sdk::orThrow(registry.add<PhyxelSet>(C3DE_POINTBASED_PHYXEL_CLASS, "Phyxels",
                                          "Points that carry the physics of a body; iface.phyxel_set", context_));
-    sdk::orThrow(registry.add<SurfelSet>(kSurfelClass, "Surfels",
+    sdk::orThrow(registry.add<SurfelSet>(C3DE_POINTBASED_SURFEL_CLASS, "Surfels",
                                          "Points of a surface that follow phyxels; iface.surfel_set", context_));
     if (context_.services.params && context_.services.notifier && context_.services.simulation) {
       controller_ = std::make_unique<Controller>(context_.services, pinch_);

@@ -3,7 +3,8 @@
 
 #include <cmath>
 
-#include "pointbased/fields.h"
+#include "body_fields.h"
+#include "field_rows.h"
 
 namespace pointbased {
 namespace {
@@ -22,44 +23,41 @@ std::vector<Vec3> readPoints(const c3de_view &view, const char *what) {
   return out;
 }
 
-template <std::uint32_t N>
-sdk::Rows<double, N> room(const c3de_mview &out, std::size_t count) {
-  auto rows = sdk::orThrow(sdk::asMutableRows<double, N>(out, "field"));
-  if (rows.size() < count)
-    throw Error(C3DE_E_ARG,
-                "field: room for " + std::to_string(rows.size()) + " rows, needed " + std::to_string(count));
-  return rows;
-}
-
-template <class Get>
-void writeVectors(const c3de_mview &out, std::size_t count, Get &&get) {
-  const auto rows = room<3>(out, count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3 v = get(i);
-    for (int c = 0; c < 3; ++c) rows[i][c] = v[c];
-  }
-}
-
-template <class Get>
-void writeScalars(const c3de_mview &out, std::size_t count, Get &&get) {
-  const auto rows = room<1>(out, count);
-  for (std::size_t i = 0; i < count; ++i) rows[i][0] = get(i);
-}
-
-template <class Get>
-void writeMatrices(const c3de_mview &out, std::size_t count, Get &&get) {
-  const auto rows = room<9>(out, count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Mat3 m = get(i);  // column-major, as the field is
-    for (int c = 0; c < 9; ++c) rows[i][c] = m.data()[c];
-  }
-}
-
 [[noreturn]] void unknownField(std::uint32_t field) {
   throw Error(C3DE_E_ARG, "field " + std::to_string(field) + " is not one of this set");
 }
 
+const char *nameOf(std::uint32_t field) {
+  switch (field) {
+    case C3DE_FIELD_REFERENCE_POSITION: return C3DE_SIM_FIELD_REFERENCE_POSITION;
+    case C3DE_FIELD_POSITION: return C3DE_SIM_FIELD_POSITION;
+    case C3DE_FIELD_VELOCITY: return C3DE_SIM_FIELD_VELOCITY;
+    case C3DE_FIELD_MASS: return C3DE_SIM_FIELD_MASS;
+    case C3DE_FIELD_VOLUME: return C3DE_SIM_FIELD_VOLUME;
+    case C3DE_FIELD_GRADIENT: return "deformation_gradient";
+    case C3DE_FIELD_STRAIN: return "strain_green";
+    case C3DE_FIELD_STRESS: return "stress_pk2";
+    default: unknownField(field);
+  }
+}
+
 c3de_view indexView(const std::vector<Index> &values) { return {values.data(), values.size(), 1, C3DE_U32, 0}; }
+
+constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0),
+                                             1,
+                                             sdk::thunk<PhyxelSet, &PhyxelSet::count>,
+                                             sdk::thunk<PhyxelSet, &PhyxelSet::read>,
+                                             sdk::thunk<PhyxelSet, &PhyxelSet::neighbours>,
+                                             sdk::thunk<PhyxelSet, &PhyxelSet::assign>,
+                                             sdk::thunk<PhyxelSet, &PhyxelSet::move>};
+
+constexpr c3de_surfel_set_v0 kSurfelSetTable{sizeof(c3de_surfel_set_v0),
+                                             2,
+                                             sdk::thunk<SurfelSet, &SurfelSet::count>,
+                                             sdk::thunk<SurfelSet, &SurfelSet::read>,
+                                             sdk::thunk<SurfelSet, &SurfelSet::owners>,
+                                             sdk::thunk<SurfelSet, &SurfelSet::assign>,
+                                             sdk::thunk<SurfelSet, &SurfelSet::triangles>};
 
 }  // namespace
 
@@ -67,7 +65,7 @@ PhyxelSet::PhyxelSet(PluginContext &context) : context_(context) {}
 PhyxelSet::PhyxelSet(PluginContext &context, sdk::Ref<WorldSimulator> simulator, std::uint64_t body)
     : context_(context), simulator_(std::move(simulator)), body_(body) {}
 
-std::array<sdk::Interface, 1> PhyxelSet::interfaces() { return {sdk::interfaceOf(sdk::kPhyxelSetTable<PhyxelSet>)}; }
+std::array<sdk::Interface, 1> PhyxelSet::interfaces() { return {sdk::interfaceOf(kPhyxelSetTable)}; }
 
 void PhyxelSet::withBody(const std::function<void(const Body &)> &read) const {
   if (simulator_) {
@@ -86,37 +84,7 @@ std::uint64_t PhyxelSet::count() {
 }
 
 void PhyxelSet::read(std::uint32_t field, c3de_mview out) {
-  withBody([&](const Body &body) {
-    const RestState &rest = body.rest();
-    const std::size_t n = rest.phyxelCount();
-    switch (field) {
-      case C3DE_FIELD_REFERENCE_POSITION:
-        return writeVectors(out, n, [&](std::size_t i) -> Vec3 { return rest.origin + rest.positions[i]; });
-      case C3DE_FIELD_POSITION:
-        return writeVectors(out, n, [&](std::size_t i) -> Vec3 {
-          return rest.origin + rest.positions[i] + body.state().displacements[i];
-        });
-      case C3DE_FIELD_VELOCITY: return writeVectors(out, n, [&](std::size_t i) { return body.state().velocities[i]; });
-      case C3DE_FIELD_MASS: return writeScalars(out, n, [&](std::size_t i) { return body.masses()[i]; });
-      case C3DE_FIELD_VOLUME: return writeScalars(out, n, [&](std::size_t i) { return rest.volumes[i]; });
-      case C3DE_FIELD_GRADIENT:
-      case C3DE_FIELD_STRAIN: {
-        std::vector<Mat3> gradients(n);
-        phyxelGradients(rest, body.gradients(), gradients);
-        return writeMatrices(out, n, [&](std::size_t i) -> Mat3 {
-          return field == C3DE_FIELD_GRADIENT ? gradients[i] : greenStrain(gradients[i]);
-        });
-      }
-      case C3DE_FIELD_STRESS: {
-        StressScratch scratch;
-        std::vector<Mat3> points(rest.pointCount()), means(n);
-        secondPiolaStresses(body, points, scratch, serialFor());
-        phyxelMeans(rest, points, means);
-        return writeMatrices(out, n, [&](std::size_t i) { return means[i]; });
-      }
-      default: unknownField(field);
-    }
-  });
+  withBody([&](const Body &body) { readBodyField(body, C3DE_SIM_ON_POINTS, nameOf(field), out); });
 }
 
 void PhyxelSet::neighbours(c3de_view *offsets, c3de_view *indices) {
@@ -175,7 +143,7 @@ void PhyxelSet::move(c3de_view view) {
 SurfelSet::SurfelSet(sdk::Ref<WorldSimulator> simulator, std::uint64_t body)
     : simulator_(std::move(simulator)), body_(body) {}
 
-std::array<sdk::Interface, 1> SurfelSet::interfaces() { return {sdk::interfaceOf(sdk::kSurfelSetTable<SurfelSet>)}; }
+std::array<sdk::Interface, 1> SurfelSet::interfaces() { return {sdk::interfaceOf(kSurfelSetTable)}; }
 
 void SurfelSet::withBody(const std::function<void(const Body &)> &read) const {
   if (simulator_) {
@@ -194,23 +162,17 @@ std::uint64_t SurfelSet::count() {
 }
 
 void SurfelSet::read(std::uint32_t field, c3de_mview out) {
+  if (field != C3DE_FIELD_REFERENCE_POSITION && field != C3DE_FIELD_POSITION && field != C3DE_FIELD_NORMAL)
+    unknownField(field);
   withBody([&](const Body &body) {
-    const RestState &rest = body.rest();
-    const std::size_t n = simulator_ ? rest.surfels.count() : own_.count();
-    const std::vector<Vec3> &restNormals = simulator_ ? rest.surfelNormals : ownNormals_;
-    if (field == C3DE_FIELD_REFERENCE_POSITION)
-      return writeVectors(out, n, [&](std::size_t s) -> Vec3 {
-        return rest.origin + (simulator_ ? rest.surfels.position(s, rest.positions) : own_.positions[s]);
-      });
-    if (field != C3DE_FIELD_POSITION && field != C3DE_FIELD_NORMAL) unknownField(field);
-    std::vector<Vec3> positions(n), normals(restNormals.size());
-    const auto move = [&](const auto &points) {
-      updateSurfels(points, restNormals, rest.positions, body.state().displacements, positions, normals, serialFor());
-    };
     if (simulator_)
-      move(rest.surfels);
-    else
-      move(own_);
+      return readBodyField(body, C3DE_SIM_ON_SURFACE, field == C3DE_FIELD_NORMAL ? "normal" : nameOf(field), out);
+    const RestState &rest = body.rest();
+    const std::size_t n = own_.count();
+    if (field == C3DE_FIELD_REFERENCE_POSITION)
+      return writeVectors(out, n, [&](std::size_t s) -> Vec3 { return rest.origin + own_.positions[s]; });
+    std::vector<Vec3> positions(n), normals(ownNormals_.size());
+    updateSurfels(own_, ownNormals_, rest.positions, body.state().displacements, positions, normals, serialFor());
     if (field == C3DE_FIELD_POSITION)
       return writeVectors(out, n, [&](std::size_t s) -> Vec3 { return rest.origin + positions[s]; });
     if (normals.size() != n) throw Error(C3DE_E_STATE, "these surfels were bound without normals");
@@ -235,8 +197,8 @@ void SurfelSet::assign(c3de_object *phyxels, c3de_view positionsView, c3de_view 
   if (simulator_) throw Error(C3DE_E_STATE, "the surfels of a simulator are the vertices of its mesh");
   // Only sets of this plugin can be bound: what another binary calls a phyxel set has its own layout.
   const void *table = nullptr;
-  if (!phyxels || phyxels->vt->query(phyxels, sdk::str(C3DE_IFACE_PHYXEL_SET_ID), 1, &table) < 0 ||
-      table != &sdk::kPhyxelSetTable<PhyxelSet>)
+  if (!phyxels || phyxels->vt->query(phyxels, sdk::str(C3DE_POINTBASED_PHYXEL_SET_ID), 1, &table) < 0 ||
+      table != &kPhyxelSetTable)
     throw Error(C3DE_E_ARG, "phyxels: not a phyxel set of this plugin");
   const std::vector<Vec3> world = readPoints(positionsView, "positions");
   std::vector<Vec3> normals;

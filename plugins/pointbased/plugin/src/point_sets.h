@@ -33,7 +33,7 @@ class PhyxelSet : public sdk::Object<PhyxelSet> {
   Csr lentNeighbours_;
 };
 
-/// The registered class draft/c3de.pointbased.Surfel/0: the surface of a body, or points bound to a phyxel set.
+/// The registered class C3DE_POINTBASED_SURFEL_CLASS: the surface of a body, or points bound to a phyxel set.
 class SurfelSet : public sdk::Object<SurfelSet> {
  public:
   explicit SurfelSet(PluginContext &) {}

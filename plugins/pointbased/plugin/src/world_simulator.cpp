@@ -2,9 +2,12 @@
 #include "world_simulator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "advice.h"
+#include "body_fields.h"
+#include "grab_patch.h"
 #include "point_sets.h"
 #include "report.h"
 
@@ -29,22 +32,13 @@ T readIn(const T *in, const char *what) {
   return value;
 }
 
-template <class T>
-Placement placementOf(const T &in) {
-  return {Vec3(in.position_m[0], in.position_m[1], in.position_m[2]),
-          Vec3(in.rotation_deg[0], in.rotation_deg[1], in.rotation_deg[2]), in.scale == 0.0 ? 1.0 : in.scale};
-}
-
 // What a rigid body would not do must not be asked of it.
 void checkStandsStill(const std::string &name, const BodySource &source) {
-  const auto refuse = [](const std::string &where) {
-    throw Error(
-        C3DE_E_ARG,
-        where + "the body is rigid and stands still; accepted: rigid = false, or no fix, no load and no velocity");
-  };
-  if (!source.fixes.empty()) refuse("fix " + std::to_string(source.fixNumbers.front()) + ": ");
-  if (!source.loads.empty()) refuse("load " + std::to_string(source.loadNumbers.front()) + ": ");
-  if (!source.velocity.isZero(0.0) || !source.angularVelocity.isZero(0.0)) refuse(name + ": ");
+  const std::string text =
+      "the body is rigid and stands still; accepted: rigid = false, or no fix, no load and no velocity";
+  if (!source.fixes.empty()) throw Error(C3DE_E_ARG, text, {"fix", source.fixNumbers.front(), {}});
+  if (!source.loads.empty()) throw Error(C3DE_E_ARG, text, {"load", source.loadNumbers.front(), {}});
+  if (!source.velocity.isZero(0.0) || !source.angularVelocity.isZero(0.0)) throw Error(C3DE_E_ARG, name + ": " + text);
 }
 
 std::string millimetres(double metres) { return shortNumber(1e3 * metres) + " mm"; }
@@ -79,8 +73,11 @@ WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
 }
 
-std::array<sdk::Interface, 1> WorldSimulator::interfaces() {
-  return {sdk::interfaceOf(sdk::kSimulatorTable<WorldSimulator>)};
+std::array<sdk::Interface, 2> WorldSimulator::interfaces() {
+  static constexpr c3de_pointbased_bodies_v0 kBodies{sizeof(c3de_pointbased_bodies_v0), 1,
+                                                     sdk::thunk<WorldSimulator, &WorldSimulator::phyxels>,
+                                                     sdk::thunk<WorldSimulator, &WorldSimulator::surfels>};
+  return {sdk::interfaceOf(sdk::kSimulatorTable<WorldSimulator>), sdk::interfaceOf(kBodies)};
 }
 
 void WorldSimulator::attach(c3de_handle node) {
@@ -165,7 +162,7 @@ void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle 
   ParameterValues values(obstacleDeclarations());
   sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
   const std::string name(sdk::text(in.name));
-  auto mesh = placeMesh(context_.services, in.mesh, placementOf(in));
+  auto mesh = placeMesh(context_.services, in.mesh, readPlacement(in.placement));
   Obstacle built =
       buildObstacle(context_.services, name, mesh, {values.number("friction"), values.number("restitution")},
                     readMotion(in.motion, "obstacle"));
@@ -176,7 +173,7 @@ void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle 
   if (out) *out = {id};
 }
 
-void WorldSimulator::addProbe(c3de_str name, c3de_handle body, const double *at_m3) {
+void WorldSimulator::addProbe(c3de_str name, c3de_handle body, const double *at_m3, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
   const BodyRecord &record = bodyOrThrow(body);
   const Vec3 at(at_m3[0], at_m3[1], at_m3[2]);
@@ -194,7 +191,10 @@ void WorldSimulator::addProbe(c3de_str name, c3de_handle body, const double *at_
                     shortNumber(record.surface->min[2]) + ") … (" + shortNumber(record.surface->max[0]) + ", " +
                     shortNumber(record.surface->max[1]) + ", " + shortNumber(record.surface->max[2]) +
                     ") m; accepted: inside, or up to half a spacing (" + millimetres(tolerance) + ") off its surface");
-  simulator_.addProbe(std::string(sdk::text(name)), body.v, at);
+  for (const Probe &other : simulator_.probes())
+    if (other.name == sdk::text(name)) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
+  const std::size_t id = simulator_.addProbe(std::string(sdk::text(name)), body.v, at);
+  if (out) *out = {id};
 }
 
 WorldSimulator::BodyRecord &WorldSimulator::bodyOrThrow(c3de_handle body) {
@@ -242,13 +242,15 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
   estimated_.erase(handle.v);
   if (bodies_.erase(handle.v) > 0) {
     simulator_.removeBody(handle.v);
+    std::erase_if(liveLoads_, [&](const auto &entry) { return entry.second.body == handle.v; });
     return {};
   }
+  if (liveLoads_.erase(handle.v) > 0 || simulator_.removeProbe(handle.v)) return {};
   if (obstacles_.erase(handle.v) > 0) {
     simulator_.removeObstacle(handle.v);
     return {};
   }
-  return noSuch("body or obstacle");
+  return noSuch("body, obstacle, load or probe");
 }
 
 void WorldSimulator::clear() {
@@ -256,6 +258,7 @@ void WorldSimulator::clear() {
   simulator_.clear();
   bodies_.clear();
   obstacles_.clear();
+  liveLoads_.clear();
 }
 
 void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
@@ -289,16 +292,50 @@ void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
   writeOut(out, points);
 }
 
-// Of those that were asked for since the last step; the others have none.
+void WorldSimulator::bind(LiveLoad &live) const {
+  const Body &body = *simulator_.body(live.body);
+  const PlacedMesh &mesh = *bodies_.at(live.body).surface;
+  auto part = loadOn(live.load, body.rest(), {mesh.positions, mesh.triangles});
+  if (!part) throw Error(C3DE_E_ARG, "a load on body '" + bodies_.at(live.body).name + "': " + part.error());
+  live.part = std::move(*part);
+  live.rest = body.sharedRest();
+}
+
+void WorldSimulator::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de_handle *out) {
+  const std::lock_guard lock(mutex_);
+  const BodyRecord &record = bodyOrThrow(handle);
+  if (simulator_.body(handle.v)->rigid())
+    throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid; a load does not move it");
+  LiveLoad live{handle.v, readLoad(load), {}, nullptr, simulator_.time()};
+  bind(live);
+  const std::uint64_t id = nextLoad_++;
+  liveLoads_.emplace(id, std::move(live));
+  if (out) *out = {id};
+}
+
+// Those that were asked for since the last step, and live loads; the others have none.
 void WorldSimulator::takeForces() {
   for (const auto &[id, record] : bodies_) {
     const auto found = lent_.find(id);
     const Body &body = *simulator_.body(id);
+    const std::size_t n = body.rest().phyxelCount();
     const bool asked = found != lent_.end() && std::exchange(found->second.asked, false);
-    if (asked && found->second.forces.size() == body.rest().phyxelCount())
-      simulator_.swapExternalForces(id, found->second.forces);
+    std::vector<Vec3> forces;
+    if (asked && found->second.forces.size() == n) forces.swap(found->second.forces);
+    for (auto &[number, live] : liveLoads_) {
+      if (live.body != id || body.rigid()) continue;
+      if (live.rest != body.sharedRest()) bind(live);
+      forces.resize(n, Vec3::Zero());
+      const double since_s = simulator_.time() - live.began_s;
+      const double s =
+          live.load.ramp > 0.0 && !simulator_.quasiStatic() ? std::min(1.0, since_s / live.load.ramp) : 1.0;
+      addLoadForces(live.load, live.part, s, body.state().displacements, forces);
+    }
+    if (!forces.empty())
+      simulator_.swapExternalForces(id, forces);
     else if (!body.externalForces().empty())
       simulator_.setExternalForces(id, {});
+    if (asked) found->second.forces.swap(forces);
   }
   std::erase_if(lent_, [this](const auto &entry) { return !bodies_.contains(entry.first); });
 }
@@ -320,6 +357,7 @@ void WorldSimulator::activity(c3de_sink text) {
 
 void WorldSimulator::reset() {
   const std::lock_guard lock(mutex_);
+  liveLoads_.clear();
   simulator_.reset();
 }
 
@@ -447,6 +485,10 @@ void WorldSimulator::status(c3de_sim_status *out) {
   s.obstacles = obstacles_.size();
   s.finished = simulator_.finished() ? 1u : 0u;
   s.stopped = static_cast<std::uint32_t>(simulator_.stoppedBodies());
+  if (simulator_.quasiStatic()) {
+    s.flags = C3DE_SIM_LOAD_STEPS;
+    s.planned_steps = static_cast<std::uint32_t>(simulator_.world().loadSteps);
+  }
   writeOut(out, s);
 }
 
@@ -486,8 +528,8 @@ sdk::Result<void> WorldSimulator::bodyInfo(c3de_handle handle, c3de_sim_body_inf
   const Body &body = *simulator_.body(handle.v);
   c3de_sim_body_info info{};
   info.name = sdk::str(record.name);
-  info.phyxels = body.rest().phyxelCount();
-  info.surfels = body.rest().surfels.count();
+  info.points = body.rest().phyxelCount();
+  info.surface_points = body.rest().surfels.count();
   info.mass_kg = body.totalMass();
   for (const double v : body.rest().volumes) info.volume_m3 += v;
   info.mesh_volume_m3 = record.surface->volume;
@@ -497,22 +539,115 @@ sdk::Result<void> WorldSimulator::bodyInfo(c3de_handle handle, c3de_sim_body_inf
   return {};
 }
 
-sdk::Result<void> WorldSimulator::phyxels(c3de_handle body, c3de_object **out) {
+c3de_status WorldSimulator::enumFields(c3de_handle body, void *visitor, EachField each) {
+  if (!each) throw Error(C3DE_E_ARG, "each is null");
+  {
+    const std::lock_guard lock(mutex_);
+    (void)bodyOrThrow(body);
+  }
+  for (const c3de_sim_field &field : bodyFields())
+    if (const c3de_status status = each(visitor, &field); status != C3DE_OK) return status;
+  return C3DE_OK;
+}
+
+void WorldSimulator::readField(c3de_handle body, std::uint32_t on, c3de_str name, c3de_mview out) {
+  const std::lock_guard lock(mutex_);
+  (void)bodyOrThrow(body);
+  readBodyField(*simulator_.body(body.v), on, sdk::text(name), out);
+}
+
+void WorldSimulator::triangles(c3de_handle body, c3de_view *out) {
+  const std::lock_guard lock(mutex_);
+  (void)bodyOrThrow(body);
+  const auto &skin = simulator_.body(body.v)->rest().skin;
+  static_assert(sizeof(skin[0]) == 3 * sizeof(std::uint32_t));
+  *out = {skin.data(), skin.size(), 3, C3DE_U32, 0};
+}
+
+c3de_status WorldSimulator::enumProbes(void *visitor, EachProbe each) {
+  if (!each) throw Error(C3DE_E_ARG, "each is null");
+  const std::lock_guard lock(mutex_);
+  for (const Probe &probe : simulator_.probes()) {
+    const Simulator::ProbeState state = simulator_.probeState(probe);
+    c3de_sim_probe out{};
+    out.size = sizeof out;
+    out.name = sdk::str(probe.name);
+    out.body = {probe.body};
+    for (int a = 0; a < 3; ++a) {
+      out.reference_m[a] = probe.reference[a];
+      out.position_m[a] = state.position[a];
+      out.velocity_m_s[a] = state.velocity[a];
+    }
+    if (const c3de_status status = each(visitor, &out); status != C3DE_OK) return status;
+  }
+  return C3DE_OK;
+}
+
+void WorldSimulator::phyxels(c3de_handle body, c3de_object **out) {
   {
     const std::lock_guard lock(mutex_);
     (void)bodyOrThrow(body);
   }
   *out = sdk::make<PhyxelSet>(context_, sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
-  return {};
 }
 
-sdk::Result<void> WorldSimulator::surfels(c3de_handle body, c3de_object **out) {
+void WorldSimulator::surfels(c3de_handle body, c3de_object **out) {
   {
     const std::lock_guard lock(mutex_);
     (void)bodyOrThrow(body);
   }
   *out = sdk::make<SurfelSet>(sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
-  return {};
+}
+
+void WorldSimulator::hold(c3de_handle handle, const double *at_m3, double radius_m) {
+  const std::lock_guard lock(mutex_);
+  const BodyRecord &record = bodyOrThrow(handle);
+  const Body &body = *simulator_.body(handle.v);
+  const Vec3 at = at_m3 ? Vec3(at_m3[0], at_m3[1], at_m3[2]) : Vec3(Vec3::Constant(std::nan("")));
+  if (!at.allFinite() || !(radius_m > 0.0) || !std::isfinite(radius_m))
+    throw Error(C3DE_E_ARG, "hold: accepted: a finite point and a radius above 0 m");
+  if (body.rigid()) throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid; nobody pulls it");
+  std::vector<Vec3> positions, normals;
+  simulator_.surfels(handle.v, positions, normals);
+  if (positions.empty()) throw Error(C3DE_E_STATE, "body '" + record.name + "' has no surface to hold");
+  const auto nearest = std::min_element(positions.begin(), positions.end(), [&](const Vec3 &a, const Vec3 &b) {
+    return (a - at).squaredNorm() < (b - at).squaredNorm();
+  });
+  Grab grab = grabAround(body.rest(), static_cast<std::size_t>(nearest - positions.begin()),
+                         {.radius_mm = 1e3 * radius_m}, body.material().youngsModulus);
+  Vec3 held = Vec3::Zero();
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
+    const Index i = grab.phyxels[k];
+    held += grab.weights[k] * (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]);
+  }
+  grab.target = held;
+  heldFrom_[handle.v] = held - at;
+  simulator_.setGrab(handle.v, std::move(grab));
+}
+
+void WorldSimulator::pull(c3de_handle body, const double *target_m3) {
+  const std::lock_guard lock(mutex_);
+  (void)bodyOrThrow(body);
+  const Vec3 target = target_m3 ? Vec3(target_m3[0], target_m3[1], target_m3[2]) : Vec3(Vec3::Constant(std::nan("")));
+  if (!target.allFinite()) throw Error(C3DE_E_ARG, "pull: the target is not finite");
+  if (!simulator_.body(body.v)->grab) throw Error(C3DE_E_STATE, "pull: nobody holds this body; hold() first");
+  const auto from = heldFrom_.find(body.v);
+  simulator_.moveGrab(body.v, from == heldFrom_.end() ? target : Vec3(target + from->second));
+}
+
+void WorldSimulator::letGo(c3de_handle body) {
+  const std::lock_guard lock(mutex_);
+  (void)bodyOrThrow(body);
+  heldFrom_.erase(body.v);
+  simulator_.releaseGrab(body.v);
+}
+
+void WorldSimulator::holdForce(c3de_handle body, double *force_N3) {
+  if (!force_N3) throw Error(C3DE_E_ARG, "hold_force: force_N3 is null");
+  const std::lock_guard lock(mutex_);
+  (void)bodyOrThrow(body);
+  const auto status = simulator_.grabStatus(body.v);
+  for (int a = 0; a < 3; ++a) force_N3[a] = status ? status->force[a] : 0.0;
 }
 
 void WorldSimulator::setGrab(std::uint64_t body, Grab grab) {

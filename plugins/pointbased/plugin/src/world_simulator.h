@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "body_builder.h"
+#include "c3de/pointbased/point_sets.hpp"
 #include "c3de/sdk/object.hpp"
 #include "c3de/sdk/simulator.hpp"
 #include "parameters.h"
@@ -31,10 +32,13 @@ struct PluginContext {
   SimulatorListener *listener = nullptr;
 };
 
-/// The registered class draft/c3de.pointbased.WorldSimulator/0: iface.simulator over the physics. A mutex stands
+/// The registered class C3DE_POINTBASED_WORLD_SIMULATOR_CLASS: iface.simulator over the physics. A mutex stands
 /// between the solver's step and what others add or read; the window reads snapshots and never takes it.
 class WorldSimulator : public sdk::Object<WorldSimulator> {
  public:
+  using EachField = c3de_status(C3DE_CALL *)(void *visitor, const c3de_sim_field *field);
+  using EachProbe = c3de_status(C3DE_CALL *)(void *visitor, const c3de_sim_probe *probe);
+
   explicit WorldSimulator(PluginContext &context);
   ~WorldSimulator();
 
@@ -46,10 +50,10 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// A body that reaches beyond world.box is a mistake of a scene; for one that a person loads the walls make room.
   void addLoadedBody(const c3de_sim_body *body, c3de_handle *out) { add(body, out, Walls::makeRoom); }
   void addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle *out);
-  void addProbe(c3de_str name, c3de_handle body, const double *at_m3);
+  void addProbe(c3de_str name, c3de_handle body, const double *at_m3, c3de_handle *out);
   sdk::Result<void> setBodyParam(c3de_handle body, const c3de_param_value *value);
   sdk::Result<void> getBodyParam(c3de_handle body, c3de_str id, c3de_param_value *out);
-  sdk::Result<void> remove(c3de_handle bodyOrObstacle);
+  sdk::Result<void> remove(c3de_handle what);
   void clear();
   sdk::Result<void> step();
   void reset();
@@ -59,12 +63,23 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void report(c3de_sink json);
   sdk::Result<void> bodyAt(std::uint64_t index, c3de_handle *out);
   sdk::Result<void> bodyInfo(c3de_handle body, c3de_sim_body_info *out);
-  sdk::Result<void> phyxels(c3de_handle body, c3de_object **out);
-  sdk::Result<void> surfels(c3de_handle body, c3de_object **out);
+  c3de_status enumFields(c3de_handle body, void *visitor, EachField each);
+  void readField(c3de_handle body, std::uint32_t on, c3de_str name, c3de_mview out);
+  void triangles(c3de_handle body, c3de_view *out);
+  c3de_status enumProbes(void *visitor, EachProbe each);
   void interrupt(std::uint32_t raised) { request_.interrupt(raised != 0); }
   void activity(c3de_sink text);
   void points(c3de_handle body, c3de_sim_points *out);
   void displacement(const c3de_sim_grid *grid, double rim, float *out, float *gaps) const;
+  void addLoad(c3de_handle body, const c3de_sim_load *load, c3de_handle *out);
+  void hold(c3de_handle body, const double *at_m3, double radius_m);
+  void pull(c3de_handle body, const double *target_m3);
+  void letGo(c3de_handle body);
+  void holdForce(c3de_handle body, double *force_N3);
+
+  // pointbased.bodies
+  void phyxels(c3de_handle body, c3de_object **out);
+  void surfels(c3de_handle body, c3de_object **out);
 
   // For the controller, the view and the pinch of this plugin.
   [[nodiscard]] std::shared_ptr<const Snapshot> snapshot() const { return exchange_.latest(); }
@@ -86,9 +101,11 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// Takes a body's points out under the lock; false when the body is gone.
   bool readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const;
 
-  static std::array<sdk::Interface, 1> interfaces();
+  static std::array<sdk::Interface, 2> interfaces();
 
  private:
+  /// Ids of loads begin here, above those of bodies, obstacles and probes.
+  static constexpr std::uint64_t kFirstLoad = std::uint64_t{1} << 32;
   struct BodyRecord {
     std::string name;
     std::shared_ptr<PlacedMesh> surface;
@@ -125,6 +142,18 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
     bool asked = false;
   };
   std::map<std::uint64_t, LentPoints> lent_;
+  /// A load that came while the body runs: acts as forces from outside.
+  struct LiveLoad {
+    std::uint64_t body = 0;
+    Load load;
+    LoadedPart part;
+    std::shared_ptr<const RestState> rest;  // that the part is of
+    double began_s = 0.0;
+  };
+  std::map<std::uint64_t, LiveLoad> liveLoads_;
+  std::uint64_t nextLoad_ = kFirstLoad;
+  std::map<std::uint64_t, Vec3> heldFrom_;  // from the point that was named to the one that is held, m
+  void bind(LiveLoad &load) const;
   void takeForces();
   std::size_t nextOrder_ = 0;
   SnapshotExchange exchange_;
@@ -144,9 +173,5 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   std::uint64_t generation_ = 0;
   c3de_handle node_{};
 };
-
-inline constexpr std::string_view kWorldSimulatorClass{"draft/c3de.pointbased.WorldSimulator/0"};
-inline constexpr std::string_view kPhyxelClass{"draft/c3de.pointbased.Phyxel/0"};
-inline constexpr std::string_view kSurfelClass{"draft/c3de.pointbased.Surfel/0"};
 
 }  // namespace pointbased

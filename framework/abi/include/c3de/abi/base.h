@@ -4,12 +4,13 @@
  * Rules that hold in every header of this folder:
  *  - C11 and C++20; fixed-width types; no bool, no enum-typed field, no size_t, no C++ type.
  *  - A struct that may grow begins with `uint32_t size`; new members go last and zero means "as before".
- *    One that stands by value within another does not grow: its successor gets another name.
+ *    One that may grow stands in no other by value.
  *    In-structs: the callee reads min(size, what it knows). Out-structs: the caller sets size, the callee writes that
  *    much. Arrays of structs come with a stride, 0 = tight in the size of who made them.
  *  - Strings and views are borrowed for the duration of the call unless the comment says otherwise.
  *  - Thread tags: [main] the thread of the window, [sim] the simulation's thread, [any] every thread, concurrently.
- *  - A function pointer of a table is never null for the revision that was asked for.
+ *  - A function pointer of a table is never null for the revision that was asked for, unless its comment says that it
+ *    may be.
  *  - No exception may leave a function that is called through this boundary. */
 #ifndef C3DE_ABI_BASE_H
 #define C3DE_ABI_BASE_H

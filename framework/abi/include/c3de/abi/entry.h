@@ -38,6 +38,14 @@ typedef struct c3de_service_req {
   uint32_t reserved;
 } c3de_service_req;
 
+/* What of the things that a function was given an error is about. */
+typedef struct c3de_error_place {
+  uint32_t size;
+  uint32_t index; /* in the table; 0 without one */
+  c3de_str table; /* for example "fix", "load"; empty: none */
+  c3de_str key;   /* the parameter or member; empty: none */
+} c3de_error_place;
+
 /* What a plugin gets of the host; valid from create until destroy returns. */
 typedef struct c3de_host {
   uint32_t size;
@@ -50,6 +58,8 @@ typedef struct c3de_host {
   void(C3DE_CALL *set_error)(void *ctx, c3de_status status, c3de_str message);
   /* The text set last on this thread by either side, cleared by reading. [any] */
   c3de_status(C3DE_CALL *take_error)(void *ctx, c3de_sink text);
+  /* May be absent (by size): rev 2. As set_error, with the place that the message is about and does not name. [any] */
+  void(C3DE_CALL *set_error_at)(void *ctx, c3de_status status, c3de_str message, const c3de_error_place *place);
 } c3de_host;
 
 typedef struct c3de_plugin {

@@ -34,6 +34,7 @@ struct ParameterDecl {
   Vec3 fallbackVec{};
   std::vector<std::string> choices;
   std::uint32_t flags = 0;
+  std::string alternativeTo;  ///< id of the parameter that it says in another way; empty: none
 
   [[nodiscard]] static ParameterDecl from(const c3de_param_decl &decl);
   [[nodiscard]] ParameterValue fallbackValue() const;

@@ -8,6 +8,7 @@
 
 #include "c3de/abi/object.h"
 #include "c3de/core/expected.h"
+#include "c3de/plugin_host/plugin_error.h"
 
 namespace c3de {
 class BackgroundJobs;
@@ -62,7 +63,7 @@ struct PluginInfo {
 };
 
 struct ClassInfo {
-  std::string id, label, doc, plugin;
+  std::string id, label, doc, plugin;  ///< the plugin's id
   std::vector<std::string> interfaces;
 };
 
@@ -92,6 +93,8 @@ class PluginHost {
   [[nodiscard]] Expected<c3de_object *> createObject(const std::string &classId);
   /// The text that the last failing call on this thread left; empty when none.
   [[nodiscard]] std::string takeError();
+  /// The same, with what it is about apart from the text.
+  [[nodiscard]] PluginError takeErrorAt();
 
  private:
   struct Impl;

@@ -38,10 +38,10 @@ class ForceFields {
   /// Before a step, on its thread: lets every field of the simulation add its forces. The error names the first field
   /// that failed, which is removed; the step must not be made then.
   /// @param simulation  its node; null without a window
-  [[nodiscard]] Expected<void> apply(Handle simulation, c3de_object *simulator, const c3de_simulator_v0 *table);
+  [[nodiscard]] Expected<void> apply(Handle simulation, c3de_object *simulator, const c3de_simulator_v1 *table);
 
  private:
-  [[nodiscard]] Expected<void> applyTo(Handle simulation, c3de_object *simulator, const c3de_simulator_v0 *table,
+  [[nodiscard]] Expected<void> applyTo(Handle simulation, c3de_object *simulator, const c3de_simulator_v1 *table,
                                        c3de_handle body, double time_s);
 
   std::atomic<std::size_t> count_{0};  ///< so that a step without fields takes no lock

@@ -32,6 +32,7 @@ struct ScenePlacement {
   Vec3 position_m{};
   Vec3 rotation_deg{};
   double scale = 1.0;
+  std::optional<Mat4> matrix;  ///< column-major, m from the mesh as m, in the place of the others
 };
 
 /// A part of space in material coordinates: what of a body lies inside or on the border is meant.
@@ -47,8 +48,9 @@ struct SceneRegion {
 struct SceneMotion {
   Vec3 displacement_m{};
   Vec3 rotation_deg{};
-  std::optional<Vec3> centre_m;  ///< default: for the simulator to choose (centroid of what moves)
-  double ramp_s = 0.0;           ///< >= 0
+  std::optional<std::array<double, 4>> quaternion;  ///< x, y, z, w: about one axis, in the place of rotation_deg
+  std::optional<Vec3> centre_m;                     ///< default: for the simulator to choose (centroid of what moves)
+  double ramp_s = 0.0;                              ///< >= 0
 };
 
 /// Another material in a region of a body; later ones win.
@@ -157,6 +159,8 @@ struct SceneProbe {
 struct SceneFile {
   std::filesystem::path source;  ///< empty when it was made in memory
   std::string title;
+  std::string simulatorClass;  ///< id of the class that simulates; empty: the only one that is there
+  int simulatorLine = 0;
   std::optional<SceneImage> image;
   std::vector<SceneValue> world;  ///< ids such as "world.gravity", "world.box.min", "solver.dt"; each at most once
   std::vector<SceneBody> bodies;
@@ -188,11 +192,13 @@ struct SceneFile {
 [[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment,
                                            const MaterialLibrary *materials);
 
-/// Finds the declaration of a value and turns the value into the declared type: a whole number into a number, text into
-/// a choice. Errors begin with where(value): unknown (names the nearest), known to the format but not declared by this
-/// simulator, or outside what is accepted. ErrorCode::usage for an override, ErrorCode::input else.
-[[nodiscard]] Expected<ParameterValue> fitToDeclaration(const SceneFile &scene, const SceneValue &value,
-                                                        const std::vector<ParameterDecl> &decls);
+/// The values of one table, as their declarations want them: a whole number becomes a number, text a choice. Of two ways
+/// to say the same thing (ParameterDecl::alternativeTo) an override counts.
+/// Errors begin with where(value): unknown (names the nearest), outside what is accepted, two ways to say the same
+/// thing, a part of what has to be said together. ErrorCode::usage for an override, ErrorCode::input else.
+[[nodiscard]] Expected<std::vector<ParameterValue>> fitToDeclarations(const SceneFile &scene,
+                                                                      const std::vector<SceneValue> &values,
+                                                                      const std::vector<ParameterDecl> &decls);
 
 /// "m", "mm" or "cm"; the error says what is accepted.
 [[nodiscard]] Expected<geometry::LengthUnit> parseLengthUnit(std::string_view name);

@@ -56,7 +56,7 @@ class Simulation {
   void setPublishedListener(std::function<void()> listener);
 
   [[nodiscard]] c3de_object *object() const;
-  [[nodiscard]] const c3de_simulator_v0 *table() const;
+  [[nodiscard]] const c3de_simulator_v1 *table() const;
 
  private:
   struct Impl;

@@ -19,7 +19,10 @@ inline c3de_status statusOfException() noexcept {
   } catch (const Error &e) {
     // An Error thrown with a status that means "done" would hide the failure.
     const c3de_status status = e.status() < 0 ? e.status() : C3DE_E_INTERNAL;
-    currentHost().setError(status, e.what());
+    if (e.place())
+      currentHost().setErrorAt(status, e.what(), *e.place());
+    else
+      currentHost().setError(status, e.what());
     return status;
   } catch (const std::bad_alloc &) {
     currentHost().setError(C3DE_E_NOMEM, "out of memory");

@@ -46,6 +46,16 @@ class Host {
   void setError(c3de_status status, std::string_view message) const noexcept {
     if (host_) host_->set_error(host_->ctx, status, str(message));
   }
+  /// The same, with what the message is about; in front of it with a host of revision 1.
+  void setErrorAt(c3de_status status, const std::string &message, const ErrorPlace &place) const {
+    if (!host_) return;
+    if (host_->rev < 2 || !C3DE_HAS(c3de_host, host_, set_error_at)) {
+      const std::string table = place.table.empty() ? "" : place.table + " " + std::to_string(place.index) + ": ";
+      return setError(status, table + (place.key.empty() ? "" : place.key + ": ") + message);
+    }
+    const c3de_error_place abi{sizeof(c3de_error_place), place.index, str(place.table), str(place.key)};
+    host_->set_error_at(host_->ctx, status, str(message), &abi);
+  }
   /// The text that was left last on this thread; empty when there is none.
   [[nodiscard]] std::string takeError() const noexcept {
     TextSink text;

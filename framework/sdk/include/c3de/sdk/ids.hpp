@@ -43,10 +43,6 @@ template <>
 inline constexpr std::string_view kTableId<c3de_imaging_v0>{C3DE_IMAGING_ID};
 
 template <>
-inline constexpr std::string_view kTableId<c3de_simulator_v0>{C3DE_IFACE_SIMULATOR_ID};
-template <>
-inline constexpr std::string_view kTableId<c3de_phyxel_set_v0>{C3DE_IFACE_PHYXEL_SET_ID};
-template <>
-inline constexpr std::string_view kTableId<c3de_surfel_set_v0>{C3DE_IFACE_SURFEL_SET_ID};
+inline constexpr std::string_view kTableId<c3de_simulator_v1>{C3DE_IFACE_SIMULATOR_ID};
 
 }  // namespace c3de::sdk

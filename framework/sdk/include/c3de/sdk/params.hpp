@@ -12,6 +12,7 @@ namespace c3de::sdk {
 /// Naming part of a declaration, common to every type.
 struct ParamText {
   std::string_view id{}, label{}, unit{}, doc{}, group{};
+  std::string_view alternativeTo{};  ///< id of the parameter that it says in another way
 };
 struct ParamRange {
   double min = 0.0, max = 0.0;          ///< accepted; open ends by C3DE_PARAM_MIN_OPEN, C3DE_PARAM_MAX_OPEN
@@ -28,6 +29,7 @@ struct ParamRange {
   d.doc = str(t.doc);
   d.group = str(t.group);
   d.flags = flags;
+  d.alternative_to = str(t.alternativeTo);
   return d;
 }
 [[nodiscard]] constexpr c3de_param_decl numberParam(const ParamText &t, const ParamRange &r, double fallback,

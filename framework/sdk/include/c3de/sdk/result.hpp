@@ -56,15 +56,27 @@ class [[nodiscard]] Result<void> {
   std::optional<Failure> failure_;
 };
 
+/// What of the things that a function was given an error is about: c3de_error_place.
+struct ErrorPlace {
+  std::string table;  ///< for example "fix"; empty: none
+  std::uint32_t index = 0;
+  std::string key;  ///< of a parameter; empty: none
+};
+
 /// For use inside the plugin: a thunk turns it into its status and leaves the text with the host.
 class Error : public std::runtime_error {
  public:
   Error(c3de_status status, const std::string &message) : std::runtime_error(message), status_(status) {}
   explicit Error(const Failure &failure) : Error(failure.status, failure.message) {}
+  /// @param message  need not name the place: the host does
+  Error(c3de_status status, const std::string &message, ErrorPlace place)
+      : std::runtime_error(message), status_(status), place_(std::move(place)) {}
   [[nodiscard]] c3de_status status() const noexcept { return status_; }
+  [[nodiscard]] const std::optional<ErrorPlace> &place() const noexcept { return place_; }
 
  private:
   c3de_status status_;
+  std::optional<ErrorPlace> place_;
 };
 
 /// The value, or Error thrown: for constructors, where a thunk stands above.

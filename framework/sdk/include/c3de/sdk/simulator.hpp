@@ -7,99 +7,66 @@
 namespace c3de::sdk {
 
 // Asked of the class and not of the slot: with UBSan GCC does not count a comparison of function pointers as constant.
-template <class D>
-inline constexpr bool kHasDisplacement = requires {
-  &D::displacement;
-};
-template <class D>
-inline constexpr bool kHasInterrupt = requires {
-  &D::interrupt;
-  &D::activity;
-};
-template <class D>
-inline constexpr bool kHasPoints = requires {
-  &D::points;
-};
-template <class D>
-inline constexpr bool kHasTriangles = requires {
-  &D::triangles;
-};
+// A slot that may be null is filled where Derived has the member.
+#define C3DE_SDK_OPTIONAL_SLOT(slot, member)                         \
+  template <class D>                                                 \
+  constexpr auto member##Slot()->decltype(c3de_simulator_v1::slot) { \
+    if constexpr (requires { &D::member; })                          \
+      return thunk<D, &D::member>;                                   \
+    else                                                             \
+      return nullptr;                                                \
+  }
 
-template <class D>
-constexpr auto displacementSlot() -> decltype(c3de_simulator_v0::displacement) {
-  if constexpr (kHasDisplacement<D>)
-    return thunk<D, &D::displacement>;
-  else
-    return nullptr;
-}
+C3DE_SDK_OPTIONAL_SLOT(displacement, displacement)
+C3DE_SDK_OPTIONAL_SLOT(interrupt, interrupt)
+C3DE_SDK_OPTIONAL_SLOT(activity, activity)
+C3DE_SDK_OPTIONAL_SLOT(points, points)
+C3DE_SDK_OPTIONAL_SLOT(add_load, addLoad)
+C3DE_SDK_OPTIONAL_SLOT(hold, hold)
+C3DE_SDK_OPTIONAL_SLOT(pull, pull)
+C3DE_SDK_OPTIONAL_SLOT(let_go, letGo)
+C3DE_SDK_OPTIONAL_SLOT(hold_force, holdForce)
 
-template <class D>
-constexpr auto interruptSlot() -> decltype(c3de_simulator_v0::interrupt) {
-  if constexpr (kHasInterrupt<D>)
-    return thunk<D, &D::interrupt>;
-  else
-    return nullptr;
-}
+#undef C3DE_SDK_OPTIONAL_SLOT
 
-template <class D>
-constexpr auto activitySlot() -> decltype(c3de_simulator_v0::activity) {
-  if constexpr (kHasInterrupt<D>)
-    return thunk<D, &D::activity>;
-  else
-    return nullptr;
-}
-
-template <class D>
-constexpr auto pointsSlot() -> decltype(c3de_simulator_v0::points) {
-  if constexpr (kHasPoints<D>)
-    return thunk<D, &D::points>;
-  else
-    return nullptr;
-}
-
-template <class D>
-constexpr std::uint32_t simulatorRevision() {
-  if (!kHasDisplacement<D>) return 2;
-  if (!kHasInterrupt<D>) return 3;
-  return kHasPoints<D> ? 5 : 4;
-}
-
-/// Static table of iface.simulator for an Object<Derived>; every slot has a member function of Derived (see
-/// thunk). addBody() has to serve fixes, loads, parts, refinements and velocities, or refuse them. It is of
-/// revision 3 where Derived has displacement(), and addBody() then has to serve or refuse `fill`, else of revision 2;
-/// of revision 4 where it has displacement(), interrupt() and activity(), and of 5 with points() beside them:
+/// Static table of iface.simulator for an Object<Derived>: every slot that may not be null has a member function of
+/// Derived (see thunk), those that may be where Derived has one. addBody() has to serve fixes, loads, parts,
+/// refinements, velocities and, with displacement(), `fill`, or refuse them:
 ///
 ///   static std::array<Interface, 1> interfaces() { return {interfaceOf(kSimulatorTable<WorldSimulator>)}; }
 template <class D>
-inline constexpr c3de_simulator_v0 kSimulatorTable{
-    sizeof(c3de_simulator_v0),  simulatorRevision<D>(),  thunk<D, &D::attach>,
-    thunk<D, &D::declarations>, thunk<D, &D::setWorld>,  thunk<D, &D::addBody>,
-    thunk<D, &D::addObstacle>,  thunk<D, &D::addProbe>,  thunk<D, &D::setBodyParam>,
-    thunk<D, &D::getBodyParam>, thunk<D, &D::remove>,    thunk<D, &D::clear>,
-    thunk<D, &D::step>,         thunk<D, &D::reset>,     thunk<D, &D::publish>,
-    thunk<D, &D::status>,       thunk<D, &D::stateHash>, thunk<D, &D::report>,
-    thunk<D, &D::bodyAt>,       thunk<D, &D::bodyInfo>,  thunk<D, &D::phyxels>,
-    thunk<D, &D::surfels>,      displacementSlot<D>(),   interruptSlot<D>(),
-    activitySlot<D>(),          pointsSlot<D>()};
-
-template <class D>
-inline constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0), 1,
-                                                    thunk<D, &D::count>,        thunk<D, &D::read>,
-                                                    thunk<D, &D::neighbours>,   thunk<D, &D::assign>,
-                                                    thunk<D, &D::move>};
-
-template <class D>
-constexpr auto trianglesSlot() -> decltype(c3de_surfel_set_v0::triangles) {
-  if constexpr (kHasTriangles<D>)
-    return thunk<D, &D::triangles>;
-  else
-    return nullptr;
-}
-
-/// Of revision 2 where Derived has triangles(), else of revision 1.
-template <class D>
-inline constexpr c3de_surfel_set_v0 kSurfelSetTable{
-    sizeof(c3de_surfel_set_v0), kHasTriangles<D> ? 2u : 1u, thunk<D, &D::count>, thunk<D, &D::read>,
-    thunk<D, &D::owners>,       thunk<D, &D::assign>,       trianglesSlot<D>()};
+inline constexpr c3de_simulator_v1 kSimulatorTable{sizeof(c3de_simulator_v1),
+                                                   1,
+                                                   thunk<D, &D::attach>,
+                                                   thunk<D, &D::declarations>,
+                                                   thunk<D, &D::setWorld>,
+                                                   thunk<D, &D::addBody>,
+                                                   thunk<D, &D::addObstacle>,
+                                                   thunk<D, &D::addProbe>,
+                                                   thunk<D, &D::setBodyParam>,
+                                                   thunk<D, &D::getBodyParam>,
+                                                   thunk<D, &D::remove>,
+                                                   thunk<D, &D::clear>,
+                                                   thunk<D, &D::step>,
+                                                   thunk<D, &D::reset>,
+                                                   thunk<D, &D::publish>,
+                                                   thunk<D, &D::status>,
+                                                   thunk<D, &D::stateHash>,
+                                                   thunk<D, &D::report>,
+                                                   thunk<D, &D::bodyAt>,
+                                                   thunk<D, &D::bodyInfo>,
+                                                   thunk<D, &D::enumFields>,
+                                                   thunk<D, &D::readField>,
+                                                   thunk<D, &D::triangles>,
+                                                   thunk<D, &D::enumProbes>,
+                                                   displacementSlot<D>(),
+                                                   interruptSlot<D>(),
+                                                   activitySlot<D>(),
+                                                   pointsSlot<D>(),
+                                                   addLoadSlot<D>(),
+                                                   holdSlot<D>(),
+                                                   pullSlot<D>(),
+                                                   letGoSlot<D>(),
+                                                   holdForceSlot<D>()};
 
 }  // namespace c3de::sdk

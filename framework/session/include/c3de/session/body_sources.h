@@ -66,8 +66,8 @@ class BodySources {
 
 /// Of a mask, without its specks. Errors are those of surface and fill.
 /// @param edge_mm   of the triangles of the skin; 0: automatic
-/// @param phyxels   about how many there will be, at least: voxels are averaged to a sixteenth of their distance
-[[nodiscard]] Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &mask, double edge_mm, double phyxels,
+/// @param points    about how many there will be, at least: voxels are averaged to a sixteenth of their distance
+[[nodiscard]] Expected<BodyGeometry> bodyGeometryOf(const imaging::Mask &mask, double edge_mm, double points,
                                                     const ProgressFn &progress);
 
 /// What goes wrong with a file or a value that a scene names, with the place in the scene; a value that cannot be used
@@ -75,7 +75,6 @@ class BodySources {
 [[nodiscard]] tl::unexpected<Error> failInScene(const Error &error, const scene::SceneFile &scene, int line);
 
 /// The fill in metres for a simulator; points into `fill`.
-[[nodiscard]] c3de_sim_fill toAbi(const imaging::Fill &fill);
 [[nodiscard]] c3de_sim_grid toAbi(const imaging::VolumeGeometry &grid);
 
 }  // namespace c3de::session

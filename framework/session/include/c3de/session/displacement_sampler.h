@@ -69,13 +69,13 @@ struct PresentBodies {
   double spacing_mm = 0.0;  ///< the finest
 };
 /// [sim]
-[[nodiscard]] PresentBodies presentBodies(const c3de_simulator_v0 *table, c3de_object *simulator);
+[[nodiscard]] PresentBodies presentBodies(const c3de_simulator_v1 *table, c3de_object *simulator);
 /// Where the bodies are in the reference, on the grid of an image; null where the simulator lends no skins, or too
 /// little memory is left. [sim]
 [[nodiscard]] std::shared_ptr<imaging::Mask> referenceBodies(c3de_object *simulator,
                                                              const imaging::VolumeGeometry &image);
 /// Displacements and gaps. False where the simulator cannot say, or fails. [sim]
-[[nodiscard]] bool readDisplacement(const c3de_simulator_v0 *table, c3de_object *simulator, double rim_mm,
+[[nodiscard]] bool readDisplacement(const c3de_simulator_v1 *table, c3de_object *simulator, double rim_mm,
                                     imaging::DisplacementGrid &grid);
 
 }  // namespace c3de::session

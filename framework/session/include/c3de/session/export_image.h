@@ -44,7 +44,7 @@ struct ImageWarp {
 /// Errors: usage, output.
 [[nodiscard]] Expected<void> checkImageExport(const ImageExport &wanted, const scene::SceneFile &scene);
 /// How far the tissue has moved, finer than what is shown live, wherever bodies are in the image. [sim]
-[[nodiscard]] Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v0 *table,
+[[nodiscard]] Expected<imaging::DisplacementGrid> presentDisplacement(const c3de_simulator_v1 *table,
                                                                       c3de_object *simulator,
                                                                       const imaging::Volume &image,
                                                                       const ImageWarp &how);

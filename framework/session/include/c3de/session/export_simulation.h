@@ -15,7 +15,7 @@
 namespace c3de::session {
 
 /// Frames of a simulation for ParaView: FILE.pvd lists, with times in seconds, what lies in the folder FILE_frames:
-/// phyxels_NNNNNN.vtu and skin_NNNNNN.vtp with all bodies, told apart by the array "body".
+/// points_NNNNNN.vtu and skin_NNNNNN.vtp with all bodies, told apart by the array "body".
 class SimulationExport {
  public:
   explicit SimulationExport(std::filesystem::path list) : list_(std::move(list)) {}

@@ -18,8 +18,6 @@ namespace c3de::session {
 
 /// What the scene and the command say about a run's end.
 struct RunLimits {
-  std::string integrator;
-  std::optional<double> loadSteps;  ///< of a quasi-static solution, where the scene says a number; for the progress bar
   std::optional<std::chrono::steady_clock::time_point> deadline;
   std::chrono::steady_clock::time_point begin{};  ///< of the command
 };
@@ -29,12 +27,10 @@ struct RunLimits {
 /// asked.
 class HeadlessRun {
  public:
-  HeadlessRun(Session &session, c3de_object *simulator, const c3de_simulator_v0 *table, const RunOptions &options,
+  HeadlessRun(Session &session, c3de_object *simulator, const c3de_simulator_v1 *table, const RunOptions &options,
               RunLimits limits, WrittenOutputs &outputs)
       : session_(session), simulator_(simulator), table_(table), options_(options), limits_(std::move(limits)),
-        outputs_(outputs) {
-    facts_.integrator = limits_.integrator;
-  }
+        outputs_(outputs) {}
 
   /// Runs; what ended it stands in facts().outcome. Probes or an export that cannot be written on the way are told, and
   /// the run goes on without them. The error is about the simulator's report.
@@ -52,13 +48,13 @@ class HeadlessRun {
   [[nodiscard]] Expected<void> addFrame();
   void finishOutputs();
   [[nodiscard]] bool isDone() const;
-  [[nodiscard]] bool isQuasistatic() const { return limits_.integrator == kQuasistatic; }
+  [[nodiscard]] bool isQuasistatic() const { return facts_.isLoadStepped; }
   [[nodiscard]] double fraction() const;
   [[nodiscard]] std::string position() const;  ///< for messages: how far it has come
 
   Session &session_;
   c3de_object *simulator_;
-  const c3de_simulator_v0 *table_;
+  const c3de_simulator_v1 *table_;
   const RunOptions &options_;
   RunLimits limits_;
   RunFacts facts_;
@@ -71,6 +67,7 @@ class HeadlessRun {
   double nextFrame_s_ = 0.0;
   bool finished_ = false;
   std::uint32_t stopped_ = 0;
+  std::uint32_t plannedSteps_ = 0;  ///< 0: not known
 };
 
 }  // namespace c3de::session

@@ -9,6 +9,7 @@
 #include "c3de/core/expected.h"
 #include "c3de/core/vec.h"
 #include "c3de/session/preparation.h"
+#include "c3de/session/simulator_identity.h"
 
 namespace c3de::session {
 
@@ -21,7 +22,8 @@ struct RunFacts {
   unsigned threads = 1;
   std::uint64_t steps = 0;
   double time_s = 0.0, wall_s = 0.0, dt_s = 0.0;
-  std::string integrator;
+  bool isLoadStepped = false;  ///< a quasi-static solution: steps increase the load, there is no time
+  SimulatorIdentity simulator;
   std::uint64_t stateHash = 0;
   std::optional<std::uint64_t> seed;
   Prepared prepared;
@@ -37,12 +39,5 @@ struct RunFacts {
 
 /// The lines for people of a simulator's report ("notices"); empty where it has none.
 [[nodiscard]] Expected<std::vector<std::string>> noticesOf(const std::string &simulatorJson);
-
-struct ProbeSample {
-  std::string name;
-  Vec3 position_m{}, velocity_m_s{};
-};
-/// The probes of a simulator's report.
-[[nodiscard]] Expected<std::vector<ProbeSample>> probesOf(const std::string &simulatorJson);
 
 }  // namespace c3de::session

@@ -36,7 +36,5 @@ struct RunOptions {
 };
 
 inline constexpr double kDefaultDuration_s = 1.0;
-/// The integrator without time: load steps to the full load.
-inline constexpr const char *kQuasistatic = "quasistatic";
 
 }  // namespace c3de::session

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/plugin_host/plugin_error.h"
 #include "c3de/scene/scene_file.h"
 
 namespace c3de::session {
@@ -15,15 +17,7 @@ namespace c3de::session {
 [[nodiscard]] c3de_sim_region toAbi(const scene::SceneRegion &region);
 [[nodiscard]] c3de_sim_motion toAbi(const scene::SceneMotion &motion);
 
-/// Puts a c3de_sim_body or c3de_sim_obstacle where the scene wants it.
-template <class T>
-void place(T &out, const scene::ScenePlacement &placement) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    out.position_m[axis] = placement.position_m[axis];
-    out.rotation_deg[axis] = placement.rotation_deg[axis];
-  }
-  out.scale = placement.scale;
-}
+[[nodiscard]] c3de_sim_placement toAbi(const scene::ScenePlacement &placement);
 
 /// What a scene says of one body in tables of their own, as arrays for c3de_sim_body. Borrows from scene and values.
 class BodyTables {
@@ -38,7 +32,11 @@ class BodyTables {
   void fill(c3de_sim_body &out) const;
 
  private:
+  const c3de_sim_region *keep(const scene::SceneRegion &region);
+
   const scene::SceneBody &body_;
+  std::deque<c3de_sim_region> regions_;  // that do not move while others come
+  std::deque<c3de_sim_motion> motions_;
   std::vector<c3de_sim_fix> fixes_;
   std::vector<c3de_sim_load> loads_;
   std::vector<c3de_sim_part> parts_;
@@ -46,9 +44,9 @@ class BodyTables {
   std::vector<std::vector<c3de_param_value>> partValues_;
 };
 
-/// The line of the table that a simulator's message about a body begins with: "fix 2: …", "load 0: …" (numbers of the
-/// scene), "part 1: …", "refinement 0: …" (numbers of the body).
+/// The line of what an error of the simulator is about: a fix or load by its number in the scene, a part or refinement by
+/// that in the body.
 [[nodiscard]] std::optional<int> sceneLineOf(const scene::SceneFile &scene, const scene::SceneBody &body,
-                                             std::string_view message);
+                                             const plugin_host::PluginError &error);
 
 }  // namespace c3de::session

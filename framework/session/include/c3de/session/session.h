@@ -19,6 +19,7 @@
 #include "c3de/scene/simulation.h"
 #include "c3de/scene/simulation_directory.h"
 #include "c3de/session/preparation.h"
+#include "c3de/session/simulator_identity.h"
 
 namespace c3de::registry {
 class EditList;
@@ -75,9 +76,16 @@ class Session {
   /// Called on the simulation's thread after each snapshot of a simulation that is adopted from here on.
   void setPublishedHook(std::function<void(const scene::Simulation &)> hook);
 
-  /// A new, empty simulator: the first class that answers iface.simulator. The error (ErrorCode::plugin) says that no
-  /// plugin offers one and which folders were searched. The caller has the count.
-  [[nodiscard]] Expected<c3de_object *> createSimulator();
+  /// The class of an id that answers iface.simulator; empty: that of setSimulatorClass(), else the only one. The error
+  /// (ErrorCode::plugin) lists those that there are, or says that no plugin offers one and which folders were searched.
+  [[nodiscard]] Expected<SimulatorIdentity> chooseSimulator(const std::string &classId) const;
+  /// A new, empty simulator of the class that chooseSimulator() gives. The caller has the count.
+  [[nodiscard]] Expected<c3de_object *> createSimulator(const std::string &classId = {});
+  /// Every class that simulates.
+  [[nodiscard]] std::vector<SimulatorIdentity> simulators() const;
+  /// What is taken where a scene does not say; empty: the only one.
+  void setSimulatorClass(const std::string &classId);
+  [[nodiscard]] const std::string &simulatorClass() const;
 
   /// Fills a simulator from a scene: checks every key against the simulator's declarations (unknown keys are errors
   /// with file, line and the nearest known key), reads all meshes, then adds obstacles, bodies and probes. Whatever

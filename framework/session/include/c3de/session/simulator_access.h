@@ -10,23 +10,30 @@
 #include "c3de/core/expected.h"
 #include "c3de/core/parameter.h"
 #include "c3de/core/vec.h"
+#include "c3de/scene/simulator_table.h"
 
 namespace c3de::session {
 
-/// The simulator's table; the error (ErrorCode::plugin) says what the object lacks.
-[[nodiscard]] Expected<const c3de_simulator_v0 *> simulatorTable(c3de_object *simulator);
+using scene::simulatorTable;
 
 /// What the simulator declares for a scope (C3DE_SIM_SCOPE_*).
 [[nodiscard]] Expected<std::vector<ParameterDecl>> simulatorDeclarations(c3de_object *simulator, std::uint32_t scope);
 
-/// Whether it reads fills and answers displacement(): revision 3.
-[[nodiscard]] bool servesFills(const c3de_simulator_v0 *table);
+/// Whether it reads fills and answers displacement().
+[[nodiscard]] bool servesFills(const c3de_simulator_v1 *table);
 
-/// Whether it can end a step half way: revision 4.
-[[nodiscard]] bool endsSteps(const c3de_simulator_v0 *table);
+/// Whether it can end a step half way.
+[[nodiscard]] bool endsSteps(const c3de_simulator_v1 *table);
 
 /// Of the skin of a body as it is now, m; empty where nobody says. [sim]
-[[nodiscard]] std::vector<Vec3> surfelPositions(c3de_object *simulator, c3de_handle body);
+[[nodiscard]] std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body);
+
+struct ProbeSample {
+  std::string name;
+  Vec3 position_m{}, velocity_m_s{};
+};
+/// Every probe, as it is now. [sim]
+[[nodiscard]] Expected<std::vector<ProbeSample>> readProbes(const c3de_simulator_v1 *table, c3de_object *simulator);
 
 /// A counted reference to an object of a plugin.
 class ObjectRef {

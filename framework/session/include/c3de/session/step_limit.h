@@ -15,7 +15,7 @@ namespace c3de::session {
 /// of a simulator that cannot (below revision 4) go on to their end.
 class StepLimit {
  public:
-  StepLimit(c3de_object *simulator, const c3de_simulator_v0 *table,
+  StepLimit(c3de_object *simulator, const c3de_simulator_v1 *table,
             std::optional<std::chrono::steady_clock::time_point> deadline);
   ~StepLimit();
   StepLimit(const StepLimit &) = delete;
@@ -25,7 +25,7 @@ class StepLimit {
   void watch();
 
   c3de_object *simulator_;
-  const c3de_simulator_v0 *table_;
+  const c3de_simulator_v1 *table_;
   std::optional<std::chrono::steady_clock::time_point> deadline_;
   std::mutex mutex_;
   std::condition_variable changed_;

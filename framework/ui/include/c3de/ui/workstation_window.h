@@ -53,12 +53,20 @@ struct OpenRequest {
   bool areLabels = false;  ///< images: label maps, to be laid over the image that is open
 };
 
+/// A class that may simulate what is opened next.
+struct SimulatorChoice {
+  std::string id, label, plugin;
+  bool isChosen = false;
+};
+
 /// What the window asks the program to do. Called on the main thread, in drawFrame().
 struct WindowActions {
   std::function<void(const OpenRequest &)> open;
   std::function<void()> reload;
   std::function<void(std::uint32_t action)> transport;  ///< C3DE_TRANSPORT_*
   std::function<void(double rate)> setTargetRate;       ///< 0: as fast as it goes
+  std::function<std::vector<SimulatorChoice>()> simulators;
+  std::function<void(const std::string &id)> chooseSimulator;
   std::function<void()> screenshot;
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
   /// The scan as it now lies; how far

@@ -111,6 +111,10 @@ struct BodyRecipe {
 
 [[nodiscard]] Neighbours countNeighbours(const RestState &rest);
 
+/// Where a load acts on a body that is there. Region and surface are in world coordinates at rest, m.
+/// Errors: a region that validate() refuses, or that meets no part of the body.
+[[nodiscard]] Result<LoadedPart> loadOn(const Load &load, const RestState &rest, const Surface &surface);
+
 /// F of every phyxel from those of the points: itself for Evaluation::phyxels, else the volume-weighted mean of the
 /// points it belongs to.
 void phyxelGradients(const RestState &rest, std::span<const Mat3> pointGradients, std::span<Mat3> out);

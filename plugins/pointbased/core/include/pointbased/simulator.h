@@ -24,6 +24,7 @@ struct SimulatorCheckpoint;
 using Checkpoint = std::shared_ptr<const detail::SimulatorCheckpoint>;
 
 struct Probe {
+  std::size_t id = 0;
   std::string name;
   std::size_t body = 0;
   Vec3 reference = Vec3::Zero();  ///< world, m
@@ -79,7 +80,9 @@ class Simulator {
   [[nodiscard]] std::pair<double, double> predictedCost(std::size_t body) const;
   /// Where an obstacle is now: its rigid motion at the present time.
   [[nodiscard]] RigidMotion obstacleMotion(std::size_t id) const;
-  void addProbe(std::string name, std::size_t body, const Vec3 &reference);
+  /// @return its id; 0 where there is no such body
+  std::size_t addProbe(std::string name, std::size_t body, const Vec3 &reference);
+  bool removeProbe(std::size_t id);
   [[nodiscard]] const std::vector<Probe> &probes() const { return probes_; }
   struct ProbeState {
     Vec3 position, velocity;  ///< world, m and m/s

@@ -17,6 +17,7 @@ struct Fix {
   Vec3 rotation_deg = Vec3::Zero();  ///< about x, then y, then z through the centre, likewise
   std::optional<Vec3> centre;        ///< world, m; default: centroid of the held part
   double ramp = 0.0;                 ///< s, >= 0; with a quasi-static solution the load factor takes its place
+  std::optional<Vec3> rotationVector = std::nullopt;  ///< rad, about this one axis, in the place of rotation_deg
 };
 
 /// A force or a pressure on a part of a body.

@@ -327,17 +327,22 @@ Result<std::shared_ptr<const RestState>> buildRestState(const BodyShape &shape, 
   const std::shared_ptr<RestState> rest = std::move(*built);
   if (progress && !progress(0.9)) return refused("cancelled");
 
-  const Surface local = shiftedSurface(shape.surface, rest->origin);
   for (std::size_t i = 0; i < recipe.loads.size(); ++i) {
-    Load here = recipe.loads[i];
-    here.region = shifted(here.region, rest->origin);
-    auto loaded = loadedPart(here, local, rest->spacing, rest->bind, rest->pointCentres, rest->stencils.volumes);
+    auto loaded = loadOn(recipe.loads[i], *rest, shape.surface);
     if (!loaded) return refused(numbered("load", i, loaded.error()));
     conditions.loaded.push_back(std::move(*loaded));
   }
   rest->conditions = std::move(conditions);
   if (progress && !progress(1.0)) return refused("cancelled");
   return std::shared_ptr<const RestState>(rest);
+}
+
+Result<LoadedPart> loadOn(const Load &load, const RestState &rest, const Surface &surface) {
+  if (const auto good = validate(load.region); !good) return refused(good.error());
+  Load here = load;
+  here.region = shifted(load.region, rest.origin);
+  return loadedPart(here, shiftedSurface(surface, rest.origin), rest.spacing, rest.bind, rest.pointCentres,
+                    rest.stencils.volumes);
 }
 
 std::vector<float> maxInfluencesOf(const RestState &rest) {

@@ -30,6 +30,12 @@ constexpr double kRadians = std::numbers::pi / 180.0;
 
 Mat3 about(int axis, double angle) { return Eigen::AngleAxisd(angle, Vec3::Unit(axis)).toRotationMatrix(); }
 
+Mat3 aboutAxis(const Vec3 &rotationVector) {
+  const double angle = rotationVector.norm();
+  if (angle == 0.0) return Mat3::Identity();
+  return Eigen::AngleAxisd(angle, rotationVector / angle).toRotationMatrix();
+}
+
 // d/dangle of about(): [e]x R
 Mat3 rateAbout(int axis, double angle) {
   const Mat3 R = about(axis, angle);
@@ -85,15 +91,22 @@ void addPatches(const SurfacePoints &samples, std::span<const Vec3> positions, s
 }  // namespace
 
 RigidMotion motionAt(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s) {
-  const Vec3 angles = s * kRadians * fix.rotation_deg;
   RigidMotion motion;
-  motion.rotation = about(2, angles[2]) * about(1, angles[1]) * about(0, angles[0]);
+  if (fix.rotationVector) {
+    motion.rotation = aboutAxis(s * *fix.rotationVector);
+  } else {
+    const Vec3 angles = s * kRadians * fix.rotation_deg;
+    motion.rotation = about(2, angles[2]) * about(1, angles[1]) * about(0, angles[0]);
+  }
   motion.centre = centreOf(fix, part, origin);
   motion.displacement = s * fix.displacement;
   return motion;
 }
 
 Vec3 motionRate(const Fix &fix, const ConstrainedRegion &part, const Vec3 &origin, double s, const Vec3 &X) {
+  if (fix.rotationVector)
+    return fix.rotationVector->cross(aboutAxis(s * *fix.rotationVector) * (X - centreOf(fix, part, origin))) +
+           fix.displacement;
   const Vec3 rates = kRadians * fix.rotation_deg, angles = s * rates;
   const Mat3 Rx = about(0, angles[0]), Ry = about(1, angles[1]), Rz = about(2, angles[2]);
   const Mat3 rate = rates[2] * rateAbout(2, angles[2]) * Ry * Rx + rates[1] * Rz * rateAbout(1, angles[1]) * Rx +

@@ -164,13 +164,20 @@ RigidMotion Simulator::obstacleMotion(std::size_t id) const {
   return obstacle.motion ? obstacle.motion(clockOfRamps()) : RigidMotion{};
 }
 
-void Simulator::addProbe(std::string name, std::size_t id, const Vec3 &reference) {
+std::size_t Simulator::addProbe(std::string name, std::size_t id, const Vec3 &reference) {
   const Body *target = body(id);
-  if (!target) return;
+  if (!target) return 0;
   ++course_;
   const Vec3 local = reference - target->rest().origin;
-  probes_.push_back(
-      {std::move(name), id, reference, target->rest().bind(std::span<const Vec3>(&local, 1), {}), Vec3::Zero()});
+  probes_.push_back({nextId_++, std::move(name), id, reference,
+                     target->rest().bind(std::span<const Vec3>(&local, 1), {}), Vec3::Zero()});
+  return probes_.back().id;
+}
+
+bool Simulator::removeProbe(std::size_t id) {
+  const bool found = std::erase_if(probes_, [id](const Probe &probe) { return probe.id == id; }) > 0;
+  if (found) ++course_;
+  return found;
 }
 
 Simulator::ProbeState Simulator::probeState(const Probe &probe) const {

@@ -8,7 +8,7 @@
 #include "collision.h"
 #include "forces.h"
 #include "history.h"
-#include "iface/point_sets.h"
+#include "iface/parameter_ids.h"
 #include "iface/simulator.h"
 #include "imaging.h"
 #include "jobs.h"

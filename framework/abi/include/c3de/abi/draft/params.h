@@ -20,6 +20,7 @@
 #define C3DE_PARAM_MIN_OPEN 8u  /* min itself is not accepted */
 #define C3DE_PARAM_MAX_OPEN 16u /* max itself is not accepted */
 #define C3DE_PARAM_AUTO 32u     /* the text "auto" is accepted beside a number */
+#define C3DE_PARAM_TOGETHER 64u /* a scene says all parameters of the same table (the id up to its last '.') or none */
 
 typedef struct c3de_param_decl {
   uint32_t size;
@@ -39,6 +40,8 @@ typedef struct c3de_param_decl {
   uint64_t choices_n;
   uint32_t flags;
   uint32_t reserved;
+  /* What follows may be absent (by size). */
+  c3de_str alternative_to; /* id of the parameter that this one says in another way; scenes say one of the two */
 } c3de_param_decl;
 
 typedef struct c3de_param_value {

@@ -1,13 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Phyxels carry the physics of a body, surfels are its visible surface. A set that belongs to a simulator is read
- * between its steps; a set created alone is a cloud of points with the same fields. Units are SI. */
-#ifndef C3DE_ABI_DRAFT_IFACE_POINT_SETS_H
-#define C3DE_ABI_DRAFT_IFACE_POINT_SETS_H
+/* Classes and interfaces that the point-based plugin offers to other plugins beside the simulator's. Phyxels carry the
+ * physics of a body, surfels are its visible surface. A set that belongs to a simulator is read between its steps; a
+ * set created alone is a cloud of points with the same fields. Units are SI. Functions of a set that belongs to a
+ * simulator: [sim]; of one created alone: [any], one call at a time. */
+#ifndef C3DE_POINTBASED_POINT_SETS_H
+#define C3DE_POINTBASED_POINT_SETS_H
 
-#include "../../object.h"
+#include <c3de/abi/object.h>
 
-#define C3DE_IFACE_PHYXEL_SET_ID "draft/c3de.iface.phyxel_set/0"
-#define C3DE_IFACE_SURFEL_SET_ID "draft/c3de.iface.surfel_set/0"
+#define C3DE_POINTBASED_PHYXEL_SET_ID "draft/c3de.iface.phyxel_set/0"
+#define C3DE_POINTBASED_SURFEL_SET_ID "draft/c3de.iface.surfel_set/0"
+#define C3DE_POINTBASED_BODIES_ID "draft/c3de.pointbased.bodies/0"
+
+/* Classes. */
+#define C3DE_POINTBASED_WORLD_SIMULATOR_CLASS "draft/c3de.pointbased.WorldSimulator/0"
+#define C3DE_POINTBASED_PHYXEL_CLASS "draft/c3de.pointbased.Phyxel/0"
+#define C3DE_POINTBASED_SURFEL_CLASS "draft/c3de.pointbased.Surfel/0"
 
 /* Fields of phyxels. All f64. */
 #define C3DE_FIELD_REFERENCE_POSITION 1u /* comps 3, m */
@@ -50,5 +58,15 @@ typedef struct c3de_surfel_set_v0 {
    * set; no rows where the surfels are points alone. */
   c3de_status(C3DE_CALL *triangles)(c3de_object *self, c3de_view *out);
 } c3de_surfel_set_v0;
+
+/* Answered by the simulator of the plugin, beside its iface.simulator, whose handles it takes. */
+typedef struct c3de_pointbased_bodies_v0 {
+  uint32_t size;
+  uint32_t rev;
+  /* Objects that answer the set's interface, with a count added for the caller. Stale when the body is removed or built
+   * again. [any] */
+  c3de_status(C3DE_CALL *phyxels)(c3de_object *self, c3de_handle body, c3de_object **out);
+  c3de_status(C3DE_CALL *surfels)(c3de_object *self, c3de_handle body, c3de_object **out);
+} c3de_pointbased_bodies_v0;
 
 #endif

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Ids of parameters that mean the same with every simulator. Scenes name them, the window sets them; a simulator declares
+ * those that it serves, beside its own. */
+#ifndef C3DE_ABI_DRAFT_IFACE_PARAMETER_IDS_H
+#define C3DE_ABI_DRAFT_IFACE_PARAMETER_IDS_H
+
+/* Of the world. */
+#define C3DE_PARAM_ID_GRAVITY "world.gravity"         /* VEC3, m/s^2 */
+#define C3DE_PARAM_ID_BOX_MIN "world.box.min"         /* VEC3, m: walls that keep bodies inside */
+#define C3DE_PARAM_ID_BOX_MAX "world.box.max"         /* VEC3, m */
+#define C3DE_PARAM_ID_BOX_ENABLED "world.box.enabled" /* BOOL */
+#define C3DE_PARAM_ID_DAMPING "solver.damping"        /* F64, 1/s: rate at which velocities decay */
+
+/* Of a body. */
+#define C3DE_PARAM_ID_DENSITY "material.density"                      /* F64, kg/m^3 */
+#define C3DE_PARAM_ID_YOUNGS_MODULUS "material.youngs_modulus"        /* F64, Pa, at small strain */
+#define C3DE_PARAM_ID_POISSON_RATIO "material.poisson_ratio"          /* F64, at small strain */
+#define C3DE_PARAM_ID_SPACING "sampling.spacing"                      /* F64, m, between points */
+#define C3DE_PARAM_ID_COUNT "sampling.count"                          /* I64, points, about */
+#define C3DE_PARAM_ID_RIGID "rigid"                                   /* BOOL: stands still and is touched */
+#define C3DE_PARAM_ID_SURROUNDINGS_STIFFNESS "surroundings.stiffness" /* F64, Pa/m: elastic layer about it */
+
+/* Of an obstacle. */
+#define C3DE_PARAM_ID_FRICTION "friction"       /* F64, Coulomb's coefficient */
+#define C3DE_PARAM_ID_RESTITUTION "restitution" /* F64, 0 ... 1 */
+
+#endif
