@@ -825,6 +825,57 @@ static void drive_time(void) {
 
 static int sim_calls;
 
+static struct {
+  uint64_t added, removed, stepped, seen;
+  c3de_handle node;
+} watched;
+static void C3DE_CALL watch_added(void *self, c3de_handle node) {
+  (void)self;
+  ++watched.added;
+  watched.node = node;
+}
+static void C3DE_CALL watch_removed(void *self, c3de_handle node) {
+  (void)self;
+  (void)node;
+  ++watched.removed;
+}
+static c3de_status C3DE_CALL see_simulation(void *visitor, const c3de_simulation_info *info) {
+  const void *table = NULL;
+  HOLDS(info->size >= sizeof *info);
+  HOLDS(info->object != NULL);
+  GIVES(C3DE_OK, info->object->vt->query(info->object, text(C3DE_IFACE_SIMULATOR_ID), 1, &table));
+  HOLDS(table != NULL);
+  ++*(uint64_t *)visitor;
+  return C3DE_OK;
+}
+static c3de_status C3DE_CALL stop_seeing(void *visitor, const c3de_simulation_info *info) {
+  (void)visitor;
+  (void)info;
+  return C3DE_S_TRUNCATED;
+}
+
+static void drive_watch(const c3de_simulation_v0 *simulation, c3de_handle node) {
+  c3de_simulation_watch watch;
+  c3de_handle h;
+  memset(&watch, 0, sizeof watch);
+  memset(&watched, 0, sizeof watched);
+  GIVES(C3DE_OK, simulation->enum_simulations(simulation->ctx, &watched.seen, see_simulation));
+  HOLDS(watched.seen == 1);
+  GIVES(C3DE_S_TRUNCATED, simulation->enum_simulations(simulation->ctx, NULL, stop_seeing));
+  GIVES(C3DE_E_ARG, simulation->enum_simulations(simulation->ctx, NULL, NULL));
+  GIVES(C3DE_E_ARG, simulation->watch(simulation->ctx, NULL, &h));
+  GIVES(C3DE_E_ARG, simulation->watch(simulation->ctx, &watch, &h)); /* without a size */
+  watch.size = sizeof watch;
+  watch.added = watch_added;
+  watch.removed = watch_removed;
+  GIVES(C3DE_E_ARG, simulation->watch(simulation->ctx, &watch, NULL));
+  GIVES(C3DE_OK, simulation->watch(simulation->ctx, &watch, &h));
+  HOLDS(watched.added == 1 && watched.node.v == node.v);
+  GIVES(C3DE_OK, simulation->unwatch(simulation->ctx, h));
+  GIVES(C3DE_E_STALE, simulation->unwatch(simulation->ctx, h));
+  GIVES(C3DE_E_STALE, simulation->unwatch(simulation->ctx, node));
+}
+
 static void drive_simulation(c3de_handle node) {
   const c3de_simulation_v0 *simulation = service(C3DE_SIMULATION_ID);
   c3de_sim_transport state;
@@ -843,6 +894,7 @@ static void drive_simulation(c3de_handle node) {
   GIVES(C3DE_E_ARG, simulation->state(simulation->ctx, node, NULL));
   GIVES(C3DE_E_ARG, simulation->post(simulation->ctx, node, NULL, NULL));
   GIVES(C3DE_E_NOT_FOUND, simulation->post(simulation->ctx, kNone, &sim_calls, count_call));
+  drive_watch(simulation, node);
 }
 
 /* ---- handles of one kind where another is asked for ---- */

@@ -22,7 +22,7 @@ struct DrivenHost : HostFixture {
     auto created = scene::Simulation::create(simulator.abi());
     REQUIRE(created);
     simulation = std::move(*created);
-    simulations.add(node, simulation);
+    simulations.add(node, "test", simulation);
     auto made = host->createObject(TEST_DRIVER_CLASS);
     REQUIRE(made);
     object = *made;

@@ -18,6 +18,7 @@ const char *nameOf(HandleKind kind) {
     case HandleKind::frameCallback: return "frame callback";
     case HandleKind::edit: return "step of undo";
     case HandleKind::forceField: return "force field";
+    case HandleKind::simulationWatch: return "watch of simulations";
     case HandleKind::other: break;
   }
   return "";

@@ -40,6 +40,7 @@ C3DE_FIRST_SIZE(c3de_label_map_info, 184);
 C3DE_FIRST_SIZE(c3de_progress, 24);
 C3DE_FIRST_SIZE(c3de_force_field, 40);
 C3DE_FIRST_SIZE(c3de_error_place, 40);
+C3DE_FIRST_SIZE(c3de_simulation_watch, 40);
 
 #undef C3DE_FIRST_SIZE
 

@@ -15,6 +15,7 @@
 #include "c3de/scene/force_fields.h"
 #include "c3de/scene/mesh_store.h"
 #include "c3de/scene/scene_graph.h"
+#include "c3de/scene/simulation_directory.h"
 #include "last_error.h"
 #include "refusal.h"
 #include "services/catalogue.h"
@@ -122,6 +123,7 @@ void PluginContext::revokeAll() {
     posted->waiting.clear();
   }
   if (s.forces) s.forces->removeOwnedBy(id_);
+  if (s.simulations) s.simulations->unwatchOwnedBy(id_);
   // Tools first: one of them may be active, and its callbacks are closed already.
   if (s.tools) s.tools->removeOwnedBy(id_);
   if (s.edits) s.edits->removeOwnedBy(id_);

@@ -67,13 +67,16 @@ struct Simulation::Impl {
   bool unpublished = true;  ///< the state has changed since the last snapshot
   Clock::time_point publishedAt{};
   std::function<Expected<void>()> beforeStep;
+  std::function<void(const c3de_sim_status &)> afterStep;
 
+  bool isDrivenByCaller = false;
   std::thread thread;
 
   ~Impl();
   void run();
   void enqueue(std::function<void()> command, bool isUrgent = false);
   bool runCommands(std::vector<Command> &commands);
+  void runWaiting();
   void begin(Command &command);
   void interrupt(bool raised);
   void apply(std::uint32_t action);
@@ -96,6 +99,8 @@ Simulation::Impl::~Impl() {
     wake.notify_one();
     thread.join();
     interrupt(false);
+  } else if (table != nullptr) {
+    runWaiting();
   }
   if (object != nullptr) object->vt->release(object);
 }
@@ -187,7 +192,17 @@ bool Simulation::Impl::runCommands(std::vector<Command> &commands) {
   return true;
 }
 
+void Simulation::Impl::runWaiting() {
+  std::vector<Command> waiting;
+  {
+    const std::lock_guard lock(queueMutex);
+    waiting.swap(queue);
+  }
+  (void)runCommands(waiting);
+}
+
 void Simulation::Impl::apply(std::uint32_t action) {
+  if (isDrivenByCaller) return;
   switch (action) {
     case C3DE_TRANSPORT_PLAY:
       if (mode == C3DE_SIM_STOPPED || mode == C3DE_SIM_PAUSED) play();
@@ -268,6 +283,7 @@ void Simulation::Impl::step() {
   // A quasi-static solution has steps and no time; an empty world may count steps that compute nothing.
   advancing = status.time_s != timeBefore_s || (status.steps != stepsBefore && status.bodies > 0);
   meter.add(end, seconds(end - begin), std::max(0.0, status.time_s - timeBefore_s));
+  if (afterStep) afterStep(status);
   if (status.finished != 0 && mode == C3DE_SIM_PLAYING) {
     mode = C3DE_SIM_PAUSED;
     meter.pause();
@@ -310,8 +326,8 @@ void Simulation::Impl::failWith(const std::string &what, c3de_status code) {
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Simulation::~Simulation() = default;
 
-Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
-                                                         std::function<std::string()> takeError) {
+Expected<std::unique_ptr<Simulation>> Simulation::createForCaller(c3de_object *simulator,
+                                                                  std::function<std::string()> takeError) {
   if (simulator == nullptr) return fail(ErrorCode::internal, "no simulator object was given");
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());
@@ -320,9 +336,36 @@ Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
   impl->object = simulator;
   impl->table = *table;
   impl->takeError = std::move(takeError);
+  impl->isDrivenByCaller = true;
   impl->show();
-  impl->thread = std::thread([running = impl.get()] { running->run(); });
   return std::unique_ptr<Simulation>(new Simulation(std::move(impl)));
+}
+
+Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
+                                                         std::function<std::string()> takeError) {
+  auto made = createForCaller(simulator, std::move(takeError));
+  if (!made) return made;
+  Impl *impl = (*made)->impl_.get();
+  impl->isDrivenByCaller = false;
+  impl->thread = std::thread([impl] { impl->run(); });
+  return made;
+}
+
+bool Simulation::isDrivenByCaller() const { return impl_->isDrivenByCaller; }
+
+Expected<void> Simulation::beginStep() {
+  impl_->runWaiting();
+  return impl_->beforeStep ? impl_->beforeStep() : Expected<void>();
+}
+
+void Simulation::endStep() {
+  impl_->readStatus();
+  impl_->show();
+  if (impl_->afterStep) impl_->afterStep(impl_->status);
+}
+
+void Simulation::setAfterStep(std::function<void(const c3de_sim_status &)> follow) {
+  post([impl = impl_.get(), follow = std::move(follow)] { impl->afterStep = follow; });
 }
 
 void Simulation::transport(std::uint32_t action) {
@@ -354,7 +397,7 @@ void Simulation::post(std::function<void()> command) {
 
 void Simulation::call(const std::function<void()> &command) {
   if (!command) return;
-  if (std::this_thread::get_id() == impl_->thread.get_id()) {
+  if (impl_->isDrivenByCaller || std::this_thread::get_id() == impl_->thread.get_id()) {
     command();
     return;
   }

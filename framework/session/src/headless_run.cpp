@@ -126,6 +126,9 @@ Expected<void> HeadlessRun::run() {
   using Clock = std::chrono::steady_clock;
   facts_.threads = session_.pool().threadCount();
   facts_.seed = options_.seed;
+  // Beside this one there is no other; who steps it is this function.
+  if (const auto adopted = session_.adoptForRun(simulator_, options_.scene.stem().string()); !adopted) return adopted;
+  scene::Simulation &simulation = *session_.simulation();
   if (const auto read = readStatus(); !read) return read;
   wantsProbes_ = !options_.probes.empty();
   if (wantsProbes_)
@@ -151,7 +154,7 @@ Expected<void> HeadlessRun::run() {
     const double timeBefore_s = facts_.time_s;
     const std::uint64_t stepsBefore = facts_.steps;
     const Clock::time_point begin = Clock::now();
-    if (const auto ready = session_.forces().apply({}, simulator_, table_); !ready) {
+    if (const auto ready = simulation.beginStep(); !ready) {
       facts_.outcome = "failed";
       facts_.failure = ready.error().message;
       break;
@@ -176,6 +179,7 @@ Expected<void> HeadlessRun::run() {
                        " failed: " + (reason.empty() ? "status " + std::to_string(code) : reason);
       break;
     }
+    simulation.endStep();
     if (const auto read = readStatus(); !read) return read;
     if (!finished_ && facts_.steps == stepsBefore && facts_.time_s == timeBefore_s) {
       facts_.outcome = "failed";

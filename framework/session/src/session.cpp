@@ -195,6 +195,9 @@ struct Session::Impl {
   [[nodiscard]] Error lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
                                 const scene::SceneBody *body = nullptr) const;
   void release(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
+  [[nodiscard]] Handle addNode(const std::string &title);
+  /// Lets plugins reach it, act before its steps and be told after them.
+  void connect(Handle at, const std::string &title, const std::shared_ptr<scene::Simulation> &to);
   [[nodiscard]] Expected<std::vector<c3de_handle>> addBodies(const c3de_simulator_v1 *table, c3de_object *simulator,
                                                              const scene::SceneFile &scene, const FittedScene &fitted,
                                                              BodySources &sources, const ProgressFn &progress,
@@ -477,25 +480,45 @@ Expected<void> Session::addBodies(c3de_object *simulator, const scene::SceneFile
   return {};
 }
 
-Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) {
-  plugin_host::PluginHost *host = impl_->host.get();
-  auto created = scene::Simulation::create(simulator, [host] { return host->takeError(); });
-  if (!created) return tl::unexpected(created.error());
-  std::shared_ptr<scene::Simulation> next = std::move(*created);
-  next->setPublishedListener([queue = &impl_->mainQueue, hook = impl_->publishedHook, simulation = next.get()] {
-    if (hook) hook(*simulation);
-    queue->requestRedraw();
-  });
-
-  const Handle nextNode = impl_->sceneGraph.add({}, title);
+Handle Session::Impl::addNode(const std::string &title) {
+  const Handle added = sceneGraph.add({}, title);
   Mat4 worldFromSimulation = kIdentity4;
   for (std::size_t axis = 0; axis < 3; ++axis) worldFromSimulation[5 * axis] = scene::kMillimetresPerMetre;
-  impl_->sceneGraph.find(nextNode)->parentFromNode = worldFromSimulation;
-  impl_->sceneGraph.touch();
-  impl_->simulations.add(nextNode, next);
-  next->setBeforeStep([forces = &impl_->forces, nextNode, simulator, table = next->table()] {
-    return forces->apply(nextNode, simulator, table);
-  });
+  sceneGraph.find(added)->parentFromNode = worldFromSimulation;
+  sceneGraph.touch();
+  return added;
+}
+
+void Session::Impl::connect(Handle at, const std::string &title, const std::shared_ptr<scene::Simulation> &to) {
+  to->setBeforeStep(
+      [fields = &forces, at, object = to->object(), table = to->table()] { return fields->apply(at, object, table); });
+  to->setAfterStep([all = &simulations, at](const c3de_sim_status &status) { all->stepped(at, status); });
+  simulations.add(at, title, to);
+}
+
+Expected<void> Session::adopt(c3de_object *simulator, const std::string &title) {
+  return adopt(simulator, title, false);
+}
+
+Expected<void> Session::adoptForRun(c3de_object *simulator, const std::string &title) {
+  return adopt(simulator, title, true);
+}
+
+Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, bool isDrivenByCaller) {
+  plugin_host::PluginHost *host = impl_->host.get();
+  const auto takeError = [host] { return host->takeError(); };
+  auto created = isDrivenByCaller ? scene::Simulation::createForCaller(simulator, takeError)
+                                  : scene::Simulation::create(simulator, takeError);
+  if (!created) return tl::unexpected(created.error());
+  std::shared_ptr<scene::Simulation> next = std::move(*created);
+  if (!isDrivenByCaller)
+    next->setPublishedListener([queue = &impl_->mainQueue, hook = impl_->publishedHook, simulation = next.get()] {
+      if (hook) hook(*simulation);
+      queue->requestRedraw();
+    });
+
+  const Handle nextNode = impl_->addNode(title);
+  impl_->connect(nextNode, title, next);
 
   // The one before lets go of its panels and proxies first, so that there is never a second set of them.
   if (impl_->simulation) impl_->simulation->table()->attach(impl_->simulation->object(), c3de_handle{0});

@@ -47,7 +47,7 @@ TEST_CASE("The directory finds a simulation by its node and forgets it") {
                                                       [](scene::Simulation *) {});  // only kept, never looked into
   const Handle node{3, 7};
   CHECK(directory.find(node) == nullptr);
-  directory.add(node, simulation);
+  directory.add(node, "test", simulation);
   CHECK(directory.find(node) == simulation);
   CHECK(directory.find({3, 8}) == nullptr);
   directory.remove(node);

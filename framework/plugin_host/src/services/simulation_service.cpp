@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "c3de/core/text.h"
 #include "c3de/scene/simulation.h"
 
 #include <fmt/format.h>
@@ -19,12 +20,18 @@ std::shared_ptr<scene::Simulation> find(PluginContext &plugin, c3de_handle node)
   return found;
 }
 
+void requireOwnThread(const scene::Simulation &simulation) {
+  if (simulation.isDrivenByCaller())
+    throw Refusal(C3DE_E_UNSUPPORTED, "a run without a window steps by itself to its end");
+}
+
 c3de_status C3DE_CALL transport(void *ctx, c3de_handle node, std::uint32_t action) noexcept {
   return serve(ctx, "simulation.transport", [&](PluginContext &plugin) {
     const auto simulation = find(plugin, node);
     if (action < C3DE_TRANSPORT_PLAY || action > C3DE_TRANSPORT_STEP)
       throw Refusal(C3DE_E_ARG,
                     fmt::format("action is {}, accepted: 1 (play), 2 (pause), 3 (stop), 4 (reset), 5 (step)", action));
+    requireOwnThread(*simulation);
     simulation->transport(action);
   });
 }
@@ -34,6 +41,7 @@ c3de_status C3DE_CALL setTargetRate(void *ctx, c3de_handle node, double rate) no
     const auto simulation = find(plugin, node);
     if (finiteOf(rate, "rate") < 0.0)
       throw Refusal(C3DE_E_ARG, fmt::format("rate is {}, accepted: 0 (as fast as it goes) or above", rate));
+    requireOwnThread(*simulation);
     simulation->setTargetRate(rate);
   });
 }
@@ -52,10 +60,62 @@ c3de_status C3DE_CALL post(void *ctx, c3de_handle node, void *self, void(C3DE_CA
   });
 }
 
+c3de_status C3DE_CALL enumSimulations(void *ctx, void *visitor,
+                                      c3de_status(C3DE_CALL *each)(void *, const c3de_simulation_info *)) noexcept {
+  c3de_status answer = C3DE_OK;
+  const c3de_status served = serve(ctx, "simulation.enum_simulations", [&](PluginContext &plugin) {
+    requireNonNull(each, "each");
+    for (const scene::SimulationDirectory::Entry &entry : plugin.services().simulations->all()) {
+      const c3de_simulation_info info{
+          sizeof(c3de_simulation_info), 0, {entry.node.bits()}, toAbi(entry.title), entry.simulation->object()};
+      answer = each(visitor, &info);
+      if (answer != C3DE_OK) return;
+    }
+  });
+  return served < 0 ? served : answer;
+}
+
+c3de_status C3DE_CALL watch(void *ctx, const c3de_simulation_watch *given, c3de_handle *out) noexcept {
+  return serveOnMain(ctx, "simulation.watch", [&](PluginContext &plugin) {
+    requireNonNull(out, "out")->v = 0;
+    const auto taken = structOf(given, "watch");
+    scene::SimulationDirectory::Watch watch;
+    watch.owner = plugin.id();
+    if (taken.added)
+      watch.added = [owner = &plugin, taken](Handle node) {
+        callPlugin(*owner, "added of a watch of simulations", [&] { taken.added(taken.self, {node.bits()}); });
+      };
+    if (taken.removed)
+      watch.removed = [owner = &plugin, taken](Handle node) {
+        callPlugin(*owner, "removed of a watch of simulations", [&] { taken.removed(taken.self, {node.bits()}); });
+      };
+    if (taken.stepped)
+      watch.stepped = [owner = &plugin, taken](Handle node, const c3de_sim_status &status) {
+        callPlugin(*owner, "stepped of a watch of simulations",
+                   [&] { taken.stepped(taken.self, {node.bits()}, status.steps, status.time_s); });
+      };
+    writeHandle(out, plugin.services().simulations->watch(std::move(watch)));
+  });
+}
+
+c3de_status C3DE_CALL unwatch(void *ctx, c3de_handle watch) noexcept {
+  return serveOnMain(ctx, "simulation.unwatch", [&](PluginContext &plugin) {
+    switch (plugin.services().simulations->unwatch(handleOf(watch), plugin.id())) {
+      case scene::SimulationDirectory::Removal::done: return;
+      case scene::SimulationDirectory::Removal::fromStepped:
+        throw Refusal(C3DE_E_STATE, "a watch cannot be removed from within stepped()");
+      case scene::SimulationDirectory::Removal::stale:
+        throw Refusal(C3DE_E_STALE,
+                      fmt::format("plugin {} has no watch of simulations of handle {}", plugin.id(), textOf(watch)));
+    }
+  });
+}
+
 }  // namespace
 
 c3de_simulation_v0 makeSimulationTable(PluginContext *plugin) {
-  return {sizeof(c3de_simulation_v0), kServiceRevision, plugin, &transport, &setTargetRate, &state, &post};
+  return {sizeof(c3de_simulation_v0), 2,      plugin,  &transport, &setTargetRate, &state, &post,
+          &enumSimulations,           &watch, &unwatch};
 }
 
 }  // namespace c3de::plugin_host

@@ -24,6 +24,7 @@ enum class HandleKind : std::uint8_t {
   frameCallback,
   edit,
   forceField,
+  simulationWatch,
 };
 /// For messages: "scene node"; empty for `other` and for what is no kind.
 [[nodiscard]] const char *nameOf(HandleKind kind);

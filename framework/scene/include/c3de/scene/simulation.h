@@ -18,13 +18,25 @@ namespace c3de::scene {
 inline constexpr double kMillimetresPerMetre = 1000.0;
 
 /// Drives a simulator object on a thread of its own: takes commands between steps, keeps pace with the wall clock, lets
-/// the simulator publish a snapshot when somebody looks. The window never waits for it.
+/// the simulator publish a snapshot when somebody looks. The window never waits for it. Or leaves the stepping to who
+/// made it, for runs without a window.
 class Simulation {
  public:
   /// @param simulator  a count is taken; must answer iface.simulator
   /// @param takeError  the text that the last failing call on the calling thread left, for messages; may be empty
   [[nodiscard]] static Expected<std::unique_ptr<Simulation>> create(c3de_object *simulator,
                                                                     std::function<std::string()> takeError = {});
+  /// The same without a thread and a pace: the caller steps, between beginStep() and endStep(). transport() and
+  /// setTargetRate() do nothing; what is posted waits for the next step.
+  [[nodiscard]] static Expected<std::unique_ptr<Simulation>> createForCaller(
+      c3de_object *simulator, std::function<std::string()> takeError = {});
+  [[nodiscard]] bool isDrivenByCaller() const;
+  /// Of a simulation that its caller steps: what was posted, then what comes before a step; on an error it must not be
+  /// made.
+  [[nodiscard]] Expected<void> beginStep();
+  /// And what comes after one that was made.
+  void endStep();
+
   /// Ends the step that is being computed, runs what was posted, joins the thread, lets go of the simulator. Waits for
   /// the step of a simulator that cannot end one (below revision 4).
   ~Simulation();
@@ -51,6 +63,8 @@ class Simulation {
   /// Called on the simulation's thread before each step from the next one on; an error is logged, the step is not made,
   /// and the simulation pauses. Any thread.
   void setBeforeStep(std::function<Expected<void>()> prepare);
+  /// Called on the simulation's thread after each step that was made. Any thread.
+  void setAfterStep(std::function<void(const c3de_sim_status &)> follow);
   /// Called on the simulation's thread after each published snapshot, for example to wake the window. When this
   /// returns, the listener before is not running and will not be called again.
   void setPublishedListener(std::function<void()> listener);

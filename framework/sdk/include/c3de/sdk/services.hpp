@@ -447,9 +447,82 @@ class Time : public Service<c3de_time_v0> {
   }
 };
 
+class SimulationWatch {
+ public:
+  SimulationWatch() noexcept = default;
+  SimulationWatch(SimulationWatch &&) noexcept = default;
+  SimulationWatch &operator=(SimulationWatch &&other) noexcept {
+    if (this == &other) return *this;
+    owned_.reset();  // before its functions go, which the simulation's thread may be calling
+    functions_ = std::move(other.functions_);
+    owned_ = std::move(other.owned_);
+    return *this;
+  }
+  ~SimulationWatch() = default;
+  explicit operator bool() const noexcept { return static_cast<bool>(owned_); }
+
+ private:
+  friend class Simulation;
+  struct Functions {
+    std::function<void(c3de_handle)> added, removed;
+    std::function<void(c3de_handle, std::uint64_t, double)> stepped;
+  };
+  std::unique_ptr<Functions> functions_;
+  Owned<c3de_simulation_v0, &c3de_simulation_v0::unwatch> owned_;  // goes first
+};
+
+/// Simulations that run. From revision 2 of the service they can be found and watched.
 class Simulation : public Service<c3de_simulation_v0> {
  public:
   using Service::Service;
+  struct Running {
+    c3de_handle node{};
+    std::string title;
+    Ref<> object;  ///< answers iface.simulator
+  };
+  /// Those that there are. Any thread.
+  [[nodiscard]] Result<std::vector<Running>> all() const {
+    if (!isOfRevision2()) return Failure{C3DE_E_VERSION, "the host does not list simulations (revision 1)"};
+    std::vector<Running> found;
+    const auto each = [](void *visitor, const c3de_simulation_info *info) noexcept -> c3de_status {
+      return guard([&] {
+        static_cast<std::vector<Running> *>(visitor)->push_back(
+            {info->node, std::string(text(info->title)), Ref<>::share(info->object)});
+      });
+    };
+    if (auto done = call<&c3de_simulation_v0::enum_simulations>(static_cast<void *>(&found), +each); !done)
+      return done.failure();
+    return found;
+  }
+  /// Empty functions are not called. added() is called for those that there are, too. Main thread.
+  /// @param stepped  after every step, on the simulation's thread: node, steps, time in s
+  [[nodiscard]] Result<SimulationWatch> watch(std::function<void(c3de_handle)> added,
+                                              std::function<void(c3de_handle)> removed,
+                                              std::function<void(c3de_handle, std::uint64_t, double)> stepped) const {
+    if (!isOfRevision2()) return Failure{C3DE_E_VERSION, "the host does not tell of simulations (revision 1)"};
+    using Functions = SimulationWatch::Functions;
+    SimulationWatch out;
+    out.functions_ = std::make_unique<Functions>(Functions{std::move(added), std::move(removed), std::move(stepped)});
+    const c3de_simulation_watch abi{
+        sizeof(c3de_simulation_watch), 0, out.functions_.get(),
+        [](void *self, c3de_handle node) noexcept {
+          guardQuietly("added", [&] {
+            if (const auto &f = static_cast<Functions *>(self)->added) f(node);
+          });
+        },
+        [](void *self, c3de_handle node) noexcept {
+          guardQuietly("removed", [&] {
+            if (const auto &f = static_cast<Functions *>(self)->removed) f(node);
+          });
+        },
+        out.functions_->stepped ? +[](void *self, c3de_handle node, std::uint64_t steps, double time_s) noexcept {
+          guardQuietly("stepped", [&] { static_cast<Functions *>(self)->stepped(node, steps, time_s); });
+        } : nullptr};
+    auto owned = own<&c3de_simulation_v0::watch, Owned<c3de_simulation_v0, &c3de_simulation_v0::unwatch>>(&abi);
+    if (!owned) return owned.failure();
+    out.owned_ = std::move(*owned);
+    return out;
+  }
   /// @param action  C3DE_TRANSPORT_*
   Result<void> transport(c3de_handle node, std::uint32_t action) const {
     return call<&c3de_simulation_v0::transport>(node, action);
@@ -475,6 +548,9 @@ class Simulation : public Service<c3de_simulation_v0> {
     (void)box.release();
     return {};
   }
+
+ private:
+  [[nodiscard]] bool isOfRevision2() const noexcept { return table() != nullptr && table()->rev >= 2; }
 };
 
 /// A field that acts until it is destroyed or removed.

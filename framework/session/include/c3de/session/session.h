@@ -107,8 +107,11 @@ class Session {
 
   /// Makes the simulator the present simulation: a scene node of its own, a thread of its own; the one before goes.
   [[nodiscard]] Expected<void> adopt(c3de_object *simulator, const std::string &title);
+  /// The same without a thread: the caller steps (Simulation::beginStep).
+  [[nodiscard]] Expected<void> adoptForRun(c3de_object *simulator, const std::string &title);
 
  private:
+  [[nodiscard]] Expected<void> adopt(c3de_object *simulator, const std::string &title, bool isDrivenByCaller);
   struct Impl;
   explicit Session(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
