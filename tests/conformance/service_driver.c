@@ -488,6 +488,22 @@ static void drive_collision(void) {
   const double centre[] = {1, 1, 0}, nan3[] = {NAN, 0, 0};
   uint32_t found[4];
   uint64_t needed = 0;
+  {
+    uint32_t pairs[16];
+    c3de_handle second;
+    GIVES(C3DE_OK, collision->create(collision->ctx, corners(), faces(), &second));
+    GIVES(C3DE_S_TRUNCATED, collision->pairs(collision->ctx, tree, second, 0.0, pairs, 2, &needed));
+    HOLDS(needed > 2);
+    GIVES(C3DE_S_TRUNCATED, collision->pairs(collision->ctx, tree, second, 0.0, NULL, 0, &needed));
+    GIVES(C3DE_OK, collision->pairs(collision->ctx, tree, tree, 0.0, pairs, 8, &needed));
+    HOLDS(needed == 0); /* all of a tetrahedron share vertices */
+    GIVES(C3DE_E_ARG, collision->pairs(collision->ctx, tree, second, -1.0, pairs, 8, &needed));
+    GIVES(C3DE_E_ARG, collision->pairs(collision->ctx, tree, second, NAN, pairs, 8, &needed));
+    GIVES(C3DE_E_ARG, collision->pairs(collision->ctx, tree, second, 0.0, NULL, 8, &needed));
+    GIVES(C3DE_E_ARG, collision->pairs(collision->ctx, tree, second, 0.0, pairs, 8, NULL));
+    GIVES(C3DE_OK, collision->destroy(collision->ctx, second));
+    GIVES(C3DE_E_STALE, collision->pairs(collision->ctx, tree, second, 0.0, pairs, 8, &needed));
+  }
   GIVES(C3DE_OK, collision->sphere(collision->ctx, tree, centre, 50.0, found, 4, &needed));
   HOLDS(needed == 4 && found[0] == 0 && found[3] == 3);
   GIVES(C3DE_S_TRUNCATED, collision->sphere(collision->ctx, tree, centre, 50.0, found, 2, &needed));

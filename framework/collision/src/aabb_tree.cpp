@@ -5,6 +5,7 @@
 #include <fcl/math/bv/utility.h>
 
 #include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/narrowphase/detail/primitive_shape_algorithm/triangle_distance.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -353,6 +354,58 @@ void AabbTree::sphere(const Vec3 &centre, double radius, std::vector<std::uint32
     if (closestOnTriangle(centre, impl_->corner(triangle, 0), impl_->corner(triangle, 1), impl_->corner(triangle, 2))
             .distanceSquared <= radiusSquared)
       out.push_back(triangle);
+  }
+  std::sort(out.begin(), out.end());
+}
+
+namespace {
+
+/// Between the boxes, along the axes where they do not overlap.
+double squaredGap(const fcl::AABBd &a, const fcl::AABBd &b) {
+  const fcl::Vector3d gap = (a.min_ - b.max_).cwiseMax(b.min_ - a.max_).cwiseMax(0.0);
+  return gap.squaredNorm();
+}
+
+bool sharesVertex(const Triangle &a, const Triangle &b) {
+  return std::any_of(a.begin(), a.end(), [&](std::uint32_t v) { return std::find(b.begin(), b.end(), v) != b.end(); });
+}
+
+}  // namespace
+
+void AabbTree::pairs(const AabbTree &other, double distance, std::vector<std::array<std::uint32_t, 2>> &out) const {
+  out.clear();
+  if (!(distance >= 0.0)) return;
+  const bool isSame = &other == this;
+  const Model &a = *impl_->model, &b = *other.impl_->model;
+  const auto cornersOf = [](const Impl &impl, std::uint32_t triangle, fcl::Vector3d(&corners)[3]) {
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = impl.model->vertices[impl.triangles[triangle][k]];
+  };
+  Stack<std::array<int, 2>> stack;
+  std::array<int, 2> at{0, 0};
+  stack.push(at);
+  while (stack.pop(at)) {
+    const auto &first = a.getBV(at[0]), &second = b.getBV(at[1]);
+    if (squaredGap(first.bv, second.bv) > distance * distance * kPruneSlack) continue;
+    // The larger one is divided.
+    const bool divideFirst = !first.isLeaf() && (second.isLeaf() || first.bv.size() >= second.bv.size());
+    if (divideFirst) {
+      stack.push({first.leftChild(), at[1]});
+      stack.push({first.rightChild(), at[1]});
+      continue;
+    }
+    if (!second.isLeaf()) {
+      stack.push({at[0], second.leftChild()});
+      stack.push({at[0], second.rightChild()});
+      continue;
+    }
+    const auto i = static_cast<std::uint32_t>(first.primitiveId()),
+               j = static_cast<std::uint32_t>(second.primitiveId());
+    if (isSame && (i >= j || sharesVertex(impl_->triangles[i], impl_->triangles[j]))) continue;
+    fcl::Vector3d s[3], t[3], p, q;
+    cornersOf(*impl_, i, s);
+    cornersOf(*other.impl_, j, t);
+    // Of degenerate triangles it may be not a number; such a pair is told rather than missed.
+    if (!(fcl::detail::TriangleDistance<double>::triDistance(s, t, p, q) > distance)) out.push_back({i, j});
   }
   std::sort(out.begin(), out.end());
 }

@@ -166,3 +166,95 @@ TEST_CASE("Bad input is refused by name") {
   CHECK(tree->triangleCount() == 12);
   CHECK(tree->vertexCount() == 8);
 }
+
+namespace {
+
+bool segmentMeets(const Vec3 &p, const Vec3 &q, const Vec3 &a, const Vec3 &b, const Vec3 &c) {
+  const Vec3 n = cross(b - a, c - a);
+  const double before = dot(p - a, n), after = dot(q - a, n);
+  if (before * after > 0.0 || before == after) return false;
+  const Vec3 x = p + (before / (before - after)) * (q - p);
+  return dot(cross(b - a, x - a), n) >= 0.0 && dot(cross(c - b, x - b), n) >= 0.0 && dot(cross(a - c, x - c), n) >= 0.0;
+}
+
+double segmentsApart(const Vec3 &a, const Vec3 &b, const Vec3 &c, const Vec3 &d) {
+  // By halving: the distance of a point of one to the other is convex along it.
+  double low = 0.0, high = 1.0;
+  const auto at = [&](double s) { return brute_force::segmentDistance(a + s * (b - a), c, d); };
+  for (int i = 0; i < 100; ++i) {
+    const double l = low + (high - low) / 3.0, h = high - (high - low) / 3.0;
+    (at(l) < at(h) ? high : low) = at(l) < at(h) ? h : l;
+  }
+  return at(0.5 * (low + high));
+}
+
+/// By other formulas than the tree's: vertices against triangles, edges against edges, edges through triangles.
+double apart(const geometry::TriangleMesh &x, std::size_t i, const geometry::TriangleMesh &y, std::size_t j) {
+  Vec3 s[3], t[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    s[k] = x.vertices[x.triangles[i][k]];
+    t[k] = y.vertices[y.triangles[j][k]];
+  }
+  double least = 1e300;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (segmentMeets(s[k], s[(k + 1) % 3], t[0], t[1], t[2]) || segmentMeets(t[k], t[(k + 1) % 3], s[0], s[1], s[2]))
+      return 0.0;
+    least = std::min({least, brute_force::triangleDistance(s[k], t[0], t[1], t[2]),
+                      brute_force::triangleDistance(t[k], s[0], s[1], s[2])});
+    for (std::size_t m = 0; m < 3; ++m)
+      least = std::min(least, segmentsApart(s[k], s[(k + 1) % 3], t[m], t[(m + 1) % 3]));
+  }
+  return least;
+}
+
+}  // namespace
+
+TEST_CASE("Pairs of two surfaces are those of brute force, whether they meet or are near") {
+  const auto left = shapes::sphere({0, 0, 0}, 10.0, 2), right = bent(shapes::sphere({14, 1, 2}, 6.0, 2));
+  const auto a = AabbTree::build(left.vertices, left.triangles), b = AabbTree::build(right.vertices, right.triangles);
+  REQUIRE(a);
+  REQUIRE(b);
+  std::vector<std::array<std::uint32_t, 2>> found, turned;
+  for (const double distance : {0.0, 0.5, 3.0}) {
+    a->pairs(*b, distance, found);
+    std::size_t wrong = 0, expected = 0;
+    for (std::uint32_t i = 0; i < left.triangles.size(); ++i)
+      for (std::uint32_t j = 0; j < right.triangles.size(); ++j) {
+        const double d = apart(left, i, right, j);
+        const bool isFound = std::binary_search(found.begin(), found.end(), std::array<std::uint32_t, 2>{i, j});
+        // What is at the distance to round-off may be either.
+        if (isFound != (d <= distance) && std::abs(d - distance) > 1e-6) ++wrong;
+        if (d <= distance) ++expected;
+      }
+    INFO(distance);
+    CHECK(wrong == 0);
+    CHECK(expected > 10);
+    b->pairs(*a, distance, turned);
+    CHECK(turned.size() == found.size());
+  }
+  a->pairs(*b, -1.0, found);
+  CHECK(found.empty());
+}
+
+TEST_CASE("A surface meets itself where it goes through itself, each pair once, and neighbours are none") {
+  auto mesh = shapes::sphere({0, 0, 0}, 10.0, 2);
+  const auto tree = AabbTree::build(mesh.vertices, mesh.triangles);
+  REQUIRE(tree);
+  std::vector<std::array<std::uint32_t, 2>> found;
+  tree->pairs(*tree, 0.0, found);
+  CHECK(found.empty());
+  // A second sphere in the same mesh goes through the first.
+  const auto other = shapes::sphere({12, 0, 0}, 6.0, 2);
+  const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
+  const auto first = static_cast<std::uint32_t>(mesh.triangles.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const Triangle &t : other.triangles) mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  const auto both = AabbTree::build(mesh.vertices, mesh.triangles);
+  REQUIRE(both);
+  both->pairs(*both, 0.0, found);
+  CHECK(found.size() > 10);
+  for (const auto &[i, j] : found) {
+    CHECK(i < first);
+    CHECK(j >= first);
+  }
+}

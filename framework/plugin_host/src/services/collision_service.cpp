@@ -139,11 +139,34 @@ c3de_status C3DE_CALL sphere(void *ctx, c3de_handle tree, const double *centre3,
   });
 }
 
+c3de_status C3DE_CALL pairs(void *ctx, c3de_handle first, c3de_handle second, double maxDistance, std::uint32_t *out2,
+                            std::uint64_t capacity, std::uint64_t *needed) noexcept {
+  return serve(ctx, "collision.pairs", [&](PluginContext &plugin) -> c3de_status {
+    const auto a = find(plugin, first), b = find(plugin, second);
+    if (!(maxDistance >= 0.0) || !std::isfinite(maxDistance))
+      throw Refusal(C3DE_E_ARG, fmt::format("max_distance is {}, accepted: 0 or above", maxDistance));
+    requireNonNull(needed, "needed");
+    if (capacity > 0) requireNonNull(out2, "out2");
+    thread_local std::vector<std::array<std::uint32_t, 2>> found;
+    {
+      // Shared locks in one order: a refit that waits between the two would hold up both.
+      const std::shared_lock lower((a.get() < b.get() ? a : b)->mutex);
+      const std::shared_lock upper =
+          a == b ? std::shared_lock<std::shared_mutex>() : std::shared_lock((a.get() < b.get() ? b : a)->mutex);
+      a->tree.pairs(b->tree, maxDistance, found);
+    }
+    *needed = found.size();
+    const std::size_t n = std::min<std::uint64_t>(found.size(), capacity);
+    for (std::size_t i = 0; i < n; ++i) std::copy(found[i].begin(), found[i].end(), out2 + 2 * i);
+    return n < found.size() ? C3DE_S_TRUNCATED : C3DE_OK;
+  });
+}
+
 }  // namespace
 
 c3de_collision_v0 makeCollisionTable(PluginContext *plugin) {
   return {sizeof(c3de_collision_v0),
-          kServiceRevision,
+          2,
           plugin,
           &create,
           &destroy,
@@ -152,7 +175,8 @@ c3de_collision_v0 makeCollisionTable(PluginContext *plugin) {
           &rays,
           &segments,
           &closest,
-          &sphere};
+          &sphere,
+          &pairs};
 }
 
 }  // namespace c3de::plugin_host

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -62,6 +63,11 @@ class AabbTree {
                                      double maxDistance = std::numeric_limits<double>::infinity()) const;
   /// Triangles that meet the ball, in ascending order; `out` is replaced.
   void sphere(const Vec3 &centre, double radius, std::vector<std::uint32_t> &out) const;
+
+  /// Pairs of a triangle of this tree and one of another, or of this one itself, that are no farther apart than a distance
+  /// >= 0 (0: they meet), in ascending order; `out` is replaced. Within one tree each pair once, the smaller index first,
+  /// without those that share a vertex.
+  void pairs(const AabbTree &other, double distance, std::vector<std::array<std::uint32_t, 2>> &out) const;
 
   /// Every edge is run through as often one way as the other (two triangles that face the same side, as a rule):
   /// distances are signed. Vertices count as different even at equal positions.

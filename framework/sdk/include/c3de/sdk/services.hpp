@@ -3,6 +3,7 @@
 // Calls on an absent service answer C3DE_E_UNSUPPORTED. Threads are those of the table's functions.
 #pragma once
 
+#include <array>
 #include <exception>
 #include <functional>
 #include <limits>
@@ -294,6 +295,26 @@ class Collision : public Service<c3de_collision_v0> {
     if (status == C3DE_S_TRUNCATED) {
       out.resize(static_cast<std::size_t>(needed));
       status = table_->sphere(table_->ctx, tree, centre.data(), radius, out.data(), out.size(), &needed);
+    }
+    if (status < 0) return host_.failure(status);
+    out.resize(static_cast<std::size_t>(needed));
+    return {};
+  }
+  /// Triangles of two trees, or of one, that are no farther apart (0: that meet), ascending; of revision 2.
+  Result<void> pairs(c3de_handle first, c3de_handle second, double maxDistance,
+                     std::vector<std::array<std::uint32_t, 2>> &out) const {
+    if (!table_) return absent();
+    if (table_->rev < 2)
+      return Failure{C3DE_E_VERSION, "the host finds no pairs (draft/c3de.collision/0 of revision 1)"};
+    if (out.size() < 32) out.resize(32);
+    std::uint64_t needed = 0;
+    const auto ask = [&] {
+      return table_->pairs(table_->ctx, first, second, maxDistance, out.front().data(), out.size(), &needed);
+    };
+    c3de_status status = ask();
+    if (status == C3DE_S_TRUNCATED) {
+      out.resize(static_cast<std::size_t>(needed));
+      status = ask();
     }
     if (status < 0) return host_.failure(status);
     out.resize(static_cast<std::size_t>(needed));

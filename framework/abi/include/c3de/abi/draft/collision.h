@@ -26,7 +26,7 @@ typedef struct c3de_closest {
 
 typedef struct c3de_collision_v0 {
   uint32_t size;
-  uint32_t rev;
+  uint32_t rev; /* 2: has pairs() */
   void *ctx;
   /* positions: comps 3, f32 or f64; triangles: comps 3, u32. Both are copied. [any] */
   c3de_status(C3DE_CALL *create)(void *ctx, c3de_view positions, c3de_view triangles, c3de_handle *out);
@@ -45,6 +45,12 @@ typedef struct c3de_collision_v0 {
    * C3DE_S_TRUNCATED if more than capacity. [any] */
   c3de_status(C3DE_CALL *sphere)(void *ctx, c3de_handle tree, const double *centre3, double radius, uint32_t *out,
                                  uint64_t capacity, uint64_t *needed);
+  /* From revision 2. Pairs of a triangle of one tree and one of another that are no farther apart than max_distance >= 0
+   * (0: they meet): up to capacity pairs of indices, first[0], second[0], first[1], … in ascending order; *needed is how
+   * many pairs there are. The same tree twice: each pair once, without those that share a vertex. Both trees are in the
+   * same space. C3DE_S_TRUNCATED if more than capacity. [any] */
+  c3de_status(C3DE_CALL *pairs)(void *ctx, c3de_handle first, c3de_handle second, double max_distance, uint32_t *out2,
+                                uint64_t capacity, uint64_t *needed);
 } c3de_collision_v0;
 
 #endif
