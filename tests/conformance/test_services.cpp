@@ -58,6 +58,13 @@ void check(const std::string &service, std::uint64_t atLeast) {
 
 }  // namespace
 
+TEST_CASE("plugins of this tree load where everything is served") {
+  HostFixture f;
+  for (const char *name : {"plugins/pointbased", "examples/hello", "examples/magnet"})
+    CHECK(f.refusalOf(std::filesystem::path(testPluginFolder()).parent_path() /
+                      (name + std::string(pluginExtension()))) == "");
+}
+
 TEST_CASE("get_service and the error text behave as documented") { check("host", 10); }
 TEST_CASE("the registry service answers good and bad arguments") { check("registry", 20); }
 TEST_CASE("the mesh service answers good and bad arguments") { check("mesh", 35); }

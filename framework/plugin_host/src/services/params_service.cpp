@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kMostDeclarations = 4096, kMostChoices = 1024;
 constexpr std::uint32_t kKnownFlags = C3DE_PARAM_LOG_SCALE | C3DE_PARAM_NEEDS_RESET | C3DE_PARAM_ADVANCED |
-                                      C3DE_PARAM_MIN_OPEN | C3DE_PARAM_MAX_OPEN | C3DE_PARAM_AUTO;
+                                      C3DE_PARAM_MIN_OPEN | C3DE_PARAM_MAX_OPEN | C3DE_PARAM_AUTO | C3DE_PARAM_TOGETHER;
 
 /// Everything that a later reader of the declaration relies on.
 ParameterDecl declarationOf(const c3de_param_decl *decl) {
