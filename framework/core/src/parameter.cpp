@@ -74,10 +74,10 @@ ParameterDecl ParameterDecl::from(const c3de_param_decl &decl) {
   ParameterDecl d;
   d.type = decl.type;
   d.id = fromAbi(decl.id);
-  d.label = fromAbi(decl.label);
-  d.unit = fromAbi(decl.unit);
-  d.doc = fromAbi(decl.doc);
-  d.group = fromAbi(decl.group);
+  d.label = shownText(fromAbi(decl.label));
+  d.unit = shownText(fromAbi(decl.unit));
+  d.doc = shownText(fromAbi(decl.doc), Lines::many);
+  d.group = shownText(fromAbi(decl.group));
   d.min = decl.min;
   d.max = decl.max;
   d.softMin = decl.soft_min;

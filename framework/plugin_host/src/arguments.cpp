@@ -63,29 +63,19 @@ std::vector<std::array<To, 3>> readPositions(const c3de_view &view, const char *
   return out;
 }
 
-}  // namespace
-
-bool isUtf8(std::string_view text) noexcept {
-  std::size_t i = 0;
-  while (i < text.size()) {
-    const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t more = lead < 0x80                   ? 0
-                             : lead >= 0xc2 && lead < 0xe0 ? 1
-                             : (lead & 0xf0) == 0xe0       ? 2
-                             : lead >= 0xf0 && lead < 0xf5 ? 3
-                                                           : 4;
-    if (more == 4 || i + more >= text.size()) return false;
-    for (std::size_t k = 1; k <= more; ++k)
-      if ((static_cast<unsigned char>(text[i + k]) & 0xc0) != 0x80) return false;
-    // Over-long forms, surrogates and what lies beyond U+10FFFF are decided by the second byte.
-    const auto second = more > 0 ? static_cast<unsigned char>(text[i + 1]) : 0u;
-    if ((lead == 0xe0 && second < 0xa0) || (lead == 0xed && second >= 0xa0) || (lead == 0xf0 && second < 0x90) ||
-        (lead == 0xf4 && second >= 0x90))
-      return false;
-    i += more + 1;
-  }
-  return true;
+/// Whether a row of one lies over a row of the other. Rows that interleave, as members of one struct, do not.
+bool shareBytes(const RowLayout &a, std::size_t aBytes, const RowLayout &b, std::size_t bBytes) {
+  if (a.count == 0 || b.count == 0) return false;
+  const auto aBegin = reinterpret_cast<std::uintptr_t>(a.data), bBegin = reinterpret_cast<std::uintptr_t>(b.data);
+  const std::uintptr_t aEnd = aBegin + (a.count - 1) * a.stride + aBytes;
+  const std::uintptr_t bEnd = bBegin + (b.count - 1) * b.stride + bBytes;
+  if (aEnd <= bBegin || bEnd <= aBegin) return false;
+  if (a.stride != b.stride) return true;
+  const std::uintptr_t after = (bBegin % a.stride + a.stride - aBegin % a.stride) % a.stride;
+  return after < aBytes || after + bBytes > a.stride;
 }
+
+}  // namespace
 
 std::string textOf(c3de_str text, const char *name) {
   if (text.len == 0) return {};
@@ -96,6 +86,8 @@ std::string textOf(c3de_str text, const char *name) {
   if (!isUtf8(view)) throw Refusal(C3DE_E_ARG, fmt::format("{}: is not UTF-8", name));
   return std::string(view);
 }
+
+std::string labelOf(c3de_str text, const char *name, Lines lines) { return shownText(textOf(text, name), lines); }
 
 std::string idOf(c3de_str text, const char *name) {
   const std::string id = textOf(text, name);
@@ -211,11 +203,16 @@ PointRows::PointRows(const c3de_view &view, const char *name) {
       if (!std::isfinite(x)) throw Refusal(C3DE_E_ARG, fmt::format("{}: row {} is not finite", name, i));
 }
 
-RowLayout outputLayoutOf(const c3de_mview &view, const char *name, std::size_t count, std::uint32_t dtype) {
+RowLayout outputLayoutOf(const c3de_mview &view, const char *name, const c3de_view &input, std::uint32_t dtype) {
   const RowLayout rows =
       layoutOf(c3de_view{view.data, view.count, view.comps, view.dtype, view.stride}, name, 1, {dtype});
-  if (rows.count != count)
-    throw Refusal(C3DE_E_ARG, fmt::format("{}: room for {} rows, there are {}", name, rows.count, count));
+  if (rows.count != input.count)
+    throw Refusal(C3DE_E_ARG, fmt::format("{}: room for {} rows, there are {}", name, rows.count, input.count));
+  const std::size_t inputRow = input.comps * dtypeSize(input.dtype);
+  const RowLayout read{static_cast<const unsigned char *>(input.data), static_cast<std::size_t>(input.count),
+                       input.stride == 0 ? inputRow : static_cast<std::size_t>(input.stride)};
+  if (shareBytes(rows, dtypeSize(dtype), read, inputRow))
+    throw Refusal(C3DE_E_ARG, fmt::format("{}: its rows lie over those that are read; accepted: rows apart", name));
   return rows;
 }
 

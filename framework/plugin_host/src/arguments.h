@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "c3de/abi/base.h"
+#include "c3de/core/foreign_table.h"
 #include "c3de/core/handle.h"
+#include "c3de/core/text.h"
 #include "c3de/core/vec.h"
 #include "first_sizes.h"
 #include "refusal.h"
@@ -21,9 +23,10 @@ using Vec3f = std::array<float, 3>;
 
 inline constexpr std::size_t kLongestText = std::size_t{1} << 20;
 
-[[nodiscard]] bool isUtf8(std::string_view text) noexcept;
 /// A copy; UTF-8 of at most kLongestText bytes.
 [[nodiscard]] std::string textOf(c3de_str text, const char *name);
+/// As textOf(), for what is shown to people and not looked up: nothing in it steers a terminal.
+[[nodiscard]] std::string labelOf(c3de_str text, const char *name, Lines lines = Lines::one);
 /// A copy; 1 to 200 letters, digits and . _ - / characters.
 [[nodiscard]] std::string idOf(c3de_str text, const char *name);
 
@@ -47,6 +50,14 @@ template <class T>
   if (size < FirstSize<T>::value) refuseSize(name, size, FirstSize<T>::value);
   T copy{};
   std::memcpy(&copy, in, std::min<std::size_t>(size, sizeof(T)));
+  return copy;
+}
+
+/// As structOf(), for structs whose functions will be called: every slot of the revision they say is there.
+template <class T>
+[[nodiscard]] T tableOf(const T *in, const char *name) {
+  const T copy = structOf(in, name);
+  if (const std::string problem = tableProblem(&copy); !problem.empty()) throw Refusal(C3DE_E_ARG, problem);
   return copy;
 }
 
@@ -108,8 +119,8 @@ class PointRows {
   std::span<const Vec3> rows_;
 };
 
-/// Where results of one number per row go; count must be `count`.
-[[nodiscard]] RowLayout outputLayoutOf(const c3de_mview &view, const char *name, std::size_t count,
+/// Where results of one number per row of `input` go: as many rows, and no byte of them is one of the input.
+[[nodiscard]] RowLayout outputLayoutOf(const c3de_mview &view, const char *name, const c3de_view &input,
                                        std::uint32_t dtype = C3DE_F64);
 
 }  // namespace c3de::plugin_host

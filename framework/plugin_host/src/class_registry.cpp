@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "class_registry.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "c3de/core/foreign_call.h"
+#include "c3de/core/foreign_table.h"
 #include "c3de/core/text.h"
-#include "first_sizes.h"
 #include "last_error.h"
 #include "refusal.h"
 
@@ -48,6 +51,7 @@ std::vector<ClassInfo> ClassRegistry::list(const std::string &interfaceId) const
 
 c3de_object *ClassRegistry::create(const std::string &id) {
   void *factory = nullptr;
+  std::string owner;
   c3de_status(C3DE_CALL * createFn)(void *, c3de_object **) = nullptr;
   {
     const std::lock_guard lock(mutex_);
@@ -63,19 +67,43 @@ c3de_object *ClassRegistry::create(const std::string &id) {
       throw Refusal(C3DE_E_NOT_FOUND, text);
     }
     factory = found->second.factory;
+    owner = found->second.info.plugin;
     createFn = found->second.create;
   }
   // Outside the lock: the factory may look up other classes.
+  const char *plugin = keptName(owner), *what = keptName("create of class " + id);
+  if (ForeignCall::isTooDeep(plugin, what))
+    throw Refusal(C3DE_E_STATE, fmt::format("class {} of plugin {}: {} calls of plugins stand within each other, more "
+                                            "are not accepted; does a class create itself?",
+                                            id, owner, ForeignCall::kMostNested));
   c3de_object *object = nullptr;
-  const c3de_status status = createFn(factory, &object);
+  c3de_status status = C3DE_E_EXCEPTION;
+  try {
+    const ForeignCall call(plugin, what, CallKind::prompt);
+    status = createFn(factory, &object);
+  } catch (...) {
+    throw Refusal(C3DE_E_EXCEPTION,
+                  fmt::format("an exception left create of class {} of plugin {}: {}", id, owner, textOfException()));
+  }
   if (status < 0) {
     const std::string reason = takeLastError();
-    throw Refusal(status, id + ": " + (reason.empty() ? statusName(status) : reason));
+    // A class that is made of others hands their reason on, which need not be told once for each.
+    const bool isTold = reason.find("class " + id + " ") != std::string::npos;
+    throw Refusal(status, isTold ? reason : id + ": " + (reason.empty() ? statusName(status) : reason));
   }
-  if (!object || !object->vt || object->vt->size < FirstSize<c3de_object_vt>::value || !object->vt->retain ||
-      !object->vt->release || !object->vt->query)
-    throw Refusal(C3DE_E_INTERNAL, id + ": the class made an object without a complete function table");
+  if (const std::string problem = objectProblem(object); !problem.empty())
+    throw Refusal(C3DE_E_INTERNAL, fmt::format("create of class {} of plugin {}: {}", id, owner, problem));
+  {
+    const std::lock_guard lock(mutex_);
+    ownerByTable_[object->vt] = plugin;
+  }
   return object;
+}
+
+const char *ClassRegistry::ownerOf(const c3de_object *object) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = object ? ownerByTable_.find(object->vt) : ownerByTable_.end();
+  return found != ownerByTable_.end() ? found->second : "(unknown)";
 }
 
 }  // namespace c3de::plugin_host

@@ -30,9 +30,13 @@ class ClassRegistry {
   /// Throws Refusal: C3DE_E_NOT_FOUND names the classes that exist, otherwise what the factory said.
   [[nodiscard]] c3de_object *create(const std::string &id);
 
+  /// The plugin of an object that create() has made, for messages; a name that stays. Any thread.
+  [[nodiscard]] const char *ownerOf(const c3de_object *object) const;
+
  private:
   mutable std::mutex mutex_;
   std::map<std::string, Entry> byId_;
+  std::map<const c3de_object_vt *, const char *> ownerByTable_;
 };
 
 }  // namespace c3de::plugin_host

@@ -33,15 +33,16 @@ const c3de_plugin *query(c3de_plugin_query_fn queryFn, const c3de_offer &offer) 
   try {
     status = queryFn(&offer, &answer);
   } catch (const std::exception &e) {
-    throw Refusal(C3DE_E_EXCEPTION, fmt::format("an exception left {}: {}", C3DE_PLUGIN_QUERY_SYMBOL, e.what()));
+    throw Refusal(C3DE_E_EXCEPTION,
+                  fmt::format("an exception left {}: {}", C3DE_PLUGIN_QUERY_SYMBOL, shownText(e.what())));
   } catch (...) {
     throw Refusal(C3DE_E_EXCEPTION, fmt::format("an exception left {}", C3DE_PLUGIN_QUERY_SYMBOL));
   }
   answer.why_not[sizeof answer.why_not - 1] = '\0';
   if (status < 0) {
-    const std::string why(answer.why_not);
+    const std::string why = shownText(answer.why_not);
     throw Refusal(status, fmt::format("the plugin declines: {} (this host serves plugin ABI {})",
-                                      why.empty() || !isUtf8(why) ? statusName(status) : why, majors(offer)));
+                                      why.empty() ? statusName(status) : why, majors(offer)));
   }
   if (answer.abi_major < offer.abi_min || answer.abi_major > offer.abi_max)
     throw Refusal(C3DE_E_VERSION,
@@ -89,17 +90,14 @@ Candidate checkDescriptor(const c3de_plugin *descriptor, const Services &service
   out.plugin = structOf(descriptor, "descriptor");
   try {
     out.id = idOf(out.plugin.id, "id");
-    out.version = textOf(out.plugin.version, "version");
-    out.displayName = textOf(out.plugin.display_name, "display_name");
-    out.vendor = textOf(out.plugin.vendor, "vendor");
-    out.license = textOf(out.plugin.license, "license");
+    out.version = labelOf(out.plugin.version, "version");
+    out.displayName = labelOf(out.plugin.display_name, "display_name");
+    out.vendor = labelOf(out.plugin.vendor, "vendor");
+    out.license = labelOf(out.plugin.license, "license");
   } catch (const Refusal &refusal) {
     refuseDescriptor(refusal.what());
   }
-  if (!out.plugin.create) refuseDescriptor("create is null");
-  if (!out.plugin.start) refuseDescriptor("start is null");
-  if (!out.plugin.stop) refuseDescriptor("stop is null");
-  if (!out.plugin.destroy) refuseDescriptor("destroy is null");
+  if (const std::string problem = tableProblem(&out.plugin); !problem.empty()) refuseDescriptor(problem);
   checkNeeds(out.plugin, services);
   return out;
 }

@@ -36,7 +36,7 @@ c3de_status C3DE_CALL getService(void *ctx, c3de_str id, std::uint32_t minRev, c
 /// Text of any plugin, also one that is going: what the person will read.
 std::string readable(c3de_str message, const std::string &otherwise) {
   const std::string_view text = fromAbi(message);
-  return text.empty() || text.size() > kLongestText || !isUtf8(text) ? otherwise : std::string(text);
+  return text.empty() || text.size() > kLongestText ? otherwise : shownText(text, Lines::many);
 }
 
 void C3DE_CALL setErrorAt(void *, c3de_status status, c3de_str message, const c3de_error_place *place) noexcept {
@@ -70,8 +70,8 @@ c3de_status C3DE_CALL takeError(void *, c3de_sink sink) noexcept {
 }  // namespace
 
 PluginContext::PluginContext(HostState &host, std::string id)
-    : host_(host),
-      id_(std::move(id)), abi_{sizeof(c3de_host), 2, this, &getService, &setError, &takeError, &setErrorAt},
+    : host_(host), id_(std::move(id)),
+      callName_(keptName(id_)), abi_{sizeof(c3de_host), 2, this, &getService, &setError, &takeError, &setErrorAt},
       tables_{makeLogTable(this),     makeRegistryTable(this),  makeMeshTable(this),   makeSceneTable(this),
               makeRenderTable(this),  makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
               makeToolsTable(this),   makeJobsTable(this),      makeTimeTable(this),   makeSimulationTable(this),
@@ -146,20 +146,6 @@ void PluginContext::revokeAll() {
   }
   frameCallbacks.clear();
   jobs.clear();
-}
-
-void reportMisbehaviour(const std::string &plugin, const char *what) noexcept {
-  try {
-    std::string text = "an exception that is not a std::exception";
-    try {
-      throw;
-    } catch (const std::exception &e) {
-      text = e.what();
-    } catch (...) {
-    }
-    log(LogLevel::error, fmt::format("plugin {}: an exception left {}: {}", plugin, what, text));
-  } catch (...) {
-  }
 }
 
 }  // namespace c3de::plugin_host

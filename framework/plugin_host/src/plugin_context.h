@@ -10,6 +10,7 @@
 #include <string>
 
 #include "c3de/abi/draft/all.h"
+#include "c3de/core/foreign_call.h"
 #include "host_state.h"
 
 namespace c3de::plugin_host {
@@ -62,6 +63,8 @@ class PluginContext {
   [[nodiscard]] const c3de_host *abi() const { return &abi_; }
   [[nodiscard]] const ServiceTables &tables() const { return tables_; }
   [[nodiscard]] const std::string &id() const { return id_; }
+  /// The id, for as long as the program runs.
+  [[nodiscard]] const char *callName() const { return callName_; }
   [[nodiscard]] HostState &host() const { return host_; }
   [[nodiscard]] const Services &services() const { return host_.services; }
   [[nodiscard]] bool isClosed() const { return closed_.load(); }
@@ -87,6 +90,7 @@ class PluginContext {
  private:
   HostState &host_;
   const std::string id_;
+  const char *const callName_;
   std::atomic<bool> closed_{false};
   c3de_host abi_;
   ServiceTables tables_;
@@ -94,19 +98,24 @@ class PluginContext {
   std::set<std::string> texts_;
 };
 
-/// A line in the log in the plugin's name.
-void reportMisbehaviour(const std::string &plugin, const char *what) noexcept;
-
 /// Calls into a plugin: an exception that leaves it becomes a line in the log. Best effort only, because a plugin with
 /// a C++ runtime of its own cannot be caught.
+/// @param what  a literal, for messages
+/// @param f  may take the ForeignCall that it is
 template <class F>
-bool callPlugin(const PluginContext &plugin, const char *what, F &&f) noexcept {
+bool callPlugin(const PluginContext &plugin, const char *what, F &&f, CallKind kind = CallKind::prompt,
+                std::uint64_t subject = 0) noexcept {
   if (plugin.isClosed()) return false;
+  if (ForeignCall::isTooDeep(plugin.callName(), what)) return false;
   try {
-    f();
+    const ForeignCall call(plugin.callName(), what, kind, subject);
+    if constexpr (std::is_invocable_v<F, const ForeignCall &>)
+      f(call);
+    else
+      f();
     return true;
   } catch (...) {
-    reportMisbehaviour(plugin.id(), what);
+    logException(plugin.callName(), what);
     return false;
   }
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "c3de/core/assert.h"
+#include "c3de/core/foreign_call.h"
 #include "c3de/core/log.h"
 #include "c3de/core/main_queue.h"
 #include "host_state.h"
@@ -20,6 +21,9 @@ namespace {
 
 // No plugin has an id with a space, so nothing of a plugin goes with it.
 constexpr const char *kHostOwner = "plugin host";
+
+/// What a program answers whose plugin has ended it: as for a plugin that cannot be used.
+constexpr int kExitCodeOfPlugins = 4;
 
 struct Loaded {
   Candidate candidate;
@@ -42,13 +46,11 @@ Expected<void> call(const PluginContext &context, const char *what, F &&f) {
   setLastError(std::string_view());
   c3de_status status = C3DE_E_EXCEPTION;
   try {
+    const ForeignCall guarded(context.callName(), what, CallKind::prompt);
     status = f();
-  } catch (const std::exception &e) {
-    return fail(ErrorCode::plugin, fmt::format("an exception left {}: {}", what, e.what()));
   } catch (...) {
-    return fail(ErrorCode::plugin, fmt::format("an exception left {}", what));
+    return fail(ErrorCode::plugin, fmt::format("an exception left {}: {}", what, textOfException()));
   }
-  (void)context;
   if (status < 0) return fail(ErrorCode::plugin, fmt::format("{} failed: {}", what, reasonOf(status)));
   return {};
 }
@@ -57,6 +59,7 @@ Expected<void> call(const PluginContext &context, const char *what, F &&f) {
 
 struct PluginHost::Impl {
   explicit Impl(const Services &services) : state(services) {
+    nameWhoExits(kExitCodeOfPlugins);
     if (services.mainQueue) frame = services.mainQueue->addFrameCallback(kHostOwner, [this] { state.proxies.sync(); });
   }
 
@@ -91,9 +94,16 @@ void PluginHost::Impl::destroy(Loaded &plugin) {
 
 Expected<Loaded> PluginHost::Impl::tryLoad(const std::filesystem::path &file, PluginInfo &info) {
   if (const auto checked = checkLibraryFile(file); !checked) return tl::unexpected(checked.error());
-  const auto library = DynamicLibrary::open(file);
+  const char *name = keptName(file.filename().string());  // it has not said its id yet
+  const auto library = [&] {
+    const ForeignCall loading(name, "loading of its library", CallKind::prompt);
+    return DynamicLibrary::open(file);
+  }();
   if (!library) return fail(ErrorCode::plugin, "cannot be loaded: " + library.error().message);
-  auto candidate = negotiate(*library, state.services);
+  auto candidate = [&] {
+    const ForeignCall asking(name, C3DE_PLUGIN_QUERY_SYMBOL, CallKind::prompt);
+    return negotiate(*library, state.services);
+  }();
   if (!candidate) return tl::unexpected(candidate.error());
   info.id = candidate->id;
   info.version = candidate->version;
@@ -197,6 +207,8 @@ Expected<c3de_object *> PluginHost::createObject(const std::string &classId) {
     return fail(ErrorCode::plugin, "an exception left the class " + classId);
   }
 }
+
+const char *PluginHost::ownerOf(const c3de_object *object) const { return impl_->state.classes.ownerOf(object); }
 
 std::string PluginHost::takeError() { return takeLastError(); }
 PluginError PluginHost::takeErrorAt() { return takeLastErrorAt(); }

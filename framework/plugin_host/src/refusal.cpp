@@ -10,7 +10,10 @@ namespace {
 
 void leaveText(const char *where, const char *what) noexcept {
   try {
-    setLastError(where ? std::string(where) + ": " + what : std::string(what));
+    const std::string place = where ? std::string(where) + ": " : std::string();
+    // Where a service led to itself by way of a plugin, once is enough.
+    const bool isSaid = std::string_view(what).substr(0, place.size()) == place;
+    setLastError(isSaid ? std::string(what) : place + what);
   } catch (...) {
     setLastError(std::string_view());
   }

@@ -43,9 +43,9 @@ std::vector<Panel *> PanelRegistry::panels() {
   return result;
 }
 
-void PanelRegistry::notify(std::uint32_t severity, std::string title, std::string text) {
+void PanelRegistry::notify(std::uint32_t severity, std::string title, std::string text, std::vector<Choice> choices) {
   std::erase_if(notifications_, [&](const Notification &n) { return n.title == title; });
-  notifications_.push_back({severity, std::move(title), std::move(text), ++serial_, timeOfDay()});
+  notifications_.push_back({severity, std::move(title), std::move(text), ++serial_, timeOfDay(), std::move(choices)});
   if (log_.size() == kMostLogged) log_.erase(log_.begin());
   log_.push_back(notifications_.back());
 }

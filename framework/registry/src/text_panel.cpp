@@ -12,6 +12,8 @@
 namespace c3de::registry {
 namespace {
 
+std::string textOf(c3de_str text) { return shownText(fromAbi(text), Lines::many); }
+
 struct Action {
   enum class Kind { press, check, number, text };
   Kind kind = Kind::press;
@@ -118,14 +120,14 @@ std::uint32_t TextPanel::Impl::choice(std::string id, std::string label, std::ui
   if (const auto action = take(id, {Action::Kind::text})) {
     bool isKnown = false;
     for (std::uint64_t i = 0; names && i < n; ++i) {
-      if (fromAbi(names[i]) != action->text) continue;
+      if (textOf(names[i]) != action->text) continue;
       isKnown = true;
       if (*index != i) result = C3DE_UI_CHANGED | C3DE_UI_COMMITTED;
       *index = static_cast<std::uint32_t>(i);
     }
     if (!isKnown) problems.push_back(id + ": there is no choice '" + action->text + "'");
   }
-  const std::string text = names && *index < n ? std::string(fromAbi(names[*index])) : std::string();
+  const std::string text = names && *index < n ? textOf(names[*index]) : std::string();
   line(label + " = " + text + " (" + id + ")");
   widget("choice", std::move(id), std::move(label), text);
   return result;
@@ -194,46 +196,41 @@ void TextPanel::Impl::fillTable() {
   table.size = sizeof table;
   table.rev = 3;
   table.ctx = this;
-  table.heading = [](void *c, c3de_str t) { of(c).line("# " + std::string(fromAbi(t))); };
+  table.heading = [](void *c, c3de_str t) { of(c).line("# " + textOf(t)); };
   table.text = [](void *c, c3de_str t) {
-    of(c).line(std::string(fromAbi(t)));
-    of(c).widget("text", {}, {}, std::string(fromAbi(t)));
+    of(c).line(textOf(t));
+    of(c).widget("text", {}, {}, textOf(t));
   };
   table.separator = [](void *c) { of(c).line("---"); };
   table.same_line = [](void *c) { of(c).isSameLine = true; };
   table.button = [](void *c, c3de_str id, c3de_str label, std::uint32_t enabled) {
-    return of(c).button(std::string(fromAbi(id)), std::string(fromAbi(label)), enabled != 0);
+    return of(c).button(textOf(id), textOf(label), enabled != 0);
   };
   table.checkbox = [](void *c, c3de_str id, c3de_str label, std::uint32_t *value) {
-    return of(c).checkbox(std::string(fromAbi(id)), std::string(fromAbi(label)), value);
+    return of(c).checkbox(textOf(id), textOf(label), value);
   };
   table.slider = [](void *c, c3de_str id, c3de_str label, c3de_str unit, double *value, double lo, double hi) {
-    return of(c).slider(std::string(fromAbi(id)), std::string(fromAbi(label)), std::string(fromAbi(unit)), value, lo,
-                        hi);
+    return of(c).slider(textOf(id), textOf(label), textOf(unit), value, lo, hi);
   };
   table.choice = [](void *c, c3de_str id, c3de_str label, std::uint32_t *index, const c3de_str *names,
-                    std::uint64_t n) {
-    return of(c).choice(std::string(fromAbi(id)), std::string(fromAbi(label)), index, names, n);
-  };
+                    std::uint64_t n) { return of(c).choice(textOf(id), textOf(label), index, names, n); };
   table.input_text = [](void *c, c3de_str id, c3de_str label, char *buffer, std::uint64_t capacity) {
-    return of(c).textField("input", std::string(fromAbi(id)), std::string(fromAbi(label)), buffer, capacity);
+    return of(c).textField("input", textOf(id), textOf(label), buffer, capacity);
   };
   table.progress = [](void *c, double fraction, c3de_str text) {
     std::string shown = "[";
     shown += fraction >= 0.0 ? formatNumber(std::round(fraction * 100.0)) + " %" : std::string("…");
-    of(c).line(shown + "] " + std::string(fromAbi(text)));
-    of(c).widget("progress", {}, std::string(fromAbi(text)), formatNumber(fraction));
+    of(c).line(shown + "] " + textOf(text));
+    of(c).widget("progress", {}, textOf(text), formatNumber(fraction));
   };
   table.value = [](void *c, c3de_str name, c3de_str value) {
-    of(c).line(std::string(fromAbi(name)) + ": " + std::string(fromAbi(value)));
-    of(c).widget("value", {}, std::string(fromAbi(name)), std::string(fromAbi(value)));
+    of(c).line(textOf(name) + ": " + textOf(value));
+    of(c).widget("value", {}, textOf(name), textOf(value));
   };
-  table.tooltip = [](void *c, c3de_str text) { of(c).output += "  | " + std::string(fromAbi(text)); };
-  table.params = [](void *c, c3de_handle set, c3de_str group) {
-    of(c).params(Handle::fromBits(set.v), std::string(fromAbi(group)));
-  };
+  table.tooltip = [](void *c, c3de_str text) { of(c).output += "  | " + textOf(text); };
+  table.params = [](void *c, c3de_handle set, c3de_str group) { of(c).params(Handle::fromBits(set.v), textOf(group)); };
   table.file_button = [](void *c, c3de_str id, c3de_str label, c3de_str, char *buffer, std::uint64_t capacity) {
-    return of(c).textField("file", std::string(fromAbi(id)), std::string(fromAbi(label)), buffer, capacity);
+    return of(c).textField("file", textOf(id), textOf(label), buffer, capacity);
   };
   table.swatch = [](void *c, float red, float green, float blue) {
     const auto byte = [](float v) { return static_cast<int>(std::lround(255.0f * std::clamp(v, 0.0f, 1.0f))); };
@@ -244,7 +241,7 @@ void TextPanel::Impl::fillTable() {
   // Text does not scroll: where a list begins and ends is known, nothing is shown of it.
   table.list_begin = [](void *c, c3de_str id, std::uint32_t rows) {
     of(c).isSameLine = false;
-    of(c).widget("list", std::string(fromAbi(id)), {}, std::to_string(rows));
+    of(c).widget("list", textOf(id), {}, std::to_string(rows));
   };
   table.list_end = [](void *c) {
     of(c).isSameLine = false;

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "c3de/core/foreign_call.h"
+#include "c3de/core/foreign_table.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/core/thread_priority.h"
@@ -36,6 +38,7 @@ struct Simulation::Impl {
   c3de_object *object = nullptr;
   const c3de_simulator_v1 *table = nullptr;
   std::function<std::string()> takeError;
+  const char *owner = "";  ///< the plugin's id
 
   std::mutex queueMutex;
   std::condition_variable wake;
@@ -52,6 +55,8 @@ struct Simulation::Impl {
   Meter::Rates rates;
   Clock::time_point stepBegan{};  ///< of the step that is being computed; else none
   std::string failureText;
+  const ForeignCall *running = nullptr;  ///< that is being made
+  std::string activityBefore;
 
   std::mutex listenerMutex;
   std::function<void()> listener;
@@ -79,6 +84,8 @@ struct Simulation::Impl {
   void runWaiting();
   void begin(Command &command);
   void interrupt(bool raised);
+  template <class F>
+  c3de_status call(const char *what, F &&f);
   void apply(std::uint32_t action);
   void play();
   void goToInitialState(bool goOnPlaying);
@@ -102,7 +109,24 @@ Simulation::Impl::~Impl() {
   } else if (table != nullptr) {
     runWaiting();
   }
-  if (object != nullptr) object->vt->release(object);
+  releaseObject(object);
+}
+
+/// A call of the table that may take long.
+template <class F>
+c3de_status Simulation::Impl::call(const char *what, F &&f) {
+  return callForeign(owner, what, CallKind::step, [&](const ForeignCall &recorded) {
+    const auto note = [this](const ForeignCall *now) {
+      const std::lock_guard lock(stateMutex);
+      running = now;
+    };
+    note(&recorded);
+    struct AtEnd {
+      decltype(note) &noteEnd;
+      ~AtEnd() { noteEnd(nullptr); }
+    } const atEnd{note};
+    return f();
+  });
 }
 
 /// Under the mutex of the queue, so that it is raised as long as anything urgent waits.
@@ -232,7 +256,7 @@ void Simulation::Impl::play() {
 }
 
 void Simulation::Impl::goToInitialState(bool goOnPlaying) {
-  const c3de_status code = table->reset(object);
+  const c3de_status code = call("reset of the simulation", [this] { return table->reset(object); });
   unpublished = true;
   meter.clear();
   if (code < 0) {
@@ -259,7 +283,7 @@ void Simulation::Impl::step() {
     const std::lock_guard lock(stateMutex);
     stepBegan = begin;
   }
-  const c3de_status code = table->step(object);
+  const c3de_status code = call("a step of the simulation", [this] { return table->step(object); });
   const Clock::time_point end = Clock::now();
   {
     const std::lock_guard lock(stateMutex);
@@ -291,7 +315,7 @@ void Simulation::Impl::step() {
 }
 
 void Simulation::Impl::publish() {
-  const c3de_status code = table->publish(object);
+  const c3de_status code = call("publish of the simulation", [this] { return table->publish(object); });
   unpublished = false;
   publishedAt = Clock::now();
   if (code < 0 && mode != C3DE_SIM_FAILED) failWith("publishing a snapshot failed", code);
@@ -327,7 +351,8 @@ Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Simulation::~Simulation() = default;
 
 Expected<std::unique_ptr<Simulation>> Simulation::createForCaller(c3de_object *simulator,
-                                                                  std::function<std::string()> takeError) {
+                                                                  std::function<std::string()> takeError,
+                                                                  const char *owner) {
   if (simulator == nullptr) return fail(ErrorCode::internal, "no simulator object was given");
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());
@@ -336,14 +361,15 @@ Expected<std::unique_ptr<Simulation>> Simulation::createForCaller(c3de_object *s
   impl->object = simulator;
   impl->table = *table;
   impl->takeError = std::move(takeError);
+  impl->owner = owner;
   impl->isDrivenByCaller = true;
   impl->show();
   return std::unique_ptr<Simulation>(new Simulation(std::move(impl)));
 }
 
-Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator,
-                                                         std::function<std::string()> takeError) {
-  auto made = createForCaller(simulator, std::move(takeError));
+Expected<std::unique_ptr<Simulation>> Simulation::create(c3de_object *simulator, std::function<std::string()> takeError,
+                                                         const char *owner) {
+  auto made = createForCaller(simulator, std::move(takeError), owner);
   if (!made) return made;
   Impl *impl = (*made)->impl_.get();
   impl->isDrivenByCaller = false;
@@ -428,7 +454,11 @@ std::string Simulation::activity() const {
   const c3de_simulator_v1 *table = impl_->table;
   if (table->activity == nullptr) return {};
   std::string text;
-  return table->activity(impl_->object, sinkInto(text)) < 0 ? std::string() : text;
+  if (table->activity(impl_->object, sinkInto(text)) < 0) return {};
+  const std::lock_guard lock(impl_->stateMutex);
+  if (impl_->running != nullptr && text != impl_->activityBefore) impl_->running->noteProgress();
+  impl_->activityBefore = text;
+  return shownText(text);
 }
 
 std::string Simulation::failure() const {

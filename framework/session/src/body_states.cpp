@@ -39,7 +39,7 @@ class FieldReader {
         auto &to = *static_cast<Visit *>(visitor);
         const bool isKnown = field->comps == 1 || field->comps == 3 || field->comps == 9;
         if (field->on == to.on && isKnown)
-          to.found.push_back({std::string(fromAbi(field->name)), std::string(fromAbi(field->unit)), field->comps});
+          to.found.push_back({std::string(fromAbi(field->name)), shownText(fromAbi(field->unit)), field->comps});
         return C3DE_OK;
       } catch (...) {
         return C3DE_E_NOMEM;
@@ -118,6 +118,12 @@ Expected<void> readSkin(const FieldReader &reader, const c3de_simulator_v1 *tabl
   if (table->triangles(simulator, handle, &view) < 0) return {};
   if (view.count > 0 && (view.comps != 3 || view.dtype != C3DE_U32 || view.data == nullptr))
     return fail(ErrorCode::plugin, "the triangles of '" + body.name + "' are not three u32 each");
+  constexpr auto kTight = static_cast<std::int64_t>(sizeof(Triangle));
+  if (view.count > kMostPoints || (view.stride != 0 && view.stride < kTight))
+    return fail(ErrorCode::plugin, "the triangles of '" + body.name + "': " + std::to_string(view.count) +
+                                       " rows of stride " + std::to_string(view.stride) + "; accepted: up to " +
+                                       std::to_string(kMostPoints) + " rows, stride 0 (tight) or at least " +
+                                       std::to_string(kTight));
   const std::size_t stride = view.stride ? static_cast<std::size_t>(view.stride) : sizeof(Triangle);
   body.skin.triangles.resize(static_cast<std::size_t>(view.count));
   for (std::size_t t = 0; t < body.skin.triangles.size(); ++t)
@@ -154,7 +160,12 @@ Expected<std::vector<BodyState>> readBodyStates(c3de_object *simulator, BodyPart
     if (const c3de_status code = (*table)->body_info(simulator, handle, &info); code < 0)
       return refused("the name of a body", code);
     BodyState body;
-    body.name = std::string(fromAbi(info.name));
+    body.name = shownText(fromAbi(info.name));
+    for (const std::uint64_t points : {info.surface_points, info.points})
+      if (points > kMostPoints)
+        return fail(ErrorCode::plugin, "the simulator says that body '" + body.name + "' has " +
+                                           std::to_string(points) + " points; at most " + std::to_string(kMostPoints) +
+                                           " are possible");
     const FieldReader skin(*table, simulator, handle, C3DE_SIM_ON_SURFACE, info.surface_points);
     if (auto ok = readSkin(skin, *table, simulator, handle, body); !ok) return tl::unexpected(ok.error());
     if (parts == BodyParts::skinAndInside) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "c3de/core/foreign_call.h"
 #include "c3de/core/text.h"
 #include "c3de/scene/force_fields.h"
 #include "c3de/scene/text_sink.h"
@@ -136,6 +137,7 @@ Expected<void> HeadlessRun::run() {
   if (!options_.exportList.empty()) export_ = std::make_unique<SimulationExport>(options_.exportList);
   exportFrame(false);
 
+  const char *owner = session_.plugins().ownerOf(simulator_);
   std::optional<StepLimit> limit(std::in_place, simulator_, table_, limits_.deadline);
   ProgressLine progress(options_.quiet);
   double wall_s = 0.0;
@@ -159,7 +161,8 @@ Expected<void> HeadlessRun::run() {
       facts_.failure = ready.error().message;
       break;
     }
-    const c3de_status code = table_->step(simulator_);
+    const c3de_status code =
+        callForeign(owner, "a step of the simulation", CallKind::step, [this] { return table_->step(simulator_); });
     wall_s += std::chrono::duration<double>(Clock::now() - begin).count();
     if (facts_.firstStep_s == 0.0) {
       facts_.firstStep_s = wall_s;

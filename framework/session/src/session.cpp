@@ -83,8 +83,8 @@ class PartProgress {
     abi_.update = [](void *self, double fraction, c3de_str text) -> c3de_status {
       // Nothing may be thrown through the boundary.
       try {
-        return static_cast<PartProgress *>(self)->update(fraction, std::string(fromAbi(text))) ? C3DE_OK
-                                                                                               : C3DE_E_CANCELLED;
+        return static_cast<PartProgress *>(self)->update(fraction, shownText(fromAbi(text))) ? C3DE_OK
+                                                                                             : C3DE_E_CANCELLED;
       } catch (...) {
         return C3DE_E_EXCEPTION;
       }
@@ -507,8 +507,9 @@ Expected<void> Session::adoptForRun(c3de_object *simulator, const std::string &t
 Expected<void> Session::adopt(c3de_object *simulator, const std::string &title, bool isDrivenByCaller) {
   plugin_host::PluginHost *host = impl_->host.get();
   const auto takeError = [host] { return host->takeError(); };
-  auto created = isDrivenByCaller ? scene::Simulation::createForCaller(simulator, takeError)
-                                  : scene::Simulation::create(simulator, takeError);
+  const char *owner = host->ownerOf(simulator);
+  auto created = isDrivenByCaller ? scene::Simulation::createForCaller(simulator, takeError, owner)
+                                  : scene::Simulation::create(simulator, takeError, owner);
   if (!created) return tl::unexpected(created.error());
   std::shared_ptr<scene::Simulation> next = std::move(*created);
   if (!isDrivenByCaller)

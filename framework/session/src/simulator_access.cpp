@@ -27,7 +27,7 @@ std::vector<Vec3> surfacePositions(c3de_object *simulator, c3de_handle body) {
   const auto table = simulatorTable(simulator);
   c3de_sim_body_info info{};
   info.size = sizeof info;
-  if (!table || (*table)->body_info(simulator, body, &info) < 0) return {};
+  if (!table || (*table)->body_info(simulator, body, &info) < 0 || info.surface_points > kMostPoints) return {};
   std::vector<Vec3> positions(info.surface_points);
   const c3de_mview view{positions.data(), positions.size(), 3, C3DE_F64, sizeof(Vec3)};
   if ((*table)->read_field(simulator, body, C3DE_SIM_ON_SURFACE, toAbi(C3DE_SIM_FIELD_POSITION), view) < 0) return {};
@@ -42,7 +42,7 @@ Expected<std::vector<ProbeSample>> readProbes(const c3de_simulator_v1 *table, c3
         try {
           const auto vec = [](const double(&v)[3]) { return Vec3{v[0], v[1], v[2]}; };
           static_cast<std::vector<ProbeSample> *>(visitor)->push_back(
-              {std::string(fromAbi(probe->name)), vec(probe->position_m), vec(probe->velocity_m_s)});
+              {shownText(fromAbi(probe->name)), vec(probe->position_m), vec(probe->velocity_m_s)});
           return C3DE_OK;
         } catch (...) {
           return C3DE_E_NOMEM;

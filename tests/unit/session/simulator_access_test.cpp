@@ -25,7 +25,8 @@ TEST_CASE("An object without the table, or with one that is too short or lacks a
   simulator.lacksStateHash = true;
   const auto lacking = simulatorTable(simulator.object());
   REQUIRE_FALSE(lacking);
-  CHECK_THAT(lacking.error().message, Contains("state_hash() in the table of " C3DE_IFACE_SIMULATOR_ID " is null"));
+  CHECK_THAT(lacking.error().message,
+             Contains("the object's table of " C3DE_IFACE_SIMULATOR_ID ": state_hash is null"));
   simulator.answersInterface = false;
   const auto none = simulatorTable(simulator.object());
   REQUIRE_FALSE(none);

@@ -15,10 +15,9 @@ namespace {
 c3de_status C3DE_CALL add(void *ctx, c3de_handle simulation, const c3de_force_field *field, c3de_handle *out) noexcept {
   return serve(ctx, "forces.add", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
-    const auto given = structOf(field, "field");
-    requireNonNull(given.apply, "field.apply");
+    const auto given = tableOf(field, "field");
     scene::ForceFields::Field taken;
-    taken.name = textOf(given.name, "field.name");
+    taken.name = labelOf(given.name, "field.name");
     taken.owner = plugin.id();
     taken.simulation = handleOf(simulation);
     const scene::SimulationDirectory *simulations = plugin.services().simulations;
@@ -27,7 +26,8 @@ c3de_status C3DE_CALL add(void *ctx, c3de_handle simulation, const c3de_force_fi
                                             textOf(simulation)));
     taken.apply = [owner = &plugin, given](const c3de_force_call &call) {
       c3de_status status = C3DE_E_EXCEPTION;
-      callPlugin(*owner, "apply of a force field", [&] { status = given.apply(given.self, &call); });
+      callPlugin(
+          *owner, "apply of a force field", [&] { status = given.apply(given.self, &call); }, CallKind::step);
       return status;
     };
     taken.takeError = [] { return takeLastError(); };

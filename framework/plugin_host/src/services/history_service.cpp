@@ -12,13 +12,11 @@ namespace {
 c3de_status C3DE_CALL add(void *ctx, const c3de_edit *edit, c3de_handle *out) noexcept {
   return serveOnMain(ctx, "history.add", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
-    const c3de_edit in = structOf(edit, "edit");
+    const c3de_edit in = tableOf(edit, "edit");
     registry::Edit made;
     made.owner = plugin.id();
-    made.label = textOf(in.label, "edit label");
+    made.label = labelOf(in.label, "edit label");
     if (made.label.empty()) throw Refusal(C3DE_E_ARG, "edit label is empty");
-    requireNonNull(in.undo, "undo");
-    requireNonNull(in.redo, "redo");
     auto callback = std::make_shared<EditCallback>(plugin, in);
     made.self = callback.get();
     made.undo = &EditCallback::undo;

@@ -63,7 +63,7 @@ c3de_status C3DE_CALL sample(void *ctx, c3de_handle image, c3de_view points, dou
     const auto stored = findImage(plugin, image);
     const PointRows in(points, "points_mm");
     const std::span<const Vec3> all = in.rows();
-    const RowLayout rows = outputLayoutOf(out, "out", all.size());
+    const RowLayout rows = outputLayoutOf(out, "out", points);
     auto *bytes = static_cast<unsigned char *>(out.data);
     // By way of a buffer, because rows of the plugin need be neither tight nor aligned.
     std::array<double, 512> values;
@@ -96,7 +96,7 @@ c3de_status C3DE_CALL labelsAt(void *ctx, c3de_handle map, c3de_view points, c3d
   return serve(ctx, "imaging.labels_at", [&](PluginContext &plugin) {
     const auto stored = findLabels(plugin, map);
     const PointRows in(points, "points_mm");
-    const RowLayout rows = outputLayoutOf(out, "out", in.rows().size(), C3DE_U32);
+    const RowLayout rows = outputLayoutOf(out, "out", points, C3DE_U32);
     auto *bytes = static_cast<unsigned char *>(out.data);
     for (std::size_t i = 0; i < in.rows().size(); ++i) {
       const std::uint32_t label = stored->at(in.rows()[i]);

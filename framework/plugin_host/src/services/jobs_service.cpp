@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "arguments.h"
 #include "c3de/core/background_jobs.h"
@@ -20,7 +21,8 @@ void C3DE_CALL parallelFor(void *ctx, std::uint64_t n, std::uint64_t grain, void
     if (n == 0) return;
     const PluginContext *owner = &plugin;
     const auto run = [owner, self, body](std::size_t begin, std::size_t end) {
-      callPlugin(*owner, "the body of parallel_for", [&] { body(self, begin, end); });
+      callPlugin(
+          *owner, "the body of parallel_for", [&] { body(self, begin, end); }, CallKind::part);
     };
     if (ThreadPool *pool = plugin.services().pool)
       pool->parallelFor(static_cast<std::size_t>(n), static_cast<std::size_t>(std::max<std::uint64_t>(grain, 1)), run);
@@ -41,24 +43,34 @@ std::uint32_t C3DE_CALL threadCount(void *ctx) noexcept {
 struct Job {
   PluginContext *plugin = nullptr;
   c3de_job real{};
-  c3de_status status = C3DE_E_CANCELLED;  ///< until run has returned
-  Handle handle;                          ///< main thread
+  c3de_status status = C3DE_E_CANCELLED;     ///< until run has returned
+  Handle handle;                             ///< main thread
+  std::atomic<std::uint64_t> handleBits{0};  ///< for those who are told of it; 0 until submit has it
 
   Expected<void> run(const ProgressFn &report) {
+    struct Progress {
+      const ProgressFn &report;
+      const ForeignCall *call;
+    } now{report, nullptr};
     const auto update = [](void *self, double fraction, c3de_str what) noexcept -> c3de_status {
       try {
+        const auto *progress = static_cast<const Progress *>(self);
+        progress->call->noteProgress();
         const std::string_view text = fromAbi(what);
-        return (*static_cast<const ProgressFn *>(self))(fraction, isUtf8(text) ? std::string(text) : std::string())
-                   ? C3DE_OK
-                   : C3DE_E_CANCELLED;
+        return progress->report(fraction, shownText(text.substr(0, kLongestText))) ? C3DE_OK : C3DE_E_CANCELLED;
       } catch (...) {
         return refuse("progress");
       }
     };
-    const c3de_progress progress{sizeof(c3de_progress), 0, const_cast<ProgressFn *>(&report), +update};
+    const c3de_progress progress{sizeof(c3de_progress), 0, &now, +update};
     setLastError(std::string_view());
     status = C3DE_E_EXCEPTION;
-    callPlugin(*plugin, "the run of a job", [&] { status = real.run(real.self, &progress); });
+    handleBits.wait(0);
+    const auto call = [&](const ForeignCall &recorded) {
+      now.call = &recorded;
+      status = real.run(real.self, &progress);
+    };
+    callPlugin(*plugin, "the run of a job", call, CallKind::job, handleBits);
     if (status >= 0) return {};
     const std::string reason = takeLastError();
     return fail(errorCodeOf(status), reason.empty() ? statusName(status) : reason);
@@ -74,11 +86,9 @@ struct Job {
 c3de_status C3DE_CALL submit(void *ctx, const c3de_job *job, c3de_handle *out) noexcept {
   return serveOnMain(ctx, "jobs.submit", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
-    const c3de_job in = structOf(job, "job");
-    const std::string title = textOf(in.title, "title");
+    const c3de_job in = tableOf(job, "job");
+    const std::string title = labelOf(in.title, "title");
     if (title.empty()) throw Refusal(C3DE_E_ARG, "title is empty");
-    requireNonNull(in.run, "run");
-    requireNonNull(in.done, "done");
     auto shared = std::make_shared<Job>();
     shared->plugin = &plugin;
     shared->real = in;
@@ -87,6 +97,8 @@ c3de_status C3DE_CALL submit(void *ctx, const c3de_job *job, c3de_handle *out) n
         plugin.id(), title, [shared](const ProgressFn &progress) { return shared->run(progress); },
         [shared](const Expected<void> &result) { shared->done(result); });
     shared->handle = handle;
+    shared->handleBits = handle.bits();
+    shared->handleBits.notify_all();
     plugin.jobs.insert(handle.bits());
     writeHandle(out, handle);
   });

@@ -11,15 +11,6 @@
 namespace c3de::plugin_host {
 namespace {
 
-/// One line, whatever the plugin sent.
-std::string lineOf(c3de_str message) {
-  const std::string_view text = fromAbi(message).substr(0, kLongestText);
-  std::string line = isUtf8(text) ? std::string(text) : "(text that is not UTF-8)";
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  return line;
-}
-
 void showToPerson(PluginContext &plugin, std::uint32_t severity, const std::string &line) {
   const Services &services = plugin.services();
   if (!services.panels) return;
@@ -34,7 +25,7 @@ void showToPerson(PluginContext &plugin, std::uint32_t severity, const std::stri
 void C3DE_CALL write(void *ctx, std::uint32_t severity, c3de_str message) noexcept {
   (void)serve(ctx, "log.write", [&](PluginContext &plugin) {
     const std::uint32_t known = std::min(severity, C3DE_LOG_ERROR);
-    const std::string line = lineOf(message);
+    const std::string line = shownText(fromAbi(message).substr(0, kLongestText));
     static constexpr LogLevel kLevels[] = {LogLevel::debug, LogLevel::info, LogLevel::warn, LogLevel::error};
     log(kLevels[known], "[" + plugin.id() + "] " + line);
     if (known >= C3DE_LOG_WARN) showToPerson(plugin, known, line);

@@ -138,7 +138,7 @@ c3de_status C3DE_CALL windingNumbers(void *ctx, c3de_handle mesh, c3de_view poin
   return serve(ctx, "mesh.winding_numbers", [&](PluginContext &plugin) {
     const auto stored = find(plugin, mesh);
     const PointRows in(points, "points_mm");
-    const RowLayout rows = outputLayoutOf(out, "out", in.rows().size());
+    const RowLayout rows = outputLayoutOf(out, "out", points);
     const geometry::WindingNumber &winding = stored->windingNumber();
     auto *bytes = static_cast<unsigned char *>(out.data);
     for (std::size_t i = 0; i < in.rows().size(); ++i) {

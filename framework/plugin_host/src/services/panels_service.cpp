@@ -12,17 +12,16 @@ namespace {
 c3de_status C3DE_CALL add(void *ctx, const c3de_panel *panel, c3de_handle *out) noexcept {
   return serveOnMain(ctx, "panels.add", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
-    const c3de_panel in = structOf(panel, "panel");
+    const c3de_panel in = tableOf(panel, "panel");
     registry::Panel made;
     made.owner = plugin.id();
     made.id = idOf(in.id, "panel id");
-    made.title = textOf(in.title, "panel title");
+    made.title = labelOf(in.title, "panel title");
     if (made.title.empty()) throw Refusal(C3DE_E_ARG, fmt::format("{}: title is empty", made.id));
-    requireNonNull(in.on_ui, "on_ui");
     for (const registry::Panel *other : plugin.services().panels->panels())
       if (other->id == made.id)
         throw Refusal(C3DE_E_EXISTS, fmt::format("panel {} is registered by plugin {} already", made.id, other->owner));
-    auto callback = std::make_shared<PanelCallback>(plugin, in);
+    auto callback = std::make_shared<PanelCallback>(plugin, in, made.title);
     made.self = callback.get();
     made.onUi = &PanelCallback::onUi;
     const Handle handle = plugin.services().panels->add(std::move(made));
@@ -45,9 +44,9 @@ c3de_status C3DE_CALL notify(void *ctx, std::uint32_t severity, c3de_str title, 
   return serveOnMain(ctx, "panels.notify", [&](PluginContext &plugin) {
     if (severity > C3DE_LOG_ERROR)
       throw Refusal(C3DE_E_ARG, fmt::format("severity is {}, accepted: 0 (debug) to 3 (error)", severity));
-    std::string heading = textOf(title, "title");
+    std::string heading = labelOf(title, "title");
     if (heading.empty()) heading = plugin.id();
-    plugin.services().panels->notify(severity, std::move(heading), textOf(text, "text"));
+    plugin.services().panels->notify(severity, std::move(heading), labelOf(text, "text", Lines::many));
   });
 }
 

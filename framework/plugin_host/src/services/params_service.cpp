@@ -62,7 +62,7 @@ c3de_status C3DE_CALL declare(void *ctx, c3de_str title, const c3de_param_decl *
     requireNonNull(out, "out")->v = 0;
     registry::ParameterSet set;
     set.owner = plugin.id();
-    set.title = textOf(title, "title");
+    set.title = labelOf(title, "title");
     if (n == 0 || n > kMostDeclarations)
       throw Refusal(C3DE_E_ARG, fmt::format("n is {}, accepted: 1 to {}", n, kMostDeclarations));
     requireNonNull(decls, "decls");
@@ -76,9 +76,8 @@ c3de_status C3DE_CALL declare(void *ctx, c3de_str title, const c3de_param_decl *
     }
     std::shared_ptr<ListenerCallback> callback;
     if (listener) {
-      const c3de_param_listener in = structOf(listener, "listener");
-      requireNonNull(in.changed, "listener changed");
-      callback = std::make_shared<ListenerCallback>(plugin, in);
+      const c3de_param_listener in = tableOf(listener, "listener");
+      callback = std::make_shared<ListenerCallback>(plugin, in, set.title);
       set.listener = callback->trampoline();
     }
     const Handle handle = plugin.services().parameters->declare(std::move(set));

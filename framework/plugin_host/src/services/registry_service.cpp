@@ -12,11 +12,11 @@ constexpr std::uint64_t kMostInterfaces = 64;
 
 c3de_status C3DE_CALL addClass(void *ctx, const c3de_class *cls) noexcept {
   return serveOnMain(ctx, "registry.add_class", [&](PluginContext &plugin) {
-    const c3de_class in = structOf(cls, "class");
+    const c3de_class in = tableOf(cls, "class");
     ClassRegistry::Entry entry;
     entry.info.id = idOf(in.id, "class id");
-    entry.info.label = textOf(in.label, "class label");
-    entry.info.doc = textOf(in.doc, "class doc");
+    entry.info.label = labelOf(in.label, "class label");
+    entry.info.doc = labelOf(in.doc, "class doc", Lines::many);
     entry.info.plugin = plugin.id();
     if (in.ifaces_n > kMostInterfaces)
       throw Refusal(C3DE_E_ARG, fmt::format("{}: ifaces_n is {}, accepted are at most {}", entry.info.id, in.ifaces_n,
@@ -24,7 +24,7 @@ c3de_status C3DE_CALL addClass(void *ctx, const c3de_class *cls) noexcept {
     if (in.ifaces_n > 0) requireNonNull(in.ifaces, "ifaces");
     for (std::uint64_t i = 0; i < in.ifaces_n; ++i) entry.info.interfaces.push_back(idOf(in.ifaces[i], "interface id"));
     entry.factory = in.factory;
-    entry.create = requireNonNull(in.create, "create");
+    entry.create = in.create;
     const std::string id = entry.info.id;
     std::string takenBy;
     if (!plugin.host().classes.add(std::move(entry), takenBy))

@@ -104,7 +104,7 @@ c3de_status C3DE_CALL createLabel(void *ctx, c3de_handle node, const double *at3
     requireNonNull(out, "out")->v = 0;
     requireNode(plugin, node);
     const Vec3f at = labelPointOf(at3);
-    const std::string label = textOf(text, "text");
+    const std::string label = labelOf(text, "text", Lines::many);
     const render::Material look = materialOf(material);
     keep(plugin, node, renderer(plugin).createLabel(at, label, look), ProxyKind::label, 1, look, out);
   });
@@ -136,9 +136,9 @@ constexpr std::size_t kMostLegendColours = 1024;
 render::Legend legendOf(const c3de_legend *legend) {
   const c3de_legend in = structOf(legend, "legend");
   render::Legend out;
-  out.title = textOf(in.title, "title");
-  out.unit = textOf(in.unit, "unit");
-  out.note = textOf(in.note, "note");
+  out.title = labelOf(in.title, "title");
+  out.unit = labelOf(in.unit, "unit");
+  out.note = labelOf(in.note, "note", Lines::many);
   out.low = finiteOf(in.low, "low");
   out.high = finiteOf(in.high, "high");
   if (!(out.low < out.high))
@@ -230,7 +230,7 @@ c3de_status C3DE_CALL setLabel(void *ctx, c3de_handle proxy, const double *at3, 
   return serveOnMain(ctx, "render.set_label", [&](PluginContext &plugin) {
     const SceneProxy &p = find(plugin, proxy);
     if (p.kind != ProxyKind::label) throw Refusal(C3DE_E_ARG, "the proxy is not a label");
-    renderer(plugin).setLabel(p.drawn, labelPointOf(at3), textOf(text, "text"));
+    renderer(plugin).setLabel(p.drawn, labelPointOf(at3), labelOf(text, "text", Lines::many));
   });
 }
 

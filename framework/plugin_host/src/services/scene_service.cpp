@@ -19,7 +19,7 @@ c3de_status C3DE_CALL addNode(void *ctx, c3de_handle parent, c3de_str name, c3de
   return serveOnMain(ctx, "scene.add_node", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
     if (parent.v != 0) (void)find(plugin, parent);
-    const std::string label = textOf(name, "name");
+    const std::string label = labelOf(name, "name");
     if (label.empty()) throw Refusal(C3DE_E_ARG, "name is empty");
     const Handle node = plugin.services().sceneGraph->add(handleOf(parent), label);
     plugin.nodes.insert(node.bits());

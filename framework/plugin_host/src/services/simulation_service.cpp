@@ -55,8 +55,10 @@ c3de_status C3DE_CALL post(void *ctx, c3de_handle node, void *self, void(C3DE_CA
   return serve(ctx, "simulation.post", [&](PluginContext &plugin) {
     const auto simulation = find(plugin, node);
     requireNonNull(fn, "fn");
-    simulation->post(
-        [owner = &plugin, self, fn] { callPlugin(*owner, "a command to the simulation", [&] { fn(self); }); });
+    simulation->post([owner = &plugin, self, fn] {
+      callPlugin(
+          *owner, "a command to the simulation", [&] { fn(self); }, CallKind::step);
+    });
   });
 }
 
@@ -91,8 +93,9 @@ c3de_status C3DE_CALL watch(void *ctx, const c3de_simulation_watch *given, c3de_
       };
     if (taken.stepped)
       watch.stepped = [owner = &plugin, taken](Handle node, const c3de_sim_status &status) {
-        callPlugin(*owner, "stepped of a watch of simulations",
-                   [&] { taken.stepped(taken.self, {node.bits()}, status.steps, status.time_s); });
+        callPlugin(
+            *owner, "stepped of a watch of simulations",
+            [&] { taken.stepped(taken.self, {node.bits()}, status.steps, status.time_s); }, CallKind::step);
       };
     writeHandle(out, plugin.services().simulations->watch(std::move(watch)));
   });

@@ -5,6 +5,7 @@
 
 #include "arguments.h"
 #include "c3de/core/main_queue.h"
+#include "services/callbacks.h"
 #include "services/services.h"
 
 namespace c3de::plugin_host {
@@ -55,8 +56,7 @@ c3de_status C3DE_CALL addFrameCallback(void *ctx, void *self, void(C3DE_CALL *fn
   return serveOnMain(ctx, "time.add_frame_callback", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
     requireNonNull(fn, "fn");
-    const Handle handle = plugin.services().mainQueue->addFrameCallback(
-        plugin.id(), [owner = &plugin, self, fn] { callPlugin(*owner, "a frame callback", [&] { fn(self); }); });
+    const Handle handle = plugin.services().mainQueue->addFrameCallback(plugin.id(), FrameCallback(plugin, self, fn));
     plugin.frameCallbacks.insert(handle.bits());
     writeHandle(out, handle);
   });

@@ -23,26 +23,23 @@ void requireLive(PluginContext &plugin, c3de_handle tool) {
 c3de_status C3DE_CALL add(void *ctx, const c3de_tool *tool, c3de_handle *out) noexcept {
   return serveOnMain(ctx, "tools.add", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
-    const c3de_tool in = structOf(tool, "tool");
+    const c3de_tool in = tableOf(tool, "tool");
     registry::Tool made;
     made.owner = plugin.id();
     made.id = idOf(in.id, "tool id");
-    made.label = textOf(in.label, "tool label");
-    made.hint = textOf(in.hint, "tool hint");
+    made.label = labelOf(in.label, "tool label");
+    made.hint = labelOf(in.hint, "tool hint");
     if (made.label.empty()) throw Refusal(C3DE_E_ARG, fmt::format("{}: label is empty", made.id));
     made.shortcut = in.shortcut;
     const bool isKey = (in.shortcut >= 'A' && in.shortcut <= 'Z') || (in.shortcut >= '0' && in.shortcut <= '9');
     if (in.shortcut != 0 && !isKey)
       throw Refusal(C3DE_E_ARG, fmt::format("{}: shortcut is {}, accepted: 0 (none), 'A' to 'Z', '0' to '9'", made.id,
                                             in.shortcut));
-    requireNonNull(in.activate, "activate");
-    requireNonNull(in.cancel, "cancel");
-    requireNonNull(in.on_event, "on_event");
     for (const registry::ToolRegistry::Entry &other : plugin.services().tools->tools())
       if (other.tool->id == made.id)
         throw Refusal(C3DE_E_EXISTS,
                       fmt::format("tool {} is registered by plugin {} already", made.id, other.tool->owner));
-    auto callback = std::make_shared<ToolCallback>(plugin, in);
+    auto callback = std::make_shared<ToolCallback>(plugin, in, made.label);
     made.self = callback.get();
     made.activate = &ToolCallback::activate;
     made.cancel = &ToolCallback::cancel;

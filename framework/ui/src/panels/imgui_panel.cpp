@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kListRows = 12, kMostListRows = 100;
 
-std::string text(c3de_str s) { return std::string(fromAbi(s)); }
+std::string text(c3de_str s) { return shownText(fromAbi(s), Lines::many); }
 
 void wrappedText(const std::string &shown) {
   ImGui::PushTextWrapPos(0.0f);

@@ -32,6 +32,19 @@ void copyButton(const FrameContext &frame, const registry::Notification &n, cons
   markItem(frame, "notification", "copy." + id);
 }
 
+/// The choices of a message; what was chosen.
+const registry::Choice *choice(const FrameContext &frame, const registry::Notification &n, const std::string &id) {
+  const registry::Choice *chosen = nullptr;
+  for (std::size_t i = 0; i < n.choices.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    if (ImGui::SmallButton(n.choices[i].label.c_str())) chosen = &n.choices[i];
+    ImGui::PopID();
+    markItem(frame, "notification", "choose." + id + "." + std::to_string(i));
+    ImGui::SameLine();
+  }
+  return chosen;
+}
+
 /// True: it was closed.
 bool message(const FrameContext &frame, const registry::Notification &n, const std::string &index) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -52,13 +65,15 @@ bool message(const FrameContext &frame, const registry::Notification &n, const s
   ImGui::PushTextWrapPos(0.0f);
   ImGui::TextUnformatted(n.text.c_str());
   ImGui::PopTextWrapPos();
+  const registry::Choice *chosen = choice(frame, n, index);
   copyButton(frame, n, index);
   ImGui::Unindent(frame.theme.px(10.0f));
   ImGui::EndGroup();
   ImGui::GetWindowDrawList()->AddRectFilled(at, ImVec2(at.x + frame.theme.px(4.0f), ImGui::GetItemRectMax().y),
                                             ImGui::GetColorU32(severityTint(n.severity)), frame.theme.px(2.0f));
   ImGui::Dummy(ImVec2(0, frame.theme.px(4.0f)));
-  return isClosed;
+  if (chosen) chosen->act();
+  return isClosed || chosen;
 }
 
 void messages(FrameContext &frame) {
@@ -175,6 +190,7 @@ void drawMessages(FrameContext &frame) {
   ImGui::BeginChild("rows", ImVec2(0, -ImGui::GetFrameHeightWithSpacing() - frame.theme.px(4.0f)));
   const std::vector<registry::Notification> &log = frame.services.panels->log();
   if (log.empty()) ImGui::TextColored(colour::kDim, "There has been none since the start");
+  std::function<void()> act;  // afterwards: it may bring a message
   for (auto n = log.rbegin(); n != log.rend(); ++n) {
     ImGui::PushID(static_cast<int>(n->serial));
     ImGui::TextColored(colour::kDim, "%s", n->time.c_str());
@@ -183,12 +199,14 @@ void drawMessages(FrameContext &frame) {
     ImGui::PushTextWrapPos(0.0f);
     ImGui::TextUnformatted(n->text.c_str());
     ImGui::PopTextWrapPos();
+    if (const registry::Choice *chosen = choice(frame, *n, "log." + std::to_string(n->serial))) act = chosen->act;
     copyButton(frame, *n, "log." + std::to_string(n->serial));
     ImGui::Dummy(ImVec2(0, frame.theme.px(4.0f)));
     ImGui::PopID();
   }
   ImGui::EndChild();
   frame.automation.value("messages", "count", std::to_string(log.size()));
+  if (act) act();
   endDialog(frame, frame.state.showMessages);
 }
 

@@ -12,6 +12,13 @@ namespace c3de {
 /// The candidate with the smallest edit distance; empty when none is near (distance above a third of the length).
 [[nodiscard]] std::string nearestName(std::string_view name, std::span<const std::string> candidates);
 
+[[nodiscard]] bool isUtf8(std::string_view text) noexcept;
+
+enum class Lines { one, many };
+/// Text from outside as it can be shown anywhere: what would steer a terminal or turn the direction of writing is
+/// spelt out ("\x1b", "\u202e"), and so are bytes that are not UTF-8 ("\xff"). Line ends: one space, or kept.
+[[nodiscard]] std::string shownText(std::string_view text, Lines lines = Lines::one);
+
 /// Locale-independent shortest text that reads back to the same number.
 [[nodiscard]] std::string formatNumber(double value);
 

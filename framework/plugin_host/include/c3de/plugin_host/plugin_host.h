@@ -8,6 +8,7 @@
 
 #include "c3de/abi/object.h"
 #include "c3de/core/expected.h"
+#include "c3de/core/foreign_call.h"
 #include "c3de/plugin_host/plugin_error.h"
 
 namespace c3de {
@@ -50,6 +51,8 @@ struct Services {
   registry::ParameterRegistry *parameters = nullptr;
   registry::ToolRegistry *tools = nullptr;
   registry::EditList *edits = nullptr;
+  /// How long a call of a plugin may take until people are told.
+  CallWatchdog::Limits callLimits;
 };
 
 enum class PluginState { loaded, refused };
@@ -91,6 +94,8 @@ class PluginHost {
   [[nodiscard]] std::vector<std::string> classesWith(const std::string &interfaceId) const;
   /// A new object with a count of one.
   [[nodiscard]] Expected<c3de_object *> createObject(const std::string &classId);
+  /// The id of the plugin that made an object, for messages; stays as long as the program.
+  [[nodiscard]] const char *ownerOf(const c3de_object *object) const;
   /// The text that the last failing call on this thread left; empty when none.
   [[nodiscard]] std::string takeError();
   /// The same, with what it is about apart from the text.

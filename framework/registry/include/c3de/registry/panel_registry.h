@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,11 +20,18 @@ struct Panel {
   bool isInView = false;  ///< it asks what to show: over the view instead of among the panels
 };
 
+/// A choice that stands below a message.
+struct Choice {
+  std::string label;
+  std::function<void()> act;
+};
+
 struct Notification {
   std::uint32_t severity = 1;  ///< as in log.h
   std::string title, text;
   std::uint64_t serial = 0;
   std::string time;  ///< of the day, "16:05:09"
+  std::vector<Choice> choices;
 };
 
 /// The panels that plugins have registered, and messages to the person. Main thread only.
@@ -38,8 +46,8 @@ class PanelRegistry {
   [[nodiscard]] std::vector<Handle> handles() const { return order_; }
   [[nodiscard]] Panel *find(Handle panel) { return panels_.find(panel); }
 
-  /// Replaces an earlier message of the same title.
-  void notify(std::uint32_t severity, std::string title, std::string text);
+  /// Replaces an earlier message of the same title. The choices stand in the list of all messages, too.
+  void notify(std::uint32_t severity, std::string title, std::string text, std::vector<Choice> choices = {});
   [[nodiscard]] std::vector<Notification> &notifications() { return notifications_; }
   void dismiss(std::uint64_t serial);
   /// All messages since the start, dismissed or not, the oldest first; of very many the latest.

@@ -24,12 +24,14 @@ class Simulation {
  public:
   /// @param simulator  a count is taken; must answer iface.simulator
   /// @param takeError  the text that the last failing call on the calling thread left, for messages; may be empty
+  /// @param owner  the plugin's id, for messages; stays as long as the program
   [[nodiscard]] static Expected<std::unique_ptr<Simulation>> create(c3de_object *simulator,
-                                                                    std::function<std::string()> takeError = {});
+                                                                    std::function<std::string()> takeError = {},
+                                                                    const char *owner = "(unknown)");
   /// The same without a thread and a pace: the caller steps, between beginStep() and endStep(). transport() and
   /// setTargetRate() do nothing; what is posted waits for the next step.
   [[nodiscard]] static Expected<std::unique_ptr<Simulation>> createForCaller(
-      c3de_object *simulator, std::function<std::string()> takeError = {});
+      c3de_object *simulator, std::function<std::string()> takeError = {}, const char *owner = "(unknown)");
   [[nodiscard]] bool isDrivenByCaller() const;
   /// Of a simulation that its caller steps: what was posted, then what comes before a step; on an error it must not be
   /// made.

@@ -128,20 +128,21 @@ class Ref {
   [[nodiscard]] const Table *query(std::uint32_t minRev = 1) const noexcept {
     const void *table = nullptr;
     c3de_object *object = abi();
-    if (!object || object->vt->query(object, str(kTableId<Table>), minRev, &table) < 0) return nullptr;
-    return static_cast<const Table *>(table);
+    if (!object) return nullptr;
+    const c3de_status status = guard([&] { return object->vt->query(object, str(kTableId<Table>), minRev, &table); });
+    return status < 0 ? nullptr : static_cast<const Table *>(table);
   }
 
  private:
   static void retain(T *object) noexcept {
     if constexpr (std::is_same_v<T, c3de_object>)
-      object->vt->retain(object);
+      guardQuietly("retain of an object", [&] { object->vt->retain(object); });
     else
       object->retain();
   }
   static void release(T *object) noexcept {
     if constexpr (std::is_same_v<T, c3de_object>)
-      object->vt->release(object);
+      guardQuietly("release of an object", [&] { object->vt->release(object); });
     else
       object->release();
   }

@@ -8,6 +8,7 @@
 
 #include "c3de/abi/draft/iface/simulator.h"
 #include "c3de/core/expected.h"
+#include "c3de/core/foreign_table.h"
 #include "c3de/core/parameter.h"
 #include "c3de/core/vec.h"
 #include "c3de/scene/simulator_table.h"
@@ -35,6 +36,9 @@ struct ProbeSample {
 /// Every probe, as it is now. [sim]
 [[nodiscard]] Expected<std::vector<ProbeSample>> readProbes(const c3de_simulator_v1 *table, c3de_object *simulator);
 
+/// A set of more points than this is rubbish: its indices are 32 bits wide.
+inline constexpr std::uint64_t kMostPoints = 0xfffffffeu;
+
 /// A counted reference to an object of a plugin.
 class ObjectRef {
  public:
@@ -46,9 +50,7 @@ class ObjectRef {
     std::swap(object_, other.object_);
     return *this;
   }
-  ~ObjectRef() {
-    if (object_ != nullptr) object_->vt->release(object_);
-  }
+  ~ObjectRef() { releaseObject(object_); }
   [[nodiscard]] c3de_object *get() const { return object_; }
 
  private:

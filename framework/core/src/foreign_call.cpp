@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/core/foreign_call.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "c3de/core/log.h"
+#include "c3de/core/text.h"
+
+namespace c3de {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMostThreads = 256;
+
+struct Frame {
+  std::atomic<std::uint64_t> serial{0};  ///< of this call among those of its thread; 0: being written
+  std::atomic<const char *> owner{nullptr}, what{nullptr};
+  std::atomic<std::uint64_t> subject{0};
+  std::atomic<CallKind> kind{CallKind::prompt};
+};
+
+struct ThreadCalls {
+  std::atomic<bool> isTaken{false};
+  std::atomic<std::size_t> depth{0};
+  std::atomic<std::thread::id> thread{};
+  std::array<Frame, ForeignCall::kMostNested> frames;
+  // Of its own thread:
+  std::uint64_t lastSerial = 0;
+  bool wasTooDeep = false;
+};
+
+// The process has one set of threads, and exit() hands nothing to its handlers: static.
+std::array<ThreadCalls, kMostThreads> allCalls;
+std::atomic<std::size_t> usedCalls{0};
+
+// Without a destructor, so that it can still be read by a handler of exit(), which runs after those of the thread.
+thread_local ThreadCalls *ownCalls = nullptr;
+thread_local bool hasAsked = false;
+
+/// Gives the place of a thread back at its end.
+struct Leave {
+  ~Leave() {
+    // A thread that ends within a call, by exit(), is to be named.
+    if (ownCalls && ownCalls->depth.load(std::memory_order_relaxed) == 0) {
+      ownCalls->isTaken.store(false, std::memory_order_release);
+      ownCalls = nullptr;
+    }
+  }
+};
+
+ThreadCalls *callsOfThread() noexcept {
+  if (hasAsked) return ownCalls;
+  hasAsked = true;
+  thread_local Leave leave;
+  (void)leave;
+  for (std::size_t i = 0; i < allCalls.size(); ++i) {
+    bool isTaken = false;
+    if (!allCalls[i].isTaken.compare_exchange_strong(isTaken, true, std::memory_order_acq_rel)) continue;
+    allCalls[i].thread.store(std::this_thread::get_id(), std::memory_order_relaxed);
+    ownCalls = &allCalls[i];
+    std::size_t used = usedCalls.load();
+    while (used < i + 1 && !usedCalls.compare_exchange_weak(used, i + 1)) {
+    }
+    break;
+  }
+  return ownCalls;
+}
+
+std::atomic<int> exitCodeOfForeign{0};
+
+void nameCaller() noexcept {
+  const ThreadCalls *calls = ownCalls;
+  if (!calls) return;
+  const std::size_t depth =
+      std::min<std::size_t>(calls->depth.load(std::memory_order_relaxed), ForeignCall::kMostNested);
+  if (depth == 0) return;
+  try {
+    const Frame &frame = calls->frames[depth - 1];
+    log(LogLevel::error, fmt::format("plugin {} has ended the program, by exit() within {}; results that were not "
+                                     "written are lost",
+                                     frame.owner.load(), frame.what.load()));
+  } catch (...) {
+  }
+  std::_Exit(exitCodeOfForeign.load());
+}
+
+}  // namespace
+
+ForeignCall::ForeignCall(const char *owner, const char *what, CallKind kind, std::uint64_t subject) noexcept {
+  ThreadCalls *calls = callsOfThread();
+  if (!calls) return;
+  const std::size_t depth = calls->depth.load(std::memory_order_relaxed);
+  if (depth < kMostNested) {
+    Frame &frame = calls->frames[depth];
+    frame.serial.store(0, std::memory_order_relaxed);
+    frame.owner.store(owner, std::memory_order_relaxed);
+    frame.what.store(what, std::memory_order_relaxed);
+    frame.subject.store(subject, std::memory_order_relaxed);
+    frame.kind.store(kind, std::memory_order_relaxed);
+    frame.serial.store(++calls->lastSerial, std::memory_order_release);
+    serial_ = &frame.serial;
+  }
+  calls->depth.store(depth + 1, std::memory_order_release);
+}
+
+ForeignCall::~ForeignCall() {
+  if (ThreadCalls *calls = ownCalls)
+    calls->depth.store(calls->depth.load(std::memory_order_relaxed) - 1, std::memory_order_release);
+}
+
+bool ForeignCall::isTooDeep(const char *owner, const char *what) noexcept {
+  ThreadCalls *calls = callsOfThread();
+  if (!calls) return false;
+  const std::size_t depth = calls->depth.load(std::memory_order_relaxed);
+  if (depth == 0) calls->wasTooDeep = false;
+  if (depth < kMostNested && !calls->wasTooDeep) return false;
+  if (!std::exchange(calls->wasTooDeep, true)) {
+    try {
+      log(LogLevel::error,
+          fmt::format("plugin {}: {} is not called, nor is what follows: {} calls of plugins stand within each other; "
+                      "do they answer each other without end?",
+                      owner, what, kMostNested));
+    } catch (...) {
+    }
+  }
+  return true;
+}
+
+void ForeignCall::noteProgress() const noexcept {
+  // Far above the numbers that calls begin with.
+  if (serial_) serial_->fetch_add(std::uint64_t{1} << 40, std::memory_order_relaxed);
+}
+
+std::string textOfException() {
+  try {
+    throw;
+  } catch (const std::exception &e) {
+    return shownText(e.what());
+  } catch (...) {
+    return "an exception that is not a std::exception";
+  }
+}
+
+void logException(const char *owner, const char *what) noexcept {
+  try {
+    log(LogLevel::error, fmt::format("plugin {}: an exception left {}: {}", owner, what, textOfException()));
+  } catch (...) {
+  }
+}
+
+const char *keptName(std::string_view name) {
+  static std::mutex mutex;
+  static auto *kept = new std::set<std::string, std::less<>>;  // for handlers of exit(): never destroyed
+  const std::lock_guard lock(mutex);
+  const auto found = kept->find(name);
+  return found != kept->end() ? found->c_str() : kept->emplace(name).first->c_str();
+}
+
+struct CallWatchdog::Impl {
+  /// A call as it was seen.
+  struct Seen {
+    std::uint64_t serial = 0;
+    Clock::time_point since{}, next{};
+    LongCall told;  ///< seconds 0: it was not
+  };
+
+  Limits limits;
+  std::function<void(const LongCall &)> tell;
+  const std::thread::id mainThread = std::this_thread::get_id();
+  std::vector<std::array<Seen, ForeignCall::kMostNested>> seen;
+  std::mutex mutex;
+  std::condition_variable wake;
+  bool stopping = false;
+  std::thread thread;
+
+  void run() {
+    const auto shortest = std::min(limits.prompt, limits.work);
+    const auto interval =
+        std::clamp<std::chrono::milliseconds>(shortest / 10, std::chrono::milliseconds(5), std::chrono::seconds(1));
+    Clock::time_point before = Clock::now();
+    std::unique_lock lock(mutex);
+    while (!wake.wait_for(lock, interval, [this] { return stopping; })) {
+      lock.unlock();
+      const Clock::time_point now = Clock::now();
+      // The machine stood still, or is so busy that this says nothing about the call.
+      const Clock::duration lost = now - before > 4 * interval ? now - before - interval : Clock::duration{};
+      before = now;
+      look(now, lost);
+      lock.lock();
+    }
+  }
+
+  void look(Clock::time_point now, Clock::duration lost) {
+    seen.resize(usedCalls.load());
+    for (std::size_t t = 0; t < seen.size(); ++t) {
+      const ThreadCalls &calls = allCalls[t];
+      const std::size_t depth =
+          std::min<std::size_t>(calls.depth.load(std::memory_order_acquire), ForeignCall::kMostNested);
+      bool isNamed = false;  // the inner call is why the outer one does not return
+      for (std::size_t d = seen[t].size(); d-- > 0;) {
+        Seen &known = seen[t][d];
+        const std::uint64_t serial = d < depth ? calls.frames[d].serial.load(std::memory_order_acquire) : 0;
+        if (serial == 0 || serial != known.serial) {
+          if (known.told.seconds > 0.0) end(known, now);
+          known = {serial, now, now + limitOf(calls.frames[d]), {}};
+          continue;
+        }
+        known.since += lost;
+        known.next += lost;
+        if (!isNamed && now >= known.next) isNamed = report(known, calls, calls.frames[d], now);
+        isNamed = isNamed || known.told.seconds > 0.0;
+      }
+    }
+  }
+
+  [[nodiscard]] Clock::duration limitOf(const Frame &frame) const {
+    switch (frame.kind.load(std::memory_order_relaxed)) {
+      case CallKind::prompt: return limits.prompt;
+      case CallKind::job:
+      case CallKind::step: return limits.work;
+      case CallKind::part: break;
+    }
+    return std::chrono::hours(24 * 365);
+  }
+
+  /// False: it has just ended.
+  bool report(Seen &known, const ThreadCalls &calls, const Frame &frame, Clock::time_point now) {
+    LongCall call{frame.owner.load(), frame.what.load(), frame.kind.load(), frame.subject.load()};
+    if (frame.serial.load(std::memory_order_acquire) != known.serial) return false;
+    call.seconds = std::chrono::duration<double>(now - known.since).count();
+    call.isOnMain = calls.thread.load() == mainThread;
+    call.isRepeated = known.told.seconds > 0.0;
+    known.next = now + 2 * (now - known.since);
+    known.told = call;
+    tell(call);
+    return true;
+  }
+
+  void end(Seen &known, Clock::time_point now) {
+    known.told.seconds = std::chrono::duration<double>(now - known.since).count();
+    known.told.isOver = true;
+    tell(known.told);
+  }
+};
+
+CallWatchdog::CallWatchdog(const Limits &limits, std::function<void(const LongCall &)> tell)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->limits = limits;
+  impl_->tell = std::move(tell);
+  impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
+}
+
+CallWatchdog::~CallWatchdog() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->stopping = true;
+  }
+  impl_->wake.notify_one();
+  impl_->thread.join();
+}
+
+void nameWhoExits(int code) {
+  exitCodeOfForeign = code;
+  static const bool isRegistered = [] {
+    log(LogLevel::debug, "watching for plugins that end the program");  // before: so the log outlives the handler
+    return std::atexit(&nameCaller) == 0 && std::at_quick_exit(&nameCaller) == 0;
+  }();
+  (void)isRegistered;
+}
+
+}  // namespace c3de
