@@ -35,6 +35,7 @@ const std::vector<BadCase> kBadPlugins {
       {"fails_in_create", {"create failed: the moon is in the wrong phase (C3DE_E_STATE)"}},
       {"fails_in_start", {"start failed: the moon is in the wrong phase (C3DE_E_STATE)"}},
 #if !defined(_WIN32)
+      {"missing_library", {"cannot be loaded", "c3de_test_gone"}},
       {"undefined_symbol", {"cannot be loaded", "a_function_that_nobody_has"}},
 #endif
 };

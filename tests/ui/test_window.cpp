@@ -208,6 +208,43 @@ TEST_CASE("messages cover no view, go by being closed, and can be read later", "
   window.waitUntil("the list is closed", [](const Json &s) { return !s["values"].contains("messages/count"); });
 }
 
+TEST_CASE("a panel that fails again and again is switched off with one message, and on again by it", "[switched_off]") {
+  C3DE_WINDOW_OR_SKIP();
+  WorkstationDriver window("switched_off");
+  const std::filesystem::path noMesh = std::filesystem::path(testOutputRoot()) / "ui" / "no_mesh.obj";
+  std::ofstream(noMesh) << "this is no mesh\n";
+  window.start({noMesh.string(), "--plugin", C3DE_THROWING_PLUGIN});
+  const auto failures = [&] {
+    const std::string log = window.logText();
+    std::size_t n = 0;
+    for (auto at = log.find("thrown in a panel"); at != std::string::npos; at = log.find("thrown in a panel", at + 1))
+      ++n;
+    return n;
+  };
+  window.waitUntil("the panel is off",
+                   [](const Json &s) { return s["widgets"].contains("test.panel/c3de.switch_on"); });
+  CHECK(failures() == 3);
+  const Json told = window.state();
+  std::size_t messages = 0;
+  for (const Json &n : told["notifications"])
+    messages += n["title"].get<std::string>() == "panel 'Test' of test.throws_later" ? 1u : 0u;
+  CHECK(messages == 1);
+  window.screenshot("off");
+
+  // The panel fails on: three more times, and it is off again.
+  window.click("test.panel/c3de.switch_on");
+  window.waitUntil("the panel is off again", [&](const Json &s) {
+    return failures() == 6 && s["widgets"].contains("test.panel/c3de.switch_on");
+  });
+  std::string choice;
+  const Json again = window.state();
+  for (const auto &[name, at] : again["widgets"].items())
+    if (name.starts_with("notification/choose.")) choice = name;
+  REQUIRE_FALSE(choice.empty());
+  window.click(choice);
+  window.waitUntil("the panel is off for the third time", [&](const Json &) { return failures() >= 9; });
+}
+
 TEST_CASE("mouse and keys move the camera", "[camera]") {
   C3DE_WINDOW_OR_SKIP();
   WorkstationDriver window("camera");

@@ -275,7 +275,10 @@ void nameWhoExits(int code) {
   exitCodeOfForeign = code;
   static const bool isRegistered = [] {
     log(LogLevel::debug, "watching for plugins that end the program");  // before: so the log outlives the handler
-    return std::atexit(&nameCaller) == 0 && std::at_quick_exit(&nameCaller) == 0;
+#if !defined(__MINGW32__)                                               // which has no quick_exit
+    (void)std::at_quick_exit(&nameCaller);
+#endif
+    return std::atexit(&nameCaller) == 0;
   }();
   (void)isRegistered;
 }

@@ -8,7 +8,11 @@
 static void C3DE_CALL on_ui(void *self, const c3de_ui_v0 *ui) {
   (void)self;
   (void)ui;
+#if defined(__MINGW32__) /* which has no quick_exit */
+  exit(0);
+#else
   quick_exit(0);
+#endif
 }
 
 static c3de_status C3DE_CALL create(const c3de_host *host, void **self) {

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "c3de/abi/draft/all.h"
 #include "c3de/abi/entry.h"
