@@ -25,6 +25,7 @@ void Fuse::noteFailure(const char *what, bool isDone, c3de_status status) {
       fmt::format("{} is switched off, because it failed {} times in a row; the log says how", name_, kMostFailures);
   log(LogLevel::error, fmt::format("plugin {}: {}", plugin_.id(), reason_));
   const Services &services = plugin_.services();
+  if (services.mainQueue) services.mainQueue->requestRedraw();  // what failed has drawn nothing
   if (!services.panels) return;
   const auto switchOnAgain = [fuse = weak_from_this()] {
     if (const auto alive = fuse.lock()) alive->switchOn();
