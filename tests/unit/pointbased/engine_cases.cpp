@@ -164,6 +164,7 @@ const char *nameOf(MaterialLaw law) {
     case MaterialLaw::linear: return "linear";
     case MaterialLaw::stVenantKirchhoff: return "St. Venant-Kirchhoff";
     case MaterialLaw::corotated: return "corotated";
+    case MaterialLaw::custom: return "custom";
     case MaterialLaw::neoHookean: break;
   }
   return "neo-Hookean";

@@ -43,6 +43,7 @@ Mat3 relaxingPart(const Material &material, const Mat3 &F) {
       const Mat3 R = svd.matrixU() * svd.matrixV().transpose();
       return 2.0 * mu * R * deviator(R.transpose() * F);
     }
+    case MaterialLaw::custom:
     case MaterialLaw::neoHookean: break;
   }
   return mu * deviator(F * F.transpose()) * F.inverse().transpose();

@@ -98,13 +98,14 @@ sdk::Error errorOf(const std::string &text, const std::string &name, const BodyS
   return {C3DE_E_ARG, name + ": " + text};
 }
 
-Constitution constitutionOf(const std::string &name, const BodySource &source, const ParameterValues &values) {
+Constitution constitutionOf(const MaterialLaws &laws, const std::string &name, const BodySource &source,
+                            const ParameterValues &values) {
   Constitution out;
-  out.materials = {materialOf(values)};
+  out.materials = {laws.materialOf(name, values)};
   if (const auto valid = validate(out.materials.front()); !valid)
     throw sdk::Error(C3DE_E_ARG, name + ": " + valid.error());
   for (std::size_t i = 0; i < source.parts.size(); ++i) {
-    out.materials.push_back(materialOf(source.parts[i].values));
+    out.materials.push_back(laws.materialOf("part " + std::to_string(i), source.parts[i].values, &source.parts[i].own));
     if (const auto valid = validate(out.materials.back()); !valid)
       throw sdk::Error(C3DE_E_ARG, "part " + std::to_string(i) + ": " + valid.error());
   }
@@ -116,9 +117,9 @@ namespace {
 
 sdk::Error cancelled() { return {C3DE_E_CANCELLED, "cancelled"}; }
 
-BuiltBody build(const Services &services, const std::string &name, c3de_handle mesh, const BodySource &source,
-                const ParameterValues &values, BuildRequest &request) {
-  Constitution constitution = constitutionOf(name, source, values);
+BuiltBody build(const Services &services, const MaterialLaws &laws, const std::string &name, c3de_handle mesh,
+                const BodySource &source, const ParameterValues &values, BuildRequest &request) {
+  Constitution constitution = constitutionOf(laws, name, source, values);
   const auto *meshes = services.meshes.table();
   if (const auto fillable = services.host.check(meshes->check_fillable(meshes->ctx, mesh)); !fillable)
     throw sdk::Error(C3DE_E_FORMAT, fillable.failure().message);
@@ -168,11 +169,11 @@ BuiltBody build(const Services &services, const std::string &name, c3de_handle m
 
 }  // namespace
 
-BuiltBody buildBody(const Services &services, const std::string &name, c3de_handle mesh, const BodySource &source,
-                    const ParameterValues &values, const sdk::Progress &progress) {
+BuiltBody buildBody(const Services &services, const MaterialLaws &laws, const std::string &name, c3de_handle mesh,
+                    const BodySource &source, const ParameterValues &values, const sdk::Progress &progress) {
   BuildRequest request(progress);
   try {
-    BuiltBody out = build(services, name, mesh, source, values, request);
+    BuiltBody out = build(services, laws, name, mesh, source, values, request);
     (void)progress.update(1.0, "done");
     return out;
   } catch (const Stopped &) {

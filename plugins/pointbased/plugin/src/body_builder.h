@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "body_source.h"
+#include "material_laws.h"
 
 namespace pointbased {
 
@@ -15,12 +16,12 @@ struct BuiltBody {
 
 /// Fills the mesh, binds its vertices as surfels. Errors as sdk::Error: a mesh that bounds no volume, a sampling that
 /// does not fit, cancelled. Any thread.
-[[nodiscard]] BuiltBody buildBody(const Services &services, const std::string &name, c3de_handle mesh,
-                                  const BodySource &source, const ParameterValues &values,
+[[nodiscard]] BuiltBody buildBody(const Services &services, const MaterialLaws &laws, const std::string &name,
+                                  c3de_handle mesh, const BodySource &source, const ParameterValues &values,
                                   const sdk::Progress &progress);
 
 /// The materials of a body and its parts. Errors as sdk::Error.
-[[nodiscard]] Constitution constitutionOf(const std::string &name, const BodySource &source,
+[[nodiscard]] Constitution constitutionOf(const MaterialLaws &laws, const std::string &name, const BodySource &source,
                                           const ParameterValues &values);
 
 /// A mesh of our own with the same triangles: the caller of add_body may let go of theirs. Errors as sdk::Error.

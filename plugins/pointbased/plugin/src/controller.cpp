@@ -52,11 +52,21 @@ std::string readable(std::string name) {
 
 }  // namespace
 
-Controller::Controller(const Services &services, PinchTool &pinch) : services_(services), pinch_(pinch) {
-  bodyParameters_ = sdk::orThrow(services_.params.declare(
-      "Body", bodyDeclarations(), [this](const c3de_param_value &value) { bodyParameterChanged(value); }));
+Controller::Controller(const Services &services, const MaterialLaws &laws, PinchTool &pinch)
+    : services_(services), pinch_(pinch), laws_(laws) {
+  declareBody();
   worldParameters_ = sdk::orThrow(services_.params.declare(
       "World", worldDeclarations(), [this](const c3de_param_value &value) { worldParameterChanged(value); }));
+}
+
+// Anew when laws have come.
+void Controller::declareBody() {
+  if (declared_.data() == laws_.declarations().data()) return;
+  declared_ = laws_.declarations();
+  nextValues_ = ParameterValues(declared_);
+  bodyParameters_ = {};
+  bodyParameters_ = sdk::orThrow(services_.params.declare(
+      "Body", declared_, [this](const c3de_param_value &value) { bodyParameterChanged(value); }));
 }
 
 void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
@@ -64,6 +74,7 @@ void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
   view_ = view;
   body_ = 0;
   if (!simulator_) return;
+  declareBody();
   const ParameterValues world = simulator_->worldValues();
   for (const c3de_param_decl &d : worldDeclarations())
     if (const auto value = world.get(sdk::text(d.id))) (void)worldParameters_.set(*value);
@@ -80,7 +91,7 @@ void Controller::followBody(const Snapshot *snapshot) {
 void Controller::showBody(const BodySnapshot &body) {
   body_ = body.id;
   nextValues_ = *body.values;
-  for (const c3de_param_decl &d : bodyDeclarations())
+  for (const c3de_param_decl &d : declared_)
     if (const auto value = nextValues_.get(sdk::text(d.id))) (void)bodyParameters_.set(*value);
 }
 
@@ -291,11 +302,11 @@ void Controller::transport(std::uint32_t action) {
 
 void Controller::bodyParameterChanged(const c3de_param_value &value) {
   (void)nextValues_.set(value);
-  for (const c3de_param_decl &d : bodyDeclarations())
+  for (const c3de_param_decl &d : declared_)
     if (sdk::text(d.id) == sdk::text(value.id) && (d.flags & C3DE_PARAM_NEEDS_RESET)) return;
   if (!simulator_ || body_ == 0) return;
   // The value is borrowed; what travels to the solver's thread owns its text.
-  const auto copy = std::make_shared<ParameterValues>(bodyDeclarations());
+  const auto copy = std::make_shared<ParameterValues>(declared_);
   if (!copy->set(value)) return;
   const std::string id(sdk::text(value.id));
   simulator_->abandonLongStep();
@@ -330,7 +341,7 @@ void Controller::load() {
     if (!mesh) return mesh.failure();
     const std::string name = std::filesystem::path(path).stem().string();
     std::vector<c3de_param_value> params;
-    for (const c3de_param_decl &d : bodyDeclarations()) params.push_back(sdk::orThrow(values.get(sdk::text(d.id))));
+    for (const c3de_param_decl &d : values.declarations()) params.push_back(sdk::orThrow(values.get(sdk::text(d.id))));
     c3de_sim_body body{};
     body.size = sizeof body;
     body.params_stride = sizeof(c3de_param_value);

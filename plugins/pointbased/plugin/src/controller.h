@@ -12,7 +12,7 @@ namespace pointbased {
 /// commands between two steps, numbers come from the latest snapshot. Main thread.
 class Controller : public sdk::Panel {
  public:
-  Controller(const Services &services, PinchTool &pinch);
+  Controller(const Services &services, const MaterialLaws &laws, PinchTool &pinch);
 
   void draw(sdk::Ui &ui) override;
 
@@ -20,6 +20,7 @@ class Controller : public sdk::Panel {
   void setSimulator(WorldSimulator *simulator, SimulatorView *view);
 
  private:
+  void declareBody();
   void drawBody(sdk::Ui &ui, const Snapshot *snapshot);
   void drawMaterial(sdk::Ui &ui);
   void drawRun(sdk::Ui &ui, const Snapshot *snapshot);
@@ -46,6 +47,8 @@ class Controller : public sdk::Panel {
   WorldSimulator *simulator_ = nullptr;
   SimulatorView *view_ = nullptr;
   sdk::ParameterSet bodyParameters_, worldParameters_;
+  const MaterialLaws &laws_;
+  std::span<const c3de_param_decl> declared_;       // of bodyParameters_
   ParameterValues nextValues_{bodyDeclarations()};  // what the next load or rebuild uses
   std::uint64_t body_ = 0;                          // the one the parameters belong to
   std::string path_;

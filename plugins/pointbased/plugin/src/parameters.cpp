@@ -329,6 +329,14 @@ std::string ParameterValues::text(std::string_view id) const {
   return std::string(c3de::sdk::text(declaration(id)->fallback_text));
 }
 
+bool ParameterValues::differs(std::string_view id) const {
+  const auto found = values_.find(id);
+  if (found == values_.end()) return false;
+  const c3de_param_decl *d = declaration(id);
+  return d->type == C3DE_PARAM_CHOICE ? found->second.text != c3de::sdk::text(d->fallback_text)
+                                      : found->second.num != d->fallback;
+}
+
 Vec3 ParameterValues::vector(std::string_view id) const {
   if (const auto found = values_.find(id); found != values_.end()) return found->second.vec;
   const double *v = declaration(id)->fallback_vec;

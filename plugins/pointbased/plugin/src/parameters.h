@@ -27,6 +27,8 @@ class ParameterValues {
   [[nodiscard]] double number(std::string_view id) const;
   [[nodiscard]] bool isAuto(std::string_view id) const;
   [[nodiscard]] std::string text(std::string_view id) const;
+  /// Whether a number or a choice is other than its default.
+  [[nodiscard]] bool differs(std::string_view id) const;
   [[nodiscard]] Vec3 vector(std::string_view id) const;
   /// Text is borrowed from this.
   [[nodiscard]] sdk::Result<c3de_param_value> get(std::string_view id) const;

@@ -25,7 +25,7 @@ class PointBasedPlugin : public SimulatorListener {
       sdk::optional<c3de_render_v0>(),    sdk::optional<c3de_params_v0>(),   sdk::optional<c3de_panels_v0>(),
       sdk::optional<c3de_tools_v0>(),     sdk::optional<c3de_time_v0>(),     sdk::optional<c3de_simulation_v0>()};
 
-  explicit PointBasedPlugin(sdk::Host host) : context_{Services(host), this}, pinch_(context_.services) {
+  explicit PointBasedPlugin(sdk::Host host) : context_(host, this), pinch_(context_.services) {
     const sdk::Registry &registry = context_.services.registry;
     sdk::orThrow(registry.add<WorldSimulator>(
         C3DE_POINTBASED_WORLD_SIMULATOR_CLASS, "Point-based simulator",
@@ -35,7 +35,7 @@ class PointBasedPlugin : public SimulatorListener {
     sdk::orThrow(registry.add<SurfelSet>(C3DE_POINTBASED_SURFEL_CLASS, "Surfels",
                                          "Points of a surface that follow phyxels; iface.surfel_set", context_));
     if (context_.services.params && context_.services.notifier && context_.services.simulation) {
-      controller_ = std::make_unique<Controller>(context_.services, pinch_);
+      controller_ = std::make_unique<Controller>(context_.services, context_.laws, pinch_);
       sdk::orThrow(controller_->show(host, "pointbased.controller", "Point-based organ"));
       sdk::orThrow(pinch_.add(host, {.id = "pointbased.pinch",
                                      .label = "Pinch",

@@ -66,8 +66,9 @@ Failure noSuch(const char *what) {
 
 }  // namespace
 
-WorldSimulator::WorldSimulator(PluginContext &context)
-    : context_(context), simulator_(context.services.parallelFor()) {}
+WorldSimulator::WorldSimulator(PluginContext &context) : context_(context), simulator_(context.services.parallelFor()) {
+  context_.laws.refresh();
+}
 
 WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
@@ -92,7 +93,7 @@ c3de_status WorldSimulator::declarations(std::uint32_t scope, const c3de_param_d
   std::span<const c3de_param_decl> found;
   switch (scope) {
     case C3DE_SIM_SCOPE_WORLD: found = worldDeclarations(); break;
-    case C3DE_SIM_SCOPE_BODY: found = bodyDeclarations(); break;
+    case C3DE_SIM_SCOPE_BODY: found = context_.laws.declarations(); break;
     case C3DE_SIM_SCOPE_OBSTACLE: found = obstacleDeclarations(); break;
     default: throw Error(C3DE_E_ARG, "scope " + std::to_string(scope) + " is not known; accepted: 1 … 3");
   }
@@ -137,12 +138,12 @@ void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls wall
   const c3de_sim_body in = readIn(body, "body");
   BodyRecord record;
   record.name = std::string(sdk::text(in.name));
-  ParameterValues values(bodyDeclarations());
+  ParameterValues values(context_.laws.declarations());
   sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
   record.source = readSource(in, values);
   if (isRigid(values)) checkStandsStill(record.name, record.source);
-  BuiltBody built =
-      buildBody(context_.services, record.name, in.mesh, record.source, values, sdk::Progress(in.progress));
+  BuiltBody built = buildBody(context_.services, context_.laws, record.name, in.mesh, record.source, values,
+                              sdk::Progress(in.progress));
   record.values = std::make_shared<const ParameterValues>(std::move(values));
   record.surface = std::move(built.surface);
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
@@ -210,7 +211,7 @@ sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_para
   ParameterValues changed = *record.values;
   if (auto done = changed.set(in); !done) return done;
   const std::string_view id = sdk::text(in.id);
-  for (const c3de_param_decl &d : bodyDeclarations())
+  for (const c3de_param_decl &d : changed.declarations())
     if (sdk::text(d.id) == id && (d.flags & C3DE_PARAM_NEEDS_RESET))
       return Failure{C3DE_E_STATE, std::string(id) + " takes effect when the body is built again"};
   if (isOfTheSurroundings(id)) {
@@ -223,7 +224,7 @@ sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_para
     for (BodyPart &part : record.source.parts)
       if (std::find(part.own.begin(), part.own.end(), id) == part.own.end()) sdk::orThrow(part.values.set(in));
     if (const auto lent = lent_.find(body.v); lent != lent_.end()) lent->second.masses.clear();
-    simulator_.setConstitution(body.v, constitutionOf(record.name, record.source, changed));
+    simulator_.setConstitution(body.v, constitutionOf(context_.laws, record.name, record.source, changed));
   }
   record.values = std::make_shared<const ParameterValues>(std::move(changed));
   return {};
@@ -696,7 +697,7 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
     const std::lock_guard lock(mutex_);
     name = bodies_.at(body).name;
   }
-  BuiltBody built = buildBody(context_.services, name, from->mesh->handle(), *from, values, progress);
+  BuiltBody built = buildBody(context_.services, context_.laws, name, from->mesh->handle(), *from, values, progress);
   const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
   const auto found = bodies_.find(body);

@@ -28,8 +28,11 @@ class SimulatorListener {
 
 /// What objects of the plugin share.
 struct PluginContext {
+  explicit PluginContext(sdk::Host host, SimulatorListener *l) : services(host), listener(l), laws(services) {}
+
   Services services;
   SimulatorListener *listener = nullptr;
+  MaterialLaws laws;
 };
 
 /// The registered class C3DE_POINTBASED_WORLD_SIMULATOR_CLASS: iface.simulator over the physics. A mutex stands

@@ -17,6 +17,8 @@ struct Constitution {
   [[nodiscard]] bool viscous() const;   ///< any viscosity > 0
   [[nodiscard]] bool relaxing() const;  ///< any Prony term
   [[nodiscard]] bool plastic() const;   ///< any enabled plasticity
+  /// What its laws from outside have last failed at, and forgets it; empty: nothing.
+  [[nodiscard]] std::string takeComplaint() const;
   [[nodiscard]] bool remembers() const { return relaxing() || plastic(); }
 };
 

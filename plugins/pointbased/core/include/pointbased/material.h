@@ -3,16 +3,20 @@
 
 #include <array>
 #include <limits>
+#include <memory>
 
 #include "pointbased/types.h"
 
 namespace pointbased {
 
+class CheckedLaw;
+
 enum class MaterialLaw {
   linear,  ///< small strain: not objective, a rotation by w pretends a strain of w²/2; recovers, but to F = I
   stVenantKirchhoff,  ///< linear in Green strain; softens in compression, rests mirrored too: stays inverted
   corotated,          ///< linear in the stretch; finite everywhere, recovers; kinks where the rotation is not unique
-  neoHookean          ///< compressible, log form; continued below kNeoHookeanSwitch so that it recovers from inversion
+  neoHookean,         ///< compressible, log form; continued below kNeoHookeanSwitch so that it recovers from inversion
+  custom              ///< Material::custom, of elastic_law.h; not with Prony terms or plasticity
 };
 
 /// One term of the relaxation of the shear modulus.
@@ -44,6 +48,8 @@ struct Material {
   double volumeStiffness = 0.0;  ///< Pa, >= 0: W += k_v/2 (J - 1)^2; comes on top of Poisson's ratio, see bulkModulus()
   std::array<PronyTerm, 2> prony{};  ///< G(t) = G0 (1 - sum share (1 - exp(-t / time))), deviatoric part only
   Plasticity plastic{};
+  std::shared_ptr<const CheckedLaw>
+      custom{};  ///< of MaterialLaw::custom; Young's modulus and Poisson's ratio are then its own
 
   [[nodiscard]] double lambda() const {
     return youngsModulus * poissonRatio / ((1.0 + poissonRatio) * (1.0 - 2.0 * poissonRatio));
@@ -55,6 +61,9 @@ struct Material {
   [[nodiscard]] double waveModulus() const { return lambda() + 2.0 * mu() + volumeStiffness; }
   [[nodiscard]] bool relaxes() const { return prony[0].share > 0.0 || prony[1].share > 0.0; }
 };
+
+/// Takes a law from outside, with its Young's modulus and Poisson's ratio at rest.
+void setLaw(Material &material, std::shared_ptr<const CheckedLaw> law);
 
 /// All that is wrong with it, or nothing.
 [[nodiscard]] Result<void> validate(const Material &material);
@@ -76,7 +85,7 @@ inline constexpr double kCorotatedFloor = 1e-4;
 /// linear: eps = sym(F) - I, W = lambda/2 tr(eps)^2 + mu eps:eps.  StVK: the same with E instead of eps.
 /// corotated: W = mu |F - R|^2 + lambda/2 (tr(R^T F) - 3)^2, R the proper rotation next to F (also for det F <= 0).
 /// neo-Hookean: W = mu/2 (tr(F^T F) - 3) + g(J), g = -mu ln J + lambda/2 (ln J)^2; nu < 0: mu/b (J^-b - 1), b =
-/// lambda/mu.
+/// lambda/mu.  custom: as the law says.
 /// @source  Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2nd ed., ch. 6.4; k_v: Müller et
 ///          al., Point Based Animation of Elastic, Plastic and Melting Objects, SCA 2004, with J for |J|
 [[nodiscard]] double energyDensity(const Material &material, const Mat3 &F);

@@ -286,9 +286,7 @@ std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span
                                            std::span<const double> masses, const Constitution &constitution,
                                            Precision precision) {
   std::vector<std::uint8_t> suits;
-  // The kernel's neo-Hookean law is the one with the square of the logarithm.
-  for (const Material &m : constitution.materials)
-    suits.push_back(m.law != MaterialLaw::neoHookean || m.lambda() >= 0.0 ? 1 : 0);
+  for (const Material &m : constitution.materials) suits.push_back(kernelKnows(m) ? 1 : 0);
   const bool single = precision == Precision::singlePrecision && !constitution.remembers();  // why: see HistoryJob
   const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;

@@ -212,8 +212,7 @@ std::unique_ptr<VectorForces> cloudForcesOf(const StencilSet &stencils, std::spa
                                             const Constitution &constitution, Precision precision) {
   if (stencils.weightFactors.empty()) return nullptr;
   std::vector<std::uint8_t> suits;
-  for (const Material &m : constitution.materials)
-    suits.push_back(m.law != MaterialLaw::neoHookean || m.lambda() >= 0.0 ? 1 : 0);
+  for (const Material &m : constitution.materials) suits.push_back(kernelKnows(m) ? 1 : 0);
   const bool single = precision == Precision::singlePrecision;
   const CloudPlan plan(stencils, single ? kLanes<float> : kLanes<double>, suits);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;

@@ -6,6 +6,7 @@
 #include "pointbased/engine.h"
 
 #include "base/expects.h"
+#include "forces/custom_batches.h"
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
 
@@ -26,6 +27,26 @@ double ratioAt(const Material &material, const Mat3 &F, const Mat3 &plasticInver
   return hourglass ? std::max(ratio, largestEigenvalueBound(F.transpose() * F)) : ratio;
 }
 
+void customStresses(const PointResponse &response, std::span<const Mat3> gradients, std::span<const Mat3> rates,
+                    bool hourglass, std::span<Mat3> out, std::span<double> ratios, std::size_t from, std::size_t to) {
+  const Moduli moduli(response.material);
+  std::array<TangentBound, kLawBatch> bounds;
+  forBatches(from, to, [&](std::size_t first, std::size_t count) {
+    moduli.custom->stresses(gradients.subspan(first, count), out.subspan(first, count));
+    moduli.custom->bounds(gradients.subspan(first, count), std::span(bounds).first(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t q = first + i;
+      const Mat3 &F = gradients[q];
+      Mat3 P = out[q];
+      VolumeTerm::addStress(moduli, F, P);
+      if (response.viscous) P += response.viscousStress(q, F, rates[q]);
+      out[q] = response.stencils.volumes[q] * P;
+      ratios[q] = detail::tangentRatio(moduli, F, bounds[i]);
+      if (hourglass) ratios[q] = std::max(ratios[q], largestEigenvalueBound(F.transpose() * F));
+    }
+  });
+}
+
 }  // namespace
 
 double pointStresses(const Constitution &constitution, const StencilSet &s, std::span<const Mat3> gradients,
@@ -40,7 +61,9 @@ double pointStresses(const Constitution &constitution, const StencilSet &s, std:
   runLoop(parallelFor, s.pointCount(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     forMaterialRuns(constitution, s, begin, end, [&](const Material &material, std::size_t from, std::size_t to) {
       const PointResponse response(material, s, before, dt, !rates.empty());
-      if (response.elastic()) {
+      if (material.law == MaterialLaw::custom) {
+        customStresses(response, gradients, rates, hourglass, out, ratios, from, to);
+      } else if (response.elastic()) {
         withLaw(material.law, [&](auto law) {
           const Moduli moduli(material);
           for (std::size_t q = from; q < to; ++q) {
@@ -113,13 +136,21 @@ ElasticEnergy detail::elasticEnergyOf(const Constitution &constitution, const St
                                       std::size_t begin, std::size_t end) {
   ElasticEnergy energy;
   const Stabilisation control = stabilisationOf(constitution, s);
+  CustomEnergies custom;
   for (std::size_t q = begin; q < end; ++q) {
     const Material &material = materialOfPoint(constitution, s, q);
     const bool linear = material.law == MaterialLaw::linear;
     const bool plastic = !history.plasticInverse.empty() && material.plastic.enabled();
     const Mat3 F = linear ? lawGradient(Law<MaterialLaw::linear>(), s, q, gradients[q]) : gradients[q];
-    const double strain = s.volumes[q] * (plastic ? elastoplasticEnergyDensity(material, F, history.plasticInverse[q])
-                                                  : energyDensity(material, F));
+    const auto sameUntil = [&] {
+      std::size_t last = q + 1;
+      while (last < end && last < q + kLawBatch && &materialOfPoint(constitution, s, last) == &material) ++last;
+      return last;
+    };
+    const double density = plastic ? elastoplasticEnergyDensity(material, F, history.plasticInverse[q])
+                           : material.law == MaterialLaw::custom ? custom.at(material, gradients, q, sameUntil)
+                                                                 : energyDensity(material, F);
+    const double strain = s.volumes[q] * density;
     double stabilisation = 0.0;
     if (control == Stabilisation::hourglass && material.relaxes()) {
       const RelaxingModalPoint point(RelaxingModes(material, constitution.stabilisation, 0.0), s, q,

@@ -2,6 +2,7 @@
 #include "pointbased/engine.h"
 
 #include "base/expects.h"
+#include "forces/custom_batches.h"
 #include "forces/entry_forces.h"
 #include "forces/point_response.h"
 #include "forces/relaxing_hourglass.h"
@@ -80,11 +81,41 @@ void fittedChange(const StencilSet &s, std::size_t q, std::span<const Vec3> du, 
 }
 
 template <Stabilisation control>
+void runCustomChange(const PointResponse &response, double stabilisation, const Field &field, double viscousScale,
+                     std::span<Vec3> entries, std::size_t from, std::size_t to) {
+  const Material &material = response.material;
+  const StencilSet &s = response.stencils;
+  const HourglassEnergy hourglass(material, stabilisation);
+  const Law<MaterialLaw::custom> law;
+  const Moduli moduli(material);
+  std::array<Mat3, kLawBatch> dFits, dFs, dPs;
+  std::array<Amplitudes, kLawBatch> dAs;
+  forBatches(from, to, [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      fittedChange<control>(s, first + i, field.change, dFits[i], dAs[i]);
+      dFs[i] = lawGradientDifferential(law, s, first + i, field.gradients[first + i], dFits[i]);
+    }
+    moduli.custom->differentials(field.gradients.subspan(first, count), std::span(dFs).first(count),
+                                 std::span(dPs).first(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t q = first + i;
+      const Mat3 &F = field.gradients[q];
+      VolumeTerm::addDifferential(moduli, law.tangent(moduli, F), dFs[i], dPs[i]);
+      if (response.viscous) dPs[i] += response.viscousStress(q, F, viscousScale * dFits[i]);
+      spreadChange<control>(material, stabilisation, hourglass, s, q, field, dFits[i], s.volumes[q] * dPs[i], dAs[i],
+                            entries);
+    }
+  });
+}
+
+template <Stabilisation control>
 void runChange(const Material &material, double stabilisation, const StencilSet &s, const Field &field,
                const PointHistory &history, double dt, double viscousScale, std::span<Vec3> entries, std::size_t from,
                std::size_t to) {
   const HourglassEnergy hourglass(material, stabilisation);
   const PointResponse response(material, s, history, dt, viscousScale > 0.0);
+  if (material.law == MaterialLaw::custom)
+    return runCustomChange<control>(response, stabilisation, field, viscousScale, entries, from, to);
   const auto loop = [&](auto &&stressChange) {
     for (std::size_t q = from; q < to; ++q) {
       Mat3 dFit;

@@ -110,12 +110,6 @@ struct PointResponse {
     return dP;
   }
 
- private:
-  [[nodiscard]] Mat3 elasticPart(std::size_t q, const Mat3 &F) const {
-    const Mat3 G = material.law == MaterialLaw::linear ? lawGradient(Law<MaterialLaw::linear>(), stencils, q, F) : F;
-    return plastic ? Mat3(G * before.plasticInverse[q]) : G;
-  }
-
   // F S_v, S_v = 2 eta dE/dt. A turning patch does not strain: only the directions of the stencil count.
   [[nodiscard]] Mat3 viscousStress(std::size_t q, const Mat3 &F, const Mat3 &rate) const {
     Mat3 strainRate = symmetric(F.transpose() * rate);
@@ -124,6 +118,12 @@ struct PointResponse {
       strainRate = seen * strainRate * seen;
     }
     return F * (2.0 * material.viscosity * strainRate);
+  }
+
+ private:
+  [[nodiscard]] Mat3 elasticPart(std::size_t q, const Mat3 &F) const {
+    const Mat3 G = material.law == MaterialLaw::linear ? lawGradient(Law<MaterialLaw::linear>(), stencils, q, F) : F;
+    return plastic ? Mat3(G * before.plasticInverse[q]) : G;
   }
 };
 

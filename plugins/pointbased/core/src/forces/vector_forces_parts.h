@@ -20,6 +20,11 @@ inline constexpr std::size_t kPhyxelGrain = 256;
 [[nodiscard]] std::unique_ptr<VectorForces> cloudForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
                                                           const Constitution &constitution, Precision precision);
 
+/// Whether the kernels have its law; their neo-Hookean one is that with the square of the logarithm.
+[[nodiscard]] inline bool kernelKnows(const Material &m) {
+  return m.law != MaterialLaw::custom && (m.law != MaterialLaw::neoHookean || m.lambda() >= 0.0);
+}
+
 /// The laws of a constitution, which has to outlive it.
 [[nodiscard]] kernels::ScalarLaw scalarLaw(const Constitution &constitution);
 

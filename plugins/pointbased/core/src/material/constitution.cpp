@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "pointbased/elastic_law.h"
+
 namespace pointbased {
 namespace {
 
@@ -23,6 +25,15 @@ bool Constitution::relaxing() const {
 
 bool Constitution::plastic() const {
   return anyOf(*this, [](const Material &m) { return m.plastic.enabled(); });
+}
+
+std::string Constitution::takeComplaint() const {
+  std::string all;
+  for (const Material &m : materials) {
+    if (m.law != MaterialLaw::custom) continue;
+    if (const std::string one = m.custom->takeComplaint(); !one.empty()) all += (all.empty() ? "" : "; ") + one;
+  }
+  return all;
 }
 
 void PointHistory::reset(const Constitution &constitution, std::size_t points, bool hourglass) {

@@ -6,6 +6,7 @@
 
 #include "base/polar.h"
 #include "base/symmetric_eigen.h"
+#include "pointbased/elastic_law.h"
 #include "pointbased/material.h"
 
 namespace pointbased::detail {
@@ -13,7 +14,9 @@ namespace pointbased::detail {
 /// The constants of a law, computed once per loop.
 struct Moduli {
   double lambda, mu, volume;
-  explicit Moduli(const Material &m) : lambda(m.lambda()), mu(m.mu()), volume(m.volumeStiffness) {}
+  const CheckedLaw *custom;
+  explicit Moduli(const Material &m)
+      : lambda(m.lambda()), mu(m.mu()), volume(m.volumeStiffness), custom(m.custom.get()) {}
 };
 
 inline Mat3 symmetric(const Mat3 &m) { return 0.5 * (m + m.transpose()); }
@@ -259,6 +262,37 @@ struct Law<MaterialLaw::neoHookean> {
   }
 };
 
+/// tangentRatio() where the law from outside has already said how stiff it is.
+[[nodiscard]] double tangentRatio(const Moduli &m, const Mat3 &F, const TangentBound &ofLaw);
+
+/// One point at a time; loops over many ask in batches (custom_batches.h).
+template <>
+struct Law<MaterialLaw::custom> {
+  static double energy(const Moduli &m, const Mat3 &F) {
+    double W = 0.0;
+    m.custom->energies({&F, 1}, {&W, 1});
+    return W + VolumeTerm::energy(m, F);
+  }
+  static Mat3 stress(const Moduli &m, const Mat3 &F) {
+    Mat3 P;
+    m.custom->stresses({&F, 1}, {&P, 1});
+    VolumeTerm::addStress(m, F, P);
+    return P;
+  }
+  static StressTangent tangent(const Moduli &m, const Mat3 &F) {
+    StressTangent t;
+    t.F = F;
+    VolumeTerm::prepare(m, F, t);
+    return t;
+  }
+  static Mat3 differential(const Moduli &m, const StressTangent &t, const Mat3 &dF) {
+    Mat3 dP;
+    m.custom->differentials({&t.F, 1}, {&dF, 1}, {&dP, 1});
+    VolumeTerm::addDifferential(m, t, dF, dP);
+    return dP;
+  }
+};
+
 /// body(Law<law>{}) for the law of the material: the switch stands outside of the body's loop.
 template <class Body>
 decltype(auto) withLaw(MaterialLaw law, Body &&body) {
@@ -266,6 +300,7 @@ decltype(auto) withLaw(MaterialLaw law, Body &&body) {
     case MaterialLaw::linear: return body(Law<MaterialLaw::linear>{});
     case MaterialLaw::stVenantKirchhoff: return body(Law<MaterialLaw::stVenantKirchhoff>{});
     case MaterialLaw::corotated: return body(Law<MaterialLaw::corotated>{});
+    case MaterialLaw::custom: return body(Law<MaterialLaw::custom>{});
     case MaterialLaw::neoHookean: break;
   }
   return body(Law<MaterialLaw::neoHookean>{});

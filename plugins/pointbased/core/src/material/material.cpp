@@ -77,6 +77,14 @@ Stiffness corotatedStiffness(const Moduli &m, const Mat3 &F) {
   return {std::max(wave, 2.0 * m.mu - m.lambda - 2.0 * b), std::max(all, 2.0 * m.mu - 2.0 * b)};
 }
 
+void addVolume(const Moduli &m, const Mat3 &F, Stiffness &s) {
+  if (!(m.volume > 0.0)) return;
+  const VolumeBounds bounds(F);
+  s.wave += bounds.wave(m.volume);
+  const double g1 = m.volume * (bounds.J - 1.0), along = bounds.along(g1, m.volume);
+  s.all += std::max(along, bounds.across(g1, F, along));
+}
+
 Stiffness stiffness(const Moduli &m, MaterialLaw law, const Mat3 &F) {
   if (law == MaterialLaw::neoHookean) {
     const VolumeBounds bounds(F);
@@ -100,13 +108,13 @@ Stiffness stiffness(const Moduli &m, MaterialLaw law, const Mat3 &F) {
   Stiffness s{m.lambda + 2.0 * m.mu, std::max(3.0 * m.lambda, 0.0) + 2.0 * m.mu};
   if (law == MaterialLaw::stVenantKirchhoff) s = stVenantKirchhoffStiffness(m, F);
   if (law == MaterialLaw::corotated) s = corotatedStiffness(m, F);
-  if (m.volume > 0.0) {
-    const VolumeBounds bounds(F);
-    s.wave += bounds.wave(m.volume);
-    const double g1 = m.volume * (bounds.J - 1.0), along = bounds.along(g1, m.volume);
-    s.all += std::max(along, bounds.across(g1, F, along));
-  }
+  addVolume(m, F, s);
   return s;
+}
+
+double ratioOf(const Stiffness &now, const Stiffness &atRest) {
+  const double ratio = std::max(now.wave / atRest.wave, now.all / atRest.all);
+  return ratio <= 1.0 ? 1.0 : ratio;  // NaN stays NaN
 }
 
 // Collects what is wrong as "name = value is not accepted: what is".
@@ -147,8 +155,20 @@ Result<void> validate(const Material &m) {
   c.need(std::isfinite(m.plastic.creepTime) && m.plastic.creepTime > 0.0, "plastic creep time", m.plastic.creepTime,
          "finite and > 0 s");
   c.need(m.plastic.max >= 0.0, "plastic max", m.plastic.max, ">= 0 (0: elastic, inf: no limit)");
+  if (m.law == MaterialLaw::custom && (m.relaxes() || m.plastic.enabled()))
+    c.text += (c.text.empty() ? "" : "; ") + m.custom->law().name() +
+              " does not combine with Prony terms or plasticity: both divide a law into parts that only the built-in "
+              "ones have; accepted: viscosity, volume stiffness, or a built-in law";
   if (!c.text.empty()) return tl::unexpected<std::string>(c.text);
   return {};
+}
+
+void setLaw(Material &material, std::shared_ptr<const CheckedLaw> law) {
+  const double lambda = law->lambda(), mu = law->mu();
+  material.law = MaterialLaw::custom;
+  material.youngsModulus = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
+  material.poissonRatio = lambda / (2.0 * (lambda + mu));
+  material.custom = std::move(law);
 }
 
 Mat3 greenStrain(const Mat3 &F) { return 0.5 * (F.transpose() * F - Mat3::Identity()); }
@@ -195,10 +215,20 @@ Mat3 stressDifferential(const Material &material, const Mat3 &F, const Mat3 &dF)
 
 double tangentRatio(const Material &material, const Mat3 &F) {
   const Moduli m(material);
+  if (m.custom) {
+    TangentBound bound;
+    m.custom->bounds({&F, 1}, {&bound, 1});
+    return detail::tangentRatio(m, F, bound);
+  }
   const double lambda = m.lambda + m.volume;
-  const Stiffness s = stiffness(m, material.law, F);
-  const double ratio = std::max(s.wave / (lambda + 2.0 * m.mu), s.all / (std::max(3.0 * lambda, 0.0) + 2.0 * m.mu));
-  return ratio <= 1.0 ? 1.0 : ratio;  // NaN stays NaN
+  return ratioOf(stiffness(m, material.law, F), {lambda + 2.0 * m.mu, std::max(3.0 * lambda, 0.0) + 2.0 * m.mu});
+}
+
+double detail::tangentRatio(const Moduli &m, const Mat3 &F, const TangentBound &ofLaw) {
+  Stiffness s{ofLaw.wave, ofLaw.all};
+  addVolume(m, F, s);
+  const TangentBound &rest = m.custom->atRest();
+  return ratioOf(s, {rest.wave + m.volume, rest.all + 3.0 * m.volume});
 }
 
 }  // namespace pointbased

@@ -161,7 +161,8 @@ double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uin
     return span;
   }
   body.keepState();
-  bool again = false;  // from the mark
+  (void)body.constitution().takeComplaint();  // of an earlier step
+  bool again = false;                         // from the mark
   while (true) {
     Gone gone = again                                      ? againFromMark(order, span)
                 : integrator == Integrator::explicitVerlet ? advanceExplicit(order, span, mostSubsteps, glance)
@@ -194,7 +195,8 @@ double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uin
     body.computeTrialStresses(0.0, *order.environment.parallelFor);
     solver_.forget();
     goodSteps_ = 0;
-    const GuardFinding &finding = gone.error().finding;
+    GuardFinding finding = gone.error().finding;
+    if (const std::string law = body.constitution().takeComplaint(); !law.empty()) finding.quantity += "; " + law;
     if (!(scale_ > (gone.error().crushed ? kCrushedScale : kSmallestScale))) {
       stop(order, finding);
       return span;

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// A table of material_law.h from a class with the functions of one point.
+#pragma once
+
+#include <c3de/sdk/ids.hpp>
+#include <c3de/sdk/object.hpp>
+
+#include "material_law.h"
+
+namespace c3de::sdk {
+
+template <>
+inline constexpr std::string_view kTableId<c3de_material_law_v0>{C3DE_POINTBASED_MATERIAL_LAW_ID};
+
+namespace detail {
+
+// Its members take one point; the loop stands here, where the compiler sees through them.
+template <class D>
+struct LawThunks {
+  static c3de_status C3DE_CALL declarations(c3de_object *, const c3de_param_decl **decls, std::uint64_t *n,
+                                            std::uint64_t *stride) noexcept {
+    *decls = std::data(D::kParams);
+    *n = std::size(D::kParams);
+    *stride = sizeof(c3de_param_decl);
+    return C3DE_OK;
+  }
+  static c3de_status C3DE_CALL energy(c3de_object *, const double *params, std::uint64_t n, const double *F,
+                                      double *W) noexcept {
+    const D law(params);
+    for (std::uint64_t i = 0; i < n; ++i) W[i] = law.energy(F + 9 * i);
+    return C3DE_OK;
+  }
+  static c3de_status C3DE_CALL stress(c3de_object *, const double *params, std::uint64_t n, const double *F,
+                                      double *P) noexcept {
+    const D law(params);
+    for (std::uint64_t i = 0; i < n; ++i) law.stress(F + 9 * i, P + 9 * i);
+    return C3DE_OK;
+  }
+  static c3de_status C3DE_CALL differential(c3de_object *, const double *params, std::uint64_t n, const double *F,
+                                            const double *dF, double *dP) noexcept {
+    const D law(params);
+    for (std::uint64_t i = 0; i < n; ++i) law.differential(F + 9 * i, dF + 9 * i, dP + 9 * i);
+    return C3DE_OK;
+  }
+  static c3de_status C3DE_CALL bounds(c3de_object *, const double *params, std::uint64_t n, const double *F,
+                                      double *out) noexcept {
+    const D law(params);
+    for (std::uint64_t i = 0; i < n; ++i) law.bounds(F + 9 * i, out + 2 * i);
+    return C3DE_OK;
+  }
+  static constexpr decltype(c3de_material_law_v0::bounds) boundsSlot() {
+    if constexpr (requires { &D::bounds; })
+      return &bounds;
+    else
+      return nullptr;
+  }
+};
+
+template <class D>
+inline constexpr c3de_material_law_v0 kMaterialLawTable{sizeof(c3de_material_law_v0), 1,
+                                                        &LawThunks<D>::declarations,  &LawThunks<D>::energy,
+                                                        &LawThunks<D>::stress,        &LawThunks<D>::differential,
+                                                        LawThunks<D>::boundsSlot()};
+
+}  // namespace detail
+
+/// The object of a law D, to be registered: registry.add<MaterialLaw<D>>(id, label, doc, factory). D is made from the
+/// parameters' values for each call and answers for one point, without exceptions:
+///
+///   static constexpr std::array kParams{sdk::numberParam(…)};
+///   explicit D(const double *params);
+///   double energy(const double *F) const;
+///   void stress(const double *F, double *P) const;
+///   void differential(const double *F, const double *dF, double *dP) const;
+///   void bounds(const double *F, double *waveAndAll) const;    // may be missing
+template <class D>
+class MaterialLaw : public Object<MaterialLaw<D>> {
+ public:
+  template <class Factory>
+  explicit MaterialLaw(Factory &) {}
+  static std::array<Interface, 1> interfaces() { return {interfaceOf(detail::kMaterialLawTable<D>)}; }
+};
+
+}  // namespace c3de::sdk
