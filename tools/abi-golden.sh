@@ -4,8 +4,8 @@
 #   tools/abi-golden.sh                    compares with tests/conformance/abi_golden.txt; 1: a published member has changed
 #   tools/abi-golden.sh --update           writes it anew; a frozen struct may only have grown at its end
 #   tools/abi-golden.sh --headers FOLDER … looks at the headers of FOLDER (repeatable) instead
-# A struct is frozen unless its header lies in a folder `draft` or its name says another plugin's draft (…_v0). Drafts are
-# compared, too: what changes there is seen, and needs a new id.
+# A struct is frozen unless its header lies in a folder `draft` or gives an id that begins with draft/. Drafts are compared,
+# too: what changes there is seen, and needs a new id.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 golden=$root/tests/conformance/abi_golden.txt
@@ -32,6 +32,7 @@ for folder in "${folders[@]}"; do
     echo "#include \"$header\"" >>"$place/includes"
     state=frozen
     case $header in draft/* | */draft/*) state=draft ;; esac
+    grep -q '^#define .*"draft/' "$folder/$header" && state=draft
     # Constants and ids: their values cross the boundary, too.
     cc -w -fpreprocessed -dD -E -P "$folder/$header" |
       sed -e ':again' -e '/\\$/{N;s/\\\n *//;b again' -e '}' | sed -n "s/^#define \\(C3DE_[A-Z0-9_]*\\) \\(.*[^ ]\\) *\$/$state \\1. 0 0 \\2/p" >>"$place/constants"
