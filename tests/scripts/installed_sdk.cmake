@@ -1,14 +1,7 @@
 cmake_minimum_required(VERSION 3.25)
 # -DBUILD=… -DPLACE=… -DCOMPILERS=…: that what is installed runs by itself; that the plugins of the author's guide build against
 # the installed SDK alone, with no source tree in sight, export one symbol each, and load; and that the magnet acts.
-function(run)
-  execute_process(COMMAND ${ARGV} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT code EQUAL 0)
-    list(JOIN ARGV " " command)
-    message(FATAL_ERROR "${command}\nends with ${code}:\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
+include("${CMAKE_CURRENT_LIST_DIR}/run.cmake")
 
 file(REMOVE_RECURSE "${PLACE}")
 run("${CMAKE_COMMAND}" --install "${BUILD}" --component sdk --prefix "${PLACE}/prefix")
@@ -19,15 +12,7 @@ run("${HOST}" run "${PLACE}/prefix/share/c3de/scenes/first_light.toml" --steps 2
 foreach(compiler IN LISTS COMPILERS)
   string(REPLACE "+" "_" name "${compiler}")
   set(plugins "${PLACE}/${name}")
-  set(cc gcc)
-  if(compiler MATCHES "clang")
-    set(cc clang)
-  endif()
-  run("${CMAKE_COMMAND}" -E env --unset=CFLAGS --unset=CXXFLAGS "${CMAKE_COMMAND}" -G Ninja -S "${PLACE}/prefix/share/c3de/examples"
-      -B "${plugins}" "-DCMAKE_PREFIX_PATH=${PLACE}/prefix" "-DCMAKE_C_COMPILER=${cc}" "-DCMAKE_CXX_COMPILER=${compiler}"
-      -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_C_FLAGS=-Wall -Wextra -Wpedantic -Werror"
-      "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror")
-  run("${CMAKE_COMMAND}" --build "${plugins}")
+  build_outside("${PLACE}/prefix/share/c3de/examples" "${plugins}" "${PLACE}/prefix" "${compiler}" Debug)
   set(named)
   foreach(plugin minimal hello probe magnet)
     list(APPEND named --plugin "${plugins}/${plugin}.so")
