@@ -37,6 +37,9 @@ struct ServiceTables {
   c3de_imaging_v0 imaging;
   c3de_history_v0 history;
   c3de_forces_v0 forces;
+  c3de_files_v0 files;
+  c3de_settings_v0 settings;
+  c3de_commands_v0 commands;
 };
 
 /// Functions that a plugin has posted to the main thread and that have not run yet. Shared with the queue, which may
