@@ -45,6 +45,7 @@ configure_file("${CMAKE_CURRENT_LIST_DIR}/c3de-sdk.pc.in" "${PROJECT_BINARY_DIR}
 install(FILES "${PROJECT_BINARY_DIR}/c3de-sdk.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT sdk)
 install(FILES "${PROJECT_SOURCE_DIR}/plugins/hello/hello.c" "${PROJECT_SOURCE_DIR}/plugins/hello/greeter.h"
   "${PROJECT_SOURCE_DIR}/plugins/magnet/magnet.cpp" "${PROJECT_SOURCE_DIR}/plugins/mesh_reader/mesh_reader.cpp"
+  "${PROJECT_SOURCE_DIR}/plugins/image_samples/image_samples.cpp"
   "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/minimal.c" "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/probe.cpp"
   "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/CMakeLists.txt"
   DESTINATION share/c3de/examples COMPONENT sdk)

@@ -69,7 +69,7 @@ TEST_CASE("malformed output of a reader is refused with what, where and who") {
   CHECK_THAT(absent.error().message, Contains("absent.good"));
 }
 
-TEST_CASE("an extension stays with who had it first; the other reader is had by its id") {
+TEST_CASE("an extension stays with who had it first, the other reader is had by its id") {
   ReadersHost f;
   CHECK(f.linesWith(".obj is read by the program itself, by the reader 'test.good' of test.mesh_readers").size() == 1);
   CHECK(f.linesWith(".good is read by the reader 'test.good'").size() == 1);

@@ -32,6 +32,7 @@ c3de_status C3DE_CALL getService(void *ctx, c3de_str id, std::uint32_t minRev, c
     const std::string name = textOf(id, "id");
     const ServiceEntry &entry = findService(name, minRev, plugin.services());
     *table = entry.table(plugin.tables());
+    plugin.noteService(name);
   });
 }
 

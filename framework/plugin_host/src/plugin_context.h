@@ -77,6 +77,15 @@ class PluginContext {
   /// From here on the plugin is not called and its calls are refused; takes back all it has registered. Main thread.
   void revokeAll();
 
+  /// Services that were handed out. Any thread.
+  void noteService(const std::string &id) {
+    const std::lock_guard lock(textMutex_);
+    asked_.insert(id);
+  }
+  [[nodiscard]] bool hasAskedFor(const std::string &id) {
+    const std::lock_guard lock(textMutex_);
+    return asked_.contains(id);
+  }
   /// A text that stays until the host goes; each is kept once. Any thread.
   [[nodiscard]] c3de_str keptText(const std::string &text);
 
@@ -98,7 +107,7 @@ class PluginContext {
   c3de_host abi_;
   ServiceTables tables_;
   std::mutex textMutex_;
-  std::set<std::string> texts_;
+  std::set<std::string> texts_, asked_;
 };
 
 /// Calls into a plugin: an exception that leaves it becomes a line in the log. Best effort only, because a plugin with

@@ -11,11 +11,13 @@
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
+#include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/settings_store.h"
 #include "c3de/render/renderer.h"
 #include "c3de/scene/force_fields.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/file_kind.h"
+#include "c3de/session/plugin_parameters.h"
 #include "c3de/session/resources.h"
 #include "c3de/session/scene_to_abi.h"
 #include "c3de/session/simulator_access.h"
@@ -185,6 +187,7 @@ struct Session::Impl {
   scene::SimulationDirectory simulations;
   scene::ForceFields forces;
   geometry::MeshFormats meshFormats;
+  registry::ParameterRegistry parameters;  ///< where there is no window
   registry::SettingsStore settings{registry::defaultSettingsFolder()};
   scene::MaterialLibrary materials;
   std::vector<std::filesystem::path> folders;
@@ -314,7 +317,7 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   services.forces = &impl->forces;
   services.renderer = options.renderer;
   services.panels = options.panels;
-  services.parameters = options.parameters;
+  services.parameters = options.parameters != nullptr ? options.parameters : &impl->parameters;
   services.tools = options.tools;
   services.edits = options.edits;
   services.commands = options.commands;
@@ -345,6 +348,9 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
       if (plugin.state == plugin_host::PluginState::refused && std::filesystem::equivalent(file, plugin.path, code))
         return fail(ErrorCode::plugin, "plugin " + plugin.path.string() + " refused: " + plugin.reason);
     }
+  for (const std::string &assignment : options.pluginParameters)
+    if (auto set = setPluginParameter(*services.parameters, host.plugins(), assignment); !set)
+      return tl::unexpected(set.error());
   return session;
 }
 

@@ -38,10 +38,12 @@ class MySimulator : public sdk::Object<MySimulator> {
   void addBody(const c3de_sim_body *in, c3de_handle *out) {
     if (in->fixes_n + in->loads_n + in->parts_n + in->refinements_n > 0)
       throw sdk::Error(C3DE_E_UNSUPPORTED, "fixes, loads, parts and refinements are not served");
+    if (in->placement && (in->placement->flags & C3DE_SIM_PLACED_BY_MATRIX))
+      throw sdk::Error(C3DE_E_UNSUPPORTED, "a placement by a matrix is not served");
     Body body;
     body.name = sdk::text(in->name);
     for (std::size_t c = 0; c < 3; ++c) {
-      body.start_m[c] = in->position_m[c];
+      if (in->placement) body.start_m[c] = in->placement->position_m[c];
       body.startVelocity_m_s[c] = in->velocity_m_s[c];
     }
     bodies_.push_back(body);
@@ -51,7 +53,7 @@ class MySimulator : public sdk::Object<MySimulator> {
   void addObstacle(const c3de_sim_obstacle *, c3de_handle *) {
     throw sdk::Error(C3DE_E_UNSUPPORTED, "obstacles are not served");
   }
-  void addProbe(c3de_str, c3de_handle, const double *) { throw sdk::Error(C3DE_E_UNSUPPORTED, "probes are not served"); }
+  void addProbe(c3de_str, c3de_handle, const double *, c3de_handle *) { throw sdk::Error(C3DE_E_UNSUPPORTED, "probes are not served"); }
   void setBodyParam(c3de_handle, const c3de_param_value *) { throw sdk::Error(C3DE_E_NOT_FOUND, "bodies have none"); }
   void getBodyParam(c3de_handle, c3de_str, c3de_param_value *) {
     throw sdk::Error(C3DE_E_NOT_FOUND, "bodies have no parameters");
@@ -78,8 +80,13 @@ class MySimulator : public sdk::Object<MySimulator> {
   }
   void publish() {}
   void status(c3de_sim_status *out) const {
-    const std::uint32_t size = out->size;
-    *out = {size, 0, steps_, kStep_s * static_cast<double>(steps_), kStep_s, bodies_.size(), 0, 0, 0};
+    c3de_sim_status now{};
+    now.size = out->size;
+    now.steps = steps_;
+    now.time_s = kStep_s * static_cast<double>(steps_);
+    now.dt_s = kStep_s;
+    now.bodies = bodies_.size();
+    *out = now;
   }
   void stateHash(std::uint64_t *out) const {
     std::uint64_t hash = 14695981039346656037u;
@@ -103,11 +110,31 @@ class MySimulator : public sdk::Object<MySimulator> {
     out->v = index + 1;
   }
   void bodyInfo(c3de_handle body, c3de_sim_body_info *out) {
-    const std::uint32_t size = out->size;
-    *out = {size, 0, sdk::str(at(body).name), 1, 0, 1.0, 0.0, 0.0, 0.0, kStep_s};
+    c3de_sim_body_info info{};
+    info.size = out->size;
+    info.name = sdk::str(at(body).name);
+    info.points = 1;
+    info.mass_kg = 1.0;
+    info.stable_dt_s = kStep_s;
+    *out = info;
   }
-  void phyxels(c3de_handle, c3de_object **) { throw sdk::Error(C3DE_E_UNSUPPORTED, "there are no phyxels"); }
-  void surfels(c3de_handle, c3de_object **) { throw sdk::Error(C3DE_E_UNSUPPORTED, "there is no skin"); }
+  c3de_status enumFields(c3de_handle body, void *visitor, c3de_status(C3DE_CALL *each)(void *, const c3de_sim_field *)) {
+    (void)at(body);
+    for (const char *name : {C3DE_SIM_FIELD_REFERENCE_POSITION, C3DE_SIM_FIELD_POSITION}) {
+      const c3de_sim_field field{sizeof field, C3DE_SIM_ON_POINTS, sdk::str(name), sdk::str("m"), 3, 0};
+      if (const c3de_status status = each(visitor, &field); status != C3DE_OK) return status;
+    }
+    return C3DE_OK;
+  }
+  void readField(c3de_handle body, std::uint32_t on, c3de_str name, c3de_mview out) {
+    const Body &read = at(body);
+    const bool isReference = sdk::text(name) == C3DE_SIM_FIELD_REFERENCE_POSITION;
+    if (on != C3DE_SIM_ON_POINTS || (!isReference && sdk::text(name) != C3DE_SIM_FIELD_POSITION))
+      throw sdk::Error(C3DE_E_NOT_FOUND, "there is no such field");
+    std::memcpy(out.data, (isReference ? read.start_m : read.position_m).data(), sizeof(sdk::Vec3));
+  }
+  void triangles(c3de_handle, c3de_view *out) { *out = {nullptr, 0, 3, C3DE_U32, 0}; }
+  void enumProbes(void *, c3de_status(C3DE_CALL *)(void *, const c3de_sim_probe *)) {}
 
  private:
   struct Body {

@@ -257,7 +257,10 @@ Expected<std::string> buildBodies(const RunOptions &options, const RunLimits &li
         return !isOver && !wasInterrupted();
       },
       &prepared);
-  if (built) return std::string();
+  if (built) {
+    lendImage(session, scene, sources);
+    return std::string();
+  }
   if (built.error().code != ErrorCode::cancelled) return tl::unexpected(built.error());
   const std::string where = present + "; no step was made, and there is no state to keep";
   if (isOver) return "the time limit of " + formatNumber(*options.timeLimit_s) + " s was reached at " + where;

@@ -41,8 +41,9 @@ struct SessionOptions {
   bool searchPlugins = true;                         ///< in folders; false: only those that pluginFiles names
   std::vector<std::filesystem::path> pluginFiles;    ///< --plugin: each must load, or the session fails
   std::vector<std::filesystem::path> pluginFolders;  ///< --plugin-path, before the default folders
+  std::vector<std::string> pluginParameters;         ///< --plugin-param: "PLUGIN:ID=VALUE" each
   unsigned threads = 0;                              ///< 0: as many as the machine has
-  // Null in a run without a window.
+  // Null in a run without a window; parameters are then those of the session itself.
   render::Renderer *renderer = nullptr;
   registry::PanelRegistry *panels = nullptr;
   registry::ParameterRegistry *parameters = nullptr;
