@@ -44,7 +44,8 @@ class ImageSamples : public sdk::Panel {
                                         .vendor = "C3DE",
                                         .license = "Apache-2.0"};
   static constexpr std::array needs{sdk::required<c3de_forces_v0>(), sdk::required<c3de_imaging_v0>(),
-                                    sdk::optional<c3de_params_v0>(), sdk::optional<c3de_panels_v0>()};
+                                    sdk::optional<c3de_params_v0>(), sdk::optional<c3de_panels_v0>(),
+                                    sdk::optional<c3de_commands_v0>()};
 
   explicit ImageSamples(sdk::Host host) : log_(host), imaging_(host) {
     if (const sdk::Params params(host); params)
@@ -52,14 +53,20 @@ class ImageSamples : public sdk::Panel {
           params.declare("Image samples", kParams, [this](const c3de_param_value &v) { every_s_ = v.num; }));
     hasPanel_ = host.service<c3de_panels_v0>() != nullptr;
     if (hasPanel_) sdk::orThrow(show(host, "org.c3de.image_samples.panel", "Image samples"));
+    if (const sdk::Commands commands(host); commands)
+      command_ = sdk::orThrow(commands.add({.id = "org.c3de.image_samples.log",
+                                            .title = "Log image samples",
+                                            .doc = "Writes what the panel shows into the log.",
+                                            .key = 'L',
+                                            .modifiers = C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
+                                           [this] { return say(); }));
     field_ = sdk::orThrow(
         sdk::Forces(host).add("image samples", [this](const c3de_force_call &call) { return look(call); }));
   }
 
   void stop() {
     field_.remove();
-    if (hasPanel_) return;
-    for (const auto &[body, samples] : bodies_) log_.info(samples.body + ": " + textOf(samples));
+    if (!hasPanel_) (void)say();
   }
 
   void draw(sdk::Ui &ui) override {
@@ -70,6 +77,13 @@ class ImageSamples : public sdk::Panel {
   }
 
  private:
+  sdk::Result<void> say() {
+    const std::lock_guard lock(mutex_);
+    if (bodies_.empty()) return sdk::Failure{C3DE_E_STATE, "no body is being simulated, or there is no image"};
+    for (const auto &[body, samples] : bodies_) log_.info(samples.body + ": " + textOf(samples));
+    return {};
+  }
+
   // On the simulation's thread, before each step, for each body; adds no force.
   sdk::Result<void> look(const c3de_force_call &call) {
     const auto images = imaging_.images();
@@ -117,6 +131,7 @@ class ImageSamples : public sdk::Panel {
   std::mutex mutex_;
   std::map<std::uint64_t, Samples> bodies_;
   sdk::ParameterSet params_;
+  sdk::Command command_;
   sdk::ForceField field_;  // goes first: it uses what stands above
 };
 

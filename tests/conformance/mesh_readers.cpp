@@ -22,6 +22,8 @@ const std::vector<Row> kFaces{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
 class Readers {
  public:
   explicit Readers(sdk::Host host) : files_(host) {
+    trySettings(sdk::Settings(host));
+    tryCommands(sdk::Commands(host));
     add("good", [](const sdk::MeshSource &source, sdk::Progress, const sdk::MeshSink &sink) -> sdk::Result<void> {
       // Triangles before their vertices, in two parts, and a vertex twice.
       sink.addTriangles(kFaces);
@@ -78,6 +80,35 @@ class Readers {
   static constexpr std::array needs{sdk::required<c3de_files_v0>()};
 
  private:
+  static void expect(bool holds, const char *what) {
+    if (!holds) throw sdk::Error(C3DE_E_INTERNAL, what);
+  }
+  // The wrappers beside those of files; a failure refuses this plugin.
+  static void trySettings(const sdk::Settings &settings) {
+    expect(!settings.get("colour"), "nothing is set at first");
+    sdk::orThrow(settings.set("colour", "blue"));
+    expect(settings.get("colour") == "blue", "what was set is got");
+    expect(sdk::orThrow(settings.keys()) == std::vector<std::string>{"colour"}, "and is the only key");
+    sdk::orThrow(settings.remove("colour"));
+    expect(settings.remove("colour").failure().status == C3DE_E_NOT_FOUND, "what is gone is not found");
+  }
+  static void tryCommands(const sdk::Commands &commands) {
+    int runs = 0;
+    const sdk::CommandInfo info{.id = "test.run", .title = "Run", .key = 'R', .modifiers = C3DE_MOD_ALT};
+    auto command = sdk::orThrow(commands.add(info, [&runs]() -> sdk::Result<void> {
+      if (++runs == 2) throw std::runtime_error("the second time is one too many");
+      return {};
+    }));
+    expect(command.hasShortcut(), "the keys are free");
+    sdk::orThrow(commands.run("test.run"));
+    const auto second = commands.run("test.run");
+    expect(!second && second.failure().message.find("one too many") != std::string::npos,
+           "the text of what was thrown");
+    command.setEnabled(false);
+    expect(commands.run("test.run").failure().status == C3DE_E_STATE && runs == 2, "one that is not enabled");
+    command = {};
+    expect(commands.run("test.run").failure().status == C3DE_E_NOT_FOUND, "one that is gone");
+  }
   template <class F>
   void add(std::string_view name, F read) {
     const std::string id = "test." + std::string(name);
