@@ -83,6 +83,7 @@ struct ReadProgress {
   static c3de_status C3DE_CALL update(void *self, double fraction, c3de_str what) noexcept {
     auto &own = *static_cast<ReadProgress *>(self);
     try {
+      own.call->noteProgress();
       if (own.progress && !own.progress(fraction, std::string(fromAbi(what)))) own.isCancelled = true;
       return own.isCancelled ? C3DE_E_CANCELLED : C3DE_OK;
     } catch (...) {
@@ -90,6 +91,7 @@ struct ReadProgress {
     }
   }
   const ProgressFn &progress;
+  const ForeignCall *call = nullptr;
   c3de_progress abi;
   std::atomic<bool> isCancelled{false};
 };
@@ -104,8 +106,11 @@ Expected<geometry::ReadMesh> readWith(PluginContext &plugin, const c3de_mesh_rea
   const c3de_mesh_source source{sizeof(c3de_mesh_source), 0, toAbi(name), bytes.data(), bytes.size()};
   setLastError(std::string_view());
   c3de_status status = C3DE_E_EXCEPTION;
-  const bool returned = callPlugin(plugin, "read of a mesh reader",
-                                   [&] { status = reader.read(reader.self, &source, &reading.abi, collector.abi()); });
+  const auto read = [&](const ForeignCall &recorded) {
+    reading.call = &recorded;
+    status = reader.read(reader.self, &source, &reading.abi, collector.abi());
+  };
+  const bool returned = callPlugin(plugin, "read of a mesh reader", read, CallKind::job);
   std::string text = takeLastError();
   if (reading.isCancelled) return fail(ErrorCode::cancelled, "cancelled");
   if (!returned) return fail(ErrorCode::plugin, "an exception left it; the log says which");
