@@ -3,6 +3,9 @@
 # A loadable plugin: exactly one exported symbol (c3de_plugin_query), no undefined symbol, nothing of the host linked.
 # Hidden visibility alone still leaks library templates, hence the version script; -fno-gnu-unique, which
 # only GCC knows and needs, keeps it unloadable.
+#
+# Outside of C3DE's own tree it is installed into lib/c3de/plugins, and two tests are added: the program loads it, and
+# c3de-validate finds nothing wrong. Each is skipped, visibly, where its program is not installed.
 set(C3DE_CMAKE_DIR "${CMAKE_CURRENT_LIST_DIR}")
 function(c3de_add_plugin name)
   cmake_parse_arguments(ARG "" "OUTPUT_DIRECTORY" "SOURCES;LINKS" ${ARGN})
@@ -28,4 +31,23 @@ function(c3de_add_plugin name)
     set_target_properties(${name} PROPERTIES LINK_DEPENDS "${C3DE_CMAKE_DIR}/plugin.version"
       BUILD_RPATH "$ORIGIN" INSTALL_RPATH "$ORIGIN")
   endif()
+  # The installed copy of this file lies beside the package, in PREFIX/lib/cmake/C3DE or one folder deeper.
+  if(EXISTS "${C3DE_CMAKE_DIR}/C3DEConfig.cmake")
+    install(TARGETS ${name} LIBRARY DESTINATION lib/c3de/plugins RUNTIME DESTINATION lib/c3de/plugins)
+    set(beside HINTS "${C3DE_CMAKE_DIR}/../../../bin" "${C3DE_CMAKE_DIR}/../../../../bin")
+    find_program(C3DE_PROGRAM c3de ${beside})
+    find_program(C3DE_VALIDATE c3de-validate ${beside})
+    c3de_plugin_test("${name}: c3de loads it" "${C3DE_PROGRAM}" c3de
+      plugins --no-plugins --plugin "$<TARGET_FILE:${name}>")
+    c3de_plugin_test("${name}: c3de-validate" "${C3DE_VALIDATE}" c3de-validate "$<TARGET_FILE:${name}>")
+  endif()
+endfunction()
+
+function(c3de_plugin_test name program program_name)
+  if(program)
+    add_test(NAME "${name}" COMMAND "${program}" ${ARGN})
+  else()
+    add_test(NAME "${name}" COMMAND "${CMAKE_COMMAND}" -E echo "[C3DE-SKIPPED] there is no program ${program_name}")
+  endif()
+  set_tests_properties("${name}" PROPERTIES TIMEOUT 60 SKIP_REGULAR_EXPRESSION "\\[C3DE-SKIPPED\\]")
 endfunction()

@@ -1,6 +1,7 @@
 # What `cmake --install BUILD --component NAME --prefix PREFIX` puts where:
 #   runtime  the programs, the point-based plugin and the resources
 #   sdk      headers of the plugin boundary and of its C++ comfort, the CMake package C3DE, a pkg-config file, examples
+#   pointbased  the point-based core to link into programs of others: static library and headers; needs sdk for the package
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
@@ -29,10 +30,22 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/C3DEConfigVersion.cmake"
 install(FILES "${PROJECT_BINARY_DIR}/C3DEConfig.cmake" "${PROJECT_BINARY_DIR}/C3DEConfigVersion.cmake"
   "${CMAKE_CURRENT_LIST_DIR}/AddPlugin.cmake" "${CMAKE_CURRENT_LIST_DIR}/plugin.version"
   DESTINATION "${package}" COMPONENT sdk)
+set_target_properties(c3de_pointbased_core PROPERTIES EXPORT_NAME pointbased OUTPUT_NAME c3de_pointbased)
+install(TARGETS c3de_pointbased_core EXPORT C3DEPointBased
+  ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT pointbased
+  FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT pointbased)
+install(EXPORT C3DEPointBased NAMESPACE c3de:: DESTINATION "${package}" COMPONENT pointbased)
+# From the folder of the .pc files to the prefix, wherever that is moved to.
+file(RELATIVE_PATH up "/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig" /prefix)
+configure_file("${CMAKE_CURRENT_LIST_DIR}/c3de-pointbased.pc.in" "${PROJECT_BINARY_DIR}/c3de-pointbased.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/c3de-pointbased.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+  COMPONENT pointbased)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples/batch" DESTINATION share/c3de/examples COMPONENT pointbased)
 configure_file("${CMAKE_CURRENT_LIST_DIR}/c3de-sdk.pc.in" "${PROJECT_BINARY_DIR}/c3de-sdk.pc" @ONLY)
 install(FILES "${PROJECT_BINARY_DIR}/c3de-sdk.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT sdk)
 install(FILES "${PROJECT_SOURCE_DIR}/plugins/hello/hello.c" "${PROJECT_SOURCE_DIR}/plugins/hello/greeter.h"
-  "${PROJECT_SOURCE_DIR}/plugins/magnet/magnet.cpp"
+  "${PROJECT_SOURCE_DIR}/plugins/magnet/magnet.cpp" "${PROJECT_SOURCE_DIR}/plugins/mesh_reader/mesh_reader.cpp"
+  "${PROJECT_SOURCE_DIR}/plugins/image_samples/image_samples.cpp"
   "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/minimal.c" "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/probe.cpp"
   "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/CMakeLists.txt"
   DESTINATION share/c3de/examples COMPONENT sdk)

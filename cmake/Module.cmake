@@ -12,8 +12,9 @@ function(c3de_module name)
   add_library(${ARG_ALIAS} ALIAS ${target})
   target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${ARG_HEADERS})
   target_include_directories(${target} PRIVATE src)
+  # Flags of this build are nobody else's: a module that is installed (pointbased) takes none of them along.
   target_link_libraries(${target} PUBLIC ${ARG_LINKS}
-                        PRIVATE ${ARG_PRIVATE_LINKS} c3de_warnings c3de_sanitizers)
+                        PRIVATE ${ARG_PRIVATE_LINKS} $<BUILD_INTERFACE:c3de_warnings> $<BUILD_INTERFACE:c3de_sanitizers>)
   set_target_properties(${target} PROPERTIES
     CXX_VISIBILITY_PRESET hidden C_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
     VERIFY_INTERFACE_HEADER_SETS ON)

@@ -42,8 +42,6 @@ class Magnet : public sdk::Panel {
     field_ = sdk::orThrow(sdk::Forces(host).add("magnet", [this](const c3de_force_call &call) { return pull(call); }));
     if (const sdk::Params params(host); params)
       params_ = sdk::orThrow(params.declare("Magnet", kParams, [this](const c3de_param_value &v) { changed(v); }));
-    else
-      pole_.strength = 20.0;  // without a window there is nobody who could switch it on
     if (host.service<c3de_panels_v0>()) sdk::orThrow(show(host, "org.c3de.magnet.panel", "Magnet"));
   }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -13,10 +15,13 @@
 #include "c3de/core/main_queue.h"
 #include "c3de/core/platform.h"
 #include "c3de/core/thread_pool.h"
+#include "c3de/geometry/mesh_formats.h"
 #include "c3de/plugin_host/plugin_host.h"
+#include "c3de/registry/command_registry.h"
 #include "c3de/registry/edit_list.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/settings_store.h"
 #include "c3de/registry/tool_registry.h"
 #include "c3de/render/renderer.h"
 #include "c3de/scene/force_fields.h"
@@ -45,12 +50,15 @@ class HostFixture {
     services.images = &images;
     services.simulations = &simulations;
     services.forces = &forces;
+    services.meshFormats = &meshFormats;
+    services.settings = &settings;
     if (!headless) {
       services.renderer = renderer.get();
       services.panels = &panels;
       services.parameters = &parameters;
       services.tools = &tools;
       services.edits = &edits;
+      services.commands = &commands;
     }
     host = std::make_unique<plugin_host::PluginHost>(services);
   }
@@ -58,6 +66,8 @@ class HostFixture {
     host.reset();
     setLogListener({});
     setLogThreshold(LogLevel::info);
+    std::error_code ignored;
+    std::filesystem::remove_all(settingsFolder, ignored);
   }
 
   static std::filesystem::path testPlugin(const std::string &name) {
@@ -99,7 +109,8 @@ class HostFixture {
   }
   bool nothingIsRegistered() {
     return host->classes().empty() && panels.panels().empty() && tools.tools().empty() && tools.active().isNull() &&
-           sceneGraph.rows().empty() && jobs.running().empty();
+           commands.commands().empty() && meshFormats.readers().empty() && sceneGraph.rows().empty() &&
+           jobs.running().empty();
   }
 
   ThreadPool pool{2};
@@ -115,10 +126,22 @@ class HostFixture {
   registry::ParameterRegistry parameters;
   registry::ToolRegistry tools;
   registry::EditList edits;
+  registry::CommandRegistry commands;
+  geometry::MeshFormats meshFormats;
+  std::filesystem::path settingsFolder = freshSettingsFolder();
+  registry::SettingsStore settings{settingsFolder};
   plugin_host::Services services;
   std::unique_ptr<plugin_host::PluginHost> host;
 
  private:
+  static std::filesystem::path freshSettingsFolder() {
+    static std::atomic<int> count{0};
+    const auto folder = std::filesystem::path(testOutputRoot()) /
+                        ("settings-" + std::to_string(std::chrono::steady_clock::now().time_since_epoch().count()) +
+                         "-" + std::to_string(++count));
+    std::filesystem::remove_all(folder);
+    return folder;
+  }
   mutable std::mutex linesMutex_;
   std::vector<std::pair<LogLevel, std::string>> lines_;
 };

@@ -1175,6 +1175,173 @@ static void drive_wrong_thread(void) {
   log->write(log->ctx, C3DE_LOG_WARN, text("a warning from another thread"));
 }
 
+/* ---- files, settings, commands ---- */
+
+static c3de_status C3DE_CALL read_nothing(void *self, const c3de_mesh_source *source, const c3de_progress *progress,
+                                          const c3de_mesh_sink *sink) {
+  (void)self;
+  (void)source;
+  (void)progress;
+  (void)sink;
+  return C3DE_E_UNSUPPORTED;
+}
+
+static void drive_files(void) {
+  const c3de_files_v0 *files = service(C3DE_FILES_ID);
+  const c3de_str extensions[] = {TEXT("one"), TEXT("TWO")}, dotted = TEXT(".one"), empty = TEXT("");
+  c3de_mesh_reader reader = {sizeof reader, 1, TEXT("test.reader"), TEXT("Reader"), extensions, 2,
+                             TEXT(""), NULL, read_nothing};
+  c3de_handle h, none;
+  GIVES(C3DE_OK, files->add_mesh_reader(files->ctx, &reader, &h));
+  GIVES(C3DE_E_EXISTS, files->add_mesh_reader(files->ctx, &reader, &none));
+  SAYS("test.service_driver");
+  HOLDS(none.v == 0);
+  reader.id = text("test.other");
+  GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, NULL, &none));
+  GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, &reader, NULL));
+  reader.extensions_n = 0;
+  GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, &reader, &none));
+  SAYS("extensions_n");
+  reader.extensions_n = 1;
+  reader.extensions = &dotted;
+  GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, &reader, &none));
+  SAYS("without the dot");
+  reader.extensions = &empty;
+  GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, &reader, &none));
+  reader.extensions = NULL;
+  GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, &reader, &none));
+  reader.extensions = extensions;
+  reader.read = NULL;
+  GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, &reader, &none));
+  SAYS("read");
+  reader.read = read_nothing;
+  reader.label = text("");
+  GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, &reader, &none));
+  reader.label = text("Reader");
+  reader.id = text("a b");
+  GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, &reader, &none));
+  reader.id = text("test.other");
+  reader.size = 16;
+  GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, &reader, &none));
+  GIVES(C3DE_E_STALE, files->remove(files->ctx, kNoSuch));
+  GIVES(C3DE_OK, files->remove(files->ctx, h));
+  GIVES(C3DE_E_STALE, files->remove(files->ctx, h));
+}
+
+static c3de_status C3DE_CALL count_key(void *self, c3de_str key) {
+  *(uint64_t *)self += key.len;
+  return C3DE_OK;
+}
+static c3de_status C3DE_CALL stop_at_key(void *self, c3de_str key) {
+  (void)key;
+  ++*(uint64_t *)self;
+  return C3DE_S_TRUNCATED;
+}
+
+static void drive_settings(void) {
+  const c3de_settings_v0 *settings = service(C3DE_SETTINGS_ID);
+  uint64_t bytes = 0, keys = 0, calls = 0;
+  const c3de_sink sink = {&bytes, count_bytes}, no_sink = {NULL, NULL};
+  const c3de_str broken = {"\xff\xfe", 2};
+  GIVES(C3DE_E_NOT_FOUND, settings->get(settings->ctx, text("colour"), sink));
+  SAYS("colour");
+  GIVES(C3DE_E_NOT_FOUND, settings->remove(settings->ctx, text("colour")));
+  GIVES(C3DE_OK, settings->set(settings->ctx, text("colour"), text("blue")));
+  GIVES(C3DE_OK, settings->set(settings->ctx, text("empty"), text("")));
+  GIVES(C3DE_OK, settings->get(settings->ctx, text("colour"), sink));
+  HOLDS(bytes == 4);
+  GIVES(C3DE_OK, settings->get(settings->ctx, text("empty"), sink));
+  HOLDS(bytes == 4);
+  GIVES(C3DE_E_ARG, settings->get(settings->ctx, text("colour"), no_sink));
+  GIVES(C3DE_E_ARG, settings->get(settings->ctx, text(""), sink));
+  GIVES(C3DE_E_ARG, settings->set(settings->ctx, text("a b"), text("c")));
+  SAYS("key");
+  GIVES(C3DE_E_ARG, settings->set(settings->ctx, text("bytes"), broken));
+  SAYS("UTF-8");
+  GIVES(C3DE_OK, settings->keys(settings->ctx, &keys, count_key));
+  HOLDS(keys == strlen("colour") + strlen("empty"));
+  GIVES(C3DE_S_TRUNCATED, settings->keys(settings->ctx, &calls, stop_at_key));
+  HOLDS(calls == 1);
+  GIVES(C3DE_E_ARG, settings->keys(settings->ctx, &calls, NULL));
+  GIVES(C3DE_OK, settings->remove(settings->ctx, text("empty")));
+  GIVES(C3DE_E_NOT_FOUND, settings->get(settings->ctx, text("empty"), sink));
+}
+
+static const c3de_commands_v0 *kept_commands;
+static c3de_status C3DE_CALL count_run(void *self) {
+  ++*(int *)self;
+  return C3DE_OK;
+}
+static c3de_status C3DE_CALL fail_to_run(void *self) {
+  (void)self;
+  host->set_error(host->ctx, C3DE_E_STATE, text("there is no organ"));
+  return C3DE_E_STATE;
+}
+static c3de_status C3DE_CALL run_itself(void *self) {
+  (void)self;
+  return kept_commands->run(kept_commands->ctx, text("test.again"));
+}
+
+static void drive_commands(void) {
+  const c3de_commands_v0 *commands = service(C3DE_COMMANDS_ID);
+  kept_commands = commands;
+  static int runs;
+  c3de_command command = {sizeof command, 1, TEXT("test.count"), TEXT("Count"), TEXT("Counts."),
+                          'Q', C3DE_MOD_CTRL, &runs, count_run};
+  c3de_handle count, other, none;
+  runs = 0;
+  GIVES(C3DE_S_NO_SHORTCUT, commands->add(commands->ctx, &command, &count));
+  GIVES(C3DE_E_EXISTS, commands->add(commands->ctx, &command, &none));
+  SAYS("test.service_driver");
+  GIVES(C3DE_OK, commands->run(commands->ctx, text("test.count")));
+  HOLDS(runs == 1);
+  command.id = text("test.fail");
+  command.key = 'K';
+  command.modifiers = C3DE_MOD_CTRL | C3DE_MOD_SHIFT;
+  command.run = fail_to_run;
+  GIVES(C3DE_OK, commands->add(commands->ctx, &command, &other));
+  GIVES(C3DE_E_STATE, commands->run(commands->ctx, text("test.fail")));
+  SAYS("there is no organ");
+  command.id = text("test.again");
+  command.run = run_itself;
+  GIVES(C3DE_S_NO_SHORTCUT, commands->add(commands->ctx, &command, &none));
+  GIVES(C3DE_E_STATE, commands->run(commands->ctx, text("test.again")));
+  SAYS("running already");
+  GIVES(C3DE_OK, commands->remove(commands->ctx, none));
+  command.id = text("test.next");
+  GIVES(C3DE_E_ARG, commands->add(commands->ctx, NULL, &none));
+  GIVES(C3DE_E_ARG, commands->add(commands->ctx, &command, NULL));
+  command.modifiers = 0;
+  GIVES(C3DE_E_ARG, commands->add(commands->ctx, &command, &none));
+  SAYS("C3DE_MOD_CTRL");
+  command.modifiers = 64;
+  GIVES(C3DE_E_ARG, commands->add(commands->ctx, &command, &none));
+  command.modifiers = C3DE_MOD_ALT;
+  command.key = 'k';
+  GIVES(C3DE_E_ARG, commands->add(commands->ctx, &command, &none));
+  SAYS("'A' to 'Z'");
+  command.key = 0;
+  command.title = text("");
+  GIVES(C3DE_E_ARG, commands->add(commands->ctx, &command, &none));
+  command.title = text("Next");
+  command.run = NULL;
+  GIVES(C3DE_E_ARG, commands->add(commands->ctx, &command, &none));
+  command.run = count_run;
+  command.size = 16;
+  GIVES(C3DE_E_ARG, commands->add(commands->ctx, &command, &none));
+  GIVES(C3DE_OK, commands->set_enabled(commands->ctx, count, 0));
+  GIVES(C3DE_E_STATE, commands->run(commands->ctx, text("test.count")));
+  SAYS("not enabled");
+  GIVES(C3DE_OK, commands->set_enabled(commands->ctx, count, 1));
+  GIVES(C3DE_OK, commands->run(commands->ctx, text("test.count")));
+  HOLDS(runs == 2);
+  GIVES(C3DE_E_NOT_FOUND, commands->run(commands->ctx, text("test.cuont")));
+  SAYS("did you mean test.count?");
+  GIVES(C3DE_E_STALE, commands->set_enabled(commands->ctx, kNoSuch, 1));
+  GIVES(C3DE_OK, commands->remove(commands->ctx, count));
+  GIVES(C3DE_E_STALE, commands->remove(commands->ctx, count));
+}
+
 /* ---- when the plugin was taken back but an object of it is still called ---- */
 
 static const c3de_registry_v0 *kept_registry;
@@ -1213,6 +1380,9 @@ static uint64_t C3DE_CALL run(c3de_object *self, c3de_str name, c3de_handle simu
   if (IS("simulation")) drive_simulation(simulation);
   if (IS("kinds")) drive_kinds(simulation);
   if (IS("forces")) drive_forces(simulation);
+  if (IS("files")) drive_files();
+  if (IS("settings")) drive_settings();
+  if (IS("commands")) drive_commands();
   if (IS("imaging")) drive_imaging();
   if (IS("imaging of what is gone")) drive_imaging_of_what_is_gone();
   if (IS("imaging without a store")) drive_imaging_without_a_store();

@@ -93,6 +93,17 @@ TEST_CASE("the history service answers good and bad arguments, and its steps are
   CHECK(f.edits.undoLabel() == "");  // a plugin that goes takes its steps along
 }
 TEST_CASE("a handle of one kind is refused where another is asked for, with both kinds") { check("kinds", 8); }
+TEST_CASE("the files service answers good and bad arguments") { check("files", 20); }
+TEST_CASE("the commands service answers good and bad arguments") {
+  DrivenHost f;
+  f.commands.setProgramKeys([](std::uint32_t key, std::uint32_t modifiers) {
+    return std::string(key == 'Q' && modifiers == C3DE_MOD_CTRL ? "'Quit' of the program" : "");
+  });
+  CHECK(f.run("commands") == "");
+  CHECK(f.compared >= 30);
+  CHECK(f.linesWith("the command 'Count' has no shortcut: its keys are those of 'Quit' of the program").size() == 1);
+}
+TEST_CASE("the settings service answers good and bad arguments") { check("settings", 20); }
 TEST_CASE("the forces service answers good and bad arguments") { check("forces", 18); }
 TEST_CASE("the simulation service answers good and bad arguments") { check("simulation", 12); }
 

@@ -647,3 +647,34 @@ TEST_CASE("a plugin's force field pulls an organ of the point-based plugin, live
   window.waitUntil("without the force it is off", [&](const Json &s) { return force(s) == 0.0; });
   CHECK(window.state()["messages"].empty());
 }
+
+TEST_CASE("a command of a plugin stands in the menu and answers its keys; where it fails its text is shown",
+          "[commands]") {
+  C3DE_ORGAN_OR_SKIP();
+  const std::string samples =
+      (fs::path(testExampleFolder()) / (std::string("image_samples") + c3de::pluginExtension())).string();
+  if (!fs::exists(samples)) C3DE_SKIP("image_samples is not built");
+  constexpr const char *kEntry = "menu/plugins.org.c3de.image_samples.log";
+  WorkstationDriver window("commands");
+  window.start({floatingOrgan().string(), "--plugin", samples});
+  window.waitUntil(
+      "the organ is shown",
+      [](const Json &s) {
+        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
+      },
+      60.0);
+  window.click("menu/plugins");
+  window.waitUntil("the menu is open", [&](const Json &s) { return s["widgets"].contains(kEntry); });
+  window.screenshot("menu");
+  window.click(kEntry);
+  const auto told = [](const Json &s) {
+    return s["notifications"].dump().find("there is no image") != std::string::npos;
+  };
+  window.waitUntil("the menu has run it, and its text is shown", told);
+  window.screenshot("told");
+  window.click("notification/close.0");
+  window.waitUntil("the message is closed", [](const Json &s) { return s["notifications"].empty(); });
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("ctrl+shift+l");
+  CHECK(window.waitUntil("the keys have run it", told)["notifications"].size() == 1);
+}

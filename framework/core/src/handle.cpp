@@ -19,6 +19,8 @@ const char *nameOf(HandleKind kind) {
     case HandleKind::edit: return "step of undo";
     case HandleKind::forceField: return "force field";
     case HandleKind::simulationWatch: return "watch of simulations";
+    case HandleKind::meshReader: return "mesh reader";
+    case HandleKind::command: return "command";
     case HandleKind::other: break;
   }
   return "";

@@ -65,6 +65,7 @@ std::filesystem::path executablePath() {
 }
 
 std::filesystem::path userDataDirectory() { return homeBased("XDG_DATA_HOME", ".local/share"); }
+std::filesystem::path userConfigDirectory() { return homeBased("XDG_CONFIG_HOME", ".config"); }
 
 std::vector<std::filesystem::path> fontDirectories() {
   return {"/usr/share/fonts/truetype/dejavu", "/usr/share/fonts/truetype", "/usr/share/fonts",

@@ -117,6 +117,7 @@ std::filesystem::path executablePath() {
 }
 
 std::filesystem::path userDataDirectory() { return knownFolder(FOLDERID_LocalAppData) / "c3de"; }
+std::filesystem::path userConfigDirectory() { return knownFolder(FOLDERID_RoamingAppData) / "c3de"; }
 std::vector<std::filesystem::path> fontDirectories() { return {knownFolder(FOLDERID_Fonts)}; }
 
 std::string environmentVariable(const char *name) {

@@ -116,14 +116,18 @@ Expected<LoadedMesh> loadMesh(const std::filesystem::path &path, std::optional<L
   auto loaded =
       cleanUp({std::move(raw->vertices), std::move(raw->triangles)}, unit, std::move(repairs), name, progress);
   if (loaded && stated && said.unit && *said.unit != *stated)
-    loaded->report.warnings.push_back(
-        fmt::format("The file says that its numbers are {}; they were read as {}, as was asked.", unitName(*said.unit),
-                    unitName(*stated)));
+    loaded->report.warnings.push_back(unitsDiffer(*said.unit, *stated));
   return loaded;
 }
 
-Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit) {
-  return cleanUp(std::move(raw), unit, {}, "mesh", {});
+std::string unitsDiffer(LengthUnit said, LengthUnit stated) {
+  return fmt::format("The file says that its numbers are {}; they were read as {}, as was asked.", unitName(said),
+                     unitName(stated));
+}
+
+Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit, const std::string &origin,
+                               std::vector<std::string> notes, const ProgressFn &progress) {
+  return cleanUp(std::move(raw), unit, std::move(notes), origin, progress);
 }
 
 }  // namespace c3de::geometry

@@ -41,6 +41,8 @@ C3DE_FIRST_SIZE(c3de_progress, 24);
 C3DE_FIRST_SIZE(c3de_force_field, 40);
 C3DE_FIRST_SIZE(c3de_error_place, 40);
 C3DE_FIRST_SIZE(c3de_simulation_watch, 40);
+C3DE_FIRST_SIZE(c3de_mesh_reader, 88);
+C3DE_FIRST_SIZE(c3de_command, 80);
 
 #undef C3DE_FIRST_SIZE
 

@@ -8,6 +8,8 @@
 #include "c3de/core/log.h"
 #include "c3de/core/main_queue.h"
 #include "c3de/core/text.h"
+#include "c3de/geometry/mesh_formats.h"
+#include "c3de/registry/command_registry.h"
 #include "c3de/registry/edit_list.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
@@ -30,6 +32,7 @@ c3de_status C3DE_CALL getService(void *ctx, c3de_str id, std::uint32_t minRev, c
     const std::string name = textOf(id, "id");
     const ServiceEntry &entry = findService(name, minRev, plugin.services());
     *table = entry.table(plugin.tables());
+    plugin.noteService(name);
   });
 }
 
@@ -72,10 +75,11 @@ c3de_status C3DE_CALL takeError(void *, c3de_sink sink) noexcept {
 PluginContext::PluginContext(HostState &host, std::string id)
     : host_(host), id_(std::move(id)),
       callName_(keptName(id_)), abi_{sizeof(c3de_host), 2, this, &getService, &setError, &takeError, &setErrorAt},
-      tables_{makeLogTable(this),     makeRegistryTable(this),  makeMeshTable(this),   makeSceneTable(this),
-              makeRenderTable(this),  makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
-              makeToolsTable(this),   makeJobsTable(this),      makeTimeTable(this),   makeSimulationTable(this),
-              makeImagingTable(this), makeHistoryTable(this),   makeForcesTable(this)} {}
+      tables_{makeLogTable(this),      makeRegistryTable(this),  makeMeshTable(this),   makeSceneTable(this),
+              makeRenderTable(this),   makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
+              makeToolsTable(this),    makeJobsTable(this),      makeTimeTable(this),   makeSimulationTable(this),
+              makeImagingTable(this),  makeHistoryTable(this),   makeForcesTable(this), makeFilesTable(this),
+              makeSettingsTable(this), makeCommandsTable(this)} {}
 
 PluginContext::~PluginContext() = default;
 
@@ -124,6 +128,8 @@ void PluginContext::revokeAll() {
   }
   if (s.forces) s.forces->removeOwnedBy(id_);
   if (s.simulations) s.simulations->unwatchOwnedBy(id_);
+  if (s.meshFormats) s.meshFormats->removeOwnedBy(id_);
+  if (s.commands) s.commands->removeOwnedBy(id_);
   // Tools first: one of them may be active, and its callbacks are closed already.
   if (s.tools) s.tools->removeOwnedBy(id_);
   if (s.edits) s.edits->removeOwnedBy(id_);

@@ -37,6 +37,9 @@ struct ServiceTables {
   c3de_imaging_v0 imaging;
   c3de_history_v0 history;
   c3de_forces_v0 forces;
+  c3de_files_v0 files;
+  c3de_settings_v0 settings;
+  c3de_commands_v0 commands;
 };
 
 /// Functions that a plugin has posted to the main thread and that have not run yet. Shared with the queue, which may
@@ -74,6 +77,15 @@ class PluginContext {
   /// From here on the plugin is not called and its calls are refused; takes back all it has registered. Main thread.
   void revokeAll();
 
+  /// Services that were handed out. Any thread.
+  void noteService(const std::string &id) {
+    const std::lock_guard lock(textMutex_);
+    asked_.insert(id);
+  }
+  [[nodiscard]] bool hasAskedFor(const std::string &id) {
+    const std::lock_guard lock(textMutex_);
+    return asked_.contains(id);
+  }
   /// A text that stays until the host goes; each is kept once. Any thread.
   [[nodiscard]] c3de_str keptText(const std::string &text);
 
@@ -95,7 +107,7 @@ class PluginContext {
   c3de_host abi_;
   ServiceTables tables_;
   std::mutex textMutex_;
-  std::set<std::string> texts_;
+  std::set<std::string> texts_, asked_;
 };
 
 /// Calls into a plugin: an exception that leaves it becomes a line in the log. Best effort only, because a plugin with

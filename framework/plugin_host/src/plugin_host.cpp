@@ -190,6 +190,11 @@ const std::vector<PluginInfo> &PluginHost::plugins() const {
   return impl_->infos;
 }
 
+bool PluginHost::isUsed(const std::string &serviceId) const {
+  return std::any_of(impl_->loaded.begin(), impl_->loaded.end(),
+                     [&](const Loaded &plugin) { return plugin.context->hasAskedFor(serviceId); });
+}
+
 std::vector<ClassInfo> PluginHost::classes() const { return impl_->state.classes.list({}); }
 
 std::vector<std::string> PluginHost::classesWith(const std::string &interfaceId) const {

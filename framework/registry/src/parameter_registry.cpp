@@ -28,6 +28,14 @@ void ParameterRegistry::removeOwnedBy(const std::string &plugin) {
   for (const Handle handle : owned) sets_.remove(handle);
 }
 
+std::vector<Handle> ParameterRegistry::ownedBy(const std::string &plugin) const {
+  std::vector<Handle> found;
+  sets_.forEach([&](Handle handle, const ParameterSet &set) {
+    if (set.owner == plugin) found.push_back(handle);
+  });
+  return found;
+}
+
 ParameterSet *ParameterRegistry::find(Handle set) { return sets_.find(set); }
 
 Expected<void> ParameterRegistry::set(Handle handle, const ParameterValue &value, bool tellListener) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/build_scene.h"
 
+#include "c3de/abi/draft/imaging.h"
 #include "c3de/core/log.h"
+#include "c3de/imaging/statistics.h"
 #include "c3de/session/export_image.h"
+#include "c3de/session/file_kind.h"
 
 namespace c3de::session {
 
@@ -30,6 +33,32 @@ Expected<void> buildScene(Session &session, c3de_object *simulator, const scene:
                           const ProgressFn &progress, Prepared *prepared) {
   if (auto read = readSceneImage(scene, sources, progress); !read) return read;
   return session.populate(simulator, scene, progress, prepared, &sources);
+}
+
+void lendImage(Session &session, const scene::SceneFile &scene, BodySources &sources) {
+  if (!scene.image || !session.plugins().isUsed(C3DE_IMAGING_ID)) return;
+  const scene::SceneImage &image = *scene.image;
+  imaging::ReadOptions chosen;
+  chosen.series = image.series;
+  chosen.time = image.time;
+  if (const auto volume = sources.volume(image.file, chosen)) {
+    auto stored = std::make_shared<scene::StoredImage>();
+    stored->name = imageName(image.file);
+    stored->volume = **volume;
+    stored->range = imaging::robustRange(stored->volume);
+    stored->time = image.time;
+    session.images().add(std::shared_ptr<const scene::StoredImage>(std::move(stored)));
+  }
+  for (const std::filesystem::path &file : image.labels) {
+    const auto layers = sources.labels(file, {});
+    if (!layers) continue;
+    for (const imaging::LabelMap &map : **layers) {
+      auto stored = std::make_shared<scene::StoredLabels>();
+      stored->name = imageName(file);
+      stored->map = map;
+      session.images().add(std::shared_ptr<const scene::StoredLabels>(std::move(stored)));
+    }
+  }
 }
 
 }  // namespace c3de::session

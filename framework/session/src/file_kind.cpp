@@ -5,23 +5,25 @@
 
 #include <string>
 
-#include "c3de/geometry/mesh_io.h"
+#include "c3de/geometry/mesh_formats.h"
 #include "c3de/imaging/reading.h"
 #include "c3de/scene/scene_file.h"
 
 namespace c3de::session {
 
-FileKind kindOf(const std::filesystem::path &path) {
+FileKind kindOf(const std::filesystem::path &path, const geometry::MeshFormats *formats) {
   std::error_code code;
   if (std::filesystem::is_directory(path, code)) return FileKind::image;
   if (scene::isScenePath(path)) return FileKind::scene;
-  if (geometry::isMeshFile(path)) return FileKind::mesh;
+  if (formats ? formats->isMeshFile(path) : geometry::isMeshFile(path)) return FileKind::mesh;
   return imaging::looksLikeImage(path) ? FileKind::image : FileKind::unknown;
 }
 
-Error unknownKind(const std::filesystem::path &path) {
+Error unknownKind(const std::filesystem::path &path, const geometry::MeshFormats *formats) {
+  const auto own = geometry::meshExtensions();
   std::string meshes;
-  for (const std::string_view one : geometry::meshExtensions()) meshes.append(meshes.empty() ? "" : ", ").append(one);
+  for (const std::string &one : formats ? formats->extensions() : std::vector<std::string>(own.begin(), own.end()))
+    meshes.append(meshes.empty() ? "" : ", ").append(one);
   return {ErrorCode::input, path.string() +
                                 ": is nothing that can be read; accepted: scenes (.toml), images (NIfTI, NRRD, "
                                 "MetaImage, DICOM), meshes (" +

@@ -11,10 +11,13 @@
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
+#include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/settings_store.h"
 #include "c3de/render/renderer.h"
 #include "c3de/scene/force_fields.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/file_kind.h"
+#include "c3de/session/plugin_parameters.h"
 #include "c3de/session/resources.h"
 #include "c3de/session/scene_to_abi.h"
 #include "c3de/session/simulator_access.h"
@@ -107,11 +110,12 @@ class PartProgress {
   c3de_progress abi_{};
 };
 
-Expected<BodyGeometry> meshOf(const scene::SceneBody &body, const ProgressFn &progress) {
+Expected<BodyGeometry> meshOf(const scene::SceneBody &body, const geometry::MeshFormats &formats,
+                              const ProgressFn &progress) {
   BodyGeometry loaded;
   {
     const TimeSpent reading(loaded.took.reading_s);
-    auto mesh = geometry::loadMesh(body.mesh, body.meshUnit, progress);
+    auto mesh = formats.load(body.mesh, body.meshUnit, progress);
     if (!mesh) return tl::unexpected(mesh.error());
     loaded.skin = std::move(*mesh);
   }
@@ -182,6 +186,9 @@ struct Session::Impl {
   scene::ImageStore images;
   scene::SimulationDirectory simulations;
   scene::ForceFields forces;
+  geometry::MeshFormats meshFormats;
+  registry::ParameterRegistry parameters;  ///< where there is no window
+  registry::SettingsStore settings{registry::defaultSettingsFolder()};
   scene::MaterialLibrary materials;
   std::vector<std::filesystem::path> folders;
   std::function<void(const scene::Simulation &)> publishedHook;
@@ -223,8 +230,9 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const scene::SceneBody &body = scene.bodies[i];
     if (body.mesh.empty()) continue;
-    auto read = meshOf(
-        body, [&](double, const std::string &what) { return !progress || progress(0.0, body.name + ": " + what); });
+    auto read = meshOf(body, meshFormats, [&](double, const std::string &what) {
+      return !progress || progress(0.0, body.name + ": " + what);
+    });
     if (!read) return failInScene(read.error(), scene, body.line);
     meshed[i] = std::move(*read);
   }
@@ -309,9 +317,12 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   services.forces = &impl->forces;
   services.renderer = options.renderer;
   services.panels = options.panels;
-  services.parameters = options.parameters;
+  services.parameters = options.parameters != nullptr ? options.parameters : &impl->parameters;
   services.tools = options.tools;
   services.edits = options.edits;
+  services.commands = options.commands;
+  services.meshFormats = &impl->meshFormats;
+  services.settings = &impl->settings;
   impl->host = std::make_unique<plugin_host::PluginHost>(services);
   std::unique_ptr<Session> session(new Session(std::move(impl)));
   // Named plugins first, so that they shadow those of the folders.
@@ -337,6 +348,9 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
       if (plugin.state == plugin_host::PluginState::refused && std::filesystem::equivalent(file, plugin.path, code))
         return fail(ErrorCode::plugin, "plugin " + plugin.path.string() + " refused: " + plugin.reason);
     }
+  for (const std::string &assignment : options.pluginParameters)
+    if (auto set = setPluginParameter(*services.parameters, host.plugins(), assignment); !set)
+      return tl::unexpected(set.error());
   return session;
 }
 
@@ -346,6 +360,7 @@ MainQueue &Session::mainQueue() { return impl_->mainQueue; }
 BackgroundJobs &Session::jobs() { return impl_->jobs; }
 scene::SceneGraph &Session::sceneGraph() { return impl_->sceneGraph; }
 scene::MeshStore &Session::meshes() { return impl_->meshes; }
+geometry::MeshFormats &Session::meshFormats() { return impl_->meshFormats; }
 scene::ImageStore &Session::images() { return impl_->images; }
 plugin_host::PluginHost &Session::plugins() { return *impl_->host; }
 const scene::MaterialLibrary &Session::materials() const { return impl_->materials; }
@@ -425,8 +440,9 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const scene::SceneObstacle &obstacle = scene.obstacles[i];
     const PartProgress partProgress(progress, obstacle.name, part++, parts);
-    auto mesh = geometry::loadMesh(obstacle.mesh, obstacle.meshUnit,
-                                   [&](double f, const std::string &what) { return partProgress.update(f, what); });
+    auto mesh = impl_->meshFormats.load(obstacle.mesh, obstacle.meshUnit, [&](double f, const std::string &what) {
+      return partProgress.update(f, what);
+    });
     if (!mesh) return fail(mesh.error().code, scene.where(obstacle.line) + ": " + mesh.error().message);
     const MeshLease lease(impl_->meshes, std::move(*mesh));
     const std::vector<c3de_param_value> params = toAbi(fitted->obstacles[i]);

@@ -22,17 +22,20 @@ struct InfoArguments {
   std::string series;         ///< of a folder of images with several; empty: the only one, or a list of them
   std::size_t time = 0;       ///< of images of several time points
   bool patientNames = false;  ///< whether the names of patients are shown
+  std::string reader;         ///< of meshes: the reader of a plugin; empty: by the extension
   bool isQuick = false;       ///< bodies of scenes are not built: what only that can tell is not checked
 };
 
-Expected<Described> describeMesh(const std::filesystem::path &file, const std::string &unitText) {
+/// @param formats  null: no plugin is needed
+Expected<Described> describeMesh(const std::filesystem::path &file, const std::string &unitText,
+                                 const geometry::MeshFormats *formats, const std::string &reader) {
   std::optional<geometry::LengthUnit> unit;
   if (!unitText.empty()) {
     const auto stated = scene::parseLengthUnit(unitText);
     if (!stated) return fail(ErrorCode::usage, "--unit: " + stated.error().message);
     unit = *stated;
   }
-  const auto loaded = geometry::loadMesh(file, unit);
+  const auto loaded = formats ? formats->load(file, unit, {}, reader) : geometry::loadMesh(file, unit);
   if (!loaded) return tl::unexpected(loaded.error());
   Described out;
   out.json = Json::parse(loaded->report.json(), nullptr, false);
@@ -49,12 +52,15 @@ Expected<Described> describeMesh(const std::filesystem::path &file, const std::s
   return out;
 }
 
-bool isScene(const std::filesystem::path &file) {
+/// Scenes need plugins, and so does what only a plugin may be able to read.
+bool needsPlugins(const std::filesystem::path &file, const InfoArguments &arguments) {
   std::error_code code;
-  return std::filesystem::exists(file, code) && kindOf(file) == FileKind::scene;
+  if (!std::filesystem::exists(file, code)) return false;
+  const FileKind kind = kindOf(file);
+  return kind == FileKind::scene || kind == FileKind::unknown || !arguments.reader.empty();
 }
 
-/// @param session  null where the file is no scene
+/// @param session  null where the file needs none
 Expected<Described> describe(const std::filesystem::path &file, const InfoArguments &arguments, const CommandLine &line,
                              Session *session) {
   std::error_code code;
@@ -62,13 +68,14 @@ Expected<Described> describe(const std::filesystem::path &file, const InfoArgume
   imaging::ReadOptions options;
   options.series = arguments.series;
   options.time = arguments.time;
-  switch (kindOf(file)) {
+  const geometry::MeshFormats *formats = session ? &session->meshFormats() : nullptr;
+  switch (arguments.reader.empty() ? kindOf(file, formats) : FileKind::mesh) {
     case FileKind::image: return describeImage(file, options, arguments.patientNames);
     case FileKind::scene: return describeScene(*session, file, arguments.isQuick);
-    case FileKind::mesh: return describeMesh(file, line.unit);
+    case FileKind::mesh: return describeMesh(file, line.unit, formats, arguments.reader);
     case FileKind::unknown: break;
   }
-  return tl::unexpected(unknownKind(file));
+  return tl::unexpected(unknownKind(file, formats));
 }
 
 /// What each file contains and what is wrong with it; goes on after a file that is refused.
@@ -77,8 +84,8 @@ int showInfo(const InfoArguments &arguments, const CommandLine &line) {
   ExitCode exitCode = kDone;
   Json list = Json::array();
   for (const std::string &file : line.files) {
-    // Plugins are loaded for the first scene only: the others need none.
-    if (!session && isScene(file)) {
+    // Plugins are loaded where they are needed only.
+    if (!session && needsPlugins(file, arguments)) {
       auto made = Session::create(line.sessionOptions());
       if (!made) return reportError(made.error());
       session = std::move(*made);
@@ -114,6 +121,8 @@ Handler declare(CLI::App &app, CommandLine &line) {
       ->check(CLI::Range(0LL, 1000000LL))
       ->type_name("N");
   app.add_flag("--patient-names", arguments->patientNames, "Show the names of patients, which are left out otherwise");
+  app.add_option("--reader", arguments->reader, "Read meshes by this reader of a plugin, whatever their extension")
+      ->type_name("ID");
   app.add_flag("--quick", arguments->isQuick,
                "Do not build the bodies of scenes; what only that can tell is not checked");
   app.add_flag("--json", line.json, "One object for one file, a list for several");

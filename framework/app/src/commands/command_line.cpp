@@ -7,6 +7,7 @@ SessionOptions CommandLine::sessionOptions() const {
   SessionOptions options;
   options.searchPlugins = !noPlugins;
   for (const std::string &file : plugins) options.pluginFiles.emplace_back(file);
+  options.pluginParameters = pluginParameters;
   for (const std::string &folder : pluginPaths) options.pluginFolders.emplace_back(folder);
   options.threads = threads.value_or(0);
   return options;
@@ -40,6 +41,9 @@ CLI::Option *addUnit(CLI::App &app, CommandLine &line) {
 void addSessionOptions(CLI::App &app, CommandLine &line) {
   app.add_option("--plugin", line.plugins, "Load this plugin; ends with 4 if it is refused (repeatable)")
       ->type_name("PATH")
+      ->allow_extra_args(false);
+  app.add_option("--plugin-param", line.pluginParameters, "Set a parameter of a plugin, PLUGIN:ID=VALUE (repeatable)")
+      ->type_name("PLUGIN:ID=VALUE")
       ->allow_extra_args(false);
   app.add_option("--plugin-path", line.pluginPaths, "Look for plugins in this folder, too (repeatable)")
       ->type_name("DIR")

@@ -23,6 +23,7 @@ struct CommandLine {
   int (*openWindow)(const WorkstationOptions &options);  ///< null: the window program goes on where one is wanted
 
   std::vector<std::string> files{}, plugins{}, pluginPaths{};
+  std::vector<std::string> pluginParameters{};  ///< "PLUGIN:ID=VALUE" each
   bool noPlugins = false, json = false, version = false, verbose = false;
   std::optional<unsigned> threads{};
   std::optional<PictureSize> size{};

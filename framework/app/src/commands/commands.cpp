@@ -5,7 +5,7 @@ namespace c3de::app {
 namespace {
 
 constexpr Command kStudyCommand{"study", "Not served yet", nullptr};
-constexpr const Command *kCommands[]{&kRunCommand, &kInfoCommand, &kPluginsCommand, &kStudyCommand};
+constexpr const Command *kCommands[]{&kRunCommand, &kInfoCommand, &kPluginsCommand, &kNewPluginCommand, &kStudyCommand};
 
 }  // namespace
 

@@ -94,9 +94,10 @@ void describeSupports(const scene::SceneFile &scene, std::ostringstream &text, J
 }
 
 /// Says what the mesh of a body or obstacle is; the error names the line of the scene.
-Expected<Json> describePart(const scene::SceneFile &scene, int line, const std::filesystem::path &mesh,
-                            geometry::LengthUnit unit, bool mustBeFillable, std::ostringstream &text) {
-  const auto loaded = geometry::loadMesh(mesh, unit);
+Expected<Json> describePart(const geometry::MeshFormats &formats, const scene::SceneFile &scene, int line,
+                            const std::filesystem::path &mesh, geometry::LengthUnit unit, bool mustBeFillable,
+                            std::ostringstream &text) {
+  const auto loaded = formats.load(mesh, unit);
   if (!loaded) return failInScene(loaded.error(), scene, line);
   const geometry::MeshReport &report = loaded->report;
   if (mustBeFillable)
@@ -193,13 +194,14 @@ Expected<Json> describeSceneImage(const scene::SceneFile &scene, std::ostringstr
 }
 
 /// @param simulator  with the bodies; null: they were not built
-Expected<void> describeBodies(const scene::SceneFile &scene, c3de_object *simulator, BodySources &sources,
-                              std::ostringstream &text, Json &json) {
+Expected<void> describeBodies(const geometry::MeshFormats &formats, const scene::SceneFile &scene,
+                              c3de_object *simulator, BodySources &sources, std::ostringstream &text, Json &json) {
   json["bodies"] = Json::array();
   for (const scene::SceneBody &body : scene.bodies) {
     text << "body \"" << body.name << "\"\n";
-    const auto source = body.mesh.empty() ? describeMask(scene, body, sources, text)
-                                          : describePart(scene, body.line, body.mesh, body.meshUnit, true, text);
+    const auto source = body.mesh.empty()
+                            ? describeMask(scene, body, sources, text)
+                            : describePart(formats, scene, body.line, body.mesh, body.meshUnit, true, text);
     if (!source) return tl::unexpected(source.error());
     Json one{{"name", body.name}, {body.mesh.empty() ? "volume" : "mesh", *source}, {"params", Json::object()}};
     if (simulator != nullptr) describeBuilt(simulator, json["bodies"].size(), text, one);
@@ -212,11 +214,12 @@ Expected<void> describeBodies(const scene::SceneFile &scene, c3de_object *simula
   return {};
 }
 
-Expected<void> describeObstacles(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
+Expected<void> describeObstacles(const geometry::MeshFormats &formats, const scene::SceneFile &scene,
+                                 std::ostringstream &text, Json &json) {
   json["obstacles"] = Json::array();
   for (const scene::SceneObstacle &obstacle : scene.obstacles) {
     text << "obstacle \"" << obstacle.name << "\"\n";
-    const auto mesh = describePart(scene, obstacle.line, obstacle.mesh, obstacle.meshUnit, false, text);
+    const auto mesh = describePart(formats, scene, obstacle.line, obstacle.mesh, obstacle.meshUnit, false, text);
     if (!mesh) return tl::unexpected(mesh.error());
     Json one{{"name", obstacle.name}, {"mesh", *mesh}, {"params", Json::object()}};
     describeValues(obstacle.params, text, one["params"]);
@@ -251,10 +254,11 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
     if (!image) return tl::unexpected(image.error());
     out.json["image"] = std::move(*image);
   }
-  if (auto good = describeBodies(*scene, built->get(), sources, text, out.json); !good)
+  if (auto good = describeBodies(session.meshFormats(), *scene, built->get(), sources, text, out.json); !good)
     return tl::unexpected(good.error());
   describeSupports(*scene, text, out.json);
-  if (auto good = describeObstacles(*scene, text, out.json); !good) return tl::unexpected(good.error());
+  if (auto good = describeObstacles(session.meshFormats(), *scene, text, out.json); !good)
+    return tl::unexpected(good.error());
   out.json["probes"] = Json::array();
   for (const scene::SceneProbe &probe : scene->probes) {
     text << "probe \"" << probe.name << "\" of body \"" << probe.body << "\"\n";

@@ -28,7 +28,8 @@
 namespace c3de::app {
 namespace {
 
-Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::MaterialLibrary &materials) {
+Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::MaterialLibrary &materials,
+                                     const geometry::MeshFormats &formats) {
   Expected<scene::SceneFile> scene;
   if (scene::isScenePath(options.scene)) {
     scene = scene::loadScene(options.scene, &materials);
@@ -39,13 +40,13 @@ Expected<scene::SceneFile> readScene(const RunOptions &options, const scene::Mat
                   options.scene.string() +
                       (std::filesystem::is_directory(options.scene, code) ? ": is a folder" : ": no such file") +
                       "; accepted: a scene (.toml) or a mesh");
-    if (const FileKind kind = kindOf(options.scene); kind == FileKind::unknown)
-      return tl::unexpected(unknownKind(options.scene));
+    if (const FileKind kind = kindOf(options.scene, &formats); kind == FileKind::unknown)
+      return tl::unexpected(unknownKind(options.scene, &formats));
     else if (kind == FileKind::image)
       return fail(ErrorCode::input, options.scene.string() +
                                         ": is an image; accepted: a mesh, or a scene (.toml) whose [[body]] "
                                         "names it as its volume, with a label or a threshold");
-    geometry::LengthUnit unit = geometry::unitInFile(options.scene).value_or(geometry::LengthUnit::millimetre);
+    geometry::LengthUnit unit = formats.unitInFile(options.scene).value_or(geometry::LengthUnit::millimetre);
     if (!options.meshUnit.empty()) {
       const auto stated = scene::parseLengthUnit(options.meshUnit);
       if (!stated) return fail(ErrorCode::usage, "--unit: " + stated.error().message);
@@ -256,7 +257,10 @@ Expected<std::string> buildBodies(const RunOptions &options, const RunLimits &li
         return !isOver && !wasInterrupted();
       },
       &prepared);
-  if (built) return std::string();
+  if (built) {
+    lendImage(session, scene, sources);
+    return std::string();
+  }
   if (built.error().code != ErrorCode::cancelled) return tl::unexpected(built.error());
   const std::string where = present + "; no step was made, and there is no state to keep";
   if (isOver) return "the time limit of " + formatNumber(*options.timeLimit_s) + " s was reached at " + where;
@@ -270,7 +274,7 @@ struct Simulated {
 
 Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPicture *picture,
                              std::chrono::steady_clock::time_point begin, WrittenOutputs &outputs) {
-  auto scene = readScene(options, session.materials());
+  auto scene = readScene(options, session.materials(), session.meshFormats());
   if (!scene) return tl::unexpected(scene.error());
   const auto view = checkBeforeBuilding(options, *scene);
   if (!view) return tl::unexpected(view.error());

@@ -11,9 +11,10 @@
 namespace c3de::app {
 namespace {
 
-constexpr std::array kServices{C3DE_COLLISION_ID, C3DE_FORCES_ID, C3DE_HISTORY_ID,    C3DE_IMAGING_ID, C3DE_JOBS_ID,
-                               C3DE_LOG_ID,       C3DE_MESH_ID,   C3DE_PANELS_ID,     C3DE_PARAMS_ID,  C3DE_REGISTRY_ID,
-                               C3DE_RENDER_ID,    C3DE_SCENE_ID,  C3DE_SIMULATION_ID, C3DE_TIME_ID,    C3DE_TOOLS_ID};
+constexpr std::array kServices{C3DE_COLLISION_ID,  C3DE_COMMANDS_ID, C3DE_FILES_ID,    C3DE_SETTINGS_ID, C3DE_FORCES_ID,
+                               C3DE_HISTORY_ID,    C3DE_IMAGING_ID,  C3DE_JOBS_ID,     C3DE_LOG_ID,      C3DE_MESH_ID,
+                               C3DE_PANELS_ID,     C3DE_PARAMS_ID,   C3DE_REGISTRY_ID, C3DE_RENDER_ID,   C3DE_SCENE_ID,
+                               C3DE_SIMULATION_ID, C3DE_TIME_ID,     C3DE_TOOLS_ID};
 
 }  // namespace
 

@@ -15,6 +15,7 @@
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
 #include "c3de/imaging/reading.h"
+#include "c3de/registry/command_registry.h"
 #include "c3de/registry/edit_list.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
@@ -60,6 +61,7 @@ class Workstation {
   [[nodiscard]] std::string unsaved() const;
   [[nodiscard]] ui::AboutText about() const;
   [[nodiscard]] ui::SimulationView simulationView();
+  [[nodiscard]] std::string meshExtensions() const;
   void showPluginProblems();
   void saveScreenshot();
   void watchForFailure();
@@ -76,6 +78,7 @@ class Workstation {
   registry::ParameterRegistry parameters_;
   registry::ToolRegistry tools_;
   registry::EditList edits_;
+  registry::CommandRegistry commands_;
   std::unique_ptr<ui::WorkstationWindow> window_;
   std::unique_ptr<render::Renderer> renderer_;
   std::unique_ptr<WorkstationLoader> loader_;   ///< used by the session's jobs until they end
@@ -110,6 +113,8 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   sessionOptions.parameters = &parameters_;
   sessionOptions.tools = &tools_;
   sessionOptions.edits = &edits_;
+  commands_.setProgramKeys(&ui::programCommandOf);
+  sessionOptions.commands = &commands_;
   auto session = Session::create(sessionOptions);
   if (!session) return tl::unexpected(session.error());
   session_ = std::move(*session);
@@ -133,7 +138,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
                                   bodyCreation_->createBodies(std::move(requests));
                                 }});
   window_->connect({&panels_, &tools_, &parameters_, &session_->sceneGraph(), &session_->jobs(), &images_->views(),
-                    &images_->workflow(), &edits_},
+                    &images_->workflow(), &edits_, &commands_, [this] { return meshExtensions(); }},
                    actions());
   window_->setAbout(about());
   showPluginProblems();
@@ -167,10 +172,10 @@ void Workstation::open(const ui::OpenRequest &request) {
   std::vector<std::filesystem::path> images, others;
   for (const std::filesystem::path &file : request.files) {
     std::error_code ignored;
-    const FileKind kind = request.areLabels ? FileKind::image : kindOf(file);
+    const FileKind kind = request.areLabels ? FileKind::image : kindOf(file, &session_->meshFormats());
     // One that is nothing does not keep the others from being opened.
     if (kind == FileKind::unknown && std::filesystem::is_regular_file(file, ignored))
-      onFailed("Could not open " + pathText(file.filename()), unknownKind(file));
+      onFailed("Could not open " + pathText(file.filename()), unknownKind(file, &session_->meshFormats()));
     else
       (kind == FileKind::image ? images : others).push_back(file);
   }
@@ -179,6 +184,13 @@ void Workstation::open(const ui::OpenRequest &request) {
   else if (!images.empty())
     images_->open(images.front(), {images.begin() + 1, images.end()});
   if (!others.empty()) loader_->open(others, request.meshUnit);
+}
+
+std::string Workstation::meshExtensions() const {
+  std::string text;
+  for (const std::string &extension : session_->meshFormats().extensions())
+    text += (text.empty() ? "" : ";") + extension.substr(1);
+  return text;
 }
 
 ui::WindowActions Workstation::actions() {

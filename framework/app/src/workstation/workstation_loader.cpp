@@ -31,11 +31,12 @@ std::string uniqueName(const scene::SceneFile &scene, const std::string &wanted)
 
 bool isGltf(const std::filesystem::path &file) { return file.extension() == ".gltf" || file.extension() == ".glb"; }
 
-std::string unitText(const std::vector<std::filesystem::path> &files, const std::string &stated) {
+std::string unitText(const geometry::MeshFormats &formats, const std::vector<std::filesystem::path> &files,
+                     const std::string &stated) {
   std::string text;
   for (const std::filesystem::path &file : files) {
     if (scene::isScenePath(file)) continue;
-    const auto said = geometry::unitInFile(file);
+    const auto said = formats.unitInFile(file);
     const std::string unit = !stated.empty() ? stated + ", as was asked"
                              : isGltf(file)  ? "m, as glTF has it"
                              : said          ? std::string(geometry::unitName(*said)) + ", as the file says"
@@ -70,7 +71,8 @@ Expected<scene::SceneFile> WorkstationLoader::read(const std::vector<std::filesy
     if (!std::filesystem::is_regular_file(file, error))
       return fail(ErrorCode::input, pathText(file) + ": not a file; accepted: meshes, images and scenes (.toml)");
     scene::SceneFile one = scene::sceneForMesh(
-        file, meshUnit.empty() ? geometry::unitInFile(file).value_or(geometry::LengthUnit::millimetre) : *stated);
+        file, meshUnit.empty() ? session_.meshFormats().unitInFile(file).value_or(geometry::LengthUnit::millimetre)
+                               : *stated);
     if (!hasResult) {
       result = std::move(one);
       hasResult = true;
@@ -141,7 +143,8 @@ void WorkstationLoader::load(const std::vector<std::filesystem::path> &files, co
           node->boundsMax = framed.max;
           session_.sceneGraph().touch();
         }
-        events_.loaded({isReload, size_mm, unitText(files, meshUnit), shared->image, prepared->coverage});
+        events_.loaded(
+            {isReload, size_mm, unitText(session_.meshFormats(), files, meshUnit), shared->image, prepared->coverage});
       });
 }
 

@@ -43,6 +43,9 @@ constexpr std::array kCatalogue{
     ServiceEntry{C3DE_SIMULATION_ID, &has<&Services::simulations>, "simulations", &member<&ServiceTables::simulation>},
     ServiceEntry{C3DE_FORCES_ID, &has<&Services::forces>, "simulations", &member<&ServiceTables::forces>},
     ServiceEntry{C3DE_IMAGING_ID, &has<&Services::images>, "images", &member<&ServiceTables::imaging>},
+    ServiceEntry{C3DE_FILES_ID, &has<&Services::meshFormats>, "meshes", &member<&ServiceTables::files>},
+    ServiceEntry{C3DE_SETTINGS_ID, &has<&Services::settings>, "settings", &member<&ServiceTables::settings>},
+    ServiceEntry{C3DE_COMMANDS_ID, &has<&Services::commands>, "a window", &member<&ServiceTables::commands>},
     ServiceEntry{C3DE_HISTORY_ID, &has<&Services::edits>, "a window", &member<&ServiceTables::history>},
 };
 

@@ -5,8 +5,9 @@
 #include <optional>
 
 #include "arguments.h"
-#include "c3de/geometry/mesh_io.h"
+#include "c3de/geometry/mesh_formats.h"
 #include "c3de/scene/mesh_store.h"
+#include "services/length_unit.h"
 #include "services/progress_adapter.h"
 #include "services/services.h"
 
@@ -14,17 +15,6 @@ namespace c3de::plugin_host {
 namespace {
 
 using geometry::LengthUnit;
-
-std::optional<LengthUnit> unitOf(std::uint32_t unit) {
-  switch (unit) {
-    case C3DE_UNIT_UNKNOWN: return std::nullopt;
-    case C3DE_UNIT_M: return LengthUnit::metre;
-    case C3DE_UNIT_MM: return LengthUnit::millimetre;
-    case C3DE_UNIT_CM: return LengthUnit::centimetre;
-    default:
-      throw Refusal(C3DE_E_ARG, fmt::format("unit is {}, accepted: 0 (as the file says), 1 (m), 2 (mm), 3 (cm)", unit));
-  }
-}
 
 std::uint32_t abiUnit(LengthUnit unit) {
   switch (unit) {
@@ -60,7 +50,10 @@ c3de_status C3DE_CALL load(void *ctx, c3de_str path, std::uint32_t unit, const c
     const std::filesystem::path file(std::u8string(name.begin(), name.end()));
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) throw Refusal(C3DE_E_IO, name + ": there is no such file");
-    store(plugin, orRefuse(geometry::loadMesh(file, lengthUnit, progressOf(progress))), out);
+    const geometry::MeshFormats *formats = plugin.services().meshFormats;
+    const ProgressFn told = progressOf(progress);
+    store(plugin,
+          orRefuse(formats ? formats->load(file, lengthUnit, told) : geometry::loadMesh(file, lengthUnit, told)), out);
   });
 }
 

@@ -23,6 +23,9 @@ class PluginContext;
 [[nodiscard]] c3de_simulation_v0 makeSimulationTable(PluginContext *plugin);
 [[nodiscard]] c3de_forces_v0 makeForcesTable(PluginContext *plugin);
 [[nodiscard]] c3de_imaging_v0 makeImagingTable(PluginContext *plugin);
+[[nodiscard]] c3de_files_v0 makeFilesTable(PluginContext *plugin);
+[[nodiscard]] c3de_settings_v0 makeSettingsTable(PluginContext *plugin);
+[[nodiscard]] c3de_commands_v0 makeCommandsTable(PluginContext *plugin);
 [[nodiscard]] c3de_history_v0 makeHistoryTable(PluginContext *plugin);
 
 }  // namespace c3de::plugin_host

@@ -115,6 +115,11 @@ std::string keyText(std::uint32_t key, std::uint32_t modifiers) {
   }
 }
 
+std::string programCommandOf(std::uint32_t key, std::uint32_t modifiers) {
+  const Command command = commandOfKey(key, modifiers);
+  return command == Command::none ? std::string() : "'" + std::string(commandInfo(command).label) + "' of the program";
+}
+
 bool isFreeForTools(std::uint32_t key) { return key != 0 && key != keyEscape && commandOfKey(key, 0) == Command::none; }
 
 }  // namespace c3de::ui

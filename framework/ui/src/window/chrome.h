@@ -13,6 +13,8 @@ namespace c3de::ui {
 
 /// Height in pixels.
 float drawMenuBar(FrameContext &frame);
+/// A failure becomes a message.
+void runPluginCommand(const WindowServices &services, Handle command);
 void drawToolbar(FrameContext &frame, const PixelRect &area);
 /// Scene list and plugin panels.
 void drawSidePanel(FrameContext &frame, ImGuiPanels &panels, const PixelRect &area);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "c3de/registry/command_registry.h"
 #include "c3de/registry/tool_registry.h"
 #include "window/chrome.h"
 
@@ -89,6 +90,10 @@ void drawShortcuts(FrameContext &frame) {
       for (const registry::ToolRegistry::Entry &entry : frame.services.tools->tools())
         if (isFreeForTools(entry.tool->shortcut))
           shortcutRow(keyText(entry.tool->shortcut, 0), entry.tool->label + " tool");
+    if (frame.services.commands)
+      for (const registry::CommandRegistry::Entry &entry : frame.services.commands->commands())
+        if (entry.command->key != 0)
+          shortcutRow(keyText(entry.command->key, entry.command->modifiers), entry.command->title);
     ImGui::EndTable();
   }
   heading(frame, "Panels");

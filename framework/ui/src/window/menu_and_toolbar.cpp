@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <iterator>
 
+#include "c3de/abi/draft/log.h"
 #include "c3de/abi/draft/tools.h"
 #include "c3de/core/text.h"
+#include "c3de/registry/command_registry.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/tool_registry.h"
 #include "window/chrome.h"
@@ -151,6 +153,19 @@ void toolsMenu(FrameContext &frame) {
   }
 }
 
+void pluginsMenu(FrameContext &frame) {
+  for (const registry::CommandRegistry::Entry &entry : frame.services.commands->commands()) {
+    const registry::PluginCommand &command = *entry.command;
+    const std::string key = keyText(command.key, command.modifiers);
+    const std::string label = command.title + "###" + command.id, id = "plugins." + command.id;
+    const bool isEnabled = command.isEnabled;
+    const bool isPicked = ImGui::MenuItem(label.c_str(), key.empty() ? nullptr : key.c_str(), false, isEnabled);
+    markItem(frame, "menu", id, isEnabled);
+    itemTooltip(frame, command.doc.empty() ? "Of " + command.owner : command.doc + " (" + command.owner + ")");
+    if (isPicked) return runPluginCommand(frame.services, entry.handle);  // the list may have changed
+  }
+}
+
 void transportButton(FrameContext &frame, const char *id, Command command, Icon icon, const ImVec4 &tint,
                      bool isEnabled, const std::string &doc) {
   const CommandInfo &info = commandInfo(command);
@@ -240,6 +255,14 @@ void beginFixed(const char *name, const PixelRect &area, const ImVec4 &backgroun
   ImGui::PopStyleColor();
 }
 
+void runPluginCommand(const WindowServices &services, Handle command) {
+  const registry::PluginCommand *found = services.commands->find(command);
+  if (!found) return;
+  const std::string title = found->title;
+  const registry::CommandResult result = services.commands->run(command);
+  if (result.status < 0 && services.panels) services.panels->notify(C3DE_LOG_ERROR, title, result.text);
+}
+
 float drawMenuBar(FrameContext &frame) {
   struct Menu {
     const char *label, *id;
@@ -247,14 +270,17 @@ float drawMenuBar(FrameContext &frame) {
   };
   static constexpr Menu kMenus[] = {{"File", "file", fileMenu},    {"Edit", "edit", editMenu},
                                     {"View", "view", viewMenu},    {"Simulation", "simulation", simulationMenu},
-                                    {"Tools", "tools", toolsMenu}, {"Help", "help", helpMenu}};
+                                    {"Tools", "tools", toolsMenu}, {"Plugins", "plugins", pluginsMenu},
+                                    {"Help", "help", helpMenu}};
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(frame.theme.px(8.0f), frame.theme.px(5.0f)));
   float height = 0.0f;
   if (ImGui::BeginMainMenuBar()) {
     height = ImGui::GetWindowSize().y;
     ImGui::PopStyleVar();
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(frame.theme.px(8.0f), frame.theme.px(4.0f)));
+    const bool hasCommands = frame.services.commands && !frame.services.commands->commands().empty();
     for (const Menu &menu : kMenus) {
+      if (menu.draw == pluginsMenu && !hasCommands) continue;
       if (!beginMenu(frame, menu.label, menu.id)) continue;
       menu.draw(frame);
       ImGui::EndMenu();

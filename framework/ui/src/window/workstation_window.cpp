@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/ui/workstation_window.h"
+#include "c3de/registry/command_registry.h"
 
 #include <epoxy/gl.h>
 #include <imgui.h>
@@ -37,7 +38,6 @@ constexpr double kIdleWait_s = 1.0, kCursorBlink_s = 0.25;
 constexpr int kFramesToSettle = 3;
 constexpr const char *kSurfaceExtensions = "obj;stl;ply;vtp", *kFrameExtensions = "pvd";
 constexpr const char *kImageExtensions = "nrrd;nii;gz;mha";
-constexpr const char *kMeshExtensions = "obj;stl;ply;vtk;vtp;off;gltf;glb";
 
 }  // namespace
 
@@ -196,6 +196,9 @@ void WorkstationWindow::Impl::takeKey(FrameContext &context, const OsEvent &even
     return viewController->cancel();
   }
   if (command != Command::none) return context.request(command);
+  if (services.commands)
+    if (const Handle found = services.commands->ofKey(event.key, event.modifiers); !found.isNull())
+      return runPluginCommand(services, found);
   if (event.modifiers == 0 && services.tools && isFreeForTools(event.key))
     for (const registry::ToolRegistry::Entry &entry : services.tools->tools())
       if (entry.tool->shortcut == event.key) {
@@ -277,7 +280,7 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
 void WorkstationWindow::Impl::openDialog(bool isMesh) {
   FileDialog::Request request;
   request.title = isMesh ? "Open mesh" : "Open scene";
-  request.extensions = isMesh ? kMeshExtensions : "toml";
+  request.extensions = !isMesh ? "toml" : services.meshExtensions ? services.meshExtensions() : std::string();
   request.asksMeshUnit = isMesh;
   request.chosen = [this](const std::filesystem::path &file, const std::string &unit) {
     if (actions.open) actions.open({{file}, unit, false});

@@ -25,6 +25,8 @@ enum class HandleKind : std::uint8_t {
   edit,
   forceField,
   simulationWatch,
+  meshReader,
+  command,
 };
 /// For messages: "scene node"; empty for `other` and for what is no kind.
 [[nodiscard]] const char *nameOf(HandleKind kind);

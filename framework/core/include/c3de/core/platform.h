@@ -28,6 +28,7 @@ class DynamicLibrary {
 [[nodiscard]] std::filesystem::path executablePath();
 /// Per-user folders, created by whoever writes: XDG on Linux, AppData on Windows.
 [[nodiscard]] std::filesystem::path userDataDirectory();
+[[nodiscard]] std::filesystem::path userConfigDirectory();
 [[nodiscard]] std::vector<std::filesystem::path> fontDirectories();
 [[nodiscard]] std::string environmentVariable(const char *name);  ///< empty when unset
 [[nodiscard]] char pathListSeparator();                           ///< ':' or ';'

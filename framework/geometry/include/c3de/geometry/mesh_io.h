@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "c3de/core/expected.h"
 #include "c3de/core/progress.h"
@@ -35,7 +37,11 @@ struct LoadedMesh {
 [[nodiscard]] std::span<const std::string_view> meshExtensions();
 [[nodiscard]] bool isMeshFile(const std::filesystem::path &path);  ///< by its extension alone
 
-/// The same clean-up for a mesh that was made in memory; its numbers are in the given unit.
-[[nodiscard]] Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit);
+/// The same checks and clean-up for a mesh that was made elsewhere; its numbers are in the given unit.
+/// @param origin  begins error messages  @param notes  sentences about what was left out, for the report
+[[nodiscard]] Expected<LoadedMesh> buildMesh(TriangleMesh raw, LengthUnit unit, const std::string &origin = "mesh",
+                                             std::vector<std::string> notes = {}, const ProgressFn &progress = {});
+/// Warning about a file whose unit is not the one that was asked for.
+[[nodiscard]] std::string unitsDiffer(LengthUnit said, LengthUnit stated);
 
 }  // namespace c3de::geometry

@@ -15,6 +15,9 @@ namespace c3de {
 class BackgroundJobs;
 class MainQueue;
 class ThreadPool;
+namespace geometry {
+class MeshFormats;
+}
 namespace render {
 class Renderer;
 }
@@ -26,9 +29,11 @@ class SceneGraph;
 class SimulationDirectory;
 }  // namespace scene
 namespace registry {
+class CommandRegistry;
 class EditList;
 class PanelRegistry;
 class ParameterRegistry;
+class SettingsStore;
 class ToolRegistry;
 }  // namespace registry
 }  // namespace c3de
@@ -43,6 +48,7 @@ struct Services {
   BackgroundJobs *jobs = nullptr;
   scene::SceneGraph *sceneGraph = nullptr;
   scene::MeshStore *meshes = nullptr;
+  geometry::MeshFormats *meshFormats = nullptr;
   scene::ImageStore *images = nullptr;
   scene::SimulationDirectory *simulations = nullptr;
   scene::ForceFields *forces = nullptr;
@@ -51,6 +57,8 @@ struct Services {
   registry::ParameterRegistry *parameters = nullptr;
   registry::ToolRegistry *tools = nullptr;
   registry::EditList *edits = nullptr;
+  registry::CommandRegistry *commands = nullptr;
+  registry::SettingsStore *settings = nullptr;
   /// How long a call of a plugin may take until people are told.
   CallWatchdog::Limits callLimits;
 };
@@ -90,6 +98,8 @@ class PluginHost {
 
   [[nodiscard]] const std::vector<PluginInfo> &plugins() const;
   [[nodiscard]] std::vector<ClassInfo> classes() const;
+  /// Whether a plugin that is loaded has asked for a service, "draft/c3de.imaging/0".
+  [[nodiscard]] bool isUsed(const std::string &serviceId) const;
   /// Ids of the classes that list an interface.
   [[nodiscard]] std::vector<std::string> classesWith(const std::string &interfaceId) const;
   /// A new object with a count of one.

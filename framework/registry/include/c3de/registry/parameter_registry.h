@@ -26,6 +26,8 @@ class ParameterRegistry {
   bool remove(Handle set);
   void removeOwnedBy(const std::string &plugin);
   [[nodiscard]] ParameterSet *find(Handle set);
+  /// The sets of a plugin.
+  [[nodiscard]] std::vector<Handle> ownedBy(const std::string &plugin) const;
   /// Checks, stores and, if `tellListener`, calls the listener.
   /// Without telling it is the owner who shows what is: the set's history of edits ends there.
   [[nodiscard]] Expected<void> set(Handle set, const ParameterValue &value, bool tellListener);

@@ -26,6 +26,12 @@ inline constexpr std::string_view kTableId<c3de_collision_v0>{C3DE_COLLISION_ID}
 template <>
 inline constexpr std::string_view kTableId<c3de_forces_v0>{C3DE_FORCES_ID};
 template <>
+inline constexpr std::string_view kTableId<c3de_files_v0>{C3DE_FILES_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_settings_v0>{C3DE_SETTINGS_ID};
+template <>
+inline constexpr std::string_view kTableId<c3de_commands_v0>{C3DE_COMMANDS_ID};
+template <>
 inline constexpr std::string_view kTableId<c3de_params_v0>{C3DE_PARAMS_ID};
 template <>
 inline constexpr std::string_view kTableId<c3de_panels_v0>{C3DE_PANELS_ID};

@@ -2,6 +2,8 @@
 // The whole SDK. C++20 over the C tables, compiled into the plugin; nothing of it crosses the boundary.
 #pragma once
 
+#include "c3de/sdk/commands.hpp"
+#include "c3de/sdk/files.hpp"
 #include "c3de/sdk/object.hpp"
 #include "c3de/sdk/panel.hpp"
 #include "c3de/sdk/params.hpp"

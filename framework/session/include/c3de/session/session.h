@@ -11,6 +11,7 @@
 #include "c3de/core/main_queue.h"
 #include "c3de/core/progress.h"
 #include "c3de/core/thread_pool.h"
+#include "c3de/geometry/mesh_formats.h"
 #include "c3de/plugin_host/plugin_host.h"
 #include "c3de/scene/image_store.h"
 #include "c3de/scene/mesh_store.h"
@@ -22,6 +23,7 @@
 #include "c3de/session/simulator_identity.h"
 
 namespace c3de::registry {
+class CommandRegistry;
 class EditList;
 class PanelRegistry;
 class ParameterRegistry;
@@ -39,13 +41,15 @@ struct SessionOptions {
   bool searchPlugins = true;                         ///< in folders; false: only those that pluginFiles names
   std::vector<std::filesystem::path> pluginFiles;    ///< --plugin: each must load, or the session fails
   std::vector<std::filesystem::path> pluginFolders;  ///< --plugin-path, before the default folders
+  std::vector<std::string> pluginParameters;         ///< --plugin-param: "PLUGIN:ID=VALUE" each
   unsigned threads = 0;                              ///< 0: as many as the machine has
-  // Null in a run without a window.
+  // Null in a run without a window; parameters are then those of the session itself.
   render::Renderer *renderer = nullptr;
   registry::PanelRegistry *panels = nullptr;
   registry::ParameterRegistry *parameters = nullptr;
   registry::ToolRegistry *tools = nullptr;
   registry::EditList *edits = nullptr;
+  registry::CommandRegistry *commands = nullptr;
 };
 
 /// What a run of the program holds: services, plugins, the present simulation. The same with and without a window.
@@ -64,6 +68,8 @@ class Session {
   [[nodiscard]] scene::SceneGraph &sceneGraph();
   [[nodiscard]] scene::MeshStore &meshes();
   [[nodiscard]] scene::ImageStore &images();
+  /// What the program and its plugins read.
+  [[nodiscard]] geometry::MeshFormats &meshFormats();
   [[nodiscard]] plugin_host::PluginHost &plugins();
   /// Presets that scenes may name; empty when the file could not be read (which is logged).
   [[nodiscard]] const scene::MaterialLibrary &materials() const;

@@ -80,6 +80,8 @@ struct CommandInfo {
 [[nodiscard]] Command commandOfKey(std::uint32_t key, std::uint32_t modifiers);
 /// For example "Ctrl+Q"; empty for key 0.
 [[nodiscard]] std::string keyText(std::uint32_t key, std::uint32_t modifiers);
+/// "'Quit' of the program" where the program has these keys, else empty: CommandRegistry::setProgramKeys.
+[[nodiscard]] std::string programCommandOf(std::uint32_t key, std::uint32_t modifiers);
 /// A tool's shortcut is honoured when no command has it.
 [[nodiscard]] bool isFreeForTools(std::uint32_t key);
 

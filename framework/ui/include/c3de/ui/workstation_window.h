@@ -19,6 +19,7 @@ class SegmentationWorkflow;
 }  // namespace c3de::segmentation
 
 namespace c3de::registry {
+class CommandRegistry;
 class EditList;
 class PanelRegistry;
 class ParameterRegistry;
@@ -88,6 +89,8 @@ struct WindowServices {
   ImageViews *images = nullptr;                            ///< while it has an image, slices stand beside the 3D view
   segmentation::SegmentationWorkflow *workflow = nullptr;  ///< its steps are undone while they are what was edited last
   registry::EditList *edits = nullptr;                     ///< of plugins, likewise
+  registry::CommandRegistry *commands = nullptr;           ///< of plugins; a menu where there are any
+  std::function<std::string()> meshExtensions;             ///< for the dialog: "obj;stl"
 };
 
 /// For Help > About.

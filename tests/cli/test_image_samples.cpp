@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// The example plugins/image_samples without a window: images and parameters are served, and its lines are in the log.
+#include <regex>
+
+#include "c3de/imaging/writing.h"
+#include "program.h"
+
+using namespace c3de;
+
+namespace {
+
+std::string example(const std::string &name) {
+  return (std::filesystem::path(testExampleFolder()) / (name + pluginExtension())).string();
+}
+
+/// A box of 1000 x 200 x 200 mm in an image whose values are x in mm.
+std::filesystem::path writeRampScene(const std::filesystem::path &folder) {
+  imaging::Volume ramp;
+  ramp.unit = "HU";
+  ramp.geometry.size = {7, 7, 7};
+  ramp.geometry.indexToWorld = {400, 0, 0, 0, 0, 100, 0, 0, 0, 0, 100, 0, -700, -200, -200, 1};
+  std::vector<std::int16_t> voxels;
+  for (int k = 0; k < 49; ++k)
+    for (int i = 0; i < 7; ++i) voxels.push_back(static_cast<std::int16_t>(-700 + 400 * i));
+  ramp.voxels = voxels;
+  REQUIRE(imaging::writeVolume(folder / "ramp.nrrd", ramp));
+  return writeBoxScene(folder, "[image]\nfile = \"ramp.nrrd\"\n");
+}
+
+}  // namespace
+
+TEST_CASE("A plugin reads the image of the scene at the points of bodies, without a window") {
+  const auto folder = freshFolder("image-samples");
+  const auto scene = writeRampScene(folder);
+  const auto run = runC3de({"run", scene.string(), "--steps", "3", "--plugin", example("image_samples"), "--set",
+                            "world.gravity=[0,0,0]", "--plugin-param", "org.c3de.image_samples:every=0"});
+  INFO(run.output + run.errorOutput);
+  REQUIRE(run.exitCode == 0);
+  const std::string log = run.output + run.errorOutput;
+  std::smatch found;
+  REQUIRE(
+      std::regex_search(log, found, std::regex(R"(mean (\S+), (\S+) to (\S+) \S* ?at (\d+) points, (\d+) outside)")));
+  CHECK_THAT(std::stod(found[1]), WithinAbs(500.0, 5.0));
+  CHECK_THAT(std::stod(found[2]), WithinAbs(0.0, 60.0));
+  CHECK_THAT(std::stod(found[3]), WithinAbs(1000.0, 60.0));
+  CHECK(std::stoi(found[4]) > 100);
+  CHECK(found[5] == "0");
+
+  // Without an image there is nothing to say, and that is no error.
+  const auto none = runC3de({"run", writeBoxScene(freshFolder("image-samples-none")).string(), "--steps", "2",
+                             "--plugin", example("image_samples")});
+  CHECK(none.exitCode == 0);
+  CHECK((none.output + none.errorOutput).find("mean ") == std::string::npos);
+}
+
+TEST_CASE("A parameter of a plugin is set by --plugin-param, and what is wrong with one is said") {
+  const auto folder = freshFolder("plugin-param");
+  const auto scene = writeBoxScene(folder);
+  const auto momentum = [&](const std::vector<std::string> &parameters) {
+    const auto report = folder / "report.json";
+    std::vector<std::string> arguments{"run",      scene.string(),         "--steps",  "5",
+                                       "--plugin", example("magnet"),      "--report", report.string(),
+                                       "--set",    "world.gravity=[0,0,0]"};
+    for (const std::string &one : parameters) {
+      arguments.push_back("--plugin-param");
+      arguments.push_back(one);
+    }
+    const auto run = runC3de(arguments);
+    INFO(run.errorOutput);
+    REQUIRE(run.exitCode == 0);
+    return readJson(report).at("bodies").at(0).at("momentum").get<std::vector<double>>();
+  };
+  CHECK(momentum({})[2] == 0.0);
+  CHECK(momentum({"org.c3de.magnet:strength=20", "org.c3de.magnet:pole=0.5,0.1,2"})[2] > 0.0);
+  CHECK(momentum({"org.c3de.magnet:strength=20", "org.c3de.magnet:pole=0.5,0.1,-2"})[2] < 0.0);
+
+  const struct {
+    std::string assignment, says;
+  } all[] = {{"strength=20", "PLUGIN:ID=VALUE"},
+             {"org.c3de.magnet:strength", "PLUGIN:ID=VALUE"},
+             {"org.c3de.magnt:strength=20", "did you mean org.c3de.magnet?"},
+             {"org.c3de.magnet:strenght=20", "did you mean strength?"},
+             {"org.c3de.magnet:strength=much", "strength"},
+             {"org.c3de.magnet:strength=-1", "strength"},
+             {"org.c3de.magnet:pole=1,2", "pole"},
+             {"org.c3de.magnet:pole=1,2,3,4", "pole"}};
+  for (const auto &one : all) {
+    INFO(one.assignment);
+    const auto run = runC3de(
+        {"run", scene.string(), "--steps", "1", "--plugin", example("magnet"), "--plugin-param", one.assignment});
+    CHECK(run.exitCode == 2);
+    CHECK_THAT(run.errorOutput, Contains("--plugin-param " + one.assignment) && Contains(one.says));
+  }
+}
