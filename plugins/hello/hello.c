@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "c3de/abi/draft/log.h"
-#include "c3de/abi/draft/panels.h"
-#include "c3de/abi/draft/registry.h"
+#include "c3de/abi/log.h"
+#include "c3de/abi/panels.h"
+#include "c3de/abi/registry.h"
 #include "c3de/abi/entry.h"
 
 #define TEXT(literal) {literal, sizeof(literal) - 1}
@@ -73,11 +73,11 @@ static c3de_status C3DE_CALL create_greeter(void *factory, c3de_object **out) {
 /* ---- the panel: says what stands in it, the host draws ---- */
 
 typedef struct hello {
-  const c3de_log_v0 *log;
+  const c3de_log_v1 *log;
   uint32_t pressed;
 } hello;
 
-static void C3DE_CALL on_ui(void *self, const c3de_ui_v0 *ui) {
+static void C3DE_CALL on_ui(void *self, const c3de_ui_v1 *ui) {
   hello *h = self;
   ui->text(ui->ctx, text("A plugin in 150 lines of C."));
   if (ui->button(ui->ctx, text("hello"), text("Say hello"), 1) & C3DE_UI_COMMITTED) {
@@ -102,12 +102,12 @@ static c3de_status C3DE_CALL create(const c3de_host *host, void **self) {
   const c3de_str ifaces[] = {TEXT(HELLO_GREETER_ID)};
   c3de_class cls = {sizeof cls, 1, TEXT(HELLO_GREETER_CLASS), TEXT("Greeter"), TEXT("Greets by name."), ifaces, 1, NULL,
                     create_greeter};
-  const c3de_registry_v0 *reg = registry;
+  const c3de_registry_v1 *reg = registry;
   status = reg->add_class(reg->ctx, &cls);
 
   /* An optional service: without a window there is none, and that is no error. */
   if (status >= 0 && host->get_service(host->ctx, text(C3DE_PANELS_ID), 1, &panels) >= 0) {
-    const c3de_panels_v0 *p = panels;
+    const c3de_panels_v1 *p = panels;
     c3de_panel panel = {sizeof panel, 1, TEXT("org.c3de.hello.panel"), TEXT("Hello"), h, on_ui};
     c3de_handle handle;
     status = p->add(p->ctx, &panel, &handle);

@@ -44,14 +44,14 @@ class ImageSamples : public sdk::Panel {
                                         .vendor = "C3DE",
                                         .license = "Apache-2.0"};
   static constexpr std::array needs{sdk::required<c3de_forces_v0>(), sdk::required<c3de_imaging_v0>(),
-                                    sdk::optional<c3de_params_v0>(), sdk::optional<c3de_panels_v0>(),
+                                    sdk::optional<c3de_params_v1>(), sdk::optional<c3de_panels_v1>(),
                                     sdk::optional<c3de_commands_v0>()};
 
   explicit ImageSamples(sdk::Host host) : log_(host), imaging_(host) {
     if (const sdk::Params params(host); params)
       params_ = sdk::orThrow(
           params.declare("Image samples", kParams, [this](const c3de_param_value &v) { every_s_ = v.num; }));
-    hasPanel_ = host.service<c3de_panels_v0>() != nullptr;
+    hasPanel_ = host.service<c3de_panels_v1>() != nullptr;
     if (hasPanel_) sdk::orThrow(show(host, "org.c3de.image_samples.panel", "Image samples"));
     if (const sdk::Commands commands(host); commands)
       command_ = sdk::orThrow(commands.add({.id = "org.c3de.image_samples.log",

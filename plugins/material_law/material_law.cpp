@@ -187,7 +187,7 @@ class MaterialLaws {
                                         .displayName = "Material laws",
                                         .vendor = "C3DE",
                                         .license = "Apache-2.0"};
-  static constexpr std::array needs{sdk::required<c3de_registry_v0>()};
+  static constexpr std::array needs{sdk::required<c3de_registry_v1>()};
 
   explicit MaterialLaws(sdk::Host host) {
     const sdk::Registry registry(host);

@@ -220,7 +220,7 @@ class RecorderPlugin {
  public:
   static constexpr sdk::PluginInfo info{
       .id = "test.recorder", .version = "1.0.0", .displayName = "Recorder", .vendor = "C3DE", .license = "Apache-2.0"};
-  static constexpr std::array needs{sdk::required<c3de_registry_v0>()};
+  static constexpr std::array needs{sdk::required<c3de_registry_v1>()};
 
   explicit RecorderPlugin(sdk::Host host) {
     sdk::orThrow(sdk::Registry(host).add<Recorder>("a.test.Recorder/0", "Recorder", "Records.", *this));

@@ -2,7 +2,7 @@
 /* Says in the log when which of its entry functions is called. LIFECYCLE_NAME tells the two builds apart. */
 #include "bad_plugins/minimal.h"
 
-static const c3de_log_v0 *logger;
+static const c3de_log_v1 *logger;
 
 static void say(const char *what) {
   char line[64];

@@ -118,7 +118,7 @@ static void drive_host(void) {
 /* ---- log, registry ---- */
 
 static void drive_log(void) {
-  const c3de_log_v0 *log = service(C3DE_LOG_ID);
+  const c3de_log_v1 *log = service(C3DE_LOG_ID);
   const c3de_str null_text = {NULL, 5}, not_utf8 = {"\xc3\x28", 2};
   log->write(log->ctx, C3DE_LOG_INFO, text("two\nlines"));
   log->write(log->ctx, 99, text("severity beyond the last"));
@@ -140,7 +140,7 @@ static c3de_status C3DE_CALL stop_at_first(void *self, const c3de_class_info *in
 }
 
 static void drive_registry(void) {
-  const c3de_registry_v0 *registry = service(C3DE_REGISTRY_ID);
+  const c3de_registry_v1 *registry = service(C3DE_REGISTRY_ID);
   const c3de_str ifaces[] = {TEXT("test.iface.a/0"), TEXT("test.iface.b/0")};
   c3de_class cls = {sizeof cls, 1, TEXT("test.A/0"), TEXT("A"), TEXT("doc"), ifaces, 2, NULL, make_no_object};
   GIVES(C3DE_OK, registry->add_class(registry->ctx, &cls));
@@ -195,7 +195,7 @@ static void drive_registry(void) {
 /* ---- views, on the mesh service ---- */
 
 static void drive_mesh(void) {
-  const c3de_mesh_v0 *mesh = service(C3DE_MESH_ID);
+  const c3de_mesh_v1 *mesh = service(C3DE_MESH_ID);
   c3de_handle h = {0};
   GIVES(C3DE_OK, mesh->create(mesh->ctx, corners(), faces(), &h));
   HOLDS(h.v != 0);
@@ -551,7 +551,7 @@ static c3de_param_decl number(const char *id) {
 }
 
 static void drive_params(void) {
-  const c3de_params_v0 *params = service(C3DE_PARAMS_ID);
+  const c3de_params_v1 *params = service(C3DE_PARAMS_ID);
   static const c3de_str laws[] = {TEXT("stvk"), TEXT("neo_hookean")};
   int told = 0;
   c3de_param_listener listener = {sizeof listener, 0, &told, never_changed};
@@ -622,13 +622,13 @@ static void drive_params(void) {
   GIVES(C3DE_E_STALE, params->remove(params->ctx, set));
 }
 
-static void C3DE_CALL draw_nothing(void *self, const c3de_ui_v0 *ui) {
+static void C3DE_CALL draw_nothing(void *self, const c3de_ui_v1 *ui) {
   (void)self;
   (void)ui;
 }
 
 static void drive_panels(void) {
-  const c3de_panels_v0 *panels = service(C3DE_PANELS_ID);
+  const c3de_panels_v1 *panels = service(C3DE_PANELS_ID);
   c3de_panel panel = {sizeof panel, 1, TEXT("test.driver.panel"), TEXT("Driver"), NULL, draw_nothing};
   c3de_handle h, none;
   GIVES(C3DE_OK, panels->add(panels->ctx, &panel, &h));
@@ -785,7 +785,7 @@ static void C3DE_CALL done_once(void *self, c3de_status status, c3de_str error) 
 static int jobs_done; /* outlives the calls below: done() comes with a later frame */
 
 static void drive_jobs(void) {
-  const c3de_jobs_v0 *jobs = service(C3DE_JOBS_ID);
+  const c3de_jobs_v1 *jobs = service(C3DE_JOBS_ID);
   static range_sum sum;
   memset(&sum, 0, sizeof sum);
   jobs->parallel_for(jobs->ctx, 1000, 7, &sum, mark);
@@ -917,7 +917,7 @@ static void drive_simulation(c3de_handle node) {
 
 static void drive_kinds(c3de_handle node) {
   const c3de_collision_v0 *collision = service(C3DE_COLLISION_ID);
-  const c3de_mesh_v0 *mesh = service(C3DE_MESH_ID);
+  const c3de_mesh_v1 *mesh = service(C3DE_MESH_ID);
   c3de_handle tree, made;
   c3de_mesh_info info;
   memset(&info, 0, sizeof info);
@@ -1138,17 +1138,17 @@ static void drive_imaging_without_a_store(void) {
 /* ---- from a thread that is not the main one: the test calls run() there with this name ---- */
 
 static void drive_wrong_thread(void) {
-  const c3de_registry_v0 *registry = service(C3DE_REGISTRY_ID);
+  const c3de_registry_v1 *registry = service(C3DE_REGISTRY_ID);
   const c3de_scene_v0 *scene = service(C3DE_SCENE_ID);
   const c3de_render_v0 *render = service(C3DE_RENDER_ID);
-  const c3de_params_v0 *params = service(C3DE_PARAMS_ID);
-  const c3de_panels_v0 *panels = service(C3DE_PANELS_ID);
+  const c3de_params_v1 *params = service(C3DE_PARAMS_ID);
+  const c3de_panels_v1 *panels = service(C3DE_PANELS_ID);
   const c3de_tools_v0 *tools = service(C3DE_TOOLS_ID);
-  const c3de_jobs_v0 *jobs = service(C3DE_JOBS_ID);
+  const c3de_jobs_v1 *jobs = service(C3DE_JOBS_ID);
   const c3de_time_v0 *time = service(C3DE_TIME_ID);
-  const c3de_mesh_v0 *mesh = service(C3DE_MESH_ID);
+  const c3de_mesh_v1 *mesh = service(C3DE_MESH_ID);
   const c3de_collision_v0 *collision = service(C3DE_COLLISION_ID);
-  const c3de_log_v0 *log = service(C3DE_LOG_ID);
+  const c3de_log_v1 *log = service(C3DE_LOG_ID);
   c3de_object *object;
   c3de_handle h;
   uint32_t flag;
@@ -1344,7 +1344,7 @@ static void drive_commands(void) {
 
 /* ---- when the plugin was taken back but an object of it is still called ---- */
 
-static const c3de_registry_v0 *kept_registry;
+static const c3de_registry_v1 *kept_registry;
 
 static void drive_taken_back(void) {
   const void *table = NULL;

@@ -26,7 +26,7 @@ const std::vector<BadCase> kBadPlugins {
       {"empty_id", {"bad descriptor", "id: is empty"}}, {"id_not_utf8", {"bad descriptor", "id: is not UTF-8"}},
       {"size_zero", {"bad descriptor", "size is 0"}}, {"size_huge", {"bad descriptor", "size is 2147483648"}},
       {"huge_needs", {"bad descriptor", "needs_n is 9223372036854775807", "at most 256"}},
-      {"unknown_service", {"needs draft/c3de.lag/0, which this host does not have", "did you mean draft/c3de.log/0?"}},
+      {"unknown_service", {"needs c3de.lag/1, which this host does not have", "did you mean c3de.log/1?"}},
       {"too_new_revision", {"needs draft/c3de.collision/0 rev >= 3, host has 1", "get a newer host"}},
       {"class_twice", {"create failed", "class test.First/0 is registered by plugin test.class_twice already"}},
       {"throws_in_query", {"an exception left c3de_plugin_query: thrown in query"}},
@@ -125,7 +125,7 @@ TEST_CASE("a plugin that needs a window is refused in a run without one and load
   {
     HostFixture f(true);
     CHECK_THAT(f.refusalOf(HostFixture::testPlugin("needs_window")),
-               Contains("needs draft/c3de.panels/0, which is not served in this run (it needs a window)"));
+               Contains("needs c3de.panels/1, which is not served in this run (it needs a window)"));
   }
   HostFixture f;
   CHECK(f.refusalOf(HostFixture::testPlugin("needs_window")).empty());

@@ -9,24 +9,24 @@
 #include <string_view>
 #include <thread>
 
-#include "c3de/abi/draft/jobs.h"
-#include "c3de/abi/draft/log.h"
-#include "c3de/abi/draft/panels.h"
-#include "c3de/abi/draft/params.h"
 #include "c3de/abi/draft/render.h"
 #include "c3de/abi/draft/scene.h"
 #include "c3de/abi/draft/tools.h"
 #include "c3de/abi/entry.h"
+#include "c3de/abi/jobs.h"
+#include "c3de/abi/log.h"
+#include "c3de/abi/panels.h"
+#include "c3de/abi/params.h"
 
 namespace {
 
 c3de_str str(std::string_view s) { return {s.data(), s.size()}; }
 
 struct Gallery {
-  const c3de_panels_v0 *panels = nullptr;
-  const c3de_params_v0 *params = nullptr;
+  const c3de_panels_v1 *panels = nullptr;
+  const c3de_params_v1 *params = nullptr;
   const c3de_tools_v0 *tools = nullptr;
-  const c3de_jobs_v0 *jobs = nullptr;
+  const c3de_jobs_v1 *jobs = nullptr;
   const c3de_scene_v0 *scene = nullptr;
   const c3de_render_v0 *render = nullptr;
   c3de_handle set{}, node{}, box{}, points{}, job{};
@@ -40,13 +40,13 @@ struct Gallery {
   double rayX = 0.0;
   std::atomic<bool> isJobRunning{false};
 
-  void value(const c3de_ui_v0 *ui, const char *name, const std::string &shown) const {
+  void value(const c3de_ui_v1 *ui, const char *name, const std::string &shown) const {
     ui->value(ui->ctx, str(name), str(shown));
   }
-  void draw(const c3de_ui_v0 *ui);
+  void draw(const c3de_ui_v1 *ui);
 };
 
-void Gallery::draw(const c3de_ui_v0 *ui) {
+void Gallery::draw(const c3de_ui_v1 *ui) {
   void *c = ui->ctx;
   ui->heading(c, str("Widgets"));
   ui->text(c, str("Every widget once; this text is long enough to be wrapped at the edge of the panel."));
@@ -225,7 +225,7 @@ c3de_status C3DE_CALL create(const c3de_host *host, void **self) {
   panel.id = str("test.gallery");
   panel.title = str("Gallery");
   panel.self = g;
-  panel.on_ui = [](void *gallery, const c3de_ui_v0 *ui) { static_cast<Gallery *>(gallery)->draw(ui); };
+  panel.on_ui = [](void *gallery, const c3de_ui_v1 *ui) { static_cast<Gallery *>(gallery)->draw(ui); };
   c3de_handle handle{};
   if (status >= 0) status = g->panels->add(g->panels->ctx, &panel, &handle);
   if (status < 0) {

@@ -34,15 +34,15 @@ class ProbePlugin : public sdk::Panel {
                                         .displayName = "Probe",
                                         .vendor = "Example",
                                         .license = "Apache-2.0"};
-  static constexpr std::array needs{sdk::required<c3de_registry_v0>(), sdk::required<c3de_mesh_v0>(),
-                                    sdk::optional<c3de_panels_v0>()};
+  static constexpr std::array needs{sdk::required<c3de_registry_v1>(), sdk::required<c3de_mesh_v1>(),
+                                    sdk::optional<c3de_panels_v1>()};
 
   explicit ProbePlugin(sdk::Host host) : host_(host), mesh_(host), jobs_(host), imaging_(host), log_(host) {
     sdk::orThrow(sdk::Registry(host).add<Probe>("org.example.Probe/0", "Probe", "Measures.", *this));
     if (sdk::Params params(host); params) {
       params_ = sdk::orThrow(params.declare("Probe", kParams, [this](const c3de_param_value &v) { scale_ = v.num; }));
     }
-    if (host.service<c3de_panels_v0>()) sdk::orThrow(show(host, "org.example.probe.panel", "Probe"));
+    if (host.service<c3de_panels_v1>()) sdk::orThrow(show(host, "org.example.probe.panel", "Probe"));
     if (host.service<c3de_tools_v0>())
       sdk::orThrow(tool_.add(host, {.id = "org.example.probe.tool", .label = "Press", .hint = "Press something"}));
     if (sdk::Time time(host); time) frame_ = sdk::orThrow(time.addFrameCallback([this] { ++frames_; }));

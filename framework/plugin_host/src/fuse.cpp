@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "c3de/abi/draft/log.h"
+#include "c3de/abi/log.h"
 #include "c3de/core/log.h"
 #include "c3de/core/main_queue.h"
 #include "c3de/core/text.h"

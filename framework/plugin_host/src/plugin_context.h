@@ -22,16 +22,16 @@ struct ListenerCallback;
 
 /// Every table that one plugin can get; ctx of each is its PluginContext.
 struct ServiceTables {
-  c3de_log_v0 log;
-  c3de_registry_v0 registry;
-  c3de_mesh_v0 mesh;
+  c3de_log_v1 log;
+  c3de_registry_v1 registry;
+  c3de_mesh_v1 mesh;
   c3de_scene_v0 scene;
   c3de_render_v0 render;
   c3de_collision_v0 collision;
-  c3de_params_v0 params;
-  c3de_panels_v0 panels;
+  c3de_params_v1 params;
+  c3de_panels_v1 panels;
   c3de_tools_v0 tools;
-  c3de_jobs_v0 jobs;
+  c3de_jobs_v1 jobs;
   c3de_time_v0 time;
   c3de_simulation_v0 simulation;
   c3de_imaging_v0 imaging;

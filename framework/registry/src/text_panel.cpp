@@ -30,7 +30,7 @@ std::string withUnit(const std::string &text, const std::string &unit) {
 
 struct TextPanel::Impl {
   ParameterRegistry *parameters = nullptr;
-  c3de_ui_v0 table{};
+  c3de_ui_v1 table{};
   std::map<std::string, Action> actions;
   std::vector<Widget> widgets;
   std::vector<std::string> problems;

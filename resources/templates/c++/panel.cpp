@@ -9,11 +9,11 @@ class MyPlugin : public sdk::Panel {
  public:
   static constexpr sdk::PluginInfo info{
       .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "", .license = ""};
-  static constexpr std::array needs{sdk::required<c3de_log_v0>(), sdk::optional<c3de_panels_v0>()};
+  static constexpr std::array needs{sdk::required<c3de_log_v1>(), sdk::optional<c3de_panels_v1>()};
 
   explicit MyPlugin(sdk::Host host) {
     sdk::Log(host).info("My plugin is there");
-    if (host.service<c3de_panels_v0>()) sdk::orThrow(show(host, "org.example.my_plugin.panel", "My plugin"));
+    if (host.service<c3de_panels_v1>()) sdk::orThrow(show(host, "org.example.my_plugin.panel", "My plugin"));
   }
 
   void draw(sdk::Ui &ui) override {

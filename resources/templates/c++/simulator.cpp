@@ -159,7 +159,7 @@ class MyPlugin {
  public:
   static constexpr sdk::PluginInfo info{
       .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "", .license = ""};
-  static constexpr std::array needs{sdk::required<c3de_registry_v0>()};
+  static constexpr std::array needs{sdk::required<c3de_registry_v1>()};
 
   explicit MyPlugin(sdk::Host host) {
     sdk::orThrow(sdk::Registry(host).add<MySimulator>("org.example.my_plugin.Simulator/0", "My plugin", "Points fall.", *this));

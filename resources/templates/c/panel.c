@@ -1,8 +1,8 @@
 /* My plugin: a panel with a button, and a line in the log. Without a window there is the line alone. */
 #include <string.h>
 
-#include "c3de/abi/draft/log.h"
-#include "c3de/abi/draft/panels.h"
+#include "c3de/abi/log.h"
+#include "c3de/abi/panels.h"
 #include "c3de/abi/entry.h"
 
 #define TEXT(literal) \
@@ -13,10 +13,10 @@ static c3de_str text(const char *s) {
   return t;
 }
 
-static const c3de_log_v0 *the_log;
+static const c3de_log_v1 *the_log;
 static int pressed;
 
-static void C3DE_CALL on_ui(void *self, const c3de_ui_v0 *ui) {
+static void C3DE_CALL on_ui(void *self, const c3de_ui_v1 *ui) {
   (void)self;
   ui->text(ui->ctx, text(pressed ? "Pressed." : "Not pressed yet."));
   if (ui->button(ui->ctx, text("press"), text("Press"), 1) & C3DE_UI_COMMITTED) pressed = 1;
@@ -31,7 +31,7 @@ static c3de_status C3DE_CALL create(const c3de_host *host, void **self) {
   the_log->write(the_log->ctx, C3DE_LOG_INFO, text("My plugin is there"));
   /* Optional: without a window there are no panels, and that is no error. */
   if (host->get_service(host->ctx, text(C3DE_PANELS_ID), 1, &table) >= 0) {
-    const c3de_panels_v0 *panels = table;
+    const c3de_panels_v1 *panels = table;
     const c3de_panel panel = {sizeof panel, 1, TEXT("org.example.my_plugin.panel"), TEXT("My plugin"), NULL, on_ui};
     c3de_handle handle;
     status = panels->add(panels->ctx, &panel, &handle);

@@ -5,7 +5,7 @@
 #include "minimal.h"
 
 #if defined(EXITS_IN_PANEL)
-static void C3DE_CALL on_ui(void *self, const c3de_ui_v0 *ui) {
+static void C3DE_CALL on_ui(void *self, const c3de_ui_v1 *ui) {
   (void)self;
   (void)ui;
 #if defined(__MINGW32__) /* which has no quick_exit */
@@ -22,7 +22,7 @@ static c3de_status C3DE_CALL create(const c3de_host *host, void **self) {
   *self = NULL;
   const c3de_status status = host->get_service(host->ctx, text(C3DE_PANELS_ID), 1, &table);
   if (status < 0) return status;
-  const c3de_panels_v0 *panels = table;
+  const c3de_panels_v1 *panels = table;
   return panels->add(panels->ctx, &panel, &handle);
 }
 #else

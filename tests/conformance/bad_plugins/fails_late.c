@@ -8,7 +8,7 @@
 #define ID "test.fails_in_create"
 #endif
 
-static const c3de_log_v0 *logger;
+static const c3de_log_v1 *logger;
 
 static void say(const char *line) { logger->write(logger->ctx, C3DE_LOG_INFO, text(line)); }
 
@@ -18,7 +18,7 @@ static void made(const char *what, c3de_handle handle) {
   say(line);
 }
 
-static void C3DE_CALL on_ui(void *self, const c3de_ui_v0 *ui) {
+static void C3DE_CALL on_ui(void *self, const c3de_ui_v1 *ui) {
   (void)self;
   (void)ui;
   say("called: panel");
@@ -73,16 +73,16 @@ static void C3DE_CALL changed(void *self, const c3de_param_value *value) {
 static c3de_status register_everything(const c3de_host *host) {
   c3de_status status;
   c3de_handle handle, node;
-  SERVICE(c3de_log_v0, C3DE_LOG_ID, log);
-  SERVICE(c3de_registry_v0, C3DE_REGISTRY_ID, registry);
+  SERVICE(c3de_log_v1, C3DE_LOG_ID, log);
+  SERVICE(c3de_registry_v1, C3DE_REGISTRY_ID, registry);
   SERVICE(c3de_scene_v0, C3DE_SCENE_ID, scene);
-  SERVICE(c3de_mesh_v0, C3DE_MESH_ID, mesh);
+  SERVICE(c3de_mesh_v1, C3DE_MESH_ID, mesh);
   SERVICE(c3de_render_v0, C3DE_RENDER_ID, render);
   SERVICE(c3de_collision_v0, C3DE_COLLISION_ID, collision);
-  SERVICE(c3de_params_v0, C3DE_PARAMS_ID, params);
-  SERVICE(c3de_panels_v0, C3DE_PANELS_ID, panels);
+  SERVICE(c3de_params_v1, C3DE_PARAMS_ID, params);
+  SERVICE(c3de_panels_v1, C3DE_PANELS_ID, panels);
   SERVICE(c3de_tools_v0, C3DE_TOOLS_ID, tools);
-  SERVICE(c3de_jobs_v0, C3DE_JOBS_ID, jobs);
+  SERVICE(c3de_jobs_v1, C3DE_JOBS_ID, jobs);
   SERVICE(c3de_time_v0, C3DE_TIME_ID, time);
   logger = log;
 

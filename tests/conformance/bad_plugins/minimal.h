@@ -33,7 +33,7 @@ static inline c3de_status C3DE_CALL make_no_object(void *factory, c3de_object **
   return C3DE_E_UNSUPPORTED;
 }
 
-static inline c3de_status add_test_class(const c3de_registry_v0 *registry, const char *id) {
+static inline c3de_status add_test_class(const c3de_registry_v1 *registry, const char *id) {
   const c3de_class cls = {sizeof(c3de_class), 1, text(id), TEXT("Test"), TEXT(""), NULL, 0, NULL, make_no_object};
   return registry->add_class(registry->ctx, &cls);
 }

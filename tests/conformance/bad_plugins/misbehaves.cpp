@@ -25,13 +25,13 @@ const Table *service(const char *id) {
   (void)host->get_service(host->ctx, text(id), 1, &table);
   return static_cast<const Table *>(table);
 }
-const c3de_registry_v0 *registry() { return service<c3de_registry_v0>(C3DE_REGISTRY_ID); }
+const c3de_registry_v1 *registry() { return service<c3de_registry_v1>(C3DE_REGISTRY_ID); }
 
 void hang() { std::this_thread::sleep_for(kHang); }
 [[noreturn]] void throwUp(const char *what) { throw std::runtime_error(what); }
 
 // Functions that do nothing, for tables that lack another one.
-void C3DE_CALL onUi(void *, const c3de_ui_v0 *) {}
+void C3DE_CALL onUi(void *, const c3de_ui_v1 *) {}
 c3de_status C3DE_CALL activate(void *) { return C3DE_OK; }
 void C3DE_CALL cancel(void *) {}
 c3de_status C3DE_CALL onEvent(void *, const c3de_event *, std::uint32_t *) { return C3DE_OK; }
@@ -42,9 +42,9 @@ c3de_handle ignored;
 
 // ---- registered as told -------------------------------------------------------------------------------------------
 
-using OnUi = void(C3DE_CALL *)(void *, const c3de_ui_v0 *);
+using OnUi = void(C3DE_CALL *)(void *, const c3de_ui_v1 *);
 c3de_status addPanel(OnUi f, std::uint32_t size = sizeof(c3de_panel)) {
-  const auto *panels = service<c3de_panels_v0>(C3DE_PANELS_ID);
+  const auto *panels = service<c3de_panels_v1>(C3DE_PANELS_ID);
   const c3de_panel panel{size, 1, text("test.misbehaves.panel"), text("Bad\x1b[31m panel"), nullptr, f};
   return panels->add(panels->ctx, &panel, &ignored);
 }
@@ -55,7 +55,7 @@ c3de_status addTool(decltype(c3de_tool::activate) a, decltype(c3de_tool::cancel)
   return tools->add(tools->ctx, &tool, &ignored);
 }
 c3de_status submit(decltype(c3de_job::run) run, decltype(c3de_job::done) end) {
-  const auto *jobs = service<c3de_jobs_v0>(C3DE_JOBS_ID);
+  const auto *jobs = service<c3de_jobs_v1>(C3DE_JOBS_ID);
   const c3de_job job{sizeof(c3de_job), 0, text("Bad job"), nullptr, run, end};
   return jobs->submit(jobs->ctx, &job, &ignored);
 }
@@ -73,7 +73,7 @@ c3de_status addField(decltype(c3de_force_field::apply) apply) {
 c3de_handle ownSet;
 using Changed = void(C3DE_CALL *)(void *, const c3de_param_value *);
 c3de_status declare(Changed changed, const char *title, c3de_handle *out) {
-  const auto *params = service<c3de_params_v0>(C3DE_PARAMS_ID);
+  const auto *params = service<c3de_params_v1>(C3DE_PARAMS_ID);
   c3de_param_decl decl{};
   decl.size = sizeof decl;
   decl.type = C3DE_PARAM_BOOL;
@@ -81,7 +81,7 @@ c3de_status declare(Changed changed, const char *title, c3de_handle *out) {
   const c3de_param_listener listener{sizeof(c3de_param_listener), 0, nullptr, changed};
   decl.label = text("On\a and \xe2\x80\xaeoff");
   const c3de_status status = params->declare(params->ctx, text(title), &decl, 1, sizeof decl, &listener, out);
-  const auto *log = service<c3de_log_v0>(C3DE_LOG_ID);
+  const auto *log = service<c3de_log_v1>(C3DE_LOG_ID);
   log->write(log->ctx, C3DE_LOG_INFO, text(("made params " + std::to_string(out->v)).c_str()));
   return status;
 }
@@ -185,7 +185,7 @@ c3de_status create1000() {
 
 c3de_status sampleOverItself() {
   // Five points, and the results over the middle of them.
-  const auto *mesh = service<c3de_mesh_v0>(C3DE_MESH_ID);
+  const auto *mesh = service<c3de_mesh_v1>(C3DE_MESH_ID);
   const double corners[] = {0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10};
   const std::uint32_t faces[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
   c3de_handle made;
@@ -204,13 +204,13 @@ c3de_status sampleOverItself() {
 }
 
 c3de_status hugeView(std::uint64_t rows, std::int64_t stride, const void *data) {
-  const auto *mesh = service<c3de_mesh_v0>(C3DE_MESH_ID);
+  const auto *mesh = service<c3de_mesh_v1>(C3DE_MESH_ID);
   const std::uint32_t faces[] = {0, 1, 2};
   c3de_handle made;
   return mesh->create(mesh->ctx, {data, rows, 3, C3DE_F64, stride}, {faces, 1, 3, C3DE_U32, 0}, &made);
 }
 
-void C3DE_CALL badTexts(void *, const c3de_ui_v0 *ui) {
+void C3DE_CALL badTexts(void *, const c3de_ui_v1 *ui) {
   ui->heading(ui->ctx, text("red \x1b[31m"));
   ui->value(ui->ctx, text("bytes"), text("\xff\xfe and \xc2\x85"));
   ui->text(ui->ctx, text("two\nlines"));
@@ -263,7 +263,7 @@ const std::map<std::string_view, Do> &deeds() {
       {"stride below the row", [] { return hugeView(3, 16, &ignored); }},
       {"null with rows", [] { return hugeView(3, 0, nullptr); }},
 
-      {"slow panel", [] { return addPanel([](void *, const c3de_ui_v0 *) { hang(); }); }},
+      {"slow panel", [] { return addPanel([](void *, const c3de_ui_v1 *) { hang(); }); }},
       {"slow tool",
        [] {
          return addTool(&activate, &cancel, [](void *, const c3de_event *, std::uint32_t *) -> c3de_status {
@@ -315,14 +315,14 @@ const std::map<std::string_view, Do> &deeds() {
 
       {"panel that throws",
        [] {
-         return addPanel([](void *, const c3de_ui_v0 *ui) {
+         return addPanel([](void *, const c3de_ui_v1 *ui) {
            if (!healed) throwUp("thrown in a panel");
            ui->text(ui->ctx, text("healed"));
          });
        }},
       {"panel that throws now and then",
        [] {
-         return addPanel([](void *, const c3de_ui_v0 *) {
+         return addPanel([](void *, const c3de_ui_v1 *) {
            static int calls = 0;
            if (++calls % 3 != 0) throwUp("thrown now and then");
          });
@@ -348,20 +348,20 @@ const std::map<std::string_view, Do> &deeds() {
       {"panel with bad texts", [] { return addPanel(&badTexts); }},
       {"lines with bad texts",
        [] {
-         const auto *log = service<c3de_log_v0>(C3DE_LOG_ID);
+         const auto *log = service<c3de_log_v1>(C3DE_LOG_ID);
          log->write(log->ctx, C3DE_LOG_INFO, text("bell \a, escape \x1b[2J, back\b, byte \xff, turned \xe2\x80\xae!"));
          host->set_error(host->ctx, C3DE_E_IO, text("bad \x1b]0;title\a byte \xc3"));
          return C3DE_E_IO;
        }},
       {"100000 lines",
        [] {
-         const auto *log = service<c3de_log_v0>(C3DE_LOG_ID);
+         const auto *log = service<c3de_log_v1>(C3DE_LOG_ID);
          for (int i = 0; i < 100000; ++i) log->write(log->ctx, C3DE_LOG_DEBUG, text("again and again"));
          return C3DE_OK;
        }},
       {"list without an end",
        [] {
-         return addPanel([](void *, const c3de_ui_v0 *ui) {
+         return addPanel([](void *, const c3de_ui_v1 *ui) {
            if (ui->rev >= 3) ui->list_begin(ui->ctx, text("list"), 3);
            ui->same_line(ui->ctx);
          });

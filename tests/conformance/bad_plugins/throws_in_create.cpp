@@ -9,7 +9,7 @@ namespace {
 c3de_status C3DE_CALL create(const c3de_host *host, void **) {
   const void *registry = nullptr;
   (void)host->get_service(host->ctx, text(C3DE_REGISTRY_ID), 1, &registry);
-  (void)add_test_class(static_cast<const c3de_registry_v0 *>(registry), "test.Thrower/0");
+  (void)add_test_class(static_cast<const c3de_registry_v1 *>(registry), "test.Thrower/0");
   throw std::runtime_error("thrown in create");
 }
 

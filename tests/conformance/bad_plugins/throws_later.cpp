@@ -8,7 +8,7 @@ namespace {
 
 void C3DE_CALL throwFromFrame(void *) { throw std::runtime_error("thrown in a frame"); }
 void C3DE_CALL throwFromPost(void *) { throw std::runtime_error("thrown in a posted function"); }
-void C3DE_CALL throwFromPanel(void *, const c3de_ui_v0 *) { throw std::runtime_error("thrown in a panel"); }
+void C3DE_CALL throwFromPanel(void *, const c3de_ui_v1 *) { throw std::runtime_error("thrown in a panel"); }
 c3de_status C3DE_CALL throwFromTool(void *) { throw std::runtime_error("thrown in a tool"); }
 void C3DE_CALL cancelTool(void *) {}
 c3de_status C3DE_CALL toolEvent(void *, const c3de_event *, uint32_t *) { return C3DE_OK; }
@@ -29,17 +29,17 @@ c3de_status C3DE_CALL create(const c3de_host *host, void **) {
   const auto *time = service<c3de_time_v0>(host, C3DE_TIME_ID);
   (void)time->add_frame_callback(time->ctx, nullptr, &throwFromFrame, &handle);
   (void)time->post_to_main(time->ctx, nullptr, &throwFromPost);
-  const auto *panels = service<c3de_panels_v0>(host, C3DE_PANELS_ID);
+  const auto *panels = service<c3de_panels_v1>(host, C3DE_PANELS_ID);
   const c3de_panel panel{sizeof(c3de_panel), 1, text("test.panel"), text("Test"), nullptr, &throwFromPanel};
   (void)panels->add(panels->ctx, &panel, &handle);
   const auto *tools = service<c3de_tools_v0>(host, C3DE_TOOLS_ID);
   const c3de_tool tool{sizeof(c3de_tool), 1,           text("test.tool"), text("Test"), text(""), 0, 0, nullptr,
                        &throwFromTool,    &cancelTool, &toolEvent};
   (void)tools->add(tools->ctx, &tool, &handle);
-  const auto *jobs = service<c3de_jobs_v0>(host, C3DE_JOBS_ID);
+  const auto *jobs = service<c3de_jobs_v1>(host, C3DE_JOBS_ID);
   const c3de_job job{sizeof(c3de_job), 0, text("Test"), nullptr, &throwFromJob, &throwFromDone};
   (void)jobs->submit(jobs->ctx, &job, &handle);
-  const auto *registry = service<c3de_registry_v0>(host, C3DE_REGISTRY_ID);
+  const auto *registry = service<c3de_registry_v1>(host, C3DE_REGISTRY_ID);
   const c3de_class cls{sizeof(c3de_class), 1, text("test.Thrower/0"), text(""), text(""), nullptr, 0, nullptr,
                        &throwFromClass};
   return registry->add_class(registry->ctx, &cls);

@@ -59,7 +59,7 @@ TEST_CASE("texts and ids are copied or refused with their name") {
   CHECK(textOf({nullptr, 0}, "unit").empty());
   CHECK(refusalOf([] { (void)textOf({nullptr, 3}, "unit"); }).second == "unit: null pointer with length 3");
   CHECK(refusalOf([] { (void)textOf({"x", UINT64_MAX}, "unit"); }).first == C3DE_E_ARG);
-  CHECK(idOf(str("draft/c3de.log/0"), "id") == "draft/c3de.log/0");
+  CHECK(idOf(str("c3de.log/1"), "id") == "c3de.log/1");
   CHECK(refusalOf([] { (void)idOf(str(""), "id"); }).second == "id: is empty");
   CHECK_THAT(refusalOf([] { (void)idOf(str("a b"), "id"); }).second, Contains("'a b'"));
   CHECK(refusalOf([] { (void)idOf(str(std::string(300, 'x')), "id"); }).first == C3DE_E_ARG);

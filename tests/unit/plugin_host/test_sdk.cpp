@@ -144,7 +144,7 @@ TEST_CASE("a service that is absent answers and does not crash") {
   std::vector<std::uint32_t> triangles;
   CHECK_FALSE(Collision(nobody).sphere({0}, {}, 1.0, triangles));
   CHECK(Time(nobody).nowNs() == 0);
-  CHECK_FALSE(nobody.require<c3de_log_v0>());
+  CHECK_FALSE(nobody.require<c3de_log_v1>());
   std::size_t sum = 0;
   Jobs(nobody).parallelFor(10, 3, [&](std::size_t begin, std::size_t end) { sum += end - begin; });
   CHECK(sum == 10);

@@ -22,10 +22,10 @@ struct Controller {
     Panel panel;
     panel.id = "test";
     panel.self = this;
-    panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<Controller *>(self)->draw(ui); };
+    panel.onUi = [](void *self, const c3de_ui_v1 *ui) { static_cast<Controller *>(self)->draw(ui); };
     return panel;
   }
-  void draw(const c3de_ui_v0 *ui) {
+  void draw(const c3de_ui_v1 *ui) {
     void *c = ui->ctx;
     ui->heading(c, toAbi("Organ"));
     if (ui->button(c, toAbi("start"), toAbi("Start"), 1) & C3DE_UI_COMMITTED) ++pressed;
@@ -58,7 +58,7 @@ TEST_CASE("a panel is dumped as text") {
 
 TEST_CASE("patches of colour and lists stand where the panel puts them") {
   Panel panel;
-  panel.onUi = [](void *, const c3de_ui_v0 *ui) {
+  panel.onUi = [](void *, const c3de_ui_v1 *ui) {
     REQUIRE(ui->rev >= 3);
     ui->list_begin(ui->ctx, toAbi(std::string_view("labels")), 5);
     ui->swatch(ui->ctx, 1.0f, 0.5f, -3.0f);

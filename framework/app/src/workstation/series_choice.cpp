@@ -36,13 +36,13 @@ SeriesChoice::SeriesChoice(registry::PanelRegistry &panels, const std::filesyste
   panel.title = "Which series?";
   panel.isInView = true;
   panel.self = this;
-  panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<SeriesChoice *>(self)->draw(*ui); };
+  panel.onUi = [](void *self, const c3de_ui_v1 *ui) { static_cast<SeriesChoice *>(self)->draw(*ui); };
   panel_ = panels_.add(std::move(panel));
 }
 
 SeriesChoice::~SeriesChoice() { panels_.remove(panel_); }
 
-void SeriesChoice::draw(const c3de_ui_v0 &ui) {
+void SeriesChoice::draw(const c3de_ui_v1 &ui) {
   const bool isOne =
       std::count_if(series_.begin(), series_.end(), [](const imaging::SeriesInfo &s) { return !s.isPart; }) == 1;
   const std::string intro = name_ + (isOne ? " can be opened as a whole or in parts:" : " holds several series:");

@@ -24,7 +24,7 @@ class SeriesChoice {
   SeriesChoice &operator=(const SeriesChoice &) = delete;
 
  private:
-  void draw(const c3de_ui_v0 &ui);
+  void draw(const c3de_ui_v1 &ui);
 
   registry::PanelRegistry &panels_;
   std::string name_;

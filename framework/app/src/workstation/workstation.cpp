@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "c3de/abi/draft/log.h"
+#include "c3de/abi/log.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "c3de/abi/draft/log.h"
+#include "c3de/abi/log.h"
 #include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/warp_grid.h"

@@ -15,7 +15,7 @@ namespace c3de::plugin_host {
 struct PanelCallback : std::enable_shared_from_this<PanelCallback> {
   PanelCallback(PluginContext &p, const c3de_panel &r, const std::string &title)
       : plugin(p), real(r), fuse(std::make_shared<Fuse>(p, "panel '" + title + "'")) {}
-  static void C3DE_CALL onUi(void *self, const c3de_ui_v0 *ui) noexcept {
+  static void C3DE_CALL onUi(void *self, const c3de_ui_v1 *ui) noexcept {
     const auto keep = static_cast<PanelCallback *>(self)->shared_from_this();
     if (keep->fuse->isOff()) {
       ui->text(ui->ctx, toAbi(keep->fuse->reason()));

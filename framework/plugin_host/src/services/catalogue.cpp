@@ -49,13 +49,30 @@ constexpr std::array kCatalogue{
     ServiceEntry{C3DE_HISTORY_ID, &has<&Services::edits>, "a window", &member<&ServiceTables::history>},
 };
 
+/// Ids under which frozen services were drafts. Their tables have only grown since, so whoever asks for the draft gets the
+/// frozen one.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kFormerIds{
+    {{"draft/c3de.log/0", C3DE_LOG_ID},
+     {"draft/c3de.registry/0", C3DE_REGISTRY_ID},
+     {"draft/c3de.mesh/0", C3DE_MESH_ID},
+     {"draft/c3de.jobs/0", C3DE_JOBS_ID},
+     {"draft/c3de.params/0", C3DE_PARAMS_ID},
+     {"draft/c3de.panels/0", C3DE_PANELS_ID}}};
+
+std::string_view presentId(std::string_view id) {
+  for (const auto &[former, present] : kFormerIds)
+    if (id == former) return present;
+  return id;
+}
+
 }  // namespace
 
 std::span<const ServiceEntry> serviceCatalogue() { return kCatalogue; }
 
 const ServiceEntry &findService(const std::string &id, std::uint32_t minRev, const Services &services) {
+  const std::string_view present = presentId(id);
   for (const ServiceEntry &entry : kCatalogue) {
-    if (id != entry.id) continue;
+    if (present != entry.id) continue;
     if (minRev > entry.revision)
       throw Refusal(C3DE_E_VERSION, fmt::format("{} rev >= {}, host has {}", id, minRev, entry.revision));
     if (!entry.isServed(services))

@@ -130,8 +130,8 @@ c3de_status C3DE_CALL progress(void *ctx, c3de_handle job, double *fraction, c3d
 
 }  // namespace
 
-c3de_jobs_v0 makeJobsTable(PluginContext *plugin) {
-  return {sizeof(c3de_jobs_v0), kServiceRevision, plugin, &parallelFor, &threadCount, &submit, &cancel, &progress};
+c3de_jobs_v1 makeJobsTable(PluginContext *plugin) {
+  return {sizeof(c3de_jobs_v1), kServiceRevision, plugin, &parallelFor, &threadCount, &submit, &cancel, &progress};
 }
 
 }  // namespace c3de::plugin_host

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "c3de/abi/draft/scene.h"
+#include "c3de/abi/mesh.h"
 #include "c3de/geometry/mesh_io.h"
 #include "refusal.h"
 

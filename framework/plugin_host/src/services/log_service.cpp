@@ -34,6 +34,6 @@ void C3DE_CALL write(void *ctx, std::uint32_t severity, c3de_str message) noexce
 
 }  // namespace
 
-c3de_log_v0 makeLogTable(PluginContext *plugin) { return {sizeof(c3de_log_v0), kServiceRevision, plugin, &write}; }
+c3de_log_v1 makeLogTable(PluginContext *plugin) { return {sizeof(c3de_log_v1), kServiceRevision, plugin, &write}; }
 
 }  // namespace c3de::plugin_host

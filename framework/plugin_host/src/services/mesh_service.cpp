@@ -151,8 +151,8 @@ c3de_status C3DE_CALL checkFillable(void *ctx, c3de_handle mesh) noexcept {
 
 }  // namespace
 
-c3de_mesh_v0 makeMeshTable(PluginContext *plugin) {
-  return {sizeof(c3de_mesh_v0), kServiceRevision, plugin,          &load,         &create, &release, &info, &report,
+c3de_mesh_v1 makeMeshTable(PluginContext *plugin) {
+  return {sizeof(c3de_mesh_v1), kServiceRevision, plugin,          &load,         &create, &release, &info, &report,
           &positions,           &triangles,       &windingNumbers, &checkFillable};
 }
 

@@ -52,8 +52,8 @@ c3de_status C3DE_CALL notify(void *ctx, std::uint32_t severity, c3de_str title, 
 
 }  // namespace
 
-c3de_panels_v0 makePanelsTable(PluginContext *plugin) {
-  return {sizeof(c3de_panels_v0), kServiceRevision, plugin, &add, &removePanel, &notify};
+c3de_panels_v1 makePanelsTable(PluginContext *plugin) {
+  return {sizeof(c3de_panels_v1), kServiceRevision, plugin, &add, &removePanel, &notify};
 }
 
 }  // namespace c3de::plugin_host

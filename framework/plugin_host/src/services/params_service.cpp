@@ -121,8 +121,8 @@ c3de_status C3DE_CALL setValue(void *ctx, c3de_handle set, const c3de_param_valu
 
 }  // namespace
 
-c3de_params_v0 makeParamsTable(PluginContext *plugin) {
-  return {sizeof(c3de_params_v0), kServiceRevision, plugin, &declare, &removeSet, &get, &setValue};
+c3de_params_v1 makeParamsTable(PluginContext *plugin) {
+  return {sizeof(c3de_params_v1), kServiceRevision, plugin, &declare, &removeSet, &get, &setValue};
 }
 
 }  // namespace c3de::plugin_host

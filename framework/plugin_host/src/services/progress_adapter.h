@@ -2,7 +2,7 @@
 #pragma once
 
 #include "arguments.h"
-#include "c3de/abi/draft/jobs.h"
+#include "c3de/abi/jobs.h"
 #include "c3de/core/progress.h"
 #include "c3de/core/text.h"
 

@@ -67,8 +67,8 @@ c3de_status C3DE_CALL create(void *ctx, c3de_str classId, c3de_object **out) noe
 
 }  // namespace
 
-c3de_registry_v0 makeRegistryTable(PluginContext *plugin) {
-  return {sizeof(c3de_registry_v0), kServiceRevision, plugin, &addClass, &removeClass, &enumClasses, &create};
+c3de_registry_v1 makeRegistryTable(PluginContext *plugin) {
+  return {sizeof(c3de_registry_v1), kServiceRevision, plugin, &addClass, &removeClass, &enumClasses, &create};
 }
 
 }  // namespace c3de::plugin_host

@@ -9,16 +9,16 @@ namespace c3de::plugin_host {
 
 class PluginContext;
 
-[[nodiscard]] c3de_log_v0 makeLogTable(PluginContext *plugin);
-[[nodiscard]] c3de_registry_v0 makeRegistryTable(PluginContext *plugin);
-[[nodiscard]] c3de_mesh_v0 makeMeshTable(PluginContext *plugin);
+[[nodiscard]] c3de_log_v1 makeLogTable(PluginContext *plugin);
+[[nodiscard]] c3de_registry_v1 makeRegistryTable(PluginContext *plugin);
+[[nodiscard]] c3de_mesh_v1 makeMeshTable(PluginContext *plugin);
 [[nodiscard]] c3de_scene_v0 makeSceneTable(PluginContext *plugin);
 [[nodiscard]] c3de_render_v0 makeRenderTable(PluginContext *plugin);
 [[nodiscard]] c3de_collision_v0 makeCollisionTable(PluginContext *plugin);
-[[nodiscard]] c3de_params_v0 makeParamsTable(PluginContext *plugin);
-[[nodiscard]] c3de_panels_v0 makePanelsTable(PluginContext *plugin);
+[[nodiscard]] c3de_params_v1 makeParamsTable(PluginContext *plugin);
+[[nodiscard]] c3de_panels_v1 makePanelsTable(PluginContext *plugin);
 [[nodiscard]] c3de_tools_v0 makeToolsTable(PluginContext *plugin);
-[[nodiscard]] c3de_jobs_v0 makeJobsTable(PluginContext *plugin);
+[[nodiscard]] c3de_jobs_v1 makeJobsTable(PluginContext *plugin);
 [[nodiscard]] c3de_time_v0 makeTimeTable(PluginContext *plugin);
 [[nodiscard]] c3de_simulation_v0 makeSimulationTable(PluginContext *plugin);
 [[nodiscard]] c3de_forces_v0 makeForcesTable(PluginContext *plugin);

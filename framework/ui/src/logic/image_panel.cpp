@@ -39,13 +39,13 @@ ImagePanel::ImagePanel(registry::PanelRegistry &panels, ImageViews &views, Label
   panel.id = "image";
   panel.title = "Image";
   panel.self = this;
-  panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<ImagePanel *>(self)->draw(*ui); };
+  panel.onUi = [](void *self, const c3de_ui_v1 *ui) { static_cast<ImagePanel *>(self)->draw(*ui); };
   panel_ = panels_.add(std::move(panel));
 }
 
 ImagePanel::~ImagePanel() { panels_.remove(panel_); }
 
-void ImagePanel::draw(const c3de_ui_v0 &ui) {
+void ImagePanel::draw(const c3de_ui_v1 &ui) {
   const scene::StoredImage *image = views_.image();
   if (!image) return;
   row(ui, "Image", image->name);
@@ -60,7 +60,7 @@ void ImagePanel::draw(const c3de_ui_v0 &ui) {
   views_.setOptions(options);
 }
 
-void ImagePanel::drawTime(const c3de_ui_v0 &ui, const scene::StoredImage &image) {
+void ImagePanel::drawTime(const c3de_ui_v1 &ui, const scene::StoredImage &image) {
   if (image.times < 2) return;
   const auto last = static_cast<double>(image.times - 1);
   auto time = static_cast<double>(image.time);
@@ -69,7 +69,7 @@ void ImagePanel::drawTime(const c3de_ui_v0 &ui, const scene::StoredImage &image)
   if (isMoved) views_.chooseTime(static_cast<std::size_t>(std::lround(std::clamp(time, 0.0, last))));
 }
 
-void ImagePanel::drawWindowLevel(const c3de_ui_v0 &ui, ImageOptions &options) {
+void ImagePanel::drawWindowLevel(const c3de_ui_v1 &ui, ImageOptions &options) {
   const imaging::ValueRange &range = views_.image()->range;
   const std::string &unit = views_.image()->volume.unit;
   heading(ui, "Window and level");
@@ -94,7 +94,7 @@ void ImagePanel::drawWindowLevel(const c3de_ui_v0 &ui, ImageOptions &options) {
   options.isWindowLevelMode = isOn;
 }
 
-void ImagePanel::drawViews(const c3de_ui_v0 &ui, ImageOptions &options) {
+void ImagePanel::drawViews(const c3de_ui_v1 &ui, ImageOptions &options) {
   heading(ui, "Slices");
   std::uint32_t smooth = options.isSmooth ? 0 : 1;
   choice(ui, "interpolation", "Interpolation", smooth, {"linear", "nearest voxel"});
@@ -112,7 +112,7 @@ void ImagePanel::drawViews(const c3de_ui_v0 &ui, ImageOptions &options) {
   if (button(ui, "reset_views", "Reset views")) views_.resetViews();
 }
 
-void ImagePanel::drawLabels(const c3de_ui_v0 &ui, ImageOptions &options) {
+void ImagePanel::drawLabels(const c3de_ui_v1 &ui, ImageOptions &options) {
   const scene::StoredLabels *labels = views_.labels();
   if (!labels) return;
   heading(ui, "Labels");
@@ -151,7 +151,7 @@ void ImagePanel::drawLabels(const c3de_ui_v0 &ui, ImageOptions &options) {
     if (isShownInList(label)) views_.setLabelOpacity(label.value, areShown ? 1.0f : 0.0f);
 }
 
-void ImagePanel::drawVolume(const c3de_ui_v0 &ui, ImageOptions &options) {
+void ImagePanel::drawVolume(const c3de_ui_v1 &ui, ImageOptions &options) {
   heading(ui, "In the 3D view");
   checkbox(ui, "slices_in_space", "Slices as planes", options.showsSlicesInSpace, "");
   checkbox(ui, "volume", "Volume rendering", options.showsVolume, "Coarse while something moves, fine at rest");
@@ -177,7 +177,7 @@ void ImagePanel::drawVolume(const c3de_ui_v0 &ui, ImageOptions &options) {
   checkbox(ui, "cuts_bodies", "Cut bodies too", options.cutsBodies, "Their surfaces, not how they move");
 }
 
-void ImagePanel::drawStill(const c3de_ui_v0 &ui, scene::SceneStill &still) {
+void ImagePanel::drawStill(const c3de_ui_v1 &ui, scene::SceneStill &still) {
   enum : std::uint32_t { kNothing, kBoneAndAir, kOutside, kValues };
   const bool byValues = still.above || still.below || !still.labels.empty();
   std::uint32_t index = still.outside ? kOutside : still.isAutomatic ? kBoneAndAir : byValues ? kValues : kNothing;
@@ -207,7 +207,7 @@ void ImagePanel::drawStill(const c3de_ui_v0 &ui, scene::SceneStill &still) {
   if (still.above && still.below) still.above = std::max(*still.above, *still.below);
 }
 
-void ImagePanel::drawShift(const c3de_ui_v0 &ui, ImageOptions &options) {
+void ImagePanel::drawShift(const c3de_ui_v1 &ui, ImageOptions &options) {
   if (!views_.hasDisplacement()) return;
   heading(ui, "Displacement");
   drawStill(ui, options.still);

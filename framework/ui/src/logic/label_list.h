@@ -17,7 +17,7 @@ inline constexpr std::size_t kManyLabels = 12;
 /// Draws filter and frame of a list of `count` labels of which `listed` are listed, when there are many; `rows` draws
 /// them.
 template <typename Rows>
-void labelList(const c3de_ui_v0 &ui, std::size_t count, std::size_t listed, std::string &filter, const Rows &rows) {
+void labelList(const c3de_ui_v1 &ui, std::size_t count, std::size_t listed, std::string &filter, const Rows &rows) {
   if (count <= kManyLabels) return rows();
   inputText(ui, "label_filter", "Filter", filter);
   tooltip(ui, "Labels whose names have these letters in them: \"kidney\", \"lung left\"");

@@ -17,7 +17,7 @@ constexpr const char *kRigid =
     "It stands where it is in the scan and costs nothing: for bone, whose small step would be everybody's";
 constexpr double kSmallestRadius_mm = 0.5, kLargestRadius_mm = 20.0;
 
-void swatch(const c3de_ui_v0 &ui, const render::Colour &colour) {
+void swatch(const c3de_ui_v1 &ui, const render::Colour &colour) {
   ui.swatch(ui.ctx, colour[0], colour[1], colour[2]);
   sameLine(ui);
 }
@@ -32,7 +32,7 @@ SegmentationPanel::SegmentationPanel(registry::PanelRegistry &panels, ImageViews
   panel.id = "segmentation";
   panel.title = "Segmentation";
   panel.self = this;
-  panel.onUi = [](void *self, const c3de_ui_v0 *ui) { static_cast<SegmentationPanel *>(self)->draw(*ui); };
+  panel.onUi = [](void *self, const c3de_ui_v1 *ui) { static_cast<SegmentationPanel *>(self)->draw(*ui); };
   panel_ = panels_.add(std::move(panel));
 }
 
@@ -41,7 +41,7 @@ SegmentationPanel::~SegmentationPanel() {
   panels_.remove(panel_);
 }
 
-void SegmentationPanel::draw(const c3de_ui_v0 &ui) {
+void SegmentationPanel::draw(const c3de_ui_v1 &ui) {
   if (!workflow_.mask().sources().image) return;
   heading(ui, "1  Pick it in the image");
   drawSource(ui);
@@ -70,7 +70,7 @@ void SegmentationPanel::draw(const c3de_ui_v0 &ui) {
   if (!reason.empty()) text(ui, "Not yet: " + reason + ".");
 }
 
-void SegmentationPanel::clickButton(const c3de_ui_v0 &ui, const char *id, const char *label, const char *doc,
+void SegmentationPanel::clickButton(const c3de_ui_v1 &ui, const char *id, const char *label, const char *doc,
                                     void (segmentation::SegmentationWorkflow::*clicked)(const Vec3 &)) {
   const bool isAwaited = views_.isPicking() && awaited_ && std::string_view(awaited_) == id;
   const bool isPressed = button(ui, id, isAwaited ? "Click it in a slice…" : label);
@@ -83,7 +83,7 @@ void SegmentationPanel::clickButton(const c3de_ui_v0 &ui, const char *id, const 
     views_.pickNext([workflow = &workflow_, clicked](const Vec3 &reference) { (workflow->*clicked)(reference); });
 }
 
-void SegmentationPanel::drawSource(const c3de_ui_v0 &ui) {
+void SegmentationPanel::drawSource(const c3de_ui_v1 &ui) {
   if (workflow_.mask().sources().labels) {
     std::uint32_t index = workflow_.settings().isFromLabel ? 0 : 1;
     if (choice(ui, "source", "From", index, {"a label", "values between"})) workflow_.setFromLabel(index == 0);
@@ -94,7 +94,7 @@ void SegmentationPanel::drawSource(const c3de_ui_v0 &ui) {
     drawThreshold(ui);
 }
 
-void SegmentationPanel::drawLabels(const c3de_ui_v0 &ui) {
+void SegmentationPanel::drawLabels(const c3de_ui_v1 &ui) {
   const std::vector<segmentation::SegmentationWorkflow::LabelRow> rows = workflow_.labels();
   std::vector<const segmentation::SegmentationWorkflow::LabelRow *> listed;
   for (const segmentation::SegmentationWorkflow::LabelRow &row : rows)
@@ -123,7 +123,7 @@ void SegmentationPanel::drawLabels(const c3de_ui_v0 &ui) {
   if (button(ui, "untick", "Untick all", !workflow_.pickedLabels().empty())) workflow_.chooseLabels({});
 }
 
-void SegmentationPanel::drawThreshold(const c3de_ui_v0 &ui) {
+void SegmentationPanel::drawThreshold(const c3de_ui_v1 &ui) {
   const scene::StoredImage &image = *workflow_.mask().sources().image;
   double low = workflow_.settings().low, high = workflow_.settings().high;
   const double least = std::min({image.range.min, low}), most = std::max({image.range.max, high});
@@ -137,7 +137,7 @@ void SegmentationPanel::drawThreshold(const c3de_ui_v0 &ui) {
   if (!isShown && button(ui, "threshold", "Show what lies between")) workflow_.showThreshold();
 }
 
-void SegmentationPanel::drawSteps(const c3de_ui_v0 &ui) {
+void SegmentationPanel::drawSteps(const c3de_ui_v1 &ui) {
   using Kind = segmentation::MaskStep::Kind;
   const segmentation::MaskEditor &mask = workflow_.mask();
   const bool hasMask = mask.mask() != nullptr;
@@ -174,7 +174,7 @@ void SegmentationPanel::drawSteps(const c3de_ui_v0 &ui) {
   tooltip(ui, "Opening: bridges and spurs narrower than twice the radius are removed");
 }
 
-void SegmentationPanel::drawUndo(const c3de_ui_v0 &ui) {
+void SegmentationPanel::drawUndo(const c3de_ui_v1 &ui) {
   const segmentation::MaskEditor &mask = workflow_.mask();
   if (!mask.mask() && !mask.canUndo() && !mask.canRedo()) return;
   const std::string undone = mask.undoLabel(), redone = mask.redoLabel();
@@ -187,7 +187,7 @@ void SegmentationPanel::drawUndo(const c3de_ui_v0 &ui) {
   tooltip(ui, ("Does it again" + (redone.empty() ? "" : ": " + redone) + " (Ctrl+Shift+Z)").c_str());
 }
 
-void SegmentationPanel::drawSeveral(const c3de_ui_v0 &ui) {
+void SegmentationPanel::drawSeveral(const c3de_ui_v1 &ui) {
   double volume_ml = 0.0;
   bool isCounted = true;
   std::string names;
@@ -208,7 +208,7 @@ void SegmentationPanel::drawSeveral(const c3de_ui_v0 &ui) {
   workflow_.setMending(mend);
 }
 
-void SegmentationPanel::drawMaterial(const c3de_ui_v0 &ui) {
+void SegmentationPanel::drawMaterial(const c3de_ui_v1 &ui) {
   std::string name = workflow_.settings().name;
   if (inputText(ui, "name", "Name", name)) workflow_.setName(name);
   std::vector<std::string> names{"– choose –"};
@@ -231,7 +231,7 @@ void SegmentationPanel::drawMaterial(const c3de_ui_v0 &ui) {
   if (!preset->note.empty()) row(ui, "Note", preset->note);
 }
 
-void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
+void SegmentationPanel::drawMaterials(const c3de_ui_v1 &ui) {
   std::vector<std::string> names{"– choose –"};
   for (const scene::MaterialPreset &preset : workflow_.materials().presets()) names.push_back(preset.name);
   for (const segmentation::SegmentationWorkflow::LabelRow &label : workflow_.labels()) {
@@ -258,7 +258,7 @@ void SegmentationPanel::drawMaterials(const c3de_ui_v0 &ui) {
   }
 }
 
-void SegmentationPanel::drawSampling(const c3de_ui_v0 &ui) {
+void SegmentationPanel::drawSampling(const c3de_ui_v1 &ui) {
   segmentation::SamplingChoice s = workflow_.settings().sampling;
   checkbox(ui, "count_automatic", "Phyxels by the thickness", s.isCountAutomatic,
            "1000, of what is thin up to 4000, so that their distance is at most half of the thickness");
@@ -271,7 +271,7 @@ void SegmentationPanel::drawSampling(const c3de_ui_v0 &ui) {
   workflow_.setSampling(s);
 }
 
-void SegmentationPanel::drawHolding(const c3de_ui_v0 &ui) {
+void SegmentationPanel::drawHolding(const c3de_ui_v1 &ui) {
   if (!workflow_.isSeveral()) {
     bool isRigid = workflow_.isRigid();
     if (checkbox(ui, "rigid", "Rigid", isRigid, kRigid)) workflow_.setRigid(isRigid);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "c3de/abi/draft/panels.h"
+#include "c3de/abi/panels.h"
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
 #include "c3de/registry/number_text.h"

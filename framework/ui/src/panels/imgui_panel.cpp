@@ -290,7 +290,7 @@ void ImGuiPanels::params(c3de_handle set, c3de_str group) {
 }
 
 void ImGuiPanels::fillTable() {
-  c3de_ui_v0 &t = table_;
+  c3de_ui_v1 &t = table_;
   t.size = sizeof t;
   t.rev = 3;
   t.ctx = this;

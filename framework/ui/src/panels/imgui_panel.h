@@ -6,14 +6,14 @@
 #include <string>
 #include <thread>
 
-#include "c3de/abi/draft/panels.h"
+#include "c3de/abi/panels.h"
 #include "c3de/registry/panel_registry.h"
 #include "panels/fields.h"
 #include "window/frame_context.h"
 
 namespace c3de::ui {
 
-/// Draws plugins' panels with Dear ImGui: the c3de_ui_v0 table. It lives as long as the window, so a table that a
+/// Draws plugins' panels with Dear ImGui: the c3de_ui_v1 table. It lives as long as the window, so a table that a
 /// plugin keeps stays valid memory; outside on_ui and on other threads its functions do nothing.
 class ImGuiPanels {
  public:
@@ -48,7 +48,7 @@ class ImGuiPanels {
   void params(c3de_handle set, c3de_str group);
   void parameterRows(Handle handle, const std::string &group, bool isAdvanced);
 
-  c3de_ui_v0 table_{};
+  c3de_ui_v1 table_{};
   FrameContext *frame_ = nullptr;  ///< inside draw() only
   std::thread::id thread_;
   std::string area_;  ///< id of the panel

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "c3de/abi/draft/panels.h"
+#include "c3de/abi/panels.h"
 #include "c3de/core/text.h"
 #include "c3de/registry/number_text.h"
 #include "panels/fields.h"

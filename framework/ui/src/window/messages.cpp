@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "c3de/abi/draft/log.h"
+#include "c3de/abi/log.h"
 #include "c3de/core/background_jobs.h"
 #include "c3de/registry/panel_registry.h"
 #include "window/chrome.h"

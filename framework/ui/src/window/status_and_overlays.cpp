@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "c3de/abi/draft/log.h"
+#include "c3de/abi/log.h"
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/text.h"
 #include "c3de/registry/panel_registry.h"

@@ -20,9 +20,9 @@ class PointBasedPlugin : public SimulatorListener {
                                         .vendor = "C3DE",
                                         .license = "Apache-2.0"};
   static constexpr std::array needs{
-      sdk::required<c3de_log_v0>(),       sdk::required<c3de_registry_v0>(), sdk::required<c3de_mesh_v0>(),
-      sdk::required<c3de_collision_v0>(), sdk::required<c3de_jobs_v0>(),     sdk::optional<c3de_scene_v0>(),
-      sdk::optional<c3de_render_v0>(),    sdk::optional<c3de_params_v0>(),   sdk::optional<c3de_panels_v0>(),
+      sdk::required<c3de_log_v1>(),       sdk::required<c3de_registry_v1>(), sdk::required<c3de_mesh_v1>(),
+      sdk::required<c3de_collision_v0>(), sdk::required<c3de_jobs_v1>(),     sdk::optional<c3de_scene_v0>(),
+      sdk::optional<c3de_render_v0>(),    sdk::optional<c3de_params_v1>(),   sdk::optional<c3de_panels_v1>(),
       sdk::optional<c3de_tools_v0>(),     sdk::optional<c3de_time_v0>(),     sdk::optional<c3de_simulation_v0>()};
 
   explicit PointBasedPlugin(sdk::Host host) : context_(host, this), pinch_(context_.services) {

@@ -33,7 +33,7 @@ typedef struct c3de_answer { /* in the host's memory; the host sets size */
 typedef struct c3de_service_req {
   uint32_t size;
   uint32_t flags; /* C3DE_REQUIRED or C3DE_OPTIONAL */
-  c3de_str id;    /* for example "draft/c3de.log/0" */
+  c3de_str id;    /* for example "c3de.log/1" */
   uint32_t min_rev;
   uint32_t reserved;
 } c3de_service_req;

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "c3de/abi/draft/params.h"
+#include "c3de/abi/params.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/vec.h"
 

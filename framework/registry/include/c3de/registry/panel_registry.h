@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "c3de/abi/draft/panels.h"
+#include "c3de/abi/panels.h"
 #include "c3de/core/handle.h"
 
 namespace c3de::registry {
@@ -15,7 +15,7 @@ struct Panel {
   std::string owner;  ///< plugin id
   std::string id, title;
   void *self = nullptr;
-  void(C3DE_CALL *onUi)(void *self, const c3de_ui_v0 *ui) = nullptr;
+  void(C3DE_CALL *onUi)(void *self, const c3de_ui_v1 *ui) = nullptr;
   bool open = true;
   bool isInView = false;  ///< it asks what to show: over the view instead of among the panels
 };

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "c3de/abi/draft/panels.h"
+#include "c3de/abi/panels.h"
 #include "c3de/registry/panel_registry.h"
 #include "c3de/registry/parameter_registry.h"
 

@@ -69,7 +69,7 @@ void guardQuietly(const char *where, F &&f) noexcept {
     (void)detail::statusOfException();
     try {
       const std::string line = std::string(where) + ": " + currentHost().takeError();
-      if (const auto *log = currentHost().service<c3de_log_v0>()) log->write(log->ctx, C3DE_LOG_ERROR, str(line));
+      if (const auto *log = currentHost().service<c3de_log_v1>()) log->write(log->ctx, C3DE_LOG_ERROR, str(line));
     } catch (...) {
     }
   }

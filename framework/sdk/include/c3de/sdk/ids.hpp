@@ -12,11 +12,11 @@ template <class Table>
 inline constexpr std::string_view kTableId{};
 
 template <>
-inline constexpr std::string_view kTableId<c3de_log_v0>{C3DE_LOG_ID};
+inline constexpr std::string_view kTableId<c3de_log_v1>{C3DE_LOG_ID};
 template <>
-inline constexpr std::string_view kTableId<c3de_registry_v0>{C3DE_REGISTRY_ID};
+inline constexpr std::string_view kTableId<c3de_registry_v1>{C3DE_REGISTRY_ID};
 template <>
-inline constexpr std::string_view kTableId<c3de_mesh_v0>{C3DE_MESH_ID};
+inline constexpr std::string_view kTableId<c3de_mesh_v1>{C3DE_MESH_ID};
 template <>
 inline constexpr std::string_view kTableId<c3de_scene_v0>{C3DE_SCENE_ID};
 template <>
@@ -32,13 +32,13 @@ inline constexpr std::string_view kTableId<c3de_settings_v0>{C3DE_SETTINGS_ID};
 template <>
 inline constexpr std::string_view kTableId<c3de_commands_v0>{C3DE_COMMANDS_ID};
 template <>
-inline constexpr std::string_view kTableId<c3de_params_v0>{C3DE_PARAMS_ID};
+inline constexpr std::string_view kTableId<c3de_params_v1>{C3DE_PARAMS_ID};
 template <>
-inline constexpr std::string_view kTableId<c3de_panels_v0>{C3DE_PANELS_ID};
+inline constexpr std::string_view kTableId<c3de_panels_v1>{C3DE_PANELS_ID};
 template <>
 inline constexpr std::string_view kTableId<c3de_tools_v0>{C3DE_TOOLS_ID};
 template <>
-inline constexpr std::string_view kTableId<c3de_jobs_v0>{C3DE_JOBS_ID};
+inline constexpr std::string_view kTableId<c3de_jobs_v1>{C3DE_JOBS_ID};
 template <>
 inline constexpr std::string_view kTableId<c3de_time_v0>{C3DE_TIME_ID};
 template <>

@@ -13,8 +13,8 @@ namespace c3de::sdk {
 /// The widgets; valid inside Panel::draw() only. Ids are unique within a panel.
 class Ui {
  public:
-  explicit Ui(const c3de_ui_v0 *ui) noexcept : ui_(ui) {}
-  [[nodiscard]] const c3de_ui_v0 *abi() const noexcept { return ui_; }
+  explicit Ui(const c3de_ui_v1 *ui) noexcept : ui_(ui) {}
+  [[nodiscard]] const c3de_ui_v1 *abi() const noexcept { return ui_; }
 
   void heading(std::string_view t) const { ui_->heading(ui_->ctx, str(t)); }
   void text(std::string_view t) const { ui_->text(ui_->ctx, str(t)); }
@@ -90,7 +90,7 @@ class Ui {
     std::copy(value.begin(), value.end(), buffer.begin());
     return buffer;
   }
-  const c3de_ui_v0 *ui_;
+  const c3de_ui_v1 *ui_;
 };
 
 /// Base of a panel. Registered by show(), taken back by hide() or the destructor. Main thread.
@@ -106,7 +106,7 @@ class Panel {
 
   /// C3DE_E_UNSUPPORTED in a run without a window.
   Result<void> show(Host host, std::string_view id, std::string_view title) {
-    auto table = host.require<c3de_panels_v0>();
+    auto table = host.require<c3de_panels_v1>();
     if (!table) return table.failure();
     const c3de_panel panel{sizeof(c3de_panel), 1, str(id), str(title), this, &drawThunk};
     c3de_handle handle{0};
@@ -119,22 +119,22 @@ class Panel {
   [[nodiscard]] bool isRegistered() const noexcept { return static_cast<bool>(registration_); }
 
  private:
-  static void C3DE_CALL drawThunk(void *self, const c3de_ui_v0 *ui) noexcept {
+  static void C3DE_CALL drawThunk(void *self, const c3de_ui_v1 *ui) noexcept {
     guardQuietly("panel", [&] {
       Ui wrapped(ui);
       static_cast<Panel *>(self)->draw(wrapped);
     });
   }
-  Owned<c3de_panels_v0, &c3de_panels_v0::remove> registration_;
+  Owned<c3de_panels_v1, &c3de_panels_v1::remove> registration_;
 };
 
 /// Messages to the person.
-class Notifier : public Service<c3de_panels_v0> {
+class Notifier : public Service<c3de_panels_v1> {
  public:
   using Service::Service;
   /// @param severity  C3DE_LOG_*; stays until closed or replaced by one of the same title
   Result<void> notify(std::uint32_t severity, std::string_view title, std::string_view message) const {
-    return call<&c3de_panels_v0::notify>(severity, str(title), str(message));
+    return call<&c3de_panels_v1::notify>(severity, str(title), str(message));
   }
 };
 

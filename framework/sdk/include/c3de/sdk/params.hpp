@@ -141,10 +141,10 @@ class ParameterSet {
   friend class Params;
   // The listener is declared first, so that the registration goes before it.
   std::unique_ptr<Changed> changed_;
-  Owned<c3de_params_v0, &c3de_params_v0::remove> registration_;
+  Owned<c3de_params_v1, &c3de_params_v1::remove> registration_;
 };
 
-class Params : public Service<c3de_params_v0> {
+class Params : public Service<c3de_params_v1> {
  public:
   using Service::Service;
 
@@ -160,7 +160,7 @@ class Params : public Service<c3de_params_v0> {
     set.changed_ = std::make_unique<ParameterSet::Changed>(std::move(changed));
     const c3de_param_listener listener{sizeof(c3de_param_listener), 0, set.changed_.get(), &changedThunk};
     c3de_handle handle{0};
-    if (auto declared = call<&c3de_params_v0::declare>(str(title), decls, n, stride, &listener, &handle); !declared)
+    if (auto declared = call<&c3de_params_v1::declare>(str(title), decls, n, stride, &listener, &handle); !declared)
       return declared.failure();
     set.registration_ = {table_, handle};
     return set;

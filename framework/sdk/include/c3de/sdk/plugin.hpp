@@ -4,7 +4,7 @@
 //   class Probe {
 //    public:
 //     static constexpr c3de::sdk::PluginInfo info{.id = "org.example.probe", .version = "1.0.0", .displayName =
-//     "Probe"}; static constexpr std::array needs{c3de::sdk::required<c3de_log_v0>()};  // may be left out explicit
+//     "Probe"}; static constexpr std::array needs{c3de::sdk::required<c3de_log_v1>()};  // may be left out explicit
 //     Probe(c3de::sdk::Host host);  // gets services, registers; may throw void start();                          //
 //     start and stop may be left out void stop();
 //   };

@@ -51,7 +51,7 @@ class Service {
   const Table *table_ = nullptr;
 };
 
-class Log : public Service<c3de_log_v0> {
+class Log : public Service<c3de_log_v1> {
  public:
   using Service::Service;
   void debug(std::string_view message) const noexcept { write(C3DE_LOG_DEBUG, message); }
@@ -71,7 +71,7 @@ struct ClassOffer {
   void *factory = nullptr;
 };
 
-class Registry : public Service<c3de_registry_v0> {
+class Registry : public Service<c3de_registry_v1> {
  public:
   using Service::Service;
 
@@ -83,7 +83,7 @@ class Registry : public Service<c3de_registry_v0> {
                          str(offer.doc),     interfaces.data(),
                          interfaces.size(),  offer.factory,
                          offer.create};
-    return call<&c3de_registry_v0::add_class>(&cls);
+    return call<&c3de_registry_v1::add_class>(&cls);
   }
   /// Offers Derived, whose constructor takes Factory& (the plugin, or what its objects need); Factory must outlive it.
   template <class Derived, class Factory>
@@ -95,12 +95,12 @@ class Registry : public Service<c3de_registry_v0> {
     };
     return add(offer);
   }
-  Result<void> remove(std::string_view id) const { return call<&c3de_registry_v0::remove_class>(str(id)); }
+  Result<void> remove(std::string_view id) const { return call<&c3de_registry_v1::remove_class>(str(id)); }
 
   /// A new object of a class, also of another plugin.
   Result<Ref<>> create(std::string_view classId) const {
     c3de_object *object = nullptr;
-    if (auto done = call<&c3de_registry_v0::create>(str(classId), &object); !done) return done.failure();
+    if (auto done = call<&c3de_registry_v1::create>(str(classId), &object); !done) return done.failure();
     return Ref<>::adopt(object);
   }
   /// Ids of the classes that list an interface, all classes when it is empty; sorted.
@@ -109,47 +109,47 @@ class Registry : public Service<c3de_registry_v0> {
     const auto each = [](void *self, const c3de_class_info *info) noexcept -> c3de_status {
       return guard([&] { static_cast<std::vector<std::string> *>(self)->emplace_back(text(info->id)); });
     };
-    if (auto done = call<&c3de_registry_v0::enum_classes>(str(interfaceId), &ids, +each); !done) return done.failure();
+    if (auto done = call<&c3de_registry_v1::enum_classes>(str(interfaceId), &ids, +each); !done) return done.failure();
     return ids;
   }
 };
 
-using MeshHandle = Owned<c3de_mesh_v0, &c3de_mesh_v0::release>;
+using MeshHandle = Owned<c3de_mesh_v1, &c3de_mesh_v1::release>;
 
-class Mesh : public Service<c3de_mesh_v0> {
+class Mesh : public Service<c3de_mesh_v1> {
  public:
   using Service::Service;
   /// @param unit  C3DE_UNIT_M, _MM or _CM, of the numbers in the file; _UNKNOWN: what it says, else mm
   Result<MeshHandle> load(std::string_view path, std::uint32_t unit, const c3de_progress *progress = nullptr) const {
-    return own<&c3de_mesh_v0::load, MeshHandle>(str(path), unit, progress);
+    return own<&c3de_mesh_v1::load, MeshHandle>(str(path), unit, progress);
   }
   Result<MeshHandle> create(c3de_view positions_mm, c3de_view triangles) const {
-    return own<&c3de_mesh_v0::create, MeshHandle>(positions_mm, triangles);
+    return own<&c3de_mesh_v1::create, MeshHandle>(positions_mm, triangles);
   }
   Result<c3de_mesh_info> info(c3de_handle mesh) const {
     c3de_mesh_info out{};
     out.size = sizeof out;
-    if (auto done = call<&c3de_mesh_v0::info>(mesh, &out); !done) return done.failure();
+    if (auto done = call<&c3de_mesh_v1::info>(mesh, &out); !done) return done.failure();
     return out;
   }
   Result<std::string> report(c3de_handle mesh) const {
     TextSink sink;
-    if (auto done = call<&c3de_mesh_v0::report>(mesh, sink.sink()); !done) return done.failure();
+    if (auto done = call<&c3de_mesh_v1::report>(mesh, sink.sink()); !done) return done.failure();
     return sink.take();
   }
   /// Borrowed until the mesh is released; mm.
   Result<Rows<const double, 3>> positions(c3de_handle mesh) const {
     c3de_view view{};
-    if (auto done = call<&c3de_mesh_v0::positions>(mesh, &view); !done) return done.failure();
+    if (auto done = call<&c3de_mesh_v1::positions>(mesh, &view); !done) return done.failure();
     return asRows<double, 3>(view, "mesh positions");
   }
   Result<Rows<const std::uint32_t, 3>> triangles(c3de_handle mesh) const {
     c3de_view view{};
-    if (auto done = call<&c3de_mesh_v0::triangles>(mesh, &view); !done) return done.failure();
+    if (auto done = call<&c3de_mesh_v1::triangles>(mesh, &view); !done) return done.failure();
     return asRows<std::uint32_t, 3>(view, "mesh triangles");
   }
   Result<void> windingNumbers(c3de_handle mesh, c3de_view points_mm, std::span<double> out) const {
-    return call<&c3de_mesh_v0::winding_numbers>(mesh, points_mm, mutableRows<double, 1>(out));
+    return call<&c3de_mesh_v1::winding_numbers>(mesh, points_mm, mutableRows<double, 1>(out));
   }
 };
 
@@ -342,7 +342,7 @@ class Progress {
   const c3de_progress *progress_;
 };
 
-class Jobs : public Service<c3de_jobs_v0> {
+class Jobs : public Service<c3de_jobs_v1> {
  public:
   using Service::Service;
 
@@ -380,11 +380,11 @@ class Jobs : public Service<c3de_jobs_v0> {
     auto box = std::make_unique<Box>(Box{std::move(run), std::move(done)});
     const c3de_job job{sizeof(c3de_job), 0, str(title), box.get(), &Box::runThunk, &Box::doneThunk};
     c3de_handle handle{0};
-    if (auto submitted = call<&c3de_jobs_v0::submit>(&job, &handle); !submitted) return submitted.failure();
+    if (auto submitted = call<&c3de_jobs_v1::submit>(&job, &handle); !submitted) return submitted.failure();
     (void)box.release();  // done() deletes it
     return handle;
   }
-  Result<void> cancel(c3de_handle job) const { return call<&c3de_jobs_v0::cancel>(job); }
+  Result<void> cancel(c3de_handle job) const { return call<&c3de_jobs_v1::cancel>(job); }
 
   struct State {
     double fraction = -1.0;
@@ -394,7 +394,7 @@ class Jobs : public Service<c3de_jobs_v0> {
   Result<State> progress(c3de_handle job) const {
     State state;
     TextSink what;
-    if (auto done = call<&c3de_jobs_v0::progress>(job, &state.fraction, what.sink()); !done) return done.failure();
+    if (auto done = call<&c3de_jobs_v1::progress>(job, &state.fraction, what.sink()); !done) return done.failure();
     state.what = what.take();
     return state;
   }

@@ -19,7 +19,7 @@ namespace c3de::sdk {
 }
 
 namespace literals {
-/// "draft/c3de.log/0"_str, usable in constant tables.
+/// "c3de.log/1"_str, usable in constant tables.
 [[nodiscard]] constexpr c3de_str operator""_str(const char *s, std::size_t n) noexcept { return {s, n}; }
 }  // namespace literals
 

@@ -26,14 +26,14 @@ class ImagePanel {
   ImagePanel &operator=(const ImagePanel &) = delete;
 
  private:
-  void draw(const c3de_ui_v0 &ui);
-  void drawTime(const c3de_ui_v0 &ui, const scene::StoredImage &image);
-  void drawWindowLevel(const c3de_ui_v0 &ui, ImageOptions &options);
-  void drawViews(const c3de_ui_v0 &ui, ImageOptions &options);
-  void drawLabels(const c3de_ui_v0 &ui, ImageOptions &options);
-  void drawVolume(const c3de_ui_v0 &ui, ImageOptions &options);
-  void drawStill(const c3de_ui_v0 &ui, scene::SceneStill &still);
-  void drawShift(const c3de_ui_v0 &ui, ImageOptions &options);
+  void draw(const c3de_ui_v1 &ui);
+  void drawTime(const c3de_ui_v1 &ui, const scene::StoredImage &image);
+  void drawWindowLevel(const c3de_ui_v1 &ui, ImageOptions &options);
+  void drawViews(const c3de_ui_v1 &ui, ImageOptions &options);
+  void drawLabels(const c3de_ui_v1 &ui, ImageOptions &options);
+  void drawVolume(const c3de_ui_v1 &ui, ImageOptions &options);
+  void drawStill(const c3de_ui_v1 &ui, scene::SceneStill &still);
+  void drawShift(const c3de_ui_v1 &ui, ImageOptions &options);
 
   registry::PanelRegistry &panels_;
   ImageViews &views_;

@@ -17,20 +17,20 @@ class SegmentationPanel {
   SegmentationPanel &operator=(const SegmentationPanel &) = delete;
 
  private:
-  void draw(const c3de_ui_v0 &ui);
+  void draw(const c3de_ui_v1 &ui);
   /// A button that waits for a click in a slice, and stops waiting when it is pressed again.
-  void clickButton(const c3de_ui_v0 &ui, const char *id, const char *label, const char *doc,
+  void clickButton(const c3de_ui_v1 &ui, const char *id, const char *label, const char *doc,
                    void (segmentation::SegmentationWorkflow::*clicked)(const Vec3 &));
-  void drawSource(const c3de_ui_v0 &ui);
-  void drawLabels(const c3de_ui_v0 &ui);
-  void drawThreshold(const c3de_ui_v0 &ui);
-  void drawSteps(const c3de_ui_v0 &ui);
-  void drawUndo(const c3de_ui_v0 &ui);
-  void drawSeveral(const c3de_ui_v0 &ui);
-  void drawMaterial(const c3de_ui_v0 &ui);
-  void drawMaterials(const c3de_ui_v0 &ui);
-  void drawSampling(const c3de_ui_v0 &ui);
-  void drawHolding(const c3de_ui_v0 &ui);
+  void drawSource(const c3de_ui_v1 &ui);
+  void drawLabels(const c3de_ui_v1 &ui);
+  void drawThreshold(const c3de_ui_v1 &ui);
+  void drawSteps(const c3de_ui_v1 &ui);
+  void drawUndo(const c3de_ui_v1 &ui);
+  void drawSeveral(const c3de_ui_v1 &ui);
+  void drawMaterial(const c3de_ui_v1 &ui);
+  void drawMaterials(const c3de_ui_v1 &ui);
+  void drawSampling(const c3de_ui_v1 &ui);
+  void drawHolding(const c3de_ui_v1 &ui);
 
   registry::PanelRegistry &panels_;
   ImageViews &views_;

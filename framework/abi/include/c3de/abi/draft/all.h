@@ -3,8 +3,7 @@
 #ifndef C3DE_ABI_DRAFT_ALL_H
 #define C3DE_ABI_DRAFT_ALL_H
 
-#include "../entry.h"
-#include "../object.h"
+#include "../c3de.h"
 #include "collision.h"
 #include "commands.h"
 #include "files.h"
@@ -13,11 +12,6 @@
 #include "iface/parameter_ids.h"
 #include "iface/simulator.h"
 #include "imaging.h"
-#include "jobs.h"
-#include "log.h"
-#include "panels.h"
-#include "params.h"
-#include "registry.h"
 #include "render.h"
 #include "scene.h"
 #include "settings.h"

@@ -5,8 +5,8 @@
 #define C3DE_ABI_DRAFT_FILES_H
 
 #include "../base.h"
-#include "jobs.h"
-#include "scene.h"
+#include "../jobs.h"
+#include "../mesh.h"
 
 #define C3DE_FILES_ID "draft/c3de.files/0"
 

@@ -16,8 +16,8 @@
 #ifndef C3DE_POINTBASED_MATERIAL_LAW_H
 #define C3DE_POINTBASED_MATERIAL_LAW_H
 
-#include <c3de/abi/draft/params.h>
 #include <c3de/abi/object.h>
+#include <c3de/abi/params.h>
 
 #define C3DE_POINTBASED_MATERIAL_LAW_ID "draft/c3de.pointbased.material_law/0"
 

@@ -3,9 +3,9 @@
 #ifndef C3DE_ABI_DRAFT_IFACE_SIMULATOR_H
 #define C3DE_ABI_DRAFT_IFACE_SIMULATOR_H
 
+#include "../../jobs.h"
 #include "../../object.h"
-#include "../jobs.h"
-#include "../params.h"
+#include "../../params.h"
 
 #define C3DE_IFACE_SIMULATOR_ID "draft/c3de.iface.simulator/1"
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Parameters are declared, not drawn: one declaration feeds panel, units, command line, checks and docs. */
-#ifndef C3DE_ABI_DRAFT_PARAMS_H
-#define C3DE_ABI_DRAFT_PARAMS_H
+#ifndef C3DE_ABI_PARAMS_H
+#define C3DE_ABI_PARAMS_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_PARAMS_ID "draft/c3de.params/0"
+#define C3DE_PARAMS_ID "c3de.params/1"
 
 #define C3DE_PARAM_F64 1u
 #define C3DE_PARAM_I64 2u
@@ -61,7 +61,7 @@ typedef struct c3de_param_listener {
   void(C3DE_CALL *changed)(void *self, const c3de_param_value *value);
 } c3de_param_listener;
 
-typedef struct c3de_params_v0 {
+typedef struct c3de_params_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -74,6 +74,6 @@ typedef struct c3de_params_v0 {
   /* Checks and stores; C3DE_E_ARG says what is accepted, C3DE_E_NOT_FOUND names the nearest id. Does not call the
    * listener: it is for the owner to show what is. [main] */
   c3de_status(C3DE_CALL *set)(void *ctx, c3de_handle set, const c3de_param_value *value);
-} c3de_params_v0;
+} c3de_params_v1;
 
 #endif

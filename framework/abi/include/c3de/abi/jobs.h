@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Work on several threads: loops inside a step, and long work beside the window. */
-#ifndef C3DE_ABI_DRAFT_JOBS_H
-#define C3DE_ABI_DRAFT_JOBS_H
+#ifndef C3DE_ABI_JOBS_H
+#define C3DE_ABI_JOBS_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_JOBS_ID "draft/c3de.jobs/0"
+#define C3DE_JOBS_ID "c3de.jobs/1"
 
 typedef struct c3de_progress {
   uint32_t size;
@@ -25,7 +25,7 @@ typedef struct c3de_job {
   void(C3DE_CALL *done)(void *self, c3de_status status, c3de_str error);
 } c3de_job;
 
-typedef struct c3de_jobs_v0 {
+typedef struct c3de_jobs_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -39,6 +39,6 @@ typedef struct c3de_jobs_v0 {
   c3de_status(C3DE_CALL *cancel)(void *ctx, c3de_handle job); /* asks; done() follows [main] */
   /* 0 … 1, negative while unknown; text of the last update goes to the sink. C3DE_E_STALE when finished. [main] */
   c3de_status(C3DE_CALL *progress)(void *ctx, c3de_handle job, double *fraction, c3de_sink what);
-} c3de_jobs_v0;
+} c3de_jobs_v1;
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The classes that plugins offer to each other and to the host. */
-#ifndef C3DE_ABI_DRAFT_REGISTRY_H
-#define C3DE_ABI_DRAFT_REGISTRY_H
+#ifndef C3DE_ABI_REGISTRY_H
+#define C3DE_ABI_REGISTRY_H
 
-#include "../object.h"
+#include "object.h"
 
-#define C3DE_REGISTRY_ID "draft/c3de.registry/0"
+#define C3DE_REGISTRY_ID "c3de.registry/1"
 
 typedef struct c3de_class_info { /* borrowed for the call */
   uint32_t size;
@@ -15,7 +15,7 @@ typedef struct c3de_class_info { /* borrowed for the call */
   uint64_t ifaces_n;
 } c3de_class_info;
 
-typedef struct c3de_registry_v0 {
+typedef struct c3de_registry_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -29,6 +29,6 @@ typedef struct c3de_registry_v0 {
                                        c3de_status(C3DE_CALL *each)(void *self, const c3de_class_info *info));
   /* A new object with a count of one. C3DE_E_NOT_FOUND names the classes that exist. [main] */
   c3de_status(C3DE_CALL *create)(void *ctx, c3de_str class_id, c3de_object **out);
-} c3de_registry_v0;
+} c3de_registry_v1;
 
 #endif

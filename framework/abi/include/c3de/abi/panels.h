@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Panels: the plugin says what stands in them, the host draws. */
-#ifndef C3DE_ABI_DRAFT_PANELS_H
-#define C3DE_ABI_DRAFT_PANELS_H
+#ifndef C3DE_ABI_PANELS_H
+#define C3DE_ABI_PANELS_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_PANELS_ID "draft/c3de.panels/0"
+#define C3DE_PANELS_ID "c3de.panels/1"
 
 /* Results of a widget. */
 #define C3DE_UI_CHANGED 1u   /* the value differs from before */
@@ -13,7 +13,7 @@
 #define C3DE_UI_COMMITTED 4u /* the person has let go */
 
 /* Valid inside on_ui only, and only on its thread. Ids are unique within a panel. */
-typedef struct c3de_ui_v0 {
+typedef struct c3de_ui_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -46,17 +46,17 @@ typedef struct c3de_ui_v0 {
    * end of the panel ends a list. */
   void(C3DE_CALL *list_begin)(void *ctx, c3de_str id, uint32_t rows);
   void(C3DE_CALL *list_end)(void *ctx);
-} c3de_ui_v0;
+} c3de_ui_v1;
 
 typedef struct c3de_panel { /* copied, strings included */
   uint32_t size;
   uint32_t rev;
   c3de_str id, title;
   void *self;
-  void(C3DE_CALL *on_ui)(void *self, const c3de_ui_v0 *ui); /* once per frame while shown [main] */
+  void(C3DE_CALL *on_ui)(void *self, const c3de_ui_v1 *ui); /* once per frame while shown [main] */
 } c3de_panel;
 
-typedef struct c3de_panels_v0 {
+typedef struct c3de_panels_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -64,6 +64,6 @@ typedef struct c3de_panels_v0 {
   c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle panel);                      /* [main] */
   /* A message to the person: severity as in log.h; stays until closed or replaced. [main] */
   c3de_status(C3DE_CALL *notify)(void *ctx, uint32_t severity, c3de_str title, c3de_str text);
-} c3de_panels_v0;
+} c3de_panels_v1;
 
 #endif

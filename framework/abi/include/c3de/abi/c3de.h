@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What is frozen: a plugin that uses nothing else goes on working with every later host of ABI 1. */
+#ifndef C3DE_ABI_C3DE_H
+#define C3DE_ABI_C3DE_H
+
+#include "entry.h"
+#include "jobs.h"
+#include "log.h"
+#include "mesh.h"
+#include "object.h"
+#include "panels.h"
+#include "params.h"
+#include "registry.h"
+
+#endif
