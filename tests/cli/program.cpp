@@ -4,11 +4,16 @@
 #include <fstream>
 #include <sstream>
 
+#include "support/environment.h"
+
 namespace {
 
 constexpr double kPatience_s = 120.0;
 
 c3de::ProcessResult runProgram(const std::vector<std::string> &command) {
+  // Not those of whoever runs the tests.
+  const std::string home = c3de::environmentVariable("C3DE_HOME");
+  const ScopedEnvironment user("C3DE_HOME", home.empty() ? testOutputRoot() + std::string("/cli/user") : home);
   auto result = c3de::runProcess(command, kPatience_s);
   if (!result) FAIL(result.error().message);
   INFO(result->errorOutput);

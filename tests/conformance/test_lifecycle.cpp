@@ -73,7 +73,7 @@ TEST_CASE("a folder is loaded in the order of names, what does not fit is listed
   REQUIRE(plugins.size() == 4);
   CHECK(plugins[0].id == "test.lifecycle.a");
   CHECK(plugins[1].id == "test.lifecycle.b");
-  CHECK_THAT(plugins[2].reason, Contains("shadowed: test.lifecycle.a is loaded already from") && Contains("0_first"));
+  CHECK_THAT(plugins[2].reason, Contains("test.lifecycle.a is loaded already from") && Contains("0_first"));
   CHECK_THAT(plugins[3].reason, Contains("not a shared library"));
 }
 

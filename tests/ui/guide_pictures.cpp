@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "support/catch.h"
+#include "support/environment.h"
 #include "ui/workstation_driver.h"
 
 using c3de::test::Json;
@@ -209,4 +210,22 @@ TEST_CASE("Pictures of the default scene for the user guide", "[.guide]") {
   window.clickAt(inPane("sagittal", 0.34, 0.3));
   window.waitFrames(5);
   window.screenshot("brain_shift");
+}
+
+TEST_CASE("The plugin manager", "[.guide]") {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  // In the home of somebody.
+  const auto home = std::filesystem::path(testOutputRoot()) / "ui" / "guide_home";
+  std::filesystem::remove_all(home);
+  const auto plugins = home / "plugins";
+  std::filesystem::create_directories(plugins);
+  std::filesystem::copy(testExampleFolder(), plugins);
+  const ScopedEnvironment person("HOME", home.string());
+  WorkstationDriver window("guide_plugins");
+  window.start({"--plugin-path", plugins.string(), "--without", "org.c3de.material_law"});
+  window.waitUntil(
+      "the organ is shown", [](const Json &s) { return s["values"].contains(kPanel + "Surfels"); }, 60.0);
+  window.key("ctrl+shift+p");
+  window.waitUntil("the manager is open", [](const Json &s) { return s["widgets"].contains("dialog/close"); });
+  window.screenshotAtRest("plugins");
 }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "support/environment.h"
 #include "support/folders.h"
 
 namespace c3de::test {
@@ -58,9 +59,7 @@ std::string WorkstationDriver::whyNot() {
 void WorkstationDriver::start(const std::vector<std::string> &arguments) {
   std::vector<std::string> all{C3DE_PROGRAM, "--automation-state", stateFile_.string()};
   all.insert(all.end(), arguments.begin(), arguments.end());
-  auto started = ChildProcess::start(all, log_);
-  if (!started) throw std::runtime_error(started.error().message);
-  program_ = std::move(*started);
+  launch(all);
   // A few frames, so that what opens at the start has opened.
   waitUntil(
       "the window is drawn", [](const Json &s) { return s["frame"].get<int>() >= 2 && s["focused"].get<bool>(); },
@@ -76,10 +75,17 @@ int WorkstationDriver::startAndWait(const std::vector<std::string> &arguments,
   }
   all.emplace_back(C3DE_PROGRAM);
   all.insert(all.end(), arguments.begin(), arguments.end());
-  auto started = ChildProcess::start(all, log_);
+  launch(all);
+  return waitForExit(30.0);
+}
+
+void WorkstationDriver::launch(const std::vector<std::string> &command) {
+  // Not the person who runs the tests.
+  const std::string home = environmentVariable("C3DE_HOME");
+  const ScopedEnvironment user("C3DE_HOME", home.empty() ? (folder_ / "user").string() : home);
+  auto started = ChildProcess::start(command, log_);
   if (!started) throw std::runtime_error(started.error().message);
   program_ = std::move(*started);
-  return waitForExit(30.0);
 }
 
 std::string WorkstationDriver::logText() const { return readText(log_); }

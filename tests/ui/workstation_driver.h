@@ -88,6 +88,7 @@ class WorkstationDriver {
   [[nodiscard]] double shareOfColour(const std::string &screenshot, const std::string &condition) const;
 
  private:
+  void launch(const std::vector<std::string> &command);
   void xdotool(const std::vector<std::string> &arguments);
 
   std::string name_;

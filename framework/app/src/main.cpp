@@ -5,6 +5,7 @@
 #include <csignal>
 #include <map>
 
+#include "c3de/core/crash_journal.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "commands/command_line.h"
@@ -97,6 +98,7 @@ int main(int argc, char **argv) {
   // A file that reaches the limit of its size is an output that cannot be written, not a reason to die.
   std::signal(SIGXFSZ, SIG_IGN);
 #endif
+  c3de::tellFatalErrors();
   try {
     return exitCodeAfterOutput(runCommandLine(argc, argv));
   } catch (const std::exception &error) {

@@ -16,6 +16,8 @@
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
+#include "fatal_error.h"
+#include "foreign_place.h"
 
 namespace c3de {
 namespace {
@@ -63,7 +65,9 @@ struct Leave {
 ThreadCalls *callsOfThread() noexcept {
   if (hasAsked) return ownCalls;
   hasAsked = true;
+  thread_local detail::HandlerStack stack;
   thread_local Leave leave;
+  (void)stack;
   (void)leave;
   for (std::size_t i = 0; i < allCalls.size(); ++i) {
     bool isTaken = false;
@@ -81,22 +85,27 @@ ThreadCalls *callsOfThread() noexcept {
 std::atomic<int> exitCodeOfForeign{0};
 
 void nameCaller() noexcept {
-  const ThreadCalls *calls = ownCalls;
-  if (!calls) return;
-  const std::size_t depth =
-      std::min<std::size_t>(calls->depth.load(std::memory_order_relaxed), ForeignCall::kMostNested);
-  if (depth == 0) return;
+  const detail::ForeignPlace place = detail::foreignPlaceOfThread();
+  if (!place.isInside) return;
   try {
-    const Frame &frame = calls->frames[depth - 1];
     log(LogLevel::error, fmt::format("plugin {} has ended the program, by exit() within {}; results that were not "
                                      "written are lost",
-                                     frame.owner.load(), frame.what.load()));
+                                     place.owner, place.what));
   } catch (...) {
   }
   std::_Exit(exitCodeOfForeign.load());
 }
 
 }  // namespace
+
+detail::ForeignPlace detail::foreignPlaceOfThread() noexcept {
+  const ThreadCalls *calls = ownCalls;
+  if (!calls) return {};
+  const std::size_t depth =
+      std::min<std::size_t>(calls->depth.load(std::memory_order_relaxed), ForeignCall::kMostNested);
+  const Frame &frame = calls->frames[depth > 0 ? depth - 1 : 0];
+  return {frame.owner.load(), frame.what.load(), depth > 0};
+}
 
 ForeignCall::ForeignCall(const char *owner, const char *what, CallKind kind, std::uint64_t subject) noexcept {
   ThreadCalls *calls = callsOfThread();

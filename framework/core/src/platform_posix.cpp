@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <link.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
@@ -26,7 +27,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::filesystem::path homeBased(const char *variable, const char *fallback) {
+std::filesystem::path homeBased(const char *variable, const char *fallback, const char *ofProgram) {
+  if (const std::string all = environmentVariable("C3DE_HOME"); !all.empty())
+    return std::filesystem::path(all) / ofProgram;
   if (const std::string set = environmentVariable(variable); !set.empty()) return std::filesystem::path(set) / "c3de";
   const std::string home = environmentVariable("HOME");
   return std::filesystem::path(home.empty() ? "." : home) / fallback / "c3de";
@@ -59,13 +62,38 @@ Expected<DynamicLibrary> DynamicLibrary::open(const std::filesystem::path &path)
 
 void *DynamicLibrary::symbol(const char *name) const { return handle_ ? dlsym(handle_, name) : nullptr; }
 
+CodeRange DynamicLibrary::codeRange() const {
+  link_map *map = nullptr;
+  if (!handle_ || dlinfo(handle_, RTLD_DI_LINKMAP, &map) != 0 || map == nullptr) return {};
+  struct Search {
+    ElfW(Addr) base;
+    CodeRange found;
+  } search{map->l_addr, {}};
+  dl_iterate_phdr(
+      [](dl_phdr_info *info, std::size_t, void *data) {
+        auto *wanted = static_cast<Search *>(data);
+        if (info->dlpi_addr != wanted->base) return 0;
+        for (int i = 0; i < info->dlpi_phnum; ++i) {
+          const auto &header = info->dlpi_phdr[i];
+          if (header.p_type != PT_LOAD || (header.p_flags & PF_X) == 0) continue;
+          const auto *begin = reinterpret_cast<const char *>(info->dlpi_addr + header.p_vaddr);
+          wanted->found = {begin, begin + header.p_memsz};
+        }
+        return 1;
+      },
+      &search);
+  return search.found;
+}
+
 std::filesystem::path executablePath() {
   std::error_code error;
   return std::filesystem::read_symlink("/proc/self/exe", error);
 }
 
-std::filesystem::path userDataDirectory() { return homeBased("XDG_DATA_HOME", ".local/share"); }
-std::filesystem::path userConfigDirectory() { return homeBased("XDG_CONFIG_HOME", ".config"); }
+std::filesystem::path homeDirectory() { return environmentVariable("HOME"); }
+std::filesystem::path userDataDirectory() { return homeBased("XDG_DATA_HOME", ".local/share", "data"); }
+std::filesystem::path userConfigDirectory() { return homeBased("XDG_CONFIG_HOME", ".config", "config"); }
+std::filesystem::path userCacheDirectory() { return homeBased("XDG_CACHE_HOME", ".cache", "cache"); }
 
 std::vector<std::filesystem::path> fontDirectories() {
   return {"/usr/share/fonts/truetype/dejavu", "/usr/share/fonts/truetype", "/usr/share/fonts",

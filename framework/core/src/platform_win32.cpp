@@ -50,6 +50,12 @@ std::filesystem::path knownFolder(const KNOWNFOLDERID &id) {
   return out;
 }
 
+std::filesystem::path folderOfUser(const KNOWNFOLDERID &id, const char *ofProgram) {
+  if (const std::string all = environmentVariable("C3DE_HOME"); !all.empty())
+    return std::filesystem::path(wide(all)) / ofProgram;
+  return knownFolder(id) / "c3de";
+}
+
 /// One command line that CommandLineToArgvW splits back into the arguments.
 std::wstring commandLine(const std::vector<std::string> &arguments) {
   std::wstring line;
@@ -110,14 +116,27 @@ void *DynamicLibrary::symbol(const char *name) const {
   return handle_ ? reinterpret_cast<void *>(GetProcAddress(static_cast<HMODULE>(handle_), name)) : nullptr;
 }
 
+CodeRange DynamicLibrary::codeRange() const {
+  if (!handle_) return {};
+  const auto *base = static_cast<const char *>(handle_);
+  const auto *dos = reinterpret_cast<const IMAGE_DOS_HEADER *>(base);
+  const auto *headers = reinterpret_cast<const IMAGE_NT_HEADERS *>(base + dos->e_lfanew);
+  return {base, base + headers->OptionalHeader.SizeOfImage};
+}
+
 std::filesystem::path executablePath() {
   std::wstring path(32768, L'\0');
   path.resize(GetModuleFileNameW(nullptr, path.data(), static_cast<DWORD>(path.size())));
   return path;
 }
 
-std::filesystem::path userDataDirectory() { return knownFolder(FOLDERID_LocalAppData) / "c3de"; }
-std::filesystem::path userConfigDirectory() { return knownFolder(FOLDERID_RoamingAppData) / "c3de"; }
+std::filesystem::path homeDirectory() { return knownFolder(FOLDERID_Profile); }
+std::filesystem::path userDataDirectory() { return folderOfUser(FOLDERID_LocalAppData, "data"); }
+std::filesystem::path userConfigDirectory() { return folderOfUser(FOLDERID_RoamingAppData, "config"); }
+std::filesystem::path userCacheDirectory() {
+  return environmentVariable("C3DE_HOME").empty() ? knownFolder(FOLDERID_LocalAppData) / "c3de" / "cache"
+                                                  : folderOfUser(FOLDERID_LocalAppData, "cache");
+}
 std::vector<std::filesystem::path> fontDirectories() { return {knownFolder(FOLDERID_Fonts)}; }
 
 std::string environmentVariable(const char *name) {

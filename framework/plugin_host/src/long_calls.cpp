@@ -6,6 +6,7 @@
 #include "c3de/abi/draft/simulation.h"
 #include "c3de/abi/log.h"
 #include "c3de/core/background_jobs.h"
+#include "c3de/core/crash_journal.h"
 #include "c3de/core/log.h"
 #include "c3de/core/main_queue.h"
 #include "c3de/registry/panel_registry.h"
@@ -31,6 +32,7 @@ std::vector<registry::Choice> choices(const Services &services, const LongCall &
 }  // namespace
 
 void tellLongCall(const Services &services, const LongCall &call) {
+  noteHang(call);
   const std::string name = fmt::format("plugin {}: {}", call.owner, call.what);
   std::string line;
   if (call.isOver && call.kind == CallKind::prompt)

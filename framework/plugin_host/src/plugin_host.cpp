@@ -6,12 +6,14 @@
 #include <algorithm>
 
 #include "c3de/core/assert.h"
+#include "c3de/core/crash_journal.h"
 #include "c3de/core/foreign_call.h"
 #include "c3de/core/log.h"
 #include "c3de/core/main_queue.h"
 #include "host_state.h"
 #include "last_error.h"
 #include "library_file.h"
+#include "load_gate.h"
 #include "negotiation.h"
 #include "plugin_context.h"
 #include "refusal.h"
@@ -58,22 +60,26 @@ Expected<void> call(const PluginContext &context, const char *what, F &&f) {
 }  // namespace
 
 struct PluginHost::Impl {
-  explicit Impl(const Services &services) : state(services) {
+  Impl(const Services &services, const LoadRules &rules) : state(services), gate(rules) {
     nameWhoExits(kExitCodeOfPlugins);
     if (services.mainQueue) frame = services.mainQueue->addFrameCallback(kHostOwner, [this] { state.proxies.sync(); });
   }
 
-  Expected<Loaded> tryLoad(const std::filesystem::path &file, PluginInfo &info);
+  /// Says in `info` what it has come to know.
+  Expected<Loaded> tryLoad(const std::filesystem::path &file, bool isNamed, PluginInfo &info);
+  Expected<void> load(const std::filesystem::path &file, bool isNamed);
   void destroy(Loaded &plugin);
 
   HostState state;
+  LoadGate gate;
   Handle frame;
   mutable std::vector<PluginInfo> infos;
   std::vector<Loaded> loaded;
   std::vector<std::unique_ptr<PluginContext>> closed;  ///< stay, so that late calls are answered
 };
 
-PluginHost::PluginHost(const Services &services) : impl_(std::make_unique<Impl>(services)) {}
+PluginHost::PluginHost(const Services &services, const LoadRules &rules)
+    : impl_(std::make_unique<Impl>(services, rules)) {}
 
 PluginHost::~PluginHost() {
   for (auto plugin = impl_->loaded.rbegin(); plugin != impl_->loaded.rend(); ++plugin) {
@@ -92,14 +98,21 @@ void PluginHost::Impl::destroy(Loaded &plugin) {
   closed.push_back(std::move(plugin.context));
 }
 
-Expected<Loaded> PluginHost::Impl::tryLoad(const std::filesystem::path &file, PluginInfo &info) {
+Expected<Loaded> PluginHost::Impl::tryLoad(const std::filesystem::path &file, bool isNamed, PluginInfo &info) {
+  const auto notLoaded = [&](PluginState as, const std::string &why) {
+    info.state = as;
+    return fail(ErrorCode::plugin, why);
+  };
+  if (const std::string why = gate.offByFile(file, isNamed); !why.empty()) return notLoaded(PluginState::off, why);
   if (const auto checked = checkLibraryFile(file); !checked) return tl::unexpected(checked.error());
+  if (const auto tried = gate.tryFirstUse(file); !tried) return tl::unexpected(tried.error());
   const char *name = keptName(file.filename().string());  // it has not said its id yet
   const auto library = [&] {
     const ForeignCall loading(name, "loading of its library", CallKind::prompt);
     return DynamicLibrary::open(file);
   }();
   if (!library) return fail(ErrorCode::plugin, "cannot be loaded: " + library.error().message);
+  noteForeignCode(name, library->codeRange());
   auto candidate = [&] {
     const ForeignCall asking(name, C3DE_PLUGIN_QUERY_SYMBOL, CallKind::prompt);
     return negotiate(*library, state.services);
@@ -110,10 +123,12 @@ Expected<Loaded> PluginHost::Impl::tryLoad(const std::filesystem::path &file, Pl
   info.displayName = candidate->displayName;
   info.vendor = candidate->vendor;
   info.license = candidate->license;
+  noteForeignCode(keptName(info.id), library->codeRange());
+  if (const std::string why = gate.offById(info.id, isNamed); !why.empty()) return notLoaded(PluginState::off, why);
   for (const Loaded &other : loaded)
     if (other.candidate.id == candidate->id)
-      return fail(ErrorCode::plugin, fmt::format("shadowed: {} is loaded already from {}", candidate->id,
-                                                 infos[other.info].path.string()));
+      return notLoaded(PluginState::shadowed,
+                       fmt::format("{} is loaded already from {}", info.id, infos[other.info].path.string()));
 
   Loaded plugin{std::move(*candidate), nullptr, 0};
   plugin.context = std::make_unique<PluginContext>(state, plugin.candidate.id);
@@ -127,27 +142,28 @@ Expected<Loaded> PluginHost::Impl::tryLoad(const std::filesystem::path &file, Pl
   return plugin;
 }
 
-Expected<void> PluginHost::load(const std::filesystem::path &file) {
-  C3DE_ASSERT(std::this_thread::get_id() == impl_->state.mainThread, "plugins are loaded on the main thread");
+Expected<void> PluginHost::Impl::load(const std::filesystem::path &file, bool isNamed) {
+  C3DE_ASSERT(std::this_thread::get_id() == state.mainThread, "plugins are loaded on the main thread");
   PluginInfo info;
   info.path = std::filesystem::absolute(file).lexically_normal();
-  auto plugin = impl_->tryLoad(info.path, info);
+  auto plugin = tryLoad(info.path, isNamed, info);
   if (!plugin) {
-    info.state = PluginState::refused;
     info.reason = plugin.error().message;
     std::replace(info.reason.begin(), info.reason.end(), '\n', ' ');
-    const std::string line = fmt::format("plugin {} refused: {}", info.path.string(), info.reason);
-    log(LogLevel::warn, line);
-    impl_->infos.push_back(std::move(info));
+    const std::string line = fmt::format("plugin {} {}: {}", info.path.string(), stateName(info.state), info.reason);
+    log(info.state == PluginState::off ? LogLevel::debug : LogLevel::warn, line);
+    infos.push_back(std::move(info));
     return fail(ErrorCode::plugin, line);
   }
   info.state = PluginState::loaded;
   log(LogLevel::debug, fmt::format("plugin {} {} loaded from {}", info.id, info.version, info.path.string()));
-  plugin->info = impl_->infos.size();
-  impl_->infos.push_back(std::move(info));
-  impl_->loaded.push_back(std::move(*plugin));
+  plugin->info = infos.size();
+  infos.push_back(std::move(info));
+  loaded.push_back(std::move(*plugin));
   return {};
 }
+
+Expected<void> PluginHost::load(const std::filesystem::path &file) { return impl_->load(file, true); }
 
 void PluginHost::loadFolder(const std::filesystem::path &folder) {
   std::error_code error;
@@ -155,10 +171,29 @@ void PluginHost::loadFolder(const std::filesystem::path &folder) {
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     if (it->path().extension() == pluginExtension()) files.push_back(it->path());
   std::sort(files.begin(), files.end());
-  for (const auto &file : files) (void)load(file);  // the log and plugins() say what was refused
+  const auto isKnown = [&](const std::filesystem::path &file) {
+    return std::any_of(impl_->infos.begin(), impl_->infos.end(), [&](const PluginInfo &info) {
+      std::error_code ignored;
+      return std::filesystem::equivalent(info.path, file, ignored);
+    });
+  };
+  for (const auto &file : files)
+    if (!isKnown(file)) (void)impl_->load(file, false);  // the log and plugins() say what was refused
+}
+
+const char *stateName(PluginState state) {
+  switch (state) {
+    case PluginState::loaded: return "loaded";
+    case PluginState::refused: break;
+    case PluginState::shadowed: return "shadowed";
+    case PluginState::off: return "off";
+  }
+  return "refused";
 }
 
 void PluginHost::start() {
+  for (const std::string &name : impl_->gate.unmatched())
+    log(LogLevel::warn, fmt::format("--without {}: no plugin has this id or file", name));
   for (std::size_t i = 0; i < impl_->loaded.size();) {
     Loaded &plugin = impl_->loaded[i];
     if (plugin.started) {

@@ -2,9 +2,14 @@
 #include <algorithm>
 
 #include "c3de/core/platform.h"
+#include "c3de/plugin_host/load_rules.h"
 #include "c3de/plugin_host/plugin_host.h"
 
 namespace c3de::plugin_host {
+
+std::filesystem::path ownPluginFolder() {
+  return (executablePath().parent_path() / ".." / "lib" / "c3de" / "plugins").lexically_normal();
+}
 
 std::vector<std::filesystem::path> defaultPluginFolders() {
   std::vector<std::filesystem::path> folders;
@@ -19,7 +24,7 @@ std::vector<std::filesystem::path> defaultPluginFolders() {
     begin = end + 1;
   }
   add(userDataDirectory() / "plugins");
-  add(executablePath().parent_path() / ".." / "lib" / "c3de" / "plugins");
+  add(ownPluginFolder());
   return folders;
 }
 

@@ -323,7 +323,7 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   services.commands = options.commands;
   services.meshFormats = &impl->meshFormats;
   services.settings = &impl->settings;
-  impl->host = std::make_unique<plugin_host::PluginHost>(services);
+  impl->host = std::make_unique<plugin_host::PluginHost>(services, options.loadRules);
   std::unique_ptr<Session> session(new Session(std::move(impl)));
   // Named plugins first, so that they shadow those of the folders.
   plugin_host::PluginHost &host = *session->impl_->host;
@@ -345,8 +345,9 @@ Expected<std::unique_ptr<Session>> Session::create(const SessionOptions &options
   for (const plugin_host::PluginInfo &plugin : host.plugins())
     for (const auto &file : options.pluginFiles) {
       std::error_code code;
-      if (plugin.state == plugin_host::PluginState::refused && std::filesystem::equivalent(file, plugin.path, code))
-        return fail(ErrorCode::plugin, "plugin " + plugin.path.string() + " refused: " + plugin.reason);
+      if (plugin.state != plugin_host::PluginState::loaded && std::filesystem::equivalent(file, plugin.path, code))
+        return fail(ErrorCode::plugin, "plugin " + plugin.path.string() + " " + plugin_host::stateName(plugin.state) +
+                                           ": " + plugin.reason);
     }
   for (const std::string &assignment : options.pluginParameters)
     if (auto set = setPluginParameter(*services.parameters, host.plugins(), assignment); !set)

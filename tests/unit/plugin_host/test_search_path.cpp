@@ -1,31 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdlib>
+#include <memory>
 
 #include "c3de/core/platform.h"
 #include "c3de/plugin_host/plugin_host.h"
 #include "support/catch.h"
+#include "support/environment.h"
 
 using namespace c3de;
-
-namespace {
-
-void setVariable(const char *name, const std::string &value) {
-#if defined(_WIN32)
-  _putenv_s(name, value.c_str());
-#else
-  setenv(name, value.c_str(), 1);
-#endif
-}
-
-}  // namespace
 
 TEST_CASE("plugins are looked for in the given folders, the user's, and beside the program") {
   const auto first = std::filesystem::absolute("first"), second = std::filesystem::absolute("second");
   const std::string separator(1, pathListSeparator());
-  setVariable("C3DE_PLUGIN_PATH",
-              first.string() + separator + separator + second.string() + separator + first.string() + separator);
+  auto path =
+      std::make_unique<ScopedEnvironment>("C3DE_PLUGIN_PATH", first.string() + separator + separator + second.string() +
+                                                                  separator + first.string() + separator);
   const auto folders = plugin_host::defaultPluginFolders();
-  setVariable("C3DE_PLUGIN_PATH", "");
+  path.reset();
   REQUIRE(folders.size() == 4);
   CHECK(folders[0] == first);
   CHECK(folders[1] == second);

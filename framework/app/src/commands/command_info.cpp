@@ -11,6 +11,7 @@
 #include "commands/exit_code.h"
 #include "commands/info_image.h"
 #include "commands/info_scene.h"
+#include "commands/last_crash.h"
 #include "commands/standard_output.h"
 
 namespace c3de::app {
@@ -80,12 +81,14 @@ Expected<Described> describe(const std::filesystem::path &file, const InfoArgume
 
 /// What each file contains and what is wrong with it; goes on after a file that is refused.
 int showInfo(const InfoArguments &arguments, const CommandLine &line) {
+  std::optional<CrashJournal> journal;
   std::unique_ptr<Session> session;
   ExitCode exitCode = kDone;
   Json list = Json::array();
   for (const std::string &file : line.files) {
     // Plugins are loaded where they are needed only.
     if (!session && needsPlugins(file, arguments)) {
+      if (auto begun = beginJournal(line.sessionOptions())) journal.emplace(std::move(*begun));
       auto made = Session::create(line.sessionOptions());
       if (!made) return reportError(made.error());
       session = std::move(*made);

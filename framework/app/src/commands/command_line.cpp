@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands/command_line.h"
 
+#include "c3de/plugin_host/plugin_records.h"
+#include "commands/window_program.h"
+
 namespace c3de::app {
 
 SessionOptions CommandLine::sessionOptions() const {
@@ -9,6 +12,10 @@ SessionOptions CommandLine::sessionOptions() const {
   for (const std::string &file : plugins) options.pluginFiles.emplace_back(file);
   options.pluginParameters = pluginParameters;
   for (const std::string &folder : pluginPaths) options.pluginFolders.emplace_back(folder);
+  options.loadRules.without = withoutPlugins;
+  options.loadRules.isSafeMode = safeMode;
+  options.loadRules.records = plugin_host::recordsOfUser();
+  if (!trustPlugins) options.loadRules.prober = consoleProgram();
   options.threads = threads.value_or(0);
   return options;
 }
@@ -49,6 +56,12 @@ void addSessionOptions(CLI::App &app, CommandLine &line) {
       ->type_name("DIR")
       ->allow_extra_args(false);
   app.add_flag("--no-plugins", line.noPlugins, "Look for plugins in no folder; those of --plugin are loaded");
+  app.add_option("--without", line.withoutPlugins, "Leave out the plugin with this id or file name (repeatable)")
+      ->type_name("ID")
+      ->allow_extra_args(false);
+  app.add_flag("--safe-mode", line.safeMode, "Load only the plugins that came with the program")->excludes("--plugin");
+  app.add_flag("--trust-plugins", line.trustPlugins,
+               "Do not try the first use of a plugin in a process of its own before it is loaded");
   addCount(app, "--threads", line.threads, 1, 1024, "Threads that compute; default: as many as the machine has");
   app.add_flag("-v,--verbose", line.verbose, "Say more");
 }

@@ -24,6 +24,8 @@ struct CommandLine {
 
   std::vector<std::string> files{}, plugins{}, pluginPaths{};
   std::vector<std::string> pluginParameters{};  ///< "PLUGIN:ID=VALUE" each
+  std::vector<std::string> withoutPlugins{};    ///< ids or files
+  bool safeMode = false, trustPlugins = false;
   bool noPlugins = false, json = false, version = false, verbose = false;
   std::optional<unsigned> threads{};
   std::optional<PictureSize> size{};

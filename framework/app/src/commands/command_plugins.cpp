@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // `c3de plugins`
+#include <fmt/format.h>
+
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "c3de/core/log.h"
+#include "c3de/core/text.h"
+#include "c3de/plugin_host/plugin_records.h"
 #include "c3de/session/file_kind.h"
 #include "commands/command_line.h"
 #include "commands/commands.h"
@@ -15,9 +20,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json describe(const plugin_host::PluginInfo &plugin) {
-  const bool loaded = plugin.state == plugin_host::PluginState::loaded;
-  Json json{{"path", plugin.path.string()}, {"state", loaded ? "loaded" : "refused"}};
-  if (!loaded) json["reason"] = plugin.reason;
+  Json json{{"path", plugin.path.string()}, {"state", plugin_host::stateName(plugin.state)}};
+  if (plugin.state != plugin_host::PluginState::loaded) json["reason"] = plugin.reason;
   json["id"] = plugin.id;
   json["version"] = plugin.version;
   json["name"] = plugin.displayName;
@@ -25,6 +29,21 @@ Json describe(const plugin_host::PluginInfo &plugin) {
   json["license"] = plugin.license;
   json["classes"] = plugin.classes;
   return json;
+}
+
+/// Switches plugins on and off for the runs that follow.
+int switchPlugins(plugin_host::PluginRecords &records, const std::vector<std::string> &ids, bool isOff) {
+  for (const std::string &id : ids) {
+    if (!isOff && !records.isOff(id)) {
+      const std::vector<std::string> known = records.allOff();
+      const std::string nearest = nearestName(id, known);
+      return reportError({ErrorCode::usage, "--on " + id + ": it is not switched off" +
+                                                (nearest.empty() ? "" : "; did you mean " + nearest + "?")});
+    }
+    if (const auto kept = records.setOff(id, isOff); !kept) return reportError(kept.error());
+    printOut(id + (isOff ? " stays off from the next start on\n" : " is loaded again from the next start on\n"));
+  }
+  return kDone;
 }
 
 /// What was found, loaded, refused and why. A plugin that was named with --plugin and refused counts as an error, one
@@ -54,9 +73,11 @@ int listPlugins(const SessionOptions &options, bool json) {
     for (const auto &folder : folders) host.loadFolder(folder);
   }
   host.start();
+  const auto crashes = options.loadRules.records->crashes();
 
   if (json) {
-    Json out{{"folders", Json::array()}, {"plugins", Json::array()}, {"classes", Json::array()}};
+    Json out{
+        {"folders", Json::array()}, {"plugins", Json::array()}, {"classes", Json::array()}, {"crashes", Json::array()}};
     for (const auto &folder : folders) out["folders"].push_back(folder.string());
     for (const auto &plugin : host.plugins()) out["plugins"].push_back(describe(plugin));
     for (const auto &one : host.classes())
@@ -65,6 +86,8 @@ int listPlugins(const SessionOptions &options, bool json) {
                                     {"doc", one.doc},
                                     {"plugin", one.plugin},
                                     {"interfaces", one.interfaces}});
+    for (const auto &crash : crashes)
+      out["crashes"].push_back(Json{{"plugin", crash.id}, {"runs", crash.count}, {"last", crash.cause}});
     printOut(out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     return exitCode;
   }
@@ -72,23 +95,40 @@ int listPlugins(const SessionOptions &options, bool json) {
   if (!options.searchPlugins) text += "--no-plugins: no folder was looked in\n";
   for (const auto &folder : folders) text += "looked in " + folder.string() + "\n";
   for (const auto &plugin : host.plugins()) {
-    if (plugin.state == plugin_host::PluginState::refused) {
-      text += "refused  " + plugin.path.string() + "\n         " + plugin.reason + "\n";
+    std::string state = plugin_host::stateName(plugin.state);
+    state.resize(9, ' ');
+    text += state + plugin.path.string() + "\n         ";
+    if (plugin.state != plugin_host::PluginState::loaded) {
+      text += plugin.reason + "\n";
       continue;
     }
-    text += "loaded   " + plugin.path.string() + "\n         " + plugin.id + " " + plugin.version + ", " +
-            plugin.displayName + "; " + plugin.vendor + "; " + plugin.license + "\n";
+    text += plugin.id + " " + plugin.version + ", " + plugin.displayName + "; " + plugin.vendor + "; " +
+            plugin.license + "\n";
     for (const auto &one : plugin.classes) text += "         class " + one + "\n";
   }
   if (host.plugins().empty()) text += "no plugin was found\n";
+  for (const auto &crash : crashes)
+    text += fmt::format("crashed  {}: {} {}\n", crash.id,
+                        crash.count == 1 ? "one run" : fmt::format("{} runs; the last", crash.count), crash.cause);
   printOut(text);
   return exitCode;
 }
 
 Handler declare(CLI::App &app, CommandLine &line) {
   app.add_flag("--json", line.json, "As JSON");
+  const auto on = std::make_shared<std::vector<std::string>>(), off = std::make_shared<std::vector<std::string>>();
+  app.add_option("--off", *off, "Switch this plugin off for the runs that follow (repeatable)")
+      ->type_name("ID")
+      ->allow_extra_args(false);
+  app.add_option("--on", *on, "Switch it on again (repeatable)")->type_name("ID")->allow_extra_args(false);
   addSessionOptions(app, line);
-  return [&line] { return listPlugins(line.sessionOptions(), line.json); };
+  return [&line, on, off] {
+    const SessionOptions options = line.sessionOptions();
+    if (!off->empty())
+      if (const int failed = switchPlugins(*options.loadRules.records, *off, true)) return failed;
+    if (!on->empty()) return switchPlugins(*options.loadRules.records, *on, false);
+    return off->empty() ? listPlugins(options, line.json) : static_cast<int>(kDone);
+  };
 }
 
 }  // namespace

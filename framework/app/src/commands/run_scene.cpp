@@ -22,6 +22,7 @@
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/written_outputs.h"
 #include "commands/exit_code.h"
+#include "commands/last_crash.h"
 #include "commands/standard_output.h"
 #include "run_picture.h"
 
@@ -335,6 +336,7 @@ int runScene(const RunOptions &options) {
     picture = std::move(*made);
     sessionOptions.renderer = &picture->renderer();
   }
+  const auto journal = beginJournal(sessionOptions);
   auto session = Session::create(sessionOptions);
   if (!session) return reportError(session.error());
   WrittenOutputs outputs;

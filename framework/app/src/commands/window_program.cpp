@@ -19,6 +19,13 @@ std::filesystem::path windowProgram() {
 
 }  // namespace
 
+std::filesystem::path consoleProgram() {
+  const std::filesystem::path self = executablePath();
+  const std::filesystem::path other = self.parent_path() / ("c3de" + self.extension().string());
+  std::error_code code;
+  return std::filesystem::exists(other, code) ? other : std::filesystem::path();
+}
+
 bool hasWindowProgram() {
   std::error_code code;
   return std::filesystem::exists(windowProgram(), code);

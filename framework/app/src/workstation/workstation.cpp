@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "c3de/core/text.h"
 #include "c3de/imaging/label_names.h"
 #include "c3de/imaging/reading.h"
+#include "c3de/plugin_host/plugin_records.h"
 #include "c3de/registry/command_registry.h"
 #include "c3de/registry/edit_list.h"
 #include "c3de/registry/panel_registry.h"
@@ -32,6 +34,8 @@
 #include "c3de/ui/view_controller.h"
 #include "c3de/ui/workstation_window.h"
 #include "commands/exit_code.h"
+#include "commands/last_crash.h"
+#include "workstation/plugin_choices.h"
 #include "workstation/workstation_export.h"
 #include "workstation/workstation_images.h"
 #include "workstation/workstation_loader.h"
@@ -74,6 +78,9 @@ class Workstation {
   void checkSize(const std::string &unit, double size_mm);
   void onFailed(const std::string &title, const Error &error);
 
+  std::optional<CrashJournal> journal_;
+  std::shared_ptr<plugin_host::PluginRecords> records_;
+  std::vector<std::string> offAtStart_;  ///< plugins
   registry::PanelRegistry panels_;
   registry::ParameterRegistry parameters_;
   registry::ToolRegistry tools_;
@@ -115,6 +122,10 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   sessionOptions.edits = &edits_;
   commands_.setProgramKeys(&ui::programCommandOf);
   sessionOptions.commands = &commands_;
+  if (auto journal = beginJournal(sessionOptions)) journal_.emplace(std::move(*journal));
+  askAboutCrashes(*window_, *renderer_, sessionOptions.loadRules);
+  records_ = sessionOptions.loadRules.records;
+  offAtStart_ = records_->allOff();
   auto session = Session::create(sessionOptions);
   if (!session) return tl::unexpected(session.error());
   session_ = std::move(*session);
@@ -142,6 +153,8 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
                    actions());
   window_->setAbout(about());
   showPluginProblems();
+  if (sessionOptions.loadRules.isSafeMode)
+    panels_.notify(C3DE_LOG_INFO, "Safe mode", "Only the plugins that came with the program were looked at.");
   if (!options.notice.empty()) {
     log(LogLevel::warn, options.notice);
     panels_.notify(C3DE_LOG_INFO, "Another scene than usual", options.notice);
@@ -216,6 +229,11 @@ ui::WindowActions Workstation::actions() {
     targetRate_ = rate;
     if (scene::Simulation *simulation = session_->simulation()) simulation->setTargetRate(rate);
   };
+  actions.plugins = [this] { return pluginEntries(session_->plugins(), *records_, offAtStart_); };
+  actions.switchPlugin = [this](const std::string &id, bool isOn) {
+    if (const auto kept = records_->setOff(id, !isOn); !kept)
+      onFailed("The choice holds for this run only", kept.error());
+  };
   actions.screenshot = [this] { saveScreenshot(); };
   const auto tell = [this](const Expected<std::string> &written) {
     if (written)
@@ -281,15 +299,6 @@ ui::AboutText Workstation::about() const {
   about.version =
       "C3DE " C3DE_VERSION ", plugin ABI " + std::to_string(C3DE_ABI_MAJOR) + "." + std::to_string(C3DE_ABI_MINOR);
   about.graphics = renderer_->description();
-  for (const plugin_host::PluginInfo &plugin : session_->plugins().plugins()) {
-    const std::string file = pathText(plugin.path);
-    const std::string name = !plugin.displayName.empty() ? plugin.displayName
-                             : !plugin.id.empty()        ? plugin.id
-                                                         : pathText(plugin.path.filename());
-    const bool isRefused = plugin.state == plugin_host::PluginState::refused;
-    about.plugins.push_back(
-        {name, plugin.version, plugin.vendor, plugin.license, file, isRefused ? plugin.reason : ""});
-  }
   return about;
 }
 

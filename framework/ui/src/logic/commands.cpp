@@ -71,9 +71,11 @@ constexpr std::array kCommands{
                 "Back to the initial state, exactly; goes on playing if it was", 'R', C3DE_MOD_CTRL, 0},
     CommandInfo{Command::stop, "simulation.stop", "Stop", "End and go back to the initial state", 0, 0, 0},
     CommandInfo{Command::orbitTool, "tools.orbit", "Orbit", "The left button turns the camera", 'O', 0, 0},
+    CommandInfo{Command::managePlugins, "plugins.manage", "Manage plugins…",
+                "What was loaded, refused and switched off, and why", 'P', C3DE_MOD_CTRL | C3DE_MOD_SHIFT, 0},
     CommandInfo{Command::showShortcuts, "help.shortcuts", "Shortcuts", "Keys and mouse", 'H', 0, keyF1},
     CommandInfo{Command::showMessages, "help.messages", "Messages", "All messages since the start", 0, 0, 0},
-    CommandInfo{Command::showAbout, "help.about", "About", "Versions, graphics and plugins", 0, 0, 0},
+    CommandInfo{Command::showAbout, "help.about", "About", "Versions and graphics", 0, 0, 0},
 };
 
 }  // namespace

@@ -32,8 +32,9 @@ void drawViewPanels(FrameContext &frame, ImGuiPanels &panels);
 void drawShortcuts(FrameContext &frame);
 void drawMessages(FrameContext &frame);
 void drawAbout(FrameContext &frame);
-/// Asks whether to quit while state.toLose says what that would lose.
-void drawQuitQuestion(FrameContext &frame);
+void drawPluginManager(FrameContext &frame);
+/// Asks state.question until there is a state.answer.
+void drawQuestion(FrameContext &frame);
 
 /// A window over all others, in the middle; `isShown` becomes false when it is closed. Logical pixels. When it is
 /// begun, endDialog() draws what closes it.

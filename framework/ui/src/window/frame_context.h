@@ -5,7 +5,9 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "c3de/ui/commands.h"
@@ -51,9 +53,10 @@ struct WindowState {
   TooltipTimer tooltip;
   Layout layout;
   EditHistory history;
-  bool showShortcuts = false, showAbout = false, showMessages = false;
-  std::string toLose;  ///< what quitting would lose, while a person is asked about it
-  bool quits = false;  ///< the answer was yes
+  bool showShortcuts = false, showAbout = false, showMessages = false, showPlugins = false;
+  std::optional<Question> question;  ///< while a person is asked
+  /// To the last one: the ids of question and answer.
+  std::pair<std::string, std::string> answer;
   AboutText about;
   std::map<std::string, std::array<AutomationState::Rect, 2>> openers;  ///< of closed menus and lists, and their clips
   Dock dock;

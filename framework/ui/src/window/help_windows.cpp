@@ -107,7 +107,7 @@ void drawShortcuts(FrameContext &frame) {
 
 void drawAbout(FrameContext &frame) {
   if (!frame.state.showAbout) return;
-  if (!beginDialog(frame, "About", "about", frame.state.showAbout, ImVec2(620, 460))) return;
+  if (!beginDialog(frame, "About", "about", frame.state.showAbout, ImVec2(520, 200))) return;
   const AboutText &about = frame.state.about;
   ImGui::BeginChild("text", ImVec2(0, -ImGui::GetFrameHeightWithSpacing() - frame.theme.px(4.0f)));
   ImGui::PushTextWrapPos(0.0f);
@@ -115,17 +115,6 @@ void drawAbout(FrameContext &frame) {
   ImGui::TextUnformatted(about.version.c_str());
   ImGui::PopFont();
   ImGui::TextColored(colour::kDim, "%s", about.graphics.c_str());
-  heading(frame, "Plugins");
-  if (about.plugins.empty()) ImGui::TextColored(colour::kDim, "none found");
-  for (const AboutText::Plugin &plugin : about.plugins) {
-    ImGui::TextUnformatted((plugin.name + " " + plugin.version).c_str());
-    std::string detail = plugin.refused.empty() ? plugin.vendor : "refused: " + plugin.refused;
-    if (plugin.refused.empty() && !plugin.license.empty()) detail += (detail.empty() ? "" : ", ") + plugin.license;
-    if (!plugin.file.empty()) detail += (detail.empty() ? "" : "\n") + plugin.file;
-    ImGui::TextColored(plugin.refused.empty() ? colour::kDim : colour::kError, "%s", detail.c_str());
-    frame.automation.value("about", plugin.name,
-                           plugin.refused.empty() ? plugin.version : "refused: " + plugin.refused);
-  }
   frame.automation.value("about", "version", about.version);
   frame.automation.value("about", "graphics", about.graphics);
   ImGui::PopTextWrapPos();

@@ -164,6 +164,8 @@ void pluginsMenu(FrameContext &frame) {
     itemTooltip(frame, command.doc.empty() ? "Of " + command.owner : command.doc + " (" + command.owner + ")");
     if (isPicked) return runPluginCommand(frame.services, entry.handle);  // the list may have changed
   }
+  if (!frame.services.commands->commands().empty()) ImGui::Separator();
+  menuItem(frame, {Command::managePlugins});
 }
 
 void transportButton(FrameContext &frame, const char *id, Command command, Icon icon, const ImVec4 &tint,
@@ -278,9 +280,8 @@ float drawMenuBar(FrameContext &frame) {
     height = ImGui::GetWindowSize().y;
     ImGui::PopStyleVar();
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(frame.theme.px(8.0f), frame.theme.px(4.0f)));
-    const bool hasCommands = frame.services.commands && !frame.services.commands->commands().empty();
     for (const Menu &menu : kMenus) {
-      if (menu.draw == pluginsMenu && !hasCommands) continue;
+      if (menu.draw == pluginsMenu && !frame.services.commands) continue;
       if (!beginMenu(frame, menu.label, menu.id)) continue;
       menu.draw(frame);
       ImGui::EndMenu();

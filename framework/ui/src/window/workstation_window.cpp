@@ -274,7 +274,8 @@ void WorkstationWindow::Impl::layOut(FrameContext &context, const render::Render
   drawShortcuts(context);
   drawMessages(context);
   drawAbout(context);
-  drawQuitQuestion(context);
+  drawPluginManager(context);
+  drawQuestion(context);
 }
 
 void WorkstationWindow::Impl::openDialog(bool isMesh) {
@@ -335,8 +336,9 @@ void WorkstationWindow::Impl::resetView(std::optional<Pane> pane) {
 }
 
 void WorkstationWindow::Impl::quitOrAsk() {
-  state.toLose = actions.unsaved ? actions.unsaved() : std::string();
-  if (state.toLose.empty()) window->requestClose();
+  const std::string toLose = actions.unsaved ? actions.unsaved() : std::string();
+  if (toLose.empty()) return window->requestClose();
+  state.question = {"quit", "Quit C3DE?", toLose, {{"quit", "Quit"}, {"stay", "Stay"}}};
 }
 
 void WorkstationWindow::Impl::undo() {
@@ -421,6 +423,7 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
       break;
     case Command::showShortcuts: state.showShortcuts = true; break;
     case Command::showMessages: state.showMessages = true; break;
+    case Command::managePlugins: state.showPlugins = true; break;
     case Command::showAbout: state.showAbout = true; break;
   }
 }
@@ -489,6 +492,17 @@ void WorkstationWindow::connect(const WindowServices &services, WindowActions ac
 
 void WorkstationWindow::setAbout(AboutText about) { impl_->state.about = std::move(about); }
 
+std::string WorkstationWindow::ask(const Question &question, render::Renderer &renderer) {
+  Impl &impl = *impl_;
+  impl.state.question = question;
+  impl.framesToSettle = kFramesToSettle;
+  while (impl.state.question && !closeRequested()) {
+    (void)waitForFrame();
+    drawFrame(renderer, {});
+  }
+  return impl.state.question ? question.answers.back().id : impl.state.answer.second;
+}
+
 bool WorkstationWindow::waitForFrame() {
   Impl &impl = *impl_;
   for (;;) {
@@ -544,7 +558,7 @@ void WorkstationWindow::Impl::layOutAndCarryOut(FrameContext &context, const ren
   const float dockHeight = state.dock.height;
   layOut(context, renderer);
   if (state.dock.height != dockHeight) framesToSettle = std::max(framesToSettle, 2);
-  if (state.quits) window->requestClose();
+  if (state.answer == std::pair<std::string, std::string>("quit", "quit")) window->requestClose();
   if (!state.tooltip.isSeen) state.tooltip = {};
   carryOut(context);
   fitIfWanted();

@@ -12,6 +12,11 @@
 
 namespace c3de {
 
+/// Where the code of a library lies in this process; empty: not known.
+struct CodeRange {
+  const void *begin = nullptr, *end = nullptr;
+};
+
 /// A shared library in this process. Never unloaded: unloading is not reliable (thread-local destructors, unique
 /// symbols).
 class DynamicLibrary {
@@ -20,15 +25,19 @@ class DynamicLibrary {
   [[nodiscard]] static Expected<DynamicLibrary> open(const std::filesystem::path &path);
   /// Null if there is no such symbol.
   [[nodiscard]] void *symbol(const char *name) const;
+  [[nodiscard]] CodeRange codeRange() const;
 
  private:
   void *handle_ = nullptr;
 };
 
 [[nodiscard]] std::filesystem::path executablePath();
-/// Per-user folders, created by whoever writes: XDG on Linux, AppData on Windows.
+[[nodiscard]] std::filesystem::path homeDirectory();  ///< empty: there is none
+/// Per-user folders, created by whoever writes: below C3DE_HOME where that is set, else XDG on Linux, AppData on
+/// Windows.
 [[nodiscard]] std::filesystem::path userDataDirectory();
 [[nodiscard]] std::filesystem::path userConfigDirectory();
+[[nodiscard]] std::filesystem::path userCacheDirectory();
 [[nodiscard]] std::vector<std::filesystem::path> fontDirectories();
 [[nodiscard]] std::string environmentVariable(const char *name);  ///< empty when unset
 [[nodiscard]] char pathListSeparator();                           ///< ':' or ';'

@@ -9,6 +9,7 @@
 #include "c3de/abi/object.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/foreign_call.h"
+#include "c3de/plugin_host/load_rules.h"
 #include "c3de/plugin_host/plugin_error.h"
 
 namespace c3de {
@@ -63,12 +64,20 @@ struct Services {
   CallWatchdog::Limits callLimits;
 };
 
-enum class PluginState { loaded, refused };
+enum class PluginState {
+  loaded,
+  refused,   ///< it, or we, found that it cannot be used
+  shadowed,  ///< another file with the same id is loaded already
+  off        ///< somebody does not want it
+};
+
+/// "loaded", as the program writes it.
+[[nodiscard]] const char *stateName(PluginState state);
 
 struct PluginInfo {
   std::filesystem::path path;
   PluginState state = PluginState::refused;
-  std::string reason;  ///< why refused, one line: what, both numbers or names, what to do
+  std::string reason;  ///< why not loaded, one line: what, both numbers or names, what to do
   std::string id, version, displayName, vendor, license;
   std::vector<std::string> classes;  ///< ids it has registered
 };
@@ -82,14 +91,16 @@ struct ClassInfo {
 /// thread, except where plugins call services that say otherwise.
 class PluginHost {
  public:
-  explicit PluginHost(const Services &services);
+  explicit PluginHost(const Services &services, const LoadRules &rules = {});
   ~PluginHost();  ///< stops and destroys the plugins, last loaded first
 
   /// Loads one plugin: query, create. The error is one line, also kept in plugins().
   Expected<void> load(const std::filesystem::path &file);
-  /// Every plugin of a folder in the order of their names; an id that is loaded already is reported as shadowed.
+  /// Every plugin of a folder in the order of their names; an id that is loaded already is reported as shadowed,
+  /// what is switched off stays out, and a file that load() was given is not looked at again.
   void loadFolder(const std::filesystem::path &folder);
-  /// Calls start() of what was loaded since the last call; a plugin that fails here is rolled back, too.
+  /// Calls start() of what was loaded since the last call; a plugin that fails here is rolled back, too. Says in the
+  /// log which names of LoadRules::without nothing had.
   void start();
 
   /// Carries transforms and visibility of scene nodes over to what plugins draw under them, and drops what hangs on

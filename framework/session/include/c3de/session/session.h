@@ -41,6 +41,7 @@ struct SessionOptions {
   bool searchPlugins = true;                         ///< in folders; false: only those that pluginFiles names
   std::vector<std::filesystem::path> pluginFiles;    ///< --plugin: each must load, or the session fails
   std::vector<std::filesystem::path> pluginFolders;  ///< --plugin-path, before the default folders
+  plugin_host::LoadRules loadRules;                  ///< what is left out, and tried before it runs
   std::vector<std::string> pluginParameters;         ///< --plugin-param: "PLUGIN:ID=VALUE" each
   unsigned threads = 0;                              ///< 0: as many as the machine has
   // Null in a run without a window; parameters are then those of the session itself.

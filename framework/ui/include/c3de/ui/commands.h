@@ -45,6 +45,7 @@ enum class Command {
   reset,
   stop,
   orbitTool,
+  managePlugins,
   showShortcuts,
   showMessages,
   showAbout

@@ -60,6 +60,20 @@ struct SimulatorChoice {
   bool isChosen = false;
 };
 
+/// A file that holds a plugin, or should.
+struct PluginEntry {
+  enum class State { loaded, refused, shadowed, off };
+  std::string id;    ///< empty: not known
+  std::string name;  ///< for people
+  std::string version, vendor, license, file;
+  State state = State::loaded;
+  std::string reason;       ///< why it is not loaded
+  bool isOn = true;         ///< from the next start on
+  bool hasChanged = false;  ///< somebody has switched it since this start
+  unsigned crashes = 0;     ///< runs that it has ended
+  std::string lastCrash{};  ///< "ended by SIGSEGV, …": of the last of them
+};
+
 /// What the window asks the program to do. Called on the main thread, in drawFrame().
 struct WindowActions {
   std::function<void(const OpenRequest &)> open;
@@ -68,6 +82,8 @@ struct WindowActions {
   std::function<void(double rate)> setTargetRate;       ///< 0: as fast as it goes
   std::function<std::vector<SimulatorChoice>()> simulators;
   std::function<void(const std::string &id)> chooseSimulator;
+  std::function<std::vector<PluginEntry>()> plugins;
+  std::function<void(const std::string &id, bool isOn)> switchPlugin;  ///< from the next start on
   std::function<void()> screenshot;
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
   /// The scan as it now lies; how far
@@ -96,11 +112,15 @@ struct WindowServices {
 /// For Help > About.
 struct AboutText {
   std::string version, graphics;
-  struct Plugin {
-    std::string name, version, vendor, license, file;
-    std::string refused;  ///< why; empty: loaded
+};
+
+/// Something a person has to choose before the program goes on.
+struct Question {
+  struct Answer {
+    std::string id, label;
   };
-  std::vector<Plugin> plugins;
+  std::string id, title, text;
+  std::vector<Answer> answers;  ///< Enter chooses the first, Escape the last
 };
 
 /// The state of the present simulation for toolbar and status bar.
@@ -124,6 +144,10 @@ class WorkstationWindow {
 
   void connect(const WindowServices &services, WindowActions actions);
   void setAbout(AboutText about);
+
+  /// Draws frames until the question is answered; before connect(), too. Returns the id of the answer: the last one if
+  /// the window is closed instead.
+  [[nodiscard]] std::string ask(const Question &question, render::Renderer &renderer);
 
   /// Waits until a frame is due: at once after input, at most 60 times a second while something moves, else never.
   /// @return whether the frame is to show what is new. Where frames take long and input waits, it only answers that,

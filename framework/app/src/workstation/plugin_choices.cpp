@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "workstation/plugin_choices.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "c3de/core/log.h"
+#include "c3de/core/path_text.h"
+#include "c3de/core/platform.h"
+#include "c3de/plugin_host/plugin_records.h"
+
+namespace c3de::app {
+namespace {
+
+constexpr const char *kWithout = "without", *kSafeMode = "safe_mode", *kLoad = "load";
+
+/// Short where everybody knows the folder.
+std::string shownPath(const std::filesystem::path &file) {
+  if (file.parent_path() == plugin_host::ownPluginFolder()) return pathText(file.filename()) + ", with the program";
+  const std::filesystem::path home = homeDirectory();
+  const std::filesystem::path below = home.empty() ? home : file.lexically_relative(home);
+  return below.empty() || *below.begin() == ".." ? pathText(file) : "~/" + pathText(below);
+}
+
+ui::PluginEntry::State stateOf(plugin_host::PluginState state) {
+  using From = plugin_host::PluginState;
+  using To = ui::PluginEntry::State;
+  switch (state) {
+    case From::loaded: return To::loaded;
+    case From::refused: break;
+    case From::shadowed: return To::shadowed;
+    case From::off: return To::off;
+  }
+  return To::refused;
+}
+
+}  // namespace
+
+void askAboutCrashes(ui::WorkstationWindow &window, render::Renderer &renderer, plugin_host::LoadRules &rules) {
+  if (!rules.records) return;
+  for (const auto &crash : rules.records->crashes()) {
+    const bool isOut = rules.isSafeMode || rules.records->isOff(crash.id) ||
+                       std::find(rules.without.begin(), rules.without.end(), crash.id) != rules.without.end();
+    if (crash.isAnswered || isOut || window.closeRequested()) continue;
+    const std::string often =
+        crash.count > 1 ? fmt::format("\n\nThis plugin has ended {} runs so far.", crash.count) : std::string();
+    const std::string answer =
+        window.ask({"crash",
+                    "Go on without " + crash.id + "?",
+                    "The last run " + crash.cause + "." + often +
+                        "\n\nLeft out, it stays off until it is switched on in the plugin manager (menu Plugins). In "
+                        "safe mode, this run loads only the plugins that came with the program.",
+                    {{kWithout, "Without it"}, {kSafeMode, "Safe mode"}, {kLoad, "Load it"}}},
+                   renderer);
+    if (window.closeRequested()) return;  // asked again at the next start
+    rules.records->answerCrash(crash.id);
+    if (answer == kSafeMode) rules.isSafeMode = true;
+    if (answer != kWithout) continue;
+    if (const auto kept = rules.records->setOff(crash.id, true); !kept) {
+      log(LogLevel::warn, kept.error().message);
+      rules.without.push_back(crash.id);
+    }
+  }
+}
+
+std::vector<ui::PluginEntry> pluginEntries(const plugin_host::PluginHost &host,
+                                           const plugin_host::PluginRecords &records,
+                                           const std::vector<std::string> &offAtStart) {
+  const auto crashes = records.crashes();
+  std::vector<ui::PluginEntry> entries;
+  for (const plugin_host::PluginInfo &plugin : host.plugins()) {
+    ui::PluginEntry entry{plugin.id,
+                          !plugin.displayName.empty() ? plugin.displayName
+                          : !plugin.id.empty()        ? plugin.id
+                                                      : pathText(plugin.path.filename()),
+                          plugin.version,
+                          plugin.vendor,
+                          plugin.license,
+                          shownPath(plugin.path),
+                          stateOf(plugin.state),
+                          plugin.reason,
+                          !records.isOff(plugin.id)};
+    const bool wasOff = std::find(offAtStart.begin(), offAtStart.end(), plugin.id) != offAtStart.end();
+    entry.hasChanged = wasOff == entry.isOn;
+    const auto crash = std::find_if(crashes.begin(), crashes.end(), [&](const auto &one) {
+      return one.id == plugin.id || one.id == pathText(plugin.path.filename());
+    });
+    if (crash != crashes.end()) {
+      entry.crashes = crash->count;
+      entry.lastCrash = crash->cause;
+    }
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+}  // namespace c3de::app

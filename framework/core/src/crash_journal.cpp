@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/core/crash_journal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <fstream>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <utility>
+
+#include "c3de/core/path_text.h"
+#include "c3de/core/text.h"
+#include "fatal_error.h"
+#include "foreign_place.h"
+
+namespace c3de {
+namespace {
+
+constexpr const char *kExtension = ".run";
+
+/// By value of Place.
+constexpr std::array kPlaces{"program", "call", "thread", "before", "hang"};
+
+struct ForeignCode {
+  std::atomic<const char *> owner{nullptr};
+  CodeRange range;
+};
+
+// A handler of signals is given no data of ours: static.
+std::array<ForeignCode, 256> foreignCode;
+std::atomic<std::size_t> foreignCodeUsed{0};
+std::atomic<const detail::HeldFile *> journalOfProcess{nullptr};
+std::mutex hangMutex;
+
+const char *ownerOfCode(const void *address) noexcept {
+  const std::size_t used = std::min(foreignCodeUsed.load(), foreignCode.size());
+  for (std::size_t i = 0; i < used; ++i) {
+    const char *owner = foreignCode[i].owner.load(std::memory_order_acquire);
+    const CodeRange &range = foreignCode[i].range;
+    if (owner != nullptr && address >= range.begin && address < range.end) return owner;
+  }
+  return nullptr;
+}
+
+/// Text without memory from the heap, which may be what is damaged.
+class FixedText {
+ public:
+  FixedText &operator<<(const char *text) noexcept {
+    if (text == nullptr) return *this;
+    const std::size_t n = std::min(std::strlen(text), text_.size() - size_);
+    std::memcpy(text_.data() + size_, text, n);
+    size_ += n;
+    return *this;
+  }
+  [[nodiscard]] const char *data() const { return text_.data(); }
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+ private:
+  std::array<char, 2048> text_{};
+  std::size_t size_ = 0;
+};
+
+const char *nameOf(CrashRecord::Place place) { return kPlaces[static_cast<std::size_t>(place)]; }
+
+void onFatalError(const char *how, const void *const *stack, std::size_t depth) noexcept {
+  using Place = CrashRecord::Place;
+  const detail::ForeignPlace at = detail::foreignPlaceOfThread();
+  const char *owner = nullptr;
+  for (std::size_t i = 0; i < depth && owner == nullptr; ++i) owner = ownerOfCode(stack[i]);
+  const char *what = at.isInside ? at.what : nullptr;
+  Place place = Place::program;
+  if (at.isInside) {
+    place = Place::call;
+    if (owner == nullptr) owner = at.owner;
+  } else if (owner != nullptr) {
+    place = Place::thread;
+  } else if (at.owner != nullptr) {
+    place = Place::before;
+    owner = at.owner;
+    what = at.what;
+  }
+  FixedText told;
+  told << "\nc3de: fatal: " << how;
+  if (place == Place::program) told << ", in the program itself";
+  if (place == Place::call) told << ", in plugin " << owner << " (" << what << ")";
+  if (place == Place::thread) told << ", in plugin " << owner << " (on a thread of its own)";
+  if (place == Place::before) told << ", in the program itself, after plugin " << owner << " (" << what << ")";
+  told << "\n";
+  detail::writeToErrorStream(told.data(), told.size());
+
+  const detail::HeldFile *journal = journalOfProcess.load();
+  if (journal == nullptr) return;
+  FixedText record;
+  record << nameOf(place) << "\n" << how << "\n" << owner << "\n" << what << "\n";
+  journal->replace(record.data(), record.size());
+}
+
+/// Empty: it says nothing.
+std::optional<CrashRecord> read(const std::filesystem::path &path) {
+  std::ifstream file(path);
+  std::string place;
+  CrashRecord record;
+  std::getline(file, place);
+  std::getline(file, record.how);
+  std::getline(file, record.owner);
+  std::getline(file, record.what);
+  const auto *found = std::find(kPlaces.begin(), kPlaces.end(), place);
+  if (found == kPlaces.end()) return {};
+  record.place = static_cast<CrashRecord::Place>(found - kPlaces.begin());
+  record.how = shownText(record.how);
+  record.owner = shownText(record.owner);
+  record.what = shownText(record.what);
+  return record;
+}
+
+}  // namespace
+
+struct CrashJournal::Impl {
+  std::filesystem::path path;
+  detail::HeldFile file;
+};
+
+CrashJournal::CrashJournal(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {
+  journalOfProcess = &impl_->file;
+  tellFatalErrors();
+}
+
+CrashJournal::CrashJournal(CrashJournal &&) noexcept = default;
+
+CrashJournal::~CrashJournal() {
+  if (!impl_) return;
+  journalOfProcess = nullptr;
+  const std::lock_guard lock(hangMutex);  // nobody writes to it any more
+  std::error_code ignored;
+  std::filesystem::remove(impl_->path, ignored);
+}
+
+Expected<CrashJournal> CrashJournal::begin(const std::filesystem::path &folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  std::random_device random;
+  const auto path = folder / (fmt::format("{:08x}{:08x}", random(), random()) + kExtension);
+  auto file = detail::HeldFile::make(path);
+  if (!file)
+    return fail(ErrorCode::output, pathText(path) +
+                                       " cannot be written; what this run dies of will not be known to "
+                                       "the next one");
+  return CrashJournal(std::make_unique<Impl>(Impl{path, std::move(*file)}));
+}
+
+std::vector<CrashRecord> CrashJournal::takeLeft(const std::filesystem::path &folder) {
+  std::vector<CrashRecord> records;
+  std::vector<std::filesystem::path> gone;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() != kExtension) continue;
+    const auto held = detail::HeldFile::takeOver(it->path());
+    if (!held) continue;
+    if (const auto record = read(it->path())) records.push_back(*record);
+    gone.push_back(it->path());
+  }
+  for (const auto &path : gone) std::filesystem::remove(path, error);
+  return records;
+}
+
+std::string CrashRecord::cause() const {
+  switch (place) {
+    case Place::program: break;
+    case Place::call: return fmt::format("ended by {}, in plugin {} ({})", how, owner, what);
+    case Place::thread: return fmt::format("ended by {}, in plugin {} (on a thread of its own)", how, owner);
+    case Place::before:
+      return fmt::format("ended by {}, in the program itself, after plugin {} ({})", how, owner, what);
+    case Place::hang:
+      return fmt::format("was ended from outside while plugin {} ({}) did not return for {}", owner, what, how);
+  }
+  return fmt::format("ended by {}, in the program itself", how);
+}
+
+void tellFatalErrors() { detail::installFatalHandler(&onFatalError); }
+
+void noteForeignCode(const char *owner, const CodeRange &range) {
+  if (range.begin == nullptr) return;
+  for (std::size_t i = 0; i < std::min(foreignCodeUsed.load(), foreignCode.size()); ++i)
+    if (foreignCode[i].range.begin == range.begin) return foreignCode[i].owner.store(owner);
+  const std::size_t i = foreignCodeUsed.fetch_add(1);
+  if (i >= foreignCode.size()) return;
+  foreignCode[i].range = range;
+  foreignCode[i].owner.store(owner, std::memory_order_release);
+}
+
+void noteHang(const LongCall &call) {
+  const std::lock_guard lock(hangMutex);
+  const detail::HeldFile *journal = journalOfProcess.load();
+  if (journal == nullptr) return;
+  std::string record;
+  if (!call.isOver)
+    record =
+        fmt::format("{}\n{:.0f} s\n{}\n{}\n", nameOf(CrashRecord::Place::hang), call.seconds, call.owner, call.what);
+  journal->replace(record.data(), record.size());
+}
+
+}  // namespace c3de

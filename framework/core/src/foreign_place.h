@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace c3de::detail {
+
+/// Where the present thread is, or has been, outside of the program.
+struct ForeignPlace {
+  const char *owner = nullptr, *what = nullptr;  ///< null: in no such call so far
+  bool isInside = false;                         ///< else the last call has returned
+};
+/// Also for handlers of signals and of exit().
+[[nodiscard]] ForeignPlace foreignPlaceOfThread() noexcept;
+
+}  // namespace c3de::detail

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Dies, hangs or ends the program where the environment says so (C3DE_TEST_DIES): so that one file can be good when it
+// is first used and bad later.
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "c3de/sdk/sdk.hpp"
+
+namespace {
+
+namespace sdk = c3de::sdk;
+
+bool diesIn(const std::string &place) {
+  const char *wanted = std::getenv("C3DE_TEST_DIES");
+  return wanted != nullptr && place == wanted;
+}
+
+/// Of the library itself, before it has said who it is.
+struct Loading {
+  Loading() {
+    if (diesIn("loading")) std::abort();
+  }
+} loading;
+
+class Dying : public sdk::Panel {
+ public:
+  static constexpr sdk::PluginInfo info{.id = "test.dying", .version = "1.0.0", .displayName = "Dying"};
+  static constexpr std::array needs{sdk::required<c3de_forces_v0>(), sdk::optional<c3de_panels_v1>()};
+
+  explicit Dying(sdk::Host host) {
+    if (diesIn("create")) std::abort();
+    if (diesIn("exit")) std::exit(0);
+    if (diesIn("hang")) std::this_thread::sleep_for(std::chrono::minutes(10));
+    field_ = sdk::orThrow(sdk::Forces(host).add("dying", [](const c3de_force_call &) -> sdk::Result<void> {
+      if (diesIn("step")) {
+        volatile std::uintptr_t nowhere = 8;  // compilers know what they can see
+        *reinterpret_cast<volatile int *>(nowhere) = 1;
+      }
+      return {};
+    }));
+    if (host.service<c3de_panels_v1>()) sdk::orThrow(show(host, "test.dying.panel", "Dying"));
+  }
+
+  void start() {
+    if (diesIn("thread")) {
+      std::thread([] { throw std::runtime_error("of a thread of its own"); }).detach();
+      std::this_thread::sleep_for(std::chrono::minutes(10));
+    }
+  }
+  void stop() { field_.remove(); }
+  void draw(sdk::Ui &ui) override {
+    if (diesIn("panel")) std::abort();
+    ui.text("I live.");
+  }
+
+ private:
+  sdk::ForceField field_;
+};
+
+}  // namespace
+
+C3DE_DEFINE_PLUGIN(Dying)

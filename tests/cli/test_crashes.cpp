@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plugins that end the program: what is said, and how one goes on.
+#include "program.h"
+#include "support/environment.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A person of his own, with his own copy of the plugin and a scene.
+class Person {
+ public:
+  explicit Person(const std::string &name)
+      : folder_(freshFolder(name)), home_("C3DE_HOME", (folder_ / "home").string()) {
+    fs::create_directories(folder_ / "plugins");
+    plugin = folder_ / "plugins" / ("dying" + std::string(c3de::pluginExtension()));
+    fs::copy_file(C3DE_DYING_PLUGIN, plugin);
+    scene_ = writeBoxScene(folder_);
+  }
+
+  /// @param dies  where the plugin dies; empty: nowhere
+  [[nodiscard]] c3de::ProcessResult run(const std::string &dies, const std::vector<std::string> &more = {}) const {
+    const ScopedEnvironment place("C3DE_TEST_DIES", dies);
+    std::vector<std::string> arguments{"run", scene_.string(), "--steps",
+                                       "2",   "--plugin-path", plugin.parent_path().string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runC3de(arguments);
+  }
+  [[nodiscard]] c3de::ProcessResult plugins(const std::vector<std::string> &more = {},
+                                            const std::string &dies = {}) const {
+    const ScopedEnvironment place("C3DE_TEST_DIES", dies);
+    std::vector<std::string> arguments{"plugins", "--plugin-path", plugin.parent_path().string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runC3de(arguments);
+  }
+  /// What `c3de plugins --json` says of the plugin.
+  [[nodiscard]] nlohmann::json listed(const std::vector<std::string> &more = {}) const {
+    std::vector<std::string> arguments{"--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto all = nlohmann::json::parse(plugins(arguments).output);
+    for (const auto &one : all.at("plugins"))
+      if (one.at("path").get<std::string>().find("dying") != std::string::npos) return one;
+    return {};
+  }
+
+  fs::path plugin;
+
+ private:
+  fs::path folder_;
+  ScopedEnvironment home_;
+  fs::path scene_;
+};
+
+}  // namespace
+
+TEST_CASE("a plugin that dies, hangs or exits at its first use is refused, and the run goes on") {
+  struct Case {
+    const char *where, *said;
+  };
+  for (const Case &one : {Case{"loading", "(loading of its library)"}, Case{"create", "in plugin test.dying (create)"},
+                          Case{"thread", "in plugin test.dying (on a thread of its own)"},
+                          Case{"exit", "by exit() within create"}, Case{"hang", "had not come to an end after 5 s"}}) {
+    INFO(one.where);
+    const Person person(std::string("first-use-") + one.where);
+    const auto result = person.run(one.where);
+    INFO(result.errorOutput);
+    CHECK(result.exitCode == 0);
+    CHECK_THAT(result.errorOutput, Contains("refused: its first use, in a process of its own,") && Contains(one.said) &&
+                                       Contains("--trust-plugins"));
+    // It is known from then on, until the file changes.
+    CHECK_THAT(person.run("").errorOutput, Contains(one.said));
+    fs::last_write_time(person.plugin, fs::last_write_time(person.plugin) + std::chrono::seconds(2));
+    CHECK(person.run("").errorOutput.find("refused") == std::string::npos);
+    CHECK(person.listed().at("state") == "loaded");
+  }
+}
+
+TEST_CASE("who trusts a plugin sees what ends his run, and is told again at the next start") {
+  for (const char *where : {"create", "step", "thread"}) {
+    INFO(where);
+    const Person person(std::string("trusted-") + where);
+    const auto died = person.run(where, {"--trust-plugins"});
+    CHECK(died.exitCode >= 128);
+    const std::string place = where == std::string("create") ? "(create)"
+                              : where == std::string("step") ? "(apply of a force field)"
+                                                             : "(on a thread of its own)";
+    CHECK_THAT(died.errorOutput, Contains("c3de: fatal: SIG") && Contains("in plugin test.dying " + place));
+    const auto next = person.run("");
+    CHECK(next.exitCode == 0);
+    CHECK_THAT(next.errorOutput, Contains("the last run ended by SIG") && Contains("in plugin test.dying " + place) &&
+                                     Contains("--without test.dying") && Contains("--safe-mode"));
+    CHECK(person.run("").errorOutput.find("the last run") == std::string::npos);  // told once
+    CHECK_THAT(person.plugins().output, Contains("crashed  test.dying: one run ended by SIG"));
+  }
+}
+
+TEST_CASE("a plugin can be left out, for one run or for all") {
+  const Person person("left-out");
+  REQUIRE(person.listed().at("state") == "loaded");
+  for (const char *name : {"test.dying", "dying"}) {
+    const auto without = person.run("step", {"--without", name});
+    CHECK(without.exitCode == 0);
+    const auto off = person.listed({"--without", name});
+    CHECK(off.at("state") == "off");
+    CHECK_THAT(off.at("reason").get<std::string>(), Contains(std::string("--without ") + name));
+  }
+  CHECK(person.run("step", {"--safe-mode"}).exitCode == 0);
+  CHECK_THAT(person.listed({"--safe-mode"}).at("reason").get<std::string>(), Contains("safe mode"));
+  const auto nobody = person.run("", {"--without", "test.dyin"});
+  CHECK(nobody.exitCode == 0);
+  CHECK_THAT(nobody.errorOutput, Contains("--without test.dyin: no plugin has this id or file"));
+  const auto both = person.run("", {"--safe-mode", "--plugin", person.plugin.string()});
+  CHECK(both.exitCode == 2);
+  CHECK_THAT(both.errorOutput, Contains("--safe-mode") && Contains("--plugin"));
+
+  CHECK_THAT(person.plugins({"--off", "test.dying"}).output, Contains("test.dying stays off"));
+  CHECK(person.listed().at("state") == "off");
+  CHECK_THAT(person.listed().at("reason").get<std::string>(), Contains("c3de plugins --on test.dying"));
+  CHECK(person.run("step").exitCode == 0);
+  // Who names the file wants it.
+  CHECK(person.run("step", {"--plugin", person.plugin.string()}).exitCode >= 128);
+  const auto misspelt = person.plugins({"--on", "test.diying"});
+  CHECK(misspelt.exitCode == 2);
+  CHECK_THAT(misspelt.errorOutput, Contains("did you mean test.dying?"));
+  CHECK(person.plugins({"--on", "test.dying"}).exitCode == 0);
+  CHECK(person.listed().at("state") == "loaded");
+}
