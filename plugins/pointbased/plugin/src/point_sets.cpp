@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "body_fields.h"
+#include "c3de/sdk/structs.hpp"
 #include "field_rows.h"
 
 namespace pointbased {
@@ -93,8 +94,8 @@ void PhyxelSet::neighbours(c3de_view *offsets, c3de_view *indices) {
       lent_ = body.sharedRest();
       lentNeighbours_ = neighboursOf(*lent_);
     }
-    *offsets = indexView(lentNeighbours_.offsets);
-    *indices = indexView(lentNeighbours_.indices);
+    sdk::notNull(offsets, "offsets") = indexView(lentNeighbours_.offsets);
+    sdk::notNull(indices, "indices") = indexView(lentNeighbours_.indices);
   });
 }
 
@@ -187,9 +188,9 @@ void SurfelSet::owners(c3de_view *offsets, c3de_view *indices, c3de_view *weight
       owners_ = lent_->surfels.expanded(lent_->positions);
     }
     const Interpolation &kept = simulator_ ? owners_ : own_;
-    *offsets = indexView(kept.phyxels.offsets);
-    *indices = indexView(kept.phyxels.indices);
-    *weights = {kept.weights.data(), kept.weights.size(), 1, C3DE_F64, 0};
+    sdk::notNull(offsets, "offsets") = indexView(kept.phyxels.offsets);
+    sdk::notNull(indices, "indices") = indexView(kept.phyxels.indices);
+    sdk::notNull(weights, "weights") = {kept.weights.data(), kept.weights.size(), 1, C3DE_F64, 0};
   });
 }
 
@@ -221,12 +222,12 @@ void SurfelSet::assign(c3de_object *phyxels, c3de_view positionsView, c3de_view 
 
 void SurfelSet::triangles(c3de_view *out) {
   if (!simulator_) {
-    *out = {nullptr, 0, 3, C3DE_U32, 0};
+    sdk::notNull(out, "out") = {nullptr, 0, 3, C3DE_U32, 0};
     return;
   }
   withBody([&](const Body &body) { lentSkin_ = body.sharedRest(); });
   static_assert(sizeof(lentSkin_->skin[0]) == 3 * sizeof(std::uint32_t));
-  *out = {lentSkin_->skin.data(), lentSkin_->skin.size(), 3, C3DE_U32, 0};
+  sdk::notNull(out, "out") = {lentSkin_->skin.data(), lentSkin_->skin.size(), 3, C3DE_U32, 0};
 }
 
 }  // namespace pointbased

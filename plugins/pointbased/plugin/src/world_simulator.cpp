@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "advice.h"
 #include "body_fields.h"
+#include "c3de/sdk/structs.hpp"
 #include "grab_patch.h"
 #include "point_sets.h"
 #include "report.h"
@@ -16,21 +16,6 @@ namespace {
 
 using sdk::Error;
 using sdk::Failure;
-
-template <class T>
-void writeOut(T *out, const T &value) {
-  const std::uint32_t size = out->size;
-  std::memcpy(out, &value, std::min<std::size_t>(size, sizeof value));
-  out->size = size;
-}
-
-template <class T>
-T readIn(const T *in, const char *what) {
-  if (!in || in->size < sizeof(std::uint32_t)) throw Error(C3DE_E_ARG, std::string(what) + " is null or has no size");
-  T value{};
-  std::memcpy(&value, in, std::min<std::size_t>(in->size, sizeof value));
-  return value;
-}
 
 // What a rigid body would not do must not be asked of it.
 void checkStandsStill(const std::string &name, const BodySource &source) {
@@ -97,9 +82,9 @@ c3de_status WorldSimulator::declarations(std::uint32_t scope, const c3de_param_d
     case C3DE_SIM_SCOPE_OBSTACLE: found = obstacleDeclarations(); break;
     default: throw Error(C3DE_E_ARG, "scope " + std::to_string(scope) + " is not known; accepted: 1 … 3");
   }
-  *decls = found.data();
-  *n = found.size();
-  *stride = sizeof(c3de_param_decl);
+  sdk::notNull(decls, "decls") = found.data();
+  sdk::notNull(n, "n") = found.size();
+  sdk::notNull(stride, "stride") = sizeof(c3de_param_decl);
   return C3DE_OK;
 }
 
@@ -135,7 +120,7 @@ void WorldSimulator::makeRoom(const BodyRecord &body) {
 }
 
 void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls walls) {
-  const c3de_sim_body in = readIn(body, "body");
+  const c3de_sim_body in = sdk::readStruct(body, "body");
   BodyRecord record;
   record.name = std::string(sdk::text(in.name));
   ParameterValues values(context_.laws.declarations());
@@ -159,7 +144,7 @@ void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls wall
 }
 
 void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle *out) {
-  const c3de_sim_obstacle in = readIn(obstacle, "obstacle");
+  const c3de_sim_obstacle in = sdk::readStruct(obstacle, "obstacle");
   ParameterValues values(obstacleDeclarations());
   sdk::orThrow(values.set(in.params, in.params_n, in.params_stride));
   const std::string name(sdk::text(in.name));
@@ -177,6 +162,7 @@ void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle 
 void WorldSimulator::addProbe(c3de_str name, c3de_handle body, const double *at_m3, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
   const BodyRecord &record = bodyOrThrow(body);
+  (void)sdk::notNull(at_m3, "at_m3");
   const Vec3 at(at_m3[0], at_m3[1], at_m3[2]);
   const std::string which = "probe '" + std::string(sdk::text(name)) + "': ";
   if (!at.allFinite()) throw Error(C3DE_E_ARG, which + "the point is not finite");
@@ -205,7 +191,7 @@ WorldSimulator::BodyRecord &WorldSimulator::bodyOrThrow(c3de_handle body) {
 }
 
 sdk::Result<void> WorldSimulator::setBodyParam(c3de_handle body, const c3de_param_value *value) {
-  const c3de_param_value in = readIn(value, "value");
+  const c3de_param_value in = sdk::readStruct(value, "value");
   const std::lock_guard lock(mutex_);
   BodyRecord &record = bodyOrThrow(body);
   ParameterValues changed = *record.values;
@@ -234,7 +220,7 @@ sdk::Result<void> WorldSimulator::getBodyParam(c3de_handle body, c3de_str id, c3
   const std::lock_guard lock(mutex_);
   auto found = bodyOrThrow(body).values->get(sdk::text(id));
   if (!found) return found.failure();
-  writeOut(out, *found);
+  sdk::writeStruct(out, *found, "out");
   return {};
 }
 
@@ -290,7 +276,7 @@ void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
     points.masses_kg = lent.masses.data();
     points.forces_N = lent.forces.front().data();
   }
-  writeOut(out, points);
+  sdk::writeStruct(out, points, "out");
 }
 
 void WorldSimulator::bind(LiveLoad &live) const {
@@ -490,12 +476,12 @@ void WorldSimulator::status(c3de_sim_status *out) {
     s.flags = C3DE_SIM_LOAD_STEPS;
     s.planned_steps = static_cast<std::uint32_t>(simulator_.world().loadSteps);
   }
-  writeOut(out, s);
+  sdk::writeStruct(out, s, "out");
 }
 
 void WorldSimulator::stateHash(std::uint64_t *out) {
   const std::lock_guard lock(mutex_);
-  *out = simulator_.stateHash();
+  sdk::notNull(out, "out") = simulator_.stateHash();
 }
 
 void WorldSimulator::report(c3de_sink json) {
@@ -519,7 +505,7 @@ sdk::Result<void> WorldSimulator::bodyAt(std::uint64_t index, c3de_handle *out) 
   for (const auto &[id, record] : bodies_) ordered.push_back({record.order, id});
   std::sort(ordered.begin(), ordered.end());
   if (index >= ordered.size()) return noSuch("body");
-  *out = {ordered[static_cast<std::size_t>(index)].second};
+  sdk::notNull(out, "out") = {ordered[static_cast<std::size_t>(index)].second};
   return {};
 }
 
@@ -536,7 +522,7 @@ sdk::Result<void> WorldSimulator::bodyInfo(c3de_handle handle, c3de_sim_body_inf
   info.mesh_volume_m3 = record.surface->volume;
   info.spacing_m = body.rest().spacing;
   info.stable_dt_s = body.stableStepAtRest();
-  writeOut(out, info);
+  sdk::writeStruct(out, info, "out");
   return {};
 }
 
@@ -562,7 +548,7 @@ void WorldSimulator::triangles(c3de_handle body, c3de_view *out) {
   (void)bodyOrThrow(body);
   const auto &skin = simulator_.body(body.v)->rest().skin;
   static_assert(sizeof(skin[0]) == 3 * sizeof(std::uint32_t));
-  *out = {skin.data(), skin.size(), 3, C3DE_U32, 0};
+  sdk::notNull(out, "out") = {skin.data(), skin.size(), 3, C3DE_U32, 0};
 }
 
 c3de_status WorldSimulator::enumProbes(void *visitor, EachProbe each) {
@@ -589,7 +575,8 @@ void WorldSimulator::phyxels(c3de_handle body, c3de_object **out) {
     const std::lock_guard lock(mutex_);
     (void)bodyOrThrow(body);
   }
-  *out = sdk::make<PhyxelSet>(context_, sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
+  sdk::notNull(out, "out") =
+      sdk::make<PhyxelSet>(context_, sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
 }
 
 void WorldSimulator::surfels(c3de_handle body, c3de_object **out) {
@@ -597,7 +584,7 @@ void WorldSimulator::surfels(c3de_handle body, c3de_object **out) {
     const std::lock_guard lock(mutex_);
     (void)bodyOrThrow(body);
   }
-  *out = sdk::make<SurfelSet>(sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
+  sdk::notNull(out, "out") = sdk::make<SurfelSet>(sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
 }
 
 void WorldSimulator::hold(c3de_handle handle, const double *at_m3, double radius_m) {

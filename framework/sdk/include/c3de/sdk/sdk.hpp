@@ -10,4 +10,5 @@
 #include "c3de/sdk/plugin.hpp"
 #include "c3de/sdk/services.hpp"
 #include "c3de/sdk/simulator.hpp"
+#include "c3de/sdk/structs.hpp"
 #include "c3de/sdk/tool.hpp"

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a plugin registers, worked at random as people work it.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <fstream>
+
+#include "c3de/abi/draft/tools.h"
+#include "c3de/registry/text_panel.h"
+#include "check.h"
+#include "trial.h"
+
+namespace c3de::validate {
+namespace {
+
+constexpr int kEvents = 300;
+
+Verdict ofEvents(const LoadedTrial &loaded, int events) {
+  const Verdict said = loaded.complaints();
+  return said.result == Result::pass ? pass(fmt::format("{} events", events)) : said;
+}
+
+double numberWithin(const ParameterDecl &decl, Random &random) {
+  const double low = std::isfinite(decl.min) ? decl.min : -1e6, high = std::isfinite(decl.max) ? decl.max : 1e6;
+  switch (random.below(4)) {
+    case 0: return decl.min;
+    case 1: return decl.max;
+    default: return low + random.unit() * (high - low);
+  }
+}
+
+ParameterValue randomValue(const ParameterDecl &decl, Random &random) {
+  ParameterValue value = decl.fallbackValue();
+  value.num = numberWithin(decl, random);
+  if (decl.type == C3DE_PARAM_I64) value.num = std::round(value.num);
+  if (decl.type == C3DE_PARAM_BOOL) value.num = static_cast<double>(random.below(2));
+  for (double &component : value.vec) component = numberWithin(decl, random);
+  if (!decl.choices.empty()) {
+    value.text = random.of(decl.choices);
+  } else if (decl.type == C3DE_PARAM_TEXT) {
+    const std::array<std::string, 5> texts{"", "a", std::string(10000, 'x'), "\xc3\xa4 \xe2\x82\xac", "%s%n"};
+    value.text = random.of(texts);
+  }
+  return value;
+}
+
+Verdict parameters(const Trial &trial) {
+  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  if (!loaded.refusal.empty()) return fail(loaded.refusal);
+  registry::ParameterRegistry &registry = loaded.host->parameters;
+  const std::vector<Handle> sets = registry.ownedBy(loaded.id());
+  if (sets.empty()) return skip("it declares no parameters");
+  Random random(trial.seed);
+  std::string unlabelled;
+  int taken = 0;
+  for (const Handle set : sets) {
+    const std::vector<ParameterDecl> decls = registry.find(set)->decls;
+    for (const ParameterDecl &decl : decls) {
+      if (decl.label.empty()) unlabelled += (unlabelled.empty() ? "" : ", ") + decl.id;
+      if (const auto sound = checkParameter(decl, decl.fallbackValue()); !sound)
+        return fail("its own default is refused: " + sound.error().message);
+    }
+    for (int i = 0; i < kEvents && !decls.empty(); ++i) {
+      const ParameterDecl &decl = random.of(decls);
+      taken += registry.edit(set, randomValue(decl, random)) ? 1 : 0;  // what is not accepted never reaches it
+      if (i % 10 == 0) loaded.host->mainQueue.runFrame();
+      if (registry.find(set) == nullptr) return warn("took its parameters back when one was changed");
+    }
+    while (!registry.history().undoLabel().empty()) registry.history().undo(registry);
+  }
+  loaded.host->mainQueue.runFrame();
+  if (!unlabelled.empty()) return warn("parameters without a label: " + unlabelled);
+  return ofEvents(loaded, taken);
+}
+
+void workWidget(registry::TextPanel &panel, const registry::TextPanel::Widget &widget, Random &random) {
+  constexpr std::array kNumbers{0.0, -1.0, 1.0, 1e-300, -1e300, 1e300, 0.5, 1e9};
+  const std::array<std::string, 5> texts{"", "auto", "\xe2\x82\xac", std::string(5000, 'y'), "../../x"};
+  switch (random.below(4)) {
+    case 0: return panel.press(widget.id);
+    case 1: return panel.check(widget.id, random.below(2) == 1);
+    case 2: return panel.setNumber(widget.id, random.of(kNumbers));
+    default: return panel.setText(widget.id, random.of(texts));
+  }
+}
+
+Verdict panels(const Trial &trial) {
+  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  if (!loaded.refusal.empty()) return fail(loaded.refusal);
+  if (loaded.host->panels.handles().empty()) return skip("it has no panels");
+  Random random(trial.seed);
+  registry::TextPanel text(&loaded.host->parameters);
+  int events = 0;
+  for (const Handle handle : loaded.host->panels.handles()) {
+    for (int i = 0; i < kEvents; ++i, ++events) {
+      const registry::Panel *panel = loaded.host->panels.find(handle);
+      if (panel == nullptr) break;  // it may take its panel back
+      (void)text.draw(*panel);
+      const auto &widgets = text.widgets();
+      int open = 0;
+      for (const auto &widget : widgets) open += widget.kind == "list" ? 1 : widget.kind == "list end" ? -1 : 0;
+      if (open != 0) return warn("the panel " + panel->id + (open > 0 ? " does not end a list" : " ends a list twice"));
+      if (!widgets.empty()) {
+        const registry::TextPanel::Widget widget = random.of(widgets);
+        workWidget(text, widget, random);
+      }
+      loaded.host->mainQueue.runFrame();
+    }
+  }
+  return ofEvents(loaded, events);
+}
+
+c3de_event randomEvent(Random &random, std::uint32_t &buttons, double time_s) {
+  c3de_event event{};
+  event.size = sizeof event;
+  event.type = 1 + static_cast<std::uint32_t>(random.below(5));
+  event.button = 1u << random.below(3);
+  if (event.type == C3DE_EVENT_PRESS) buttons |= event.button;
+  if (event.type == C3DE_EVENT_RELEASE) buttons &= ~event.button;
+  event.buttons = buttons;
+  event.modifiers = static_cast<std::uint32_t>(random.below(8));
+  event.key = event.type == C3DE_EVENT_KEY ? static_cast<std::uint32_t>(random.below(128)) : 0;
+  event.x_px = random.unit() * 2000.0 - 500.0;
+  event.y_px = random.unit() * 2000.0 - 500.0;
+  event.wheel = event.type == C3DE_EVENT_WHEEL ? random.unit() * 20.0 - 10.0 : 0.0;
+  event.ray_direction[random.below(3)] = random.below(2) == 0 ? 1.0 : -1.0;
+  event.view_direction[2] = -1.0;
+  for (double &origin : event.ray_origin_mm) origin = random.unit() * 2000.0 - 1000.0;
+  event.time_s = time_s;
+  return event;
+}
+
+Verdict tools(const Trial &trial) {
+  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  if (!loaded.refusal.empty()) return fail(loaded.refusal);
+  registry::ToolRegistry &registry = loaded.host->tools;
+  if (registry.tools().empty()) return skip("it has no tools");
+  Random random(trial.seed);
+  std::uint32_t buttons = 0;
+  for (int i = 0; i < kEvents; ++i) {
+    const auto entries = registry.tools();
+    if (entries.empty()) break;
+    switch (random.below(12)) {
+      case 0: (void)registry.activate(random.of(entries).handle); break;
+      case 1: (void)registry.activate({}); break;
+      case 2: registry.cancelActive(); break;
+      default: (void)registry.dispatch(randomEvent(random, buttons, 0.016 * i));
+    }
+    loaded.host->mainQueue.runFrame();
+  }
+  // In the middle of something, the window closes.
+  if (const auto entries = registry.tools(); !entries.empty()) (void)registry.activate(entries.front().handle);
+  c3de_event press = randomEvent(random, buttons, 10.0);
+  press.type = C3DE_EVENT_PRESS;
+  (void)registry.dispatch(press);
+  loaded.host->host.reset();
+  return ofEvents(loaded, kEvents);
+}
+
+Verdict commands(const Trial &trial) {
+  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  if (!loaded.refusal.empty()) return fail(loaded.refusal);
+  const auto entries = loaded.host->commands.commands();
+  if (entries.empty()) return skip("it has no commands");
+  int runs = 0;
+  for (int i = 0; i < 3; ++i)
+    for (const auto &entry : entries) {
+      const registry::PluginCommand *command = loaded.host->commands.find(entry.handle);
+      if (command == nullptr) continue;
+      (void)loaded.host->commands.run(entry.handle);  // it may refuse
+      ++runs;
+      for (int frame = 0; frame < 5; ++frame) loaded.host->mainQueue.runFrame();
+    }
+  return ofEvents(loaded, runs);
+}
+
+Verdict readers(const Trial &trial) {
+  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  if (!loaded.refusal.empty()) return fail(loaded.refusal);
+  const auto infos = loaded.host->meshFormats.readers();
+  if (infos.empty()) return skip("it reads no files");
+  Random random(trial.seed);
+  std::error_code ignored;
+  std::filesystem::create_directories(trial.folder, ignored);
+  int refused = 0;
+  for (const auto &info : infos)
+    for (int i = 0; i < kEvents; ++i) {
+      const auto file = trial.folder / ("random" + (info.extensions.empty() ? "" : info.extensions.front()));
+      std::string bytes(i == 0 ? 0 : random.below(2000), '\0');
+      // Text more often than bytes: readers of text give up on bytes at once.
+      const bool isText = i % 3 != 0;
+      for (char &byte : bytes)
+        byte = isText ? "0123456789 -.eE\nvf"[random.below(18)] : static_cast<char>(random.below(256));
+      std::ofstream(file, std::ios::binary) << bytes;
+      const auto read = loaded.host->meshFormats.load(file, geometry::LengthUnit::millimetre, {}, info.id);
+      if (read) continue;
+      ++refused;
+      if (read.error().message.find('\n') != std::string::npos) return warn(info.id + " answers in several lines");
+    }
+  const Verdict said = loaded.complaints();
+  return said.result == Result::fail
+             ? said
+             : pass(fmt::format("{} of {} files of rubbish refused", refused, kEvents * infos.size()));
+}
+
+constexpr std::array kChecks{
+    Check{"parameters", "Declarations are sound; random and extreme values, and their undoing, are taken", &parameters},
+    Check{"panels", "300 random clicks, numbers and texts in each panel", &panels},
+    Check{"tools", "300 random events, changes and cancels of tools, and the end in the middle of one", &tools},
+    Check{"commands", "Each command three times, with nothing open", &commands},
+    Check{"readers", "300 files of rubbish for each reader of meshes", &readers}};
+
+}  // namespace
+
+std::span<const Check> callbackChecks() { return kChecks; }
+
+}  // namespace c3de::validate

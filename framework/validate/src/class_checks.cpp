@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// Objects of its classes; of those that simulate, a small body.
+#include <fmt/format.h>
+
+#include <array>
+#include <fstream>
+#include <thread>
+
+#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/core/foreign_table.h"
+#include "c3de/session/body_sources.h"
+#include "c3de/session/build_scene.h"
+#include "c3de/session/session.h"
+#include "c3de/session/simulator_access.h"
+#include "check.h"
+#include "trial.h"
+
+namespace c3de::validate {
+namespace {
+
+c3de_str text(const std::string &s) { return {s.data(), s.size()}; }
+
+/// What is wrong with one object; empty: nothing.
+std::string problemOf(c3de_object *object, const plugin_host::ClassInfo &cls) {
+  const c3de_object_vt &vt = *object->vt;
+  const std::uint32_t two = vt.retain(object), one = vt.release(object);
+  if (two != 2 || one != 1)
+    return fmt::format("retain of a new object answers {}, release after it {}; they must be 2 and 1", two, one);
+  const void *untouched = &vt, *table = untouched;
+  const auto refuses = [&](const std::string &id, std::uint32_t revision) {
+    table = untouched;
+    return vt.query(object, text(id), revision, &table) < 0;
+  };
+  if (!refuses("no.such.iface/1", 0)) return "answers an interface that nobody has, no.such.iface/1";
+  if (!refuses("", 0)) return "answers an interface without an id";
+  if (!refuses(std::string(100000, 'x'), 0)) return "answers an interface with an id of 100000 characters";
+  for (const std::string &id : cls.interfaces) {
+    table = nullptr;
+    if (const c3de_status status = vt.query(object, text(id), 0, &table); status < 0 || table == nullptr)
+      return fmt::format("does not answer {} (status {}), which its class lists", id, status);
+    std::uint32_t size = 0;
+    std::memcpy(&size, table, sizeof size);
+    if (size < 2 * sizeof(std::uint32_t)) return fmt::format("answers {} with a table of size {}", id, size);
+    const void *again = nullptr;
+    if (vt.query(object, text(id), 0, &again) < 0 || again != table)
+      return fmt::format("answers {} with another table each time", id);
+    if (!refuses(id, 0xffffffffu)) return fmt::format("claims to have revision {} of {}", 0xffffffffu, id);
+  }
+  return {};
+}
+
+Verdict classes(const Trial &trial) {
+  constexpr int kTimes = 200;
+  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  if (!loaded.refusal.empty()) return fail(loaded.refusal);
+  int made = 0;
+  for (const plugin_host::ClassInfo &cls : loaded.host->host->classes()) {
+    if (cls.plugin != loaded.id()) continue;
+    if (cls.label.empty()) return warn("the class " + cls.id + " has no label");
+    for (int i = 0; i < kTimes; ++i, ++made) {
+      const auto object = loaded.host->host->createObject(cls.id);
+      if (!object) return fail(fmt::format("object {} of {}: {}", i + 1, cls.id, object.error().message));
+      if (const std::string problem = problemOf(*object, cls); !problem.empty()) return fail(cls.id + ": " + problem);
+      if (const std::uint32_t left = (*object)->vt->release(*object); left != 0)
+        return fail(fmt::format("{}: the last release answers {} instead of 0", cls.id, left));
+    }
+  }
+  if (made == 0) return skip("it has no classes");
+  const Verdict said = loaded.complaints();
+  return said.result == Result::pass ? pass(fmt::format("{} objects", made)) : said;
+}
+
+/// A cube of 10 cm that falls; every simulator must be able to. The gravity of a simulator that has none is left out.
+constexpr const char *kScene = R"(format = 1
+title = "Cube"
+
+[[body]]
+name = "cube"
+mesh = "cube.obj"
+)";
+constexpr const char *kGravity = "\n[world]\ngravity = [0.0, -9.81, 0.0]\n";
+constexpr const char *kCube =
+    "# UNITS=mm\nv -50 -50 -50\nv 50 -50 -50\nv 50 50 -50\nv -50 50 -50\nv -50 -50 50\nv 50 -50 50\nv 50 50 50\nv -50 "
+    "50 50\n"
+    "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
+
+constexpr std::uint64_t kMostBodies = 16;
+
+/// A simulator of a class with the scene in it.
+class Simulated {
+ public:
+  Simulated(const Trial &trial, const std::string &classId) : refusal(build(trial, classId)) {}
+
+  [[nodiscard]] c3de_object *object() const { return object_.get(); }
+  [[nodiscard]] std::string errorText() const { return session_->plugins().takeError(); }
+  /// Of everything that can be seen: positions of the surfaces.
+  [[nodiscard]] std::vector<Vec3> surface() const {
+    std::vector<Vec3> all;
+    c3de_handle body{};
+    for (std::uint64_t i = 0; i < kMostBodies && table->body_at(object(), i, &body) >= 0; ++i) {
+      const auto part = session::surfacePositions(object(), body);
+      all.insert(all.end(), part.begin(), part.end());
+    }
+    return all;
+  }
+  [[nodiscard]] std::string step(int n) const {
+    for (int i = 0; i < n; ++i)
+      if (const c3de_status status = table->step(object()); status < 0)
+        return fmt::format("step {} answers {}: {}", i + 1, status, errorText());
+    return {};
+  }
+
+ private:
+  /// Why it cannot be; empty: it is there.
+  [[nodiscard]] std::string build(const Trial &trial, const std::string &classId) {
+    std::error_code ignored;
+    std::filesystem::create_directories(trial.folder, ignored);
+    std::ofstream(trial.folder / "cube.obj") << kCube;
+    session::SessionOptions options;
+    options.searchPlugins = false;
+    options.threads = 2;
+    options.pluginFiles = trial.companions;
+    options.pluginFiles.push_back(trial.plugin);
+    auto made = session::Session::create(options);
+    if (!made) return made.error().message;
+    session_ = std::move(*made);
+    auto object = session_->createSimulator(classId);
+    if (!object) return object.error().message;
+    object_ = session::ObjectRef(*object);
+    auto found = session::simulatorTable(object_.get());
+    if (!found) return found.error().message;
+    table = *found;
+    if (const auto declared = session::simulatorDeclarations(object_.get(), C3DE_SIM_SCOPE_WORLD))
+      hasGravity =
+          std::any_of(declared->begin(), declared->end(), [](const auto &one) { return one.id == "world.gravity"; });
+    std::ofstream(trial.folder / "cube.toml") << kScene << (hasGravity ? kGravity : "");
+    const auto scene = scene::loadScene(trial.folder / "cube.toml", &session_->materials());
+    if (!scene) return scene.error().message;
+    session::BodySources sources;
+    if (const auto built = session::buildScene(*session_, object_.get(), *scene, sources, {}); !built)
+      return built.error().message;
+    return {};
+  }
+
+  std::unique_ptr<session::Session> session_;
+  session::ObjectRef object_;  // goes first
+
+ public:
+  const c3de_simulator_v1 *table = nullptr;
+  bool hasGravity = false;
+  const std::string refusal;  ///< empty: it is there
+};
+
+std::vector<std::string> simulatorClasses(const Trial &trial) {
+  const LoadedTrial loaded(trial, TrialHost::Serves::headless);
+  std::vector<std::string> own;
+  for (const plugin_host::ClassInfo &cls : loaded.host->host->classes())
+    if (cls.plugin == loaded.id() &&
+        std::find(cls.interfaces.begin(), cls.interfaces.end(), C3DE_IFACE_SIMULATOR_ID) != cls.interfaces.end())
+      own.push_back(cls.id);
+  return own;
+}
+
+Verdict simulators(const Trial &trial) {
+  const std::vector<std::string> ids = simulatorClasses(trial);
+  if (ids.empty()) return skip("no class of it simulates");
+  constexpr int kSteps = 20;
+  for (const std::string &id : ids) {
+    const Simulated first(trial, id);
+    if (!first.refusal.empty()) return fail(id + " refuses a cube of 10 cm: " + first.refusal);
+    const std::vector<Vec3> atRest = first.surface();
+    if (atRest.empty()) return warn(id + " shows no surface of a body");
+    if (const std::string bad = first.step(kSteps); !bad.empty()) return fail(id + ": " + bad);
+    const std::vector<Vec3> moved = first.surface();
+    if (moved.size() != atRest.size()) return fail(id + ": the surface has another number of points after some steps");
+    for (const Vec3 &point : moved)
+      for (const double x : point)
+        if (!std::isfinite(x)) return fail(id + ": a point of the surface is not finite after some steps");
+    if (first.hasGravity && moved == atRest) return fail(id + ": a cube under gravity, held by nothing, does not move");
+    if (first.table->reset(first.object()) < 0) return fail(id + ": reset fails: " + first.errorText());
+    if (first.surface() != atRest)
+      return fail(id + ": reset does not lead back to the state at the beginning, exactly");
+    if (const std::string bad = first.step(kSteps); !bad.empty()) return fail(id + ", after a reset: " + bad);
+    if (first.surface() != moved) return fail(id + ": the same steps after a reset lead to another state");
+    const Simulated second(trial, id);
+    if (const std::string bad = second.step(kSteps); !bad.empty()) return fail(id + ", a second one: " + bad);
+    if (second.surface() != moved) return fail(id + ": two simulators of the same scene differ");
+  }
+  return pass(fmt::format("{} class{}", ids.size(), ids.size() == 1 ? "" : "es"));
+}
+
+Verdict simulatorArguments(const Trial &trial) {
+  const std::vector<std::string> ids = simulatorClasses(trial);
+  if (ids.empty()) return skip("no class of it simulates");
+  for (const std::string &id : ids) {
+    const Simulated one(trial, id);
+    if (!one.refusal.empty()) return fail(id + ": " + one.refusal);
+    const c3de_simulator_v1 *table = one.table;
+    c3de_object *self = one.object();
+    std::string accepted;
+    const auto refuse = [&](const char *what, c3de_status status) {
+      if (status >= 0) accepted += (accepted.empty() ? "" : ", ") + std::string(what);
+    };
+    c3de_handle handle{}, nobody{0x1234567890abcdefu};
+    refuse("add_body(null)", table->add_body(self, nullptr, &handle));
+    c3de_sim_body body{};
+    body.size = sizeof body;
+    refuse("add_body without a mesh", table->add_body(self, &body, &handle));
+    body.size = 0;
+    refuse("add_body of size 0", table->add_body(self, &body, &handle));
+    refuse("remove of what is not there", table->remove(self, nobody));
+    refuse("status(null)", table->status(self, nullptr));
+    c3de_sim_status status{};
+    refuse("status of size 0", table->status(self, &status));
+    refuse("declarations of a scope that nobody has",
+           table->declarations(self, 0xffffffffu, nullptr, nullptr, nullptr));
+    c3de_param_value unknown{};
+    unknown.size = sizeof unknown;
+    unknown.type = C3DE_PARAM_F64;
+    unknown.id = {"no.such.key", 11};
+    refuse("set_world of a key that it has not declared", table->set_world(self, &unknown, 1, sizeof unknown));
+    refuse("body_info of nobody", table->body_info(self, nobody, nullptr));
+    refuse("read_field of nobody", table->read_field(self, nobody, 0, {"position", 8}, {}));
+    if (!accepted.empty()) return fail(id + " accepts what it must refuse: " + accepted);
+    if (const std::string bad = one.step(3); !bad.empty()) return fail(id + ", after calls it has refused: " + bad);
+  }
+  return pass();
+}
+
+constexpr std::array kChecks{
+    Check{"classes", "200 objects of each class: counts, interfaces, and what is asked of them in vain", &classes},
+    Check{"simulators", "A cube falls, comes back by reset, and falls again, to the bit", &simulators},
+    Check{"simulators.arguments", "Null, empty, foreign and non-finite arguments are refused, and it goes on",
+          &simulatorArguments}};
+
+}  // namespace
+
+std::span<const Check> classChecks() { return kChecks; }
+
+}  // namespace c3de::validate

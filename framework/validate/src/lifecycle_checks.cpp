@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// From create to destroy, in hosts that serve more and less.
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "check.h"
+#include "trial.h"
+
+namespace c3de::validate {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Of this process; 0: not known.
+std::uint64_t residentBytes() {
+  std::ifstream file("/proc/self/statm");
+  std::uint64_t all = 0, resident = 0;
+  file >> all >> resident;
+  return resident * 4096;
+}
+
+std::size_t threadsNow() {
+  std::size_t n = 0;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it("/proc/self/task", error), end; !error && it != end; it.increment(error))
+    ++n;
+  return n;
+}
+
+/// Threads that end take a moment to be gone.
+std::size_t threadsAtRest(std::size_t wanted) {
+  for (int i = 0; i < 100 && threadsNow() > wanted; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return threadsNow();
+}
+
+Verdict live(const Trial &trial, TrialHost::Serves serves) {
+  const LoadedTrial loaded(trial, serves);
+  if (!loaded.refusal.empty()) return fail(loaded.refusal);
+  for (int i = 0; i < 20; ++i) loaded.host->mainQueue.runFrame();
+  loaded.host->host.reset();
+  if (const std::string left = loaded.host->leftOver(); !left.empty()) return fail("leaves behind: " + left);
+  return loaded.complaints();
+}
+
+Verdict once(const Trial &trial) { return live(trial, TrialHost::Serves::all); }
+
+Verdict headless(const Trial &trial) { return live(trial, TrialHost::Serves::headless); }
+
+Verdict least(const Trial &trial) {
+  const LoadedTrial loaded(trial, TrialHost::Serves::least);
+  // A plugin may say that it needs more; what it says must name it.
+  if (!loaded.refusal.empty()) return pass("refuses itself: " + loaded.refusal);
+  loaded.host->host.reset();
+  return loaded.complaints();
+}
+
+Verdict repeated(const Trial &trial) {
+  constexpr int kMost = 1000, kWarmUp = 50;
+  constexpr std::uint64_t kMostGrowth = 2048;  // bytes per cycle: several times what the host itself leaves
+  const auto begin = Clock::now();
+  std::uint64_t before = 0;
+  int cycles = 0;
+  for (; cycles < kMost && Clock::now() - begin < std::chrono::seconds(6); ++cycles) {
+    if (cycles == kWarmUp) before = residentBytes();
+    const LoadedTrial loaded(trial, TrialHost::Serves::all);
+    if (!loaded.refusal.empty()) return fail(fmt::format("is refused in cycle {}: {}", cycles + 1, loaded.refusal));
+  }
+  const int counted = cycles - kWarmUp;
+  if (counted < kWarmUp) return warn(fmt::format("only {} cycles in 6 s; memory was not looked at", cycles));
+  if (before == 0) return pass(fmt::format("{} cycles; memory is not known on this system", cycles));
+  const std::uint64_t after = residentBytes();
+  const std::uint64_t each = after > before ? (after - before) / static_cast<std::uint64_t>(counted) : 0;
+  if (each > kMostGrowth)
+    return fail(
+        fmt::format("{} bytes are not given back in each of {} cycles of create, start, stop and destroy; at "
+                    "most {} are taken for noise",
+                    each, counted, kMostGrowth));
+  return pass(fmt::format("{} cycles, {} bytes each", cycles, each));
+}
+
+Verdict threads(const Trial &trial) {
+  if (threadsNow() == 0) return skip("threads cannot be counted on this system");
+  const std::size_t before = threadsNow();
+  {
+    const LoadedTrial loaded(trial, TrialHost::Serves::all);
+    if (!loaded.refusal.empty()) return fail(loaded.refusal);
+    for (int i = 0; i < 5; ++i) loaded.host->mainQueue.runFrame();
+  }
+  const std::size_t after = threadsAtRest(before);
+  if (after > before) return fail(fmt::format("{} of its threads still run after stop and destroy", after - before));
+  return pass();
+}
+
+constexpr std::array kChecks{
+    Check{"lifecycle", "create, start, some frames, stop, destroy; nothing is left behind or complained of", &once},
+    Check{"lifecycle.headless", "The same without a window", &headless},
+    Check{"lifecycle.least", "A host with few services is refused with a reason, or enough", &least},
+    Check{"lifecycle.repeated", "1000 times in one process, or for 6 s: memory is given back", &repeated},
+    Check{"lifecycle.threads", "No thread of its own is left after stop", &threads}};
+
+}  // namespace
+
+std::span<const Check> lifecycleChecks() { return kChecks; }
+
+}  // namespace c3de::validate

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// c3de-validate: checks a plugin as its author, or somebody who is careful, would; each check in a process of its own.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "c3de/core/crash_journal.h"
+#include "c3de/core/output_file.h"
+#include "c3de/core/path_text.h"
+#include "c3de/core/platform.h"
+#include "c3de/core/text.h"
+#include "check.h"
+
+namespace {
+
+using namespace c3de;
+using namespace c3de::validate;
+using Json = nlohmann::ordered_json;
+
+enum ExitCode { kGood = 0, kBad = 1, kUsage = 2 };
+
+/// Before the verdict that a child gives; what a plugin prints does not count.
+constexpr std::string_view kVerdict = "c3de-validate verdict: ";
+
+struct Options {
+  std::vector<std::string> files, companions;
+  std::string only, except, child, folder;
+  std::uint64_t seed = 1;
+  double timeout_s = 20.0;
+  std::filesystem::path json;
+  bool list = false, inProcess = false, quiet = false;
+};
+
+struct Done {
+  const Check *check;
+  Verdict verdict;
+  double seconds = 0.0;
+};
+
+Trial trialOf(const Options &options, const std::string &file, const std::filesystem::path &folder) {
+  Trial trial{std::filesystem::absolute(pathFromText(file)), {}, options.seed, folder};
+  for (const std::string &companion : options.companions)
+    trial.companions.push_back(std::filesystem::absolute(pathFromText(companion)));
+  return trial;
+}
+
+Verdict runHere(const Check &check, const Trial &trial) {
+  try {
+    return check.run(trial);
+  } catch (const std::exception &error) {
+    return fail(std::string("an exception came through: ") + error.what());
+  } catch (...) {
+    return fail("an exception came through that is not a std::exception");
+  }
+}
+
+/// The last line that a fatal error or an exit() has left.
+std::string lastWords(const std::string &text) {
+  std::string found;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    for (const char *sign : {"c3de: fatal: ", "has ended the program", "AddressSanitizer", "runtime error"})
+      if (line.find(sign) != std::string::npos) found = line;
+    begin = end + 1;
+  }
+  return shownText(found.starts_with("c3de: ") ? found.substr(6) : found);
+}
+
+Verdict runInChild(const Check &check, const std::string &file, const Options &options,
+                   const std::filesystem::path &folder) {
+  std::vector<std::string> arguments{
+      pathText(executablePath()),  "--child", check.name, "--folder", pathText(folder), "--seed",
+      std::to_string(options.seed)};
+  for (const std::string &companion : options.companions) {
+    arguments.emplace_back("--with");
+    arguments.push_back(companion);
+  }
+  arguments.emplace_back("--");
+  arguments.push_back(file);
+  const auto ended = runProcess(arguments, options.timeout_s);
+  if (!ended) return fail("no process could be started for it: " + ended.error().message);
+  if (ended->timedOut) return fail(fmt::format("had not come to an end after {} s (--timeout)", options.timeout_s));
+  if (const auto at = ended->output.rfind(kVerdict); at != std::string::npos) {
+    const Json json = Json::parse(ended->output.substr(at + kVerdict.size()), nullptr, false);
+    if (json.is_object() && ended->exitCode == 0)
+      return {static_cast<Result>(json.value("result", static_cast<int>(Result::fail))), json.value("text", "")};
+  }
+  const std::string words = lastWords(ended->errorOutput);
+  return fail(words.empty() ? fmt::format("ended the process, with code {}", ended->exitCode)
+                            : "ended the process: " + words);
+}
+
+int child(const Options &options) {
+  for (const Check &check : allChecks()) {
+    if (options.child != check.name) continue;
+    const Verdict verdict = runHere(check, trialOf(options, options.files.at(0), pathFromText(options.folder)));
+    const Json json{{"result", static_cast<int>(verdict.result)}, {"text", verdict.text}};
+    const std::string line =
+        "\n" + std::string(kVerdict) + json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    std::fwrite(line.data(), 1, line.size(), stdout);
+    std::fflush(stdout);
+    return kGood;
+  }
+  return kUsage;
+}
+
+std::filesystem::path ownFolder() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+  return std::filesystem::temp_directory_path() / fmt::format("c3de-validate-{:x}", static_cast<std::uint64_t>(now));
+}
+
+std::vector<Done> checkPlugin(const std::string &file, const std::vector<Check> &checks, const Options &options) {
+  std::vector<Done> all;
+  const std::filesystem::path folder = ownFolder();
+  bool isLibrary = true;
+  for (const Check &check : checks) {
+    const auto begin = std::chrono::steady_clock::now();
+    Verdict verdict = skip("what comes before it has failed");
+    if (isLibrary)
+      verdict =
+          options.inProcess ? runHere(check, trialOf(options, file, folder)) : runInChild(check, file, options, folder);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    // Without a library, or without a descriptor, nothing else can be said.
+    const std::string name = check.name;
+    if (verdict.result == Result::fail && (name == "file" || name == "file.load" || name == "entry")) isLibrary = false;
+    if (!options.quiet || verdict.result == Result::fail || verdict.result == Result::warn)
+      std::printf("  %s  %-22s %s\n", resultName(verdict.result), check.name, verdict.text.c_str());
+    std::fflush(stdout);
+    all.push_back({&check, std::move(verdict), seconds});
+  }
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+  return all;
+}
+
+std::size_t countOf(const std::vector<Done> &all, Result result) {
+  return static_cast<std::size_t>(
+      std::count_if(all.begin(), all.end(), [&](const Done &one) { return one.verdict.result == result; }));
+}
+
+/// Empty where the pattern is not one.
+std::optional<std::vector<Check>> chosenChecks(const Options &options) {
+  try {
+    const std::regex only(options.only.empty() ? ".*" : options.only), except(options.except);
+    std::vector<Check> chosen;
+    for (const Check &check : allChecks())
+      if (std::regex_search(check.name, only) && (options.except.empty() || !std::regex_search(check.name, except)))
+        chosen.push_back(check);
+    return chosen;
+  } catch (const std::regex_error &error) {
+    std::fprintf(stderr, "c3de-validate: error: --only or --except: %s\n", error.what());
+    return {};
+  }
+}
+
+int run(const Options &options) {
+  const auto checks = chosenChecks(options);
+  if (!checks) return kUsage;
+  if (options.list) {
+    for (const Check &check : *checks) std::printf("%-22s %s\n", check.name, check.summary);
+    return kGood;
+  }
+  if (checks->empty() || options.files.empty()) {
+    std::fprintf(stderr, "c3de-validate: error: %s; see c3de-validate --help\n",
+                 checks->empty() ? "no check has a name that --only accepts" : "no plugin is named");
+    return kUsage;
+  }
+  Json report{{"seed", options.seed}, {"plugins", Json::array()}};
+  std::size_t failures = 0;
+  for (const std::string &file : options.files) {
+    std::printf("%s\n", file.c_str());
+    const auto all = checkPlugin(file, *checks, options);
+    const std::size_t failed = countOf(all, Result::fail), warned = countOf(all, Result::warn);
+    failures += failed;
+    std::printf("%s: %zu checks, %zu failed, %zu warning%s, %zu skipped; seed %llu\n", failed == 0 ? "good" : "BAD",
+                all.size(), failed, warned, warned == 1 ? "" : "s", countOf(all, Result::skip),
+                static_cast<unsigned long long>(options.seed));
+    Json list = Json::array();
+    for (const Done &one : all)
+      list.push_back(Json{{"check", one.check->name},
+                          {"result", resultName(one.verdict.result)},
+                          {"text", one.verdict.text},
+                          {"seconds", one.seconds}});
+    report["plugins"].push_back(Json{{"file", file}, {"good", failed == 0}, {"checks", std::move(list)}});
+  }
+  if (!options.json.empty()) {
+    const auto written =
+        writeWholeFile(options.json, report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    if (!written) {
+      std::fprintf(stderr, "c3de-validate: error: %s\n", written.error().message.c_str());
+      return kUsage;
+    }
+  }
+  return failures == 0 ? kGood : kBad;
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  tellFatalErrors();
+  Options options;
+  CLI::App app(
+      "Checks plugins of C3DE: the file, what it says about itself, its life, and what it registers, each check in a "
+      "process of its own.\nEnds with 0 where none has failed, 1 where one has, 2 where it was asked wrongly.",
+      "c3de-validate");
+  app.set_help_flag("-h,--help", "Say this");
+  app.add_option("PLUGINS", options.files, "Files of plugins");
+  app.add_option("--with", options.companions, "A plugin that they need, loaded before them (repeatable)")
+      ->type_name("PLUGIN")
+      ->allow_extra_args(false);
+  app.add_flag("--list", options.list, "Say what is checked");
+  app.add_option("--only", options.only, "Checks whose names match this regular expression")->type_name("REGEX");
+  app.add_option("--except", options.except, "But not those")->type_name("REGEX");
+  app.add_option("--seed", options.seed, "Of random values and events (1); the same one does the same again");
+  app.add_option("--timeout", options.timeout_s, "Seconds that a check may take (20)")->check(CLI::Range(0.1, 3600.0));
+  app.add_flag("--in-process", options.inProcess, "For a debugger: all in this process");
+  app.add_option_function<std::string>(
+         "--json", [&](const std::string &name) { options.json = pathFromText(name); }, "Report as JSON")
+      ->type_name("FILE");
+  app.add_flag("-q,--quiet", options.quiet, "Only what fails or is worth a look");
+  app.add_option("--child", options.child)->group("");
+  app.add_option("--folder", options.folder)->group("");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError &error) {
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(error);
+    std::fprintf(stderr, "c3de-validate: error: %s; see c3de-validate --help\n", error.what());
+    return kUsage;
+  }
+  return options.child.empty() ? run(options) : child(options);
+}

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "c3de/core/background_jobs.h"
+#include "c3de/core/log.h"
+#include "c3de/core/main_queue.h"
+#include "c3de/core/thread_pool.h"
+#include "c3de/geometry/mesh_formats.h"
+#include "c3de/plugin_host/plugin_host.h"
+#include "c3de/registry/command_registry.h"
+#include "c3de/registry/edit_list.h"
+#include "c3de/registry/panel_registry.h"
+#include "c3de/registry/parameter_registry.h"
+#include "c3de/registry/settings_store.h"
+#include "c3de/registry/tool_registry.h"
+#include "c3de/render/renderer.h"
+#include "c3de/scene/force_fields.h"
+#include "c3de/scene/image_store.h"
+#include "c3de/scene/mesh_store.h"
+#include "c3de/scene/scene_graph.h"
+#include "c3de/scene/simulation_directory.h"
+
+namespace c3de::validate {
+
+/// A host of plugins with everything that a run with a window has, drawn by the null renderer; and the lines that were
+/// logged. One at a time.
+class TrialHost {
+ public:
+  enum class Serves {
+    all,
+    headless,  ///< as in `c3de run`
+    least      ///< only what every host must have
+  };
+  /// @param settingsFolder  what is there is removed at the end
+  explicit TrialHost(std::filesystem::path settingsFolder, Serves serves = Serves::all);
+  ~TrialHost();
+  TrialHost(const TrialHost &) = delete;
+  TrialHost &operator=(const TrialHost &) = delete;
+
+  /// Lines that contain the text.
+  [[nodiscard]] std::vector<std::string> linesWith(const std::string &text) const;
+  /// Lines of this level and above.
+  [[nodiscard]] std::vector<std::string> linesFrom(LogLevel least) const;
+
+  /// Loads and starts; why the plugin is not loaded, empty when it is.
+  [[nodiscard]] std::string refusalOf(const std::filesystem::path &file);
+  /// What is left of plugins that have gone; empty: nothing.
+  [[nodiscard]] std::string leftOver() const;
+
+  ThreadPool pool{2};
+  MainQueue mainQueue;
+  BackgroundJobs jobs{mainQueue};
+  scene::SceneGraph sceneGraph;
+  scene::MeshStore meshes;
+  scene::ImageStore images;
+  scene::SimulationDirectory simulations;
+  scene::ForceFields forces;
+  std::unique_ptr<render::Renderer> renderer = render::createNullRenderer();
+  registry::PanelRegistry panels;
+  registry::ParameterRegistry parameters;
+  registry::ToolRegistry tools;
+  registry::EditList edits;
+  registry::CommandRegistry commands;
+  geometry::MeshFormats meshFormats;
+  std::filesystem::path settingsFolder;
+  registry::SettingsStore settings{settingsFolder};
+  plugin_host::Services services;
+  std::unique_ptr<plugin_host::PluginHost> host;
+
+ private:
+  mutable std::mutex linesMutex_;
+  std::vector<std::pair<LogLevel, std::string>> lines_;
+};
+
+}  // namespace c3de::validate
