@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The least that is a plugin: it can be found, loaded, started and stopped, and does nothing. */
 #include <stddef.h>
+#include <string.h>
 
 #include "c3de/abi/entry.h"
 
@@ -27,9 +28,12 @@ static const c3de_plugin plugin = {
     create, start, stop, destroy};
 
 C3DE_EXPORT c3de_status C3DE_CALL c3de_plugin_query(const c3de_offer *offer, c3de_answer *answer) {
-  (void)offer;
   answer->abi_major = C3DE_ABI_MAJOR;
   answer->abi_minor = C3DE_ABI_MINOR;
+  if (offer->abi_min > C3DE_ABI_MAJOR || offer->abi_max < C3DE_ABI_MAJOR) {
+    strcpy(answer->why_not, "built for another plugin ABI");
+    return C3DE_E_VERSION;
+  }
   answer->plugin = &plugin;
   return C3DE_OK;
 }

@@ -4,15 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "c3de/abi/draft/iface/parameter_ids.h"
 #include "c3de/sdk/sdk.hpp"
 #include "c3de/sdk/simulator.hpp"
+#include "c3de/sdk/structs.hpp"
 
 namespace {
 
 namespace sdk = c3de::sdk;
 
 constexpr double kStep_s = 1e-3;
-constexpr std::array kWorld{sdk::vec3Param({.id = "gravity", .label = "Gravity", .unit = "m/s²", .doc = "On all bodies."},
+constexpr std::array kWorld{sdk::vec3Param({.id = C3DE_PARAM_ID_GRAVITY, .label = "Gravity", .unit = "m/s²", .doc = "On all bodies."},
                                            {.min = -1000.0, .max = 1000.0, .softMin = -20.0, .softMax = 20.0},
                                            {0.0, -9.81, 0.0})};
 
@@ -24,30 +26,36 @@ class MySimulator : public sdk::Object<MySimulator> {
 
   void attach(c3de_handle) {}
   void declarations(std::uint32_t scope, const c3de_param_decl **decls, std::uint64_t *n, std::uint64_t *stride) {
-    *decls = scope == C3DE_SIM_SCOPE_WORLD ? kWorld.data() : nullptr;
-    *n = scope == C3DE_SIM_SCOPE_WORLD ? kWorld.size() : 0;
-    *stride = sizeof(c3de_param_decl);
+    if (scope < C3DE_SIM_SCOPE_WORLD || scope > C3DE_SIM_SCOPE_OBSTACLE)
+      throw sdk::Error(C3DE_E_ARG, "there is no such scope");
+    sdk::notNull(decls, "decls") = scope == C3DE_SIM_SCOPE_WORLD ? kWorld.data() : nullptr;
+    sdk::notNull(n, "n") = scope == C3DE_SIM_SCOPE_WORLD ? kWorld.size() : 0;
+    sdk::notNull(stride, "stride") = sizeof(c3de_param_decl);
   }
   void setWorld(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride) {
     for (std::uint64_t i = 0; i < n; ++i) {
       const c3de_param_value &value = sdk::strided(values, i, stride);
-      if (sdk::text(value.id) == "gravity") gravity_ = {value.vec[0], value.vec[1], value.vec[2]};
+      if (sdk::text(value.id) != C3DE_PARAM_ID_GRAVITY)
+        throw sdk::Error(C3DE_E_ARG, "unknown key " + std::string(sdk::text(value.id)));
+      gravity_ = {value.vec[0], value.vec[1], value.vec[2]};
     }
   }
   // What is not served has to be refused, or the scene would be simulated without it.
-  void addBody(const c3de_sim_body *in, c3de_handle *out) {
-    if (in->fixes_n + in->loads_n + in->parts_n + in->refinements_n > 0)
+  void addBody(const c3de_sim_body *given, c3de_handle *out) {
+    const c3de_sim_body in = sdk::readStruct(given, "body");
+    if (in.mesh.v == 0) throw sdk::Error(C3DE_E_ARG, "the body has no mesh");
+    if (in.fixes_n + in.loads_n + in.parts_n + in.refinements_n > 0)
       throw sdk::Error(C3DE_E_UNSUPPORTED, "fixes, loads, parts and refinements are not served");
-    if (in->placement && (in->placement->flags & C3DE_SIM_PLACED_BY_MATRIX))
+    if (in.placement && (in.placement->flags & C3DE_SIM_PLACED_BY_MATRIX))
       throw sdk::Error(C3DE_E_UNSUPPORTED, "a placement by a matrix is not served");
     Body body;
-    body.name = sdk::text(in->name);
+    body.name = sdk::text(in.name);
     for (std::size_t c = 0; c < 3; ++c) {
-      if (in->placement) body.start_m[c] = in->placement->position_m[c];
-      body.startVelocity_m_s[c] = in->velocity_m_s[c];
+      if (in.placement) body.start_m[c] = in.placement->position_m[c];
+      body.startVelocity_m_s[c] = in.velocity_m_s[c];
     }
     bodies_.push_back(body);
-    out->v = bodies_.size();
+    sdk::notNull(out, "out").v = bodies_.size();
     reset();
   }
   void addObstacle(const c3de_sim_obstacle *, c3de_handle *) {
@@ -81,12 +89,11 @@ class MySimulator : public sdk::Object<MySimulator> {
   void publish() {}
   void status(c3de_sim_status *out) const {
     c3de_sim_status now{};
-    now.size = out->size;
     now.steps = steps_;
     now.time_s = kStep_s * static_cast<double>(steps_);
     now.dt_s = kStep_s;
     now.bodies = bodies_.size();
-    *out = now;
+    sdk::writeStruct(out, now, "out");
   }
   void stateHash(std::uint64_t *out) const {
     std::uint64_t hash = 14695981039346656037u;
@@ -97,7 +104,7 @@ class MySimulator : public sdk::Object<MySimulator> {
           std::memcpy(bytes, &value, sizeof value);
           for (const unsigned char byte : bytes) hash = (hash ^ byte) * 1099511628211u;
         }
-    *out = hash;
+    sdk::notNull(out, "out") = hash;
   }
   c3de_status report(c3de_sink json) const {
     std::string text = "{\"bodies\": [";
@@ -107,16 +114,15 @@ class MySimulator : public sdk::Object<MySimulator> {
   }
   void bodyAt(std::uint64_t index, c3de_handle *out) {
     if (index >= bodies_.size()) throw sdk::Error(C3DE_E_NOT_FOUND, "there is no such body");
-    out->v = index + 1;
+    sdk::notNull(out, "out").v = index + 1;
   }
   void bodyInfo(c3de_handle body, c3de_sim_body_info *out) {
     c3de_sim_body_info info{};
-    info.size = out->size;
     info.name = sdk::str(at(body).name);
     info.points = 1;
     info.mass_kg = 1.0;
     info.stable_dt_s = kStep_s;
-    *out = info;
+    sdk::writeStruct(out, info, "out");
   }
   c3de_status enumFields(c3de_handle body, void *visitor, c3de_status(C3DE_CALL *each)(void *, const c3de_sim_field *)) {
     (void)at(body);

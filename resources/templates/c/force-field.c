@@ -50,9 +50,12 @@ static const c3de_plugin plugin = {sizeof(c3de_plugin), 1, TEXT("org.example.my_
                                    TEXT(""), TEXT(""), needs, 1, sizeof needs[0], create, start, stop, destroy};
 
 C3DE_EXPORT c3de_status C3DE_CALL c3de_plugin_query(const c3de_offer *offer, c3de_answer *answer) {
-  (void)offer;
   answer->abi_major = C3DE_ABI_MAJOR;
   answer->abi_minor = C3DE_ABI_MINOR;
+  if (offer->abi_min > C3DE_ABI_MAJOR || offer->abi_max < C3DE_ABI_MAJOR) {
+    strcpy(answer->why_not, "built for another plugin ABI");
+    return C3DE_E_VERSION;
+  }
   answer->plugin = &plugin;
   return C3DE_OK;
 }
