@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Misbehaves in the way that C3DE_TEST_MODE names, and behaves otherwise: what c3de-validate must find.
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -35,7 +37,7 @@ void sleepLong() { std::this_thread::sleep_for(std::chrono::minutes(10)); }
 // An object whose table is not one of the SDK's, so that each function can be wrong.
 struct Odd {
   c3de_object object;
-  std::uint32_t count = 1;
+  std::atomic<std::uint32_t> count = 1;
 };
 struct OddTable {
   std::uint32_t size, rev;
@@ -45,17 +47,34 @@ constexpr std::string_view kOddId = "test.odd/1";
 
 std::uint32_t C3DE_CALL oddRetain(c3de_object *self) {
   auto *odd = reinterpret_cast<Odd *>(self);
-  ++odd->count;
-  return is("retain_says_nothing") ? 0 : odd->count;
+  static const bool isTorn = is("retain_is_not_atomic"), isMute = is("retain_says_nothing");
+  if (isTorn) {
+    const std::uint32_t before = odd->count;
+    if (before % 1000 == 999) std::this_thread::yield();
+    return odd->count = before + 1;
+  }
+  const std::uint32_t now = ++odd->count;
+  return isMute ? 0 : now;
 }
 std::uint32_t C3DE_CALL oddRelease(c3de_object *self) {
   auto *odd = reinterpret_cast<Odd *>(self);
-  if (--odd->count > 0) return odd->count;
+  static const bool isTorn = is("release_is_not_atomic");
+  if (isTorn) {
+    const std::uint32_t before = odd->count;
+    if (before % 1000 == 999) std::this_thread::yield();
+    return odd->count = std::max(before, 2u) - 1;  // never freed: what is wrong is the count
+  }
+  if (const std::uint32_t now = --odd->count; now > 0) return now;
   delete odd;
   return is("release_keeps_one") ? 1 : 0;
 }
 c3de_status C3DE_CALL oddQuery(c3de_object *, c3de_str id, std::uint32_t minRev, const void **table) {
   static std::atomic<unsigned> calls{0};
+  static std::atomic<int> within{0};
+  const int others = within++;
+  std::this_thread::yield();
+  --within;
+  if (is("query_is_for_one_at_a_time") && others > 0) return C3DE_E_STATE;
   if (is("query_of_object_crashes_on_long_ids") && id.len > 1000) crash();
   const bool isOurs = sdk::text(id) == kOddId;
   if (!isOurs && !is("answers_everything")) return C3DE_E_NOT_FOUND;
@@ -114,7 +133,15 @@ class Faller : public sdk::Object<Faller> {
   void getBodyParam(c3de_handle, c3de_str, c3de_param_value *) {}
   void remove(c3de_handle body) { need(body); }
   void clear() { hasBody_ = false; }
+  void interrupt(std::uint32_t raised) { isInterrupted_ = raised != 0 && !is("simulator_ignores_interrupt"); }
   void step() {
+    if (is("simulator_is_interrupted_half_way") && isInterrupted_) ++steps_;
+    if (is("simulator_ends_with_another_status") && isInterrupted_) throw sdk::Error(C3DE_E_STATE, "interrupted");
+    if (isInterrupted_) {
+      if (is("simulator_stays_interrupted")) isBroken_ = true;
+      throw sdk::Error(C3DE_E_CANCELLED, "interrupted");
+    }
+    if (isBroken_) throw sdk::Error(C3DE_E_STATE, "broken");
     if (is("simulator_fails") && steps_ == 7) throw sdk::Error(C3DE_E_DIVERGED, "left the finite numbers");
     if (is("simulator_aborts") && steps_ == 7) std::abort();
     if (is("simulator_hangs") && steps_ == 7) sleepLong();
@@ -140,7 +167,10 @@ class Faller : public sdk::Object<Faller> {
     s.bodies = hasBody_ ? 1 : 0;
     sdk::writeStruct(out, s, "out");
   }
-  void stateHash(std::uint64_t *out) { *out = steps_; }
+  void stateHash(std::uint64_t *out) {
+    static std::uint64_t calls = 0;
+    *out = is("simulator_hash_is_constant") ? 1 : is("simulator_hash_counts_calls") ? ++calls : steps_;
+  }
   c3de_status report(c3de_sink sink) { return sdk::put(sink, "{}"); }
   void bodyAt(std::uint64_t index, c3de_handle *out) {
     if (index > 0 || !hasBody_) throw sdk::Error(C3DE_E_NOT_FOUND, "no such body");
@@ -174,7 +204,8 @@ class Faller : public sdk::Object<Faller> {
   void need(c3de_handle body) const {
     if (body.v != 1 && !is("simulator_takes_everything")) throw sdk::Error(C3DE_E_NOT_FOUND, "no such body");
   }
-  bool hasBody_ = false;
+  bool hasBody_ = false, isBroken_ = false;
+  std::atomic<bool> isInterrupted_{false};
   std::uint64_t steps_ = 0;
   double y_ = 0.0, drift_ = 0.0;
 };
@@ -217,6 +248,8 @@ class Modes : public sdk::Panel {
     if (is("needs_a_window")) {
       if (!host.service<c3de_panels_v1>()) crash();
     }
+    if (is("dies_without_tools") && !host.service<c3de_tools_v0>() && host.service<c3de_panels_v1>()) crash();
+    if (is("refuses_without_tools")) (void)sdk::orThrow(host.require<c3de_tools_v0>());
     const c3de_str odd = sdk::str(kOddId);
     const c3de_class cls{sizeof(c3de_class),
                          1,
@@ -257,6 +290,8 @@ class Modes : public sdk::Panel {
   }
 
   void start() {
+    if (is("start_prints_without_end"))
+      for (;;) std::fputs("I am alive, I am alive, I am alive, I am alive, I am alive, I am alive\n", stdout);
     if (is("start_fails")) throw sdk::Error(C3DE_E_STATE, "not today");
     if (is("start_hangs")) sleepLong();
     if (is("start_ends_the_program")) std::exit(0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // c3de-validate says of good plugins that they are good, and of each bad one what is wrong, in the check beside it.
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -29,7 +30,10 @@ struct Validated {
 };
 
 Validated validate(const std::string &plugin, std::vector<std::string> options = {}) {
-  const fs::path report = fs::path(testOutputRoot()) / "validate.json";
+  // Cases run at the same time, each in a process of its own.
+  static const auto process = std::chrono::steady_clock::now().time_since_epoch().count();
+  const fs::path report = fs::path(testOutputRoot()) / ("validate-" + std::to_string(process) + ".json");
+  fs::create_directories(report.parent_path());
   fs::remove(report);
   options.insert(options.begin(), {C3DE_VALIDATE, plugin, "--json", report.string()});
   const auto ended = c3de::runProcess(options, 170.0);
@@ -40,6 +44,7 @@ Validated validate(const std::string &plugin, std::vector<std::string> options =
     std::ifstream file(report);
     out.checks = Json::parse(file)["plugins"][0]["checks"];
   }
+  fs::remove(report);
   return out;
 }
 
@@ -112,10 +117,13 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
       {"entry_takes_every_host", "entry.other-abi", "fail", "must refuse"},
       {"entry_says_no_reason", "entry.other-abi", "warn", "without a reason"},
       {"entry_writes_behind", "entry.older-host", "fail", "it must look at size"},
+      {"dies_without_tools", "lifecycle.without", "fail", "ended the process while it lives without tools: "},
+      {"refuses_without_tools", "lifecycle.without", "fail", "without tools, which it does not require"},
       {"create_leaks", "lifecycle.repeated", "fail", "bytes are not given back"},
       {"needs_a_window", "lifecycle.headless", "fail", "in plugin test.modes (create)"},
       {"start_fails", "lifecycle", "fail", "not today"},
       {"start_hangs", "lifecycle", "fail", "had not come to an end after 3 s"},
+      {"start_prints_without_end", "lifecycle", "fail", "had not come to an end after 3 s"},
       {"start_ends_the_program", "lifecycle", "fail", "by exit() within start"},
       {"thread_throws", "lifecycle", "fail", "in plugin test.modes (on a thread of its own)"},
       {"thread_stays", "lifecycle.threads", "fail", "1 of its threads still run"},
@@ -148,6 +156,9 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
       {"another_table_each_time", "classes", "fail", "another table each time"},
       {"fails_at_the_hundredth_object", "classes", "fail", "object 100 of test.modes.Odd"},
       {"makes_null", "classes", "fail", "object 1 of test.modes.Odd"},
+      {"retain_is_not_atomic", "classes.shared", "fail", "retain 20000 times each"},
+      {"release_is_not_atomic", "classes.shared", "fail", "release what they have retained"},
+      {"query_is_for_one_at_a_time", "classes.shared", "fail", "of several threads at once are refused"},
       {"simulator_refuses_bodies", "simulators", "fail", "I do not like this body"},
       {"simulator_fails", "simulators", "fail", "step 8 answers"},
       {"simulator_aborts", "simulators", "fail", "SIGABRT"},
@@ -158,6 +169,12 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
       {"simulator_cannot_reset", "simulators", "fail", "reset fails: not now"},
       {"simulator_resets_nearly", "simulators", "fail", "exactly"},
       {"simulator_remembers_beyond_reset", "simulators", "fail", "after a reset lead to another state"},
+      {"simulator_hash_is_constant", "simulators", "fail", "stays the same while the surface moves"},
+      {"simulator_hash_counts_calls", "simulators", "fail", "is not that of the beginning"},
+      {"simulator_ignores_interrupt", "simulators.interrupt", "fail", "answers 0 instead of -12"},
+      {"simulator_ends_with_another_status", "simulators.interrupt", "fail", "instead of -12"},
+      {"simulator_is_interrupted_half_way", "simulators.interrupt", "fail", "another state than the one before"},
+      {"simulator_stays_interrupted", "simulators.interrupt", "fail", "after interrupt(0), step 1 answers"},
       {"simulator_has_no_surface", "simulators", "warn", "no surface"},
       {"simulator_takes_everything", "simulators.arguments", "fail", "accepts what it must refuse"},
       {"simulator_crashes_on_null", "simulators.arguments", "fail", "SIGSEGV"},

@@ -7,6 +7,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace c3de::validate {
@@ -36,6 +37,9 @@ struct Trial {
   std::filesystem::path folder;  ///< to write in; removed afterwards
 };
 
+/// Before what a child tells its parent; what a plugin prints does not count.
+inline constexpr std::string_view kVerdictMark = "c3de-validate verdict: ", kDoingMark = "c3de-validate doing: ";
+
 /// Something that a good plugin does, or a bad one does not survive; runs in a process of its own, once.
 struct Check {
   const char *name;     ///< "lifecycle.repeated"
@@ -51,6 +55,9 @@ struct Check {
 [[nodiscard]] std::span<const Check> lifecycleChecks();
 [[nodiscard]] std::span<const Check> callbackChecks();
 [[nodiscard]] std::span<const Check> classChecks();
+
+/// Notes what a check is about to do, for when it does not come back from that: the verdict then says it.
+void nowDoing(const std::string &what);
 
 /// Random choices that a seed makes the same on every machine (the distributions of the standard library are not).
 class Random {

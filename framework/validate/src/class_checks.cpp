@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <fstream>
+#include <functional>
 #include <thread>
 
 #include "c3de/abi/draft/iface/simulator.h"
@@ -17,6 +20,8 @@
 
 namespace c3de::validate {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 c3de_str text(const std::string &s) { return {s.data(), s.size()}; }
 
@@ -70,6 +75,64 @@ Verdict classes(const Trial &trial) {
   return said.result == Result::pass ? pass(fmt::format("{} objects", made)) : said;
 }
 
+constexpr std::uint32_t kSharers = 4, kRetains = 20000;
+
+void inThreads(const std::function<void()> &work) {
+  std::vector<std::thread> threads;
+  for (std::uint32_t i = 0; i < kSharers; ++i) threads.emplace_back(work);
+  for (std::thread &thread : threads) thread.join();
+}
+
+/// What is wrong with one object that several threads hold; empty: nothing.
+std::string sharedProblemOf(c3de_object *object, const plugin_host::ClassInfo &cls) {
+  const c3de_object_vt &vt = *object->vt;
+  const auto count = [&] {
+    vt.retain(object);
+    return vt.release(object);
+  };
+  // All retain before any releases: a count that is wrong then frees nothing too early.
+  inThreads([&] {
+    for (std::uint32_t i = 0; i < kRetains; ++i) vt.retain(object);
+  });
+  if (const std::uint32_t all = count(); all != 1 + kSharers * kRetains)
+    return fmt::format("{} threads retain {} times each, and the count is {} instead of {}; it must be atomic",
+                       kSharers, kRetains, all, 1 + kSharers * kRetains);
+  std::atomic<int> refused{0};
+  inThreads([&] {
+    for (std::uint32_t i = 0; i < kRetains; ++i) {
+      const void *table = nullptr;
+      if (i < 500)
+        for (const std::string &id : cls.interfaces)
+          if (vt.query(object, text(id), 0, &table) < 0 || table == nullptr) ++refused;
+      vt.release(object);
+    }
+  });
+  if (const std::uint32_t left = count(); left != 1)
+    return fmt::format(
+        "{} threads release what they have retained, and the count is {} instead of 1; it must be atomic", kSharers,
+        left);
+  if (refused > 0) return fmt::format("{} queries of several threads at once are refused", refused.load());
+  return {};
+}
+
+Verdict sharedObjects(const Trial &trial) {
+  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  if (!loaded.refusal.empty()) return fail(loaded.refusal);
+  int made = 0;
+  for (const plugin_host::ClassInfo &cls : loaded.host->host->classes()) {
+    if (cls.plugin != loaded.id()) continue;
+    nowDoing("shares an object of " + cls.id);
+    const auto object = loaded.host->host->createObject(cls.id);
+    if (!object) return fail(cls.id + ": " + object.error().message);
+    ++made;
+    if (const std::string problem = sharedProblemOf(*object, cls); !problem.empty())
+      return fail(cls.id + ": " + problem);
+    (*object)->vt->release(*object);
+  }
+  if (made == 0) return skip("it has no classes");
+  return loaded.complaints();
+}
+
 /// A cube of 10 cm that falls; every simulator must be able to. The gravity of a simulator that has none is left out.
 constexpr const char *kScene = R"(format = 1
 title = "Cube"
@@ -102,6 +165,11 @@ class Simulated {
       all.insert(all.end(), part.begin(), part.end());
     }
     return all;
+  }
+  /// Of what the next steps follow from.
+  [[nodiscard]] std::uint64_t hash() const {
+    std::uint64_t value = 0;
+    return table->state_hash(object(), &value) < 0 ? 0 : value;
   }
   [[nodiscard]] std::string step(int n) const {
     for (int i = 0; i < n; ++i)
@@ -170,6 +238,7 @@ Verdict simulators(const Trial &trial) {
     if (!first.refusal.empty()) return fail(id + " refuses a cube of 10 cm: " + first.refusal);
     const std::vector<Vec3> atRest = first.surface();
     if (atRest.empty()) return warn(id + " shows no surface of a body");
+    const std::uint64_t hashAtRest = first.hash();
     if (const std::string bad = first.step(kSteps); !bad.empty()) return fail(id + ": " + bad);
     const std::vector<Vec3> moved = first.surface();
     if (moved.size() != atRest.size()) return fail(id + ": the surface has another number of points after some steps");
@@ -177,16 +246,77 @@ Verdict simulators(const Trial &trial) {
       for (const double x : point)
         if (!std::isfinite(x)) return fail(id + ": a point of the surface is not finite after some steps");
     if (first.hasGravity && moved == atRest) return fail(id + ": a cube under gravity, held by nothing, does not move");
+    const std::uint64_t hashMoved = first.hash();
+    if (moved != atRest && hashMoved == hashAtRest)
+      return fail(id + ": state_hash stays the same while the surface moves");
     if (first.table->reset(first.object()) < 0) return fail(id + ": reset fails: " + first.errorText());
     if (first.surface() != atRest)
       return fail(id + ": reset does not lead back to the state at the beginning, exactly");
+    if (first.hash() != hashAtRest) return fail(id + ": state_hash after a reset is not that of the beginning");
     if (const std::string bad = first.step(kSteps); !bad.empty()) return fail(id + ", after a reset: " + bad);
     if (first.surface() != moved) return fail(id + ": the same steps after a reset lead to another state");
     const Simulated second(trial, id);
     if (const std::string bad = second.step(kSteps); !bad.empty()) return fail(id + ", a second one: " + bad);
-    if (second.surface() != moved) return fail(id + ": two simulators of the same scene differ");
+    if (second.surface() != moved || second.hash() != hashMoved)
+      return fail(id + ": two simulators of the same scene differ");
   }
   return pass(fmt::format("{} class{}", ids.size(), ids.size() == 1 ? "" : "es"));
+}
+
+/// What is wrong when a step is interrupted; empty: nothing.
+std::string interruptProblemOf(const Simulated &one) {
+  constexpr double kMost_s = 3.0;  // "within a second or so"
+  const c3de_simulator_v1 *table = one.table;
+  c3de_object *self = one.object();
+  const std::uint64_t before = one.hash();
+  table->interrupt(self, 1);
+  const c3de_status refused = table->step(self);
+  if (refused != C3DE_E_CANCELLED)
+    return fmt::format("a step after interrupt(1) answers {} instead of {} (C3DE_E_CANCELLED)", refused,
+                       C3DE_E_CANCELLED);
+  if (one.hash() != before) return "a step that was interrupted leaves another state than the one before it";
+  table->interrupt(self, 0);
+  if (const std::string bad = one.step(1); !bad.empty()) return "after interrupt(0), " + bad;
+
+  std::atomic<Clock::rep> raisedAt{0};
+  std::thread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    raisedAt = Clock::now().time_since_epoch().count();
+    table->interrupt(self, 1);
+  });
+  c3de_status status = C3DE_OK;
+  double waited_s = 0.0;
+  std::uint64_t lastGood = one.hash();
+  while (status >= 0 && waited_s < kMost_s) {
+    lastGood = one.hash();
+    status = table->step(self);
+    if (const Clock::rep raised = raisedAt; raised != 0)
+      waited_s = std::chrono::duration<double>(Clock::now().time_since_epoch() - Clock::duration(raised)).count();
+  }
+  other.join();
+  if (status != C3DE_E_CANCELLED)
+    return fmt::format("interrupt(1) of another thread: a step answers {} instead of {} (C3DE_E_CANCELLED)", status,
+                       C3DE_E_CANCELLED);
+  if (waited_s > kMost_s) return fmt::format("interrupt(1) of another thread ends the step after {:.1f} s", waited_s);
+  if (one.hash() != lastGood) return "interrupt(1) of another thread leaves another state than the one before the step";
+  table->interrupt(self, 0);
+  if (const std::string bad = one.step(3); !bad.empty()) return "after it was interrupted, " + bad;
+  return {};
+}
+
+Verdict interrupts(const Trial &trial) {
+  const std::vector<std::string> ids = simulatorClasses(trial);
+  if (ids.empty()) return skip("no class of it simulates");
+  int served = 0;
+  for (const std::string &id : ids) {
+    const Simulated one(trial, id);
+    if (!one.refusal.empty()) return fail(id + ": " + one.refusal);
+    if (!session::endsSteps(one.table)) continue;
+    ++served;
+    nowDoing("interrupts " + id);
+    if (const std::string problem = interruptProblemOf(one); !problem.empty()) return fail(id + ": " + problem);
+  }
+  return served > 0 ? pass() : skip("its steps run to their end (no interrupt)");
 }
 
 Verdict simulatorArguments(const Trial &trial) {
@@ -229,7 +359,11 @@ Verdict simulatorArguments(const Trial &trial) {
 
 constexpr std::array kChecks{
     Check{"classes", "200 objects of each class: counts, interfaces, and what is asked of them in vain", &classes},
+    Check{"classes.shared", "One object of each class, retained, asked and released by 4 threads at once",
+          &sharedObjects},
     Check{"simulators", "A cube falls, comes back by reset, and falls again, to the bit", &simulators},
+    Check{"simulators.interrupt", "A step is interrupted, also by another thread, and leaves the state before it",
+          &interrupts},
     Check{"simulators.arguments", "Null, empty, foreign and non-finite arguments are refused, and it goes on",
           &simulatorArguments}};
 

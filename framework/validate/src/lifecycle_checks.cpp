@@ -7,7 +7,9 @@
 #include <fstream>
 #include <thread>
 
+#include "c3de/core/platform.h"
 #include "check.h"
+#include "negotiation.h"
 #include "trial.h"
 
 namespace c3de::validate {
@@ -37,8 +39,8 @@ std::size_t threadsAtRest(std::size_t wanted) {
   return threadsNow();
 }
 
-Verdict live(const Trial &trial, TrialHost::Serves serves) {
-  const LoadedTrial loaded(trial, serves);
+Verdict live(const Trial &trial, TrialHost::Serves serves, const TrialHost::Change &change = {}) {
+  const LoadedTrial loaded(trial, serves, change);
   if (!loaded.refusal.empty()) return fail(loaded.refusal);
   for (int i = 0; i < 20; ++i) loaded.host->mainQueue.runFrame();
   loaded.host->host.reset();
@@ -56,6 +58,47 @@ Verdict least(const Trial &trial) {
   if (!loaded.refusal.empty()) return pass("refuses itself: " + loaded.refusal);
   loaded.host->host.reset();
   return loaded.complaints();
+}
+
+template <auto Member>
+void withhold(plugin_host::Services &services) {
+  services.*Member = nullptr;
+}
+
+struct Withheld {
+  const char *what;
+  void (*change)(plugin_host::Services &services);
+};
+using plugin_host::Services;
+constexpr std::array kWithheld{
+    Withheld{"images", &withhold<&Services::images>},     Withheld{"simulations", &withhold<&Services::simulations>},
+    Withheld{"forces", &withhold<&Services::forces>},     Withheld{"files", &withhold<&Services::meshFormats>},
+    Withheld{"settings", &withhold<&Services::settings>}, Withheld{"render", &withhold<&Services::renderer>},
+    Withheld{"panels", &withhold<&Services::panels>},     Withheld{"params", &withhold<&Services::parameters>},
+    Withheld{"tools", &withhold<&Services::tools>},       Withheld{"history", &withhold<&Services::edits>},
+    Withheld{"commands", &withhold<&Services::commands>}};
+
+Verdict without(const Trial &trial) {
+  const auto library = DynamicLibrary::open(trial.plugin);
+  if (!library) return fail(library.error().message);
+  std::string required;
+  Verdict worst = pass();
+  for (const Withheld &one : kWithheld) {
+    {
+      const TrialHost host(trial.folder / "settings", TrialHost::Serves::all, one.change);
+      if (!plugin_host::negotiate(*library, host.services)) {
+        required += (required.empty() ? "" : ", ") + std::string(one.what);
+        continue;
+      }
+    }
+    nowDoing(std::string("lives without ") + one.what);
+    Verdict verdict = live(trial, TrialHost::Serves::all, one.change);
+    if (verdict.result == Result::fail)
+      return fail(fmt::format("without {}, which it does not require: {}", one.what, verdict.text));
+    if (verdict.result == Result::warn) worst = warn(fmt::format("without {}: {}", one.what, verdict.text));
+  }
+  if (worst.result != Result::pass || required.empty()) return worst;
+  return pass("requires " + required);
 }
 
 Verdict repeated(const Trial &trial) {
@@ -99,6 +142,7 @@ constexpr std::array kChecks{
     Check{"lifecycle", "create, start, some frames, stop, destroy; nothing is left behind or complained of", &once},
     Check{"lifecycle.headless", "The same without a window", &headless},
     Check{"lifecycle.least", "A host with few services is refused with a reason, or enough", &least},
+    Check{"lifecycle.without", "Without each service in turn: what it does not require, it can do without", &without},
     Check{"lifecycle.repeated", "1000 times in one process, or for 6 s: memory is given back", &repeated},
     Check{"lifecycle.threads", "No thread of its own is left after stop", &threads}};
 

@@ -27,9 +27,6 @@ using Json = nlohmann::ordered_json;
 
 enum ExitCode { kGood = 0, kBad = 1, kUsage = 2 };
 
-/// Before the verdict that a child gives; what a plugin prints does not count.
-constexpr std::string_view kVerdict = "c3de-validate verdict: ";
-
 struct Options {
   std::vector<std::string> files, companions;
   std::string only, except, child, folder;
@@ -75,6 +72,14 @@ std::string lastWords(const std::string &text) {
   return shownText(found.starts_with("c3de: ") ? found.substr(6) : found);
 }
 
+/// What the child was doing when it ended, " while it lives without tools"; empty where it has not said.
+std::string whileDoing(const std::string &output) {
+  const auto at = output.rfind(kDoingMark);
+  if (at == std::string::npos) return {};
+  const auto begin = at + kDoingMark.size();
+  return " while it " + shownText(output.substr(begin, output.find('\n', begin) - begin));
+}
+
 Verdict runInChild(const Check &check, const std::string &file, const Options &options,
                    const std::filesystem::path &folder) {
   std::vector<std::string> arguments{
@@ -88,24 +93,27 @@ Verdict runInChild(const Check &check, const std::string &file, const Options &o
   arguments.push_back(file);
   const auto ended = runProcess(arguments, options.timeout_s);
   if (!ended) return fail("no process could be started for it: " + ended.error().message);
-  if (ended->timedOut) return fail(fmt::format("had not come to an end after {} s (--timeout)", options.timeout_s));
-  if (const auto at = ended->output.rfind(kVerdict); at != std::string::npos) {
-    const Json json = Json::parse(ended->output.substr(at + kVerdict.size()), nullptr, false);
+  const std::string when = whileDoing(ended->output);
+  if (ended->timedOut)
+    return fail(fmt::format("had not come to an end after {} s (--timeout){}", options.timeout_s, when));
+  if (const auto at = ended->output.rfind(kVerdictMark); at != std::string::npos) {
+    const Json json = Json::parse(ended->output.substr(at + kVerdictMark.size()), nullptr, false);
     if (json.is_object() && ended->exitCode == 0)
       return {static_cast<Result>(json.value("result", static_cast<int>(Result::fail))), json.value("text", "")};
   }
   const std::string words = lastWords(ended->errorOutput);
-  return fail(words.empty() ? fmt::format("ended the process, with code {}", ended->exitCode)
-                            : "ended the process: " + words);
+  return fail(words.empty() ? fmt::format("ended the process{}, with code {}", when, ended->exitCode)
+                            : fmt::format("ended the process{}: {}", when, words));
 }
 
 int child(const Options &options) {
+  if (options.files.size() != 1) return kUsage;
   for (const Check &check : allChecks()) {
     if (options.child != check.name) continue;
-    const Verdict verdict = runHere(check, trialOf(options, options.files.at(0), pathFromText(options.folder)));
+    const Verdict verdict = runHere(check, trialOf(options, options.files.front(), pathFromText(options.folder)));
     const Json json{{"result", static_cast<int>(verdict.result)}, {"text", verdict.text}};
     const std::string line =
-        "\n" + std::string(kVerdict) + json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+        "\n" + std::string(kVerdictMark) + json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
     std::fwrite(line.data(), 1, line.size(), stdout);
     std::fflush(stdout);
     return kGood;

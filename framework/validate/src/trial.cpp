@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
+
 namespace c3de::validate {
 
 const char *resultName(Result result) {
@@ -22,8 +24,13 @@ std::vector<Check> allChecks() {
   return all;
 }
 
-LoadedTrial::LoadedTrial(const Trial &trial, TrialHost::Serves serves)
-    : host(std::make_unique<TrialHost>(trial.folder / "settings", serves)) {
+void nowDoing(const std::string &what) {
+  std::printf("\n%.*s%s\n", static_cast<int>(kDoingMark.size()), kDoingMark.data(), what.c_str());
+  std::fflush(stdout);
+}
+
+LoadedTrial::LoadedTrial(const Trial &trial, TrialHost::Serves serves, const TrialHost::Change &change)
+    : host(std::make_unique<TrialHost>(trial.folder / "settings", serves, change)) {
   for (const auto &companion : trial.companions)
     if (const std::string why = host->refusalOf(companion); !why.empty()) {
       refusal = "its companion " + companion.filename().string() + " is not loaded: " + why;

@@ -11,7 +11,7 @@ namespace c3de::validate {
 
 /// The plugin, created and started in a host of its own, with those that it needs.
 struct LoadedTrial {
-  LoadedTrial(const Trial &trial, TrialHost::Serves serves);
+  LoadedTrial(const Trial &trial, TrialHost::Serves serves, const TrialHost::Change &change = {});
 
   /// Lines of warnings and errors that were logged; a pass without any.
   [[nodiscard]] Verdict complaints() const;

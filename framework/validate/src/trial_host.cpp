@@ -3,7 +3,8 @@
 
 namespace c3de::validate {
 
-TrialHost::TrialHost(std::filesystem::path folder, Serves serves) : settingsFolder(std::move(folder)) {
+TrialHost::TrialHost(std::filesystem::path folder, Serves serves, const Change &change)
+    : settingsFolder(std::move(folder)) {
   setLogThreshold(LogLevel::error);
   setLogListener([this](LogLevel level, const std::string &line) {
     const std::lock_guard lock(linesMutex_);
@@ -29,6 +30,7 @@ TrialHost::TrialHost(std::filesystem::path folder, Serves serves) : settingsFold
     services.edits = &edits;
     services.commands = &commands;
   }
+  if (change) change(services);
   host = std::make_unique<plugin_host::PluginHost>(services);
 }
 

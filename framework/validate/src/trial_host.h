@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -38,8 +39,10 @@ class TrialHost {
     headless,  ///< as in `c3de run`
     least      ///< only what every host must have
   };
+  using Change = std::function<void(plugin_host::Services &services)>;
   /// @param settingsFolder  what is there is removed at the end
-  explicit TrialHost(std::filesystem::path settingsFolder, Serves serves = Serves::all);
+  /// @param change  may take away of what is served
+  explicit TrialHost(std::filesystem::path settingsFolder, Serves serves = Serves::all, const Change &change = {});
   ~TrialHost();
   TrialHost(const TrialHost &) = delete;
   TrialHost &operator=(const TrialHost &) = delete;

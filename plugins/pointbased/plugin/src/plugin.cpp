@@ -34,13 +34,15 @@ class PointBasedPlugin : public SimulatorListener {
                                          "Points that carry the physics of a body; iface.phyxel_set", context_));
     sdk::orThrow(registry.add<SurfelSet>(C3DE_POINTBASED_SURFEL_CLASS, "Surfels",
                                          "Points of a surface that follow phyxels; iface.surfel_set", context_));
-    if (context_.services.params && context_.services.notifier && context_.services.simulation) {
+    if (context_.services.params && context_.services.notifier && context_.services.simulation &&
+        host.service<c3de_panels_v1>()) {
       controller_ = std::make_unique<Controller>(context_.services, context_.laws, pinch_);
       sdk::orThrow(controller_->show(host, "pointbased.controller", "Point-based organ"));
-      sdk::orThrow(pinch_.add(host, {.id = "pointbased.pinch",
-                                     .label = "Pinch",
-                                     .hint = "Press on the organ and drag to pull; release or Escape lets go",
-                                     .shortcut = 'P'}));
+      if (host.service<c3de_tools_v0>())
+        sdk::orThrow(pinch_.add(host, {.id = "pointbased.pinch",
+                                       .label = "Pinch",
+                                       .hint = "Press on the organ and drag to pull; release or Escape lets go",
+                                       .shortcut = 'P'}));
     }
     if (context_.services.time) frame_ = sdk::orThrow(context_.services.time.addFrameCallback([this] { onFrame(); }));
   }
