@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "c3de/core/platform.h"
@@ -196,6 +197,39 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
     CHECK_THAT(found.checks[0]["text"].get<std::string>(), Contains(one.says));
   }
 }
+
+#if defined(__linux__)
+TEST_CASE("what hangs ends with the program that checks it") {
+  const ScopedEnvironment mode("C3DE_TEST_MODE", "start_hangs");
+  constexpr const char *kSeed = "60221407600000";  // nobody else's
+  fs::create_directories(testOutputRoot());
+  const fs::path log = fs::path(testOutputRoot()) / "hanging.log";
+  auto program =
+      c3de::ChildProcess::start({C3DE_VALIDATE, "--only", "^lifecycle$", "--seed", kSeed, testPlugin("modes")}, log);
+  REQUIRE(program);
+  const auto textOf = [](const fs::path &path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string((std::istreambuf_iterator<char>(file)), {});
+  };
+  const auto children = [&] {  // those that are as far as the plugin
+    int n = 0;
+    for (const auto &entry : fs::directory_iterator("/proc")) {
+      const std::string line = textOf(entry.path() / "cmdline");
+      if (line.find("--child") != std::string::npos && line.find(kSeed) != std::string::npos &&
+          textOf(entry.path() / "maps").find(testPlugin("modes")) != std::string::npos)
+        ++n;
+    }
+    return n;
+  };
+  const auto until = [&](auto &&done) {
+    for (int i = 0; i < 500 && !done(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return done();
+  };
+  CHECK(until([&] { return children() == 1; }));
+  program->kill();
+  CHECK(until([&] { return children() == 0; }));
+}
+#endif
 
 TEST_CASE("files that are no plugins are said to be none, and asking wrongly is said") {
   const fs::path folder = fs::path(testOutputRoot()) / "validate";

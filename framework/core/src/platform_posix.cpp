@@ -5,6 +5,9 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,6 +22,7 @@
 #include "c3de/core/platform.h"
 #include "descriptors.h"
 #include "open_file.h"
+#include "process_output.h"
 
 extern char **environ;
 
@@ -42,6 +46,9 @@ Expected<pid_t> spawn(const std::vector<std::string> &arguments, posix_spawn_fil
   std::vector<char *> argv;
   for (const std::string &argument : arguments) argv.push_back(const_cast<char *>(argument.c_str()));
   argv.push_back(nullptr);
+  // A parent may leave us SIGCHLD ignored; exit codes of our children would then be lost, and waiting would fail.
+  struct sigaction present {};
+  if (sigaction(SIGCHLD, nullptr, &present) == 0 && present.sa_handler == SIG_IGN) signal(SIGCHLD, SIG_DFL);
   pid_t pid = 0;
   const int error = posix_spawnp(&pid, argv[0], actions, nullptr, argv.data(), environ);
   if (error != 0) return fail(ErrorCode::state, "cannot start " + arguments.front() + ": " + std::strerror(error));
@@ -154,6 +161,12 @@ void redirectDescriptor(int descriptor, int to) { dup2(to, descriptor); }
 void closeDescriptor(int descriptor) { close(descriptor); }
 int descriptorOf(std::FILE *file) { return fileno(file); }
 
+#ifdef __linux__
+void endWithParent() { prctl(PR_SET_PDEATHSIG, SIGKILL); }
+#else
+void endWithParent() {}
+#endif
+
 Expected<int> continueAs(const std::vector<std::string> &arguments) {
   if (arguments.empty()) return fail(ErrorCode::usage, "no program to run");
   std::vector<char *> words;
@@ -196,6 +209,7 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
   while (open > 0) {
     const double left = std::chrono::duration<double>(end - Clock::now()).count();
     if (left <= 0.0) {
+      if (exited) break;  // a grandchild writes without end
       result.timedOut = true;
       ::kill(*pid, SIGKILL);
       break;
@@ -209,7 +223,7 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
       char buffer[4096];
       const ssize_t n = read(fds[i].fd, buffer, sizeof buffer);
       if (n > 0) {
-        texts[i]->append(buffer, static_cast<std::size_t>(n));
+        appendOutput(*texts[i], {buffer, static_cast<std::size_t>(n)});
       } else {
         fds[i].fd = -1;
         --open;

@@ -11,6 +11,7 @@
 #include "c3de/core/platform.h"
 #include "descriptors.h"
 #include "open_file.h"
+#include "process_output.h"
 
 namespace c3de {
 namespace {
@@ -96,7 +97,7 @@ Expected<PROCESS_INFORMATION> spawn(const std::vector<std::string> &arguments, H
 
 void readAll(HANDLE pipe, std::string *text) {
   char buffer[4096];
-  for (DWORD n = 0; ReadFile(pipe, buffer, sizeof buffer, &n, nullptr) && n > 0;) text->append(buffer, n);
+  for (DWORD n = 0; ReadFile(pipe, buffer, sizeof buffer, &n, nullptr) && n > 0;) appendOutput(*text, {buffer, n});
 }
 
 }  // namespace
@@ -172,6 +173,8 @@ int duplicateDescriptor(int descriptor) { return _dup(descriptor); }
 void redirectDescriptor(int descriptor, int to) { _dup2(to, descriptor); }
 void closeDescriptor(int descriptor) { _close(descriptor); }
 int descriptorOf(std::FILE *file) { return _fileno(file); }
+
+void endWithParent() {}
 
 Expected<int> continueAs(const std::vector<std::string> &arguments) {
   if (arguments.empty()) return fail(ErrorCode::usage, "no program to run");

@@ -108,6 +108,7 @@ Verdict runInChild(const Check &check, const std::string &file, const Options &o
 
 int child(const Options &options) {
   if (options.files.size() != 1) return kUsage;
+  endWithParent();  // a plugin may never come back
   for (const Check &check : allChecks()) {
     if (options.child != check.name) continue;
     const Verdict verdict = runHere(check, trialOf(options, options.files.front(), pathFromText(options.folder)));

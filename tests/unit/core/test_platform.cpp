@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
+#include <csignal>
 #include <fstream>
 
 #include "c3de/core/platform.h"
@@ -25,6 +26,28 @@ TEST_CASE("a process that does not end is ended") {
   CHECK(result->timedOut);
   CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < 10.0);
 }
+
+#if !defined(_WIN32)
+TEST_CASE("of a program that writes without end, the end is kept") {
+  const auto result = runProcess({"sh", "-c", "yes 0123456789 | head -c 50000000; echo the end"}, 60.0);
+  REQUIRE(result);
+  CHECK(result->exitCode == 0);
+  CHECK(result->output.size() >= ProcessResult::kKept);
+  CHECK(result->output.size() <= 2 * ProcessResult::kKept);
+  CHECK_THAT(result->output, Catch::Matchers::EndsWith("the end\n"));
+}
+
+TEST_CASE("a program is waited for although SIGCHLD was ignored") {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto result = runProcess({"sh", "-c", "exit 7"}, 5.0);
+  std::signal(SIGCHLD, before);
+  REQUIRE(result);
+  CHECK(result->exitCode == 7);
+  CHECK_FALSE(result->timedOut);
+  CHECK(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < 4.0);
+}
+#endif
 
 TEST_CASE("a program that does not exist is an error with its name") {
   const auto result = runProcess({"no-such-program-anywhere"}, 5.0);

@@ -65,11 +65,17 @@ class ErrorStreamCapture {
 
 struct ProcessResult {
   int exitCode = -1;  ///< 128 + signal for a process that was killed
+  /// Of each at least the last kKept bytes: a program that writes without end must not fill the memory of this one.
   std::string output, errorOutput;
   bool timedOut = false;
+
+  static constexpr std::size_t kKept = std::size_t{8} << 20;
 };
 /// Runs a program to its end, or ends it after timeout_s.
 [[nodiscard]] Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, double timeout_s);
+
+/// From now on this process is killed when the one that started it ends, however it ends. Linux; nothing elsewhere.
+void endWithParent();
 
 /// Goes on as another program, with the same console, folder and environment; arguments.front() is the program. Returns
 /// only the reason why it cannot be started; on Windows, which cannot replace a process, also its exit code at its end.
