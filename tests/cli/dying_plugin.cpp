@@ -30,9 +30,10 @@ struct Loading {
 class Dying : public sdk::Panel {
  public:
   static constexpr sdk::PluginInfo info{.id = "test.dying", .version = "1.0.0", .displayName = "Dying"};
-  static constexpr std::array needs{sdk::required<c3de_forces_v0>(), sdk::optional<c3de_panels_v1>()};
+  static constexpr std::array needs{sdk::required<c3de_forces_v0>(), sdk::optional<c3de_panels_v1>(),
+                                    sdk::optional<c3de_jobs_v1>()};
 
-  explicit Dying(sdk::Host host) {
+  explicit Dying(sdk::Host host) : host_(host) {
     if (diesIn("create")) std::abort();
     if (diesIn("exit")) std::exit(0);
     if (diesIn("hang")) std::this_thread::sleep_for(std::chrono::minutes(10));
@@ -41,12 +42,25 @@ class Dying : public sdk::Panel {
         volatile std::uintptr_t nowhere = 8;  // compilers know what they can see
         *reinterpret_cast<volatile int *>(nowhere) = 1;
       }
+      // As long as the test that asks for it is patient.
+      if (diesIn("slow step")) std::this_thread::sleep_for(std::chrono::seconds(14));
       return {};
     }));
     if (host.service<c3de_panels_v1>()) sdk::orThrow(show(host, "test.dying.panel", "Dying"));
   }
 
   void start() {
+    // Asks rarely whether it is cancelled.
+    if (diesIn("silent job"))
+      sdk::orThrow(sdk::Jobs(host_).submit(
+          "Endless",
+          [](sdk::Progress progress) -> sdk::Result<void> {
+            do {
+              std::this_thread::sleep_for(std::chrono::seconds(14));
+            } while (progress.update(-1.0, "endless"));
+            return {};
+          },
+          [](const sdk::Result<void> &) {}));
     if (diesIn("thread")) {
       std::thread([] { throw std::runtime_error("of a thread of its own"); }).detach();
       std::this_thread::sleep_for(std::chrono::minutes(10));
@@ -59,6 +73,7 @@ class Dying : public sdk::Panel {
   }
 
  private:
+  sdk::Host host_;
   sdk::ForceField field_;
 };
 

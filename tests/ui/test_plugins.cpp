@@ -39,6 +39,15 @@ void openManager(WorkstationDriver &window) {
   window.waitUntil("the manager is open", [](const Json &s) { return s["widgets"].contains("plugin/test.dying"); });
 }
 
+/// The choice of that number of the message that says who has not returned; the newest stands first.
+void clickChoice(WorkstationDriver &window, int number) {
+  const Json messages = window.state()["notifications"];
+  for (std::size_t i = 0; i < messages.size(); ++i)
+    if (messages[i].dump().find("has not returned") != std::string::npos)
+      return window.click("notification/choose." + std::to_string(messages.size() - 1 - i) + "." +
+                          std::to_string(number));
+}
+
 }  // namespace
 
 TEST_CASE("a plugin that has ended the window is asked about, and stays off until it is switched on", "[crash]") {
@@ -110,4 +119,40 @@ TEST_CASE("safe mode is one of the answers, and holds for one run", "[crash]") {
   window.start(person.arguments());
   openManager(window);
   CHECK(window.value("plugins/Dying") == "loaded 1.0.0");
+}
+
+TEST_CASE("a job and a step that do not get on are told, and ended by a click", "[hangs]") {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  const auto isTold = [](const Json &s) {
+    return s["notifications"].dump().find("has not returned") != std::string::npos;
+  };
+  {
+    const Person person("hangs_job");
+    const ScopedEnvironment place("C3DE_TEST_DIES", "silent job");
+    WorkstationDriver window("hangs_job");
+    auto arguments = person.arguments();
+    arguments.emplace_back("--trust-plugins");  // else it is refused for it
+    window.start(arguments);
+    window.waitUntil("the job runs", [](const Json &s) { return !s["jobs"].empty(); });
+    window.waitUntil("it is told", isTold, 40.0);
+    window.screenshot("told");
+    clickChoice(window, 0);
+    window.waitUntil(
+        "the job is over", [](const Json &s) { return s["jobs"].empty(); }, 40.0);
+  }
+  const Person person("hangs_step");
+  const ScopedEnvironment place("C3DE_TEST_DIES", "slow step");
+  WorkstationDriver window("hangs_step");
+  auto arguments = person.arguments();
+  arguments[0] = (fs::path(testResourcesFolder()) / "scenes" / "first_light.toml").string();
+  window.start(arguments);
+  window.waitUntil(
+      "the organ is there", [](const Json &s) { return s["transport"]["exists"].get<bool>(); }, 60.0);
+  window.key("space");
+  window.waitUntil("it is told", isTold, 60.0);
+  window.screenshot("told");
+  clickChoice(window, 0);
+  window.waitUntil(
+      "it has stopped", [](const Json &s) { return s["transport"]["mode"] == "stopped"; }, 60.0);
+  CHECK(window.state()["transport"]["steps"] == 0);
 }
