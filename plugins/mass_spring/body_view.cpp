@@ -26,9 +26,9 @@ void SimulatorView::update() {
     const std::array<float, 3> c = body.colour.value_or(kColour);
     Shown shown;
     shown.node = sdk::orThrow(scene_.addNode(node_, body.name));
-    shown.skin = sdk::orThrow(render_.createMesh(shown.node.handle(), positions,
-                                                 sdk::rows<std::uint32_t, 3>(*body.triangles),
-                                                 {{c[0], c[1], c[2], 1.0f}, false}));
+    shown.skin =
+        sdk::orThrow(render_.createMesh(shown.node.handle(), positions, sdk::rows<std::uint32_t, 3>(*body.triangles),
+                                        {{c[0], c[1], c[2], 1.0f}, false}));
     shown_.emplace(body.id, std::move(shown));
   }
 }

@@ -92,8 +92,8 @@ Bound Lattice::bind(const Vec3 &point, double *off) const {
   };
   std::array<std::int64_t, 3> at{};
   for (std::size_t a = 0; a < 3; ++a)
-    at[a] = static_cast<std::int64_t>(std::clamp(std::floor((point[a] - origin_[a]) / spacing_), 0.0,
-                                                 static_cast<double>(counts_[a] - 1)));
+    at[a] = static_cast<std::int64_t>(
+        std::clamp(std::floor((point[a] - origin_[a]) / spacing_), 0.0, static_cast<double>(counts_[a] - 1)));
   for (std::int64_t n = 0; n < 27; ++n) {
     const std::int64_t i = at[0] + n % 3 - 1, j = at[1] + n / 3 % 3 - 1, k = at[2] + n / 9 - 1;
     if (i < 0 || j < 0 || k < 0 || i >= counts_[0] || j >= counts_[1] || k >= counts_[2]) continue;

@@ -13,9 +13,9 @@ using sdk::Error;
 constexpr std::array kWorld{
     sdk::vec3Param({C3DE_PARAM_ID_GRAVITY, "Gravity", "m/s²", "Acceleration of everything that is free", "World"},
                    {-1e4, 1e4, -20.0, 20.0}, {0.0, -9.81, 0.0}),
-    sdk::boolParam({C3DE_PARAM_ID_BOX_ENABLED, "Walls", "", "Walls that masses do not pass; they take their speed",
-                    "World"},
-                   false),
+    sdk::boolParam(
+        {C3DE_PARAM_ID_BOX_ENABLED, "Walls", "", "Walls that masses do not pass; they take their speed", "World"},
+        false),
     sdk::vec3Param({C3DE_PARAM_ID_BOX_MIN, "Walls from", "m", "Lower corner of the walls", "World"},
                    {-1e4, 1e4, -1.0, 1.0}, {-1.0, -1.0, -1.0}),
     sdk::vec3Param({C3DE_PARAM_ID_BOX_MAX, "Walls to", "m", "Upper corner of the walls", "World"},
@@ -100,8 +100,8 @@ const c3de_param_decl &ParameterValues::declaration(std::string_view id) const {
 void ParameterValues::set(const c3de_param_value &in) {
   const c3de_param_decl &d = declaration(sdk::text(in.id));
   if (!fits(d, in))
-    throw Error(C3DE_E_ARG, std::string(sdk::text(d.id)) + " = " + shown(in) +
-                                " is not accepted; accepted: " + accepted(d));
+    throw Error(C3DE_E_ARG,
+                std::string(sdk::text(d.id)) + " = " + shown(in) + " is not accepted; accepted: " + accepted(d));
   c3de_param_value kept{};
   kept.size = sizeof kept;
   kept.id = d.id;

@@ -61,8 +61,8 @@ bool PinchTool::press(const c3de_event &event) {
   const Snapshot::Body *body = nullptr;
   c3de_ray_hit nearest{};
   for (const Snapshot::Body &candidate : snapshot->bodies) {
-    const auto tree = collision_.create(sdk::rows<double, 3>(candidate.skin),
-                                        sdk::rows<std::uint32_t, 3>(*candidate.triangles));
+    const auto tree =
+        collision_.create(sdk::rows<double, 3>(candidate.skin), sdk::rows<std::uint32_t, 3>(*candidate.triangles));
     if (!tree) continue;
     const auto hit = collision_.ray(tree->handle(), ray->origin, ray->direction);
     if (!hit || hit->triangle >= candidate.triangles->size() || (body != nullptr && hit->t >= nearest.t)) continue;

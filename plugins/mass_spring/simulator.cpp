@@ -26,7 +26,8 @@ void writeOut(T *out, T value) {
 /// What the caller knows of a struct that may grow; zero beyond.
 template <class T>
 T readIn(const T *in, const char *what) {
-  if (in == nullptr || in->size < sizeof in->size) throw Error(C3DE_E_ARG, std::string(what) + " is null or has no size");
+  if (in == nullptr || in->size < sizeof in->size)
+    throw Error(C3DE_E_ARG, std::string(what) + " is null or has no size");
   T value{};
   std::memcpy(&value, in, std::min<std::size_t>(in->size, sizeof value));
   return value;
@@ -87,11 +88,13 @@ bool contains(const c3de_sim_region &region, const Vec3 &x) {
 Motion readMotion(const c3de_sim_motion *in, const Vec3 &middle, std::uint32_t index) {
   const auto m = readIn(in, "motion");
   if ((m.flags & C3DE_SIM_HAS_QUATERNION) != 0)
-    throw Error(C3DE_E_UNSUPPORTED, "quaternion: mass springs turn by angles; accepted: rotation_deg", {"fix", index, {}});
+    throw Error(C3DE_E_UNSUPPORTED, "quaternion: mass springs turn by angles; accepted: rotation_deg",
+                {"fix", index, {}});
   Motion out{vectorOf(m.displacement_m), kDegree * vectorOf(m.rotation_deg),
              (m.flags & C3DE_SIM_HAS_CENTRE) != 0 ? vectorOf(m.centre_m) : middle, m.ramp_s};
   if (!isFinite(out.displacement_m) || !isFinite(out.rotation_rad) || !isFinite(out.centre_m) || !(out.ramp_s >= 0.0))
-    throw Error(C3DE_E_ARG, "displacement, rotation and centre must be finite, the ramp at least 0 s", {"fix", index, {}});
+    throw Error(C3DE_E_ARG, "displacement, rotation and centre must be finite, the ramp at least 0 s",
+                {"fix", index, {}});
   return out;
 }
 
@@ -103,8 +106,7 @@ SurfaceLoad readLoad(const c3de_sim_load &in, const SpringBody &body) {
     const auto &[a, b, c] = skin.triangles[t];
     if (!contains(region, (1.0 / 3.0) * (skin.vertices[a] + skin.vertices[b] + skin.vertices[c]))) continue;
     out.triangles.push_back(t);
-    out.area_m2 +=
-        0.5 * length(cross(skin.vertices[b] - skin.vertices[a], skin.vertices[c] - skin.vertices[a]));
+    out.area_m2 += 0.5 * length(cross(skin.vertices[b] - skin.vertices[a], skin.vertices[c] - skin.vertices[a]));
   }
   if (!(out.area_m2 > 0.0))
     throw Error(C3DE_E_ARG, "the region meets no middle of a triangle of the surface", {"load", in.index, {}});
@@ -253,8 +255,7 @@ void Simulator::setWorld(const c3de_param_value *values, std::uint64_t n, std::u
   changed.set(values, n, stride);
   const Vec3 low = changed.vector(C3DE_PARAM_ID_BOX_MIN), high = changed.vector(C3DE_PARAM_ID_BOX_MAX);
   for (std::size_t a = 0; a < 3; ++a)
-    if (!(high[a] > low[a]))
-      throw Error(C3DE_E_ARG, "world.box.max must be above world.box.min on every axis");
+    if (!(high[a] > low[a])) throw Error(C3DE_E_ARG, "world.box.max must be above world.box.min on every axis");
   const ParameterValues before = std::exchange(world_, std::move(changed));
   try {
     (void)stepSize();
@@ -329,9 +330,8 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
     made.values.set(part.params, part.params_n, part.params_stride);
     for (std::uint64_t k = 0; k < part.params_n; ++k)
       made.own.emplace_back(sdk::text(sdk::strided(part.params, k, part.params_stride).id));
-    if (std::none_of(lattice.cells().begin(), lattice.cells().end(), [&](const Lattice::Cell &cell) {
-          return contains(made.region, lattice.centre(cell));
-        }))
+    if (std::none_of(lattice.cells().begin(), lattice.cells().end(),
+                     [&](const Lattice::Cell &cell) { return contains(made.region, lattice.centre(cell)); }))
       throw Error(C3DE_E_ARG, "the region meets no middle of a cell; the spacing is " + shown(1e3 * spacing) + " mm",
                   {"part", static_cast<std::uint32_t>(i), {}});
     parts.push_back(std::move(made));
@@ -353,7 +353,8 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
       sum += nodes[n];
     }
     if (support.nodes.empty())
-      throw Error(C3DE_E_ARG, "the region meets no mass of the lattice, whose spacing is " + shown(1e3 * spacing) + " mm",
+      throw Error(C3DE_E_ARG,
+                  "the region meets no mass of the lattice, whose spacing is " + shown(1e3 * spacing) + " mm",
                   {"fix", fix.index, {}});
     if (fix.motion != nullptr)
       support.motion = readMotion(fix.motion, (1.0 / static_cast<double>(support.nodes.size())) * sum, fix.index);
@@ -370,8 +371,19 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   auto triangles = std::make_shared<const std::vector<std::array<std::uint32_t, 3>>>(physics.skin().triangles);
   const std::lock_guard lock(mutex_);
   const std::uint64_t id = nextId_++;
-  bodies_.emplace(id, Body{name, std::move(values), std::move(parts), colour, std::move(triangles), volume_m3,
-                           std::move(physics), {}, {}, {}, {}, false, {}});
+  bodies_.emplace(id, Body{name,
+                           std::move(values),
+                           std::move(parts),
+                           colour,
+                           std::move(triangles),
+                           volume_m3,
+                           std::move(physics),
+                           {},
+                           {},
+                           {},
+                           {},
+                           false,
+                           {}});
   try {
     (void)stepSize();
   } catch (...) {
@@ -403,7 +415,8 @@ void Simulator::addProbe(c3de_str name, c3de_handle body, const double *at_m3, c
   double off = 0.0;
   probe.bound = lattice.bind(probe.reference, &off);
   if (!(off <= 0.5 * lattice.spacing()))
-    throw Error(C3DE_E_ARG, which + "the point lies " + shown(1e3 * off) + " mm off the lattice of the body; accepted: up to half a spacing (" +
+    throw Error(C3DE_E_ARG, which + "the point lies " + shown(1e3 * off) +
+                                " mm off the lattice of the body; accepted: up to half a spacing (" +
                                 shown(500.0 * lattice.spacing()) + " mm)");
   probes_.push_back(std::move(probe));
   if (out != nullptr) *out = {nextId_};
@@ -485,8 +498,7 @@ void Simulator::step() {
     for (const auto &[number, load] : body.liveLoads) live.push_back(load);
     body.physics.step(time_s_, dt, gravity, damping, body.hasForces ? body.lentForces : std::vector<Vec3>(), live);
     body.hasForces = false;
-    if (hasWalls)
-      body.physics.keepWithin(world_.vector(C3DE_PARAM_ID_BOX_MIN), world_.vector(C3DE_PARAM_ID_BOX_MAX));
+    if (hasWalls) body.physics.keepWithin(world_.vector(C3DE_PARAM_ID_BOX_MIN), world_.vector(C3DE_PARAM_ID_BOX_MAX));
     if (!body.physics.isFinite() && failure.empty()) failure = body.name;
   }
   failed_ = !failure.empty();
@@ -524,7 +536,7 @@ void Simulator::publish() {
       if (body.physics.hold) force = body.physics.hold->force_N;
       next->bodies.push_back({id, body.name, body.colour, body.triangles,
                               body.physics.onSkin(body.physics.state().positions), body.physics.lattice().spacing(),
-                              force});
+                              body.physics.masses().size(), force});
     }
   }
   const std::lock_guard lock(snapshotMutex_);
@@ -686,8 +698,8 @@ c3de_status Simulator::report(c3de_sink sink) {
   }
   for (const Probe &probe : probes_) {
     separate(probes);
-    probes += "{\"name\":" + quoted(probe.name) + ",\"reference_m\":" + json(probe.reference) + ",\"position_m\":" +
-              json(probe.bound.of(bodies_.at(probe.body).physics.state().positions)) + "}";
+    probes += "{\"name\":" + quoted(probe.name) + ",\"reference_m\":" + json(probe.reference) +
+              ",\"position_m\":" + json(probe.bound.of(bodies_.at(probe.body).physics.state().positions)) + "}";
   }
   return sdk::put(sink, "{\"bodies\":[" + bodies + "],\"probes\":[" + probes + "],\"reactions\":[" + reactions +
                             "],\"stages\":[],\"events\":[]}");
@@ -827,8 +839,7 @@ void Simulator::hold(c3de_handle body, const double *at_m3, double radius_m) {
 }
 
 void Simulator::pull(c3de_handle body, const double *target_m3) {
-  if (target_m3 == nullptr || !isFinite(vectorOf(target_m3)))
-    throw Error(C3DE_E_ARG, "pull: the target is not finite");
+  if (target_m3 == nullptr || !isFinite(vectorOf(target_m3))) throw Error(C3DE_E_ARG, "pull: the target is not finite");
   const std::lock_guard lock(mutex_);
   auto &hand = bodyOrThrow(body).physics.hold;
   if (!hand) throw Error(C3DE_E_STATE, "pull: nobody holds this body; hold() first");

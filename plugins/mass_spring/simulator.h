@@ -26,10 +26,11 @@ struct Snapshot {
   struct Body {
     std::uint64_t id = 0;
     std::string name;
-    std::optional<std::array<float, 3>> colour;                                     ///< sRGB
+    std::optional<std::array<float, 3>> colour;  ///< sRGB
     std::shared_ptr<const std::vector<std::array<std::uint32_t, 3>>> triangles;
     std::vector<Vec3> skin;  ///< m
     double spacing_m = 0.0;
+    std::size_t masses = 0;
     std::optional<Vec3> handForce_N;
   };
   std::vector<Body> bodies;

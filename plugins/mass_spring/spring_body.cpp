@@ -122,9 +122,7 @@ void SpringBody::addSprings() {
 
 void SpringBody::addLoad(const SurfaceLoad &load, double time_s) {
   const double factor = factorOf(load, time_s);
-  const auto corner = [&](std::uint32_t v) {
-    return load.isDead ? skin_.vertices[v] : bound_[v].of(state_.positions);
-  };
+  const auto corner = [&](std::uint32_t v) { return load.isDead ? skin_.vertices[v] : bound_[v].of(state_.positions); };
   for (const std::uint32_t t : load.triangles) {
     const auto &[a, b, c] = skin_.triangles[t];
     const Vec3 &x = skin_.vertices[a];
@@ -135,8 +133,7 @@ void SpringBody::addLoad(const SurfaceLoad &load, double time_s) {
       force += (-0.5 * load.pressure_Pa) * cross(corner(b) - p, corner(c) - p);
     }
     for (const std::uint32_t v : {a, b, c})
-      for (std::size_t k = 0; k < 8; ++k)
-        forces_[bound_[v].nodes[k]] += (factor / 3.0 * bound_[v].weights[k]) * force;
+      for (std::size_t k = 0; k < 8; ++k) forces_[bound_[v].nodes[k]] += (factor / 3.0 * bound_[v].weights[k]) * force;
   }
 }
 
@@ -233,8 +230,7 @@ Vec3 SpringBody::momentum() const {
 
 Vec3 SpringBody::angularMomentum() const {
   Vec3 sum{};
-  for (std::size_t i = 0; i < masses_.size(); ++i)
-    sum += masses_[i] * cross(state_.positions[i], state_.velocities[i]);
+  for (std::size_t i = 0; i < masses_.size(); ++i) sum += masses_[i] * cross(state_.positions[i], state_.velocities[i]);
   return sum;
 }
 

@@ -33,7 +33,9 @@ constexpr Vec3 operator*(const Mat3 &m, const Vec3 &v) { return {dot(m[0], v), d
 inline Mat3 rotationOf(const Vec3 &angles_rad) {
   const double a = std::cos(angles_rad[0]), b = std::sin(angles_rad[0]), c = std::cos(angles_rad[1]),
                d = std::sin(angles_rad[1]), e = std::cos(angles_rad[2]), f = std::sin(angles_rad[2]);
-  return {{{c * e, b * d * e - a * f, a * d * e + b * f}, {c * f, b * d * f + a * e, a * d * f - b * e}, {-d, b * c, a * c}}};
+  return {{{c * e, b * d * e - a * f, a * d * e + b * f},
+           {c * f, b * d * f + a * e, a * d * f - b * e},
+           {-d, b * c, a * c}}};
 }
 
 }  // namespace mass_spring

@@ -57,8 +57,8 @@ Expected<const c3de_simulator_v1 *> keepingTable(c3de_object *simulator, const S
   if (!table) return table;
   if (!C3DE_HAS(c3de_simulator_v1, *table, load_state) || (*table)->save_state == nullptr ||
       (*table)->load_state == nullptr)
-    return fail(ErrorCode::plugin, fmt::format("simulator {} of {} keeps no states in files", identity.classId,
-                                               identity.plugin));
+    return fail(ErrorCode::plugin,
+                fmt::format("simulator {} of {} keeps no states in files", identity.classId, identity.plugin));
   return table;
 }
 
@@ -113,9 +113,9 @@ Expected<void> goToState(Session &session, c3de_object *simulator, const Simulat
   const auto file = readHeader(bytes, name);
   if (!file) return tl::unexpected(file.error());
   if (file->classId != identity.classId || file->plugin != identity.plugin)
-    return fail(ErrorCode::input, fmt::format("{}: a state of simulator {} ({}); this simulation is of {} ({})", name,
-                                              shownText(file->classId), shownText(file->plugin), identity.classId,
-                                              identity.plugin));
+    return fail(ErrorCode::input,
+                fmt::format("{}: a state of simulator {} ({}); this simulation is of {} ({})", name,
+                            shownText(file->classId), shownText(file->plugin), identity.classId, identity.plugin));
   if (file->version != identity.version)
     return fail(ErrorCode::input, fmt::format("{}: a state of version {} of {}; accepted: {}", name,
                                               shownText(file->version), identity.plugin, identity.version));
@@ -131,7 +131,8 @@ Expected<std::string> readStateFile(const std::filesystem::path &file) {
     return fail(ErrorCode::input, name + ": there is no such file; the state of a simulation is expected");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error || size > kMostBytes)
-    return fail(ErrorCode::input, fmt::format("{}: cannot be read as a state; accepted: up to {} bytes", name, kMostBytes));
+    return fail(ErrorCode::input,
+                fmt::format("{}: cannot be read as a state; accepted: up to {} bytes", name, kMostBytes));
   std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream in(file, std::ios::binary);
   in.read(bytes.data(), static_cast<std::streamsize>(size));

@@ -112,6 +112,16 @@ class Archive {
     (*this)(side.place);
     (*this)(side.known);
   }
+  void walk(ContactState::ClearanceCache &known) {
+    (*this)(known.at);
+    (*this)(known.distance);
+    (*this)(known.reach);
+    (*this)(known.normal);
+    (*this)(known.swept);
+    (*this)(known.ahead);
+    (*this)(known.aheadNormal);
+    (*this)(known.aheadOffset);
+  }
   void walk(detail::SubstepController &substeps) { substeps.walk(*this); }
   void walk(detail::SleepDetector &watch) { watch.walk(*this); }
 
@@ -122,9 +132,10 @@ struct SavedBody {
   detail::BodyStepper::Checkpoint checkpoint;
   detail::BodyStepper::Stillness stillness;
   Body::Carried carried;
+  std::vector<Vec3> patchForces;  // N, of supports
 };
 
-/// What is known of distances is found again, and the same contacts with it.
+/// What is known of distances counts: asked again at another place, the plane of a contact has other last digits.
 template <class Coder>
 void walk(Archive<Coder> &archive, SavedBody &saved) {
   State &state = saved.checkpoint.body.state;
@@ -135,6 +146,7 @@ void walk(Archive<Coder> &archive, SavedBody &saved) {
   ContactState &contact = saved.checkpoint.body.contact;
   archive(contact.active);
   archive(contact.sides);
+  archive(contact.clearance);
   archive(contact.deepest);
   archive(contact.margin);
   archive(contact.ledOut);
@@ -143,6 +155,7 @@ void walk(Archive<Coder> &archive, SavedBody &saved) {
   archive(saved.checkpoint.substeps);
   archive(saved.checkpoint.scale);
   archive(saved.checkpoint.goodSteps);
+  archive(saved.patchForces);
   archive(saved.carried.forces);
   archive(saved.carried.tangentRatio);
   archive(saved.carried.forcesCurrent);
@@ -171,11 +184,14 @@ bool fits(const SavedBody &saved, const Body &body) {
   const ContactState &contact = saved.checkpoint.body.contact;
   const std::size_t points = body.rest().contact.count();
   return state.displacements.size() == n && state.velocities.size() == n &&
+         saved.patchForces.size() == body.patches().forces().size() && allFinite(saved.patchForces) &&
          saved.carried.forces.size() == n && allFinite(saved.carried.forces) && allFinite(state.displacements) &&
          allFinite(state.velocities) && state.history.prony.size() == now.history.prony.size() &&
          state.history.modes.size() == now.history.modes.size() &&
          std::all_of(contact.active.begin(), contact.active.end(),
                      [&](const Contact &c) { return c.point < points; }) &&
+         std::all_of(contact.clearance.begin(), contact.clearance.end(),
+                     [&](const auto &known) { return known.empty() || known.size() == points; }) &&
          std::all_of(contact.sides.begin(), contact.sides.end(),
                      [&](const auto &side) { return side.empty() || side.size() == points; });
 }
@@ -192,9 +208,10 @@ Result<std::string> Simulator::savedState() const {
   archive(steps);
   archive(time);
   for (const auto &[id, runner] : bodies_) {
-    if (const std::string why = whyNotKept(runner->body(), integratorOf(id)); !why.empty())
-      return tl::unexpected(why);
-    SavedBody saved{runner->checkpoint(), runner->stillness(), runner->body().carried()};
+    if (const std::string why = whyNotKept(runner->body(), integratorOf(id)); !why.empty()) return tl::unexpected(why);
+    const std::span<const Vec3> patchForces = std::as_const(runner->body()).patches().forces();
+    SavedBody saved{
+        runner->checkpoint(), runner->stillness(), runner->body().carried(), {patchForces.begin(), patchForces.end()}};
     walk(archive, saved);
   }
   return writer.take();
@@ -234,6 +251,7 @@ Result<void> Simulator::goToSavedState(std::string_view bytes) {
     one.checkpoint.body.rigid = fresh.rigid;
     (void)runner->restore(one.checkpoint, parallelFor_);
     runner->setStillness(std::move(one.stillness));
+    std::copy(one.patchForces.begin(), one.patchForces.end(), runner->body().patches().forces().begin());
     runner->body().carryOn(std::move(one.carried));
   }
   time_ = checkpoint.time;

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// A simulator of another kind in the window: shown, pulled by the mouse, let go.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "support/catch.h"
+#include "ui/workstation_driver.h"
+
+using c3de::test::Json;
+using c3de::test::Point;
+using c3de::test::WorkstationDriver;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path floatingSprings() {
+  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "springs.toml";
+  fs::create_directories(scene.parent_path());
+  std::ofstream(scene) << "format = 1\ntitle = \"Springs\"\n[simulator]\nclass = \"org.c3de.mass_spring.Simulator/0\"\n"
+                          "[world]\ngravity = [0.0, 0.0, 0.0]\n[solver]\ndamping = 5.0\n"
+                          "[[body]]\nname = \"organ\"\nmesh = \""
+                       << (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string()
+                       << "\"\nmesh_unit = \"mm\"\nsampling = { count = 800 }\n"
+                          "[[fix]]\nregion = { half_space = { point = [-0.04, 0, 0], normal = [1, 0, 0] } }\n";
+  return scene;
+}
+
+double pull(const Json &state) {
+  return std::strtod(state["values"].value("org.c3de.mass_spring.panel/Pull", "").c_str(), nullptr);
+}
+
+}  // namespace
+
+TEST_CASE("an organ of masses and springs is shown, follows the hand and is let go", "[springs_pull]") {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  WorkstationDriver window("springs_pull");
+  const std::string plugin =
+      (fs::path(testExampleFolder()) / (std::string("mass_spring") + c3de::pluginExtension())).string();
+  window.start({floatingSprings().string(), "--plugin", plugin});
+  window.waitUntil(
+      "the organ is shown",
+      [](const Json &s) {
+        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() &&
+               s["values"].contains("org.c3de.mass_spring.panel/organ");
+      },
+      60.0);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+  window.key("s");
+  window.waitUntil("the tool is active", [](const Json &s) { return s["tool"] == "org.c3de.mass_spring.pinch"; });
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return s["transport"]["mode"] == "playing"; });
+  CHECK(pull(window.state()) == 0.0);
+  window.screenshot("before");
+
+  const Json camera = window.state()["camera"];
+  const Point from = window.inView(0.55, 0.5), to = window.inView(0.68, 0.3);
+  window.moveTo(from);
+  window.press();
+  for (int i = 1; i <= 8; ++i) window.moveTo({from.x + i / 8.0 * (to.x - from.x), from.y + i / 8.0 * (to.y - from.y)});
+  window.waitUntil("the hand pulls", [](const Json &s) { return pull(s) > 0.01; });
+  window.screenshot("pulling");
+  window.release();
+  window.waitUntil("it is let go", [](const Json &s) { return pull(s) == 0.0; });
+  CHECK(window.state()["camera"] == camera);
+  CHECK(window.state()["notifications"].empty());
+}
