@@ -89,9 +89,13 @@ TEST_CASE("a free bar of springs keeps its momentum, and the same run gives the 
 
 TEST_CASE("what springs do not serve is refused with its line", "[mass_spring]") {
   const auto folder = freshFolder("springs_refused");
+  const auto refined = writeBar(folder, "");
+  const std::string text = readFile(refined), coarse = "spacing = 0.01";
   CHECK_THAT(
-      refusal(writeBar(
-          folder, "refine = [ { region = { sphere = { centre = [0, 0, 0], radius = 1.0 } }, spacing = 0.005 } ]\n")),
+      refusal(writeFile(refined, std::string(text).replace(text.find(coarse), coarse.size(),
+                                                           coarse + ", refine = [ { region = { sphere = { centre "
+                                                                    "= [0, 0, 0], radius = 1.0 } }, "
+                                                                    "spacing = 0.005 } ]"))),
       Contains("the lattice has one spacing"));
   CHECK_THAT(refusal(writeBar(folder, "[[obstacle]]\nname = \"block\"\nmesh = \"bar.obj\"\nmesh_unit = \"m\"\n")),
              Contains("accepted: no obstacle"));

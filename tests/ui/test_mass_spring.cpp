@@ -66,4 +66,29 @@ TEST_CASE("an organ of masses and springs is shown, follows the hand and is let 
   window.waitUntil("it is let go", [](const Json &s) { return pull(s) == 0.0; });
   CHECK(window.state()["camera"] == camera);
   CHECK(window.state()["notifications"].empty());
+
+  // Its state is kept in a file, gone on from, and taken up again.
+  const fs::path file = fs::path(testOutputRoot()) / "ui" / "springs.c3dstate";
+  fs::remove(file);
+  const auto choose = [&](const std::string &entry, const fs::path &path, std::size_t answers) {
+    window.click("menu/simulation");
+    window.waitUntil("the menu is open", [&](const Json &s) { return s["widgets"].contains("menu/" + entry); });
+    window.click("menu/" + entry);
+    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+    window.type(path.string());
+    window.key("Return");
+    return window.waitUntil("it is answered",
+                            [&](const Json &s) { return s["notifications"].size() == answers; })["notifications"];
+  };
+  window.key("space");
+  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+  CHECK(choose("simulation.save_state", file, 1).back()["title"] == "Saved");
+  window.key("space");
+  window.waitUntil("it has gone on", [&](const Json &s) {
+    return s["transport"]["steps"].get<int>() > paused["transport"]["steps"].get<int>() + 50;
+  });
+  window.key("space");
+  window.waitUntil("it pauses", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+  CHECK(choose("simulation.load_state", file, 2).back()["title"] == "Loaded");
+  CHECK(window.state()["transport"]["steps"] == paused["transport"]["steps"]);
 }
