@@ -91,4 +91,9 @@ TEST_CASE("an organ of masses and springs is shown, follows the hand and is let 
   window.waitUntil("it pauses", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
   CHECK(choose("simulation.load_state", file, 2).back()["title"] == "Loaded");
   CHECK(window.state()["transport"]["steps"] == paused["transport"]["steps"]);
+  // What is no state is refused, and nothing has changed.
+  std::ofstream(file) << "no state";
+  const Json refused = choose("simulation.load_state", file, 3).back();
+  CHECK_THAT(refused["title"].get<std::string>(), Contains("could not be loaded"));
+  CHECK(window.state()["transport"]["steps"] == paused["transport"]["steps"]);
 }
