@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "c3de/abi/draft/iface/parameter_ids.h"
+#include "c3de/sdk/structs.hpp"
 
 namespace mass_spring {
 namespace {
@@ -15,23 +16,6 @@ using sdk::Error;
 constexpr double kMetresPerMillimetre = 1e-3;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr std::uint32_t kStateVersion = 1;
-
-template <class T>
-void writeOut(T *out, T value) {
-  const std::uint32_t size = out->size;
-  std::memcpy(out, &value, std::min<std::size_t>(size, sizeof value));
-  out->size = size;
-}
-
-/// What the caller knows of a struct that may grow; zero beyond.
-template <class T>
-T readIn(const T *in, const char *what) {
-  if (in == nullptr || in->size < sizeof in->size)
-    throw Error(C3DE_E_ARG, std::string(what) + " is null or has no size");
-  T value{};
-  std::memcpy(&value, in, std::min<std::size_t>(in->size, sizeof value));
-  return value;
-}
 
 std::string shown(double value) {
   char text[40];
@@ -48,7 +32,7 @@ struct Placement {
 Placement readPlacement(const c3de_sim_placement *in) {
   Placement out;
   if (in == nullptr) return out;
-  const auto p = readIn(in, "placement");
+  const auto p = sdk::readStruct(in, "placement");
   double scale = p.scale == 0.0 ? 1.0 : p.scale;
   if ((p.flags & C3DE_SIM_PLACED_BY_MATRIX) != 0) {
     for (std::size_t r = 0; r < 3; ++r) {
@@ -86,7 +70,7 @@ bool contains(const c3de_sim_region &region, const Vec3 &x) {
 }
 
 Motion readMotion(const c3de_sim_motion *in, const Vec3 &middle, std::uint32_t index) {
-  const auto m = readIn(in, "motion");
+  const auto m = sdk::readStruct(in, "motion");
   if ((m.flags & C3DE_SIM_HAS_QUATERNION) != 0)
     throw Error(C3DE_E_UNSUPPORTED, "quaternion: mass springs turn by angles; accepted: rotation_deg",
                 {"fix", index, {}});
@@ -100,7 +84,7 @@ Motion readMotion(const c3de_sim_motion *in, const Vec3 &middle, std::uint32_t i
 
 SurfaceLoad readLoad(const c3de_sim_load &in, const SpringBody &body) {
   SurfaceLoad out;
-  const auto region = readIn(in.region, "region");
+  const auto region = sdk::readStruct(in.region, "region");
   const Surface &skin = body.skin();
   for (std::uint32_t t = 0; t < skin.triangles.size(); ++t) {
     const auto &[a, b, c] = skin.triangles[t];
@@ -244,9 +228,9 @@ void Simulator::declarations(std::uint32_t scope, const c3de_param_decl **decls,
   const auto found = scope == C3DE_SIM_SCOPE_WORLD  ? worldDeclarations()
                      : scope == C3DE_SIM_SCOPE_BODY ? bodyDeclarations()
                                                     : std::span<const c3de_param_decl>();
-  *decls = found.data();
-  *n = found.size();
-  *stride = sizeof(c3de_param_decl);
+  sdk::notNull(decls, "decls") = found.data();
+  sdk::notNull(n, "n") = found.size();
+  sdk::notNull(stride, "stride") = sizeof(c3de_param_decl);
 }
 
 void Simulator::setWorld(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride) {
@@ -279,7 +263,7 @@ std::vector<Elasticity> Simulator::materials(const Lattice &lattice, const Param
 }
 
 void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
-  const auto in = readIn(body, "body");
+  const auto in = sdk::readStruct(body, "body");
   const std::string name(sdk::text(in.name));
   ParameterValues values(bodyDeclarations());
   values.set(in.params, in.params_n, in.params_stride);
@@ -325,8 +309,8 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
 
   std::vector<Part> parts;
   for (std::uint64_t i = 0; i < in.parts_n; ++i) {
-    const auto part = readIn(&sdk::strided(in.parts, i, in.parts_stride), "part");
-    Part made{readIn(part.region, "region"), values, {}};
+    const auto part = sdk::readStruct(&sdk::strided(in.parts, i, in.parts_stride), "part");
+    Part made{sdk::readStruct(part.region, "region"), values, {}};
     made.values.set(part.params, part.params_n, part.params_stride);
     for (std::uint64_t k = 0; k < part.params_n; ++k)
       made.own.emplace_back(sdk::text(sdk::strided(part.params, k, part.params_stride).id));
@@ -339,8 +323,8 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   auto ofCells = materials(lattice, values, parts);
   SpringBody physics(std::move(lattice), std::move(surface), std::move(ofCells));
   for (std::uint64_t i = 0; i < in.fixes_n; ++i) {
-    const auto fix = readIn(&sdk::strided(in.fixes, i, in.fixes_stride), "fix");
-    const auto region = readIn(fix.region, "region");
+    const auto fix = sdk::readStruct(&sdk::strided(in.fixes, i, in.fixes_stride), "fix");
+    const auto region = sdk::readStruct(fix.region, "region");
     Support support;
     support.number = fix.index;
     Vec3 sum{};
@@ -361,7 +345,7 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
     physics.addSupport(std::move(support));
   }
   for (std::uint64_t i = 0; i < in.loads_n; ++i)
-    physics.loads.push_back(readLoad(readIn(&sdk::strided(in.loads, i, in.loads_stride), "load"), physics));
+    physics.loads.push_back(readLoad(sdk::readStruct(&sdk::strided(in.loads, i, in.loads_stride), "load"), physics));
   const Vec3 velocity = vectorOf(in.velocity_m_s), angular = vectorOf(in.angular_velocity_rad_s);
   if (!isFinite(velocity) || !isFinite(angular)) throw Error(C3DE_E_ARG, "velocities must be finite");
   physics.setInitialVelocity(velocity, angular);
@@ -407,7 +391,7 @@ Simulator::Body &Simulator::bodyOrThrow(c3de_handle body) {
 void Simulator::addProbe(c3de_str name, c3de_handle body, const double *at_m3, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
   const Lattice &lattice = bodyOrThrow(body).physics.lattice();
-  Probe probe{nextId_, body.v, std::string(sdk::text(name)), vectorOf(at_m3), {}};
+  Probe probe{nextId_, body.v, std::string(sdk::text(name)), vectorOf(&sdk::notNull(at_m3, "at_m3")), {}};
   const std::string which = "probe '" + probe.name + "': ";
   if (!isFinite(probe.reference)) throw Error(C3DE_E_ARG, which + "the point is not finite");
   for (const Probe &other : probes_)
@@ -424,7 +408,7 @@ void Simulator::addProbe(c3de_str name, c3de_handle body, const double *at_m3, c
 }
 
 void Simulator::setBodyParam(c3de_handle body, const c3de_param_value *value) {
-  const auto in = readIn(value, "value");
+  const auto in = sdk::readStruct(value, "value");
   const std::lock_guard lock(mutex_);
   Body &of = bodyOrThrow(body);
   ParameterValues changed = of.values;
@@ -449,7 +433,7 @@ void Simulator::setBodyParam(c3de_handle body, const c3de_param_value *value) {
 
 void Simulator::getBodyParam(c3de_handle body, c3de_str id, c3de_param_value *out) {
   const std::lock_guard lock(mutex_);
-  writeOut(out, bodyOrThrow(body).values.value(sdk::text(id)));
+  sdk::writeStruct(out, bodyOrThrow(body).values.value(sdk::text(id)), "out");
 }
 
 void Simulator::remove(c3de_handle what) {
@@ -556,7 +540,7 @@ void Simulator::status(c3de_sim_status *out) {
   s.time_s = time_s_;
   s.dt_s = stepSize();
   s.bodies = bodies_.size();
-  writeOut(out, s);
+  sdk::writeStruct(out, s, "out");
 }
 
 /// What a state belongs to: everything that a scene says of the physics.
@@ -616,7 +600,7 @@ void Simulator::stateHash(std::uint64_t *out) {
     hash.add(body.physics.hold->target_m);
     hash.add(body.physics.hold->offset_m);
   }
-  *out = hash.value();
+  sdk::notNull(out, "out") = hash.value();
 }
 
 c3de_status Simulator::saveState(c3de_sink sink) {
@@ -642,6 +626,7 @@ c3de_status Simulator::saveState(c3de_sink sink) {
 }
 
 void Simulator::loadState(const void *bytes, std::uint64_t n) {
+  if (bytes == nullptr && n > 0) throw Error(C3DE_E_ARG, "bytes is null");
   const std::lock_guard lock(mutex_);
   Reader in(bytes, n);
   if (const auto version = in.number<std::uint32_t>(); version != kStateVersion)
@@ -709,7 +694,7 @@ void Simulator::bodyAt(std::uint64_t index, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
   if (index >= bodies_.size())
     throw Error(C3DE_E_NOT_FOUND, "body " + std::to_string(index) + ": there are " + std::to_string(bodies_.size()));
-  *out = {std::next(bodies_.begin(), static_cast<std::ptrdiff_t>(index))->first};
+  sdk::notNull(out, "out") = {std::next(bodies_.begin(), static_cast<std::ptrdiff_t>(index))->first};
 }
 
 void Simulator::bodyInfo(c3de_handle body, c3de_sim_body_info *out) {
@@ -725,11 +710,12 @@ void Simulator::bodyInfo(c3de_handle body, c3de_sim_body_info *out) {
   info.mesh_volume_m3 = of.meshVolume_m3;
   info.spacing_m = p.lattice().spacing();
   info.stable_dt_s = p.stableStep_s();
-  writeOut(out, info);
+  sdk::writeStruct(out, info, "out");
 }
 
 c3de_status Simulator::enumFields(c3de_handle body, void *visitor,
                                   c3de_status(C3DE_CALL *each)(void *visitor, const c3de_sim_field *field)) {
+  if (each == nullptr) throw Error(C3DE_E_ARG, "each is null");
   {
     const std::lock_guard lock(mutex_);
     (void)bodyOrThrow(body);
@@ -777,11 +763,12 @@ void Simulator::readField(c3de_handle body, std::uint32_t on, c3de_str name, c3d
 void Simulator::triangles(c3de_handle body, c3de_view *out) {
   const std::lock_guard lock(mutex_);
   const auto &found = *bodyOrThrow(body).triangles;
-  *out = {found.data(), found.size(), 3, C3DE_U32, 0};
+  sdk::notNull(out, "out") = {found.data(), found.size(), 3, C3DE_U32, 0};
 }
 
 c3de_status Simulator::enumProbes(void *visitor,
                                   c3de_status(C3DE_CALL *each)(void *visitor, const c3de_sim_probe *probe)) {
+  if (each == nullptr) throw Error(C3DE_E_ARG, "each is null");
   const std::lock_guard lock(mutex_);
   for (const Probe &probe : probes_) {
     const SpringBody::State &state = bodies_.at(probe.body).physics.state();
@@ -817,13 +804,13 @@ void Simulator::points(c3de_handle handle, c3de_sim_points *out) {
   points.velocities_m_s = body.lentVelocities.front().data();
   points.masses_kg = body.lentMasses.data();
   points.forces_N = body.lentForces.front().data();
-  writeOut(out, points);
+  sdk::writeStruct(out, points, "out");
 }
 
 void Simulator::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
   Body &body = bodyOrThrow(handle);
-  SurfaceLoad made = readLoad(readIn(load, "load"), body.physics);
+  SurfaceLoad made = readLoad(sdk::readStruct(load, "load"), body.physics);
   made.began_s = time_s_;
   body.liveLoads.emplace(nextId_, std::move(made));
   if (out != nullptr) *out = {nextId_};

@@ -547,6 +547,7 @@ c3de_status WorldSimulator::saveState(c3de_sink sink) {
 }
 
 void WorldSimulator::loadState(const void *bytes, std::uint64_t n) {
+  if (bytes == nullptr) throw Error(C3DE_E_ARG, "load_state: bytes is null");
   const std::lock_guard lock(mutex_);
   std::string_view state(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
   std::uint64_t of = 0;
