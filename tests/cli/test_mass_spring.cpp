@@ -127,22 +127,37 @@ TEST_CASE("a state goes on bit for bit, and another file changes nothing", "[mas
 
 TEST_CASE("a state of the point-based simulator goes on bit for bit, through contact", "[saved_state]") {
   const auto folder = freshFolder("organ_state");
-  const std::string scene = (std::filesystem::path(testResourcesFolder()) / "scenes" / "first_light.toml").string();
+  const std::filesystem::path resources = testResourcesFolder();
+  const std::string scene = (resources / "scenes" / "first_light.toml").string();
+  const std::string held =
+      writeFile(folder / "held.toml",
+                "format = 1\n[simulator]\nclass = \"draft/c3de.pointbased.WorldSimulator/0\"\n"
+                "[solver]\nintegrator = \"explicit\"\n[[body]]\nname = \"organ\"\nmesh_unit = \"mm\"\nmesh = \"" +
+                    (resources / "meshes" / "organ.obj").generic_string() +
+                    "\"\nmaterial = { viscosity = 5.0, prony = [ { share = 0.3, time = 0.1 } ] }\n"
+                    "[[fix]]\nregion = { half_space = { point = [-0.031, 0, 0], normal = [1, 0, 0] } }\n"
+                    "displacement = [0, 0.01, 0]\nramp = 0.2\n"
+                    "[[load]]\nforce = [0, 0, 0.1]\nramp = 0.1\n"
+                    "region = { half_space = { point = [0.05, 0, 0], normal = [-1, 0, 0] } }\n")
+          .string();
   const std::string state = (folder / "organ.state").string();
-  const auto hashAfter = [&](const std::string &steps, std::vector<std::string> more) {
-    std::vector<std::string> arguments{"run", scene, "--steps", steps, "-q", "--report", (folder / "r.json").string()};
+  const auto hashAfter = [&](const std::string &what, const std::string &steps, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"run", what, "--steps", steps, "-q", "--report", (folder / "r.json").string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto result = runC3de(arguments);
     INFO(result.errorOutput);
     REQUIRE(result.exitCode == 0);
     return readJson(folder / "r.json").at("state_hash").get<std::string>();
   };
-  // In the air, and on the block.
-  for (const auto &[half, whole] : {std::pair("100", "400"), std::pair("400", "700")}) {
-    INFO(half);
-    const std::string saved = hashAfter(half, {"--save-state", state});
-    CHECK(hashAfter(half, {"--from-state", state}) == saved);
-    CHECK(hashAfter(whole, {"--from-state", state}) == hashAfter(whole, {}));
+  struct Case {
+    std::string scene, half, whole;
+  };
+  // In the air, on the block, and by supports that move.
+  for (const Case &one : {Case{scene, "100", "400"}, Case{scene, "400", "700"}, Case{held, "60", "300"}}) {
+    INFO(one.scene << ' ' << one.half);
+    const std::string saved = hashAfter(one.scene, one.half, {"--save-state", state});
+    CHECK(hashAfter(one.scene, one.half, {"--from-state", state}) == saved);
+    CHECK(hashAfter(one.scene, one.whole, {"--from-state", state}) == hashAfter(one.scene, one.whole, {}));
   }
   const auto springs =
       runC3de({"run", writeBar(folder, kMoving).string(), "--plugin", plugin(), "--from-state", state, "--steps", "1"});
