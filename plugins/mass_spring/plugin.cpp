@@ -10,7 +10,8 @@
 namespace mass_spring {
 namespace {
 
-/// A class for everybody, and where there is a window, a view per simulator, a tool, and a panel that says what is pulled.
+/// A class for everybody, and where there is a window, a view per simulator, a tool, and a panel that says what is
+/// pulled.
 class MassSpringPlugin : public sdk::Panel {
  public:
   static constexpr sdk::PluginInfo info{.id = "org.c3de.mass_spring",

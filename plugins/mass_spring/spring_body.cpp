@@ -8,11 +8,11 @@
 namespace mass_spring {
 namespace {
 
-// Stiffness of the springs of one cell in units of Young's modulus times spacing: the isotropic lattice whose face and body
-// diagonals bear alike. Derived in docs/plugin/mass_spring.md.
+// Stiffness of the springs of one cell in units of Young's modulus times spacing: the isotropic lattice whose face and
+// body diagonals bear alike. Derived in docs/plugin/mass_spring.md.
 constexpr double kEdge = 3.0 / 5.0, kFaceDiagonal = 1.0 / 5.0, kBodyDiagonal = 3.0 / 20.0;
-// Squared bound of the frequencies of one cell, times density spacing² / Young's modulus: twice the stiffness at a corner
-// over an eighth of its mass. No assembly of cells swings faster than its fastest one.
+// Squared bound of the frequencies of one cell, times density spacing² / Young's modulus: twice the stiffness at a
+// corner over an eighth of its mass. No assembly of cells swings faster than its fastest one.
 constexpr double kFastest = 2.0 * (3.0 * kEdge / 4.0 + 3.0 * kFaceDiagonal / 2.0 + kBodyDiagonal) * 8.0;
 // Springs that are pressed together pull less straight than at rest.
 constexpr double kSafety = 0.7;
@@ -72,7 +72,8 @@ void SpringBody::setMaterials(std::vector<Elasticity> materials) {
   for (const auto &[ends, sum] : sums)
     springs_.push_back({ends.first, ends.second, sum.length, sum.stiffness, sum.damping});
   frequency_1_s_ = std::sqrt(fastest);
-  // Semi-implicit Euler with forces of damping from before the step: w² dt² + 2 r dt <= 4, where r is the rate of the damping.
+  // Semi-implicit Euler with forces of damping from before the step: w² dt² + 2 r dt <= 4, where r is the rate of the
+  // damping.
   const double hand = kHandFrequency * frequency_1_s_;
   const double squared = fastest + hand * hand, rate = slowestDecay_s * fastest + hand;
   stableStep_s_ = kSafety * 4.0 / (rate + std::sqrt(rate * rate + 4.0 * squared));
