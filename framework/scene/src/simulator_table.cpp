@@ -30,6 +30,11 @@ Expected<const c3de_simulator_v1 *> simulatorTable(c3de_object *simulator) {
                 fmt::format("of hold(), pull(), let_go() and hold_force() in the table of {} some are "
                             "null; accepted: all or none",
                             C3DE_IFACE_SIMULATOR_ID));
+  if (C3DE_HAS(c3de_simulator_v1, table, load_state) &&
+      (table->save_state == nullptr) != (table->load_state == nullptr))
+    return fail(ErrorCode::plugin, fmt::format("of save_state() and load_state() in the table of {} one is null; "
+                                               "accepted: both or none",
+                                               C3DE_IFACE_SIMULATOR_ID));
   return table;
 }
 

@@ -78,6 +78,9 @@ Handler declare(CLI::App &app, CommandLine &line) {
           "Write how far the tissue has come, mm at the voxels of the image");
   addFile(app, "--export-surface", options.exportSurface, "FILE",
           "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each");
+  addFile(app, "--from-state", options.fromState, "FILE",
+          "Begin at a state that was saved of this scene; --until and --steps count from the scene's beginning");
+  addFile(app, "--save-state", options.saveState, "FILE", "Write the state of the end, for --from-state");
   addCount(app, "--seed", options.seed, 0, 9223372036854775807LL,
            "Kept in the report; nothing in this version is random");
   app.add_flag("-q,--quiet", options.quiet, "Say nothing but errors");

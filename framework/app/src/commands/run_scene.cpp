@@ -9,6 +9,7 @@
 
 #include "c3de/core/log.h"
 #include "c3de/core/output_file.h"
+#include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/statistics.h"
@@ -19,6 +20,7 @@
 #include "c3de/session/headless_run.h"
 #include "c3de/session/interrupt.h"
 #include "c3de/session/progress_line.h"
+#include "c3de/session/simulation_state.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/written_outputs.h"
 #include "commands/exit_code.h"
@@ -101,6 +103,7 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
                                          options.probes,
                                          options.screenshot,
                                          options.exportList,
+                                         options.saveState,
                                          options.exportImage.image,
                                          options.exportImage.displacement,
                                          vacatedFile(options.exportImage.displacement)};
@@ -111,7 +114,7 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
 }
 
 std::vector<std::filesystem::path> inputsOf(const RunOptions &options, const scene::SceneFile &scene) {
-  std::vector<std::filesystem::path> all{options.scene};
+  std::vector<std::filesystem::path> all{options.scene, options.fromState};
   all.insert(all.end(), options.session.pluginFiles.begin(), options.session.pluginFiles.end());
   for (const scene::SceneBody &body : scene.bodies) all.insert(all.end(), {body.mesh, body.volume.file});
   for (const scene::SceneObstacle &obstacle : scene.obstacles) all.push_back(obstacle.mesh);
@@ -294,6 +297,12 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (!overBefore) return tl::unexpected(overBefore.error());
   if (!overBefore->empty()) return Simulated{{}, std::move(*overBefore)};
 
+  if (!options.fromState.empty()) {
+    const auto state = readStateFile(options.fromState);
+    if (!state) return tl::unexpected(state.error());
+    if (const auto gone = goToState(session, simulator.get(), *chosen, *state, pathText(options.fromState)); !gone)
+      return tl::unexpected(gone.error());
+  }
   HeadlessRun run(session, simulator.get(), *table, options, limits, outputs);
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
   RunFacts facts = run.facts();
@@ -305,6 +314,11 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   if (const auto simulatorJson = run.simulatorReport())
     if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;
   if (!options.report.empty()) outputs.note(options.report, writeReport(options, facts, run));
+  if (!options.saveState.empty()) {
+    const auto state = stateBytes(session, simulator.get(), *chosen);
+    outputs.note(options.saveState,
+                 state ? writeWholeFile(options.saveState, *state) : Expected<void>(tl::unexpected(state.error())));
+  }
   if (!options.exportSurface.empty()) writeSurfaceExport(options, session, simulator.get(), outputs);
   if (options.exportImage.isWanted())
     if (const auto good = writeImageExports(options, session, *scene, sources, *table, simulator.get(), outputs); !good)

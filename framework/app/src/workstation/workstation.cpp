@@ -245,6 +245,22 @@ ui::WindowActions Workstation::actions() {
     exportPresentSurface(*session_, file, tell);
   };
   actions.exportFrame = [this, tell](const std::filesystem::path &file) { exportPresentFrame(*session_, file, tell); };
+  actions.saveState = [this](const std::filesystem::path &file) {
+    savePresentState(*session_, file, [this](const Expected<std::string> &written) {
+      if (written)
+        panels_.notify(C3DE_LOG_INFO, "Saved", *written);
+      else
+        onFailed("The state could not be saved", written.error());
+    });
+  };
+  actions.loadState = [this](const std::filesystem::path &file) {
+    goToStateOf(*session_, file, [this](const Expected<std::string> &gone) {
+      if (gone)
+        panels_.notify(C3DE_LOG_INFO, "Loaded", *gone);
+      else
+        onFailed("The state could not be loaded, and nothing has changed", gone.error());
+    });
+  };
   const auto exportImage = [this, tell](const ImageExport &wanted) {
     const StillPlaces still = images_->views().image() ? stillPlaces() : StillPlaces{};
     // The map of labels is lent by what holds it.

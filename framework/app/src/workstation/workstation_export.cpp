@@ -3,8 +3,10 @@
 
 #include <utility>
 
+#include "c3de/core/output_file.h"
 #include "c3de/core/path_text.h"
 #include "c3de/session/export_simulation.h"
+#include "c3de/session/simulation_state.h"
 
 namespace c3de::app {
 namespace {
@@ -18,7 +20,48 @@ void whileStanding(Session &session, std::function<Expected<std::string>(scene::
   });
 }
 
+/// Who simulates: the class of the plugin that the simulator belongs to.
+Expected<SimulatorIdentity> presentSimulator(Session &session) {
+  const scene::Simulation *simulation = session.simulation();
+  if (simulation == nullptr) return fail(ErrorCode::state, "no simulation is open");
+  const std::string owner = session.plugins().ownerOf(simulation->object());
+  std::vector<SimulatorIdentity> found = session.simulators();
+  std::erase_if(found, [&](const SimulatorIdentity &one) { return one.plugin != owner; });
+  if (found.size() == 1) return std::move(found.front());
+  return fail(ErrorCode::plugin, owner + " offers several classes that simulate; accepted: one");
+}
+
 }  // namespace
+
+void savePresentState(Session &session, const std::filesystem::path &file, ExportTold told) {
+  const auto identity = presentSimulator(session);
+  if (!identity) return told(tl::unexpected(identity.error()));
+  whileStanding(
+      session,
+      [&session, file, identity = *identity](scene::Simulation &simulation) -> Expected<std::string> {
+        const auto bytes = stateBytes(session, simulation.object(), identity);
+        if (!bytes) return tl::unexpected(bytes.error());
+        if (auto written = writeWholeFile(file, *bytes); !written) return tl::unexpected(written.error());
+        return pathText(file);
+      },
+      std::move(told));
+}
+
+void goToStateOf(Session &session, const std::filesystem::path &file, ExportTold told) {
+  const auto identity = presentSimulator(session);
+  if (!identity) return told(tl::unexpected(identity.error()));
+  whileStanding(
+      session,
+      [&session, file, identity = *identity](scene::Simulation &simulation) -> Expected<std::string> {
+        const auto bytes = readStateFile(file);
+        if (!bytes) return tl::unexpected(bytes.error());
+        const std::string name = pathText(file);
+        if (auto gone = goToState(session, simulation.object(), identity, *bytes, name); !gone)
+          return tl::unexpected(gone.error());
+        return name;
+      },
+      std::move(told));
+}
 
 void exportPresentSurface(Session &session, const std::filesystem::path &file, ExportTold told) {
   plugin_host::PluginHost *host = &session.plugins();

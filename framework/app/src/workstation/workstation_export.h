@@ -16,6 +16,11 @@ namespace c3de::app {
 /// Told on the main thread: the files that were written, one a line, or why not.
 using ExportTold = std::function<void(const Expected<std::string> &)>;
 
+/// Writes the state of the simulation; goes to one that was saved, or leaves everything as it is. `told` hears the
+/// file or why not.
+void savePresentState(Session &session, const std::filesystem::path &file, ExportTold told);
+void goToStateOf(Session &session, const std::filesystem::path &file, ExportTold told);
+
 /// Writes the skins of the present state (surfaceFiles() says under which names), between two steps on the simulation's
 /// thread, so that all of it is one moment. Nothing without a simulation. Main thread.
 void exportPresentSurface(Session &session, const std::filesystem::path &file, ExportTold told);

@@ -114,6 +114,9 @@ void viewMenu(FrameContext &frame) {
 void simulationMenu(FrameContext &frame) {
   for (const Command command : {Command::playPause, Command::step, Command::reset, Command::stop})
     menuItem(frame, {command, true});
+  ImGui::Separator();
+  menuItem(frame, {Command::saveState, true});
+  menuItem(frame, {Command::loadState, true});
   if (!frame.actions.simulators || !frame.actions.chooseSimulator) return;
   const std::vector<SimulatorChoice> choices = frame.actions.simulators();
   if (choices.size() < 2) return;

@@ -36,7 +36,7 @@ constexpr double kFrameTime_s = 1.0 / 60.0;
 constexpr double kIdleWait_s = 1.0, kCursorBlink_s = 0.25;
 /// Frames after an event until everything that follows from it stands: popups and layout take one more frame each.
 constexpr int kFramesToSettle = 3;
-constexpr const char *kSurfaceExtensions = "obj;stl;ply;vtp", *kFrameExtensions = "pvd";
+constexpr const char *kSurfaceExtensions = "obj;stl;ply;vtp", *kFrameExtensions = "pvd", *kStateExtensions = "c3dstate";
 constexpr const char *kImageExtensions = "nrrd;nii;gz;mha";
 
 }  // namespace
@@ -88,6 +88,7 @@ struct WorkstationWindow::Impl {
   void openDialog(bool isMesh);
   void openImageDialog(bool areLabels);
   void openExportDialog(Command command);
+  void openStateDialog();
   void lookFrom(const Vec3 &meshDirection, const Vec3 &patientDirection);
   /// None: all of them.
   void resetView(std::optional<Pane> pane);
@@ -298,6 +299,16 @@ void WorkstationWindow::Impl::openImageDialog(bool areLabels) {
   fileDialog.open(std::move(request));
 }
 
+void WorkstationWindow::Impl::openStateDialog() {
+  FileDialog::Request request;
+  request.title = "Load state";
+  request.extensions = kStateExtensions;
+  request.chosen = [this](const std::filesystem::path &file, const std::string &) {
+    if (actions.loadState) actions.loadState(file);
+  };
+  fileDialog.open(std::move(request));
+}
+
 void WorkstationWindow::Impl::openExportDialog(Command command) {
   FileDialog::Request request;
   request.isSaving = true;
@@ -314,6 +325,7 @@ void WorkstationWindow::Impl::openExportDialog(Command command) {
     case Command::exportFrame: set("Export simulation frame", kFrameExtensions, actions.exportFrame); break;
     case Command::exportImage: set("Export deformed image", kImageExtensions, actions.exportImage); break;
     case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
+    case Command::saveState: set("Save state", kStateExtensions, actions.saveState); break;
     default: set("Export surface", kSurfaceExtensions, actions.exportSurface); break;
   }
   request.chosen = [action](const std::filesystem::path &file, const std::string &) {
@@ -385,6 +397,7 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::reload: call(actions.reload); break;
     case Command::exportSurface:
     case Command::exportFrame:
+    case Command::saveState:
       if (simulation.exists) openExportDialog(command);
       break;
     case Command::exportImage:
@@ -418,6 +431,9 @@ void WorkstationWindow::Impl::carryOut(FrameContext &context, Command command) {
     case Command::step: transport(simulation, C3DE_TRANSPORT_STEP); break;
     case Command::reset: transport(simulation, C3DE_TRANSPORT_RESET); break;
     case Command::stop: transport(simulation, C3DE_TRANSPORT_STOP); break;
+    case Command::loadState:
+      if (simulation.exists) openStateDialog();
+      break;
     case Command::orbitTool:
       if (services.tools) services.tools->activate({});
       break;

@@ -80,6 +80,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void letGo(c3de_handle body);
   void holdForce(c3de_handle body, double *force_N3);
 
+  c3de_status saveState(c3de_sink bytes);
+  void loadState(const void *bytes, std::uint64_t n);
+
   // pointbased.bodies
   void phyxels(c3de_handle body, c3de_object **out);
   void surfels(c3de_handle body, c3de_object **out);
@@ -158,6 +161,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   std::map<std::uint64_t, Vec3> heldFrom_;  // from the point that was named to the one that is held, m
   void bind(LiveLoad &load) const;
   void takeForces();
+  [[nodiscard]] std::uint64_t fingerprint() const;
   std::size_t nextOrder_ = 0;
   SnapshotExchange exchange_;
   Colouring colouring_;

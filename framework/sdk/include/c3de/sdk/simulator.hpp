@@ -26,6 +26,8 @@ C3DE_SDK_OPTIONAL_SLOT(hold, hold)
 C3DE_SDK_OPTIONAL_SLOT(pull, pull)
 C3DE_SDK_OPTIONAL_SLOT(let_go, letGo)
 C3DE_SDK_OPTIONAL_SLOT(hold_force, holdForce)
+C3DE_SDK_OPTIONAL_SLOT(save_state, saveState)
+C3DE_SDK_OPTIONAL_SLOT(load_state, loadState)
 
 #undef C3DE_SDK_OPTIONAL_SLOT
 
@@ -36,7 +38,7 @@ C3DE_SDK_OPTIONAL_SLOT(hold_force, holdForce)
 ///   static std::array<Interface, 1> interfaces() { return {interfaceOf(kSimulatorTable<WorldSimulator>)}; }
 template <class D>
 inline constexpr c3de_simulator_v1 kSimulatorTable{sizeof(c3de_simulator_v1),
-                                                   1,
+                                                   2,
                                                    thunk<D, &D::attach>,
                                                    thunk<D, &D::declarations>,
                                                    thunk<D, &D::setWorld>,
@@ -67,6 +69,8 @@ inline constexpr c3de_simulator_v1 kSimulatorTable{sizeof(c3de_simulator_v1),
                                                    holdSlot<D>(),
                                                    pullSlot<D>(),
                                                    letGoSlot<D>(),
-                                                   holdForceSlot<D>()};
+                                                   holdForceSlot<D>(),
+                                                   saveStateSlot<D>(),
+                                                   loadStateSlot<D>()};
 
 }  // namespace c3de::sdk

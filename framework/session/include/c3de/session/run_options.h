@@ -27,6 +27,7 @@ struct RunOptions {
   std::filesystem::path report, probes, screenshot;  ///< empty: not wanted
   std::uint64_t probesEvery = 1;                     ///< steps
   std::filesystem::path exportList, exportSurface;   ///< empty: not wanted
+  std::filesystem::path fromState, saveState;        ///< empty: not wanted
   double exportEvery_s = kDefaultExportEvery_s;
   ImageExport exportImage;
   int width = 1280, height = 720;

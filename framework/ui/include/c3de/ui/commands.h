@@ -44,6 +44,8 @@ enum class Command {
   step,
   reset,
   stop,
+  saveState,
+  loadState,
   orbitTool,
   managePlugins,
   showShortcuts,

@@ -86,6 +86,7 @@ struct WindowActions {
   std::function<void(const std::string &id, bool isOn)> switchPlugin;  ///< from the next start on
   std::function<void()> screenshot;
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
+  std::function<void(const std::filesystem::path &)> saveState, loadState;        ///< of the simulation
   /// The scan as it now lies; how far
   std::function<void(const std::filesystem::path &)> exportImage, exportDisplacement;
   /// What a file of that export could be called, without folder and ending; empty: nothing is proposed.

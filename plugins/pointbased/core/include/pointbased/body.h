@@ -218,6 +218,19 @@ class Body {
   /// of then did not need starts fresh.
   /// @return false: nothing is changed, because the body was rigid then and is not now, or the other way round
   bool restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallelFor);
+  /// What an explicit step takes over from the one before it. Viscous forces are those of its middle: evaluated again,
+  /// they would differ.
+  struct Carried {
+    std::vector<Vec3> forces;  ///< [phyxels] N
+    double tangentRatio = 1.0;
+    bool forcesCurrent = false;
+  };
+  [[nodiscard]] Carried carried() const { return {forces_, tangentRatio_, forcesCurrent}; }
+  void carryOn(Carried carried) {
+    forces_ = std::move(carried.forces);
+    tangentRatio_ = carried.tangentRatio;
+    forcesCurrent = carried.forcesCurrent;
+  }
 
   /// Why the body stands still in its last good state although the simulation goes on; nothing: it does not.
   std::optional<GuardFinding> stopped;

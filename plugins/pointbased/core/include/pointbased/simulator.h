@@ -116,6 +116,13 @@ class Simulator {
   /// @return false: nothing is changed, because bodies or obstacles have come or gone since, or the simulation has been
   ///         reset
   bool restore(const Checkpoint &checkpoint);
+  /// The state as bytes, for goToSavedState() of a simulator with the same bodies, obstacles, supports, loads and world.
+  /// Explicit integration of elastic and relaxing material; the error says what cannot be kept: other integrators,
+  /// material that flows, a hand, a body that has stopped.
+  [[nodiscard]] Result<std::string> savedState() const;
+  /// Goes to a state of savedState(), from which every step gives the bits that it gave from there. On an error, the
+  /// bytes are not such a state, nothing has changed.
+  [[nodiscard]] Result<void> goToSavedState(std::string_view bytes);
   /// Differs where checkpoints of before are refused.
   [[nodiscard]] std::uint64_t course() const { return course_; }
 

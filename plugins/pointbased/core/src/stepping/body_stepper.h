@@ -82,6 +82,16 @@ class BodyStepper {
     std::uint64_t goodSteps = 0;
   };
   [[nodiscard]] Checkpoint checkpoint() const { return {body_->checkpoint(), substeps_, scale_, goodSteps_}; }
+  /// How long it has been still, which a checkpoint forgets: who goes back does so to change something.
+  struct Stillness {
+    SleepDetector watch;
+    bool asleep = false;
+  };
+  [[nodiscard]] Stillness stillness() const { return {watch_, asleep_}; }
+  void setStillness(Stillness stillness) {
+    watch_ = std::move(stillness.watch);
+    asleep_ = stillness.asleep;
+  }
   /// As Body::restore().
   bool restore(const Checkpoint &checkpoint, const ParallelFor &parallelFor);
 

@@ -1,22 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "stepping/simulator_checkpoint.h"
+
 #include "base/number_text.h"
-#include "pointbased/simulator.h"
-#include "stepping/body_stepper.h"
 
 namespace pointbased {
-
-struct detail::SimulatorCheckpoint {
-  std::uint64_t course = 0;
-  std::map<std::size_t, BodyStepper::Checkpoint> bodies;
-  std::vector<Probe> probes;
-  double time = 0.0, loadFactor = 0.0;
-  std::uint64_t steps = 0;
-  std::vector<SimulationEvent> events;
-  std::set<std::size_t> notRereferenced;
-  std::map<std::size_t, double> skinDeepest;
-  std::set<std::pair<std::size_t, std::size_t>> overlaps;
-  std::pair<std::size_t, std::size_t> lastPair;
-};
 
 Checkpoint Simulator::checkpoint() const {
   auto kept = std::make_shared<detail::SimulatorCheckpoint>();

@@ -20,6 +20,14 @@ class SleepDetector {
   [[nodiscard]] bool look(const Body &body, double tolerance, double dt);
   void forget() { from_.clear(); }
 
+  /// Every number of it, for files.
+  template <class Archive>
+  void walk(Archive &archive) {
+    archive(from_);
+    archive(since_);
+    archive(unseen_);
+  }
+
  private:
   std::vector<Vec3> from_;  // [phyxels] m, displacements when the present stillness began
   double since_ = 0.0;      // s of it

@@ -61,6 +61,16 @@ class SubstepController {
     fewerWouldDo_ = 0;
   }
 
+  /// Every number of it, for files.
+  template <class Archive>
+  void walk(Archive &archive) {
+    archive(pieces_);
+    archive(fewerWouldDo_);
+    archive(last_);
+    archive(sinceChange_);
+    archive(restless_);
+  }
+
  private:
   static constexpr double kRestless = 0.25;
   // Pieces may be that much longer than usual before there are more of them: 0.92 of what is stable instead of 0.8. A

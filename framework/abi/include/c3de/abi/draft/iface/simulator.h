@@ -209,7 +209,7 @@ typedef struct c3de_sim_points {
 /* Slots that say so may be null: what they are for is then not served, and the host refuses it by name. */
 typedef struct c3de_simulator_v1 {
   uint32_t size;
-  uint32_t rev; /* 1 */
+  uint32_t rev; /* 2 */
   /* The host hands over the scene node that stands for this simulation (0: detach); what the simulator shows belongs
    * under it. [main] */
   c3de_status(C3DE_CALL *attach)(c3de_object *self, c3de_handle node);
@@ -288,6 +288,14 @@ typedef struct c3de_simulator_v1 {
   c3de_status(C3DE_CALL *let_go)(c3de_object *self, c3de_handle body);                        /* null as hold [sim] */
   /* Null as hold. The force that the hold exerts now, N; 0 where nobody holds. [sim] */
   c3de_status(C3DE_CALL *hold_force)(c3de_object *self, c3de_handle body, double *force_N3);
+  /* Since revision 2, and may be null, both or none: states are not kept in files then. All that the next steps follow
+   * from, as bytes for load_state() of the same scene; what belongs to nobody's scene, as a hand that holds a body,
+   * makes it C3DE_E_STATE with text. The host puts class, version and a checksum before them. [sim] */
+  c3de_status(C3DE_CALL *save_state)(c3de_object *self, c3de_sink bytes);
+  /* Since revision 2. Goes to a state that was saved, with the same bodies, parameters, supports and loads: state_hash()
+   * and every step after it are those of then, bit for bit. Bytes of another scene, or malformed ones, are refused with
+   * text, and nothing has changed. [sim] */
+  c3de_status(C3DE_CALL *load_state)(c3de_object *self, const void *bytes, uint64_t n);
 } c3de_simulator_v1;
 
 #endif

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Simulator::restore() goes back to. Private to the core.
+#pragma once
+
+#include "pointbased/simulator.h"
+#include "stepping/body_stepper.h"
+
+namespace pointbased {
+
+struct detail::SimulatorCheckpoint {
+  std::uint64_t course = 0;
+  std::map<std::size_t, BodyStepper::Checkpoint> bodies;
+  std::vector<Probe> probes;
+  double time = 0.0, loadFactor = 0.0;
+  std::uint64_t steps = 0;
+  std::vector<SimulationEvent> events;
+  std::set<std::size_t> notRereferenced;
+  std::map<std::size_t, double> skinDeepest;
+  std::set<std::pair<std::size_t, std::size_t>> overlaps;
+  std::pair<std::size_t, std::size_t> lastPair;
+};
+
+}  // namespace pointbased

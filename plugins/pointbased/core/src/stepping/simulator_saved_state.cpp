@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state of a simulation as bytes.
+#include <cstring>
+#include <stdexcept>
+
+#include "stepping/simulator_checkpoint.h"
+
+namespace pointbased {
+namespace {
+
+constexpr std::uint64_t kFormat = 1;
+
+/// Appends what it is given; the reader below takes the same in the same order.
+class StateWriter {
+ public:
+  static constexpr bool kReads = false;
+  template <class T>
+  void numbers(T *values, std::size_t n) {
+    bytes_.append(reinterpret_cast<const char *>(values), n * sizeof(T));
+  }
+  std::size_t size(std::size_t n) {
+    auto size = static_cast<std::uint64_t>(n);
+    numbers(&size, 1);
+    return n;
+  }
+  [[nodiscard]] std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+class StateReader {
+ public:
+  static constexpr bool kReads = true;
+  explicit StateReader(std::string_view bytes) : left_(bytes) {}
+  template <class T>
+  void numbers(T *values, std::size_t n) {
+    if (n > left_.size() / sizeof(T)) throw std::runtime_error("the state ends too early");
+    if (n > 0) std::memcpy(values, left_.data(), n * sizeof(T));
+    left_.remove_prefix(n * sizeof(T));
+  }
+  std::size_t size(std::size_t) {
+    std::uint64_t size = 0;
+    numbers(&size, 1);
+    // Every element has a byte at least: what a damaged number asks for is not allocated.
+    if (size > left_.size()) throw std::runtime_error("the state ends too early");
+    return static_cast<std::size_t>(size);
+  }
+  void mustBeOver() const {
+    if (!left_.empty()) throw std::runtime_error("bytes stand behind the end of the state");
+  }
+
+ private:
+  std::string_view left_;
+};
+
+/// Takes apart what consists of numbers, member by member: padding is no state.
+template <class Coder>
+class Archive {
+ public:
+  explicit Archive(Coder &coder) : coder_(coder) {}
+
+  template <class T>
+  void operator()(T &value) {
+    if constexpr (std::is_same_v<T, bool>) {
+      std::uint8_t byte = value ? 1 : 0;
+      coder_.numbers(&byte, 1);
+      value = byte != 0;
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      coder_.numbers(&value, 1);
+    } else {
+      walk(value);
+    }
+  }
+  template <class T>
+  void operator()(std::vector<T> &values) {
+    const std::size_t n = coder_.size(values.size());
+    if constexpr (Coder::kReads) values.resize(n);
+    for (T &value : values) (*this)(value);
+  }
+  template <class Scalar, int kRows, int kColumns>
+  void operator()(Eigen::Matrix<Scalar, kRows, kColumns> &matrix) {
+    coder_.numbers(matrix.data(), static_cast<std::size_t>(matrix.size()));
+  }
+
+ private:
+  void walk(PronyPoint &point) {
+    (*this)(point.previous);
+    for (Mat3 &term : point.internal) (*this)(term);
+  }
+  void walk(HourglassHistory &modes) {
+    (*this)(modes.previous);
+    for (HourglassStrain &term : modes.relaxed) (*this)(term);
+  }
+  void walk(Contact &c) {
+    (*this)(c.point);
+    (*this)(c.normal);
+    (*this)(c.gap);
+    (*this)(c.surfaceVelocity);
+    (*this)(c.friction);
+    (*this)(c.restitution);
+    (*this)(c.obstacle);
+    (*this)(c.normalImpulse);
+    (*this)(c.frictionImpulse);
+    (*this)(c.settleImpulse);
+    (*this)(c.settleFriction);
+    (*this)(c.normalForce);
+    (*this)(c.initialPenetration);
+    (*this)(c.tangentialDisplacement);
+  }
+  void walk(ContactState::Side &side) {
+    (*this)(side.place);
+    (*this)(side.known);
+  }
+  void walk(ContactState::ClearanceCache &known) {
+    (*this)(known.at);
+    (*this)(known.distance);
+    (*this)(known.reach);
+    (*this)(known.normal);
+    (*this)(known.swept);
+    (*this)(known.ahead);
+    (*this)(known.aheadNormal);
+    (*this)(known.aheadOffset);
+  }
+  void walk(detail::SubstepController &substeps) { substeps.walk(*this); }
+  void walk(detail::SleepDetector &watch) { watch.walk(*this); }
+
+  Coder &coder_;
+};
+
+struct SavedBody {
+  detail::BodyStepper::Checkpoint checkpoint;
+  detail::BodyStepper::Stillness stillness;
+  Body::Carried carried;
+  std::vector<Vec3> patchForces;  // N, of supports
+};
+
+/// What is known of distances counts: asked again at another place, the plane of a contact has other last digits.
+template <class Coder>
+void walk(Archive<Coder> &archive, SavedBody &saved) {
+  State &state = saved.checkpoint.body.state;
+  archive(state.displacements);
+  archive(state.velocities);
+  archive(state.history.prony);
+  archive(state.history.modes);
+  ContactState &contact = saved.checkpoint.body.contact;
+  archive(contact.active);
+  archive(contact.sides);
+  archive(contact.clearance);
+  archive(contact.deepest);
+  archive(contact.margin);
+  archive(contact.ledOut);
+  archive(contact.solution.splitImpulse);
+  archive(saved.checkpoint.body.referenceShiftMoment);
+  archive(saved.checkpoint.substeps);
+  archive(saved.checkpoint.scale);
+  archive(saved.checkpoint.goodSteps);
+  archive(saved.patchForces);
+  archive(saved.carried.forces);
+  archive(saved.carried.tangentRatio);
+  archive(saved.carried.forcesCurrent);
+  archive(saved.stillness.watch);
+  archive(saved.stillness.asleep);
+}
+
+/// Empty: it can be kept.
+std::string whyNotKept(const Body &body, Integrator integrator) {
+  const std::string which = "body '" + body.name() + "' ";
+  if (body.rigid()) return {};
+  if (integrator != Integrator::explicitVerlet)
+    return which + "is not integrated explicitly; states are kept of solver.integrator = \"explicit\"";
+  if (body.constitution().plastic()) return which + "is of material that flows; states are kept of elastic material";
+  if (body.grab) return which + "is held by a hand; let go of it first";
+  if (body.stopped) return which + "has stopped; reset first";
+  return {};
+}
+
+bool fits(const SavedBody &saved, const Body &body) {
+  const State &state = saved.checkpoint.body.state, &now = body.state();
+  const std::size_t n = body.rest().phyxelCount();
+  const auto allFinite = [](const std::vector<Vec3> &values) {
+    return std::all_of(values.begin(), values.end(), [](const Vec3 &v) { return v.allFinite(); });
+  };
+  const ContactState &contact = saved.checkpoint.body.contact;
+  const std::size_t points = body.rest().contact.count();
+  return state.displacements.size() == n && state.velocities.size() == n &&
+         saved.patchForces.size() == body.patches().forces().size() && allFinite(saved.patchForces) &&
+         saved.carried.forces.size() == n && allFinite(saved.carried.forces) && allFinite(state.displacements) &&
+         allFinite(state.velocities) && state.history.prony.size() == now.history.prony.size() &&
+         state.history.modes.size() == now.history.modes.size() &&
+         std::all_of(contact.active.begin(), contact.active.end(),
+                     [&](const Contact &c) { return c.point < points; }) &&
+         std::all_of(contact.clearance.begin(), contact.clearance.end(),
+                     [&](const auto &known) { return known.empty() || known.size() == points; }) &&
+         std::all_of(contact.sides.begin(), contact.sides.end(),
+                     [&](const auto &side) { return side.empty() || side.size() == points; });
+}
+
+}  // namespace
+
+Result<std::string> Simulator::savedState() const {
+  StateWriter writer;
+  Archive archive(writer);
+  std::uint64_t format = kFormat, bodies = bodies_.size(), steps = steps_;
+  double time = time_;
+  archive(format);
+  archive(bodies);
+  archive(steps);
+  archive(time);
+  for (const auto &[id, runner] : bodies_) {
+    if (const std::string why = whyNotKept(runner->body(), integratorOf(id)); !why.empty()) return tl::unexpected(why);
+    const std::span<const Vec3> patchForces = std::as_const(runner->body()).patches().forces();
+    SavedBody saved{
+        runner->checkpoint(), runner->stillness(), runner->body().carried(), {patchForces.begin(), patchForces.end()}};
+    walk(archive, saved);
+  }
+  return writer.take();
+}
+
+Result<void> Simulator::goToSavedState(std::string_view bytes) {
+  detail::SimulatorCheckpoint checkpoint;
+  std::map<std::size_t, SavedBody> saved;
+  try {
+    StateReader reader(bytes);
+    Archive archive(reader);
+    std::uint64_t format = 0, bodies = 0;
+    archive(format);
+    if (format != kFormat) throw std::runtime_error("the state is of format " + std::to_string(format));
+    archive(bodies);
+    archive(checkpoint.steps);
+    archive(checkpoint.time);
+    if (bodies != bodies_.size() || !std::isfinite(checkpoint.time) || checkpoint.time < 0.0)
+      throw std::runtime_error("the state's time or number of bodies is not possible");
+    for (const auto &[id, runner] : bodies_) {
+      if (const std::string why = whyNotKept(runner->body(), integratorOf(id)); !why.empty())
+        throw std::runtime_error(why);
+      SavedBody &one = saved[id];
+      walk(archive, one);
+      if (!fits(one, runner->body()))
+        throw std::runtime_error("the state of body '" + runner->body().name() + "' is not one that it can have");
+    }
+    reader.mustBeOver();
+  } catch (const std::runtime_error &error) {
+    return tl::unexpected(std::string(error.what()));
+  }
+  reset();
+  for (auto &[id, runner] : bodies_) {
+    SavedBody &one = saved.at(id);
+    const BodyCheckpoint fresh = runner->body().checkpoint();
+    one.checkpoint.body.rest = fresh.rest;
+    one.checkpoint.body.rigid = fresh.rigid;
+    (void)runner->restore(one.checkpoint, parallelFor_);
+    runner->setStillness(std::move(one.stillness));
+    std::copy(one.patchForces.begin(), one.patchForces.end(), runner->body().patches().forces().begin());
+    runner->body().carryOn(std::move(one.carried));
+  }
+  time_ = checkpoint.time;
+  steps_ = checkpoint.steps;
+  return {};
+}
+
+}  // namespace pointbased

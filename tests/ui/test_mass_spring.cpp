@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// A simulator of another kind in the window: shown, pulled by the mouse, let go.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "support/catch.h"
+#include "ui/workstation_driver.h"
+
+using c3de::test::Json;
+using c3de::test::Point;
+using c3de::test::WorkstationDriver;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path floatingSprings() {
+  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "springs.toml";
+  fs::create_directories(scene.parent_path());
+  std::ofstream(scene) << "format = 1\ntitle = \"Springs\"\n[simulator]\nclass = \"org.c3de.mass_spring.Simulator/0\"\n"
+                          "[world]\ngravity = [0.0, 0.0, 0.0]\n[solver]\ndamping = 5.0\n"
+                          "[[body]]\nname = \"organ\"\nmesh = \""
+                       << (fs::path(testResourcesFolder()) / "meshes" / "organ.obj").generic_string()
+                       << "\"\nmesh_unit = \"mm\"\nsampling = { count = 800 }\n"
+                          "[[fix]]\nregion = { half_space = { point = [-0.04, 0, 0], normal = [1, 0, 0] } }\n";
+  return scene;
+}
+
+double pull(const Json &state) {
+  return std::strtod(state["values"].value("org.c3de.mass_spring.panel/Pull", "").c_str(), nullptr);
+}
+
+}  // namespace
+
+TEST_CASE("an organ of masses and springs is shown, follows the hand and is let go", "[springs_pull]") {
+  if (const std::string reason = WorkstationDriver::whyNot(); !reason.empty()) C3DE_SKIP(reason);
+  WorkstationDriver window("springs_pull");
+  const std::string plugin =
+      (fs::path(testExampleFolder()) / (std::string("mass_spring") + c3de::pluginExtension())).string();
+  window.start({floatingSprings().string(), "--plugin", plugin});
+  window.waitUntil(
+      "the organ is shown",
+      [](const Json &s) {
+        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() &&
+               s["values"].contains("org.c3de.mass_spring.panel/organ");
+      },
+      60.0);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+  window.key("s");
+  window.waitUntil("the tool is active", [](const Json &s) { return s["tool"] == "org.c3de.mass_spring.pinch"; });
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return s["transport"]["mode"] == "playing"; });
+  CHECK(pull(window.state()) == 0.0);
+  window.screenshot("before");
+
+  const Json camera = window.state()["camera"];
+  const Point from = window.inView(0.55, 0.5), to = window.inView(0.68, 0.3);
+  window.moveTo(from);
+  window.press();
+  for (int i = 1; i <= 8; ++i) window.moveTo({from.x + i / 8.0 * (to.x - from.x), from.y + i / 8.0 * (to.y - from.y)});
+  window.waitUntil("the hand pulls", [](const Json &s) { return pull(s) > 0.01; });
+  window.screenshot("pulling");
+  window.release();
+  window.waitUntil("it is let go", [](const Json &s) { return pull(s) == 0.0; });
+  CHECK(window.state()["camera"] == camera);
+  CHECK(window.state()["notifications"].empty());
+
+  // Its state is kept in a file, gone on from, and taken up again.
+  const fs::path file = fs::path(testOutputRoot()) / "ui" / "springs.c3dstate";
+  fs::remove(file);
+  const auto choose = [&](const std::string &entry, const fs::path &path, std::size_t answers) {
+    window.click("menu/simulation");
+    window.waitUntil("the menu is open", [&](const Json &s) { return s["widgets"].contains("menu/" + entry); });
+    window.click("menu/" + entry);
+    window.waitUntil("the dialog is open", [](const Json &s) { return s["widgets"].contains("dialog/path"); });
+    window.type(path.string());
+    window.key("Return");
+    return window.waitUntil("it is answered",
+                            [&](const Json &s) { return s["notifications"].size() == answers; })["notifications"];
+  };
+  window.key("space");
+  const Json paused = window.waitUntil("it pauses", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+  CHECK(choose("simulation.save_state", file, 1).back()["title"] == "Saved");
+  window.key("space");
+  window.waitUntil("it has gone on", [&](const Json &s) {
+    return s["transport"]["steps"].get<int>() > paused["transport"]["steps"].get<int>() + 50;
+  });
+  window.key("space");
+  window.waitUntil("it pauses", [](const Json &s) { return s["transport"]["mode"] == "paused"; });
+  CHECK(choose("simulation.load_state", file, 2).back()["title"] == "Loaded");
+  CHECK(window.state()["transport"]["steps"] == paused["transport"]["steps"]);
+  // What is no state is refused, and nothing has changed.
+  std::ofstream(file) << "no state";
+  const Json refused = choose("simulation.load_state", file, 3).back();
+  CHECK_THAT(refused["title"].get<std::string>(), Contains("could not be loaded"));
+  CHECK(window.state()["transport"]["steps"] == paused["transport"]["steps"]);
+}
