@@ -159,6 +159,20 @@ TEST_CASE("a state of the point-based simulator goes on bit for bit, through con
     CHECK(hashAfter(one.scene, one.half, {"--from-state", state}) == saved);
     CHECK(hashAfter(one.scene, one.whole, {"--from-state", state}) == hashAfter(one.scene, one.whole, {}));
   }
+  // What a scene says otherwise is noticed, also where it changes no body.
+  std::string elsewhere = readFile(held);
+  elsewhere.replace(elsewhere.find("[0.05, 0, 0]"), 12, "[0.04, 0, 0]");
+  for (const auto &[other, more] :
+       {std::pair{scene, std::string("obstacle.block.friction=0.9")},
+        std::pair{scene, std::string("body.organ.material.viscosity=4")},
+        std::pair{writeFile(folder / "elsewhere.toml", elsewhere).string(), std::string("title=load")}}) {
+    INFO(more);
+    const std::string &of = other == scene ? scene : held;
+    (void)hashAfter(of, "5", {"--save-state", state});
+    const auto refused = runC3de({"run", other, "--from-state", state, "--set", more, "--steps", "1"});
+    CHECK(refused.exitCode == 3);
+    CHECK_THAT(refused.errorOutput, Contains("belongs to another scene"));
+  }
   const auto springs =
       runC3de({"run", writeBar(folder, kMoving).string(), "--plugin", plugin(), "--from-state", state, "--steps", "1"});
   CHECK(springs.exitCode == 3);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -169,7 +170,9 @@ class Faller : public sdk::Object<Faller> {
   }
   void stateHash(std::uint64_t *out) {
     static std::uint64_t calls = 0;
-    *out = is("simulator_hash_is_constant") ? 1 : is("simulator_hash_counts_calls") ? ++calls : steps_;
+    *out = is("simulator_hash_is_constant")    ? 1
+           : is("simulator_hash_counts_calls") ? ++calls
+                                               : steps_ + std::bit_cast<std::uint64_t>(y_);
   }
   c3de_status report(c3de_sink sink) { return sdk::put(sink, "{}"); }
   void bodyAt(std::uint64_t index, c3de_handle *out) {
@@ -196,6 +199,24 @@ class Faller : public sdk::Object<Faller> {
       row[1] = y_ + (steps_ > 0 ? drift_ : 0.0);
       row[2] = 0.0;
     }
+  }
+  c3de_status saveState(c3de_sink sink) {
+    double numbers[2]{static_cast<double>(steps_), y_};
+    if (is("state_forgets")) numbers[1] = 0.0;
+    return sink.put(sink.self, numbers, sizeof numbers);
+  }
+  void loadState(const void *bytes, std::uint64_t n) {
+    double numbers[2]{};
+    if (is("state_crashes_on_cut_bytes") && n < 8) crash();
+    if (n != sizeof numbers && !is("state_takes_everything")) {
+      if (is("state_changes_and_refuses")) y_ += 1.0;
+      throw sdk::Error(C3DE_E_FORMAT, "not a state");
+    }
+    std::memcpy(numbers, bytes, std::min<std::size_t>(n, sizeof numbers));
+    if (!(numbers[0] >= 0.0 && numbers[0] < 1e9) || !(std::abs(numbers[1]) < 1e3))
+      throw sdk::Error(C3DE_E_FORMAT, "not a state");
+    steps_ = static_cast<std::uint64_t>(numbers[0]);
+    y_ = numbers[1];
   }
   c3de_status triangles(c3de_handle, c3de_view *) { return C3DE_E_NOT_FOUND; }
   c3de_status enumProbes(void *, c3de_status(C3DE_CALL *)(void *, const c3de_sim_probe *)) { return C3DE_OK; }

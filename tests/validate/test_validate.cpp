@@ -56,7 +56,8 @@ std::string testPlugin(const std::string &name) {
 }  // namespace
 
 TEST_CASE("good plugins pass every check") {
-  for (const char *name : {C3DE_HELLO, C3DE_MAGNET, C3DE_MESH_READER, C3DE_IMAGE_SAMPLES, C3DE_POINTBASED}) {
+  for (const char *name :
+       {C3DE_HELLO, C3DE_MAGNET, C3DE_MESH_READER, C3DE_IMAGE_SAMPLES, C3DE_MASS_SPRING, C3DE_POINTBASED}) {
     const Validated good = validate(name);
     INFO(good.output);
     CHECK(good.exitCode == 0);
@@ -177,6 +178,10 @@ TEST_CASE("each way to misbehave is found by the check beside it") {
       {"simulator_is_interrupted_half_way", "simulators.interrupt", "fail", "another state than the one before"},
       {"simulator_stays_interrupted", "simulators.interrupt", "fail", "after interrupt(0), step 1 answers"},
       {"simulator_has_no_surface", "simulators", "warn", "no surface"},
+      {"state_forgets", "simulators.states", "fail", "are not those after the saved one"},
+      {"state_takes_everything", "simulators.states", "fail", "bytes of a state are accepted"},
+      {"state_changes_and_refuses", "simulators.states", "fail", "has changed something"},
+      {"state_crashes_on_cut_bytes", "simulators.states", "fail", "SIGSEGV"},
       {"simulator_takes_everything", "simulators.arguments", "fail", "accepts what it must refuse"},
       {"simulator_crashes_on_null", "simulators.arguments", "fail", "SIGSEGV"},
   };

@@ -11,6 +11,7 @@
 
 #include "c3de/abi/draft/iface/simulator.h"
 #include "c3de/core/foreign_table.h"
+#include "c3de/scene/text_sink.h"
 #include "c3de/session/body_sources.h"
 #include "c3de/session/build_scene.h"
 #include "c3de/session/session.h"
@@ -319,6 +320,52 @@ Verdict interrupts(const Trial &trial) {
   return served > 0 ? pass() : skip("its steps run to their end (no interrupt)");
 }
 
+Verdict states(const Trial &trial) {
+  constexpr int kSteps = 7;
+  int keeping = 0;
+  for (const std::string &id : simulatorClasses(trial)) {
+    const Simulated one(trial, id);
+    if (!one.refusal.empty()) return fail(id + ": " + one.refusal);
+    if (!C3DE_HAS(c3de_simulator_v1, one.table, load_state) || one.table->save_state == nullptr) continue;
+    ++keeping;
+    if (one.table->load_state == nullptr) return fail(id + " saves states, but does not load them");
+    std::string state;
+    if (const std::string bad = one.step(kSteps); !bad.empty()) return fail(id + ": " + bad);
+    if (one.table->save_state(one.object(), scene::sinkInto(state)) < 0)
+      return fail(id + ": a state cannot be saved: " + one.errorText());
+    if (const std::string bad = one.step(kSteps); !bad.empty()) return fail(id + ": " + bad);
+    const std::uint64_t hash = one.hash();
+    const auto load = [&](const Simulated &into, const std::string &bytes) {
+      return into.table->load_state(into.object(), bytes.data(), bytes.size()) >= 0;
+    };
+    // Into the same one, and into a new one of the same scene.
+    const Simulated other(trial, id);
+    for (const Simulated *into : {&one, &other}) {
+      if (!load(*into, state)) return fail(id + ": its own state is refused: " + into->errorText());
+      if (const std::string bad = into->step(kSteps); !bad.empty()) return fail(id + ", from a state: " + bad);
+      if (into->hash() != hash) return fail(id + ": the steps after a loaded state are not those after the saved one");
+    }
+    // The host has checked its sum; a plugin meets such bytes all the same, from another version of itself.
+    Random random(trial.seed);
+    for (int i = 0; i < 200; ++i) {
+      std::string cut = state.substr(0, random.below(state.size()));
+      if (load(one, cut))
+        return fail(fmt::format("{}: {} of {} bytes of a state are accepted", id, cut.size(), state.size()));
+      if (one.hash() != hash) return fail(id + ": a state that was refused has changed something");
+    }
+    // Numbers at random may be a state; they must not end anything, and a reset leads back.
+    std::string rubbish(state.size(), '\0');
+    for (int i = 0; i < 50; ++i) {
+      for (char &byte : rubbish) byte = static_cast<char>(random.below(256));
+      if (load(one, rubbish)) (void)one.table->step(one.object());
+    }
+    if (one.table->reset(one.object()) < 0) return fail(id + ": reset after states fails: " + one.errorText());
+    if (const std::string bad = one.step(2 * kSteps); !bad.empty()) return fail(id + ", after states: " + bad);
+    if (one.hash() != hash) return fail(id + ": after states and a reset, the same steps lead elsewhere");
+  }
+  return keeping == 0 ? skip("no simulator of it keeps states") : pass();
+}
+
 Verdict simulatorArguments(const Trial &trial) {
   const std::vector<std::string> ids = simulatorClasses(trial);
   if (ids.empty()) return skip("no class of it simulates");
@@ -364,6 +411,9 @@ constexpr std::array kChecks{
     Check{"simulators", "A cube falls, comes back by reset, and falls again, to the bit", &simulators},
     Check{"simulators.interrupt", "A step is interrupted, also by another thread, and leaves the state before it",
           &interrupts},
+    Check{"simulators.states",
+          "A saved state goes on to the bit, here and in another one; cut ones are refused, random ones harmless",
+          &states},
     Check{"simulators.arguments", "Null, empty, foreign and non-finite arguments are refused, and it goes on",
           &simulatorArguments}};
 

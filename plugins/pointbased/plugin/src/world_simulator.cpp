@@ -152,10 +152,11 @@ void WorldSimulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle 
   Obstacle built =
       buildObstacle(context_.services, name, mesh, {values.number("friction"), values.number("restitution")},
                     readMotion(in.motion, "obstacle"));
+  ObstacleRecord record{name, std::move(mesh), built.friction, built.restitution, built.motion};
   const std::lock_guard lock(mutex_);
   simulator_.reset();
   const std::uint64_t id = simulator_.addObstacle(std::move(built));
-  obstacles_.emplace(id, ObstacleRecord{name, std::move(mesh), in.motion != nullptr});
+  obstacles_.emplace(id, std::move(record));
   if (out) *out = {id};
 }
 
@@ -400,7 +401,7 @@ void WorldSimulator::publish() {
   s->notices = noticesOf(simulator_, errors);
   s->obstacles.clear();
   for (const auto &[id, record] : obstacles_)
-    s->obstacles.push_back({id, record.name, record.mesh, simulator_.obstacleMotion(id), record.moves});
+    s->obstacles.push_back({id, record.name, record.mesh, simulator_.obstacleMotion(id), record.motion != nullptr});
   takeView(*s);
   exchange_.publish(s);
 }
@@ -527,10 +528,24 @@ std::uint64_t WorldSimulator::fingerprint() const {
       addNumber(load.follower ? 1.0 : 0.0);
       addNumber(load.ramp);
     }
+    // What their regions have come to mean.
+    const BoundaryConditions &conditions = body.rest().conditions;
+    for (const ConstrainedRegion &held : conditions.held)
+      for (const Index i : held.rows.indices) addNumber(static_cast<double>(i));
+    for (const LoadedPart &loaded : conditions.loaded)
+      for (const double share : loaded.shares) addNumber(share);
   }
   for (const auto &[id, obstacle] : obstacles_) {
     addText(obstacle.name);
-    addNumber(obstacle.moves ? 1.0 : 0.0);
+    addNumber(obstacle.friction);
+    addNumber(obstacle.restitution);
+    // A motion is a function: two that meet at these times are taken for one.
+    for (const double t : {0.01, 0.1, 0.37, 1.0, 3.3}) {
+      if (!obstacle.motion) continue;
+      const RigidMotion at = obstacle.motion(t);
+      addBytes(at.rotation.data(), 9 * sizeof(double));
+      addVector(at.displacementOf(Vec3::Zero()));
+    }
     for (const Vec3 &x : obstacle.mesh->positions) addVector(x);
   }
   return hash;

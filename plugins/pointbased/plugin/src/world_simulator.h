@@ -122,7 +122,8 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   struct ObstacleRecord {
     std::string name;
     std::shared_ptr<PlacedMesh> mesh;
-    bool moves = false;
+    double friction = 0.0, restitution = 0.0;
+    std::function<RigidMotion(double t)> motion;  ///< empty: stands still
   };
   enum class Walls { stay, makeRoom };
   void add(const c3de_sim_body *body, c3de_handle *out, Walls walls);
