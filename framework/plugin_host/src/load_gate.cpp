@@ -39,10 +39,11 @@ std::string saidAtTheEnd(const std::string &text) {
 
 /// Why the plugin cannot be used; empty: nothing speaks against it. What makes it refuse or be refused is found when it
 /// is loaded, with all services there.
-std::string tryInProcess(const std::filesystem::path &prober, const std::filesystem::path &file) {
-  const auto ended =
-      runProcess({pathText(prober), "plugins", "--no-plugins", "--trust-plugins", "--plugin", pathText(file)},
-                 LoadGate::kMostSeconds);
+std::string tryInProcess(const LoadRules &rules, const std::filesystem::path &file) {
+  std::vector<std::string> command{pathText(rules.prober), "plugins",  "--no-plugins",
+                                   "--trust-plugins",      "--plugin", pathText(file)};
+  if (rules.hasWindow) command.emplace_back("--as-in-window");
+  const auto ended = runProcess(command, LoadGate::kMostSeconds);
   if (!ended) return {};
   if (ended->timedOut) return fmt::format("had not come to an end after {} s", LoadGate::kMostSeconds);
   std::string said = saidAtTheEnd(ended->errorOutput);
@@ -80,10 +81,10 @@ std::string LoadGate::offById(const std::string &id, bool isNamed) {
 
 Expected<void> LoadGate::tryFirstUse(const std::filesystem::path &file) {
   if (rules_.prober.empty() || isBundled(file)) return {};
-  auto use = rules_.records ? rules_.records->firstUseOf(file, rules_.prober) : std::nullopt;
+  auto use = rules_.records ? rules_.records->firstUseOf(file, rules_.prober, rules_.hasWindow) : std::nullopt;
   if (!use) {
-    use = PluginRecords::FirstUse{tryInProcess(rules_.prober, file)};
-    if (rules_.records) rules_.records->keepFirstUse(file, rules_.prober, *use);
+    use = PluginRecords::FirstUse{tryInProcess(rules_, file)};
+    if (rules_.records) rules_.records->keepFirstUse(file, rules_.prober, rules_.hasWindow, *use);
   }
   if (use->reason.empty()) return {};
   return fail(ErrorCode::plugin, fmt::format("its first use, in a process of its own, {}; to load it nevertheless: "

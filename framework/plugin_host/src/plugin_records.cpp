@@ -32,6 +32,10 @@ std::string stampOf(const std::filesystem::path &file, const std::filesystem::pa
   return stateOf(file) + " " C3DE_VERSION " " + stateOf(program);
 }
 
+std::string keyOf(const std::filesystem::path &file, bool hasWindow) {
+  return (hasWindow ? "in a window " : "") + pathText(file);
+}
+
 /// The parts before each of the first `n` separators, and the rest.
 std::vector<std::string> split(const std::string &text, std::size_t n) {
   std::vector<std::string> parts;
@@ -117,15 +121,17 @@ std::vector<PluginRecords::Crash> PluginRecords::crashes() const {
 }
 
 std::optional<PluginRecords::FirstUse> PluginRecords::firstUseOf(const std::filesystem::path &file,
-                                                                 const std::filesystem::path &program) const {
-  const auto parts = split(impl_->cache.get(kFirstUses, pathText(file)).value_or(""), 1);
+                                                                 const std::filesystem::path &program,
+                                                                 bool hasWindow) const {
+  const auto parts = split(impl_->cache.get(kFirstUses, keyOf(file, hasWindow)).value_or(""), 1);
   if (parts.size() != 2 || parts[0] != stampOf(file, program)) return {};
   return FirstUse{parts[1]};
 }
 
 void PluginRecords::keepFirstUse(const std::filesystem::path &file, const std::filesystem::path &program,
-                                 const FirstUse &use) {
-  const auto kept = impl_->cache.set(kFirstUses, pathText(file), stampOf(file, program) + kSeparator + use.reason);
+                                 bool hasWindow, const FirstUse &use) {
+  const auto kept =
+      impl_->cache.set(kFirstUses, keyOf(file, hasWindow), stampOf(file, program) + kSeparator + use.reason);
   if (!kept) log(LogLevel::debug, kept.error().message);
 }
 

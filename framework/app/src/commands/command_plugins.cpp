@@ -4,10 +4,16 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/plugin_host/plugin_records.h"
+#include "c3de/registry/command_registry.h"
+#include "c3de/registry/edit_list.h"
+#include "c3de/registry/panel_registry.h"
+#include "c3de/registry/tool_registry.h"
+#include "c3de/render/renderer.h"
 #include "c3de/session/file_kind.h"
 #include "commands/command_line.h"
 #include "commands/commands.h"
@@ -46,13 +52,31 @@ int switchPlugins(plugin_host::PluginRecords &records, const std::vector<std::st
   return kDone;
 }
 
+/// What plugins find where there is a window, without one: registries that nobody looks at.
+struct WindowServices {
+  std::unique_ptr<render::Renderer> renderer = render::createNullRenderer();
+  registry::PanelRegistry panels;
+  registry::ToolRegistry tools;
+  registry::EditList edits;
+  registry::CommandRegistry commands;
+};
+
 /// What was found, loaded, refused and why. A plugin that was named with --plugin and refused counts as an error, one
 /// that lies in a folder does not.
-int listPlugins(const SessionOptions &options, bool json) {
+int listPlugins(const SessionOptions &options, bool json, bool isAsInWindow) {
   // The named ones are loaded here, one by one: a refusal is what this command is to show, not what ends it.
   SessionOptions withoutNamed = options;
   withoutNamed.searchPlugins = false;
   withoutNamed.pluginFiles.clear();
+  std::optional<WindowServices> window;
+  if (isAsInWindow) {
+    window.emplace();
+    withoutNamed.renderer = window->renderer.get();
+    withoutNamed.panels = &window->panels;
+    withoutNamed.tools = &window->tools;
+    withoutNamed.edits = &window->edits;
+    withoutNamed.commands = &window->commands;
+  }
   auto session = Session::create(withoutNamed);
   if (!session) return reportError(session.error());
   plugin_host::PluginHost &host = (*session)->plugins();
@@ -116,18 +140,20 @@ int listPlugins(const SessionOptions &options, bool json) {
 
 Handler declare(CLI::App &app, CommandLine &line) {
   app.add_flag("--json", line.json, "As JSON");
+  const auto isAsInWindow = std::make_shared<bool>(false);
+  app.add_flag("--as-in-window", *isAsInWindow, "Serve what a window has, as where a first use is tried for one");
   const auto on = std::make_shared<std::vector<std::string>>(), off = std::make_shared<std::vector<std::string>>();
   app.add_option("--off", *off, "Switch this plugin off for the runs that follow (repeatable)")
       ->type_name("ID")
       ->allow_extra_args(false);
   app.add_option("--on", *on, "Switch it on again (repeatable)")->type_name("ID")->allow_extra_args(false);
   addSessionOptions(app, line);
-  return [&line, on, off] {
+  return [&line, on, off, isAsInWindow] {
     const SessionOptions options = line.sessionOptions();
     if (!off->empty())
       if (const int failed = switchPlugins(*options.loadRules.records, *off, true)) return failed;
     if (!on->empty()) return switchPlugins(*options.loadRules.records, *on, false);
-    return off->empty() ? listPlugins(options, line.json) : static_cast<int>(kDone);
+    return off->empty() ? listPlugins(options, line.json, *isAsInWindow) : static_cast<int>(kDone);
   };
 }
 

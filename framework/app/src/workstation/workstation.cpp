@@ -123,6 +123,7 @@ Expected<void> Workstation::start(const WorkstationOptions &options) {
   commands_.setProgramKeys(&ui::programCommandOf);
   sessionOptions.commands = &commands_;
   if (auto journal = beginJournal(sessionOptions)) journal_.emplace(std::move(*journal));
+  sessionOptions.loadRules.hasWindow = true;
   askAboutCrashes(*window_, *renderer_, sessionOptions.loadRules);
   records_ = sessionOptions.loadRules.records;
   offAtStart_ = records_->allOff();

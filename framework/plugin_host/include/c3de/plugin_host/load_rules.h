@@ -17,6 +17,7 @@ struct LoadRules {
   std::shared_ptr<PluginRecords> records;  ///< null: nothing is known, and nothing is kept
   std::filesystem::path prober;            ///< the program `c3de`, which tries the first use of a plugin in a process
                                            ///< of its own; empty: that is not tried
+  bool hasWindow = false;                  ///< what a window has is served, also where a first use is tried
 };
 
 /// Where the plugins that came with the program lie: ../lib/c3de/plugins beside it.

@@ -41,8 +41,9 @@ class PluginRecords {
   };
   /// How the first use of a file went, in a process of `program`; empty: not known, or one of them has changed since.
   [[nodiscard]] std::optional<FirstUse> firstUseOf(const std::filesystem::path &file,
-                                                   const std::filesystem::path &program) const;
-  void keepFirstUse(const std::filesystem::path &file, const std::filesystem::path &program, const FirstUse &use);
+                                                   const std::filesystem::path &program, bool hasWindow) const;
+  void keepFirstUse(const std::filesystem::path &file, const std::filesystem::path &program, bool hasWindow,
+                    const FirstUse &use);
 
  private:
   struct Impl;
