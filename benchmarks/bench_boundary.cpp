@@ -3,7 +3,7 @@
 //
 //   a step of a body of 3 000 and 10 000 points with and without a force field that does nothing
 //   a sum over 10 000 points through a view that the boundary lends, and over a vector of C++
-//   10 000 rays into a tree through draft/c3de.collision/0, and into the same tree of C++
+//   10 000 rays into a tree through c3de.collision/1, and into the same tree of C++
 #include <fmt/format.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@
 #include "bench/command_line.h"
 #include "bench/report.h"
 #include "bench/timing.h"
-#include "c3de/abi/draft/all.h"
+#include "c3de/abi/c3de.h"
 #include "c3de/collision/aabb_tree.h"
 #include "c3de/core/platform.h"
 #include "c3de/scene/force_fields.h"
@@ -159,7 +159,7 @@ void rays(bench::Report &report, const bench::Options &options) {
   services.pool = &pool;
   plugin_host::HostState state(services);
   plugin_host::PluginContext context(state, "bench");
-  const c3de_collision_v0 &table = context.tables().collision;
+  const c3de_collision_v1 &table = context.tables().collision;
   const auto viewOf = [](const auto &rows, std::uint32_t type) {
     return c3de_view{rows.data(), rows.size(), 3, type, sizeof rows[0]};
   };

@@ -43,9 +43,9 @@ class ImageSamples : public sdk::Panel {
                                         .displayName = "Image samples",
                                         .vendor = "C3DE",
                                         .license = "Apache-2.0"};
-  static constexpr std::array needs{sdk::required<c3de_forces_v0>(), sdk::required<c3de_imaging_v0>(),
+  static constexpr std::array needs{sdk::required<c3de_forces_v1>(), sdk::required<c3de_imaging_v1>(),
                                     sdk::optional<c3de_params_v1>(), sdk::optional<c3de_panels_v1>(),
-                                    sdk::optional<c3de_commands_v0>()};
+                                    sdk::optional<c3de_commands_v1>()};
 
   explicit ImageSamples(sdk::Host host) : log_(host), imaging_(host) {
     if (const sdk::Params params(host); params)

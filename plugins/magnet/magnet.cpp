@@ -35,8 +35,8 @@ class Magnet : public sdk::Panel {
  public:
   static constexpr sdk::PluginInfo info{
       .id = "org.c3de.magnet", .version = "1.0.0", .displayName = "Magnet", .vendor = "C3DE", .license = "Apache-2.0"};
-  static constexpr std::array needs{sdk::required<c3de_forces_v0>(), sdk::optional<c3de_params_v1>(),
-                                    sdk::optional<c3de_panels_v1>(), sdk::optional<c3de_time_v0>()};
+  static constexpr std::array needs{sdk::required<c3de_forces_v1>(), sdk::optional<c3de_params_v1>(),
+                                    sdk::optional<c3de_panels_v1>(), sdk::optional<c3de_time_v1>()};
 
   explicit Magnet(sdk::Host host) {
     field_ = sdk::orThrow(sdk::Forces(host).add("magnet", [this](const c3de_force_call &call) { return pull(call); }));

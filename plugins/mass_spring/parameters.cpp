@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "c3de/abi/draft/iface/parameter_ids.h"
+#include "c3de/abi/iface/parameter_ids.h"
 
 namespace mass_spring {
 namespace {

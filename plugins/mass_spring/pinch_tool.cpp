@@ -75,8 +75,14 @@ bool PinchTool::press(const c3de_event &event) {
   target_ = ray->origin + nearest.t * ray->direction;
   // The hand moves in the plane through the point that was pressed, parallel to the screen.
   viewDirection_ = vectorOf(event.view_direction);
-  post([id = *body_, at = target_, radius = kSpacings * body->spacing_m](Simulator &s) {
-    s.hold({id}, at.data(), radius);
+  // Named and used by the simulation's thread alone.
+  hold_ = std::make_shared<c3de_handle>();
+  post([id = *body_, at = target_, radius = kSpacings * body->spacing_m, hold = hold_](Simulator &s) {
+    c3de_sim_hold asked{};
+    asked.size = sizeof asked;
+    std::copy(at.begin(), at.end(), asked.at_m);
+    asked.radius_m = radius;
+    s.hold({id}, &asked, hold.get());
   });
   const std::array<Vec3, 2> ends{target_, target_};
   line_ = sdk::orThrow(render_.createLines(simulator_->node(), sdk::rows<double, 3>(ends), 3.0f, kHand));
@@ -93,12 +99,12 @@ void PinchTool::drag(const c3de_event &event) {
   if (t <= 0.0) return;
   target_ = ray->origin + t * ray->direction;
   // A body that has gone meanwhile is pulled by nobody.
-  post([id = *body_, target = target_](Simulator &s) { s.pull({id}, target.data()); });
+  post([hold = hold_, target = target_](Simulator &s) { s.pull(*hold, target.data(), nullptr); });
 }
 
 void PinchTool::release() {
   if (!body_) return;
-  post([id = *body_](Simulator &s) { s.letGo({id}); });
+  post([hold = hold_](Simulator &s) { s.remove(*hold); });
   body_.reset();
   line_.reset();
   label_.reset();

@@ -33,6 +33,7 @@ class PinchTool : public sdk::Tool {
   sdk::Simulation simulation_;
   sdk::Ref<Simulator> simulator_;
   std::optional<std::uint64_t> body_;  // that is held
+  std::shared_ptr<c3de_handle> hold_;  // its hold, in the simulation's thread
   std::array<std::uint32_t, 3> under_{};
   Vec3 target_{}, viewDirection_{};
   sdk::Proxy line_, label_;

@@ -20,15 +20,15 @@ class MassSpringPlugin : public sdk::Panel {
                                         .vendor = "C3DE",
                                         .license = "Apache-2.0"};
   static constexpr std::array needs{sdk::required<c3de_log_v1>(),       sdk::required<c3de_registry_v1>(),
-                                    sdk::required<c3de_mesh_v1>(),      sdk::optional<c3de_scene_v0>(),
-                                    sdk::optional<c3de_render_v0>(),    sdk::optional<c3de_tools_v0>(),
-                                    sdk::optional<c3de_collision_v0>(), sdk::optional<c3de_simulation_v0>(),
-                                    sdk::optional<c3de_time_v0>(),      sdk::optional<c3de_panels_v1>()};
+                                    sdk::required<c3de_mesh_v1>(),      sdk::optional<c3de_scene_v1>(),
+                                    sdk::optional<c3de_render_v1>(),    sdk::optional<c3de_tools_v1>(),
+                                    sdk::optional<c3de_collision_v1>(), sdk::optional<c3de_simulation_v1>(),
+                                    sdk::optional<c3de_time_v1>(),      sdk::optional<c3de_panels_v1>()};
 
   explicit MassSpringPlugin(sdk::Host host) : context_(host) {
     sdk::orThrow(sdk::Registry(host).add<Simulator>(
         Simulator::kClass, "Mass springs", "Deformable bodies of masses and springs on a cubic lattice", context_));
-    if (!host.service<c3de_render_v0>() || !host.service<c3de_tools_v0>()) return;
+    if (!host.service<c3de_render_v1>() || !host.service<c3de_tools_v1>()) return;
     pinch_.emplace(host);
     sdk::orThrow(pinch_->add(host, {.id = "org.c3de.mass_spring.pinch",
                                     .label = "Pull springs",

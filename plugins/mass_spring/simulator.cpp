@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "c3de/abi/draft/iface/parameter_ids.h"
+#include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/sdk/structs.hpp"
 #include "scene_input.h"
 
@@ -277,8 +277,8 @@ void Simulator::remove(c3de_handle what) {
   const std::lock_guard lock(mutex_);
   std::size_t gone = bodies_.erase(what.v);
   gone += std::erase_if(probes_, [&](const Probe &p) { return p.id == what.v || p.body == what.v; });
-  for (auto &[id, body] : bodies_) gone += body.liveLoads.erase(what.v);
-  if (gone == 0) throw Error(C3DE_E_STALE, "there is no such body, probe or load in this simulation");
+  for (auto &[id, body] : bodies_) gone += body.liveLoads.erase(what.v) + body.physics.holds.erase(what.v);
+  if (gone == 0) throw Error(C3DE_E_STALE, "there is no such body, probe, load or hold in this simulation");
 }
 
 void Simulator::clear() {
@@ -354,7 +354,7 @@ void Simulator::publish() {
     const std::lock_guard lock(mutex_);
     for (const auto &[id, body] : bodies_) {
       std::optional<Vec3> force;
-      if (body.physics.hold) force = body.physics.hold->force_N;
+      if (!body.physics.holds.empty()) force = body.physics.holds.rbegin()->second.force_N;  // of the last hand
       next->bodies.push_back({id, body.name, body.colour, body.triangles,
                               body.physics.onSkin(body.physics.state().positions), body.physics.lattice().spacing(),
                               body.physics.masses().size(), force});
@@ -507,33 +507,48 @@ void Simulator::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de_hand
   ++nextId_;
 }
 
-void Simulator::hold(c3de_handle body, const double *at_m3, double radius_m) {
-  if (at_m3 == nullptr || !isFinite(vectorOf(at_m3)) || !(radius_m > 0.0) || !std::isfinite(radius_m))
+void Simulator::hold(c3de_handle body, const c3de_sim_hold *hold, c3de_handle *out) {
+  const auto asked = sdk::readStruct(hold, "hold");
+  const auto amount = [](double value) { return std::isfinite(value) && value >= 0.0; };
+  if (!isFinite(vectorOf(asked.at_m)) || !(asked.radius_m > 0.0) || !std::isfinite(asked.radius_m))
     throw Error(C3DE_E_ARG, "hold: accepted: a finite point and a radius above 0 m");
+  if (!amount(asked.frequency_hz) || !amount(asked.damping_ratio) || !amount(asked.max_force_N))
+    throw Error(C3DE_E_ARG,
+                "hold: accepted: a frequency, a damping ratio and a force that are finite and not negative");
+  if (asked.flags != 0)
+    throw Error(C3DE_E_UNSUPPORTED, "hold: springs lead the mean of what is held, and nothing else");
   const std::lock_guard lock(mutex_);
   SpringBody &p = bodyOrThrow(body).physics;
-  p.hold = p.holdAround(vectorOf(at_m3), radius_m);
+  p.holds.emplace(nextId_, p.holdAround(asked));
+  if (out != nullptr) *out = {nextId_};
+  ++nextId_;
 }
 
-void Simulator::pull(c3de_handle body, const double *target_m3) {
+std::pair<std::uint64_t, Hold *> Simulator::holdOrThrow(c3de_handle handle) {
+  for (auto &[id, body] : bodies_)
+    if (const auto found = body.physics.holds.find(handle.v); found != body.physics.holds.end())
+      return {id, &found->second};
+  throw Error(C3DE_E_STALE, "no such hold: it was removed, or its body was");
+}
+
+void Simulator::pull(c3de_handle hold, const double *target_m3, const double *) {
   if (target_m3 == nullptr || !isFinite(vectorOf(target_m3))) throw Error(C3DE_E_ARG, "pull: the target is not finite");
   const std::lock_guard lock(mutex_);
-  auto &hand = bodyOrThrow(body).physics.hold;
-  if (!hand) throw Error(C3DE_E_STATE, "pull: nobody holds this body; hold() first");
-  hand->target_m = vectorOf(target_m3);
+  holdOrThrow(hold).second->target_m = vectorOf(target_m3);
 }
 
-void Simulator::letGo(c3de_handle body) {
+void Simulator::holdState(c3de_handle hold, c3de_sim_hold_state *out) {
   const std::lock_guard lock(mutex_);
-  bodyOrThrow(body).physics.hold.reset();
-}
-
-void Simulator::holdForce(c3de_handle body, double *force_N3) {
-  if (force_N3 == nullptr) throw Error(C3DE_E_ARG, "hold_force: force_N3 is null");
-  const std::lock_guard lock(mutex_);
-  const auto &hand = bodyOrThrow(body).physics.hold;
-  const Vec3 force = hand ? hand->force_N : Vec3{};
-  std::copy(force.begin(), force.end(), force_N3);
+  const auto [body, hand] = holdOrThrow(hold);
+  c3de_sim_hold_state state{};
+  state.body = {body};
+  for (std::size_t c = 0; c < 3; ++c) {
+    state.point_m[c] = hand->middle_m[c] - hand->offset_m[c];
+    state.target_m[c] = hand->target_m[c];
+    state.force_N[c] = hand->force_N[c];
+  }
+  state.mass_kg = hand->mass_kg;
+  sdk::writeStruct(out, state, "out");
 }
 
 }  // namespace mass_spring

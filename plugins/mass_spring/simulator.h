@@ -71,10 +71,9 @@ class Simulator : public sdk::Object<Simulator> {
   c3de_status enumProbes(void *visitor, c3de_status(C3DE_CALL *each)(void *visitor, const c3de_sim_probe *probe));
   void points(c3de_handle body, c3de_sim_points *out);
   void addLoad(c3de_handle body, const c3de_sim_load *load, c3de_handle *out);
-  void hold(c3de_handle body, const double *at_m3, double radius_m);
-  void pull(c3de_handle body, const double *target_m3);
-  void letGo(c3de_handle body);
-  void holdForce(c3de_handle body, double *force_N3);
+  void hold(c3de_handle body, const c3de_sim_hold *hold, c3de_handle *out);
+  void pull(c3de_handle hold, const double *target_m3, const double *quaternion4);
+  void holdState(c3de_handle hold, c3de_sim_hold_state *out);
   c3de_status saveState(c3de_sink bytes);
   void loadState(const void *bytes, std::uint64_t n);
 
@@ -111,6 +110,8 @@ class Simulator : public sdk::Object<Simulator> {
   };
 
   [[nodiscard]] Body &bodyOrThrow(c3de_handle body);
+  /// With the body that it holds.
+  [[nodiscard]] std::pair<std::uint64_t, Hold *> holdOrThrow(c3de_handle hold);
   [[nodiscard]] double stepSize() const;
   [[nodiscard]] std::uint64_t fingerprint() const;
   void resetAll();

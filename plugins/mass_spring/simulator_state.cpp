@@ -128,10 +128,11 @@ void Simulator::stateHash(std::uint64_t *out) {
       hash.add(load.pressure_Pa);
       hash.add(load.began_s);
     }
-    if (!body.physics.hold) continue;
-    hash.add(body.physics.hold->nodes);
-    hash.add(body.physics.hold->target_m);
-    hash.add(body.physics.hold->offset_m);
+    for (const auto &[number, hold] : body.physics.holds) {
+      hash.add(hold.nodes);
+      hash.add(hold.target_m);
+      hash.add(hold.offset_m);
+    }
   }
   sdk::notNull(out, "out") = hash.value();
 }
@@ -146,7 +147,8 @@ c3de_status Simulator::saveState(c3de_sink sink) {
   append(bytes, &time_s_, 1);
   append(bytes, &count, 1);
   for (const auto &[id, body] : bodies_) {
-    if (body.physics.hold) throw Error(C3DE_E_STATE, "somebody holds body '" + body.name + "'; let go of it first");
+    if (!body.physics.holds.empty())
+      throw Error(C3DE_E_STATE, "somebody holds body '" + body.name + "'; let go of it first");
     if (!body.liveLoads.empty())
       throw Error(C3DE_E_STATE, "a load that came while it ran acts on body '" + body.name + "'; remove it first");
     const SpringBody::State &state = body.physics.state();

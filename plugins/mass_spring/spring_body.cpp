@@ -100,7 +100,7 @@ void SpringBody::reset() {
     state_.velocities[i] =
         held_[i] != 0 ? Vec3{} : initialVelocity_ + cross(initialAngularVelocity_, state_.positions[i] - middle);
   forces_.assign(n, Vec3{});
-  hold.reset();
+  holds.clear();
 }
 
 void SpringBody::setState(State state) {
@@ -138,15 +138,22 @@ void SpringBody::addLoad(const SurfaceLoad &load, double time_s) {
   }
 }
 
-void SpringBody::addHold() {
-  if (!hold) return;
-  Vec3 middle{}, velocity{};
-  for (std::size_t k = 0; k < hold->nodes.size(); ++k) {
-    middle += hold->weights[k] * state_.positions[hold->nodes[k]];
-    velocity += hold->weights[k] * state_.velocities[hold->nodes[k]];
+void SpringBody::addHolds() {
+  // Hands that hold the same masses add up.
+  const double share = holds.empty() ? 1.0 : 1.0 / static_cast<double>(holds.size());
+  for (auto &[id, hold] : holds) {
+    Vec3 velocity{};
+    hold.middle_m = {};
+    for (std::size_t k = 0; k < hold.nodes.size(); ++k) {
+      hold.middle_m += hold.weights[k] * state_.positions[hold.nodes[k]];
+      velocity += hold.weights[k] * state_.velocities[hold.nodes[k]];
+    }
+    hold.force_N =
+        share * (hold.stiffness_N_m * (hold.target_m + hold.offset_m - hold.middle_m) - hold.damping_Ns_m * velocity);
+    const double size = length(hold.force_N);
+    if (hold.mostForce_N > 0.0 && size > hold.mostForce_N) hold.force_N = (hold.mostForce_N / size) * hold.force_N;
+    for (std::size_t k = 0; k < hold.nodes.size(); ++k) forces_[hold.nodes[k]] += hold.weights[k] * hold.force_N;
   }
-  hold->force_N = hold->stiffness_N_m * (hold->target_m + hold->offset_m - middle) - hold->damping_Ns_m * velocity;
-  for (std::size_t k = 0; k < hold->nodes.size(); ++k) forces_[hold->nodes[k]] += hold->weights[k] * hold->force_N;
 }
 
 void SpringBody::step(double time_s, double dt_s, const Vec3 &gravity_m_s2, double damping_1_s,
@@ -155,7 +162,7 @@ void SpringBody::step(double time_s, double dt_s, const Vec3 &gravity_m_s2, doub
   addSprings();
   for (const SurfaceLoad &load : loads) addLoad(load, time_s);
   for (const SurfaceLoad &load : more) addLoad(load, time_s);
-  addHold();
+  addHolds();
   for (std::size_t i = 0; i < external_N.size(); ++i) forces_[i] += external_N[i];
   const double kept = 1.0 / (1.0 + damping_1_s * dt_s);
   for (std::size_t i = 0; i < masses_.size(); ++i) {
@@ -190,13 +197,13 @@ bool SpringBody::isFinite() const {
   });
 }
 
-Hold SpringBody::holdAround(const Vec3 &at_m, double radius_m) const {
-  const double reach = std::max(radius_m, 1.01 * lattice_.spacing());
+Hold SpringBody::holdAround(const c3de_sim_hold &asked) const {
+  const double reach = std::max(asked.radius_m, 1.01 * lattice_.spacing());
   Hold out;
-  out.target_m = at_m;
+  std::copy_n(asked.at_m, 3, out.target_m.begin());
   double sum = 0.0;
   for (std::uint32_t i = 0; i < masses_.size(); ++i) {
-    const double d = length(state_.positions[i] - at_m) / reach;
+    const double d = length(state_.positions[i] - out.target_m) / reach;
     if (d >= 1.0) continue;
     out.nodes.push_back(i);
     out.weights.push_back(masses_[i] * (1.0 - d * d));
@@ -205,18 +212,21 @@ Hold SpringBody::holdAround(const Vec3 &at_m, double radius_m) const {
   if (!(sum > 0.0)) throw sdk::Error(C3DE_E_ARG, "hold: nothing of the body lies within the radius of the point");
   double youngsModulus = 0.0;
   for (const Elasticity &m : materials_) youngsModulus = std::max(youngsModulus, m.youngsModulus_Pa);
-  double largest = 0.0;
-  Vec3 middle{};
+  double inverseMass = 0.0;
   for (std::size_t k = 0; k < out.nodes.size(); ++k) {
     out.weights[k] /= sum;
-    largest = std::max(largest, out.weights[k] / masses_[out.nodes[k]]);
-    middle += out.weights[k] * state_.positions[out.nodes[k]];
+    inverseMass += out.weights[k] * out.weights[k] / masses_[out.nodes[k]];
+    out.middle_m += out.weights[k] * state_.positions[out.nodes[k]];
   }
-  out.offset_m = middle - at_m;
-  // As stiff as the patch itself, as far as the step allows: sum w² / m is at most the largest w / m.
-  const double most = kHandFrequency * kHandFrequency * frequency_1_s_ * frequency_1_s_ / largest;
-  out.stiffness_N_m = std::min(2.0 * youngsModulus * reach, most);
-  out.damping_Ns_m = std::sqrt(out.stiffness_N_m / largest);
+  out.offset_m = out.middle_m - out.target_m;
+  out.mass_kg = 1.0 / inverseMass;
+  out.mostForce_N = asked.max_force_N;
+  // As asked for, or as stiff as the patch itself; as far as the step allows.
+  const double wanted_1_s = asked.frequency_hz > 0.0 ? 2.0 * std::numbers::pi * asked.frequency_hz
+                                                     : std::sqrt(2.0 * youngsModulus * reach / out.mass_kg);
+  const double omega_1_s = std::min(wanted_1_s, kHandFrequency * frequency_1_s_);
+  out.stiffness_N_m = out.mass_kg * omega_1_s * omega_1_s;
+  out.damping_Ns_m = 2.0 * (asked.damping_ratio > 0.0 ? asked.damping_ratio : 1.0) * out.mass_kg * omega_1_s;
   return out;
 }
 

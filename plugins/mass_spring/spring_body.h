@@ -2,8 +2,10 @@
 // A body of masses and springs: its forces, and its state in time.
 #pragma once
 
-#include <optional>
+#include <cstdint>
+#include <map>
 
+#include "c3de/abi/iface/simulator.h"
 #include "lattice.h"
 
 namespace mass_spring {
@@ -41,7 +43,9 @@ struct Hold {
   std::vector<double> weights;
   Vec3 target_m{}, offset_m{};  // from the point that was named to the middle that is held
   double stiffness_N_m = 0.0, damping_Ns_m = 0.0;
-  Vec3 force_N{};  // of the last step
+  double mass_kg = 0.0;
+  double mostForce_N = 0.0;    // 0: any
+  Vec3 middle_m{}, force_N{};  // of the last step
 };
 
 class SpringBody {
@@ -71,7 +75,7 @@ class SpringBody {
   void setState(State state);
 
   /// @throws sdk::Error  no mass within reach of a step
-  [[nodiscard]] Hold holdAround(const Vec3 &at_m, double radius_m) const;
+  [[nodiscard]] Hold holdAround(const c3de_sim_hold &asked) const;
 
   [[nodiscard]] const Lattice &lattice() const { return lattice_; }
   [[nodiscard]] const Surface &skin() const { return skin_; }
@@ -98,8 +102,8 @@ class SpringBody {
   [[nodiscard]] std::vector<Vec3> onSkin(const std::vector<Vec3> &ofNodes) const;
   [[nodiscard]] std::size_t springCount() const { return springs_.size(); }
 
-  std::vector<SurfaceLoad> loads;  ///< those that came with the body
-  std::optional<Hold> hold;
+  std::vector<SurfaceLoad> loads;       ///< those that came with the body
+  std::map<std::uint64_t, Hold> holds;  ///< by their handles
 
  private:
   struct Spring {
@@ -109,7 +113,7 @@ class SpringBody {
 
   void addSprings();
   void addLoad(const SurfaceLoad &load, double time_s);
-  void addHold();
+  void addHolds();
 
   Lattice lattice_;
   Surface skin_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings a mesh format: text files of vertices and triangles with a unit (FORMAT.md). What the host does with every mesh
-// after reading (weld, orient, report) it does with these as well. Walked through in docs/plugin/index.md.
+// Brings a mesh format: text files of vertices and triangles with a unit (FORMAT.md), read and written. What the host does
+// with every mesh after reading (weld, orient, report) it does with these as well. Walked through in docs/plugin/index.md.
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -102,6 +102,39 @@ sdk::Result<void> readTrimesh(const sdk::MeshSource &source, sdk::Progress progr
   return {};
 }
 
+/// Numbers as short as they can be read again without loss.
+template <class Number>
+void appendThree(std::string &text, char what, const std::array<Number, 3> &three) {
+  text += what;
+  for (const Number number : three) {
+    std::array<char, 32> digits{};
+    const auto [end, code] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
+    text.append(" ").append(digits.data(), end);
+  }
+  text += '\n';
+}
+
+sdk::Result<void> writeTrimesh(const sdk::MeshContents &mesh, sdk::Progress progress, c3de_sink bytes) {
+  std::string text(kHead);
+  text += "\nunit mm\n";
+  const double rows = static_cast<double>(mesh.positions.size() + mesh.triangles.size());
+  std::size_t done = 0;
+  const auto goesOn = [&] {
+    return ++done % 10000 != 0 || progress.update(static_cast<double>(done) / rows, "writing lines");
+  };
+  for (const sdk::Vec3 &x : mesh.positions) {
+    appendThree(text, 'v', x);
+    if (!goesOn()) return sdk::Failure{C3DE_E_CANCELLED, "cancelled"};
+  }
+  for (const auto &triangle : mesh.triangles) {
+    appendThree(text, 't', triangle);
+    if (!goesOn()) return sdk::Failure{C3DE_E_CANCELLED, "cancelled"};
+  }
+  text += "end\n";
+  if (const c3de_status status = sdk::put(bytes, text); status < 0) return sdk::currentHost().failure(status);
+  return {};
+}
+
 class MeshReaderPlugin {
  public:
   explicit MeshReaderPlugin(sdk::Host host) {
@@ -110,13 +143,16 @@ class MeshReaderPlugin {
     format.label = "Points and triangles with a unit";
     format.extensions = {"tri"};
     format.magic = kHead;
-    reader_ = sdk::orThrow(sdk::Files(host).addMeshReader(format, readTrimesh));
+    const sdk::Files files(host);
+    reader_ = sdk::orThrow(files.addMeshReader(format, readTrimesh));
+    writer_ = sdk::orThrow(files.addMeshWriter(format, writeTrimesh));
   }
   static constexpr sdk::PluginInfo info{"org.c3de.mesh_reader", "1.0.0", "Mesh reader", "C3DE", "Apache-2.0"};
-  static constexpr std::array needs{sdk::required<c3de_files_v0>()};
+  static constexpr std::array needs{sdk::required<c3de_files_v1>(2)};
 
  private:
   sdk::MeshReader reader_;
+  sdk::MeshWriter writer_;
 };
 
 }  // namespace

@@ -30,7 +30,7 @@ struct Loading {
 class Dying : public sdk::Panel {
  public:
   static constexpr sdk::PluginInfo info{.id = "test.dying", .version = "1.0.0", .displayName = "Dying"};
-  static constexpr std::array needs{sdk::required<c3de_forces_v0>(), sdk::optional<c3de_panels_v1>(),
+  static constexpr std::array needs{sdk::required<c3de_forces_v1>(), sdk::optional<c3de_panels_v1>(),
                                     sdk::optional<c3de_jobs_v1>()};
 
   explicit Dying(sdk::Host host) : host_(host) {

@@ -131,7 +131,7 @@ TEST_CASE("a state of the point-based simulator goes on bit for bit, through con
   const std::string scene = (resources / "scenes" / "first_light.toml").string();
   const std::string held =
       writeFile(folder / "held.toml",
-                "format = 1\n[simulator]\nclass = \"draft/c3de.pointbased.WorldSimulator/0\"\n"
+                "format = 1\n[simulator]\nclass = \"c3de.pointbased.WorldSimulator/1\"\n"
                 "[solver]\nintegrator = \"explicit\"\n[[body]]\nname = \"organ\"\nmesh_unit = \"mm\"\nmesh = \"" +
                     (resources / "meshes" / "organ.obj").generic_string() +
                     "\"\nmaterial = { viscosity = 5.0, prony = [ { share = 0.3, time = 0.1 } ] }\n"
@@ -176,7 +176,7 @@ TEST_CASE("a state of the point-based simulator goes on bit for bit, through con
   const auto springs =
       runC3de({"run", writeBar(folder, kMoving).string(), "--plugin", plugin(), "--from-state", state, "--steps", "1"});
   CHECK(springs.exitCode == 3);
-  CHECK_THAT(springs.errorOutput, Contains("a state of simulator draft/c3de.pointbased.WorldSimulator/0"));
+  CHECK_THAT(springs.errorOutput, Contains("a state of simulator c3de.pointbased.WorldSimulator/1"));
   const auto implicitly =
       runC3de({"run", scene, "--set", "solver.integrator=implicit", "--steps", "1", "--save-state", state});
   CHECK(implicitly.exitCode != 0);

@@ -71,6 +71,32 @@ TEST_CASE("A format that a plugin brings is simulated, by itself and as body and
   CHECK_THAT(refused.errorOutput, Contains("scene.toml:") && Contains("box.tri"));
 }
 
+TEST_CASE("A surface is exported in a format that a plugin brings, and read again") {
+  const auto folder = freshFolder("mesh-writer");
+  const auto scene =
+      writeFile(folder / "scene.toml",
+                "format = 1\n[world]\ngravity = [0.0, 0.0, 0.0]\n[[body]]\nname = \"box\"\nmesh = \"box.tri\"\n"
+                "mesh_unit = \"cm\"\n");
+  (void)writeFile(folder / "box.tri", boxTri("cm"));
+  const auto out = folder / "deformed.tri";
+  const auto run =
+      runC3de({"run", scene.string(), "--steps", "1", "--plugin", reader(), "--export-surface", out.string()});
+  INFO(run.errorOutput);
+  REQUIRE(run.exitCode == 0);
+  const auto info = runC3de({"info", out.string(), "--json", "--plugin", reader()});
+  INFO(info.errorOutput);
+  REQUIRE(info.exitCode == 0);
+  CHECK_THAT(nlohmann::json::parse(info.output).at("volume_mm3").get<double>(), WithinRel(4000.0, 1e-9));
+  const auto without = runC3de({"run", scene.string(), "--steps", "1", "--export-surface", out.string()});
+  CHECK(without.exitCode != 0);
+  // Before anything is built.
+  const auto unknown =
+      runC3de({"run", scene.string(), "--plugin", reader(), "--export-surface", (folder / "deformed.trx").string()});
+  CHECK(unknown.exitCode == 2);
+  CHECK_THAT(unknown.errorOutput, Contains("'.trx' cannot be written; accepted: .obj, .stl, .ply, .vtp, .tri"));
+  CHECK_FALSE(std::filesystem::exists(folder / "deformed.trx"));
+}
+
 TEST_CASE("Broken files of a plugin's format are refused with file, line, reader and plugin") {
   const auto folder = freshFolder("mesh-reader-broken");
   const std::string whole = boxTri("mm");

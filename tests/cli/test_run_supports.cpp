@@ -268,10 +268,10 @@ TEST_CASE("Where two plugins simulate the scene says which, and the report names
   };
   const auto neither = run({});
   CHECK(neither.exitCode != 0);
-  CHECK_THAT(neither.errorOutput, Contains("several classes simulate: a.test.Recorder/0, draft/c3de.pointbased") &&
+  CHECK_THAT(neither.errorOutput, Contains("several classes simulate: a.test.Recorder/0, c3de.pointbased") &&
                                       Contains("[simulator] class = "));
   const std::pair<std::string, std::string> classes[] = {{"a.test.Recorder/0", "test.recorder"},
-                                                         {"draft/c3de.pointbased.WorldSimulator/0", "c3de.pointbased"}};
+                                                         {"c3de.pointbased.WorldSimulator/1", "c3de.pointbased"}};
   for (const auto &[id, plugin] : classes) {
     // What the scene declares is the recorder's; the other refuses it by name, which is who was asked.
     const auto chosen = run({"--set", "simulator.class=" + id});

@@ -77,7 +77,7 @@ class Readers {
     });
   }
   static constexpr sdk::PluginInfo info{"test.mesh_readers", "1.0.0", "Readers", "", ""};
-  static constexpr std::array needs{sdk::required<c3de_files_v0>()};
+  static constexpr std::array needs{sdk::required<c3de_files_v1>()};
 
  private:
   static void expect(bool holds, const char *what) {

@@ -311,7 +311,7 @@ static void drive_mesh(void) {
 /* ---- scene, render ---- */
 
 static void drive_scene(void) {
-  const c3de_scene_v0 *scene = service(C3DE_SCENE_ID);
+  const c3de_scene_v1 *scene = service(C3DE_SCENE_ID);
   c3de_handle node, child;
   GIVES(C3DE_OK, scene->add_node(scene->ctx, kNone, text("parent"), &node));
   GIVES(C3DE_OK, scene->add_node(scene->ctx, node, text("child"), &child));
@@ -350,11 +350,11 @@ static void drive_scene(void) {
 }
 
 static void drive_render(void) {
-  const c3de_render_v0 *render = service(C3DE_RENDER_ID);
-  const c3de_scene_v0 *scene = service(C3DE_SCENE_ID);
+  const c3de_render_v1 *render = service(C3DE_RENDER_ID);
+  const c3de_scene_v1 *scene = service(C3DE_SCENE_ID);
   const void *table = NULL;
   GIVES(C3DE_OK, host->get_service(host->ctx, text(C3DE_RENDER_ID), 2, &table));
-  HOLDS(table == (const void *)render && render->rev == 2 && C3DE_HAS(c3de_render_v0, render, set_legend));
+  HOLDS(table == (const void *)render && render->rev == 2 && C3DE_HAS(c3de_render_v1, render, set_legend));
   GIVES(C3DE_E_VERSION, host->get_service(host->ctx, text(C3DE_RENDER_ID), 3, &table));
   SAYS("rev >= 3, host has 2");
   c3de_handle node, mesh, spheres, lines, label, none;
@@ -446,7 +446,7 @@ static void drive_render(void) {
 /* ---- collision ---- */
 
 static void drive_collision(void) {
-  const c3de_collision_v0 *collision = service(C3DE_COLLISION_ID);
+  const c3de_collision_v1 *collision = service(C3DE_COLLISION_ID);
   c3de_handle tree, none;
   GIVES(C3DE_OK, collision->create(collision->ctx, corners(), faces(), &tree));
   GIVES(C3DE_E_ARG, collision->create(collision->ctx, corners(), faces(), NULL));
@@ -668,7 +668,7 @@ static c3de_status C3DE_CALL on_event(void *self, const c3de_event *event, uint3
 }
 
 static void drive_tools(void) {
-  const c3de_tools_v0 *tools = service(C3DE_TOOLS_ID);
+  const c3de_tools_v1 *tools = service(C3DE_TOOLS_ID);
   int calls = 0;
   c3de_tool tool = {sizeof tool, 1, TEXT("test.driver.tool"), TEXT("Driver"), TEXT("hint"), 'D', 0, &calls, activate,
                     cancel, on_event};
@@ -719,7 +719,7 @@ static c3de_status C3DE_CALL do_again(void *self) {
 static void C3DE_CALL let_go_of(void *self) { *(int *)self += 100; }
 
 static void drive_history(void) {
-  const c3de_history_v0 *history = service(C3DE_HISTORY_ID);
+  const c3de_history_v1 *history = service(C3DE_HISTORY_ID);
   static int calls, quiet;
   c3de_edit edit = {sizeof edit, 1, TEXT("pull"), &calls, take_back, do_again, let_go_of};
   c3de_handle h, none;
@@ -756,7 +756,7 @@ static void drive_history(void) {
 
 /* After undo, undo, redo by the test program. */
 static void drive_history_after(void) {
-  const c3de_history_v0 *history = service(C3DE_HISTORY_ID);
+  const c3de_history_v1 *history = service(C3DE_HISTORY_ID);
   static int last;
   c3de_edit edit = {sizeof edit, 1, TEXT("last"), &last, take_back, do_again, let_go_of};
   c3de_handle h;
@@ -823,7 +823,7 @@ static void drive_jobs(void) {
 static int posted_calls, frame_calls;
 
 static void drive_time(void) {
-  const c3de_time_v0 *time = service(C3DE_TIME_ID);
+  const c3de_time_v1 *time = service(C3DE_TIME_ID);
   const uint64_t before = time->now_ns(time->ctx);
   HOLDS(time->now_ns(time->ctx) >= before && before > 0);
   (void)time->frame_index(time->ctx);
@@ -870,7 +870,7 @@ static c3de_status C3DE_CALL stop_seeing(void *visitor, const c3de_simulation_in
   return C3DE_S_TRUNCATED;
 }
 
-static void drive_watch(const c3de_simulation_v0 *simulation, c3de_handle node) {
+static void drive_watch(const c3de_simulation_v1 *simulation, c3de_handle node) {
   c3de_simulation_watch watch;
   c3de_handle h;
   memset(&watch, 0, sizeof watch);
@@ -893,7 +893,7 @@ static void drive_watch(const c3de_simulation_v0 *simulation, c3de_handle node) 
 }
 
 static void drive_simulation(c3de_handle node) {
-  const c3de_simulation_v0 *simulation = service(C3DE_SIMULATION_ID);
+  const c3de_simulation_v1 *simulation = service(C3DE_SIMULATION_ID);
   c3de_sim_transport state;
   memset(&state, 0, sizeof state);
   state.size = sizeof state;
@@ -916,7 +916,7 @@ static void drive_simulation(c3de_handle node) {
 /* ---- handles of one kind where another is asked for ---- */
 
 static void drive_kinds(c3de_handle node) {
-  const c3de_collision_v0 *collision = service(C3DE_COLLISION_ID);
+  const c3de_collision_v1 *collision = service(C3DE_COLLISION_ID);
   const c3de_mesh_v1 *mesh = service(C3DE_MESH_ID);
   c3de_handle tree, made;
   c3de_mesh_info info;
@@ -945,7 +945,7 @@ static c3de_status C3DE_CALL push_up(void *self, const c3de_force_call *call) {
 }
 
 static void drive_forces(c3de_handle node) {
-  const c3de_forces_v0 *forces = service(C3DE_FORCES_ID);
+  const c3de_forces_v1 *forces = service(C3DE_FORCES_ID);
   c3de_force_field field = {sizeof field, 0, {"up", 2}, &force_calls, push_up};
   c3de_handle all, one, none;
   GIVES(C3DE_OK, forces->add(forces->ctx, kNone, &field, &all));
@@ -990,7 +990,7 @@ static c3de_status C3DE_CALL stop_at_label(void *self, const c3de_label *label) 
 
 static c3de_handle kept_image, kept_map;
 
-static void drive_images(const c3de_imaging_v0 *imaging) {
+static void drive_images(const c3de_imaging_v1 *imaging) {
   c3de_handle found[4] = {{0}, {0}, {0}, {0}};
   uint64_t needed = 0;
   GIVES(C3DE_S_TRUNCATED, imaging->images(imaging->ctx, NULL, 0, &needed));
@@ -1059,7 +1059,7 @@ static void drive_images(const c3de_imaging_v0 *imaging) {
   SAYS("out is null");
 }
 
-static void drive_label_maps(const c3de_imaging_v0 *imaging) {
+static void drive_label_maps(const c3de_imaging_v1 *imaging) {
   c3de_handle map = {0};
   uint64_t needed = 0;
   GIVES(C3DE_OK, imaging->label_maps(imaging->ctx, &map, 1, &needed));
@@ -1102,14 +1102,14 @@ static void drive_label_maps(const c3de_imaging_v0 *imaging) {
 }
 
 static void drive_imaging(void) {
-  const c3de_imaging_v0 *imaging = service(C3DE_IMAGING_ID);
+  const c3de_imaging_v1 *imaging = service(C3DE_IMAGING_ID);
   HOLDS(imaging->size >= sizeof *imaging && imaging->rev == 1);
   drive_images(imaging);
   drive_label_maps(imaging);
 }
 
 static void drive_imaging_of_what_is_gone(void) {
-  const c3de_imaging_v0 *imaging = service(C3DE_IMAGING_ID);
+  const c3de_imaging_v1 *imaging = service(C3DE_IMAGING_ID);
   const double at[] = {10, 20, 30};
   double value = 0.0;
   uint32_t label = 0;
@@ -1139,15 +1139,15 @@ static void drive_imaging_without_a_store(void) {
 
 static void drive_wrong_thread(void) {
   const c3de_registry_v1 *registry = service(C3DE_REGISTRY_ID);
-  const c3de_scene_v0 *scene = service(C3DE_SCENE_ID);
-  const c3de_render_v0 *render = service(C3DE_RENDER_ID);
+  const c3de_scene_v1 *scene = service(C3DE_SCENE_ID);
+  const c3de_render_v1 *render = service(C3DE_RENDER_ID);
   const c3de_params_v1 *params = service(C3DE_PARAMS_ID);
   const c3de_panels_v1 *panels = service(C3DE_PANELS_ID);
-  const c3de_tools_v0 *tools = service(C3DE_TOOLS_ID);
+  const c3de_tools_v1 *tools = service(C3DE_TOOLS_ID);
   const c3de_jobs_v1 *jobs = service(C3DE_JOBS_ID);
-  const c3de_time_v0 *time = service(C3DE_TIME_ID);
+  const c3de_time_v1 *time = service(C3DE_TIME_ID);
   const c3de_mesh_v1 *mesh = service(C3DE_MESH_ID);
-  const c3de_collision_v0 *collision = service(C3DE_COLLISION_ID);
+  const c3de_collision_v1 *collision = service(C3DE_COLLISION_ID);
   const c3de_log_v1 *log = service(C3DE_LOG_ID);
   c3de_object *object;
   c3de_handle h;
@@ -1186,8 +1186,40 @@ static c3de_status C3DE_CALL read_nothing(void *self, const c3de_mesh_source *so
   return C3DE_E_UNSUPPORTED;
 }
 
+static c3de_status C3DE_CALL write_nothing(void *self, const c3de_mesh_contents *mesh, const c3de_progress *progress,
+                                           c3de_sink bytes) {
+  (void)self;
+  (void)mesh;
+  (void)progress;
+  (void)bytes;
+  return C3DE_E_UNSUPPORTED;
+}
+
+static void drive_writers(const c3de_files_v1 *files) {
+  const c3de_str extensions[] = {TEXT("one"), TEXT("obj")};
+  c3de_mesh_writer writer = {sizeof writer, 1, TEXT("test.reader"), TEXT("Writer"), extensions, 2, NULL, write_nothing};
+  c3de_handle h, none;
+  HOLDS(files->rev >= 2);
+  GIVES(C3DE_OK, files->add_mesh_writer(files->ctx, &writer, &h)); /* a reader may have the same id */
+  GIVES(C3DE_E_EXISTS, files->add_mesh_writer(files->ctx, &writer, &none));
+  HOLDS(none.v == 0);
+  GIVES(C3DE_E_ARG, files->add_mesh_writer(files->ctx, NULL, &none));
+  GIVES(C3DE_E_ARG, files->add_mesh_writer(files->ctx, &writer, NULL));
+  writer.id = text("test.other");
+  writer.write = NULL;
+  GIVES(C3DE_E_ARG, files->add_mesh_writer(files->ctx, &writer, &none));
+  SAYS("write");
+  writer.write = write_nothing;
+  writer.extensions_n = 0;
+  GIVES(C3DE_E_ARG, files->add_mesh_writer(files->ctx, &writer, &none));
+  writer.size = 24;
+  GIVES(C3DE_E_ARG, files->add_mesh_writer(files->ctx, &writer, &none));
+  GIVES(C3DE_OK, files->remove(files->ctx, h));
+  GIVES(C3DE_E_STALE, files->remove(files->ctx, h));
+}
+
 static void drive_files(void) {
-  const c3de_files_v0 *files = service(C3DE_FILES_ID);
+  const c3de_files_v1 *files = service(C3DE_FILES_ID);
   const c3de_str extensions[] = {TEXT("one"), TEXT("TWO")}, dotted = TEXT(".one"), empty = TEXT("");
   c3de_mesh_reader reader = {sizeof reader, 1, TEXT("test.reader"), TEXT("Reader"), extensions, 2,
                              TEXT(""), NULL, read_nothing};
@@ -1223,6 +1255,7 @@ static void drive_files(void) {
   reader.id = text("test.other");
   reader.size = 16;
   GIVES(C3DE_E_ARG, files->add_mesh_reader(files->ctx, &reader, &none));
+  drive_writers(files);
   GIVES(C3DE_E_STALE, files->remove(files->ctx, kNoSuch));
   GIVES(C3DE_OK, files->remove(files->ctx, h));
   GIVES(C3DE_E_STALE, files->remove(files->ctx, h));
@@ -1239,7 +1272,7 @@ static c3de_status C3DE_CALL stop_at_key(void *self, c3de_str key) {
 }
 
 static void drive_settings(void) {
-  const c3de_settings_v0 *settings = service(C3DE_SETTINGS_ID);
+  const c3de_settings_v1 *settings = service(C3DE_SETTINGS_ID);
   uint64_t bytes = 0, keys = 0, calls = 0;
   const c3de_sink sink = {&bytes, count_bytes}, no_sink = {NULL, NULL};
   const c3de_str broken = {"\xff\xfe", 2};
@@ -1267,7 +1300,7 @@ static void drive_settings(void) {
   GIVES(C3DE_E_NOT_FOUND, settings->get(settings->ctx, text("empty"), sink));
 }
 
-static const c3de_commands_v0 *kept_commands;
+static const c3de_commands_v1 *kept_commands;
 static c3de_status C3DE_CALL count_run(void *self) {
   ++*(int *)self;
   return C3DE_OK;
@@ -1283,7 +1316,7 @@ static c3de_status C3DE_CALL run_itself(void *self) {
 }
 
 static void drive_commands(void) {
-  const c3de_commands_v0 *commands = service(C3DE_COMMANDS_ID);
+  const c3de_commands_v1 *commands = service(C3DE_COMMANDS_ID);
   kept_commands = commands;
   static int runs;
   c3de_command command = {sizeof command, 1, TEXT("test.count"), TEXT("Count"), TEXT("Counts."),

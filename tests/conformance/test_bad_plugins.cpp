@@ -27,7 +27,7 @@ const std::vector<BadCase> kBadPlugins {
       {"size_zero", {"bad descriptor", "size is 0"}}, {"size_huge", {"bad descriptor", "size is 2147483648"}},
       {"huge_needs", {"bad descriptor", "needs_n is 9223372036854775807", "at most 256"}},
       {"unknown_service", {"needs c3de.lag/1, which this host does not have", "did you mean c3de.log/1?"}},
-      {"too_new_revision", {"needs draft/c3de.collision/0 rev >= 3, host has 1", "get a newer host"}},
+      {"too_new_revision", {"needs c3de.collision/1 rev >= 3, host has 2", "get a newer host"}},
       {"class_twice", {"create failed", "class test.First/0 is registered by plugin test.class_twice already"}},
       {"throws_in_query", {"an exception left c3de_plugin_query: thrown in query"}},
       {"throws_in_create", {"an exception left create: thrown in create"}},

@@ -63,7 +63,7 @@ TEST_CASE("malformed output of a reader is refused with what, where and who") {
   CHECK_THAT(f.errorOf("a.throws"), Contains("line 12: the author did not think of this"));
   CHECK_THAT(f.errorOf("a.empty"), Contains("no faces"));
   CHECK_THAT(f.errorOf("a.mute"), Contains("C3DE_E_IO"));
-  CHECK_THAT(f.errorOf("a.itself"), Contains("cannot be removed while it reads"));
+  CHECK_THAT(f.errorOf("a.itself"), Contains("cannot be removed while it works"));
   const auto absent = f.meshFormats.load(f.folder / "absent.good", std::nullopt);
   REQUIRE_FALSE(absent);
   CHECK_THAT(absent.error().message, Contains("absent.good"));

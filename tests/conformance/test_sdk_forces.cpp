@@ -42,7 +42,7 @@ struct SmallHost {
   }
 
   c3de_host abi{};
-  c3de_forces_v0 forces{};
+  c3de_forces_v1 forces{};
   std::uint64_t added = 0, removed = 0;
   std::weak_ptr<int> function;  // of the field that goes
   bool removedTooLate = false;

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "c3de/abi/draft/all.h"
+#include "c3de/abi/c3de.h"
 #include "c3de/abi/object.h"
 
 namespace fuzz {

@@ -105,9 +105,9 @@ const Table &tableOf(const c3de_host *host) {
 /// One of everything that has a handle or a name, so that calls meet what is there.
 void prepare(c3de::validate::TrialHost &host, BoundaryValues &values) {
   const auto &mesh = tableOf<c3de_mesh_v1>(hostOfSeam);
-  const auto &collision = tableOf<c3de_collision_v0>(hostOfSeam);
-  const auto &scene = tableOf<c3de_scene_v0>(hostOfSeam);
-  const auto &render = tableOf<c3de_render_v0>(hostOfSeam);
+  const auto &collision = tableOf<c3de_collision_v1>(hostOfSeam);
+  const auto &scene = tableOf<c3de_scene_v1>(hostOfSeam);
+  const auto &render = tableOf<c3de_render_v1>(hostOfSeam);
   const auto &params = tableOf<c3de_params_v1>(hostOfSeam);
   const auto &registry = tableOf<c3de_registry_v1>(hostOfSeam);
   static constexpr std::array kPoints{0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};

@@ -9,14 +9,14 @@
 #include <string_view>
 #include <thread>
 
-#include "c3de/abi/draft/render.h"
-#include "c3de/abi/draft/scene.h"
-#include "c3de/abi/draft/tools.h"
 #include "c3de/abi/entry.h"
 #include "c3de/abi/jobs.h"
 #include "c3de/abi/log.h"
 #include "c3de/abi/panels.h"
 #include "c3de/abi/params.h"
+#include "c3de/abi/render.h"
+#include "c3de/abi/scene.h"
+#include "c3de/abi/tools.h"
 
 namespace {
 
@@ -25,10 +25,10 @@ c3de_str str(std::string_view s) { return {s.data(), s.size()}; }
 struct Gallery {
   const c3de_panels_v1 *panels = nullptr;
   const c3de_params_v1 *params = nullptr;
-  const c3de_tools_v0 *tools = nullptr;
+  const c3de_tools_v1 *tools = nullptr;
   const c3de_jobs_v1 *jobs = nullptr;
-  const c3de_scene_v0 *scene = nullptr;
-  const c3de_render_v0 *render = nullptr;
+  const c3de_scene_v1 *scene = nullptr;
+  const c3de_render_v1 *render = nullptr;
   c3de_handle set{}, node{}, box{}, points{}, job{};
 
   std::uint32_t presses = 0, checked = 0, choice = 1;

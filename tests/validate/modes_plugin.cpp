@@ -258,8 +258,8 @@ class Modes : public sdk::Panel {
   static constexpr sdk::PluginInfo info{
       .id = "test.modes", .version = "1.0.0", .displayName = "Modes", .vendor = "C3DE", .license = "Apache-2.0"};
   static constexpr std::array needs{sdk::required<c3de_registry_v1>(), sdk::optional<c3de_panels_v1>(),
-                                    sdk::optional<c3de_params_v1>(),   sdk::optional<c3de_tools_v0>(),
-                                    sdk::optional<c3de_files_v0>(),    sdk::optional<c3de_commands_v0>()};
+                                    sdk::optional<c3de_params_v1>(),   sdk::optional<c3de_tools_v1>(),
+                                    sdk::optional<c3de_files_v1>(),    sdk::optional<c3de_commands_v1>()};
 
   explicit Modes(sdk::Host host) {
     if (is("create_leaks")) {
@@ -269,8 +269,8 @@ class Modes : public sdk::Panel {
     if (is("needs_a_window")) {
       if (!host.service<c3de_panels_v1>()) crash();
     }
-    if (is("dies_without_tools") && !host.service<c3de_tools_v0>() && host.service<c3de_panels_v1>()) crash();
-    if (is("refuses_without_tools")) (void)sdk::orThrow(host.require<c3de_tools_v0>());
+    if (is("dies_without_tools") && !host.service<c3de_tools_v1>() && host.service<c3de_panels_v1>()) crash();
+    if (is("refuses_without_tools")) (void)sdk::orThrow(host.require<c3de_tools_v1>());
     const c3de_str odd = sdk::str(kOddId);
     const c3de_class cls{sizeof(c3de_class),
                          1,
@@ -291,7 +291,7 @@ class Modes : public sdk::Panel {
                                               if (is("parameter_dies_at_the_end") && value.num == 1.0) crash();
                                             }));
     if (host.service<c3de_panels_v1>()) sdk::orThrow(show(host, "test.modes.panel", "Modes"));
-    if (host.service<c3de_tools_v0>()) sdk::orThrow(tool_.add(host, {.id = "test.modes.tool", .label = "Odd"}));
+    if (host.service<c3de_tools_v1>()) sdk::orThrow(tool_.add(host, {.id = "test.modes.tool", .label = "Odd"}));
     if (const sdk::Files files(host); files)
       reader_ = sdk::orThrow(files.addMeshReader(
           {.id = "test.modes.reader", .label = "Odd", .extensions = {"odd"}},
@@ -300,6 +300,17 @@ class Modes : public sdk::Panel {
             if (is("reader_hangs")) sleepLong();
             return sdk::Failure{C3DE_E_ARG, "no such file is accepted"};
           }));
+    if (const sdk::Files files(host); files)
+      writer_ = sdk::orThrow(
+          files.addMeshWriter({.id = "test.modes.writer", .label = "Odd", .extensions = {"odd"}},
+                              [](const sdk::MeshContents &mesh, sdk::Progress, c3de_sink bytes) -> sdk::Result<void> {
+                                if (is("writer_dies_of_much") && mesh.positions.size() > 10'000) crash();
+                                if (is("writer_hangs")) sleepLong();
+                                if (is("writer_throws")) throw std::runtime_error("of a writer");
+                                if (is("writer_puts_nowhere")) bytes.put(bytes.self, nullptr, 100);
+                                (void)sdk::put(bytes, "odd");
+                                return {};
+                              }));
     if (const sdk::Commands commands(host); commands)
       command_ = sdk::orThrow(commands.add({.id = "test.modes.command", .title = "Odd"}, []() -> sdk::Result<void> {
         if (is("command_dies")) crash();
@@ -340,6 +351,7 @@ class Modes : public sdk::Panel {
   sdk::ParameterSet params_;
   OddTool tool_;
   sdk::MeshReader reader_;
+  sdk::MeshWriter writer_;
   sdk::Command command_;
 };
 

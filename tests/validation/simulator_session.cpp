@@ -49,7 +49,7 @@ struct SimulatorSession::Impl {
     const auto file = std::filesystem::path(testPluginFolder()) / (std::string("pointbased") + pluginExtension());
     if (const auto loaded = host->load(file); !loaded) throw std::runtime_error(loaded.error().message);
     host->start();
-    auto created = host->createObject("draft/c3de.pointbased.WorldSimulator/0");
+    auto created = host->createObject("c3de.pointbased.WorldSimulator/1");
     if (!created) throw std::runtime_error(created.error().message);
     simulator = *created;
     const char *id = C3DE_IFACE_SIMULATOR_ID;
@@ -178,7 +178,7 @@ c3de_object *SimulatorSession::phyxelSet(c3de_handle body) {
   const char *id = C3DE_POINTBASED_BODIES_ID;
   check(impl_->simulator->vt->query(impl_->simulator, {id, std::strlen(id)}, 1, &found), "query");
   c3de_object *set = nullptr;
-  check(static_cast<const c3de_pointbased_bodies_v0 *>(found)->phyxels(impl_->simulator, body, &set), "phyxels");
+  check(static_cast<const c3de_pointbased_bodies_v1 *>(found)->phyxels(impl_->simulator, body, &set), "phyxels");
   return set;
 }
 

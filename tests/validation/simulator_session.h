@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "c3de/abi/draft/all.h"
+#include "c3de/abi/c3de.h"
 #include "c3de/core/vec.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/pointbased/point_sets.h"

@@ -55,7 +55,33 @@ struct FreeOrgan {
     REQUIRE(added.v != 0);
     return added;
   }
+  Vec3 extreme(double sign) {
+    const std::vector<Vec3> surface = session.surfels(body, C3DE_SIM_FIELD_POSITION);
+    return *std::max_element(surface.begin(), surface.end(),
+                             [sign](const Vec3 &a, const Vec3 &b) { return sign * a[1] < sign * b[1]; });
+  }
+  Vec3 topmost() { return extreme(1.0); }
+  Vec3 lowest() { return extreme(-1.0); }
+  c3de_handle hold(const Vec3 &at, double radius_m) {
+    c3de_sim_hold asked{};
+    asked.size = sizeof asked;
+    std::copy(at.begin(), at.end(), asked.at_m);
+    asked.radius_m = radius_m;
+    c3de_handle out{};
+    REQUIRE(table->hold(self, body, &asked, &out) == C3DE_OK);
+    return out;
+  }
+  c3de_sim_hold_state holdState(c3de_handle hold) {
+    c3de_sim_hold_state state{};
+    state.size = sizeof state;
+    REQUIRE(table->hold_state(self, hold, &state) == C3DE_OK);
+    CHECK(state.body.v == body.v);
+    return state;
+  }
 };
+
+Vec3 vectorOf(const double *v) { return {v[0], v[1], v[2]}; }
+Vec3 between(const Vec3 &from, const Vec3 &to) { return {to[0] - from[0], to[1] - from[1], to[2] - from[2]}; }
 
 }  // namespace
 
@@ -89,34 +115,100 @@ TEST_CASE("a load that comes while an organ moves gives it its impulse, until it
 
 TEST_CASE("another's tool takes hold of an organ, pulls it and lets it go") {
   FreeOrgan f;
-  const std::vector<Vec3> surface = f.session.surfels(f.body, C3DE_SIM_FIELD_POSITION);
-  const Vec3 top =
-      *std::max_element(surface.begin(), surface.end(), [](const Vec3 &a, const Vec3 &b) { return a[1] < b[1]; });
+  const Vec3 top = f.topmost();
   const Vec3 target{top[0], top[1] + 0.03, top[2]};
-  CHECK(f.table->pull(f.self, f.body, target.data()) == C3DE_E_STATE);
-  CHECK_THAT(f.session.takeError(), Contains("nobody holds"));
-  CHECK(f.table->hold(f.self, f.body, top.data(), 0.0) == C3DE_E_ARG);
-  REQUIRE(f.table->hold(f.self, f.body, top.data(), 0.02) == C3DE_OK);
+  CHECK(f.table->pull(f.self, {77}, target.data(), nullptr) == C3DE_E_STALE);
+  CHECK_THAT(f.session.takeError(), Contains("no such hold"));
+  c3de_sim_hold asked{};
+  asked.size = sizeof asked;
+  std::copy(top.begin(), top.end(), asked.at_m);
+  c3de_handle hold{};
+  CHECK(f.table->hold(f.self, f.body, &asked, &hold) == C3DE_E_ARG);
+  CHECK_THAT(f.session.takeError(), Contains("radius above 0 m"));
+  asked.radius_m = 0.02;
+  asked.flags = 1u << 30;
+  CHECK(f.table->hold(f.self, f.body, &asked, &hold) == C3DE_E_UNSUPPORTED);
+  asked.flags = 0;
+  REQUIRE(f.table->hold(f.self, f.body, &asked, &hold) == C3DE_OK);
   f.session.step();
-  Vec3 force{};
-  REQUIRE(f.table->hold_force(f.self, f.body, force.data()) == C3DE_OK);
   // Nobody has pulled yet: the target is the point itself.
-  CHECK(norm(force) < 1e-12);
-  REQUIRE(f.table->pull(f.self, f.body, target.data()) == C3DE_OK);
+  CHECK(norm(vectorOf(f.holdState(hold).force_N)) < 1e-12);
+  CHECK(norm(between(top, vectorOf(f.holdState(hold).point_m))) < 1e-12);
+  REQUIRE(f.table->pull(f.self, hold, target.data(), nullptr) == C3DE_OK);
   double gained = 0.0, begin_s = f.session.status().time_s;
   for (int i = 0; i < 20; ++i) {
     f.session.step();
-    REQUIRE(f.table->hold_force(f.self, f.body, force.data()) == C3DE_OK);
-    CHECK(force[1] > 0.0);
+    CHECK(f.holdState(hold).force_N[1] > 0.0);
   }
   gained = f.momentum()[1];
   CHECK(gained > 0.0);
   CHECK(f.session.status().time_s > begin_s);
-  REQUIRE(f.table->let_go(f.self, f.body) == C3DE_OK);
+  REQUIRE(f.table->remove(f.self, hold) == C3DE_OK);
   for (int i = 0; i < 10; ++i) f.session.step();
   CHECK(std::abs(f.momentum()[1] - gained) < 0.2 * gained);  // the step in which it was let go still pulled
-  REQUIRE(f.table->hold_force(f.self, f.body, force.data()) == C3DE_OK);
-  CHECK(norm(force) == 0.0);
+  c3de_sim_hold_state state{};
+  state.size = sizeof state;
+  CHECK(f.table->hold_state(f.self, hold, &state) == C3DE_E_STALE);
+  CHECK(f.table->remove(f.self, hold) < 0);
+}
+
+TEST_CASE("several hold one organ: between two hands that pull apart it stretches and goes nowhere") {
+  FreeOrgan f;
+  const Vec3 up = f.topmost(), down = f.lowest();
+  const c3de_handle upper = f.hold(up, 0.015), lower = f.hold(down, 0.015);
+  const Vec3 above{up[0], up[1] + 0.02, up[2]}, below{down[0], down[1] - 0.02, down[2]};
+  REQUIRE(f.table->pull(f.self, upper, above.data(), nullptr) == C3DE_OK);
+  REQUIRE(f.table->pull(f.self, lower, below.data(), nullptr) == C3DE_OK);
+  for (int i = 0; i < 400; ++i) f.session.step();
+  CHECK(f.holdState(upper).force_N[1] > 0.0);
+  CHECK(f.holdState(lower).force_N[1] < 0.0);
+  CHECK(f.holdState(upper).point_m[1] - up[1] > 0.002);
+  CHECK(down[1] - f.holdState(lower).point_m[1] > 0.002);
+  // One lets go: the other has it.
+  REQUIRE(f.table->remove(f.self, lower) == C3DE_OK);
+  const double before = f.momentum()[1];
+  for (int i = 0; i < 20; ++i) f.session.step();
+  CHECK(f.momentum()[1] > before);
+  // A reset lets go.
+  f.session.reset();
+  c3de_sim_hold_state state{};
+  state.size = sizeof state;
+  CHECK(f.table->hold_state(f.self, upper, &state) == C3DE_E_STALE);
+}
+
+TEST_CASE("a clamp keeps the shape of what it holds and turns it") {
+  FreeOrgan f;
+  const Vec3 up = f.topmost();
+  c3de_sim_hold asked{};
+  asked.size = sizeof asked;
+  asked.flags = C3DE_SIM_HOLD_SHAPE;
+  std::copy(up.begin(), up.end(), asked.at_m);
+  asked.radius_m = 0.03;
+  asked.max_force_N = 1e3;
+  c3de_handle hold{};
+  REQUIRE(f.table->hold(f.self, f.body, &asked, &hold) == C3DE_OK);
+  const std::array<double, 4> bent{0.0, 0.0, 0.5, 0.5};
+  CHECK(f.table->pull(f.self, hold, up.data(), bent.data()) == C3DE_E_ARG);
+  CHECK_THAT(f.session.takeError(), Contains("unit length"));
+  const double half = 0.25;  // rad, of a turn by 0.5 about y
+  const std::array<double, 4> turn{0.0, std::sin(half), 0.0, std::cos(half)};
+  REQUIRE(f.table->pull(f.self, hold, up.data(), turn.data()) == C3DE_OK);
+  f.session.step();
+  CHECK(f.holdState(hold).torque_Nm[1] > 0.0);
+  CHECK(f.holdState(hold).mass_kg > 0.0);
+  const std::vector<Vec3> at = f.session.surfels(f.body, C3DE_SIM_FIELD_REFERENCE_POSITION);
+  for (int i = 0; i < 12000; ++i) f.session.step();
+  // What is held has turned about y by half a radian.
+  const std::vector<Vec3> now = f.session.surfels(f.body, C3DE_SIM_FIELD_POSITION);
+  double sine = 0.0, cosine = 0.0;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (norm(between(up, at[i])) > 0.01) continue;
+    const Vec3 from = between(up, at[i]), to = between(up, now[i]);
+    sine += from[2] * to[0] - from[0] * to[2];
+    cosine += from[0] * to[0] + from[2] * to[2];
+  }
+  INFO(std::atan2(sine, cosine) << " rad");
+  CHECK(std::abs(std::atan2(sine, cosine) - 2.0 * half) < 0.05);
 }
 
 TEST_CASE("probes come, are read where they are now, and go") {

@@ -48,7 +48,7 @@ Vec3 moved(const Vec3 &x) {
 TEST_CASE("a phyxel set of one's own answers masses, neighbours and the gradient of a motion") {
   SimulatorSession session(2);
   c3de_object *object = session.create(kPhyxelClass);
-  const auto *set = query<c3de_phyxel_set_v0>(object, C3DE_POINTBASED_PHYXEL_SET_ID);
+  const auto *set = query<c3de_phyxel_set_v1>(object, C3DE_POINTBASED_PHYXEL_SET_ID);
   CHECK(set->count(object) == 0);
   std::vector<Vec3> points = lattice();
   CHECK(set->read(object, C3DE_FIELD_POSITION, room(points)) == C3DE_E_STATE);
@@ -80,7 +80,7 @@ TEST_CASE("a phyxel set of one's own answers masses, neighbours and the gradient
 TEST_CASE("a phyxel set refuses what makes no cloud and keeps the one it has") {
   SimulatorSession session(1);
   c3de_object *object = session.create(kPhyxelClass);
-  const auto *set = query<c3de_phyxel_set_v0>(object, C3DE_POINTBASED_PHYXEL_SET_ID);
+  const auto *set = query<c3de_phyxel_set_v1>(object, C3DE_POINTBASED_PHYXEL_SET_ID);
   std::vector<Vec3> points = lattice();
   std::vector<double> volumes(points.size(), 1e-6);
   REQUIRE(set->assign(object, view(points), view(volumes), 1000.0, 26) == C3DE_OK);
@@ -102,13 +102,13 @@ TEST_CASE("a phyxel set refuses what makes no cloud and keeps the one it has") {
 TEST_CASE("a surfel set of one's own follows its phyxels, also after the caller has let go of them") {
   SimulatorSession session(1);
   c3de_object *phyxels = session.create(kPhyxelClass);
-  const auto *set = query<c3de_phyxel_set_v0>(phyxels, C3DE_POINTBASED_PHYXEL_SET_ID);
+  const auto *set = query<c3de_phyxel_set_v1>(phyxels, C3DE_POINTBASED_PHYXEL_SET_ID);
   const std::vector<Vec3> points = lattice();
   const std::vector<double> volumes(points.size(), 1e-6);
   REQUIRE(set->assign(phyxels, view(points), view(volumes), 1000.0, 26) == C3DE_OK);
 
   c3de_object *object = session.create(kSurfelClass);
-  const auto *surfels = query<c3de_surfel_set_v0>(object, C3DE_POINTBASED_SURFEL_SET_ID);
+  const auto *surfels = query<c3de_surfel_set_v1>(object, C3DE_POINTBASED_SURFEL_SET_ID);
   const std::vector<Vec3> surface{{0.0, 0.0, 0.03}, {0.015, 0.015, 0.035}}, normals{{0, 0, 1}, {0, 0, 1}};
   CHECK(surfels->assign(object, object, view(surface), view(normals)) == C3DE_E_ARG);  // not a phyxel set
   REQUIRE(surfels->assign(object, phyxels, view(surface), view(normals)) == C3DE_OK);
@@ -142,7 +142,7 @@ TEST_CASE("the phyxels of a simulator are read only, and stale when their body i
   REQUIRE(mesh);
   const c3de_handle body = session.addBody(*mesh, {}, {SimulatorSession::number("sampling.count", 200.0)});
   c3de_object *object = session.phyxelSet(body);
-  const auto *set = query<c3de_phyxel_set_v0>(object, C3DE_POINTBASED_PHYXEL_SET_ID);
+  const auto *set = query<c3de_phyxel_set_v1>(object, C3DE_POINTBASED_PHYXEL_SET_ID);
   std::vector<Vec3> points(static_cast<std::size_t>(set->count(object)));
   REQUIRE(points.size() > 150);
   CHECK(set->read(object, C3DE_FIELD_POSITION, room(points)) == C3DE_OK);

@@ -43,7 +43,7 @@ class ProbePlugin : public sdk::Panel {
       params_ = sdk::orThrow(params.declare("Probe", kParams, [this](const c3de_param_value &v) { scale_ = v.num; }));
     }
     if (host.service<c3de_panels_v1>()) sdk::orThrow(show(host, "org.example.probe.panel", "Probe"));
-    if (host.service<c3de_tools_v0>())
+    if (host.service<c3de_tools_v1>())
       sdk::orThrow(tool_.add(host, {.id = "org.example.probe.tool", .label = "Press", .hint = "Press something"}));
     if (sdk::Time time(host); time) frame_ = sdk::orThrow(time.addFrameCallback([this] { ++frames_; }));
   }

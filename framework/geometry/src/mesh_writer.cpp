@@ -109,21 +109,16 @@ std::string plyBytes(const TriangleMesh &mesh, const MeshWriteOptions &options) 
 
 std::span<const std::string_view> writableMeshExtensions() { return kWritable; }
 
-Expected<void> checkMeshWritable(const std::filesystem::path &path) {
-  const std::string extension = lowerExtension(path);
-  if (std::find(kWritable.begin(), kWritable.end(), extension) != kWritable.end()) return {};
-  return fail(ErrorCode::usage,
-              fmt::format("{}: surfaces with the extension {} cannot be written; accepted: {}", displayPath(path),
-                          extension.empty() ? "'' (none)" : quotedText(extension), fmt::join(kWritable, ", ")));
-}
-
 Expected<void> writeMesh(const std::filesystem::path &path, const TriangleMesh &mesh, const MeshWriteOptions &options) {
-  if (auto ok = checkMeshWritable(path); !ok) return ok;
+  const std::string extension = lowerExtension(path);
+  if (std::find(kWritable.begin(), kWritable.end(), extension) == kWritable.end())
+    return fail(ErrorCode::usage,
+                fmt::format("{}: surfaces with the extension {} cannot be written; accepted: {}", displayPath(path),
+                            extension.empty() ? "'' (none)" : quotedText(extension), fmt::join(kWritable, ", ")));
   if (mesh.triangles.empty())
     return fail(ErrorCode::state, displayPath(path) + ": not written: the surface has no triangles");
   if (auto ok = checkTriangles(path, mesh); !ok) return ok;
   if (auto ok = checkRows(path, mesh.vertices, options.arrays); !ok) return ok;
-  const std::string extension = lowerExtension(path);
   if (extension == ".vtp") return writeVtp(path, mesh, options.arrays, options.title);
   if (extension == ".ply") return writeWholeFile(path, plyBytes(mesh, options));
   if (extension == ".obj") return writeWholeFile(path, objText(mesh, options.title));

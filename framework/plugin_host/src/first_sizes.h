@@ -6,7 +6,7 @@
 
 #include <cstddef>
 
-#include "c3de/abi/draft/all.h"
+#include "c3de/abi/c3de.h"
 
 namespace c3de::plugin_host {
 
@@ -42,6 +42,7 @@ C3DE_FIRST_SIZE(c3de_force_field, 40);
 C3DE_FIRST_SIZE(c3de_error_place, 40);
 C3DE_FIRST_SIZE(c3de_simulation_watch, 40);
 C3DE_FIRST_SIZE(c3de_mesh_reader, 88);
+C3DE_FIRST_SIZE(c3de_mesh_writer, 72);
 C3DE_FIRST_SIZE(c3de_command, 80);
 
 #undef C3DE_FIRST_SIZE

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "c3de/abi/draft/simulation.h"
 #include "c3de/abi/log.h"
+#include "c3de/abi/simulation.h"
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/crash_journal.h"
 #include "c3de/core/log.h"

@@ -91,7 +91,7 @@ PluginContext &PluginContext::of(void *ctx) {
 
 void PluginContext::requireMainThread() const {
   if (std::this_thread::get_id() != host_.mainThread)
-    throw Refusal(C3DE_E_THREAD, "is for the main thread; post_to_main of draft/c3de.time/0 leads there");
+    throw Refusal(C3DE_E_THREAD, "is for the main thread; post_to_main of c3de.time/1 leads there");
 }
 
 c3de_str PluginContext::keptText(const std::string &text) {

@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 
-#include "c3de/abi/draft/all.h"
+#include "c3de/abi/c3de.h"
 #include "c3de/core/foreign_call.h"
 #include "host_state.h"
 
@@ -25,21 +25,21 @@ struct ServiceTables {
   c3de_log_v1 log;
   c3de_registry_v1 registry;
   c3de_mesh_v1 mesh;
-  c3de_scene_v0 scene;
-  c3de_render_v0 render;
-  c3de_collision_v0 collision;
+  c3de_scene_v1 scene;
+  c3de_render_v1 render;
+  c3de_collision_v1 collision;
   c3de_params_v1 params;
   c3de_panels_v1 panels;
-  c3de_tools_v0 tools;
+  c3de_tools_v1 tools;
   c3de_jobs_v1 jobs;
-  c3de_time_v0 time;
-  c3de_simulation_v0 simulation;
-  c3de_imaging_v0 imaging;
-  c3de_history_v0 history;
-  c3de_forces_v0 forces;
-  c3de_files_v0 files;
-  c3de_settings_v0 settings;
-  c3de_commands_v0 commands;
+  c3de_time_v1 time;
+  c3de_simulation_v1 simulation;
+  c3de_imaging_v1 imaging;
+  c3de_history_v1 history;
+  c3de_forces_v1 forces;
+  c3de_files_v1 files;
+  c3de_settings_v1 settings;
+  c3de_commands_v1 commands;
 };
 
 /// Functions that a plugin has posted to the main thread and that have not run yet. Shared with the queue, which may

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "c3de/abi/draft/iface/parameter_ids.h"
+#include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/scene/scene_file.h"
 #include "toml_document.h"
 

@@ -9,7 +9,7 @@ namespace c3de::scene {
 namespace {
 
 /// Of revision 1; later ones only grow.
-constexpr std::size_t kFirstSize = 8 + 31 * 8;
+constexpr std::size_t kFirstSize = 8 + 32 * 8;
 static_assert(sizeof(c3de_simulator_v1) >= kFirstSize);
 
 }  // namespace
@@ -22,16 +22,14 @@ Expected<const c3de_simulator_v1 *> simulatorTable(c3de_object *simulator) {
   if (table->size < kFirstSize)
     return fail(ErrorCode::plugin, fmt::format("the table of {} has {} bytes; needed: {}", C3DE_IFACE_SIMULATOR_ID,
                                                table->size, kFirstSize));
-  // These four are one thing.
+  // These three are one thing.
   const bool holds = table->hold != nullptr;
-  if ((table->pull != nullptr) != holds || (table->let_go != nullptr) != holds ||
-      (table->hold_force != nullptr) != holds)
-    return fail(ErrorCode::plugin,
-                fmt::format("of hold(), pull(), let_go() and hold_force() in the table of {} some are "
-                            "null; accepted: all or none",
-                            C3DE_IFACE_SIMULATOR_ID));
-  if (C3DE_HAS(c3de_simulator_v1, table, load_state) &&
-      (table->save_state == nullptr) != (table->load_state == nullptr))
+  if ((table->pull != nullptr) != holds || (table->hold_state != nullptr) != holds)
+    return fail(
+        ErrorCode::plugin,
+        fmt::format("of hold(), pull() and hold_state() in the table of {} some are null; accepted: all or none",
+                    C3DE_IFACE_SIMULATOR_ID));
+  if ((table->save_state == nullptr) != (table->load_state == nullptr))
     return fail(ErrorCode::plugin, fmt::format("of save_state() and load_state() in the table of {} one is null; "
                                                "accepted: both or none",
                                                C3DE_IFACE_SIMULATOR_ID));

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "c3de/abi/draft/iface/parameter_ids.h"
+#include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/session/simulator_access.h"
 
 namespace c3de::session {

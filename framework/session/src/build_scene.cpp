@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/build_scene.h"
 
-#include "c3de/abi/draft/imaging.h"
+#include "c3de/abi/imaging.h"
 #include "c3de/core/log.h"
 #include "c3de/imaging/statistics.h"
 #include "c3de/session/export_image.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "c3de/abi/draft/iface/parameter_ids.h"
+#include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/session/scene_to_abi.h"
 #include "c3de/session/simulator_access.h"
 

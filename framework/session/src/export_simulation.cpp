@@ -167,18 +167,20 @@ std::vector<fs::path> surfaceFiles(const fs::path &file, std::span<const std::st
   return out;
 }
 
-Expected<void> checkSurfaceExport(const fs::path &file, std::span<const std::string> bodies) {
-  if (auto ok = geometry::checkMeshWritable(file); !ok) return ok;
+Expected<void> checkSurfaceExport(const geometry::MeshFormats &formats, const fs::path &file,
+                                  std::span<const std::string> bodies) {
+  if (auto ok = formats.checkWritable(file); !ok) return ok;
   return checkOutputs(surfaceFiles(file, bodies), {});
 }
 
-void writeSurfaces(const fs::path &file, const std::vector<BodyState> &bodies, const SurfaceTold &told) {
+void writeSurfaces(const geometry::MeshFormats &formats, const fs::path &file, const std::vector<BodyState> &bodies,
+                   const SurfaceTold &told) {
   if (bodies.empty()) return told(file, fail(ErrorCode::state, utf8(file) + ": not written: there is no body"));
   std::vector<std::string> names;
   for (const BodyState &body : bodies) names.push_back(body.name);
   const std::vector<fs::path> files = surfaceFiles(file, names);
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    told(files[b], geometry::writeMesh(files[b], bodies[b].skin, {bodies[b].skinArrays, bodies[b].name}));
+    told(files[b], formats.write(files[b], bodies[b].skin, {bodies[b].skinArrays, bodies[b].name}));
 }
 
 }  // namespace c3de::session

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "c3de/abi/draft/iface/parameter_ids.h"
+#include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"

@@ -55,8 +55,7 @@ std::optional<std::string_view> takeText(std::string_view &bytes) {
 Expected<const c3de_simulator_v1 *> keepingTable(c3de_object *simulator, const SimulatorIdentity &identity) {
   const auto table = simulatorTable(simulator);
   if (!table) return table;
-  if (!C3DE_HAS(c3de_simulator_v1, *table, load_state) || (*table)->save_state == nullptr ||
-      (*table)->load_state == nullptr)
+  if ((*table)->save_state == nullptr || (*table)->load_state == nullptr)
     return fail(ErrorCode::plugin,
                 fmt::format("simulator {} of {} keeps no states in files", identity.classId, identity.plugin));
   return table;

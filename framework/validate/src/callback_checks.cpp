@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "c3de/abi/draft/tools.h"
+#include "c3de/abi/tools.h"
 #include "c3de/registry/text_panel.h"
 #include "check.h"
 #include "trial.h"
@@ -14,7 +14,7 @@
 namespace c3de::validate {
 namespace {
 
-constexpr int kEvents = 300;
+constexpr int kEvents = 300, kSurfaces = 30;
 
 Verdict ofEvents(const LoadedTrial &loaded, int events) {
   const Verdict said = loaded.complaints();
@@ -204,12 +204,48 @@ Verdict readers(const Trial &trial) {
              : pass(fmt::format("{} of {} files of rubbish refused", refused, kEvents * infos.size()));
 }
 
+Verdict writers(const Trial &trial) {
+  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  if (!loaded.refusal.empty()) return fail(loaded.refusal);
+  const auto infos = loaded.host->meshFormats.writers();
+  if (infos.empty()) return skip("it writes no files");
+  Random random(trial.seed);
+  std::error_code ignored;
+  std::filesystem::create_directories(trial.folder, ignored);
+  int written = 0, asked = 0;
+  std::string refusal;
+  for (const auto &info : infos)
+    for (int i = 0; i < kSurfaces; ++i) {
+      geometry::TriangleMesh mesh;
+      const std::size_t vertices = 3 + (i == 0 ? 0 : random.below(i == 1 ? 100'000 : 500));
+      // Also numbers that text has a hard time with.
+      const double size = std::array{1.0, 1e-9, 1e9, 1e300}[random.below(4)];
+      const auto number = [&] { return size * (static_cast<double>(random.below(2001)) / 1000.0 - 1.0); };
+      for (std::size_t v = 0; v < vertices; ++v) mesh.vertices.push_back({number(), -0.0, number()});
+      for (std::size_t t = 0; t < vertices; ++t)
+        mesh.triangles.push_back({static_cast<unsigned>(t), static_cast<unsigned>((t + 1) % vertices),
+                                  static_cast<unsigned>(random.below(vertices))});
+      const auto file = trial.folder / ("surface" + info.extensions.front());
+      const auto result = loaded.host->meshFormats.write(file, mesh, {{}, i % 2 == 0 ? "liver" : ""});
+      ++asked;
+      if (result) ++written;
+      if (result) continue;
+      refusal = result.error().message;
+      if (refusal.find('\n') != std::string::npos) return warn(info.id + " answers in several lines");
+    }
+  const Verdict said = loaded.complaints();
+  if (said.result == Result::fail) return said;
+  if (written == 0) return fail(fmt::format("not one of {} surfaces is written: {}", asked, refusal));
+  return pass(fmt::format("{} of {} surfaces written", written, asked));
+}
+
 constexpr std::array kChecks{
     Check{"parameters", "Declarations are sound; random and extreme values, and their undoing, are taken", &parameters},
     Check{"panels", "300 random clicks, numbers and texts in each panel", &panels},
     Check{"tools", "300 random events, changes and cancels of tools, and the end in the middle of one", &tools},
     Check{"commands", "Each command three times, with nothing open", &commands},
-    Check{"readers", "300 files of rubbish for each reader of meshes", &readers}};
+    Check{"readers", "300 files of rubbish for each reader of meshes", &readers},
+    Check{"writers", "30 surfaces for each writer of meshes, one of 100 000 triangles", &writers}};
 
 }  // namespace
 

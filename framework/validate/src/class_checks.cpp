@@ -9,7 +9,7 @@
 #include <functional>
 #include <thread>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/core/foreign_table.h"
 #include "c3de/scene/text_sink.h"
 #include "c3de/session/body_sources.h"
@@ -326,7 +326,7 @@ Verdict states(const Trial &trial) {
   for (const std::string &id : simulatorClasses(trial)) {
     const Simulated one(trial, id);
     if (!one.refusal.empty()) return fail(id + ": " + one.refusal);
-    if (!C3DE_HAS(c3de_simulator_v1, one.table, load_state) || one.table->save_state == nullptr) continue;
+    if (one.table->save_state == nullptr) continue;
     ++keeping;
     if (one.table->load_state == nullptr) return fail(id + " saves states, but does not load them");
     std::string state;

@@ -11,7 +11,7 @@ class MyPlugin {
  public:
   static constexpr sdk::PluginInfo info{
       .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "", .license = ""};
-  static constexpr std::array needs{sdk::required<c3de_forces_v0>()};
+  static constexpr std::array needs{sdk::required<c3de_forces_v1>()};
 
   explicit MyPlugin(sdk::Host host) : field_(sdk::orThrow(sdk::Forces(host).add("wind", blow))) {}
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "c3de/abi/draft/iface/parameter_ids.h"
+#include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/sdk/sdk.hpp"
 #include "c3de/sdk/simulator.hpp"
 #include "c3de/sdk/structs.hpp"

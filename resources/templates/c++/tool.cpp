@@ -11,11 +11,11 @@ class MyPlugin : public sdk::Tool {
  public:
   static constexpr sdk::PluginInfo info{
       .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "", .license = ""};
-  static constexpr std::array needs{sdk::required<c3de_log_v1>(), sdk::optional<c3de_tools_v0>()};
+  static constexpr std::array needs{sdk::required<c3de_log_v1>(), sdk::optional<c3de_tools_v1>()};
 
   explicit MyPlugin(sdk::Host host) : log_(host) {
     // Without a window there are no tools, and that is no error.
-    if (host.service<c3de_tools_v0>())
+    if (host.service<c3de_tools_v1>())
       sdk::orThrow(add(host, {.id = "org.example.my_plugin.tool",
                               .label = "My plugin",
                               .hint = "Click to see where you look",

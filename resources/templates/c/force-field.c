@@ -1,7 +1,7 @@
 /* My plugin: a wind along x on every body that is simulated. */
 #include <string.h>
 
-#include "c3de/abi/draft/forces.h"
+#include "c3de/abi/forces.h"
 #include "c3de/abi/entry.h"
 
 #define TEXT(literal) \
@@ -24,7 +24,7 @@ static c3de_status C3DE_CALL apply(void *self, const c3de_force_call *call) {
 
 static c3de_status C3DE_CALL create(const c3de_host *host, void **self) {
   const void *table = NULL;
-  const c3de_forces_v0 *forces;
+  const c3de_forces_v1 *forces;
   const c3de_force_field field = {sizeof field, 0, TEXT("wind"), NULL, apply};
   const c3de_handle everywhere = {0};
   c3de_handle handle;

@@ -75,15 +75,15 @@ static c3de_status register_everything(const c3de_host *host) {
   c3de_handle handle, node;
   SERVICE(c3de_log_v1, C3DE_LOG_ID, log);
   SERVICE(c3de_registry_v1, C3DE_REGISTRY_ID, registry);
-  SERVICE(c3de_scene_v0, C3DE_SCENE_ID, scene);
+  SERVICE(c3de_scene_v1, C3DE_SCENE_ID, scene);
   SERVICE(c3de_mesh_v1, C3DE_MESH_ID, mesh);
-  SERVICE(c3de_render_v0, C3DE_RENDER_ID, render);
-  SERVICE(c3de_collision_v0, C3DE_COLLISION_ID, collision);
+  SERVICE(c3de_render_v1, C3DE_RENDER_ID, render);
+  SERVICE(c3de_collision_v1, C3DE_COLLISION_ID, collision);
   SERVICE(c3de_params_v1, C3DE_PARAMS_ID, params);
   SERVICE(c3de_panels_v1, C3DE_PANELS_ID, panels);
-  SERVICE(c3de_tools_v0, C3DE_TOOLS_ID, tools);
+  SERVICE(c3de_tools_v1, C3DE_TOOLS_ID, tools);
   SERVICE(c3de_jobs_v1, C3DE_JOBS_ID, jobs);
-  SERVICE(c3de_time_v0, C3DE_TIME_ID, time);
+  SERVICE(c3de_time_v1, C3DE_TIME_ID, time);
   logger = log;
 
   DO(add_test_class(registry, "test.Late/0"));

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "c3de/abi/draft/all.h"
+#include "c3de/abi/c3de.h"
 
 #define TEXT(literal) \
   { literal, sizeof(literal) - 1 }

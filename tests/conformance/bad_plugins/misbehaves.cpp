@@ -49,7 +49,7 @@ c3de_status addPanel(OnUi f, std::uint32_t size = sizeof(c3de_panel)) {
   return panels->add(panels->ctx, &panel, &ignored);
 }
 c3de_status addTool(decltype(c3de_tool::activate) a, decltype(c3de_tool::cancel) c, decltype(c3de_tool::on_event) e) {
-  const auto *tools = service<c3de_tools_v0>(C3DE_TOOLS_ID);
+  const auto *tools = service<c3de_tools_v1>(C3DE_TOOLS_ID);
   const c3de_tool tool{
       sizeof(c3de_tool), 1, text("test.misbehaves.tool"), text("Bad tool"), text(""), 0, 0, nullptr, a, c, e};
   return tools->add(tools->ctx, &tool, &ignored);
@@ -60,12 +60,12 @@ c3de_status submit(decltype(c3de_job::run) run, decltype(c3de_job::done) end) {
   return jobs->submit(jobs->ctx, &job, &ignored);
 }
 c3de_status addEdit(decltype(c3de_edit::undo) undo, decltype(c3de_edit::redo) redo) {
-  const auto *history = service<c3de_history_v0>(C3DE_HISTORY_ID);
+  const auto *history = service<c3de_history_v1>(C3DE_HISTORY_ID);
   const c3de_edit edit{sizeof(c3de_edit), 1, text("bad step"), nullptr, undo, redo, nullptr};
   return history->add(history->ctx, &edit, &ignored);
 }
 c3de_status addField(decltype(c3de_force_field::apply) apply) {
-  const auto *forces = service<c3de_forces_v0>(C3DE_FORCES_ID);
+  const auto *forces = service<c3de_forces_v1>(C3DE_FORCES_ID);
   const c3de_force_field field{sizeof(c3de_force_field), 0, text("bad field"), nullptr, apply};
   return forces->add(forces->ctx, {0}, &field, &ignored);
 }
@@ -86,7 +86,7 @@ c3de_status declare(Changed changed, const char *title, c3de_handle *out) {
   return status;
 }
 c3de_status addFrame(void(C3DE_CALL *fn)(void *)) {
-  const auto *time = service<c3de_time_v0>(C3DE_TIME_ID);
+  const auto *time = service<c3de_time_v1>(C3DE_TIME_ID);
   return time->add_frame_callback(time->ctx, nullptr, fn, &ignored);
 }
 
@@ -163,7 +163,7 @@ c3de_handle itsTool;
 
 void C3DE_CALL takeUpAgain(void *) {
   // Each makes two more: without a limit of the depth the stack ends, without one of the lines the log does.
-  const auto *tools = service<c3de_tools_v0>(C3DE_TOOLS_ID);
+  const auto *tools = service<c3de_tools_v1>(C3DE_TOOLS_ID);
   for (int i = 0; i < 2; ++i) (void)tools->activate(tools->ctx, itsTool);
 }
 

@@ -26,13 +26,13 @@ const Table *service(const c3de_host *host, const char *id) {
 
 c3de_status C3DE_CALL create(const c3de_host *host, void **) {
   c3de_handle handle;
-  const auto *time = service<c3de_time_v0>(host, C3DE_TIME_ID);
+  const auto *time = service<c3de_time_v1>(host, C3DE_TIME_ID);
   (void)time->add_frame_callback(time->ctx, nullptr, &throwFromFrame, &handle);
   (void)time->post_to_main(time->ctx, nullptr, &throwFromPost);
   const auto *panels = service<c3de_panels_v1>(host, C3DE_PANELS_ID);
   const c3de_panel panel{sizeof(c3de_panel), 1, text("test.panel"), text("Test"), nullptr, &throwFromPanel};
   (void)panels->add(panels->ctx, &panel, &handle);
-  const auto *tools = service<c3de_tools_v0>(host, C3DE_TOOLS_ID);
+  const auto *tools = service<c3de_tools_v1>(host, C3DE_TOOLS_ID);
   const c3de_tool tool{sizeof(c3de_tool), 1,           text("test.tool"), text("Test"), text(""), 0, 0, nullptr,
                        &throwFromTool,    &cancelTool, &toolEvent};
   (void)tools->add(tools->ctx, &tool, &handle);

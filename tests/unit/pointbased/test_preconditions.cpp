@@ -148,8 +148,8 @@ TEST_CASE("A hand holds phyxels that there are") {
   grab.phyxels = {0, count - 1};
   grab.weights = {1.0};
   CHECK_THAT(brokenBy([&] { simulator.setGrab(id, grab); }), Contains("one weight per grabbed phyxel"));
-  CHECK_FALSE(simulator.body(id)->grab);
+  CHECK(simulator.body(id)->hands.empty());
   grab.weights = {0.5, 0.5};
   simulator.setGrab(id, grab);
-  CHECK(simulator.body(id)->grab);
+  CHECK(simulator.body(id)->hands.size() == 1);
 }

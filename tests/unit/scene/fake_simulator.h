@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 
 /// A simulator without physics: counts what is asked of it, for tests of who drives it. The counters may be read from
 /// any thread.

@@ -117,13 +117,14 @@ TEST_CASE("A skin that cannot be written is told and does not keep the others fr
     told.emplace_back(file.filename().string(), result.has_value());
     if (!result) errors.push_back(result.error());
   };
-  writeSurfaces(folder / "s.obj", {points, state("liver")}, tell);
+  const geometry::MeshFormats formats;
+  writeSurfaces(formats, folder / "s.obj", {points, state("liver")}, tell);
   CHECK(told == std::vector<std::pair<std::string, bool>>{{"s-points.obj", false}, {"s-liver.obj", true}});
   REQUIRE(errors.size() == 1);
   CHECK(errors[0].code == ErrorCode::state);
   CHECK(fs::exists(folder / "s-liver.obj"));
   CHECK_FALSE(fs::exists(folder / "s-points.obj"));
-  writeSurfaces(folder / "s.obj", {}, tell);
+  writeSurfaces(formats, folder / "s.obj", {}, tell);
   REQUIRE(errors.size() == 2);
   CHECK(errors[1].code == ErrorCode::state);
   CHECK_THAT(errors[1].message, Contains("s.obj: not written: there is no body"));
@@ -132,13 +133,13 @@ TEST_CASE("A skin that cannot be written is told and does not keep the others fr
 TEST_CASE("A surface is checked by its extension and the files of all bodies") {
   const fs::path folder = testOutputFolder();
   const std::vector<std::string> names{"liver", "spleen"};
-  CHECK(checkSurfaceExport(folder / "s.stl", names));
-  const auto kind = checkSurfaceExport(folder / "s.txt", names);
+  CHECK(checkSurfaceExport(geometry::MeshFormats(), folder / "s.stl", names));
+  const auto kind = checkSurfaceExport(geometry::MeshFormats(), folder / "s.txt", names);
   REQUIRE_FALSE(kind);
   CHECK(kind.error().code == ErrorCode::usage);
   CHECK_THAT(kind.error().message, Contains(".obj") && Contains(".vtp"));
   fs::create_directories(folder / "s-spleen.stl");
-  const auto taken = checkSurfaceExport(folder / "s.stl", names);
+  const auto taken = checkSurfaceExport(geometry::MeshFormats(), folder / "s.stl", names);
   REQUIRE_FALSE(taken);
   CHECK_THAT(taken.error().message, Contains("s-spleen.stl"));
   fs::remove(folder / "s-spleen.stl");

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/core/parameter.h"
 #include "c3de/core/vec.h"
 

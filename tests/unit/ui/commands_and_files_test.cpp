@@ -3,7 +3,7 @@
 #include <fstream>
 #include <set>
 
-#include "c3de/abi/draft/tools.h"
+#include "c3de/abi/tools.h"
 #include "c3de/ui/commands.h"
 #include "c3de/ui/file_browser.h"
 #include "support/catch.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <set>
 
-#include "c3de/abi/draft/tools.h"
+#include "c3de/abi/tools.h"
 #include "c3de/ui/commands.h"
 #include "support/catch.h"
 

@@ -2,7 +2,7 @@
 #include "c3de/ui/segmentation_panel.h"
 
 #include "../segmentation/workflow_fixture.h"
-#include "c3de/abi/draft/tools.h"
+#include "c3de/abi/tools.h"
 #include "c3de/imaging/masks.h"
 #include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/text_panel.h"

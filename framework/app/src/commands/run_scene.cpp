@@ -186,7 +186,7 @@ Expected<void> writeImageExports(const RunOptions &options, Session &session, co
 void writeSurfaceExport(const RunOptions &options, Session &session, c3de_object *simulator, WrittenOutputs &outputs) {
   const auto states = readBodyStates(simulator, BodyParts::skin, [&] { return session.plugins().takeError(); });
   if (!states) return outputs.addFailure(options.exportSurface, states.error());
-  writeSurfaces(options.exportSurface, *states,
+  writeSurfaces(session.meshFormats(), options.exportSurface, *states,
                 [&](const auto &file, const auto &result) { outputs.note(file, result); });
 }
 
@@ -236,9 +236,10 @@ Expected<void> drawPicture(Session &session, c3de_object *simulator, const scene
 }
 
 /// What can be refused before anything is built. Returns what the screenshot shows.
-Expected<PictureView> checkBeforeBuilding(const RunOptions &options, const scene::SceneFile &scene) {
+Expected<PictureView> checkBeforeBuilding(const RunOptions &options, const scene::SceneFile &scene,
+                                          const geometry::MeshFormats &formats) {
   if (!options.exportSurface.empty())
-    if (const auto writable = checkSurfaceExport(options.exportSurface, namesOf(scene)); !writable)
+    if (const auto writable = checkSurfaceExport(formats, options.exportSurface, namesOf(scene)); !writable)
       return tl::unexpected(writable.error());
   if (const auto good = checkFiles(options, &scene); !good) return tl::unexpected(good.error());
   if (const auto good = checkImageExport(options.exportImage, scene); !good) return tl::unexpected(good.error());
@@ -280,7 +281,7 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
                              std::chrono::steady_clock::time_point begin, WrittenOutputs &outputs) {
   auto scene = readScene(options, session.materials(), session.meshFormats());
   if (!scene) return tl::unexpected(scene.error());
-  const auto view = checkBeforeBuilding(options, *scene);
+  const auto view = checkBeforeBuilding(options, *scene, session.meshFormats());
   if (!view) return tl::unexpected(view.error());
   const auto chosen = session.chooseSimulator(scene->simulatorClass);
   if (!chosen) return failInScene(chosen.error(), *scene, scene->simulatorLine);
@@ -336,9 +337,6 @@ int runScene(const RunOptions &options) {
   watchForInterrupt();
   if (!options.exportList.empty())
     if (const auto writable = checkSimulationExport(options.exportList); !writable)
-      return reportError(writable.error());
-  if (!options.exportSurface.empty())
-    if (const auto writable = checkSurfaceExport(options.exportSurface, {}); !writable)
       return reportError(writable.error());
   if (const auto good = checkFiles(options, nullptr); !good) return reportError(good.error());
 

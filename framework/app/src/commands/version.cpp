@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "c3de/abi/draft/all.h"
+#include "c3de/abi/c3de.h"
 #include "commands/standard_output.h"
 
 namespace c3de::app {

@@ -242,6 +242,12 @@ ui::WindowActions Workstation::actions() {
     else
       onFailed("The export could not be written", written.error());
   };
+  actions.surfaceExtensions = [this] {
+    std::string all;
+    for (const std::string &extension : session_->meshFormats().writableExtensions())
+      all += (all.empty() ? "" : ";") + extension.substr(1);
+    return all;
+  };
   actions.exportSurface = [this, tell](const std::filesystem::path &file) {
     exportPresentSurface(*session_, file, tell);
   };

@@ -65,12 +65,13 @@ void goToStateOf(Session &session, const std::filesystem::path &file, ExportTold
 
 void exportPresentSurface(Session &session, const std::filesystem::path &file, ExportTold told) {
   plugin_host::PluginHost *host = &session.plugins();
-  const auto write = [host, file](scene::Simulation &simulation) -> Expected<std::string> {
+  const auto write = [host, file,
+                      formats = &session.meshFormats()](scene::Simulation &simulation) -> Expected<std::string> {
     const auto states = readBodyStates(simulation.object(), BodyParts::skin, [host] { return host->takeError(); });
     if (!states) return tl::unexpected(states.error());
     std::string written, failed;
     ErrorCode code = ErrorCode::output;
-    writeSurfaces(file, *states, [&](const std::filesystem::path &one, const Expected<void> &result) {
+    writeSurfaces(*formats, file, *states, [&](const std::filesystem::path &one, const Expected<void> &result) {
       std::string &text = result ? written : failed;
       text += (text.empty() ? "" : "\n") + (result ? pathText(one) : result.error().message);
       if (!result) code = result.error().code;

@@ -34,34 +34,31 @@ constexpr std::array kCatalogue{
     ServiceEntry{C3DE_MESH_ID, &has<&Services::meshes>, "meshes", &member<&ServiceTables::mesh>},
     ServiceEntry{C3DE_SCENE_ID, &has<&Services::sceneGraph>, "a scene", &member<&ServiceTables::scene>},
     ServiceEntry{C3DE_RENDER_ID, &hasRender, "a window", &member<&ServiceTables::render>, kRenderRevision},
-    ServiceEntry{C3DE_COLLISION_ID, &always, "", &member<&ServiceTables::collision>},
+    ServiceEntry{C3DE_COLLISION_ID, &always, "", &member<&ServiceTables::collision>, kCollisionRevision},
     ServiceEntry{C3DE_PARAMS_ID, &has<&Services::parameters>, "a window", &member<&ServiceTables::params>},
     ServiceEntry{C3DE_PANELS_ID, &has<&Services::panels>, "a window", &member<&ServiceTables::panels>},
     ServiceEntry{C3DE_TOOLS_ID, &has<&Services::tools>, "a window", &member<&ServiceTables::tools>},
     ServiceEntry{C3DE_JOBS_ID, &has<&Services::jobs>, "background jobs", &member<&ServiceTables::jobs>},
     ServiceEntry{C3DE_TIME_ID, &has<&Services::mainQueue>, "a main loop", &member<&ServiceTables::time>},
-    ServiceEntry{C3DE_SIMULATION_ID, &has<&Services::simulations>, "simulations", &member<&ServiceTables::simulation>},
+    ServiceEntry{C3DE_SIMULATION_ID, &has<&Services::simulations>, "simulations", &member<&ServiceTables::simulation>,
+                 kSimulationRevision},
     ServiceEntry{C3DE_FORCES_ID, &has<&Services::forces>, "simulations", &member<&ServiceTables::forces>},
     ServiceEntry{C3DE_IMAGING_ID, &has<&Services::images>, "images", &member<&ServiceTables::imaging>},
-    ServiceEntry{C3DE_FILES_ID, &has<&Services::meshFormats>, "meshes", &member<&ServiceTables::files>},
+    ServiceEntry{C3DE_FILES_ID, &has<&Services::meshFormats>, "meshes", &member<&ServiceTables::files>, kFilesRevision},
     ServiceEntry{C3DE_SETTINGS_ID, &has<&Services::settings>, "settings", &member<&ServiceTables::settings>},
     ServiceEntry{C3DE_COMMANDS_ID, &has<&Services::commands>, "a window", &member<&ServiceTables::commands>},
     ServiceEntry{C3DE_HISTORY_ID, &has<&Services::edits>, "a window", &member<&ServiceTables::history>},
 };
 
-/// Ids under which frozen services were drafts. Their tables have only grown since, so whoever asks for the draft gets the
-/// frozen one.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kFormerIds{
-    {{"draft/c3de.log/0", C3DE_LOG_ID},
-     {"draft/c3de.registry/0", C3DE_REGISTRY_ID},
-     {"draft/c3de.mesh/0", C3DE_MESH_ID},
-     {"draft/c3de.jobs/0", C3DE_JOBS_ID},
-     {"draft/c3de.params/0", C3DE_PARAMS_ID},
-     {"draft/c3de.panels/0", C3DE_PANELS_ID}}};
+/// Services that were published as "draft/c3de.NAME/0" before they were frozen as "c3de.NAME/1", with the same layout:
+/// whoever asks for the draft gets the frozen one.
+constexpr std::array<std::string_view, 18> kFormerDrafts{
+    "log",   "registry", "mesh",    "jobs",       "params", "panels",  "scene", "render",   "collision",
+    "tools", "time",     "history", "simulation", "forces", "imaging", "files", "settings", "commands"};
 
-std::string_view presentId(std::string_view id) {
-  for (const auto &[former, present] : kFormerIds)
-    if (id == former) return present;
+std::string presentId(const std::string &id) {
+  for (const std::string_view name : kFormerDrafts)
+    if (id == fmt::format("draft/c3de.{}/0", name)) return fmt::format("c3de.{}/1", name);
   return id;
 }
 
@@ -70,7 +67,7 @@ std::string_view presentId(std::string_view id) {
 std::span<const ServiceEntry> serviceCatalogue() { return kCatalogue; }
 
 const ServiceEntry &findService(const std::string &id, std::uint32_t minRev, const Services &services) {
-  const std::string_view present = presentId(id);
+  const std::string present = presentId(id);
   for (const ServiceEntry &entry : kCatalogue) {
     if (present != entry.id) continue;
     if (minRev > entry.revision)

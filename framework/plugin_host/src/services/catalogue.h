@@ -11,8 +11,8 @@ namespace c3de::plugin_host {
 
 /// Revision of the services of this host that have not grown.
 inline constexpr std::uint32_t kServiceRevision = 1;
-/// 2: legends.
-inline constexpr std::uint32_t kRenderRevision = 2;
+/// Those that have: legends; pairs of triangles; watching simulations; writers.
+inline constexpr std::uint32_t kRenderRevision = 2, kCollisionRevision = 2, kSimulationRevision = 2, kFilesRevision = 2;
 
 struct ServiceTables;
 

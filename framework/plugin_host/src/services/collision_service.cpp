@@ -164,8 +164,8 @@ c3de_status C3DE_CALL pairs(void *ctx, c3de_handle first, c3de_handle second, do
 
 }  // namespace
 
-c3de_collision_v0 makeCollisionTable(PluginContext *plugin) {
-  return {sizeof(c3de_collision_v0),
+c3de_collision_v1 makeCollisionTable(PluginContext *plugin) {
+  return {sizeof(c3de_collision_v1),
           2,
           plugin,
           &create,

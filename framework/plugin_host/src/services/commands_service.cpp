@@ -101,8 +101,8 @@ c3de_status C3DE_CALL run(void *ctx, c3de_str id) noexcept {
 
 }  // namespace
 
-c3de_commands_v0 makeCommandsTable(PluginContext *plugin) {
-  return {sizeof(c3de_commands_v0), kServiceRevision, plugin, &add, &removeCommand, &setEnabled, &run};
+c3de_commands_v1 makeCommandsTable(PluginContext *plugin) {
+  return {sizeof(c3de_commands_v1), kServiceRevision, plugin, &add, &removeCommand, &setEnabled, &run};
 }
 
 }  // namespace c3de::plugin_host

@@ -18,6 +18,7 @@ namespace c3de::plugin_host {
 namespace {
 
 constexpr std::uint64_t kMostExtensions = 64, kLongestMagic = 4096;
+constexpr std::uint64_t kLargestFile = std::uint64_t{1} << 32;
 
 /// What a reader puts, checked as it comes. Nothing may be thrown through the boundary.
 class MeshCollector {
@@ -77,11 +78,11 @@ class MeshCollector {
   c3de_status status_ = C3DE_OK;
 };
 
-/// Progress of the host for a reader; remembers that it said stop.
-struct ReadProgress {
-  explicit ReadProgress(const ProgressFn &fn) : progress(fn), abi{sizeof(c3de_progress), 0, this, &update} {}
+/// Progress of the host for a reader or writer; remembers that it said stop.
+struct FormatProgress {
+  explicit FormatProgress(const ProgressFn &fn) : progress(fn), abi{sizeof(c3de_progress), 0, this, &update} {}
   static c3de_status C3DE_CALL update(void *self, double fraction, c3de_str what) noexcept {
-    auto &own = *static_cast<ReadProgress *>(self);
+    auto &own = *static_cast<FormatProgress *>(self);
     try {
       own.call->noteProgress();
       if (own.progress && !own.progress(fraction, std::string(fromAbi(what)))) own.isCancelled = true;
@@ -101,7 +102,7 @@ Expected<geometry::ReadMesh> readWith(PluginContext &plugin, const c3de_mesh_rea
                                       const ProgressFn &progress) {
   geometry::ReadMesh mesh;
   MeshCollector collector(mesh);
-  ReadProgress reading(progress);
+  FormatProgress reading(progress);
   const std::string name = pathText(path);
   const c3de_mesh_source source{sizeof(c3de_mesh_source), 0, toAbi(name), bytes.data(), bytes.size()};
   setLastError(std::string_view());
@@ -122,6 +123,52 @@ Expected<geometry::ReadMesh> readWith(PluginContext &plugin, const c3de_mesh_rea
   return mesh;
 }
 
+/// The pieces that a writer puts.
+struct ByteCollector {
+  static c3de_status C3DE_CALL put(void *self, const void *bytes, std::uint64_t n) noexcept {
+    auto &own = *static_cast<ByteCollector *>(self);
+    try {
+      if (n > 0) requireNonNull(bytes, "bytes");
+      if (n > kLargestFile - own.bytes.size())
+        throw Refusal(C3DE_E_ARG, fmt::format("a file of more than {} bytes", kLargestFile));
+      own.bytes.append(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
+      return C3DE_OK;
+    } catch (...) {
+      const c3de_status status = refuse("put");
+      own.refusal = takeLastError();
+      setLastError(own.refusal);
+      return status;
+    }
+  }
+  std::string bytes;
+  std::string refusal;  // whatever the writer made of it
+};
+
+Expected<std::string> writeWith(PluginContext &plugin, const c3de_mesh_writer &writer,
+                                const geometry::TriangleMesh &mesh, const std::string &name,
+                                const ProgressFn &progress) {
+  ByteCollector collector;
+  FormatProgress writing(progress);
+  c3de_mesh_contents contents{sizeof(c3de_mesh_contents), 0, toAbi(name), {}, {}};
+  contents.positions_mm = {mesh.vertices.data(), mesh.vertices.size(), 3, C3DE_F64, sizeof(Vec3)};
+  contents.triangles = {mesh.triangles.data(), mesh.triangles.size(), 3, C3DE_U32, sizeof(Triangle)};
+  setLastError(std::string_view());
+  c3de_status status = C3DE_E_EXCEPTION;
+  const auto write = [&](const ForeignCall &recorded) {
+    writing.call = &recorded;
+    status = writer.write(writer.self, &contents, &writing.abi, {&collector, &ByteCollector::put});
+  };
+  const bool returned = callPlugin(plugin, "write of a mesh writer", write, CallKind::job);
+  const std::string text = takeLastError();
+  if (writing.isCancelled) return fail(ErrorCode::cancelled, "cancelled");
+  if (!returned) return fail(ErrorCode::plugin, "an exception left it; the log says which");
+  if (!collector.refusal.empty()) return fail(ErrorCode::plugin, collector.refusal);
+  if (status == C3DE_E_CANCELLED)
+    return fail(ErrorCode::plugin, "it says that it was cancelled, which nobody asked for");
+  if (status < 0) return fail(ErrorCode::plugin, text.empty() ? "it fails with " + statusName(status) : text);
+  return std::move(collector.bytes);
+}
+
 /// "TRI" or "tri" as ".tri".
 std::string extensionOf(c3de_str text) {
   std::string extension = textOf(text, "extension");
@@ -134,52 +181,78 @@ std::string extensionOf(c3de_str text) {
   return "." + extension;
 }
 
+/// What a reader and a writer say alike.
+template <class Format, class In>
+Format formatOf(const PluginContext &plugin, const In &in, const std::string &what) {
+  Format made;
+  made.owner = plugin.id();
+  made.id = idOf(in.id, (what + " id").c_str());
+  made.label = textOf(in.label, (what + " label").c_str());
+  if (made.label.empty()) throw Refusal(C3DE_E_ARG, what + " label is empty");
+  if (in.extensions_n == 0 || in.extensions_n > kMostExtensions)
+    throw Refusal(C3DE_E_ARG, fmt::format("extensions_n is {}, accepted: 1 to {}", in.extensions_n, kMostExtensions));
+  requireNonNull(in.extensions, "extensions");
+  for (std::uint64_t i = 0; i < in.extensions_n; ++i) made.extensions.push_back(extensionOf(in.extensions[i]));
+  return made;
+}
+
+template <class Format>
+void addFormat(PluginContext &plugin, Format made, c3de_handle *out) {
+  const auto added = plugin.services().meshFormats->add(std::move(made));
+  if (!added) throw Refusal(C3DE_E_EXISTS, added.error().message);
+  for (const std::string &conflict : added->conflicts) log(LogLevel::warn, "[" + plugin.id() + "] " + conflict);
+  writeHandle(out, added->handle);
+}
+
 c3de_status C3DE_CALL addMeshReader(void *ctx, const c3de_mesh_reader *reader, c3de_handle *out) noexcept {
   return serve(ctx, "files.add_mesh_reader", [&](PluginContext &plugin) {
     requireNonNull(out, "out")->v = 0;
     const c3de_mesh_reader in = structOf(reader, "reader");
-    geometry::MeshReader made;
-    made.owner = plugin.id();
-    made.id = idOf(in.id, "reader id");
-    made.label = textOf(in.label, "reader label");
+    auto made = formatOf<geometry::MeshReader>(plugin, in, "reader");
     made.magic = textOf(in.magic, "magic");
-    if (made.label.empty()) throw Refusal(C3DE_E_ARG, "reader label is empty");
     if (made.magic.size() > kLongestMagic)
       throw Refusal(C3DE_E_ARG,
                     fmt::format("magic has {} bytes, accepted are at most {}", made.magic.size(), kLongestMagic));
     requireNonNull(in.read, "reader read");
-    if (in.extensions_n == 0 || in.extensions_n > kMostExtensions)
-      throw Refusal(C3DE_E_ARG, fmt::format("extensions_n is {}, accepted: 1 to {}", in.extensions_n, kMostExtensions));
-    requireNonNull(in.extensions, "extensions");
-    for (std::uint64_t i = 0; i < in.extensions_n; ++i) made.extensions.push_back(extensionOf(in.extensions[i]));
     made.read = [owner = &plugin, in](const std::filesystem::path &path, std::string_view bytes,
                                       const ProgressFn &progress) {
       return readWith(*owner, in, path, bytes, progress);
     };
-    const auto added = plugin.services().meshFormats->add(std::move(made));
-    if (!added) throw Refusal(C3DE_E_EXISTS, added.error().message);
-    for (const std::string &conflict : added->conflicts) log(LogLevel::warn, "[" + plugin.id() + "] " + conflict);
-    writeHandle(out, added->handle);
+    addFormat(plugin, std::move(made), out);
   });
 }
 
-c3de_status C3DE_CALL removeReader(void *ctx, c3de_handle reader) noexcept {
+c3de_status C3DE_CALL addMeshWriter(void *ctx, const c3de_mesh_writer *writer, c3de_handle *out) noexcept {
+  return serve(ctx, "files.add_mesh_writer", [&](PluginContext &plugin) {
+    requireNonNull(out, "out")->v = 0;
+    const c3de_mesh_writer in = structOf(writer, "writer");
+    auto made = formatOf<geometry::MeshWriter>(plugin, in, "writer");
+    requireNonNull(in.write, "writer write");
+    made.write = [owner = &plugin, in](const geometry::TriangleMesh &mesh, const std::string &name,
+                                       const ProgressFn &progress) {
+      return writeWith(*owner, in, mesh, name, progress);
+    };
+    addFormat(plugin, std::move(made), out);
+  });
+}
+
+c3de_status C3DE_CALL removeFormat(void *ctx, c3de_handle format) noexcept {
   return serve(ctx, "files.remove", [&](PluginContext &plugin) {
-    switch (plugin.services().meshFormats->remove(handleOf(reader), plugin.id())) {
+    switch (plugin.services().meshFormats->remove(handleOf(format), plugin.id())) {
       case geometry::MeshFormats::Removal::done: return;
-      case geometry::MeshFormats::Removal::fromRead:
-        throw Refusal(C3DE_E_STATE, "a reader cannot be removed while it reads on this thread");
+      case geometry::MeshFormats::Removal::fromWithin:
+        throw Refusal(C3DE_E_STATE, "a reader or writer cannot be removed while it works on this thread");
       case geometry::MeshFormats::Removal::stale:
         throw Refusal(C3DE_E_STALE,
-                      fmt::format("plugin {} has no mesh reader of handle {}", plugin.id(), textOf(reader)));
+                      fmt::format("plugin {} has no mesh reader or writer of handle {}", plugin.id(), textOf(format)));
     }
   });
 }
 
 }  // namespace
 
-c3de_files_v0 makeFilesTable(PluginContext *plugin) {
-  return {sizeof(c3de_files_v0), kServiceRevision, plugin, &addMeshReader, &removeReader};
+c3de_files_v1 makeFilesTable(PluginContext *plugin) {
+  return {sizeof(c3de_files_v1), kFilesRevision, plugin, &addMeshReader, &removeFormat, &addMeshWriter};
 }
 
 }  // namespace c3de::plugin_host

@@ -53,8 +53,8 @@ c3de_status C3DE_CALL remove(void *ctx, c3de_handle field) noexcept {
 
 }  // namespace
 
-c3de_forces_v0 makeForcesTable(PluginContext *plugin) {
-  return {sizeof(c3de_forces_v0), kServiceRevision, plugin, &add, &remove};
+c3de_forces_v1 makeForcesTable(PluginContext *plugin) {
+  return {sizeof(c3de_forces_v1), kServiceRevision, plugin, &add, &remove};
 }
 
 }  // namespace c3de::plugin_host

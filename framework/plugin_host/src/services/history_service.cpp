@@ -41,8 +41,8 @@ c3de_status C3DE_CALL removeEdit(void *ctx, c3de_handle edit) noexcept {
 
 }  // namespace
 
-c3de_history_v0 makeHistoryTable(PluginContext *plugin) {
-  return {sizeof(c3de_history_v0), kServiceRevision, plugin, &add, &removeEdit};
+c3de_history_v1 makeHistoryTable(PluginContext *plugin) {
+  return {sizeof(c3de_history_v1), kServiceRevision, plugin, &add, &removeEdit};
 }
 
 }  // namespace c3de::plugin_host

@@ -124,8 +124,8 @@ c3de_status C3DE_CALL enumLabels(void *ctx, c3de_handle map, void *self,
 
 }  // namespace
 
-c3de_imaging_v0 makeImagingTable(PluginContext *plugin) {
-  return {sizeof(c3de_imaging_v0), kServiceRevision, plugin,     &images, &imageInfo, &sample, &labelMaps,
+c3de_imaging_v1 makeImagingTable(PluginContext *plugin) {
+  return {sizeof(c3de_imaging_v1), kServiceRevision, plugin,     &images, &imageInfo, &sample, &labelMaps,
           &labelMapInfo,           &labelsAt,        &enumLabels};
 }
 

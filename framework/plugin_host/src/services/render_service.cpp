@@ -260,8 +260,8 @@ c3de_status C3DE_CALL destroy(void *ctx, c3de_handle proxy) noexcept {
 
 }  // namespace
 
-c3de_render_v0 makeRenderTable(PluginContext *plugin) {
-  return {sizeof(c3de_render_v0), kRenderRevision, plugin,    &createMesh,  &createSpheres, &createLines,
+c3de_render_v1 makeRenderTable(PluginContext *plugin) {
+  return {sizeof(c3de_render_v1), kRenderRevision, plugin,    &createMesh,  &createSpheres, &createLines,
           &createLabel,           &update,         &setLabel, &setMaterial, &setVisible,    &destroy,
           &createLegend,          &setLegend};
 }

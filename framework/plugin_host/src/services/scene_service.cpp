@@ -81,8 +81,8 @@ c3de_status C3DE_CALL setBounds(void *ctx, c3de_handle node, const double *min3,
 
 }  // namespace
 
-c3de_scene_v0 makeSceneTable(PluginContext *plugin) {
-  return {sizeof(c3de_scene_v0), kServiceRevision, plugin,     &addNode,  &removeNode,
+c3de_scene_v1 makeSceneTable(PluginContext *plugin) {
+  return {sizeof(c3de_scene_v1), kServiceRevision, plugin,     &addNode,  &removeNode,
           &worldFromNode,        &setVisible,      &isVisible, &setBounds};
 }
 

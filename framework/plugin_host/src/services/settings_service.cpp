@@ -45,8 +45,8 @@ c3de_status C3DE_CALL keys(void *ctx, void *self, c3de_status(C3DE_CALL *each)(v
 
 }  // namespace
 
-c3de_settings_v0 makeSettingsTable(PluginContext *plugin) {
-  return {sizeof(c3de_settings_v0), kServiceRevision, plugin, &get, &set, &removeKey, &keys};
+c3de_settings_v1 makeSettingsTable(PluginContext *plugin) {
+  return {sizeof(c3de_settings_v1), kServiceRevision, plugin, &get, &set, &removeKey, &keys};
 }
 
 }  // namespace c3de::plugin_host

@@ -116,9 +116,17 @@ c3de_status C3DE_CALL unwatch(void *ctx, c3de_handle watch) noexcept {
 
 }  // namespace
 
-c3de_simulation_v0 makeSimulationTable(PluginContext *plugin) {
-  return {sizeof(c3de_simulation_v0), 2,      plugin,  &transport, &setTargetRate, &state, &post,
-          &enumSimulations,           &watch, &unwatch};
+c3de_simulation_v1 makeSimulationTable(PluginContext *plugin) {
+  return {sizeof(c3de_simulation_v1),
+          kSimulationRevision,
+          plugin,
+          &transport,
+          &setTargetRate,
+          &state,
+          &post,
+          &enumSimulations,
+          &watch,
+          &unwatch};
 }
 
 }  // namespace c3de::plugin_host

@@ -73,8 +73,8 @@ c3de_status C3DE_CALL removeFrameCallback(void *ctx, c3de_handle callback) noexc
 
 }  // namespace
 
-c3de_time_v0 makeTimeTable(PluginContext *plugin) {
-  return {sizeof(c3de_time_v0), kServiceRevision,    plugin, &nowNs, &frameIndex, &requestRedraw, &postToMain,
+c3de_time_v1 makeTimeTable(PluginContext *plugin) {
+  return {sizeof(c3de_time_v1), kServiceRevision,    plugin, &nowNs, &frameIndex, &requestRedraw, &postToMain,
           &addFrameCallback,    &removeFrameCallback};
 }
 

@@ -79,8 +79,8 @@ c3de_status C3DE_CALL isActive(void *ctx, c3de_handle tool, std::uint32_t *activ
 
 }  // namespace
 
-c3de_tools_v0 makeToolsTable(PluginContext *plugin) {
-  return {sizeof(c3de_tools_v0), kServiceRevision, plugin, &add, &removeTool, &activate, &isActive};
+c3de_tools_v1 makeToolsTable(PluginContext *plugin) {
+  return {sizeof(c3de_tools_v1), kServiceRevision, plugin, &add, &removeTool, &activate, &isActive};
 }
 
 }  // namespace c3de::plugin_host

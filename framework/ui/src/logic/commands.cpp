@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "c3de/abi/draft/tools.h"
+#include "c3de/abi/tools.h"
 
 namespace c3de::ui {
 namespace {

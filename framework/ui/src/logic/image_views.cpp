@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "c3de/abi/draft/tools.h"
+#include "c3de/abi/tools.h"
 #include "c3de/ui/commands.h"
 
 namespace c3de::ui {

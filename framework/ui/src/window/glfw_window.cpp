@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "c3de/abi/draft/tools.h"
+#include "c3de/abi/tools.h"
 #include "c3de/ui/commands.h"
 #include "c3de/ui/file_browser.h"
 #include "logic/window_size.h"

@@ -9,7 +9,7 @@
 #include <backends/imgui_impl_opengl3.h>
 #endif
 
-#include "c3de/abi/draft/tools.h"
+#include "c3de/abi/tools.h"
 
 namespace c3de::ui {
 

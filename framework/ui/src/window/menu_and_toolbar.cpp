@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "c3de/abi/draft/tools.h"
 #include "c3de/abi/log.h"
+#include "c3de/abi/tools.h"
 #include "c3de/core/text.h"
 #include "c3de/registry/command_registry.h"
 #include "c3de/registry/parameter_registry.h"

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <optional>
 
-#include "c3de/abi/draft/tools.h"
+#include "c3de/abi/tools.h"
 #include "c3de/core/background_jobs.h"
 #include "c3de/core/log.h"
 #include "c3de/registry/panel_registry.h"
@@ -36,7 +36,7 @@ constexpr double kFrameTime_s = 1.0 / 60.0;
 constexpr double kIdleWait_s = 1.0, kCursorBlink_s = 0.25;
 /// Frames after an event until everything that follows from it stands: popups and layout take one more frame each.
 constexpr int kFramesToSettle = 3;
-constexpr const char *kSurfaceExtensions = "obj;stl;ply;vtp", *kFrameExtensions = "pvd", *kStateExtensions = "c3dstate";
+constexpr const char *kFrameExtensions = "pvd", *kStateExtensions = "c3dstate";
 constexpr const char *kImageExtensions = "nrrd;nii;gz;mha";
 
 }  // namespace
@@ -313,12 +313,11 @@ void WorkstationWindow::Impl::openExportDialog(Command command) {
   FileDialog::Request request;
   request.isSaving = true;
   std::function<void(const std::filesystem::path &)> action;
-  const auto set = [&](const char *title, const char *extensions, const auto &wanted) {
+  const auto set = [&](const char *title, const std::string &extensions, const auto &wanted) {
     request.title = title;
     request.extensions = extensions;
     const std::string name = actions.proposeName ? actions.proposeName(command) : std::string();
-    const std::string endings = extensions;
-    if (!name.empty()) request.proposed = name + "." + endings.substr(0, endings.find(';'));
+    if (!name.empty()) request.proposed = name + "." + extensions.substr(0, extensions.find(';'));
     action = wanted;
   };
   switch (command) {
@@ -326,7 +325,9 @@ void WorkstationWindow::Impl::openExportDialog(Command command) {
     case Command::exportImage: set("Export deformed image", kImageExtensions, actions.exportImage); break;
     case Command::exportDisplacement: set("Export displacement", kImageExtensions, actions.exportDisplacement); break;
     case Command::saveState: set("Save state", kStateExtensions, actions.saveState); break;
-    default: set("Export surface", kSurfaceExtensions, actions.exportSurface); break;
+    default:
+      set("Export surface", actions.surfaceExtensions ? actions.surfaceExtensions() : "obj", actions.exportSurface);
+      break;
   }
   request.chosen = [action](const std::filesystem::path &file, const std::string &) {
     if (action) action(file);

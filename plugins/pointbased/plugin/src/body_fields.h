@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "pointbased/body.h"
 
 namespace pointbased {

@@ -44,12 +44,15 @@ Region readRegion(const c3de_sim_region *given, const sdk::ErrorPlace &where) {
   return region;
 }
 
+Eigen::Quaterniond readQuaternion(const double *xyzw, const sdk::ErrorPlace &where) {
+  const Eigen::Quaterniond q(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+  if (!q.coeffs().allFinite() || std::abs(q.norm() - 1.0) > 1e-6) refuse(where, "quaternion is not of unit length");
+  return q.normalized();
+}
+
 /// rad, the shorter way.
 Vec3 rotationVectorOf(const double *xyzw, const sdk::ErrorPlace &where) {
-  Eigen::Quaterniond q(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
-  if (!q.coeffs().allFinite() || std::abs(q.norm() - 1.0) > 1e-6) refuse(where, "quaternion is not of unit length");
-  q.normalize();
-  const Eigen::AngleAxisd turn(q);
+  const Eigen::AngleAxisd turn(readQuaternion(xyzw, where));
   return turn.angle() * turn.axis();
 }
 
@@ -158,6 +161,10 @@ Load readLoad(const c3de_sim_load *load) {
   if (load == nullptr) throw Error(C3DE_E_ARG, "load is null");
   const c3de_sim_load in = element(load, 0, 0);
   return readLoad(in, {"load", in.index, {}});
+}
+
+Mat3 readRotation(const double *xyzw, const char *what) {
+  return readQuaternion(xyzw, member(what)).toRotationMatrix();
 }
 
 FieldGrid readGrid(const c3de_sim_grid &grid, const char *what) {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "parameters.h"
 #include "placed_mesh.h"
 #include "pointbased/displacement_field.h"
@@ -53,6 +53,9 @@ struct BodySource {
 
 /// A load of add_load. Errors as sdk::Error.
 [[nodiscard]] Load readLoad(const c3de_sim_load *load);
+
+/// A rotation by a quaternion x, y, z, w of unit length to 1e-6. Errors as sdk::Error, `what` in front.
+[[nodiscard]] Mat3 readRotation(const double *xyzw, const char *what);
 
 /// A grid of the host. Errors as sdk::Error, `what` in front.
 [[nodiscard]] FieldGrid readGrid(const c3de_sim_grid &grid, const char *what);

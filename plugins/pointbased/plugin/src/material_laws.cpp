@@ -126,8 +126,8 @@ void MaterialLaws::refresh() {
 
 void MaterialLaws::take(std::shared_ptr<Offer> offer, Generation &next) const {
   offer->object = sdk::orThrow(services_.registry.create(offer->id));
-  offer->table = offer->object.query<c3de_material_law_v0>();
-  if (!offer->table || offer->table->size < sizeof(c3de_material_law_v0))
+  offer->table = offer->object.query<c3de_material_law_v1>();
+  if (!offer->table || offer->table->size < sizeof(c3de_material_law_v1))
     throw Error(C3DE_E_VERSION, std::string("its objects do not answer ") + C3DE_POINTBASED_MATERIAL_LAW_ID);
   const c3de_param_decl *decls = nullptr;
   std::uint64_t n = 0, stride = 0;

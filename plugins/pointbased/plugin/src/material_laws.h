@@ -37,7 +37,7 @@ class MaterialLaws {
   struct Offer {
     std::string id, plugin;
     sdk::Ref<> object;
-    const c3de_material_law_v0 *table = nullptr;
+    const c3de_material_law_v1 *table = nullptr;
     std::deque<Parameter> parameters;
     [[nodiscard]] bool has(std::string_view parameter) const;
   };

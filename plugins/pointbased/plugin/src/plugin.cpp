@@ -21,9 +21,9 @@ class PointBasedPlugin : public SimulatorListener {
                                         .license = "Apache-2.0"};
   static constexpr std::array needs{
       sdk::required<c3de_log_v1>(),       sdk::required<c3de_registry_v1>(), sdk::required<c3de_mesh_v1>(),
-      sdk::required<c3de_collision_v0>(), sdk::required<c3de_jobs_v1>(),     sdk::optional<c3de_scene_v0>(),
-      sdk::optional<c3de_render_v0>(),    sdk::optional<c3de_params_v1>(),   sdk::optional<c3de_panels_v1>(),
-      sdk::optional<c3de_tools_v0>(),     sdk::optional<c3de_time_v0>(),     sdk::optional<c3de_simulation_v0>()};
+      sdk::required<c3de_collision_v1>(), sdk::required<c3de_jobs_v1>(),     sdk::optional<c3de_scene_v1>(),
+      sdk::optional<c3de_render_v1>(),    sdk::optional<c3de_params_v1>(),   sdk::optional<c3de_panels_v1>(),
+      sdk::optional<c3de_tools_v1>(),     sdk::optional<c3de_time_v1>(),     sdk::optional<c3de_simulation_v1>()};
 
   explicit PointBasedPlugin(sdk::Host host) : context_(host, this), pinch_(context_.services) {
     const sdk::Registry &registry = context_.services.registry;
@@ -38,7 +38,7 @@ class PointBasedPlugin : public SimulatorListener {
         host.service<c3de_panels_v1>()) {
       controller_ = std::make_unique<Controller>(context_.services, context_.laws, pinch_);
       sdk::orThrow(controller_->show(host, "pointbased.controller", "Point-based organ"));
-      if (host.service<c3de_tools_v0>())
+      if (host.service<c3de_tools_v1>())
         sdk::orThrow(pinch_.add(host, {.id = "pointbased.pinch",
                                        .label = "Pinch",
                                        .hint = "Press on the organ and drag to pull; release or Escape lets go",

@@ -44,7 +44,7 @@ const char *nameOf(std::uint32_t field) {
 
 c3de_view indexView(const std::vector<Index> &values) { return {values.data(), values.size(), 1, C3DE_U32, 0}; }
 
-constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0),
+constexpr c3de_phyxel_set_v1 kPhyxelSetTable{sizeof(c3de_phyxel_set_v1),
                                              1,
                                              sdk::thunk<PhyxelSet, &PhyxelSet::count>,
                                              sdk::thunk<PhyxelSet, &PhyxelSet::read>,
@@ -52,7 +52,7 @@ constexpr c3de_phyxel_set_v0 kPhyxelSetTable{sizeof(c3de_phyxel_set_v0),
                                              sdk::thunk<PhyxelSet, &PhyxelSet::assign>,
                                              sdk::thunk<PhyxelSet, &PhyxelSet::move>};
 
-constexpr c3de_surfel_set_v0 kSurfelSetTable{sizeof(c3de_surfel_set_v0),
+constexpr c3de_surfel_set_v1 kSurfelSetTable{sizeof(c3de_surfel_set_v1),
                                              2,
                                              sdk::thunk<SurfelSet, &SurfelSet::count>,
                                              sdk::thunk<SurfelSet, &SurfelSet::read>,

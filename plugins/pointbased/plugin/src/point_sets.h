@@ -6,7 +6,7 @@
 
 namespace pointbased {
 
-/// The registered class draft/c3de.pointbased.Phyxel/0: the phyxels of a body, or, created alone, a cloud of its own.
+/// The registered class c3de.pointbased.Phyxel/1: the phyxels of a body, or, created alone, a cloud of its own.
 class PhyxelSet : public sdk::Object<PhyxelSet> {
  public:
   explicit PhyxelSet(PluginContext &context);

@@ -60,7 +60,7 @@ WorldSimulator::~WorldSimulator() {
 }
 
 std::array<sdk::Interface, 2> WorldSimulator::interfaces() {
-  static constexpr c3de_pointbased_bodies_v0 kBodies{sizeof(c3de_pointbased_bodies_v0), 1,
+  static constexpr c3de_pointbased_bodies_v1 kBodies{sizeof(c3de_pointbased_bodies_v1), 1,
                                                      sdk::thunk<WorldSimulator, &WorldSimulator::phyxels>,
                                                      sdk::thunk<WorldSimulator, &WorldSimulator::surfels>};
   return {sdk::interfaceOf(sdk::kSimulatorTable<WorldSimulator>), sdk::interfaceOf(kBodies)};
@@ -231,6 +231,12 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
   if (bodies_.erase(handle.v) > 0) {
     simulator_.removeBody(handle.v);
     std::erase_if(liveLoads_, [&](const auto &entry) { return entry.second.body == handle.v; });
+    std::erase_if(holds_, [&](const auto &entry) { return entry.second.body == handle.v; });
+    return {};
+  }
+  if (const auto hold = holds_.find(handle.v); hold != holds_.end()) {
+    simulator_.releaseGrab(hold->second.body, hold->first);
+    holds_.erase(hold);
     return {};
   }
   if (liveLoads_.erase(handle.v) > 0 || simulator_.removeProbe(handle.v)) return {};
@@ -238,7 +244,7 @@ sdk::Result<void> WorldSimulator::remove(c3de_handle handle) {
     simulator_.removeObstacle(handle.v);
     return {};
   }
-  return noSuch("body, obstacle, load or probe");
+  return noSuch("body, obstacle, load, probe or hold");
 }
 
 void WorldSimulator::clear() {
@@ -247,84 +253,7 @@ void WorldSimulator::clear() {
   bodies_.clear();
   obstacles_.clear();
   liveLoads_.clear();
-}
-
-void WorldSimulator::points(c3de_handle handle, c3de_sim_points *out) {
-  const std::lock_guard lock(mutex_);
-  const BodyRecord &record = bodyOrThrow(handle);
-  const Body &body = *simulator_.body(handle.v);
-  c3de_sim_points points{};
-  const RestState &rest = body.rest();
-  const std::size_t n = rest.phyxelCount();
-  if (n > 0 && !body.rigid() && !body.stopped) {
-    LentPoints &lent = lent_[handle.v];
-    lent.name = record.name;
-    lent.positions.resize(n);
-    for (std::size_t i = 0; i < n; ++i)
-      lent.positions[i] = rest.origin + rest.positions[i] + body.state().displacements[i];
-    lent.forces.assign(n, Vec3::Zero());
-    lent.asked = true;
-    if (lent.masses.size() != n || lent.rest != body.sharedRest()) {
-      lent.rest = body.sharedRest();
-      lent.masses.resize(n);
-      for (std::size_t i = 0; i < n; ++i) lent.masses[i] = body.inverseMasses()[i] > 0.0 ? body.masses()[i] : 0.0;
-    }
-    points.name = sdk::str(lent.name);
-    points.count = n;
-    points.positions_m = lent.positions.front().data();
-    points.velocities_m_s = body.state().velocities.front().data();
-    points.masses_kg = lent.masses.data();
-    points.forces_N = lent.forces.front().data();
-  }
-  sdk::writeStruct(out, points, "out");
-}
-
-void WorldSimulator::bind(LiveLoad &live) const {
-  const Body &body = *simulator_.body(live.body);
-  const PlacedMesh &mesh = *bodies_.at(live.body).surface;
-  auto part = loadOn(live.load, body.rest(), {mesh.positions, mesh.triangles});
-  if (!part) throw Error(C3DE_E_ARG, "a load on body '" + bodies_.at(live.body).name + "': " + part.error());
-  live.part = std::move(*part);
-  live.rest = body.sharedRest();
-}
-
-void WorldSimulator::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de_handle *out) {
-  const std::lock_guard lock(mutex_);
-  const BodyRecord &record = bodyOrThrow(handle);
-  if (simulator_.body(handle.v)->rigid())
-    throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid; a load does not move it");
-  LiveLoad live{handle.v, readLoad(load), {}, nullptr, simulator_.time()};
-  bind(live);
-  const std::uint64_t id = nextLoad_++;
-  liveLoads_.emplace(id, std::move(live));
-  if (out) *out = {id};
-}
-
-// Those that were asked for since the last step, and live loads; the others have none.
-void WorldSimulator::takeForces() {
-  for (const auto &[id, record] : bodies_) {
-    const auto found = lent_.find(id);
-    const Body &body = *simulator_.body(id);
-    const std::size_t n = body.rest().phyxelCount();
-    const bool asked = found != lent_.end() && std::exchange(found->second.asked, false);
-    std::vector<Vec3> forces;
-    if (asked && found->second.forces.size() == n) forces.swap(found->second.forces);
-    for (auto &[number, live] : liveLoads_) {
-      if (live.body != id || body.rigid()) continue;
-      if (live.rest != body.sharedRest()) bind(live);
-      forces.resize(n, Vec3::Zero());
-      const double since_s = simulator_.time() - live.began_s;
-      const double s =
-          live.load.ramp > 0.0 && !simulator_.quasiStatic() ? std::min(1.0, since_s / live.load.ramp) : 1.0;
-      addLoadForces(live.load, live.part, s, body.state().displacements, forces);
-    }
-    if (!forces.empty())
-      simulator_.swapExternalForces(id, forces);
-    else if (!body.externalForces().empty())
-      simulator_.setExternalForces(id, {});
-    if (asked) found->second.forces.swap(forces);
-  }
-  std::erase_if(lent_, [this](const auto &entry) { return !bodies_.contains(entry.first); });
+  holds_.clear();
 }
 
 sdk::Result<void> WorldSimulator::step() {
@@ -345,6 +274,7 @@ void WorldSimulator::activity(c3de_sink text) {
 void WorldSimulator::reset() {
   const std::lock_guard lock(mutex_);
   liveLoads_.clear();
+  holds_.clear();
   simulator_.reset();
 }
 
@@ -574,6 +504,7 @@ void WorldSimulator::loadState(const void *bytes, std::uint64_t n) {
   state.remove_prefix(sizeof of);
   if (const auto gone = simulator_.goToSavedState(state); !gone) throw Error(C3DE_E_FORMAT, gone.error());
   liveLoads_.clear();
+  holds_.clear();
 }
 
 void WorldSimulator::report(c3de_sink json) {
@@ -677,57 +608,6 @@ void WorldSimulator::surfels(c3de_handle body, c3de_object **out) {
     (void)bodyOrThrow(body);
   }
   sdk::notNull(out, "out") = sdk::make<SurfelSet>(sdk::Ref<WorldSimulator>::share(this), body.v).detach()->abi();
-}
-
-void WorldSimulator::hold(c3de_handle handle, const double *at_m3, double radius_m) {
-  const std::lock_guard lock(mutex_);
-  const BodyRecord &record = bodyOrThrow(handle);
-  const Body &body = *simulator_.body(handle.v);
-  const Vec3 at = at_m3 ? Vec3(at_m3[0], at_m3[1], at_m3[2]) : Vec3(Vec3::Constant(std::nan("")));
-  if (!at.allFinite() || !(radius_m > 0.0) || !std::isfinite(radius_m))
-    throw Error(C3DE_E_ARG, "hold: accepted: a finite point and a radius above 0 m");
-  if (body.rigid()) throw Error(C3DE_E_STATE, "body '" + record.name + "' is rigid; nobody pulls it");
-  std::vector<Vec3> positions, normals;
-  simulator_.surfels(handle.v, positions, normals);
-  if (positions.empty()) throw Error(C3DE_E_STATE, "body '" + record.name + "' has no surface to hold");
-  const auto nearest = std::min_element(positions.begin(), positions.end(), [&](const Vec3 &a, const Vec3 &b) {
-    return (a - at).squaredNorm() < (b - at).squaredNorm();
-  });
-  Grab grab = grabAround(body.rest(), static_cast<std::size_t>(nearest - positions.begin()),
-                         {.radius_mm = 1e3 * radius_m}, body.material().youngsModulus);
-  Vec3 held = Vec3::Zero();
-  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
-    const Index i = grab.phyxels[k];
-    held += grab.weights[k] * (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]);
-  }
-  grab.target = held;
-  heldFrom_[handle.v] = held - at;
-  simulator_.setGrab(handle.v, std::move(grab));
-}
-
-void WorldSimulator::pull(c3de_handle body, const double *target_m3) {
-  const std::lock_guard lock(mutex_);
-  (void)bodyOrThrow(body);
-  const Vec3 target = target_m3 ? Vec3(target_m3[0], target_m3[1], target_m3[2]) : Vec3(Vec3::Constant(std::nan("")));
-  if (!target.allFinite()) throw Error(C3DE_E_ARG, "pull: the target is not finite");
-  if (!simulator_.body(body.v)->grab) throw Error(C3DE_E_STATE, "pull: nobody holds this body; hold() first");
-  const auto from = heldFrom_.find(body.v);
-  simulator_.moveGrab(body.v, from == heldFrom_.end() ? target : Vec3(target + from->second));
-}
-
-void WorldSimulator::letGo(c3de_handle body) {
-  const std::lock_guard lock(mutex_);
-  (void)bodyOrThrow(body);
-  heldFrom_.erase(body.v);
-  simulator_.releaseGrab(body.v);
-}
-
-void WorldSimulator::holdForce(c3de_handle body, double *force_N3) {
-  if (!force_N3) throw Error(C3DE_E_ARG, "hold_force: force_N3 is null");
-  const std::lock_guard lock(mutex_);
-  (void)bodyOrThrow(body);
-  const auto status = simulator_.grabStatus(body.v);
-  for (int a = 0; a < 3; ++a) force_N3[a] = status ? status->force[a] : 0.0;
 }
 
 void WorldSimulator::setGrab(std::uint64_t body, Grab grab) {

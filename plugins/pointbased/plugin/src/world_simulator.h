@@ -75,10 +75,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void points(c3de_handle body, c3de_sim_points *out);
   void displacement(const c3de_sim_grid *grid, double rim, float *out, float *gaps) const;
   void addLoad(c3de_handle body, const c3de_sim_load *load, c3de_handle *out);
-  void hold(c3de_handle body, const double *at_m3, double radius_m);
-  void pull(c3de_handle body, const double *target_m3);
-  void letGo(c3de_handle body);
-  void holdForce(c3de_handle body, double *force_N3);
+  void hold(c3de_handle body, const c3de_sim_hold *hold, c3de_handle *out);
+  void pull(c3de_handle hold, const double *target_m3, const double *quaternion4);
+  void holdState(c3de_handle hold, c3de_sim_hold_state *out);
 
   c3de_status saveState(c3de_sink bytes);
   void loadState(const void *bytes, std::uint64_t n);
@@ -110,8 +109,8 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   static std::array<sdk::Interface, 2> interfaces();
 
  private:
-  /// Ids of loads begin here, above those of bodies, obstacles and probes.
-  static constexpr std::uint64_t kFirstLoad = std::uint64_t{1} << 32;
+  /// Ids of loads and holds begin here, above those of bodies, obstacles and probes.
+  static constexpr std::uint64_t kFirstLive = std::uint64_t{1} << 32;
   struct BodyRecord {
     std::string name;
     std::shared_ptr<PlacedMesh> surface;
@@ -158,8 +157,17 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
     double began_s = 0.0;
   };
   std::map<std::uint64_t, LiveLoad> liveLoads_;
-  std::uint64_t nextLoad_ = kFirstLoad;
-  std::map<std::uint64_t, Vec3> heldFrom_;  // from the point that was named to the one that is held, m
+  /// A hand of somebody else; that of the pinch has none.
+  struct LiveHold {
+    std::uint64_t body = 0;
+    Vec3 fromNamed = Vec3::Zero();  // from the point that was named to the middle of what is held, m, before rotation
+    Vec3 target = Vec3::Zero();     // world, m
+    Mat3 rotation = Mat3::Identity();
+    bool keepsShape = false;
+  };
+  std::map<std::uint64_t, LiveHold> holds_;
+  std::uint64_t nextLive_ = kFirstLive;
+  [[nodiscard]] LiveHold &holdOrThrow(c3de_handle hold);
   void bind(LiveLoad &load) const;
   void takeForces();
   [[nodiscard]] std::uint64_t fingerprint() const;

@@ -3,7 +3,15 @@
 #ifndef C3DE_ABI_C3DE_H
 #define C3DE_ABI_C3DE_H
 
+#include "collision.h"
+#include "commands.h"
 #include "entry.h"
+#include "files.h"
+#include "forces.h"
+#include "history.h"
+#include "iface/parameter_ids.h"
+#include "iface/simulator.h"
+#include "imaging.h"
 #include "jobs.h"
 #include "log.h"
 #include "mesh.h"
@@ -11,5 +19,11 @@
 #include "panels.h"
 #include "params.h"
 #include "registry.h"
+#include "render.h"
+#include "scene.h"
+#include "settings.h"
+#include "simulation.h"
+#include "time.h"
+#include "tools.h"
 
 #endif

@@ -23,7 +23,7 @@ typedef struct c3de_object_vt {
 typedef struct c3de_class { /* copied by add_class, strings included */
   uint32_t size;
   uint32_t rev;
-  c3de_str id;    /* for example "draft/c3de.pointbased.WorldSimulator/0" */
+  c3de_str id;    /* for example "c3de.pointbased.WorldSimulator/1" */
   c3de_str label; /* shown to people */
   c3de_str doc;
   const c3de_str *ifaces; /* interfaces its objects answer */

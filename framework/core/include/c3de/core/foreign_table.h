@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "c3de/abi/draft/all.h"
+#include "c3de/abi/c3de.h"
 #include "c3de/abi/entry.h"
 #include "c3de/abi/object.h"
 #include "c3de/core/expected.h"

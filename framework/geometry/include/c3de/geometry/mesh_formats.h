@@ -14,6 +14,7 @@
 #include "c3de/core/handle.h"
 #include "c3de/core/progress.h"
 #include "c3de/geometry/mesh_io.h"
+#include "c3de/geometry/mesh_writer.h"
 
 namespace c3de::geometry {
 
@@ -35,7 +36,16 @@ struct MeshReader {
   std::function<Expected<ReadMesh>(const std::filesystem::path &, std::string_view bytes, const ProgressFn &)> read;
 };
 
-/// The mesh formats that can be read: those of the program (loadMesh) and those of plugins. Any thread.
+/// A writer of meshes beside those of the program.
+struct MeshWriter {
+  std::string id, label, owner;         ///< as of a reader
+  std::vector<std::string> extensions;  ///< lower case with the dot
+  /// Gives the bytes of a file; any thread, several at once. ErrorCode::cancelled when progress answers false.
+  std::function<Expected<std::string>(const TriangleMesh &, const std::string &name, const ProgressFn &)> write;
+};
+
+/// The mesh formats that can be read and written: those of the program (loadMesh, writeMesh) and those of plugins. Any
+/// thread.
 ///
 /// The program's own readers win the extensions they have; of several readers the one that was added first and whose
 /// magic the file begins with. Any reader can be asked for by its id.
@@ -52,9 +62,10 @@ class MeshFormats {
   };
   /// Refused (ErrorCode::usage) where the id is taken; the error names by whom.
   [[nodiscard]] Expected<Added> add(MeshReader reader);
-  enum class Removal { done, stale, fromRead };
-  /// Ends a read that is running; when this returns, none is and none will. Not from within the read itself.
-  Removal remove(Handle reader, const std::string &owner);
+  [[nodiscard]] Expected<Added> add(MeshWriter writer);
+  enum class Removal { done, stale, fromWithin };
+  /// Ends what a reader or writer is doing; when this returns, it does nothing and never will. Not from within itself.
+  Removal remove(Handle format, const std::string &owner);
   void removeOwnedBy(const std::string &owner);
 
   /// By the extension alone.
@@ -66,6 +77,15 @@ class MeshFormats {
     std::vector<std::string> extensions;
   };
   [[nodiscard]] std::vector<Info> readers() const;  ///< of plugins, in the order they were added
+  [[nodiscard]] std::vector<Info> writers() const;  ///< likewise
+
+  /// Those that can be written: of the program first, then of plugins, lower case with the dot, each once.
+  [[nodiscard]] std::vector<std::string> writableExtensions() const;
+  /// Error (ErrorCode::usage) that names the accepted extensions.
+  [[nodiscard]] Expected<void> checkWritable(const std::filesystem::path &path) const;
+  /// As geometry::writeMesh, by writers of plugins as well. Errors of a writer name it, its plugin and the file.
+  [[nodiscard]] Expected<void> write(const std::filesystem::path &path, const TriangleMesh &mesh,
+                                     const MeshWriteOptions &options, const ProgressFn &progress = {}) const;
 
   /// As geometry::loadMesh, from readers of plugins as well; what they give is checked, welded, oriented and reported
   /// like any other mesh. Errors of a reader name it, its plugin and the file.
@@ -78,6 +98,9 @@ class MeshFormats {
  private:
   struct Entry;
   struct Raw;
+  class Use;
+  [[nodiscard]] Expected<Added> add(std::shared_ptr<Entry> entry);
+  [[nodiscard]] std::vector<Info> entriesThat(bool write) const;
   /// By readers of plugins alone.
   [[nodiscard]] Expected<Raw> read(const std::filesystem::path &path, const ProgressFn &progress,
                                    const std::string &readerId) const;

@@ -28,7 +28,5 @@ struct MeshWriteOptions {
 
 /// Extensions that writeMesh() takes, lower case with the dot.
 [[nodiscard]] std::span<const std::string_view> writableMeshExtensions();
-/// Error (ErrorCode::usage) that names the accepted extensions.
-[[nodiscard]] Expected<void> checkMeshWritable(const std::filesystem::path &path);
 
 }  // namespace c3de::geometry

@@ -109,7 +109,7 @@ class PluginHost {
 
   [[nodiscard]] const std::vector<PluginInfo> &plugins() const;
   [[nodiscard]] std::vector<ClassInfo> classes() const;
-  /// Whether a plugin that is loaded has asked for a service, "draft/c3de.imaging/0".
+  /// Whether a plugin that is loaded has asked for a service, "c3de.imaging/1".
   [[nodiscard]] bool isUsed(const std::string &serviceId) const;
   /// Ids of the classes that list an interface.
   [[nodiscard]] std::vector<std::string> classesWith(const std::string &interfaceId) const;

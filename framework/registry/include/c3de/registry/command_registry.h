@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "c3de/abi/draft/commands.h"
+#include "c3de/abi/commands.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/handle.h"
 

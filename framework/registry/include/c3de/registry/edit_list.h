@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "c3de/abi/draft/history.h"
+#include "c3de/abi/history.h"
 #include "c3de/core/handle.h"
 
 namespace c3de::registry {

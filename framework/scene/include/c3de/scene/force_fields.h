@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
-#include "c3de/abi/draft/forces.h"
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/forces.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/handle.h"
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "c3de/abi/draft/iface/simulator.h"
-#include "c3de/abi/draft/simulation.h"
+#include "c3de/abi/iface/simulator.h"
+#include "c3de/abi/simulation.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/handle.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 
 namespace c3de::scene {
 

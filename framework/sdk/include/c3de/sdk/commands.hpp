@@ -14,26 +14,26 @@
 namespace c3de::sdk {
 
 /// Texts by key that survive the end of the program. Any thread.
-class Settings : public Service<c3de_settings_v0> {
+class Settings : public Service<c3de_settings_v1> {
  public:
   using Service::Service;
   /// Nothing when nothing was set, or when settings are not served.
   [[nodiscard]] std::optional<std::string> get(std::string_view key) const {
     TextSink value;
-    if (!call<&c3de_settings_v0::get>(str(key), value.sink())) return std::nullopt;
+    if (!call<&c3de_settings_v1::get>(str(key), value.sink())) return std::nullopt;
     return value.take();
   }
   /// On disk when this returns; a failure with C3DE_E_IO says why not, the value holds for this run all the same.
   Result<void> set(std::string_view key, std::string_view value) const {
-    return call<&c3de_settings_v0::set>(str(key), str(value));
+    return call<&c3de_settings_v1::set>(str(key), str(value));
   }
-  Result<void> remove(std::string_view key) const { return call<&c3de_settings_v0::remove>(str(key)); }
+  Result<void> remove(std::string_view key) const { return call<&c3de_settings_v1::remove>(str(key)); }
   Result<std::vector<std::string>> keys() const {
     std::vector<std::string> out;
     const auto each = [](void *self, c3de_str key) noexcept -> c3de_status {
       return guard([&] { static_cast<std::vector<std::string> *>(self)->emplace_back(text(key)); });
     };
-    if (auto done = call<&c3de_settings_v0::keys>(static_cast<void *>(&out), +each); !done) return done.failure();
+    if (auto done = call<&c3de_settings_v1::keys>(static_cast<void *>(&out), +each); !done) return done.failure();
     return out;
   }
 };
@@ -61,12 +61,12 @@ class Command {
   friend class Commands;
   // The function is declared first, so that the registration goes before it.
   std::unique_ptr<std::function<Result<void>()>> run_;
-  Owned<c3de_commands_v0, &c3de_commands_v0::remove> owned_;
+  Owned<c3de_commands_v1, &c3de_commands_v1::remove> owned_;
   bool hasShortcut_ = false;
 };
 
 /// Main thread.
-class Commands : public Service<c3de_commands_v0> {
+class Commands : public Service<c3de_commands_v1> {
  public:
   using Service::Service;
   /// @param run  may fail or throw; the person sees the text
@@ -88,7 +88,7 @@ class Commands : public Service<c3de_commands_v0> {
     return out;
   }
   /// Carries out a command of any plugin.
-  Result<void> run(std::string_view id) const { return call<&c3de_commands_v0::run>(str(id)); }
+  Result<void> run(std::string_view id) const { return call<&c3de_commands_v1::run>(str(id)); }
 };
 
 }  // namespace c3de::sdk

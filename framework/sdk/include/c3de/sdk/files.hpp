@@ -68,18 +68,53 @@ class MeshReader {
   friend class Files;
   using Read = std::function<Result<void>(const MeshSource &, Progress, const MeshSink &)>;
   std::unique_ptr<Read> read_;
-  Owned<c3de_files_v0, &c3de_files_v0::remove> owned_;  // goes first
+  Owned<c3de_files_v1, &c3de_files_v1::remove> owned_;  // goes first
 };
 
-/// What a reader of meshes is; everything is copied by the host.
+/// A surface to write; valid while it is written.
+struct MeshContents {
+  std::string_view name;            ///< of the body, for people; may be empty
+  std::span<const Vec3> positions;  ///< mm, LPS
+  std::span<const std::array<std::uint32_t, 3>> triangles;
+};
+
+/// A writer of meshes until it is destroyed or removed.
+class MeshWriter {
+ public:
+  MeshWriter() noexcept = default;
+  MeshWriter(MeshWriter &&) noexcept = default;
+  MeshWriter &operator=(MeshWriter &&other) noexcept {
+    if (this == &other) return *this;
+    remove();
+    write_ = std::move(other.write_);
+    owned_ = std::move(other.owned_);
+    return *this;
+  }
+  ~MeshWriter() = default;
+  [[nodiscard]] c3de_handle handle() const noexcept { return owned_.handle(); }
+  explicit operator bool() const noexcept { return static_cast<bool>(owned_); }
+  /// When this returns, nothing is being written by it. Not from within its function.
+  void remove() noexcept {
+    owned_.reset();
+    write_.reset();
+  }
+
+ private:
+  friend class Files;
+  using Write = std::function<Result<void>(const MeshContents &, Progress, c3de_sink)>;
+  std::unique_ptr<Write> write_;
+  Owned<c3de_files_v1, &c3de_files_v1::remove> owned_;  // goes first
+};
+
+/// What a reader or writer of meshes is; everything is copied by the host.
 struct MeshFormat {
   std::string_view id{}, label{};
   std::vector<std::string_view> extensions{};  ///< without the dot
-  std::string_view magic{};                    ///< what its files begin with; empty: anything
+  std::string_view magic{};                    ///< of readers: what their files begin with; empty: anything
 };
 
-/// Files that the program can open because of this plugin. Any thread.
-class Files : public Service<c3de_files_v0> {
+/// Files that the program can open and write because of this plugin. Any thread.
+class Files : public Service<c3de_files_v1> {
  public:
   using Service::Service;
   /// @param read  any thread, several at once; fails or throws with what is wrong with the file, in which line. Ask its
@@ -108,7 +143,36 @@ class Files : public Service<c3de_files_v0> {
                                   str(format.magic),
                                   out.read_.get(),
                                   +thunk};
-    auto owned = own<&c3de_files_v0::add_mesh_reader, Owned<c3de_files_v0, &c3de_files_v0::remove>>(&reader);
+    auto owned = own<&c3de_files_v1::add_mesh_reader, Owned<c3de_files_v1, &c3de_files_v1::remove>>(&reader);
+    if (!owned) return owned.failure();
+    out.owned_ = std::move(*owned);
+    return out;
+  }
+  /// @param write  any thread, several at once; puts the bytes of the file, or fails or throws with why it cannot. Ask its
+  ///               progress several times a second, as a reader does.
+  /// Error: C3DE_E_VERSION of a host without writers.
+  Result<MeshWriter> addMeshWriter(const MeshFormat &format,
+                                   std::function<Result<void>(const MeshContents &, Progress, c3de_sink)> write) const {
+    if (table_ && table_->rev < 2)
+      return Failure{C3DE_E_VERSION, "the host takes no writers (c3de.files/1 of revision 1)"};
+    MeshWriter out;
+    out.write_ = std::make_unique<MeshWriter::Write>(std::move(write));
+    const auto thunk = [](void *self, const c3de_mesh_contents *mesh, const c3de_progress *progress,
+                          c3de_sink bytes) noexcept -> c3de_status {
+      return guard([&] {
+        const MeshContents given{
+            text(mesh->name),
+            {static_cast<const Vec3 *>(mesh->positions_mm.data), mesh->positions_mm.count},
+            {static_cast<const std::array<std::uint32_t, 3> *>(mesh->triangles.data), mesh->triangles.count}};
+        return (*static_cast<MeshWriter::Write *>(self))(given, Progress(progress), bytes);
+      });
+    };
+    std::vector<c3de_str> extensions;
+    for (const std::string_view one : format.extensions) extensions.push_back(str(one));
+    const c3de_mesh_writer writer{
+        sizeof(c3de_mesh_writer), 1,     str(format.id), str(format.label), extensions.data(), extensions.size(),
+        out.write_.get(),         +thunk};
+    auto owned = own<&c3de_files_v1::add_mesh_writer, Owned<c3de_files_v1, &c3de_files_v1::remove>>(&writer);
     if (!owned) return owned.failure();
     out.owned_ = std::move(*owned);
     return out;

@@ -153,30 +153,30 @@ class Mesh : public Service<c3de_mesh_v1> {
   }
 };
 
-using SceneNode = Owned<c3de_scene_v0, &c3de_scene_v0::remove_node>;
+using SceneNode = Owned<c3de_scene_v1, &c3de_scene_v1::remove_node>;
 
-class Scene : public Service<c3de_scene_v0> {
+class Scene : public Service<c3de_scene_v1> {
  public:
   using Service::Service;
   Result<SceneNode> addNode(c3de_handle parent, std::string_view name) const {
-    return own<&c3de_scene_v0::add_node, SceneNode>(parent, str(name));
+    return own<&c3de_scene_v1::add_node, SceneNode>(parent, str(name));
   }
   /// Column-major, mm.
   Result<std::array<double, 16>> worldFromNode(c3de_handle node) const {
     std::array<double, 16> out{};
-    if (auto done = call<&c3de_scene_v0::world_from_node>(node, out.data()); !done) return done.failure();
+    if (auto done = call<&c3de_scene_v1::world_from_node>(node, out.data()); !done) return done.failure();
     return out;
   }
   Result<void> setVisible(c3de_handle node, bool visible) const {
-    return call<&c3de_scene_v0::set_visible>(node, visible ? 1u : 0u);
+    return call<&c3de_scene_v1::set_visible>(node, visible ? 1u : 0u);
   }
   Result<bool> isVisible(c3de_handle node) const {
     std::uint32_t visible = 0;
-    if (auto done = call<&c3de_scene_v0::is_visible>(node, &visible); !done) return done.failure();
+    if (auto done = call<&c3de_scene_v1::is_visible>(node, &visible); !done) return done.failure();
     return visible != 0;
   }
   Result<void> setBounds(c3de_handle node, const Vec3 &min, const Vec3 &max) const {
-    return call<&c3de_scene_v0::set_bounds>(node, min.data(), max.data());
+    return call<&c3de_scene_v1::set_bounds>(node, min.data(), max.data());
   }
 };
 
@@ -188,7 +188,7 @@ struct Material {
   }
 };
 
-using Proxy = Owned<c3de_render_v0, &c3de_render_v0::destroy>;
+using Proxy = Owned<c3de_render_v1, &c3de_render_v1::destroy>;
 
 /// What colours mean; the colours are borrowed.
 struct Legend {
@@ -200,73 +200,73 @@ struct Legend {
   }
 };
 
-class Render : public Service<c3de_render_v0> {
+class Render : public Service<c3de_render_v1> {
  public:
   using Service::Service;
   Result<Proxy> createMesh(c3de_handle node, c3de_view positions, c3de_view triangles, const Material &material) const {
     const c3de_material m = material.abi();
-    return own<&c3de_render_v0::create_mesh, Proxy>(node, positions, triangles, &m);
+    return own<&c3de_render_v1::create_mesh, Proxy>(node, positions, triangles, &m);
   }
   Result<Proxy> createSpheres(c3de_handle node, c3de_view centres, double radius, const Material &material) const {
     const c3de_material m = material.abi();
-    return own<&c3de_render_v0::create_spheres, Proxy>(node, centres, radius, &m);
+    return own<&c3de_render_v1::create_spheres, Proxy>(node, centres, radius, &m);
   }
   Result<Proxy> createLines(c3de_handle node, c3de_view points, float width_px, const Material &material) const {
     const c3de_material m = material.abi();
-    return own<&c3de_render_v0::create_lines, Proxy>(node, points, width_px, &m);
+    return own<&c3de_render_v1::create_lines, Proxy>(node, points, width_px, &m);
   }
   Result<Proxy> createLabel(c3de_handle node, const Vec3 &at, std::string_view label, const Material &material) const {
     const c3de_material m = material.abi();
-    return own<&c3de_render_v0::create_label, Proxy>(node, at.data(), str(label), &m);
+    return own<&c3de_render_v1::create_label, Proxy>(node, at.data(), str(label), &m);
   }
   /// @param attribute  C3DE_ATTR_*
   Result<void> update(c3de_handle proxy, std::uint32_t attribute, c3de_view values) const {
-    return call<&c3de_render_v0::update>(proxy, attribute, values);
+    return call<&c3de_render_v1::update>(proxy, attribute, values);
   }
   Result<void> setLabel(c3de_handle proxy, const Vec3 &at, std::string_view label) const {
-    return call<&c3de_render_v0::set_label>(proxy, at.data(), str(label));
+    return call<&c3de_render_v1::set_label>(proxy, at.data(), str(label));
   }
   Result<void> setMaterial(c3de_handle proxy, const Material &material) const {
     const c3de_material m = material.abi();
-    return call<&c3de_render_v0::set_material>(proxy, &m);
+    return call<&c3de_render_v1::set_material>(proxy, &m);
   }
   Result<void> setVisible(c3de_handle proxy, bool visible) const {
-    return call<&c3de_render_v0::set_visible>(proxy, visible ? 1u : 0u);
+    return call<&c3de_render_v1::set_visible>(proxy, visible ? 1u : 0u);
   }
   /// False with a host of revision 1: nothing below is called then.
   [[nodiscard]] bool hasLegends() const noexcept { return table_ && table_->rev >= 2; }
   Result<Proxy> createLegend(c3de_handle node, const Legend &legend) const {
     if (!hasLegends()) return noLegends();
     const c3de_legend l = legend.abi();
-    return own<&c3de_render_v0::create_legend, Proxy>(node, &l);
+    return own<&c3de_render_v1::create_legend, Proxy>(node, &l);
   }
   Result<void> setLegend(c3de_handle proxy, const Legend &legend) const {
     if (!hasLegends()) return noLegends();
     const c3de_legend l = legend.abi();
-    return call<&c3de_render_v0::set_legend>(proxy, &l);
+    return call<&c3de_render_v1::set_legend>(proxy, &l);
   }
 
  private:
   static Failure noLegends() { return {C3DE_E_UNSUPPORTED, "this host has no legends"}; }
 };
 
-using CollisionTree = Owned<c3de_collision_v0, &c3de_collision_v0::destroy>;
+using CollisionTree = Owned<c3de_collision_v1, &c3de_collision_v1::destroy>;
 
-class Collision : public Service<c3de_collision_v0> {
+class Collision : public Service<c3de_collision_v1> {
  public:
   using Service::Service;
   Result<CollisionTree> create(c3de_view positions, c3de_view triangles) const {
-    return own<&c3de_collision_v0::create, CollisionTree>(positions, triangles);
+    return own<&c3de_collision_v1::create, CollisionTree>(positions, triangles);
   }
   Result<void> refit(c3de_handle tree, c3de_view positions) const {
-    return call<&c3de_collision_v0::refit>(tree, positions);
+    return call<&c3de_collision_v1::refit>(tree, positions);
   }
-  Result<void> rebuild(c3de_handle tree) const { return call<&c3de_collision_v0::rebuild>(tree); }
+  Result<void> rebuild(c3de_handle tree) const { return call<&c3de_collision_v1::rebuild>(tree); }
   /// First hit of each ray with t in [0, tMax]; out has one entry per ray.
   Result<void> rays(c3de_handle tree, std::span<const Vec3> origins, std::span<const Vec3> directions, double tMax,
                     std::span<c3de_ray_hit> out) const {
     if (out.size() != origins.size()) return sizes("rays", origins.size(), out.size());
-    return call<&c3de_collision_v0::rays>(tree, rows<double, 3>(origins), rows<double, 3>(directions), tMax,
+    return call<&c3de_collision_v1::rays>(tree, rows<double, 3>(origins), rows<double, 3>(directions), tMax,
                                           out.data());
   }
   Result<c3de_ray_hit> ray(c3de_handle tree, const Vec3 &origin, const Vec3 &direction,
@@ -278,13 +278,13 @@ class Collision : public Service<c3de_collision_v0> {
   Result<void> segments(c3de_handle tree, std::span<const Vec3> from, std::span<const Vec3> to,
                         std::span<c3de_ray_hit> out) const {
     if (out.size() != from.size()) return sizes("segments", from.size(), out.size());
-    return call<&c3de_collision_v0::segments>(tree, rows<double, 3>(from), rows<double, 3>(to), out.data());
+    return call<&c3de_collision_v1::segments>(tree, rows<double, 3>(from), rows<double, 3>(to), out.data());
   }
   /// @param maxDistances  one per point, or one for all
   Result<void> closest(c3de_handle tree, std::span<const Vec3> points, std::span<const double> maxDistances,
                        std::span<c3de_closest> out) const {
     if (out.size() != points.size()) return sizes("closest", points.size(), out.size());
-    return call<&c3de_collision_v0::closest>(tree, rows<double, 3>(points), scalars(maxDistances), out.data());
+    return call<&c3de_collision_v1::closest>(tree, rows<double, 3>(points), scalars(maxDistances), out.data());
   }
   /// Triangles that meet the sphere, ascending.
   Result<void> sphere(c3de_handle tree, const Vec3 &centre, double radius, std::vector<std::uint32_t> &out) const {
@@ -304,8 +304,7 @@ class Collision : public Service<c3de_collision_v0> {
   Result<void> pairs(c3de_handle first, c3de_handle second, double maxDistance,
                      std::vector<std::array<std::uint32_t, 2>> &out) const {
     if (!table_) return absent();
-    if (table_->rev < 2)
-      return Failure{C3DE_E_VERSION, "the host finds no pairs (draft/c3de.collision/0 of revision 1)"};
+    if (table_->rev < 2) return Failure{C3DE_E_VERSION, "the host finds no pairs (c3de.collision/1 of revision 1)"};
     if (out.size() < 32) out.resize(32);
     std::uint64_t needed = 0;
     const auto ask = [&] {
@@ -428,10 +427,10 @@ class FrameCallback {
   friend class Time;
   // The function is declared first, so that the registration goes before it.
   std::unique_ptr<std::function<void()>> fn_;
-  Owned<c3de_time_v0, &c3de_time_v0::remove_frame_callback> registration_;
+  Owned<c3de_time_v1, &c3de_time_v1::remove_frame_callback> registration_;
 };
 
-class Time : public Service<c3de_time_v0> {
+class Time : public Service<c3de_time_v1> {
  public:
   using Service::Service;
   [[nodiscard]] std::uint64_t nowNs() const noexcept { return table_ ? table_->now_ns(table_->ctx) : 0; }
@@ -442,7 +441,7 @@ class Time : public Service<c3de_time_v0> {
   /// Runs on the main thread before the next frame. Any thread.
   Result<void> postToMain(std::function<void()> fn) const {
     auto box = std::make_unique<std::function<void()>>(std::move(fn));
-    if (auto posted = call<&c3de_time_v0::post_to_main>(static_cast<void *>(box.get()), &runOnce); !posted)
+    if (auto posted = call<&c3de_time_v1::post_to_main>(static_cast<void *>(box.get()), &runOnce); !posted)
       return posted.failure();
     (void)box.release();  // runOnce deletes it
     return {};
@@ -451,7 +450,7 @@ class Time : public Service<c3de_time_v0> {
     FrameCallback callback;
     callback.fn_ = std::make_unique<std::function<void()>>(std::move(fn));
     c3de_handle handle{0};
-    if (auto added = call<&c3de_time_v0::add_frame_callback>(static_cast<void *>(callback.fn_.get()), &run, &handle);
+    if (auto added = call<&c3de_time_v1::add_frame_callback>(static_cast<void *>(callback.fn_.get()), &run, &handle);
         !added)
       return added.failure();
     callback.registration_ = {table_, handle};
@@ -489,11 +488,11 @@ class SimulationWatch {
     std::function<void(c3de_handle, std::uint64_t, double)> stepped;
   };
   std::unique_ptr<Functions> functions_;
-  Owned<c3de_simulation_v0, &c3de_simulation_v0::unwatch> owned_;  // goes first
+  Owned<c3de_simulation_v1, &c3de_simulation_v1::unwatch> owned_;  // goes first
 };
 
 /// Simulations that run. From revision 2 of the service they can be found and watched.
-class Simulation : public Service<c3de_simulation_v0> {
+class Simulation : public Service<c3de_simulation_v1> {
  public:
   using Service::Service;
   struct Running {
@@ -511,7 +510,7 @@ class Simulation : public Service<c3de_simulation_v0> {
             {info->node, std::string(text(info->title)), Ref<>::share(info->object)});
       });
     };
-    if (auto done = call<&c3de_simulation_v0::enum_simulations>(static_cast<void *>(&found), +each); !done)
+    if (auto done = call<&c3de_simulation_v1::enum_simulations>(static_cast<void *>(&found), +each); !done)
       return done.failure();
     return found;
   }
@@ -539,22 +538,22 @@ class Simulation : public Service<c3de_simulation_v0> {
         out.functions_->stepped ? +[](void *self, c3de_handle node, std::uint64_t steps, double time_s) noexcept {
           guardQuietly("stepped", [&] { static_cast<Functions *>(self)->stepped(node, steps, time_s); });
         } : nullptr};
-    auto owned = own<&c3de_simulation_v0::watch, Owned<c3de_simulation_v0, &c3de_simulation_v0::unwatch>>(&abi);
+    auto owned = own<&c3de_simulation_v1::watch, Owned<c3de_simulation_v1, &c3de_simulation_v1::unwatch>>(&abi);
     if (!owned) return owned.failure();
     out.owned_ = std::move(*owned);
     return out;
   }
   /// @param action  C3DE_TRANSPORT_*
   Result<void> transport(c3de_handle node, std::uint32_t action) const {
-    return call<&c3de_simulation_v0::transport>(node, action);
+    return call<&c3de_simulation_v1::transport>(node, action);
   }
   Result<void> setTargetRate(c3de_handle node, double rate) const {
-    return call<&c3de_simulation_v0::set_target_rate>(node, rate);
+    return call<&c3de_simulation_v1::set_target_rate>(node, rate);
   }
   Result<c3de_sim_transport> state(c3de_handle node) const {
     c3de_sim_transport out{};
     out.size = sizeof out;
-    if (auto done = call<&c3de_simulation_v0::state>(node, &out); !done) return done.failure();
+    if (auto done = call<&c3de_simulation_v1::state>(node, &out); !done) return done.failure();
     return out;
   }
   /// Runs on the simulation's thread between two steps, soon, also while paused. Any thread.
@@ -564,7 +563,7 @@ class Simulation : public Service<c3de_simulation_v0> {
       const std::unique_ptr<std::function<void()>> owned(static_cast<std::function<void()> *>(self));
       guardQuietly("command to the simulation", [&] { (*owned)(); });
     };
-    if (auto posted = call<&c3de_simulation_v0::post>(node, static_cast<void *>(box.get()), +run); !posted)
+    if (auto posted = call<&c3de_simulation_v1::post>(node, static_cast<void *>(box.get()), +run); !posted)
       return posted.failure();
     (void)box.release();
     return {};
@@ -599,11 +598,11 @@ class ForceField {
   friend class Forces;
   using Apply = std::function<Result<void>(const c3de_force_call &)>;
   std::unique_ptr<Apply> apply_;
-  Owned<c3de_forces_v0, &c3de_forces_v0::remove> owned_;  // goes first
+  Owned<c3de_forces_v1, &c3de_forces_v1::remove> owned_;  // goes first
 };
 
 /// Forces on the bodies of running simulations. Any thread.
-class Forces : public Service<c3de_forces_v0> {
+class Forces : public Service<c3de_forces_v1> {
  public:
   using Service::Service;
   /// @param apply       adds forces to the points of a body before each step, on the simulation's thread; may throw
@@ -616,7 +615,7 @@ class Forces : public Service<c3de_forces_v0> {
       return guard([&] { return (*static_cast<ForceField::Apply *>(self))(*call); });
     };
     const c3de_force_field field{sizeof(c3de_force_field), 0, str(name), out.apply_.get(), +run};
-    auto owned = own<&c3de_forces_v0::add, Owned<c3de_forces_v0, &c3de_forces_v0::remove>>(simulation, &field);
+    auto owned = own<&c3de_forces_v1::add, Owned<c3de_forces_v1, &c3de_forces_v1::remove>>(simulation, &field);
     if (!owned) return owned.failure();
     out.owned_ = std::move(*owned);
     return out;
@@ -624,7 +623,7 @@ class Forces : public Service<c3de_forces_v0> {
 };
 
 /// Undo and Redo of the window. Main thread.
-class History : public Service<c3de_history_v0> {
+class History : public Service<c3de_history_v1> {
  public:
   using Service::Service;
   /// A step that has been done just now, for the menu as "Undo LABEL". The functions may fail or throw: the step is
@@ -634,12 +633,12 @@ class History : public Service<c3de_history_v0> {
     auto box = std::make_unique<Step>(Step{std::move(undo), std::move(redo)});
     const c3de_edit edit{sizeof(c3de_edit), 1, str(label), box.get(), &undoThunk, &redoThunk, &releaseThunk};
     c3de_handle handle{0};
-    if (auto done = call<&c3de_history_v0::add>(&edit, &handle); !done) return done.failure();
+    if (auto done = call<&c3de_history_v1::add>(&edit, &handle); !done) return done.failure();
     (void)box.release();
     return handle;
   }
   /// Forgets a step; nothing when it is forgotten already.
-  void remove(c3de_handle step) const { (void)call<&c3de_history_v0::remove>(step); }
+  void remove(c3de_handle step) const { (void)call<&c3de_history_v1::remove>(step); }
 
  private:
   struct Step {
@@ -657,7 +656,7 @@ class History : public Service<c3de_history_v0> {
 };
 
 /// Images and label maps of the workstation, to be read. Any thread.
-class Imaging : public Service<c3de_imaging_v0> {
+class Imaging : public Service<c3de_imaging_v1> {
  public:
   using Service::Service;
 
@@ -667,28 +666,28 @@ class Imaging : public Service<c3de_imaging_v0> {
     std::array<float, 3> colour{};  ///< linear RGB
   };
 
-  Result<std::vector<c3de_handle>> images() const { return handles<&c3de_imaging_v0::images>(); }
+  Result<std::vector<c3de_handle>> images() const { return handles<&c3de_imaging_v1::images>(); }
   Result<c3de_image_info> imageInfo(c3de_handle image) const {
     c3de_image_info out{};
     out.size = sizeof out;
-    if (auto done = call<&c3de_imaging_v0::image_info>(image, &out); !done) return done.failure();
+    if (auto done = call<&c3de_imaging_v1::image_info>(image, &out); !done) return done.failure();
     return out;
   }
   /// Values at points of the world, mm; `outside` where there are no voxels.
   Result<void> sample(c3de_handle image, std::span<const Vec3> points_mm, std::span<double> out,
                       double outside = std::numeric_limits<double>::quiet_NaN()) const {
-    return call<&c3de_imaging_v0::sample>(image, rows<double, 3>(points_mm), outside, mutableRows<double, 1>(out));
+    return call<&c3de_imaging_v1::sample>(image, rows<double, 3>(points_mm), outside, mutableRows<double, 1>(out));
   }
 
-  Result<std::vector<c3de_handle>> labelMaps() const { return handles<&c3de_imaging_v0::label_maps>(); }
+  Result<std::vector<c3de_handle>> labelMaps() const { return handles<&c3de_imaging_v1::label_maps>(); }
   Result<c3de_label_map_info> labelMapInfo(c3de_handle map) const {
     c3de_label_map_info out{};
     out.size = sizeof out;
-    if (auto done = call<&c3de_imaging_v0::label_map_info>(map, &out); !done) return done.failure();
+    if (auto done = call<&c3de_imaging_v1::label_map_info>(map, &out); !done) return done.failure();
     return out;
   }
   Result<void> labelsAt(c3de_handle map, std::span<const Vec3> points_mm, std::span<std::uint32_t> out) const {
-    return call<&c3de_imaging_v0::labels_at>(map, rows<double, 3>(points_mm), mutableRows<std::uint32_t, 1>(out));
+    return call<&c3de_imaging_v1::labels_at>(map, rows<double, 3>(points_mm), mutableRows<std::uint32_t, 1>(out));
   }
   Result<std::vector<Label>> labels(c3de_handle map) const {
     std::vector<Label> out;
@@ -698,7 +697,7 @@ class Imaging : public Service<c3de_imaging_v0> {
             {label->value, std::string(text(label->name)), {label->colour[0], label->colour[1], label->colour[2]}});
       });
     };
-    if (auto done = call<&c3de_imaging_v0::enum_labels>(map, static_cast<void *>(&out), +each); !done)
+    if (auto done = call<&c3de_imaging_v1::enum_labels>(map, static_cast<void *>(&out), +each); !done)
       return done.failure();
     return out;
   }

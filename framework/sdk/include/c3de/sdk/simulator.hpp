@@ -24,8 +24,7 @@ C3DE_SDK_OPTIONAL_SLOT(points, points)
 C3DE_SDK_OPTIONAL_SLOT(add_load, addLoad)
 C3DE_SDK_OPTIONAL_SLOT(hold, hold)
 C3DE_SDK_OPTIONAL_SLOT(pull, pull)
-C3DE_SDK_OPTIONAL_SLOT(let_go, letGo)
-C3DE_SDK_OPTIONAL_SLOT(hold_force, holdForce)
+C3DE_SDK_OPTIONAL_SLOT(hold_state, holdState)
 C3DE_SDK_OPTIONAL_SLOT(save_state, saveState)
 C3DE_SDK_OPTIONAL_SLOT(load_state, loadState)
 
@@ -38,7 +37,7 @@ C3DE_SDK_OPTIONAL_SLOT(load_state, loadState)
 ///   static std::array<Interface, 1> interfaces() { return {interfaceOf(kSimulatorTable<WorldSimulator>)}; }
 template <class D>
 inline constexpr c3de_simulator_v1 kSimulatorTable{sizeof(c3de_simulator_v1),
-                                                   2,
+                                                   1,
                                                    thunk<D, &D::attach>,
                                                    thunk<D, &D::declarations>,
                                                    thunk<D, &D::setWorld>,
@@ -68,8 +67,7 @@ inline constexpr c3de_simulator_v1 kSimulatorTable{sizeof(c3de_simulator_v1),
                                                    addLoadSlot<D>(),
                                                    holdSlot<D>(),
                                                    pullSlot<D>(),
-                                                   letGoSlot<D>(),
-                                                   holdForceSlot<D>(),
+                                                   holdStateSlot<D>(),
                                                    saveStateSlot<D>(),
                                                    loadStateSlot<D>()};
 

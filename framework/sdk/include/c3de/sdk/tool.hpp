@@ -29,7 +29,7 @@ class Tool {
 
   /// C3DE_E_UNSUPPORTED in a run without a window.
   Result<void> add(Host host, const ToolInfo &info) {
-    auto table = host.require<c3de_tools_v0>();
+    auto table = host.require<c3de_tools_v1>();
     if (!table) return table.failure();
     const c3de_tool tool{sizeof(c3de_tool),
                          1,
@@ -72,7 +72,7 @@ class Tool {
   static c3de_status C3DE_CALL eventThunk(void *self, const c3de_event *event, std::uint32_t *consumed) noexcept {
     return guard([&] { *consumed = static_cast<Tool *>(self)->onEvent(*event) ? 1u : 0u; });
   }
-  Owned<c3de_tools_v0, &c3de_tools_v0::remove> registration_;
+  Owned<c3de_tools_v1, &c3de_tools_v1::remove> registration_;
 };
 
 }  // namespace c3de::sdk

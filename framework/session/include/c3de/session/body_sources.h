@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/progress.h"
 #include "c3de/geometry/mesh_io.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/geometry/vtk_writer.h"
 

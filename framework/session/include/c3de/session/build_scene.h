@@ -16,7 +16,7 @@ namespace c3de::session {
 [[nodiscard]] Expected<void> readSceneImage(const scene::SceneFile &scene, BodySources &sources,
                                             const ProgressFn &progress);
 
-/// In a run without a window: hands the image of the scene, with its label maps, to plugins (draft/c3de.imaging/0) where
+/// In a run without a window: hands the image of the scene, with its label maps, to plugins (c3de.imaging/1) where
 /// one of them asks for images; after buildScene(). They are copies, for as long as the session.
 void lendImage(Session &session, const scene::SceneFile &scene, BodySources &sources);
 

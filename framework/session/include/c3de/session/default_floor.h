@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/vec.h"
 

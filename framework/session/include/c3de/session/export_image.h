@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/imaging/displacement.h"
 #include "c3de/imaging/reading.h"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "c3de/core/expected.h"
+#include "c3de/geometry/mesh_formats.h"
 #include "c3de/geometry/vtk_writer.h"
 #include "c3de/session/body_states.h"
 
@@ -47,11 +48,13 @@ class SimulationExport {
 [[nodiscard]] std::vector<std::filesystem::path> surfaceFiles(const std::filesystem::path &file,
                                                               std::span<const std::string> bodies);
 /// Likewise before anything is simulated; names the extensions that are accepted.
-[[nodiscard]] Expected<void> checkSurfaceExport(const std::filesystem::path &file, std::span<const std::string> bodies);
+[[nodiscard]] Expected<void> checkSurfaceExport(const geometry::MeshFormats &formats, const std::filesystem::path &file,
+                                                std::span<const std::string> bodies);
 /// Told of each file of writeSurfaces(): that it is written, or why not.
 using SurfaceTold = std::function<void(const std::filesystem::path &file, const Expected<void> &result)>;
 /// Writes the skins; one that fails does not keep the others from being written. Errors: ErrorCode::output,
 /// ErrorCode::state when there is no body, or one without triangles.
-void writeSurfaces(const std::filesystem::path &file, const std::vector<BodyState> &bodies, const SurfaceTold &told);
+void writeSurfaces(const geometry::MeshFormats &formats, const std::filesystem::path &file,
+                   const std::vector<BodyState> &bodies, const SurfaceTold &told);
 
 }  // namespace c3de::session

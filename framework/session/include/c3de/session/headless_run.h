@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/session/export_simulation.h"
 #include "c3de/session/probe_table.h"
 #include "c3de/session/report.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/plugin_host/plugin_error.h"
 #include "c3de/scene/scene_file.h"
 

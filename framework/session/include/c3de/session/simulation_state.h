@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/session/simulator_identity.h"
 

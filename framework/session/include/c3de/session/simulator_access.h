@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/foreign_table.h"
 #include "c3de/core/parameter.h"

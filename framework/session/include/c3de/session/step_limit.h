@@ -7,7 +7,7 @@
 #include <optional>
 #include <thread>
 
-#include "c3de/abi/draft/iface/simulator.h"
+#include "c3de/abi/iface/simulator.h"
 
 namespace c3de::session {
 

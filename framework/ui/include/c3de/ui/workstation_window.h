@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "c3de/abi/draft/simulation.h"
+#include "c3de/abi/simulation.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/handle.h"
 #include "c3de/render/camera.h"
@@ -86,6 +86,7 @@ struct WindowActions {
   std::function<void(const std::string &id, bool isOn)> switchPlugin;  ///< from the next start on
   std::function<void()> screenshot;
   std::function<void(const std::filesystem::path &)> exportSurface, exportFrame;  ///< the present state
+  std::function<std::string()> surfaceExtensions;                                 ///< "obj;stl", the proposed one first
   std::function<void(const std::filesystem::path &)> saveState, loadState;        ///< of the simulation
   /// The scan as it now lies; how far
   std::function<void(const std::filesystem::path &)> exportImage, exportDisplacement;

@@ -31,21 +31,33 @@ struct Reaction {
   Vec3 centre = Vec3::Zero();  ///< world, m
 };
 
-/// A damped spring between some phyxels and a point that somebody moves: the pinch.
+/// Damped springs between some phyxels and a place that somebody moves: the pinch, a clamp.
 struct Grab {
   std::vector<Index> phyxels;
   std::vector<double> weights;  ///< sum 1; the grabbed point is Σ w x
   Vec3 target = Vec3::Zero();   ///< world, m
-  double frequency = 50.0;      ///< rad/s of the mass it holds; lowered where the step would not carry it
+  /// [phyxels] m, where each belongs from the target, before `rotation`: every phyxel has a spring of its own, as strong
+  /// as its weight beside the largest, and the held part keeps its shape. Empty: one spring, on the grabbed point.
+  std::vector<Vec3> arms;
+  Mat3 rotation = Mat3::Identity();
+  double frequency = 50.0;  ///< rad/s of the mass it holds; lowered where the step would not carry it
   double dampingRatio = 1.0;
   /// N: a tool that is torn away must not tear the body apart
   double maxForce = std::numeric_limits<double>::infinity();
 };
 
 struct GrabStatus {
-  Vec3 point = Vec3::Zero();  ///< world, m, where the grabbed point is
-  Vec3 force = Vec3::Zero();  ///< N
-  double mass = 0.0;          ///< kg that it holds
+  Vec3 point = Vec3::Zero();   ///< world, m, where the grabbed point is
+  Vec3 force = Vec3::Zero();   ///< N
+  Vec3 torque = Vec3::Zero();  ///< N m, about `point`
+  double mass = 0.0;           ///< kg that it holds
+};
+
+/// One of those who hold a body.
+struct Hand {
+  std::uint64_t id = 0;  ///< who it is; one body has no two of the same
+  Grab grab;
+  GrabStatus status;  ///< of the last evaluation
 };
 
 /// What is wrong with a state, so that the body does not go on from there.
@@ -189,7 +201,7 @@ class Body {
   std::span<const Vec3> contactVelocities(const ParallelFor &parallelFor);
 
   /// Goes on from another reference with the same shape, velocities, elastic strain and mass (rereferencing.h). What
-  /// was kept is then the new state; contact is looked for anew; a grab goes on where the phyxels stay the same ones.
+  /// was kept is then the new state; contact is looked for anew; hands hold on where the phyxels stay the same ones.
   void rereference(std::shared_ptr<const RestState> rest, State state, const ParallelFor &parallelFor);
   /// How often since the start.
   [[nodiscard]] std::size_t rereferenceCount() const { return rereferenceCount_; }
@@ -236,8 +248,7 @@ class Body {
   std::optional<GuardFinding> stopped;
   /// That in words, with names and remedy; empty: it does not stand still.
   [[nodiscard]] std::string stopMessage() const;
-  std::optional<Grab> grab;
-  std::optional<GrabStatus> grabStatus;
+  std::vector<Hand> hands;
   ContactState contact;
   bool forcesCurrent = false;
 

@@ -82,8 +82,8 @@ struct ImplicitResult {
 [[nodiscard]] ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environment &environment,
                                              double from, double to, const std::function<bool()> &shouldContinue = {});
 
-/// The spring of a grab at the present state: adds its force to body.forces() and fills grabStatus.
-/// @param stiffnessLimit  rad/s: explicit steps keep the spring below it; inf: none
-void applyGrab(Body &body, double stiffnessLimit);
+/// The springs of all hands at the present state: adds their forces to body.forces() and fills Hand::status.
+/// @param stiffnessLimit  rad/s: springs together stay below it, each below its share by their number; inf: none
+void applyGrabs(Body &body, double stiffnessLimit);
 
 }  // namespace pointbased

@@ -148,10 +148,15 @@ class Simulator {
   /// they are set again; wakes it. Of no effect on a rigid body.
   void setExternalForces(std::size_t body, std::span<const Vec3> forces);
   void swapExternalForces(std::size_t body, std::vector<Vec3> &forces);
-  void setGrab(std::size_t body, Grab grab);
-  void moveGrab(std::size_t body, const Vec3 &target);
-  void releaseGrab(std::size_t body);
-  [[nodiscard]] std::optional<GrabStatus> grabStatus(std::size_t body) const;
+  /// Takes hold of a body, from the next step on, until it is let go or the simulation reset. A hand that holds it
+  /// already takes hold anew. Of no effect on a rigid body.
+  /// @param hand  who holds; several may hold one body
+  void setGrab(std::size_t body, Grab grab, std::uint64_t hand = 0);
+  void moveGrab(std::size_t body, const Vec3 &target, std::uint64_t hand = 0);
+  void turnGrab(std::size_t body, const Mat3 &rotation, std::uint64_t hand = 0);
+  void releaseGrab(std::size_t body, std::uint64_t hand = 0);
+  /// Nothing: this hand does not hold it.
+  [[nodiscard]] std::optional<GrabStatus> grabStatus(std::size_t body, std::uint64_t hand = 0) const;
 
   /// How deep the skin of a body has been beyond walls or in obstacles, m: the deepest point of contact of every step,
   /// and the skin as it is drawn, now and every 128 explicit steps (walls only).

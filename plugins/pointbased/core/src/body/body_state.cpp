@@ -44,10 +44,7 @@ void Body::rereference(std::shared_ptr<const RestState> rest, State state, const
   contact = ContactState();
   contact.deepest = deepest;
   forces_.assign(rest_->phyxelCount(), Vec3::Zero());
-  if (rest_->evaluation == Evaluation::stressPoints) {  // they are others
-    grab.reset();
-    grabStatus.reset();
-  }
+  if (rest_->evaluation == Evaluation::stressPoints) hands.clear();  // phyxels are others
   computeGradients(parallelFor);
   computeElasticStresses(parallelFor);
   keepState();
@@ -82,8 +79,7 @@ bool Body::restore(const BodyCheckpoint &checkpoint, const ParallelFor &parallel
   referenceShiftMoment_ = checkpoint.referenceShiftMoment;
   contact = checkpoint.contact;
   stopped = checkpoint.stopped;
-  grab.reset();
-  grabStatus.reset();
+  hands.clear();
   externalForces_.clear();
   patches_.clearForces();
   forces_.assign(rest_->phyxelCount(), Vec3::Zero());
@@ -132,8 +128,7 @@ void Body::reset() {
   patches_.clearForces();
   contact = ContactState();
   stopped.reset();
-  grab.reset();
-  grabStatus.reset();
+  hands.clear();
   externalForces_.clear();
   forcesCurrent = false;
   keepState();

@@ -24,7 +24,7 @@ std::uint64_t substepLimit(const Body &body) {
 // Something outside puts energy into the body, or it takes up what it has lost. Wider than isDriven(): after a ramp
 // what swings still exchanges energy with its support.
 bool mayGainEnergy(const Body &body, std::span<const Obstacle> obstacles, double time) {
-  if (body.grab || !body.externalForces().empty()) return true;
+  if (!body.hands.empty() || !body.externalForces().empty()) return true;
   for (const Obstacle &obstacle : obstacles)
     if (obstacle.motion) return true;
   const BoundaryConditions &conditions = body.rest().conditions;
@@ -156,10 +156,11 @@ double BodyStepper::tryToAdvance(const StepContext &order, double span, std::uin
     stop(order, poisoned);
     return span;
   }
-  if (body.grab && !body.grab->target.allFinite()) {
-    stop(order, {body.grab->phyxels.front(), "the hand that holds it is at no finite place", "to let go and reset"});
-    return span;
-  }
+  for (const Hand &hand : body.hands)
+    if (!hand.grab.target.allFinite() || !hand.grab.rotation.allFinite()) {
+      stop(order, {hand.grab.phyxels.front(), "the hand that holds it is at no finite place", "to let go and reset"});
+      return span;
+    }
   body.keepState();
   (void)body.constitution().takeComplaint();  // of an earlier step
   bool again = false;                         // from the mark

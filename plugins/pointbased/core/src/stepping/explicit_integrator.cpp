@@ -58,28 +58,72 @@ std::vector<std::string> stageNames() {
           "surfels"};
 }
 
-void applyGrab(Body &body, double stiffnessLimit) {
-  if (!body.grab) return;
-  const Grab &grab = *body.grab;
-  GrabStatus status;
-  Vec3 velocity = Vec3::Zero();
-  double inverseMass = 0.0;
-  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
-    const Index i = grab.phyxels[k];
-    const double w = grab.weights[k];
-    status.point += w * (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]);
-    velocity += w * body.state().velocities[i];
-    inverseMass += w * w / body.masses()[i];
-  }
-  status.mass = 1.0 / inverseMass;
-  const double omega = std::min(grab.frequency, stiffnessLimit);
+namespace {
+
+// One spring on the mean of what is held.
+void pullMean(Body &body, Hand &hand, double omega, const Vec3 &velocity) {
+  const Grab &grab = hand.grab;
+  GrabStatus &status = hand.status;
   status.force =
       status.mass * (omega * omega * (grab.target - status.point) - 2.0 * grab.dampingRatio * omega * velocity);
   const double size = status.force.norm();
   if (size > grab.maxForce) status.force *= grab.maxForce / size;
   for (std::size_t k = 0; k < grab.phyxels.size(); ++k)
     body.forces()[grab.phyxels[k]] += grab.weights[k] * status.force;
-  body.grabStatus = status;
+}
+
+// A spring on every phyxel, to its place in the shape that is held.
+void pullShape(Body &body, Hand &hand, double omega) {
+  const Grab &grab = hand.grab;
+  GrabStatus &status = hand.status;
+  const double largest = *std::max_element(grab.weights.begin(), grab.weights.end());
+  const auto forceOn = [&](std::size_t k) -> Vec3 {
+    const Index i = grab.phyxels[k];
+    const Vec3 x = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
+    const Vec3 way = grab.target + grab.rotation * grab.arms[k] - x;
+    return grab.weights[k] / largest * body.masses()[i] *
+           (omega * omega * way - 2.0 * grab.dampingRatio * omega * body.state().velocities[i]);
+  };
+  double sum = 0.0;
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) sum += forceOn(k).norm();
+  const double share = sum > grab.maxForce ? grab.maxForce / sum : 1.0;
+  status.force.setZero();
+  status.mass = 0.0;
+  for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
+    const Index i = grab.phyxels[k];
+    const Vec3 force = share * forceOn(k);
+    const Vec3 x = body.rest().origin + body.rest().positions[i] + body.state().displacements[i];
+    body.forces()[i] += force;
+    status.force += force;
+    status.torque += (x - status.point).cross(force);
+    status.mass += grab.weights[k] / largest * body.masses()[i];
+  }
+}
+
+}  // namespace
+
+void applyGrabs(Body &body, double stiffnessLimit) {
+  // Hands that hold the same phyxels add up.
+  const double limit = stiffnessLimit / static_cast<double>(std::max<std::size_t>(1, body.hands.size()));
+  for (Hand &hand : body.hands) {
+    const Grab &grab = hand.grab;
+    hand.status = GrabStatus();
+    Vec3 velocity = Vec3::Zero();
+    double inverseMass = 0.0;
+    for (std::size_t k = 0; k < grab.phyxels.size(); ++k) {
+      const Index i = grab.phyxels[k];
+      const double w = grab.weights[k];
+      hand.status.point += w * (body.rest().origin + body.rest().positions[i] + body.state().displacements[i]);
+      velocity += w * body.state().velocities[i];
+      inverseMass += w * w / body.masses()[i];
+    }
+    hand.status.mass = 1.0 / inverseMass;
+    const double omega = std::min(grab.frequency, limit);
+    if (grab.arms.empty())
+      pullMean(body, hand, omega, velocity);
+    else
+      pullShape(body, hand, omega);
+  }
 }
 
 double impactSpeed(Body &body, const Environment &env, double time, double dt, double stride, double meanSpeed) {
@@ -110,7 +154,7 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
   const double springLimit = 0.3 / dt;
   if (!body.forcesCurrent) {
     evaluate(body, env, time, 0.0);
-    applyGrab(body, springLimit);
+    applyGrabs(body, springLimit);
   }
 
   // With nothing in between, half a kick and the drift are one loop.
@@ -155,7 +199,7 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
       if (patches) body.patches().correct(dt, body.patchTargets(time + dt), state.displacements, state.velocities);
     });
   evaluate(body, env, time + dt, dt);
-  applyGrab(body, springLimit);
+  applyGrabs(body, springLimit);
   clock.measure(kIntegrate, [&] {
     kick(0.5 * dt, false);
     if (env.damping > 0.0) {

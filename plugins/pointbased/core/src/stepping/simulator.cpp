@@ -382,36 +382,53 @@ void Simulator::swapExternalForces(std::size_t id, std::vector<Vec3> &forces) {
   target->swapExternalForces(forces);
 }
 
-void Simulator::setGrab(std::size_t id, Grab grab) {
+namespace {
+
+template <class B>
+auto handOf(B *body, std::uint64_t id) -> decltype(body->hands.data()) {
+  if (!body) return nullptr;
+  for (auto &hand : body->hands)
+    if (hand.id == id) return &hand;
+  return nullptr;
+}
+
+}  // namespace
+
+void Simulator::setGrab(std::size_t id, Grab grab, std::uint64_t hand) {
   Body *target = body(id);
   if (!target || grab.phyxels.empty() || target->rigid()) return;
   POINTBASED_EXPECTS(grab.weights.size() == grab.phyxels.size(), "one weight per grabbed phyxel");
+  POINTBASED_EXPECTS(grab.arms.empty() || grab.arms.size() == grab.phyxels.size(),
+                     "one arm per grabbed phyxel, or none");
   POINTBASED_EXPECTS(
       std::all_of(grab.phyxels.begin(), grab.phyxels.end(), [&](Index i) { return i < target->rest().phyxelCount(); }),
       "grabs phyxels that there are");
-  target->grab = std::move(grab);
+  if (Hand *present = handOf(target, hand))
+    *present = {hand, std::move(grab), {}};
+  else
+    target->hands.push_back({hand, std::move(grab), {}});
   target->forcesCurrent = false;
   bodies_.at(id)->forgetEnergy();
 }
 
-void Simulator::moveGrab(std::size_t id, const Vec3 &position) {
-  if (Body *target = body(id); target && target->grab) target->grab->target = position;
+void Simulator::moveGrab(std::size_t id, const Vec3 &position, std::uint64_t hand) {
+  if (Hand *present = handOf(body(id), hand)) present->grab.target = position;
 }
 
-void Simulator::releaseGrab(std::size_t id) {
+void Simulator::turnGrab(std::size_t id, const Mat3 &rotation, std::uint64_t hand) {
+  if (Hand *present = handOf(body(id), hand)) present->grab.rotation = rotation;
+}
+
+void Simulator::releaseGrab(std::size_t id, std::uint64_t hand) {
   Body *target = body(id);
-  if (!target) return;
-  if (target->grab) {
-    target->forcesCurrent = false;
-    bodies_.at(id)->forgetEnergy();  // what the hand has put in has not come from nothing
-  }
-  target->grab.reset();
-  target->grabStatus.reset();
+  if (!target || std::erase_if(target->hands, [hand](const Hand &h) { return h.id == hand; }) == 0) return;
+  target->forcesCurrent = false;
+  bodies_.at(id)->forgetEnergy();  // what the hand has put in has not come from nothing
 }
 
-std::optional<GrabStatus> Simulator::grabStatus(std::size_t id) const {
-  const Body *target = body(id);
-  return target ? target->grabStatus : std::nullopt;
+std::optional<GrabStatus> Simulator::grabStatus(std::size_t id, std::uint64_t hand) const {
+  const Hand *present = handOf(body(id), hand);
+  return present ? std::optional(present->status) : std::nullopt;
 }
 
 void Simulator::surfels(std::size_t id, std::vector<Vec3> &positions, std::vector<Vec3> &normals) {

@@ -170,7 +170,7 @@ std::string whyNotKept(const Body &body, Integrator integrator) {
   if (integrator != Integrator::explicitVerlet)
     return which + "is not integrated explicitly; states are kept of solver.integrator = \"explicit\"";
   if (body.constitution().plastic()) return which + "is of material that flows; states are kept of elastic material";
-  if (body.grab) return which + "is held by a hand; let go of it first";
+  if (!body.hands.empty()) return which + "is held by a hand; let go of it first";
   if (body.stopped) return which + "has stopped; reset first";
   return {};
 }

@@ -35,7 +35,7 @@ bool SleepDetector::look(const Body &body, double tolerance, double dt) {
 }
 
 bool isDriven(const Body &body, std::span<const Obstacle> obstacles, double time, double dt) {
-  if (body.grab || !body.externalForces().empty() || body.constitution().relaxing()) return true;
+  if (!body.hands.empty() || !body.externalForces().empty() || body.constitution().relaxing()) return true;
   for (const Obstacle &obstacle : obstacles)
     if (obstacle.motion && !same(obstacle.motion(time), obstacle.motion(time + dt))) return true;
   const BoundaryConditions &conditions = body.rest().conditions;

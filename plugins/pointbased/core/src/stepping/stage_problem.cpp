@@ -49,10 +49,10 @@ StageProblem::StageProblem(Body &body, const Environment &env, const ImplicitSta
   for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.weights()[i] * env.gravity;
   const double share = body.factor(0.0, stage.end);
   for (std::size_t i = 0; i < body.externalForces().size(); ++i) dead_[i] += share * body.externalForces()[i];
-  if (body.grab && stage.h > 0.0) {
-    // The hand's spring is taken at the beginning of the stage, soft enough not to be thrown by its own delay.
+  if (!body.hands.empty() && stage.h > 0.0) {
+    // Springs of hands are taken at the beginning of the stage, soft enough not to be thrown by their own delay.
     std::fill(body.forces().begin(), body.forces().end(), Vec3::Zero());
-    applyGrab(body, 0.3 / stage.h);
+    applyGrabs(body, 0.3 / stage.h);
     for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.forces()[i];
     body.forcesCurrent = false;
   }

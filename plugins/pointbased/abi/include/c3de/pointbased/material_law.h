@@ -19,9 +19,9 @@
 #include <c3de/abi/object.h>
 #include <c3de/abi/params.h>
 
-#define C3DE_POINTBASED_MATERIAL_LAW_ID "draft/c3de.pointbased.material_law/0"
+#define C3DE_POINTBASED_MATERIAL_LAW_ID "c3de.pointbased.material_law/1"
 
-typedef struct c3de_material_law_v0 {
+typedef struct c3de_material_law_v1 {
   uint32_t size;
   uint32_t rev;
   /* The law's parameters: numbers, integers, booleans and choices. A scene says them as material.ID, ID being what is
@@ -42,6 +42,6 @@ typedef struct c3de_material_law_v0 {
    * and of the largest eigenvalue of dP/dF. The stable explicit step shrinks with their growth against rest. Null: they
    * are derived from nine differentials per point, which costs as much as several stresses. [any] */
   c3de_status(C3DE_CALL *bounds)(c3de_object *self, const double *params, uint64_t n, const double *F, double *bounds);
-} c3de_material_law_v0;
+} c3de_material_law_v1;
 
 #endif

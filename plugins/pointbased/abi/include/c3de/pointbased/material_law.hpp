@@ -10,7 +10,7 @@
 namespace c3de::sdk {
 
 template <>
-inline constexpr std::string_view kTableId<c3de_material_law_v0>{C3DE_POINTBASED_MATERIAL_LAW_ID};
+inline constexpr std::string_view kTableId<c3de_material_law_v1>{C3DE_POINTBASED_MATERIAL_LAW_ID};
 
 namespace detail {
 
@@ -48,7 +48,7 @@ struct LawThunks {
     for (std::uint64_t i = 0; i < n; ++i) law.bounds(F + 9 * i, out + 2 * i);
     return C3DE_OK;
   }
-  static constexpr decltype(c3de_material_law_v0::bounds) boundsSlot() {
+  static constexpr decltype(c3de_material_law_v1::bounds) boundsSlot() {
     if constexpr (requires { &D::bounds; })
       return &bounds;
     else
@@ -57,7 +57,7 @@ struct LawThunks {
 };
 
 template <class D>
-inline constexpr c3de_material_law_v0 kMaterialLawTable{sizeof(c3de_material_law_v0), 1,
+inline constexpr c3de_material_law_v1 kMaterialLawTable{sizeof(c3de_material_law_v1), 1,
                                                         &LawThunks<D>::declarations,  &LawThunks<D>::energy,
                                                         &LawThunks<D>::stress,        &LawThunks<D>::differential,
                                                         LawThunks<D>::boundsSlot()};

@@ -8,14 +8,14 @@
 
 #include <c3de/abi/object.h>
 
-#define C3DE_POINTBASED_PHYXEL_SET_ID "draft/c3de.iface.phyxel_set/0"
-#define C3DE_POINTBASED_SURFEL_SET_ID "draft/c3de.iface.surfel_set/0"
-#define C3DE_POINTBASED_BODIES_ID "draft/c3de.pointbased.bodies/0"
+#define C3DE_POINTBASED_PHYXEL_SET_ID "c3de.pointbased.phyxel_set/1"
+#define C3DE_POINTBASED_SURFEL_SET_ID "c3de.pointbased.surfel_set/1"
+#define C3DE_POINTBASED_BODIES_ID "c3de.pointbased.bodies/1"
 
 /* Classes. */
-#define C3DE_POINTBASED_WORLD_SIMULATOR_CLASS "draft/c3de.pointbased.WorldSimulator/0"
-#define C3DE_POINTBASED_PHYXEL_CLASS "draft/c3de.pointbased.Phyxel/0"
-#define C3DE_POINTBASED_SURFEL_CLASS "draft/c3de.pointbased.Surfel/0"
+#define C3DE_POINTBASED_WORLD_SIMULATOR_CLASS "c3de.pointbased.WorldSimulator/1"
+#define C3DE_POINTBASED_PHYXEL_CLASS "c3de.pointbased.Phyxel/1"
+#define C3DE_POINTBASED_SURFEL_CLASS "c3de.pointbased.Surfel/1"
 
 /* Fields of phyxels. All f64. */
 #define C3DE_FIELD_REFERENCE_POSITION 1u /* comps 3, m */
@@ -29,7 +29,7 @@
 /* Fields of surfels beside REFERENCE_POSITION and POSITION. */
 #define C3DE_FIELD_NORMAL 9u /* comps 3, unit */
 
-typedef struct c3de_phyxel_set_v0 {
+typedef struct c3de_phyxel_set_v1 {
   uint32_t size;
   uint32_t rev;
   uint64_t(C3DE_CALL *count)(c3de_object *self);
@@ -43,9 +43,9 @@ typedef struct c3de_phyxel_set_v0 {
                                  uint32_t neighbours);
   /* Only for a set created alone: moves the points; GRADIENT and STRAIN follow. */
   c3de_status(C3DE_CALL *move)(c3de_object *self, c3de_view positions);
-} c3de_phyxel_set_v0;
+} c3de_phyxel_set_v1;
 
-typedef struct c3de_surfel_set_v0 {
+typedef struct c3de_surfel_set_v1 {
   uint32_t size;
   uint32_t rev;
   uint64_t(C3DE_CALL *count)(c3de_object *self);
@@ -57,16 +57,16 @@ typedef struct c3de_surfel_set_v0 {
   /* Revision 2. The skin as triangles between surfels, outwards by the right-hand rule: comps 3, u32, borrowed from the
    * set; no rows where the surfels are points alone. */
   c3de_status(C3DE_CALL *triangles)(c3de_object *self, c3de_view *out);
-} c3de_surfel_set_v0;
+} c3de_surfel_set_v1;
 
 /* Answered by the simulator of the plugin, beside its iface.simulator, whose handles it takes. */
-typedef struct c3de_pointbased_bodies_v0 {
+typedef struct c3de_pointbased_bodies_v1 {
   uint32_t size;
   uint32_t rev;
   /* Objects that answer the set's interface, with a count added for the caller. Stale when the body is removed or built
    * again. [any] */
   c3de_status(C3DE_CALL *phyxels)(c3de_object *self, c3de_handle body, c3de_object **out);
   c3de_status(C3DE_CALL *surfels)(c3de_object *self, c3de_handle body, c3de_object **out);
-} c3de_pointbased_bodies_v0;
+} c3de_pointbased_bodies_v1;
 
 #endif

@@ -9,10 +9,10 @@
 namespace c3de::sdk {
 
 template <>
-inline constexpr std::string_view kTableId<c3de_phyxel_set_v0>{C3DE_POINTBASED_PHYXEL_SET_ID};
+inline constexpr std::string_view kTableId<c3de_phyxel_set_v1>{C3DE_POINTBASED_PHYXEL_SET_ID};
 template <>
-inline constexpr std::string_view kTableId<c3de_surfel_set_v0>{C3DE_POINTBASED_SURFEL_SET_ID};
+inline constexpr std::string_view kTableId<c3de_surfel_set_v1>{C3DE_POINTBASED_SURFEL_SET_ID};
 template <>
-inline constexpr std::string_view kTableId<c3de_pointbased_bodies_v0>{C3DE_POINTBASED_BODIES_ID};
+inline constexpr std::string_view kTableId<c3de_pointbased_bodies_v1>{C3DE_POINTBASED_BODIES_ID};
 
 }  // namespace c3de::sdk

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Commands: what a person starts by an entry of the menu Plugins or by keys. */
-#ifndef C3DE_ABI_DRAFT_COMMANDS_H
-#define C3DE_ABI_DRAFT_COMMANDS_H
+#ifndef C3DE_ABI_COMMANDS_H
+#define C3DE_ABI_COMMANDS_H
 
-#include "../base.h"
+#include "base.h"
 #include "tools.h"
 
-#define C3DE_COMMANDS_ID "draft/c3de.commands/0"
+#define C3DE_COMMANDS_ID "c3de.commands/1"
 
 /* add() was done without the shortcut, which another command has. */
 #define C3DE_S_NO_SHORTCUT ((c3de_status)2)
@@ -24,7 +24,7 @@ typedef struct c3de_command { /* copied, strings included */
   c3de_status(C3DE_CALL *run)(void *self);
 } c3de_command;
 
-typedef struct c3de_commands_v0 {
+typedef struct c3de_commands_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -36,6 +36,6 @@ typedef struct c3de_commands_v0 {
   /* Carries out a command of any plugin; gives what its run gave. C3DE_E_NOT_FOUND names the nearest id; C3DE_E_STATE:
    * it is not enabled, or is running. [main] */
   c3de_status(C3DE_CALL *run)(void *ctx, c3de_str id);
-} c3de_commands_v0;
+} c3de_commands_v1;
 
 #endif

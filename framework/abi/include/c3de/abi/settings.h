@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a plugin remembers from one run to the next: texts by key, of the person and not of a scene, in a file of the
  * plugin's own in the folder of settings. */
-#ifndef C3DE_ABI_DRAFT_SETTINGS_H
-#define C3DE_ABI_DRAFT_SETTINGS_H
+#ifndef C3DE_ABI_SETTINGS_H
+#define C3DE_ABI_SETTINGS_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_SETTINGS_ID "draft/c3de.settings/0"
+#define C3DE_SETTINGS_ID "c3de.settings/1"
 
-typedef struct c3de_settings_v0 {
+typedef struct c3de_settings_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -22,6 +22,6 @@ typedef struct c3de_settings_v0 {
   c3de_status(C3DE_CALL *remove)(void *ctx, c3de_str key);
   /* Calls each() for every key, sorted, until it returns something other than C3DE_OK, which is returned. [any] */
   c3de_status(C3DE_CALL *keys)(void *ctx, void *self, c3de_status(C3DE_CALL *each)(void *self, c3de_str key));
-} c3de_settings_v0;
+} c3de_settings_v1;
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The host drives a simulator on a thread of its own; this is how others start, stop and reach it. */
-#ifndef C3DE_ABI_DRAFT_SIMULATION_H
-#define C3DE_ABI_DRAFT_SIMULATION_H
+#ifndef C3DE_ABI_SIMULATION_H
+#define C3DE_ABI_SIMULATION_H
 
-#include "../object.h"
+#include "object.h"
 
-#define C3DE_SIMULATION_ID "draft/c3de.simulation/0"
+#define C3DE_SIMULATION_ID "c3de.simulation/1"
 
 #define C3DE_SIM_STOPPED 0u /* at the initial state */
 #define C3DE_SIM_PLAYING 1u
@@ -49,7 +49,7 @@ typedef struct c3de_simulation_watch {
   void(C3DE_CALL *stepped)(void *self, c3de_handle node, uint64_t steps, double time_s);
 } c3de_simulation_watch;
 
-typedef struct c3de_simulation_v0 {
+typedef struct c3de_simulation_v1 {
   uint32_t size;
   uint32_t rev; /* 2: from enum_simulations() on */
   void *ctx;
@@ -70,6 +70,6 @@ typedef struct c3de_simulation_v0 {
   c3de_status(C3DE_CALL *watch)(void *ctx, const c3de_simulation_watch *watch, c3de_handle *out);
   /* When it returns, none of the functions runs or will be called. C3DE_E_STATE from within stepped(). [main] */
   c3de_status(C3DE_CALL *unwatch)(void *ctx, c3de_handle watch);
-} c3de_simulation_v0;
+} c3de_simulation_v1;
 
 #endif

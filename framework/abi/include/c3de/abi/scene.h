@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scene nodes. World space is LPS, right-handed, millimetres. A simulation works in metres inside its own
  * node; the node's transform (world from node) is the one place where the two meet. */
-#ifndef C3DE_ABI_DRAFT_SCENE_H
-#define C3DE_ABI_DRAFT_SCENE_H
+#ifndef C3DE_ABI_SCENE_H
+#define C3DE_ABI_SCENE_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_SCENE_ID "draft/c3de.scene/0"
+#define C3DE_SCENE_ID "c3de.scene/1"
 
-typedef struct c3de_scene_v0 {
+typedef struct c3de_scene_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -21,6 +21,6 @@ typedef struct c3de_scene_v0 {
   c3de_status(C3DE_CALL *is_visible)(void *ctx, c3de_handle node, uint32_t *visible); /* [main] */
   /* Bounds in the node's own space, used by "fit view". [main] */
   c3de_status(C3DE_CALL *set_bounds)(void *ctx, c3de_handle node, const double *min3, const double *max3);
-} c3de_scene_v0;
+} c3de_scene_v1;
 
 #endif

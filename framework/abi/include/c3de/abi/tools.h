@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Tools: what the left mouse button does in the 3D view. One tool is active at a time. */
-#ifndef C3DE_ABI_DRAFT_TOOLS_H
-#define C3DE_ABI_DRAFT_TOOLS_H
+#ifndef C3DE_ABI_TOOLS_H
+#define C3DE_ABI_TOOLS_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_TOOLS_ID "draft/c3de.tools/0"
+#define C3DE_TOOLS_ID "c3de.tools/1"
 
 #define C3DE_EVENT_PRESS 1u
 #define C3DE_EVENT_MOVE 2u
@@ -52,7 +52,7 @@ typedef struct c3de_tool { /* copied, strings included */
   c3de_status(C3DE_CALL *on_event)(void *self, const c3de_event *event, uint32_t *consumed);
 } c3de_tool;
 
-typedef struct c3de_tools_v0 {
+typedef struct c3de_tools_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -60,6 +60,6 @@ typedef struct c3de_tools_v0 {
   c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle tool);                      /* [main] */
   c3de_status(C3DE_CALL *activate)(void *ctx, c3de_handle tool);                    /* 0: none [main] */
   c3de_status(C3DE_CALL *is_active)(void *ctx, c3de_handle tool, uint32_t *active); /* [main] */
-} c3de_tools_v0;
+} c3de_tools_v1;
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Forces of one's own on the bodies of running simulations, whoever simulates them. Units are SI. */
-#ifndef C3DE_ABI_DRAFT_FORCES_H
-#define C3DE_ABI_DRAFT_FORCES_H
+#ifndef C3DE_ABI_FORCES_H
+#define C3DE_ABI_FORCES_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_FORCES_ID "draft/c3de.forces/0"
+#define C3DE_FORCES_ID "c3de.forces/1"
 
 /* A body as it is before a step. Valid during the call. Arrays lie tight. */
 typedef struct c3de_force_call {
@@ -34,7 +34,7 @@ typedef struct c3de_force_field { /* copied by add, the name included */
   c3de_status(C3DE_CALL *apply)(void *self, const c3de_force_call *call);
 } c3de_force_field;
 
-typedef struct c3de_forces_v0 {
+typedef struct c3de_forces_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -44,6 +44,6 @@ typedef struct c3de_forces_v0 {
   /* When this returns, apply is not running and will not be called again. C3DE_E_STALE: it has been removed already;
    * C3DE_E_STATE: called from an apply. [any] */
   c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle field);
-} c3de_forces_v0;
+} c3de_forces_v1;
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Undo and Redo of the window: what a plugin's tool has done becomes a step of them. */
-#ifndef C3DE_ABI_DRAFT_HISTORY_H
-#define C3DE_ABI_DRAFT_HISTORY_H
+#ifndef C3DE_ABI_HISTORY_H
+#define C3DE_ABI_HISTORY_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_HISTORY_ID "draft/c3de.history/0"
+#define C3DE_HISTORY_ID "c3de.history/1"
 
 typedef struct c3de_edit { /* copied, strings included */
   uint32_t size;
@@ -19,7 +19,7 @@ typedef struct c3de_edit { /* copied, strings included */
   void(C3DE_CALL *release)(void *self);
 } c3de_edit;
 
-typedef struct c3de_history_v0 {
+typedef struct c3de_history_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -28,6 +28,6 @@ typedef struct c3de_history_v0 {
   c3de_status(C3DE_CALL *add)(void *ctx, const c3de_edit *edit, c3de_handle *out);
   /* Forgets a step whose object is gone; C3DE_E_STALE when it is forgotten already. [main] */
   c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle edit);
-} c3de_history_v0;
+} c3de_history_v1;
 
 #endif

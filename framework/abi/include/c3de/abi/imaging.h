@@ -3,12 +3,12 @@
  * the middle of its voxel, i runs fastest. Images lie as they were scanned: where the material of a deformed body was
  * then says displacement() of the simulator's interface. What is stored never changes; the workstation may take it away
  * at any time, and its handle is stale from then on. */
-#ifndef C3DE_ABI_DRAFT_IMAGING_H
-#define C3DE_ABI_DRAFT_IMAGING_H
+#ifndef C3DE_ABI_IMAGING_H
+#define C3DE_ABI_IMAGING_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_IMAGING_ID "draft/c3de.imaging/0"
+#define C3DE_IMAGING_ID "c3de.imaging/1"
 
 typedef struct c3de_image_info {
   uint32_t size;
@@ -38,7 +38,7 @@ typedef struct c3de_label {
   uint32_t reserved;
 } c3de_label;
 
-typedef struct c3de_imaging_v0 {
+typedef struct c3de_imaging_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -59,6 +59,6 @@ typedef struct c3de_imaging_v0 {
    * than C3DE_OK, which is returned. [any] */
   c3de_status(C3DE_CALL *enum_labels)(void *ctx, c3de_handle map, void *self,
                                       c3de_status(C3DE_CALL *each)(void *self, const c3de_label *label));
-} c3de_imaging_v0;
+} c3de_imaging_v1;
 
 #endif

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Trees of axis-aligned boxes over triangle meshes. Queries are batched; queries on one tree may run on several threads
  * at once; refit and rebuild need that tree to themselves. Lengths are in the unit the positions were given in. */
-#ifndef C3DE_ABI_DRAFT_COLLISION_H
-#define C3DE_ABI_DRAFT_COLLISION_H
+#ifndef C3DE_ABI_COLLISION_H
+#define C3DE_ABI_COLLISION_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_COLLISION_ID "draft/c3de.collision/0"
+#define C3DE_COLLISION_ID "c3de.collision/1"
 
 typedef struct c3de_ray_hit {
   double t;          /* along the direction; < 0: none */
@@ -24,7 +24,7 @@ typedef struct c3de_closest {
   double bary[3];
 } c3de_closest;
 
-typedef struct c3de_collision_v0 {
+typedef struct c3de_collision_v1 {
   uint32_t size;
   uint32_t rev; /* 2: has pairs() */
   void *ctx;
@@ -51,6 +51,6 @@ typedef struct c3de_collision_v0 {
    * same space. C3DE_S_TRUNCATED if more than capacity. [any] */
   c3de_status(C3DE_CALL *pairs)(void *ctx, c3de_handle first, c3de_handle second, double max_distance, uint32_t *out2,
                                 uint64_t capacity, uint64_t *needed);
-} c3de_collision_v0;
+} c3de_collision_v1;
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Ids of parameters that mean the same with every simulator. Scenes name them, the window sets them; a simulator declares
  * those that it serves, beside its own. */
-#ifndef C3DE_ABI_DRAFT_IFACE_PARAMETER_IDS_H
-#define C3DE_ABI_DRAFT_IFACE_PARAMETER_IDS_H
+#ifndef C3DE_ABI_IFACE_PARAMETER_IDS_H
+#define C3DE_ABI_IFACE_PARAMETER_IDS_H
 
 /* Of the world. */
 #define C3DE_PARAM_ID_GRAVITY "world.gravity"         /* VEC3, m/s^2 */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Retained drawing: create a proxy once, update its arrays when they change. Absent when there is no window. */
-#ifndef C3DE_ABI_DRAFT_RENDER_H
-#define C3DE_ABI_DRAFT_RENDER_H
+#ifndef C3DE_ABI_RENDER_H
+#define C3DE_ABI_RENDER_H
 
-#include "../base.h"
+#include "base.h"
 
-#define C3DE_RENDER_ID "draft/c3de.render/0"
+#define C3DE_RENDER_ID "c3de.render/1"
 
 #define C3DE_ATTR_POSITIONS 1u /* comps 3, f32 or f64, node space */
 #define C3DE_ATTR_NORMALS 2u   /* comps 3; absent on a mesh: computed from the triangles at each update */
@@ -32,7 +32,7 @@ typedef struct c3de_legend {
 } c3de_legend;
 
 /* Revision 2: create_legend, set_legend. */
-typedef struct c3de_render_v0 {
+typedef struct c3de_render_v1 {
   uint32_t size;
   uint32_t rev;
   void *ctx;
@@ -49,13 +49,13 @@ typedef struct c3de_render_v0 {
                                        const c3de_material *material, c3de_handle *out);
   /* Replaces an array of the proxy; the count may change for spheres and lines, not for meshes. [main] */
   c3de_status(C3DE_CALL *update)(void *ctx, c3de_handle proxy, uint32_t attribute, c3de_view values);
-  c3de_status(C3DE_CALL *set_label)(void *ctx, c3de_handle proxy, const double *at3, c3de_str text);
-  c3de_status(C3DE_CALL *set_material)(void *ctx, c3de_handle proxy, const c3de_material *material);
-  c3de_status(C3DE_CALL *set_visible)(void *ctx, c3de_handle proxy, uint32_t visible);
-  c3de_status(C3DE_CALL *destroy)(void *ctx, c3de_handle proxy);
+  c3de_status(C3DE_CALL *set_label)(void *ctx, c3de_handle proxy, const double *at3, c3de_str text); /* [main] */
+  c3de_status(C3DE_CALL *set_material)(void *ctx, c3de_handle proxy, const c3de_material *material); /* [main] */
+  c3de_status(C3DE_CALL *set_visible)(void *ctx, c3de_handle proxy, uint32_t visible);               /* [main] */
+  c3de_status(C3DE_CALL *destroy)(void *ctx, c3de_handle proxy);                                     /* [main] */
   /* Since revision 2. Shown while the node is visible, in pictures as well. [main] */
   c3de_status(C3DE_CALL *create_legend)(void *ctx, c3de_handle node, const c3de_legend *legend, c3de_handle *out);
-  c3de_status(C3DE_CALL *set_legend)(void *ctx, c3de_handle proxy, const c3de_legend *legend); /* since revision 2 */
-} c3de_render_v0;
+  c3de_status(C3DE_CALL *set_legend)(void *ctx, c3de_handle proxy, const c3de_legend *legend); /* likewise [main] */
+} c3de_render_v1;
 
 #endif

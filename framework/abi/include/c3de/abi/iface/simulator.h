@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a simulator answers. Units are SI throughout: m, kg, s, N, Pa. */
-#ifndef C3DE_ABI_DRAFT_IFACE_SIMULATOR_H
-#define C3DE_ABI_DRAFT_IFACE_SIMULATOR_H
+#ifndef C3DE_ABI_IFACE_SIMULATOR_H
+#define C3DE_ABI_IFACE_SIMULATOR_H
 
-#include "../../jobs.h"
-#include "../../object.h"
-#include "../../params.h"
+#include "../jobs.h"
+#include "../object.h"
+#include "../params.h"
 
-#define C3DE_IFACE_SIMULATOR_ID "draft/c3de.iface.simulator/1"
+#define C3DE_IFACE_SIMULATOR_ID "c3de.iface.simulator/1"
 
 #define C3DE_SIM_SCOPE_WORLD 1u    /* gravity, box, solver */
 #define C3DE_SIM_SCOPE_BODY 2u     /* material, sampling */
@@ -194,6 +194,31 @@ typedef struct c3de_sim_probe {
   double reference_m[3], position_m[3], velocity_m_s[3];
 } c3de_sim_probe;
 
+#define C3DE_SIM_HOLD_SHAPE 1u /* what is held keeps its shape and turns; else only its weighted mean is led */
+
+/* Springs between a part of a body and a place that somebody moves: a pinch, a clamp. */
+typedef struct c3de_sim_hold {
+  uint32_t size;
+  uint32_t flags;       /* C3DE_SIM_HOLD_*; C3DE_E_UNSUPPORTED for those that a simulator does not serve */
+  double at_m[3];       /* what of the body lies in a ball about it, both as the body is now */
+  double radius_m;      /* > 0; what is held is at least what a few points of the simulator carry */
+  double frequency_hz;  /* of the springs on the mass they hold; 0: the simulator chooses. Lowered where the step would
+                        * not carry it: hold_state() says how far the body is off */
+  double damping_ratio; /* 1: critical; 0: the simulator chooses */
+  double max_force_N;   /* 0: the simulator chooses one that does not tear the body apart */
+} c3de_sim_hold;
+
+typedef struct c3de_sim_hold_state {
+  uint32_t size;
+  uint32_t reserved;
+  c3de_handle body;
+  double point_m[3];   /* where the point is that was named, as what is held has moved */
+  double target_m[3];  /* where it is pulled to */
+  double force_N[3];   /* of the last step, on the body */
+  double torque_Nm[3]; /* likewise, about the mean of what is held; 0 without C3DE_SIM_HOLD_SHAPE */
+  double mass_kg;      /* that is held */
+} c3de_sim_hold_state;
+
 /* The points of a body that forces act on, before a step. Arrays lie tight. */
 typedef struct c3de_sim_points {
   uint32_t size;
@@ -209,7 +234,7 @@ typedef struct c3de_sim_points {
 /* Slots that say so may be null: what they are for is then not served, and the host refuses it by name. */
 typedef struct c3de_simulator_v1 {
   uint32_t size;
-  uint32_t rev; /* 2 */
+  uint32_t rev;
   /* The host hands over the scene node that stands for this simulation (0: detach); what the simulator shows belongs
    * under it. [main] */
   c3de_status(C3DE_CALL *attach)(c3de_object *self, c3de_handle node);
@@ -231,7 +256,7 @@ typedef struct c3de_simulator_v1 {
                                          const c3de_param_value *value); /* [sim] */
   c3de_status(C3DE_CALL *get_body_param)(c3de_object *self, c3de_handle body, c3de_str id,
                                          c3de_param_value *out); /* [sim] */
-  /* A body, obstacle, probe, or a load of add_load(). [sim] */
+  /* A body, obstacle or probe; a load of add_load(); a hold, which lets go. [sim] */
   c3de_status(C3DE_CALL *remove)(c3de_object *self, c3de_handle what);
   c3de_status(C3DE_CALL *clear)(c3de_object *self); /* [sim] */
   /* One step of the solver's own size. C3DE_E_DIVERGED: the state before it is kept. [sim] */
@@ -280,19 +305,20 @@ typedef struct c3de_simulator_v1 {
   /* May be null: loads come with bodies only. A load more, from the next step on; its ramp begins now. It is there until
    * it is removed, or the simulation reset. [sim] */
   c3de_status(C3DE_CALL *add_load)(c3de_object *self, c3de_handle body, const c3de_sim_load *load, c3de_handle *out);
-  /* May be null. Takes hold of what of a body lies in a ball about a point, both as the body is now; from then on a
-   * spring pulls it towards a target, which is the point until pull() moves it. One hold per body: another one takes its
-   * place. [sim] */
-  c3de_status(C3DE_CALL *hold)(c3de_object *self, c3de_handle body, const double *at_m3, double radius_m);
-  c3de_status(C3DE_CALL *pull)(c3de_object *self, c3de_handle body, const double *target_m3); /* null as hold [sim] */
-  c3de_status(C3DE_CALL *let_go)(c3de_object *self, c3de_handle body);                        /* null as hold [sim] */
-  /* Null as hold. The force that the hold exerts now, N; 0 where nobody holds. [sim] */
-  c3de_status(C3DE_CALL *hold_force)(c3de_object *self, c3de_handle body, double *force_N3);
-  /* Since revision 2, and may be null, both or none: states are not kept in files then. All that the next steps follow
+  /* May be null: nobody can take hold then. From the next step on springs pull a part of the body towards a target,
+   * which is where it is until pull() moves it; until the hold is removed, the body is, or the simulation is reset.
+   * Several may hold one body. [sim] */
+  c3de_status(C3DE_CALL *hold)(c3de_object *self, c3de_handle body, const c3de_sim_hold *hold, c3de_handle *out);
+  /* Null as hold. Where the point that was named is pulled to; quaternion4: null, or x, y, z, w of how far what is held
+   * is turned since then, of unit length to 1e-6; of no effect without C3DE_SIM_HOLD_SHAPE. [sim] */
+  c3de_status(C3DE_CALL *pull)(c3de_object *self, c3de_handle hold, const double *target_m3, const double *quaternion4);
+  c3de_status(C3DE_CALL *hold_state)(c3de_object *self, c3de_handle hold,
+                                     c3de_sim_hold_state *out); /* null as hold [sim] */
+  /* May be null, both or none: states are not kept in files then. All that the next steps follow
    * from, as bytes for load_state() of the same scene; what belongs to nobody's scene, as a hand that holds a body,
    * makes it C3DE_E_STATE with text. The host puts class, version and a checksum before them. [sim] */
   c3de_status(C3DE_CALL *save_state)(c3de_object *self, c3de_sink bytes);
-  /* Since revision 2. Goes to a state that was saved, with the same bodies, parameters, supports and loads: state_hash()
+  /* Goes to a state that was saved, with the same bodies, parameters, supports and loads: state_hash()
    * and every step after it are those of then, bit for bit. Bytes of another scene, or malformed ones, are refused with
    * text, and nothing has changed. [sim] */
   c3de_status(C3DE_CALL *load_state)(c3de_object *self, const void *bytes, uint64_t n);

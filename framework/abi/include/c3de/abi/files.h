@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Formats of files that a plugin brings: what it reads is checked, welded, oriented and reported like every mesh, and
- * scenes, the window's dialog and `c3de info` open it. */
-#ifndef C3DE_ABI_DRAFT_FILES_H
-#define C3DE_ABI_DRAFT_FILES_H
+/* Formats of files that a plugin brings. What it reads is checked, welded, oriented and reported like every mesh, and
+ * scenes, the window's dialog and `c3de info` open it; what it writes is what *Export surface* and `c3de run` offer. */
+#ifndef C3DE_ABI_FILES_H
+#define C3DE_ABI_FILES_H
 
-#include "../base.h"
-#include "../jobs.h"
-#include "../mesh.h"
+#include "base.h"
+#include "jobs.h"
+#include "mesh.h"
 
-#define C3DE_FILES_ID "draft/c3de.files/0"
+#define C3DE_FILES_ID "c3de.files/1"
 
 /* A file to read. Valid during the call. */
 typedef struct c3de_mesh_source {
@@ -51,16 +51,43 @@ typedef struct c3de_mesh_reader { /* copied, strings included */
                                const c3de_mesh_sink *sink);
 } c3de_mesh_reader;
 
-typedef struct c3de_files_v0 {
+/* A surface to write. Valid during the call. */
+typedef struct c3de_mesh_contents {
+  uint32_t size;
+  uint32_t reserved;
+  c3de_str name;          /* of the body, for people; may be empty */
+  c3de_view positions_mm; /* comps 3, f64: LPS, at least 1 */
+  c3de_view triangles;    /* comps 3, u32: indices of positions, outwards by the right-hand rule, at least 1 */
+} c3de_mesh_contents;
+
+typedef struct c3de_mesh_writer { /* copied, strings included */
   uint32_t size;
   uint32_t rev;
+  c3de_str id;                /* for example "org.example.tetra" */
+  c3de_str label;             /* shown to people: "Points and triangles" */
+  const c3de_str *extensions; /* letters and digits without the dot: "tri"; at least one */
+  uint64_t extensions_n;
+  void *self;
+  /* Puts the bytes of the file, in order, in as many pieces as it likes; the host writes it whole or not at all. Fails
+   * with a text (set_error) that says why; the host adds the names of file, writer and plugin. Progress as of
+   * c3de_mesh_reader. [any] */
+  c3de_status(C3DE_CALL *write)(void *self, const c3de_mesh_contents *mesh, const c3de_progress *progress,
+                                c3de_sink bytes);
+} c3de_mesh_writer;
+
+typedef struct c3de_files_v1 {
+  uint32_t size;
+  uint32_t rev; /* 2: has add_mesh_writer() */
   void *ctx;
   /* From now on such files are meshes. An extension that the host, or a reader before this one, has stays theirs: the
    * log names both, and this one reads such files where it is asked for by its id. C3DE_E_EXISTS: the id is taken. [any] */
   c3de_status(C3DE_CALL *add_mesh_reader)(void *ctx, const c3de_mesh_reader *reader, c3de_handle *out);
-  /* When this returns, read is not running (its progress said C3DE_E_CANCELLED) and will not be called again.
-   * C3DE_E_STALE: it is gone already; C3DE_E_STATE: called from its read. [any] */
-  c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle reader);
-} c3de_files_v0;
+  /* A reader or writer. When this returns, read or write is not running (its progress said C3DE_E_CANCELLED) and will
+   * not be called again. C3DE_E_STALE: it is gone already; C3DE_E_STATE: called from its read or write. [any] */
+  c3de_status(C3DE_CALL *remove)(void *ctx, c3de_handle format);
+  /* Since revision 2. From now on surfaces are exported as such files, too. An extension that the host, or a writer
+   * before this one, has stays theirs; the log names both. C3DE_E_EXISTS: the id is taken by a writer. [any] */
+  c3de_status(C3DE_CALL *add_mesh_writer)(void *ctx, const c3de_mesh_writer *writer, c3de_handle *out);
+} c3de_files_v1;
 
 #endif
