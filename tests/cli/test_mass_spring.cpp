@@ -177,8 +177,4 @@ TEST_CASE("a state of the point-based simulator goes on bit for bit, through con
       runC3de({"run", writeBar(folder, kMoving).string(), "--plugin", plugin(), "--from-state", state, "--steps", "1"});
   CHECK(springs.exitCode == 3);
   CHECK_THAT(springs.errorOutput, Contains("a state of simulator c3de.pointbased.WorldSimulator/1"));
-  const auto implicitly =
-      runC3de({"run", scene, "--set", "solver.integrator=implicit", "--steps", "1", "--save-state", state});
-  CHECK(implicitly.exitCode != 0);
-  CHECK_THAT(implicitly.errorOutput, Contains("is not integrated explicitly"));
 }

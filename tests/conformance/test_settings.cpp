@@ -50,7 +50,7 @@ TEST_CASE("a damaged settings file is told, kept beside, and costs nothing that 
   std::ofstream(store.fileOf("org.a"), std::ios::binary) << damaged;
   std::ofstream(store.fileOf("org.b"), std::ios::binary) << damaged;
   CHECK_FALSE(store.get("org.a", "name"));
-  CHECK(f.linesWith("the settings of plugin org.a are damaged").size() == 1);
+  CHECK(f.linesWith("org.a.json: is damaged").size() == 1);
   CHECK(store.get("org.b", "name") == "other");
   REQUIRE(store.set("org.a", "name", "new"));
   CHECK(contentOf(store.fileOf("org.a").string() + ".damaged") == damaged);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "c3de/geometry/mesh_io.h"
+#include "c3de/scene/text_sink.h"
 #include "simulator_session.h"
 #include "support/catch.h"
 #include "support/folders.h"
@@ -29,9 +30,10 @@ struct FreeOrgan {
   const c3de_simulator_v1 *table = session.table();
   c3de_object *self = session.object();
 
-  explicit FreeOrgan(const SimulatorSession::Placement &placement = {}) {
+  explicit FreeOrgan(const SimulatorSession::Placement &placement = {}, std::vector<c3de_param_value> values = {}) {
     session.setWorld({SimulatorSession::vector("world.gravity", {0.0, 0.0, 0.0})});
-    body = session.addBody(organ(), placement, {SimulatorSession::number("sampling.count", 500.0)});
+    values.push_back(SimulatorSession::number("sampling.count", 500.0));
+    body = session.addBody(organ(), placement, values);
   }
   Vec3 momentum() {
     const std::vector<Vec3> velocities = session.phyxels(body, C3DE_SIM_FIELD_VELOCITY);
@@ -209,6 +211,62 @@ TEST_CASE("a clamp keeps the shape of what it holds and turns it") {
   }
   INFO(std::atan2(sine, cosine) << " rad");
   CHECK(std::abs(std::atan2(sine, cosine) - 2.0 * half) < 0.05);
+}
+
+TEST_CASE("a saved state goes on bit for bit as the simulation that saved it, with every integrator and material") {
+  using Values = std::vector<c3de_param_value>;
+  const auto number = SimulatorSession::number;
+  const auto text = [](const char *id, const char *value) {
+    c3de_param_value out{};
+    out.size = sizeof out;
+    out.type = C3DE_PARAM_CHOICE;
+    out.id = {id, std::strlen(id)};
+    out.text = {value, std::strlen(value)};
+    return out;
+  };
+  struct Case {
+    const char *integrator;
+    Values material;
+  };
+  for (const Case &one :
+       {Case{"explicit", {}}, Case{"implicit", {}}, Case{"midpoint", {number("material.viscosity", 5.0)}},
+        Case{"backward_euler", {}}, Case{"quasistatic", {number("surroundings.stiffness", 1e6)}},
+        Case{"explicit",
+             {number("surroundings.stiffness", 1e5), number("material.plastic.yield", 0.01),
+              number("material.plastic.creep", 0.5)}},
+        Case{"implicit",
+             {number("surroundings.stiffness", 1e5), number("material.plastic.yield", 0.01),
+              number("material.plastic.creep", 0.5)}}}) {
+    INFO(one.integrator << ' ' << one.material.size());
+    const auto make = [&](FreeOrgan &f) {
+      Values world{text("solver.integrator", one.integrator),
+                   SimulatorSession::vector("world.gravity", {0.0, -200.0, 0.0})};
+      if (std::strcmp(one.integrator, "explicit") != 0 && std::strcmp(one.integrator, "quasistatic") != 0)
+        world.push_back(number("solver.dt", 0.01));
+      f.session.setWorld(world);
+    };
+    FreeOrgan first({}, one.material), second({}, one.material);
+    make(first);
+    make(second);
+    for (int i = 0; i < 12; ++i) first.session.step();
+    const bool flows = one.material.size() > 2;
+    CHECK(flows == !Contains("\"max_plastic_strain\":0.0").match(first.session.report()));
+    std::string bytes;
+    INFO(first.session.takeError());
+    REQUIRE(first.table->save_state(first.self, scene::sinkInto(bytes)) == C3DE_OK);
+    const c3de_status gone = second.table->load_state(second.self, bytes.data(), bytes.size());
+    INFO(second.session.takeError());
+    REQUIRE(gone == C3DE_OK);
+    CHECK(second.session.stateHash() == first.session.stateHash());
+    const std::uint64_t saved = first.session.stateHash();
+    for (int i = 0; i < 5; ++i) {
+      first.session.step();
+      second.session.step();
+    }
+    CHECK(second.session.stateHash() == first.session.stateHash());
+    CHECK((first.session.stateHash() != saved || first.session.status().finished != 0));
+    CHECK(second.session.status().time_s == first.session.status().time_s);
+  }
 }
 
 TEST_CASE("probes come, are read where they are now, and go") {

@@ -112,9 +112,9 @@ std::optional<CrashRecord> read(const std::filesystem::path &path) {
   const auto *found = std::find(kPlaces.begin(), kPlaces.end(), place);
   if (found == kPlaces.end()) return {};
   record.place = static_cast<CrashRecord::Place>(found - kPlaces.begin());
-  record.how = shownText(record.how);
-  record.owner = shownText(record.owner);
-  record.what = shownText(record.what);
+  record.how = shownMessage(record.how);
+  record.owner = shownMessage(record.owner);
+  record.what = shownMessage(record.what);
   return record;
 }
 

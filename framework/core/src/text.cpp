@@ -97,6 +97,17 @@ std::string shownText(std::string_view text, Lines lines) {
   return out;
 }
 
+std::string shownMessage(std::string_view text) {
+  constexpr std::size_t kWhole = 2000, kHead = 400, kTail = 600;  // bytes: lists of what is accepted stand at the end
+  if (text.size() <= kWhole) return shownText(text);
+  // Not within a character.
+  const auto boundary = [&](std::size_t at) {
+    while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80) ++at;
+    return at;
+  };
+  return shownText(text.substr(0, boundary(kHead))) + " … " + shownText(text.substr(boundary(text.size() - kTail)));
+}
+
 std::string nearestName(std::string_view name, std::span<const std::string> candidates) {
   std::string best;
   std::size_t bestDistance = std::max<std::size_t>(2, name.size() / 3) + 1;

@@ -37,9 +37,8 @@ SettingsStore::Values &SettingsStore::valuesOf(const std::string &plugin) {
                        std::all_of(json.begin(), json.end(), [](const auto &value) { return value.is_string(); });
   if (!isWhole) {
     values.isDamaged = true;
-    log(LogLevel::warn, fmt::format("{}: the settings of plugin {} are damaged and do not count; the file is kept as "
-                                    "{}.damaged when something is set",
-                                    pathText(file), plugin, pathText(file.filename())));
+    log(LogLevel::warn, fmt::format("{}: is damaged and does not count; it is kept as {}.damaged when something is set",
+                                    pathText(file), pathText(file.filename())));
     return values;
   }
   for (const auto &[key, value] : json.items()) values.byKey[key] = value.get<std::string>();

@@ -76,7 +76,9 @@ Expected<MaterialLibrary> MaterialLibrary::load(const std::filesystem::path &fil
     preset.name = name;
     std::optional<std::string> wrong = "'" + name + "' is " + table.kindName() + "; accepted: a table [" + name + "]";
     if (table.kind == TomlValue::Kind::table) wrong = readPreset(table, preset, line);
-    if (wrong) return fail(ErrorCode::input, file.string() + ":" + std::to_string(line) + ": " + name + ": " + *wrong);
+    if (wrong)
+      return fail(ErrorCode::input,
+                  file.string() + ":" + std::to_string(line) + ": " + shownMessage(name + ": " + *wrong));
     library.presets_.push_back(std::move(preset));
   }
   return library;

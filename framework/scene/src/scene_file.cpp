@@ -85,8 +85,8 @@ Expected<void> applyOverride(SceneFile &scene, std::string_view assignment, cons
   const std::size_t equals = assignment.find('=');
   const std::string path(trimmed(assignment.substr(0, equals)));
   if (equals == std::string_view::npos || path.empty())
-    return fail(ErrorCode::usage,
-                "--set " + std::string(assignment) + ": accepted: PATH=VALUE, for example solver.dt=1e-3");
+    return fail(ErrorCode::usage, shownMessage("--set " + std::string(assignment) +
+                                               ": accepted: PATH=VALUE, for example solver.dt=1e-3"));
   // Read into a copy, so that a refused value leaves the scene as it was.
   SceneFile changed = scene;
   SceneReader reader(changed, materials);

@@ -41,9 +41,9 @@ std::string joined(const std::vector<std::string> &names) {
 bool SceneReader::refuse(int line, const std::string &what) {
   if (!error_.message.empty()) return false;
   if (override_.empty())
-    error_ = {ErrorCode::input, scene_.where(line) + ": " + what};
+    error_ = {ErrorCode::input, scene_.where(line) + ": " + shownMessage(what)};
   else
-    error_ = {ErrorCode::usage, "--set " + override_ + ": " + what};
+    error_ = {ErrorCode::usage, shownMessage("--set " + override_ + ": " + what)};
   return false;
 }
 

@@ -121,9 +121,9 @@ Expected<TomlValue> parseToml(std::string_view text, const std::string &source) 
     return convert(root);
   } catch (const toml::parse_error &error) {
     return fail(ErrorCode::input, source + ":" + std::to_string(error.source().begin.line) +
-                                      ": not valid TOML: " + std::string(error.description()));
+                                      ": not valid TOML: " + shownMessage(error.description()));
   } catch (const std::exception &error) {
-    return fail(ErrorCode::input, source + ": not valid TOML: " + error.what());
+    return fail(ErrorCode::input, source + ": not valid TOML: " + shownMessage(error.what()));
   }
 }
 

@@ -18,6 +18,8 @@ enum class Lines { one, many };
 /// Text from outside as it can be shown anywhere: what would steer a terminal or turn the direction of writing is
 /// spelt out ("\x1b", "\u202e"), and so are bytes that are not UTF-8 ("\xff"). Line ends: one space, or kept.
 [[nodiscard]] std::string shownText(std::string_view text, Lines lines = Lines::one);
+/// A message that quotes texts from outside: as shownText(), in one line; the middle of one that is very long is left out.
+[[nodiscard]] std::string shownMessage(std::string_view text);
 
 /// Locale-independent shortest text that reads back to the same number.
 [[nodiscard]] std::string formatNumber(double value);

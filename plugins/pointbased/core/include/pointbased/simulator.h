@@ -117,9 +117,10 @@ class Simulator {
   ///         reset
   bool restore(const Checkpoint &checkpoint);
   /// The state as bytes, for goToSavedState() of a simulator with the same bodies, obstacles, supports, loads and world.
-  /// Explicit integration of elastic and relaxing material; the error says what cannot be kept: other integrators,
-  /// material that flows, a hand, a body that has stopped.
-  [[nodiscard]] Result<std::string> savedState() const;
+  /// Factorisations and what is known of energies start anew here, too, so that this simulation and one that goes to the
+  /// state make the same steps. Errors, with nothing changed: a body that a hand holds, that has stopped, or whose
+  /// material has flowed so far that its reference was renewed.
+  [[nodiscard]] Result<std::string> savedState();
   /// Goes to a state of savedState(), from which every step gives the bits that it gave from there. On an error, the
   /// bytes are not such a state, nothing has changed.
   [[nodiscard]] Result<void> goToSavedState(std::string_view bytes);

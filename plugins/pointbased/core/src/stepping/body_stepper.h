@@ -71,6 +71,11 @@ class BodyStepper {
     energy_.forget();
     mark_.reset();
   }
+  /// Nothing of earlier steps is used by the next one but the state.
+  void startSolversAnew() {
+    solver_.forget();
+    forgetEnergy();
+  }
   /// To the initial state, bit for bit.
   void reset();
 

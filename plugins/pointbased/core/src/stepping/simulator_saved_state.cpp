@@ -8,7 +8,7 @@
 namespace pointbased {
 namespace {
 
-constexpr std::uint64_t kFormat = 1;
+constexpr std::uint64_t kFormat = 2;
 
 /// Appends what it is given; the reader below takes the same in the same order.
 class StateWriter {
@@ -141,6 +141,8 @@ void walk(Archive<Coder> &archive, SavedBody &saved) {
   State &state = saved.checkpoint.body.state;
   archive(state.displacements);
   archive(state.velocities);
+  archive(state.history.plasticInverse);
+  archive(state.history.plasticBefore);
   archive(state.history.prony);
   archive(state.history.modes);
   ContactState &contact = saved.checkpoint.body.contact;
@@ -164,30 +166,32 @@ void walk(Archive<Coder> &archive, SavedBody &saved) {
 }
 
 /// Empty: it can be kept.
-std::string whyNotKept(const Body &body, Integrator integrator) {
+std::string whyNotKept(const Body &body) {
   const std::string which = "body '" + body.name() + "' ";
   if (body.rigid()) return {};
-  if (integrator != Integrator::explicitVerlet)
-    return which + "is not integrated explicitly; states are kept of solver.integrator = \"explicit\"";
-  if (body.constitution().plastic()) return which + "is of material that flows; states are kept of elastic material";
+  if (body.rereferenceCount() > 0)
+    return which + "has flowed so far that its reference is a later shape; states are kept of the first one";
   if (!body.hands.empty()) return which + "is held by a hand; let go of it first";
   if (body.stopped) return which + "has stopped; reset first";
   return {};
 }
 
 bool fits(const SavedBody &saved, const Body &body) {
-  const State &state = saved.checkpoint.body.state, &now = body.state();
+  const State &state = saved.checkpoint.body.state;
+  PointHistory initial;
+  initial.reset(body.constitution(), body.rest().pointCount(), body.rest().stencils.isLattice());
   const std::size_t n = body.rest().phyxelCount();
-  const auto allFinite = [](const std::vector<Vec3> &values) {
-    return std::all_of(values.begin(), values.end(), [](const Vec3 &v) { return v.allFinite(); });
+  const auto allFinite = [](const auto &values) {
+    return std::all_of(values.begin(), values.end(), [](const auto &v) { return v.allFinite(); });
   };
   const ContactState &contact = saved.checkpoint.body.contact;
   const std::size_t points = body.rest().contact.count();
   return state.displacements.size() == n && state.velocities.size() == n &&
          saved.patchForces.size() == body.patches().forces().size() && allFinite(saved.patchForces) &&
          saved.carried.forces.size() == n && allFinite(saved.carried.forces) && allFinite(state.displacements) &&
-         allFinite(state.velocities) && state.history.prony.size() == now.history.prony.size() &&
-         state.history.modes.size() == now.history.modes.size() &&
+         allFinite(state.velocities) && allFinite(state.history.plasticInverse) &&
+         state.history.plasticInverse.size() == initial.plasticInverse.size() && state.history.plasticBefore.empty() &&
+         state.history.prony.size() == initial.prony.size() && state.history.modes.size() == initial.modes.size() &&
          std::all_of(contact.active.begin(), contact.active.end(),
                      [&](const Contact &c) { return c.point < points; }) &&
          std::all_of(contact.clearance.begin(), contact.clearance.end(),
@@ -198,17 +202,20 @@ bool fits(const SavedBody &saved, const Body &body) {
 
 }  // namespace
 
-Result<std::string> Simulator::savedState() const {
+Result<std::string> Simulator::savedState() {
   StateWriter writer;
   Archive archive(writer);
   std::uint64_t format = kFormat, bodies = bodies_.size(), steps = steps_;
-  double time = time_;
+  double time = time_, loadFactor = loadFactor_;
   archive(format);
   archive(bodies);
   archive(steps);
   archive(time);
+  archive(loadFactor);
+  for (const auto &[id, runner] : bodies_)
+    if (const std::string why = whyNotKept(runner->body()); !why.empty()) return tl::unexpected(why);
   for (const auto &[id, runner] : bodies_) {
-    if (const std::string why = whyNotKept(runner->body(), integratorOf(id)); !why.empty()) return tl::unexpected(why);
+    runner->startSolversAnew();
     const std::span<const Vec3> patchForces = std::as_const(runner->body()).patches().forces();
     SavedBody saved{
         runner->checkpoint(), runner->stillness(), runner->body().carried(), {patchForces.begin(), patchForces.end()}};
@@ -229,11 +236,11 @@ Result<void> Simulator::goToSavedState(std::string_view bytes) {
     archive(bodies);
     archive(checkpoint.steps);
     archive(checkpoint.time);
-    if (bodies != bodies_.size() || !std::isfinite(checkpoint.time) || checkpoint.time < 0.0)
+    archive(checkpoint.loadFactor);
+    if (bodies != bodies_.size() || !std::isfinite(checkpoint.time) || checkpoint.time < 0.0 ||
+        !(checkpoint.loadFactor >= 0.0 && checkpoint.loadFactor <= 1.0))
       throw std::runtime_error("the state's time or number of bodies is not possible");
     for (const auto &[id, runner] : bodies_) {
-      if (const std::string why = whyNotKept(runner->body(), integratorOf(id)); !why.empty())
-        throw std::runtime_error(why);
       SavedBody &one = saved[id];
       walk(archive, one);
       if (!fits(one, runner->body()))
@@ -255,6 +262,7 @@ Result<void> Simulator::goToSavedState(std::string_view bytes) {
     runner->body().carryOn(std::move(one.carried));
   }
   time_ = checkpoint.time;
+  loadFactor_ = checkpoint.loadFactor;
   steps_ = checkpoint.steps;
   return {};
 }
