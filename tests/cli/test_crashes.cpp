@@ -94,6 +94,19 @@ TEST_CASE("who trusts a plugin sees what ends his run, and is told again at the 
   }
 }
 
+TEST_CASE("a simulator that dies while it builds a body is named, with the call") {
+  const auto folder = freshFolder("dies-building");
+  const ScopedEnvironment home("C3DE_HOME", (folder / "home").string()), place("C3DE_TEST_DIES", "add_body");
+  (void)writeBoxScene(folder);
+  const auto scene =
+      writeFile(folder / "scene.toml", "format = 1\n[[body]]\nname = \"box\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\n");
+  const auto died = runC3de({"run", scene.string(), "--steps", "1", "--no-plugins", "--plugin",
+                             C3DE_RECORDER, "--trust-plugins"});
+  CHECK(died.exitCode >= 128);
+  CHECK_THAT(died.errorOutput,
+             Contains("c3de: fatal: SIG") && Contains("in plugin test.recorder (add_body of a simulator)"));
+}
+
 TEST_CASE("a plugin can be left out, for one run or for all") {
   const Person person("left-out");
   REQUIRE(person.listed().at("state") == "loaded");

@@ -53,6 +53,43 @@ TEST_CASE("A plugin reads the image of the scene at the points of bodies, withou
   CHECK((none.output + none.errorOutput).find("mean ") == std::string::npos);
 }
 
+TEST_CASE("The example of a clamp lifts and turns a body of either simulator") {
+  const auto folder = freshFolder("clamp");
+  const auto scene = writeBoxScene(folder);
+  const auto report = folder / "report.json";
+  const auto bodyAfter = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"run",      scene.string(),         "--steps",  "40",
+                                       "--plugin", example("clamp"),       "--report", report.string(),
+                                       "--set",    "world.gravity=[0,0,0]"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto run = runC3de(arguments);
+    INFO(run.errorOutput);
+    REQUIRE(run.exitCode == 0);
+    return readJson(report);
+  };
+  const auto upwards = [](const nlohmann::json &of) {
+    return of.at("bodies").at(0).at("momentum").at(1).get<double>();
+  };
+  CHECK(upwards(bodyAfter({})) == 0.0);
+  const auto lifted =
+      bodyAfter({"--plugin-param", "org.c3de.clamp:closed=true", "--plugin-param", "org.c3de.clamp:lift=0.01"});
+  CHECK(upwards(lifted) > 0.0);
+  const auto turned =
+      bodyAfter({"--plugin-param", "org.c3de.clamp:closed=true", "--plugin-param", "org.c3de.clamp:turn=30"});
+  CHECK(turned.at("bodies").at(0).at("angular_momentum").at(1).get<double>() != 0.0);
+  // One that leads only the mean of what is held.
+  const std::string springs = (std::filesystem::path(testResourcesFolder()) / "scenes/springs.toml").string();
+  const auto hashAfter = [&](const char *lift) {
+    const auto run =
+        runC3de({"run", springs, "--steps", "5", "--plugin", example("mass_spring"), "--plugin", example("clamp"),
+                 "--plugin-param", "org.c3de.clamp:closed=true", "--plugin-param", lift, "--report", report.string()});
+    INFO(run.errorOutput);
+    REQUIRE(run.exitCode == 0);
+    return readJson(report).at("state_hash");
+  };
+  CHECK(hashAfter("org.c3de.clamp:lift=0.01") != hashAfter("org.c3de.clamp:lift=0.0"));
+}
+
 TEST_CASE("A parameter of a plugin is set by --plugin-param, and what is wrong with one is said") {
   const auto folder = freshFolder("plugin-param");
   const auto scene = writeBoxScene(folder);

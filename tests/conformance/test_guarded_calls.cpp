@@ -300,6 +300,21 @@ TEST_CASE("a force field that hangs is named") {
   CHECK(f.linesWith("plugin test.misbehaves: apply of a force field has not returned").size() == 2);
 }
 
+TEST_CASE("a watch of simulations that fails three times in a row is switched off with one message") {
+  Guarded f;
+  REQUIRE(f.run("watch that throws") == C3DE_OK);
+  const c3de_sim_status status{};
+  for (int i = 0; i < 10; ++i) std::thread([&] { f.simulations.stepped({1, 1}, status); }).join();
+  CHECK(f.linesWith("thrown after a step").size() == 3);
+  CHECK(f.linesWith("a watch of simulations is switched off").size() == 1);
+  f.mainQueue.runFrame();
+  const registry::Notification *message = f.message("a watch of simulations of test.misbehaves");
+  REQUIRE(message);
+  message->choices[0].act();
+  f.simulations.stepped({1, 1}, status);
+  CHECK(f.linesWith("thrown after a step").size() == 4);
+}
+
 TEST_CASE("a panel that fails three times in a row is switched off with one message, and on again by its button") {
   Guarded f;
   REQUIRE(f.run("panel that throws") == C3DE_OK);

@@ -30,8 +30,14 @@ void Fuse::noteFailure(const char *what, bool isDone, c3de_status status) {
   const auto switchOnAgain = [fuse = weak_from_this()] {
     if (const auto alive = fuse.lock()) alive->switchOn();
   };
-  services.panels->notify(C3DE_LOG_ERROR, fmt::format("{} of {}", name_, plugin_.id()), reason_,
-                          {{"Switch on again", switchOnAgain}});
+  const auto tell = [panels = services.panels, title = fmt::format("{} of {}", name_, plugin_.id()), reason = reason_,
+                     switchOnAgain] {
+    panels->notify(C3DE_LOG_ERROR, title, reason, {{"Switch on again", switchOnAgain}});
+  };
+  if (services.mainQueue && !plugin_.isMainThread())
+    services.mainQueue->post(tell);
+  else
+    tell();
 }
 
 void Fuse::switchOn() {

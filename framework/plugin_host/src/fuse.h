@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 
@@ -20,10 +21,11 @@ class Fuse : public std::enable_shared_from_this<Fuse> {
   /// Calls the plugin, unless it is off: f returns a status. False: it was not called, or failed.
   /// @param what  a literal, for messages
   template <class F>
-  bool call(const char *what, F &&f) {
+  bool call(const char *what, F &&f, CallKind kind = CallKind::prompt) {
     if (isOff_) return false;
     c3de_status status = C3DE_OK;
-    const bool isDone = callPlugin(plugin_, what, [&] { status = f(); });
+    const bool isDone = callPlugin(
+        plugin_, what, [&] { status = f(); }, kind);
     if (isDone && status >= 0) {
       failures_ = 0;
       return true;
@@ -41,8 +43,8 @@ class Fuse : public std::enable_shared_from_this<Fuse> {
 
   PluginContext &plugin_;
   const std::string name_;
-  int failures_ = 0;
-  bool isOff_ = false;
+  std::atomic<int> failures_{0};
+  std::atomic<bool> isOff_{false};
   std::string reason_;
 };
 

@@ -89,9 +89,10 @@ PluginContext &PluginContext::of(void *ctx) {
   return *plugin;
 }
 
+bool PluginContext::isMainThread() const { return std::this_thread::get_id() == host_.mainThread; }
+
 void PluginContext::requireMainThread() const {
-  if (std::this_thread::get_id() != host_.mainThread)
-    throw Refusal(C3DE_E_THREAD, "is for the main thread; post_to_main of c3de.time/1 leads there");
+  if (!isMainThread()) throw Refusal(C3DE_E_THREAD, "is for the main thread; post_to_main of c3de.time/1 leads there");
 }
 
 c3de_str PluginContext::keptText(const std::string &text) {

@@ -61,6 +61,7 @@ class PluginContext {
   /// Throws Refusal when there is no plugin behind it or it was taken back.
   [[nodiscard]] static PluginContext &of(void *ctx);
   /// Throws Refusal (C3DE_E_THREAD).
+  [[nodiscard]] bool isMainThread() const;
   void requireMainThread() const;
 
   [[nodiscard]] const c3de_host *abi() const { return &abi_; }

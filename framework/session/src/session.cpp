@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "c3de/abi/iface/parameter_ids.h"
+#include "c3de/core/foreign_call.h"
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
@@ -97,16 +99,31 @@ class PartProgress {
   PartProgress &operator=(const PartProgress &) = delete;
 
   bool update(double fraction, const std::string &text) const {
+    if (const ForeignCall *call = call_) call->noteProgress();
     if (!whole_) return true;
     const double part = fraction < 0.0 ? 0.0 : std::min(fraction, 1.0);
     return whole_((index_ + part) / count_, text.empty() ? what_ : what_ + ": " + text);
   }
   [[nodiscard]] const c3de_progress *abi() const { return &abi_; }
 
+  /// Calls a function of a table that may take long, as long as it says that it goes on.
+  template <class F>
+  c3de_status call(const char *owner, const char *what, F &&f) {
+    return callForeign(owner, what, CallKind::job, [&](const ForeignCall &recorded) {
+      call_ = &recorded;
+      struct AtEnd {
+        PartProgress &part;
+        ~AtEnd() { part.call_ = nullptr; }
+      } const atEnd{*this};
+      return f();
+    });
+  }
+
  private:
   const ProgressFn &whole_;
   std::string what_;
   double index_, count_;
+  std::atomic<const ForeignCall *> call_{nullptr};
   c3de_progress abi_{};
 };
 
@@ -239,7 +256,7 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
   std::vector<c3de_handle> bodies;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const scene::SceneBody &body = scene.bodies[i];
-    const PartProgress partProgress(progress, body.name, i, scene.bodies.size());
+    PartProgress partProgress(progress, body.name, i, scene.bodies.size());
     // Reading is a small share of what building a body takes.
     const ProgressFn reading = [&](double f, const std::string &what) {
       return partProgress.update(0.1 * std::max(f, 0.0), what);
@@ -269,7 +286,8 @@ Expected<std::vector<c3de_handle>> Session::Impl::addBodies(const c3de_simulator
     const BodyTables tables(scene, body, fitted.parts[i]);
     tables.fill(abi);
     c3de_handle added{};
-    if (const c3de_status code = table->add_body(simulator, &abi, &added); code < 0)
+    const auto add = [&] { return table->add_body(simulator, &abi, &added); };
+    if (const c3de_status code = partProgress.call(host->ownerOf(simulator), "add_body of a simulator", add); code < 0)
       return tl::unexpected(lastError(code, scene, body.line, "building body '" + body.name + "'", &body));
     bodies.push_back(added);
   }
@@ -440,7 +458,7 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
   std::size_t part = 0;
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const scene::SceneObstacle &obstacle = scene.obstacles[i];
-    const PartProgress partProgress(progress, obstacle.name, part++, parts);
+    PartProgress partProgress(progress, obstacle.name, part++, parts);
     auto mesh = impl_->meshFormats.load(obstacle.mesh, obstacle.meshUnit, [&](double f, const std::string &what) {
       return partProgress.update(f, what);
     });
@@ -455,7 +473,9 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
       abi.motion = &motion;
     }
     c3de_handle added{};
-    if (const c3de_status code = table->add_obstacle(simulator, &abi, &added); code < 0)
+    const auto add = [&] { return table->add_obstacle(simulator, &abi, &added); };
+    const char *owner = impl_->host->ownerOf(simulator);
+    if (const c3de_status code = partProgress.call(owner, "add_obstacle of a simulator", add); code < 0)
       return tl::unexpected(impl_->lastError(code, scene, obstacle.line, "adding obstacle '" + obstacle.name + "'"));
   }
 

@@ -338,6 +338,15 @@ const std::map<std::string_view, Do> &deeds() {
        [] {
          return declare([](void *, const c3de_param_value *) { throwUp("thrown in a listener"); }, "Deaf", &ownSet);
        }},
+      {"watch that throws",
+       [] {
+         const auto *simulation = service<c3de_simulation_v1>(C3DE_SIMULATION_ID);
+         c3de_simulation_watch watch{};
+         watch.size = sizeof watch;
+         watch.stepped = [](void *, c3de_handle, std::uint64_t, double) { throwUp("thrown after a step"); };
+         c3de_handle handle{};
+         return simulation->watch(simulation->ctx, &watch, &handle);
+       }},
       {"frame that throws", [] { return addFrame([](void *) { throwUp("thrown in a frame"); }); }},
       {"heal",
        [] {

@@ -8,6 +8,7 @@
 
 #include "arguments.h"
 #include "c3de/scene/simulation_directory.h"
+#include "fuse.h"
 #include "services/services.h"
 
 namespace c3de::plugin_host {
@@ -92,10 +93,15 @@ c3de_status C3DE_CALL watch(void *ctx, const c3de_simulation_watch *given, c3de_
         callPlugin(*owner, "removed of a watch of simulations", [&] { taken.removed(taken.self, {node.bits()}); });
       };
     if (taken.stepped)
-      watch.stepped = [owner = &plugin, taken](Handle node, const c3de_sim_status &status) {
-        callPlugin(
-            *owner, "stepped of a watch of simulations",
-            [&] { taken.stepped(taken.self, {node.bits()}, status.steps, status.time_s); }, CallKind::step);
+      watch.stepped = [fuse = std::make_shared<Fuse>(plugin, "a watch of simulations"), taken](
+                          Handle node, const c3de_sim_status &status) {
+        (void)fuse->call(
+            "stepped of a watch of simulations",
+            [&] {
+              taken.stepped(taken.self, {node.bits()}, status.steps, status.time_s);
+              return C3DE_OK;
+            },
+            CallKind::step);
       };
     writeHandle(out, plugin.services().simulations->watch(std::move(watch)));
   });
