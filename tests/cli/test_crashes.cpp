@@ -100,8 +100,8 @@ TEST_CASE("a simulator that dies while it builds a body is named, with the call"
   (void)writeBoxScene(folder);
   const auto scene =
       writeFile(folder / "scene.toml", "format = 1\n[[body]]\nname = \"box\"\nmesh = \"box.obj\"\nmesh_unit = \"m\"\n");
-  const auto died = runC3de({"run", scene.string(), "--steps", "1", "--no-plugins", "--plugin",
-                             C3DE_RECORDER, "--trust-plugins"});
+  const auto died =
+      runC3de({"run", scene.string(), "--steps", "1", "--no-plugins", "--plugin", C3DE_RECORDER, "--trust-plugins"});
   CHECK(died.exitCode >= 128);
   CHECK_THAT(died.errorOutput,
              Contains("c3de: fatal: SIG") && Contains("in plugin test.recorder (add_body of a simulator)"));

@@ -648,6 +648,52 @@ TEST_CASE("a plugin's force field pulls an organ of the point-based plugin, live
   CHECK(window.state()["messages"].empty());
 }
 
+TEST_CASE("a plugin's clamp and the pinch hold one organ; each lets go by itself", "[organ_clamp]") {
+  C3DE_ORGAN_OR_SKIP();
+  const std::string clamp = (fs::path(testExampleFolder()) / (std::string("clamp") + c3de::pluginExtension())).string();
+  if (!fs::exists(clamp)) C3DE_SKIP("the clamp is not built");
+  constexpr const char *kClosed = "org.c3de.clamp.panel/closed", *kTurn = "org.c3de.clamp.panel/turn",
+                       *kPulls = "org.c3de.clamp.panel/Pulls with", *kTurns = "org.c3de.clamp.panel/Turns with";
+  WorkstationDriver window("organ_clamp");
+  window.start({floatingOrgan().string(), "--plugin", clamp});
+  window.waitUntil(
+      "the organ is shown",
+      [](const Json &s) {
+        return s["transport"]["exists"].get<bool>() && s["jobs"].empty() && !row(s, "Surfels").empty();
+      },
+      60.0);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return mode(s) == "playing"; });
+  const auto number = [](const Json &s, const char *of) {
+    return std::strtod(s["values"].value(of, "0").c_str(), nullptr);
+  };
+  window.click(kClosed);
+  const Point turn = window.locate(kTurn);
+  window.drag(turn, {turn.x + 40, turn.y}, 4);
+  window.waitUntil("it turns", [&](const Json &s) { return number(s, kTurns) > 0.0; });
+  window.screenshot("turned");
+
+  // The pinch takes hold of what the clamp holds already.
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("p");
+  const Point at = window.inView(0.5, 0.5);
+  window.moveTo(at);
+  window.press();
+  window.moveTo({at.x + 60, at.y + 40});
+  window.waitUntil("both pull", [&](const Json &s) {
+    return number(s, kPulls) > 0.0 && row(s, "Pinch force") != "–" && !row(s, "Pinch force").empty();
+  });
+  window.screenshot("both");
+  window.release();
+  window.waitUntil("the pinch has let go", [&](const Json &s) { return row(s, "Pinch force") == "–"; });
+  window.waitUntil("the clamp has not", [&](const Json &s) { return number(s, kPulls) > 0.0; });
+  window.click(kClosed);
+  window.waitUntil("the clamp has let go, too", [&](const Json &s) { return number(s, kPulls) == 0.0; });
+  CHECK(window.state()["messages"].empty());
+}
+
 TEST_CASE("a command of a plugin stands in the menu and answers its keys; where it fails its text is shown",
           "[commands]") {
   C3DE_ORGAN_OR_SKIP();
