@@ -12,45 +12,8 @@ namespace {
 
 namespace sdk = c3de::sdk;
 
-// Nine doubles, column-major, as the interface has them.
-using Matrix = std::array<double, 9>;
-
-Matrix read(const double *m) {
-  Matrix out;
-  std::copy_n(m, 9, out.begin());
-  return out;
-}
-double dot(const Matrix &a, const Matrix &b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 9; ++i) sum += a[i] * b[i];
-  return sum;
-}
-// Column k of the result is column k+1 of a x column k+2 of b.
-Matrix crossed(const Matrix &a, const Matrix &b) {
-  Matrix out;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double *u = &a[3 * ((k + 1) % 3)], *v = &b[3 * ((k + 2) % 3)];
-    for (std::size_t r = 0; r < 3; ++r)
-      out[3 * k + r] = u[(r + 1) % 3] * v[(r + 2) % 3] - u[(r + 2) % 3] * v[(r + 1) % 3];
-  }
-  return out;
-}
-
-/// What every law here needs of F: J = det F and cof F = dJ/dF.
-struct Volume {
-  Matrix F, cof;
-  double J;
-
-  explicit Volume(const double *f)
-      : F(read(f)), cof(crossed(F, F)), J((F[0] * cof[0] + F[1] * cof[1]) + F[2] * cof[2]) {}
-  /// d cof F for a change D of F.
-  [[nodiscard]] Matrix change(const Matrix &D) const {
-    Matrix out = crossed(D, F);
-    const Matrix other = crossed(F, D);
-    for (std::size_t i = 0; i < 9; ++i) out[i] += other[i];
-    return out;
-  }
-};
+using sdk::Deformation, sdk::dot, sdk::matrix9;
+using Matrix = sdk::Matrix9;
 
 /// W = mu/(2b) (exp(b (I - 3)) - 1) + K/4 (J² - 1 - 2 ln J), I = J^(-2/3) tr(F^T F).
 /// @source  Demiray, A note on the elasticity of soft biological tissues, J. Biomech. 5 (1972), for incompressible
@@ -79,20 +42,20 @@ class Exponential {
   explicit Exponential(const double *params) : mu_(params[0]), b_(params[1]), K_(params[2]) {}
 
   double energy(const double *f) const {
-    const Volume v(f);
+    const Deformation v(f);
     const double I = std::pow(v.J, -2.0 / 3.0) * dot(v.F, v.F);
     return mu_ / (2.0 * b_) * std::expm1(b_ * (I - 3.0)) + 0.25 * K_ * (v.J * v.J - 1.0 - 2.0 * std::log(v.J));
   }
   void stress(const double *f, double *P) const {
-    const Volume v(f);
+    const Deformation v(f);
     const Shape shape(v);
     const double slope = 0.5 * mu_ * std::exp(b_ * (shape.I - 3.0)), pressure = 0.5 * K_ * (v.J - 1.0 / v.J);
     for (std::size_t i = 0; i < 9; ++i) P[i] = slope * shape.slope[i] + pressure * v.cof[i];
   }
   void differential(const double *f, const double *df, double *dP) const {
-    const Volume v(f);
+    const Deformation v(f);
     const Shape shape(v);
-    const Matrix D = read(df), dcof = v.change(D);
+    const Matrix D = matrix9(df), dcof = v.cofactorChange(D);
     const double slope = 0.5 * mu_ * std::exp(b_ * (shape.I - 3.0)), dI = dot(shape.slope, D);
     const double dJ = dot(v.cof, D), FD = dot(v.F, D);
     const double pressure = 0.5 * K_ * (v.J - 1.0 / v.J), dPressure = 0.5 * K_ * (1.0 + 1.0 / (v.J * v.J)) * dJ;
@@ -110,7 +73,8 @@ class Exponential {
   struct Shape {
     double scale, squares, I;
     Matrix slope;
-    explicit Shape(const Volume &v) : scale(std::pow(v.J, -2.0 / 3.0)), squares(dot(v.F, v.F)), I(scale * squares) {
+    explicit Shape(const Deformation &v)
+        : scale(std::pow(v.J, -2.0 / 3.0)), squares(dot(v.F, v.F)), I(scale * squares) {
       for (std::size_t i = 0; i < 9; ++i) slope[i] = scale * (2.0 * v.F[i] - 2.0 / 3.0 * squares * v.cof[i] / v.J);
     }
   };
@@ -131,25 +95,25 @@ class NeoHookean {
         mu_(params[0] / (2.0 * (1.0 + params[1]))) {}
 
   double energy(const double *f) const {
-    const Volume v(f);
+    const Deformation v(f);
     const double l = std::log(v.J);
     return 0.5 * mu_ * (dot(v.F, v.F) - 3.0) - mu_ * l + 0.5 * lambda_ * l * l;
   }
   void stress(const double *f, double *P) const {
-    const Volume v(f);
+    const Deformation v(f);
     const double pressure = mu_ + first(v.J);
     for (std::size_t i = 0; i < 9; ++i) P[i] = mu_ * (v.F[i] - v.cof[i]) + pressure * v.cof[i];
   }
   void differential(const double *f, const double *df, double *dP) const {
-    const Volume v(f);
-    const Matrix D = read(df), dcof = v.change(D);
+    const Deformation v(f);
+    const Matrix D = matrix9(df), dcof = v.cofactorChange(D);
     const double g1 = first(v.J), g2 = second(v.J) * dot(v.cof, D);
     for (std::size_t i = 0; i < 9; ++i) dP[i] = mu_ * D[i] + g2 * v.cof[i] + g1 * dcof[i];
   }
   // Along a⊗n J is linear, so that only its second derivative counts; off the principal axes the first one does, times
   // a stretch.
   void bounds(const double *f, double *waveAndAll) const {
-    const Volume v(f);
+    const Deformation v(f);
     const double g1 = first(v.J), g2 = second(v.J), area2 = largestSquare(v.cof), r = g1 / v.J;
     const double along = std::max(0.0, g2 + r) * dot(v.cof, v.cof) + std::max(0.0, -r) * area2;
     waveAndAll[0] = mu_ + std::max(0.0, g2) * area2;

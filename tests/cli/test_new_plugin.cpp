@@ -10,6 +10,8 @@ TEST_CASE("new-plugin writes source, build file and README in the name of the pl
              {"pointer2", "c++", "tool", "pointer2.cpp", "class Pointer2", "Pointer2"},
              {"wind", "c++", "force-field", "wind.cpp", "class Wind", "Wind"},
              {"fall", "c++", "simulator", "fall.cpp", "class FallSimulator", "Fall"},
+             {"soft_law", "c++", "material-law", "soft_law.cpp", "class SoftLawLaw", "Soft law"},
+             {"two_lists", "c++", "mesh-format", "two_lists.cpp", "class TwoLists", "Two lists"},
              {"c_panel", "c", "panel", "c_panel.c", "c3de_plugin_query", "C panel"},
              {"c_wind", "c", "force-field", "c_wind.c", "c3de_plugin_query", "C wind"}};
   for (const auto &one : all) {

@@ -10,7 +10,7 @@ set(HOST "${PLACE}/prefix/bin/c3de")
 set(POINTBASED "${PLACE}/prefix/lib/c3de/plugins/pointbased.so")
 run("${HOST}" run "${PLACE}/prefix/share/c3de/scenes/first_light.toml" --steps 2)
 # What new-plugin writes, one of each, in one project that only gathers them.
-set(new c++,panel c++,tool c++,force-field c++,simulator c,panel c,force-field)
+set(new c++,panel c++,tool c++,force-field c++,simulator c++,material-law c++,mesh-format c,panel c,force-field)
 set(gathered "cmake_minimum_required(VERSION 3.23)\nproject(new_plugins LANGUAGES C CXX)\nenable_testing()\n")
 set(new_plugins)
 foreach(one IN LISTS new)
@@ -69,6 +69,15 @@ foreach(compiler IN LISTS COMPILERS)
   string(JSON height GET "${report}" bodies 0 height_m)
   if(NOT height MATCHES "^-0\\.0[0-9]+$")
     message(SEND_ERROR "${compiler}: a point falls 0.0495 m in 0.1 s, the new simulator says ${height}")
+  endif()
+  # What was written for a law and for a format acts.
+  file(WRITE "${PLACE}/law.toml" "format = 1\n[[body]]\nname = \"organ\"\nmesh = \"${PLACE}/prefix/share/c3de/meshes/organ.obj\"\nmesh_unit = \"mm\"\nmaterial = { law = \"org.example.new_cpp_material_law/0\", new_cpp_material_law.shear_modulus = 3e3 }\n")
+  run("${HOST}" run "${PLACE}/law.toml" --steps 5 --no-plugins --plugin "${POINTBASED}"
+      --plugin "${PLACE}/new_${name}/new_cpp_material_law/new_cpp_material_law.so"
+      --plugin "${PLACE}/new_${name}/new_cpp_mesh_format/new_cpp_mesh_format.so" --export-surface "${PLACE}/organ.mine")
+  run("${HOST}" info "${PLACE}/organ.mine" --no-plugins --plugin "${PLACE}/new_${name}/new_cpp_mesh_format/new_cpp_mesh_format.so")
+  if(NOT output MATCHES "closed")
+    message(SEND_ERROR "${compiler}: the new format is not read again:\n${output}")
   endif()
   # The scenes that show a law and a simulator of others.
   run("${HOST}" run "${PLACE}/prefix/share/c3de/scenes/stiffening_organ.toml" --steps 5 --no-plugins

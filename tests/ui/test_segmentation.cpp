@@ -265,13 +265,13 @@ TEST_CASE("several labels become bodies at once, one that fails is named, and st
 
   window.click("segmentation/edge_automatic");
   // A count of one's own takes the place of that by the thickness.
-  CHECK_FALSE(window.has("segmentation/phyxels"));
+  CHECK_FALSE(window.has("segmentation/points"));
   window.click("segmentation/count_automatic");
-  window.controlClick("segmentation/phyxels");
+  window.controlClick("segmentation/points");
   window.key("ctrl+a");
   window.type("400");
   window.key("Return");
-  window.waitForValue("segmentation/phyxels", "400");
+  window.waitForValue("segmentation/points", "400");
   window.screenshot("own_count");
   window.click("segmentation/create");
   window.waitUntil(

@@ -319,7 +319,7 @@ std::string SegmentationWorkflow::blockingReason() const {
 BodyRequest SegmentationWorkflow::requestOfSettings() const {
   BodyRequest request;
   const SamplingChoice &sampling = settings_.sampling;
-  request.phyxels = sampling.isCountAutomatic ? 0 : static_cast<std::size_t>(std::lround(sampling.phyxels));
+  request.points = sampling.isCountAutomatic ? 0 : static_cast<std::size_t>(std::lround(sampling.points));
   request.edge_mm = sampling.isEdgeAutomatic ? 0.0 : sampling.edge_mm;
   request.held = settings_.held;
   request.surroundings_Pa_m = settings_.surroundings_Pa_m;

@@ -70,8 +70,8 @@ scene::SceneFile sceneOf(const segmentation::BodyRequest &request, imaging::Mask
   scene.title = request.name;
   scene::SceneBody body;
   body.name = request.name;
-  if (request.phyxels > 0) {
-    body.params.push_back(numberOf(C3DE_PARAM_ID_COUNT, static_cast<double>(request.phyxels)));
+  if (request.points > 0) {
+    body.params.push_back(numberOf(C3DE_PARAM_ID_COUNT, static_cast<double>(request.points)));
     body.params.back().value.type = C3DE_PARAM_I64;
   }
   if (preset) {

@@ -151,14 +151,14 @@ TEST_CASE("A body is requested of what was picked and chosen", "[organ]") {
   REQUIRE(f.made.size() == 1);
   CHECK(f.made[0].name == "liver");
   CHECK(f.made[0].material == "liver");
-  CHECK(f.made[0].phyxels == 750);
+  CHECK(f.made[0].points == 750);
   CHECK(f.made[0].edge_mm == 3.5);
   CHECK(f.made[0].held == Held::lowestPart);
   CHECK(imaging::voxelCount(*f.made[0].mask) == Fixture::kLarge + Fixture::kSmall);
   f.guide.setSampling({true, 750.0, true, 3.5});
   f.guide.createBodies();
   CHECK(f.made[1].edge_mm == 0.0);
-  CHECK(f.made[1].phyxels == 0);
+  CHECK(f.made[1].points == 0);
 }
 
 TEST_CASE("An organ is held by its surroundings unless a person says otherwise, and bone is proposed as rigid",
@@ -220,7 +220,7 @@ TEST_CASE("Several ticked labels become a request each, with the material of the
   CHECK((f.made[0].name == "thing" && f.made[0].material == "fat" && f.made[0].label == 8));
   CHECK((f.made[1].name == "kidney_left" && f.made[1].material == "kidney_cortex" && f.made[1].label == 3));
   for (const BodyRequest &request : f.made)
-    CHECK((request.phyxels == 640 && request.edge_mm == 0.0 && request.held == Held::lowestPart &&
+    CHECK((request.points == 640 && request.edge_mm == 0.0 && request.held == Held::lowestPart &&
            request.mend.fillHoles && request.mend.largest));
   const auto mask = maskOf(f.made[0]);
   REQUIRE(mask);

@@ -115,7 +115,7 @@ TEST_CASE("A request becomes a scene of one body with its material, count and co
   preset.youngsModulus = 6000.0;
   preset.poissonRatio = 0.49;
   BodyRequest one = request("liver");
-  one.phyxels = 400;
+  one.points = 400;
   one.edge_mm = 3.5;
   auto labels = std::make_shared<scene::StoredLabels>();
   labels->map.labels = {{2, "spleen", {1, 0, 0}}, {5, "liver", {0, 0.5f, 1}}};
@@ -138,7 +138,7 @@ TEST_CASE("A request becomes a scene of one body with its material, count and co
   REQUIRE(body.volume.colour);
   CHECK((*body.volume.colour)[1] == 0.5f);
   // Without a preset and a count the simulator's own values hold.
-  one.phyxels = 0;
+  one.points = 0;
   scene = sceneOf(one, cubeMask(), nullptr);
   CHECK_FALSE(valueOf(scene, "sampling.count"));
   CHECK_FALSE(valueOf(scene, "material.density"));

@@ -16,7 +16,7 @@ TEST_CASE("An object without the table, or with one that is too short or lacks a
   const auto table = simulatorTable(simulator.object());
   REQUIRE(table);
   CHECK(*table == simulator.table());
-  simulator.tableSize = 248;
+  simulator.tableSize = 256;
   const auto small = simulatorTable(simulator.object());
   REQUIRE_FALSE(small);
   CHECK(small.error().code == ErrorCode::plugin);

@@ -32,8 +32,10 @@ struct Template {
   const char *language, *kind;
 };
 // A file resources/templates/LANGUAGE/KIND.c or .cpp each.
-constexpr std::array kTemplates{Template{"c++", "panel"},     Template{"c++", "tool"}, Template{"c++", "force-field"},
-                                Template{"c++", "simulator"}, Template{"c", "panel"},  Template{"c", "force-field"}};
+constexpr std::array kTemplates{Template{"c++", "panel"},        Template{"c++", "tool"},
+                                Template{"c++", "force-field"},  Template{"c++", "simulator"},
+                                Template{"c++", "material-law"}, Template{"c++", "mesh-format"},
+                                Template{"c", "panel"},          Template{"c", "force-field"}};
 
 /// What the templates are called, and what stands for it in the new plugin. The longest first, where one is in another.
 using Names = std::array<std::pair<std::string, std::string>, 4>;
@@ -150,7 +152,8 @@ Handler declare(CLI::App &app, CommandLine &) {
   const auto wanted = std::make_shared<NewPlugin>();
   app.add_option("NAME", wanted->name, "Of its folder, target and file: lower-case letters, digits and _")->required();
   app.add_option("--language", wanted->language, "c or c++ (default c++)")->type_name("LANGUAGE");
-  app.add_option("--kind", wanted->kind, "panel (default), tool, force-field or simulator")->type_name("KIND");
+  app.add_option("--kind", wanted->kind, "panel (default), tool, force-field, simulator, material-law or mesh-format")
+      ->type_name("KIND");
   app.add_option("--folder", wanted->folder, "Where the folder NAME is made (default: here)")->type_name("DIR");
   return [wanted] { return newPlugin(*wanted); };
 }

@@ -279,6 +279,10 @@ struct Simulated {
 
 Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPicture *picture,
                              std::chrono::steady_clock::time_point begin, WrittenOutputs &outputs) {
+  // As early as plugins have said which formats they bring.
+  if (!options.exportSurface.empty())
+    if (const auto writable = checkSurfaceExport(session.meshFormats(), options.exportSurface, {}); !writable)
+      return tl::unexpected(writable.error());
   auto scene = readScene(options, session.materials(), session.meshFormats());
   if (!scene) return tl::unexpected(scene.error());
   const auto view = checkBeforeBuilding(options, *scene, session.meshFormats());

@@ -23,7 +23,7 @@ constexpr std::array kCommands{
     CommandInfo{Command::exportSurface, "file.export_surface", "Export surface…",
                 "Write the bodies' skins as they lie now: OBJ, STL, PLY, VTP", 'E', C3DE_MOD_CTRL, 0},
     CommandInfo{Command::exportFrame, "file.export_frame", "Export simulation frame…",
-                "Write phyxels and skins as they are now, for ParaView", 0, 0, 0},
+                "Write points and skins as they are now, for ParaView", 0, 0, 0},
     CommandInfo{Command::exportImage, "file.export_image", "Export deformed image…",
                 "Write the image as the tissue lies now: NRRD, NIfTI, MetaImage", 0, 0, 0},
     CommandInfo{Command::exportDisplacement, "file.export_displacement", "Export displacement…",

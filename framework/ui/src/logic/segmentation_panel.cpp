@@ -11,7 +11,7 @@
 namespace c3de::ui {
 namespace {
 
-constexpr double kFewestPhyxels = 50.0, kMostPhyxels = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
+constexpr double kFewestPoints = 50.0, kMostPoints = 20000.0, kShortestEdge_mm = 0.5, kLongestEdge_mm = 30.0;
 constexpr double kStiffestSurroundings = 3e5;  // Pa/m
 constexpr const char *kRigid =
     "It stands where it is in the scan and costs nothing: for bone, whose small step would be everybody's";
@@ -66,7 +66,7 @@ void SegmentationPanel::draw(const c3de_ui_v1 &ui) {
   const std::string reason = workflow_.blockingReason();
   const std::string create = several > 0 ? fmt::format("Create {} bodies", several) : std::string("Create body");
   if (button(ui, "create", create, reason.empty())) workflow_.createBodies();
-  tooltip(ui, "A body of the simulation of each that is picked: its surface, its phyxels, its material");
+  tooltip(ui, "A body of the simulation of each that is picked: its surface, its points, its material");
   if (!reason.empty()) text(ui, "Not yet: " + reason + ".");
 }
 
@@ -260,10 +260,10 @@ void SegmentationPanel::drawMaterials(const c3de_ui_v1 &ui) {
 
 void SegmentationPanel::drawSampling(const c3de_ui_v1 &ui) {
   segmentation::SamplingChoice s = workflow_.settings().sampling;
-  checkbox(ui, "count_automatic", "Phyxels by the thickness", s.isCountAutomatic,
+  checkbox(ui, "count_automatic", "Points by the thickness", s.isCountAutomatic,
            "1000, of what is thin up to 4000, so that their distance is at most half of the thickness");
   if (!s.isCountAutomatic)
-    slider(ui, "phyxels", "Phyxels", "", s.phyxels, kFewestPhyxels, kMostPhyxels,
+    slider(ui, "points", "Points", "", s.points, kFewestPoints, kMostPoints,
            "About so many; more are more exact and slower");
   checkbox(ui, "edge_automatic", "Edges of the surface by themselves", s.isEdgeAutomatic,
            "One and a half voxels, longer where that makes too many triangles, shorter for what is thin");

@@ -9,9 +9,8 @@
 
 #define C3DE_ATTR_POSITIONS 1u /* comps 3, f32 or f64, node space */
 #define C3DE_ATTR_NORMALS 2u   /* comps 3; absent on a mesh: computed from the triangles at each update */
-#define C3DE_ATTR_COLOURS \
-  3u                       /* comps 3 or 4, f32 in 0 … 1, or u8; since revision 2, count 0: back to the material's \
-                            */
+/* comps 3 or 4, f32 in 0 … 1, or u8; since revision 2, count 0: back to the material's */
+#define C3DE_ATTR_COLOURS 3u
 #define C3DE_ATTR_RADII 4u /* spheres: comps 1, node space */
 
 typedef struct c3de_material {

@@ -28,10 +28,10 @@ struct BodyRequest {
   std::shared_ptr<const imaging::Mask> mask;          ///< null: the label as it is in `labels`
   std::shared_ptr<const scene::StoredLabels> labels;  ///< that it comes from; null: no label
   std::uint16_t label = 0;
-  imaging::Mending mend;    ///< of the label
-  std::string material;     ///< name of a preset
-  std::size_t phyxels = 0;  ///< wanted; 0: by the thickness
-  double edge_mm = 0.0;     ///< of the surface; 0: automatic
+  imaging::Mending mend;   ///< of the label
+  std::string material;    ///< name of a preset
+  std::size_t points = 0;  ///< wanted; 0: by the thickness
+  double edge_mm = 0.0;    ///< of the surface; 0: automatic
   Held held = Held::surroundings;
   double surroundings_Pa_m = kSurroundingsStiffness;  ///< stress per way, where the surroundings hold it
   bool isRigid = false;                               ///< it stands where it is in the scan and costs nothing

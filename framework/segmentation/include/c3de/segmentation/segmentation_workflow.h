@@ -18,7 +18,7 @@ namespace c3de::segmentation {
 /// How finely a body and its surface are divided.
 struct SamplingChoice {
   bool isCountAutomatic = true;  ///< by the thickness
-  double phyxels = 1000.0;       ///< when it is not automatic
+  double points = 1000.0;        ///< when it is not automatic
   bool isEdgeAutomatic = true;
   double edge_mm = 4.0;  ///< of the surface, when it is not automatic
 };

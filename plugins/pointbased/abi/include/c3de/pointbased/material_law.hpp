@@ -2,6 +2,10 @@
 // A table of material_law.h from a class with the functions of one point.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
 #include <c3de/sdk/ids.hpp>
 #include <c3de/sdk/object.hpp>
 
@@ -11,6 +15,49 @@ namespace c3de::sdk {
 
 template <>
 inline constexpr std::string_view kTableId<c3de_material_law_v1>{C3DE_POINTBASED_MATERIAL_LAW_ID};
+
+/// Nine doubles, column-major, as the interface has them.
+using Matrix9 = std::array<double, 9>;
+
+inline Matrix9 matrix9(const double *m) {
+  Matrix9 out{};
+  std::copy_n(m, 9, out.begin());
+  return out;
+}
+/// A : B.
+inline double dot(const Matrix9 &a, const Matrix9 &b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 9; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+/// What most laws need of a deformation gradient: J = det F and cof F = dJ/dF.
+struct Deformation {
+  Matrix9 F, cof;
+  double J;
+
+  explicit Deformation(const double *f)
+      : F(matrix9(f)), cof(crossed(F, F)), J((F[0] * cof[0] + F[1] * cof[1]) + F[2] * cof[2]) {}
+  /// d cof F for a change D of F.
+  [[nodiscard]] Matrix9 cofactorChange(const Matrix9 &D) const {
+    Matrix9 out = crossed(D, F);
+    const Matrix9 other = crossed(F, D);
+    for (std::size_t i = 0; i < 9; ++i) out[i] += other[i];
+    return out;
+  }
+
+ private:
+  // Column k of the result is column k+1 of a x column k+2 of b.
+  static Matrix9 crossed(const Matrix9 &a, const Matrix9 &b) {
+    Matrix9 out{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double *u = &a[3 * ((k + 1) % 3)], *v = &b[3 * ((k + 2) % 3)];
+      for (std::size_t r = 0; r < 3; ++r)
+        out[3 * k + r] = u[(r + 1) % 3] * v[(r + 2) % 3] - u[(r + 2) % 3] * v[(r + 1) % 3];
+    }
+    return out;
+  }
+};
 
 namespace detail {
 
