@@ -46,7 +46,7 @@ install(FILES "${PROJECT_BINARY_DIR}/c3de-sdk.pc" DESTINATION "${CMAKE_INSTALL_L
 install(FILES "${PROJECT_SOURCE_DIR}/plugins/hello/hello.c" "${PROJECT_SOURCE_DIR}/plugins/hello/greeter.h"
   "${PROJECT_SOURCE_DIR}/plugins/clamp/clamp.cpp" "${PROJECT_SOURCE_DIR}/plugins/magnet/magnet.cpp" "${PROJECT_SOURCE_DIR}/plugins/mesh_reader/mesh_reader.cpp"
   "${PROJECT_SOURCE_DIR}/plugins/image_samples/image_samples.cpp"
-  "${PROJECT_SOURCE_DIR}/plugins/material_law/material_law.cpp"
+  "${PROJECT_SOURCE_DIR}/plugins/material_law/material_law.cpp" "${PROJECT_SOURCE_DIR}/plugins/mesh_reader/FORMAT.md"
   "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/minimal.c" "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/probe.cpp"
   "${PROJECT_SOURCE_DIR}/docs/plugin/snippets/CMakeLists.txt"
   DESTINATION share/c3de/examples COMPONENT sdk)

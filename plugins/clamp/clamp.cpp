@@ -70,11 +70,9 @@ class Clamp : public sdk::Panel {
   };
 
   void added(c3de_handle node) {
-    for (const auto &one : sdk::orThrow(simulations_.all())) {
-      if (one.node.v != node.v) continue;
-      const std::lock_guard lock(mutex_);
-      simulationByNode_[node.v].simulator = sdk::RunningSimulator(one.object);
-    }
+    const sdk::RunningSimulator simulator(sdk::orThrow(simulations_.find(node)));
+    const std::lock_guard lock(mutex_);
+    simulationByNode_[node.v].simulator = simulator;
   }
   void removed(c3de_handle node) {
     const std::lock_guard lock(mutex_);

@@ -71,6 +71,20 @@ TEST_CASE("A format that a plugin brings is simulated, by itself and as body and
   CHECK_THAT(refused.errorOutput, Contains("scene.toml:") && Contains("box.tri"));
 }
 
+TEST_CASE("A scene need not say the unit that a file of a plugin's format says") {
+  const auto folder = freshFolder("mesh-reader-unit");
+  (void)writeFile(folder / "box.tri", boxTri("cm"));
+  const auto scene = writeFile(folder / "scene.toml", "format = 1\n[[body]]\nname = \"box\"\nmesh = \"box.tri\"\n");
+  const auto report = folder / "report.json";
+  const auto run = runC3de({"run", scene.string(), "--steps", "1", "--plugin", reader(), "--report", report.string()});
+  INFO(run.errorOutput);
+  REQUIRE(run.exitCode == 0);
+  CHECK_THAT(readJson(report).at("bodies").at(0).at("mesh_volume_m3").get<double>(), WithinRel(4e-6, 1e-6));
+  const auto without = runC3de({"run", scene.string(), "--steps", "1"});
+  CHECK(without.exitCode == 3);
+  CHECK_THAT(without.errorOutput, Contains("scene.toml:2") && Contains("what plugins bring (--plugin)"));
+}
+
 TEST_CASE("A surface is exported in a format that a plugin brings, and read again") {
   const auto folder = freshFolder("mesh-writer");
   const auto scene =

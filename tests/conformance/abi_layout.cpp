@@ -70,7 +70,7 @@ AT(c3de_service_req, flags, 4, std::uint32_t);
 AT(c3de_service_req, id, 8, c3de_str);
 AT(c3de_service_req, min_rev, 24, std::uint32_t);
 AT(c3de_service_req, reserved, 28, std::uint32_t);
-SIZE(c3de_host, 48);
+SIZE(c3de_host, 56);
 AT(c3de_host, size, 0, std::uint32_t);
 AT(c3de_host, rev, 4, std::uint32_t);
 AT(c3de_host, ctx, 8, void *);
@@ -78,6 +78,7 @@ AT(c3de_host, get_service, 16, c3de_status(C3DE_CALL *)(void *, c3de_str, std::u
 AT(c3de_host, set_error, 24, void(C3DE_CALL *)(void *, c3de_status, c3de_str));
 AT(c3de_host, take_error, 32, c3de_status(C3DE_CALL *)(void *, c3de_sink));
 AT(c3de_host, set_error_at, 40, void(C3DE_CALL *)(void *, c3de_status, c3de_str, const c3de_error_place *));
+AT(c3de_host, callback_failed, 48, void(C3DE_CALL *)(void *));
 SIZE(c3de_plugin, 144);
 AT(c3de_plugin, size, 0, std::uint32_t);
 AT(c3de_plugin, rev, 4, std::uint32_t);

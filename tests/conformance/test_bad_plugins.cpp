@@ -190,6 +190,26 @@ TEST_CASE("a library for another processor or system is named as such") {
   CHECK_THAT(f.refusalOf(file), Contains("a library for another system"));
 }
 
+TEST_CASE("callbacks of a plugin of the SDK that throw again and again are switched off, too") {
+  HostFixture f;
+  REQUIRE(f.refusalOf(HostFixture::testPlugin("sdk_callbacks_throw")).empty());
+  f.host->start();
+  const c3de_sim_status status{};
+  registry::TextPanel text(nullptr);
+  for (int i = 0; i < 10; ++i) {
+    f.simulations.stepped({1, 1}, status);
+    (void)text.draw(*f.panels.panels().front());
+    f.mainQueue.runFrame();
+  }
+  for (const char *thrown : {"thrown after a step", "thrown in a frame", "thrown in a panel"}) {
+    INFO(thrown);
+    CHECK(f.linesWith(thrown).size() == 3);
+  }
+  CHECK(f.linesWith("is switched off, because it failed 3 times in a row").size() == 3);
+  CHECK(f.linesWith("plugin test.sdk_callbacks_throw: stepped of a watch of simulations failed: thrown after a step")
+            .size() == 3);
+}
+
 TEST_CASE("exceptions that leave callbacks become lines in the log and do not end the program") {
   HostFixture f;
   REQUIRE(f.refusalOf(HostFixture::testPlugin("throws_later")).empty());

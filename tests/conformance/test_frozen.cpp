@@ -75,6 +75,7 @@ struct FirstHost {
                  },
                  [](void *, c3de_status, c3de_str) {},
                  [](void *, c3de_sink) -> c3de_status { return C3DE_OK; },
+                 nullptr,
                  nullptr};
 };
 

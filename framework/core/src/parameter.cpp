@@ -27,8 +27,12 @@ const char *typeName(std::uint32_t type) {
 std::string unitSuffix(const ParameterDecl &decl) { return decl.unit.empty() ? "" : " " + decl.unit; }
 
 tl::unexpected<Error> refuse(const ParameterDecl &decl, const ParameterValue &value) {
-  return fail(ErrorCode::usage, fmt::format("{} = {}{} is not accepted; accepted: {}", decl.id, value.display(),
-                                            value.type == C3DE_PARAM_F64 ? unitSuffix(decl) : "", decl.accepted()));
+  // Ids of classes have a generation behind a '/'.
+  const bool isClass = decl.type == C3DE_PARAM_CHOICE && value.text.find('/') != std::string::npos;
+  return fail(ErrorCode::usage,
+              fmt::format("{} = {}{} is not accepted; accepted: {}{}", decl.id, value.display(),
+                          value.type == C3DE_PARAM_F64 ? unitSuffix(decl) : "", decl.accepted(),
+                          isClass ? "; what a plugin brings is there when it is loaded (--plugin)" : ""));
 }
 
 bool inRange(const ParameterDecl &decl, double x) {

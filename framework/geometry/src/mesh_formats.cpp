@@ -234,9 +234,10 @@ Expected<MeshFormats::Raw> MeshFormats::read(const std::filesystem::path &path, 
                                              const std::string &readerId) const {
   const std::string name = displayPath(path), extension = lowerExtension(path);
   if (readerId.empty() && !isMeshFile(path))
-    return fail(ErrorCode::input,
-                fmt::format("{}: meshes with the extension {} cannot be read; {} can", name,
-                            path.has_extension() ? quotedText(extension) : "'' (none)", fmt::join(extensions(), ", ")));
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: meshes with the extension {} cannot be read; {} can, and what plugins bring (--plugin)", name,
+                    path.has_extension() ? quotedText(extension) : "'' (none)", fmt::join(extensions(), ", ")));
   if (progress && !progress(0.0, "reading " + displayPath(path.filename())))
     return fail(ErrorCode::cancelled, name + ": cancelled");
   const auto bytes = readWholeFile(path);
@@ -287,6 +288,16 @@ std::optional<LengthUnit> MeshFormats::unitInFile(const std::filesystem::path &p
   if (isReadByProgram(lowerExtension(path))) return geometry::unitInFile(path);
   const auto raw = read(path, {}, {});
   return raw ? raw->mesh.unit : std::nullopt;
+}
+
+Expected<LengthUnit> MeshFormats::unitOf(const std::filesystem::path &path, std::optional<LengthUnit> stated) const {
+  if (stated) return *stated;
+  if (const auto said = unitInFile(path); said || !isMeshFile(path))
+    return said.value_or(LengthUnit::millimetre);  // what cannot be read is said when it is tried
+  return fail(ErrorCode::input,
+              fmt::format("'mesh_unit' is missing; {} does not say its unit; accepted: \"m\", \"mm\", "
+                          "\"cm\"",
+                          displayPath(path.filename())));
 }
 
 }  // namespace c3de::geometry

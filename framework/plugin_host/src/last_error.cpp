@@ -9,8 +9,11 @@ namespace {
 
 // Per thread and not per host: a failing call and the question why come from the same thread, one after the other.
 thread_local PluginError lastError;
+thread_local bool callbackFailed = false;
 
 }  // namespace
+
+bool exchangeCallbackFailed(bool value) noexcept { return std::exchange(callbackFailed, value); }
 
 void setLastError(std::string_view text) noexcept {
   try {

@@ -15,6 +15,8 @@ void setLastError(PluginError error) noexcept;
 /// Clears it. The text names the place, too.
 [[nodiscard]] std::string takeLastError() noexcept;
 [[nodiscard]] PluginError takeLastErrorAt() noexcept;
+/// Whether a function that returns nothing has said that it failed, on this thread; gives what was before.
+bool exchangeCallbackFailed(bool value) noexcept;
 /// "C3DE_E_ARG" of -1; the number of what is unknown.
 [[nodiscard]] std::string statusName(c3de_status status);
 

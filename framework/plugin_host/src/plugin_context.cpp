@@ -56,6 +56,8 @@ void C3DE_CALL setErrorAt(void *, c3de_status status, c3de_str message, const c3
   }
 }
 
+void C3DE_CALL callbackFailed(void *) noexcept { (void)exchangeCallbackFailed(true); }
+
 void C3DE_CALL setError(void *ctx, c3de_status status, c3de_str message) noexcept {
   setErrorAt(ctx, status, message, nullptr);
 }
@@ -74,7 +76,8 @@ c3de_status C3DE_CALL takeError(void *, c3de_sink sink) noexcept {
 
 PluginContext::PluginContext(HostState &host, std::string id)
     : host_(host), id_(std::move(id)),
-      callName_(keptName(id_)), abi_{sizeof(c3de_host), 2, this, &getService, &setError, &takeError, &setErrorAt},
+      callName_(keptName(id_)), abi_{sizeof(c3de_host), 3,          this,        &getService,
+                                     &setError,         &takeError, &setErrorAt, &callbackFailed},
       tables_{makeLogTable(this),      makeRegistryTable(this),  makeMeshTable(this),   makeSceneTable(this),
               makeRenderTable(this),   makeCollisionTable(this), makeParamsTable(this), makePanelsTable(this),
               makeToolsTable(this),    makeJobsTable(this),      makeTimeTable(this),   makeSimulationTable(this),
@@ -87,6 +90,15 @@ PluginContext &PluginContext::of(void *ctx) {
   auto *plugin = static_cast<PluginContext *>(requireNonNull(ctx, "ctx"));
   if (plugin->isClosed()) throw Refusal(C3DE_E_STATE, "the plugin " + plugin->id_ + " has been taken back");
   return *plugin;
+}
+
+void logCallbackFailure(const char *plugin, const char *what) noexcept {
+  try {
+    const std::string text = takeLastError();
+    log(LogLevel::error,
+        fmt::format("plugin {}: {} failed: {}", plugin, what, text.empty() ? "it does not say why" : text));
+  } catch (...) {  // no memory for the line
+  }
 }
 
 bool PluginContext::isMainThread() const { return std::this_thread::get_id() == host_.mainThread; }

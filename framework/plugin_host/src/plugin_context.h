@@ -12,6 +12,7 @@
 #include "c3de/abi/c3de.h"
 #include "c3de/core/foreign_call.h"
 #include "host_state.h"
+#include "last_error.h"
 
 namespace c3de::plugin_host {
 
@@ -111,7 +112,11 @@ class PluginContext {
   std::set<std::string> texts_, asked_;
 };
 
-/// Calls into a plugin: an exception that leaves it becomes a line in the log. Best effort only, because a plugin with
+/// With the text that the plugin has set.
+void logCallbackFailure(const char *plugin, const char *what) noexcept;
+
+/// Calls into a plugin: an exception that leaves it becomes a line in the log, and so does what a function that returns
+/// nothing says of itself (callback_failed of c3de_host). Best effort only, because a plugin with
 /// a C++ runtime of its own cannot be caught.
 /// @param what  a literal, for messages
 /// @param f  may take the ForeignCall that it is
@@ -122,11 +127,17 @@ bool callPlugin(const PluginContext &plugin, const char *what, F &&f, CallKind k
   if (ForeignCall::isTooDeep(plugin.callName(), what)) return false;
   try {
     const ForeignCall call(plugin.callName(), what, kind, subject);
+    struct Flag {  // one of a call within a call is not lost
+      bool before = exchangeCallbackFailed(false);
+      ~Flag() { (void)exchangeCallbackFailed(before); }
+    } const flag;
     if constexpr (std::is_invocable_v<F, const ForeignCall &>)
       f(call);
     else
       f();
-    return true;
+    if (!exchangeCallbackFailed(false)) return true;
+    logCallbackFailure(plugin.callName(), what);
+    return false;
   } catch (...) {
     logException(plugin.callName(), what);
     return false;

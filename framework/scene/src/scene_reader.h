@@ -53,11 +53,12 @@ class SceneReader {
   bool fixKey(SceneFix &fix, const std::string &key, const TomlValue &value);
   bool loadKey(SceneLoad &load, const std::string &key, const TomlValue &value);
   bool meshKey(const std::string &key, const TomlValue &value, std::filesystem::path &out);
-  bool unitKey(const std::string &key, const TomlValue &value, geometry::LengthUnit &out);
+  bool unitKey(const std::string &key, const TomlValue &value, std::optional<geometry::LengthUnit> &out);
   bool placementKey(ScenePlacement &placement, const std::string &key, const TomlValue &value);
   bool checkPlacement(const TomlValue &table, const ScenePlacement &placement);
   bool samplingKey(SceneBody &body, const std::string &key, const TomlValue &value);
-  bool requireUnit(const TomlValue &table, const std::filesystem::path &mesh, geometry::LengthUnit &unit);
+  bool requireUnit(const TomlValue &table, const std::filesystem::path &mesh,
+                   std::optional<geometry::LengthUnit> &unit);
 
   /// The whole value of `material`.
   bool readMaterial(std::vector<SceneValue> &params, const TomlValue &value);

@@ -46,7 +46,7 @@ bool SceneReader::meshKey(const std::string &key, const TomlValue &value, std::f
   return true;
 }
 
-bool SceneReader::unitKey(const std::string &key, const TomlValue &value, geometry::LengthUnit &out) {
+bool SceneReader::unitKey(const std::string &key, const TomlValue &value, std::optional<geometry::LengthUnit> &out) {
   std::string text;
   if (!readText(key, value, text)) return false;
   const auto unit = parseLengthUnit(text);
@@ -127,8 +127,13 @@ bool SceneReader::samplingKey(SceneBody &body, const std::string &key, const Tom
   return key == "refine" ? readRefinements(value, body.refinements) : store(body.params, "sampling." + key, value);
 }
 
-bool SceneReader::requireUnit(const TomlValue &table, const std::filesystem::path &mesh, geometry::LengthUnit &unit) {
+bool SceneReader::requireUnit(const TomlValue &table, const std::filesystem::path &mesh,
+                              std::optional<geometry::LengthUnit> &unit) {
   if (table.find("mesh_unit") != nullptr) return true;
+  if (!geometry::isMeshFile(mesh)) {  // of a plugin, which may know it; asked when it is read
+    unit.reset();
+    return true;
+  }
   if (const auto said = geometry::unitInFile(mesh)) {
     unit = *said;
     return true;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/session/session.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -11,6 +13,7 @@
 #include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/core/foreign_call.h"
 #include "c3de/core/log.h"
+#include "c3de/core/path_text.h"
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/registry/parameter_registry.h"
@@ -132,7 +135,9 @@ Expected<BodyGeometry> meshOf(const scene::SceneBody &body, const geometry::Mesh
   BodyGeometry loaded;
   {
     const TimeSpent reading(loaded.took.reading_s);
-    auto mesh = formats.load(body.mesh, body.meshUnit, progress);
+    const auto unit = formats.unitOf(body.mesh, body.meshUnit);
+    if (!unit) return tl::unexpected(unit.error());
+    auto mesh = formats.load(body.mesh, *unit, progress);
     if (!mesh) return tl::unexpected(mesh.error());
     loaded.skin = std::move(*mesh);
   }
@@ -459,9 +464,10 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const scene::SceneObstacle &obstacle = scene.obstacles[i];
     PartProgress partProgress(progress, obstacle.name, part++, parts);
-    auto mesh = impl_->meshFormats.load(obstacle.mesh, obstacle.meshUnit, [&](double f, const std::string &what) {
-      return partProgress.update(f, what);
-    });
+    const auto unit = impl_->meshFormats.unitOf(obstacle.mesh, obstacle.meshUnit);
+    if (!unit) return fail(unit.error().code, scene.where(obstacle.line) + ": " + unit.error().message);
+    auto mesh = impl_->meshFormats.load(
+        obstacle.mesh, *unit, [&](double f, const std::string &what) { return partProgress.update(f, what); });
     if (!mesh) return fail(mesh.error().code, scene.where(obstacle.line) + ": " + mesh.error().message);
     const MeshLease lease(impl_->meshes, std::move(*mesh));
     const std::vector<c3de_param_value> params = toAbi(fitted->obstacles[i]);

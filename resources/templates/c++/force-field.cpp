@@ -10,7 +10,7 @@ constexpr double kAcceleration_m_s2 = 1.0;
 class MyPlugin {
  public:
   static constexpr sdk::PluginInfo info{
-      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "", .license = ""};
+      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "Your name", .license = "MIT"};
   static constexpr std::array needs{sdk::required<c3de_forces_v1>()};
 
   explicit MyPlugin(sdk::Host host) : field_(sdk::orThrow(sdk::Forces(host).add("wind", blow))) {}

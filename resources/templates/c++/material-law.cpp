@@ -48,7 +48,7 @@ class MyPluginLaw {
 class MyPlugin {
  public:
   static constexpr sdk::PluginInfo info{
-      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "", .license = ""};
+      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "Your name", .license = "MIT"};
   static constexpr std::array needs{sdk::required<c3de_registry_v1>()};
 
   explicit MyPlugin(sdk::Host host) {

@@ -54,7 +54,7 @@ sdk::Result<void> writeMesh(const sdk::MeshContents &mesh, sdk::Progress progres
 class MyPlugin {
  public:
   static constexpr sdk::PluginInfo info{
-      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "", .license = ""};
+      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "Your name", .license = "MIT"};
   static constexpr std::array needs{sdk::required<c3de_files_v1>(2)};
 
   explicit MyPlugin(sdk::Host host) {

@@ -8,7 +8,7 @@ namespace sdk = c3de::sdk;
 class MyPlugin : public sdk::Panel {
  public:
   static constexpr sdk::PluginInfo info{
-      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "", .license = ""};
+      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "Your name", .license = "MIT"};
   static constexpr std::array needs{sdk::required<c3de_log_v1>(), sdk::optional<c3de_panels_v1>()};
 
   explicit MyPlugin(sdk::Host host) {

@@ -46,8 +46,11 @@ class MySimulator : public sdk::Object<MySimulator> {
     if (in.mesh.v == 0) throw sdk::Error(C3DE_E_ARG, "the body has no mesh");
     if (in.fixes_n + in.loads_n + in.parts_n + in.refinements_n > 0)
       throw sdk::Error(C3DE_E_UNSUPPORTED, "fixes, loads, parts and refinements are not served");
-    if (in.placement && (in.placement->flags & C3DE_SIM_PLACED_BY_MATRIX))
-      throw sdk::Error(C3DE_E_UNSUPPORTED, "a placement by a matrix is not served");
+    const auto isNone = [](const double *v) { return v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0; };
+    if (in.placement && (in.placement->flags & C3DE_SIM_PLACED_BY_MATRIX || !isNone(in.placement->rotation_deg) ||
+                         (in.placement->scale != 0.0 && in.placement->scale != 1.0)))
+      throw sdk::Error(C3DE_E_UNSUPPORTED, "of a placement the position alone is served");
+    if (!isNone(in.angular_velocity_rad_s)) throw sdk::Error(C3DE_E_UNSUPPORTED, "an angular velocity is not served");
     Body body;
     body.name = sdk::text(in.name);
     for (std::size_t c = 0; c < 3; ++c) {
@@ -137,6 +140,8 @@ class MySimulator : public sdk::Object<MySimulator> {
     const bool isReference = sdk::text(name) == C3DE_SIM_FIELD_REFERENCE_POSITION;
     if (on != C3DE_SIM_ON_POINTS || (!isReference && sdk::text(name) != C3DE_SIM_FIELD_POSITION))
       throw sdk::Error(C3DE_E_NOT_FOUND, "there is no such field");
+    if (out.data == nullptr || out.count < 1 || out.comps != 3 || out.dtype != C3DE_F64)
+      throw sdk::Error(C3DE_E_ARG, "a field of positions has 1 row of 3 f64");
     std::memcpy(out.data, (isReference ? read.start_m : read.position_m).data(), sizeof(sdk::Vec3));
   }
   void triangles(c3de_handle, c3de_view *out) { *out = {nullptr, 0, 3, C3DE_U32, 0}; }
@@ -164,7 +169,7 @@ std::array<sdk::Interface, 1> MySimulator::interfaces() {
 class MyPlugin {
  public:
   static constexpr sdk::PluginInfo info{
-      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "", .license = ""};
+      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "Your name", .license = "MIT"};
   static constexpr std::array needs{sdk::required<c3de_registry_v1>()};
 
   explicit MyPlugin(sdk::Host host) {

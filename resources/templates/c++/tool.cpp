@@ -10,7 +10,7 @@ namespace sdk = c3de::sdk;
 class MyPlugin : public sdk::Tool {
  public:
   static constexpr sdk::PluginInfo info{
-      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "", .license = ""};
+      .id = "org.example.my_plugin", .version = "0.1.0", .displayName = "My plugin", .vendor = "Your name", .license = "MIT"};
   static constexpr std::array needs{sdk::required<c3de_log_v1>(), sdk::optional<c3de_tools_v1>()};
 
   explicit MyPlugin(sdk::Host host) : log_(host) {

@@ -47,7 +47,7 @@ static void C3DE_CALL destroy(void *self) { (void)self; }
 
 static const c3de_service_req needs[] = {{sizeof(c3de_service_req), C3DE_REQUIRED, TEXT(C3DE_FORCES_ID), 1, 0}};
 static const c3de_plugin plugin = {sizeof(c3de_plugin), 1, TEXT("org.example.my_plugin"), TEXT("0.1.0"), TEXT("My plugin"),
-                                   TEXT(""), TEXT(""), needs, 1, sizeof needs[0], create, start, stop, destroy};
+                                   TEXT("Your name"), TEXT("MIT"), needs, 1, sizeof needs[0], create, start, stop, destroy};
 
 C3DE_EXPORT c3de_status C3DE_CALL c3de_plugin_query(const c3de_offer *offer, c3de_answer *answer) {
   answer->abi_major = C3DE_ABI_MAJOR;

@@ -54,7 +54,7 @@ static const c3de_service_req needs[] = {
     {sizeof(c3de_service_req), C3DE_OPTIONAL, TEXT(C3DE_PANELS_ID), 1, 0},
 };
 static const c3de_plugin plugin = {sizeof(c3de_plugin), 1, TEXT("org.example.my_plugin"), TEXT("0.1.0"), TEXT("My plugin"),
-                                   TEXT(""), TEXT(""), needs, sizeof needs / sizeof needs[0], sizeof needs[0],
+                                   TEXT("Your name"), TEXT("MIT"), needs, sizeof needs / sizeof needs[0], sizeof needs[0],
                                    create, start, stop, destroy};
 
 C3DE_EXPORT c3de_status C3DE_CALL c3de_plugin_query(const c3de_offer *offer, c3de_answer *answer) {

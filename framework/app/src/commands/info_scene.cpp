@@ -95,15 +95,17 @@ void describeSupports(const scene::SceneFile &scene, std::ostringstream &text, J
 
 /// Says what the mesh of a body or obstacle is; the error names the line of the scene.
 Expected<Json> describePart(const geometry::MeshFormats &formats, const scene::SceneFile &scene, int line,
-                            const std::filesystem::path &mesh, geometry::LengthUnit unit, bool mustBeFillable,
-                            std::ostringstream &text) {
-  const auto loaded = formats.load(mesh, unit);
+                            const std::filesystem::path &mesh, std::optional<geometry::LengthUnit> stated,
+                            bool mustBeFillable, std::ostringstream &text) {
+  const auto unit = formats.unitOf(mesh, stated);
+  if (!unit) return failInScene(unit.error(), scene, line);
+  const auto loaded = formats.load(mesh, *unit);
   if (!loaded) return failInScene(loaded.error(), scene, line);
   const geometry::MeshReport &report = loaded->report;
   if (mustBeFillable)
     if (const auto fillable = geometry::checkFillable(loaded->mesh, report); !fillable)
       return failInScene(fillable.error(), scene, line);
-  text << "  mesh " << mesh.string() << " (" << geometry::unitName(unit) << "): " << report.vertices << " vertices, "
+  text << "  mesh " << mesh.string() << " (" << geometry::unitName(*unit) << "): " << report.vertices << " vertices, "
        << report.triangles << " triangles, " << (report.closed ? "closed" : "open") << "\n";
   for (const std::string &repair : report.repairs) text << "  repaired: " << repair << "\n";
   for (const std::string &warning : report.warnings) text << "  warning: " << warning << "\n";

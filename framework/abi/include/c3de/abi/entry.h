@@ -60,6 +60,9 @@ typedef struct c3de_host {
   c3de_status(C3DE_CALL *take_error)(void *ctx, c3de_sink text);
   /* May be absent (by size): rev 2. As set_error, with the place that the message is about and does not name. [any] */
   void(C3DE_CALL *set_error_at)(void *ctx, c3de_status status, c3de_str message, const c3de_error_place *place);
+  /* May be absent (by size): rev 3. The function of the plugin that the host is calling on this thread returns nothing,
+   * and has failed as set_error says: a panel, a frame callback, stepped(). [any] */
+  void(C3DE_CALL *callback_failed)(void *ctx);
 } c3de_host;
 
 typedef struct c3de_plugin {

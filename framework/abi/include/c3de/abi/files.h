@@ -15,7 +15,7 @@ typedef struct c3de_mesh_source {
   uint32_t size;
   uint32_t reserved;
   c3de_str path;     /* UTF-8; for messages, and for files that lie beside it */
-  const void *bytes; /* all of it */
+  const void *bytes; /* all of it; no 0 follows */
   uint64_t bytes_n;  /* at least 1, at most 2^30 */
 } c3de_mesh_source;
 

@@ -11,7 +11,7 @@
 typedef struct c3de_force_call {
   uint32_t size;
   uint32_t reserved;
-  c3de_handle simulation; /* scene node of the simulation; 0 without a window */
+  c3de_handle simulation; /* scene node of the simulation */
   c3de_handle body;       /* of the simulator; stays the same as long as the body is there */
   c3de_str body_name;
   double time_s; /* simulated; 0 quasi-static */
@@ -28,7 +28,7 @@ typedef struct c3de_force_field { /* copied by add, the name included */
   c3de_str name; /* for messages */
   void *self;
   /* Before each step, for each body that is neither rigid nor stopped: adds the forces that act on its points in that
-   * step. They are constant over the step and gone after it; quasi-static, they grow with the load factor. An error, or
+   * step. They are constant over the step and gone after it; forces that are not zero wake a body that rests; quasi-static, they grow with the load factor. An error, or
    * a force that is not finite: the field is removed, the step is not made, the simulation pauses, and people are told
    * which plugin and why. [sim] */
   c3de_status(C3DE_CALL *apply)(void *self, const c3de_force_call *call);

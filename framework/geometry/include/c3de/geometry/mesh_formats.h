@@ -94,6 +94,8 @@ class MeshFormats {
                                           const ProgressFn &progress = {}, const std::string &readerId = {}) const;
   /// The unit that the file says; of readers of plugins by reading it. None: it says none, or cannot be read.
   [[nodiscard]] std::optional<LengthUnit> unitInFile(const std::filesystem::path &path) const;
+  /// What a scene states, else what the file says. ErrorCode::input where neither does.
+  [[nodiscard]] Expected<LengthUnit> unitOf(const std::filesystem::path &path, std::optional<LengthUnit> stated) const;
 
  private:
   struct Entry;

@@ -106,7 +106,7 @@ struct SceneBody {
   std::string name;
   std::filesystem::path mesh;  ///< empty where it is made from a volume
   SceneVolume volume;
-  geometry::LengthUnit meshUnit = geometry::LengthUnit::millimetre;
+  std::optional<geometry::LengthUnit> meshUnit = geometry::LengthUnit::millimetre;  ///< none: a plugin's format says it
   ScenePlacement placement;
   Vec3 velocity_m_s{};             ///< at the start
   Vec3 angularVelocity_rad_s{};    ///< at the start, about the centre of mass
@@ -140,7 +140,7 @@ struct SceneLoad {
 struct SceneObstacle {
   std::string name;
   std::filesystem::path mesh;
-  geometry::LengthUnit meshUnit = geometry::LengthUnit::millimetre;
+  std::optional<geometry::LengthUnit> meshUnit = geometry::LengthUnit::millimetre;  ///< none: a plugin's format says it
   ScenePlacement placement;
   std::vector<SceneValue> params;     ///< "friction"
   std::optional<SceneMotion> motion;  ///< none: it stands still

@@ -60,13 +60,15 @@ c3de_status guard(F &&f) noexcept {
   }
 }
 
-/// Runs f(); an exception becomes a line in the log, because nobody takes a status here.
+/// Runs f(), of which nobody takes a status: of an exception the host is told, which switches off what fails again and
+/// again; an older one gets a line in its log.
 template <class F>
 void guardQuietly(const char *where, F &&f) noexcept {
   try {
     std::forward<F>(f)();
   } catch (...) {
     (void)detail::statusOfException();
+    if (currentHost().callbackFailed()) return;
     try {
       const std::string line = std::string(where) + ": " + currentHost().takeError();
       if (const auto *log = currentHost().service<c3de_log_v1>()) log->write(log->ctx, C3DE_LOG_ERROR, str(line));

@@ -56,6 +56,12 @@ class Host {
     const c3de_error_place abi{sizeof(c3de_error_place), place.index, str(place.table), str(place.key)};
     host_->set_error_at(host_->ctx, status, str(message), &abi);
   }
+  /// The callback that is running has failed as the error says that was set; false: the host does not take it.
+  bool callbackFailed() const noexcept {
+    if (!host_ || host_->rev < 3 || !C3DE_HAS(c3de_host, host_, callback_failed)) return false;
+    host_->callback_failed(host_->ctx);
+    return true;
+  }
   /// The text that was left last on this thread; empty when there is none.
   [[nodiscard]] std::string takeError() const noexcept {
     TextSink text;

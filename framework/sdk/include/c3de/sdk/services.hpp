@@ -514,6 +514,14 @@ class Simulation : public Service<c3de_simulation_v1> {
       return done.failure();
     return found;
   }
+  /// That of a node: RunningSimulator(*simulations.find(node)). C3DE_E_NOT_FOUND: there is none. Any thread.
+  [[nodiscard]] Result<Ref<>> find(c3de_handle node) const {
+    auto running = all();
+    if (!running) return running.failure();
+    for (Running &one : *running)
+      if (one.node.v == node.v) return std::move(one.object);
+    return Failure{C3DE_E_NOT_FOUND, "there is no simulation of this node"};
+  }
   /// Empty functions are not called. added() is called for those that there are, too. Main thread.
   /// @param stepped  after every step, on the simulation's thread: node, steps, time in s
   [[nodiscard]] Result<SimulationWatch> watch(std::function<void(c3de_handle)> added,

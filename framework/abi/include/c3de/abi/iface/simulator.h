@@ -183,8 +183,8 @@ typedef struct c3de_sim_field {
 #define C3DE_SIM_FIELD_REFERENCE_POSITION "reference_position" /* comps 3, m */
 #define C3DE_SIM_FIELD_POSITION "position"                     /* comps 3, m */
 #define C3DE_SIM_FIELD_VELOCITY "velocity"                     /* comps 3, m/s */
-#define C3DE_SIM_FIELD_MASS "mass"                             /* comps 1, kg */
-#define C3DE_SIM_FIELD_VOLUME "volume"                         /* comps 1, m^3, at rest */
+#define C3DE_SIM_FIELD_MASS "mass"     /* comps 1, kg; they add up to the body's, held points included */
+#define C3DE_SIM_FIELD_VOLUME "volume" /* comps 1, m^3, at rest */
 
 typedef struct c3de_sim_probe {
   uint32_t size;

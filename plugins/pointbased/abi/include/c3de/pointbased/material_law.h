@@ -25,7 +25,7 @@ typedef struct c3de_material_law_v1 {
   uint32_t size;
   uint32_t rev;
   /* The law's parameters: numbers, integers, booleans and choices. A scene says them as material.ID, ID being what is
-   * declared here; the point-based plugin checks them. Ids of its own (see c3de info --params) are not accepted, except
+   * declared here; the point-based plugin checks them. Ids of its own (the user guide's table of a scene's keys) are not accepted, except
    * youngs_modulus (Pa) and poisson_ratio, which a law that lists them takes from the scene's; two laws may share an id
    * only with equal declarations, so begin it with a name. Borrowed from the object, the same for its life. [any] */
   c3de_status(C3DE_CALL *declarations)(c3de_object *self, const c3de_param_decl **decls, uint64_t *n, uint64_t *stride);
