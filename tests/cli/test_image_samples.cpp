@@ -53,6 +53,22 @@ TEST_CASE("A plugin reads the image of the scene at the points of bodies, withou
   CHECK((none.output + none.errorOutput).find("mean ") == std::string::npos);
 }
 
+TEST_CASE("c3de plugins says what --plugin-param takes, and which files a plugin reads and writes") {
+  const auto text =
+      runC3de({"plugins", "--no-plugins", "--plugin", example("magnet"), "--plugin", example("mesh_reader")});
+  INFO(text.errorOutput);
+  REQUIRE(text.exitCode == 0);
+  CHECK_THAT(text.output,
+             Contains("--plugin-param org.c3de.magnet:reach=0.1  Reach, m; accepted: 0.001 <= value <= 10") &&
+                 Contains("reads .tri") && Contains("writes .tri"));
+  const auto json = nlohmann::json::parse(
+      runC3de({"plugins", "--no-plugins", "--plugin", example("magnet"), "--plugin", example("mesh_reader"), "--json"})
+          .output);
+  CHECK(json.at("plugins").at(0).at("parameters").size() == 3);
+  CHECK(json.at("plugins").at(0).at("parameters").at(0).at("id") == "strength");
+  CHECK(json.at("plugins").at(1).at("writes") == nlohmann::json::array({"tri"}));
+}
+
 TEST_CASE("The example of a clamp lifts and turns a body of either simulator") {
   const auto folder = freshFolder("clamp");
   const auto scene = writeBoxScene(folder);

@@ -8,10 +8,12 @@
 
 #include "c3de/core/log.h"
 #include "c3de/core/text.h"
+#include "c3de/geometry/mesh_formats.h"
 #include "c3de/plugin_host/plugin_records.h"
 #include "c3de/registry/command_registry.h"
 #include "c3de/registry/edit_list.h"
 #include "c3de/registry/panel_registry.h"
+#include "c3de/registry/parameter_registry.h"
 #include "c3de/registry/tool_registry.h"
 #include "c3de/render/renderer.h"
 #include "c3de/session/file_kind.h"
@@ -25,7 +27,28 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json describe(const plugin_host::PluginInfo &plugin) {
+/// What a plugin has declared and brought.
+struct Offers {
+  registry::ParameterRegistry parameters;
+  const geometry::MeshFormats *formats = nullptr;
+
+  template <class Each>
+  void forParameters(const std::string &plugin, const Each &each) {
+    for (const Handle handle : parameters.ownedBy(plugin))
+      if (const registry::ParameterSet *set = parameters.find(handle))
+        for (const ParameterDecl &decl : set->decls) each(decl);
+  }
+  /// Extensions without the dot.
+  [[nodiscard]] std::vector<std::string> extensions(const std::string &plugin, bool written) const {
+    std::vector<std::string> all;
+    for (const auto &format : written ? formats->writers() : formats->readers())
+      if (format.owner == plugin)
+        for (const std::string &extension : format.extensions) all.push_back(extension.substr(1));
+    return all;
+  }
+};
+
+Json describe(const plugin_host::PluginInfo &plugin, Offers &offers) {
   Json json{{"path", plugin.path.string()}, {"state", plugin_host::stateName(plugin.state)}};
   if (plugin.state != plugin_host::PluginState::loaded) json["reason"] = plugin.reason;
   json["id"] = plugin.id;
@@ -34,6 +57,17 @@ Json describe(const plugin_host::PluginInfo &plugin) {
   json["vendor"] = plugin.vendor;
   json["license"] = plugin.license;
   json["classes"] = plugin.classes;
+  json["parameters"] = Json::array();
+  offers.forParameters(plugin.id, [&](const ParameterDecl &decl) {
+    json["parameters"].push_back(Json{{"id", decl.id},
+                                      {"label", decl.label},
+                                      {"unit", decl.unit},
+                                      {"doc", decl.doc},
+                                      {"accepted", decl.accepted()},
+                                      {"default", decl.fallbackValue().display()}});
+  });
+  json["reads"] = offers.extensions(plugin.id, false);
+  json["writes"] = offers.extensions(plugin.id, true);
   return json;
 }
 
@@ -77,9 +111,12 @@ int listPlugins(const SessionOptions &options, bool json, bool isAsInWindow) {
     withoutNamed.edits = &window->edits;
     withoutNamed.commands = &window->commands;
   }
+  Offers offers;
+  withoutNamed.parameters = &offers.parameters;
   auto session = Session::create(withoutNamed);
   if (!session) return reportError(session.error());
   plugin_host::PluginHost &host = (*session)->plugins();
+  offers.formats = &(*session)->meshFormats();
   ExitCode exitCode = kDone;
   std::vector<std::filesystem::path> folders;
   for (const auto &file : options.pluginFiles)
@@ -103,7 +140,7 @@ int listPlugins(const SessionOptions &options, bool json, bool isAsInWindow) {
     Json out{
         {"folders", Json::array()}, {"plugins", Json::array()}, {"classes", Json::array()}, {"crashes", Json::array()}};
     for (const auto &folder : folders) out["folders"].push_back(folder.string());
-    for (const auto &plugin : host.plugins()) out["plugins"].push_back(describe(plugin));
+    for (const auto &plugin : host.plugins()) out["plugins"].push_back(describe(plugin, offers));
     for (const auto &one : host.classes())
       out["classes"].push_back(Json{{"id", one.id},
                                     {"label", one.label},
@@ -129,6 +166,13 @@ int listPlugins(const SessionOptions &options, bool json, bool isAsInWindow) {
     text += plugin.id + " " + plugin.version + ", " + plugin.displayName + "; " + plugin.vendor + "; " +
             plugin.license + "\n";
     for (const auto &one : plugin.classes) text += "         class " + one + "\n";
+    for (const auto &one : offers.extensions(plugin.id, false)) text += "         reads ." + one + "\n";
+    for (const auto &one : offers.extensions(plugin.id, true)) text += "         writes ." + one + "\n";
+    offers.forParameters(plugin.id, [&](const ParameterDecl &decl) {
+      text += fmt::format("         --plugin-param {}:{}={}  {}{}; accepted: {}\n", plugin.id, decl.id,
+                          decl.fallbackValue().display(), decl.label, decl.unit.empty() ? "" : ", " + decl.unit,
+                          decl.accepted());
+    });
   }
   if (host.plugins().empty()) text += "no plugin was found\n";
   for (const auto &crash : crashes)
