@@ -311,6 +311,18 @@ class Modes : public sdk::Panel {
                                 (void)sdk::put(bytes, "odd");
                                 return {};
                               }));
+    if (const sdk::Forces forces(host); forces)
+      field_ = sdk::orThrow(forces.add("odd", [](const c3de_force_call &call) -> sdk::Result<void> {
+        for (std::uint64_t k = 0; is("field_divides_by_zero") && k < call.count; ++k)
+          call.forces_N[3 * k] += 1.0 / call.positions_m[3 * k];
+        if (is("field_dies_of_little") && call.count < 5) crash();
+        if (is("field_throws")) throw std::runtime_error("of a field");
+        return {};
+      }));
+    if (const sdk::Simulation simulations(host); simulations)
+      watch_ = sdk::orThrow(simulations.watch({}, {}, [](c3de_handle, std::uint64_t, double) {
+        if (is("stepped_throws")) throw std::runtime_error("of a watch");
+      }));
     if (const sdk::Commands commands(host); commands)
       command_ = sdk::orThrow(commands.add({.id = "test.modes.command", .title = "Odd"}, []() -> sdk::Result<void> {
         if (is("command_dies")) crash();
@@ -352,6 +364,8 @@ class Modes : public sdk::Panel {
   OddTool tool_;
   sdk::MeshReader reader_;
   sdk::MeshWriter writer_;
+  sdk::ForceField field_;
+  sdk::SimulationWatch watch_;
   sdk::Command command_;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "c3de/abi/iface/simulator.h"
 #include "c3de/abi/tools.h"
 #include "c3de/registry/text_panel.h"
 #include "check.h"
@@ -239,13 +240,95 @@ Verdict writers(const Trial &trial) {
   return pass(fmt::format("{} of {} surfaces written", written, asked));
 }
 
+/// A simulation of one body that is nothing but points: some in one place, some held, none at all.
+class Points {
+ public:
+  Points() {
+    table_.size = sizeof table_;
+    table_.rev = 1;
+    table_.status = [](c3de_object *, c3de_sim_status *out) -> c3de_status {
+      out->bodies = 1;
+      return C3DE_OK;
+    };
+    table_.body_at = [](c3de_object *, std::uint64_t, c3de_handle *out) -> c3de_status {
+      out->v = 1;
+      return C3DE_OK;
+    };
+    table_.points = [](c3de_object *self, c3de_handle, c3de_sim_points *out) -> c3de_status {
+      Points &own = of(self);
+      own.isAsked_ = true;
+      out->name = {"body", 4};
+      out->count = own.masses_.size();
+      out->positions_m = own.positions_.data();
+      out->velocities_m_s = own.velocities_.data();
+      out->masses_kg = own.masses_.data();
+      out->forces_N = own.forces_.data();
+      return C3DE_OK;
+    };
+  }
+  Points(const Points &) = delete;
+  Points &operator=(const Points &) = delete;
+
+  void move(Random &random) {
+    const std::size_t n = random.below(200);
+    const auto number = [&] { return static_cast<double>(random.below(2001)) / 1e4 - 0.1; };
+    masses_.assign(n, 0.0);
+    forces_.assign(3 * n, 0.0);
+    for (auto *numbers : {&positions_, &velocities_}) {
+      numbers->resize(3 * n);
+      for (double &x : *numbers) x = random.below(10) == 0 ? 0.0 : number();
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      if (random.below(4) != 0) masses_[i] = 1e-3;  // else it is held
+      if (random.below(8) == 0)                     // on the first one, or at the origin
+        for (std::size_t c = 0; c < 3; ++c) positions_[3 * i + c] = i % 2 == 0 ? positions_[c] : 0.0;
+    }
+  }
+  [[nodiscard]] c3de_object *object() { return &self_.object; }
+  [[nodiscard]] const c3de_simulator_v1 *table() const { return &table_; }
+  [[nodiscard]] bool isAsked() const { return isAsked_; }
+
+ private:
+  struct Self {
+    c3de_object object;
+    Points *points;
+  };
+  static Points &of(c3de_object *self) { return *reinterpret_cast<Self *>(self)->points; }
+
+  c3de_simulator_v1 table_{};
+  Self self_{{nullptr}, this};
+  std::vector<double> positions_, velocities_, masses_, forces_;
+  bool isAsked_ = false;
+};
+
+Verdict steps(const Trial &trial) {
+  const LoadedTrial loaded(trial, TrialHost::Serves::all);
+  if (!loaded.refusal.empty()) return fail(loaded.refusal);
+  Random random(trial.seed);
+  Points points;
+  c3de_sim_status status{};
+  status.size = sizeof status;
+  for (int i = 0; i < kEvents; ++i) {
+    points.move(random);
+    if (const auto applied = loaded.host->forces.apply({}, points.object(), points.table()); !applied)
+      return fail(applied.error().message);
+    status.time_s = 1e-3 * static_cast<double>(++status.steps);
+    loaded.host->simulations.stepped({1, 1}, status);
+  }
+  const Verdict said = loaded.complaints();
+  if (said.result != Result::pass || points.isAsked())
+    return said.result == Result::pass ? pass(fmt::format("{} steps", kEvents)) : said;
+  return pass(fmt::format("{} steps; it adds no force", kEvents));
+}
+
 constexpr std::array kChecks{
     Check{"parameters", "Declarations are sound; random and extreme values, and their undoing, are taken", &parameters},
     Check{"panels", "300 random clicks, numbers and texts in each panel", &panels},
     Check{"tools", "300 random events, changes and cancels of tools, and the end in the middle of one", &tools},
     Check{"commands", "Each command three times, with nothing open", &commands},
     Check{"readers", "300 files of rubbish for each reader of meshes", &readers},
-    Check{"writers", "30 surfaces for each writer of meshes, one of 100 000 triangles", &writers}};
+    Check{"writers", "30 surfaces for each writer of meshes, one of 100 000 triangles", &writers},
+    Check{"steps", "300 steps of a simulation for its force fields and watches", &steps}};
 
 }  // namespace
 
