@@ -67,7 +67,11 @@ void nameOrgan(WorkstationDriver &window, const char *name) {
 
 /// In the 3D view from the front, without the planes of the slices, which would be in the way of the mouse.
 void takePinchTool(WorkstationDriver &window) {
-  window.click("image/slices_in_space");
+  // The message that was closed has moved the panel, maybe under the mouse.
+  for (int tries = 0; tries < 5 && window.value("image/slices_in_space") != "false"; ++tries) {
+    window.click("image/slices_in_space");
+    window.waitFrames(5);
+  }
   window.moveTo(window.inView(0.5, 0.5));
   window.key("1");
   window.key("f");

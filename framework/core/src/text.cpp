@@ -112,6 +112,9 @@ std::string nearestName(std::string_view name, std::span<const std::string> cand
   std::string best;
   std::size_t bestDistance = std::max<std::size_t>(2, name.size() / 3) + 1;
   for (const std::string &candidate : candidates) {
+    const std::size_t shorter = std::min(name.size(), candidate.size()),
+                      longer = std::max(name.size(), candidate.size());
+    if (longer - shorter >= bestDistance) continue;  // the distance is at least that
     const std::size_t distance = editDistance(name, candidate);
     if (distance < bestDistance) {
       bestDistance = distance;
