@@ -8,6 +8,7 @@
 #ifdef __linux__
 #include <sys/prctl.h>
 #endif
+#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,8 +17,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <thread>
+#include <utility>
 
 #include "c3de/core/platform.h"
 #include "descriptors.h"
@@ -154,6 +157,19 @@ std::FILE *detail::openUnnamed(const std::filesystem::path &) { return nullptr; 
 int detail::nameFile(std::FILE *, const std::filesystem::path &) { return ENOSYS; }
 #endif
 
+double processorTime_s() {
+  timespec time{};
+  if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) != 0) return 0.0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+long long processId() { return getpid(); }
+
+std::string hostName() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
 bool stderrIsTerminal() { return isatty(STDERR_FILENO) == 1; }
 
 int duplicateDescriptor(int descriptor) { return dup(descriptor); }
@@ -242,6 +258,28 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
   }
   result.exitCode = exitCodeOf(status);
   return result;
+}
+
+Expected<FileLock> FileLock::take(const std::filesystem::path &file, const std::string &note) {
+  const int descriptor = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor < 0) return fail(ErrorCode::output, file.string() + ": " + std::strerror(errno));
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    const int error = errno;
+    char held[256] = {};
+    const ssize_t n = read(descriptor, held, sizeof held - 1);
+    close(descriptor);
+    if (error == EWOULDBLOCK) return fail(ErrorCode::state, std::string(held, n > 0 ? static_cast<std::size_t>(n) : 0));
+    return fail(ErrorCode::output, file.string() + ": cannot be locked: " + std::strerror(error));
+  }
+  // The note helps people; the lock holds without it.
+  if (ftruncate(descriptor, 0) != 0 || write(descriptor, note.data(), note.size()) < 0) errno = 0;
+  return FileLock(descriptor);
+}
+
+FileLock::FileLock(FileLock &&other) noexcept : handle_(std::exchange(other.handle_, -1)) {}
+
+FileLock::~FileLock() {
+  if (handle_ >= 0) close(static_cast<int>(handle_));
 }
 
 Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &arguments,

@@ -7,7 +7,9 @@
 #include <chrono>
 #include <cstdio>
 #include <thread>
+#include <utility>
 
+#include "c3de/core/path_text.h"
 #include "c3de/core/platform.h"
 #include "descriptors.h"
 #include "open_file.h"
@@ -167,6 +169,19 @@ std::FILE *detail::openFile(const std::filesystem::path &path, OpenMode mode) {
 std::FILE *detail::openUnnamed(const std::filesystem::path &) { return nullptr; }
 int detail::nameFile(std::FILE *, const std::filesystem::path &) { return ENOSYS; }
 
+double processorTime_s() {
+  FILETIME created{}, ended{}, kernel{}, user{};
+  if (!GetProcessTimes(GetCurrentProcess(), &created, &ended, &kernel, &user)) return 0.0;
+  const auto seconds = [](const FILETIME &time) {
+    return 1e-7 * (4294967296.0 * static_cast<double>(time.dwHighDateTime) + static_cast<double>(time.dwLowDateTime));
+  };
+  return seconds(kernel) + seconds(user);
+}
+
+long long processId() { return static_cast<long long>(GetCurrentProcessId()); }
+
+std::string hostName() { return environmentVariable("COMPUTERNAME"); }
+
 bool stderrIsTerminal() { return _isatty(2) != 0; }
 
 int duplicateDescriptor(int descriptor) { return _dup(descriptor); }
@@ -224,6 +239,35 @@ Expected<ProcessResult> runProcess(const std::vector<std::string> &arguments, do
   CloseHandle(errRead);
   if (!process) return tl::unexpected<Error>(process.error());
   return result;
+}
+
+Expected<FileLock> FileLock::take(const std::filesystem::path &file, const std::string &note) {
+  // Nobody else may write while it is open; the system closes it with the process.
+  const HANDLE handle = CreateFileW(file.c_str(), GENERIC_READ | GENERIC_WRITE, FILE_SHARE_READ, nullptr, OPEN_ALWAYS,
+                                    FILE_ATTRIBUTE_NORMAL, nullptr);
+  if (handle == INVALID_HANDLE_VALUE) {
+    if (GetLastError() != ERROR_SHARING_VIOLATION)
+      return fail(ErrorCode::output, pathText(file) + ": " + lastErrorText());
+    const HANDLE held = CreateFileW(file.c_str(), GENERIC_READ, FILE_SHARE_READ | FILE_SHARE_WRITE, nullptr,
+                                    OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, nullptr);
+    char text[256] = {};
+    DWORD n = 0;
+    if (held != INVALID_HANDLE_VALUE) {
+      ReadFile(held, text, sizeof text - 1, &n, nullptr);
+      CloseHandle(held);
+    }
+    return fail(ErrorCode::state, std::string(text, n));
+  }
+  DWORD n = 0;
+  SetEndOfFile(handle);
+  WriteFile(handle, note.data(), static_cast<DWORD>(note.size()), &n, nullptr);
+  return FileLock(reinterpret_cast<std::intptr_t>(handle));
+}
+
+FileLock::FileLock(FileLock &&other) noexcept : handle_(std::exchange(other.handle_, -1)) {}
+
+FileLock::~FileLock() {
+  if (handle_ != -1) CloseHandle(reinterpret_cast<HANDLE>(handle_));
 }
 
 Expected<ChildProcess> ChildProcess::start(const std::vector<std::string> &arguments,

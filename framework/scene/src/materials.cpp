@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "c3de/core/text.h"
-#include "toml_document.h"
+#include "c3de/scene/toml_document.h"
 
 namespace c3de::scene {
 namespace {

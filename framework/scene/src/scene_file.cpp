@@ -7,8 +7,8 @@
 #include <set>
 
 #include "c3de/core/text.h"
+#include "c3de/scene/toml_document.h"
 #include "scene_reader.h"
-#include "toml_document.h"
 
 namespace c3de::scene {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/scene/scene_file.h"
-#include "toml_document.h"
+#include "c3de/scene/toml_document.h"
 
 namespace c3de::scene {
 

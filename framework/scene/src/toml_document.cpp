@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "toml_document.h"
+#include "c3de/scene/toml_document.h"
 
 #include <toml++/toml.h>
 

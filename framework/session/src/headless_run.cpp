@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "c3de/core/foreign_call.h"
+#include "c3de/core/platform.h"
 #include "c3de/core/text.h"
 #include "c3de/scene/force_fields.h"
 #include "c3de/scene/text_sink.h"
@@ -137,6 +138,9 @@ Expected<void> HeadlessRun::run() {
   if (!options_.exportList.empty()) export_ = std::make_unique<SimulationExport>(options_.exportList);
   exportFrame(false);
 
+  if (!options_.report.empty())
+    if (auto start = simulatorReport()) facts_.startReport = std::move(*start);
+
   const char *owner = session_.plugins().ownerOf(simulator_);
   std::optional<StepLimit> limit(std::in_place, simulator_, table_, limits_.deadline);
   ProgressLine progress(options_.quiet);
@@ -155,6 +159,7 @@ Expected<void> HeadlessRun::run() {
     }
     const double timeBefore_s = facts_.time_s;
     const std::uint64_t stepsBefore = facts_.steps;
+    const double cpuBegin_s = processorTime_s();
     const Clock::time_point begin = Clock::now();
     if (const auto ready = simulation.beginStep(); !ready) {
       facts_.outcome = "failed";
@@ -163,7 +168,9 @@ Expected<void> HeadlessRun::run() {
     }
     const c3de_status code =
         callForeign(owner, "a step of the simulation", CallKind::step, [this] { return table_->step(simulator_); });
-    wall_s += std::chrono::duration<double>(Clock::now() - begin).count();
+    const double step_s = std::chrono::duration<double>(Clock::now() - begin).count();
+    wall_s += step_s;
+    facts_.cpu_s += processorTime_s() - cpuBegin_s;
     if (facts_.firstStep_s == 0.0) {
       facts_.firstStep_s = wall_s;
       facts_.toFirstStep_s = std::chrono::duration<double>(Clock::now() - limits_.begin).count();
@@ -182,6 +189,7 @@ Expected<void> HeadlessRun::run() {
                        " failed: " + (reason.empty() ? "status " + std::to_string(code) : reason);
       break;
     }
+    facts_.stepTimes.add(1e3 * step_s);
     simulation.endStep();
     if (const auto read = readStatus(); !read) return read;
     if (!finished_ && facts_.steps == stepsBefore && facts_.time_s == timeBefore_s) {

@@ -42,6 +42,24 @@ void addCoverage(const std::vector<Coverage> &coverage, Json &report) {
   }
 }
 
+/// What is conserved, before the first step: how far it drifts is for those who know what acts on the bodies.
+Json startOf(const Json &simulator) {
+  Json start = Json::array();
+  for (const Json &body : simulator.value("bodies", Json::array())) {
+    Json one = Json::object();
+    for (const char *key : {"name", "energy_J", "momentum", "angular_momentum"})
+      if (body.is_object() && body.contains(key)) one[key] = body[key];
+    start.push_back(std::move(one));
+  }
+  return start;
+}
+
+void addSkinVolumes(const std::vector<SkinVolume> &volumes, Json &report) {
+  for (std::size_t i = 0; i < volumes.size() && i < report["bodies"].size(); ++i)
+    if (report["bodies"][i].is_object())
+      report["bodies"][i]["skin_volume_m3"] = Json{{"reference", volumes[i].reference_m3}, {"end", volumes[i].end_m3}};
+}
+
 }  // namespace
 
 Expected<std::string> reportJson(const RunFacts &facts, const std::string &simulatorJson) {
@@ -59,6 +77,9 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["time_s"] = facts.time_s;
   report["wall_s"] = facts.wall_s;
   report["real_time_factor"] = facts.wall_s > 0.0 ? facts.time_s / facts.wall_s : 0.0;
+  report["cpu_s"] = facts.cpu_s;
+  const StepTimes::Summary stepTimes = facts.stepTimes.summary();
+  report["step_ms"] = Json{{"median", stepTimes.median}, {"p99", stepTimes.p99}, {"max", stepTimes.max}};
   const Preparation &took = facts.prepared.took;
   report["preparation"] = Json{{"reading_s", took.reading_s},
                                {"masks_s", took.masks_s},
@@ -77,6 +98,8 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   // What the simulator says stays as it is; what it does not say is empty rather than absent.
   for (const char *key : {"bodies", "probes"})
     report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
+  if (const auto start = parseSimulatorReport(facts.startReport.empty() ? "{}" : facts.startReport); start)
+    report["start"] = startOf(*start);
   if (simulator->contains("load_factor")) report["load_factor"] = simulator->at("load_factor");
   report["reactions"] = simulator->contains("reactions") ? simulator->at("reactions") : Json::array();
   report["attachments"] = simulator->contains("attachments") ? simulator->at("attachments") : Json::array();
@@ -84,6 +107,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["events"] = simulator->contains("events") ? simulator->at("events") : Json::array();
   if (simulator->contains("notices")) report["notices"] = simulator->at("notices");
   addCoverage(facts.prepared.coverage, report);
+  addSkinVolumes(facts.skinVolumes, report);
   report["state_hash"] = hexadecimal(facts.stateHash);
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -97,6 +121,15 @@ Expected<std::vector<std::string>> noticesOf(const std::string &simulatorJson) {
   for (const Json &notice : *notices)
     if (notice.is_string()) lines.push_back(notice.get<std::string>());
   return lines;
+}
+
+std::vector<std::string> eventsOf(const std::string &simulatorJson, const std::string &kind) {
+  std::vector<std::string> texts;
+  const auto simulator = parseSimulatorReport(simulatorJson);
+  if (!simulator) return texts;
+  for (const Json &event : simulator->value("events", Json::array()))
+    if (event.is_object() && event.value("kind", "") == kind) texts.push_back(event.value("text", ""));
+  return texts;
 }
 
 }  // namespace c3de::session

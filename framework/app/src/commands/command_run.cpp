@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "c3de/core/log.h"
+#include "c3de/core/platform.h"
 #include "c3de/core/text.h"
 #include "commands/command_line.h"
 #include "commands/commands.h"
@@ -60,6 +61,12 @@ Handler declare(CLI::App &app, CommandLine &line) {
   addFile(app, "--probes", options.probes, "FILE.csv", "Write the probes over time as CSV");
   addCount(app, "--probes-every", options.probesEvery, 1, 1000000000LL, "Steps between two rows of --probes")
       ->default_str("1");
+  CLI::Option *samplePoints = addFile(app, "--sample-points", options.samplePoints, "FILE.csv",
+                                      "Material points to follow: a table with body, x [m], y [m], z [m]");
+  CLI::Option *sampled =
+      addFile(app, "--sampled", options.sampled, "FILE.csv", "Write where these points are at the end");
+  samplePoints->needs(sampled);
+  sampled->needs(samplePoints);
   addFile(app, "--screenshot", options.screenshot, "FILE.png", "Draw the end state");
   addSize(app, line, "Size of the screenshot; default: 1280x720");
   app.add_option(
@@ -83,6 +90,8 @@ Handler declare(CLI::App &app, CommandLine &line) {
   addFile(app, "--save-state", options.saveState, "FILE", "Write the state of the end, for --from-state");
   addCount(app, "--seed", options.seed, 0, 9223372036854775807LL,
            "Kept in the report; nothing in this version is random");
+  // For commands that start runs: on a signal that cannot be caught no run stays behind.
+  app.add_flag_function("--end-with-parent", [](std::int64_t) { endWithParent(); })->group("");
   app.add_flag("-q,--quiet", options.quiet, "Say nothing but errors");
   addUnit(app, line);
   addSessionOptions(app, line);

@@ -14,12 +14,14 @@
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/statistics.h"
 #include "c3de/session/body_sources.h"
+#include "c3de/session/body_states.h"
 #include "c3de/session/build_scene.h"
 #include "c3de/session/export_simulation.h"
 #include "c3de/session/file_kind.h"
 #include "c3de/session/headless_run.h"
 #include "c3de/session/interrupt.h"
 #include "c3de/session/progress_line.h"
+#include "c3de/session/sample_points.h"
 #include "c3de/session/simulation_state.h"
 #include "c3de/session/simulator_access.h"
 #include "c3de/session/written_outputs.h"
@@ -104,6 +106,7 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
                                          options.screenshot,
                                          options.exportList,
                                          options.saveState,
+                                         options.sampled,
                                          options.exportImage.image,
                                          options.exportImage.displacement,
                                          vacatedFile(options.exportImage.displacement)};
@@ -114,7 +117,7 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
 }
 
 std::vector<std::filesystem::path> inputsOf(const RunOptions &options, const scene::SceneFile &scene) {
-  std::vector<std::filesystem::path> all{options.scene, options.fromState};
+  std::vector<std::filesystem::path> all{options.scene, options.fromState, options.samplePoints};
   all.insert(all.end(), options.session.pluginFiles.begin(), options.session.pluginFiles.end());
   for (const scene::SceneBody &body : scene.bodies) all.insert(all.end(), {body.mesh, body.volume.file});
   for (const scene::SceneObstacle &obstacle : scene.obstacles) all.push_back(obstacle.mesh);
@@ -272,6 +275,48 @@ Expected<std::string> buildBodies(const RunOptions &options, const RunLimits &li
   return fail(ErrorCode::cancelled, "interrupted at " + where);
 }
 
+/// Where the points are; also before the first step, so that what cannot be followed is heard before hours of work.
+Expected<std::vector<Vec3>> followPoints(const RunOptions &options, const std::vector<SamplePoint> &points,
+                                         Session &session, c3de_object *simulator) {
+  if (points.empty()) return std::vector<Vec3>{};
+  return positionsOf(simulator, points, pathText(options.samplePoints),
+                     [&session] { return session.plugins().takeError(); });
+}
+
+/// A body whose present shape has become its reference knows its former material points no longer.
+Expected<void> checkNotRenewed(const HeadlessRun &run) {
+  const auto report = run.simulatorReport();
+  if (!report) return tl::unexpected(report.error());
+  for (const std::string &text : eventsOf(*report, "renewed"))
+    return fail(ErrorCode::input, "--sample-points cannot be followed to the end: " + text);
+  return {};
+}
+
+void writeSampledPoints(const RunOptions &options, const std::vector<SamplePoint> &points, Session &session,
+                        c3de_object *simulator, const HeadlessRun &run, WrittenOutputs &outputs) {
+  if (points.empty()) return;
+  if (const auto good = checkNotRenewed(run); !good) return outputs.addFailure(options.sampled, good.error());
+  const auto positions = followPoints(options, points, session, simulator);
+  outputs.note(options.sampled, positions ? writeSampled(options.sampled, points, *positions)
+                                          : Expected<void>(tl::unexpected(positions.error())));
+}
+
+std::vector<SkinVolume> skinVolumes(Session &session, c3de_object *simulator) {
+  const auto states = readBodyStates(simulator, BodyParts::skin, [&session] { return session.plugins().takeError(); });
+  std::vector<SkinVolume> volumes;
+  if (!states) return volumes;  // a simulator may have no skins
+  constexpr double kCubicMetres = 1e-9;
+  for (const BodyState &body : *states) {
+    geometry::TriangleMesh reference = body.skin;
+    for (const geometry::PointArray &array : body.skinArrays)
+      if (array.components == 3)
+        for (std::size_t i = 0; i < reference.vertices.size(); ++i)
+          for (std::size_t a = 0; a < 3; ++a) reference.vertices[i][a] -= array.values[3 * i + a];
+    volumes.push_back({kCubicMetres * signedVolume(reference), kCubicMetres * signedVolume(body.skin)});
+  }
+  return volumes;
+}
+
 struct Simulated {
   RunFacts facts;
   std::string overBefore;  ///< the time limit, before the first step; empty: there are facts
@@ -295,6 +340,12 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   const auto table = simulatorTable(simulator.get());
   if (!table) return tl::unexpected(table.error());
 
+  std::vector<SamplePoint> points;
+  if (!options.samplePoints.empty()) {
+    auto read = readSamplePoints(options.samplePoints);
+    if (!read) return tl::unexpected(read.error());
+    points = std::move(*read);
+  }
   const RunLimits limits = limitsOf(options, begin);
   Prepared prepared;
   BodySources sources;
@@ -308,6 +359,8 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
     if (const auto gone = goToState(session, simulator.get(), *chosen, *state, pathText(options.fromState)); !gone)
       return tl::unexpected(gone.error());
   }
+  if (const auto followed = followPoints(options, points, session, simulator.get()); !followed)
+    return tl::unexpected(followed.error());
   HeadlessRun run(session, simulator.get(), *table, options, limits, outputs);
   if (const auto ran = run.run(); !ran) return tl::unexpected(ran.error());
   RunFacts facts = run.facts();
@@ -318,6 +371,8 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
 
   if (const auto simulatorJson = run.simulatorReport())
     if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;
+  writeSampledPoints(options, points, session, simulator.get(), run, outputs);
+  if (!options.report.empty()) facts.skinVolumes = skinVolumes(session, simulator.get());
   if (!options.report.empty()) outputs.note(options.report, writeReport(options, facts, run));
   if (!options.saveState.empty()) {
     const auto state = stateBytes(session, simulator.get(), *chosen);

@@ -45,6 +45,10 @@ class DynamicLibrary {
 [[nodiscard]] std::string cpuName();
 /// Bytes that can be taken now without swapping; 0: unknown
 [[nodiscard]] std::uint64_t availableMemory();
+/// Processor time of this process, all threads together, s
+[[nodiscard]] double processorTime_s();
+[[nodiscard]] long long processId();
+[[nodiscard]] std::string hostName();  ///< empty: unknown
 [[nodiscard]] bool stderrIsTerminal();
 
 /// Takes what is written to the error stream of the process, by any thread, until it ends; for libraries that print.
@@ -80,6 +84,22 @@ void endWithParent();
 /// Goes on as another program, with the same console, folder and environment; arguments.front() is the program. Returns
 /// only the reason why it cannot be started; on Windows, which cannot replace a process, also its exit code at its end.
 [[nodiscard]] Expected<int> continueAs(const std::vector<std::string> &arguments);
+
+/// A file that one process at a time holds; the system takes it back from one that ends, however it ends.
+class FileLock {
+ public:
+  /// ErrorCode::state: another process holds it, and what that one has written into it is the message; ErrorCode::output:
+  /// the file cannot be made.
+  /// @param note  for whoever finds it held: one line
+  [[nodiscard]] static Expected<FileLock> take(const std::filesystem::path &file, const std::string &note);
+  FileLock(FileLock &&other) noexcept;
+  FileLock &operator=(FileLock &&) = delete;
+  ~FileLock();
+
+ private:
+  explicit FileLock(std::intptr_t handle) : handle_(handle) {}
+  std::intptr_t handle_;
+};
 
 /// A program that runs beside this one; ended by the destructor.
 class ChildProcess {

@@ -10,8 +10,14 @@
 #include "c3de/core/vec.h"
 #include "c3de/session/preparation.h"
 #include "c3de/session/simulator_identity.h"
+#include "c3de/session/step_times.h"
 
 namespace c3de::session {
+
+/// What a skin encloses, by the divergence theorem.
+struct SkinVolume {
+  double reference_m3 = 0.0, end_m3 = 0.0;
+};
 
 /// What the program knows about a run; the simulator adds bodies, probes, stages and events.
 struct RunFacts {
@@ -22,7 +28,12 @@ struct RunFacts {
   unsigned threads = 1;
   std::uint64_t steps = 0;
   double time_s = 0.0, wall_s = 0.0, dt_s = 0.0;
-  bool isLoadStepped = false;  ///< a quasi-static solution: steps increase the load, there is no time
+  double cpu_s = 0.0;  ///< processor time of all threads in steps
+  StepTimes stepTimes;
+  /// The simulator's report before the first step; empty: not asked for
+  std::string startReport;
+  std::vector<SkinVolume> skinVolumes;  ///< of the bodies in their order; empty: not known
+  bool isLoadStepped = false;           ///< a quasi-static solution: steps increase the load, there is no time
   SimulatorIdentity simulator;
   std::uint64_t stateHash = 0;
   std::optional<std::uint64_t> seed;
@@ -39,5 +50,8 @@ struct RunFacts {
 
 /// The lines for people of a simulator's report ("notices"); empty where it has none.
 [[nodiscard]] Expected<std::vector<std::string>> noticesOf(const std::string &simulatorJson);
+
+/// The texts of its events of one kind.
+[[nodiscard]] std::vector<std::string> eventsOf(const std::string &simulatorJson, const std::string &kind);
 
 }  // namespace c3de::session

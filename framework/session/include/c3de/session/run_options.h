@@ -28,6 +28,7 @@ struct RunOptions {
   std::uint64_t probesEvery = 1;                     ///< steps
   std::filesystem::path exportList, exportSurface;   ///< empty: not wanted
   std::filesystem::path fromState, saveState;        ///< empty: not wanted
+  std::filesystem::path samplePoints, sampled;       ///< points to follow, and where they are at the end; or empty
   double exportEvery_s = kDefaultExportEvery_s;
   ImageExport exportImage;
   int width = 1280, height = 720;
