@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Material points that are followed, and what a report says for comparisons: times of steps, the start, volumes.
+#include <algorithm>
 #include <sstream>
 
 #include "c3de/core/csv.h"
@@ -84,4 +85,26 @@ TEST_CASE("A report has the times of steps, what is conserved at the start, and 
   CHECK(report["bodies"][0]["momentum"][1] < 0.0);  // it falls
   CHECK_THAT(report["bodies"][0]["skin_volume_m3"]["reference"].get<double>(), WithinRel(0.04, 1e-9));
   CHECK_THAT(report["bodies"][0]["skin_volume_m3"]["end"].get<double>(), WithinRel(0.04, 1e-3));
+}
+
+TEST_CASE("The energies over time add up for a box that falls freely") {
+  const auto folder = freshFolder("energies");
+  const auto scene = writeBoxScene(folder).string();
+  REQUIRE(runC3de({"run", scene, "--steps", "600", "--energies", (folder / "e.csv").string(), "--report",
+                   (folder / "r.json").string()})
+              .exitCode == 0);
+  const auto rows = rowsOf(folder / "e.csv");
+  CHECK(rows.size() > 150);
+  CHECK(rows.size() < 250);
+  const auto at = [&](const char *name) {
+    return static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin());
+  };
+  REQUIRE(at("gravity [J]") < rows[0].size());
+  REQUIRE(at("kinetic [J]") < rows[0].size());
+  for (std::size_t i = 2; i < rows.size(); ++i) {
+    CHECK(std::stod(rows[i][0]) > std::stod(rows[i - 1][0]));
+    CHECK_THAT(std::stod(rows[i][at("kinetic [J]")]), WithinRel(-std::stod(rows[i][at("gravity [J]")]), 1e-6));
+  }
+  CHECK(std::stod(rows.back()[at("kinetic [J]")]) ==
+        readJson(folder / "r.json")["bodies"][0]["energy_J"]["kinetic"].get<double>());
 }

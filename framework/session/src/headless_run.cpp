@@ -18,6 +18,8 @@
 namespace c3de::session {
 namespace {
 
+constexpr double kEnergyRows = 200.0;  // of a run
+
 /// For people: 0.0984 rather than 0.09838074452694451.
 std::string threeDigits(double value) {
   std::array<char, 32> text{};
@@ -119,8 +121,35 @@ Expected<void> HeadlessRun::sampleProbes() {
   return {};
 }
 
+void HeadlessRun::sampleEnergies(bool isEnd) {
+  if (!wantsEnergies_ || energyStep_ == facts_.steps) return;
+  // A report may take as long as many steps do.
+  const double row = energies_ ? std::floor(kEnergyRows * fraction()) : 0.0;
+  if (!isEnd && energies_ && row <= energyRow_) return;
+  energyRow_ = row;
+  energyStep_ = facts_.steps;
+  const auto report = simulatorReport();
+  Expected<void> written;
+  if (!report) {
+    written = tl::unexpected(report.error());
+  } else if (!energies_) {
+    auto created = EnergyTable::create(options_.energies, *report);
+    if (created)
+      energies_ = std::move(*created);
+    else
+      written = tl::unexpected(created.error());
+  }
+  if (written) written = energies_->add(facts_.time_s, *report);
+  if (written) return;
+  outputs_.addFailure(
+      options_.energies,
+      {written.error().code, written.error().message + "; the whole rows before it are kept, and the run goes on"});
+  wantsEnergies_ = false;
+}
+
 void HeadlessRun::finishOutputs() {
   if (export_) outputs_.note(options_.exportList, export_->finish());
+  if (wantsEnergies_ && energies_) outputs_.note(options_.energies, energies_->close());
   if (wantsProbes_ && probes_) outputs_.note(options_.probes, probes_->close());
 }
 
@@ -137,6 +166,8 @@ Expected<void> HeadlessRun::run() {
     if (const auto sampled = sampleProbes(); !sampled) return sampled;
   if (!options_.exportList.empty()) export_ = std::make_unique<SimulationExport>(options_.exportList);
   exportFrame(false);
+  wantsEnergies_ = !options_.energies.empty();
+  sampleEnergies(false);
 
   if (!options_.report.empty())
     if (auto start = simulatorReport()) facts_.startReport = std::move(*start);
@@ -200,6 +231,7 @@ Expected<void> HeadlessRun::run() {
     if (wantsProbes_ && facts_.steps % options_.probesEvery == 0)
       if (const auto sampled = sampleProbes(); !sampled) return sampled;
     exportFrame(false);
+    sampleEnergies(false);
     if (progress.isDue())
       progress.update(fraction(), isQuasistatic()
                                       ? position() + " in " + threeDigits(wall_s) + " s"
@@ -216,6 +248,7 @@ Expected<void> HeadlessRun::run() {
   if (wantsProbes_ && sampledStep_ != facts_.steps)
     if (const auto sampled = sampleProbes(); !sampled) return sampled;
   exportFrame(true);
+  sampleEnergies(true);
   finishOutputs();
   if (table_->state_hash(simulator_, &facts_.stateHash) < 0)
     return fail(ErrorCode::plugin, "the simulator gives no state hash");

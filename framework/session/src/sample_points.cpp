@@ -22,9 +22,20 @@ tl::unexpected<Error> refuse(const std::filesystem::path &file, int line, const 
   return fail(ErrorCode::input, file.string() + ":" + std::to_string(line) + ": " + what);
 }
 
-/// Reads a table of points. @param axes  the columns of a point
-Expected<std::vector<SamplePoint>> readPoints(const std::filesystem::path &file,
-                                              const std::array<const char *, 3> &axes) {
+std::string rowOf(const Vec3 &v) {
+  return ',' + formatNumber(v[0]) + ',' + formatNumber(v[1]) + ',' + formatNumber(v[2]);
+}
+
+std::string headOf(const std::array<const char *, 3> &axes) {
+  std::string text;
+  for (const char *axis : axes) text += std::string(",") + axis;
+  return text;
+}
+
+}  // namespace
+
+Expected<std::vector<SamplePoint>> readSamplePoints(const std::filesystem::path &file,
+                                                    const std::array<const char *, 3> &axes) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(file, code)) return fail(ErrorCode::input, file.string() + ": no such file");
   std::ifstream in(file, std::ios::binary);
@@ -66,19 +77,9 @@ Expected<std::vector<SamplePoint>> readPoints(const std::filesystem::path &file,
   return points;
 }
 
-std::string rowOf(const Vec3 &v) {
-  return ',' + formatNumber(v[0]) + ',' + formatNumber(v[1]) + ',' + formatNumber(v[2]);
+Expected<std::vector<SamplePoint>> readSamplePoints(const std::filesystem::path &file) {
+  return readSamplePoints(file, kAt);
 }
-
-std::string headOf(const std::array<const char *, 3> &axes) {
-  std::string text;
-  for (const char *axis : axes) text += std::string(",") + axis;
-  return text;
-}
-
-}  // namespace
-
-Expected<std::vector<SamplePoint>> readSamplePoints(const std::filesystem::path &file) { return readPoints(file, kAt); }
 
 Expected<void> writeSamplePoints(const std::filesystem::path &file, const std::vector<SamplePoint> &points) {
   std::string text = "body" + headOf(kAt) + "\n";
@@ -159,7 +160,7 @@ Expected<void> writeSampled(const std::filesystem::path &file, const std::vector
 }
 
 Expected<std::vector<Vec3>> readSampled(const std::filesystem::path &file) {
-  const auto read = readPoints(file, kAtEnd);
+  const auto read = readSamplePoints(file, kAtEnd);
   if (!read) return tl::unexpected(read.error());
   std::vector<Vec3> positions;
   for (const SamplePoint &point : *read) positions.push_back(point.at_m);

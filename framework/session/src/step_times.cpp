@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kMostKept = std::size_t{1} << 20;
 
 /// The smallest value that at least this part of them does not exceed.
-double quantile(std::vector<float> &values, double part) {
+double quantile(std::vector<double> &values, double part) {
   const auto rank = static_cast<std::size_t>(std::ceil(part * static_cast<double>(values.size())));
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
   std::nth_element(values.begin(), at, values.end());
@@ -22,7 +22,7 @@ double quantile(std::vector<float> &values, double part) {
 void StepTimes::add(double step_ms) {
   max_ = std::max(max_, step_ms);
   if (count_++ % stride_ != 0) return;
-  kept_.push_back(static_cast<float>(step_ms));
+  kept_.push_back(step_ms);
   if (kept_.size() < kMostKept) return;
   for (std::size_t i = 0; 2 * i < kept_.size(); ++i) kept_[i] = kept_[2 * i];
   kept_.resize((kept_.size() + 1) / 2);
@@ -31,7 +31,7 @@ void StepTimes::add(double step_ms) {
 
 StepTimes::Summary StepTimes::summary() const {
   if (kept_.empty()) return {};
-  std::vector<float> values = kept_;
+  std::vector<double> values = kept_;
   return {quantile(values, 0.5), quantile(values, 0.99), max_};
 }
 

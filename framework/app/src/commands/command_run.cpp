@@ -61,6 +61,7 @@ Handler declare(CLI::App &app, CommandLine &line) {
   addFile(app, "--probes", options.probes, "FILE.csv", "Write the probes over time as CSV");
   addCount(app, "--probes-every", options.probesEvery, 1, 1000000000LL, "Steps between two rows of --probes")
       ->default_str("1");
+  addFile(app, "--energies", options.energies, "FILE.csv", "Write the energies of all bodies over time as CSV");
   CLI::Option *samplePoints = addFile(app, "--sample-points", options.samplePoints, "FILE.csv",
                                       "Material points to follow: a table with body, x [m], y [m], z [m]");
   CLI::Option *sampled =

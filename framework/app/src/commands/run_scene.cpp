@@ -107,6 +107,7 @@ std::vector<std::filesystem::path> outputsOf(const RunOptions &options, const sc
                                          options.exportList,
                                          options.saveState,
                                          options.sampled,
+                                         options.energies,
                                          options.exportImage.image,
                                          options.exportImage.displacement,
                                          vacatedFile(options.exportImage.displacement)};

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "c3de/abi/iface/simulator.h"
+#include "c3de/session/energy_table.h"
 #include "c3de/session/export_simulation.h"
 #include "c3de/session/probe_table.h"
 #include "c3de/session/report.h"
@@ -43,6 +44,8 @@ class HeadlessRun {
   [[nodiscard]] Expected<void> readStatus();
   /// A row of the probes; the error is about the simulator's report.
   [[nodiscard]] Expected<void> sampleProbes();
+  /// A row of the energies when its time has come, or at any rate.
+  void sampleEnergies(bool isEnd);
   /// Adds the present state to the export when its time has come, or at any rate.
   void exportFrame(bool isEnd);
   [[nodiscard]] Expected<void> addFrame();
@@ -62,6 +65,10 @@ class HeadlessRun {
   bool wantsProbes_ = false;  ///< and they could be written so far
   std::optional<ProbeTable> probes_;
   std::uint64_t sampledStep_ = 0;
+  bool wantsEnergies_ = false;  ///< likewise
+  std::optional<EnergyTable> energies_;
+  std::optional<std::uint64_t> energyStep_;
+  double energyRow_ = -1.0;
   std::unique_ptr<SimulationExport> export_;  ///< likewise
   std::optional<std::uint64_t> exportedStep_;
   double nextFrame_s_ = 0.0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -25,6 +26,9 @@ inline constexpr std::size_t kMostSamplePoints = 100000;
 /// Reads CSV with the columns `body`, `x [m]`, `y [m]`, `z [m]`, in any order; others are left alone. Errors
 /// (ErrorCode::input) say file and line.
 [[nodiscard]] Expected<std::vector<SamplePoint>> readSamplePoints(const std::filesystem::path &file);
+/// The same of three other columns in the place of x, y and z.
+[[nodiscard]] Expected<std::vector<SamplePoint>> readSamplePoints(const std::filesystem::path &file,
+                                                                  const std::array<const char *, 3> &columns);
 /// Writes what readSamplePoints() reads.
 [[nodiscard]] Expected<void> writeSamplePoints(const std::filesystem::path &file,
                                                const std::vector<SamplePoint> &points);

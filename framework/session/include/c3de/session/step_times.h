@@ -18,7 +18,7 @@ class StepTimes {
   [[nodiscard]] Summary summary() const;
 
  private:
-  std::vector<float> kept_;
+  std::vector<double> kept_;
   std::size_t stride_ = 1, count_ = 0;
   double max_ = 0.0;
 };
