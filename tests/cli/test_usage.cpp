@@ -65,7 +65,9 @@ TEST_CASE("Wrong usage ends with 2, says what is wrong on stderr and nothing on 
       {{"run", "a.toml", "--report", "--quiet"}, "--report: '--quiet' is an option"},
       {{"info"}, "FILE"},
       {{"info", "a.obj", "--unit", "inch"}, "--unit"},
-      {{"study", "study.toml"}, "not served yet"},
+      {{"study"}, "STUDY"},
+      {{"study", "study.toml"}, "--out"},
+      {{"study", "study.toml", "--out", ""}, "--out: the name is empty"},
       {{"--json"}, "--version"},
   };
   for (const auto &one : cases) {

@@ -4,7 +4,6 @@
 namespace c3de::app {
 namespace {
 
-constexpr Command kStudyCommand{"study", "Not served yet", nullptr};
 constexpr const Command *kCommands[]{&kRunCommand, &kInfoCommand, &kPluginsCommand, &kNewPluginCommand, &kStudyCommand};
 
 }  // namespace

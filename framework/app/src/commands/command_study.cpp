@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// `c3de study`: its options, and what of them goes on to the runs.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "c3de/core/log.h"
+#include "c3de/core/path_text.h"
+#include "c3de/core/platform.h"
+#include "c3de/session/interrupt.h"
+#include "c3de/study/study_run.h"
+#include "commands/command_line.h"
+#include "commands/commands.h"
+#include "commands/exit_code.h"
+#include "commands/last_crash.h"
+#include "commands/standard_output.h"
+#include "commands/window_program.h"
+
+namespace c3de::app {
+namespace {
+
+struct StudyArguments {
+  std::filesystem::path study, folder;
+  bool resume = false, quiet = false;
+};
+
+/// The runs load what this command was told to load.
+std::vector<std::string> pluginOptions(const CommandLine &line) {
+  std::vector<std::string> out;
+  const auto add = [&](const char *option, const std::vector<std::string> &values) {
+    for (const std::string &value : values) out.insert(out.end(), {option, value});
+  };
+  add("--plugin", line.plugins);
+  add("--plugin-param", line.pluginParameters);
+  add("--plugin-path", line.pluginPaths);
+  add("--without", line.withoutPlugins);
+  if (line.noPlugins) out.emplace_back("--no-plugins");
+  if (line.safeMode) out.emplace_back("--safe-mode");
+  if (line.trustPlugins) out.emplace_back("--trust-plugins");
+  return out;
+}
+
+Expected<study::Program> programOf() {
+  study::Program program{consoleProgram(), C3DE_VERSION, {}};
+  auto build = study::hashOfFile(program.file);
+  if (!build) return tl::unexpected(build.error());
+  program.build = std::move(*build);
+  return program;
+}
+
+void printSummary(const study::Study &study, const study::Plan &plan, const study::Outcome &outcome,
+                  const std::filesystem::path &folder) {
+  for (std::size_t c = 0; c < study.cases.size(); ++c) {
+    std::size_t points = 0, failed = 0, front = 0;
+    for (std::size_t p = 0; p < plan.points.size(); ++p) {
+      if (plan.points[p].ofCase != c || plan.points[p].isReference) continue;
+      ++points;
+      if (!outcome.points[p].failure.empty()) ++failed;
+      if (outcome.points[p].isOnFront) ++front;
+    }
+    printOut(fmt::format("{}: {} points, {} on the front{}\n", study.cases[c].name, points, front,
+                         failed > 0 ? fmt::format(", {} failed", failed) : ""));
+  }
+  printOut(fmt::format("{}\n", pathText(folder / "report.html")));
+}
+
+int run(const StudyArguments &arguments, const CommandLine &line) {
+  if (arguments.quiet) setLogThreshold(LogLevel::error);
+  watchForInterrupt();
+  const auto study = study::loadStudy(arguments.study);
+  if (!study) return reportError(study.error());
+  const auto program = programOf();
+  if (!program) return reportError(program.error());
+  SessionOptions sessionOptions = line.sessionOptions();
+  sessionOptions.threads = 1;
+  const auto journal = beginJournal(sessionOptions);
+  auto session = Session::create(sessionOptions);
+  if (!session) return reportError(session.error());
+  const auto plan = study::planStudy(*study, **session, *program, line.threads.value_or(1));
+  if (!plan) return reportError(plan.error());
+  session->reset();  // from here on runs are others' processes
+  const auto folder = study::StudyFolder::open(arguments.folder, *study, *plan, arguments.resume);
+  if (!folder) return reportError(folder.error());
+
+  study::LocalWorkers workers(study::jobsFor(*study, *plan));
+  const study::StudyOptions options{pluginOptions(line), arguments.quiet};
+  const auto outcome = study::runStudy(*study, *plan, *program, *folder, options, workers);
+  if (!outcome) return reportError(outcome.error());
+  if (const auto written = study::writeOutputs(*study, *plan, *program, *outcome, arguments.folder); !written)
+    return reportError(written.error());
+  if (!arguments.quiet) printSummary(*study, *plan, *outcome, arguments.folder);
+  ExitCode exitCode = kDone;
+  for (std::size_t c = 0; c < study->cases.size(); ++c)
+    if (const std::string &error = outcome->cases[c].error; !error.empty())
+      exitCode = reportError({ErrorCode::state, study->where(study->cases[c].reference.line) + ": case '" +
+                                                    study->cases[c].name + "': " + error});
+  return exitCode;
+}
+
+Handler declare(CLI::App &app, CommandLine &line) {
+  const auto arguments = std::make_shared<StudyArguments>();
+  app.add_option_function<std::string>(
+         "STUDY", [arguments](const std::string &text) { arguments->study = text; }, "What to run (.toml)")
+      ->required();
+  addFile(app, "--out", arguments->folder, "FOLDER", "Where results and report go: a new or empty folder")->required();
+  app.add_flag("--resume", arguments->resume, "Go on with the study in the folder; what is done is not run again");
+  app.add_flag("-q,--quiet", arguments->quiet, "Say nothing but errors");
+  addSessionOptions(app, line);
+  return [arguments, &line] { return run(*arguments, line); };
+}
+
+}  // namespace
+
+const Command kStudyCommand{"study", "Measure speed against accuracy over a grid of settings", declare};
+
+}  // namespace c3de::app

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "c3de/study/levers.h"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include "c3de/core/text.h"
+
+namespace c3de::study {
+namespace {
+
+/// Of every body that deforms.
+const std::map<std::string, std::string> kOfBodies{
+    {"spacing", "sampling.spacing"}, {"count", "sampling.count"},           {"neighbours", "sampling.neighbours"},
+    {"support", "sampling.support"}, {"evaluation", "sampling.evaluation"}, {"law", "material.law"}};
+const std::map<std::string, std::string> kOfScene{{"integrator", "solver.integrator"},
+                                                  {"dt", "solver.dt"},
+                                                  {"precision", "solver.precision"},
+                                                  {"simulator", "simulator.class"}};
+constexpr double kFrame_s = 1.0 / 60.0;
+
+double numberOf(const std::string &text) {
+  double value = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+bool isNumber(const std::string &text) {
+  double value = 0.0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return code == std::errc() && end == text.data() + text.size();
+}
+
+/// Three digits are enough to tell points apart on paper.
+std::string rounded(double value) {
+  const double scale = value == 0.0 ? 1.0 : std::pow(10.0, 3.0 - std::ceil(std::log10(std::abs(value))));
+  return formatNumber(std::round(value * scale) / scale);
+}
+
+}  // namespace
+
+std::vector<std::vector<LeverValue>> combinations(const std::vector<Lever> &levers) {
+  std::vector<std::vector<LeverValue>> all{{}};
+  for (const Lever &lever : levers) {
+    std::vector<std::vector<LeverValue>> more;
+    for (const auto &before : all)
+      for (const std::string &value : lever.values) {
+        more.push_back(before);
+        more.back().push_back({lever.name, value, lever.line});
+      }
+    all = std::move(more);
+  }
+  return all;
+}
+
+std::vector<Setting> settingsOf(const LeverValue &value, const std::vector<std::string> &bodies) {
+  std::vector<Setting> out;
+  if (value.lever == "threads") return out;
+  if (const auto of = kOfBodies.find(value.lever); of != kOfBodies.end()) {
+    for (const std::string &body : bodies) out.push_back({"body." + body + "." + of->second, value.value, value.line});
+  } else if (const auto at = kOfScene.find(value.lever); at != kOfScene.end()) {
+    out.push_back({at->second, value.value, value.line});
+  } else if (value.lever == "substeps") {
+    out.push_back({"solver.dt", formatNumber(kFrame_s / numberOf(value.value)), value.line});
+  } else {
+    out.push_back({value.lever, value.value, value.line});
+  }
+  return out;
+}
+
+std::string shownValue(const LeverValue &value) {
+  std::string text = value.value;
+  if (text.size() >= 2 && text.front() == '"') return text.substr(1, text.size() - 2);
+  if (!isNumber(text)) return text;
+  if (value.lever == "spacing") return rounded(1e3 * numberOf(text)) + " mm";
+  if (value.lever == "dt") return rounded(1e3 * numberOf(text)) + " ms";
+  return text;
+}
+
+std::string shown(const std::vector<LeverValue> &values) {
+  std::string text;
+  for (const LeverValue &value : values) text += (text.empty() ? "" : ", ") + value.lever + " " + shownValue(value);
+  return text;
+}
+
+double refinementOf(const LeverValue &value) {
+  const double number = numberOf(value.value);
+  if (value.lever == "count") return 1.0 / std::cbrt(number);
+  return value.lever == "substeps" ? 1.0 / number : number;
+}
+
+}  // namespace c3de::study
