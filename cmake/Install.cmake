@@ -9,6 +9,9 @@ install(TARGETS c3de c3de_validate RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}"
 if(TARGET c3de_workstation)
   install(TARGETS c3de_workstation RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
 endif()
+if(TARGET c3de_study_mpi)
+  install(TARGETS c3de_study_mpi RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
+endif()
 # Both are looked for relative to the program.
 if(TARGET pointbased)
   install(TARGETS pointbased LIBRARY DESTINATION lib/c3de/plugins COMPONENT runtime

@@ -211,6 +211,45 @@ TEST_CASE("A run that crashes is a failure with its reason, and the study ends w
 }
 #endif
 
+TEST_CASE("Under mpirun several processes run one study, and its errors are those of one process") {
+#if defined(C3DE_MPIRUN)
+  const auto folder = freshFolder("study-mpi");
+  const auto file = writeStudy(folder, kTip + kField + kGrid);
+  REQUIRE(study(file, folder / "one").exitCode == 0);
+  // What a machine for tests may need: few processors, and root.
+  const ScopedEnvironment root("OMPI_ALLOW_RUN_AS_ROOT", "1"), sure("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"),
+      more("OMPI_MCA_rmaps_base_oversubscribe", "1");
+  const auto result = c3de::runProcess(
+      {C3DE_MPIRUN, "-n", "3", C3DE_PROGRAM, "study", file.string(), "--out", (folder / "three").string()}, 100.0);
+  REQUIRE(result);
+  INFO(result->errorOutput);
+  CHECK(result->exitCode == 0);
+  // One process speaks.
+  CHECK(result->output.find("tip: 4 points") == result->output.rfind("tip: 4 points"));
+  CHECK(errorsIn(folder / "one") == errorsIn(folder / "three"));
+  const auto refused = c3de::runProcess(
+      {C3DE_MPIRUN, "-n", "2", C3DE_PROGRAM, "study", file.string(), "--out", (folder / "three").string()}, 100.0);
+  REQUIRE(refused);
+  CHECK(refused->exitCode == 2);
+#else
+  C3DE_SKIP("this build has no MPI");
+#endif
+}
+
+TEST_CASE("Under mpirun a build without MPI says so, rather than run the study as often as there are processes") {
+  const auto folder = freshFolder("study-no-mpi");
+  const auto file = writeStudy(folder, kTip + kGrid);
+  const fs::path alone = folder / fs::path(C3DE_PROGRAM).filename();
+  fs::copy_file(C3DE_PROGRAM, alone);
+  const ScopedEnvironment started("OMPI_COMM_WORLD_SIZE", "2");
+  const auto result =
+      c3de::runProcess({alone.string(), "study", file.string(), "--out", (folder / "out").string()}, 30.0);
+  REQUIRE(result);
+  CHECK(result->exitCode == 2);
+  CHECK_THAT(result->errorOutput, Contains("this build has no MPI; accepted: c3de study without mpirun"));
+  CHECK_FALSE(fs::exists(folder / "out"));
+}
+
 TEST_CASE("Time limits and references that fail are told, and the other cases go on") {
   const auto folder = freshFolder("study-failures");
   const std::string growing =

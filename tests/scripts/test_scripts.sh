@@ -165,7 +165,7 @@ case $machine in
     required | grep -vx -e libfcl-dev -e g++ >"$state/installed"
     launch run info
     ends_with_status 0
-    called 'apt-get install.* g++ libfcl-dev mricron-data$'
+    called 'apt-get install.* g++ libfcl-dev mricron-data libopenmpi-dev openmpi-bin$'
     runs_program info
     ;;
   all_there)

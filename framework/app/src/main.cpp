@@ -13,6 +13,9 @@
 #include "commands/exit_code.h"
 #include "commands/standard_output.h"
 #include "commands/version.h"
+#ifdef C3DE_HAS_MPI
+#include "mpi/mpi_ranks.h"
+#endif
 
 namespace {
 
@@ -46,8 +49,8 @@ std::string whatIsWrong(const CLI::ParseError &error, const CLI::App &app, const
   return text;
 }
 
-int runCommandLine(int argc, char **argv) {
-  CommandLine line{argc, argv, kOpenWindow};
+int runCommandLine(int argc, char **argv, StudyRanks *ranks) {
+  CommandLine line{argc, argv, kOpenWindow, ranks};
   CLI::App app(
       "Workstation for medical images that hosts simulation plugins.\n"
       "Without a command: open the workstation on FILES, or on a default scene.",
@@ -99,9 +102,20 @@ int main(int argc, char **argv) {
   std::signal(SIGXFSZ, SIG_IGN);
 #endif
   c3de::tellFatalErrors();
+  StudyRanks *ranks = nullptr;
+#ifdef C3DE_HAS_MPI
+  MpiRanks mpi(argc, argv);
+  if (!mpi.isFirst()) return mpi.work();
+  ranks = &mpi;
+#endif
+  int exitCode = kFailed;
   try {
-    return exitCodeAfterOutput(runCommandLine(argc, argv));
+    exitCode = exitCodeAfterOutput(runCommandLine(argc, argv, ranks));
   } catch (const std::exception &error) {
-    return reportError({ErrorCode::internal, std::string("unexpected: ") + error.what()});
+    exitCode = reportError({ErrorCode::internal, std::string("unexpected: ") + error.what()});
   }
+#ifdef C3DE_HAS_MPI
+  mpi.end(exitCode);
+#endif
+  return exitCode;
 }

@@ -15,12 +15,15 @@
 
 namespace c3de::app {
 
+class StudyRanks;
+
 /// The command line as it was given, and the options that several commands take: they may stand before the command,
 /// too.
 struct CommandLine {
   int argc;
   char **argv;
   int (*openWindow)(const WorkstationOptions &options);  ///< null: the window program goes on where one is wanted
+  StudyRanks *ranks = nullptr;  ///< null: the MPI program goes on where mpirun has started several
 
   std::vector<std::string> files{}, plugins{}, pluginPaths{};
   std::vector<std::string> pluginParameters{};  ///< "PLUGIN:ID=VALUE" each

@@ -14,6 +14,7 @@
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
 #include "commands/standard_output.h"
+#include "commands/study_ranks.h"
 #include "commands/window_program.h"
 
 namespace c3de::app {
@@ -65,6 +66,7 @@ void printSummary(const study::Study &study, const study::Plan &plan, const stud
 }
 
 int run(const StudyArguments &arguments, const CommandLine &line) {
+  if (line.ranks == nullptr && isUnderMpi()) return continueInMpiProgram(line.argc, line.argv);
   if (arguments.quiet) setLogThreshold(LogLevel::error);
   watchForInterrupt();
   const auto study = study::loadStudy(arguments.study);
@@ -82,9 +84,12 @@ int run(const StudyArguments &arguments, const CommandLine &line) {
   const auto folder = study::StudyFolder::open(arguments.folder, *study, *plan, arguments.resume);
   if (!folder) return reportError(folder.error());
 
-  study::LocalWorkers workers(study::jobsFor(*study, *plan));
+  // Ranks are placed by who has started them, one point each.
+  const std::unique_ptr<study::Workers> workers =
+      line.ranks != nullptr ? line.ranks->workers(study->jobs.value_or(line.ranks->count()))
+                            : std::make_unique<study::LocalWorkers>(study::jobsFor(*study, *plan));
   const study::StudyOptions options{pluginOptions(line), arguments.quiet};
-  const auto outcome = study::runStudy(*study, *plan, *program, *folder, options, workers);
+  const auto outcome = study::runStudy(*study, *plan, *program, *folder, options, *workers);
   if (!outcome) return reportError(outcome.error());
   if (const auto written = study::writeOutputs(*study, *plan, *program, *outcome, arguments.folder); !written)
     return reportError(written.error());
