@@ -8,7 +8,7 @@
 
 namespace {
 
-constexpr double kPatience_s = 120.0;
+constexpr double kPatience_s = 300.0;
 
 c3de::ProcessResult runProgram(const std::vector<std::string> &command) {
   // Not those of whoever runs the tests.

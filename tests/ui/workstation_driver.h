@@ -43,7 +43,7 @@ class WorkstationDriver {
 
   /// The newest state.
   [[nodiscard]] Json state() const;
-  Json waitUntil(const std::string &what, const std::function<bool(const Json &)> &predicate, double timeout_s = 20.0);
+  Json waitUntil(const std::string &what, const std::function<bool(const Json &)> &predicate, double timeout_s = 60.0);
   /// Waits for `count` more frames than there are now. Input makes the window draw, so this needs input just before.
   void waitFrames(int count);
   /// Waits until a value row shows this text.
