@@ -1,7 +1,7 @@
 cmake_minimum_required(VERSION 3.25)
 # -DROOT=…: that no folder of the core includes one that stands after it. Headers in include/pointbased belong to the folder of
 # the source of the same name.
-set(order base shape material discretisation constraints forces contact solvers skin body stepping rereferencing analysis)
+set(order base shape material discretisation constraints forces contact solvers skin body stepping rereferencing analysis accuracy)
 set(folder_of_types base)
 set(folder_of_body_shape shape)
 set(folder_of_obstacle contact)

@@ -150,7 +150,7 @@ Expected<std::vector<ParameterValue>> fitToDeclarations(const SceneFile &scene, 
   }
   std::vector<ParameterValue> all;
   for (const SceneValue &value : values) {
-    if (superseded.contains(value.value.id)) continue;
+    if (superseded.contains(value.value.id) || (value.isOptional && !findParameter(decls, value.value.id))) continue;
     auto one = fitted(scene, value, decls);
     if (!one) return tl::unexpected(one.error());
     all.push_back(std::move(*one));

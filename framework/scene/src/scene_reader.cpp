@@ -17,8 +17,10 @@ const std::vector<std::string> kObstacleKeys{
     "name",        "mesh",         "mesh_unit",           "position", "rotation_deg", "scale",  "friction",
     "restitution", "displacement", "motion_rotation_deg", "centre",   "ramp",         "matrix", "motion_quaternion"};
 const std::vector<std::string> kProbeKeys{"name", "body", "at"};
-const std::vector<std::string> kRootKeys{"format", "title", "image",      "world",    "solver", "view",     "body",
-                                         "fix",    "load",  "attachment", "obstacle", "probe",  "simulator"};
+const std::vector<std::string> kRootKeys{"format",   "title", "image",     "world",   "solver",
+                                         "view",     "body",  "fix",       "load",    "attachment",
+                                         "obstacle", "probe", "simulator", "accuracy"};
+const std::vector<std::string> kWishes{C3DE_PARAM_ID_ERROR_PERCENT, C3DE_PARAM_ID_ERROR_MM, C3DE_PARAM_ID_BUDGET_MS};
 const char *const kMotionRotation = "motion_rotation_deg";
 const char *const kMotionQuaternion = "motion_quaternion";
 
@@ -78,7 +80,7 @@ bool SceneReader::readScene(const TomlValue &root) {
       if (!readSimulator(value)) return false;
     } else if (key == "image") {
       if (!readImage(value)) return false;
-    } else if (key == "world" || key == "solver" || key == "view") {
+    } else if (key == "world" || key == "solver" || key == "view" || key == "accuracy") {
       if (value.kind != TomlValue::Kind::table)
         return refuse(value.line, "'" + key + "' is " + value.kindName() + "; accepted: a table, [" + key + "]");
       if (!readWorld(key, value)) return false;
@@ -92,7 +94,7 @@ bool SceneReader::readScene(const TomlValue &root) {
   }
   if (scene_.bodies.empty()) return refuse(1, "the scene has no [[body]]; at least one is needed");
   if (scene_.title.empty()) scene_.title = scene_.source.stem().string();
-  return checkBox() && checkBodyNames() && attachBodies();
+  return checkBox() && checkWish() && checkBodyNames() && attachBodies();
 }
 
 bool SceneReader::tables(const TomlValue &value, const std::string &key) {
@@ -243,6 +245,19 @@ bool SceneReader::checkBox() {
     put(scene_.world, enabled, min->line);
   }
   return true;
+}
+
+// One wish: a second one in the file contradicts it, one of the command line replaces it.
+bool SceneReader::checkWish() {
+  const auto isWish = [](const SceneValue &value) {
+    return std::find(kWishes.begin(), kWishes.end(), value.value.id) != kWishes.end();
+  };
+  const auto first = std::find_if(scene_.world.begin(), scene_.world.end(), isWish);
+  if (first == scene_.world.end()) return true;
+  const auto second = std::find_if(first + 1, scene_.world.end(), isWish);
+  if (second == scene_.world.end()) return true;
+  return refuse(second->line, "'" + first->value.id + "' and '" + second->value.id +
+                                  "' are two wishes; accepted: one of " + joined(kWishes));
 }
 
 bool SceneReader::bodyKey(SceneBody &body, const std::string &key, const TomlValue &value) {

@@ -41,6 +41,9 @@ class SceneReader {
   bool readLoad(const TomlValue &table);
   bool readAttachment(const TomlValue &table);
   bool checkBox();
+  bool checkWish();
+  /// A wish of the command line takes the place of another one.
+  bool overrideWish(const std::string &path, const TomlValue &value);
   /// Gives probes, fixes and loads without a body the only one; refuses names of no body.
   bool checkBodyNames();
   bool checkBodyName(const std::string &what, int line, std::string &body);

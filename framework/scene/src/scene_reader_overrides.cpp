@@ -61,12 +61,18 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value) 
   if (rest.empty()) return refusePath(path);
   if (path == "simulator.class") return readSimulatorClass(value);
   if (first == "world" || first == "solver" || first == "view") return store(scene_.world, path, value) && checkBox();
+  if (first == "accuracy") return overrideWish(path, value);
   if (first == "body") return overrideBody(rest, value);
   if (first == "fix") return overrideFix(rest, value);
   if (first == "load") return overrideLoad(rest, value);
   if (first == "obstacle") return overrideObstacle(rest, value);
   if (first == "probe") return overrideProbe(rest, value);
   return refusePath(path);
+}
+
+bool SceneReader::overrideWish(const std::string &path, const TomlValue &value) {
+  std::erase_if(scene_.world, [](const SceneValue &other) { return other.value.id.rfind("accuracy.", 0) == 0; });
+  return store(scene_.world, path, value);
 }
 
 bool SceneReader::refusePath(const std::string &path) {
@@ -78,7 +84,10 @@ bool SceneReader::refusePath(const std::string &path) {
                                  C3DE_PARAM_ID_BOX_MAX,
                                  "solver.…",
                                  C3DE_PARAM_ID_DAMPING,
-                                 "view.…"};
+                                 "view.…",
+                                 C3DE_PARAM_ID_ERROR_PERCENT,
+                                 C3DE_PARAM_ID_ERROR_MM,
+                                 C3DE_PARAM_ID_BUDGET_MS};
   std::string list = joined(known);
   const auto add = [&](const std::string &element, const std::vector<std::string> &keys) {
     list += ", " + element + "." + (keys.size() == 1 ? keys.front() : "…");

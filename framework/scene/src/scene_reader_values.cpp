@@ -117,6 +117,12 @@ bool SceneReader::readMaterial(std::vector<SceneValue> &params, const TomlValue 
     number(C3DE_PARAM_ID_DENSITY, found->density);
     number(C3DE_PARAM_ID_YOUNGS_MODULUS, found->youngsModulus);
     number(C3DE_PARAM_ID_POISSON_RATIO, found->poissonRatio);
+    // Beside what the tissue is taken for, what is known of it; not every simulator shows that.
+    number(C3DE_PARAM_ID_YOUNGS_MODULUS_LOW, found->youngsModulusMin);
+    number(C3DE_PARAM_ID_YOUNGS_MODULUS_HIGH, found->youngsModulusMax);
+    for (SceneValue &param : params)
+      if (param.value.id == C3DE_PARAM_ID_YOUNGS_MODULUS_LOW || param.value.id == C3DE_PARAM_ID_YOUNGS_MODULUS_HIGH)
+        param.isOptional = true;
   }
   for (const auto &[key, member] : value.entries)
     if (key != "preset" && !store(params, "material." + key, member)) return false;

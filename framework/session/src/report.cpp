@@ -100,6 +100,7 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
     report[key] = simulator->contains(key) ? simulator->at(key) : Json::array();
   if (const auto start = parseSimulatorReport(facts.startReport.empty() ? "{}" : facts.startReport); start)
     report["start"] = startOf(*start);
+  if (simulator->contains("accuracy")) report["accuracy"] = simulator->at("accuracy");
   if (simulator->contains("load_factor")) report["load_factor"] = simulator->at("load_factor");
   report["reactions"] = simulator->contains("reactions") ? simulator->at("reactions") : Json::array();
   report["attachments"] = simulator->contains("attachments") ? simulator->at("attachments") : Json::array();

@@ -43,6 +43,27 @@ struct FittedScene {
   std::vector<std::vector<std::vector<ParameterValue>>> parts;  ///< per body and part
 };
 
+bool isRigid(const scene::SceneBody &body) {
+  return std::any_of(body.params.begin(), body.params.end(), [](const scene::SceneValue &value) {
+    return value.value.id == C3DE_PARAM_ID_RIGID && value.value.num != 0.0;
+  });
+}
+
+// Bodies are handed over one after the other; the first one has to leave time for the others.
+void sayHowManyShareBudget(const scene::SceneFile &scene, const std::vector<ParameterDecl> &declared,
+                           std::vector<ParameterValue> &world) {
+  const std::string id = C3DE_PARAM_ID_ACCURACY_BODIES;
+  if (std::none_of(declared.begin(), declared.end(), [&](const ParameterDecl &d) { return d.id == id; })) return;
+  if (std::any_of(world.begin(), world.end(), [&](const ParameterValue &v) { return v.id == id; })) return;
+  ParameterValue bodies;
+  bodies.id = id;
+  bodies.type = C3DE_PARAM_I64;
+  bodies.num = static_cast<double>(
+      std::count_if(scene.bodies.begin(), scene.bodies.end(), [](const scene::SceneBody &b) { return !isRigid(b); }));
+  bodies.num = std::max(1.0, bodies.num);
+  world.push_back(std::move(bodies));
+}
+
 Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &scene) {
   const auto table = simulatorTable(simulator);
   if (!table) return tl::unexpected(table.error());
@@ -61,6 +82,7 @@ Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &s
   auto values = scene::fitToDeclarations(scene, scene.world, *world);
   if (!values) return tl::unexpected(values.error());
   fitted.world = std::move(*values);
+  sayHowManyShareBudget(scene, *world, fitted.world);
   for (const scene::SceneBody &one : scene.bodies) {
     values = scene::fitToDeclarations(scene, one.params, *body);
     if (!values) return tl::unexpected(values.error());

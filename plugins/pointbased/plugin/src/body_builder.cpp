@@ -117,18 +117,32 @@ namespace {
 
 sdk::Error cancelled() { return {C3DE_E_CANCELLED, "cancelled"}; }
 
-BuiltBody build(const Services &services, const MaterialLaws &laws, const std::string &name, c3de_handle mesh,
-                const BodySource &source, const ParameterValues &values, BuildRequest &request) {
-  Constitution constitution = constitutionOf(laws, name, source, values);
-  const auto *meshes = services.meshes.table();
-  if (const auto fillable = services.host.check(meshes->check_fillable(meshes->ctx, mesh)); !fillable)
-    throw sdk::Error(C3DE_E_FORMAT, fillable.failure().message);
-  if (!request.tell(0.0, "placing the surface")) throw cancelled();
+bool isForTheDial(const ParameterValues &values) {
+  return values.isAuto("sampling.spacing") && values.isAuto("sampling.count") && !isRigid(values) &&
+         evaluationOf(values) == Evaluation::stressPoints;
+}
 
-  BuiltBody out;
-  out.surface = placeMesh(services, mesh, source.placement);
-  StoppableLoops loops(services.parallelFor());
-  const ParallelFor &parallelFor = loops.parallelFor();
+// What is chosen for a body, before it is built.
+AccuracyPromise promiseFor(const AccuracyProblem &problem, double area, const DialRequest &dial,
+                           const ParallelFor &parallelFor, BuildRequest &request) {
+  if (!request.tell(0.02, "trying coarse samplings")) throw cancelled();
+  AccuracyPromise promise;
+  promise.wish = dial.wish;
+  auto survey = surveyAccuracy(problem, area, parallelFor, &request);
+  if (!survey) {
+    promise.unpredicted = survey.error();
+    promise.choice.count = automaticCount(problem.shape.volume, area);
+    return promise;
+  }
+  promise.survey = std::make_shared<const AccuracySurvey>(std::move(*survey));
+  CostSetting setting = dial.setting;
+  setting.surfels = problem.shape.surface.positions.size();
+  promise.choice = chooseSampling(*promise.survey, problem.constitution, setting, dial.wish);
+  return promise;
+}
+
+BodyRecipe recipeOf(const Services &services, const std::string &name, const BodySource &source,
+                    const ParameterValues &values) {
   BodyRecipe recipe;
   recipe.evaluation = evaluationOf(values);
   recipe.sampling = samplingOf(values);
@@ -144,36 +158,101 @@ BuiltBody build(const Services &services, const MaterialLaws &laws, const std::s
   recipe.fixes = source.fixes;
   recipe.loads = source.loads;
   recipe.reshape = reshapeOf(services);
-  const StoppableLoops::Watch watch(loops, &request);
-  auto shape = source.fill ? shapeOf(source.fill->occupancy, surfaceOf(*out.surface), parallelFor)
-                           : Result<BodyShape>(shapeOf(services, mesh, source.placement, out.surface));
-  if (!shape) throw sdk::Error(C3DE_E_ARG, name + ": its fill: " + shape.error());
-  if (recipe.sampling.count == 0) recipe.sampling.count = automaticCount(shape->volume, areaOf(*out.surface));
-  auto rest = buildRestState(*shape, recipe, out.surface->normals, parallelFor, [&](double fraction) {
-    return request.tell(0.05 + 0.8 * fraction, "filling with phyxels");
+  return recipe;
+}
+
+/// A body in the making: what stays the same while its sampling is sought.
+struct Making {
+  const std::string &name;
+  const BodySource &source;
+  const ParameterValues &values;
+  const BodyShape &shape;
+  const PlacedMesh &surface;
+  const Constitution &constitution;
+  const ParallelFor &parallelFor;
+  BuildRequest &request;
+};
+
+std::unique_ptr<Body> bodyOf(const Making &of, const BodyRecipe &recipe) {
+  auto rest = buildRestState(of.shape, recipe, of.surface.normals, of.parallelFor, [&](double fraction) {
+    return of.request.tell(0.05 + 0.8 * fraction, "filling with phyxels");
   });
   if (!rest) {
     if (rest.error() == "cancelled") throw cancelled();
-    throw errorOf(rest.error(), name, source);
+    throw errorOf(rest.error(), of.name, of.source);
   }
-  if (const std::string thin = tooCoarse(**rest, areaOf(*out.surface)); !thin.empty() && !isRigid(values))
-    throw sdk::Error(C3DE_E_ARG, name + ": " + thin);
-  if (!request.tell(0.85, "finding the stable step")) throw cancelled();
-  out.body = std::make_unique<Body>(name, std::move(*rest), std::move(constitution), parallelFor);
-  out.body->setInitialVelocity(source.velocity, source.angularVelocity);
-  if (const auto held = out.body->setFoundation(foundationOf(values)); !held)
-    throw sdk::Error(C3DE_E_ARG, name + ": surroundings.stiffness: " + held.error());
-  if (isRigid(values)) out.body->setRigid(true);
+  if (const std::string thin = tooCoarse(**rest, areaOf(of.surface)); !thin.empty() && !isRigid(of.values))
+    throw sdk::Error(C3DE_E_ARG, of.name + ": " + thin);
+  if (!of.request.tell(0.85, "finding the stable step")) throw cancelled();
+  auto body = std::make_unique<Body>(of.name, std::move(*rest), of.constitution, of.parallelFor);
+  body->setInitialVelocity(of.source.velocity, of.source.angularVelocity);
+  if (const auto held = body->setFoundation(foundationOf(of.values)); !held)
+    throw sdk::Error(C3DE_E_ARG, of.name + ": surroundings.stiffness: " + held.error());
+  if (isRigid(of.values)) body->setRigid(true);
+  return body;
+}
+
+// The sampling that the dial chooses. What was predicted to fit a budget is measured, and made coarser where it does not.
+std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, const DialRequest &dial,
+                                 AccuracyPromise &promise) {
+  constexpr int kAttempts = 3;
+  constexpr double kCostOrder = 4.0;  // of a frame in the spacing: phyxels and steps
+  const double area = areaOf(of.surface);
+  promise = promiseFor({of.shape, recipe, of.constitution, foundationOf(of.values), dial.gravity}, area, dial,
+                       of.parallelFor, of.request);
+  recipe.sampling.count = promise.choice.count;
+  // The count of bodies that nobody asks more of is met as ever.
+  if (promise.survey && recipe.sampling.count != automaticCount(of.shape.volume, area))
+    recipe.sampling.spacing = promise.choice.spacing;
+  const bool isBudget = dial.wish.kind == AccuracyWish::Kind::budget;
+  for (int attempt = 1;; ++attempt) {
+    auto body = bodyOf(of, recipe);
+    promise.built(body->rest());
+    if (dial.wish.kind == AccuracyWish::Kind::standard || !dial.frameTime) return body;
+    promise.measured(dial.frameTime(*body));
+    const double over = promise.choice.cost.ms / (1e3 * kBudgetToUse * dial.wish.value);
+    if (!isBudget || over < 1.0 || attempt == kAttempts || !promise.survey) return body;
+    recipe.sampling.spacing = body->rest().spacing * std::pow(over, 1.0 / kCostOrder);
+  }
+}
+
+BuiltBody build(const Services &services, const MaterialLaws &laws, const std::string &name, c3de_handle mesh,
+                const BodySource &source, const ParameterValues &values, const DialRequest &dial,
+                BuildRequest &request) {
+  refuseTwoWays(name, values, dial.wish);
+  const Constitution constitution = constitutionOf(laws, name, source, values);
+  const auto *meshes = services.meshes.table();
+  if (const auto fillable = services.host.check(meshes->check_fillable(meshes->ctx, mesh)); !fillable)
+    throw sdk::Error(C3DE_E_FORMAT, fillable.failure().message);
+  if (!request.tell(0.0, "placing the surface")) throw cancelled();
+
+  BuiltBody out;
+  out.surface = placeMesh(services, mesh, source.placement);
+  StoppableLoops loops(services.parallelFor());
+  const ParallelFor &parallelFor = loops.parallelFor();
+  BodyRecipe recipe = recipeOf(services, name, source, values);
+  const StoppableLoops::Watch watch(loops, &request);
+  const auto shape = source.fill ? shapeOf(source.fill->occupancy, surfaceOf(*out.surface), parallelFor)
+                                 : Result<BodyShape>(shapeOf(services, mesh, source.placement, out.surface));
+  if (!shape) throw sdk::Error(C3DE_E_ARG, name + ": its fill: " + shape.error());
+  const Making making{name, source, values, *shape, *out.surface, constitution, parallelFor, request};
+  if (isForTheDial(values)) {
+    out.body = bodyOfDial(making, std::move(recipe), dial, out.promise.emplace());
+    return out;
+  }
+  if (recipe.sampling.count == 0) recipe.sampling.count = automaticCount(shape->volume, areaOf(*out.surface));
+  out.body = bodyOf(making, recipe);
   return out;
 }
 
 }  // namespace
 
 BuiltBody buildBody(const Services &services, const MaterialLaws &laws, const std::string &name, c3de_handle mesh,
-                    const BodySource &source, const ParameterValues &values, const sdk::Progress &progress) {
+                    const BodySource &source, const ParameterValues &values, const DialRequest &dial,
+                    const sdk::Progress &progress) {
   BuildRequest request(progress);
   try {
-    BuiltBody out = build(services, laws, name, mesh, source, values, request);
+    BuiltBody out = build(services, laws, name, mesh, source, values, dial, request);
     (void)progress.update(1.0, "done");
     return out;
   } catch (const Stopped &) {

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "accuracy_dial.h"
 #include "body_source.h"
 #include "material_laws.h"
 
@@ -12,13 +13,15 @@ namespace pointbased {
 struct BuiltBody {
   std::unique_ptr<Body> body;
   std::shared_ptr<PlacedMesh> surface;
+  std::optional<AccuracyPromise> promise;  ///< where the dial has chosen its sampling
 };
 
 /// Fills the mesh, binds its vertices as surfels. Errors as sdk::Error: a mesh that bounds no volume, a sampling that
 /// does not fit, cancelled. Any thread.
+/// @param dial  chooses the sampling where the values do not say it
 [[nodiscard]] BuiltBody buildBody(const Services &services, const MaterialLaws &laws, const std::string &name,
                                   c3de_handle mesh, const BodySource &source, const ParameterValues &values,
-                                  const sdk::Progress &progress);
+                                  const DialRequest &dial, const sdk::Progress &progress);
 
 /// The materials of a body and its parts. Errors as sdk::Error.
 [[nodiscard]] Constitution constitutionOf(const MaterialLaws &laws, const std::string &name, const BodySource &source,

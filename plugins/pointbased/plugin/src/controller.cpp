@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "controller.h"
 
+#include "accuracy_panel.h"
+
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -105,6 +107,7 @@ void Controller::draw(sdk::Ui &ui) {
   drawRun(ui, snapshot.get());
   if (snapshot) offerRigid(ui, *snapshot);
   drawBody(ui, snapshot.get());
+  drawAccuracy(ui, snapshot.get());
   drawView(ui, snapshot.get());
   drawPinch(ui);
   drawMaterial(ui);
@@ -147,6 +150,15 @@ void Controller::drawBody(sdk::Ui &ui, const Snapshot *snapshot) {
     ui.value("Volume", significant(1e6 * body->rest->shapeVolume, 4) + " mL");
   }
   ui.params(bodyParameters_.handle(), "Sampling");
+}
+
+void Controller::drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot) {
+  ui.heading("Accuracy");
+  ui.params(worldParameters_.handle(), "Accuracy");
+  if (!snapshot) return;
+  if (ui.button("apply_wish", "Apply to all bodies", !job_ && !snapshot->bodies.empty())) applyWish(*snapshot);
+  ui.tooltip("Samples every body anew, as finely as the wish asks; the simulation goes back to its beginning");
+  if (const BodySnapshot *body = snapshot->body(body_)) drawAccuracyBars(ui, *body);
 }
 
 void Controller::chooseBody(sdk::Ui &ui, const Snapshot &snapshot) {
@@ -322,6 +334,10 @@ void Controller::worldParameterChanged(const c3de_param_value &value) {
   const auto copy = std::make_shared<ParameterValues>(worldDeclarations());
   if (!copy->set(value)) return;
   const std::string id(sdk::text(value.id));
+  // What the panel shows of the other wishes; the simulator lets go of them itself.
+  if (isAWish(id) && !copy->isAuto(id))
+    for (const std::string_view other : kWishes)
+      if (other != id) (void)worldParameters_.set(sdk::textValue(other, "auto"));
   if (!isOfTheView(id)) simulator_->abandonLongStep();
   (void)services_.simulation.post(simulator_->node(),
                                   [simulator = sdk::Ref<WorldSimulator>::share(simulator_), copy, id] {
@@ -374,13 +390,28 @@ void Controller::load() {
   }
 }
 
-void Controller::rebuild() {
+void Controller::applyWish(const Snapshot &snapshot) {
+  std::vector<std::pair<std::uint64_t, ParameterValues>> bodies;
+  for (const BodySnapshot &body : snapshot.bodies) {
+    if (body.rigid) continue;
+    ParameterValues values = *body.values;
+    for (const char *id : {"sampling.spacing", "sampling.count"}) sdk::orThrow(values.set(sdk::textValue(id, "auto")));
+    bodies.emplace_back(body.id, std::move(values));
+  }
+  simulator_->shareBudget(bodies.size());
+  startRebuilding("Sampling the bodies for the wish", std::move(bodies));
+}
+
+void Controller::rebuild() { startRebuilding("Filling the organ again", {{body_, nextValues_}}); }
+
+void Controller::startRebuilding(const std::string &title,
+                                 std::vector<std::pair<std::uint64_t, ParameterValues>> bodies) {
   const auto simulator = sdk::Ref<WorldSimulator>::share(simulator_);
-  auto run = [simulator, body = body_, values = nextValues_](sdk::Progress progress) -> sdk::Result<void> {
-    simulator->rebuildBody(body, values, progress);
+  auto run = [simulator, all = std::move(bodies)](sdk::Progress progress) -> sdk::Result<void> {
+    for (const auto &[body, values] : all) simulator->rebuildBody(body, values, progress);
     return {};
   };
-  const auto job = services_.jobs.submit("Filling the organ again", std::move(run),
+  const auto job = services_.jobs.submit(title, std::move(run),
                                          [this](const sdk::Result<void> &result) { finish("Rebuild", result); });
   if (job) {
     job_ = *job;

@@ -22,6 +22,7 @@ class Controller : public sdk::Panel {
  private:
   void declareBody();
   void drawBody(sdk::Ui &ui, const Snapshot *snapshot);
+  void drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot);
   void drawMaterial(sdk::Ui &ui);
   void drawRun(sdk::Ui &ui, const Snapshot *snapshot);
   void drawStages(sdk::Ui &ui, const Snapshot &snapshot);
@@ -31,6 +32,9 @@ class Controller : public sdk::Panel {
 
   void load();
   void rebuild();
+  /// Every body that deforms, with its sampling left to the dial.
+  void applyWish(const Snapshot &snapshot);
+  void startRebuilding(const std::string &title, std::vector<std::pair<std::uint64_t, ParameterValues>> bodies);
   void finish(const char *what, const sdk::Result<void> &result);
   void transport(std::uint32_t action);
   void followBody(const Snapshot *snapshot);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "parameters.h"
 
+#include "accuracy_dial.h"
+#include "c3de/abi/iface/parameter_ids.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +17,7 @@ using namespace c3de::sdk;
 constexpr std::array<c3de_str, 4> kLaws{str("neo_hookean"), str("stvk"), str("corotated"), str("linear")};
 constexpr std::array<c3de_str, 6> kIntegrators{str("auto"),     str("explicit"),       str("implicit"),
                                                str("midpoint"), str("backward_euler"), str("quasistatic")};
-constexpr std::array<c3de_str, 2> kPrecisions{str("double"), str("single")};
+constexpr std::array<c3de_str, 3> kPrecisions{str("auto"), str("double"), str("single")};
 constexpr std::array<c3de_str, 4> kPreconditioners{str("auto"), str("block_jacobi"), str("incomplete"),
                                                    str("factorised")};
 constexpr std::array<c3de_str, 3> kEvaluations{str("auto"), str("stress_points"), str("phyxels")};
@@ -75,10 +78,25 @@ constexpr std::array kWorld{
                 kPreconditioners, "auto"),
     choiceParam(
         {"solver.precision", "Precision", "",
-         "Of the forces in explicit steps. single: about 1.5 times as fast, strains to about 1e-6. Implicit and "
-         "quasi-static solutions are double always",
+         "Of the forces in explicit steps. single: about 1.5 times as fast, strains to about 1e-6. auto: single where "
+         "an accuracy is wished that is far coarser than that, else double. Implicit and quasi-static solutions are "
+         "double always",
          "Solver"},
-        kPrecisions, "double"),
+        kPrecisions, "auto"),
+    autoParam(
+        {C3DE_PARAM_ID_ERROR_PERCENT, "Error at most", "%",
+         "How far off the skin of bodies may be at rest, as part of the largest displacement; bodies that are built "
+         "from now on are sampled for it. auto: 5 % where that is affordable",
+         "Accuracy"},
+        {0.01, 100.0, 0.5, 20.0}, C3DE_PARAM_LOG_SCALE),
+    autoParam({C3DE_PARAM_ID_ERROR_MM, "Error at most", "mm", "The same in mm", "Accuracy"}, {1e-6, 1e4, 0.01, 10.0},
+              C3DE_PARAM_LOG_SCALE),
+    autoParam({C3DE_PARAM_ID_BUDGET_MS, "Budget", "ms",
+               "What 1/60 s of simulated time may take to compute, all bodies together: as accurate as that allows",
+               "Accuracy"},
+              {0.01, 1e5, 1.0, 100.0}, C3DE_PARAM_LOG_SCALE),
+    integerParam({C3DE_PARAM_ID_ACCURACY_BODIES, "Bodies", "", "How many bodies share the budget", "Accuracy"},
+                 {1.0, 1e6, 1.0, 100.0}, 1.0, C3DE_PARAM_ADVANCED),
     choiceParam({"view.surface", "Surface", "",
                  "What is seen of the skin; where it is not opaque, the points inside show", "View"},
                 kSurfaces, "opaque"),
@@ -125,6 +143,15 @@ constexpr std::array kBody{
     numberParam({"material.youngs_modulus", "Young's modulus", "Pa",
                  "Stiffness; the stable step shrinks with its root. Liver about 6 kPa", "Material"},
                 {0.0, 1e12, 100.0, 1e6}, 6000.0, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_MIN_OPEN),
+    autoParam(
+        {C3DE_PARAM_ID_YOUNGS_MODULUS_LOW, "Young's modulus, at least", "Pa",
+         "Where the stiffness of such tissue begins: nothing is computed from it, it is shown beside the error. auto: "
+         "half",
+         "Material"},
+        {0.0, 1e12, 100.0, 1e6}, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_MIN_OPEN | C3DE_PARAM_ADVANCED),
+    autoParam({C3DE_PARAM_ID_YOUNGS_MODULUS_HIGH, "Young's modulus, at most", "Pa",
+               "Where it ends. auto: half as much again", "Material"},
+              {0.0, 1e12, 100.0, 1e6}, C3DE_PARAM_LOG_SCALE | C3DE_PARAM_MIN_OPEN | C3DE_PARAM_ADVANCED),
     numberParam({"material.poisson_ratio", "Poisson's ratio", "",
                  "Resistance to a change of volume; near 0.5 the stable step becomes very small", "Material"},
                 {-1.0, 0.5, 0.0, 0.49}, 0.45, C3DE_PARAM_MIN_OPEN | C3DE_PARAM_MAX_OPEN),
@@ -382,7 +409,9 @@ WorldSettings worldSettings(const ParameterValues &v) {
   world.damping = v.number("solver.damping");
   world.tolerance = v.isAuto("solver.tolerance_mm") ? 0.0 : 1e-3 * v.number("solver.tolerance_mm");
   world.loadSteps = static_cast<int>(v.number("solver.load_steps"));
-  world.precision = v.text("solver.precision") == "single" ? Precision::singlePrecision : Precision::doublePrecision;
+  const std::string precision = v.text("solver.precision");
+  const bool isSingle = precision == "single" || (precision == "auto" && isFarCoarserThanSingle(wishOf(v)));
+  world.precision = isSingle ? Precision::singlePrecision : Precision::doublePrecision;
   world.sleep = v.number("solver.sleep") != 0.0;
   const std::string preconditioner = v.text("solver.preconditioner");
   world.preconditioner = preconditioner == "block_jacobi" ? Preconditioner::blockJacobi
@@ -429,6 +458,16 @@ Material materialOf(const ParameterValues &v) {
   m.prony = {PronyTerm{v.number("material.prony1.share"), v.number("material.prony1.time")},
              PronyTerm{v.number("material.prony2.share"), v.number("material.prony2.time")}};
   return m;
+}
+
+StiffnessRange stiffnessRangeOf(const ParameterValues &v) {
+  const double E = v.number("material.youngs_modulus");
+  StiffnessRange range{0.5 * E, 1.5 * E, false};
+  if (v.isAuto(C3DE_PARAM_ID_YOUNGS_MODULUS_LOW) || v.isAuto(C3DE_PARAM_ID_YOUNGS_MODULUS_HIGH)) return range;
+  range.low = std::min(E, v.number(C3DE_PARAM_ID_YOUNGS_MODULUS_LOW));
+  range.high = std::max(E, v.number(C3DE_PARAM_ID_YOUNGS_MODULUS_HIGH));
+  range.isKnown = true;
+  return range;
 }
 
 Foundation foundationOf(const ParameterValues &v) {

@@ -52,6 +52,12 @@ class ParameterValues {
 /// Whether a parameter of the world says only what is shown.
 [[nodiscard]] bool isOfTheView(std::string_view id);
 [[nodiscard]] Material materialOf(const ParameterValues &values);
+/// Where Young's modulus of a tissue lies, Pa.
+struct StiffnessRange {
+  double low = 0.0, high = 0.0;
+  bool isKnown = false;  ///< false: half of it less and more
+};
+[[nodiscard]] StiffnessRange stiffnessRangeOf(const ParameterValues &values);
 [[nodiscard]] Foundation foundationOf(const ParameterValues &values);
 [[nodiscard]] bool isOfTheSurroundings(std::string_view id);
 [[nodiscard]] bool isRigid(const ParameterValues &values);

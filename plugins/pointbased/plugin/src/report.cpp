@@ -151,6 +151,62 @@ Json attachmentJson(const Simulator &simulator, std::size_t id) {
           {"energy_J", simulator.energy(id).foundation}};
 }
 
+const char *kindOf(const AccuracyWish &wish) {
+  switch (wish.kind) {
+    case AccuracyWish::Kind::share: return "error_percent";
+    case AccuracyWish::Kind::length: return "error_mm";
+    case AccuracyWish::Kind::budget: return "budget_ms";
+    case AccuracyWish::Kind::standard: break;
+  }
+  return "standard";
+}
+
+Json promiseJson(const std::string &name, const AccuracyPromise &promise) {
+  Json out = {{"body", name}, {"wish", kindOf(promise.wish)}};
+  if (promise.wish.kind != AccuracyWish::Kind::standard)
+    out["wished"] = promise.wish.value * (promise.wish.kind == AccuracyWish::Kind::share ? 100.0 : 1e3);
+  if (!promise.survey) {
+    out["unpredicted"] = promise.unpredicted;
+    return out;
+  }
+  const SamplingChoice &choice = promise.choice;
+  out["promised_error"] = choice.error.share;
+  out["band"] = {choice.error.low, choice.error.high};
+  if (!promise.supposed()) {
+    out["largest_displacement_m"] = choice.largest;
+    out["promised_error_m"] = choice.error.share * choice.largest;
+  }
+  out["load"] = promise.supposed() ? "supposed" : "own";
+  out["promised_ms"] = choice.cost.ms;
+  out["cost"] = promise.isMeasured ? "measured" : "predicted";
+  out["spacing_m"] = choice.spacing;
+  out["phyxels"] = choice.count;
+  out["met"] = choice.unmet.empty();
+  if (!choice.unmet.empty()) out["unmet"] = choice.unmet;
+  return out;
+}
+
+/// The worst of the bodies' errors, the sum of their times.
+Json accuracyJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies) {
+  Json out = {
+      {"wish", Json()}, {"promised_error", 0.0}, {"band", {0.0, 0.0}}, {"promised_ms", 0.0}, {"bodies", Json::array()}};
+  for (const ReportedBody &body : bodies) {
+    if (!body.promise) continue;
+    Json one = promiseJson(simulator.body(body.id)->name(), *body.promise);
+    out["wish"] = one["wish"];
+    if (one.contains("wished")) out["wished"] = one["wished"];
+    if (body.promise->survey) {
+      if (one["promised_error"] > out["promised_error"]) {
+        out["promised_error"] = one["promised_error"];
+        out["band"] = one["band"];
+      }
+      out["promised_ms"] = out["promised_ms"].get<double>() + body.promise->choice.cost.ms;
+    }
+    out["bodies"].push_back(std::move(one));
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string howComputed(const Simulator &simulator, std::size_t id) {
@@ -170,6 +226,7 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
   std::vector<std::string> errors;
   for (const ReportedBody &body : bodies) {
     const ErrorEstimate error = estimateError(*simulator.body(body.id));
+    if (body.promise) errors.push_back(noticeOf(simulator.body(body.id)->name(), *body.promise));
     errors.push_back(errorAdvice(*simulator.body(body.id), body.meshArea, error.relative));
     out["bodies"].push_back(bodyJson(simulator, body, error));
     if (simulator.body(body.id)->foundation().acts()) out["attachments"].push_back(attachmentJson(simulator, body.id));
@@ -183,6 +240,9 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
   }
   std::sort(out["reactions"].begin(), out["reactions"].end(),
             [](const Json &a, const Json &b) { return a["fix"].get<std::uint64_t>() < b["fix"].get<std::uint64_t>(); });
+  const bool isChosen =
+      std::any_of(bodies.begin(), bodies.end(), [](const ReportedBody &b) { return b.promise != nullptr; });
+  if (isChosen) out["accuracy"] = accuracyJson(simulator, bodies);
   // What the bodies are integrated by; with more than one of them, what the scene asks for.
   std::set<std::string> integrators;
   for (const ReportedBody &body : bodies) integrators.insert(nameOf(simulator.integratorOf(body.id)));

@@ -92,6 +92,7 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
   const std::lock_guard lock(mutex_);
   ParameterValues changed = world_;
   if (auto done = changed.set(values, n, stride); !done) return done;
+  if (auto done = settleWishes(changed, values, n, stride); !done) return done;
   const WorldSettings settings = worldSettings(changed);
   if (settings.box.enabled && !((settings.box.max - settings.box.min).minCoeff() > 0.0))
     return Failure{C3DE_E_ARG, "world.box.max must be above world.box.min on every axis"};
@@ -119,6 +120,64 @@ void WorldSimulator::makeRoom(const BodyRecord &body) {
   context_.services.log.info("the walls of the world have made room for '" + body.name + "'");
 }
 
+DialRequest WorldSimulator::dialRequest() {
+  DialRequest request;
+  {
+    const std::lock_guard lock(mutex_);
+    request.wish = wishOf(world_);
+    request.setting.world = worldSettings(world_);
+    request.setting.contact = request.setting.world.box.enabled || !obstacles_.empty();
+  }
+  request.gravity = request.setting.world.gravity;
+  // What nobody has wished for must not depend on the machine.
+  if (request.wish.kind == AccuracyWish::Kind::standard) {
+    request.setting.speed = nominalSpeed();
+    return request;
+  }
+  request.setting.speed = context_.speed.speed();
+  if (request.setting.world.integrator != Integrator::quasiStatic)
+    request.frameTime = [this](const Body &body) { return frameTime(body); };
+  return request;
+}
+
+double WorldSimulator::frameTime(const Body &body) const {
+  constexpr double kLeast = 0.03;  // s of measuring
+  Simulator alone(context_.services.parallelFor());
+  {
+    const std::lock_guard lock(mutex_);
+    WorldSettings settings = worldSettings(world_);
+    settings.sleep = false;
+    alone.setWorld(settings);
+    for (const Obstacle &obstacle : simulator_.obstacles()) alone.addObstacle(obstacle);
+  }
+  auto copy =
+      std::make_unique<Body>(body.name(), body.sharedRest(), body.constitution(), context_.services.parallelFor());
+  if (const auto held = copy->setFoundation(body.foundation().settings()); !held) throw Error(C3DE_E_ARG, held.error());
+  const std::size_t id = alone.addBody(std::move(copy));
+  using Clock = std::chrono::steady_clock;
+  const auto seconds = [](Clock::time_point since) {
+    return std::chrono::duration<double>(Clock::now() - since).count();
+  };
+  std::vector<Vec3f> surfels, normals;
+  std::vector<double> frames;  // ms
+  const Clock::time_point begin = Clock::now();
+  while (frames.size() < 6 || seconds(begin) < kLeast) {
+    const Clock::time_point from = Clock::now();
+    const double time = alone.time();
+    if (!alone.step()) break;
+    const double stepped = seconds(from);
+    const Clock::time_point drawn = Clock::now();
+    alone.surfels(id, surfels, normals);
+    const double simulated = alone.time() - time;
+    if (simulated > 0.0) frames.push_back(1e3 * (stepped * kFrame / simulated + seconds(drawn)));
+  }
+  if (frames.empty()) return 0.0;
+  // The first step finds what the others keep.
+  const auto middle = frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2);
+  std::nth_element(frames.begin(), middle, frames.end());
+  return *middle;
+}
+
 void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls walls) {
   const c3de_sim_body in = sdk::readStruct(body, "body");
   BodyRecord record;
@@ -128,7 +187,8 @@ void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls wall
   record.source = readSource(in, values);
   if (isRigid(values)) checkStandsStill(record.name, record.source);
   BuiltBody built = buildBody(context_.services, context_.laws, record.name, in.mesh, record.source, values,
-                              sdk::Progress(in.progress));
+                              dialRequest(), sdk::Progress(in.progress));
+  if (built.promise) record.promise = std::make_shared<const AccuracyPromise>(std::move(*built.promise));
   record.values = std::make_shared<const ParameterValues>(std::move(values));
   record.surface = std::move(built.surface);
   record.source.mesh = std::make_shared<const sdk::MeshHandle>(copyMesh(context_.services, in.mesh));
@@ -312,6 +372,7 @@ void WorldSimulator::publish() {
     b.rest = body.sharedRest();
     b.surface = record.surface;
     b.values = record.values;
+    b.promise = record.promise;
     b.colour = record.source.colour;
     if (!samePlaces) {
       b.phyxels.resize(body.rest().phyxelCount());
@@ -327,7 +388,10 @@ void WorldSimulator::publish() {
     b.grab = simulator_.grabStatus(id);
   }
   std::vector<std::string> errors;
-  for (const BodySnapshot &b : s->bodies) errors.push_back(b.errorAdvice);
+  for (const BodySnapshot &b : s->bodies) {
+    if (b.promise) errors.push_back(noticeOf(b.name, *b.promise));
+    errors.push_back(b.errorAdvice);
+  }
   s->notices = noticesOf(simulator_, errors);
   s->obstacles.clear();
   for (const auto &[id, record] : obstacles_)
@@ -513,7 +577,7 @@ void WorldSimulator::report(c3de_sink json) {
     const std::lock_guard lock(mutex_);
     std::vector<ReportedBody> bodies;
     for (const auto &[id, record] : bodies_)
-      bodies.push_back({id, record.surface->volume, areaOf(*record.surface), record.source.fixNumbers});
+      bodies.push_back({id, record.surface->volume, areaOf(*record.surface), record.source.fixNumbers, record.promise});
     std::sort(bodies.begin(), bodies.end(), [&](const ReportedBody &a, const ReportedBody &b) {
       return bodies_.at(a.id).order < bodies_.at(b.id).order;
     });
@@ -641,6 +705,11 @@ ParameterValues WorldSimulator::worldValues() const {
   return world_;
 }
 
+void WorldSimulator::shareBudget(std::size_t bodies) {
+  const std::lock_guard lock(mutex_);
+  sdk::orThrow(world_.set(sdk::integerValue(C3DE_PARAM_ID_ACCURACY_BODIES, static_cast<std::int64_t>(bodies))));
+}
+
 std::optional<BodySource> WorldSimulator::source(std::uint64_t body) const {
   const std::lock_guard lock(mutex_);
   const auto found = bodies_.find(body);
@@ -656,7 +725,8 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
     const std::lock_guard lock(mutex_);
     name = bodies_.at(body).name;
   }
-  BuiltBody built = buildBody(context_.services, context_.laws, name, from->mesh->handle(), *from, values, progress);
+  BuiltBody built =
+      buildBody(context_.services, context_.laws, name, from->mesh->handle(), *from, values, dialRequest(), progress);
   const StepRequest::Waiting waiting(request_);
   const std::lock_guard lock(mutex_);
   const auto found = bodies_.find(body);
@@ -664,6 +734,7 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   BodyRecord record = found->second;
   record.surface = std::move(built.surface);
   record.values = std::make_shared<const ParameterValues>(values);
+  record.promise = built.promise ? std::make_shared<const AccuracyPromise>(std::move(*built.promise)) : nullptr;
   bodies_.erase(found);
   simulator_.removeBody(body);
   simulator_.reset();

@@ -28,11 +28,13 @@ class SimulatorListener {
 
 /// What objects of the plugin share.
 struct PluginContext {
-  explicit PluginContext(sdk::Host host, SimulatorListener *l) : services(host), listener(l), laws(services) {}
+  explicit PluginContext(sdk::Host host, SimulatorListener *l)
+      : services(host), listener(l), laws(services), speed(host, services) {}
 
   Services services;
   SimulatorListener *listener = nullptr;
   MaterialLaws laws;
+  SpeedKeeper speed;
 };
 
 /// The registered class C3DE_POINTBASED_WORLD_SIMULATOR_CLASS: iface.simulator over the physics. A mutex stands
@@ -100,6 +102,8 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void abandonLongStep() { request_.abandonLongStep(); }
   [[nodiscard]] ParameterValues worldValues() const;
   [[nodiscard]] std::optional<BodySource> source(std::uint64_t body) const;
+  /// How many bodies share a budget that is wished. Any thread.
+  void shareBudget(std::size_t bodies);
   /// Builds the body again with other values and puts it in the place of the old one; the simulation is reset. The old
   /// one stays when building fails. Errors as sdk::Error. Any thread.
   void rebuildBody(std::uint64_t body, const ParameterValues &values, const sdk::Progress &progress);
@@ -116,6 +120,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
     std::shared_ptr<PlacedMesh> surface;
     std::shared_ptr<const ParameterValues> values;  // replaced, never changed: snapshots share it
     BodySource source;
+    std::shared_ptr<const AccuracyPromise> promise;  // null: its sampling was said
     std::size_t order = 0;
   };
   struct ObstacleRecord {
@@ -127,6 +132,10 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   enum class Walls { stay, makeRoom };
   void add(const c3de_sim_body *body, c3de_handle *out, Walls walls);
   void makeRoom(const BodyRecord &body);
+  /// What a body that is built now asks the dial.
+  [[nodiscard]] DialRequest dialRequest();
+  /// A frame of a body in this world, at rest, by itself, ms.
+  [[nodiscard]] double frameTime(const Body &body) const;
   [[nodiscard]] BodyRecord &bodyOrThrow(c3de_handle body);
   void takeView(Snapshot &snapshot);
   void estimate(std::uint64_t id, const Body &body, const PlacedMesh &surface, bool moved, BodySnapshot &out);

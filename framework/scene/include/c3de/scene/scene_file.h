@@ -25,6 +25,7 @@ struct SceneValue {
   ParameterValue value;
   int line = 0;              ///< in SceneFile::source; 0: not from a file
   std::string overridePath;  ///< not empty: it came from `--set overridePath=…`
+  bool isOptional = false;   ///< a simulator that does not declare it goes without; nobody has written it
 };
 
 /// Scale, then rotation about x, y and z, then position.

@@ -74,6 +74,7 @@ class Simulator {
   [[nodiscard]] Body *body(std::size_t id);
   [[nodiscard]] const Body *body(std::size_t id) const;
   [[nodiscard]] std::vector<std::size_t> bodyIds() const;
+  [[nodiscard]] std::span<const Obstacle> obstacles() const { return obstacles_; }
   /// What integrates a body: the world's integrator, or what is chosen in its place.
   [[nodiscard]] Integrator integratorOf(std::size_t body) const;
   /// Force evaluations per simulated second: (explicit, implicit). What Integrator::automatic decides by.

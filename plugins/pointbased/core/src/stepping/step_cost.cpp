@@ -15,13 +15,15 @@ constexpr double kImplicitEvaluations = 700.0;  // of a step of 500 phyxels
 }  // namespace
 
 StepCost predictCost(const Body &body, double dt) {
+  return predictCost(static_cast<double>(body.rest().phyxelCount()), kStepSafety * body.stableStepAtRest(), dt);
+}
+
+StepCost predictCost(double phyxels, double stable, double dt) {
   StepCost cost;
-  const double stable = kStepSafety * body.stableStepAtRest();
   const double explicitStep = dt > 0.0 ? std::min(dt, stable) : stable;
   const double implicitStep = dt > 0.0 ? dt : kImplicitStep;
-  const double size = static_cast<double>(std::max<std::size_t>(1, body.rest().phyxelCount())) / 500.0;
   cost.explicitEvaluations = (1.0 + kExplicitOverhead) / explicitStep;
-  cost.implicitEvaluations = kImplicitEvaluations * std::sqrt(size) / implicitStep;
+  cost.implicitEvaluations = kImplicitEvaluations * std::sqrt(std::max(1.0, phyxels) / 500.0) / implicitStep;
   return cost;
 }
 

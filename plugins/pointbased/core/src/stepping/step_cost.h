@@ -19,5 +19,8 @@ struct StepCost {
 /// to four times as many, but are far on the explicit side.
 /// @param dt  s; <= 0: automatic
 [[nodiscard]] StepCost predictCost(const Body &body, double dt);
+/// The same of a body that is not there yet.
+/// @param stable  s, the explicit step that it will take by itself
+[[nodiscard]] StepCost predictCost(double phyxels, double stable, double dt);
 
 }  // namespace pointbased::detail

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "pointbased/accuracy.h"
+#include "pointbased/sampling.h"
+
+namespace pointbased {
+namespace {
+
+constexpr std::size_t kSamples = 500;
+constexpr double kCoarse = 1.0 / 7.0, kFine = 2.0 / 5.0;  // of automaticCount()
+constexpr double kLowest = 0.1;                           // part of a body's height that is held where nothing holds it
+constexpr double kEarth = 9.81;                           // m/s²
+
+/// The direction in which a body is thinnest: across it it bends.
+Vec3 thinDirection(const Surface &surface) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3 &x : surface.positions) mean += x;
+  mean /= static_cast<double>(surface.positions.size());
+  Mat3 covariance = Mat3::Zero();
+  for (const Vec3 &x : surface.positions) covariance += (x - mean) * (x - mean).transpose();
+  return Eigen::SelfAdjointEigenSolver<Mat3>(covariance).eigenvectors().col(0);
+}
+
+bool isLoaded(const AccuracyProblem &problem) {
+  const BodyRecipe &recipe = problem.recipe;
+  return !problem.gravity.isZero(0.0) || std::any_of(recipe.loads.begin(), recipe.loads.end(), [](const Load &load) {
+    return !load.force.isZero(0.0) || load.pressure != 0.0;
+  }) || std::any_of(recipe.fixes.begin(), recipe.fixes.end(), [](const Fix &fix) {
+    return !fix.displacement.isZero(0.0) || !fix.rotation_deg.isZero(0.0) || fix.rotationVector;
+  });
+}
+
+/// What of a body lies lowest against `up`.
+Region lowestOf(const Surface &surface, const Vec3 &up) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Vec3 &x : surface.positions) {
+    low = std::min(low, up.dot(x));
+    high = std::max(high, up.dot(x));
+  }
+  return HalfSpaceRegion{up * (low + kLowest * (high - low)), up};
+}
+
+}  // namespace
+
+double AccuracySurvey::phyxelsAt(double d) const {
+  const double at = fine.spacing;
+  const double perArea = std::max(0.0, (static_cast<double>(fine.phyxels) * at * at * at - volume) / (area * at));
+  return (volume + perArea * area * d) / (d * d * d);
+}
+
+double AccuracySurvey::spacingFor(double phyxels) const {
+  double low = 1e-3 * fine.spacing, high = 1e3 * fine.spacing;
+  for (int i = 0; i < 100; ++i) {
+    const double mid = std::sqrt(low * high);
+    (phyxelsAt(mid) > phyxels ? low : high) = mid;
+  }
+  return std::sqrt(low * high);
+}
+
+Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, double area, const ParallelFor &parallelFor,
+                                      const StopRequest *stop) {
+  AccuracySurvey survey;
+  survey.volume = problem.shape.volume;
+  survey.area = area;
+  BodyRecipe recipe = problem.recipe;
+  AccuracyProblem tried{problem.shape, recipe, problem.constitution, problem.foundation, problem.gravity};
+  survey.supposed = !isLoaded(problem);
+  if (survey.supposed) tried.gravity = -kEarth * thinDirection(problem.shape.surface);
+  if (recipe.fixes.empty() && !problem.foundation.holds()) {
+    survey.supposed = true;
+    if (tried.gravity.isZero(0.0)) tried.gravity = -kEarth * thinDirection(problem.shape.surface);
+    Fix fix;
+    fix.region = lowestOf(problem.shape.surface, -tried.gravity.normalized());
+    recipe.fixes.push_back(fix);
+  }
+  const SurfacePoints samples = skinSamples(problem.shape.surface, recipe.fixes, kSamples);
+  const auto count = static_cast<double>(automaticCount(problem.shape.volume, area));
+  for (const auto &[part, trial] : {std::pair(kCoarse, &survey.coarse), std::pair(kFine, &survey.fine)}) {
+    auto solved = solveTrial(tried, static_cast<std::size_t>(part * count), samples, parallelFor, stop);
+    if (!solved) return tl::unexpected(solved.error());
+    *trial = std::move(*solved);
+  }
+  survey.largest = survey.fine.largest;
+  if (survey.largest > 0.0) survey.difference = skinDifference(survey.coarse, survey.fine) / survey.largest;
+  return survey;
+}
+
+}  // namespace pointbased

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "pointbased/accuracy.h"
+#include "pointbased/body.h"
+#include "pointbased/error_estimate.h"
+#include "pointbased/integrators.h"
+#include "pointbased/interpolation.h"
+
+namespace pointbased {
+namespace {
+
+constexpr double kSmall = 1e-3;  // part of loads and motions that is applied: turns stay small
+constexpr double kSkinPart = 0.95;
+
+Constitution linearOf(const Constitution &constitution) {
+  Constitution out = constitution;
+  for (Material &m : out.materials) {
+    m.law = MaterialLaw::linear;
+    m.prony = {};
+    m.plastic = {};
+    m.custom.reset();
+  }
+  return out;
+}
+
+BodyRecipe scaled(const BodyRecipe &recipe, std::size_t count) {
+  BodyRecipe out = recipe;
+  out.sampling.spacing = 0.0;
+  out.sampling.count = count;
+  out.sampling.refinements.clear();
+  out.sampling.surfaceSpacing = 0.0;
+  for (Fix &fix : out.fixes) {
+    fix.displacement *= kSmall;
+    fix.rotation_deg *= kSmall;
+    if (fix.rotationVector) *fix.rotationVector *= kSmall;
+  }
+  for (Load &load : out.loads) {
+    load.force *= kSmall;
+    load.pressure *= kSmall;
+  }
+  return out;
+}
+
+}  // namespace
+
+SurfacePoints skinSamples(const Surface &surface, std::span<const Fix> fixes, std::size_t count) {
+  double area = 0.0;
+  for (const auto &[a, b, c] : surface.triangles)
+    area +=
+        0.5 * (surface.positions[b] - surface.positions[a]).cross(surface.positions[c] - surface.positions[a]).norm();
+  const SurfacePoints all =
+      sampleSurface(surface, std::sqrt(2.0 * area / static_cast<double>(count)), EverywhereRegion{});
+  // Small triangles give more points than are wanted: every so much of the area there is one.
+  const double share = area / static_cast<double>(count);
+  SurfacePoints out;
+  double since = 0.5 * share;
+  for (std::size_t i = 0; i < all.count(); ++i) {
+    since += all.areas[i];
+    const Vec3 &x = all.positions[i];
+    if (since < share ||
+        std::any_of(fixes.begin(), fixes.end(), [&](const Fix &fix) { return signedDistance(fix.region, x) <= 0.0; }))
+      continue;
+    since = std::fmod(since, share);
+    out.positions.push_back(x);
+    out.normals.push_back(all.normals[i]);
+    out.areas.push_back(share);
+  }
+  return out;
+}
+
+std::vector<Vec3> displacementsAt(const RestState &rest, std::span<const Vec3> displacements,
+                                  const SurfacePoints &samples, const ParallelFor &parallelFor) {
+  std::vector<Vec3> local = samples.positions;
+  for (Vec3 &x : local) x -= rest.origin;
+  std::vector<Vec3> out(local.size());
+  interpolateDisplacements(rest.bind(local, samples.normals), rest.positions, displacements, out, parallelFor);
+  return out;
+}
+
+Result<TrialSolution> solveTrial(const AccuracyProblem &problem, std::size_t count, const SurfacePoints &samples,
+                                 const ParallelFor &parallelFor, const StopRequest *stop) {
+  auto rest = buildRestState(problem.shape, scaled(problem.recipe, count), {}, parallelFor);
+  if (!rest) return tl::unexpected(rest.error());
+  Body body("trial", *rest, linearOf(problem.constitution), parallelFor);
+  if (const auto held = body.setFoundation(problem.foundation); !held) return tl::unexpected(held.error());
+  NewtonSolver solver;
+  StageClock clock(stageNames());
+  Environment environment;
+  environment.gravity = kSmall * problem.gravity;
+  environment.tolerance = 1e-5 * kSmall * (*rest)->spacing;
+  environment.parallelFor = &parallelFor;
+  environment.clock = &clock;
+  environment.stop = stop;
+  const ImplicitResult solved = quasiStaticStep(body, solver, environment, 0.0, 1.0);
+  if (!solved.failure.empty()) return tl::unexpected(solved.failure);
+  TrialSolution out;
+  out.spacing = (*rest)->spacing;
+  out.phyxels = (*rest)->phyxelCount();
+  out.points = (*rest)->pointCount();
+  out.contacts = (*rest)->contact.count();
+  out.stableStep = body.stableStepAtRest();
+  out.estimate = estimateError(body).relative;
+  out.ways = displacementsAt(**rest, body.state().displacements, samples, parallelFor);
+  for (Vec3 &u : out.ways) {
+    u /= kSmall;
+    out.largest = std::max(out.largest, u.norm());
+  }
+  return out;
+}
+
+double skinDifference(const TrialSolution &a, const TrialSolution &b) {
+  if (a.ways.empty() || a.ways.size() != b.ways.size()) return 0.0;
+  std::vector<double> differences(a.ways.size());
+  for (std::size_t i = 0; i < a.ways.size(); ++i) differences[i] = (a.ways[i] - b.ways[i]).norm();
+  const auto at =
+      differences.begin() + static_cast<std::ptrdiff_t>(kSkinPart * static_cast<double>(differences.size() - 1));
+  std::nth_element(differences.begin(), at, differences.end());
+  return *at;
+}
+
+}  // namespace pointbased

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accuracy_dial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "c3de/abi/iface/parameter_ids.h"
+#include "c3de/sdk/commands.hpp"
+#include "placed_mesh.h"
+
+namespace pointbased {
+namespace {
+
+constexpr const char *kSpeedKey = "accuracy.machine_speed";
+constexpr double kErrorToWarn = 0.1;       // of the largest displacement: above it every body says so
+constexpr double kFinerThanSingle = 1e-3;  // of the largest displacement: wishes below it keep double precision
+
+std::string digits(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.2g", value);
+  return text;
+}
+
+}  // namespace
+
+bool isAWish(std::string_view id) { return std::find(kWishes.begin(), kWishes.end(), id) != kWishes.end(); }
+
+sdk::Result<void> settleWishes(ParameterValues &world, const c3de_param_value *values, std::uint64_t n,
+                               std::uint64_t stride) {
+  std::string_view last;
+  for (std::uint64_t i = 0; i < n; ++i) {
+    const std::string_view id = sdk::text(sdk::strided(values, i, stride).id);
+    if (!isAWish(id) || world.isAuto(id)) continue;
+    if (!last.empty() && id != last)
+      return sdk::Failure{C3DE_E_ARG, std::string(last) + " and " + std::string(id) +
+                                          " are two wishes; accepted: one of them, the other \"auto\""};
+    last = id;
+  }
+  if (last.empty()) return {};
+  for (const std::string_view id : kWishes)
+    if (id != last) sdk::orThrow(world.set(sdk::textValue(id, "auto")));
+  return {};
+}
+
+AccuracyWish wishOf(const ParameterValues &world) {
+  const auto given = [&](const char *id) { return !world.isAuto(id); };
+  const double bodies = std::max(1.0, world.number(C3DE_PARAM_ID_ACCURACY_BODIES));
+  if (given(C3DE_PARAM_ID_ERROR_PERCENT))
+    return {AccuracyWish::Kind::share, 0.01 * world.number(C3DE_PARAM_ID_ERROR_PERCENT)};
+  if (given(C3DE_PARAM_ID_ERROR_MM)) return {AccuracyWish::Kind::length, 1e-3 * world.number(C3DE_PARAM_ID_ERROR_MM)};
+  if (given(C3DE_PARAM_ID_BUDGET_MS))
+    return {AccuracyWish::Kind::budget, 1e-3 * world.number(C3DE_PARAM_ID_BUDGET_MS) / bodies};
+  return {AccuracyWish::Kind::standard, bodies};
+}
+
+std::string textOf(const AccuracyWish &wish) {
+  switch (wish.kind) {
+    case AccuracyWish::Kind::share: return "error_percent = " + shortNumber(100.0 * wish.value);
+    case AccuracyWish::Kind::length: return "error_mm = " + shortNumber(1e3 * wish.value);
+    case AccuracyWish::Kind::budget: return "budget_ms = " + shortNumber(1e3 * wish.value);
+    case AccuracyWish::Kind::standard: break;
+  }
+  return {};
+}
+
+bool isFarCoarserThanSingle(const AccuracyWish &wish) {
+  switch (wish.kind) {
+    case AccuracyWish::Kind::share: return wish.value >= kFinerThanSingle;
+    case AccuracyWish::Kind::budget: return true;
+    default: return false;  // mm of what is not known before a body is built
+  }
+}
+
+const MachineSpeed &SpeedKeeper::speed() {
+  const std::lock_guard lock(mutex_);
+  if (speed_) return *speed_;
+  const sdk::Settings settings(host_);
+  const ParallelFor loops = services_.parallelFor();
+  const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+  if (settings)
+    if (const auto kept = settings.get(kSpeedKey))
+      if (auto speed = speedFrom(*kept); speed && isOfThisMachine(*speed, loops, threads)) speed_ = std::move(*speed);
+  if (speed_) return *speed_;
+  speed_ = measureSpeed(loops, threads);
+  services_.log.info("the speed of this machine was measured: " + shortNumber(speed_->double_ns[1]) +
+                     " ns a step and point");
+  if (settings)
+    if (const auto done = settings.set(kSpeedKey, textOf(*speed_)); !done)
+      services_.log.warn("the speed of this machine could not be kept: " + done.failure().message);
+  return *speed_;
+}
+
+void refuseTwoWays(const std::string &name, const ParameterValues &body, const AccuracyWish &wish) {
+  if (wish.kind == AccuracyWish::Kind::standard) return;
+  for (const char *id : {"sampling.spacing", "sampling.count"})
+    if (!body.isAuto(id))
+      throw sdk::Error(C3DE_E_ARG, name + ": " + id + " and accuracy." + textOf(wish) +
+                                       " both say how fine it is; accepted: one of them");
+  if (body.text("sampling.evaluation") == "phyxels")
+    throw sdk::Error(C3DE_E_ARG, name +
+                                     ": sampling.evaluation = \"phyxels\" has no prediction of its error; accepted "
+                                     "with accuracy." +
+                                     textOf(wish) + ": \"auto\", \"stress_points\"");
+}
+
+void AccuracyPromise::built(const RestState &rest) {
+  choice.spacing = rest.spacing;
+  choice.count = rest.phyxelCount();
+  if (survey) choice.error = predictError(*survey, rest.spacing);
+}
+
+void AccuracyPromise::measured(double ms) {
+  choice.cost.ms = ms;
+  isMeasured = true;
+  if (wish.kind != AccuracyWish::Kind::budget) return;
+  const double budget = 1e3 * wish.value;
+  choice.unmet.clear();
+  if (ms > budget)
+    choice.unmet = shortNumber(budget) + " ms a frame cannot be had; it takes " + digits(ms) + " ms with " +
+                   std::to_string(choice.count) + " phyxels";
+}
+
+std::string errorText(const AccuracyPromise &promise) {
+  const ErrorPrediction &e = promise.choice.error;
+  std::string text = digits(100.0 * e.share) + " % (" + digits(100.0 * e.low) + " … " + digits(100.0 * e.high) + " %)";
+  if (!promise.supposed() && promise.choice.largest > 0.0)
+    text += ", " + digits(1e3 * promise.choice.largest * e.share) + " mm";
+  return text;
+}
+
+std::string noticeOf(const std::string &name, const AccuracyPromise &promise) {
+  const std::string who = "body '" + name + "': ";
+  if (!promise.unpredicted.empty()) return who + "its error could not be predicted: " + promise.unpredicted;
+  const bool isWished = promise.wish.kind != AccuracyWish::Kind::standard;
+  if (!isWished && promise.choice.error.share < kErrorToWarn) return {};
+  std::string text = who + "an error of the skin of " + errorText(promise) +
+                     " of the largest displacement is expected" +
+                     (promise.supposed() ? " as if it were held at its lowest tenth and hung" : "") + ", and " +
+                     digits(promise.choice.cost.ms) + " ms a frame";
+  if (!promise.choice.unmet.empty()) text += "; " + promise.choice.unmet;
+  return text;
+}
+
+}  // namespace pointbased

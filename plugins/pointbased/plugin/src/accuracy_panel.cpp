@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accuracy_panel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pointbased {
+namespace {
+
+std::string digits(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.2g", value);
+  return text;
+}
+
+double part(double of, double whole) { return whole > 0.0 ? std::clamp(of / whole, 0.0, 1.0) : 0.0; }
+
+// Of the largest displacement.
+double wishedError(const AccuracyPromise &promise) {
+  switch (promise.wish.kind) {
+    case AccuracyWish::Kind::share: return promise.wish.value;
+    case AccuracyWish::Kind::length:
+      return promise.choice.largest > 0.0 ? promise.wish.value / promise.choice.largest : 0.0;
+    default: return kStandardError;
+  }
+}
+
+void errorBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promise) {
+  const bool isBudget = promise.wish.kind == AccuracyWish::Kind::budget;
+  const double wished = wishedError(promise);
+  ui.progress(part(promise.choice.error.share, wished),
+              "error " + errorText(promise) + (isBudget ? "" : " of " + digits(100.0 * wished) + " % wished"));
+  ui.tooltip(
+      "Expected at rest, of 95 % of the skin, as part of its largest displacement; in brackets where nine of ten "
+      "bodies lie");
+  ui.value("Estimated now", digits(100.0 * body.error * body.error) + " %");
+  ui.tooltip(
+      "The square of the error estimate of the strains in the present state: about the part that displacements "
+      "are off");
+}
+
+void costBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promise) {
+  const double now = 1e3 * kFrame * body.cost;
+  const double whole =
+      promise.wish.kind == AccuracyWish::Kind::budget ? 1e3 * promise.wish.value : 1e3 * kStandardBudget;
+  const double shown = now > 0.0 ? now : promise.choice.cost.ms;
+  ui.progress(part(shown, whole), digits(shown) + " ms a frame" + (now > 0.0 ? " now, " : ", ") +
+                                      digits(promise.choice.cost.ms) + " promised, of " + digits(whole) + " ms");
+  ui.tooltip("Computing time of 1/60 s of simulated time. Without a wish the promise is for a machine to reckon with");
+}
+
+void tissueBar(sdk::Ui &ui, const BodySnapshot &body) {
+  const StiffnessRange range = stiffnessRangeOf(*body.values);
+  const double E = body.youngsModulus;
+  ui.progress(part(range.high - range.low, 2.0 * E),
+              "tissue " + digits(1e-3 * range.low) + " … " + digits(1e-3 * range.high) + " kPa: displacements " +
+                  digits(100.0 * (E / range.high - 1.0)) + " … +" + digits(100.0 * (E / range.low - 1.0)) + " %");
+  ui.tooltip(range.isKnown
+                 ? "The range of Young's modulus that the literature gives for the tissue: what is computed "
+                   "is no better than what is known of it"
+                 : "Nothing is known of the range of this Young's modulus; ±50 % are usual for living tissue");
+}
+
+}  // namespace
+
+void drawAccuracyBars(sdk::Ui &ui, const BodySnapshot &body) {
+  if (body.rigid) return;
+  if (!body.promise) {
+    ui.text("The sampling was chosen by hand: nothing is promised.");
+  } else if (!body.promise->survey) {
+    ui.text("The error could not be predicted: " + body.promise->unpredicted);
+  } else {
+    errorBar(ui, body, *body.promise);
+    costBar(ui, body, *body.promise);
+    if (body.promise->supposed())
+      ui.text("Nothing holds or loads it: expected as if it were held at its lowest tenth and hung.");
+    if (!body.promise->choice.unmet.empty()) ui.text(body.promise->choice.unmet);
+  }
+  tissueBar(ui, body);
+}
+
+}  // namespace pointbased

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// [accuracy] of a scene: what is wished, what is chosen for it, what the report promises, and every wrong way to ask.
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using Catch::Matchers::Contains;
+
+namespace {
+
+fs::path writeBeam(const fs::path &folder, const std::string &more, const std::string &ofBody = "",
+                   const std::string &integrator = "quasistatic") {
+  writeFile(folder / "box.obj", boxObj());
+  return writeFile(folder / "beam.toml", "format = 1\n" + more + R"(
+[solver]
+integrator = ")" + integrator + R"("
+[world]
+gravity = [0.0, 0.0, -9.81]
+[[body]]
+name = "beam"
+mesh = "box.obj"
+mesh_unit = "m"
+rotation_deg = [10, 30, 20]
+material = { law = "neo_hookean", youngs_modulus = 1e6, poisson_ratio = 0.4, density = 1000.0 }
+)" + ofBody + R"(
+[[fix]]
+region = { half_space = { point = [0.1, 0.05, 0.0], normal = [1, 0, 0] } }
+)");
+}
+
+Json reportOf(const fs::path &folder, const fs::path &scene, const std::vector<std::string> &more = {}) {
+  const fs::path file = folder / "report.json";
+  std::vector<std::string> arguments{"run", scene.string(), "--report", file.string()};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const auto result = runC3de(arguments);
+  INFO(result.errorOutput);
+  REQUIRE(result.exitCode == 0);
+  return Json::parse(readFile(file));
+}
+
+}  // namespace
+
+TEST_CASE("A finer sampling is chosen for a smaller error, and the report promises it") {
+  const auto folder = freshFolder("accuracy");
+  const fs::path scene = writeBeam(folder, "[accuracy]\nerror_percent = 5");
+  const Json coarse = reportOf(folder, scene);
+  CHECK(coarse["accuracy"]["wish"] == "error_percent");
+  CHECK(coarse["accuracy"]["wished"] == 5.0);
+  CHECK(coarse["accuracy"]["promised_error"].get<double>() <= 0.055);
+  CHECK(coarse["accuracy"]["band"][0] < coarse["accuracy"]["promised_error"]);
+  CHECK(coarse["accuracy"]["band"][1] > coarse["accuracy"]["promised_error"]);
+  CHECK(coarse["accuracy"]["promised_ms"] > 0.0);
+  const Json fine = reportOf(folder, scene, {"--set", "accuracy.error_percent=1"});
+  CHECK(fine["bodies"][0]["phyxels"] > coarse["bodies"][0]["phyxels"]);
+  CHECK(fine["accuracy"]["bodies"][0]["phyxels"] == fine["bodies"][0]["phyxels"]);
+  // The same in millimetres of what it moves by.
+  const double mm = 10.0 * coarse["accuracy"]["bodies"][0]["largest_displacement_m"].get<double>();
+  const Json same = reportOf(folder, scene, {"--set", "accuracy.error_mm=" + std::to_string(mm)});
+  CHECK(same["accuracy"]["wish"] == "error_mm");
+  CHECK(same["bodies"][0]["phyxels"] == fine["bodies"][0]["phyxels"]);
+  // And again: errors do not depend on the clock.
+  CHECK(reportOf(folder, scene)["state_hash"] == coarse["state_hash"]);
+}
+
+TEST_CASE("A budget is kept, and said per frame of 1/60 s") {
+  const auto folder = freshFolder("accuracy-budget");
+  const fs::path scene = writeBeam(folder, "accuracy = { budget_ms = 8 }", "", "explicit");
+  const Json report = reportOf(folder, scene, {"--until", "0.05"});
+  CHECK(report["accuracy"]["wish"] == "budget_ms");
+  CHECK(report["accuracy"]["bodies"][0]["cost"] == "measured");
+  CHECK(report["accuracy"]["promised_ms"].get<double>() < 8.0);
+  const Json less = reportOf(folder, scene, {"--until", "0.05", "--set", "accuracy.budget_ms=0.5"});
+  CHECK(less["bodies"][0]["phyxels"] < report["bodies"][0]["phyxels"]);
+}
+
+TEST_CASE("A wish that cannot be met is told with what can be had") {
+  const auto folder = freshFolder("accuracy-unmet");
+  const fs::path scene = writeBeam(folder, "accuracy = { budget_ms = 0.01 }", "", "explicit");
+  const auto result = runC3de({"run", scene.string(), "--steps", "2"});
+  CHECK(result.exitCode == 0);
+  CHECK_THAT(result.output + result.errorOutput, Contains("0.01 ms a frame cannot be had") && Contains("with"));
+}
+
+TEST_CASE("Wishes that contradict each other or the sampling are refused with their line") {
+  const auto folder = freshFolder("accuracy-refused");
+  const auto refused = [&](const std::string &more, const std::string &ofBody = "",
+                           const std::vector<std::string> &options = {}) {
+    std::vector<std::string> arguments{"run", writeBeam(folder, more, ofBody).string(), "--steps", "1"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const auto result = runC3de(arguments);
+    CHECK((result.exitCode == 3 || result.exitCode == 2));
+    return result.errorOutput;
+  };
+  CHECK_THAT(refused("accuracy = { error_percent = 5, budget_ms = 16 }"),
+             Contains("beam.toml:") && Contains("two wishes") && Contains("accuracy.error_percent"));
+  CHECK_THAT(refused("accuracy = { error_percent = 5 }", "sampling = { count = 500 }"),
+             Contains("sampling.count") && Contains("accuracy.error_percent = 5") && Contains("one of them"));
+  CHECK_THAT(refused("accuracy = { error_percent = 5 }", "sampling = { evaluation = \"phyxels\" }"),
+             Contains("stress_points"));
+  CHECK_THAT(refused("accuracy = { error_percent = -1 }"), Contains("error_percent") && Contains("0.01"));
+  CHECK_THAT(refused("accuracy = { eror_percent = 5 }"), Contains("error_percent"));
+  CHECK_THAT(refused("accuracy = 5"), Contains("[accuracy]"));
+  CHECK_THAT(refused("accuracy = { budget_ms = \"soon\" }"), Contains("budget_ms"));
+  CHECK_THAT(refused("", "", {"--set", "accuracy.budget=3"}), Contains("budget_ms"));
+}
+
+TEST_CASE("A wish of the command line takes the place of that of the scene") {
+  const auto folder = freshFolder("accuracy-override");
+  const fs::path scene = writeBeam(folder, "accuracy = { budget_ms = 16 }");
+  const Json report = reportOf(folder, scene, {"--set", "accuracy.error_percent=5"});
+  CHECK(report["accuracy"]["wish"] == "error_percent");
+}
+
+TEST_CASE("Without a wish a body is sampled for five per cent and says what to expect") {
+  const auto folder = freshFolder("accuracy-standard");
+  const Json report = reportOf(folder, writeBeam(folder, ""));
+  CHECK(report["accuracy"]["wish"] == "standard");
+  CHECK(report["bodies"][0]["phyxels"] >= 950);
+  CHECK(report["accuracy"]["promised_error"] < 0.05);
+  // Whoever says the sampling is promised nothing.
+  CHECK_FALSE(reportOf(folder, writeBeam(folder, "", "sampling = { count = 200 }")).contains("accuracy"));
+}

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "lattice_cases.h"
+#include "pointbased/accuracy.h"
+#include "pointbased/engine.h"
+#include "pointbased/sampling.h"
+#include "support/catch.h"
+#include "surfaces.h"
+
+using namespace pointbased;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr double kLength = 0.2, kSide = 0.04;  // m, of the beam
+constexpr double kArea = 4 * kLength * kSide + 2 * kSide * kSide;
+
+BodyShape beam() {
+  BodyShape shape = lattice_cases::box(Vec3::Zero(), Vec3(kLength, kSide, kSide));
+  shape.surface = shapes::boxSurface(Vec3::Zero(), Vec3(kLength, kSide, kSide), 6);
+  return shape;
+}
+
+/// A beam that is clamped at x = 0 and pulled down at its other end.
+struct Cantilever {
+  BodyShape shape = beam();
+  BodyRecipe recipe;
+  Constitution constitution;
+  Cantilever() {
+    recipe.sampling.axes = lattice_cases::rotation(0, 20) * lattice_cases::rotation(1, 25);
+    Fix clamp;
+    clamp.region = HalfSpaceRegion{Vec3::Zero(), Vec3::UnitX()};
+    recipe.fixes.push_back(clamp);
+    Load load;
+    load.region = HalfSpaceRegion{Vec3(kLength, 0, 0), -Vec3::UnitX()};
+    load.force = Vec3(0, 0, -1.6e-3);
+    recipe.loads.push_back(load);
+    Material material;
+    material.youngsModulus = 1e4;
+    material.poissonRatio = 0.3;
+    constitution = {{material}, kLatticeStabilisation};
+  }
+  [[nodiscard]] AccuracyProblem problem() const { return {shape, recipe, constitution}; }
+  [[nodiscard]] AccuracySurvey survey() const {
+    auto survey = surveyAccuracy(problem(), kArea, serialFor());
+    REQUIRE(survey.has_value());
+    return *survey;
+  }
+};
+
+CostSetting explicitSetting() {
+  CostSetting setting;
+  setting.speed = nominalSpeed();
+  setting.world.integrator = Integrator::explicitVerlet;
+  return setting;
+}
+
+}  // namespace
+
+TEST_CASE("a trial is what the linear law says at the loads that are there") {
+  Cantilever cantilever;
+  const SurfacePoints samples = skinSamples(cantilever.shape.surface, cantilever.recipe.fixes, 1000);
+  const auto once = solveTrial(cantilever.problem(), 400, samples, serialFor());
+  REQUIRE(once.has_value());
+  // Euler and Bernoulli with shear: P L³/3EI + P L/(k G A) = 2.03 mm; 400 phyxels that lie obliquely are some per cent off.
+  CHECK(once->largest == Approx(2.03e-3).epsilon(0.12));
+  cantilever.recipe.loads.front().force *= 3.0;
+  const auto thrice = solveTrial(cantilever.problem(), 400, samples, serialFor());
+  REQUIRE(thrice.has_value());
+  for (std::size_t i = 0; i < samples.count(); ++i)
+    CHECK((thrice->ways[i] - 3.0 * once->ways[i]).norm() <= 1e-4 * once->largest);
+}
+
+TEST_CASE("samples of the skin lie evenly, and leave out what is prescribed") {
+  const Cantilever cantilever;
+  const SurfacePoints all = skinSamples(cantilever.shape.surface, {}, 500);
+  const SurfacePoints open = skinSamples(cantilever.shape.surface, cantilever.recipe.fixes, 500);
+  CHECK(static_cast<double>(all.count()) == Approx(500.0).epsilon(0.1));
+  CHECK(open.count() < all.count());
+  CHECK(std::all_of(open.positions.begin(), open.positions.end(), [](const Vec3 &x) { return x[0] > 0.0; }));
+  // A face has its share of the area, whether its triangles are large or small.
+  const auto onTop = [](const SurfacePoints &points) {
+    return static_cast<double>(
+        std::count_if(points.normals.begin(), points.normals.end(), [](const Vec3 &n) { return n[2] > 0.9; }));
+  };
+  const double share = kLength * kSide / kArea;
+  CHECK(onTop(all) == Approx(500.0 * share).epsilon(0.15));
+  const SurfacePoints large = skinSamples(shapes::boxSurface(Vec3::Zero(), Vec3(kLength, kSide, kSide)), {}, 500);
+  CHECK(onTop(large) == Approx(500.0 * share).epsilon(0.15));
+}
+
+TEST_CASE("the error of a beam that lies obliquely is within the band that is predicted") {
+  const Cantilever cantilever;
+  const AccuracySurvey survey = cantilever.survey();
+  CHECK_FALSE(survey.supposed);
+  const SurfacePoints samples = skinSamples(cantilever.shape.surface, cantilever.recipe.fixes, 500);
+  const auto truth = solveTrial(cantilever.problem(), 6000, samples, serialFor());
+  const auto solved = solveTrial(cantilever.problem(), 800, samples, serialFor());
+  REQUIRE((truth && solved));
+  const double error = skinDifference(*solved, *truth) / truth->largest;
+  const ErrorPrediction predicted = predictError(survey, solved->spacing);
+  INFO(error << " " << predicted.low << " " << predicted.share << " " << predicted.high);
+  CHECK(error >= predicted.low);
+  CHECK(error <= predicted.high);
+}
+
+TEST_CASE("finer samplings are predicted to be more accurate and dearer") {
+  const AccuracySurvey survey = Cantilever().survey();
+  double error = 1e9, cost = 0.0;
+  for (const double count : {60.0, 200.0, 1000.0, 5000.0, 50000.0}) {
+    const double spacing = survey.spacingFor(count);
+    CHECK(survey.phyxelsAt(spacing) == Approx(count).epsilon(1e-6));
+    const ErrorPrediction predicted = predictError(survey, spacing);
+    const FrameCost frame = predictCost(survey, Constitution{}, explicitSetting(), spacing);
+    CHECK(predicted.low < predicted.share);
+    CHECK(predicted.share < predicted.likely);
+    CHECK(predicted.likely < predicted.high);
+    CHECK(predicted.share < error);
+    CHECK(frame.ms > cost);
+    error = predicted.share;
+    cost = frame.ms;
+  }
+}
+
+TEST_CASE("the cheapest sampling that does what is wished is chosen") {
+  const Cantilever cantilever;
+  const AccuracySurvey survey = cantilever.survey();
+  const CostSetting setting = explicitSetting();
+  const auto chosen = [&](AccuracyWish::Kind kind, double value) {
+    return chooseSampling(survey, cantilever.constitution, setting, {kind, value});
+  };
+  for (const double share : {0.02, 0.005}) {
+    const SamplingChoice choice = chosen(AccuracyWish::Kind::share, share);
+    CHECK(choice.unmet.empty());
+    CHECK(choice.error.likely <= share * 1.001);
+    CHECK(predictError(survey, 1.05 * choice.spacing).likely > share);
+    const SamplingChoice inMetres = chosen(AccuracyWish::Kind::length, share * survey.largest);
+    CHECK(inMetres.spacing == Approx(choice.spacing));
+  }
+  const SamplingChoice cheap = chosen(AccuracyWish::Kind::budget, 2e-3);
+  CHECK(cheap.unmet.empty());
+  CHECK(cheap.cost.ms <= 2.0 * kBudgetToUse * 1.001);
+  CHECK(predictCost(survey, cantilever.constitution, setting, 0.95 * cheap.spacing).ms > 2.0 * kBudgetToUse);
+}
+
+TEST_CASE("a wish that cannot be met is told with what can be had") {
+  const Cantilever cantilever;
+  const AccuracySurvey survey = cantilever.survey();
+  const auto chosen = [&](AccuracyWish::Kind kind, double value) {
+    return chooseSampling(survey, cantilever.constitution, explicitSetting(), {kind, value});
+  };
+  const SamplingChoice exact = chosen(AccuracyWish::Kind::share, 1e-9);
+  CHECK_THAT(exact.unmet, Contains("cannot be had") && Contains("100000 phyxels") && Contains("expected are"));
+  CHECK(exact.count > 90000);
+  const SamplingChoice instant = chosen(AccuracyWish::Kind::budget, 1e-9);
+  CHECK_THAT(instant.unmet, Contains("ms a frame cannot be had") && Contains("phyxels"));
+}
+
+TEST_CASE("without a wish a body is never coarser than before, and finer where it would be off") {
+  const Cantilever cantilever;
+  AccuracySurvey survey = cantilever.survey();
+  const auto least = static_cast<double>(automaticCount(survey.volume, survey.area));
+  const auto standard = [&] {
+    return chooseSampling(survey, cantilever.constitution, explicitSetting(), {AccuracyWish::Kind::standard, 1.0});
+  };
+  survey.difference = 1e-4;
+  CHECK(static_cast<double>(standard().count) == Approx(least).margin(1.0));
+  survey.difference = 0.3;
+  const SamplingChoice finer = standard();
+  CHECK(static_cast<double>(finer.count) > 1.5 * least);
+  CHECK(finer.error.share <= kStandardError * 1.001);
+  // Beyond the budget of a frame it does not go, and says so.
+  survey.difference = 50.0;
+  const SamplingChoice limited = standard();
+  CHECK(limited.cost.ms <= 1e3 * kStandardBudget);
+  CHECK_THAT(limited.unmet, Contains("within 16 ms a frame"));
+}
+
+TEST_CASE("bodies that nothing holds or loads are tried as if something did") {
+  Cantilever cantilever;
+  cantilever.recipe.loads.clear();
+  CHECK(cantilever.survey().supposed);
+  cantilever.recipe.fixes.clear();
+  const AccuracySurvey free = cantilever.survey();
+  CHECK(free.supposed);
+  CHECK(free.largest > 0.0);
+  CHECK(free.difference > 0.0);
+  // An elastic foundation holds.
+  AccuracyProblem bedded = cantilever.problem();
+  bedded.foundation.stiffness = bedded.foundation.tangential = 1e4;
+  bedded.gravity = Vec3(0, 0, -9.81);
+  const auto survey = surveyAccuracy(bedded, kArea, serialFor());
+  REQUIRE(survey.has_value());
+  CHECK_FALSE(survey->supposed);
+}
+
+TEST_CASE("a survey is the same for any division of the loops, and ends when it is no longer wanted") {
+  const Cantilever cantilever;
+  const ParallelFor divided = [](std::size_t n, std::size_t grain,
+                                 const std::function<void(std::size_t, std::size_t)> &body) {
+    for (std::size_t from = 0; from < n; from += std::max<std::size_t>(1, grain))
+      body(from, std::min(n, from + std::max<std::size_t>(1, grain)));
+  };
+  const auto a = surveyAccuracy(cantilever.problem(), kArea, serialFor());
+  const auto b = surveyAccuracy(cantilever.problem(), kArea, divided);
+  REQUIRE((a && b));
+  CHECK(a->difference == b->difference);
+  CHECK(a->fine.stableStep == b->fine.stableStep);
+  struct Raised final : StopRequest {
+    [[nodiscard]] bool isRaised() const noexcept override { return true; }
+  } raised;
+  CHECK_THROWS_AS(surveyAccuracy(cantilever.problem(), kArea, serialFor(), &raised), Stopped);
+}
+
+TEST_CASE("the speed of a machine is kept as text, and what is none is refused") {
+  MachineSpeed speed = nominalSpeed();
+  speed.threads = 3;
+  speed.kernels = "AVX2";
+  const auto again = speedFrom(textOf(speed));
+  REQUIRE(again.has_value());
+  CHECK(again->double_ns == speed.double_ns);
+  CHECK(again->single_ns == speed.single_ns);
+  CHECK(again->contact_ns == speed.contact_ns);
+  CHECK(again->threads == 3);
+  CHECK(again->kernels == "AVX2");
+  for (const char *text : {"", "1", "2 1 AVX2 1 2 3 4 1 2 3 4 5 6", "1 1 AVX2 1 2 3 4 1 2 3",
+                           "1 1 AVX2 1 2 3 -4 1 2 3 4 5 6", "1 1 AVX2 1 2 3 nan 1 2 3 4 5 6", "x y z"})
+    CHECK_FALSE(speedFrom(text).has_value());
+  // Between the sizes that were measured, and as the nearest beyond them.
+  speed.double_ns = {100.0, 50.0, 60.0, 80.0};
+  CHECK(speed.perPoint(1.0, Precision::doublePrecision) == 100.0);
+  CHECK(speed.perPoint(1000.0, Precision::doublePrecision) == Approx(75.0));
+  CHECK(speed.perPoint(1e7, Precision::doublePrecision) == 80.0);
+}
+
+TEST_CASE("a machine is known again by its time, and another one is not") {
+  const MachineSpeed here = measureSpeed(serialFor(), 1);
+  CHECK(here.double_ns[1] > 0.0);
+  CHECK(here.surfel_ns > 0.0);
+  MachineSpeed other = here;
+  other.threads = 2;
+  CHECK_FALSE(isOfThisMachine(other, serialFor(), 1));
+  other = here;
+  for (double &ns : other.double_ns) ns *= 100.0;
+  CHECK_FALSE(isOfThisMachine(other, serialFor(), 1));
+}
