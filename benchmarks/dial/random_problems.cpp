@@ -200,6 +200,7 @@ std::string draw(RandomProblem &out, Random &random) {
       Load load;
       load.region = endOf(surface, -along, between(random, 0.05, 0.2));
       load.force = pull;
+      load.ramp = 0.2;
       out.recipe.loads = {load};
       break;
     }
@@ -208,6 +209,7 @@ std::string draw(RandomProblem &out, Random &random) {
       Fix other;
       other.region = endOf(surface, -along, between(random, 0.05, 0.2));
       other.displacement = 0.1 * size * pull;
+      other.ramp = 0.2;
       out.recipe.fixes = {fix, other};
       break;
     }

@@ -648,6 +648,54 @@ TEST_CASE("a plugin's force field pulls an organ of the point-based plugin, live
   CHECK(window.state()["messages"].empty());
 }
 
+TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect", "[organ_accuracy]") {
+  C3DE_ORGAN_OR_SKIP();
+  constexpr const char *kPercent = "accuracy.error_percent", *kBudget = "accuracy.budget_ms";
+  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "wished.toml";
+  fs::create_directories(scene.parent_path());
+  std::ofstream(scene) << "format = 1\n[world]\ngravity = [0.0, -9.81, 0.0]\n[[body]]\nname = \"organ\"\nmesh = \""
+                       << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\nmaterial = \"liver\"\n"
+                       << "[[fix]]\nregion = { half_space = { point = [0, 0.05, 0], normal = [0, -1, 0] } }\n";
+  WorkstationDriver window("organ_accuracy");
+  window.start({scene.string()});
+  window.waitUntil(
+      "the organ is shown", [](const Json &s) { return s["jobs"].empty() && !row(s, "Error expected").empty(); }, 60.0);
+  window.moveTo(window.inView(0.5, 0.5));
+  window.key("f");
+  CHECK(row(window.state(), "Stiffness of such tissue") == "1 … 15 kPa");
+  const double before = window.number(std::string(kPanel) + "Phyxels");
+
+  const auto wish = [&](const char *parameter, const std::string &value) {
+    if (row(window.state(), parameter) == "auto") window.click(std::string(kPanel) + parameter + ".auto");
+    window.waitUntil("a number can be given", [&](const Json &s) { return row(s, parameter) != "auto"; });
+    window.controlClick(std::string(kPanel) + parameter);
+    window.key("ctrl+a");
+    window.type(value);
+    window.key("Return");
+    window.waitUntil("the number is taken",
+                     [&](const Json &s) { return std::stod("0" + row(s, parameter)) == std::stod(value); });
+    const std::string hash = row(window.state(), "Phyxels");
+    window.click(std::string(kPanel) + "apply_wish");
+    return window.waitUntil(
+        "the organ is sampled anew",
+        [&](const Json &s) { return s["jobs"].empty() && !row(s, "Phyxels").empty() && row(s, "Phyxels") != hash; },
+        60.0);
+  };
+  const Json accurate = wish(kPercent, "1");
+  CHECK(std::stod(row(accurate, "Phyxels")) > 2.0 * before);
+  window.locate(std::string(kPanel) + "apply_wish");
+  window.screenshotAtRest("error");
+  // Another wish takes the place of the first one.
+  const Json quick = wish(kBudget, "0.5");
+  CHECK(std::stod(row(quick, "Phyxels")) < std::stod(row(accurate, "Phyxels")));
+  CHECK(row(quick, kPercent) == "auto");
+  window.key("space");
+  window.waitUntil("it plays within its budget",
+                   [](const Json &s) { return row(s, "A frame takes").find("now") != std::string::npos; });
+  window.screenshot("budget");
+  CHECK(window.state()["messages"].empty());
+}
+
 TEST_CASE("a plugin's clamp and the pinch hold one organ; each lets go by itself", "[organ_clamp]") {
   C3DE_ORGAN_OR_SKIP();
   const std::string clamp = (fs::path(testExampleFolder()) / (std::string("clamp") + c3de::pluginExtension())).string();

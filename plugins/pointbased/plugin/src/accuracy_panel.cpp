@@ -27,13 +27,14 @@ double wishedError(const AccuracyPromise &promise) {
 }
 
 void errorBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promise) {
-  const bool isBudget = promise.wish.kind == AccuracyWish::Kind::budget;
-  const double wished = wishedError(promise);
-  ui.progress(part(promise.choice.error.share, wished),
-              "error " + errorText(promise) + (isBudget ? "" : " of " + digits(100.0 * wished) + " % wished"));
+  ui.value("Error expected", errorText(promise));
   ui.tooltip(
-      "Expected at rest, of 95 % of the skin, as part of its largest displacement; in brackets where nine of ten "
-      "bodies lie");
+      "At rest, of 95 % of the skin, as part of its largest displacement; in brackets where nine of ten bodies lie");
+  if (promise.wish.kind != AccuracyWish::Kind::budget) {
+    const double wished = wishedError(promise);
+    ui.progress(part(promise.choice.error.share, wished),
+                digits(100.0 * promise.choice.error.share) + " of " + digits(100.0 * wished) + " %");
+  }
   ui.value("Estimated now", digits(100.0 * body.error * body.error) + " %");
   ui.tooltip(
       "The square of the error estimate of the strains in the present state: about the part that displacements "
@@ -41,25 +42,26 @@ void errorBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &prom
 }
 
 void costBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promise) {
-  const double now = 1e3 * kFrame * body.cost;
-  const double whole =
-      promise.wish.kind == AccuracyWish::Kind::budget ? 1e3 * promise.wish.value : 1e3 * kStandardBudget;
-  const double shown = now > 0.0 ? now : promise.choice.cost.ms;
-  ui.progress(part(shown, whole), digits(shown) + " ms a frame" + (now > 0.0 ? " now, " : ", ") +
-                                      digits(promise.choice.cost.ms) + " promised, of " + digits(whole) + " ms");
+  const double now = 1e3 * kFrame * body.cost, promised = promise.choice.cost.ms;
+  const bool isBudget = promise.wish.kind == AccuracyWish::Kind::budget;
+  const double whole = 1e3 * (isBudget ? promise.wish.value : kStandardBudget);
+  ui.value("A frame takes",
+           (now > 0.0 ? digits(now) + " ms now, " : std::string()) + digits(promised) + " ms promised");
   ui.tooltip("Computing time of 1/60 s of simulated time. Without a wish the promise is for a machine to reckon with");
+  const double shown = now > 0.0 ? now : promised;
+  ui.progress(part(shown, whole), digits(shown) + " of " + digits(whole) + " ms");
 }
 
 void tissueBar(sdk::Ui &ui, const BodySnapshot &body) {
   const StiffnessRange range = stiffnessRangeOf(*body.values);
   const double E = body.youngsModulus;
-  ui.progress(part(range.high - range.low, 2.0 * E),
-              "tissue " + digits(1e-3 * range.low) + " … " + digits(1e-3 * range.high) + " kPa: displacements " +
-                  digits(100.0 * (E / range.high - 1.0)) + " … +" + digits(100.0 * (E / range.low - 1.0)) + " %");
+  ui.value("Stiffness of such tissue", digits(1e-3 * range.low) + " … " + digits(1e-3 * range.high) + " kPa");
   ui.tooltip(range.isKnown
                  ? "The range of Young's modulus that the literature gives for the tissue: what is computed "
                    "is no better than what is known of it"
                  : "Nothing is known of the range of this Young's modulus; ±50 % are usual for living tissue");
+  ui.progress(part(range.high - range.low, 2.0 * E), "displacements " + digits(100.0 * (E / range.high - 1.0)) +
+                                                         " … +" + digits(100.0 * (E / range.low - 1.0)) + " %");
 }
 
 }  // namespace

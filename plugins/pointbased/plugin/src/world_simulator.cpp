@@ -141,41 +141,14 @@ DialRequest WorldSimulator::dialRequest() {
 }
 
 double WorldSimulator::frameTime(const Body &body) const {
-  constexpr double kLeast = 0.03;  // s of measuring
-  Simulator alone(context_.services.parallelFor());
+  WorldSettings settings;
+  std::vector<Obstacle> obstacles;
   {
     const std::lock_guard lock(mutex_);
-    WorldSettings settings = worldSettings(world_);
-    settings.sleep = false;
-    alone.setWorld(settings);
-    for (const Obstacle &obstacle : simulator_.obstacles()) alone.addObstacle(obstacle);
+    settings = worldSettings(world_);
+    obstacles.assign(simulator_.obstacles().begin(), simulator_.obstacles().end());
   }
-  auto copy =
-      std::make_unique<Body>(body.name(), body.sharedRest(), body.constitution(), context_.services.parallelFor());
-  if (const auto held = copy->setFoundation(body.foundation().settings()); !held) throw Error(C3DE_E_ARG, held.error());
-  const std::size_t id = alone.addBody(std::move(copy));
-  using Clock = std::chrono::steady_clock;
-  const auto seconds = [](Clock::time_point since) {
-    return std::chrono::duration<double>(Clock::now() - since).count();
-  };
-  std::vector<Vec3f> surfels, normals;
-  std::vector<double> frames;  // ms
-  const Clock::time_point begin = Clock::now();
-  while (frames.size() < 6 || seconds(begin) < kLeast) {
-    const Clock::time_point from = Clock::now();
-    const double time = alone.time();
-    if (!alone.step()) break;
-    const double stepped = seconds(from);
-    const Clock::time_point drawn = Clock::now();
-    alone.surfels(id, surfels, normals);
-    const double simulated = alone.time() - time;
-    if (simulated > 0.0) frames.push_back(1e3 * (stepped * kFrame / simulated + seconds(drawn)));
-  }
-  if (frames.empty()) return 0.0;
-  // The first step finds what the others keep.
-  const auto middle = frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2);
-  std::nth_element(frames.begin(), middle, frames.end());
-  return *middle;
+  return measureFrame(body, settings, obstacles, context_.services.parallelFor());
 }
 
 void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls walls) {

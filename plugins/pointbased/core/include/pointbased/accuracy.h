@@ -101,6 +101,11 @@ struct CostSetting {
 [[nodiscard]] FrameCost predictCost(const AccuracySurvey &survey, const Constitution &constitution,
                                     const CostSetting &setting, double spacing);
 
+/// Wall-clock time of a frame of a body in its world, from rest under its loads, by itself, ms: some thirty milliseconds of
+/// steps of a copy, median. 0: it cannot be stepped, or is quasi-static.
+[[nodiscard]] double measureFrame(const Body &body, const WorldSettings &world, std::span<const Obstacle> obstacles,
+                                  const ParallelFor &parallelFor);
+
 /// What somebody wants of the accuracy of a body; one of them.
 struct AccuracyWish {
   enum class Kind {

@@ -10,9 +10,10 @@ namespace pointbased {
 namespace {
 
 constexpr std::size_t kSamples = 500;
-constexpr double kCoarse = 1.0 / 7.0, kFine = 2.0 / 5.0;  // of automaticCount()
-constexpr double kLowest = 0.1;                           // part of a body's height that is held where nothing holds it
-constexpr double kEarth = 9.81;                           // m/s²
+constexpr std::pair<double, double> kParts[] = {{1.0 / 7.0, 0.4}, {0.4, 1.0}};  // of automaticCount()
+constexpr double kLowest = 0.1;  // part of a body's height that is held where nothing holds it
+constexpr double kSoft = 0.1;    // stiffness of supposed surroundings in units of E over the body's size
+constexpr double kEarth = 9.81;  // m/s²
 
 /// The direction in which a body is thinnest: across it it bends.
 Vec3 thinDirection(const Surface &surface) {
@@ -41,6 +42,30 @@ Region lowestOf(const Surface &surface, const Vec3 &up) {
     high = std::max(high, up.dot(x));
   }
   return HalfSpaceRegion{up * (low + kLowest * (high - low)), up};
+}
+
+using Trials = std::pair<TrialSolution, TrialSolution>;
+
+/// Two trials; where what holds the body is too small for their cells to see, two finer ones.
+Result<Trials> tryTwice(const AccuracyProblem &problem, double area, const ParallelFor &parallelFor,
+                        const StopRequest *stop) {
+  const SurfacePoints samples = skinSamples(problem.shape.surface, problem.recipe.fixes, kSamples);
+  const auto count = static_cast<double>(automaticCount(problem.shape.volume, area));
+  const auto solved = [&](double part) {
+    return solveTrial(problem, static_cast<std::size_t>(part * count), samples, parallelFor, stop);
+  };
+  std::string failure;
+  for (const auto &[coarse, fine] : kParts) {
+    auto first = solved(coarse);
+    if (first) {
+      auto second = solved(fine);
+      if (second) return Trials(std::move(*first), std::move(*second));
+      failure = second.error();
+    } else {
+      failure = first.error();
+    }
+  }
+  return tl::unexpected(failure);
 }
 
 }  // namespace
@@ -76,13 +101,17 @@ Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, double are
     fix.region = lowestOf(problem.shape.surface, -tried.gravity.normalized());
     recipe.fixes.push_back(fix);
   }
-  const SurfacePoints samples = skinSamples(problem.shape.surface, recipe.fixes, kSamples);
-  const auto count = static_cast<double>(automaticCount(problem.shape.volume, area));
-  for (const auto &[part, trial] : {std::pair(kCoarse, &survey.coarse), std::pair(kFine, &survey.fine)}) {
-    auto solved = solveTrial(tried, static_cast<std::size_t>(part * count), samples, parallelFor, stop);
-    if (!solved) return tl::unexpected(solved.error());
-    *trial = std::move(*solved);
+  auto tries = tryTwice(tried, area, parallelFor, stop);
+  if (!tries && survey.supposed) {
+    // Parts that its lowest tenth does not hold: all of it lies in soft surroundings instead.
+    recipe.fixes = problem.recipe.fixes;
+    tried.foundation.stiffness = tried.foundation.tangential =
+        kSoft * problem.constitution.materials.front().youngsModulus / std::cbrt(problem.shape.volume);
+    tries = tryTwice(tried, area, parallelFor, stop);
   }
+  if (!tries) return tl::unexpected(tries.error());
+  survey.coarse = std::move(tries->first);
+  survey.fine = std::move(tries->second);
   survey.largest = survey.fine.largest;
   if (survey.largest > 0.0) survey.difference = skinDifference(survey.coarse, survey.fine) / survey.largest;
   return survey;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pointbased/accuracy.h"
 #include "pointbased/body.h"
@@ -41,6 +42,29 @@ BodyRecipe scaled(const BodyRecipe &recipe, std::size_t count) {
     load.pressure *= kSmall;
   }
   return out;
+}
+
+/// Equilibrium under all loads, to a ten-thousandth of the largest displacement.
+Result<void> solveLinear(Body &body, const Vec3 &gravity, const ParallelFor &parallelFor, const StopRequest *stop) {
+  constexpr double kAnything = 1e9;  // m
+  constexpr double kGood = 1e-4;
+  NewtonSolver solver;
+  StageClock clock(stageNames());
+  Environment environment;
+  environment.gravity = gravity;
+  environment.parallelFor = &parallelFor;
+  environment.clock = &clock;
+  environment.stop = stop;
+  // How far it moves is not known before: the first correction tells.
+  environment.tolerance = kAnything;
+  if (const auto first = quasiStaticStep(body, solver, environment, 0.0, 1.0); !first.failure.empty())
+    return tl::unexpected(first.failure);
+  double largest = 0.0;
+  for (const Vec3 &u : body.state().displacements) largest = std::max(largest, u.norm());
+  environment.tolerance = std::max(kGood * largest, std::numeric_limits<double>::min());
+  const ImplicitResult solved = quasiStaticStep(body, solver, environment, 1.0, 1.0);
+  if (!solved.failure.empty()) return tl::unexpected(solved.failure);
+  return {};
 }
 
 }  // namespace
@@ -85,16 +109,8 @@ Result<TrialSolution> solveTrial(const AccuracyProblem &problem, std::size_t cou
   if (!rest) return tl::unexpected(rest.error());
   Body body("trial", *rest, linearOf(problem.constitution), parallelFor);
   if (const auto held = body.setFoundation(problem.foundation); !held) return tl::unexpected(held.error());
-  NewtonSolver solver;
-  StageClock clock(stageNames());
-  Environment environment;
-  environment.gravity = kSmall * problem.gravity;
-  environment.tolerance = 1e-5 * kSmall * (*rest)->spacing;
-  environment.parallelFor = &parallelFor;
-  environment.clock = &clock;
-  environment.stop = stop;
-  const ImplicitResult solved = quasiStaticStep(body, solver, environment, 0.0, 1.0);
-  if (!solved.failure.empty()) return tl::unexpected(solved.failure);
+  if (const auto solved = solveLinear(body, kSmall * problem.gravity, parallelFor, stop); !solved)
+    return tl::unexpected(solved.error());
   TrialSolution out;
   out.spacing = (*rest)->spacing;
   out.phyxels = (*rest)->phyxelCount();
