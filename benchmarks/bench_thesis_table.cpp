@@ -4,7 +4,7 @@
 //
 //   bench_thesis_table [--threads N] [--seconds S] [--csv FILE] [--json FILE]
 //
-// "plain" is tests/support/reference on one thread: St. Venant-Kirchhoff without stabilisation, built by the same
+// "plain" is plugins/baselines/reference on one thread: St. Venant-Kirchhoff without stabilisation, built by the same
 // compiler with the same flags. "plain/ours" divides medians of runs in turns: above 1 the engine is faster. The engine
 // does more (another law, stabilisation, the bound of the tangent); "plain/alike" is the ratio with the plain loop's
 // law and without stabilisation. A lattice has no loop of the thesis: its rows are compared, per phyxel, with the plain

@@ -1,5 +1,5 @@
 # What `cmake --install BUILD --component NAME --prefix PREFIX` puts where:
-#   runtime  the programs, the point-based plugin and the resources
+#   runtime  the programs, the point-based plugin, that of the methods that studies compare with, and the resources
 #   sdk      headers of the plugin boundary and of its C++ comfort, the CMake package C3DE, a pkg-config file, examples
 #   pointbased  the point-based core to link into programs of others: static library and headers; needs sdk for the package
 include(CMakePackageConfigHelpers)
@@ -16,6 +16,10 @@ endif()
 if(TARGET pointbased)
   install(TARGETS pointbased LIBRARY DESTINATION lib/c3de/plugins COMPONENT runtime
                              RUNTIME DESTINATION lib/c3de/plugins COMPONENT runtime)
+endif()
+if(TARGET baselines)
+  install(TARGETS baselines LIBRARY DESTINATION lib/c3de/study COMPONENT runtime
+                            RUNTIME DESTINATION lib/c3de/study COMPONENT runtime)
 endif()
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/resources/" DESTINATION share/c3de COMPONENT runtime)
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the project's own organ and obstacle: make_organ organ|obstacle OUTPUT.obj [SPACING_MM]
+// Makes the project's own organ and obstacles: make_organ organ|obstacle|cap OUTPUT.obj [SPACING_MM]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -76,8 +76,39 @@ double obstacle(const Vec3 &p) {
   return norm(outside) + std::min(inside, 0.0) - kRounding;
 }
 
+/// The lower end of a ball, whose lowest point is the origin, as rings of corners on the ball; above it a cylinder that
+/// is thicker than anything gets into it.
+geometry::TriangleMesh cap(double radius, double width, double spacing) {
+  constexpr std::uint32_t kSides = 48;
+  const auto rings = static_cast<std::uint32_t>(std::ceil(width / spacing));
+  geometry::TriangleMesh out;
+  const auto heightAt = [&](double r) { return radius - std::sqrt(radius * radius - r * r); };
+  out.vertices.push_back({0.0, 0.0, 0.0});
+  for (std::uint32_t ring = 1; ring <= rings; ++ring)
+    for (std::uint32_t k = 0; k < kSides; ++k) {
+      const double r = width * ring / rings, angle = 6.283185307179586 * k / kSides;
+      out.vertices.push_back({r * std::cos(angle), r * std::sin(angle), heightAt(r)});
+    }
+  for (std::uint32_t k = 0; k < kSides; ++k) {
+    const Vec3 &rim = out.vertices[1 + (rings - 1) * kSides + k];
+    out.vertices.push_back({rim[0], rim[1], width});
+  }
+  out.vertices.push_back({0.0, 0.0, width});
+  const auto last = static_cast<std::uint32_t>(out.vertices.size() - 1);
+  for (std::uint32_t k = 0; k < kSides; ++k) {
+    const std::uint32_t l = (k + 1) % kSides, rim = 1 + rings * kSides;
+    out.triangles.push_back({0, 1 + l, 1 + k});
+    for (std::uint32_t a = 1; a < rim; a += kSides) {
+      out.triangles.push_back({a + k, a + l, a + kSides + l});
+      out.triangles.push_back({a + k, a + kSides + l, a + kSides + k});
+    }
+    out.triangles.push_back({last, rim + k, rim + l});
+  }
+  return out;
+}
+
 int fail(const std::string &why) {
-  fmt::print(stderr, "make_organ: {}\nusage: make_organ organ|obstacle OUTPUT.obj [SPACING_MM]\n", why);
+  fmt::print(stderr, "make_organ: {}\nusage: make_organ organ|obstacle|cap OUTPUT.obj [SPACING_MM]\n", why);
   return 2;
 }
 
@@ -86,18 +117,19 @@ int fail(const std::string &why) {
 int main(int argc, char **argv) {
   if (argc < 3 || argc > 4) return fail("a shape and an output file are expected");
   const std::string_view shape = argv[1];
-  const bool isOrgan = shape == "organ";
-  if (!isOrgan && shape != "obstacle")
-    return fail(fmt::format("there is no shape '{}'; organ and obstacle are accepted", shape));
-  double spacing = isOrgan ? 12.0 : 14.0;
+  const bool isOrgan = shape == "organ", isCap = shape == "cap";
+  if (!isOrgan && !isCap && shape != "obstacle")
+    return fail(fmt::format("there is no shape '{}'; organ, obstacle and cap are accepted", shape));
+  double spacing = isOrgan ? 12.0 : isCap ? 0.75 : 14.0;
   if (argc == 4) {
     const std::string_view text = argv[3];
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), spacing);
-    if (error != std::errc() || end != text.data() + text.size() || !(spacing >= 1.0 && spacing <= 40.0))
-      return fail(fmt::format("spacing '{}'; 1 to 40 mm are accepted", text));
+    if (error != std::errc() || end != text.data() + text.size() || !(spacing >= 0.5 && spacing <= 40.0))
+      return fail(fmt::format("spacing '{}'; 0.5 to 40 mm are accepted", text));
   }
   const Vec3 half = isOrgan ? Vec3{140, 100, 120} : Vec3{115, 65, 95};
-  auto raw = tools::polygonise(isOrgan ? organ : obstacle, {-1.0 * half, half}, spacing, 30);
+  auto raw = isCap ? cap(60.0, 15.0, spacing)
+                   : tools::polygonise(isOrgan ? organ : obstacle, {-1.0 * half, half}, spacing, 30);
   for (Vec3 &v : raw.vertices)
     for (double &x : v) x = std::round(x * 1e4) / 1e4;  // a tenth of a micrometre is enough, and the file stays small
   const auto built = geometry::buildMesh(std::move(raw), geometry::LengthUnit::millimetre);
@@ -107,6 +139,8 @@ int main(int argc, char **argv) {
           ? fmt::format(
                 "A liver-shaped organ of our own: blended ellipsoids, polygonised at {} mm by tools/make_organ.cpp.",
                 spacing)
+      : isCap
+          ? fmt::format("The end of a ball of 60 mm, 30 mm wide, in rings of {} mm by tools/make_organ.cpp.", spacing)
           : fmt::format("A rounded block, 160 x 60 x 120 mm, polygonised at {} mm by tools/make_organ.cpp.", spacing);
   if (const auto saved = geometry::writeMesh(argv[2], built->mesh, {{}, comment}); !saved)
     return fail(saved.error().message);

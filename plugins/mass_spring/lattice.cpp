@@ -104,7 +104,8 @@ Bound Lattice::bind(const Vec3 &point, double *off) const {
     for (const Cell &cell : cells_) consider(cell);
   if (off != nullptr) *off = least;
   Bound bound;
-  bound.nodes = nearest->nodes;
+  bound.nodes.assign(nearest->nodes.begin(), nearest->nodes.end());
+  bound.weights.resize(8);
   const Vec3 t = (1.0 / spacing_) * (point - nearest->low);
   for (std::size_t corner = 0; corner < 8; ++corner)
     bound.weights[corner] = ((corner & 1) != 0 ? t[0] : 1.0 - t[0]) * ((corner & 2) != 0 ? t[1] : 1.0 - t[1]) *

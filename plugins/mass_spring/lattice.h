@@ -16,13 +16,13 @@ struct Surface {
   double volume_m3 = 0.0;
 };
 
-/// A point by the eight corners of a cell; weights add up to 1, and are negative beside the cell.
+/// A point by others, as by the eight corners of a cell; weights add up to 1, and are negative beside the cell.
 struct Bound {
-  std::array<std::uint32_t, 8> nodes{};
-  std::array<double, 8> weights{};
+  std::vector<std::uint32_t> nodes;
+  std::vector<double> weights;
   [[nodiscard]] Vec3 of(const std::vector<Vec3> &values) const {
     Vec3 sum{};
-    for (std::size_t a = 0; a < 8; ++a) sum += weights[a] * values[nodes[a]];
+    for (std::size_t a = 0; a < nodes.size(); ++a) sum += weights[a] * values[nodes[a]];
     return sum;
   }
 };

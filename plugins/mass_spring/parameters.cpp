@@ -60,8 +60,14 @@ std::string shown(const c3de_param_value &v) {
 
 std::string accepted(const c3de_param_decl &d) {
   if (d.type == C3DE_PARAM_BOOL) return "true or false";
-  const std::string range = shown(d.min) + ((d.flags & C3DE_PARAM_MIN_OPEN) ? " < value <= " : " <= value <= ") +
-                            shown(d.max) + (d.unit.len > 0 ? " " + std::string(sdk::text(d.unit)) : "");
+  if (d.type == C3DE_PARAM_CHOICE) {
+    std::string list;
+    for (std::uint64_t i = 0; i < d.choices_n; ++i) list += (i > 0 ? " | " : "") + std::string(sdk::text(d.choices[i]));
+    return list;
+  }
+  const std::string range = shown(d.min) + ((d.flags & C3DE_PARAM_MIN_OPEN) ? " < value " : " <= value ") +
+                            ((d.flags & C3DE_PARAM_MAX_OPEN) ? "< " : "<= ") + shown(d.max) +
+                            (d.unit.len > 0 ? " " + std::string(sdk::text(d.unit)) : "");
   if (d.type == C3DE_PARAM_VEC3) return "three numbers, each " + range;
   if (d.type == C3DE_PARAM_I64) return "a whole number, " + range;
   return (d.flags & C3DE_PARAM_AUTO) ? "\"auto\" or " + range : range;
@@ -71,12 +77,22 @@ bool isAutoText(const c3de_param_value &v) {
   return (v.type == C3DE_PARAM_TEXT || v.type == C3DE_PARAM_CHOICE) && sdk::text(v.text) == "auto";
 }
 
+/// The text of the declaration; null: it has none such.
+const c3de_str *chosen(const c3de_param_decl &d, const c3de_param_value &v) {
+  if (v.type != C3DE_PARAM_TEXT && v.type != C3DE_PARAM_CHOICE) return nullptr;
+  for (std::uint64_t i = 0; i < d.choices_n; ++i)
+    if (sdk::text(d.choices[i]) == sdk::text(v.text)) return &d.choices[i];
+  return nullptr;
+}
+
 bool fits(const c3de_param_decl &d, const c3de_param_value &v) {
   const auto inRange = [&](double x) {
-    return std::isfinite(x) && ((d.flags & C3DE_PARAM_MIN_OPEN) ? x > d.min : x >= d.min) && x <= d.max;
+    return std::isfinite(x) && ((d.flags & C3DE_PARAM_MIN_OPEN) ? x > d.min : x >= d.min) &&
+           ((d.flags & C3DE_PARAM_MAX_OPEN) ? x < d.max : x <= d.max);
   };
   if ((d.flags & C3DE_PARAM_AUTO) && isAutoText(v)) return true;
   if (d.type == C3DE_PARAM_BOOL) return v.type == C3DE_PARAM_BOOL;
+  if (d.type == C3DE_PARAM_CHOICE) return chosen(d, v) != nullptr;
   if (d.type == C3DE_PARAM_VEC3)
     return v.type == C3DE_PARAM_VEC3 && inRange(v.vec[0]) && inRange(v.vec[1]) && inRange(v.vec[2]);
   return (v.type == C3DE_PARAM_F64 || v.type == C3DE_PARAM_I64) && inRange(v.num) &&
@@ -105,9 +121,11 @@ void ParameterValues::set(const c3de_param_value &in) {
   c3de_param_value kept{};
   kept.size = sizeof kept;
   kept.id = d.id;
-  kept.type = isAutoText(in) ? C3DE_PARAM_TEXT : d.type;
+  const bool isAuto = d.type != C3DE_PARAM_CHOICE && isAutoText(in);
+  kept.type = isAuto ? C3DE_PARAM_TEXT : d.type;
   kept.num = in.num;
-  if (isAutoText(in)) kept.text = sdk::str("auto");
+  if (isAuto) kept.text = sdk::str("auto");
+  if (d.type == C3DE_PARAM_CHOICE) kept.text = *chosen(d, in);
   std::copy_n(in.vec, 3, kept.vec);
   values_[std::string(sdk::text(d.id))] = kept;
 }
@@ -124,7 +142,7 @@ c3de_param_value ParameterValues::value(std::string_view id) const {
   c3de_param_value out{};
   out.size = sizeof out;
   out.id = d.id;
-  out.type = sdk::text(d.fallback_text) == "auto" ? C3DE_PARAM_TEXT : d.type;
+  out.type = d.type != C3DE_PARAM_CHOICE && sdk::text(d.fallback_text) == "auto" ? C3DE_PARAM_TEXT : d.type;
   out.num = d.fallback;
   out.text = d.fallback_text;
   std::copy_n(d.fallback_vec, 3, out.vec);

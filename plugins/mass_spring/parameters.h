@@ -21,6 +21,8 @@ class ParameterValues {
   void set(const c3de_param_value *values, std::uint64_t n, std::uint64_t stride);
   [[nodiscard]] double number(std::string_view id) const { return value(id).num; }
   [[nodiscard]] Vec3 vector(std::string_view id) const { return vectorOf(value(id).vec); }
+  /// Of a choice.
+  [[nodiscard]] std::string_view text(std::string_view id) const { return sdk::text(value(id).text); }
   [[nodiscard]] bool isAuto(std::string_view id) const { return value(id).type == C3DE_PARAM_TEXT; }
   /// @throws sdk::Error  unknown id
   [[nodiscard]] c3de_param_value value(std::string_view id) const;
@@ -29,7 +31,7 @@ class ParameterValues {
 
  private:
   std::span<const c3de_param_decl> declarations_;
-  std::map<std::string, c3de_param_value, std::less<>> values_;  // none borrows text but "auto", which is static
+  std::map<std::string, c3de_param_value, std::less<>> values_;  // texts are of declarations, or "auto"
 };
 
 }  // namespace mass_spring

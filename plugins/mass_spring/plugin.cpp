@@ -4,11 +4,29 @@
 #include <cstdio>
 
 #include "body_view.h"
+#include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/sdk/panel.hpp"
 #include "pinch_tool.h"
+#include "spring_body.h"
 
 namespace mass_spring {
 namespace {
+
+Method massSprings() {
+  return {"mass springs",
+          worldDeclarations(),
+          bodyDeclarations(),
+          [](const ParameterValues &of) {
+            return Elasticity{of.number(C3DE_PARAM_ID_YOUNGS_MODULUS), of.number(C3DE_PARAM_ID_DENSITY),
+                              of.number("material.retardation_time")};
+          },
+          [](Lattice lattice, Surface skin, std::vector<Elasticity> materials, const ParameterValues &) {
+            return std::make_unique<SpringBody>(std::move(lattice), std::move(skin), std::move(materials));
+          },
+          {},
+          {},
+          {}};
+}
 
 /// A class for everybody, and where there is a window, a view per simulator, a tool, and a panel that says what is
 /// pulled.
@@ -25,7 +43,7 @@ class MassSpringPlugin : public sdk::Panel {
                                     sdk::optional<c3de_collision_v1>(), sdk::optional<c3de_simulation_v1>(),
                                     sdk::optional<c3de_time_v1>(),      sdk::optional<c3de_panels_v1>()};
 
-  explicit MassSpringPlugin(sdk::Host host) : context_(host) {
+  explicit MassSpringPlugin(sdk::Host host) : context_(host, massSprings()) {
     sdk::orThrow(sdk::Registry(host).add<Simulator>(
         Simulator::kClass, "Mass springs", "Deformable bodies of masses and springs on a cubic lattice", context_));
     if (!host.service<c3de_render_v1>() || !host.service<c3de_tools_v1>()) return;

@@ -58,7 +58,7 @@ bool contains(const c3de_sim_region &region, const Vec3 &x) {
 Motion readMotion(const c3de_sim_motion *in, const Vec3 &middle, std::uint32_t index) {
   const auto m = sdk::readStruct(in, "motion");
   if ((m.flags & C3DE_SIM_HAS_QUATERNION) != 0)
-    throw Error(C3DE_E_UNSUPPORTED, "quaternion: mass springs turn by angles; accepted: rotation_deg",
+    throw Error(C3DE_E_UNSUPPORTED, "quaternion: this simulator turns by angles; accepted: rotation_deg",
                 {"fix", index, {}});
   Motion out{vectorOf(m.displacement_m), kDegree * vectorOf(m.rotation_deg),
              (m.flags & C3DE_SIM_HAS_CENTRE) != 0 ? vectorOf(m.centre_m) : middle, m.ramp_s};
@@ -68,7 +68,7 @@ Motion readMotion(const c3de_sim_motion *in, const Vec3 &middle, std::uint32_t i
   return out;
 }
 
-SurfaceLoad readLoad(const c3de_sim_load &in, const SpringBody &body) {
+SurfaceLoad readLoad(const c3de_sim_load &in, const PointBody &body) {
   SurfaceLoad out;
   const auto region = sdk::readStruct(in.region, "region");
   const Surface &skin = body.skin();

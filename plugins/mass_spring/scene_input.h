@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "c3de/sdk/simulator.hpp"
-#include "spring_body.h"
+#include "point_body.h"
 
 namespace mass_spring {
 
@@ -18,9 +18,8 @@ struct Placement {
 
 /// @param in  null: as it is
 [[nodiscard]] Placement readPlacement(const c3de_sim_placement *in);
-[[nodiscard]] bool contains(const c3de_sim_region &region, const Vec3 &x);
 /// @param middle  of the held part, where the motion names no centre; @param index  of the support, for messages
 [[nodiscard]] Motion readMotion(const c3de_sim_motion *in, const Vec3 &middle, std::uint32_t index);
-[[nodiscard]] SurfaceLoad readLoad(const c3de_sim_load &in, const SpringBody &body);
+[[nodiscard]] SurfaceLoad readLoad(const c3de_sim_load &in, const PointBody &body);
 
 }  // namespace mass_spring

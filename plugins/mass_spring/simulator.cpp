@@ -15,6 +15,8 @@ namespace {
 using sdk::Error;
 
 constexpr double kMetresPerMillimetre = 1e-3;
+// Of methods that find a body's rest.
+constexpr std::string_view kIntegrator = "solver.integrator", kLoadSteps = "solver.load_steps";
 
 std::string shown(double value) {
   char text[40];
@@ -22,11 +24,16 @@ std::string shown(double value) {
   return text;
 }
 
+std::string of(const Context &context, const std::string &what) {
+  return std::string(context.method.name) + " " + what;
+}
+
 struct Field {
   std::uint32_t on;
   std::string_view name, unit;
   std::uint32_t comps;
 };
+constexpr std::string_view kStretch = "stretch";
 constexpr std::uint32_t kPoints = C3DE_SIM_ON_POINTS, kSurface = C3DE_SIM_ON_SURFACE;
 constexpr std::array kFields{
     Field{kPoints, C3DE_SIM_FIELD_REFERENCE_POSITION, "m", 3},
@@ -36,7 +43,7 @@ constexpr std::array kFields{
     Field{kPoints, C3DE_SIM_FIELD_VOLUME, "m^3", 1},
     Field{kPoints, "displacement", "m", 3},
     Field{kPoints, "force", "N", 3},
-    Field{kPoints, "stretch", "1", 1},
+    Field{kPoints, kStretch, "1", 1},
     Field{kSurface, C3DE_SIM_FIELD_REFERENCE_POSITION, "m", 3},
     Field{kSurface, C3DE_SIM_FIELD_POSITION, "m", 3},
     Field{kSurface, C3DE_SIM_FIELD_VELOCITY, "m/s", 3},
@@ -62,9 +69,9 @@ void Simulator::declarations(std::uint32_t scope, const c3de_param_decl **decls,
                              std::uint64_t *stride) {
   if (scope < C3DE_SIM_SCOPE_WORLD || scope > C3DE_SIM_SCOPE_OBSTACLE)
     throw Error(C3DE_E_ARG, "scope " + std::to_string(scope) + " is not known; accepted: 1 ... 3");
-  const auto found = scope == C3DE_SIM_SCOPE_WORLD  ? worldDeclarations()
-                     : scope == C3DE_SIM_SCOPE_BODY ? bodyDeclarations()
-                                                    : std::span<const c3de_param_decl>();
+  const auto found = scope == C3DE_SIM_SCOPE_WORLD  ? context_.method.world
+                     : scope == C3DE_SIM_SCOPE_BODY ? context_.method.body
+                                                    : context_.method.ofObstacle;
   sdk::notNull(decls, "decls") = found.data();
   sdk::notNull(n, "n") = found.size();
   sdk::notNull(stride, "stride") = sizeof(c3de_param_decl);
@@ -80,6 +87,10 @@ void Simulator::setWorld(const c3de_param_value *values, std::uint64_t n, std::u
   const ParameterValues before = std::exchange(world_, std::move(changed));
   try {
     (void)stepSize();
+    if (isQuasiStatic() && world_.number(C3DE_PARAM_ID_BOX_ENABLED) != 0.0)
+      throw Error(C3DE_E_UNSUPPORTED, of(context_, "touch no walls on their way to rest; accepted: no world.box"));
+    if (!isQuasiStatic() && !obstacles_.empty())
+      throw Error(C3DE_E_UNSUPPORTED, of(context_, "touch obstacles on their way to rest only"));
   } catch (...) {
     world_ = before;
     throw;
@@ -87,14 +98,13 @@ void Simulator::setWorld(const c3de_param_value *values, std::uint64_t n, std::u
 }
 
 std::vector<Elasticity> Simulator::materials(const Lattice &lattice, const ParameterValues &values,
-                                             const std::vector<Part> &parts) {
+                                             const std::vector<Part> &parts) const {
   std::vector<Elasticity> out;
   for (const Lattice::Cell &cell : lattice.cells()) {
     const ParameterValues *of = &values;
     for (const Part &part : parts)
       if (contains(part.region, lattice.centre(cell))) of = &part.values;
-    out.push_back({of->number(C3DE_PARAM_ID_YOUNGS_MODULUS), of->number(C3DE_PARAM_ID_DENSITY),
-                   of->number("material.retardation_time")});
+    out.push_back(context_.method.material(*of));
   }
   return out;
 }
@@ -102,9 +112,9 @@ std::vector<Elasticity> Simulator::materials(const Lattice &lattice, const Param
 void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   const auto in = sdk::readStruct(body, "body");
   const std::string name(sdk::text(in.name));
-  ParameterValues values(bodyDeclarations());
+  ParameterValues values(context_.method.body);
   values.set(in.params, in.params_n, in.params_stride);
-  if (in.fill != nullptr) throw Error(C3DE_E_UNSUPPORTED, "mass springs fill meshes, not voxels");
+  if (in.fill != nullptr) throw Error(C3DE_E_UNSUPPORTED, of(context_, "fill meshes, not voxels"));
   if (in.refinements_n > 0)
     throw Error(C3DE_E_UNSUPPORTED, "the lattice has one spacing; accepted: no refinement", {"refinement", 0, {}});
 
@@ -158,16 +168,17 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
     parts.push_back(std::move(made));
   }
   auto ofCells = materials(lattice, values, parts);
-  SpringBody physics(std::move(lattice), std::move(surface), std::move(ofCells));
+  auto made = context_.method.make(std::move(lattice), std::move(surface), std::move(ofCells), values);
+  PointBody &physics = *made;
   for (std::uint64_t i = 0; i < in.fixes_n; ++i) {
     const auto fix = sdk::readStruct(&sdk::strided(in.fixes, i, in.fixes_stride), "fix");
     const auto region = sdk::readStruct(fix.region, "region");
     Support support;
     support.number = fix.index;
     Vec3 sum{};
-    const auto &nodes = physics.lattice().nodes();
+    const auto &nodes = physics.points();
     for (std::uint32_t n = 0; n < nodes.size(); ++n) {
-      if (!contains(region, nodes[n])) continue;
+      if (!physics.isHeldBy(region, n)) continue;
       if (physics.held()[n] != 0)
         throw Error(C3DE_E_ARG, "a mass of the region is held by another support already", {"fix", fix.index, {}});
       support.nodes.push_back(n);
@@ -198,7 +209,7 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
                            colour,
                            std::move(triangles),
                            volume_m3,
-                           std::move(physics),
+                           std::move(made),
                            {},
                            {},
                            {},
@@ -215,8 +226,20 @@ void Simulator::addBody(const c3de_sim_body *body, c3de_handle *out) {
   if (out != nullptr) *out = {id};
 }
 
-void Simulator::addObstacle(const c3de_sim_obstacle *, c3de_handle *) {
-  throw Error(C3DE_E_UNSUPPORTED, "mass springs touch nothing but the walls of the world; accepted: no obstacle");
+void Simulator::addObstacle(const c3de_sim_obstacle *obstacle, c3de_handle *out) {
+  if (!context_.method.obstacle)
+    throw Error(C3DE_E_UNSUPPORTED, of(context_, "touch nothing but the walls of the world; accepted: no obstacle"));
+  const auto in = sdk::readStruct(obstacle, "obstacle");
+  ParameterValues values(context_.method.ofObstacle);
+  values.set(in.params, in.params_n, in.params_stride);
+  const std::lock_guard lock(mutex_);
+  if (!isQuasiStatic())
+    throw Error(C3DE_E_UNSUPPORTED,
+                of(context_, "touch obstacles on their way to rest only; accepted: solver.integrator = quasistatic"));
+  obstacles_.emplace(nextId_, context_.method.obstacle(context_.host, in));
+  resetAll();
+  if (out != nullptr) *out = {nextId_};
+  ++nextId_;
 }
 
 Simulator::Body &Simulator::bodyOrThrow(c3de_handle body) {
@@ -227,14 +250,15 @@ Simulator::Body &Simulator::bodyOrThrow(c3de_handle body) {
 
 void Simulator::addProbe(c3de_str name, c3de_handle body, const double *at_m3, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
-  const Lattice &lattice = bodyOrThrow(body).physics.lattice();
+  const PointBody &physics = *bodyOrThrow(body).physics;
+  const Lattice &lattice = physics.lattice();
   Probe probe{nextId_, body.v, std::string(sdk::text(name)), vectorOf(&sdk::notNull(at_m3, "at_m3")), {}};
   const std::string which = "probe '" + probe.name + "': ";
   if (!isFinite(probe.reference)) throw Error(C3DE_E_ARG, which + "the point is not finite");
   for (const Probe &other : probes_)
     if (other.name == probe.name) throw Error(C3DE_E_EXISTS, which + "there is one of this name already");
   double off = 0.0;
-  probe.bound = lattice.bind(probe.reference, &off);
+  probe.bound = physics.bind(probe.reference, &off);
   if (!(off <= 0.5 * lattice.spacing()))
     throw Error(C3DE_E_ARG, which + "the point lies " + shown(1e3 * off) +
                                 " mm off the lattice of the body; accepted: up to half a spacing (" +
@@ -256,12 +280,12 @@ void Simulator::setBodyParam(c3de_handle body, const c3de_param_value *value) {
   std::vector<Part> parts = of.parts;
   for (Part &part : parts)
     if (std::find(part.own.begin(), part.own.end(), id) == part.own.end()) part.values.set(in);
-  const std::vector<Elasticity> before = of.physics.materials();
-  of.physics.setMaterials(materials(of.physics.lattice(), changed, parts));
+  const std::vector<Elasticity> before = of.physics->materials();
+  of.physics->setMaterials(materials(of.physics->lattice(), changed, parts));
   try {
     (void)stepSize();
   } catch (...) {
-    of.physics.setMaterials(before);
+    of.physics->setMaterials(before);
     throw;
   }
   of.values = std::move(changed);
@@ -275,66 +299,94 @@ void Simulator::getBodyParam(c3de_handle body, c3de_str id, c3de_param_value *ou
 
 void Simulator::remove(c3de_handle what) {
   const std::lock_guard lock(mutex_);
-  std::size_t gone = bodies_.erase(what.v);
+  std::size_t gone = bodies_.erase(what.v) + obstacles_.erase(what.v);
   gone += std::erase_if(probes_, [&](const Probe &p) { return p.id == what.v || p.body == what.v; });
-  for (auto &[id, body] : bodies_) gone += body.liveLoads.erase(what.v) + body.physics.holds.erase(what.v);
-  if (gone == 0) throw Error(C3DE_E_STALE, "there is no such body, probe, load or hold in this simulation");
+  for (auto &[id, body] : bodies_) gone += body.liveLoads.erase(what.v) + body.physics->holds.erase(what.v);
+  if (gone == 0) throw Error(C3DE_E_STALE, "there is no such body, obstacle, probe, load or hold in this simulation");
 }
 
 void Simulator::clear() {
   const std::lock_guard lock(mutex_);
   bodies_.clear();
+  obstacles_.clear();
   probes_.clear();
   resetAll();
 }
 
 /// The stable step of the stiffest body, or what was asked for.
 double Simulator::stepSize() const {
-  double stable = std::numeric_limits<double>::infinity();
+  double stable = std::numeric_limits<double>::infinity(), longest = stable;
   const std::string *stiffest = nullptr;
-  for (const auto &[id, body] : bodies_)
-    if (body.physics.stableStep_s() < stable) {
-      stable = body.physics.stableStep_s();
+  for (const auto &[id, body] : bodies_) {
+    stable = std::min(stable, body.physics->stableStep_s());
+    if (body.physics->longestStep_s() < longest) {
+      longest = body.physics->longestStep_s();
       stiffest = &body.name;
     }
+  }
   if (world_.isAuto("solver.dt")) return stiffest != nullptr ? stable : 1e-3;
   const double wanted = world_.number("solver.dt");
-  if (wanted > stable)
+  if (wanted > longest)
     throw Error(C3DE_E_ARG, "solver.dt = " + shown(wanted) + " s is above the stable step of body '" + *stiffest +
-                                "'; accepted: up to " + shown(stable) + " s, or \"auto\"");
+                                "'; accepted: up to " + shown(longest) + " s, or \"auto\"");
   return wanted;
+}
+
+bool Simulator::isQuasiStatic() const { return context_.method.relax && world_.text(kIntegrator) == "quasistatic"; }
+
+std::uint64_t Simulator::loadSteps() const { return static_cast<std::uint64_t>(world_.number(kLoadSteps)); }
+
+Loading Simulator::loadingOf(const Body &body, const Moment &moment) const {
+  Loading out{moment, moment.of(0.0) * world_.vector(C3DE_PARAM_ID_GRAVITY), {}, {}, {}};
+  for (const auto &[id, obstacle] : obstacles_) out.obstacles.push_back(obstacle);
+  if (body.hasForces) out.external_N = body.lentForces;
+  for (const auto &[number, load] : body.liveLoads) out.more.push_back(load);
+  return out;
 }
 
 void Simulator::step() {
   const std::lock_guard lock(mutex_);
+  const bool isLoadStep = isQuasiStatic();
+  if (isLoadStep && steps_ >= loadSteps()) return;
   const double dt = stepSize();
-  const Vec3 gravity = world_.vector(C3DE_PARAM_ID_GRAVITY);
+  Moment moment{time_s_};
+  if (isLoadStep) moment.factor = static_cast<double>(steps_ + 1) / static_cast<double>(loadSteps());
   const double damping = world_.number(C3DE_PARAM_ID_DAMPING);
   const bool hasWalls = world_.number(C3DE_PARAM_ID_BOX_ENABLED) != 0.0;
-  std::vector<SpringBody::State> before;
-  for (const auto &[id, body] : bodies_) before.push_back(body.physics.state());
+  std::vector<PointBody::State> before;
+  for (const auto &[id, body] : bodies_) before.push_back(body.physics->state());
   std::string failure;
   for (auto &[id, body] : bodies_) {
-    std::vector<SurfaceLoad> live;
-    for (const auto &[number, load] : body.liveLoads) live.push_back(load);
-    body.physics.step(time_s_, dt, gravity, damping, body.hasForces ? body.lentForces : std::vector<Vec3>(), live);
+    const Loading loading = loadingOf(body, moment);
     body.hasForces = false;
-    if (hasWalls) body.physics.keepWithin(world_.vector(C3DE_PARAM_ID_BOX_MIN), world_.vector(C3DE_PARAM_ID_BOX_MAX));
-    if (!body.physics.isFinite() && failure.empty()) failure = body.name;
+    try {
+      if (isLoadStep)
+        context_.method.relax(*body.physics, loading, world_);
+      else
+        body.physics->step(dt, damping, loading);
+    } catch (const Error &error) {
+      if (failure.empty()) failure = "body '" + body.name + "': " + error.what();
+    }
+    if (hasWalls && !isLoadStep)
+      body.physics->keepWithin(world_.vector(C3DE_PARAM_ID_BOX_MIN), world_.vector(C3DE_PARAM_ID_BOX_MAX));
+    if (const std::string trouble = isLoadStep ? body.physics->trouble() : ""; !trouble.empty() && failure.empty())
+      failure = "body '" + body.name + "': " + trouble;
+    if (!body.physics->isFinite() && failure.empty())
+      failure = "body '" + body.name + "' left the finite numbers; help: a smaller load, more damping";
   }
   failed_ = !failure.empty();
   if (failed_) {
     std::size_t i = 0;
-    for (auto &[id, body] : bodies_) body.physics.setState(std::move(before[i++]));
-    throw Error(C3DE_E_DIVERGED, "body '" + failure + "' left the finite numbers; help: a smaller load, more damping");
+    for (auto &[id, body] : bodies_) body.physics->setState(std::move(before[i++]));
+    throw Error(C3DE_E_DIVERGED, failure);
   }
   ++steps_;
-  time_s_ += dt;
+  if (!isLoadStep) time_s_ += dt;
 }
 
 void Simulator::resetAll() {
   for (auto &[id, body] : bodies_) {
-    body.physics.reset();
+    body.physics->reset();
     body.liveLoads.clear();
     body.hasForces = false;
   }
@@ -354,10 +406,10 @@ void Simulator::publish() {
     const std::lock_guard lock(mutex_);
     for (const auto &[id, body] : bodies_) {
       std::optional<Vec3> force;
-      if (!body.physics.holds.empty()) force = body.physics.holds.rbegin()->second.force_N;  // of the last hand
+      if (!body.physics->holds.empty()) force = body.physics->holds.rbegin()->second.force_N;  // of the last hand
       next->bodies.push_back({id, body.name, body.colour, body.triangles,
-                              body.physics.onSkin(body.physics.state().positions), body.physics.lattice().spacing(),
-                              body.physics.masses().size(), force});
+                              body.physics->onSkin(body.physics->state().positions), body.physics->lattice().spacing(),
+                              body.physics->masses().size(), force});
     }
   }
   const std::lock_guard lock(snapshotMutex_);
@@ -376,7 +428,13 @@ void Simulator::status(c3de_sim_status *out) {
   s.steps = steps_;
   s.time_s = time_s_;
   s.dt_s = stepSize();
+  if (isQuasiStatic()) {
+    s.flags = C3DE_SIM_LOAD_STEPS;
+    s.planned_steps = static_cast<std::uint32_t>(loadSteps());
+    s.finished = !bodies_.empty() && steps_ >= loadSteps() ? 1u : 0u;
+  }
   s.bodies = bodies_.size();
+  s.obstacles = obstacles_.size();
   sdk::writeStruct(out, s, "out");
 }
 
@@ -390,7 +448,7 @@ void Simulator::bodyAt(std::uint64_t index, c3de_handle *out) {
 void Simulator::bodyInfo(c3de_handle body, c3de_sim_body_info *out) {
   const std::lock_guard lock(mutex_);
   const Body &of = bodyOrThrow(body);
-  const SpringBody &p = of.physics;
+  const PointBody &p = *of.physics;
   c3de_sim_body_info info{};
   info.name = sdk::str(of.name);
   info.points = p.masses().size();
@@ -406,11 +464,13 @@ void Simulator::bodyInfo(c3de_handle body, c3de_sim_body_info *out) {
 c3de_status Simulator::enumFields(c3de_handle body, void *visitor,
                                   c3de_status(C3DE_CALL *each)(void *visitor, const c3de_sim_field *field)) {
   if (each == nullptr) throw Error(C3DE_E_ARG, "each is null");
+  bool hasStretch = false;
   {
     const std::lock_guard lock(mutex_);
-    (void)bodyOrThrow(body);
+    hasStretch = !bodyOrThrow(body).physics->stretches().empty();
   }
   for (const Field &f : kFields) {
+    if (f.name == kStretch && !hasStretch) continue;
     const c3de_sim_field field{sizeof field, f.on, sdk::str(f.name), sdk::str(f.unit), f.comps, 0};
     if (const c3de_status status = each(visitor, &field); status != C3DE_OK) return status;
   }
@@ -419,12 +479,12 @@ c3de_status Simulator::enumFields(c3de_handle body, void *visitor,
 
 void Simulator::readField(c3de_handle body, std::uint32_t on, c3de_str name, c3de_mview out) {
   const std::lock_guard lock(mutex_);
-  const SpringBody &p = bodyOrThrow(body).physics;
+  const PointBody &p = *bodyOrThrow(body).physics;
   const std::string_view which = sdk::text(name);
   const auto field =
       std::find_if(kFields.begin(), kFields.end(), [&](const Field &f) { return f.on == on && f.name == which; });
-  if (field == kFields.end())
-    throw Error(C3DE_E_NOT_FOUND, "mass springs have no field '" + std::string(which) + "' there");
+  if (field == kFields.end() || (which == kStretch && p.stretches().empty()))
+    throw Error(C3DE_E_NOT_FOUND, of(context_, "have no field '" + std::string(which) + "' there"));
   const auto write = [&](const auto &values, const auto &copyRow) {
     if (out.count < values.size())
       throw Error(C3DE_E_ARG, "field '" + std::string(which) + "' has " + std::to_string(values.size()) +
@@ -440,11 +500,11 @@ void Simulator::readField(c3de_handle body, std::uint32_t on, c3de_str name, c3d
     return;
   }
   std::vector<Vec3> values = which == C3DE_SIM_FIELD_VELOCITY             ? p.state().velocities
-                             : which == C3DE_SIM_FIELD_REFERENCE_POSITION ? p.lattice().nodes()
+                             : which == C3DE_SIM_FIELD_REFERENCE_POSITION ? p.points()
                              : which == "force"                           ? p.forces()
                                                                           : p.state().positions;
   if (which == "displacement")
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] -= p.lattice().nodes()[i];
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] -= p.points()[i];
   const auto rows = sdk::orThrow(sdk::asMutableRows<double, 3>(out, which));
   write(on == kSurface ? p.onSkin(values) : values,
         [&](std::size_t i, const Vec3 &value) { std::copy(value.begin(), value.end(), rows[i]); });
@@ -461,7 +521,7 @@ c3de_status Simulator::enumProbes(void *visitor,
   if (each == nullptr) throw Error(C3DE_E_ARG, "each is null");
   const std::lock_guard lock(mutex_);
   for (const Probe &probe : probes_) {
-    const SpringBody::State &state = bodies_.at(probe.body).physics.state();
+    const PointBody::State &state = bodies_.at(probe.body).physics->state();
     c3de_sim_probe out{};
     out.size = sizeof out;
     out.name = sdk::str(probe.name);
@@ -478,7 +538,7 @@ c3de_status Simulator::enumProbes(void *visitor,
 void Simulator::points(c3de_handle handle, c3de_sim_points *out) {
   const std::lock_guard lock(mutex_);
   Body &body = bodyOrThrow(handle);
-  const SpringBody &p = body.physics;
+  const PointBody &p = *body.physics;
   const std::size_t n = p.masses().size();
   body.lentPositions = p.state().positions;
   body.lentVelocities = p.state().velocities;
@@ -500,7 +560,7 @@ void Simulator::points(c3de_handle handle, c3de_sim_points *out) {
 void Simulator::addLoad(c3de_handle handle, const c3de_sim_load *load, c3de_handle *out) {
   const std::lock_guard lock(mutex_);
   Body &body = bodyOrThrow(handle);
-  SurfaceLoad made = readLoad(sdk::readStruct(load, "load"), body.physics);
+  SurfaceLoad made = readLoad(sdk::readStruct(load, "load"), *body.physics);
   made.began_s = time_s_;
   body.liveLoads.emplace(nextId_, std::move(made));
   if (out != nullptr) *out = {nextId_};
@@ -516,9 +576,9 @@ void Simulator::hold(c3de_handle body, const c3de_sim_hold *hold, c3de_handle *o
     throw Error(C3DE_E_ARG,
                 "hold: accepted: a frequency, a damping ratio and a force that are finite and not negative");
   if (asked.flags != 0)
-    throw Error(C3DE_E_UNSUPPORTED, "hold: springs lead the mean of what is held, and nothing else");
+    throw Error(C3DE_E_UNSUPPORTED, of(context_, "lead the mean of what is held, and nothing else"));
   const std::lock_guard lock(mutex_);
-  SpringBody &p = bodyOrThrow(body).physics;
+  PointBody &p = *bodyOrThrow(body).physics;
   p.holds.emplace(nextId_, p.holdAround(asked));
   if (out != nullptr) *out = {nextId_};
   ++nextId_;
@@ -526,7 +586,7 @@ void Simulator::hold(c3de_handle body, const c3de_sim_hold *hold, c3de_handle *o
 
 std::pair<std::uint64_t, Hold *> Simulator::holdOrThrow(c3de_handle handle) {
   for (auto &[id, body] : bodies_)
-    if (const auto found = body.physics.holds.find(handle.v); found != body.physics.holds.end())
+    if (const auto found = body.physics->holds.find(handle.v); found != body.physics->holds.end())
       return {id, &found->second};
   throw Error(C3DE_E_STALE, "no such hold: it was removed, or its body was");
 }

@@ -6,18 +6,36 @@
 
 #include "c3de/sdk/simulator.hpp"
 #include "parameters.h"
-#include "spring_body.h"
+#include "point_body.h"
 
 namespace mass_spring {
 
 class Simulator;
 
-/// What objects of the plugin share.
+/// What makes a simulator out of points, lattice, supports and loads.
+struct Method {
+  std::string_view name;  ///< "mass springs", as messages begin
+  std::span<const c3de_param_decl> world, body;
+  std::function<Elasticity(const ParameterValues &ofBody)> material;
+  /// @param materials  one per cell
+  std::function<std::unique_ptr<PointBody>(Lattice, Surface, std::vector<Elasticity> materials,
+                                           const ParameterValues &ofBody)>
+      make;
+  /// Brings a body to rest under a load, for a method that has "solver.integrator"; else empty.
+  /// @throws sdk::Error  (C3DE_E_DIVERGED) it comes to none
+  std::function<void(PointBody &, const Loading &, const ParameterValues &ofWorld)> relax;
+  /// Obstacles that bodies touch on their way to rest; empty: none.
+  std::function<Obstacle(sdk::Host, const c3de_sim_obstacle &)> obstacle;
+  std::span<const c3de_param_decl> ofObstacle;
+};
+
+/// What objects of a class share.
 struct Context {
-  explicit Context(sdk::Host h) : host(h), log(h), mesh(h) {}
+  Context(sdk::Host h, Method m) : host(h), log(h), mesh(h), method(std::move(m)) {}
   sdk::Host host;
   sdk::Log log;
   sdk::Mesh mesh;
+  Method method;
   std::function<void(Simulator &, c3de_handle node)> attached;  ///< empty without a window; node 0: detached [main]
 };
 
@@ -36,13 +54,13 @@ struct Snapshot {
   std::vector<Body> bodies;
 };
 
-/// The registered class: iface.simulator over bodies of masses and springs. A mutex stands between the step and what
+/// The registered class: iface.simulator over bodies of points. A mutex stands between the step and what
 /// others add or read; the window reads snapshots.
 class Simulator : public sdk::Object<Simulator> {
  public:
   static constexpr std::string_view kClass = "org.c3de.mass_spring.Simulator/0";
 
-  explicit Simulator(Context &context) : context_(context) {}
+  explicit Simulator(Context &context) : context_(context), world_(context.method.world) {}
   ~Simulator();
 
   // iface.simulator
@@ -96,7 +114,7 @@ class Simulator : public sdk::Object<Simulator> {
     std::optional<std::array<float, 3>> colour;
     std::shared_ptr<const std::vector<std::array<std::uint32_t, 3>>> triangles;
     double meshVolume_m3 = 0.0;
-    SpringBody physics;
+    std::unique_ptr<PointBody> physics;
     std::vector<Vec3> lentPositions, lentVelocities, lentForces;  // for points()
     std::vector<double> lentMasses;
     bool hasForces = false;  // lentForces act in the next step
@@ -113,15 +131,21 @@ class Simulator : public sdk::Object<Simulator> {
   /// With the body that it holds.
   [[nodiscard]] std::pair<std::uint64_t, Hold *> holdOrThrow(c3de_handle hold);
   [[nodiscard]] double stepSize() const;
+  [[nodiscard]] bool isQuasiStatic() const;
+  /// Of the load of a quasi-static solution.
+  [[nodiscard]] std::uint64_t loadSteps() const;
+  /// What acts on a body in the next step. @param moment  where loads and motions are then
+  [[nodiscard]] Loading loadingOf(const Body &body, const Moment &moment) const;
   [[nodiscard]] std::uint64_t fingerprint() const;
   void resetAll();
-  static std::vector<Elasticity> materials(const Lattice &lattice, const ParameterValues &values,
-                                           const std::vector<Part> &parts);
+  [[nodiscard]] std::vector<Elasticity> materials(const Lattice &lattice, const ParameterValues &values,
+                                                  const std::vector<Part> &parts) const;
 
   Context &context_;
   mutable std::mutex mutex_;
-  ParameterValues world_{worldDeclarations()};
+  ParameterValues world_;
   std::map<std::uint64_t, Body> bodies_;  // in the order they were added
+  std::map<std::uint64_t, Obstacle> obstacles_;
   std::vector<Probe> probes_;
   std::uint64_t nextId_ = 1, steps_ = 0;
   double time_s_ = 0.0;

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "c3de/abi/iface/parameter_ids.h"
 #include "c3de/sdk/structs.hpp"
 #include "simulator.h"
 
@@ -79,23 +80,31 @@ class Reader {
 /// What a state belongs to: everything that a scene says of the physics.
 std::uint64_t Simulator::fingerprint() const {
   Hash hash;
-  for (const c3de_param_decl &d : worldDeclarations()) {
+  for (const c3de_param_decl &d : context_.method.world) {
     const c3de_param_value v = world_.value(sdk::text(d.id));
     hash.add(v.type);
     hash.add(v.num);
     hash.add(vectorOf(v.vec));
+    if (d.type == C3DE_PARAM_CHOICE) hash.add(std::string(sdk::text(v.text)));
   }
+  const auto isDeclared = [this](std::string_view id) {
+    return std::any_of(context_.method.body.begin(), context_.method.body.end(),
+                       [&](const c3de_param_decl &d) { return sdk::text(d.id) == id; });
+  };
   for (const auto &[id, body] : bodies_) {
-    const SpringBody &p = body.physics;
+    const PointBody &p = *body.physics;
     hash.add(body.name);
-    hash.add(p.lattice().nodes());
+    hash.add(p.points());
     hash.add(p.masses());
     hash.add(p.held());
     for (const Elasticity &m : p.materials()) {
       hash.add(m.youngsModulus_Pa);
       hash.add(m.density_kg_m3);
       hash.add(m.retardationTime_s);
+      if (isDeclared(C3DE_PARAM_ID_POISSON_RATIO)) hash.add(m.poissonRatio);
     }
+    for (const c3de_param_decl &d : context_.method.body)
+      if (d.type == C3DE_PARAM_CHOICE) hash.add(std::string(body.values.text(sdk::text(d.id))));
     for (const Support &s : p.supports()) {
       hash.add(s.nodes);
       const Motion motion = s.motion.value_or(Motion{});
@@ -120,15 +129,15 @@ void Simulator::stateHash(std::uint64_t *out) {
   hash.add(steps_);
   hash.add(time_s_);
   for (const auto &[id, body] : bodies_) {
-    hash.add(body.physics.state().positions);
-    hash.add(body.physics.state().velocities);
+    hash.add(body.physics->state().positions);
+    hash.add(body.physics->state().velocities);
     for (const auto &[number, load] : body.liveLoads) {
       hash.add(load.triangles);
       hash.add(load.force_N);
       hash.add(load.pressure_Pa);
       hash.add(load.began_s);
     }
-    for (const auto &[number, hold] : body.physics.holds) {
+    for (const auto &[number, hold] : body.physics->holds) {
       hash.add(hold.nodes);
       hash.add(hold.target_m);
       hash.add(hold.offset_m);
@@ -147,11 +156,11 @@ c3de_status Simulator::saveState(c3de_sink sink) {
   append(bytes, &time_s_, 1);
   append(bytes, &count, 1);
   for (const auto &[id, body] : bodies_) {
-    if (!body.physics.holds.empty())
+    if (!body.physics->holds.empty())
       throw Error(C3DE_E_STATE, "somebody holds body '" + body.name + "'; let go of it first");
     if (!body.liveLoads.empty())
       throw Error(C3DE_E_STATE, "a load that came while it ran acts on body '" + body.name + "'; remove it first");
-    const SpringBody::State &state = body.physics.state();
+    const PointBody::State &state = body.physics->state();
     const std::uint64_t n = state.positions.size();
     append(bytes, &n, 1);
     append(bytes, state.positions.data(), n);
@@ -166,19 +175,19 @@ void Simulator::loadState(const void *bytes, std::uint64_t n) {
   Reader in(bytes, n);
   if (const auto version = in.number<std::uint32_t>(); version != kStateVersion)
     throw Error(C3DE_E_VERSION, "the state is of version " + std::to_string(version) +
-                                    " of the mass springs' format; accepted: " + std::to_string(kStateVersion));
+                                    " of this simulator's format; accepted: " + std::to_string(kStateVersion));
   if (in.number<std::uint64_t>() != fingerprint())
     throw Error(C3DE_E_ARG, "the state belongs to another scene: bodies, materials, supports, loads or world differ");
   const auto steps = in.number<std::uint64_t>();
   const auto time_s = in.number<double>();
   if (!std::isfinite(time_s) || time_s < 0.0 || in.number<std::uint64_t>() != bodies_.size())
     throw Error(C3DE_E_FORMAT, "the state's time or number of bodies is not possible");
-  std::vector<SpringBody::State> states;
+  std::vector<PointBody::State> states;
   for (const auto &[id, body] : bodies_) {
-    const std::size_t count = body.physics.masses().size();
+    const std::size_t count = body.physics->masses().size();
     if (in.number<std::uint64_t>() != count)
       throw Error(C3DE_E_FORMAT, "the state has another number of masses for body '" + body.name + "'");
-    SpringBody::State state{std::vector<Vec3>(count), std::vector<Vec3>(count)};
+    PointBody::State state{std::vector<Vec3>(count), std::vector<Vec3>(count)};
     in.take(state.positions.data(), count);
     in.take(state.velocities.data(), count);
     for (std::size_t i = 0; i < count; ++i)
@@ -190,7 +199,7 @@ void Simulator::loadState(const void *bytes, std::uint64_t n) {
     throw Error(C3DE_E_FORMAT, std::to_string(in.left()) + " bytes stand behind the end of the state");
   resetAll();
   std::size_t i = 0;
-  for (auto &[id, body] : bodies_) body.physics.setState(std::move(states[i++]));
+  for (auto &[id, body] : bodies_) body.physics->setState(std::move(states[i++]));
   steps_ = steps;
   time_s_ = time_s;
 }

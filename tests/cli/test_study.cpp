@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // `c3de study` from outside: a small study to its end, killed and gone on with, and every bad input.
 #include <chrono>
+#include <regex>
 #include <sstream>
 #include <thread>
 
 #include "c3de/core/csv.h"
 #include "program.h"
 #include "support/environment.h"
+#include "support/folders.h"
 
 namespace fs = std::filesystem;
 
@@ -270,6 +272,100 @@ TEST_CASE("Time limits and references that fail are told, and the other cases go
   // What is at rest is not damped: three runs that agree.
   CHECK(readJson(folder / "out" / "study.json")["cases"][2]["reference"]["uncertainty"] == 0.0);
   CHECK(readJson(folder / "out" / "study.json")["cases"][0]["failure"].is_string());
+}
+
+namespace {
+
+/// Named cases of the shipped study over eight cases, each with the first of its spacings, run once.
+std::string cutOfShippedStudy(const std::vector<std::string> &names) {
+  const fs::path resources = testResourcesFolder();
+  const std::string all = readFile(resources / "studies" / "eight.toml"), begin = "\n# Case: ";
+  std::string text = all.substr(0, all.find(begin));
+  for (const std::string &name : names) {
+    const std::size_t at = all.find(begin + name + "\n");
+    REQUIRE(at != std::string::npos);
+    text += all.substr(at, all.find(begin, at + 1) - at);
+  }
+  text = std::regex_replace(text, std::regex("spacing = \\[([0-9.]+)[^\\]]*\\]"), "spacing = $1");
+  text = std::regex_replace(text, std::regex("repeat = [0-9]+"), "repeat = 1");
+  text =
+      std::regex_replace(text, std::regex("\"eight/"), "\"" + (resources / "studies" / "eight").generic_string() + "/");
+  return std::regex_replace(text, std::regex("\"\\.\\./scenes/"), "\"" + (resources / "scenes").generic_string() + "/");
+}
+
+}  // namespace
+
+TEST_CASE("A cut of the shipped study: five classes of methods in one picture, the same errors each time") {
+  const auto folder = freshFolder("study-eight");
+  const auto file = writeFile(folder / "study.toml", cutOfShippedStudy({"patch", "cantilever", "free cube"}));
+  const auto first = study(file, folder / "one");
+  INFO(first.errorOutput);
+  REQUIRE(first.exitCode == 0);
+  REQUIRE(study(file, folder / "two").exitCode == 0);
+  CHECK(errorsIn(folder / "one") == errorsIn(folder / "two"));
+  const std::string overview = readFile(folder / "one" / "overview.svg");
+  for (const char *text : {"C3DE, stress points", "C3DE, phyxels", "linear tetrahedra", "mass springs",
+                           "shape matching", "thesis as printed", "reference: formula", "reference: finite elements"})
+    CHECK_THAT(overview, Contains(text));
+  CHECK_THAT(readFile(folder / "one" / "report.html"), Contains(overview));
+
+  std::map<std::string, double> errors;
+  const auto json = readJson(folder / "one" / "study.json");
+  for (const auto &one : json["cases"])
+    for (const auto &point : one["points"])
+      if (point["error"].is_number())
+        errors.try_emplace(one["name"].get<std::string>() + ": " + point["label"].get<std::string>(), point["error"]);
+  // What a method can represent it has to the last digits, what it cannot it is off by what it lacks.
+  CHECK(errors.at("patch: C3DE, stress points") < 1e-9);
+  CHECK(errors.at("patch: linear tetrahedra") < 1e-6);
+  CHECK(errors.at("patch: shape matching") < 1e-6);
+  CHECK(errors.at("patch: mass springs") > 0.01);
+  CHECK(errors.at("patch: thesis as printed") > 0.1);
+  CHECK(errors.at("cantilever: C3DE, stress points") < 0.01);
+  for (const char *of : {"linear tetrahedra", "mass springs", "shape matching"}) {
+    CHECK(errors.at(std::string("cantilever: ") + of) > 0.1);
+    CHECK(errors.at(std::string("cantilever: ") + of) < 0.5);
+  }
+  // Forward Euler, as printed, gains energy until nothing is left.
+  CHECK_FALSE(errors.contains("free cube: thesis as printed"));
+  CHECK_THAT(readFile(folder / "one" / "study.csv"), Contains(",diverged,"));
+}
+
+TEST_CASE("What a method of the baselines cannot do is refused by name") {
+  const auto folder = freshFolder("study-baselines");
+  const std::string head = "[run]\nplugins = [\"baselines\"]\n";
+  const struct {
+    std::string grid, contains;
+  } cases[] = {
+      {"simulator = \"c3de.baselines.MassSpring/0\"\nlaw = \"neo_hookean\"", "accepted: springs"},
+      {"simulator = \"c3de.baselines.MassSpring/0\"\nlaw = \"springs\"\npoisson_ratio = 0.3", "0.25"},
+      {"simulator = \"c3de.baselines.ShapeMatching/0\"\nlaw = \"shape_matching\"\npoisson_ratio = 0.3",
+       "poisson_ratio"},
+      {"simulator = \"c3de.baselines.Thesis/0\"\nlaw = \"neo_hookean\"", "accepted: stvk"},
+      {"simulator = \"c3de.baselines.Tetrahedra/0\"\nevaluation = \"phyxels\"", "evaluation"},
+      {"simulator = \"c3de.baselines.Tetrahedra/0\"\nintegrator = \"implicit\"", "accepted: explicit | quasistatic"},
+      {"simulator = \"c3de.baselines.FiniteVolumes/0\"", "no loaded plugin offers the simulator class"},
+  };
+  for (const auto &one : cases) {
+    writeHangingBox(folder);
+    writeFile(folder / "box.toml",
+              readFile(folder / "box.toml") + "[simulator]\nclass = \"c3de.pointbased.WorldSimulator/1\"\n");
+    const auto file =
+        writeFile(folder / "study.toml", "format = 1\n" + head + kTip + "[[grid]]\nspacing = 0.1\n" + one.grid + "\n");
+    const auto result = study(file, folder / "out");
+    INFO(one.grid << "\n" << result.errorOutput);
+    CHECK(result.exitCode == 3);
+    CHECK_THAT(result.errorOutput, Contains(one.contains) && Contains("study.toml:"));
+  }
+  for (const char *plugins : {"\"baselines\"", "[\"basalines\"]", "[3]", "[\"./absent.so\"]"}) {
+    const auto file =
+        writeFile(folder / "study.toml", "format = 1\n[run]\nplugins = " + std::string(plugins) + "\n" + kTip + kGrid);
+    const auto result = study(file, folder / "out");
+    INFO(plugins << "\n" << result.errorOutput);
+    CHECK(result.exitCode == 3);
+    CHECK_THAT(result.errorOutput, Contains("study.toml:3: plugins"));
+  }
+  CHECK_FALSE(fs::exists(folder / "out"));
 }
 
 TEST_CASE("What is wrong with a study is refused with its line before anything runs") {

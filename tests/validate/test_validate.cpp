@@ -56,8 +56,8 @@ std::string testPlugin(const std::string &name) {
 }  // namespace
 
 TEST_CASE("good plugins pass every check") {
-  for (const char *name :
-       {C3DE_HELLO, C3DE_CLAMP, C3DE_MAGNET, C3DE_MESH_READER, C3DE_IMAGE_SAMPLES, C3DE_MASS_SPRING, C3DE_POINTBASED}) {
+  for (const char *name : {C3DE_HELLO, C3DE_CLAMP, C3DE_MAGNET, C3DE_MESH_READER, C3DE_IMAGE_SAMPLES, C3DE_MASS_SPRING,
+                           C3DE_BASELINES, C3DE_POINTBASED}) {
     const Validated good = validate(name);
     INFO(good.output);
     CHECK(good.exitCode == 0);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "c3de/study/report.h"
+#include "drawing.h"
 
 namespace c3de::study {
 namespace {
@@ -16,124 +16,16 @@ constexpr double kWidth = 760, kHeight = 470;
 constexpr double kLeft = 74, kRight = 556, kTop = 86, kBottom = 402;
 constexpr double kLegendLeft = 580, kRow = 19;
 constexpr double kTitle = 54;  // height of the title
-constexpr double kMark = 4.4;
 constexpr double kLabelSize = 10.5;
 constexpr double kRealTime_ms = 1000.0;
-
-// Colours that people with and without full colour vision tell apart, and that print; shapes tell curves apart as well.
-// Okabe and Ito, Color Universal Design (2008), without the yellow, which does not show on white.
-constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#aa4499", "#b8860b", "#4c9fcf", "#333333"};
-constexpr const char *kInk = "#1c2733", *kQuiet = "#5d6b79", *kLine = "#e3e7eb", *kBand = "#d9dee4";
-
-/// Logarithmic.
-struct Axis {
-  double low = 1.0, high = 10.0;  ///< in decades
-  double from = 0.0, to = 1.0;    ///< on the picture
-
-  void hold(const std::vector<double> &values) {
-    low = std::numeric_limits<double>::infinity();
-    high = -low;
-    for (const double value : values)
-      if (value > 0.0 && std::isfinite(value)) {
-        low = std::min(low, std::log10(value));
-        high = std::max(high, std::log10(value));
-      }
-    if (!(low <= high)) {
-      low = 0.0;
-      high = 1.0;
-    }
-    const double margin = std::max(0.08 * (high - low), 0.12);
-    low -= margin;
-    high += margin;
-    // At least one round number has to be in it, or nobody can read it.
-    if (high - low < 0.5) {
-      const double middle = 0.5 * (low + high);
-      low = middle - 0.25;
-      high = middle + 0.25;
-    }
-  }
-  [[nodiscard]] double at(double value) const {
-    if (!(value > 0.0)) return from;
-    return from + (to - from) * (std::log10(value) - low) / (high - low);
-  }
-  [[nodiscard]] std::vector<double> ticks() const {
-    const std::vector<double> steps = high - low > 4.0    ? std::vector<double>{1.0}
-                                      : high - low > 1.6  ? std::vector<double>{1.0, 3.0}
-                                      : high - low > 0.65 ? std::vector<double>{1.0, 2.0, 5.0}
-                                                          : std::vector<double>{1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0};
-    std::vector<double> out;
-    for (int decade = static_cast<int>(std::floor(low)); decade <= static_cast<int>(std::ceil(high)); ++decade)
-      for (const double step : steps) {
-        const double value = step * std::pow(10.0, decade);
-        if (std::log10(value) >= low && std::log10(value) <= high) out.push_back(value);
-      }
-    return out;
-  }
-};
-
-/// 0.001 … 9999 as they are, else powers of ten.
-std::string tickText(double value) {
-  if (value >= 0.999e-3 && value < 1e5) return fmt::format("{:.4g}", value);
-  const int decade = static_cast<int>(std::floor(std::log10(value) + 1e-9));
-  const double step = value / std::pow(10.0, decade);
-  const std::string power = fmt::format("10<tspan dy=\"-4\" font-size=\"8\">{}</tspan>", decade);
-  return step < 1.05 ? power : fmt::format("{:.2g}·", step) + power;
-}
-
-struct Rectangle {
-  double left, top, right, bottom;
-  [[nodiscard]] double overlap(const Rectangle &o) const {
-    const double w = std::min(right, o.right) - std::max(left, o.left),
-                 h = std::min(bottom, o.bottom) - std::max(top, o.top);
-    return w > 0.0 && h > 0.0 ? w * h : 0.0;
-  }
-};
-
-/// About how wide a text is, of a common sans serif.
-double widthOf(const std::string &text, double size) {
-  double letters = 0.0;
-  for (const char c : text)
-    if ((static_cast<unsigned char>(c) & 0xc0) != 0x80)
-      letters += c == ' ' || c == '.' || c == ',' || c == 'i' || c == 'l' ? 0.33 : c == 'm' || c == 'w' ? 0.86 : 0.57;
-  return letters * size;
-}
-
-std::string textAt(double x, double y, const std::string &text, const std::string &style) {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, style, text);
-}
-
-/// A circle, square, triangle or diamond; filled: on the front.
-std::string markAt(std::size_t shape, double x, double y, const std::string &colour, bool isFilled) {
-  const std::string look =
-      fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1.6\"", isFilled ? colour : "#fff", colour);
-  const double r = kMark;
-  switch (shape % 4) {
-    case 0: return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" {}/>\n", x, y, r, look);
-    case 1:
-      return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" {}/>\n", x - 0.9 * r,
-                         y - 0.9 * r, 1.8 * r, 1.8 * r, look);
-    case 2:
-      return fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}Z\" {}/>\n", x, y - 1.15 * r, x + 1.1 * r,
-                         y + 0.85 * r, x - 1.1 * r, y + 0.85 * r, look);
-    default:
-      return fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}Z\" {}/>\n", x, y - 1.3 * r,
-                         x + 1.2 * r, y, x, y + 1.3 * r, x - 1.2 * r, y, look);
-  }
-}
-
-std::string crossAt(double x, double y, const std::string &colour) {
-  return fmt::format(
-      "<path d=\"M{0:.1f} {2:.1f}L{1:.1f} {3:.1f}M{0:.1f} {3:.1f}L{1:.1f} {2:.1f}\" stroke=\"{4}\" "
-      "stroke-width=\"1.8\" fill=\"none\"/>\n",
-      x - 4.0, x + 4.0, y - 4.0, y + 4.0, colour);
-}
 
 /// One work-precision diagram.
 class Diagram {
  public:
   Diagram(const Study &study, const Plan &plan, const Outcome &outcome, std::size_t c, bool hasTitle)
       : study_(study), plan_(plan), outcome_(outcome), case_(study.cases[c]), of_(outcome.cases[c]),
-        curves_(curvesOf(study, plan, c)), common_(commonLever(study, c)), hasTitle_(hasTitle) {
+        curves_(curvesOf(study, plan, c)), looks_(looksOf(study, plan, curves_)), common_(commonLever(study, c)),
+        hasTitle_(hasTitle) {
     percent_ = case_.quantity.kind == Quantity::Kind::surface ? 1.0 : 100.0;
   }
 
@@ -183,7 +75,7 @@ class Diagram {
       taken_.push_back({x - 2, y - 2, x + 2, y + 2});
     }
   }
-  [[nodiscard]] std::string colourOf(std::size_t i) const { return kColours[i % kColours.size()]; }
+  [[nodiscard]] std::string colourOf(std::size_t i) const { return kColours[looks_[i] % kColours.size()]; }
 
   const Study &study_;
   const Plan &plan_;
@@ -191,7 +83,8 @@ class Diagram {
   const Case &case_;
   const CaseOutcome &of_;
   std::vector<Curve> curves_;
-  std::string common_;  ///< what all labels begin with
+  std::vector<std::size_t> looks_;  ///< of the curves: colour and shape
+  std::string common_;              ///< what all labels begin with
   bool hasTitle_;
   double percent_ = 100.0;
   Axis x_, y_;
@@ -279,24 +172,12 @@ void Diagram::band() {
   taken_.push_back({kRight - 150, kBottom - 17, kRight, kBottom});
 }
 
-/// Steps: what the least error is that one gets for a cost.
 void Diagram::front() {
-  std::vector<std::size_t> points;
+  std::vector<std::array<double, 2>> points;
   for (const Curve &curve : curves_)
     for (const std::size_t p : curve.points)
-      if (isDrawn(p) && outcome_.points[p].isOnFront) points.push_back(p);
-  std::sort(points.begin(), points.end(), [this](std::size_t a, std::size_t b) { return xOf(a) < xOf(b); });
-  if (points.empty()) return;
-  double y = yOf(points.front());
-  std::string path = fmt::format("M{:.1f} {}V{:.1f}", xOf(points.front()), kTop, y);
-  for (const std::size_t p : points) {
-    if (yOf(p) <= y) continue;
-    path += fmt::format("H{:.1f}V{:.1f}", xOf(p), yOf(p));
-    y = yOf(p);
-  }
-  out_ +=
-      fmt::format("<path d=\"{}H{}\" stroke=\"#c3ccd5\" stroke-width=\"5\" stroke-linejoin=\"round\" fill=\"none\"/>\n",
-                  path, kRight);
+      if (isDrawn(p) && outcome_.points[p].isOnFront) points.push_back({xOf(p), yOf(p)});
+  out_ += frontPath(std::move(points), kTop, kRight);
 }
 
 void Diagram::curve(std::size_t i) {
@@ -325,7 +206,7 @@ void Diagram::marks(std::size_t i) {
     out_ += fmt::format("<path d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"{}\" stroke-width=\"1.2\"/>\n",
                         x_.at(cost.cheapest), y, x_.at(cost.dearest), colourOf(i));
     take(x_.at(cost.cheapest), y, x_.at(cost.dearest), y);
-    out_ += markAt(i, x, y, colourOf(i), outcome_.points[p].isOnFront);
+    out_ += markAt(looks_[i], x, y, colourOf(i), outcome_.points[p].isOnFront);
     taken_.push_back({x - 6, y - 6, x + 6, y + 6});
   }
 }
@@ -336,19 +217,20 @@ void Diagram::labels(std::size_t i) {
     const std::string text = labelOf(p);
     const double w = widthOf(text, kLabelSize), x = xOf(p), y = yOf(p);
     // Beside, above and below the mark: the place where it covers least.
-    const std::array<std::array<double, 2>, 8> places{{{x + 8, y - 6},
-                                                       {x + 8, y + 12},
-                                                       {x - 8 - w, y - 6},
-                                                       {x - 8 - w, y + 12},
-                                                       {x - 0.5 * w, y - 9},
-                                                       {x - 0.5 * w, y + 17},
-                                                       {x + 10, y + 3.5},
-                                                       {x - 10 - w, y + 3.5}}};
+    std::vector<std::array<double, 2>> places;
+    for (const double far : {0.0, 11.0, 22.0})
+      for (const std::array<double, 2> &place :
+           {std::array{x + 8, y - 6 - far}, std::array{x + 8, y + 12 + far}, std::array{x - 8 - w, y - 6 - far},
+            std::array{x - 8 - w, y + 12 + far}, std::array{x - 0.5 * w, y - 9 - far},
+            std::array{x - 0.5 * w, y + 17 + far}, std::array{x + 10 + far, y + 3.5},
+            std::array{x - 10 - w - far, y + 3.5}})
+        places.push_back(place);
     double least = std::numeric_limits<double>::infinity();
     Rectangle best{};
-    for (const auto &[left, base] : places) {
+    for (std::size_t n = 0; n < places.size(); ++n) {
+      const auto &[left, base] = places[n];
       const Rectangle box{left, base - 9, left + w, base + 2};
-      double cost = 0.0;
+      double cost = 12.0 * static_cast<double>(n / 8);  // near is better
       for (const Rectangle &other : taken_) cost += box.overlap(other);
       cost += 1e3 * (std::max(0.0, kLeft + 2 - box.left) + std::max(0.0, box.right - kRight - 4) +
                      std::max(0.0, kTop - box.top) + std::max(0.0, box.bottom - kBottom));
@@ -394,7 +276,7 @@ void Diagram::legend() {
   for (std::size_t i = 0; i < curves_.size(); ++i, y += kRow) {
     out_ +=
         fmt::format("<path d=\"M{} {:.1f}h16\" stroke=\"{}\" stroke-width=\"1.5\"/>\n", kLegendLeft, y, colourOf(i));
-    out_ += markAt(i, kLegendLeft + 8, y, colourOf(i), true);
+    out_ += markAt(looks_[i], kLegendLeft + 8, y, colourOf(i), true);
     std::string text = curves_[i].label;
     if (widthOf(text, 11.5) > room)
       while (!text.empty() && widthOf(text + "…", 11.5) > room) {

@@ -165,6 +165,7 @@ std::string reportOf(const Study &study, const Plan &plan, const Program &progra
                            std::to_string(study.repeat) + (study.repeat == 1 ? " timed run" : " timed runs") +
                            " of each point") +
           row("Date", outcome.date) + "</dl>\n";
+  if (study.cases.size() > 1) text += "<figure>\n" + overviewOf(study, plan, outcome) + "</figure>\n";
   for (std::size_t c = 0; c < study.cases.size(); ++c) text += caseHtml(study, plan, outcome, c);
   return text + "</body>\n</html>\n";
 }

@@ -11,9 +11,13 @@ namespace c3de::study {
 namespace {
 
 /// Of every body that deforms.
-const std::map<std::string, std::string> kOfBodies{
-    {"spacing", "sampling.spacing"}, {"count", "sampling.count"},           {"neighbours", "sampling.neighbours"},
-    {"support", "sampling.support"}, {"evaluation", "sampling.evaluation"}, {"law", "material.law"}};
+const std::map<std::string, std::string> kOfBodies{{"spacing", "sampling.spacing"},
+                                                   {"count", "sampling.count"},
+                                                   {"neighbours", "sampling.neighbours"},
+                                                   {"support", "sampling.support"},
+                                                   {"evaluation", "sampling.evaluation"},
+                                                   {"law", "material.law"},
+                                                   {"poisson_ratio", "material.poisson_ratio"}};
 const std::map<std::string, std::string> kOfScene{{"integrator", "solver.integrator"},
                                                   {"dt", "solver.dt"},
                                                   {"precision", "solver.precision"},

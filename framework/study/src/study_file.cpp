@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "c3de/core/platform.h"
 #include "c3de/core/text.h"
 #include "c3de/scene/toml_document.h"
 
@@ -92,6 +93,7 @@ class Reader {
   }
 
   bool run(const TomlValue &table);
+  bool plugins(const TomlValue &value);
   bool oneCase(const TomlValue &table);
   bool quantity(const TomlValue &value, Quantity &out);
   bool reference(const TomlValue &table, const Quantity &quantity, Reference &out);
@@ -135,13 +137,33 @@ bool Reader::read(const TomlValue &root) {
 }
 
 bool Reader::run(const TomlValue &table) {
-  if (!keysAre(table, "[run]", {"repeat", "jobs", "time_limit", "seed", "samples"})) return false;
+  if (!keysAre(table, "[run]", {"repeat", "jobs", "time_limit", "seed", "samples", "plugins"})) return false;
   for (const auto &[key, value] : table.entries) {
     if (key == "repeat" && !whole(key, value, 1, 1000, study_.repeat)) return false;
     if (key == "jobs" && !whole(key, value, 1, 4096, study_.jobs.emplace())) return false;
     if (key == "time_limit" && !number(key, value, 0.0, study_.timeLimit_s, true)) return false;
     if (key == "seed" && !whole(key, value, 0, 9007199254740992.0, study_.seed)) return false;
     if (key == "samples" && !whole(key, value, 10, 50000, study_.samples)) return false;
+    if (key == "plugins" && !plugins(value)) return false;
+  }
+  return true;
+}
+
+/// A name is of those that come with the program for studies, what has a folder is relative to the study.
+bool Reader::plugins(const TomlValue &value) {
+  const char *accepted = "accepted: a list of names, as [\"baselines\"], or of files";
+  if (value.kind != TomlValue::Kind::array) return refuse(value.line, "plugins = " + value.shown() + "; " + accepted);
+  for (const TomlValue &item : value.items) {
+    std::string name;
+    if (!text("plugins", item, name)) return false;
+    const bool isFile = name.find_first_of("/\\") != std::string::npos || name.ends_with(pluginExtension());
+    const std::filesystem::path plugin =
+        isFile ? study_.source.parent_path() / name
+               : executablePath().parent_path() / ".." / "lib" / "c3de" / "study" / (name + pluginExtension());
+    study_.plugins.push_back(plugin.lexically_normal());
+    std::error_code code;
+    if (!std::filesystem::is_regular_file(study_.plugins.back(), code))
+      return refuse(item.line, "plugins: " + study_.plugins.back().string() + ": no such file; " + accepted);
   }
   return true;
 }
@@ -162,6 +184,9 @@ bool Reader::oneCase(const TomlValue &table) {
   // It is part of file names.
   if (one.name.find_first_of("/\\:*?\"<>|") != std::string::npos || one.name.front() == '.')
     return refuse(table.find("name")->line, "name = \"" + one.name + "\"; accepted: a name that a file can have");
+  if (one.name == "overview")
+    return refuse(table.find("name")->line,
+                  "name = \"overview\" is that of the picture of all cases; accepted: another");
   if (!file("scene", *table.find("scene"), one.scene)) return false;
   for (const auto &[key, value] : table.entries) {
     if (key == "until" && !number(key, value, 0.0, one.until_s.emplace(), true)) return false;
@@ -451,9 +476,9 @@ std::string Study::where(int line) const {
 }
 
 const std::vector<std::string> &leverNames() {
-  static const std::vector<std::string> names{"spacing",    "count",     "neighbours", "support",
-                                              "evaluation", "law",       "integrator", "dt",
-                                              "substeps",   "precision", "threads",    "simulator"};
+  static const std::vector<std::string> names{"spacing",   "count",         "neighbours", "support", "evaluation",
+                                              "law",       "poisson_ratio", "integrator", "dt",      "substeps",
+                                              "precision", "threads",       "simulator"};
   return names;
 }
 

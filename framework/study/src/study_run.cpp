@@ -286,6 +286,7 @@ Expected<void> writeOutputs(const Study &study, const Plan &plan, const Program 
   std::vector<std::pair<std::string, std::string>> files{{"study.csv", tableOf(study, plan, outcome)},
                                                          {"study.json", jsonOf(study, plan, program, outcome)},
                                                          {"report.html", reportOf(study, plan, program, outcome)}};
+  if (study.cases.size() > 1) files.emplace_back("overview.svg", overviewOf(study, plan, outcome));
   for (std::size_t c = 0; c < study.cases.size(); ++c)
     files.emplace_back(study.cases[c].name + ".svg", diagramOf(study, plan, outcome, c));
   for (const auto &[name, text] : files)

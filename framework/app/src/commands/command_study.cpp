@@ -26,12 +26,13 @@ struct StudyArguments {
 };
 
 /// The runs load what this command was told to load.
-std::vector<std::string> pluginOptions(const CommandLine &line) {
+std::vector<std::string> pluginOptions(const CommandLine &line, const study::Study &study) {
   std::vector<std::string> out;
   const auto add = [&](const char *option, const std::vector<std::string> &values) {
     for (const std::string &value : values) out.insert(out.end(), {option, value});
   };
   add("--plugin", line.plugins);
+  for (const std::filesystem::path &plugin : study.plugins) add("--plugin", {pathText(plugin)});
   add("--plugin-param", line.pluginParameters);
   add("--plugin-path", line.pluginPaths);
   add("--without", line.withoutPlugins);
@@ -75,6 +76,7 @@ int run(const StudyArguments &arguments, const CommandLine &line) {
   if (!program) return reportError(program.error());
   SessionOptions sessionOptions = line.sessionOptions();
   sessionOptions.threads = 1;
+  sessionOptions.pluginFiles.insert(sessionOptions.pluginFiles.end(), study->plugins.begin(), study->plugins.end());
   const auto journal = beginJournal(sessionOptions);
   auto session = Session::create(sessionOptions);
   if (!session) return reportError(session.error());
@@ -88,7 +90,7 @@ int run(const StudyArguments &arguments, const CommandLine &line) {
   const std::unique_ptr<study::Workers> workers =
       line.ranks != nullptr ? line.ranks->workers(study->jobs.value_or(line.ranks->count()))
                             : std::make_unique<study::LocalWorkers>(study::jobsFor(*study, *plan));
-  const study::StudyOptions options{pluginOptions(line), arguments.quiet};
+  const study::StudyOptions options{pluginOptions(line, *study), arguments.quiet};
   const auto outcome = study::runStudy(*study, *plan, *program, *folder, options, *workers);
   if (!outcome) return reportError(outcome.error());
   if (const auto written = study::writeOutputs(*study, *plan, *program, *outcome, arguments.folder); !written)

@@ -26,6 +26,9 @@ struct Curve {
 [[nodiscard]] std::string diagramOf(const Study &study, const Plan &plan, const Outcome &outcome, std::size_t ofCase,
                                     bool hasTitle = true);
 
+/// All cases beside each other in one picture (SVG): a small diagram each, of the curves that at least two cases have.
+[[nodiscard]] std::string overviewOf(const Study &study, const Plan &plan, const Outcome &outcome);
+
 /// All of the study as one page (HTML) that needs nothing beside it, for screens and paper.
 [[nodiscard]] std::string reportOf(const Study &study, const Plan &plan, const Program &program,
                                    const Outcome &outcome);

@@ -89,6 +89,7 @@ struct Study {
   double timeLimit_s = 3600.0;   ///< of a run
   std::uint64_t seed = 1;
   std::size_t samples = 1000;  ///< points inside the bodies and as many on their skins, where fields are compared
+  std::vector<std::filesystem::path> plugins;  ///< that its runs load beside those that every run does
   std::vector<Case> cases;
 
   /// "FILE:LINE"

@@ -76,7 +76,7 @@ struct StudyOptions {
 [[nodiscard]] Expected<Outcome> runStudy(const Study &study, const Plan &plan, const Program &program,
                                          const StudyFolder &folder, const StudyOptions &options, Workers &workers);
 
-/// study.csv, study.json, report.html and a CASE.svg per case.
+/// study.csv, study.json, report.html and a CASE.svg per case; of several cases overview.svg.
 [[nodiscard]] Expected<void> writeOutputs(const Study &study, const Plan &plan, const Program &program,
                                           const Outcome &outcome, const std::filesystem::path &folder);
 
