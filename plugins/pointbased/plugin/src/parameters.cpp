@@ -84,13 +84,13 @@ constexpr std::array kWorld{
          "Solver"},
         kPrecisions, "auto"),
     autoParam(
-        {C3DE_PARAM_ID_ERROR_PERCENT, "Error at most", "%",
+        {C3DE_PARAM_ID_ERROR_PERCENT, "Error at most, in %", "%",
          "How far off the skin of bodies may be at rest, as part of the largest displacement; bodies that are built "
          "from now on are sampled for it. auto: 5 % where that is affordable",
          "Accuracy"},
         {0.01, 100.0, 0.5, 20.0}, C3DE_PARAM_LOG_SCALE),
-    autoParam({C3DE_PARAM_ID_ERROR_MM, "Error at most", "mm", "The same in mm", "Accuracy"}, {1e-6, 1e4, 0.01, 10.0},
-              C3DE_PARAM_LOG_SCALE),
+    autoParam({C3DE_PARAM_ID_ERROR_MM, "Error at most, in mm", "mm", "The same in mm", "Accuracy"},
+              {1e-6, 1e4, 0.01, 10.0}, C3DE_PARAM_LOG_SCALE),
     autoParam({C3DE_PARAM_ID_BUDGET_MS, "Budget", "ms",
                "What 1/60 s of simulated time may take to compute, all bodies together: as accurate as that allows",
                "Accuracy"},
