@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "pointbased/interpolation.h"
 #include "pointbased/region.h"
@@ -22,7 +23,9 @@ struct LatticeSampling {
   std::size_t count = 1000;  ///< wanted phyxels
   std::vector<Refinement> refinements;
   double surfaceSpacing = 0.0;   ///< > 0: cells that the surface cuts are at most this large, m
-  Mat3 axes = Mat3::Identity();  ///< of the lattice, columns; a rotation
+  /// Of the lattice, columns; a rotation. Empty: along the faces of the body, where it has such (see latticeDirection()
+  /// in src/discretisation/lattice/lattice_direction.h), else along the world's axes.
+  std::optional<Mat3> axes;
   /// 0 … 0.3: phyxels whose cells lie wholly inside are moved by up to this part of the spacing
   double jitter = 0.0;
   std::uint64_t seed = 1;  ///< of the jitter
