@@ -267,7 +267,7 @@ Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &w
                                 const SamplingProgress &progress) {
   if (const auto valid = validate(shape, wanted); !valid) return refuse(valid.error());
   LatticeSampling sampling = wanted;
-  if (!sampling.axes) sampling.axes = latticeDirection(shape);
+  if (!sampling.axes) sampling.axes = latticeDirection(shape, sampling.held);
   const auto stage = [&](double fraction) { return !progress || progress(0.85 * fraction); };
   auto cut = sampling.spacing > 0.0 ? cutCells(shape, sampling, sampling.spacing, parallelFor, stage)
                                     : cutForCount(shape, sampling, parallelFor, stage);

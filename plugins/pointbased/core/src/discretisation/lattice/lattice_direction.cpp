@@ -5,12 +5,15 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace pointbased::lattice {
 namespace {
 
-// What turning must gain: of a curved organ every direction is as good as another, and it keeps the world's.
-constexpr double kWorthTurning = 0.75;
+// What m of a ball is, of which every direction is as good as another, and how much less a body with faces must have.
+constexpr double kOfBall = 0.4, kWorthTurning = 0.75;
+// From which gain in m on a lattice is turned, or from a quarter of what there is: a body that lies nearly straight stays.
+constexpr double kGain = 0.002;
 constexpr int kSweeps = 40;
 constexpr double kTurned = 1e-13;  // rad: no longer a turn
 
@@ -65,7 +68,7 @@ double bestTurn(const NormalMoments &m, const Vec3 &a, const Vec3 &b) {
   return std::hypot(sine, cosine) > 1e-12 ? 0.25 * std::atan2(sine, cosine) : 0.0;
 }
 
-Mat3 descend(const NormalMoments &moments, Mat3 axes) {
+Mat3 ascend(const NormalMoments &moments, Mat3 axes) {
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     double most = 0.0;
     for (int a = 0; a < 3; ++a) {
@@ -116,25 +119,47 @@ Mat3 named(const Mat3 &axes) {
   return best;
 }
 
-}  // namespace
-
-Mat3 latticeDirection(const BodyShape &shape) {
+// Along the faces of the body, or nothing where it has no direction of its own.
+std::optional<Mat3> alongFaces(const Surface &surface) {
   const Mat3 world = Mat3::Identity();
-  if (shape.shares || shape.surface.triangles.empty()) return world;
-  const NormalMoments moments(shape.surface);
-  if (!moments.known()) return world;
+  const NormalMoments moments(surface);
+  if (!moments.known()) return {};
   Mat3 best = world;
   double least = moments.misalignment(world);
-  const double enough = kWorthTurning * least - 1e-9;
+  const double enough = std::max(kWorthTurning * least - 1e-9, least - kGain);
   for (const Mat3 &start : starts(moments)) {
-    const Mat3 axes = descend(moments, start);
+    const Mat3 axes = ascend(moments, start);
     const double found = moments.misalignment(axes);
     if (found < least - 1e-9) {
       least = found;
       best = axes;
     }
   }
+  if (least > kWorthTurning * kOfBall) return {};
   return least < enough ? named(best) : world;
+}
+
+// The smallest turn that brings an axis of the world onto the normal of the first half-space.
+Mat3 alongBorder(std::span<const Region> held) {
+  for (const Region &region : held) {
+    const auto *half = std::get_if<HalfSpaceRegion>(&region);
+    if (half == nullptr) continue;
+    const Vec3 normal = half->normal.normalized();
+    int axis = 0;
+    const double along = normal.cwiseAbs().maxCoeff(&axis);
+    if (along > 1.0 - 1e-12) break;
+    const Vec3 from = normal[axis] > 0.0 ? Vec3::Unit(axis) : Vec3(-Vec3::Unit(axis));
+    return Eigen::Quaterniond::FromTwoVectors(from, normal).toRotationMatrix();
+  }
+  return Mat3::Identity();
+}
+
+}  // namespace
+
+Mat3 latticeDirection(const BodyShape &shape, std::span<const Region> held) {
+  if (shape.shares) return Mat3::Identity();
+  const std::optional<Mat3> faces = alongFaces(shape.surface);
+  return faces ? *faces : alongBorder(held);
 }
 
 }  // namespace pointbased::lattice
