@@ -3,8 +3,10 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <sstream>
 #include <tuple>
 
+#include "../unit/pointbased/shapes.h"
 #include "solid_shapes.h"
 #include "solved_body.h"
 #include "support/catch.h"
@@ -288,5 +290,38 @@ TEST_CASE("the lattice need not fit the beam: offset, jittered, turned", "[truth
     Problem twist = twisted(kWidth / 5, stVenantKirchhoff);
     twist.recipe.sampling.axes = problem.recipe.sampling.axes;
     solveAndCompare(twist, "beam_twist.stvk", {"torque"}, layers(5) + ", turned 30° about " + name, {0.02});
+  }
+}
+
+TEST_CASE("a turned beam bends as the straight one: 1.5 % with three layers, 0.7 % with five", "[truth]") {
+  const Vec3 axes[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), Vec3(1, 1, 1).normalized(),
+                       Vec3(1, 2, -0.5).normalized()};
+  const double angles[] = {30, 30, 45, 30, 70};
+  for (const int n : {3, 5})
+    for (std::size_t k = 0; k < 5; ++k) {
+      const Mat3 turn = Eigen::AngleAxisd(angles[k] * std::numbers::pi / 180.0, axes[k]).toRotationMatrix();
+      const Vec3 along = turn.col(0);
+      // Half-spaces a hair beyond the end faces hold and load these.
+      const Region root = HalfSpaceRegion{1e-7 * along, along}, tip = HalfSpaceRegion{(kLength - 1e-7) * along, -along};
+      std::ostringstream sampling;
+      sampling << layers(n) << ", body turned by " << angles[k] << "° about (" << axes[k].transpose() << ")";
+      const Limit limit{n == 3 ? 0.015 : 0.007};
+      Problem bent = Problem::rubber(shapes::turned(beam(), turn), kWidth / n).hold(root);
+      bent.pull(tip, turn * Vec3(0, 0, -1.6e-3));
+      solveAndCompare(bent, "beam_shear.stvk",
+                      {{"tip_mean_u_z", [=](SolvedBody &b) { return turn.col(2).dot(b.meanOver(tip)); }, limit}},
+                      sampling.str());
+    }
+}
+
+TEST_CASE("a cube bonded between turned faces: 3 % with six layers", "[truth]") {
+  const Mat3 turn = Eigen::AngleAxisd(0.9, Vec3(1, 2, -0.5).normalized()).toRotationMatrix();
+  const Vec3 up = turn.col(2);
+  for (const MaterialLaw law : {stVenantKirchhoff, neoHookean, corotated}) {
+    Problem problem = Problem::rubber(shapes::turned(cube(), turn), 0.1 / 6, law);
+    problem.hold(HalfSpaceRegion{1e-7 * up, up}).move(HalfSpaceRegion{(0.1 - 1e-7) * up, -up}, -0.02 * up);
+    solveAndCompare(problem, std::string("cube_compressed_20.") + nameOf(law),
+                    {{"force_z", [=](SolvedBody &b) { return up.dot(b.reaction(1).force); }, Limit{cubeLimit(6)}}},
+                    layers(6) + ", body turned");
   }
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace shapes {
 
@@ -53,6 +54,33 @@ BodyShape horseshoe() {
       inside[i] = outer && !slot ? 1.0 : 0.0;
     }
   };
+  return shape;
+}
+
+BodyShape turned(BodyShape shape, const Mat3 &turn) {
+  const auto back = [turn](std::span<const Vec3> points) {
+    std::vector<Vec3> out;
+    for (const Vec3 &x : points) out.push_back(turn.transpose() * x);
+    return out;
+  };
+  if (shape.inside)
+    shape.inside = [back, ask = shape.inside](std::span<const Vec3> points, std::span<double> out) {
+      ask(back(points), out);
+    };
+  if (shape.surfaceDistance)
+    shape.surfaceDistance = [back, ask = shape.surfaceDistance](std::span<const Vec3> points, std::span<double> out) {
+      ask(back(points), out);
+    };
+  if (shape.crosses)
+    shape.crosses = [back, ask = shape.crosses](std::span<const Vec3> from, std::span<const Vec3> to,
+                                                std::span<std::uint8_t> out) { ask(back(from), back(to), out); };
+  shape.min = Vec3::Constant(std::numeric_limits<double>::max());
+  shape.max = -shape.min;
+  for (Vec3 &x : shape.surface.positions) {
+    x = turn * x;
+    shape.min = shape.min.cwiseMin(x);
+    shape.max = shape.max.cwiseMax(x);
+  }
   return shape;
 }
 

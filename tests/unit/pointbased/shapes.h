@@ -18,6 +18,9 @@ using support::Random;
 /// Two lobes joined by a bridge: a U of 0.3 x 0.2 x 0.1 m, with a slot of 0.1 m.
 [[nodiscard]] pointbased::BodyShape horseshoe();
 
+/// The body turned about the origin, its surface with it.
+[[nodiscard]] pointbased::BodyShape turned(pointbased::BodyShape shape, const pointbased::Mat3 &turn);
+
 [[nodiscard]] pointbased::PhyxelCloud filled(const pointbased::BodyShape &shape, double spacing);
 [[nodiscard]] std::shared_ptr<const pointbased::RestState> restState(const pointbased::BodyShape &shape, double spacing,
                                                                      const pointbased::NeighborChoice &choice = {});

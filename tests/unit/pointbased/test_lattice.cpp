@@ -144,7 +144,7 @@ TEST_CASE("a constant stress is in balance with its tractions on the surface") {
     if (c.shape.surface.triangles.empty()) continue;
     INFO(c.name);
     const LatticeBody body = filled(c.shape, c.sampling);
-    const bool aligned = c.sampling.axes.isIdentity(0.0) && c.name != std::string("ball") &&
+    const bool aligned = (!c.sampling.axes || c.sampling.axes->isIdentity(0.0)) && c.name != std::string("ball") &&
                          c.name != std::string("beam beside the lattice");
     CHECK(patchError(body, c.shape) < (aligned ? 1e-3 : 0.03));
   }
@@ -387,7 +387,7 @@ TEST_CASE("what cannot be put on a lattice is refused with the value and what is
   CHECK_THAT(error([](S &s, BodyShape &) { s.spacing = 1e-300; }), Contains("larger spacing"));
   CHECK_THAT(error([](S &s, BodyShape &) { s.spacing = 0.0, s.count = 0; }), Contains("count = 0"));
   CHECK_THAT(error([](S &s, BodyShape &) { s.jitter = 0.5; }), Contains("jitter = 0.5"));
-  CHECK_THAT(error([](S &s, BodyShape &) { s.axes *= 2.0; }), Contains("rotation"));
+  CHECK_THAT(error([](S &s, BodyShape &) { s.axes = 2.0 * Mat3::Identity(); }), Contains("rotation"));
   CHECK_THAT(error([](S &s, BodyShape &) { s.surfaceSpacing = -1.0; }), Contains("surfaceSpacing"));
   CHECK_THAT(error([](S &s, BodyShape &) { s.surfaceSpacing = 1e-7; }), Contains("surfaceSpacing"));
   CHECK_THAT(error([](S &s, BodyShape &) { s.refinements = {{EverywhereRegion{}, 0.0}}; }), Contains("refinement 0"));

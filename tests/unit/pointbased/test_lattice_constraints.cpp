@@ -93,6 +93,21 @@ TEST_CASE("borders of held regions lie in the middle of cells, held faces on cor
   CHECK_THAT(offset(0.083, filled(beam(), sampling)), WithinAbs(0.0, 1e-6));
 }
 
+TEST_CASE("a lobe that one cell spans is held against turning wherever its border runs through the cells") {
+  // Cells on edge, as long across as the beam is thick: borders through their edges have one patch over the thickness,
+  // whose mean alone would be a hinge. A section held all over has a twelfth of the square of its thickness.
+  const double thickness = 0.04, spacing = thickness / std::sqrt(2.0);
+  for (int k = 0; k < 16; ++k) {
+    const double x = 0.1 + 0.5 * thickness * k / 16.0;
+    INFO("border at " << x);
+    const LatticeBody body = filled(beam(), holding(spacing, leftOf(x), rotation(1, 45)));
+    const std::vector<Vec3> centres = rowCentres(body, body.held[0]);
+    double moment = 0.0;
+    for (std::size_t r = 0; r < centres.size(); ++r) moment += body.held[0].areas[r] * std::pow(centres[r][2], 2);
+    CHECK(moment / sum(body.held[0].areas) > 0.4 * thickness * thickness / 12.0);
+  }
+}
+
 TEST_CASE("a face that is held has its phyxels held, where there are some on it") {
   for (const Region &region : {leftOf(0.0), leftOf(1e-4), Region(BoxRegion{Vec3(-1, -1, -1), Vec3(1e-4, 1, 1)})}) {
     const LatticeBody body = filled(beam(), holding(0.01, region));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "pointbased/interpolation.h"
 #include "pointbased/region.h"
@@ -21,8 +22,10 @@ struct LatticeSampling {
   double spacing = 0.0;      ///< edge of the cells, m; 0: from count
   std::size_t count = 1000;  ///< wanted phyxels
   std::vector<Refinement> refinements;
-  double surfaceSpacing = 0.0;   ///< > 0: cells that the surface cuts are at most this large, m
-  Mat3 axes = Mat3::Identity();  ///< of the lattice, columns; a rotation
+  double surfaceSpacing = 0.0;  ///< > 0: cells that the surface cuts are at most this large, m
+  /// Of the lattice, columns; a rotation. Empty: along the faces of the body, where it has such, else along the border
+  /// of the first half-space among `held`, else along the world's axes (latticeDirection() in src/discretisation/lattice)
+  std::optional<Mat3> axes;
   /// 0 … 0.3: phyxels whose cells lie wholly inside are moved by up to this part of the spacing
   double jitter = 0.0;
   std::uint64_t seed = 1;  ///< of the jitter

@@ -161,6 +161,7 @@ Result<Rereferencing> detail::renewedLattice(const Body &body, const ParallelFor
   BodyRecipe recipe;
   recipe.sampling = old.sampling;
   recipe.sampling.spacing = old.spacing;
+  recipe.sampling.axes = old.stencils.axes;  // what modes remember is in these
   recipe.reshape = old.reshape;
   auto filled = buildRestState(*shape, recipe, skin.normals, parallelFor);
   if (!filled) return refuse(filled.error());

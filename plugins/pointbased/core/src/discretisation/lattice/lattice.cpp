@@ -8,6 +8,7 @@
 #include "base/number_text.h"
 #include "discretisation/lattice/cell_map.h"
 #include "discretisation/lattice/lattice_constraints.h"
+#include "discretisation/lattice/lattice_direction.h"
 #include "discretisation/lattice/lattice_jitter.h"
 #include "discretisation/lattice/lattice_masses.h"
 
@@ -37,8 +38,8 @@ Result<void> validate(const BodyShape &shape, const LatticeSampling &sampling) {
     return refuse("jitter = " + number(sampling.jitter, 4) + " is not accepted: 0 … 0.3");
   if (!(sampling.surfaceSpacing >= 0.0) || !std::isfinite(sampling.surfaceSpacing))
     return refuse("surfaceSpacing = " + number(sampling.surfaceSpacing, 4) + " m is not accepted: finite and >= 0");
-  if (!((sampling.axes.transpose() * sampling.axes - Mat3::Identity()).norm() < 1e-9) ||
-      !(sampling.axes.determinant() > 0.0))
+  if (sampling.axes && (!((sampling.axes->transpose() * *sampling.axes - Mat3::Identity()).norm() < 1e-9) ||
+                        !(sampling.axes->determinant() > 0.0)))
     return refuse("axes are not a rotation");
   const auto check = [](const char *name, std::size_t i, const Region &region) -> Result<void> {
     const Result<void> valid = validate(region);
@@ -262,9 +263,11 @@ Result<void> assignMaterials(const LatticeSampling &sampling, LatticeBody &body)
 
 }  // namespace
 
-Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &sampling, const ParallelFor &parallelFor,
+Result<LatticeBody> fillLattice(const BodyShape &shape, const LatticeSampling &wanted, const ParallelFor &parallelFor,
                                 const SamplingProgress &progress) {
-  if (const auto valid = validate(shape, sampling); !valid) return refuse(valid.error());
+  if (const auto valid = validate(shape, wanted); !valid) return refuse(valid.error());
+  LatticeSampling sampling = wanted;
+  if (!sampling.axes) sampling.axes = latticeDirection(shape, sampling.held);
   const auto stage = [&](double fraction) { return !progress || progress(0.85 * fraction); };
   auto cut = sampling.spacing > 0.0 ? cutCells(shape, sampling, sampling.spacing, parallelFor, stage)
                                     : cutForCount(shape, sampling, parallelFor, stage);

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "discretisation/lattice/lattice_constraints.h"
 
+#include <Eigen/Eigenvalues>
+
 namespace pointbased::lattice {
 namespace {
 
 constexpr double kSmall = 1.0 / kSamplesPerAxis;
 // Rows with less weight than this on phyxels that are not held themselves say nothing new.
 constexpr double kLoose = 0.05;
+// Largest variance, edges², of a border that is held by one mean: a little more than 1/12, that of one along the
+// lattice.
+constexpr double kLongBorder = 0.09;
 
 // How a region cuts one small cell, as if its border were a plane there.
 struct RegionCut {
@@ -100,9 +105,8 @@ HeldPatch measureVolume(const CellSet &set, const CutCellFragment &part, const M
     if (!(layers > -reach && layers <= reach) || divided.border <= 0.0) continue;
     const double area = divided.border * width * width / (2.0 * reach);
     const double off = cut.distance / edge + cut.normal.dot(content.centre - sampleOffset(s));
-    const std::array<double, 8> functions = trilinear(content.centre - off * cut.normal);
     patch.borderArea += area;
-    for (std::size_t j = 0; j < 8; ++j) patch.border[j] += area * functions[j];
+    patch.border.push_back({content.centre - off * cut.normal, area});
   }
   return patch;
 }
@@ -179,7 +183,7 @@ class Holder {
     findPhyxels();
     for (const HeldPatch &patch : patches_) {
       if (hasBorder(patch))
-        addRow(patch, patch.borderArea, patch.border);
+        addBorder(patch);
       else if (patch.thin && patch.borderArea > 0.0)
         addRow(patch, patch.facingArea, patch.facing);
       else if (patch.thin)
@@ -255,6 +259,30 @@ class Holder {
     }
     for (std::size_t i = 0; i < n; ++i)
       if (held_[i] != 0) result_.phyxels.push_back(static_cast<Index>(i));
+  }
+
+  // One row for the border in a cell, or one for each half of it across its longest way: a border that runs through
+  // the edges of a cell is longer than the cell, and where a lobe is no wider than that its mean alone is a hinge.
+  void addBorder(const HeldPatch &patch) {
+    Vec3 middle = Vec3::Zero();
+    Mat3 spread = Mat3::Zero();
+    for (const BorderPiece &piece : patch.border) {
+      middle += piece.area / patch.borderArea * piece.place;
+      spread += piece.area / patch.borderArea * piece.place * piece.place.transpose();
+    }
+    spread -= middle * middle.transpose();
+    const Eigen::SelfAdjointEigenSolver<Mat3> extent(spread);
+    const bool two = extent.eigenvalues()[2] > kLongBorder;
+    std::array<double, 2> areas{};
+    std::array<std::array<double, 8>, 2> functions{};
+    for (const BorderPiece &piece : patch.border) {
+      const std::size_t half = two && extent.eigenvectors().col(2).dot(piece.place - middle) > 0.0 ? 1 : 0;
+      const std::array<double, 8> there = trilinear(piece.place);
+      areas[half] += piece.area;
+      for (std::size_t j = 0; j < 8; ++j) functions[half][j] += piece.area * there[j];
+    }
+    for (const std::size_t half : {0u, 1u})
+      if (areas[half] > 0.0) addRow(patch, areas[half], functions[half]);
   }
 
   void addRow(const HeldPatch &patch, double area, const std::array<double, 8> &functions) {

@@ -13,12 +13,18 @@ struct PartContent {
   [[nodiscard]] bool isFree() const { return free.share > 1e-3 * all.share; }
 };
 
+/// A piece of a region's border inside the body.
+struct BorderPiece {
+  Vec3 place = Vec3::Zero();  ///< in edges of the cell from its centre
+  double area = 0.0;          ///< m²
+};
+
 /// What a held region has in common with one part; means are area-weighted.
 struct HeldPatch {
   Index part = 0;
   Moments held;                     ///< material inside the region
   double borderArea = 0.0;          ///< of the region's border inside the body, m²
-  std::array<double, 8> border{};   ///< Σ area N_j there, m²
+  std::vector<BorderPiece> border;  ///< the pieces of it
   double surfaceArea = 0.0;         ///< of the body's surface inside the region, m²
   std::array<double, 8> surface{};  ///< Σ area N_j there, m²
   /// Of that, what faces away from the border: the other side of a held layer, m²

@@ -165,7 +165,7 @@ void alignTo(double corner, double min, double max, int axis, Frame &frame) {
 }  // namespace
 
 Frame frameOver(const BodyShape &shape, const LatticeSampling &sampling, double spacing) {
-  const Mat3 &axes = sampling.axes;
+  const Mat3 axes = sampling.axes.value_or(Mat3::Identity());
   Frame frame;
   frame.origin = 0.5 * (shape.min + shape.max);
   frame.axes = axes;
