@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 
 #include "base/number_text.h"
 #include "pointbased/accuracy.h"
@@ -15,6 +17,7 @@ namespace {
 constexpr double kConstant = -0.25, kDifference = 1.12, kOrder = 1.75;
 constexpr double kSpread = 0.45;       // standard deviation of log error near the fine trial
 constexpr double kSpreadPerWay = 0.3;  // more of it per log of the way to finer spacings
+constexpr double kSpreadBeyond = 0.6;  // likewise on the way to spacings coarser than any that was tried
 constexpr double kNineOfTen = 1.645;   // standard deviations on both sides
 constexpr double kLeastDifference = 1e-5;
 constexpr double kFewest = 50.0;                     // phyxels that are proposed
@@ -34,14 +37,49 @@ double materialFactor(const Constitution &constitution) {
   return factor;
 }
 
+struct Limits {
+  double share = kStandardError;                            // of the largest displacement
+  double budget = std::numeric_limits<double>::infinity();  // s
+};
+
+Limits limitsOf(const AccuracyWish &wish, const AccuracySurvey &survey) {
+  Limits out;
+  switch (wish.kind) {
+    case AccuracyWish::Kind::standard: out.budget = kStandardBudget / std::max(1.0, wish.value); break;
+    case AccuracyWish::Kind::share: out.share = wish.value; break;
+    case AccuracyWish::Kind::length: out.share = survey.largest > 0.0 ? wish.value / survey.largest : 1.0; break;
+    case AccuracyWish::Kind::budget: out = {0.0, wish.value}; break;
+  }
+  return out;
+}
+
+/// The spacing nearest to `from` at which a condition holds that holds from somewhere on towards `to`; `to` where it
+/// holds nowhere.
+double firstGood(double from, double to, const std::function<bool(double)> &isGood) {
+  if (isGood(from)) return from;
+  for (int i = 0; i < 60; ++i) {
+    const double mid = std::sqrt(from * to);
+    (isGood(mid) ? to : from) = mid;
+  }
+  return to;
+}
+
 std::string percent(double share) { return detail::number(100.0 * share, 2) + " %"; }
+
+std::string errorUnmet(const SamplingChoice &choice, const Limits &limits, bool isLimitedByTime) {
+  return "an error of at most " + percent(limits.share) + " is not sure to be had " +
+         (isLimitedByTime ? "within " + detail::number(1e3 * limits.budget, 3) + " ms a frame"
+                          : "with up to " + detail::number(kMostPhyxelsOfDial, 6) + " phyxels") +
+         "; expected are " + percent(choice.error.share) + " with " + std::to_string(choice.count);
+}
 
 }  // namespace
 
 ErrorPrediction predictError(const AccuracySurvey &survey, double spacing) {
   const double way = std::log(spacing / survey.fine.spacing);
   const double log = kConstant + kDifference * std::log(std::max(survey.difference, kLeastDifference)) + kOrder * way;
-  const double spread = kSpread + kSpreadPerWay * std::max(0.0, -way);
+  const double beyond = std::max(0.0, std::log(spacing / survey.coarse.spacing));
+  const double spread = kSpread + kSpreadPerWay * std::max(0.0, -way) + kSpreadBeyond * beyond;
   ErrorPrediction out;
   out.share = std::exp(log);
   out.low = std::exp(log - kNineOfTen * spread);
@@ -84,64 +122,38 @@ FrameCost predictCost(const AccuracySurvey &survey, const Constitution &constitu
 
 SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
                               const CostSetting &setting, const AccuracyWish &wish) {
-  const double finest = survey.spacingFor(kMostPhyxelsOfDial), coarsest = survey.spacingFor(kFewest);
-  const auto costAt = [&](double d) { return predictCost(survey, constitution, setting, d); };
-  // Error grows and cost falls with the spacing: bisection for where a condition begins to hold or ends.
-  const auto largestWhere = [&](const std::function<bool(double)> &good) {
-    double low = finest, high = coarsest;
-    if (good(high)) return high;
-    for (int i = 0; i < 60; ++i) {
-      const double mid = std::sqrt(low * high);
-      (good(mid) ? low : high) = mid;
-    }
-    return low;
-  };
-  const auto smallestWhere = [&](const std::function<bool(double)> &good) {
-    double low = finest, high = coarsest;
-    if (good(low)) return low;
-    for (int i = 0; i < 60; ++i) {
-      const double mid = std::sqrt(low * high);
-      (good(mid) ? high : low) = mid;
-    }
-    return high;
-  };
-  double share = kStandardError, budget = std::numeric_limits<double>::infinity();
-  switch (wish.kind) {
-    case AccuracyWish::Kind::standard: budget = kStandardBudget / std::max(1.0, wish.value); break;
-    case AccuracyWish::Kind::share: share = wish.value; break;
-    case AccuracyWish::Kind::length: share = survey.largest > 0.0 ? wish.value / survey.largest : 1.0; break;
-    case AccuracyWish::Kind::budget:
-      share = 0.0;
-      budget = wish.value;
-      break;
-  }
+  const Limits limits = limitsOf(wish, survey);
   const bool isStatic = setting.world.integrator == Integrator::quasiStatic;
-  const double forBudget = isStatic || !std::isfinite(budget)
-                               ? finest
-                               : smallestWhere([&](double d) { return 1e-3 * costAt(d).ms <= kBudgetToUse * budget; });
   // Who wishes wants to be sure of it; what nobody has wished for is to be so at even odds.
   const bool isSure = wish.kind != AccuracyWish::Kind::standard;
-  const auto expected = [&](double d) {
+  const auto errorAt = [&](double d) {
     const ErrorPrediction error = predictError(survey, d);
     return isSure ? error.likely : error.share;
   };
-  const double forError = largestWhere([&](double d) { return expected(d) <= share; });
+  const auto costAt = [&](double d) { return predictCost(survey, constitution, setting, d); };
+  const double finest = survey.spacingFor(kMostPhyxelsOfDial);
+  double forBudget = finest;
+  if (!isStatic && std::isfinite(limits.budget))
+    forBudget = firstGood(finest, survey.spacingFor(kFewest),
+                          [&](double d) { return 1e-3 * costAt(d).ms <= kBudgetToUse * limits.budget; });
+  // No coarser than what was tried: that costs next to nothing.
+  const double forError =
+      firstGood(survey.coarse.spacing, finest, [&](double d) { return errorAt(d) <= limits.share; });
   SamplingChoice out;
   out.spacing = std::max(forError, forBudget);
-  if (wish.kind == AccuracyWish::Kind::standard)
-    out.spacing =
-        std::min(out.spacing, survey.spacingFor(static_cast<double>(automaticCount(survey.volume, survey.area))));
+  if (!isSure) {
+    const auto least = static_cast<double>(automaticCount(survey.volume, survey.area));
+    out.spacing = std::min(out.spacing, survey.spacingFor(least));
+  }
   out.count = static_cast<std::size_t>(std::lround(survey.phyxelsAt(out.spacing)));
   out.error = predictError(survey, out.spacing);
   out.largest = survey.largest;
   out.cost = costAt(out.spacing);
-  if (wish.kind != AccuracyWish::Kind::budget && expected(out.spacing) > 1.001 * share)
-    out.unmet = "an error of " + percent(share) + " cannot be had " +
-                (forBudget > finest ? "within " + detail::number(1e3 * budget, 3) + " ms a frame"
-                                    : "with up to " + detail::number(kMostPhyxelsOfDial, 6) + " phyxels") +
-                "; expected are " + percent(out.error.share) + " with " + std::to_string(out.count);
-  if (1e-3 * out.cost.ms > budget && !isStatic)
-    out.unmet = detail::number(1e3 * budget, 3) + " ms a frame cannot be had; expected are " +
+  const bool isWithin = isStatic || 1e-3 * out.cost.ms <= limits.budget;
+  if (wish.kind != AccuracyWish::Kind::budget && errorAt(out.spacing) > 1.001 * limits.share)
+    out.unmet = errorUnmet(out, limits, forBudget > finest);
+  if (!isWithin)
+    out.unmet = detail::number(1e3 * limits.budget, 3) + " ms a frame cannot be had; expected are " +
                 detail::number(out.cost.ms, 3) + " ms with " + std::to_string(out.count) + " phyxels";
   return out;
 }
