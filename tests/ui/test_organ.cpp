@@ -97,6 +97,40 @@ TEST_CASE("a mesh alone falls on a floor and stays in sight", "[organ_floor]") {
                     [](const Json &node) { return node.dump().find("World box") != std::string::npos; }));
 }
 
+TEST_CASE("a paused organ is verified: an error bar, and colours until it moves on", "[organ_verify]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_verify");
+  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "verified.toml";
+  fs::create_directories(scene.parent_path());
+  std::ofstream(scene) << "format = 1\ntitle = \"Hanging organ\"\n[world]\ngravity = [0.0, 0.0, "
+                          "-9.81]\n[solver]\ndamping = 20.0\n[view]\n"
+                          "colour = \"verified\"\n[[body]]\nname = \"organ\"\nmesh = \""
+                       << organMesh().generic_string()
+                       << "\"\nmesh_unit = \"mm\"\nmaterial = { youngs_modulus = 6e3, poisson_ratio = 0.4 }\n"
+                          "sampling = { count = 400 }\n[[fix]]\nregion = { half_space = { point = [-0.06, 0, 0], "
+                          "normal = [1, 0, 0] } }\n";
+  window.start({scene.string(), "--play"});
+  window.waitUntil(
+      "a part of a second is simulated",
+      [](const Json &s) { return !row(s, "Surfels").empty() && s["transport"]["time_s"].get<double>() > 0.3; }, 120.0);
+  window.key("space");
+  window.waitUntil("it is paused", [](const Json &s) { return mode(s) == "paused"; });
+  const std::string hash = row(window.state(), "State hash");
+  CHECK(row(window.state(), "Colours").empty());
+  window.click(std::string(kPanel) + "verify");
+  const Json verified = window.waitUntil(
+      "the error bar is there", [](const Json &s) { return row(s, "organ").starts_with("±"); }, 120.0);
+  CHECK(row(verified, "organ").find(" mm (") != std::string::npos);
+  CHECK_FALSE(row(verified, "Shadow").empty());
+  CHECK(row(verified, "State hash") == hash);
+  window.waitUntil("the colours are those of the verification",
+                   [](const Json &s) { return row(s, "Colours").starts_with("Error, verified, 0"); });
+  window.screenshot("verified");
+  window.click(std::string(kPanel) + "step");
+  window.waitUntil("the state has moved on", [](const Json &s) { return row(s, "Colours").empty(); });
+  window.screenshot("moved_on");
+}
+
 TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pinch]") {
   C3DE_ORGAN_OR_SKIP();
   WorkstationDriver window("organ_pinch");

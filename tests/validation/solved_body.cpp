@@ -85,6 +85,19 @@ SolvedBody::SolvedBody(const Problem &problem) : shape_(problem.shape) {
   milliseconds_ = watch.milliseconds();
 }
 
+SolvedBody::SolvedBody(const Problem &problem, const Verification &verification)
+    : shape_(problem.shape), rest_(verification.shadowRest), reactions_(verification.shadowReactions) {
+  id_ = simulator_.addBody(
+      std::make_unique<Body>("shadow", rest_, Constitution{{problem.material}, kLatticeStabilisation}, serialFor()));
+  body().state().displacements = verification.shadowDisplacements;
+}
+
+Verification SolvedBody::verify(const Problem &problem) {
+  auto verified = pointbased::verify(standingBody(simulator_, id_), problem.shape, problem.recipe, serialFor());
+  if (!verified) throw std::runtime_error(verified.error());
+  return std::move(*verified);
+}
+
 void SolvedBody::run(double until) {
   const Stopwatch watch;
   while (simulator_.time() < until)
@@ -139,7 +152,9 @@ Vec3 SolvedBody::meanWithin(const Region &region) {
 
 Vec3 SolvedBody::displacementAt(const Vec3 &X) { return displacementsOf({X}, {}).front(); }
 
-Reaction SolvedBody::reaction(std::size_t fix) { return simulator_.reactions(id_).at(fix); }
+Reaction SolvedBody::reaction(std::size_t fix) {
+  return reactions_ ? reactions_->at(fix) : simulator_.reactions(id_).at(fix);
+}
 
 Vec3 SolvedBody::torqueAboutOrigin(std::size_t fix) {
   const Reaction r = reaction(fix);

@@ -2,7 +2,10 @@
 // One body through the engine as a program would use it: filled, held, loaded, solved, measured.
 #pragma once
 
+#include <optional>
+
 #include "pointbased/simulator.h"
+#include "pointbased/verification.h"
 
 namespace validation {
 
@@ -37,7 +40,11 @@ class SolvedBody {
  public:
   /// Builds; quasi-static problems are solved to their end.
   explicit SolvedBody(const Problem &problem);
+  /// The shadow that a verification has solved.
+  SolvedBody(const Problem &problem, const pointbased::Verification &verification);
 
+  /// Verifies the present state; throws with what is refused.
+  [[nodiscard]] pointbased::Verification verify(const Problem &problem);
   [[nodiscard]] pointbased::Simulator &simulator() { return simulator_; }
   [[nodiscard]] pointbased::Body &body() { return *simulator_.body(id_); }
   [[nodiscard]] const pointbased::RestState &rest() const { return *rest_; }
@@ -64,6 +71,7 @@ class SolvedBody {
   std::shared_ptr<const pointbased::RestState> rest_;
   pointbased::Simulator simulator_;
   std::size_t id_ = 0;
+  std::optional<std::vector<pointbased::Reaction>> reactions_;  // instead of the simulator's
   double milliseconds_ = 0.0;
 };
 

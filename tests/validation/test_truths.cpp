@@ -11,6 +11,7 @@
 #include "solved_body.h"
 #include "support/catch.h"
 #include "truth_file.h"
+#include "truth_problems.h"
 #include "validation_table.h"
 
 using namespace pointbased;
@@ -20,41 +21,7 @@ namespace {
 
 using enum MaterialLaw;
 
-constexpr double kWidth = 0.04, kLength = 0.2;  // of the beams, m
-
-const char *nameOf(MaterialLaw law) {
-  return law == stVenantKirchhoff ? "stvk"
-         : law == corotated       ? "corotated"
-         : law == neoHookean      ? "neo_hookean"
-                                  : "linear";
-}
-
-BodyShape beam(double length = kLength) {
-  return solids::box(Vec3(0, -0.5 * kWidth, -0.5 * kWidth), Vec3(length, 0.5 * kWidth, 0.5 * kWidth));
-}
-BodyShape cube() { return solids::box(Vec3(-0.05, -0.05, 0), Vec3(0.05, 0.05, 0.1)); }
-
-Problem cantilever(double spacing, MaterialLaw law, double shear, double length = kLength) {
-  Problem problem = Problem::rubber(beam(length), spacing, law);
-  problem.hold(face(0, 0.0));
-  if (shear != 0.0) problem.pull(face(0, length), Vec3(0, 0, shear));
-  return problem;
-}
-
 std::string layers(int n) { return ", " + std::to_string(n) + " layers"; }
-
-/// What a solution gives for a truth, by the last part of its name.
-double quantityOf(SolvedBody &body, const std::string &quantity, double length) {
-  if (quantity == "tip_mean_u_z") return body.meanOver(face(0, length))[2];
-  if (quantity == "tip_mean_u_x") return body.meanOver(face(0, length))[0];
-  if (quantity == "torque") return body.torqueAboutOrigin(1)[0];
-  if (quantity == "axial_force") return body.reaction(1).force[0];
-  if (quantity == "force_x") return body.reaction(1).force[0];
-  if (quantity == "force_z") return body.reaction(1).force[2];
-  if (quantity == "bulge")
-    return body.meanOver(Region(BoxRegion{Vec3(0.049, -0.06, 0.0499), Vec3(0.051, 0.06, 0.0501)}))[0];
-  throw std::runtime_error("no such quantity: " + quantity);
-}
 
 using Limit = std::optional<double>;
 
@@ -97,23 +64,6 @@ void solveAndCompare(const Problem &problem, const std::string &truthCase, const
     all.emplace_back(
         name, [=](SolvedBody &body) { return quantityOf(body, name, length); }, limit);
   solveAndCompare(problem, truthCase, all, sampling);
-}
-
-Problem twisted(double spacing, MaterialLaw law) {
-  Problem problem = Problem::rubber(beam(), spacing, law);
-  return problem.hold(face(0, 0.0)).turn(face(0, kLength), Vec3(90, 0, 0), Vec3(kLength, 0, 0));
-}
-
-Problem sagging(double spacing, MaterialLaw law, double gravity) {
-  Problem problem = cantilever(spacing, law, 0.0);
-  problem.world.gravity = Vec3(0, 0, -gravity);
-  return problem;
-}
-
-Problem bondedCube(double spacing, MaterialLaw law, const Vec3 &move, double nu = 0.3) {
-  Problem problem = Problem::rubber(cube(), spacing, law);
-  problem.material.poissonRatio = nu;
-  return problem.hold(face(2, 0.0)).move(face(2, 0.1), move);
 }
 
 double beamLimit(int n) { return n <= 3 ? 0.01 : 0.003; }
@@ -206,31 +156,20 @@ TEST_CASE("curved bodies: 5 % with 160 phyxels, 1.5 % with 550", "[truth]") {
     for (const std::size_t count : {160u, 550u}) {
       const Limit limit{count == 160 ? 0.05 : 0.015};
       const std::string of = std::string(".") + nameOf(law), sampling = ", " + std::to_string(count) + " phyxels";
-      const auto counted = [&](const BodyShape &shape) {
-        Problem problem = Problem::rubber(shape, 0.0, law);
-        problem.recipe.sampling.count = count;
-        return problem;
-      };
-      Problem ball = counted(solids::halfBall(0.05)).hold(face(2, 0.0));
-      ball.world.gravity = Vec3(18, 0, 0);
       const double s = 0.05 * std::numbers::sqrt2 / 2;
-      solveAndCompare(ball, "half_ball" + of,
+      solveAndCompare(halfBall(count, law), "half_ball" + of,
                       {{"top_u_x", [](SolvedBody &b) { return b.displacementAt(Vec3(0, 0, 0.05))[0]; }, limit},
                        {"mean_u_x", [](SolvedBody &b) { return b.meanWithin(Region())[0]; }, limit},
                        // A sum of parts of either sign, a quarter of the sideways motion there.
                        {"side_u_z", [=](SolvedBody &b) { return b.displacementAt(Vec3(s, 0, s))[2]; }, {}}},
                       sampling);
-      const auto ring = [&](const Vec3 &force) {
-        return counted(solids::ringQuarter(0.1, 0.04)).hold(face(1, 0.0)).pull(face(0, 0.0), force);
-      };
       const auto tip = [](int axis) { return [axis](SolvedBody &b) { return b.meanOver(face(0, 0.0))[axis]; }; };
-      solveAndCompare(ring(Vec3(0, 0, -0.02)), "ring_transverse" + of, {{"tip_mean_u_z", tip(2), limit}}, sampling);
-      solveAndCompare(ring(Vec3(0, -0.03, 0)), "ring_in_plane" + of,
+      solveAndCompare(ringQuarter(count, law, Vec3(0, 0, -0.02)), "ring_transverse" + of,
+                      {{"tip_mean_u_z", tip(2), limit}}, sampling);
+      solveAndCompare(ringQuarter(count, law, Vec3(0, -0.03, 0)), "ring_in_plane" + of,
                       {{"tip_mean_u_y", tip(1), limit}, {"tip_mean_u_x", tip(0), limit}}, sampling);
-      Problem hanging = counted(solids::ellipsoid(Vec3(0.06, 0.04, 0.03))).hold(slab(2, 0.024, 1.0));
       const auto sag = truth("ellipsoid" + of + ".bottom_u_z");
-      hanging.world.gravity = Vec3(0, 0, sag ? sag->gravity[2] : -9.81);
-      solveAndCompare(hanging, "ellipsoid" + of,
+      solveAndCompare(hangingEllipsoid(count, law, sag ? sag->gravity[2] : -9.81), "ellipsoid" + of,
                       {{"bottom_u_z", [](SolvedBody &b) { return b.displacementAt(Vec3(0, 0, -0.03))[2]; }, limit},
                        {"mean_u_z", [](SolvedBody &b) { return b.meanWithin(slab(2, -1.0, 0.024))[2]; }, limit}},
                       sampling);
@@ -238,31 +177,21 @@ TEST_CASE("curved bodies: 5 % with 160 phyxels, 1.5 % with 550", "[truth]") {
 }
 
 TEST_CASE("indentation by a bonded patch: 5 % with ten layers", "[truth]") {
-  const Region patch = BoxRegion{Vec3(-0.015, -0.015, 0.05 - 1e-7), Vec3(0.015, 0.015, 0.05 + 1e-7)};
   for (const char *name :
        {"indentation_2mm_nu0.3.stvk", "indentation_2mm_nu0.45.stvk", "indentation_2mm_nu0.3.neo_hookean",
         "indentation_2mm_nu0.45.neo_hookean", "indentation_5mm_nu0.3.neo_hookean"}) {
     const std::string of = name;
-    Problem problem = Problem::rubber(solids::box(Vec3(-0.05, -0.05, 0), Vec3(0.05, 0.05, 0.05)), 0.005,
-                                      of.ends_with("stvk") ? stVenantKirchhoff : neoHookean);
-    problem.material.poissonRatio = of.find("0.45") != std::string::npos ? 0.45 : 0.3;
-    problem.hold(face(2, 0.0)).move(patch, Vec3(0, 0, of.find("5mm") != std::string::npos ? -0.005 : -0.002));
+    const Problem problem = indentation(0.005, of.ends_with("stvk") ? stVenantKirchhoff : neoHookean,
+                                        of.find("0.45") != std::string::npos ? 0.45 : 0.3,
+                                        of.find("5mm") != std::string::npos ? 0.005 : 0.002);
     solveAndCompare(problem, of, {"force_z"}, layers(10), {0.05});
   }
 }
 
 TEST_CASE("pressure that follows its face, and two materials", "[truth]") {
   for (const bool follows : {true, false}) {
-    Problem problem = Problem::rubber(solids::box(Vec3(0, -0.02, -0.01), Vec3(0.2, 0.02, 0.01)), 0.02 / 5, neoHookean);
-    problem.hold(face(0, 0.0));
-    Load load;
-    load.region = face(2, 0.01);
-    if (follows)
-      load.pressure = 5.0;
-    else
-      load.force = Vec3(0, 0, -5.0 * 0.2 * 0.04);
-    problem.recipe.loads.push_back(load);
-    solveAndCompare(problem, follows ? "pressure_follower.neo_hookean" : "pressure_dead.neo_hookean",
+    solveAndCompare(pressedBeam(0.02 / 5, follows),
+                    follows ? "pressure_follower.neo_hookean" : "pressure_dead.neo_hookean",
                     {"tip_mean_u_z", "tip_mean_u_x"}, layers(5), {beamLimit(5)});
   }
 }

@@ -60,6 +60,19 @@ void addSkinVolumes(const std::vector<SkinVolume> &volumes, Json &report) {
       report["bodies"][i]["skin_volume_m3"] = Json{{"reference", volumes[i].reference_m3}, {"end", volumes[i].end_m3}};
 }
 
+/// To each body what was verified of it; time and duration stay outside.
+void addVerification(const std::string &text, Json &report) {
+  const Json verification = Json::parse(text, nullptr, false);
+  if (!verification.is_object()) return;
+  const Json bodies = verification.value("bodies", Json::array());
+  for (std::size_t i = 0; i < bodies.size() && i < report["bodies"].size(); ++i) {
+    if (!report["bodies"][i].is_object() || !bodies[i].is_object()) continue;
+    Json one = bodies[i];
+    one.erase("name");
+    report["bodies"][i]["verification"] = std::move(one);
+  }
+}
+
 }  // namespace
 
 Expected<std::string> reportJson(const RunFacts &facts, const std::string &simulatorJson) {
@@ -105,10 +118,12 @@ Expected<std::string> reportJson(const RunFacts &facts, const std::string &simul
   report["reactions"] = simulator->contains("reactions") ? simulator->at("reactions") : Json::array();
   report["attachments"] = simulator->contains("attachments") ? simulator->at("attachments") : Json::array();
   report["stages"] = simulator->contains("stages") ? simulator->at("stages") : Json::object();
+  if (simulator->contains("composition")) report["composition"] = simulator->at("composition");
   report["events"] = simulator->contains("events") ? simulator->at("events") : Json::array();
   if (simulator->contains("notices")) report["notices"] = simulator->at("notices");
   addCoverage(facts.prepared.coverage, report);
   addSkinVolumes(facts.skinVolumes, report);
+  if (!facts.verification.empty()) addVerification(facts.verification, report);
   report["state_hash"] = hexadecimal(facts.stateHash);
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

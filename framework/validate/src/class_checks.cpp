@@ -16,6 +16,7 @@
 #include "c3de/session/build_scene.h"
 #include "c3de/session/session.h"
 #include "c3de/session/simulator_access.h"
+#include "c3de/session/verification.h"
 #include "check.h"
 #include "trial.h"
 
@@ -370,6 +371,32 @@ Verdict states(const Trial &trial) {
   return keeping == 0 ? skip("no simulator of it keeps states") : pass();
 }
 
+c3de_status C3DE_CALL unwanted(void *, double, c3de_str) noexcept { return C3DE_E_CANCELLED; }
+
+Verdict verifies(const Trial &trial) {
+  int serving = 0;
+  for (const std::string &id : simulatorClasses(trial)) {
+    const Simulated one(trial, id);
+    if (!one.refusal.empty()) return fail(id + ": " + one.refusal);
+    if (!session::verifiesStates(one.table)) continue;
+    ++serving;
+    if (const std::string bad = one.step(3); !bad.empty()) return fail(id + ": " + bad);
+    const std::uint64_t before = one.hash();
+    std::string said;
+    if (one.table->verify(one.object(), nullptr, scene::sinkInto(said)) < 0)
+      return fail(id + ": its state cannot be verified: " + one.errorText());
+    if (session::verificationLines(said).empty())
+      return fail(id + ": a verification says nothing of any body: " + said);
+    const c3de_progress nobody{sizeof(c3de_progress), 0, nullptr, unwanted};
+    if (const c3de_status status = one.table->verify(one.object(), &nobody, scene::sinkInto(said));
+        status != C3DE_E_CANCELLED)
+      return fail(fmt::format("{}: a verification that nobody wants answers {} instead of {} (C3DE_E_CANCELLED)", id,
+                              status, C3DE_E_CANCELLED));
+    if (one.hash() != before) return fail(id + ": a verification has changed the state");
+  }
+  return serving == 0 ? skip("no simulator of it verifies its states") : pass();
+}
+
 Verdict simulatorArguments(const Trial &trial) {
   const std::vector<std::string> ids = simulatorClasses(trial);
   if (ids.empty()) return skip("no class of it simulates");
@@ -418,6 +445,8 @@ constexpr std::array kChecks{
     Check{"simulators.states",
           "A saved state goes on to the bit, here and in another one; cut ones are refused, random ones harmless",
           &states},
+    Check{"simulators.verify", "A verification says how far its bodies are off, can be cancelled, and changes nothing",
+          &verifies},
     Check{"simulators.arguments", "Null, empty, foreign and non-finite arguments are refused, and it goes on",
           &simulatorArguments}};
 

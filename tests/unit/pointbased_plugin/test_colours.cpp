@@ -55,7 +55,7 @@ ViewSettings coloured(ColourBy by) {
 
 BodyValues valuesOf(const Body &body, const ViewSettings &view) {
   BodyValues values;
-  ValueReader().read(body, view, serialFor(), values);
+  ValueReader().read(body, view, {}, serialFor(), values);
   return values;
 }
 

@@ -88,6 +88,10 @@ Handler declare(CLI::App &app, CommandLine &line) {
           "Write the skin of the end state (obj, stl, ply, vtp); of several bodies FILE-NAME each");
   addFile(app, "--from-state", options.fromState, "FILE",
           "Begin at a state that was saved of this scene; --until and --steps count from the scene's beginning");
+  app.add_flag(
+      "--verify", options.verify,
+      "At the end, solve the state once more with half the spacing: its error goes to the report (verification) "
+      "and is said");
   addFile(app, "--save-state", options.saveState, "FILE", "Write the state of the end, for --from-state");
   addCount(app, "--seed", options.seed, 0, 9223372036854775807LL,
            "Kept in the report; nothing in this version is random");

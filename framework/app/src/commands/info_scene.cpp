@@ -7,6 +7,7 @@
 #include "c3de/core/text.h"
 #include "c3de/geometry/mesh_io.h"
 #include "c3de/imaging/reading.h"
+#include "c3de/scene/text_sink.h"
 #include "c3de/session/build_scene.h"
 #include "c3de/session/progress_line.h"
 #include "c3de/session/simulator_access.h"
@@ -140,6 +141,24 @@ void describeBuilt(c3de_object *simulator, std::size_t index, std::ostringstream
   text << "  " << info.points << " points, spacing " << info.spacing_m << " m, " << info.mass_kg << " kg\n";
 }
 
+/// Which stages a step will have, and why; nothing where the simulator does not say.
+void describeComposition(c3de_object *simulator, std::ostringstream &text, Json &json) {
+  const auto table = simulatorTable(simulator);
+  std::string report;
+  if (!table || (*table)->report(simulator, scene::sinkInto(report)) < 0) return;
+  const Json said = Json::parse(report, nullptr, false);
+  if (!said.is_object() || !said.contains("composition") || !said["composition"].is_array()) return;
+  json["composition"] = said["composition"];
+  for (const Json &body : said["composition"]) {
+    if (!body.is_object()) continue;
+    text << "step of \"" << body.value("body", "") << "\"\n";
+    for (const Json &stage : body.value("stages", Json::array()))
+      if (stage.is_object())
+        text << (stage.value("runs", false) ? "  + " : "  - ") << stage.value("name", "") << ": "
+             << stage.value("why", "") << "\n";
+  }
+}
+
 /// The check that `run` makes, as far as it can be made; how far, for people and as "checked_by_simulator", "built".
 /// @returns  the simulator with its bodies, empty where they were not built
 Expected<ObjectRef> checkLikeRun(Session &session, const scene::SceneFile &scene, bool isQuick, BodySources &sources,
@@ -267,6 +286,7 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
     out.json["probes"].push_back(Json{{"name", probe.name}, {"body", probe.body}, {"at_m", probe.at_m}});
   }
 
+  if (built->get() != nullptr) describeComposition(built->get(), text, out.json);
   if (scene->bodies.size() > 1) {
     const char *note = "bodies do not touch each other yet: what meets another body passes through it";
     text << "note: " << note << "\n";

@@ -24,6 +24,7 @@
 #include "c3de/session/sample_points.h"
 #include "c3de/session/simulation_state.h"
 #include "c3de/session/simulator_access.h"
+#include "c3de/session/verification.h"
 #include "c3de/session/written_outputs.h"
 #include "commands/exit_code.h"
 #include "commands/last_crash.h"
@@ -318,6 +319,27 @@ std::vector<SkinVolume> skinVolumes(Session &session, c3de_object *simulator) {
   return volumes;
 }
 
+/// How far the end state is off. Of a run that did not come to its end nothing is verified.
+Expected<void> verifyEnd(const RunOptions &options, const RunLimits &limits, Session &session, c3de_object *simulator,
+                         const c3de_simulator_v1 *table, RunFacts &facts) {
+  if (!options.verify || facts.outcome != "done") return {};
+  ProgressLine progress(options.quiet);
+  auto said = verification(session, simulator, table, [&](double fraction, const std::string &what) {
+    progress.update(fraction, what);
+    const bool isOver = limits.deadline && std::chrono::steady_clock::now() >= *limits.deadline;
+    return !isOver && !wasInterrupted();
+  });
+  progress.finish();
+  if (said) {
+    facts.verification = std::move(*said);
+    return {};
+  }
+  if (said.error().code != ErrorCode::cancelled) return tl::unexpected(said.error());
+  facts.outcome = wasInterrupted() ? "interrupted" : "time_limit";
+  facts.failure = said.error().message;
+  return {};
+}
+
 struct Simulated {
   RunFacts facts;
   std::string overBefore;  ///< the time limit, before the first step; empty: there are facts
@@ -340,6 +362,8 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   const ObjectRef simulator(*created);
   const auto table = simulatorTable(simulator.get());
   if (!table) return tl::unexpected(table.error());
+  if (options.verify)
+    if (const auto able = checkVerifies(*table, *chosen); !able) return tl::unexpected(able.error());
 
   std::vector<SamplePoint> points;
   if (!options.samplePoints.empty()) {
@@ -370,6 +394,8 @@ Expected<Simulated> simulate(const RunOptions &options, Session &session, RunPic
   facts.source = options.scene.string();
   facts.simulator = *chosen;
 
+  if (const auto good = verifyEnd(options, limits, session, simulator.get(), *table, facts); !good)
+    return tl::unexpected(good.error());
   if (const auto simulatorJson = run.simulatorReport())
     if (const auto notices = noticesOf(*simulatorJson)) facts.notices = *notices;
   writeSampledPoints(options, points, session, simulator.get(), run, outputs);
@@ -425,6 +451,7 @@ int runScene(const RunOptions &options) {
 
   if (!options.quiet) {
     printSummary(*facts);
+    for (const std::string &line : verificationLines(facts->verification)) std::printf("  %s\n", line.c_str());
     for (const std::string &notice : facts->notices) std::printf("  note: %s\n", notice.c_str());
   }
   const std::string kept = outputs.written().empty() ? "; --report FILE.json keeps the last good state"

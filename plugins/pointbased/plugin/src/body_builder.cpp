@@ -260,6 +260,18 @@ BuiltBody buildBody(const Services &services, const MaterialLaws &laws, const st
   }
 }
 
+BodyFilling fillingOf(const Services &services, const std::string &name, const BodySource &source,
+                      const ParameterValues &values, const ParallelFor &parallelFor) {
+  BodyFilling out;
+  out.surface = placeMesh(services, source.mesh->handle(), source.placement);
+  auto shape = source.fill ? shapeOf(source.fill->occupancy, surfaceOf(*out.surface), parallelFor)
+                           : Result<BodyShape>(shapeOf(services, source.mesh->handle(), source.placement, out.surface));
+  if (!shape) throw sdk::Error(C3DE_E_ARG, name + ": its fill: " + shape.error());
+  out.shape = std::move(*shape);
+  out.recipe = recipeOf(services, name, source, values);
+  return out;
+}
+
 sdk::MeshHandle copyMesh(const Services &services, c3de_handle mesh) {
   const auto *table = services.meshes.table();
   c3de_view positions{}, triangles{};

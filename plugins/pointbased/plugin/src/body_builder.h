@@ -23,6 +23,16 @@ struct BuiltBody {
                                   c3de_handle mesh, const BodySource &source, const ParameterValues &values,
                                   const DialRequest &dial, const sdk::Progress &progress);
 
+/// What a body is filled from, to be filled once more in another way.
+struct BodyFilling {
+  BodyShape shape;
+  BodyRecipe recipe;  ///< its sampling as the body's values say it
+  std::shared_ptr<PlacedMesh> surface;
+};
+/// Errors as sdk::Error. Any thread.
+[[nodiscard]] BodyFilling fillingOf(const Services &services, const std::string &name, const BodySource &source,
+                                    const ParameterValues &values, const ParallelFor &parallelFor);
+
 /// The materials of a body and its parts. Errors as sdk::Error.
 [[nodiscard]] Constitution constitutionOf(const MaterialLaws &laws, const std::string &name, const BodySource &source,
                                           const ParameterValues &values);

@@ -24,6 +24,7 @@ Meaning meaningOf(ColourBy by) {
     case ColourBy::vonMises: return {"Stress (von Mises)", "kPa", ""};
     case ColourBy::error: return {"Strain error", "%", "of the mean strain\n"};
     case ColourBy::stabilisation: return {"Stabilisation", "%", "of the elastic energy\n"};
+    case ColourBy::verified: return {"Error, verified", "mm", ""};
     default: return {"Displacement", "mm", ""};
   }
 }
@@ -32,6 +33,7 @@ Meaning meaningOf(ColourBy by) {
 double leastRange(ColourBy by, const Colouring::Bodies &bodies) {
   if (by == ColourBy::error || by == ColourBy::stabilisation) return 1.0;
   if (by == ColourBy::displacement) return 1e-2;
+  if (by == ColourBy::verified) return 1e-6;
   double stiffest = 0.0;
   for (const auto &[id, body] : bodies)
     for (const Material &m : body->constitution().materials) stiffest = std::max(stiffest, m.youngsModulus);
@@ -64,8 +66,17 @@ void coloursOf(std::span<const double> values, const ColourScale &scale, std::ve
 
 }  // namespace
 
-void ValueReader::read(const Body &body, const ViewSettings &view, const ParallelFor &parallelFor, BodyValues &out) {
+void ValueReader::read(const Body &body, const ViewSettings &view, std::span<const double> skinErrors,
+                       const ParallelFor &parallelFor, BodyValues &out) {
   const RestState &rest = body.rest();
+  if (view.colourBy == ColourBy::verified) {
+    // Where a body was refused there is no error to show.
+    out = BodyValues();
+    out.surfels.assign(rest.surfels.count(), 0.0);
+    for (std::size_t i = 0; i < std::min(skinErrors.size(), out.surfels.size()); ++i)
+      out.surfels[i] = kMillimetres * skinErrors[i];
+    return;
+  }
   const bool ownAtPoints = view.colourBy == ColourBy::vonMises && view.points == PointsShown::evaluationPoints;
   perPhyxel_.resize(rest.phyxelCount());
   out.whole = 0.0;
@@ -145,7 +156,11 @@ bool Colouring::update(const Bodies &bodies, const ViewSettings &view, const Par
   if (view.colourBy != view_.colourBy) range_.forget();
   view_ = view;
   std::erase_if(entries_, [&](const auto &entry) { return !bodies.contains(entry.first); });
-  for (const auto &[id, body] : bodies) entries_[id].reader.read(*body, view, parallelFor, entries_[id].values);
+  for (const auto &[id, body] : bodies) {
+    const BodyVerification *verified = verification_ ? verification_->body(id) : nullptr;
+    entries_[id].reader.read(*body, view, verified ? verified->result.skinErrors : std::vector<double>(), parallelFor,
+                             entries_[id].values);
+  }
   scale_ = scaleOf(bodies, view);
   for (const auto &[id, body] : bodies) {
     Entry &entry = entries_[id];
@@ -176,6 +191,12 @@ ColourScale Colouring::scaleOf(const Bodies &bodies, const ViewSettings &view) {
   if (view.colourBy == ColourBy::error || view.colourBy == ColourBy::stabilisation)
     scale.note += std::string(bodies.size() > 1 ? "\nworst body " : "\nwhole body ") + significant(whole) + " %";
   return scale;
+}
+
+void Colouring::setVerification(std::shared_ptr<const WorldVerification> verification) {
+  if (verification == verification_) return;
+  verification_ = std::move(verification);
+  if (view_.colourBy == ColourBy::verified) forget();
 }
 
 const Colouring::Colours *Colouring::of(std::uint64_t body) const {

@@ -9,6 +9,7 @@
 #include "colour_map.h"
 #include "pointbased/error_estimate.h"
 #include "pointbased/fields.h"
+#include "verification.h"
 #include "view_settings.h"
 
 namespace pointbased {
@@ -29,7 +30,9 @@ struct BodyValues {
 /// Takes values off a body, with memory that is used again.
 class ValueReader {
  public:
-  void read(const Body &body, const ViewSettings &view, const ParallelFor &parallelFor, BodyValues &out);
+  /// @param skinErrors  [surfels] m, of a verification; empty: there is none
+  void read(const Body &body, const ViewSettings &view, std::span<const double> skinErrors,
+            const ParallelFor &parallelFor, BodyValues &out);
 
  private:
   std::vector<double> perPhyxel_;
@@ -67,6 +70,8 @@ class Colouring {
   /// True when the colours are those of the present state. Solver's thread.
   bool update(const Bodies &bodies, const ViewSettings &view, const ParallelFor &parallelFor,
               Clock::time_point now = Clock::now());
+  /// What ColourBy::verified shows; null: nothing.
+  void setVerification(std::shared_ptr<const WorldVerification> verification);
   /// Null: by its material.
   [[nodiscard]] const Colours *of(std::uint64_t body) const;
   [[nodiscard]] const std::optional<ColourScale> &scale() const { return scale_; }
@@ -85,6 +90,7 @@ class Colouring {
   [[nodiscard]] ColourScale scaleOf(const Bodies &bodies, const ViewSettings &view);
 
   std::map<std::uint64_t, Entry> entries_;
+  std::shared_ptr<const WorldVerification> verification_;
   ViewSettings view_;
   std::optional<ColourScale> scale_;
   AutoRange range_;

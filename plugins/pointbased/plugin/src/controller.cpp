@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "composition.h"
+
 namespace pointbased {
 namespace {
 
@@ -46,16 +48,10 @@ std::string_view modeName(std::uint32_t mode) {
   }
 }
 
-std::string readable(std::string name) {
-  for (char &c : name)
-    if (c == '_') c = ' ';
-  return name;
-}
-
 }  // namespace
 
 Controller::Controller(const Services &services, const MaterialLaws &laws, PinchTool &pinch)
-    : services_(services), pinch_(pinch), laws_(laws) {
+    : services_(services), pinch_(pinch), laws_(laws), verification_(services) {
   declareBody();
   worldParameters_ = sdk::orThrow(services_.params.declare(
       "World", worldDeclarations(), [this](const c3de_param_value &value) { worldParameterChanged(value); }));
@@ -105,6 +101,8 @@ void Controller::draw(sdk::Ui &ui) {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   followBody(snapshot.get());
   drawRun(ui, snapshot.get());
+  const auto state = services_.simulation.state(simulator_->node());
+  verification_.draw(ui, *simulator_, snapshot.get(), state && state->mode == C3DE_SIM_PLAYING);
   if (snapshot) offerRigid(ui, *snapshot);
   drawBody(ui, snapshot.get());
   drawAccuracy(ui, snapshot.get());
@@ -266,9 +264,7 @@ void Controller::drawRun(sdk::Ui &ui, const Snapshot *snapshot) {
 }
 
 void Controller::drawStages(sdk::Ui &ui, const Snapshot &snapshot) {
-  ui.heading("Milliseconds per stage (median, 99 %)");
-  for (const StageClock::Summary &stage : snapshot.stages)
-    ui.value(readable(stage.name), fixed(stage.median_ms, 3) + " ms, " + fixed(stage.p99_ms, 3) + " ms");
+  drawComposition(ui, snapshot.compositions, snapshot.stages);
   if (!snapshot.events.empty()) ui.text("Latest event: " + snapshot.events.back().text);
 }
 

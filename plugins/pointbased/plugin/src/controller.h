@@ -4,6 +4,7 @@
 #include "c3de/sdk/panel.hpp"
 #include "pinch_tool.h"
 #include "simulator_view.h"
+#include "verification_panel.h"
 #include "world_simulator.h"
 
 namespace pointbased {
@@ -60,6 +61,7 @@ class Controller : public sdk::Panel {
   bool replace_ = true;
   std::optional<c3de_handle> job_;
   PinchSettings pinchSettings_;
+  VerificationPanel verification_;
 };
 
 }  // namespace pointbased

@@ -23,8 +23,8 @@ constexpr std::array<c3de_str, 4> kPreconditioners{str("auto"), str("block_jacob
 constexpr std::array<c3de_str, 3> kEvaluations{str("auto"), str("stress_points"), str("phyxels")};
 constexpr std::array<c3de_str, 3> kSurfaces{str("opaque"), str("transparent"), str("hidden")};
 constexpr std::array<c3de_str, 3> kPoints{str("evaluation_points"), str("phyxels"), str("none")};
-constexpr std::array<c3de_str, 5> kColourings{str("material"), str("displacement"), str("von_mises"), str("error"),
-                                              str("stabilisation")};
+constexpr std::array<c3de_str, 6> kColourings{str("material"), str("displacement"),  str("von_mises"),
+                                              str("error"),    str("stabilisation"), str("verified")};
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kRetardationTime = 0.02;  // s: soft tissue of 3 kPa and 60 Pa s
 constexpr double kFar = 1e6;               // m: beyond it, doubles no longer resolve a micrometre next to a body
@@ -109,7 +109,8 @@ constexpr std::array kWorld{
     choiceParam(
         {"view.colour", "Colour by", "",
          "material: plain. displacement: from the rest position, mm. von_mises: Cauchy stress, kPa. error: how far off "
-         "the strains are by estimate, % of the body's mean. stabilisation: energy that the cells cannot resolve, %",
+         "the strains are by estimate, % of the body's mean. stabilisation: energy that the cells cannot resolve, %. "
+         "verified: error of the displacement after Verify, mm; plain once the state moves on",
          "View"},
         kColourings, "material"),
     autoParam(
@@ -434,6 +435,7 @@ ViewSettings viewSettings(const ParameterValues &v) {
                   : colour == "von_mises"     ? ColourBy::vonMises
                   : colour == "error"         ? ColourBy::error
                   : colour == "stabilisation" ? ColourBy::stabilisation
+                  : colour == "verified"      ? ColourBy::verified
                                               : ColourBy::material;
   if (!v.isAuto("view.range")) view.range = v.number("view.range");
   return view;

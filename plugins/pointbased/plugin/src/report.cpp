@@ -8,6 +8,7 @@
 #include <set>
 
 #include "advice.h"
+#include "composition.h"
 #include "pointbased/cloud_quality.h"
 #include "pointbased/error_estimate.h"
 #include "pointbased/plasticity.h"
@@ -263,6 +264,7 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
   for (const std::string &error : errors)
     if (!error.empty()) out["events"].push_back({{"time_s", simulator.time()}, {"kind", "sampling"}, {"text", error}});
   out["notices"] = noticesOf(simulator, errors);
+  out["composition"] = compositionJson(simulator);
   return out.dump();
 }
 

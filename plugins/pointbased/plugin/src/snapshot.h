@@ -11,6 +11,7 @@
 #include "parameters.h"
 #include "placed_mesh.h"
 #include "pointbased/simulator.h"
+#include "verification.h"
 
 namespace pointbased {
 
@@ -67,8 +68,11 @@ struct Snapshot {
   std::vector<BodySnapshot> bodies;
   std::vector<ObstacleSnapshot> obstacles;
   std::vector<StageClock::Summary> stages;
+  std::vector<StepComposition> compositions;  ///< of the bodies
   std::vector<SimulationEvent> events;
-  std::vector<std::string> notices;  ///< what people should know of the events and of now
+  std::vector<std::string> notices;                       ///< what people should know of the events and of now
+  std::shared_ptr<const WorldVerification> verification;  ///< the latest; null: none
+  bool verified = false;                                  ///< it is of this state
 
   [[nodiscard]] const BodySnapshot *body(std::uint64_t id) const {
     for (const BodySnapshot &b : bodies)

@@ -10,7 +10,7 @@ namespace pointbased {
 enum class SurfaceShown : std::uint8_t { opaque, transparent, hidden };
 /// Seen through a surface that is not opaque.
 enum class PointsShown : std::uint8_t { evaluationPoints, phyxels, none };
-enum class ColourBy : std::uint8_t { material, displacement, vonMises, error, stabilisation };
+enum class ColourBy : std::uint8_t { material, displacement, vonMises, error, stabilisation, verified };
 
 struct ViewSettings {
   SurfaceShown surface = SurfaceShown::opaque;

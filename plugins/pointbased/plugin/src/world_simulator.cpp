@@ -7,6 +7,7 @@
 #include "advice.h"
 #include "body_fields.h"
 #include "c3de/sdk/structs.hpp"
+#include "composition.h"
 #include "grab_patch.h"
 #include "point_sets.h"
 #include "report.h"
@@ -324,6 +325,7 @@ void WorldSimulator::publish() {
   s->box = simulator_.world().box;
   s->gravity = simulator_.world().gravity;
   s->stages = simulator_.stageTimes();
+  s->compositions = compositionsOf(simulator_);
   s->events = simulator_.events();
   s->bodies.resize(bodies_.size());
   std::size_t k = 0;
@@ -394,6 +396,11 @@ void WorldSimulator::takeView(Snapshot &s) {
   s.view = viewSettings(world_);
   Colouring::Bodies bodies;
   for (const auto &[id, record] : bodies_) bodies.emplace(id, simulator_.body(id));
+  s.verification = verification_;
+  s.verified = verification_ && isVerified(*verification_);
+  // What was verified is another state now.
+  if (s.view.colourBy == ColourBy::verified && !s.verified) s.view.colourBy = ColourBy::material;
+  colouring_.setVerification(s.verified ? verification_ : nullptr);
   const ParallelFor parallelFor = context_.services.parallelFor();
   s.coloursOld = !colouring_.update(bodies, s.view, parallelFor);
   s.colours = colouring_.scale();

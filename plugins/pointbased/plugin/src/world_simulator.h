@@ -13,6 +13,7 @@
 #include "pointbased/error_estimate.h"
 #include "snapshot.h"
 #include "step_request.h"
+#include "verification.h"
 
 namespace pointbased {
 
@@ -83,6 +84,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
 
   c3de_status saveState(c3de_sink bytes);
   void loadState(const void *bytes, std::uint64_t n);
+  void verify(const c3de_progress *progress, c3de_sink json);
 
   // pointbased.bodies
   void phyxels(c3de_handle body, c3de_object **out);
@@ -107,6 +109,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// Builds the body again with other values and puts it in the place of the old one; the simulation is reset. The old
   /// one stays when building fails. Errors as sdk::Error. Any thread.
   void rebuildBody(std::uint64_t body, const ParameterValues &values, const sdk::Progress &progress);
+  /// How far the bodies are from their shadows, as they are between two steps; the simulation does not change, and may
+  /// go on meanwhile. Errors as sdk::Error: cancelled. Any thread.
+  std::shared_ptr<const WorldVerification> verifyBodies(const sdk::Progress &progress);
   /// Takes a body's points out under the lock; false when the body is gone.
   bool readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const;
 
@@ -195,6 +200,9 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
     ErrorScratch scratch;
   };
   std::map<std::uint64_t, Estimated> estimated_;
+  std::shared_ptr<const WorldVerification> verification_;  // the latest
+  /// Whether it is of the present state.
+  [[nodiscard]] bool isVerified(const WorldVerification &verification) const;
   std::uint64_t generation_ = 0;
   c3de_handle node_{};
 };

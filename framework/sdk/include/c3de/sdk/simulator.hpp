@@ -27,6 +27,7 @@ C3DE_SDK_OPTIONAL_SLOT(pull, pull)
 C3DE_SDK_OPTIONAL_SLOT(hold_state, holdState)
 C3DE_SDK_OPTIONAL_SLOT(save_state, saveState)
 C3DE_SDK_OPTIONAL_SLOT(load_state, loadState)
+C3DE_SDK_OPTIONAL_SLOT(verify, verify)
 
 #undef C3DE_SDK_OPTIONAL_SLOT
 
@@ -69,6 +70,7 @@ inline constexpr c3de_simulator_v1 kSimulatorTable{sizeof(c3de_simulator_v1),
                                                    pullSlot<D>(),
                                                    holdStateSlot<D>(),
                                                    saveStateSlot<D>(),
-                                                   loadStateSlot<D>()};
+                                                   loadStateSlot<D>(),
+                                                   verifySlot<D>()};
 
 }  // namespace c3de::sdk

@@ -39,6 +39,7 @@ struct RunFacts {
   std::optional<std::uint64_t> seed;
   Prepared prepared;
   std::vector<std::string> notices;  ///< of the simulator, for people
+  std::string verification;          ///< of the simulator, JSON; empty: not asked for
   double firstStep_s = 0.0;          ///< the first step alone
   /// From the start of the command, plugins and scene file included, to the end of that step
   double toFirstStep_s = 0.0;

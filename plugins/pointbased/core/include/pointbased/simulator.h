@@ -8,6 +8,7 @@
 
 #include "pointbased/body.h"
 #include "pointbased/stage_clock.h"
+#include "pointbased/step_composition.h"
 #include "pointbased/stop_request.h"
 #include "pointbased/world_settings.h"
 
@@ -77,6 +78,8 @@ class Simulator {
   [[nodiscard]] std::span<const Obstacle> obstacles() const { return obstacles_; }
   /// What integrates a body: the world's integrator, or what is chosen in its place.
   [[nodiscard]] Integrator integratorOf(std::size_t body) const;
+  /// Which stages a step of a body has now, and why: what the next step decides by.
+  [[nodiscard]] StepComposition compositionOf(std::size_t body) const;
   /// Force evaluations per simulated second: (explicit, implicit). What Integrator::automatic decides by.
   [[nodiscard]] std::pair<double, double> predictedCost(std::size_t body) const;
   /// Where an obstacle is now: its rigid motion at the present time.
@@ -184,6 +187,7 @@ class Simulator {
   [[nodiscard]] std::vector<StageClock::Summary> stageTimes() const { return clock_.summary(); }
 
  private:
+  [[nodiscard]] Environment environment() const;
   [[nodiscard]] detail::StepContext order(const StopRequest *stop);
   /// Everybody on by dt. @return s that all have gone; less where a body's substeps were not enough
   double advanceBodies(const detail::StepContext &order);

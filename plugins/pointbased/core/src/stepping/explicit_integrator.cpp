@@ -6,6 +6,7 @@
 #include "base/kernels/field_kernel.h"
 #include "contact/contact_bounce.h"
 #include "pointbased/integrators.h"
+#include "pointbased/step_composition.h"
 
 namespace pointbased {
 namespace {
@@ -29,16 +30,15 @@ constexpr double kContactMargin = 0.02;
 // What falls for two steps bounces no more.
 constexpr double kQuietKicks = 2.0;
 
-void evaluate(Body &body, const Environment &env, double time, double dt) {
+void evaluate(Body &body, const Environment &env, const StepStages &stages, double time, double dt) {
   const ParallelFor &parallelFor = *env.parallelFor;
   StageClock &clock = *env.clock;
-  if (body.vectorised()) {
+  if (stages.fused) {
     clock.measure(kForces, [&] { body.evaluate(time, dt, parallelFor); });
     return;
   }
   clock.measure(kGradients, [&] { body.computeGradients(parallelFor); });
-  if (!body.state().history.plasticInverse.empty() && dt > 0.0)
-    clock.measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
+  if (stages.flow && dt > 0.0) clock.measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
   clock.measure(kStresses, [&] { body.computeStresses(dt, parallelFor); });
   clock.measure(kForces, [&] { body.computeForces(time, parallelFor); });
 }
@@ -127,7 +127,7 @@ void applyGrabs(Body &body, double stiffnessLimit) {
 }
 
 double impactSpeed(Body &body, const Environment &env, double time, double dt, double stride, double meanSpeed) {
-  if (!env.contact() || body.rest().contact.count() == 0) return 0.0;
+  if (!stagesOf(body, env).contact) return 0.0;
   double closing = 0.0;
   env.clock->measure(kContact, [&] {
     bool fast = false;
@@ -149,12 +149,12 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
   const RestState &rest = body.rest();
   const std::size_t n = rest.phyxelCount();
   const std::span<const double> inverse = body.inverseMasses();
-  const bool contact = env.contact() && rest.contact.count() > 0;
-  const bool patches = body.patches().rows() > 0;
+  const StepStages stages = stagesOf(body, env);
+  const bool contact = stages.contact, patches = stages.patches;
   const double springLimit = 0.3 / dt;
   if (!body.forcesCurrent) {
-    evaluate(body, env, time, 0.0);
-    applyGrabs(body, springLimit);
+    evaluate(body, env, stages, time, 0.0);
+    if (stages.hands) applyGrabs(body, springLimit);
   }
 
   // With nothing in between, half a kick and the drift are one loop.
@@ -193,16 +193,16 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
     });
   // All of them: those that are held are put in their places below.
   if (!together) clock.measure(kIntegrate, [&] { parallelFor(n, kPhyxelGrain, std::cref(drift)); });
-  if (body.held())
+  if (stages.supports)
     clock.measure(kSupports, [&] {
       body.placeHeld(time + dt, true);
       if (patches) body.patches().correct(dt, body.patchTargets(time + dt), state.displacements, state.velocities);
     });
-  evaluate(body, env, time + dt, dt);
-  applyGrabs(body, springLimit);
+  evaluate(body, env, stages, time + dt, dt);
+  if (stages.hands) applyGrabs(body, springLimit);
   clock.measure(kIntegrate, [&] {
     kick(0.5 * dt, false);
-    if (env.damping > 0.0) {
+    if (stages.damping) {
       const double decay = std::exp(-env.damping * dt);
       for (std::size_t i = 0; i < n; ++i)
         if (inverse[i] > 0.0) state.velocities[i] *= decay;

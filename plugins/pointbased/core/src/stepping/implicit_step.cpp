@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "pointbased/integrators.h"
+#include "pointbased/step_composition.h"
 #include "stepping/stage_solution.h"
 
 namespace pointbased {
@@ -63,8 +64,7 @@ class ImplicitStep {
       state.velocities[i] = 2.0 * (state.displacements[i] - u0_[i]) / dt_ - v0_[i];
     }
     // What the second half meets, the middle has not seen.
-    if (result_.good() && env_.contact() && body_.rest().contact.count() > 0 &&
-        findContactsAlong(body_, env_, u0_, time_, dt_))
+    if (result_.good() && stagesOf(body_, env_).contact && findContactsAlong(body_, env_, u0_, time_, dt_))
       backwardEulerInstead();
   }
 
@@ -116,14 +116,14 @@ ImplicitResult implicitStep(Body &body, NewtonSolver &solver, const Environment 
   if (out.failure = failureOf(out.newton); !out.failure.empty()) return out;
 
   body.placeHeld(time + dt, true);
-  if (body.vectorised()) {
+  const StepStages stages = stagesOf(body, env);
+  if (stages.fused) {
     env.clock->measure(kForces, [&] { body.evaluate(time + dt, dt, parallelFor); });
     body.forcesCurrent = true;
     return out;
   }
   env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
-  if (!body.state().history.plasticInverse.empty())
-    env.clock->measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
+  if (stages.flow) env.clock->measure(kFlow, [&] { body.computeFlow(dt, parallelFor); });
   env.clock->measure(kStresses, [&] { body.computeStresses(dt, parallelFor); });
   env.clock->measure(kForces, [&] { body.computeForces(time + dt, parallelFor); });
   body.forcesCurrent = true;

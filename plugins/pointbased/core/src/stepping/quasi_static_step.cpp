@@ -4,6 +4,7 @@
 
 #include "base/number_text.h"
 #include "pointbased/integrators.h"
+#include "pointbased/step_composition.h"
 #include "stepping/stage_solution.h"
 
 namespace pointbased {
@@ -72,7 +73,7 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
     }
     if (out.failure = failureOf(out.newton); !out.failure.empty()) return out;
     bool flowed = false;
-    if (!state.history.plasticInverse.empty()) {
+    if (stagesOf(body, env).flow) {
       if (flows++ >= kFlowRounds) {
         out.failure = "plastic flow has not come to rest at load factor " + number(to, 4) +
                       "; the load is more than the body carries";

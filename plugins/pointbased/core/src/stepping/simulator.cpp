@@ -227,7 +227,7 @@ double Simulator::stepSize() const {
   return std::isfinite(dt) ? dt : kStepWithoutBodies;
 }
 
-detail::StepContext Simulator::order(const StopRequest *stop) {
+Environment Simulator::environment() const {
   Environment env;
   env.gravity = world_.gravity;
   env.damping = world_.damping;
@@ -236,6 +236,27 @@ detail::StepContext Simulator::order(const StopRequest *stop) {
   env.tolerance = world_.tolerance;
   env.preconditioner = world_.preconditioner;
   env.parallelFor = &parallelFor_;
+  return env;
+}
+
+StepComposition Simulator::compositionOf(std::size_t id) const {
+  const auto found = bodies_.find(id);
+  if (found == bodies_.end()) return {};
+  const detail::BodyStepper &runner = *found->second;
+  CompositionNotes notes{{}, runner.integratorIn(world_), world_.sleep, {}};
+  if (runner.body().rigid())
+    notes.idle = "rigid: it stands as it is";
+  else if (runner.stopped())
+    notes.idle = "it has stopped";
+  else if (runner.asleep())
+    notes.idle = "asleep until something changes";
+  for (const Probe &probe : probes_)
+    if (probe.body == id) notes.probes.push_back(probe.name);
+  return compose(runner.body(), environment(), notes);
+}
+
+detail::StepContext Simulator::order(const StopRequest *stop) {
+  Environment env = environment();
   env.clock = &clock_;
   env.stop = stop;
   return {world_, env, time_, stepSize(), loadFactor_, steps_ + 1, [this](const char *kind, const std::string &text) {

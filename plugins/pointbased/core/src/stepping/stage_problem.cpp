@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pointbased/step_composition.h"
+
 namespace pointbased::detail {
 namespace {
 
@@ -37,6 +39,7 @@ StageProblem::StageProblem(Body &body, const Environment &env, const ImplicitSta
     : body_(body), env_(env), stage_(stage), n_(body.rest().phyxelCount()) {
   a_ = stage.h > 0.0 ? 1.0 / (stage.h * stage.h) : stage.holding;
   damping_ = stage.h > 0.0 ? env.damping / stage.h : 0.0;
+  const StepStages stages = stagesOf(body, env);
   const BoundaryConditions &conditions = body.rest().conditions;
   dead_.assign(n_, Vec3::Zero());
   for (std::size_t l = 0; l < conditions.loads.size(); ++l) {
@@ -49,7 +52,7 @@ StageProblem::StageProblem(Body &body, const Environment &env, const ImplicitSta
   for (std::size_t i = 0; i < n_; ++i) dead_[i] += body.weights()[i] * env.gravity;
   const double share = body.factor(0.0, stage.end);
   for (std::size_t i = 0; i < body.externalForces().size(); ++i) dead_[i] += share * body.externalForces()[i];
-  if (!body.hands.empty() && stage.h > 0.0) {
+  if (stages.hands && stage.h > 0.0) {
     // Springs of hands are taken at the beginning of the stage, soft enough not to be thrown by their own delay.
     std::fill(body.forces().begin(), body.forces().end(), Vec3::Zero());
     applyGrabs(body, 0.3 / stage.h);
@@ -57,10 +60,10 @@ StageProblem::StageProblem(Body &body, const Environment &env, const ImplicitSta
     body.forcesCurrent = false;
   }
   const Constitution &c = body.constitution();
-  dissipative_ = stage.h > 0.0 && (c.viscous() || c.relaxing());
+  dissipative_ = stage.h > 0.0 && (stages.viscous || stages.relaxing);
   vectorised_ = body.vectorisedTangent();
   work_.assign(n_, Vec3::Zero());
-  contact_ = env.contact() && body.rest().contact.count() > 0;
+  contact_ = stages.contact;
   penalty_ = {kContactStiffness, body.contactModuli(), body.rest().spacing, stage.contactSpan};
   start_ = body.state().displacements;
   double volume = 0.0, modulus = 0.0;

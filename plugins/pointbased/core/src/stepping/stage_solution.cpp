@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/number_text.h"
+#include "pointbased/step_composition.h"
 
 namespace pointbased::detail {
 namespace {
@@ -59,7 +60,7 @@ class StageSolution {
   }
 
   NewtonResult solve() {
-    const bool touches = env_.contact() && points().count() > 0;
+    const bool touches = stagesOf(body_, env_).contact;
     bool complete = true;
     if (touches) {
       begin();

@@ -322,6 +322,13 @@ typedef struct c3de_simulator_v1 {
    * and every step after it are those of then, bit for bit. Bytes of another scene, or malformed ones, are refused with
    * text, and nothing has changed. [sim] */
   c3de_status(C3DE_CALL *load_state)(c3de_object *self, const void *bytes, uint64_t n);
+  /* May be null: errors are not verified. How far the bodies, as they are between two steps, are from what this simulator
+   * would find with a much finer sampling: solves that beside the simulation, which does not change and may go on. JSON
+   * object with the key `bodies`, an object per body in the order they were added: `name`, and either `refused`, a text,
+   * or `error_95_m`, `error_max_m`, `error_rms_m` (95 % of the surface, all of it, root of the mean square over the
+   * volume) and `largest_displacement_m`; a simulator may add others. progress: may be null; asked several times a
+   * second, also whether anybody still wants it: C3DE_E_CANCELLED. [any] */
+  c3de_status(C3DE_CALL *verify)(c3de_object *self, const c3de_progress *progress, c3de_sink json);
 } c3de_simulator_v1;
 
 #endif

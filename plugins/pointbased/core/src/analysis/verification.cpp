@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/verification.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "analysis/shadow_forces.h"
+#include "analysis/shadow_solution.h"
+#include "base/number_text.h"
+
+namespace pointbased {
+
+using namespace detail;
+
+namespace {
+
+constexpr double kSkinSampling = 0.5;       // spacings of the body
+constexpr double kQuantile = 0.95;          // of the area of the skin
+constexpr double kBuildShare = 0.25;        // of the progress
+constexpr double kSupportRefinement = 2.0;  // of the shadow
+
+tl::unexpected<std::string> refused(const std::string &text) { return tl::unexpected<std::string>(text); }
+
+bool inverted(const Body &body) {
+  return std::any_of(body.gradients().begin(), body.gradients().end(),
+                     [](const Mat3 &F) { return !(F.determinant() > 0.0); });
+}
+
+Result<void> verifiable(const StandingBody &standing) {
+  const BodyCheckpoint &state = standing.state;
+  if (state.rigid) return refused("it is rigid: it has no error of its own");
+  if (state.stopped) return refused("it has stopped, so its state is no solution; reset leads out");
+  if (state.rereferenceCount > 0)
+    return refused("it has flowed so far that its reference is a later shape than the one it was filled from");
+  return {};
+}
+
+// A lattice whatever the body is, finer everywhere; where supports end, finer still: what their edges concentrate
+// converges more slowly than the rest.
+BodyRecipe shadowRecipe(const BodyRecipe &recipe, double spacing, double refinement, bool fineSupports) {
+  BodyRecipe out = recipe;
+  out.evaluation = Evaluation::stressPoints;
+  out.sampling.spacing = spacing / refinement;
+  for (Refinement &finer : out.sampling.refinements) finer.spacing /= refinement;
+  if (fineSupports)
+    for (const Fix &fix : out.fixes)
+      out.sampling.refinements.push_back({fix.region, out.sampling.spacing / kSupportRefinement});
+  out.sampling.surfaceSpacing /= refinement;
+  out.sampling.jitter = 0.0;
+  out.reshape = {};
+  return out;
+}
+
+/// Material points of the skin or the volume, and where they are now by body and shadow, world, m.
+struct Compared {
+  std::vector<double> weights;  // m² or m³
+  std::vector<Vec3> reference, coarse, fine;
+
+  [[nodiscard]] double error(std::size_t i) const { return kErrorOverDifference * (fine[i] - coarse[i]).norm(); }
+  [[nodiscard]] std::vector<double> errors() const {
+    std::vector<double> out(reference.size());
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = error(i);
+    return out;
+  }
+};
+
+std::vector<Vec3> placesOf(const RestState &rest, std::span<const Vec3> displacements, std::span<const Vec3> points,
+                           std::span<const Vec3> normals, const ParallelFor &parallelFor) {
+  std::vector<Vec3> local(points.begin(), points.end()), out(points.size());
+  for (Vec3 &x : local) x -= rest.origin;
+  interpolateDisplacements(rest.bind(local, normals), rest.positions, displacements, out, parallelFor);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] += points[i];
+  return out;
+}
+
+double weightedRms(std::span<const double> values, std::span<const double> weights) {
+  double sum = 0.0, weight = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sum += weights[i] * values[i] * values[i];
+    weight += weights[i];
+  }
+  return weight > 0.0 ? std::sqrt(sum / weight) : 0.0;
+}
+
+// What a part `share` of all weight is below.
+double weightedQuantile(std::span<const double> values, std::span<const double> weights, double share) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
+  double sum = 0.0;
+  for (const std::size_t i : order)
+    if ((sum += weights[i]) >= share * all) return values[i];
+  return values.empty() ? 0.0 : values[order.back()];
+}
+
+class Verifying {
+ public:
+  Verifying(const StandingBody &standing, const BodyShape &shape, const ParallelFor &parallelFor,
+            const VerifyProgress &progress, const StopRequest *stop, const VerifySettings &settings)
+      : standing_(standing), shape_(shape), parallelFor_(parallelFor), progress_(progress), stop_(stop),
+        settings_(settings), body_(standing.name, standing.state.rest, standing.constitution, parallelFor) {
+    (void)body_.setFoundation(standing.foundation);
+    body_.quasiStatic = standing.world.integrator == Integrator::quasiStatic;
+    (void)body_.restore(standing.state, parallelFor);
+  }
+
+  [[nodiscard]] Result<Verification> run(const BodyRecipe &recipe) {
+    const auto begin = std::chrono::steady_clock::now();
+    if (inverted(body_)) return refused("parts of it are inverted, so its state is no solution of the material");
+    const double cell = body_.rest().spacing / settings_.refinement;
+    if (auto affordable = checkCount(countAt(cell)); !affordable) return refused(affordable.error());
+    std::shared_ptr<const RestState> rest;
+    auto solved = shadowOf(recipe, affordsFineSupports(cell), rest);
+    if (!solved) return refused(solved.error());
+    if (!tell(0.95, "comparing")) return refused("cancelled");
+    Verification out = compare(*rest, *solved);
+    out.shadowRest = rest;
+    out.shadowDisplacements = std::move(solved->displacements);
+    out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return out;
+  }
+
+ private:
+  [[nodiscard]] bool tell(double fraction, const std::string &what) const {
+    return !progress_ || progress_(fraction, what);
+  }
+
+  [[nodiscard]] std::size_t countAt(double cell) const {
+    return static_cast<std::size_t>(shape_.volume / (cell * cell * cell));
+  }
+  [[nodiscard]] Result<void> checkCount(std::size_t count) const {
+    if (count <= settings_.mostPhyxels) return {};
+    return refused("its shadow would have about " + std::to_string(count) + " phyxels at a spacing of " +
+                   number(1e3 * body_.rest().spacing / settings_.refinement) + " mm; accepted: at most " +
+                   std::to_string(settings_.mostPhyxels));
+  }
+  // What lies within supports becomes finer with their edges.
+  [[nodiscard]] bool affordsFineSupports(double cell) const {
+    const double fine = cell / kSupportRefinement;
+    double count = static_cast<double>(countAt(cell));
+    for (const ConstrainedRegion &part : body_.rest().conditions.held)
+      count += part.volume / (fine * fine * fine) + 4.0 * part.area / (fine * fine);
+    return !body_.rest().conditions.held.empty() && count <= static_cast<double>(settings_.mostPhyxels);
+  }
+
+  // The finer one of the two that has a solution.
+  [[nodiscard]] Result<ShadowState> shadowOf(const BodyRecipe &recipe, bool fineSupports,
+                                             std::shared_ptr<const RestState> &rest) {
+    const auto filled = buildRestState(
+        shape_, shadowRecipe(recipe, body_.rest().spacing, settings_.refinement, fineSupports), {}, parallelFor_,
+        [this](double fraction) { return tell(kBuildShare * fraction, "filling the shadow"); });
+    if (!filled) return refused(filled.error() == "cancelled" ? filled.error() : "its shadow: " + filled.error());
+    rest = *filled;
+    hasFineSupports_ = fineSupports;
+    auto solved = rest->phyxelCount() > settings_.mostPhyxels ? Result<ShadowState>(refused("too large")) : solve(rest);
+    if (solved || solved.error() == "cancelled") return solved;
+    if (fineSupports) return shadowOf(recipe, false, rest);
+    if (auto good = checkCount(rest->phyxelCount()); !good) return refused(good.error());
+    return solved;
+  }
+
+  [[nodiscard]] Result<ShadowState> solve(const std::shared_ptr<const RestState> &rest) {
+    Constitution constitution = standing_.constitution;
+    if (body_.rest().evaluation == Evaluation::phyxels) constitution.stabilisation = kLatticeStabilisation;
+    auto shadow = std::make_unique<Body>(standing_.name, rest, std::move(constitution), parallelFor_);
+    if (const auto held = shadow->setFoundation(standing_.foundation); !held) return refused(held.error());
+    std::vector<Vec3> leftOver = knownForces(body_, standing_.world.gravity, standing_.clock, parallelFor_);
+    for (std::size_t i = 0; i < leftOver.size(); ++i) leftOver[i] *= body_.heldMask()[i] ? 0.0 : -1.0;
+    const ShadowProblem problem{standing_, body_, parallelFor_, stop_, !hasFineSupports_, [this](double fraction) {
+                                  return tell(kBuildShare + (0.95 - kBuildShare) * fraction, "solving the shadow");
+                                }};
+    return dependsOnItsWay() ? solveAlongTheWay(problem, std::move(shadow))
+                             : solveFromHere(problem, leftOver, std::move(shadow));
+  }
+
+  // Friction and plastic flow remember.
+  [[nodiscard]] bool dependsOnItsWay() const {
+    return body_.quasiStatic &&
+           (standing_.constitution.plastic() || standing_.world.box.enabled || !standing_.obstacles.empty());
+  }
+
+  [[nodiscard]] Compared compareAt(std::span<const Vec3> points, std::span<const Vec3> normals,
+                                   std::vector<double> weights, const RestState &rest,
+                                   const ShadowState &solved) const {
+    Compared out{std::move(weights),
+                 {points.begin(), points.end()},
+                 placesOf(body_.rest(), body_.state().displacements, points, normals, parallelFor_),
+                 placesOf(rest, solved.displacements, points, normals, parallelFor_)};
+    // What a support leads is where it is told to be; skin and lattice within it are only for the eye.
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto leads = [&](const Fix &fix) { return contains(fix.region, points[i]); };
+      const std::vector<Fix> &fixes = body_.rest().conditions.fixes;
+      if (std::none_of(fixes.begin(), fixes.end(), leads)) continue;
+      out.fine[i] = out.coarse[i];
+      if (!out.weights.empty()) out.weights[i] = 0.0;
+    }
+    return out;
+  }
+
+  [[nodiscard]] Verification compare(const RestState &rest, ShadowState &solved) {
+    const RestState &own = body_.rest();
+    std::vector<Vec3> inside(own.pointCentres);
+    for (Vec3 &x : inside) x += own.origin;
+    const Compared volume = compareAt(inside, {}, own.stencils.volumes, rest, solved);
+    const SurfacePoints sampled = sampleSurface(shape_.surface, kSkinSampling * own.spacing, EverywhereRegion{});
+    const Compared skin =
+        sampled.count() > 0 ? compareAt(sampled.positions, sampled.normals, sampled.areas, rest, solved) : volume;
+    const bool hasNormals = own.surfelNormals.size() == shape_.surface.positions.size();
+    const std::vector<double> none;
+    const Compared surfels =
+        compareAt(shape_.surface.positions,
+                  hasNormals ? std::span<const Vec3>(own.surfelNormals) : std::span<const Vec3>(), none, rest, solved);
+    Verification out;
+    out.spacing = own.spacing;
+    out.shadowSpacing = rest.spacing;
+    out.phyxels = own.phyxelCount();
+    out.shadowPhyxels = rest.phyxelCount();
+    out.errorRms = weightedRms(volume.errors(), volume.weights);
+    const std::vector<double> errors = skin.errors();
+    out.error95 = weightedQuantile(errors, skin.weights, kQuantile);
+    const auto worst = std::max_element(errors.begin(), errors.end());
+    if (worst != errors.end()) {
+      out.errorMax = *worst;
+      out.worst = skin.coarse[static_cast<std::size_t>(worst - errors.begin())];
+    }
+    out.largestDisplacement = largestDisplacement(skin);
+    out.skinErrors = surfels.errors();
+    const ElasticEnergy energy = body_.elasticEnergy(parallelFor_);
+    out.elasticEnergy = energy.strain + energy.stabilisation;
+    out.shadowElasticEnergy = solved.elasticEnergy;
+    out.reactions = body_.reactions(standing_.world.gravity);
+    out.shadowReactions = std::move(solved.reactions);
+    out.limits = limits();
+    return out;
+  }
+
+  [[nodiscard]] double largestDisplacement(const Compared &at) const {
+    const bool isHeld = body_.held() || body_.foundation().settings().holds();
+    const RigidFit fit = isHeld ? RigidFit() : rigidFit(at.reference, at.fine, at.weights);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < at.reference.size(); ++i)
+      largest = std::max(largest, (at.fine[i] - fit(at.reference[i])).norm());
+    return largest;
+  }
+
+  [[nodiscard]] std::vector<std::string> limits() const {
+    std::vector<std::string> out;
+    if (!body_.rest().conditions.held.empty() && !hasFineSupports_)
+      out.emplace_back(
+          "the edges of supports are no finer than the rest of the shadow: near them the error may be up "
+          "to twice as large");
+    if (!body_.quasiStatic)
+      out.emplace_back(
+          "of the present balance of forces: what motion has gathered on the way here (time, phase) is "
+          "not in it");
+    if (!body_.quasiStatic && standing_.constitution.plastic()) out.emplace_back("plastic strain is taken as it is");
+    if (standing_.constitution.relaxing()) out.emplace_back("relaxing stress is taken as it is");
+    if (!dependsOnItsWay() &&
+        std::any_of(body_.contact.active.begin(), body_.contact.active.end(),
+                    [](const Contact &c) { return c.normalImpulse > 0.0 || c.normalForce > 0.0; }))
+      out.emplace_back("forces of contact are taken as they are");
+    return out;
+  }
+
+  const StandingBody &standing_;
+  const BodyShape &shape_;
+  const ParallelFor &parallelFor_;
+  const VerifyProgress &progress_;
+  const StopRequest *stop_;
+  const VerifySettings &settings_;
+  Body body_;
+  bool hasFineSupports_ = false;
+};
+
+}  // namespace
+
+StandingBody standingBody(const Simulator &simulator, std::size_t id) {
+  const Body &body = *simulator.body(id);
+  return {body.name(),
+          body.checkpoint(),
+          body.constitution(),
+          body.foundation().settings(),
+          {body.externalForces().begin(), body.externalForces().end()},
+          simulator.world(),
+          {simulator.obstacles().begin(), simulator.obstacles().end()},
+          simulator.quasiStatic() ? simulator.loadFactor() : simulator.time()};
+}
+
+Result<Verification> verify(const StandingBody &standing, const BodyShape &shape, const BodyRecipe &recipe,
+                            const ParallelFor &parallelFor, const VerifyProgress &progress, const StopRequest *stop,
+                            const VerifySettings &settings) {
+  if (auto good = verifiable(standing); !good) return refused(good.error());
+  StoppableLoops loops(parallelFor);
+  try {
+    const StoppableLoops::Watch watch(loops, stop);
+    return Verifying(standing, shape, loops.parallelFor(), progress, stop, settings).run(recipe);
+  } catch (const Stopped &) {
+    return refused("cancelled");
+  }
+}
+
+}  // namespace pointbased

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verification_panel.h"
+
+namespace pointbased {
+namespace {
+
+void drawBody(sdk::Ui &ui, const BodyVerification &body) {
+  if (!body.refused.empty()) {
+    ui.text(body.name + ": not verified: " + body.refused);
+    return;
+  }
+  const Verification &v = body.result;
+  ui.value(body.name, "± " + errorText(v, v.error95));
+  ui.tooltip("95 % of the skin are off by less: in mm, and in % of the largest displacement, " +
+             shortNumber(1e3 * v.largestDisplacement) + " mm");
+  ui.value("At most", errorText(v, v.errorMax) + " at " + shortNumber(1e3 * v.worst[0]) + " " +
+                          shortNumber(1e3 * v.worst[1]) + " " + shortNumber(1e3 * v.worst[2]) + " mm");
+  ui.value("Inside, root mean square", errorText(v, v.errorRms));
+  ui.value("Shadow", std::to_string(v.shadowPhyxels) + " phyxels, " + shortNumber(1e3 * v.shadowSpacing) + " mm, " +
+                         shortNumber(v.seconds) + " s");
+  for (const std::string &limit : v.limits) ui.text("Note: " + limit);
+}
+
+}  // namespace
+
+void VerificationPanel::draw(sdk::Ui &ui, WorldSimulator &simulator, const Snapshot *snapshot, bool isMoving) {
+  ui.heading("Verify");
+  const auto state = job_ ? services_.jobs.progress(*job_) : sdk::Result<sdk::Jobs::State>(sdk::Failure{});
+  if (job_ && state) {
+    ui.progress(state->fraction, state->what);
+    if (ui.button("cancel_verify", "Cancel")) (void)services_.jobs.cancel(*job_);
+  } else {
+    if (ui.button("verify", "Verify", !isMoving && snapshot && !snapshot->bodies.empty())) begin(simulator);
+    ui.tooltip(isMoving ? "Pause first: what is verified is the paused state"
+                        : "Solves the present state once more with half the spacing, and tells how far it is off");
+  }
+  if (!failure_.empty()) ui.text(failure_);
+  if (!snapshot || !snapshot->verification) return;
+  const WorldVerification &verified = *snapshot->verification;
+  if (!snapshot->verified)
+    ui.text(std::string("Of an earlier state, at ") + (verified.quasiStatic ? "load factor " : "") +
+            shortNumber(verified.clock) + (verified.quasiStatic ? "" : " s"));
+  for (const BodyVerification &body : verified.bodies) drawBody(ui, body);
+}
+
+void VerificationPanel::begin(WorldSimulator &simulator) {
+  failure_.clear();
+  const auto shared = sdk::Ref<WorldSimulator>::share(&simulator);
+  auto run = [shared](sdk::Progress progress) -> sdk::Result<void> {
+    (void)shared->verifyBodies(progress);
+    return {};
+  };
+  const auto job =
+      services_.jobs.submit("Verifying the present state", std::move(run),
+                            [this, node = simulator.node()](const sdk::Result<void> &result) { finish(node, result); });
+  if (job)
+    job_ = *job;
+  else
+    failure_ = job.failure().message;
+}
+
+void VerificationPanel::finish(c3de_handle node, const sdk::Result<void> &result) {
+  job_.reset();
+  if (!result) {
+    failure_ =
+        result.failure().status == C3DE_E_CANCELLED ? "The verification was cancelled" : result.failure().message;
+    return;
+  }
+  // A command makes the solver publish, so that the result shows up while it is paused.
+  (void)services_.simulation.post(node, [] {});
+}
+
+}  // namespace pointbased

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bodies against their shadows, beside the steps of the simulation.
+#include "build_request.h"
+#include "world_simulator.h"
+
+namespace pointbased {
+namespace {
+
+using sdk::Error;
+
+// A body as it was when the verification was asked for.
+struct Standing {
+  StandingBody body;
+  BodySource source;
+  std::shared_ptr<const ParameterValues> values;
+};
+
+}  // namespace
+
+std::shared_ptr<const WorldVerification> WorldSimulator::verifyBodies(const sdk::Progress &progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  auto out = std::make_shared<WorldVerification>();
+  std::vector<Standing> all;
+  {
+    const std::lock_guard lock(mutex_);
+    out->quasiStatic = simulator_.quasiStatic();
+    out->clock = out->quasiStatic ? simulator_.loadFactor() : simulator_.time();
+    for (const auto &[id, record] : bodies_) {
+      all.push_back({standingBody(simulator_, id), record.source, record.values});
+      out->bodies.push_back({id, simulator_.changes(id), record.name, record.source.fixNumbers, {}, {}});
+    }
+  }
+  BuildRequest request(progress);
+  const ParallelFor parallelFor = context_.services.parallelFor();
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const double share = 1.0 / static_cast<double>(all.size());
+    const VerifyProgress tell = [&](double fraction, const std::string &what) {
+      return request.tell(share * (static_cast<double>(k) + fraction), out->bodies[k].name + ": " + what);
+    };
+    if (!tell(0.0, "filling the shadow")) throw Error(C3DE_E_CANCELLED, "cancelled");
+    const Standing &one = all[k];
+    BodyVerification &body = out->bodies[k];
+    const BodyFilling filling = fillingOf(context_.services, body.name, one.source, *one.values, parallelFor);
+    auto verified = pointbased::verify(one.body, filling.shape, filling.recipe, parallelFor, tell, &request);
+    if (verified)
+      body.result = std::move(*verified);
+    else if (verified.error() == "cancelled")
+      throw Error(C3DE_E_CANCELLED, "cancelled");
+    else
+      body.refused = verified.error();
+  }
+  out->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const std::lock_guard lock(mutex_);
+  verification_ = out;
+  return out;
+}
+
+void WorldSimulator::verify(const c3de_progress *progress, c3de_sink json) {
+  const auto verified = verifyBodies(sdk::Progress(progress));
+  if (const c3de_status status = sdk::put(json, verificationJson(*verified)); status < 0)
+    throw Error(status, "the text was not taken");
+}
+
+bool WorldSimulator::isVerified(const WorldVerification &verification) const {
+  if (verification.bodies.size() != bodies_.size()) return false;
+  for (const BodyVerification &body : verification.bodies)
+    if (!bodies_.contains(body.id) || simulator_.changes(body.id) != body.changes) return false;
+  return true;
+}
+
+}  // namespace pointbased
