@@ -90,8 +90,8 @@ TEST_CASE("A material can be a preset, and what stands beside the preset counts"
   CHECK(findValue(changed->bodies[0].params, "material.youngs_modulus")->value.num == 8000.0);
   CHECK(findValue(changed->bodies[0].params, "material.density")->value.num == 1060.0);
   // Where the stiffness of the tissue lies is known as well; a simulator that does not show it goes without.
-  const SceneValue *low = findValue(changed->bodies[0].params, "material.youngs_modulus_low");
-  const SceneValue *high = findValue(changed->bodies[0].params, "material.youngs_modulus_high");
+  const auto *low = findValue(changed->bodies[0].params, "material.youngs_modulus_low");
+  const auto *high = findValue(changed->bodies[0].params, "material.youngs_modulus_high");
   REQUIRE((low && high));
   CHECK(low->value.num == 1000.0);
   CHECK(high->value.num == 15000.0);
