@@ -158,10 +158,11 @@ TEST_CASE("Without a count a thin body has more phyxels than a thick one") {
     REQUIRE(told.exitCode == 0);
     return nlohmann::json::parse(told.output).at("bodies").at(0).at("points").get<double>();
   };
-  CHECK(phyxelsOf("box.obj", "") == Approx(1000).epsilon(0.08));
+  // At least these; more where an error of 5 % asks for them.
+  CHECK(phyxelsOf("box.obj", "") > 0.92 * 1000);
   // V = 0.01 m³, A = 0.52 m²: 2A³/V² = 2812.
   const double thin = phyxelsOf("thin.obj", "");
-  CHECK(thin == Approx(2812).epsilon(0.05));
+  CHECK(thin > 0.95 * 2812);
   CHECK(phyxelsOf("thin.obj", "sampling = { count = \"auto\" }\n") == thin);
   CHECK(phyxelsOf("thin.obj", "sampling = { count = 1000 }\n") == Approx(1000).epsilon(0.05));
 }
