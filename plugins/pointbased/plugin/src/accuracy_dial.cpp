@@ -111,6 +111,7 @@ void AccuracyPromise::built(const RestState &rest) {
 }
 
 void AccuracyPromise::measured(double ms) {
+  if (!(ms > 0.0)) return;
   choice.cost.ms = ms;
   isMeasured = true;
   if (wish.kind != AccuracyWish::Kind::budget) return;

@@ -47,8 +47,8 @@ struct DialRequest {
   AccuracyWish wish;
   Vec3 gravity = Vec3::Zero();  ///< m/s²
   CostSetting setting;
-  /// ms that a frame of a built body takes in its world, measured; empty: what is predicted counts
-  std::function<double(const Body &)> frameTime;
+  /// measureFrame() of a built body in its world; empty: what is predicted counts
+  std::function<double(const Body &, const StopRequest *)> frameTime;
 };
 
 /// What was chosen for a body whose sampling nobody has said.
@@ -62,7 +62,7 @@ struct AccuracyPromise {
   [[nodiscard]] bool supposed() const { return survey && survey->supposed; }
   /// The body has been built.
   void built(const RestState &rest);
-  /// A frame of it takes so long, ms.
+  /// A frame of it takes so long, ms; 0: that could not be measured.
   void measured(double ms);
 };
 

@@ -195,8 +195,8 @@ std::unique_ptr<Body> bodyOf(const Making &of, const BodyRecipe &recipe) {
 // The sampling that the dial chooses. What was predicted to fit a budget is measured, and made coarser where it does not.
 std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, const DialRequest &dial,
                                  AccuracyPromise &promise) {
-  constexpr int kAttempts = 3;
-  constexpr double kCostOrder = 4.0;  // of a frame in the spacing: phyxels and steps
+  constexpr int kAttempts = 6;
+  constexpr double kCostOrder = 3.0;  // of a frame in the spacing, at least: phyxels; and steps
   const double area = areaOf(of.surface);
   promise = promiseFor({of.shape, recipe, of.constitution, foundationOf(of.values), dial.gravity}, area, dial,
                        of.parallelFor, of.request);
@@ -209,7 +209,9 @@ std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, const Dial
     auto body = bodyOf(of, recipe);
     promise.built(body->rest());
     if (dial.wish.kind == AccuracyWish::Kind::standard || !dial.frameTime) return body;
-    promise.measured(dial.frameTime(*body));
+    if (!of.request.tell(0.9, "measuring a frame")) throw cancelled();
+    promise.measured(dial.frameTime(*body, &of.request));
+    if (of.request.isRaised()) throw cancelled();
     const double over = promise.choice.cost.ms / (1e3 * kBudgetToUse * dial.wish.value);
     if (!isBudget || over < 1.0 || attempt == kAttempts || !promise.survey) return body;
     recipe.sampling.spacing = body->rest().spacing * std::pow(over, 1.0 / kCostOrder);

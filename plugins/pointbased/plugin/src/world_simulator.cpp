@@ -137,11 +137,11 @@ DialRequest WorldSimulator::dialRequest() {
   }
   request.setting.speed = context_.speed.speed();
   if (request.setting.world.integrator != Integrator::quasiStatic)
-    request.frameTime = [this](const Body &body) { return frameTime(body); };
+    request.frameTime = [this](const Body &body, const StopRequest *stop) { return frameTime(body, stop); };
   return request;
 }
 
-double WorldSimulator::frameTime(const Body &body) const {
+double WorldSimulator::frameTime(const Body &body, const StopRequest *stop) const {
   WorldSettings settings;
   std::vector<Obstacle> obstacles;
   {
@@ -149,7 +149,7 @@ double WorldSimulator::frameTime(const Body &body) const {
     settings = worldSettings(world_);
     obstacles.assign(simulator_.obstacles().begin(), simulator_.obstacles().end());
   }
-  return measureFrame(body, settings, obstacles, context_.services.parallelFor());
+  return measureFrame(body, settings, obstacles, context_.services.parallelFor(), stop);
 }
 
 void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls walls) {

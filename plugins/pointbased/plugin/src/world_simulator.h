@@ -139,8 +139,8 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void makeRoom(const BodyRecord &body);
   /// What a body that is built now asks the dial.
   [[nodiscard]] DialRequest dialRequest();
-  /// A frame of a body in this world, at rest, by itself, ms.
-  [[nodiscard]] double frameTime(const Body &body) const;
+  /// measureFrame() in this world.
+  [[nodiscard]] double frameTime(const Body &body, const StopRequest *stop) const;
   [[nodiscard]] BodyRecord &bodyOrThrow(c3de_handle body);
   void takeView(Snapshot &snapshot);
   void estimate(std::uint64_t id, const Body &body, const PlacedMesh &surface, bool moved, BodySnapshot &out);

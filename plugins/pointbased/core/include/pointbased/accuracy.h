@@ -101,10 +101,11 @@ struct CostSetting {
 [[nodiscard]] FrameCost predictCost(const AccuracySurvey &survey, const Constitution &constitution,
                                     const CostSetting &setting, double spacing);
 
-/// Wall-clock time of a frame of a body in its world, from rest under its loads, by itself, ms: some thirty milliseconds of
-/// steps of a copy, median. 0: it cannot be stepped, or is quasi-static.
+/// Wall-clock time that 95 % of the frames of a body stay below, ms: from rest in its world, by itself, for half a simulated
+/// second or half a second of computing, because a body that bends takes shorter steps. 0: it cannot be stepped, is
+/// quasi-static, or was ended by the request.
 [[nodiscard]] double measureFrame(const Body &body, const WorldSettings &world, std::span<const Obstacle> obstacles,
-                                  const ParallelFor &parallelFor);
+                                  const ParallelFor &parallelFor, const StopRequest *stop);
 
 /// What somebody wants of the accuracy of a body; one of them.
 struct AccuracyWish {

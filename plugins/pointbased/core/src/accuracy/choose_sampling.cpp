@@ -14,11 +14,11 @@ namespace {
 
 // Fitted to random bodies, bench_dial --fit:
 // log error = kConstant + kDifference log(difference) + kOrder log(spacing / spacing of the fine trial)
-constexpr double kConstant = -0.25, kDifference = 1.12, kOrder = 1.75;
-constexpr double kSpread = 0.45;       // standard deviation of log error near the fine trial
-constexpr double kSpreadPerWay = 0.3;  // more of it per log of the way to finer spacings
-constexpr double kSpreadBeyond = 0.6;  // likewise on the way to spacings coarser than any that was tried
-constexpr double kNineOfTen = 1.645;   // standard deviations on both sides
+constexpr double kConstant = -0.07, kDifference = 1.10, kOrder = 1.23;
+constexpr double kSpread = 0.42;        // standard deviation of log error near the fine trial
+constexpr double kSpreadPerWay = 0.25;  // more of it per log of the way to finer spacings
+constexpr double kSpreadBeyond = 0.6;   // likewise on the way to spacings coarser than any that was tried
+constexpr double kNineOfTen = 1.645;    // standard deviations on both sides
 constexpr double kLeastDifference = 1e-5;
 constexpr double kFewest = 50.0;                     // phyxels that are proposed
 constexpr double kEvaluationsPerIncrement = 2000.0;  // of a quasi-static increment of 500 phyxels
