@@ -696,7 +696,7 @@ TEST_CASE("a wish for accuracy samples the organ anew and shows what to expect",
       "the organ is shown", [](const Json &s) { return s["jobs"].empty() && !row(s, "Error expected").empty(); }, 60.0);
   window.moveTo(window.inView(0.5, 0.5));
   window.key("f");
-  CHECK(row(window.state(), "Stiffness of such tissue") == "1 … 15 kPa");
+  CHECK(row(window.state(), "Tissue stiffness") == "1 … 15 kPa");
   const double before = window.number(std::string(kPanel) + "Phyxels");
 
   const auto wish = [&](const char *parameter, const std::string &value) {

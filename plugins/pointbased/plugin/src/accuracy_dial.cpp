@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <thread>
 
 #include "c3de/abi/iface/parameter_ids.h"
@@ -15,12 +16,6 @@ namespace {
 constexpr const char *kSpeedKey = "accuracy.machine_speed";
 constexpr double kErrorToWarn = 0.1;       // of the largest displacement: above it every body says so
 constexpr double kFinerThanSingle = 1e-3;  // of the largest displacement: wishes below it keep double precision
-
-std::string digits(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.2g", value);
-  return text;
-}
 
 }  // namespace
 
@@ -118,15 +113,22 @@ void AccuracyPromise::measured(double ms) {
   const double budget = 1e3 * wish.value;
   choice.unmet.clear();
   if (ms > budget)
-    choice.unmet = shortNumber(budget) + " ms a frame cannot be had; it takes " + digits(ms) + " ms with " +
+    choice.unmet = shortNumber(budget) + " ms a frame cannot be had; it takes " + roughly(ms) + " ms with " +
                    std::to_string(choice.count) + " phyxels";
+}
+
+std::string roughly(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, std::abs(value) < 100.0 ? "%.2g" : "%.0f", value);
+  return text;
 }
 
 std::string errorText(const AccuracyPromise &promise) {
   const ErrorPrediction &e = promise.choice.error;
-  std::string text = digits(100.0 * e.share) + " % (" + digits(100.0 * e.low) + " … " + digits(100.0 * e.high) + " %)";
+  std::string text =
+      roughly(100.0 * e.share) + " % (" + roughly(100.0 * e.low) + " … " + roughly(100.0 * e.high) + " %)";
   if (!promise.supposed() && promise.choice.largest > 0.0)
-    text += ", " + digits(1e3 * promise.choice.largest * e.share) + " mm";
+    text += ", " + roughly(1e3 * promise.choice.largest * e.share) + " mm";
   return text;
 }
 
@@ -138,7 +140,7 @@ std::string noticeOf(const std::string &name, const AccuracyPromise &promise) {
   std::string text = who + "an error of the skin of " + errorText(promise) +
                      " of the largest displacement is expected" +
                      (promise.supposed() ? " as if it were held at its lowest tenth and hung" : "") + ", and " +
-                     digits(promise.choice.cost.ms) + " ms a frame";
+                     roughly(promise.choice.cost.ms) + " ms a frame";
   if (!promise.choice.unmet.empty()) text += "; " + promise.choice.unmet;
   return text;
 }

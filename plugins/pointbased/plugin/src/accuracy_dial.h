@@ -69,6 +69,8 @@ struct AccuracyPromise {
 /// Refuses a body that says how fine it is sampled in a world that says how accurate it is to be, as sdk::Error.
 void refuseTwoWays(const std::string &name, const ParameterValues &body, const AccuracyWish &wish);
 
+/// Two digits, or all before the point.
+[[nodiscard]] std::string roughly(double value);
 /// One line for people; empty: there is nothing that they should know.
 [[nodiscard]] std::string noticeOf(const std::string &name, const AccuracyPromise &promise);
 /// "2.1 % (0.9 … 4.8 %)", of the largest displacement; with mm where that is known.

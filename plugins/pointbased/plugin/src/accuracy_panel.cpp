@@ -3,16 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace pointbased {
 namespace {
-
-std::string digits(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.2g", value);
-  return text;
-}
 
 double part(double of, double whole) { return whole > 0.0 ? std::clamp(of / whole, 0.0, 1.0) : 0.0; }
 
@@ -33,9 +26,9 @@ void errorBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &prom
   if (promise.wish.kind != AccuracyWish::Kind::budget) {
     const double wished = wishedError(promise);
     ui.progress(part(promise.choice.error.share, wished),
-                digits(100.0 * promise.choice.error.share) + " of " + digits(100.0 * wished) + " %");
+                roughly(100.0 * promise.choice.error.share) + " of " + roughly(100.0 * wished) + " %");
   }
-  ui.value("Estimated now", digits(100.0 * body.error * body.error) + " %");
+  ui.value("Estimated now", roughly(100.0 * body.error * body.error) + " %");
   ui.tooltip(
       "The square of the error estimate of the strains in the present state: about the part that displacements "
       "are off");
@@ -46,22 +39,22 @@ void costBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promi
   const bool isBudget = promise.wish.kind == AccuracyWish::Kind::budget;
   const double whole = 1e3 * (isBudget ? promise.wish.value : kStandardBudget);
   ui.value("A frame takes",
-           (now > 0.0 ? digits(now) + " ms now, " : std::string()) + digits(promised) + " ms promised");
+           (now > 0.0 ? roughly(now) + " ms now, " : std::string()) + roughly(promised) + " ms promised");
   ui.tooltip("Computing time of 1/60 s of simulated time. Without a wish the promise is for a machine to reckon with");
   const double shown = now > 0.0 ? now : promised;
-  ui.progress(part(shown, whole), digits(shown) + " of " + digits(whole) + " ms");
+  ui.progress(part(shown, whole), roughly(shown) + " of " + roughly(whole) + " ms");
 }
 
 void tissueBar(sdk::Ui &ui, const BodySnapshot &body) {
   const StiffnessRange range = stiffnessRangeOf(*body.values);
   const double E = body.youngsModulus;
-  ui.value("Stiffness of such tissue", digits(1e-3 * range.low) + " … " + digits(1e-3 * range.high) + " kPa");
+  ui.value("Tissue stiffness", roughly(1e-3 * range.low) + " … " + roughly(1e-3 * range.high) + " kPa");
   ui.tooltip(range.isKnown
                  ? "The range of Young's modulus that the literature gives for the tissue: what is computed "
                    "is no better than what is known of it"
                  : "Nothing is known of the range of this Young's modulus; ±50 % are usual for living tissue");
-  ui.progress(part(range.high - range.low, 2.0 * E), "displacements " + digits(100.0 * (E / range.high - 1.0)) +
-                                                         " … +" + digits(100.0 * (E / range.low - 1.0)) + " %");
+  ui.progress(part(range.high - range.low, 2.0 * E), "displacements " + roughly(100.0 * (E / range.high - 1.0)) +
+                                                         " … +" + roughly(100.0 * (E / range.low - 1.0)) + " %");
 }
 
 }  // namespace

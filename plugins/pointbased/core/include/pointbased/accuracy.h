@@ -67,7 +67,7 @@ struct AccuracySurvey {
 };
 
 /// Two trials, some tenths of a second: of a seventh and of two fifths of automaticCount().
-/// Errors: those of solveTrial().
+/// Errors: those of solveTrial(); trials that have nothing in common.
 [[nodiscard]] Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, double area,
                                                     const ParallelFor &parallelFor, const StopRequest *stop = nullptr);
 

@@ -11,9 +11,10 @@ namespace {
 
 constexpr std::size_t kSamples = 500;
 constexpr std::pair<double, double> kParts[] = {{1.0 / 7.0, 0.4}, {0.4, 1.0}};  // of automaticCount()
-constexpr double kLowest = 0.1;  // part of a body's height that is held where nothing holds it
-constexpr double kSoft = 0.1;    // stiffness of supposed surroundings in units of E over the body's size
-constexpr double kEarth = 9.81;  // m/s²
+constexpr double kLowest = 0.1;           // part of a body's height that is held where nothing holds it
+constexpr double kAstray = 100.0;         // displacement in sizes of the body: it is no deformation
+constexpr double kNothingInCommon = 1.0;  // difference of the trials, part of the largest displacement
+constexpr double kEarth = 9.81;           // m/s²
 
 /// The direction in which a body is thinnest: across it it bends.
 Vec3 thinDirection(const Surface &surface) {
@@ -102,18 +103,17 @@ Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, double are
     recipe.fixes.push_back(fix);
   }
   auto tries = tryTwice(tried, area, parallelFor, stop);
-  if (!tries && survey.supposed) {
-    // Parts that its lowest tenth does not hold: all of it lies in soft surroundings instead.
-    recipe.fixes = problem.recipe.fixes;
-    tried.foundation.stiffness = tried.foundation.tangential =
-        kSoft * problem.constitution.materials.front().youngsModulus / std::cbrt(problem.shape.volume);
-    tries = tryTwice(tried, area, parallelFor, stop);
-  }
   if (!tries) return tl::unexpected(tries.error());
   survey.coarse = std::move(tries->first);
   survey.fine = std::move(tries->second);
   survey.largest = survey.fine.largest;
   if (survey.largest > 0.0) survey.difference = skinDifference(survey.coarse, survey.fine) / survey.largest;
+  if (!(survey.largest < kAstray * (problem.shape.max - problem.shape.min).norm()))
+    return tl::unexpected(std::string("a part of it is held by nothing"));
+  if (!(survey.difference < kNothingInCommon))
+    return tl::unexpected("two coarse solutions of " + std::to_string(survey.coarse.phyxels) + " and " +
+                          std::to_string(survey.fine.phyxels) +
+                          " phyxels have nothing in common; it is too thin for them");
   return survey;
 }
 
