@@ -214,7 +214,9 @@ std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, const Dial
     if (of.request.isRaised()) throw cancelled();
     const double over = promise.choice.cost.ms / (1e3 * kBudgetToUse * dial.wish.value);
     if (!isBudget || over < 1.0 || attempt == kAttempts || !promise.survey) return body;
-    recipe.sampling.spacing = body->rest().spacing * std::pow(over, 1.0 / kCostOrder);
+    const double coarsest = promise.survey->spacingFor(kFewestPhyxelsOfDial);
+    if (!(promise.choice.spacing < 0.99 * coarsest)) return body;
+    recipe.sampling.spacing = std::min(coarsest, promise.choice.spacing * std::pow(over, 1.0 / kCostOrder));
   }
 }
 

@@ -139,6 +139,7 @@ inline constexpr double kStandardError = 0.05;    ///< of AccuracyWish::Kind::st
 inline constexpr double kStandardBudget = 0.016;  ///< s
 /// Part of a budget that is used: strained bodies take shorter steps, and frames scatter.
 inline constexpr double kBudgetToUse = 0.7;
-inline constexpr double kMostPhyxelsOfDial = 100'000.0;
+/// Between these it chooses.
+inline constexpr double kFewestPhyxelsOfDial = 50.0, kMostPhyxelsOfDial = 100'000.0;
 
 }  // namespace pointbased

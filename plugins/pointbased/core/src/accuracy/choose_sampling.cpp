@@ -20,7 +20,6 @@ constexpr double kSpreadPerWay = 0.25;  // more of it per log of the way to fine
 constexpr double kSpreadBeyond = 0.6;   // likewise on the way to spacings coarser than any that was tried
 constexpr double kNineOfTen = 1.645;    // standard deviations on both sides
 constexpr double kLeastDifference = 1e-5;
-constexpr double kFewest = 50.0;                     // phyxels that are proposed
 constexpr double kEvaluationsPerIncrement = 2000.0;  // of a quasi-static increment of 500 phyxels
 
 /// How much longer a substep takes where the material remembers, or is not one of the kernels' (bench_scaling,
@@ -134,7 +133,7 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
   const double finest = survey.spacingFor(kMostPhyxelsOfDial);
   double forBudget = finest;
   if (!isStatic && std::isfinite(limits.budget))
-    forBudget = firstGood(finest, survey.spacingFor(kFewest),
+    forBudget = firstGood(finest, survey.spacingFor(kFewestPhyxelsOfDial),
                           [&](double d) { return 1e-3 * costAt(d).ms <= kBudgetToUse * limits.budget; });
   // No coarser than what was tried: that costs next to nothing.
   const double forError =
