@@ -33,14 +33,6 @@ constexpr std::uint64_t kHeldOut = 1000;  // first seed that nothing was fitted 
 constexpr double kOrder = 1.25;           // of errors in the spacing, for what the reference lacks
 constexpr double kWishes[] = {0.03, 0.05, 0.1, 0.2};
 
-double areaOf(const Surface &surface) {
-  double area = 0.0;
-  for (const auto &[a, b, c] : surface.triangles)
-    area +=
-        0.5 * (surface.positions[b] - surface.positions[a]).cross(surface.positions[c] - surface.positions[a]).norm();
-  return area;
-}
-
 double sizeOf(const Surface &surface) {
   Vec3 low = surface.positions.front(), high = low;
   for (const Vec3 &x : surface.positions) {
@@ -121,7 +113,7 @@ struct Tried {
 
 std::optional<Tried> tried(std::uint64_t seed) {
   Tried out{dial::randomProblem(seed), {}};
-  auto survey = surveyAccuracy(out.problem.problem(), areaOf(out.problem.shape.surface), serialFor());
+  auto survey = surveyAccuracy(out.problem.problem(), serialFor());
   if (!survey) {
     std::printf("%s: not predicted: %s\n", out.problem.name.c_str(), survey.error().c_str());
     return std::nullopt;

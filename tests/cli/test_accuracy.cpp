@@ -114,6 +114,8 @@ TEST_CASE("A wish of the command line takes the place of that of the scene") {
   const fs::path scene = writeBeam(folder, "accuracy = { budget_ms = 16 }");
   const Json report = reportOf(folder, scene, {"--set", "accuracy.error_percent=5"});
   CHECK(report["accuracy"]["wish"] == "error_percent");
+  // What is no wish leaves it.
+  CHECK(reportOf(folder, scene, {"--set", "accuracy.bodies=2"})["accuracy"]["wish"] == "budget_ms");
 }
 
 TEST_CASE("Without a wish a body is sampled for five per cent and says what to expect") {

@@ -34,6 +34,8 @@ bool hasControlCharacter(const std::string &text) {
 
 }  // namespace
 
+bool isWish(const std::string &id) { return std::find(kWishes.begin(), kWishes.end(), id) != kWishes.end(); }
+
 std::string joined(const std::vector<std::string> &names) {
   std::string text;
   for (const std::string &name : names) text += (text.empty() ? "" : ", ") + name;
@@ -249,12 +251,10 @@ bool SceneReader::checkBox() {
 
 // One wish: a second one in the file contradicts it, one of the command line replaces it.
 bool SceneReader::checkWish() {
-  const auto isWish = [](const SceneValue &value) {
-    return std::find(kWishes.begin(), kWishes.end(), value.value.id) != kWishes.end();
-  };
-  const auto first = std::find_if(scene_.world.begin(), scene_.world.end(), isWish);
+  const auto isOne = [](const SceneValue &value) { return isWish(value.value.id); };
+  const auto first = std::find_if(scene_.world.begin(), scene_.world.end(), isOne);
   if (first == scene_.world.end()) return true;
-  const auto second = std::find_if(first + 1, scene_.world.end(), isWish);
+  const auto second = std::find_if(first + 1, scene_.world.end(), isOne);
   if (second == scene_.world.end()) return true;
   return refuse(second->line, "'" + first->value.id + "' and '" + second->value.id +
                                   "' are two wishes; accepted: one of " + joined(kWishes));

@@ -122,6 +122,9 @@ class SceneReader {
   Error error_;
 };
 
+/// One of the ids that say how accurate or how quick bodies are to be.
+[[nodiscard]] bool isWish(const std::string &id);
+
 /// "a, b, c"
 [[nodiscard]] std::string joined(const std::vector<std::string> &names);
 

@@ -71,7 +71,7 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value) 
 }
 
 bool SceneReader::overrideWish(const std::string &path, const TomlValue &value) {
-  std::erase_if(scene_.world, [](const SceneValue &other) { return other.value.id.rfind("accuracy.", 0) == 0; });
+  if (isWish(path)) std::erase_if(scene_.world, [](const SceneValue &other) { return isWish(other.value.id); });
   return store(scene_.world, path, value);
 }
 

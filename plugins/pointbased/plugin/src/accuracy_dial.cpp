@@ -107,7 +107,7 @@ void AccuracyPromise::built(const RestState &rest) {
 
 void AccuracyPromise::measured(double ms) {
   if (!(ms > 0.0)) return;
-  choice.cost.ms = ms;
+  choice.frame_ms = ms;
   isMeasured = true;
   if (wish.kind != AccuracyWish::Kind::budget) return;
   const double budget = 1e3 * wish.value;
@@ -140,7 +140,7 @@ std::string noticeOf(const std::string &name, const AccuracyPromise &promise) {
   std::string text = who + "an error of the skin of " + errorText(promise) +
                      " of the largest displacement is expected" +
                      (promise.supposed() ? " as if it were held at its lowest tenth and hung" : "") + ", and " +
-                     roughly(promise.choice.cost.ms) + " ms a frame";
+                     roughly(promise.choice.frame_ms) + " ms a frame";
   if (!promise.choice.unmet.empty()) text += "; " + promise.choice.unmet;
   return text;
 }

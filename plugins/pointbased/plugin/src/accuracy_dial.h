@@ -57,7 +57,7 @@ struct AccuracyPromise {
   SamplingChoice choice;
   std::shared_ptr<const AccuracySurvey> survey;  ///< null: there is no prediction
   std::string unpredicted;                       ///< why there is no prediction; `choice` is but a count then
-  bool isMeasured = false;  ///< choice.cost.ms is what the body took at rest, else what is predicted
+  bool isMeasured = false;  ///< choice.frame_ms is what the body took at rest, else what is predicted
 
   [[nodiscard]] bool supposed() const { return survey && survey->supposed; }
   /// The body has been built.

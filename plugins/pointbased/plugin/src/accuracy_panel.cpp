@@ -35,7 +35,7 @@ void errorBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &prom
 }
 
 void costBar(sdk::Ui &ui, const BodySnapshot &body, const AccuracyPromise &promise) {
-  const double now = 1e3 * kFrame * body.cost, promised = promise.choice.cost.ms;
+  const double now = 1e3 * kFrame * body.cost, promised = promise.choice.frame_ms;
   const bool isBudget = promise.wish.kind == AccuracyWish::Kind::budget;
   const double whole = 1e3 * (isBudget ? promise.wish.value : kStandardBudget);
   ui.value("A frame takes",

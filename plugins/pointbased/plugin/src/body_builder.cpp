@@ -128,7 +128,7 @@ AccuracyPromise promiseFor(const AccuracyProblem &problem, double area, const Di
   if (!request.tell(0.02, "trying coarse samplings")) throw cancelled();
   AccuracyPromise promise;
   promise.wish = dial.wish;
-  auto survey = surveyAccuracy(problem, area, parallelFor, &request);
+  auto survey = surveyAccuracy(problem, parallelFor, &request);
   if (!survey) {
     promise.unpredicted = survey.error();
     promise.choice.count = automaticCount(problem.shape.volume, area);
@@ -212,7 +212,7 @@ std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, const Dial
     if (!of.request.tell(0.9, "measuring a frame")) throw cancelled();
     promise.measured(dial.frameTime(*body, &of.request));
     if (of.request.isRaised()) throw cancelled();
-    const double over = promise.choice.cost.ms / (1e3 * kBudgetToUse * dial.wish.value);
+    const double over = promise.choice.frame_ms / (1e3 * kBudgetToUse * dial.wish.value);
     if (!isBudget || over < 1.0 || attempt == kAttempts || !promise.survey) return body;
     const double coarsest = promise.survey->spacingFor(kFewestPhyxelsOfDial);
     if (!(promise.choice.spacing < 0.99 * coarsest)) return body;

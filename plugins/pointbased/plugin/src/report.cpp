@@ -178,7 +178,7 @@ Json promiseJson(const std::string &name, const AccuracyPromise &promise) {
     out["promised_error_m"] = choice.error.share * choice.largest;
   }
   out["load"] = promise.supposed() ? "supposed" : "own";
-  out["promised_ms"] = choice.cost.ms;
+  out["promised_ms"] = choice.frame_ms;
   out["cost"] = promise.isMeasured ? "measured" : "predicted";
   out["spacing_m"] = choice.spacing;
   out["phyxels"] = choice.count;
@@ -201,7 +201,7 @@ Json accuracyJson(const Simulator &simulator, const std::vector<ReportedBody> &b
         out["promised_error"] = one["promised_error"];
         out["band"] = one["band"];
       }
-      out["promised_ms"] = out["promised_ms"].get<double>() + body.promise->choice.cost.ms;
+      out["promised_ms"] = out["promised_ms"].get<double>() + body.promise->choice.frame_ms;
     }
     out["bodies"].push_back(std::move(one));
   }

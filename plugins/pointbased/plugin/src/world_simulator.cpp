@@ -121,37 +121,6 @@ void WorldSimulator::makeRoom(const BodyRecord &body) {
   context_.services.log.info("the walls of the world have made room for '" + body.name + "'");
 }
 
-DialRequest WorldSimulator::dialRequest() {
-  DialRequest request;
-  {
-    const std::lock_guard lock(mutex_);
-    request.wish = wishOf(world_);
-    request.setting.world = worldSettings(world_);
-    request.setting.contact = request.setting.world.box.enabled || !obstacles_.empty();
-  }
-  request.gravity = request.setting.world.gravity;
-  // What nobody has wished for must not depend on the machine.
-  if (request.wish.kind == AccuracyWish::Kind::standard) {
-    request.setting.speed = nominalSpeed();
-    return request;
-  }
-  request.setting.speed = context_.speed.speed();
-  if (request.setting.world.integrator != Integrator::quasiStatic)
-    request.frameTime = [this](const Body &body, const StopRequest *stop) { return frameTime(body, stop); };
-  return request;
-}
-
-double WorldSimulator::frameTime(const Body &body, const StopRequest *stop) const {
-  WorldSettings settings;
-  std::vector<Obstacle> obstacles;
-  {
-    const std::lock_guard lock(mutex_);
-    settings = worldSettings(world_);
-    obstacles.assign(simulator_.obstacles().begin(), simulator_.obstacles().end());
-  }
-  return measureFrame(body, settings, obstacles, context_.services.parallelFor(), stop);
-}
-
 void WorldSimulator::add(const c3de_sim_body *body, c3de_handle *out, Walls walls) {
   const c3de_sim_body in = sdk::readStruct(body, "body");
   BodyRecord record;
@@ -458,99 +427,6 @@ void WorldSimulator::stateHash(std::uint64_t *out) {
   sdk::notNull(out, "out") = simulator_.stateHash();
 }
 
-// What a state belongs to: everything that a scene says of the physics.
-std::uint64_t WorldSimulator::fingerprint() const {
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  const auto addBytes = [&](const void *bytes, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) hash = (hash ^ static_cast<const unsigned char *>(bytes)[i]) * 0x100000001b3ull;
-  };
-  const auto addNumber = [&](double value) { addBytes(&value, sizeof value); };
-  const auto addVector = [&](const Vec3 &v) { addBytes(v.data(), 3 * sizeof(double)); };
-  const auto addText = [&](std::string_view text) {
-    addNumber(static_cast<double>(text.size()));
-    addBytes(text.data(), text.size());
-  };
-  const auto addValues = [&](const ParameterValues &values) {
-    for (const c3de_param_decl &d : values.declarations()) {
-      if (isOfTheView(sdk::text(d.id))) continue;
-      const c3de_param_value value = sdk::orThrow(values.get(sdk::text(d.id)));
-      addText(sdk::text(value.text));
-      addNumber(value.num);
-      addVector(Vec3(value.vec));
-    }
-  };
-  addValues(world_);
-  for (const auto &[id, record] : bodies_) {
-    const Body &body = *simulator_.body(id);
-    addText(record.name);
-    addValues(*record.values);
-    for (const BodyPart &part : record.source.parts) addValues(part.values);
-    addVector(body.rest().origin);
-    for (const Vec3 &x : body.rest().positions) addVector(x);
-    for (const double m : body.masses()) addNumber(m);
-    for (const double m : body.inverseMasses()) addNumber(m);
-    for (const Fix &fix : record.source.fixes) {
-      addVector(fix.displacement);
-      addVector(fix.rotation_deg);
-      addVector(fix.centre.value_or(Vec3::Zero()));
-      addVector(fix.rotationVector.value_or(Vec3::Zero()));
-      addNumber(fix.ramp);
-    }
-    for (const Load &load : record.source.loads) {
-      addVector(load.force);
-      addNumber(load.pressure);
-      addNumber(load.follower ? 1.0 : 0.0);
-      addNumber(load.ramp);
-    }
-    // What their regions have come to mean.
-    const BoundaryConditions &conditions = body.rest().conditions;
-    for (const ConstrainedRegion &held : conditions.held)
-      for (const Index i : held.rows.indices) addNumber(static_cast<double>(i));
-    for (const LoadedPart &loaded : conditions.loaded)
-      for (const double share : loaded.shares) addNumber(share);
-  }
-  for (const auto &[id, obstacle] : obstacles_) {
-    addText(obstacle.name);
-    addNumber(obstacle.friction);
-    addNumber(obstacle.restitution);
-    // A motion is a function: two that meet at these times are taken for one.
-    for (const double t : {0.01, 0.1, 0.37, 1.0, 3.3}) {
-      if (!obstacle.motion) continue;
-      const RigidMotion at = obstacle.motion(t);
-      addBytes(at.rotation.data(), 9 * sizeof(double));
-      addVector(at.displacementOf(Vec3::Zero()));
-    }
-    for (const Vec3 &x : obstacle.mesh->positions) addVector(x);
-  }
-  return hash;
-}
-
-c3de_status WorldSimulator::saveState(c3de_sink sink) {
-  const std::lock_guard lock(mutex_);
-  if (!liveLoads_.empty()) throw Error(C3DE_E_STATE, "loads that came while it ran act on it; remove them first");
-  const auto state = simulator_.savedState();
-  if (!state) throw Error(C3DE_E_STATE, state.error());
-  const std::uint64_t of = fingerprint();
-  std::string bytes(reinterpret_cast<const char *>(&of), sizeof of);
-  return sdk::put(sink, bytes + *state);
-}
-
-void WorldSimulator::loadState(const void *bytes, std::uint64_t n) {
-  if (bytes == nullptr) throw Error(C3DE_E_ARG, "load_state: bytes is null");
-  const std::lock_guard lock(mutex_);
-  std::string_view state(static_cast<const char *>(bytes), static_cast<std::size_t>(n));
-  std::uint64_t of = 0;
-  if (state.size() < sizeof of) throw Error(C3DE_E_FORMAT, "the state ends too early");
-  std::memcpy(&of, state.data(), sizeof of);
-  if (of != fingerprint())
-    throw Error(C3DE_E_ARG,
-                "the state belongs to another scene: bodies, materials, supports, loads, obstacles or world differ");
-  state.remove_prefix(sizeof of);
-  if (const auto gone = simulator_.goToSavedState(state); !gone) throw Error(C3DE_E_FORMAT, gone.error());
-  liveLoads_.clear();
-  holds_.clear();
-}
-
 void WorldSimulator::report(c3de_sink json) {
   std::string text;
   {
@@ -683,11 +559,6 @@ void WorldSimulator::exchange(Checkpoint &kept) {
 ParameterValues WorldSimulator::worldValues() const {
   const std::lock_guard lock(mutex_);
   return world_;
-}
-
-void WorldSimulator::shareBudget(std::size_t bodies) {
-  const std::lock_guard lock(mutex_);
-  sdk::orThrow(world_.set(sdk::integerValue(C3DE_PARAM_ID_ACCURACY_BODIES, static_cast<std::int64_t>(bodies))));
 }
 
 std::optional<BodySource> WorldSimulator::source(std::uint64_t body) const {

@@ -29,7 +29,6 @@ struct TrialSolution {
   double spacing = 0.0;  ///< m
   std::size_t phyxels = 0, points = 0, contacts = 0;
   double stableStep = 0.0;  ///< s, at rest
-  double estimate = 0.0;    ///< 0 … 1, ErrorEstimate::relative
   std::vector<Vec3> ways;   ///< [samples] displacements of points of the skin, m
   double largest = 0.0;     ///< m, of `ways`
 };
@@ -59,17 +58,14 @@ struct AccuracySurvey {
   /// Nothing holds the body, or nothing loads it, or both: its lowest tenth was held, its weight was its load
   bool supposed = false;
 
-  [[nodiscard]] double thickness() const {
-    return 2.0 * volume / area;
-  }                                                       ///< m; of a sheet its own, of a tube the radius
   [[nodiscard]] double phyxelsAt(double spacing) const;   ///< V/d³ inside, and as many per area as in the fine trial
   [[nodiscard]] double spacingFor(double phyxels) const;  ///< m, the inverse
 };
 
 /// Two trials, some tenths of a second: of a seventh and of two fifths of automaticCount().
 /// Errors: those of solveTrial(); trials that have nothing in common.
-[[nodiscard]] Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, double area,
-                                                    const ParallelFor &parallelFor, const StopRequest *stop = nullptr);
+[[nodiscard]] Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, const ParallelFor &parallelFor,
+                                                    const StopRequest *stop = nullptr);
 
 /// The error of displacements on the skin at rest, of 95 % of it, as part of the largest displacement.
 struct ErrorPrediction {
@@ -82,13 +78,6 @@ struct ErrorPrediction {
 /// their spacing to the one asked for, log e = a + b log difference + p log(spacing / spacing of the fine trial).
 [[nodiscard]] ErrorPrediction predictError(const AccuracySurvey &survey, double spacing);
 
-/// What a frame of 1/60 s of simulated time takes, and what steps it has.
-struct FrameCost {
-  double ms = 0.0;
-  double step = 0.0;  ///< s
-  Integrator integrator = Integrator::explicitVerlet;
-};
-
 /// What costs are reckoned with beside the body.
 struct CostSetting {
   WorldSettings world;
@@ -97,9 +86,9 @@ struct CostSetting {
   MachineSpeed speed;
 };
 
-/// Of a quasi-static solution: of the whole.
-[[nodiscard]] FrameCost predictCost(const AccuracySurvey &survey, const Constitution &constitution,
-                                    const CostSetting &setting, double spacing);
+/// ms that a frame of 1/60 s of simulated time takes; of a quasi-static solution the whole.
+[[nodiscard]] double predictCost(const AccuracySurvey &survey, const Constitution &constitution,
+                                 const CostSetting &setting, double spacing);
 
 /// Wall-clock time that 95 % of the frames of a body stay below, ms: from rest in its world, by itself, for half a simulated
 /// second or half a second of computing, because a body that bends takes shorter steps. 0: it cannot be stepped, is
@@ -126,9 +115,9 @@ struct SamplingChoice {
   double spacing = 0.0;  ///< m
   std::size_t count = 0;
   ErrorPrediction error;
-  double largest = 0.0;  ///< m, what error.share is of
-  FrameCost cost;
-  std::string unmet;  ///< empty: the wish is met; else why not, and what could be had
+  double largest = 0.0;   ///< m, what error.share is of
+  double frame_ms = 0.0;  ///< predictCost() or measureFrame()
+  std::string unmet;      ///< empty: the wish is met; else why not, and what could be had
 };
 
 [[nodiscard]] SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,

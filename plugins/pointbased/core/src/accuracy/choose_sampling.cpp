@@ -87,8 +87,8 @@ ErrorPrediction predictError(const AccuracySurvey &survey, double spacing) {
   return out;
 }
 
-FrameCost predictCost(const AccuracySurvey &survey, const Constitution &constitution, const CostSetting &setting,
-                      double spacing) {
+double predictCost(const AccuracySurvey &survey, const Constitution &constitution, const CostSetting &setting,
+                   double spacing) {
   const WorldSettings &world = setting.world;
   const double finer = survey.fine.spacing / spacing;
   const double phyxels = survey.phyxelsAt(spacing);
@@ -96,27 +96,18 @@ FrameCost predictCost(const AccuracySurvey &survey, const Constitution &constitu
   const double contacts = setting.contact ? static_cast<double>(survey.fine.contacts) * finer * finer : 0.0;
   const double stable = kStepSafety * survey.fine.stableStep / finer;
   const detail::StepCost evaluations = detail::predictCost(phyxels, stable, world.dt);
-  const double evaluation_ns = materialFactor(constitution) * points * setting.speed.perPoint(points, world.precision);
-  FrameCost out;
-  out.step = world.dt > 0.0 ? std::min(world.dt, stable) : stable;
-  const double explicit_ms = 1e-6 * kFrame / out.step * (evaluation_ns + contacts * setting.speed.contact_ns);
-  const double implicit_ms = 1e-6 * kFrame * evaluations.implicitEvaluations * evaluation_ns;
-  const double skin_ms = 1e-6 * setting.speed.surfel_ns * static_cast<double>(setting.surfels);
-  out.integrator = world.integrator;
-  if (world.integrator == Integrator::automatic)
-    out.integrator = evaluations.explicitEvaluations <= evaluations.implicitEvaluations ? Integrator::explicitVerlet
-                                                                                        : Integrator::implicitSdirk;
-  switch (out.integrator) {
-    case Integrator::explicitVerlet: out.ms = explicit_ms + skin_ms; break;
-    case Integrator::quasiStatic: {
-      const int increments = world.loadSteps > 0 ? world.loadSteps : 10;
-      out.step = 0.0;
-      out.ms = 1e-6 * increments * kEvaluationsPerIncrement * std::sqrt(phyxels / 500.0) * evaluation_ns;
-      break;
-    }
-    default: out.step = world.dt > 0.0 ? world.dt : kImplicitStep; out.ms = implicit_ms + skin_ms;
+  const double evaluation_ms =
+      1e-6 * materialFactor(constitution) * points * setting.speed.perPoint(points, world.precision);
+  if (world.integrator == Integrator::quasiStatic) {
+    const int increments = world.loadSteps > 0 ? world.loadSteps : 10;
+    return increments * kEvaluationsPerIncrement * std::sqrt(phyxels / 500.0) * evaluation_ms;
   }
-  return out;
+  const double skin_ms = 1e-6 * setting.speed.surfel_ns * static_cast<double>(setting.surfels);
+  const bool isExplicit = world.integrator == Integrator::explicitVerlet ||
+                          (world.integrator == Integrator::automatic && !evaluations.implicitIsCheaper());
+  if (!isExplicit) return kFrame * evaluations.implicitEvaluations * evaluation_ms + skin_ms;
+  const double step = world.dt > 0.0 ? std::min(world.dt, stable) : stable;
+  return kFrame / step * (evaluation_ms + 1e-6 * contacts * setting.speed.contact_ns) + skin_ms;
 }
 
 SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &constitution,
@@ -134,7 +125,7 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
   double forBudget = finest;
   if (!isStatic && std::isfinite(limits.budget))
     forBudget = firstGood(finest, survey.spacingFor(kFewestPhyxelsOfDial),
-                          [&](double d) { return 1e-3 * costAt(d).ms <= kBudgetToUse * limits.budget; });
+                          [&](double d) { return 1e-3 * costAt(d) <= kBudgetToUse * limits.budget; });
   // No coarser than what was tried: that costs next to nothing.
   const double forError =
       firstGood(survey.coarse.spacing, finest, [&](double d) { return errorAt(d) <= limits.share; });
@@ -147,13 +138,13 @@ SamplingChoice chooseSampling(const AccuracySurvey &survey, const Constitution &
   out.count = static_cast<std::size_t>(std::lround(survey.phyxelsAt(out.spacing)));
   out.error = predictError(survey, out.spacing);
   out.largest = survey.largest;
-  out.cost = costAt(out.spacing);
-  const bool isWithin = isStatic || 1e-3 * out.cost.ms <= limits.budget;
+  out.frame_ms = costAt(out.spacing);
+  const bool isWithin = isStatic || 1e-3 * out.frame_ms <= limits.budget;
   if (wish.kind != AccuracyWish::Kind::budget && errorAt(out.spacing) > 1.001 * limits.share)
     out.unmet = errorUnmet(out, limits, forBudget > finest);
   if (!isWithin)
     out.unmet = detail::number(1e3 * limits.budget, 3) + " ms a frame cannot be had; expected are " +
-                detail::number(out.cost.ms, 3) + " ms with " + std::to_string(out.count) + " phyxels";
+                detail::number(out.frame_ms, 3) + " ms with " + std::to_string(out.count) + " phyxels";
   return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include "pointbased/accuracy.h"
 #include "pointbased/sampling.h"
+#include "shape/surface_area.h"
 
 namespace pointbased {
 namespace {
@@ -86,11 +87,11 @@ double AccuracySurvey::spacingFor(double phyxels) const {
   return std::sqrt(low * high);
 }
 
-Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, double area, const ParallelFor &parallelFor,
+Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, const ParallelFor &parallelFor,
                                       const StopRequest *stop) {
   AccuracySurvey survey;
   survey.volume = problem.shape.volume;
-  survey.area = area;
+  survey.area = detail::areaOf(problem.shape.surface);
   BodyRecipe recipe = problem.recipe;
   AccuracyProblem tried{problem.shape, recipe, problem.constitution, problem.foundation, problem.gravity};
   survey.supposed = !isLoaded(problem);
@@ -102,7 +103,7 @@ Result<AccuracySurvey> surveyAccuracy(const AccuracyProblem &problem, double are
     fix.region = lowestOf(problem.shape.surface, -tried.gravity.normalized());
     recipe.fixes.push_back(fix);
   }
-  auto tries = tryTwice(tried, area, parallelFor, stop);
+  auto tries = tryTwice(tried, survey.area, parallelFor, stop);
   if (!tries) return tl::unexpected(tries.error());
   survey.coarse = std::move(tries->first);
   survey.fine = std::move(tries->second);

@@ -5,9 +5,9 @@
 
 #include "pointbased/accuracy.h"
 #include "pointbased/body.h"
-#include "pointbased/error_estimate.h"
 #include "pointbased/integrators.h"
 #include "pointbased/interpolation.h"
+#include "shape/surface_area.h"
 
 namespace pointbased {
 namespace {
@@ -70,10 +70,7 @@ Result<void> solveLinear(Body &body, const Vec3 &gravity, const ParallelFor &par
 }  // namespace
 
 SurfacePoints skinSamples(const Surface &surface, std::span<const Fix> fixes, std::size_t count) {
-  double area = 0.0;
-  for (const auto &[a, b, c] : surface.triangles)
-    area +=
-        0.5 * (surface.positions[b] - surface.positions[a]).cross(surface.positions[c] - surface.positions[a]).norm();
+  const double area = detail::areaOf(surface);
   const SurfacePoints all =
       sampleSurface(surface, std::sqrt(2.0 * area / static_cast<double>(count)), EverywhereRegion{});
   // Small triangles give more points than are wanted: every so much of the area there is one.
@@ -117,7 +114,6 @@ Result<TrialSolution> solveTrial(const AccuracyProblem &problem, std::size_t cou
   out.points = (*rest)->pointCount();
   out.contacts = (*rest)->contact.count();
   out.stableStep = body.stableStepAtRest();
-  out.estimate = estimateError(body).relative;
   out.ways = displacementsAt(**rest, body.state().displacements, samples, parallelFor);
   for (Vec3 &u : out.ways) {
     u /= kSmall;

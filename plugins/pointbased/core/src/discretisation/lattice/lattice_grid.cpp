@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/number_text.h"
+#include "shape/surface_area.h"
 
 namespace pointbased::lattice {
 
@@ -198,19 +199,10 @@ namespace {
 /// direction cuts 1.5 cells, and half of them lie outside. Measured on an organ of 1 L: 1.36 at 3 mm, 1.33 at 2 mm.
 constexpr double kCornersPerCut = 1.35;
 
-double areaOf(const Surface &surface) {
-  double area = 0.0;
-  for (const auto &t : surface.triangles) {
-    const Vec3 &a = surface.positions[t[0]];
-    area += 0.5 * (surface.positions[t[1]] - a).cross(surface.positions[t[2]] - a).norm();
-  }
-  return area;
-}
-
 }  // namespace
 
 double expectedSurfaceCorners(const BodyShape &shape, double spacing) {
-  return kCornersPerCut * areaOf(shape.surface) / (spacing * spacing);
+  return kCornersPerCut * detail::areaOf(shape.surface) / (spacing * spacing);
 }
 
 double expectedCorners(const BodyShape &shape, double spacing) {
