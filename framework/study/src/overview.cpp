@@ -9,7 +9,7 @@ namespace {
 constexpr double kPanel = 264, kPanelHeight = 236, kMargin = 12;
 constexpr double kPlotLeft = 50, kPlotRight = 254, kPlotTop = 48, kPlotBottom = 192;
 constexpr double kHeadline = 34, kRow = 21;
-constexpr std::size_t kColumns = 4;
+constexpr std::size_t kMostColumns = 4;
 
 /// One case, small: marks without their labels.
 class Panel {
@@ -199,7 +199,8 @@ double addLegend(const Study &study, const Plan &plan, const std::vector<std::ve
 
 std::string overviewOf(const Study &study, const Plan &plan, const Outcome &outcome) {
   const auto all = sharedCurves(study, plan);
-  const std::size_t columns = std::min(kColumns, all.size()), rows = (all.size() + columns - 1) / columns;
+  // As few rows as can be, filled alike: nine cases are three by three.
+  const std::size_t rows = (all.size() + kMostColumns - 1) / kMostColumns, columns = (all.size() + rows - 1) / rows;
   const double width = 2 * kMargin + kPanel * static_cast<double>(std::max<std::size_t>(columns, 2));
   std::string panels;
   for (std::size_t c = 0; c < all.size(); ++c)
