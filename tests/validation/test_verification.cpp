@@ -101,7 +101,7 @@ void judge(const Case &one, const std::string &quantity, double coarse, double f
   const auto known = truth(one.truth + "." + quantity);
   REQUIRE(known);
   const double error = (known->value - coarse) / std::abs(known->value);
-  const double told = kErrorOverDifference * (fine - coarse) / std::abs(known->value);
+  const double told = errorOverDifference(kShadowRefinement) * (fine - coarse) / std::abs(known->value);
   const double ratio = told / error, unsure = known->uncertainty / std::abs(known->value);
   const bool isCertain = std::abs(error) > 3.0 * unsure, isWithin = ratio > 1.0 / kAsked && ratio < kAsked;
   Judged &sum = isCertain ? certain : uncertain;

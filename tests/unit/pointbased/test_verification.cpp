@@ -73,6 +73,12 @@ Verification good(Result<Verification> result) {
   return std::move(*result);
 }
 
+std::string said(const Verification &verified) {
+  std::string out;
+  for (const std::string &limit : verified.limits) out += limit + "\n";
+  return out;
+}
+
 }  // namespace
 
 TEST_CASE("verify: a bar that is stretched evenly has no error but the give of its support", "[verify]") {
@@ -101,7 +107,7 @@ TEST_CASE("verify: the error of a bent bar is that against a lattice of a quarte
   finer.refinement = 4.0;
   const Verification truth = good(bench.verified({}, nullptr, finer));
   // Its factor is for halves: of quarters the difference is 15/16 of the error.
-  const double error = truth.errorRms * (16.0 / 15.0) / kErrorOverDifference;
+  const double error = truth.errorRms * (16.0 / 15.0) / errorOverDifference(kShadowRefinement);
   CHECK(verified.errorRms < 1.5 * error);
   CHECK(verified.errorRms > error / 1.5);
   CHECK(verified.errorMax >= verified.error95);
@@ -184,6 +190,37 @@ TEST_CASE("verify: what lies on a floor leaves its load there", "[verify]") {
   }
 }
 
+TEST_CASE("verify: what lies on an edge neither slides nor tips over", "[verify]") {
+  Bench bench;
+  bench.recipe.sampling.spacing = kWidth / 2;
+  bench.world.integrator = Integrator::explicitVerlet;
+  bench.world.gravity = Vec3(0, 0, -5.0);
+  bench.world.damping = 20.0;
+  // A table below 3/5 of the bar; the rest hangs over its edge.
+  Obstacle table;
+  table.name = "table";
+  table.friction = 0.8;
+  const double edge = 0.6 * kLength, top = -0.5 * kWidth;
+  table.closest = [=](std::span<const Vec3> points, std::span<const double>, std::span<SurfacePoint> out) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 over(points[i][0] - edge, 0.0, points[i][2] - top);
+      if (over[0] > 0.0 && over[2] > 0.0)
+        out[i] = {over.normalized(), over.norm()};
+      else
+        out[i] = over[0] > over[2] ? SurfacePoint{Vec3::UnitX(), over[0]} : SurfacePoint{Vec3::UnitZ(), over[2]};
+    }
+  };
+  bench.build();
+  bench.simulator.addObstacle(table);
+  bench.run(1.5);
+  const Verification verified = good(bench.verified());
+  CHECK(said(verified).find("only contact holds it") != std::string::npos);
+  // Two layers: the end that hangs over the edge sinks, by a little too little.
+  CHECK(verified.largestDisplacement > 2e-3);
+  CHECK(verified.percent(verified.error95) < 25.0);
+  CHECK(verified.percent(verified.error95) > 0.5);
+}
+
 TEST_CASE("verify: plastic strain and relaxing stress are taken as they are, and it says so", "[verify]") {
   Bench bench;
   bench.world.integrator = Integrator::implicitSdirk;
@@ -207,6 +244,19 @@ TEST_CASE("verify: the shadow of a cloud is a lattice", "[verify]") {
   CHECK_THAT(verified.largestDisplacement, WithinRel(tip, 0.03));
 }
 
+TEST_CASE("verify: where half the spacing is too much, two thirds tell about the same", "[verify]") {
+  Bench bench;
+  bench.hold().pull(Vec3(0, 0, -1.6e-3)).solve();
+  VerifySettings few;
+  few.mostPhyxels = 1000;
+  const Verification half = good(bench.verified()), twoThirds = good(bench.verified({}, nullptr, few));
+  CHECK_THAT(twoThirds.shadowSpacing, WithinRel(bench.recipe.sampling.spacing / 1.5, 1e-12));
+  CHECK(said(twoThirds).find("1.5 times finer") != std::string::npos);
+  CHECK(said(half).find("times finer") == std::string::npos);
+  // Errors of displacements are told within a factor of 1.5, here as well.
+  CHECK_THAT(twoThirds.error95 / half.error95, WithinRel(1.0, 0.5));
+}
+
 TEST_CASE("verify: what cannot be verified is refused, and nothing has changed", "[verify]") {
   Bench bench;
   bench.hold().pull(Vec3(0, 0, -1.6e-3)).solve();
@@ -220,9 +270,9 @@ TEST_CASE("verify: what cannot be verified is refused, and nothing has changed",
   } raised;
   CHECK(refusal(bench.verified({}, &raised)) == "cancelled");
   VerifySettings few;
-  few.mostPhyxels = 1000;
+  few.mostPhyxels = 300;
   CHECK_THAT(refusal(bench.verified({}, nullptr, few)),
-             Contains("phyxels at a spacing of 6.67 mm; accepted: at most 1000"));
+             Contains("phyxels at a spacing of 8.89 mm; accepted: at most 300"));
   REQUIRE(bench.verified());
   CHECK(bench.simulator.stateHash() == before);
   bench.body().stopped = GuardFinding{3, "a quantity", "help"};

@@ -67,6 +67,17 @@ void Controller::declareBody() {
       "Body", declared_, [this](const c3de_param_value &value) { bodyParameterChanged(value); }));
 }
 
+bool Controller::isMoving() const {
+  const auto state = services_.simulation.state(simulator_->node());
+  return state && state->mode == C3DE_SIM_PLAYING;
+}
+
+sdk::Result<void> Controller::verify() {
+  if (!simulator_) return sdk::Failure{C3DE_E_STATE, "there is no simulation; open a scene or a mesh first"};
+  if (isMoving()) return sdk::Failure{C3DE_E_STATE, "pause first: what is verified is the paused state"};
+  return verification_.begin(*simulator_);
+}
+
 void Controller::setSimulator(WorldSimulator *simulator, SimulatorView *view) {
   simulator_ = simulator;
   view_ = view;
@@ -101,8 +112,7 @@ void Controller::draw(sdk::Ui &ui) {
   const std::shared_ptr<const Snapshot> snapshot = simulator_->snapshot();
   followBody(snapshot.get());
   drawRun(ui, snapshot.get());
-  const auto state = services_.simulation.state(simulator_->node());
-  verification_.draw(ui, *simulator_, snapshot.get(), state && state->mode == C3DE_SIM_PLAYING);
+  verification_.draw(ui, *simulator_, snapshot.get(), isMoving());
   if (snapshot) offerRigid(ui, *snapshot);
   drawBody(ui, snapshot.get());
   drawAccuracy(ui, snapshot.get());

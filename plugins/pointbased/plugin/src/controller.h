@@ -19,8 +19,11 @@ class Controller : public sdk::Panel {
 
   /// The simulator and view it shows; null: none.
   void setSimulator(WorldSimulator *simulator, SimulatorView *view);
+  /// Verifies the paused state. Fails with what is to be done first.
+  [[nodiscard]] sdk::Result<void> verify();
 
  private:
+  [[nodiscard]] bool isMoving() const;
   void declareBody();
   void drawBody(sdk::Ui &ui, const Snapshot *snapshot);
   void drawAccuracy(sdk::Ui &ui, const Snapshot *snapshot);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "c3de/sdk/plugin.hpp"
+#include "c3de/sdk/commands.hpp"
 
 #include "controller.h"
 #include "pinch_tool.h"
@@ -23,7 +24,8 @@ class PointBasedPlugin : public SimulatorListener {
       sdk::required<c3de_log_v1>(),       sdk::required<c3de_registry_v1>(), sdk::required<c3de_mesh_v1>(),
       sdk::required<c3de_collision_v1>(), sdk::required<c3de_jobs_v1>(),     sdk::optional<c3de_scene_v1>(),
       sdk::optional<c3de_render_v1>(),    sdk::optional<c3de_params_v1>(),   sdk::optional<c3de_panels_v1>(),
-      sdk::optional<c3de_tools_v1>(),     sdk::optional<c3de_time_v1>(),     sdk::optional<c3de_simulation_v1>()};
+      sdk::optional<c3de_tools_v1>(),     sdk::optional<c3de_time_v1>(),     sdk::optional<c3de_simulation_v1>(),
+      sdk::optional<c3de_commands_v1>()};
 
   explicit PointBasedPlugin(sdk::Host host) : context_(host, this), pinch_(context_.services) {
     const sdk::Registry &registry = context_.services.registry;
@@ -43,6 +45,14 @@ class PointBasedPlugin : public SimulatorListener {
                                        .label = "Pinch",
                                        .hint = "Press on the organ and drag to pull; release or Escape lets go",
                                        .shortcut = 'P'}));
+      if (const sdk::Commands commands(host); commands)
+        verify_ = sdk::orThrow(
+            commands.add({.id = "pointbased.verify",
+                          .title = "Verify the present state",
+                          .doc = "Solves the paused state once more with half the spacing, and tells how far it is off",
+                          .key = 'V',
+                          .modifiers = C3DE_MOD_CTRL | C3DE_MOD_SHIFT},
+                         [this] { return controller_->verify(); }));
     }
     if (context_.services.time) frame_ = sdk::orThrow(context_.services.time.addFrameCallback([this] { onFrame(); }));
   }
@@ -83,6 +93,7 @@ class PointBasedPlugin : public SimulatorListener {
   std::map<WorldSimulator *, std::unique_ptr<SimulatorView>> views_;
   PinchTool pinch_;
   std::unique_ptr<Controller> controller_;
+  sdk::Command verify_;
   sdk::FrameCallback frame_;
 };
 

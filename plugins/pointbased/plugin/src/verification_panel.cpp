@@ -30,7 +30,7 @@ void VerificationPanel::draw(sdk::Ui &ui, WorldSimulator &simulator, const Snaps
     ui.progress(state->fraction, state->what);
     if (ui.button("cancel_verify", "Cancel")) (void)services_.jobs.cancel(*job_);
   } else {
-    if (ui.button("verify", "Verify", !isMoving && snapshot && !snapshot->bodies.empty())) begin(simulator);
+    if (ui.button("verify", "Verify", !isMoving && snapshot && !snapshot->bodies.empty())) (void)begin(simulator);
     ui.tooltip(isMoving ? "Pause first: what is verified is the paused state"
                         : "Solves the present state once more with half the spacing, and tells how far it is off");
   }
@@ -43,7 +43,8 @@ void VerificationPanel::draw(sdk::Ui &ui, WorldSimulator &simulator, const Snaps
   for (const BodyVerification &body : verified.bodies) drawBody(ui, body);
 }
 
-void VerificationPanel::begin(WorldSimulator &simulator) {
+sdk::Result<void> VerificationPanel::begin(WorldSimulator &simulator) {
+  if (job_) return sdk::Failure{C3DE_E_STATE, "a verification is under way; cancel it or wait for it"};
   failure_.clear();
   const auto shared = sdk::Ref<WorldSimulator>::share(&simulator);
   auto run = [shared](sdk::Progress progress) -> sdk::Result<void> {
@@ -53,10 +54,12 @@ void VerificationPanel::begin(WorldSimulator &simulator) {
   const auto job =
       services_.jobs.submit("Verifying the present state", std::move(run),
                             [this, node = simulator.node()](const sdk::Result<void> &result) { finish(node, result); });
-  if (job)
-    job_ = *job;
-  else
+  if (!job) {
     failure_ = job.failure().message;
+    return job.failure();
+  }
+  job_ = *job;
+  return {};
 }
 
 void VerificationPanel::finish(c3de_handle node, const sdk::Result<void> &result) {

@@ -15,9 +15,10 @@ class VerificationPanel {
 
   /// @param isMoving  the simulation plays: a verification would be of a state that is gone when it is told
   void draw(sdk::Ui &ui, WorldSimulator &simulator, const Snapshot *snapshot, bool isMoving);
+  /// Begins a verification, beside the steps. Fails while one is under way.
+  sdk::Result<void> begin(WorldSimulator &simulator);
 
  private:
-  void begin(WorldSimulator &simulator);
   void finish(c3de_handle node, const sdk::Result<void> &result);
 
   const Services &services_;

@@ -10,13 +10,15 @@
 
 namespace pointbased {
 
-/// Spacing of a body over that of its shadow.
-inline constexpr double kShadowRefinement = 2.0;
+/// Spacing of a body over that of its shadow; where that would have too many phyxels the second one.
+inline constexpr double kShadowRefinement = 2.0, kSmallShadowRefinement = 1.5;
 /// A shadow with more phyxels than this is refused: some minutes of solving and gigabytes for its factors.
 inline constexpr std::size_t kMostShadowPhyxels = 200'000;
-/// Error of a solution over its distance from that of half the spacing: 1 / (1 - 2^-p) for p = 2. Of the validation
-/// cases it is 1.1 … 1.8 (test_verification).
-inline constexpr double kErrorOverDifference = 4.0 / 3.0;
+/// Error of a solution over its distance from that of a spacing `refinement` times finer: 1 / (1 - refinement^-p) for
+/// p = 2. Of the validation cases it is 1.1 … 1.8 at 2 (test_verification).
+[[nodiscard]] constexpr double errorOverDifference(double refinement) {
+  return refinement * refinement / (refinement * refinement - 1.0);
+}
 
 /// A body as it stands, with what acts on it: a copy, so that nothing of the simulation waits or changes.
 struct StandingBody {
@@ -33,7 +35,7 @@ struct StandingBody {
 [[nodiscard]] StandingBody standingBody(const Simulator &simulator, std::size_t body);
 
 struct VerifySettings {
-  double refinement = kShadowRefinement;         ///< > 1
+  double refinement = kShadowRefinement;         ///< >= kSmallShadowRefinement
   std::size_t mostPhyxels = kMostShadowPhyxels;  ///< of the shadow
 };
 
@@ -42,7 +44,7 @@ struct Verification {
   double spacing = 0.0, shadowSpacing = 0.0;  ///< m
   std::size_t phyxels = 0, shadowPhyxels = 0;
   double seconds = 0.0;  ///< it took
-  /// m, estimated errors of displacements: kErrorOverDifference times the difference. Root of the mean square over the
+  /// m, estimated errors of displacements: errorOverDifference() times the difference. Root of the mean square over the
   /// volume; 95 % of the area of the skin, and all of it, are below the others.
   double errorRms = 0.0, error95 = 0.0, errorMax = 0.0;
   Vec3 worst = Vec3::Zero();         ///< world, m: where the skin now is that is farthest off
@@ -65,7 +67,7 @@ struct Verification {
 using VerifyProgress = std::function<bool(double fraction, const std::string &what)>;
 
 /// Solves the standing body once more with a lattice of half the spacing (a quarter where supports are, if that can be
-/// afforded), its shadow, and compares.
+/// afforded; two thirds everywhere if a half cannot), its shadow, and compares.
 ///
 /// The shadow is in equilibrium with what acts on the body now: supports where they are, loads as far as their ramps
 /// have come, gravity, surroundings. What is left over of the balance of forces of the body, by phyxel
@@ -76,7 +78,7 @@ using VerifyProgress = std::function<bool(double fraction, const std::string &wh
 /// density of the mass r_i/m_i, interpolated to the shadow; under points that touch something as a density of the skin.
 /// So a body in motion is compared with the solution of the static problem that its accelerations leave: the
 /// elliptic reconstruction. Plastic strain is carried over from the nearest points. A body that nothing holds keeps the
-/// mean position and turn it has. Quasi-static solutions with contact or plastic flow depend on their way: the shadow
+/// mean position and turn it has; where it presses against something, it stays there instead. Quasi-static solutions with contact or plastic flow depend on their way: the shadow
 /// goes the same way, from the beginning.
 ///
 /// The error is estimated from the difference u_h/2 - u_h, which is (1 - 2^-p) of it where the error falls with h^p.

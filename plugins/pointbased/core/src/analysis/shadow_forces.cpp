@@ -8,6 +8,8 @@
 namespace pointbased::detail {
 namespace {
 
+constexpr double kTouching = 0.5;  // of the weights of a point of the skin are of phyxels that touch: it does, too
+
 bool presses(const Contact &contact) {
   return contact.normalImpulse > 0.0 || contact.settleImpulse > 0.0 || contact.normalForce > 0.0;
 }
@@ -92,7 +94,7 @@ std::vector<Vec3> knownForces(Body &body, const Vec3 &gravity, double clock, con
   return all;
 }
 
-std::vector<Vec3> carriedOver(const Body &body, std::span<const Vec3> forces, const Body &shadow,
+std::vector<Vec3> carriedOver(const Body &body, std::span<const Vec3> forces, bool withContact, const Body &shadow,
                               const ParallelFor &parallelFor) {
   const std::vector<std::uint8_t> touched = touching(body);
   std::vector<Vec3> accelerations(forces.size(), Vec3::Zero());
@@ -103,7 +105,24 @@ std::vector<Vec3> carriedOver(const Body &body, std::span<const Vec3> forces, co
   std::vector<Vec3> out(fine.phyxelCount());
   interpolateField(at, accelerations, out, parallelFor);
   for (std::size_t j = 0; j < out.size(); ++j) out[j] *= shadow.masses()[j];
-  carryOverSkin(body, forces, touched, shadow, out);
+  if (withContact) carryOverSkin(body, forces, touched, shadow, out);
+  return out;
+}
+
+SurfacePoints touchingPoints(const Body &body, const RestState &shadow) {
+  const std::vector<std::uint8_t> touched = touching(body);
+  const ContactPoints &skin = shadow.contact;
+  const Interpolation at = body.rest().bind(inFrameOf(body.rest(), shadow, skin.binding.positions), skin.normals);
+  SurfacePoints out;
+  for (Index p = 0; p < at.count(); ++p) {
+    double share = 0.0;
+    for (Index e = at.phyxels.offsets[p]; e < at.phyxels.offsets[p + 1]; ++e)
+      share += touched[at.phyxels.indices[e]] != 0 ? at.weights[e] : 0.0;
+    if (share < kTouching) continue;
+    out.positions.push_back(skin.binding.positions[p]);
+    out.normals.push_back(skin.normals[p]);
+    out.areas.push_back(skin.areas[p]);
+  }
   return out;
 }
 

@@ -15,9 +15,14 @@ namespace pointbased::detail {
 
 /// Forces on the phyxels of a body as forces on those of its shadow: of phyxels under points that touch something as a
 /// density of the skin, of others as one of the mass.
-/// @param forces  [phyxels of the body] N
-[[nodiscard]] std::vector<Vec3> carriedOver(const Body &body, std::span<const Vec3> forces, const Body &shadow,
+/// @param forces       [phyxels of the body] N
+/// @param withContact  false: without those of phyxels that touch
+[[nodiscard]] std::vector<Vec3> carriedOver(const Body &body, std::span<const Vec3> forces, bool withContact,
+                                            const Body &shadow,
                                             const ParallelFor &parallelFor);
+
+/// The points of contact of the shadow where the body presses against something; in the frame of the shadow, m.
+[[nodiscard]] SurfacePoints touchingPoints(const Body &body, const RestState &shadow);
 
 /// Takes from `forces` what accelerates the shadow as a whole, so that the sum with `others` is in balance.
 void balance(const Body &shadow, std::span<const Vec3> others, std::span<Vec3> forces);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "analysis/shadow_solution.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -12,11 +13,12 @@
 namespace pointbased::detail {
 namespace {
 
-constexpr int kMostHalvings = 2;       // of the way from the body's state to the shadow's equilibrium
-constexpr int kMostRounds = 25;        // of a body that nothing holds
-constexpr double kHolding = 1e-7;      // of the square of its largest frequency: inertia that a free one leans on
-constexpr double kAgainstTurns = 2.0;  // times the least inertia that keeps it from turning over
-constexpr double kSettled = 0.01;      // part of the way that a round may still change: errors need no more digits
+constexpr int kMostHalvings = 2;            // of the way from the body's state to the shadow's equilibrium
+constexpr int kMostRounds = 25;             // of a body that nothing holds
+constexpr double kHolding = 1e-7;           // of the square of its largest frequency: inertia that a free one leans on
+constexpr double kAgainstTurns = 2.0;       // times the least inertia that keeps it from turning over
+constexpr double kContactStiffness = 10.0;  // Young's moduli per spacing of the shadow, Pa/m
+constexpr double kSettled = 0.01;           // part of the way that a round may still change: errors need no more digits
 constexpr double kRoundLeft = 0.7, kRoundLeaves = 0.85;  // of the progress, by rounds
 constexpr int kUsualLoadSteps = 10;
 constexpr std::size_t kNearest = 16;  // points among which one of the same material is looked for
@@ -41,6 +43,17 @@ void takeFlow(const Body &body, Body &shadow) {
         std::find_if(indices.begin(), end, [&](Index p) { return materialOf(coarse, p) == materialOf(fine, q); });
     if (found > 0) to[q] = from[same == end ? indices.front() : *same];
   }
+}
+
+// Whether points that stay where they are leave a body no turn: they lie on no line.
+bool holdsAgainstTurns(std::span<const Vec3> points, double spacing) {
+  if (points.size() < 3) return false;
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3 &x : points) centre += x / static_cast<double>(points.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3 &x : points) spread += (x - centre) * (x - centre).transpose() / static_cast<double>(points.size());
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(spread, Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()[1] > 0.04 * spacing * spacing;
 }
 
 std::vector<Vec3> placesOf(const Body &shadow, std::span<const Vec3> u) {
@@ -90,6 +103,8 @@ class FromHere {
     return {};
   }
 
+  [[nodiscard]] bool leansOnContact() const { return leansOnContact_; }
+
  private:
   void begin(std::span<const Vec3> leftOver) {
     const Body &body = problem_.body;
@@ -99,12 +114,35 @@ class FromHere {
                              shadow_.state().displacements, problem_.parallelFor);
     takeFlow(body, shadow_);
     shadow_.placeHeld(clock_, false);
-    given_ = carriedOver(body, leftOver, shadow_, problem_.parallelFor);
+    if (!isHeld_) leanOnContact();
+    given_ = carriedOver(body, leftOver, !leansOnContact_, shadow_, problem_.parallelFor);
+    if (leansOnContact_) {
+      std::vector<Vec3> pull(given_.size(), Vec3::Zero());
+      shadow_.foundation().addForces(shadow_.state().displacements, {}, pull, problem_.parallelFor);
+      for (std::size_t j = 0; j < pull.size(); ++j) given_[j] -= pull[j];
+    }
     start_ = knownForces(shadow_, env_.gravity, clock_, problem_.parallelFor);
     if (!isHeld_) balance(shadow_, start_, given_);
     for (std::size_t j = 0; j < start_.size(); ++j) start_[j] += given_[j];
     const double share = shadow_.factor(0.0, clock_);
     share_ = share > 0.0 ? 1.0 / share : 0.0;
+  }
+
+  // With its forces of contact as given ones, a body that lies on something could sink into it, slide and tip over. So it
+  // stays where it touches, on springs that are at rest in the state of the body.
+  void leanOnContact() {
+    if (shadow_.foundation().settings().acts()) return;
+    SurfacePoints points = touchingPoints(problem_.body, shadow_.rest());
+    if (!holdsAgainstTurns(points.positions, problem_.body.rest().spacing)) return;
+    double stiffest = 0.0;
+    for (const Material &material : shadow_.constitution().materials)
+      stiffest = std::max(stiffest, material.youngsModulus);
+    const double k = kContactStiffness * stiffest / shadow_.rest().spacing;
+    Interpolation binding = shadow_.rest().bind(points.positions, points.normals);
+    ElasticFoundation &springs = shadow_.foundation();
+    springs.set({k, k, 0.0});
+    springs.bind(std::move(points), std::move(binding), shadow_.rest().phyxelCount());
+    isHeld_ = leansOnContact_ = true;
   }
 
   [[nodiscard]] std::string stage(double holding) {
@@ -151,7 +189,7 @@ class FromHere {
   const ShadowProblem &problem_;
   Body &shadow_;
   const double clock_;
-  const bool isHeld_;
+  bool isHeld_, leansOnContact_ = false;
   StageClock stages_;
   Environment env_;
   NewtonSolver solver_;
@@ -163,7 +201,7 @@ class FromHere {
 ShadowState stateOf(Body &shadow, const Vec3 &gravity, double clock, const ParallelFor &parallelFor) {
   (void)knownForces(shadow, gravity, clock, parallelFor);
   const ElasticEnergy energy = shadow.elasticEnergy(parallelFor);
-  return {shadow.state().displacements, shadow.reactions(gravity), energy.strain + energy.stabilisation};
+  return {shadow.state().displacements, shadow.reactions(gravity), energy.strain + energy.stabilisation, false};
 }
 
 }  // namespace
@@ -193,8 +231,11 @@ RigidFit rigidFit(std::span<const Vec3> from, std::span<const Vec3> to, std::spa
 Result<ShadowState> solveFromHere(const ShadowProblem &problem, std::span<const Vec3> leftOver,
                                   std::unique_ptr<Body> shadow) {
   shadow->quasiStatic = problem.body.quasiStatic;
-  if (auto solved = FromHere(problem, *shadow).solve(leftOver); !solved) return refused(solved.error());
-  return stateOf(*shadow, problem.standing.world.gravity, problem.standing.clock, problem.parallelFor);
+  FromHere solution(problem, *shadow);
+  if (auto solved = solution.solve(leftOver); !solved) return refused(solved.error());
+  ShadowState out = stateOf(*shadow, problem.standing.world.gravity, problem.standing.clock, problem.parallelFor);
+  out.leansOnContact = solution.leansOnContact();
+  return out;
 }
 
 Result<ShadowState> solveAlongTheWay(const ShadowProblem &problem, std::unique_ptr<Body> shadow) {
@@ -204,7 +245,7 @@ Result<ShadowState> solveAlongTheWay(const ShadowProblem &problem, std::unique_p
   if (std::abs(steps - std::round(steps)) > 1e-6)
     return refused("solver.load_steps has changed on the way; begin anew");
   if (!standing.externalForces.empty()) {
-    std::vector<Vec3> forces = carriedOver(problem.body, standing.externalForces, *shadow, problem.parallelFor);
+    std::vector<Vec3> forces = carriedOver(problem.body, standing.externalForces, true, *shadow, problem.parallelFor);
     shadow->swapExternalForces(forces);
   }
   Simulator simulator(problem.parallelFor);

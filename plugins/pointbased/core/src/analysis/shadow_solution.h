@@ -29,6 +29,7 @@ struct ShadowState {
   std::vector<Vec3> displacements;  ///< [phyxels of the shadow] m
   std::vector<Reaction> reactions;  ///< by fix
   double elasticEnergy = 0.0;       ///< J
+  bool leansOnContact = false;      ///< nothing else holds the body: it stays where it touches something
 };
 
 /// From the present displacements of the body, with what is left over of its forces as given.

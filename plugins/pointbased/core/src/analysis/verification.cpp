@@ -57,8 +57,9 @@ BodyRecipe shadowRecipe(const BodyRecipe &recipe, double spacing, double refinem
 struct Compared {
   std::vector<double> weights;  // m² or m³
   std::vector<Vec3> reference, coarse, fine;
+  double errorOverDifference = 1.0;
 
-  [[nodiscard]] double error(std::size_t i) const { return kErrorOverDifference * (fine[i] - coarse[i]).norm(); }
+  [[nodiscard]] double error(std::size_t i) const { return errorOverDifference * (fine[i] - coarse[i]).norm(); }
   [[nodiscard]] std::vector<double> errors() const {
     std::vector<double> out(reference.size());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = error(i);
@@ -101,7 +102,8 @@ class Verifying {
   Verifying(const StandingBody &standing, const BodyShape &shape, const ParallelFor &parallelFor,
             const VerifyProgress &progress, const StopRequest *stop, const VerifySettings &settings)
       : standing_(standing), shape_(shape), parallelFor_(parallelFor), progress_(progress), stop_(stop),
-        settings_(settings), body_(standing.name, standing.state.rest, standing.constitution, parallelFor) {
+        settings_(settings), refinement_(settings.refinement),
+        body_(standing.name, standing.state.rest, standing.constitution, parallelFor) {
     (void)body_.setFoundation(standing.foundation);
     body_.quasiStatic = standing.world.integrator == Integrator::quasiStatic;
     (void)body_.restore(standing.state, parallelFor);
@@ -110,7 +112,8 @@ class Verifying {
   [[nodiscard]] Result<Verification> run(const BodyRecipe &recipe) {
     const auto begin = std::chrono::steady_clock::now();
     if (inverted(body_)) return refused("parts of it are inverted, so its state is no solution of the material");
-    const double cell = body_.rest().spacing / settings_.refinement;
+    if (!checkCount(countAt(body_.rest().spacing / refinement_))) refinement_ = kSmallShadowRefinement;
+    const double cell = body_.rest().spacing / refinement_;
     if (auto affordable = checkCount(countAt(cell)); !affordable) return refused(affordable.error());
     std::shared_ptr<const RestState> rest;
     auto solved = shadowOf(recipe, affordsFineSupports(cell), rest);
@@ -134,7 +137,7 @@ class Verifying {
   [[nodiscard]] Result<void> checkCount(std::size_t count) const {
     if (count <= settings_.mostPhyxels) return {};
     return refused("its shadow would have about " + std::to_string(count) + " phyxels at a spacing of " +
-                   number(1e3 * body_.rest().spacing / settings_.refinement) + " mm; accepted: at most " +
+                   number(1e3 * body_.rest().spacing / refinement_) + " mm; accepted: at most " +
                    std::to_string(settings_.mostPhyxels));
   }
   // What lies within supports becomes finer with their edges.
@@ -149,9 +152,9 @@ class Verifying {
   // The finer one of the two that has a solution.
   [[nodiscard]] Result<ShadowState> shadowOf(const BodyRecipe &recipe, bool fineSupports,
                                              std::shared_ptr<const RestState> &rest) {
-    const auto filled = buildRestState(
-        shape_, shadowRecipe(recipe, body_.rest().spacing, settings_.refinement, fineSupports), {}, parallelFor_,
-        [this](double fraction) { return tell(kBuildShare * fraction, "filling the shadow"); });
+    const auto filled =
+        buildRestState(shape_, shadowRecipe(recipe, body_.rest().spacing, refinement_, fineSupports), {}, parallelFor_,
+                       [this](double fraction) { return tell(kBuildShare * fraction, "filling the shadow"); });
     if (!filled) return refused(filled.error() == "cancelled" ? filled.error() : "its shadow: " + filled.error());
     rest = *filled;
     hasFineSupports_ = fineSupports;
@@ -188,7 +191,8 @@ class Verifying {
     Compared out{std::move(weights),
                  {points.begin(), points.end()},
                  placesOf(body_.rest(), body_.state().displacements, points, normals, parallelFor_),
-                 placesOf(rest, solved.displacements, points, normals, parallelFor_)};
+                 placesOf(rest, solved.displacements, points, normals, parallelFor_),
+                 errorOverDifference(refinement_)};
     // What a support leads is where it is told to be; skin and lattice within it are only for the eye.
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto leads = [&](const Fix &fix) { return contains(fix.region, points[i]); };
@@ -233,7 +237,7 @@ class Verifying {
     out.shadowElasticEnergy = solved.elasticEnergy;
     out.reactions = body_.reactions(standing_.world.gravity);
     out.shadowReactions = std::move(solved.reactions);
-    out.limits = limits();
+    out.limits = limits(solved);
     return out;
   }
 
@@ -246,8 +250,11 @@ class Verifying {
     return largest;
   }
 
-  [[nodiscard]] std::vector<std::string> limits() const {
+  [[nodiscard]] std::vector<std::string> limits(const ShadowState &solved) const {
     std::vector<std::string> out;
+    if (refinement_ < settings_.refinement)
+      out.emplace_back("its shadow is only " + number(refinement_) + " times finer, to stay below " +
+                       std::to_string(settings_.mostPhyxels) + " phyxels: less certain");
     if (!body_.rest().conditions.held.empty() && !hasFineSupports_)
       out.emplace_back(
           "the edges of supports are no finer than the rest of the shadow: near them the error may be up "
@@ -258,9 +265,11 @@ class Verifying {
           "not in it");
     if (!body_.quasiStatic && standing_.constitution.plastic()) out.emplace_back("plastic strain is taken as it is");
     if (standing_.constitution.relaxing()) out.emplace_back("relaxing stress is taken as it is");
-    if (!dependsOnItsWay() &&
-        std::any_of(body_.contact.active.begin(), body_.contact.active.end(),
-                    [](const Contact &c) { return c.normalImpulse > 0.0 || c.normalForce > 0.0; }))
+    if (solved.leansOnContact)
+      out.emplace_back("only contact holds it: where it touches something it is taken to stay where it is");
+    else if (!dependsOnItsWay() &&
+             std::any_of(body_.contact.active.begin(), body_.contact.active.end(),
+                         [](const Contact &c) { return c.normalImpulse > 0.0 || c.normalForce > 0.0; }))
       out.emplace_back("forces of contact are taken as they are");
     return out;
   }
@@ -271,6 +280,7 @@ class Verifying {
   const VerifyProgress &progress_;
   const StopRequest *stop_;
   const VerifySettings &settings_;
+  double refinement_;
   Body body_;
   bool hasFineSupports_ = false;
 };
