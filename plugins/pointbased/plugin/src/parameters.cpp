@@ -18,8 +18,8 @@ constexpr std::array<c3de_str, 4> kLaws{str("neo_hookean"), str("stvk"), str("co
 constexpr std::array<c3de_str, 6> kIntegrators{str("auto"),     str("explicit"),       str("implicit"),
                                                str("midpoint"), str("backward_euler"), str("quasistatic")};
 constexpr std::array<c3de_str, 3> kPrecisions{str("auto"), str("double"), str("single")};
-constexpr std::array<c3de_str, 4> kPreconditioners{str("auto"), str("block_jacobi"), str("incomplete"),
-                                                   str("factorised")};
+constexpr std::array<c3de_str, 5> kPreconditioners{str("auto"), str("multigrid"), str("block_jacobi"),
+                                                   str("incomplete"), str("factorised")};
 constexpr std::array<c3de_str, 3> kEvaluations{str("auto"), str("stress_points"), str("phyxels")};
 constexpr std::array<c3de_str, 3> kSurfaces{str("opaque"), str("transparent"), str("hidden")};
 constexpr std::array<c3de_str, 3> kPoints{str("evaluation_points"), str("phyxels"), str("none")};
@@ -415,10 +415,11 @@ WorldSettings worldSettings(const ParameterValues &v) {
   world.precision = isSingle ? Precision::singlePrecision : Precision::doublePrecision;
   world.sleep = v.number("solver.sleep") != 0.0;
   const std::string preconditioner = v.text("solver.preconditioner");
-  world.preconditioner = preconditioner == "block_jacobi" ? Preconditioner::blockJacobi
-                         : preconditioner == "incomplete" ? Preconditioner::incomplete
-                         : preconditioner == "factorised" ? Preconditioner::factorised
-                                                          : Preconditioner::automatic;
+  world.preconditioner = preconditioner == "multigrid"      ? Preconditioner::multigrid
+                         : preconditioner == "block_jacobi" ? Preconditioner::blockJacobi
+                         : preconditioner == "incomplete"   ? Preconditioner::incomplete
+                         : preconditioner == "factorised"   ? Preconditioner::factorised
+                                                            : Preconditioner::automatic;
   return world;
 }
 

@@ -10,6 +10,10 @@
 
 namespace pointbased {
 
+namespace detail {
+class Multigrid;
+}
+
 /// A smooth energy over the positions of phyxels, of which a minimum is sought: a static equilibrium, or the step of an
 /// implicit integrator (incremental potential). Unknowns are displacements, three per phyxel.
 class IncrementalPotential {
@@ -34,6 +38,11 @@ class IncrementalPotential {
   virtual void diagonalBlocks(std::span<Mat3> out) = 0;                     ///< of the Hessian, positive definite
   /// All of the Hessian, or something close to it that is positive definite; false: not available.
   [[nodiscard]] virtual bool assemble(Eigen::SparseMatrix<double> &out) = 0;
+  /// What a V-cycle over coarser lattices is made of, at the present state; false: there are none. Private to the core.
+  [[nodiscard]] virtual bool assembleGrids(detail::Multigrid &out, const StopRequest *stop) {
+    (void)out, (void)stop;
+    return false;
+  }
   /// Most that the present search direction may be scaled by (contact: up to the first touch); 1 is the full step.
   [[nodiscard]] virtual double largestStep(std::span<const Vec3> direction) {
     (void)direction;
@@ -42,10 +51,11 @@ class IncrementalPotential {
 };
 
 enum class Preconditioner {
-  /// Complete where that is cheap (some 3000 phyxels on a lattice), else incomplete until its iterations have paid for
-  /// a complete one (at most 30 000 phyxels); blocks where the Hessian cannot be assembled
+  /// Multigrid on lattices; else complete where that is cheap (some 3000 phyxels), else incomplete; both until their
+  /// iterations have paid for a complete one (at most 30 000 phyxels); blocks where the Hessian cannot be assembled
   automatic,
   blockJacobi,  ///< 3x3 blocks
+  multigrid,    ///< a V-cycle over coarser lattices; blocks for clouds
   incomplete,   ///< incomplete Cholesky of the assembled Hessian
   factorised    ///< complete Cholesky of an assembled Hessian
 };
@@ -66,6 +76,8 @@ struct NewtonSettings {
   int maxIterations = 50;               ///< Newton steps
   int maxLinearIterations = 2000;       ///< per Newton step; the direction so far is used then
   double linearTolerance = 1e-2;        ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)
+  /// Of a step that ends the solve. With a weak preconditioner at most 1e-3, because its residual tells little
+  double confirmingTolerance = 1e-3;
   Preconditioner preconditioner = Preconditioner::automatic;
   /// Raised, also within a factorisation: Stopped is thrown, u is as far as it came
   const StopRequest *stop = nullptr;

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "solvers/multifrontal_cholesky.h"
+#include "solvers/multigrid.h"
 
 namespace pointbased::detail {
 
@@ -25,7 +26,16 @@ constexpr double kIncompleteSolveCost = 0.8;  // per entry of the factor, both w
 constexpr double kCompleteCost = 0.12;        // per multiply-add
 constexpr double kCompleteSolveCost = 0.5;    // per entry of the factor, both ways
 
-constexpr double kCheap = 200.0;              // iterations; see the header
+constexpr double kGridAssemblyCost = 60.0;  // per block of the matrices of all lattices
+constexpr double kGridCost = 7.0;           // per such block: a V-cycle and what else an iteration takes
+// Of a complete factorisation that nobody has analysed yet, by the number of phyxels: n² and n^(4/3), bodies as thick
+// as long.
+constexpr double kGuessedCompleteCost = 10.0, kGuessedSolveCost = 40.0;
+
+constexpr double kCheap = 200.0;  // iterations; see the header
+// Iterations of a V-cycle beyond this times those of a fresh one, and beyond kSlack, are those of an old one: numbers
+// differ from step to step as well.
+constexpr double kScatter = 1.5, kSlack = 2.0;
 constexpr double kUsual = 8.0;                // iterations of a solve with a complete one that is not quite fresh
 constexpr std::size_t kMostAnalysed = 30000;  // phyxels; beyond, `automatic` does not think of a complete one
 constexpr double kMostEntries = 2.5e8;        // of a complete factor: 1 GB
@@ -48,6 +58,7 @@ struct AdaptivePreconditioner::Impl {
   std::vector<int> outer, inner;  // pattern that `complete` has been analysed for
   MultifrontalCholesky complete;
   Incomplete incomplete;
+  Multigrid grid;
 
   // The books, in the unit of the costs. A fresh factorisation takes `rate` iterations per decimal of tolerance; -1:
   // not known yet.
@@ -56,7 +67,13 @@ struct AdaptivePreconditioner::Impl {
   double completePrice = 0.0, completeIteration = 0.0, lost = 0.0;
 
   [[nodiscard]] bool mayImprove() const {
-    return choice == Preconditioner::automatic && kind == Preconditioner::incomplete && std::isfinite(completePrice);
+    return choice == Preconditioner::automatic && std::isfinite(completePrice) &&
+           (kind == Preconditioner::incomplete || kind == Preconditioner::multigrid);
+  }
+  // Iterations of a solve that are not the fault of age.
+  [[nodiscard]] double usual(double tolerance) const {
+    return kind == Preconditioner::multigrid ? kScatter * rate * decimals(tolerance) + kSlack
+                                             : rate * decimals(tolerance);
   }
   void invalidate() {
     valid = false;
@@ -65,7 +82,7 @@ struct AdaptivePreconditioner::Impl {
   }
   void decideAnew() {
     invalidate();
-    kind = choice == Preconditioner::automatic ? Preconditioner::incomplete : choice;
+    kind = choice == Preconditioner::automatic ? Preconditioner::multigrid : choice;
     completePrice = std::numeric_limits<double>::infinity();
     lost = 0.0;
     outer.clear();
@@ -84,6 +101,10 @@ AdaptivePreconditioner::AdaptivePreconditioner(AdaptivePreconditioner &&) noexce
 AdaptivePreconditioner &AdaptivePreconditioner::operator=(AdaptivePreconditioner &&) noexcept = default;
 
 int AdaptivePreconditioner::factorisations() const { return impl_->factorisations; }
+bool AdaptivePreconditioner::isStrong() const {
+  return !impl_->blocksInstead &&
+         (impl_->kind == Preconditioner::multigrid || impl_->kind == Preconditioner::factorised);
+}
 void AdaptivePreconditioner::forget() { impl_->decideAnew(); }
 
 void AdaptivePreconditioner::Impl::makeBlocks(IncrementalPotential &problem) {
@@ -164,6 +185,25 @@ void AdaptivePreconditioner::renew(IncrementalPotential &problem, const StopRequ
   endIfRaised(stop);
   m.invalidate();
   m.valid = true;
+  if (m.kind == Preconditioner::multigrid) {
+    if (problem.assembleGrids(m.grid, stop)) {
+      m.blocksInstead = false;
+      m.price = kGridAssemblyCost * m.grid.entries();
+      m.iteration = kGridCost * m.grid.entries();
+      const auto n = static_cast<double>(m.phyxels);
+      if (m.choice == Preconditioner::automatic && m.phyxels <= kMostAnalysed) {
+        m.completePrice = kGuessedCompleteCost * n * n;
+        m.completeIteration = kGuessedSolveCost * std::pow(n, 4.0 / 3.0);
+      }
+      ++m.factorisations;
+      return;
+    }
+    if (m.choice == Preconditioner::multigrid) {
+      m.blocksInstead = true;
+      return m.makeBlocks(problem);
+    }
+    m.kind = Preconditioner::incomplete;
+  }
   m.blocksInstead = m.kind != Preconditioner::blockJacobi && !m.assemble(problem);
   if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) {
     m.makeBlocks(problem);
@@ -201,6 +241,8 @@ void AdaptivePreconditioner::apply(std::span<const Vec3> in, std::span<Vec3> out
   Impl &m = *impl_;
   if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) {
     for (std::size_t i = 0; i < in.size(); ++i) out[i] = m.blocks[i] * in[i];
+  } else if (m.kind == Preconditioner::multigrid) {
+    m.grid.apply(in, out);
   } else if (m.kind == Preconditioner::factorised) {
     m.complete.solve(in, out);
   } else {
@@ -214,7 +256,7 @@ int AdaptivePreconditioner::iterationBudget(double tolerance, int most) const {
   const Impl &m = *impl_;
   if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) return most;
   double left = most;
-  if (m.rate >= 0.0) left = std::min(left, m.rate * decimals(tolerance) + (m.price - m.excess) / m.iteration);
+  if (m.rate >= 0.0) left = std::min(left, m.usual(tolerance) + (m.price - m.excess) / m.iteration);
   if (m.mayImprove()) left = std::min(left, (m.completePrice - m.lost + kUsual * m.completeIteration) / m.iteration);
   return left < most ? std::max(0, static_cast<int>(left)) + 1 : most;
 }
@@ -223,7 +265,7 @@ void AdaptivePreconditioner::book(int iterations, double tolerance, bool complet
   Impl &m = *impl_;
   if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) return;
   if (m.rate >= 0.0) {
-    m.excess += m.iteration * std::max(0.0, iterations - m.rate * decimals(tolerance));
+    m.excess += m.iteration * std::max(0.0, iterations - m.usual(tolerance));
   } else if (complete) {
     m.rate = std::max(1, iterations) / decimals(tolerance);
   }

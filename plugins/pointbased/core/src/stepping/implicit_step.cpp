@@ -55,7 +55,7 @@ class ImplicitStep {
   void midpoint() {
     State &state = body_.state();
     bool impact = false;
-    stage_ = {0.5 * dt_, time_ + 0.5 * dt_, 0.5 * dt_, u0_, v0_, 0.0, 0.5 * dt_};
+    stage_ = {0.5 * dt_, time_ + 0.5 * dt_, 0.5 * dt_, u0_, v0_, 0.0, 0.5 * dt_, true};
     solveStage(time_, [&] { return !(impact = !pressingPoints(body_.contact).empty()); });
     if (result_.good() && impact) return backwardEulerInstead();
     for (std::size_t i = 0; i < u0_.size(); ++i) {
@@ -72,7 +72,7 @@ class ImplicitStep {
     const State &state = body_.state();
     const double gamma = 1.0 - std::sqrt(0.5);
     bool impact = false;
-    stage_ = {gamma * dt_, time_ + gamma * dt_, gamma * dt_, u0_, v0_, 0.0, gamma * dt_};
+    stage_ = {gamma * dt_, time_ + gamma * dt_, gamma * dt_, u0_, v0_, 0.0, gamma * dt_, true};
     solveStage(time_, [&] { return !(impact = meetsAnew()); });
     if (!result_.good()) return;
     if (impact) return backwardEulerInstead();

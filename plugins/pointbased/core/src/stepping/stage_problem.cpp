@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "pointbased/step_composition.h"
+#include "solvers/multigrid.h"
 
 namespace pointbased::detail {
 namespace {
@@ -183,7 +184,12 @@ void StageProblem::diagonalBlocks(std::span<Mat3> out) {
                   history(), dt(), viscousScale(), out, *env_.parallelFor);
   for (std::size_t i = 0; i < n_; ++i) out[i].diagonal().array() += (a_ + damping_) * body_.masses()[i];
   if (body_.patches().rows() > 0) body_.patches().addDiagonal(out);
-  if (contact_) addContactBlocks(rest.contact, body_.contact, penalty_, start_, body_.state().displacements, out);
+  addContactAndSurroundings(out);
+}
+
+void StageProblem::addContactAndSurroundings(std::span<Mat3> out) {
+  if (contact_)
+    addContactBlocks(body_.rest().contact, body_.contact, penalty_, start_, body_.state().displacements, out);
   foundation().addBlocks(1.0 + relativeRetardation(), out);
 }
 
@@ -205,6 +211,24 @@ bool StageProblem::assemble(Eigen::SparseMatrix<double> &out) {
   endIfRaised(env_.stop);
   out.setFromTriplets(AskedTriplets(triplets_.data(), env_.stop),
                       AskedTriplets(triplets_.data() + triplets_.size(), env_.stop));
+  return true;
+}
+
+bool StageProblem::assembleGrids(Multigrid &out, const StopRequest *stop) {
+  const std::shared_ptr<const RestState> rest = body_.sharedRest();
+  const PatchSolver &patches = body_.patches();
+  if (!out.isOf(rest, patches.phyxels()))
+    out.reset(buildGridHierarchy(rest->stencils, rest->positions, rest->pointCentres, rest->spacing, patches.phyxels()),
+              rest);
+  if (!out.exists()) return false;
+  std::vector<Mat3> gradients(rest->pointCount());
+  deformationGradients(rest->stencils, body_.state().displacements, gradients, *env_.parallelFor);
+  findStiffnessFactors(body_.constitution(), rest->stencils, gradients, viscousScale(), factors_, *env_.parallelFor);
+  std::vector<Mat3> blocks(n_);
+  for (std::size_t i = 0; i < n_; ++i) blocks[i] = (a_ + damping_) * body_.masses()[i] * Mat3::Identity();
+  addContactAndSurroundings(blocks);
+  out.assemble(rest->stencils, factors_, blocks, {patches.phyxels(), patches.weights(), patches.stiffness()},
+               prescribed(), *env_.parallelFor, stop);
   return true;
 }
 

@@ -2,6 +2,7 @@
 // What a stage of an implicit or static step minimises. Private to the core.
 #pragma once
 
+#include "forces/stiffness_factors.h"
 #include "pointbased/integrators.h"
 
 namespace pointbased::detail {
@@ -15,6 +16,7 @@ struct ImplicitStage {
   std::vector<Vec3> p, q;
   double holding = 0.0;  ///< 1/s²: static, of the inertia that holds what nothing else does
   double elapsed = 0.0;  ///< s since the beginning of the step: what relaxes has relaxed for so long
+  bool conserves = false;  ///< the scheme keeps momenta or energy: solved to more digits than its displacements need
 };
 
 /// The incremental potential of a stage at the displacements of the body: inertia, elastic energy, supports, contact,
@@ -40,6 +42,7 @@ class StageProblem final : public IncrementalPotential {
   void product(std::span<const Vec3> du, std::span<Vec3> out) override;
   void diagonalBlocks(std::span<Mat3> out) override;
   [[nodiscard]] bool assemble(Eigen::SparseMatrix<double> &out) override;
+  [[nodiscard]] bool assembleGrids(Multigrid &out, const StopRequest *stop) override;
 
  private:
   [[nodiscard]] std::span<const Vec3> targets() { return body_.patchTargets(stage_.end); }
@@ -54,6 +57,8 @@ class StageProblem final : public IncrementalPotential {
   [[nodiscard]] double viscousScale() const { return dissipative_ ? 1.0 / stage_.h : 0.0; }
   // At the beginning of the step: what relaxes is advanced from there by dt().
   [[nodiscard]] const PointHistory &history() const { return body_.state().history; }
+
+  void addContactAndSurroundings(std::span<Mat3> out);
 
   // Forces that have no potential, at the present displacements: followers; viscous and relaxing stresses as the
   // difference to the elastic ones.
@@ -77,6 +82,7 @@ class StageProblem final : public IncrementalPotential {
   ContactPenalty penalty_;
   TangentScratch scratch_;
   std::vector<Eigen::Triplet<double>> triplets_;
+  StiffnessFactors factors_;
 };
 
 }  // namespace pointbased::detail

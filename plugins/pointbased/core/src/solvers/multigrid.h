@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// A V-cycle over the lattices of a body, as a preconditioner. Private to the core.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <memory>
+
+#include "forces/stiffness_factors.h"
+#include "pointbased/stop_request.h"
+#include "solvers/grid_hierarchy.h"
+
+namespace pointbased::detail {
+
+/// k_p w_pi w_pj I between the phyxels i and j of each spring p.
+struct SpringRows {
+  const Csr &rows;
+  std::span<const double> weights, stiffness;  ///< [entries]; [rows] N/m
+};
+
+/// M^-1 r by one V-cycle: Gauss-Seidel by 3x3 blocks forwards before the coarser level, backwards after it, a dense
+/// factorisation on the coarsest; coarser matrices are P^T A P. Springs tie corners that carry next to nothing of the
+/// body, which single blocks settle slowly: all nodes of a spring are solved for together, beside the coarser level.
+/// In float. Symmetric and positive, so a preconditioner
+/// of conjugate gradients; the same bits for any number of threads.
+/// @source  Trottenberg, Oosterlee, Schüller, Multigrid, 2001, ch. 2 and 7.7 (Galerkin coarsening, preconditioners)
+class Multigrid {
+ public:
+  /// The lattices of a body.
+  /// @param source  what they were made of: that it is still the same is asked before they are made anew
+  void reset(std::shared_ptr<const GridHierarchy> hierarchy, std::shared_ptr<const void> source);
+  [[nodiscard]] bool isOf(const std::shared_ptr<const void> &source, const Csr &springs) const {
+    return source_ == source && (!hierarchy_ || (hierarchy_->springs.offsets == springs.offsets &&
+                                                 hierarchy_->springs.indices == springs.indices));
+  }
+  [[nodiscard]] bool exists() const { return hierarchy_ != nullptr; }
+  /// @param held    [phyxels] 1: does not move; or empty
+  /// @param blocks  [phyxels] added to the diagonal: inertia, contact, surroundings, N/m
+  void assemble(const StencilSet &stencils, const StiffnessFactors &factors, std::span<const Mat3> blocks,
+                const SpringRows &springs, std::span<const std::uint8_t> held, const ParallelFor &parallelFor,
+                const StopRequest *stop);
+  /// out = M^-1 in
+  void apply(std::span<const Vec3> in, std::span<Vec3> out);
+
+  /// out = A in, of the finest matrix, which it is the approximate inverse of.
+  void multiply(std::span<const Vec3> in, std::span<Vec3> out) const;
+
+  /// Blocks of the matrices of all levels: what an application reads, twice.
+  [[nodiscard]] double entries() const;
+
+ private:
+  struct Level {
+    std::vector<float> blocks;    // [entries of the rows][9] by columns, and padding
+    std::vector<float> inverses;  // [nodes][9] of the diagonal blocks
+    std::vector<float> x, b;      // [nodes][4]
+  };
+
+  void addSprings(const SpringRows &springs);
+  void invertSprings(const SpringRows &springs);
+  void solveSprings();
+  void invertDiagonal(std::size_t l);
+  void coarsen(std::size_t fine);
+  void smoothForwards(std::size_t l);
+  void smoothBackwards(std::size_t l);
+  void restrict(std::size_t fine);
+  void prolong(std::size_t fine);
+  void cycle(std::size_t l);
+
+  std::shared_ptr<const GridHierarchy> hierarchy_;
+  std::shared_ptr<const void> source_;
+  std::vector<Level> levels_;
+  std::vector<std::uint8_t> held_;  // [nodes of the finest level]
+  Eigen::LLT<Eigen::MatrixXd> coarsest_;
+  Csr springs_;  // [springs] nodes of the finest level that move
+  std::vector<Eigen::MatrixXf> springInverses_;
+  std::vector<float> residual_;
+  bool isDense_ = false;
+  ParallelFor parallelFor_ = serialFor();
+};
+
+}  // namespace pointbased::detail
