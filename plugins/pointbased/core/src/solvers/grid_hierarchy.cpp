@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kCoarsest = 120;  // nodes: few enough for a dense factorisation
 constexpr double kWorthwhile = 0.95;    // a coarser level has at most this part of the nodes, or it is the last
 constexpr int kMostLevels = 12;
+constexpr Index kLeastOfSlab = 200;  // nodes: ten microseconds
 
 using Place = std::array<int, 3>;  // on the grid of the finest cells
 
@@ -41,24 +42,53 @@ Csr neighboursIn(const Csr &cells, const Csr &springs, std::size_t nodes) {
   return out;
 }
 
-// New number of every node, by colour; colours: as GridLevel's.
-std::vector<Index> numberByColour(const Csr &rows, std::vector<Index> &colours) {
-  const std::size_t n = rows.rows();
-  std::vector<Index> colour(n, 0);
-  std::vector<Index> count, taken;
-  for (std::size_t i = 0; i < n; ++i) {
-    taken.assign(count.size() + 1, 0);
-    for (const Index j : rows.row(i))
-      if (j < i) taken[colour[j]] = 1;
-    Index c = 0;
-    while (taken[c] != 0) ++c;
-    if (c == count.size()) count.push_back(0);
-    ++count[colour[i] = c];
+// Of every node the distance in edges from the first one of its connected part.
+std::vector<Index> layersOf(const Csr &rows) {
+  constexpr Index kUnseen = ~Index{0};
+  std::vector<Index> layer(rows.rows(), kUnseen), queue;
+  const auto spread = [&](Index from) {
+    queue.assign(1, from);
+    layer[from] = 0;
+    for (std::size_t k = 0; k < queue.size(); ++k)
+      for (const Index j : rows.row(queue[k])) {
+        if (layer[j] != kUnseen) continue;
+        layer[j] = layer[queue[k]] + 1;
+        queue.push_back(j);
+      }
+  };
+  for (Index i = 0; i < rows.rows(); ++i) {
+    if (layer[i] != kUnseen) continue;
+    spread(i);
+    // Once more from what is farthest: more and thinner layers.
+    const Index end = queue.back();
+    for (const Index j : queue) layer[j] = kUnseen;
+    spread(end);
   }
-  colours.assign(1, 0);
-  for (const Index k : count) colours.push_back(colours.back() + k);
-  std::vector<Index> next(colours.begin(), colours.end() - 1), number(n);
-  for (std::size_t i = 0; i < n; ++i) number[i] = next[colour[i]]++;
+  return layer;
+}
+
+// New number of every node; slabs as GridLevel's.
+std::vector<Index> numberBySlabs(const Csr &rows, GridLevel &level) {
+  const std::size_t n = rows.rows();
+  const std::vector<Index> layer = layersOf(rows);
+  std::vector<Index> size(*std::max_element(layer.begin(), layer.end()) + 1, 0);
+  for (const Index k : layer) ++size[k];
+  // Layers together until they are worth a thread's while.
+  std::vector<Index> slabOf(size.size(), 0), sizes(1, 0);
+  for (std::size_t k = 0; k < size.size(); ++k) {
+    if (sizes.back() >= kLeastOfSlab) sizes.push_back(0);
+    slabOf[k] = static_cast<Index>(sizes.size() - 1);
+    sizes.back() += size[k];
+  }
+  const std::size_t slabs = sizes.size();
+  level.firstHalf = (slabs + 1) / 2;
+  std::vector<Index> place(slabs), begin(slabs, 0);
+  for (std::size_t s = 0; s < slabs; ++s) place[s] = static_cast<Index>(s / 2 + (s % 2 == 0 ? 0 : level.firstHalf));
+  for (std::size_t s = 0; s < slabs; ++s) begin[place[s]] = sizes[s];
+  level.slabs.assign(1, 0);
+  for (const Index k : begin) level.slabs.push_back(level.slabs.back() + k);
+  std::vector<Index> next(level.slabs.begin(), level.slabs.end() - 1), number(n);
+  for (std::size_t i = 0; i < n; ++i) number[i] = next[place[slabOf[layer[i]]]]++;
   return number;
 }
 
@@ -363,7 +393,7 @@ std::shared_ptr<const GridHierarchy> buildGridHierarchy(const StencilSet &stenci
   std::vector<Index> number;
   for (int width = 2;; width *= 2) {
     GridLevel &level = out->levels.emplace_back();
-    number = numberByColour(pattern, level.colours);
+    number = numberBySlabs(pattern, level);
     level.rows = renumbered(pattern, number);
     findDiagonal(level);
     renumber(cells, number);

@@ -9,11 +9,13 @@
 namespace pointbased::detail {
 
 /// One lattice: nodes with the pattern of its stiffness matrix, and how displacements come to it from the next coarser
-/// one. Nodes are numbered by colour: no two of a colour are neighbours.
+/// one. Nodes are numbered slab by slab, every other slab first: no node of a slab is a neighbour of one of another slab of
+/// the same half, so that those of a half can be relaxed at the same time.
 struct GridLevel {
   Csr rows;                     ///< [nodes] neighbours of each, itself included, ascending
   std::vector<Index> diagonal;  ///< [nodes] entry of itself in `rows`
-  std::vector<Index> colours;   ///< first node of each colour, and the number of nodes
+  std::vector<Index> slabs;     ///< first node of each slab, and the number of nodes
+  std::size_t firstHalf = 0;    ///< so many slabs
   Csr parents;                  ///< [nodes] nodes of the next coarser level it follows; empty on the coarsest
   std::vector<float> parentWeights;
   Csr children;  ///< [nodes] nodes of the next finer level that follow it; empty on the finest

@@ -42,6 +42,14 @@ Block inverseOf(const Block &block) {
 
 }  // namespace
 
+// x of node i where its balance is, with what its neighbours pull.
+void Multigrid::relax(Level &level, std::size_t i, const Eigen::Vector4f &neighbours) {
+  const Lanes right = Eigen::Map<const Lanes>(level.b.data() + kNode * i) - neighbours;
+  Lanes x = Lanes::Zero();
+  multiplyAdd(level.inverses.data() + kBlock * i, right.data(), x);
+  store(x, level.x.data() + kNode * i);
+}
+
 void Multigrid::reset(std::shared_ptr<const GridHierarchy> hierarchy, std::shared_ptr<const void> source) {
   hierarchy_ = std::move(hierarchy);
   source_ = std::move(source);
@@ -248,49 +256,48 @@ void Multigrid::coarsen(std::size_t l) {
   parallelFor_(coarse.nodes(), kRowGrain, std::cref(rows));
 }
 
-// From x = 0: what comes later in the order has not moved yet. Leaves the residual in b.
+// visit(first, last) for the nodes of every slab of a half.
+template <class Visit>
+void Multigrid::forSlabs(const GridLevel &grid, bool isFirstHalf, const Visit &visit) const {
+  const std::size_t start = isFirstHalf ? 0 : grid.firstHalf;
+  const std::size_t count = isFirstHalf ? grid.firstHalf : grid.slabs.size() - 1 - grid.firstHalf;
+  const auto some = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = start + begin; s < start + end; ++s) visit(grid.slabs[s], grid.slabs[s + 1]);
+  };
+  parallelFor_(count, 1, std::cref(some));
+}
+
+// From x = 0: what comes later in the order has not moved yet.
 void Multigrid::smoothForwards(std::size_t l) {
   const GridLevel &grid = hierarchy_->levels[l];
   Level &level = levels_[l];
   const float *blocks = level.blocks.data();
-  for (std::size_t c = 0; c + 1 < grid.colours.size(); ++c) {
-    const Index start = grid.colours[c];
-    const auto rows = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = start + begin; i < start + end; ++i) {
+  for (const bool isFirstHalf : {true, false})
+    forSlabs(grid, isFirstHalf, [&](Index first, Index last) {
+      for (std::size_t i = first; i < last; ++i) {
         Lanes sum = Lanes::Zero();
         for (Index e = grid.rows.offsets[i]; e < grid.diagonal[i]; ++e)
           multiplyAdd(blocks + kBlock * e, level.x.data() + kNode * grid.rows.indices[e], sum);
-        const Lanes right = Eigen::Map<const Lanes>(level.b.data() + kNode * i) - sum;
-        Lanes x = Lanes::Zero();
-        multiplyAdd(level.inverses.data() + kBlock * i, right.data(), x);
-        store(x, level.x.data() + kNode * i);
+        relax(level, i, sum);
       }
-    };
-    parallelFor_(grid.colours[c + 1] - start, kRowGrain, std::cref(rows));
-  }
+    });
 }
 
 void Multigrid::smoothBackwards(std::size_t l) {
   const GridLevel &grid = hierarchy_->levels[l];
   Level &level = levels_[l];
   const float *blocks = level.blocks.data();
-  for (std::size_t c = grid.colours.size() - 1; c-- > 0;) {
-    const Index start = grid.colours[c];
-    const auto rows = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = start + begin; i < start + end; ++i) {
+  for (const bool isFirstHalf : {false, true})
+    forSlabs(grid, isFirstHalf, [&](Index first, Index last) {
+      for (std::size_t i = last; i-- > first;) {
         Lanes sum = Lanes::Zero();
         for (Index e = grid.rows.offsets[i]; e < grid.diagonal[i]; ++e)
           multiplyAdd(blocks + kBlock * e, level.x.data() + kNode * grid.rows.indices[e], sum);
         for (Index e = grid.diagonal[i] + 1; e < grid.rows.offsets[i + 1]; ++e)
           multiplyAdd(blocks + kBlock * e, level.x.data() + kNode * grid.rows.indices[e], sum);
-        const Lanes right = Eigen::Map<const Lanes>(level.b.data() + kNode * i) - sum;
-        Lanes x = Lanes::Zero();
-        multiplyAdd(level.inverses.data() + kBlock * i, right.data(), x);
-        store(x, level.x.data() + kNode * i);
+        relax(level, i, sum);
       }
-    };
-    parallelFor_(grid.colours[c + 1] - start, kRowGrain, std::cref(rows));
-  }
+    });
 }
 
 // Right side of the coarser level: P^T of the residual, which after a forward sweep is what later ones have added.
@@ -385,13 +392,19 @@ void Multigrid::apply(std::span<const Vec3> in, std::span<Vec3> out) {
     return;
   }
   const double scale = 1.0 / largest;
-  for (std::size_t i = 0; i < order.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      finest.b[kNode * i + c] = static_cast<float>(scale * in[order[i]][static_cast<Eigen::Index>(c)]);
+  const auto take = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        finest.b[kNode * i + c] = static_cast<float>(scale * in[order[i]][static_cast<Eigen::Index>(c)]);
+  };
+  parallelFor_(order.size(), 4 * kRowGrain, std::cref(take));
   cycle(0);
-  for (std::size_t i = 0; i < order.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      out[order[i]][static_cast<Eigen::Index>(c)] = largest * static_cast<double>(finest.x[kNode * i + c]);
+  const auto give = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        out[order[i]][static_cast<Eigen::Index>(c)] = largest * static_cast<double>(finest.x[kNode * i + c]);
+  };
+  parallelFor_(order.size(), 4 * kRowGrain, std::cref(give));
 }
 
 }  // namespace pointbased::detail

@@ -59,6 +59,9 @@ class Multigrid {
   void solveSprings();
   void invertDiagonal(std::size_t l);
   void coarsen(std::size_t fine);
+  static void relax(Level &level, std::size_t i, const Eigen::Vector4f &neighbours);
+  template <class Visit>
+  void forSlabs(const GridLevel &grid, bool isFirstHalf, const Visit &visit) const;
   void smoothForwards(std::size_t l);
   void smoothBackwards(std::size_t l);
   void restrict(std::size_t fine);

@@ -35,7 +35,8 @@ constexpr double kGuessedCompleteCost = 10.0, kGuessedSolveCost = 40.0;
 constexpr double kCheap = 200.0;  // iterations; see the header
 // Iterations of a V-cycle beyond this times those of a fresh one, and beyond kSlack, are those of an old one: numbers
 // differ from step to step as well.
-constexpr double kScatter = 1.5, kSlack = 2.0;
+constexpr double kScatter = 1.2, kSlack = 1.0;
+constexpr int kFresh = 4;                     // solves that show what a fresh V-cycle takes: those of a step differ
 constexpr double kUsual = 8.0;                // iterations of a solve with a complete one that is not quite fresh
 constexpr std::size_t kMostAnalysed = 30000;  // phyxels; beyond, `automatic` does not think of a complete one
 constexpr double kMostEntries = 2.5e8;        // of a complete factor: 1 GB
@@ -63,6 +64,7 @@ struct AdaptivePreconditioner::Impl {
   // The books, in the unit of the costs. A fresh factorisation takes `rate` iterations per decimal of tolerance; -1:
   // not known yet.
   double price = 0.0, iteration = 1.0, rate = -1.0, excess = 0.0;
+  int solves = 0;  // since it was made, at most kFresh
   // Of a complete factorisation while an incomplete one is in use; infinite price: not to be had.
   double completePrice = 0.0, completeIteration = 0.0, lost = 0.0;
 
@@ -79,6 +81,7 @@ struct AdaptivePreconditioner::Impl {
     valid = false;
     rate = -1.0;
     excess = 0.0;
+    solves = 0;
   }
   void decideAnew() {
     invalidate();
@@ -264,7 +267,10 @@ int AdaptivePreconditioner::iterationBudget(double tolerance, int most) const {
 void AdaptivePreconditioner::book(int iterations, double tolerance, bool complete) {
   Impl &m = *impl_;
   if (m.kind == Preconditioner::blockJacobi || m.blocksInstead) return;
-  if (m.rate >= 0.0) {
+  if (m.kind == Preconditioner::multigrid && complete && m.solves < kFresh) {
+    m.rate = std::max(m.rate, std::max(1, iterations) / decimals(tolerance));
+    ++m.solves;
+  } else if (m.rate >= 0.0) {
     m.excess += m.iteration * std::max(0.0, iterations - m.usual(tolerance));
   } else if (complete) {
     m.rate = std::max(1, iterations) / decimals(tolerance);

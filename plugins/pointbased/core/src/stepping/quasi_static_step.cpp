@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/number_text.h"
 #include "pointbased/integrators.h"
@@ -16,6 +17,10 @@ namespace {
 constexpr int kFlowRounds = 30;      // of a static equilibrium with plastic flow
 constexpr int kHoldingRounds = 200;  // of a static equilibrium of what only contact holds
 constexpr double kStride = 0.5;      // spacings that it may move in one of them
+constexpr int kMostFailures = 6;     // of its rounds, for a held body
+constexpr int kEasy = 15;            // Newton steps of a round after which the next one may be larger
+constexpr double kHoldLess = 0.25;   // times after one that could have gone farther, of held bodies
+constexpr double kNear = 0.1;        // spacings: a held body that moves no farther is solved as it is
 constexpr double kHoldMore = 8.0;    // times the inertia after one that went too far or was not solved
 constexpr double kLeaning = 1e-3;    // part of the loads that may still lean on inertia
 
@@ -41,16 +46,17 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
   const double tolerance = newtonSettings(body, env, true).toleranceDisplacement;
   ImplicitResult out;
   const bool held = body.held() || body.foundation().settings().holds();
-  // Held bodies are solved as they are; the others lean on their own inertia, less and less, until they lie still.
-  double holding = 0.0;
-  if (!held) {
-    const double frequency = body.restFrequency();
-    // What has no stiffness at all (a phyxel alone) is let down by a spacing at a time.
-    holding = frequency > 0.0 ? 1e-4 * frequency * frequency : env.gravity.norm() / body.rest().spacing;
-  }
-  const double stride = kStride * body.rest().spacing;
-  const double loads = held ? 0.0 : loadsOf(body, env, to);
-  int flows = 0;
+  // Held bodies are solved as they are, unless they buckle: then the next equilibrium may be far away, across states that
+  // are none. They and the others lean on their own inertia, less and less, until they lie still.
+  const double frequency = body.restFrequency();
+  // What has no stiffness at all (a phyxel alone) is let down by a spacing at a time.
+  const double leanFirst = frequency > 0.0 ? 1e-4 * frequency * frequency : env.gravity.norm() / body.rest().spacing;
+  double holding = held ? 0.0 : leanFirst;
+  // Contacts are known along a way of a spacing or so; what meets nothing may go as far as it likes.
+  const double spacing = body.rest().spacing;
+  const double stride = held && !env.contact() ? std::numeric_limits<double>::infinity() : kStride * spacing;
+  const double loads = loadsOf(body, env, to);
+  int flows = 0, failures = 0;
   for (int round = 0;; ++round) {
     const ImplicitStage stage{0.0, to, to - from, {}, {}, holding, 0.0};
     const std::vector<Vec3> before = state.displacements;
@@ -62,10 +68,19 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
       moved = std::max(moved, way);
       leaning += body.masses()[i] * holding * way;
     }
-    const bool last = round + 1 >= kHoldingRounds;
+    bool last = round + 1 >= kHoldingRounds;
+    const bool buckles = held && holding == 0.0 && !out.newton.good() &&
+                         out.newton.outcome != NewtonOutcome::cancelled &&
+                         out.newton.outcome != NewtonOutcome::notFinite;
+    if (held && !out.newton.good() && ++failures > kMostFailures) last = true;
+    if (buckles && !last) {
+      state.displacements = before;
+      body.contact.active = contactsBefore;
+      holding = leanFirst;
+      continue;
+    }
     if (holding > 0.0 && !last && out.newton.outcome != NewtonOutcome::cancelled &&
         (!out.newton.good() || !(moved <= stride))) {
-      // Too far at once: contacts are known along a way of a spacing or so.
       state.displacements = before;
       body.contact.active = contactsBefore;
       holding *= kHoldMore;
@@ -88,7 +103,13 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
                     number(1000.0 * moved, 4) + " mm); add a [[fix]] or an obstacle below it";
       return out;
     }
-    if (moved < 0.5 * stride) holding *= moved < 0.01 * stride ? 0.125 : 0.5;
+    const bool isNear = moved < kNear * spacing;
+    if (held && isNear)
+      holding = 0.0;
+    else if (held && out.newton.iterations <= kEasy)
+      holding *= kHoldLess;
+    else if (!held && moved < 0.5 * stride)
+      holding *= moved < 0.01 * stride ? 0.125 : 0.5;
   }
   std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
   env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
