@@ -190,6 +190,19 @@ TEST_CASE("A tube far thinner than the spacing is refused, with what would do") 
   CHECK(body["deepest_penetration_m"].get<double>() < body["spacing_m"].get<double>());
 }
 
+TEST_CASE("A soft kidney that buckles under its weight finds its rest") {
+  C3DE_DATA_OR_SKIP(scene, "found/buckling_kidney.toml");
+  const auto report = freshFolder("buckling-kidney") / "report.json";
+  const auto result = runC3de({"run", scene.string(), "-q", "--report", report.string()});
+  INFO(result.errorOutput);
+  REQUIRE(result.exitCode == 0);
+  const auto body = nlohmann::json::parse(readFile(report))["bodies"][0];
+  CHECK(body["energy_J"]["kinetic"].get<double>() == 0.0);
+  CHECK(body["inverted_points"].get<int>() == 0);
+  // Its free end hangs beside what holds it: far below where it was made.
+  CHECK(body["energy_J"]["gravity"].get<double>() < -1e-3);
+}
+
 TEST_CASE("The skin of a thin organ stays with its points, and its depth is told as it is drawn") {
   C3DE_DATA_OR_SKIP(scene, "found/skin_spikes.toml");
   const auto folder = freshFolder("skin-spikes");

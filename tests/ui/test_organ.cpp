@@ -130,8 +130,9 @@ TEST_CASE("a paused organ is verified: an error bar, and colours until it moves 
   window.waitUntil("the state has moved on", [](const Json &s) { return row(s, "Colours").empty(); });
   window.screenshot("moved_on");
   window.key("ctrl+shift+v");
-  window.waitUntil("the keys have verified it, too",
-                   [](const Json &s) { return row(s, "Colours").starts_with("Error, verified, 0"); }, 120.0);
+  window.waitUntil(
+      "the keys have verified it, too",
+      [](const Json &s) { return row(s, "Colours").starts_with("Error, verified, 0"); }, 120.0);
 }
 
 TEST_CASE("a pinched organ follows the hand and lets go on release", "[organ_pinch]") {

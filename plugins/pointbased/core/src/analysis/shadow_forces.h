@@ -18,8 +18,7 @@ namespace pointbased::detail {
 /// @param forces       [phyxels of the body] N
 /// @param withContact  false: without those of phyxels that touch
 [[nodiscard]] std::vector<Vec3> carriedOver(const Body &body, std::span<const Vec3> forces, bool withContact,
-                                            const Body &shadow,
-                                            const ParallelFor &parallelFor);
+                                            const Body &shadow, const ParallelFor &parallelFor);
 
 /// The points of contact of the shadow where the body presses against something; in the frame of the shadow, m.
 [[nodiscard]] SurfacePoints touchingPoints(const Body &body, const RestState &shadow);

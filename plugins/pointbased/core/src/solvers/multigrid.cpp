@@ -301,7 +301,7 @@ void Multigrid::smoothBackwards(std::size_t l) {
 }
 
 // Right side of the coarser level: P^T of the residual, which after a forward sweep is what later ones have added.
-void Multigrid::restrict(std::size_t l) {
+void Multigrid::restrictResidual(std::size_t l) {
   const GridLevel &fine = hierarchy_->levels[l], &coarse = hierarchy_->levels[l + 1];
   Level &from = levels_[l], &to = levels_[l + 1];
   residual_.resize(kNode * fine.nodes());
@@ -363,7 +363,7 @@ void Multigrid::cycle(std::size_t l) {
     return;
   }
   smoothForwards(l);
-  restrict(l);
+  restrictResidual(l);
   if (l == 0) solveSprings();
   cycle(l + 1);
   prolong(l);

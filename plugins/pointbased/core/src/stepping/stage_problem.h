@@ -14,8 +14,8 @@ struct ImplicitStage {
   double end = 0.0;          ///< s, or load factor
   double contactSpan = 0.0;  ///< s (or load factor) over which contact planes move
   std::vector<Vec3> p, q;
-  double holding = 0.0;  ///< 1/s²: static, of the inertia that holds what nothing else does
-  double elapsed = 0.0;  ///< s since the beginning of the step: what relaxes has relaxed for so long
+  double holding = 0.0;    ///< 1/s²: static, of the inertia that holds what nothing else does
+  double elapsed = 0.0;    ///< s since the beginning of the step: what relaxes has relaxed for so long
   bool conserves = false;  ///< the scheme keeps momenta or energy: solved to more digits than its displacements need
 };
 

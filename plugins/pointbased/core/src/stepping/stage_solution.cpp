@@ -12,7 +12,7 @@ namespace pointbased::detail {
 namespace {
 
 constexpr int kContactRounds = 4;  // solutions of a stage until no point meets a surface that was not known
-constexpr double kConfirmingOfDisplacements = 0.1;  // where nothing but displacements is asked of a stage
+constexpr double kConfirmingOfDisplacements = 0.1;  // where nothing but displacements is asked of a step
 constexpr double kRough = 100.0;  // tolerances within which a solution already tells what the contacts are
 // change of the contact forces that is left to the next stage, of all that presses
 constexpr double kSettled = 1e-2;
@@ -53,7 +53,7 @@ class StageSolution {
                 const StageRequest &request)
       : body_(body), solver_(solver), env_(env), stage_(stage), request_(request), problem_(body, env, stage),
         settings_(newtonSettings(body, env, stage.h <= 0.0)), start_(body.state().displacements), u_(start_) {
-    if (!stage.conserves) settings_.confirmingTolerance = kConfirmingOfDisplacements;
+    if (!stage.conserves && stage.h > 0.0) settings_.confirmingTolerance = kConfirmingOfDisplacements;
     if (stage.h > 0.0) fallFreely(body, env, stage, u_);
     // Held phyxels and whatever they carry start where they have to be.
     body.placeHeld(stage.end, false);

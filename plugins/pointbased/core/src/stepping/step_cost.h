@@ -14,13 +14,14 @@ struct StepCost {
 };
 
 /// Explicit: the substeps that the stable step at rest asks for, each an evaluation and kExplicitOverhead. Implicit:
-/// steps of dt (or 1/60 s) at kImplicitEvaluations sqrt(phyxels / 500), fitted to held beams of 500, 3 000 and 10 000
-/// phyxels without contact at 10 MPa, where the choice is made: 720 … 4 600 evaluations per step. Softer bodies need up
-/// to four times as many, but are far on the explicit side.
+/// steps of dt (or 1/60 s) at kImplicitEvaluations, fitted to held beams without contact at 10 MPa, where the choice is
+/// made: 520, 720 and 720 evaluations per step at 500, 3 000 and 10 000 phyxels. Those of clouds grow with the root of
+/// their size, because their iterations do.
 /// @param dt  s; <= 0: automatic
 [[nodiscard]] StepCost predictCost(const Body &body, double dt);
 /// The same of a body that is not there yet.
-/// @param stable  s, the explicit step that it will take by itself
-[[nodiscard]] StepCost predictCost(double phyxels, double stable, double dt);
+/// @param stable          s, the explicit step that it will take by itself
+/// @param phyxelsOfCloud  0: a lattice
+[[nodiscard]] StepCost predictCost(double stable, double dt, double phyxelsOfCloud = 0.0);
 
 }  // namespace pointbased::detail
