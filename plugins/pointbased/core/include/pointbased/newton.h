@@ -76,6 +76,9 @@ struct NewtonSettings {
   int maxIterations = 50;               ///< Newton steps
   int maxLinearIterations = 2000;       ///< per Newton step; the direction so far is used then
   double linearTolerance = 1e-2;        ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)
+  /// Of all solves whose preconditioner is near the inverse: its residual tells the error, and more steps may be cheaper
+  /// than exact ones
+  double strongTolerance = 1e-2;
   /// Of a step that ends the solve. With a weak preconditioner at most 1e-3, because its residual tells little
   double confirmingTolerance = 1e-3;
   Preconditioner preconditioner = Preconditioner::automatic;

@@ -16,12 +16,9 @@ using detail::LinearEnd;
 
 namespace {
 
-constexpr double kArmijo = 1e-4;      // part of the predicted decrease that a step must bring
-constexpr double kTightest = 1e-6;    // of the forcing terms
-constexpr double kConfirming = 1e-3;  // linear tolerance of a step that ends the solve
-// Of all steps where the preconditioner is near the inverse: the residual tells the error, and more steps are cheaper
-// than exact ones (0.3, 0.03 and 0.01 took longer, bench_newton).
-constexpr double kStrong = 0.1;
+constexpr double kArmijo = 1e-4;        // part of the predicted decrease that a step must bring
+constexpr double kTightest = 1e-6;      // of the forcing terms
+constexpr double kConfirming = 1e-3;    // linear tolerance of a step that ends the solve
 constexpr double kResidualFall = 1e-6;  // of the first residual; see NewtonSettings::toleranceForce
 constexpr double kRounding = 1e-10;     // relative change of the energy that may be round-off of a cancelled sum
 // of the displacement that is tolerated: what a step after the other may leave
@@ -129,7 +126,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
   linear.begin(right, precondition);
 
   Direction out;
-  out.tolerance = keeper.isStrong() ? kStrong : forcing;
+  out.tolerance = keeper.isStrong() ? settings.strongTolerance : forcing;
   const double confirming =
       keeper.isStrong() ? settings.confirmingTolerance : std::min(settings.confirmingTolerance, kConfirming);
   int before = 0;  // iterations with preconditioners that have been given up

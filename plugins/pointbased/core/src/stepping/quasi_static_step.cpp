@@ -69,7 +69,7 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
       leaning += body.masses()[i] * holding * way;
     }
     bool last = round + 1 >= kHoldingRounds;
-    const bool buckles = held && holding == 0.0 && !out.newton.good() &&
+    const bool buckles = held && !env.contact() && holding == 0.0 && !out.newton.good() &&
                          out.newton.outcome != NewtonOutcome::cancelled &&
                          out.newton.outcome != NewtonOutcome::notFinite;
     if (held && !out.newton.good() && ++failures > kMostFailures) last = true;
