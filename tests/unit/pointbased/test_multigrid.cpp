@@ -115,6 +115,23 @@ TEST_CASE("coarser lattices carry every affine motion to the phyxels", "[multigr
   }
 }
 
+TEST_CASE("phyxels amid a support, which have no cell, follow nothing", "[multigrid]") {
+  LatticeSampling sampling = lattice_cases::withSpacing(0.01);
+  sampling.held = {HalfSpaceRegion{Vec3(0.1, 0, 0), Vec3::UnitX()}};
+  const LatticeBody body = lattice_cases::filled(lattice_cases::box(Vec3(0, 0, 0), Vec3(0.16, 0.05, 0.04)), sampling);
+  const auto hierarchy = hierarchyOf(body);
+  const GridLevel &finest = hierarchy->levels.front();
+  std::size_t alone = 0;
+  for (std::size_t i = 0; i < finest.nodes(); ++i) {
+    CHECK(finest.rows.indices[finest.diagonal[i]] == i);
+    if (!body.stencils.entriesOfPhyxel.row(hierarchy->order[i]).empty()) continue;
+    ++alone;
+    CHECK(finest.rows.row(i).size() == 1);
+    CHECK(finest.parents.row(i).empty());
+  }
+  CHECK(alone > 0);
+}
+
 TEST_CASE("no coarser lattice couples across a gap", "[multigrid]") {
   // Two bars half a spacing apart.
   const double h = 0.01;

@@ -27,6 +27,7 @@ struct Cells {
 
 Csr neighboursIn(const Csr &cells, const Csr &springs, std::size_t nodes) {
   std::vector<std::vector<Index>> rows(nodes);
+  for (Index i = 0; i < nodes; ++i) rows[i].push_back(i);  // amid a support a phyxel may have no cell
   for (const Csr *groups : {&cells, &springs})
     for (std::size_t q = 0; q < groups->rows(); ++q) {
       const auto group = groups->row(q);
@@ -151,12 +152,15 @@ class Coarsening {
         isFound[i] = 1;
       }
     for (std::size_t q = 0; q < fine_.count(); ++q)  // none: jittered ones; any that has it
-      for (const Index i : fine_.nodes.row(q))
-        if (isFound[i] == 0) partOfNode[i] = partOf_[q];
+      for (const Index i : fine_.nodes.row(q)) {
+        if (isFound[i] != 0) continue;
+        partOfNode[i] = partOf_[q];
+        isFound[i] = 1;
+      }
     out = Csr();
     weights.clear();
     for (std::size_t i = 0; i < n; ++i) {
-      addParents(partOfNode[i], fine_.places[i], out, weights);
+      if (isFound[i] != 0) addParents(partOfNode[i], fine_.places[i], out, weights);
       out.offsets.push_back(static_cast<Index>(out.indices.size()));
     }
   }
