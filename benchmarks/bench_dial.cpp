@@ -4,14 +4,14 @@
 //   bench_dial [--first SEED] [--problems N] [--csv FILE] [--json FILE]
 //   bench_dial --fit PROBLEMS [--first SEED] [--finest PHYXELS]
 //
-// Bodies, materials and loads that the model was not fitted to, drawn by seed (dial/random_problems.h), each with a wish
-// of 3, 5, 10 or 20 % of its largest displacement. For each: two trials, what the dial chooses, and then
+// Bodies, materials and loads that the model was not fitted to, drawn by seed (dial/random_problems.h), each with a
+// wish of 3, 5, 10 or 20 % of its largest displacement. For each: two trials, what the dial chooses, and then
 //   error   the body solved with its own law at that sampling, against eight times as many phyxels; what that still
 //           lacks is added by the order of the model
-//   cost    what a frame of the body takes in half a second of explicit steps under its loads, against what was measured
-//           when it was built
-// --fit: errors of linear solutions of seven samplings of each body against a fine one, and the coefficients of the model
-// by least squares. Those in choose_sampling.cpp are of seeds 0 … 29.
+//   cost    what a frame of the body takes in half a second of explicit steps under its loads, against what was
+//           measured when it was built
+// --fit: errors of linear solutions of seven samplings of each body against a fine one, and the coefficients of the
+// model by least squares. Those in choose_sampling.cpp are of seeds 0 … 29.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>

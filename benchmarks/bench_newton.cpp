@@ -4,13 +4,13 @@
 //   bench_newton [--phyxels N]... [--body NAME] [--modulus PA] [--poisson NU] [--preconditioner NAME] [--case NAME]
 //                [--csv FILE] [--json FILE]
 //
-// Bodies of the simulator, cells cut by their skins: a box 0.2 x 0.04 x 0.04 m, a liver, a kidney and a tube by formulas,
-// held at the lowest eighth of their longest axis.
-//   rest      a quasi-static solution under gravity across the axis, as large as bends a box of 10 kPa by a fifth of its
-//             length, in proportion to the modulus; one load step
-//   first     a step of backward Euler, dt = 1/60 s, from rest under 9.81 m/s²
-//   step      the mean of five more
-// Linear iterations are per linear solve; evaluations: what the steps cost in evaluations of the forces of the same body.
+// Bodies of the simulator, cells cut by their skins: a box of 0.2 x 0.04 x 0.04 m, a liver, a kidney and a tube by
+// formulas, held at the lowest eighth of their longest axis.
+//   rest   a quasi-static solution under gravity across the axis, that bends a box of 10 kPa by a fifth of its length
+//          and grows with the modulus; one load step
+//   first  a step of backward Euler, dt = 1/60 s, from rest under 9.81 m/s²
+//   step   the mean of five more
+// Linear iterations are per linear solve; evaluations: what the steps cost in evaluations of the forces of the body.
 // Times are of the processor, one thread, so what else the machine does counts little.
 #include <algorithm>
 #include <cmath>
@@ -24,6 +24,7 @@
 #include "bench/timing.h"
 #include "mesh_body.h"
 #include "pointbased/simulator.h"
+#include "surfaces.h"
 #include "thin_shapes.h"
 
 namespace {
@@ -36,40 +37,15 @@ constexpr double kPi = 3.14159265358979323846;
 
 /// A ball of unit radius, moved.
 Surface ball(const std::function<Vec3(const Vec3 &)> &moved) {
-  constexpr int kRings = 24, kAround = 40;
-  Surface out;
-  const auto at = [&](int ring, int k) {
-    const double theta = kPi * ring / kRings, phi = 2.0 * kPi * k / kAround;
+  constexpr int kRings = 24;
+  return validation::latheSurface(kRings, 40, [&](int ring, double phi) {
+    const double theta = kPi * ring / kRings;
     return moved(Vec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), -std::cos(theta)));
-  };
-  out.positions.push_back(at(0, 0));
-  for (int r = 1; r < kRings; ++r)
-    for (int k = 0; k < kAround; ++k) out.positions.push_back(at(r, k));
-  out.positions.push_back(at(kRings, 0));
-  const auto vertex = [&](int ring, int k) -> Index {
-    if (ring == 0) return 0;
-    if (ring == kRings) return static_cast<Index>(out.positions.size() - 1);
-    return static_cast<Index>(1 + (ring - 1) * kAround + k % kAround);
-  };
-  for (int r = 0; r < kRings; ++r)
-    for (int k = 0; k < kAround; ++k) {
-      const Index a = vertex(r, k), b = vertex(r, k + 1), c = vertex(r + 1, k), d = vertex(r + 1, k + 1);
-      if (r > 0) out.triangles.push_back({a, b, c});
-      if (r + 1 < kRings) out.triangles.push_back({b, d, c});
-    }
-  return out;
-}
-
-Surface boxSurface() {
-  Surface out;
-  for (int i = 0; i < 8; ++i) out.positions.emplace_back(0.2 * (i & 1), 0.04 * (i >> 1 & 1), 0.04 * (i >> 2));
-  out.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                   {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return out;
+  });
 }
 
 Surface surfaceOf(const std::string &body) {
-  if (body == "box") return boxSurface();
+  if (body == "box") return shapes::boxSurface(Vec3::Zero(), Vec3(0.2, 0.04, 0.04));
   if (body == "liver")
     return ball([](const Vec3 &n) {
       return Vec3(0.11 * n[0], (0.045 + 0.03 * n[0]) * n[1] + 0.02 * n[0] * n[0], (0.07 - 0.03 * n[0] * n[0]) * n[2]);
@@ -173,7 +149,7 @@ void solveRest(const Filled &filled, const Case &of, Rows &rows) {
   const ParallelFor serial = serialFor();
   StageClock clock(stageNames());
   // ρ g bends a box of 0.2 m by a fifth of its length at 10 kPa; others by about as much of theirs.
-  const double slender = std::pow(0.2 / filled.height, 1.0) * (of.body == "box" || of.body == "tube" ? 1.0 : 2.0);
+  const double slender = 0.2 / filled.height * (of.body == "box" || of.body == "tube" ? 1.0 : 2.0);
   const Environment env = environmentOf(of, Vec3(0, 0, -0.5 * slender * of.youngsModulus / 1e4), clock, serial);
   NewtonSolver solver;
   const double begin = processor_ms();
@@ -221,6 +197,8 @@ constexpr Choice kPreconditioners[] = {{Preconditioner::blockJacobi, "block_jaco
                                        {Preconditioner::multigrid, "multigrid"},
                                        {Preconditioner::automatic, "auto"}};
 
+constexpr const char *kAccepted = "block_jacobi, incomplete, factorised, multigrid, auto";
+
 template <class T>
 std::vector<T> orDefault(std::vector<T> chosen, std::vector<T> usual) {
   return chosen.empty() ? usual : chosen;
@@ -256,7 +234,8 @@ int main(int argc, char **argv) {
             for (const std::string &name : names) {
               const auto *const found = std::find_if(std::begin(kPreconditioners), std::end(kPreconditioners),
                                                      [&](const Choice &c) { return name == c.name; });
-              if (found == std::end(kPreconditioners)) throw std::runtime_error("no preconditioner '" + name + "'");
+              if (found == std::end(kPreconditioners))
+                throw std::runtime_error("there is no preconditioner '" + name + "'; accepted: " + kAccepted);
               const Case of{body, size, E, nu, found->preconditioner, name};
               if (only.empty() || only == "rest") solveRest(filled, of, rows);
               if (only.empty() || only == "step") solveSteps(filled, of, rows);

@@ -4,10 +4,12 @@
 //   bench_organs [--mesh FILE]... [--only TEXT] [--phyxels N] [--csv FILE] [--json FILE]
 //
 // A ventricle, a hip bone, a gut and a vessel made by formulas, and the meshes that are named (made 12 cm long if their
-// file has no unit that fits an organ), of 6 kPa and Poisson's ratio 0.45. Each hangs from its upper quarter, and is
-// gripped: the ends of its longest axis are held and one is moved across it by a tenth of its length; and pinched: a spot of
-// the skin, a quarter of the length wide, is drawn out by as much, with one end held. For each the sampling that is chosen without a wish (--phyxels: that one instead), the error that is expected of it, and the
-// difference to a solution of half the spacing by verify(), which is within a factor of 1.5 of the true error.
+// file has no unit that fits an organ), of 6 kPa and Poisson's ratio 0.45. Each
+//   hangs    from its upper quarter
+//   gripped  the ends of its longest axis are held, and one is moved across it by a tenth of its length
+//   pinched  a spot of the skin, a quarter of the length wide, is drawn out by as much, with one end held
+// For each the sampling that is chosen without a wish (--phyxels: that one instead), the error that is expected of it,
+// and the difference to a solution of half the spacing by verify(), which is within a factor of 1.5 of the true error.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -31,39 +33,17 @@ using namespace pointbased;
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kMostOfShadow = 60'000;  // phyxels: half a minute
 
-/// Closed surface of a closed curve in the plane (r, z), r > 0 but at its ends on the axis, turned about z.
-Surface turned(const std::vector<std::pair<double, double>> &profile, int around = 48) {
-  Surface out;
-  const auto rings = static_cast<int>(profile.size());
-  std::vector<Index> first;
-  for (const auto &[r, z] : profile) {
-    first.push_back(static_cast<Index>(out.positions.size()));
-    for (int k = 0; k < (r > 0.0 ? around : 1); ++k)
-      out.positions.emplace_back(r * std::cos(2.0 * kPi * k / around), r * std::sin(2.0 * kPi * k / around), z);
-  }
-  const auto vertex = [&](int ring, int k) {
-    const auto i = static_cast<std::size_t>(ring);
-    return first[i] + (profile[i].first > 0.0 ? static_cast<Index>(k % around) : 0);
-  };
-  for (int i = 0; i + 1 < rings; ++i)
-    for (int k = 0; k < around; ++k) {
-      const Index a = vertex(i, k), b = vertex(i, k + 1), c = vertex(i + 1, k + 1), d = vertex(i + 1, k);
-      if (a != b) out.triangles.push_back({a, b, c});
-      if (c != d) out.triangles.push_back({a, c, d});
-    }
-  return out;
-}
-
 /// Half an ellipsoid with a cavity: 9 cm from base to apex, 7 cm wide, walls of 11 mm.
 Surface ventricle() {
   constexpr int n = 20;
   constexpr double wall = 0.011, length = 0.09, radius = 0.035;
-  std::vector<std::pair<double, double>> profile;
-  for (int i = 0; i <= n; ++i)
-    profile.emplace_back(radius * std::sin(0.5 * kPi * i / n), -length * std::cos(0.5 * kPi * i / n));
-  for (int i = n; i >= 0; --i)
-    profile.emplace_back((radius - wall) * std::sin(0.5 * kPi * i / n), (wall - length) * std::cos(0.5 * kPi * i / n));
-  return turned(profile);
+  // Along the outside from the apex to the base, and back along the inside.
+  return validation::latheSurface(2 * n + 1, 48, [=](int ring, double phi) {
+    const bool isOutside = ring <= n;
+    const double t = 0.5 * kPi * (isOutside ? ring : 2 * n + 1 - ring) / n, thinner = isOutside ? 0.0 : wall;
+    const double r = (radius - thinner) * std::sin(t);
+    return Vec3(r * std::cos(phi), r * std::sin(phi), -(length - thinner) * std::cos(t));
+  });
 }
 
 /// A ring with two plates: 24 cm wide; its plates are 12 mm thick.

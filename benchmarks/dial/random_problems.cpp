@@ -8,6 +8,7 @@
 #include "mesh_body.h"
 #include "pointbased/engine.h"
 #include "support/random.h"
+#include "thin_shapes.h"
 
 namespace dial {
 namespace {
@@ -30,27 +31,6 @@ Mat3 randomRotation(Random &random) {
   return Eigen::Quaterniond(q.normalized()).toRotationMatrix();
 }
 
-/// Rings of vertices from a south to a north pole, as a closed surface.
-Surface lathe(int rings, const std::function<Vec3(double theta, double phi)> &at) {
-  Surface out;
-  out.positions.push_back(at(0.0, 0.0));
-  for (int r = 1; r < rings; ++r)
-    for (int k = 0; k < kAround; ++k) out.positions.push_back(at(kPi * r / rings, 2.0 * kPi * k / kAround));
-  out.positions.push_back(at(kPi, 0.0));
-  const auto vertex = [&](int ring, int k) -> Index {
-    if (ring == 0) return 0;
-    if (ring == rings) return static_cast<Index>(out.positions.size() - 1);
-    return static_cast<Index>(1 + (ring - 1) * kAround + k % kAround);
-  };
-  for (int r = 0; r < rings; ++r)
-    for (int k = 0; k < kAround; ++k) {
-      const Index a = vertex(r, k), b = vertex(r, k + 1), c = vertex(r + 1, k), d = vertex(r + 1, k + 1);
-      if (r > 0) out.triangles.push_back({a, b, c});
-      if (r + 1 < rings) out.triangles.push_back({b, d, c});
-    }
-  return out;
-}
-
 double signedPower(double x, double p) { return std::copysign(std::pow(std::abs(x), p), x); }
 
 /// A ball, a cylinder or a box with rounded edges, or between them, with bumps.
@@ -61,7 +41,9 @@ Surface lobed(Random &random, const Vec3 &semiAxes, double boxiness, double bump
   };
   std::vector<Bump> all(5);
   for (Bump &b : all) b = {random.vector().normalized(), bumps * random(), between(random, 0.3, 0.8)};
-  return lathe(32, [=](double theta, double phi) {
+  constexpr int kRings = 32;
+  return validation::latheSurface(kRings, kAround, [=](int ring, double phi) {
+    const double theta = kPi * ring / kRings;
     const Vec3 n(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), -std::cos(theta));
     const Vec3 x(signedPower(std::sin(theta), boxiness) * signedPower(std::cos(phi), boxiness),
                  signedPower(std::sin(theta), boxiness) * signedPower(std::sin(phi), boxiness),

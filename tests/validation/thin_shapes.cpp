@@ -91,6 +91,26 @@ Surface boxes(const std::set<std::array<int, 3>> &filled, const Vec3 &size) {
 
 }  // namespace
 
+Surface latheSurface(int rings, int around, const std::function<Vec3(int ring, double phi)> &at) {
+  Surface out;
+  out.positions.push_back(at(0, 0.0));
+  for (int r = 1; r < rings; ++r)
+    for (int k = 0; k < around; ++k) out.positions.push_back(at(r, kTurn * k / around));
+  out.positions.push_back(at(rings, 0.0));
+  const auto vertex = [&](int ring, int k) -> Index {
+    if (ring == 0) return 0;
+    if (ring == rings) return static_cast<Index>(out.positions.size() - 1);
+    return static_cast<Index>(1 + (ring - 1) * around + k % around);
+  };
+  for (int r = 0; r < rings; ++r)
+    for (int k = 0; k < around; ++k) {
+      const Index a = vertex(r, k), b = vertex(r, k + 1), c = vertex(r + 1, k), d = vertex(r + 1, k + 1);
+      if (r > 0) out.triangles.push_back({a, b, c});
+      if (r + 1 < rings) out.triangles.push_back({b, d, c});
+    }
+  return out;
+}
+
 Surface tubeSurface(double radius, double wall, double length) {
   constexpr int kAlong = 60, kAround = 48;
   std::vector<std::pair<double, double>> section;  // radius, x

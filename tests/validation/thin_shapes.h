@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closed surfaces of thin bodies, by formulas; their lowest point is at y = 0. Metres.
+// Closed surfaces by formulas, most of thin bodies, whose lowest point is at y = 0. Metres.
 #pragma once
+
+#include <functional>
 
 #include "pointbased/surface.h"
 
 namespace validation {
 
+/// Rings of vertices from one pole (ring 0) to the other (ring `rings`), which are a vertex each.
+/// @param at  where a vertex of a ring is, by its angle
+[[nodiscard]] pointbased::Surface latheSurface(int rings, int around,
+                                               const std::function<pointbased::Vec3(int ring, double phi)> &at);
 /// Hollow, along x: outer radius, wall, length.
 [[nodiscard]] pointbased::Surface tubeSurface(double radius, double wall, double length);
 /// Lying flat: edge by thickness by edge.

@@ -192,7 +192,8 @@ std::unique_ptr<Body> bodyOf(const Making &of, const BodyRecipe &recipe) {
   return body;
 }
 
-// The sampling that the dial chooses. What was predicted to fit a budget is measured, and made coarser where it does not.
+// The sampling that the dial chooses. What was predicted to fit a budget is measured, and made coarser where it does
+// not.
 std::unique_ptr<Body> bodyOfDial(const Making &of, BodyRecipe recipe, const DialRequest &dial,
                                  AccuracyPromise &promise) {
   constexpr int kAttempts = 6;

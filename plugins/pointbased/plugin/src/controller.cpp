@@ -74,6 +74,8 @@ bool Controller::isMoving() const {
 
 sdk::Result<void> Controller::verify() {
   if (!simulator_) return sdk::Failure{C3DE_E_STATE, "there is no simulation; open a scene or a mesh first"};
+  const auto snapshot = simulator_->snapshot();
+  if (!snapshot || snapshot->bodies.empty()) return sdk::Failure{C3DE_E_STATE, "there is no body to verify"};
   if (isMoving()) return sdk::Failure{C3DE_E_STATE, "pause first: what is verified is the paused state"};
   return verification_.begin(*simulator_);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far off a body will be at a sampling that it does not have yet, what that will cost, and the cheapest sampling that
-// does what is wished.
+// How far off a body will be at a sampling that it does not have yet, what that will cost, and the cheapest sampling
+// that does what is wished.
 #pragma once
 
 #include <optional>
@@ -33,8 +33,8 @@ struct TrialSolution {
   double largest = 0.0;     ///< m, of `ways`
 };
 
-/// Points of the skin at which solutions are compared: about `count` of them, evenly over its area; those left out whose
-/// motion is prescribed. World, m.
+/// Points of the skin at which solutions are compared: about `count` of them, evenly over its area; those left out
+/// whose motion is prescribed. World, m.
 [[nodiscard]] SurfacePoints skinSamples(const Surface &surface, std::span<const Fix> fixes, std::size_t count);
 /// Displacements of such points of a body, m.
 [[nodiscard]] std::vector<Vec3> displacementsAt(const RestState &rest, std::span<const Vec3> displacements,
@@ -90,9 +90,9 @@ struct CostSetting {
 [[nodiscard]] double predictCost(const AccuracySurvey &survey, const Constitution &constitution,
                                  const CostSetting &setting, double spacing);
 
-/// Wall-clock time that 95 % of the frames of a body stay below, ms: from rest in its world, by itself, for half a simulated
-/// second or half a second of computing, because a body that bends takes shorter steps. 0: it cannot be stepped, is
-/// quasi-static, or was ended by the request.
+/// Wall-clock time that 95 % of the frames of a body stay below, ms: from rest in its world, by itself, for half a
+/// simulated second or half a second of computing, because a body that bends takes shorter steps. 0: it cannot be
+/// stepped, is quasi-static, or was ended by the request.
 [[nodiscard]] double measureFrame(const Body &body, const WorldSettings &world, std::span<const Obstacle> obstacles,
                                   const ParallelFor &parallelFor, const StopRequest *stop);
 

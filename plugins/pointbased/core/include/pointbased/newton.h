@@ -62,11 +62,12 @@ enum class Preconditioner {
 
 /// Converged is
 ///  - a residual of at most toleranceForce (exactly zero where that is 0), also at the start; or
-///  - a start from which the minimum is within a thousandth of toleranceDisplacement (IncrementalPotential::reach()); or
+///  - a start from which the minimum is within a thousandth of toleranceDisplacement (IncrementalPotential::reach());
+///    or
 ///  - a Newton step that was taken whole (not cut by the line search, by largestStep() or by negative curvature), moved
-///    no phyxel by more than toleranceDisplacement, did not raise the residual, and came from a linear solve to 1e-3 or
-///    better; a solve that finds so small a step at a looser tolerance goes on to 1e-3 before it is believed. Where the
-///    residual is all round-off and does rise, two such steps in a row count; or
+///    no phyxel by more than toleranceDisplacement, did not raise the residual, and came from a linear solve to
+///    confirmingTolerance or better; a solve that finds so small a step at a looser tolerance goes on to that before it
+///    is believed. Where the residual is all round-off and does rise, two such steps in a row count; or
 ///  - no further progress, with a residual below 1e-6 of the first one: round-off is all that is left.
 /// A state of exactly zero residual counts as the minimum; that it may be a saddle (a column pressed exactly along its
 /// axis) is not looked into: disturb the start.
@@ -76,8 +77,8 @@ struct NewtonSettings {
   int maxIterations = 50;               ///< Newton steps
   int maxLinearIterations = 2000;       ///< per Newton step; the direction so far is used then
   double linearTolerance = 1e-2;        ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)
-  /// Of all solves whose preconditioner is near the inverse: its residual tells the error, and more steps may be cheaper
-  /// than exact ones
+  /// Of all solves whose preconditioner is near the inverse: its residual tells the error, and more steps may be
+  /// cheaper than exact ones
   double strongTolerance = 1e-2;
   /// Of a step that ends the solve. With a weak preconditioner at most 1e-3, because its residual tells little
   double confirmingTolerance = 1e-3;

@@ -78,8 +78,8 @@ using VerifyProgress = std::function<bool(double fraction, const std::string &wh
 /// density of the mass r_i/m_i, interpolated to the shadow; under points that touch something as a density of the skin.
 /// So a body in motion is compared with the solution of the static problem that its accelerations leave: the
 /// elliptic reconstruction. Plastic strain is carried over from the nearest points. A body that nothing holds keeps the
-/// mean position and turn it has; where it presses against something, it stays there instead. Quasi-static solutions with contact or plastic flow depend on their way: the shadow
-/// goes the same way, from the beginning.
+/// mean position and turn it has; where it presses against something, it stays there instead. Quasi-static solutions
+/// with contact or plastic flow depend on their way: the shadow goes the same way, from the beginning.
 ///
 /// The error is estimated from the difference u_h/2 - u_h, which is (1 - 2^-p) of it where the error falls with h^p.
 /// The shadow of a body evaluated at its phyxels is a lattice, too: its difference is nearly all of the error.

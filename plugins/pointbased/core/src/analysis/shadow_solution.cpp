@@ -128,8 +128,8 @@ class FromHere {
     share_ = share > 0.0 ? 1.0 / share : 0.0;
   }
 
-  // With its forces of contact as given ones, a body that lies on something could sink into it, slide and tip over. So it
-  // stays where it touches, on springs that are at rest in the state of the body.
+  // With its forces of contact as given ones, a body that lies on something could sink into it, slide and tip over. So
+  // it stays where it touches, on springs that are at rest in the state of the body.
   void leanOnContact() {
     if (shadow_.foundation().settings().acts()) return;
     SurfacePoints points = touchingPoints(problem_.body, shadow_.rest());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stiffness of a lattice, near enough for preconditioners, as products of numbers of its entries. Private to the core.
+// The stiffness of a lattice, near enough for preconditioners, as products of numbers of its entries. Private to the
+// core.
 #pragma once
 
 #include "pointbased/constitution.h"

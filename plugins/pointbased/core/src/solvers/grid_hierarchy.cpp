@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "solvers/grid_hierarchy.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "base/disjoint_sets.h"
 
@@ -43,7 +43,7 @@ Csr neighboursIn(const Csr &cells, const Csr &springs, std::size_t nodes) {
   return out;
 }
 
-// Of every node the distance in edges from the first one of its connected part.
+// Of every node the distance in edges from an end of its connected part.
 std::vector<Index> layersOf(const Csr &rows) {
   constexpr Index kUnseen = ~Index{0};
   std::vector<Index> layer(rows.rows(), kUnseen), queue;
@@ -93,21 +93,26 @@ std::vector<Index> numberBySlabs(const Csr &rows, GridLevel &level) {
   return number;
 }
 
-Csr transposed(const Csr &rows, std::span<const float> weights, std::size_t columns, std::vector<float> &out) {
+// `rows` by columns; where their entries have gone to.
+Csr transposed(const Csr &rows, std::size_t columns, std::vector<Index> &places) {
   Csr t;
   t.offsets.assign(columns + 1, 0);
   for (const Index j : rows.indices) ++t.offsets[j + 1];
   for (std::size_t j = 0; j < columns; ++j) t.offsets[j + 1] += t.offsets[j];
   std::vector<Index> next(t.offsets.begin(), t.offsets.end() - 1);
   t.indices.resize(rows.indices.size());
-  out.resize(rows.indices.size());
+  places.resize(rows.indices.size());
   for (std::size_t i = 0; i < rows.rows(); ++i)
     for (Index e = rows.offsets[i]; e < rows.offsets[i + 1]; ++e) {
-      const Index at = next[rows.indices[e]]++;
-      t.indices[at] = static_cast<Index>(i);
-      out[at] = weights[e];
+      places[e] = next[rows.indices[e]]++;
+      t.indices[places[e]] = static_cast<Index>(i);
     }
   return t;
+}
+
+Csr transposed(const Csr &rows, std::size_t columns) {
+  std::vector<Index> places;
+  return transposed(rows, columns, places);
 }
 
 void renumber(Cells &cells, std::span<const Index> number) {
@@ -129,12 +134,13 @@ int widthOf(const Cells &cells, std::size_t q) {
 // Cells of twice the width, and what of them the nodes follow.
 class Coarsening {
  public:
-  Coarsening(const Cells &fine, int width) : fine_(fine), width_(width), partOf_(fine.count()) {
+  Coarsening(const Cells &fine, int width)
+      : fine_(fine), width_(width), cellsOf_(transposed(fine.nodes, fine.places.size())), partOf_(fine.count()) {
     findParts();
     findCorners();
   }
 
-  [[nodiscard]] Cells cells() const { return coarse_; }
+  [[nodiscard]] const Cells &cells() const { return coarse_; }
   [[nodiscard]] bool keepsWide() const {
     return std::any_of(boxes_.begin(), boxes_.end(), [](const Box &box) { return box.width == 0; });
   }
@@ -191,10 +197,9 @@ class Coarsening {
       cell[q] = cellOf(q);
     }
     DisjointSets sets(fine_.count());
-    const Csr around = cellsOfNodes();
-    for (std::size_t i = 0; i < around.rows(); ++i)
-      for (const Index a : around.row(i))
-        for (const Index b : around.row(i))
+    for (std::size_t i = 0; i < cellsOf_.rows(); ++i)
+      for (const Index a : cellsOf_.row(i))
+        for (const Index b : cellsOf_.row(i))
           if (a < b && isWide[a] == 0 && isWide[b] == 0 && cell[a] == cell[b]) (void)sets.join(a, b);
     std::vector<Index> number(fine_.count(), 0);
     for (std::size_t q = 0; q < fine_.count(); ++q) {
@@ -224,19 +229,12 @@ class Coarsening {
     boxes_.push_back(box);
   }
 
-  [[nodiscard]] Csr cellsOfNodes() const {
-    std::vector<float> none;
-    const std::vector<float> ones(fine_.nodes.indices.size(), 1.0F);
-    return transposed(fine_.nodes, ones, fine_.places.size(), none);
-  }
-
   // Corners at one place are one node where their parts share a finer node.
   void findCorners() {
     std::vector<std::pair<Index, Index>> neighbours;
-    const Csr around = cellsOfNodes();
-    for (std::size_t i = 0; i < around.rows(); ++i)
-      for (const Index a : around.row(i))
-        for (const Index b : around.row(i))
+    for (std::size_t i = 0; i < cellsOf_.rows(); ++i)
+      for (const Index a : cellsOf_.row(i))
+        for (const Index b : cellsOf_.row(i))
           if (partOf_[a] < partOf_[b]) neighbours.emplace_back(partOf_[a], partOf_[b]);
     std::sort(neighbours.begin(), neighbours.end());
     neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
@@ -294,6 +292,7 @@ class Coarsening {
 
   const Cells &fine_;
   int width_;
+  Csr cellsOf_;                // [nodes]
   std::vector<Index> partOf_;  // [cells]
   std::vector<Box> boxes_;     // [parts]
   std::vector<Place> slots_;   // corners of all parts
@@ -404,23 +403,25 @@ std::shared_ptr<const GridHierarchy> buildGridHierarchy(const StencilSet &stenci
     if (out->levels.size() == 1) {
       out->order.resize(number.size());
       for (std::size_t i = 0; i < number.size(); ++i) out->order[number[i]] = static_cast<Index>(i);
+      out->number = number;
       findSlots(stencils.phyxels, number, level, out->pairs, out->slots);
       findSlots(springs, number, level, out->springPairs, out->springSlots);
     } else {
       GridLevel &finer = out->levels[out->levels.size() - 2];
       for (Index &parent : finer.parents.indices) parent = number[parent];
-      level.children = transposed(finer.parents, finer.parentWeights, level.nodes(), level.childWeights);
+      std::vector<Index> places;
+      level.children = transposed(finer.parents, level.nodes(), places);
+      level.childWeights.resize(places.size());
+      for (std::size_t e = 0; e < places.size(); ++e) level.childWeights[places[e]] = finer.parentWeights[e];
     }
     if (level.nodes() <= kCoarsest || static_cast<int>(out->levels.size()) == kMostLevels) break;
     const Coarsening coarsening(cells, width);
-    Cells coarser = coarsening.cells();
-    if (!coarsening.keepsWide() &&
-        static_cast<double>(coarser.places.size()) > kWorthwhile * static_cast<double>(level.nodes()))
+    const std::size_t coarser = coarsening.cells().places.size();
+    if (!coarsening.keepsWide() && static_cast<double>(coarser) > kWorthwhile * static_cast<double>(level.nodes()))
       break;
     coarsening.parents(level.parents, level.parentWeights);
-    std::vector<float> weights;
-    pattern = coupledBy(level, transposed(level.parents, level.parentWeights, coarser.places.size(), weights));
-    cells = std::move(coarser);
+    pattern = coupledBy(level, transposed(level.parents, coarser));
+    cells = Cells(coarsening.cells());
   }
   return out;
 }

@@ -9,8 +9,8 @@
 namespace pointbased::detail {
 
 /// One lattice: nodes with the pattern of its stiffness matrix, and how displacements come to it from the next coarser
-/// one. Nodes are numbered slab by slab, every other slab first: no node of a slab is a neighbour of one of another slab of
-/// the same half, so that those of a half can be relaxed at the same time.
+/// one. Nodes are numbered slab by slab, every other slab first: no node of a slab is a neighbour of one of another slab
+/// of the same half, so that those of a half can be relaxed at the same time.
 struct GridLevel {
   Csr rows;                     ///< [nodes] neighbours of each, itself included, ascending
   std::vector<Index> diagonal;  ///< [nodes] entry of itself in `rows`
@@ -31,7 +31,8 @@ struct GridLevel {
 ///          TVCG 17, 2011 (cells of connected components)
 struct GridHierarchy {
   std::vector<GridLevel> levels;
-  std::vector<Index> order;  ///< [nodes of the finest level] phyxel
+  std::vector<Index> order;   ///< [nodes of the finest level] phyxel
+  std::vector<Index> number;  ///< [phyxels] node of the finest level
   /// Of every pair of phyxels of an evaluation point: its entry in the rows of the finest level; those of point q begin
   /// at pairs[q], by first and second.
   std::vector<std::size_t> pairs;

@@ -144,8 +144,7 @@ void Multigrid::assemble(const StencilSet &s, const StiffnessFactors &factors, s
 
 void Multigrid::addSprings(const SpringRows &springs) {
   std::vector<float> &out = levels_.front().blocks;
-  std::vector<Index> number(hierarchy_->order.size());
-  for (std::size_t i = 0; i < number.size(); ++i) number[hierarchy_->order[i]] = static_cast<Index>(i);
+  const std::vector<Index> &number = hierarchy_->number;
   for (std::size_t p = 0; p < springs.rows.rows(); ++p) {
     const Index *slot = hierarchy_->springSlots.data() + hierarchy_->springPairs[p];
     for (Index a = springs.rows.offsets[p]; a < springs.rows.offsets[p + 1]; ++a)
@@ -159,8 +158,7 @@ void Multigrid::addSprings(const SpringRows &springs) {
 
 void Multigrid::invertSprings(const SpringRows &springs) {
   const GridLevel &grid = hierarchy_->levels.front();
-  std::vector<Index> number(hierarchy_->order.size());
-  for (std::size_t i = 0; i < number.size(); ++i) number[hierarchy_->order[i]] = static_cast<Index>(i);
+  const std::vector<Index> &number = hierarchy_->number;
   springs_ = Csr();
   springInverses_.clear();
   for (std::size_t p = 0; p < springs.rows.rows(); ++p) {

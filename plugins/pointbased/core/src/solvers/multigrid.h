@@ -20,7 +20,8 @@ struct SpringRows {
 /// M^-1 r by one V-cycle: Gauss-Seidel by 3x3 blocks forwards before the coarser level, backwards after it, a dense
 /// factorisation on the coarsest; coarser matrices are P^T A P. Springs tie corners that carry next to nothing of the
 /// body, which single blocks settle slowly: all nodes of a spring are solved for together, beside the coarser level.
-/// In float. Symmetric and positive, so a preconditioner of conjugate gradients; the same bits for any number of threads.
+/// In float. Symmetric and positive, so a preconditioner of conjugate gradients; the same bits for any number of
+/// threads.
 /// @source  Trottenberg, Oosterlee, Schüller, Multigrid, 2001, ch. 2 and 7.7 (Galerkin coarsening, preconditioners)
 class Multigrid {
  public:

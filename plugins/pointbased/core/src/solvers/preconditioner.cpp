@@ -65,8 +65,9 @@ struct AdaptivePreconditioner::Impl {
   // not known yet.
   double price = 0.0, iteration = 1.0, rate = -1.0, excess = 0.0;
   int solves = 0;  // since it was made, at most kFresh
-  // Of a complete factorisation while an incomplete one is in use; infinite price: not to be had.
+  // Of a complete factorisation while another one is in use; infinite price: not to be had.
   double completePrice = 0.0, completeIteration = 0.0, lost = 0.0;
+  bool isTooLarge = false;  // a complete one, as its analysis has shown
 
   [[nodiscard]] bool mayImprove() const {
     return choice == Preconditioner::automatic && std::isfinite(completePrice) &&
@@ -88,6 +89,7 @@ struct AdaptivePreconditioner::Impl {
     kind = choice == Preconditioner::automatic ? Preconditioner::multigrid : choice;
     completePrice = std::numeric_limits<double>::infinity();
     lost = 0.0;
+    isTooLarge = false;
     outer.clear();
     inner.clear();
   }
@@ -194,7 +196,7 @@ void AdaptivePreconditioner::renew(IncrementalPotential &problem, const StopRequ
       m.price = kGridAssemblyCost * m.grid.entries();
       m.iteration = kGridCost * m.grid.entries();
       const auto n = static_cast<double>(m.phyxels);
-      if (m.choice == Preconditioner::automatic && m.phyxels <= kMostAnalysed) {
+      if (m.choice == Preconditioner::automatic && m.phyxels <= kMostAnalysed && !m.isTooLarge) {
         m.completePrice = kGuessedCompleteCost * n * n;
         m.completeIteration = kGuessedSolveCost * std::pow(n, 4.0 / 3.0);
       }
@@ -222,6 +224,13 @@ void AdaptivePreconditioner::renew(IncrementalPotential &problem, const StopRequ
     m.completePrice = m.complete.entries() > kMostEntries ? std::numeric_limits<double>::infinity()
                                                           : kAssemblyCost * entries + kCompleteCost * m.complete.work();
     m.completeIteration = kProductCost * entries + kCompleteSolveCost * m.complete.entries();
+    m.isTooLarge = !std::isfinite(m.completePrice);
+    // A V-cycle has been given up for it, before anybody knew.
+    if (m.isTooLarge && m.choice == Preconditioner::automatic && m.kind == Preconditioner::factorised &&
+        m.grid.exists()) {
+      m.kind = Preconditioner::multigrid;
+      return renew(problem, stop);
+    }
     if (m.mayImprove() && m.completePrice <= kCheap * m.iteration) m.kind = Preconditioner::factorised;
   }
   bool done = false;

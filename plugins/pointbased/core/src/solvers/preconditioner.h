@@ -15,9 +15,10 @@ namespace pointbased::detail {
 /// most twice the work of somebody who knew in advance. The price is counted in operations, not in time, so a repeated
 /// run renews at the same places.
 ///
-/// `automatic` takes a V-cycle over coarser lattices where there are such, until its iterations have paid for a complete
-/// factorisation (near incompressibility). Else it factorises completely where that costs no more than some kCheap
-/// iterations with an incomplete factorisation, which it takes else, until the iterations have paid for the complete one.
+/// `automatic` takes a V-cycle over coarser lattices where there are such, until its iterations have paid for a
+/// complete factorisation (near incompressibility). Else it factorises completely where that costs no more than some
+/// kCheap iterations with an incomplete factorisation, which it takes else, until the iterations have paid for the
+/// complete one.
 class AdaptivePreconditioner {
  public:
   AdaptivePreconditioner();

@@ -46,8 +46,8 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
   const double tolerance = newtonSettings(body, env, true).toleranceDisplacement;
   ImplicitResult out;
   const bool held = body.held() || body.foundation().settings().holds();
-  // Held bodies are solved as they are, unless they buckle: then the next equilibrium may be far away, across states that
-  // are none. They and the others lean on their own inertia, less and less, until they lie still.
+  // Held bodies are solved as they are, unless they buckle: then the next equilibrium may be far away, across states
+  // that are none. They and the others lean on their own inertia, less and less, until they lie still.
   const double frequency = body.restFrequency();
   // What has no stiffness at all (a phyxel alone) is let down by a spacing at a time.
   const double leanFirst = frequency > 0.0 ? 1e-4 * frequency * frequency : env.gravity.norm() / body.rest().spacing;
@@ -98,6 +98,11 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
       flowed = body.computeFlow(1e6, parallelFor) > 0;
     }
     if (!flowed && (holding == 0.0 || (moved < tolerance && leaning <= kLeaning * loads))) break;
+    if (last && held) {
+      out.failure = "it has buckled, and still moves by " + number(1000.0 * moved, 4) + " mm after " +
+                    std::to_string(kHoldingRounds) + " rounds at load factor " + number(to, 4);
+      return out;
+    }
     if (last) {
       out.failure = "nothing holds it against its loads at load factor " + number(to, 4) + " (it still moves " +
                     number(1000.0 * moved, 4) + " mm); add a [[fix]] or an obstacle below it";
