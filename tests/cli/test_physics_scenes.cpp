@@ -271,3 +271,18 @@ TEST_CASE("A picture shows the colours that the scene asks for, and the result s
   CHECK(pictures[1] != pictures[0]);
   CHECK(pictures[2] != pictures[1]);
 }
+
+TEST_CASE("A step beyond its budget ends the run in the state before it, with what would help") {
+  const auto folder = freshFolder("step-budget");
+  const auto scene = writeBeam(folder, "integrator = \"backward_euler\"\nstep_budget = 0.02",
+                               "youngs_modulus = 1e6, poisson_ratio = 0.499, density = 1000.0", "",
+                               "count = 10000 }\nangular_velocity = [0, 0, 20] # {");
+  const auto report = folder / "report.json";
+  const auto result = runC3de({"run", scene.string(), "--until", "0.1", "--report", report.string(), "-q"});
+  CHECK(result.exitCode != 0);
+  CHECK_THAT(result.errorOutput, Contains("step 1 at 0 s failed: the step was given up after 0.02 s") &&
+                                     Contains("solver.step_budget") && Contains("sampling.count = "));
+  const auto json = readJson(report);
+  CHECK(json.at("outcome") == "failed");
+  CHECK(json.at("steps") == 0);
+}

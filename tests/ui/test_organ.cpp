@@ -483,16 +483,26 @@ TEST_CASE("an organ from a scene can be filled again with another count", "[orga
   CHECK_THAT(window.number(std::string(kPanel) + "Phyxels"), WithinRel(200.0, 0.1));
 }
 
-TEST_CASE("a step that takes long is said while it lasts, and reset and Escape end it", "[organ_long_step]") {
-  C3DE_ORGAN_OR_SKIP();
-  // Nearly incompressible in implicit steps: a minute and more for each.
-  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "heavy.toml";
+namespace {
+
+// Nearly incompressible in implicit steps: many seconds for each.
+fs::path heavyScene(const std::string &solver) {
+  fs::path scene = fs::path(testOutputRoot()) / "ui" / "heavy.toml";
   fs::create_directories(scene.parent_path());
   std::ofstream(scene)
-      << "format = 1\ntitle = \"Heavy organ\"\n[solver]\nintegrator = \"implicit\"\n[[body]]\nname = \"organ\"\n"
-      << "mesh = \"" << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
+      << "format = 1\ntitle = \"Heavy organ\"\n[solver]\nintegrator = \"implicit\"\n"
+      << solver << "\n[[body]]\n"
+      << "name = \"organ\"\nmesh = \"" << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
       << "material = { law = \"neo_hookean\", youngs_modulus = 2e6, poisson_ratio = 0.499, density = 1000.0 }\n"
       << "sampling = { count = 12000 }\nangular_velocity = [0.0, 0.0, 40.0]\n";
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("a step that takes long is said while it lasts, and reset and Escape end it", "[organ_long_step]") {
+  C3DE_ORGAN_OR_SKIP();
+  const fs::path scene = heavyScene("step_budget = 300.0");
   WorkstationDriver window("organ_long_step");
   window.start({scene.string()});
   window.waitUntil(
@@ -527,6 +537,75 @@ TEST_CASE("a step that takes long is said while it lasts, and reset and Escape e
   const Json paused = window.waitUntil("it pauses", [](const Json &s) { return mode(s) == "paused"; });
   CHECK(seconds(escape) < 2.0 * C3DE_UI_PATIENCE);
   CHECK(paused["transport"]["steps"] == 0);
+}
+
+TEST_CASE("a step beyond its budget is given up, with what would fit, and nothing is lost", "[organ_step_budget]") {
+  C3DE_ORGAN_OR_SKIP();
+  WorkstationDriver window("organ_step_budget");
+  window.start({heavyScene("").string()});
+  window.waitUntil(
+      "the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; }, 120.0);
+  window.moveTo(window.inView(0.9, 0.1));
+  window.key("space");
+  const Json said = window.waitUntil(
+      "the step is said to take long", [](const Json &s) { return s["values"].contains("status/long_step"); }, 60.0);
+  CHECK_THAT(said["values"]["status/long_step"].get<std::string>(), Contains("given up after 1 s"));
+  const auto isGivenUp = [](const Json &s) { return mode(s) == "paused" && !s["notifications"].empty(); };
+  const Json paused = window.waitUntil("it is given up", isGivenUp, 60.0);
+  const std::string text = paused["notifications"].back()["text"];
+  CHECK_THAT(text, Contains("given up after 1 s (solver.step_budget)") && Contains("organ") &&
+                       Contains("Newton steps") && Contains("measured") && Contains("sampling.count = "));
+  CHECK(paused["transport"]["steps"] == 0);
+  window.screenshot("given_up");
+
+  // Coarser, it goes: far below what was proposed, so that a busy machine does it as well.
+  window.controlClick(std::string(kPanel) + "sampling.count");
+  window.key("ctrl+a");
+  window.type("500");
+  window.key("Return");
+  window.click(std::string(kPanel) + "rebuild");
+  window.waitUntil(
+      "it is filled again", [](const Json &s) { return std::stod(row(s, "Phyxels")) < 1000.0; }, 60.0);
+  window.moveTo(window.inView(0.9, 0.1));
+  window.key("space");
+  window.waitUntil(
+      "it moves", [](const Json &s) { return s["transport"]["steps"] > 2; }, 60.0);
+}
+
+TEST_CASE("an organ that plays is made stiff and nearly incompressible, and goes on", "[organ_stiff_edit]") {
+  C3DE_ORGAN_OR_SKIP();
+  const fs::path scene = fs::path(testOutputRoot()) / "ui" / "stiff_edit.toml";
+  fs::create_directories(scene.parent_path());
+  std::ofstream(scene) << "format = 1\n[solver]\nintegrator = \"implicit\"\n[[body]]\nname = \"organ\"\nmesh = \""
+                       << organMesh().generic_string() << "\"\nmesh_unit = \"mm\"\n"
+                       << "material = { law = \"neo_hookean\", youngs_modulus = 1e4, poisson_ratio = 0.4, density = "
+                          "1000.0 }\nsampling = { count = 989 }\nangular_velocity = [0.0, 0.0, 20.0]\n";
+  WorkstationDriver window("organ_stiff_edit");
+  window.start({scene.string()});
+  window.waitUntil(
+      "the organ is there", [](const Json &s) { return s["transport"]["exists"] == true; }, 60.0);
+  window.moveTo(window.inView(0.9, 0.1));
+  window.key("space");
+  window.waitUntil("it plays", [](const Json &s) { return s["transport"]["steps"] > 5; });
+  for (const auto &[id, value] :
+       {std::pair("material.poisson_ratio", "0.499"), std::pair("material.youngs_modulus", "2e6")}) {
+    window.controlClick(std::string(kPanel) + id);
+    window.key("ctrl+a");
+    window.type(value);
+    window.key("Return");
+  }
+  const Json edited = window.state();
+  const int steps = edited["transport"]["steps"];
+  window.moveTo(window.inView(0.9, 0.1));
+  // It goes on, or says that it was given up; it does not hang, and nothing fails.
+  window.waitUntil("it goes on, or was given up", [&](const Json &s) {
+    return s["transport"]["steps"] > steps + 5 || (mode(s) == "paused" && !s["notifications"].empty());
+  });
+  window.screenshot("stiff");
+  window.key("ctrl+r");
+  const Json reset =
+      window.waitUntil("it begins again", [&](const Json &s) { return s["transport"]["steps"] < steps; });
+  CHECK(mode(reset) != "failed");
 }
 
 TEST_CASE("quitting asks once a simulation has run, and Enter and Escape answer", "[organ_quit]") {

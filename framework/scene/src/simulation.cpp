@@ -55,6 +55,7 @@ struct Simulation::Impl {
   Meter::Rates rates;
   Clock::time_point stepBegan{};  ///< of the step that is being computed; else none
   std::string failureText;
+  GivenUp givenUp;
   const ForeignCall *running = nullptr;  ///< that is being made
   std::string activityBefore;
 
@@ -297,6 +298,17 @@ void Simulation::Impl::step() {
     pace.start(end, status.time_s);
     return;
   }
+  if (code == C3DE_E_TIMEOUT) {
+    mode = C3DE_SIM_PAUSED;
+    meter.pause();
+    std::string reason = takeError ? takeError() : std::string();
+    if (reason.empty()) reason = "the step took longer than the simulator allows; the state before it stays";
+    log(LogLevel::warn, reason);
+    const std::lock_guard lock(stateMutex);
+    ++givenUp.steps;
+    givenUp.why = reason;
+    return;
+  }
   if (code < 0) {
     meter.pause();
     failWith("step " + std::to_string(status.steps + 1) + " at " + formatNumber(status.time_s) + " s failed", code);
@@ -464,6 +476,11 @@ std::string Simulation::activity() const {
 std::string Simulation::failure() const {
   const std::lock_guard lock(impl_->stateMutex);
   return impl_->failureText;
+}
+
+Simulation::GivenUp Simulation::givenUp() const {
+  const std::lock_guard lock(impl_->stateMutex);
+  return impl_->givenUp;
 }
 
 void Simulation::setPublishedListener(std::function<void()> listener) {

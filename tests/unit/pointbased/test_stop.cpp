@@ -244,3 +244,39 @@ TEST_CASE("a simulator says what it is busy with, and what would help") {
   REQUIRE(simulator.step(&again));
   CHECK_THAT(again.line, Contains("stable") && Contains("2e+06 Pa"));
 }
+
+TEST_CASE("of a step that was ended is said how far it came, and what fits by the speed that is measured") {
+  Material material = rubber(1e6);
+  material.poissonRatio = 0.3;
+  for (const Integrator integrator : {Integrator::backwardEuler, Integrator::explicitVerlet, Integrator::quasiStatic}) {
+    const auto simulator = twoBoxes(integrator, material);
+    for (int k = 0; k < 2; ++k) REQUIRE(simulator->step());
+    const std::uint64_t before = simulator->stateHash();
+    const AtLook stop(integrator == Integrator::explicitVerlet ? 60 : 30);
+    const auto ended = simulator->step(&stop);
+    REQUIRE(!ended);
+    REQUIRE(ended.error().ended);
+    CHECK(ended.error().body == 2);
+    const std::string text = simulator->whatWouldFit(ended.error(), 1e-4);
+    INFO(text);
+    CHECK_THAT(text, Contains("125 phyxels") && Contains("measured: "));
+    if (integrator == Integrator::explicitVerlet) {
+      CHECK_THAT(text, Contains("solver.dt = "));
+    } else {
+      CHECK_THAT(text, Contains(" Newton step") && Contains("sampling.count = 50 or less"));
+      CHECK_THAT(text, Contains(integrator == Integrator::quasiStatic ? "solver.load_steps" : "solver.dt = 0.0021"));
+      // With time enough for explicit steps they are what is proposed first.
+      CHECK((simulator->whatWouldFit(ended.error(), 100.0).find("explicit") != std::string::npos) ==
+            (integrator == Integrator::backwardEuler));
+    }
+    // Measuring changes nothing.
+    CHECK(simulator->stateHash() == before);
+    const auto other = twoBoxes(integrator, material);
+    for (int k = 0; k < 2; ++k) REQUIRE(other->step());
+    const AtLook same(integrator == Integrator::explicitVerlet ? 60 : 30);
+    REQUIRE(!other->step(&same));
+    REQUIRE(other->step());
+    REQUIRE(simulator->step());
+    CHECK(simulator->stateHash() == other->stateHash());
+  }
+}

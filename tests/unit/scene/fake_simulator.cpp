@@ -83,6 +83,7 @@ c3de_simulator_v1 FakeSimulator::makeTable() {
       std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(left, std::chrono::milliseconds(5)));
     }
     if (fake.steps + 1 == fake.failAtStep) return C3DE_E_DIVERGED;
+    if (fake.steps + 1 == fake.givesUpStep) return C3DE_E_TIMEOUT;
     fake.acted = fake.forces;
     ++fake.totalSteps;
     const bool finished = fake.finishesAtStep > 0 && fake.steps >= fake.finishesAtStep;

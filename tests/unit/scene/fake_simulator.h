@@ -23,6 +23,7 @@ class FakeSimulator {
   std::atomic<double> dt_s{1e-3};
   std::atomic<std::int64_t> stepCost_us{0};      ///< how long a step takes
   std::atomic<std::uint64_t> failAtStep{0};      ///< 1: the first; 0: never
+  std::atomic<std::uint64_t> givesUpStep{0};     ///< because it takes too long; 0: none
   std::atomic<std::uint64_t> finishesAtStep{0};  ///< a quasi-static solution: steps without time; 0: not one
   std::atomic<bool> resetFails{false};
   std::atomic<bool> standsStill{false};  ///< a step changes nothing

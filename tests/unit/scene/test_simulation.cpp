@@ -456,3 +456,21 @@ TEST_CASE("A step that takes long is told while it lasts, and the rates are thos
   CHECK(late.real_time_factor == 0.0);  // nothing has come of it for more than a second
   CHECK(late.step_ms >= 1200.0);
 }
+
+TEST_CASE("A step that is given up pauses, is told once, and is tried again when somebody plays") {
+  FakeSimulator fake;
+  fake.givesUpStep = 4;
+  const auto simulation = start(fake);
+  simulation->setTargetRate(0.0);
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return simulation->state().mode == C3DE_SIM_PAUSED; }));
+  CHECK(simulation->state().steps == 3);
+  CHECK(simulation->failure().empty());
+  CHECK(simulation->givenUp().steps == 1);
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return simulation->givenUp().steps == 2; }));
+  fake.givesUpStep = 0;
+  simulation->transport(C3DE_TRANSPORT_PLAY);
+  REQUIRE(eventually([&] { return simulation->state().steps > 10; }));
+  CHECK(simulation->givenUp().steps == 2);
+}

@@ -69,6 +69,7 @@ class Workstation {
   void showPluginProblems();
   void saveScreenshot();
   void watchForFailure();
+  void watchForStepsGivenUp();
   void onImageShown();
   void askForWarp();
   [[nodiscard]] StillPlaces stillPlaces();
@@ -99,6 +100,8 @@ class Workstation {
   StillAsked stillAsked_;  ///< what was wanted to stay when the warp was asked for
   bool playsWhenLoaded_ = false;
   bool hasReportedFailure_ = false;
+  std::uint64_t stepsGivenUp_ = 0;
+  std::string activity_;  ///< of the last step that took long
   double targetRate_ = 1.0;
 };
 
@@ -170,6 +173,7 @@ void Workstation::run() {
     if (takesNews) {
       session_->mainQueue().runFrame();
       watchForFailure();
+      watchForStepsGivenUp();
     }
     // The state first: one that stands is the last that draws a frame, and its displacement is asked for after it.
     const ui::SimulationView simulation = simulationView();
@@ -332,7 +336,11 @@ ui::SimulationView Workstation::simulationView() {
   if (!simulation) return view;
   view.exists = true;
   view.transport = simulation->state();
-  if (view.isLongStep()) view.activity = simulation->activity();
+  if (view.isLongStep()) {
+    // Between two steps the reason stays that of the last one.
+    if (std::string now = simulation->activity(); !now.empty()) activity_ = std::move(now);
+    view.activity = activity_;
+  }
   if (const scene::Node *node = session_->sceneGraph().find(session_->simulationNode())) view.title = node->name;
   return view;
 }
@@ -363,6 +371,17 @@ void Workstation::watchForFailure() {
                        ") goes back to the initial state.");
   }
   hasReportedFailure_ = hasFailed;
+}
+
+/// A step that was given up has paused the simulation: why, and what would help.
+void Workstation::watchForStepsGivenUp() {
+  const scene::Simulation *simulation = session_->simulation();
+  const scene::Simulation::GivenUp now = simulation ? simulation->givenUp() : scene::Simulation::GivenUp();
+  if (now.steps > stepsGivenUp_)
+    panels_.notify(C3DE_LOG_WARN, "Paused: a step took too long",
+                   now.why + "\n" + keyOf(ui::Command::playPause) + " tries it again, " + keyOf(ui::Command::reset) +
+                       " goes back to the initial state.");
+  stepsGivenUp_ = now.steps;
 }
 
 /// A wrong unit makes an organ of the size of a house or of a grain, and everything after that is wrong.

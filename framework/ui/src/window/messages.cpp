@@ -140,10 +140,13 @@ void jobs(FrameContext &frame) {
   }
 }
 
-/// A step that takes more than a second is said while it lasts.
+/// A step that takes long is said while it lasts.
 void longStep(FrameContext &frame) {
   if (!frame.simulation.isLongStep()) return;
-  const std::string title = fmt::format("Step running for {:.1f} s", frame.simulation.transport.step_running_s);
+  const c3de_sim_transport &transport = frame.simulation.transport;
+  const std::string title = transport.step_running_s > SimulationView::kLongStep_s
+                                ? fmt::format("Step running for {:.1f} s", transport.step_running_s)
+                                : fmt::format("Steps take {:.1f} s", 1e-3 * transport.step_ms);
   ImGui::PushFont(frame.theme.bold);
   ImGui::TextColored(colour::kWarn, "%s", title.c_str());
   ImGui::PopFont();

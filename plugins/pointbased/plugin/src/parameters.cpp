@@ -70,6 +70,12 @@ constexpr std::array kWorld{
     integerParam({"solver.load_steps", "Load steps", "", "Quasi-static: increments of the load; halved where one fails",
                   "Solver"},
                  {1.0, 10000.0, 1.0, 50.0}, 10.0),
+    autoParam(
+        {"solver.step_budget", "Time for a step", "s",
+         "A step that takes longer is given up: the state before it stays, and what would help is said. auto: in a "
+         "window 1 s, a load step 10 s; without a window as long as it takes",
+         "Solver"},
+        {0.01, 1e6, 0.1, 60.0}, C3DE_PARAM_LOG_SCALE),
     boolParam({"solver.sleep", "Sleep", "",
                "Bodies that have come to rest cost nothing until something touches or changes them", "Solver"},
               true),
@@ -421,6 +427,12 @@ WorldSettings worldSettings(const ParameterValues &v) {
                          : preconditioner == "factorised"   ? Preconditioner::factorised
                                                             : Preconditioner::automatic;
   return world;
+}
+
+double stepBudget(const ParameterValues &v, bool hasWindow) {
+  if (!v.isAuto("solver.step_budget")) return v.number("solver.step_budget");
+  if (!hasWindow) return std::numeric_limits<double>::infinity();
+  return v.text("solver.integrator") == "quasistatic" ? 10.0 : 1.0;
 }
 
 ViewSettings viewSettings(const ParameterValues &v) {

@@ -48,6 +48,8 @@ class ParameterValues {
 };
 
 [[nodiscard]] WorldSettings worldSettings(const ParameterValues &values);
+/// s that a step may take before it is given up; infinite: as long as it likes.
+[[nodiscard]] double stepBudget(const ParameterValues &values, bool hasWindow);
 [[nodiscard]] ViewSettings viewSettings(const ParameterValues &values);
 /// Whether a parameter of the world says only what is shown.
 [[nodiscard]] bool isOfTheView(std::string_view id);

@@ -38,6 +38,7 @@ class PointBasedPlugin : public SimulatorListener {
                                          "Points of a surface that follow phyxels; iface.surfel_set", context_));
     if (context_.services.params && context_.services.notifier && context_.services.simulation &&
         host.service<c3de_panels_v1>()) {
+      context_.hasWindow = true;
       controller_ = std::make_unique<Controller>(context_.services, context_.laws, pinch_);
       sdk::orThrow(controller_->show(host, "pointbased.controller", "Point-based organ"));
       if (host.service<c3de_tools_v1>())

@@ -3,7 +3,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "pointbased/stop_request.h"
 
@@ -17,8 +19,16 @@ class StepRequest final : public StopRequest {
 
   [[nodiscard]] bool isRaised() const noexcept override {
     return interrupted_.load(std::memory_order_relaxed) || waiting_.load(std::memory_order_relaxed) > 0 ||
-           abandoned_.load(std::memory_order_relaxed);
+           abandoned_.load(std::memory_order_relaxed) || isOverBudget();
   }
+  /// s that the present step may take; infinite: as long as it likes.
+  [[nodiscard]] double budget() const noexcept {
+    const std::int64_t begin = begin_, end = end_;
+    return begin == kNone || end == kNever ? std::numeric_limits<double>::infinity()
+                                           : 1e-9 * static_cast<double>(end - begin);
+  }
+  /// The present step has taken longer than it may.
+  [[nodiscard]] bool isOverBudget() const noexcept { return now() > end_.load(std::memory_order_relaxed); }
 
   /// By the host, until it is taken back.
   void interrupt(bool raised) { interrupted_ = raised; }
@@ -40,21 +50,26 @@ class StepRequest final : public StopRequest {
     StepRequest &request_;
   };
 
-  void beginStep() {
+  /// @param budget  s, that it may take; infinite: as long as it likes
+  void beginStep(double budget) {
     abandoned_ = false;
     begin_ = now();
+    end_ = std::isfinite(budget) ? begin_ + static_cast<std::int64_t>(1e9 * budget) : kNever;
   }
-  void endStep() { begin_ = kNone; }
+  void endStep() {
+    begin_ = kNone;
+    end_ = kNever;
+  }
 
  private:
-  static constexpr std::int64_t kNone = -1;
-  static std::int64_t now() {
+  static constexpr std::int64_t kNone = -1, kNever = std::numeric_limits<std::int64_t>::max();
+  static std::int64_t now() noexcept {
     return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
   }
 
   std::atomic<bool> interrupted_{false}, abandoned_{false};
   std::atomic<int> waiting_{0};
-  std::atomic<std::int64_t> begin_{kNone};  // ns of the present step
+  std::atomic<std::int64_t> begin_{kNone}, end_{kNever};  // ns, of the present step and of its budget
 };
 
 }  // namespace pointbased

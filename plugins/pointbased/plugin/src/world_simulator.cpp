@@ -98,10 +98,12 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
   if (settings.box.enabled && !((settings.box.max - settings.box.min).minCoeff() > 0.0))
     return Failure{C3DE_E_ARG, "world.box.max must be above world.box.min on every axis"};
   world_ = std::move(changed);
-  // What only concerns the view leaves the solver as it is.
+  // What only concerns the view, or how long a step may take, leaves the solver as it is.
   bool isForTheSolver = n == 0;
-  for (std::uint64_t i = 0; i < n && !isForTheSolver; ++i)
-    isForTheSolver = !isOfTheView(sdk::text(sdk::strided(values, i, stride).id));
+  for (std::uint64_t i = 0; i < n && !isForTheSolver; ++i) {
+    const std::string_view id = sdk::text(sdk::strided(values, i, stride).id);
+    isForTheSolver = !isOfTheView(id) && id != "solver.step_budget";
+  }
   if (isForTheSolver) simulator_.setWorld(settings);
   return {};
 }
@@ -262,16 +264,24 @@ void WorldSimulator::clear() {
 sdk::Result<void> WorldSimulator::step() {
   const std::lock_guard lock(mutex_);
   takeForces();
-  request_.beginStep();
+  const double budget = stepBudget(world_, context_.hasWindow);
+  request_.beginStep(budget);
   auto stepped = simulator_.step(&request_);
+  const bool tookTooLong = !stepped && stepped.error().ended && request_.isOverBudget();
   request_.endStep();
+  if (tookTooLong)
+    return Failure{C3DE_E_TIMEOUT, "the step was given up after " + shortNumber(budget) +
+                                       " s (solver.step_budget), the state before it stays: " +
+                                       simulator_.whatWouldFit(stepped.error(), budget)};
   if (!stepped) return Failure{stepped.error().ended ? C3DE_E_CANCELLED : C3DE_E_DIVERGED, stepped.error().text};
   return {};
 }
 
 void WorldSimulator::activity(c3de_sink text) {
-  if (const c3de_status status = sdk::put(text, simulator_.activity()); status < 0)
-    throw Error(status, "the text was not taken");
+  std::string line = simulator_.activity();
+  const double budget = request_.budget();
+  if (!line.empty() && std::isfinite(budget)) line += "; given up after " + shortNumber(budget) + " s";
+  if (const c3de_status status = sdk::put(text, line); status < 0) throw Error(status, "the text was not taken");
 }
 
 void WorldSimulator::reset() {

@@ -34,6 +34,7 @@ struct PluginContext {
 
   Services services;
   SimulatorListener *listener = nullptr;
+  bool hasWindow = false;  // somebody waits before it for steps
   MaterialLaws laws;
   SpeedKeeper speed;
 };

@@ -62,6 +62,12 @@ class Simulation {
   [[nodiscard]] std::string activity() const;
   /// Why it failed; empty while it has not.
   [[nodiscard]] std::string failure() const;
+  /// Steps that the simulator has given up because they took too long, each of which has paused the simulation.
+  struct GivenUp {
+    std::uint64_t steps = 0;
+    std::string why;  ///< of the last one
+  };
+  [[nodiscard]] GivenUp givenUp() const;
   /// Called on the simulation's thread before each step from the next one on; an error is logged, the step is not made,
   /// and the simulation pauses. Any thread.
   void setBeforeStep(std::function<Expected<void>()> prepare);

@@ -132,9 +132,12 @@ struct SimulationView {
   c3de_sim_transport transport{};
   std::string activity;  ///< what takes long in the step that is being computed, and what would help; may be empty
 
-  /// Said while it lasts.
-  static constexpr double kLongStep_s = 1.0;
-  [[nodiscard]] bool isLongStep() const { return exists && transport.step_running_s > kLongStep_s; }
+  static constexpr double kLongStep_s = 0.15;
+  /// Said while it lasts: a step takes long, or one after the other does.
+  [[nodiscard]] bool isLongStep() const {
+    return exists && (transport.step_running_s > kLongStep_s ||
+                      (transport.mode == C3DE_SIM_PLAYING && transport.step_ms > 1e3 * kLongStep_s));
+  }
 };
 
 /// The program's window: an OpenGL context, menus, panels, the 3D view and its input. Main thread, except wake().

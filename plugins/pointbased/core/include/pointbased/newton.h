@@ -130,6 +130,8 @@ class NewtonSolver {
                                    const std::function<bool(const NewtonResult &)> &shouldContinue = {});
   /// Forgets the factorisation: the problem has changed its shape or stiffness.
   void forget();
+  /// Of the present or last solve: how far it has come.
+  [[nodiscard]] const NewtonResult &progress() const;
 
  private:
   struct Impl;

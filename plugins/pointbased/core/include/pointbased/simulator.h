@@ -43,8 +43,9 @@ struct SimulationEvent {
 
 /// Why there was no step: no body is left that could move, or it was ended half way.
 struct StepFailure {
-  std::string text;    ///< body, phyxel, quantity, and the setting that would help
-  bool ended = false;  ///< by the request; the state is that before the step
+  std::string text;      ///< body, phyxel, quantity, and the setting that would help
+  bool ended = false;    ///< by the request; the state is that before the step
+  std::size_t body = 0;  ///< that was being computed then; 0: none
 };
 
 /// Bodies, obstacles and the clock. Composes the stages of a step from what the scene has: no viscous stage without
@@ -109,6 +110,10 @@ class Simulator {
   /// Of the step that is being computed: the body that it is at, why that may take long, what would help. Empty between
   /// steps. Any thread.
   [[nodiscard]] std::string activity() const;
+  /// For who has ended a step that took too long, in sentences: how far it had come, and what would fit into the time.
+  /// An evaluation of the forces of that body is timed for it, which takes as long as two of them.
+  /// @param budget  s, that a step may take
+  [[nodiscard]] std::string whatWouldFit(const StepFailure &ended, double budget);
   /// To the initial state of everything, bit for bit; time 0, nothing grabbed.
   void reset();
 

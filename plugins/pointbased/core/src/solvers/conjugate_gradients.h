@@ -53,12 +53,12 @@ class ConjugateGradients {
   [[nodiscard]] int iterations() const { return iterations_; }  ///< since begin()
 
  private:
-  void start(const Apply &precondition);
+  void goDown();  // the first direction: z
   [[nodiscard]] bool accurate(double tolerance) const;
 
   std::span<const Vec3> b_;
   std::vector<Vec3> x_, r_, z_, p_, q_, steepest_;
-  std::vector<double> gains_;  // α r·z of every iteration since start()
+  std::vector<double> gains_;  // α r·z of every iteration since begin() or restart()
   double rz_ = 0.0, reference_ = 0.0, total_ = 0.0, pMp_ = 0.0;
   int iterations_ = 0;
 };

@@ -34,6 +34,7 @@ struct NewtonSolver::Impl {
   detail::ConjugateGradients linear;
   std::vector<Vec3> gradient, right, direction, trial, trialGradient;
   const StopRequest *stop = nullptr;  // of the present solve
+  NewtonResult result;
 
   NewtonResult solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
                      const std::function<bool(const NewtonResult &)> &shouldContinue);
@@ -53,8 +54,7 @@ struct NewtonSolver::Impl {
 
   bool gradientHere(IncrementalPotential &problem, std::vector<Vec3> &out, Evaluation &at);
   bool tryAt(IncrementalPotential &problem, std::span<const Vec3> u, double scale, double &energy);
-  Direction findDirection(IncrementalPotential &problem, const NewtonSettings &settings, double forcing,
-                          NewtonResult &result);
+  Direction findDirection(IncrementalPotential &problem, const NewtonSettings &settings, double forcing);
   double search(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings, Evaluation &at,
                 bool grow);
 };
@@ -64,6 +64,7 @@ NewtonSolver::~NewtonSolver() = default;
 NewtonSolver::NewtonSolver(NewtonSolver &&) noexcept = default;
 NewtonSolver &NewtonSolver::operator=(NewtonSolver &&) noexcept = default;
 void NewtonSolver::forget() { impl_->keeper.forget(); }
+const NewtonResult &NewtonSolver::progress() const { return impl_->result; }
 
 NewtonResult NewtonSolver::solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
                                  const std::function<bool(const NewtonResult &)> &shouldContinue) {
@@ -109,12 +110,13 @@ bool NewtonSolver::Impl::tryAt(IncrementalPotential &problem, std::span<const Ve
 }
 
 NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPotential &problem,
-                                                                const NewtonSettings &settings, double forcing,
-                                                                NewtonResult &result) {
+                                                                const NewtonSettings &settings, double forcing) {
   const std::size_t n = gradient.size();
+  const int solvedBefore = result.linearIterations;
   const std::span<const std::uint8_t> prescribed = problem.prescribed();
   const detail::Apply product = [&](std::span<const Vec3> in, std::span<Vec3> out) {
     endIfRaised(settings.stop);
+    result.linearIterations = solvedBefore + linear.iterations();
     problem.product(in, out);
     clearPrescribed(prescribed, out);
   };
@@ -153,7 +155,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
     break;
   }
   keeper.book(linear.iterations() - before, out.tolerance, end == LinearEnd::tolerance);
-  result.linearIterations += linear.iterations();
+  result.linearIterations = solvedBefore + linear.iterations();
 
   out.newton = end == LinearEnd::tolerance;
   out.confirms = out.tolerance <= confirming;
@@ -243,7 +245,7 @@ double NewtonSolver::Impl::search(IncrementalPotential &problem, std::span<Vec3>
 
 NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
                                        const std::function<bool(const NewtonResult &)> &shouldContinue) {
-  NewtonResult result;
+  result = NewtonResult();
   stop = settings.stop;
   const std::size_t n = problem.phyxels();
   const int factorisationsBefore = keeper.factorisations();
@@ -286,7 +288,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
     ++result.iterations;
 
     const Evaluation before = at;
-    const Direction found = findDirection(problem, settings, forcing, result);
+    const Direction found = findDirection(problem, settings, forcing);
     bool newton = found.newton;
     double length = detail::largest(direction).value;
     double scale = search(problem, u, settings, at, found.negative);

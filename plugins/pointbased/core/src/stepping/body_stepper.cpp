@@ -2,9 +2,11 @@
 #include "stepping/body_stepper.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "base/number_text.h"
+#include "stepping/step_activity.h"
 #include "stepping/step_cost.h"
 
 namespace pointbased::detail {
@@ -122,6 +124,27 @@ void BodyStepper::undoStep(const ParallelFor &parallelFor) {
   wake();
   solver_.forget();
   ++changes_;
+}
+
+std::string BodyStepper::whatWouldFit(const StepContext &order, double budget) {
+  Body &body = *body_;
+  const ParallelFor &parallelFor = *order.environment.parallelFor;
+  // The second one finds in the caches what it needs. Materials that remember must not: they are asked for stresses.
+  double seconds = 0.0;
+  for (int k = 0; k < 2; ++k) {
+    const auto begin = std::chrono::steady_clock::now();
+    if (body.vectorisedTangent()) {
+      body.evaluateInternal(false, parallelFor);
+    } else {
+      body.computeGradients(parallelFor);
+      body.computeTrialStresses(0.0, parallelFor);
+      body.computeInternalForces(parallelFor);
+    }
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+  const NewtonResult &solved = solver_.progress();
+  return detail::whatWouldFit(body, order.world, integratorIn(order.world),
+                              {budget, seconds, solved.iterations, solved.linearIterations});
 }
 
 double BodyStepper::advance(const StepContext &order, double span) {

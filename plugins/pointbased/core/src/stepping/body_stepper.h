@@ -57,6 +57,9 @@ class BodyStepper {
   /// factorisations starts anew.
   void undoStep(const ParallelFor &parallelFor);
 
+  /// After undoStep(): how far the step had come and what would fit into `budget` seconds.
+  [[nodiscard]] std::string whatWouldFit(const StepContext &order, double budget);
+
   /// It rests, and steps leave it as it is: no stage runs. Only where WorldSettings::sleep allows.
   [[nodiscard]] bool asleep() const { return asleep_; }
   /// Something around it or of it has changed.

@@ -88,6 +88,11 @@ void Simulator::describe(std::size_t id) {
 
 std::string Simulator::activity() const { return activity_->line(); }
 
+std::string Simulator::whatWouldFit(const StepFailure &ended, double budget) {
+  const auto found = bodies_.find(ended.body);
+  return found == bodies_.end() ? std::string() : found->second->whatWouldFit(order(nullptr), budget);
+}
+
 std::size_t Simulator::addObstacle(Obstacle obstacle) {
   ++course_;
   obstacles_.push_back(std::move(obstacle));
@@ -315,9 +320,11 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
     else
       gone = advanceBodies(order);
   } catch (const Stopped &) {
+    const std::size_t body = activity_->present();
     activity_->enter(0);
     for (auto &[id, runner] : bodies_) runner->undoStep(parallelFor_);
-    return tl::unexpected<StepFailure>({"the step was ended before it was done; the state before it stays", true});
+    return tl::unexpected<StepFailure>(
+        {"the step was ended before it was done; the state before it stays", true, body});
   }
   if (!quasiStatic())
     for (auto &[id, runner] : bodies_)

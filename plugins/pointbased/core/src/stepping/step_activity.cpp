@@ -13,6 +13,8 @@ namespace {
 constexpr double kNearlyIncompressible = 0.49;
 constexpr std::size_t kManyPhyxels = 2000;  // of an implicit step
 constexpr double kMuchCheaper = 0.5;
+constexpr double kPartAimedAt = 0.5;   // of a budget: a step is as long as the deformation makes it
+constexpr double kExplicitWork = 1.3;  // evaluations per substep, with all that is around them
 
 }  // namespace
 
@@ -40,6 +42,42 @@ std::string whatWouldHelp(const Body &body, const WorldSettings &world, Integrat
            (explicitIsCheap ? ", or explicit steps," : "") + " would help";
   return name + (isStatic ? "the load is large for one step: more load steps would help"
                           : "it deforms much in one step: a smaller time step would help");
+}
+
+std::string whatWouldFit(const Body &body, const WorldSettings &world, Integrator integrator, const Effort &effort) {
+  const std::size_t phyxels = body.rest().phyxelCount();
+  const bool isExplicit = integrator == Integrator::explicitVerlet, isStatic = integrator == Integrator::quasiStatic;
+  const double dt = world.dt > 0.0 ? world.dt : kImplicitStep;
+  const double stable = kStepSafety * std::min(body.stableStepAtRest(), body.stableStep());
+  const double explicitTime = kExplicitWork * std::ceil(dt / stable) * effort.evaluation;
+  const double goal = kPartAimedAt * effort.budget;
+  const std::string measured =
+      " (measured: " + number(1e3 * effort.evaluation, 2) + " ms per evaluation of the forces)";
+  std::string text = "body '" + body.name() + "', " + std::to_string(phyxels) + " phyxels, ";
+  if (isExplicit)
+    return text + "would take " + number(explicitTime, 2) + " s for a step of " + number(dt) + " s" + measured +
+           "; solver.dt = " + number(dt * std::min(0.5, goal / explicitTime), 2) +
+           ", fewer phyxels or a smaller E would fit";
+  text += "was not solved after " + std::to_string(effort.newtonSteps) + " Newton step" +
+          (effort.newtonSteps == 1 ? "" : "s") + " and " + std::to_string(effort.iterations) +
+          " iterations of the linear solver. What would fit" + measured + ": ";
+  std::string offers;
+  const auto offer = [&offers](const std::string &what) { offers += (offers.empty() ? "" : "; or ") + what; };
+  if (!isStatic && explicitTime <= goal)
+    offer("solver.integrator = \"explicit\", " + number(explicitTime, 2) + " s for a step of " + number(dt) + " s");
+  // It has taken the whole budget and was not done.
+  const double implicitTime =
+      std::max(effort.budget, predictCost(body, dt).implicitEvaluations * dt * effort.evaluation);
+  const double count = std::max(50.0, static_cast<double>(phyxels) * goal / implicitTime);
+  offer("sampling.count = " + std::to_string(10 * std::llround(0.1 * count)) + " or less");
+  double poisson = 0.0;
+  for (const Material &m : body.constitution().materials) poisson = std::max(poisson, m.poissonRatio);
+  if (poisson >= kNearlyIncompressible) offer("poisson_ratio below " + number(kNearlyIncompressible));
+  if (isStatic)
+    offer("more solver.load_steps");
+  else
+    offer("solver.dt = " + number(0.25 * dt, 2));
+  return text + offers;
 }
 
 }  // namespace pointbased::detail

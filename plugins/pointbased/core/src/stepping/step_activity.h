@@ -15,6 +15,16 @@ namespace pointbased::detail {
 /// Why steps of a body may take long and what would help, in one line.
 [[nodiscard]] std::string whatWouldHelp(const Body &body, const WorldSettings &world, Integrator integrator);
 
+/// How far a step had come when it was given up, and how fast the body is.
+struct Effort {
+  double budget = 0.0;      ///< s, that a step may take
+  double evaluation = 0.0;  ///< s, of its forces, measured
+  int newtonSteps = 0, iterations = 0;
+};
+/// The body, how far it had come, and what fits into the budget by what was measured, in sentences.
+[[nodiscard]] std::string whatWouldFit(const Body &body, const WorldSettings &world, Integrator integrator,
+                                       const Effort &effort);
+
 /// The body that is being computed, to be asked by any thread; the others are for the thread of the simulator.
 class StepActivity {
  public:
@@ -28,6 +38,7 @@ class StepActivity {
   }
   /// @param body  0: none
   void enter(std::size_t body) { present_.store(body, std::memory_order_relaxed); }
+  [[nodiscard]] std::size_t present() const { return present_.load(std::memory_order_relaxed); }
 
   /// Empty between steps.
   [[nodiscard]] std::string line() const {
