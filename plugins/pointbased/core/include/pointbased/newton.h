@@ -73,10 +73,13 @@ enum class Preconditioner {
 /// axis) is not looked into: disturb the start.
 struct NewtonSettings {
   double toleranceDisplacement = 1e-7;  ///< m, >= 0
-  double toleranceForce = 0.0;          ///< N, >= 0: largest residual that is good enough without a further step
-  int maxIterations = 50;               ///< Newton steps
-  int maxLinearIterations = 2000;       ///< per Newton step; the direction so far is used then
-  double linearTolerance = 1e-2;        ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)
+  /// Part of the first Newton step, if it is taken whole, that is tolerated as well: of a step in time that correction is
+  /// what the start has left out, of which the scheme itself errs by a part
+  double toleranceOfFirst = 0.0;
+  double toleranceForce = 0.0;     ///< N, >= 0: largest residual that is good enough without a further step
+  int maxIterations = 50;          ///< Newton steps
+  int maxLinearIterations = 2000;  ///< per Newton step; the direction so far is used then
+  double linearTolerance = 1e-2;   ///< of the first solves; tightened as the residual falls (Eisenstat and Walker)
   /// Of all solves whose preconditioner is near the inverse: its residual tells the error, and more steps may be
   /// cheaper than exact ones
   double strongTolerance = 1e-2;
@@ -100,7 +103,8 @@ struct NewtonResult {
   int iterations = 0;        ///< Newton steps
   int linearIterations = 0;  ///< of conjugate gradients, all together
   int factorisations = 0;    ///< complete or incomplete, in this call; 0: the kept one served
-  double lastStep = 0.0;     ///< m, largest displacement of the last Newton correction
+  double firstStep = 0.0;    ///< m, largest displacement of the first Newton correction
+  double lastStep = 0.0;     ///< m, likewise of the last one
   double residual = 0.0;     ///< N, largest of a free phyxel; NaN where it cannot be evaluated
   Index worst = 0;           ///< the phyxel that has it
   [[nodiscard]] bool good() const { return outcome == NewtonOutcome::converged; }

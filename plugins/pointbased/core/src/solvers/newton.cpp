@@ -34,6 +34,7 @@ struct NewtonSolver::Impl {
   detail::ConjugateGradients linear;
   std::vector<Vec3> gradient, right, direction, trial, trialGradient;
   const StopRequest *stop = nullptr;  // of the present solve
+  double tolerance = 0.0;             // m, likewise
   NewtonResult result;
 
   NewtonResult solve(IncrementalPotential &problem, std::span<Vec3> u, const NewtonSettings &settings,
@@ -147,8 +148,7 @@ NewtonSolver::Impl::Direction NewtonSolver::Impl::findDirection(IncrementalPoten
       continue;
     }
     // A step so small that it would end the solve must be one that can be trusted.
-    if (end == LinearEnd::tolerance && out.tolerance > confirming &&
-        detail::largest(linear.x()).value <= settings.toleranceDisplacement) {
+    if (end == LinearEnd::tolerance && out.tolerance > confirming && detail::largest(linear.x()).value <= tolerance) {
       out.tolerance = confirming;
       continue;
     }
@@ -247,6 +247,7 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
                                        const std::function<bool(const NewtonResult &)> &shouldContinue) {
   result = NewtonResult();
   stop = settings.stop;
+  tolerance = settings.toleranceDisplacement;
   const std::size_t n = problem.phyxels();
   const int factorisationsBefore = keeper.factorisations();
   gradient.resize(n);
@@ -312,11 +313,15 @@ NewtonResult NewtonSolver::Impl::solve(IncrementalPotential &problem, std::span<
       length = detail::largest(direction).value;  // it may have grown
     }
     result.lastStep = scale * length;
+    if (result.iterations == 1) {
+      result.firstStep = result.lastStep;
+      if (newton && scale == 1.0) tolerance = std::max(tolerance, settings.toleranceOfFirst * result.firstStep);
+    }
     report();
 
     // Converged: a whole, trustworthy Newton step that moved nothing by more than the tolerance, after which the
     // residual is smaller; twice in a row where it cannot become smaller.
-    if (newton && scale == 1.0 && result.lastStep <= settings.toleranceDisplacement && (found.confirms || fallen())) {
+    if (newton && scale == 1.0 && result.lastStep <= tolerance && (found.confirms || fallen())) {
       if (at.residual.value <= before.residual.value || ++small >= 2) return end(NewtonOutcome::converged);
     } else {
       small = 0;

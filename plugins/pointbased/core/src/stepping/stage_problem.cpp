@@ -122,6 +122,22 @@ double StageProblem::energy() {
   return sum;
 }
 
+bool StageProblem::movesFreely() const {
+  return stage_.h > 0.0 && !contact_ && !followers_ && !body_.held() && !body_.foundation().acts();
+}
+
+Vec3 StageProblem::wayToMomentum() {
+  std::vector<Vec3> residual(n_);
+  gradient(residual);
+  Vec3 sum = Vec3::Zero();
+  double mass = 0.0;
+  for (std::size_t i = 0; i < n_; ++i) {
+    sum += residual[i];
+    mass += body_.masses()[i];
+  }
+  return -sum / ((a_ + damping_) * mass);
+}
+
 void StageProblem::gradient(std::span<Vec3> out) {
   State &state = body_.state();
   if (followers_ || dissipative_) {

@@ -14,9 +14,11 @@ struct ImplicitStage {
   double end = 0.0;          ///< s, or load factor
   double contactSpan = 0.0;  ///< s (or load factor) over which contact planes move
   std::vector<Vec3> p, q;
-  double holding = 0.0;    ///< 1/s²: static, of the inertia that holds what nothing else does
-  double elapsed = 0.0;    ///< s since the beginning of the step: what relaxes has relaxed for so long
-  bool conserves = false;  ///< the scheme keeps momenta or energy: solved to more digits than its displacements need
+  double holding = 0.0;  ///< 1/s²: static, of the inertia that holds what nothing else does
+  double elapsed = 0.0;  ///< s since the beginning of the step: what relaxes has relaxed for so long
+  /// What the scheme errs by anyway, as part of the way that inertia alone would not take it; 0: it keeps energy, and is
+  /// solved to more digits than its displacements need.
+  double tolerance = 0.0;
 };
 
 /// The incremental potential of a stage at the displacements of the body: inertia, elastic energy, supports, contact,
@@ -37,6 +39,10 @@ class StageProblem final : public IncrementalPotential {
   // Laws tell the energy by terms of the size of their moduli, however small the strain.
   [[nodiscard]] double roundOff() const override { return roundOff_; }
   void gradient(std::span<Vec3> out) override;
+  /// A stage in time of a body on which nothing acts that depends on where it is.
+  [[nodiscard]] bool movesFreely() const;
+  /// m: the translation after which the body has the momentum that its loads give it, to round-off. Where movesFreely().
+  [[nodiscard]] Vec3 wayToMomentum();
   // The Hessian is at least that of inertia where nothing is crushed.
   [[nodiscard]] double reach(std::span<const Vec3> gradient) const override;
   void product(std::span<const Vec3> du, std::span<Vec3> out) override;

@@ -53,7 +53,10 @@ class StageSolution {
                 const StageRequest &request)
       : body_(body), solver_(solver), env_(env), stage_(stage), request_(request), problem_(body, env, stage),
         settings_(newtonSettings(body, env, stage.h <= 0.0)), start_(body.state().displacements), u_(start_) {
-    if (!stage.conserves && stage.h > 0.0) settings_.confirmingTolerance = kConfirmingOfDisplacements;
+    if (stage.h > 0.0 && stage.tolerance > 0.0) {
+      settings_.confirmingTolerance = kConfirmingOfDisplacements;
+      if (!(env.tolerance > 0.0)) settings_.toleranceOfFirst = stage.tolerance;
+    }
     if (stage.h > 0.0) fallFreely(body, env, stage, u_);
     // Held phyxels and whatever they carry start where they have to be.
     body.placeHeld(stage.end, false);
@@ -72,6 +75,11 @@ class StageSolution {
     }
     // Of a stage that was given up, too: whoever solves it in another way may begin where this one has got to.
     (void)problem_.setState(u_);
+    if (result_.good() && problem_.movesFreely()) {
+      const Vec3 left = problem_.wayToMomentum();
+      for (Vec3 &u : u_) u += left;
+      (void)problem_.setState(u_);
+    }
     if (touches && complete && result_.good()) finishContactStage(points(), problem_.penalty(), start_, u_, memory());
     return result_;
   }
@@ -103,6 +111,9 @@ class StageSolution {
 
   [[nodiscard]] bool newton(const std::function<bool(const NewtonResult &)> &watch) {
     env_.clock->measure(kSolve, [&] { addWork(solver_.solve(problem_, u_, settings_, watch), result_); });
+    settings_.toleranceDisplacement =
+        std::max(settings_.toleranceDisplacement, settings_.toleranceOfFirst * result_.firstStep);
+    settings_.toleranceOfFirst = 0.0;
     return result_.good();
   }
 
