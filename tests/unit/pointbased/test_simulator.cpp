@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "c3de/core/thread_pool.h"
+#include "contact_cases.h"
 #include "pointbased/simulator.h"
 #include "shapes.h"
 #include "support/catch.h"
@@ -320,4 +323,94 @@ TEST_CASE("an automatic step is not divided by a strain of two per cent, and is 
   };
   CHECK_FALSE(dividedAt(-0.02));
   CHECK(dividedAt(-0.4));
+}
+
+namespace {
+
+// Swinging cubes beside one another; with the usual step on a floor.
+std::unique_ptr<Simulator> cubes(const std::vector<double> &moduli, Integrator integrator,
+                                 const ParallelFor &parallelFor = serialFor(), double dt = 0.0) {
+  auto simulator = std::make_unique<Simulator>(parallelFor);
+  WorldSettings world;
+  world.gravity = Vec3(0.0, -9.81, 0.0);
+  world.integrator = integrator;
+  world.dt = dt;
+  world.sleep = false;
+  world.box = {dt == 0.0, Vec3(-1.0, -0.01, -1.0), Vec3(9.0, 1.0, 1.0), 0.3};
+  simulator->setWorld(world);
+  for (std::size_t k = 0; k < moduli.size(); ++k) {
+    const double x = 0.2 * static_cast<double>(k);
+    auto body = shapes::latticeBox(Vec3(x, 0.0, 0.0), Vec3(x + 0.1, 0.1, 0.1), 0.025, shapes::rubber(moduli[k]));
+    body->setInitialVelocity(Vec3(0.1, 0.2, 0.0), Vec3(0.0, 0.0, 3.0 + x));
+    simulator->addBody(std::move(body));
+  }
+  return simulator;
+}
+
+}  // namespace
+
+TEST_CASE("a stiff body does not set the step of a soft one: each moves as it would alone") {
+  const double dt = cubes({1e4}, Integrator::explicitVerlet)->stepSize();
+  CHECK(cubes({1e4, 4e6}, Integrator::explicitVerlet)->stepSize() == dt);
+  const auto together = cubes({1e4, 4e6}, Integrator::explicitVerlet, serialFor(), dt);
+  const auto soft = cubes({1e4}, Integrator::explicitVerlet, serialFor(), dt);
+  const auto stiff = cubes({1e4, 4e6}, Integrator::explicitVerlet, serialFor(), dt);
+  REQUIRE(stiff->removeBody(stiff->bodyIds()[0]));
+  const auto ids = together->bodyIds();
+  CHECK(dt > 15.0 * together->body(ids[1])->stableStepAtRest());
+  for (int k = 0; k < 40; ++k) {
+    REQUIRE(together->step());
+    REQUIRE(soft->step());
+    REQUIRE(stiff->step());
+  }
+  const auto same = [](const Body &a, const Body &b) {
+    return a.state().displacements == b.state().displacements && a.state().velocities == b.state().velocities;
+  };
+  CHECK(same(*together->body(ids[0]), *soft->body(soft->bodyIds()[0])));
+  CHECK(same(*together->body(ids[1]), *stiff->body(stiff->bodyIds()[0])));
+
+  // That it takes substeps is told where somebody has chosen the step, not where it is the soft body's.
+  const auto tellsOfSubsteps = [](Simulator &simulator) {
+    REQUIRE(simulator.step());
+    const std::vector<SimulationEvent> &events = simulator.events();
+    return std::any_of(events.begin(), events.end(), [](const SimulationEvent &e) { return e.kind == "substep"; });
+  };
+  CHECK(tellsOfSubsteps(*cubes({1e4, 4e6}, Integrator::explicitVerlet, serialFor(), dt)));
+  CHECK_FALSE(tellsOfSubsteps(*cubes({1e4, 4e6}, Integrator::explicitVerlet)));
+}
+
+TEST_CASE("bodies that go side by side go the same way, bit for bit, and a request ends them all") {
+  c3de::ThreadPool pool(3);
+  const ParallelFor threads = [&pool](std::size_t n, std::size_t grain, const auto &loop) {
+    pool.parallelFor(n, grain, loop);
+  };
+  for (const Integrator integrator : {Integrator::automatic, Integrator::backwardEuler, Integrator::quasiStatic}) {
+    const std::vector<double> moduli{1e4, 1e5, 2e4, 3e9, 5e4};
+    const auto one = cubes(moduli, integrator), three = cubes(moduli, integrator, threads);
+    for (int k = 0; k < 3; ++k) {
+      REQUIRE(one->step());
+      REQUIRE(three->step());
+    }
+    CHECK(one->stateHash() == three->stateHash());
+    REQUIRE(one->events().size() == three->events().size());
+    for (std::size_t k = 0; k < one->events().size(); ++k) CHECK(one->events()[k].text == three->events()[k].text);
+    for (const std::size_t id : three->bodyIds()) CHECK(three->costOf(id) >= 0.0);
+
+    class Later final : public StopRequest {
+     public:
+      [[nodiscard]] bool isRaised() const noexcept override { return left_.fetch_sub(1) <= 0; }
+
+     private:
+      mutable std::atomic<int> left_{40};
+    };
+    const std::uint64_t before = three->stateHash();
+    const Later stop;
+    const auto ended = three->step(&stop);
+    REQUIRE(!ended);
+    CHECK(ended.error().ended);
+    CHECK(ended.error().body != 0);
+    CHECK(three->stateHash() == before);
+    CHECK(three->activity().empty());
+    REQUIRE(three->step());
+  }
 }

@@ -108,6 +108,7 @@ Json bodyJson(const Simulator &simulator, const ReportedBody &reported, const Er
            sums.volume > 0.0 && rest.countedVolume > 0.0 ? std::min(1.0, rest.countedVolume / sums.volume) : 1.0},
           {"neighbours", neighboursJson(rest)},
           {"stable_dt_s", body.stableStepAtRest()},
+          {"step_s", simulator.stepSizeOf(reported.id)},
           {"integrator", nameOf(simulator.integratorOf(reported.id))},
           {"predicted_evaluations_per_s",
            {{"explicit", simulator.predictedCost(reported.id).first},
@@ -216,9 +217,10 @@ std::string howComputed(const Simulator &simulator, std::size_t id) {
   const bool isExplicit = integrator == Integrator::explicitVerlet;
   const bool single = isExplicit && body.precision() == Precision::singlePrecision && !body.constitution().remembers();
   if (body.rigid()) return "rigid: it is not";
-  if (!(isExplicit ? body.vectorised() : body.vectorisedTangent()))
-    return std::string(nameOf(integrator)) + ", by stages";
-  return std::string(nameOf(integrator)) + (single ? ", single" : ", double") + " precision, " + kernelTarget();
+  std::string text = nameOf(integrator);
+  if (!simulator.quasiStatic()) text += ", steps of " + shortNumber(1e3 * simulator.stepSizeOf(id)) + " ms";
+  if (!(isExplicit ? body.vectorised() : body.vectorisedTangent())) return text + ", by stages";
+  return text + (single ? ", single" : ", double") + " precision, " + kernelTarget();
 }
 
 std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies) {

@@ -142,7 +142,10 @@ class Simulator {
   [[nodiscard]] bool quasiStatic() const { return world_.integrator == Integrator::quasiStatic; }
   [[nodiscard]] bool finished() const;
   [[nodiscard]] std::uint64_t steps() const { return steps_; }
-  [[nodiscard]] double stepSize() const;  ///< s, of the next step; 0 quasi-static
+  /// s, of the next step: of the world, or the longest that any of its bodies takes by itself; 0 quasi-static.
+  [[nodiscard]] double stepSize() const;
+  /// s, in which a body takes it: explicit ones in substeps, of this size at rest; 0: rigid, or quasi-static.
+  [[nodiscard]] double stepSizeOf(std::size_t body) const;
   /// Every body has stopped.
   [[nodiscard]] bool failed() const;
   [[nodiscard]] std::size_t stoppedBodies() const;
@@ -194,6 +197,10 @@ class Simulator {
  private:
   [[nodiscard]] Environment environment() const;
   [[nodiscard]] detail::StepContext order(const StopRequest *stop);
+  using AdvanceBody = std::function<void(detail::BodyStepper &, const detail::StepContext &)>;
+  /// Calls `advance` for every body that moves, of several threads; events and times of each in the order of bodies.
+  void forBodies(const detail::StepContext &order, const AdvanceBody &advance);
+  [[nodiscard]] static bool goesBesides(const Body &body);
   /// Everybody on by dt. @return s that all have gone; less where a body's substeps were not enough
   double advanceBodies(const detail::StepContext &order);
   void increaseLoad(const detail::StepContext &order);
@@ -212,15 +219,14 @@ class Simulator {
   void lookAtPairs();
   void tellAtStart();
   void tellWhereRestitutionIsLost();
-  void reportLimitingBody();
 
+  ParallelFor plainLoops_;
   StoppableLoops loops_;
   const ParallelFor &parallelFor_ = loops_.parallelFor();
   WorldSettings world_;
   std::map<std::size_t, std::unique_ptr<detail::BodyStepper>> bodies_;
   std::map<std::size_t, std::vector<std::string>> warnings_;  // about shape and sampling, by body
   std::unique_ptr<detail::StepActivity> activity_;
-  std::vector<detail::BodyStepper *> ahead_;  // scratch of a step: those that have been advanced
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
   std::vector<Probe> probes_;

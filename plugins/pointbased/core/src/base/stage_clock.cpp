@@ -13,6 +13,13 @@ StageClock::StageClock(std::vector<std::string> names) {
   }
 }
 
+void StageClock::add(const StageClock &other) {
+  for (std::size_t k = 0; k < stages_.size(); ++k) {
+    stages_[k].pending_ms += other.stages_[k].pending_ms;
+    stages_[k].used = stages_[k].used || other.stages_[k].used;
+  }
+}
+
 void StageClock::commit() {
   for (Stage &stage : stages_) {
     if (!stage.used) continue;

@@ -14,7 +14,8 @@ constexpr double kCrushed = 3e-4;
 // Of the usual step where points may bounce: what Verlet keeps is not quite the energy, and bounces turn the difference
 // into rattling. It falls with the square of the step.
 constexpr double kBouncing = 0.5;
-constexpr double kStride = 0.25;  // spacings a phyxel may go, relative to its body, in a substep
+constexpr double kManyMore = 1.5;  // substeps than usual are worth an event
+constexpr double kStride = 0.25;   // spacings a phyxel may go, relative to its body, in a substep
 
 bool bounces(const Environment &env) {
   return (env.box.enabled && env.box.restitution > 0.0) ||
@@ -80,7 +81,10 @@ BodyStepper::Gone BodyStepper::advanceExplicit(const StepContext &order, double 
 void BodyStepper::reportSubsteps(const StepContext &order, double span, double gone, std::uint64_t substeps,
                                  double needed) {
   const bool whole = !(gone < span);
-  if (substeps > mostSubsteps_) {
+  // Where nobody has chosen the step, it is that of another body.
+  const double own = order.world.dt > 0.0 ? span : kStepSafety * body_->stableStepAtRest();
+  const double expected = std::max(1.0, SubstepController::piecesOf(span, own));
+  if (substeps > mostSubsteps_ && static_cast<double>(substeps) > kManyMore * expected) {
     mostSubsteps_ = substeps;
     order.reportEvent("substep", "body '" + body_->name() + "': a step of " + number(span) + " s was divided into " +
                                      (whole ? std::to_string(substeps) : number(needed)) + " substeps of " +

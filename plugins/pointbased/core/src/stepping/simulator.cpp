@@ -2,7 +2,6 @@
 #include "pointbased/simulator.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -19,7 +18,6 @@ namespace pointbased {
 namespace {
 
 constexpr double kStepWithoutBodies = 1.0 / 60.0;  // s
-constexpr int kUsualLoadSteps = 10;
 constexpr std::size_t kMostEvents = 200;
 
 // The same loop with denormals flushed on every thread that takes a part of it.
@@ -37,8 +35,8 @@ ParallelFor flushing(ParallelFor parallelFor) {
 }  // namespace
 
 Simulator::Simulator(ParallelFor parallelFor)
-    : loops_(flushing(std::move(parallelFor))), activity_(std::make_unique<detail::StepActivity>()),
-      clock_(stageNames()) {}
+    : plainLoops_(flushing(std::move(parallelFor))), loops_(plainLoops_),
+      activity_(std::make_unique<detail::StepActivity>()), clock_(stageNames()) {}
 Simulator::~Simulator() = default;
 
 void Simulator::setWorld(const WorldSettings &world) {
@@ -223,13 +221,24 @@ Result<void> Simulator::setFoundation(std::size_t id, const Foundation &foundati
 double Simulator::stepSize() const {
   if (quasiStatic()) return 0.0;
   if (world_.dt > 0.0 && std::isfinite(world_.dt)) return world_.dt;
-  double dt = std::numeric_limits<double>::infinity();
-  for (const auto &[id, runner] : bodies_)
-    if (!runner->body().rigid())
-      dt = std::min(dt, runner->integratorIn(world_) == Integrator::explicitVerlet
-                            ? kStepSafety * runner->body().stableStepAtRest()
-                            : kImplicitStep);
-  return std::isfinite(dt) ? dt : kStepWithoutBodies;
+  // That of the body with the longest; the others take it in substeps of their own.
+  double dt = 0.0;
+  for (const auto &[id, runner] : bodies_) {
+    if (runner->body().rigid()) continue;
+    const double own = runner->integratorIn(world_) == Integrator::explicitVerlet
+                           ? kStepSafety * runner->body().stableStepAtRest()
+                           : kImplicitStep;
+    if (std::isfinite(own)) dt = std::max(dt, own);
+  }
+  return dt > 0.0 ? dt : kStepWithoutBodies;
+}
+
+double Simulator::stepSizeOf(std::size_t id) const {
+  const Body *target = body(id);
+  const double step = stepSize();
+  if (!target || target->rigid() || integratorOf(id) != Integrator::explicitVerlet)
+    return target && !target->rigid() ? step : 0.0;
+  return step / detail::SubstepController::piecesOf(step, kStepSafety * target->stableStepAtRest());
 }
 
 Environment Simulator::environment() const {
@@ -321,7 +330,7 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
       gone = advanceBodies(order);
   } catch (const Stopped &) {
     const std::size_t body = activity_->present();
-    activity_->enter(0);
+    activity_->leaveAll();
     for (auto &[id, runner] : bodies_) runner->undoStep(parallelFor_);
     return tl::unexpected<StepFailure>(
         {"the step was ended before it was done; the state before it stays", true, body});
@@ -329,7 +338,6 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   if (!quasiStatic())
     for (auto &[id, runner] : bodies_)
       if (!runner->asleep() && !runner->body().rigid() && rereferenceIfNeeded(id, stop)) runner->forget();
-  activity_->enter(0);
   if (failed()) return refusal();
   time_ += gone;
   advanced_ += gone;
@@ -337,39 +345,6 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   if (isSkinCheckDue()) clock_.measure(kGuard, [this] { checkSkins(); });
   clock_.commit();
   return {};
-}
-
-void Simulator::increaseLoad(const detail::StepContext &order) {
-  const int increments = world_.loadSteps > 0 ? world_.loadSteps : kUsualLoadSteps;
-  double next = std::min(1.0, loadFactor_ + 1.0 / increments);
-  if (next > 1.0 - 1e-9) next = 1.0;
-  for (auto &[id, runner] : bodies_) {
-    if (runner->stopped() || runner->body().rigid()) continue;
-    activity_->enter(id);
-    runner->loadUpTo(order, next);
-  }
-  if (!failed()) loadFactor_ = next;
-}
-
-double Simulator::advanceBodies(const detail::StepContext &order) {
-  double span = order.dt;
-  std::vector<detail::BodyStepper *> &ahead = ahead_;
-  ahead.clear();
-  for (auto &[id, runner] : bodies_) {
-    if (runner->stopped() || runner->body().rigid()) continue;
-    activity_->enter(id);
-    const auto begin = std::chrono::steady_clock::now();
-    const double gone = runner->advance(order, span);
-    spent_[id] += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (gone < span) {
-      // Those before it have gone too far.
-      span = gone;
-      for (detail::BodyStepper *other : ahead)
-        if (!other->stopped()) other->advanceAgain(order, span);
-    }
-    ahead.push_back(runner.get());
-  }
-  return span;
 }
 
 void Simulator::reset() {

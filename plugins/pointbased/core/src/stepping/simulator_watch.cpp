@@ -26,7 +26,6 @@ constexpr double kPointsOfLook = 1.0 / 64.0;
 // Of the spacing: edges between points of contact cut in by less.
 constexpr double kSkinThrough = 0.5;
 // One body's stable step in the other's: from here on it is told who sets the step of all.
-constexpr double kMuchSmaller = 0.5;
 
 std::string millimetres(double metres) { return number(1e3 * metres, 3) + " mm"; }
 
@@ -114,7 +113,6 @@ void Simulator::tellAtStart() {
   if (toldAtStart_) return;
   toldAtStart_ = true;
   tellWhereRestitutionIsLost();
-  reportLimitingBody();
 }
 
 void Simulator::tellWhereRestitutionIsLost() {
@@ -128,28 +126,6 @@ void Simulator::tellWhereRestitutionIsLost() {
                                  "' does not bounce: restitution counts in explicit steps alone, and it is " +
                                  (quasiStatic() ? "solved quasi-statically"
                                                 : "integrated implicitly; solver.integrator = \"explicit\" has it"));
-}
-
-void Simulator::reportLimitingBody() {
-  if (quasiStatic() || bodies_.size() < 2 || world_.dt > 0.0) return;
-  const Body *slowest = nullptr;
-  double least = 0.0, next = 0.0;
-  for (const auto &[id, runner] : bodies_) {
-    if (runner->body().rigid()) continue;
-    if (runner->integratorIn(world_) != Integrator::explicitVerlet) return;
-    const double stable = kStepSafety * runner->body().stableStepAtRest();
-    if (!slowest || stable < least) {
-      next = least;
-      least = stable;
-      slowest = &runner->body();
-    } else if (next == 0.0 || stable < next) {
-      next = stable;
-    }
-  }
-  if (!slowest || !std::isfinite(next) || !(least < kMuchSmaller * next)) return;
-  reportEvent("step", "body '" + slowest->name() + "' sets the step of all: " + number(least, 3) +
-                          " s, where the others could take " + number(next, 3) +
-                          " s; make it rigid (an obstacle) or lower its modulus, or set solver.integrator = \"auto\"");
 }
 
 }  // namespace pointbased

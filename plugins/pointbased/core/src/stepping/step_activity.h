@@ -2,10 +2,10 @@
 // What a step is busy with, for who waits for it. Private to the core.
 #pragma once
 
-#include <atomic>
 #include <map>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "pointbased/body.h"
 #include "pointbased/world_settings.h"
@@ -25,7 +25,7 @@ struct Effort {
 [[nodiscard]] std::string whatWouldFit(const Body &body, const WorldSettings &world, Integrator integrator,
                                        const Effort &effort);
 
-/// The body that is being computed, to be asked by any thread; the others are for the thread of the simulator.
+/// The bodies that are being computed, to be asked by any thread.
 class StepActivity {
  public:
   void describe(std::size_t body, std::string line) {
@@ -36,21 +36,35 @@ class StepActivity {
     const std::lock_guard lock(mutex_);
     lines_.erase(body);
   }
-  /// @param body  0: none
-  void enter(std::size_t body) { present_.store(body, std::memory_order_relaxed); }
-  [[nodiscard]] std::size_t present() const { return present_.load(std::memory_order_relaxed); }
+  void enter(std::size_t body) {
+    const std::lock_guard lock(mutex_);
+    present_.push_back(body);
+  }
+  void leave(std::size_t body) {
+    const std::lock_guard lock(mutex_);
+    std::erase(present_, body);
+  }
+  void leaveAll() {
+    const std::lock_guard lock(mutex_);
+    present_.clear();
+  }
+  /// The one that has been computed for longest; 0: none.
+  [[nodiscard]] std::size_t present() const {
+    const std::lock_guard lock(mutex_);
+    return present_.empty() ? 0 : present_.front();
+  }
 
-  /// Empty between steps.
+  /// Of that one; empty between steps.
   [[nodiscard]] std::string line() const {
     const std::lock_guard lock(mutex_);
-    const auto found = lines_.find(present_.load(std::memory_order_relaxed));
+    const auto found = present_.empty() ? lines_.end() : lines_.find(present_.front());
     return found == lines_.end() ? std::string() : found->second;
   }
 
  private:
   mutable std::mutex mutex_;
   std::map<std::size_t, std::string> lines_;
-  std::atomic<std::size_t> present_{0};
+  std::vector<std::size_t> present_;  // in the order they were entered
 };
 
 }  // namespace pointbased::detail
