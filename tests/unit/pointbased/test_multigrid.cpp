@@ -21,7 +21,7 @@ namespace {
 const Csr kNoSprings;
 
 std::shared_ptr<const GridHierarchy> hierarchyOf(const LatticeBody &body) {
-  return buildGridHierarchy(body.stencils, body.positions, body.pointCentres, body.spacing, kNoSprings);
+  return buildGridHierarchy(body.stencils, body.positions, body.pointCentres, body.spacing, kNoSprings, nullptr);
 }
 
 Constitution tissue(double poissonRatio) {
@@ -35,16 +35,28 @@ struct Problem {
   std::vector<std::uint8_t> held;
   Multigrid grid;
   std::vector<Mat3> identity;
+  Csr springs;
+  std::vector<double> springWeights, springStiffness;
 
-  Problem(LatticeBody filled, double poissonRatio, const ParallelFor &parallelFor = serialFor())
+  /// @param support  N/m of springs at the centres of the cells with x < 4 mm; 0: phyxels there are held
+  Problem(LatticeBody filled, double poissonRatio, const ParallelFor &parallelFor = serialFor(), double support = 0.0)
       : body(std::move(filled)), constitution(tissue(poissonRatio)),
         identity(body.stencils.pointCount(), Mat3::Identity()) {
-    for (const Vec3 &x : body.positions) held.push_back(x[0] + body.origin[0] < 1e-9 ? 1 : 0);
+    for (const Vec3 &x : body.positions) held.push_back(support == 0.0 && x[0] + body.origin[0] < 1e-9 ? 1 : 0);
+    for (std::size_t q = 0; support > 0.0 && q < body.stencils.pointCount(); ++q) {
+      if (body.pointCentres[q][0] + body.origin[0] > 0.004) continue;
+      const auto row = body.stencils.phyxels.row(q);
+      springs.indices.insert(springs.indices.end(), row.begin(), row.end());
+      springs.offsets.push_back(static_cast<Index>(springs.indices.size()));
+      springWeights.insert(springWeights.end(), row.size(), 1.0 / static_cast<double>(row.size()));
+      springStiffness.push_back(support);
+    }
     StiffnessFactors factors;
     findStiffnessFactors(constitution, body.stencils, identity, 0.0, factors, parallelFor);
-    grid.reset(hierarchyOf(body), nullptr);
-    grid.assemble(body.stencils, factors, std::vector<Mat3>(held.size(), Mat3::Zero()), {kNoSprings, {}, {}}, held,
-                  parallelFor, nullptr);
+    grid.reset(buildGridHierarchy(body.stencils, body.positions, body.pointCentres, body.spacing, springs, nullptr),
+               nullptr);
+    grid.assemble(body.stencils, factors, std::vector<Mat3>(held.size(), Mat3::Zero()),
+                  {springs, springWeights, springStiffness}, held, parallelFor, nullptr);
   }
   [[nodiscard]] std::vector<Vec3> someForces(std::uint64_t seed) const {
     support::Random random(seed);
@@ -57,6 +69,13 @@ struct Problem {
     forceDifferential(constitution, body.stencils, body.positions, std::vector<Vec3>(in.size(), Vec3::Zero()), identity,
                       {}, 0.0, 0.0, in, scratch, out, serialFor());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = held[i] != 0 ? Vec3(Vec3::Zero()) : Vec3(-out[i]);
+    for (std::size_t p = 0; p < springs.rows(); ++p) {
+      Vec3 at = Vec3::Zero();
+      for (Index e = springs.offsets[p]; e < springs.offsets[p + 1]; ++e)
+        at += springWeights[e] * in[springs.indices[e]];
+      for (Index e = springs.offsets[p]; e < springs.offsets[p + 1]; ++e)
+        out[springs.indices[e]] += springStiffness[p] * springWeights[e] * at;
+    }
   }
   /// Iterations to a hundred-thousandth, of the exact stiffness under the body's weight.
   [[nodiscard]] int iterations() {
@@ -78,6 +97,23 @@ Problem beam(double spacing, double poissonRatio, const ParallelFor &parallelFor
       lattice_cases::shifted(lattice_cases::box(Vec3(0, 0, 0), Vec3(0.2, 0.05, 0.04)), spacing, Vec3(0.0, 0.3, 0.6));
   return {lattice_cases::filled(shape, lattice_cases::withSpacing(spacing)), poissonRatio, parallelFor};
 }
+
+/// Held where x < 0, as a beam is.
+LatticeBody ball(double spacing) {
+  return lattice_cases::filled(lattice_cases::ball(Vec3(0.03, 0, 0), 0.04), lattice_cases::withSpacing(spacing));
+}
+
+/// Raised when it is asked for the `last` time.
+class RaisedAt final : public StopRequest {
+ public:
+  explicit RaisedAt(int last) : last_(last) {}
+  [[nodiscard]] bool isRaised() const noexcept override { return ++asked_ >= last_; }
+  [[nodiscard]] int asked() const { return asked_; }
+
+ private:
+  int last_;
+  mutable int asked_ = 0;
+};
 
 double product(std::span<const Vec3> a, std::span<const Vec3> b) { return dot(a, b); }
 
@@ -164,7 +200,7 @@ TEST_CASE("no coarser lattice couples across a gap", "[multigrid]") {
 }
 
 TEST_CASE("a V-cycle is symmetric and positive", "[multigrid]") {
-  for (const double nu : {0.3, 0.49}) {
+  for (const double nu : {-0.5, 0.3, 0.49}) {
     Problem problem = beam(0.01, nu);
     const std::vector<Vec3> a = problem.someForces(1), b = problem.someForces(2);
     std::vector<Vec3> Ma(a.size()), Mb(b.size());
@@ -174,6 +210,10 @@ TEST_CASE("a V-cycle is symmetric and positive", "[multigrid]") {
     CHECK(std::abs(product(Ma, b) - product(a, Mb)) < 1e-4 * std::sqrt(product(Ma, a) * product(Mb, b)));
     CHECK(product(Ma, a) > 0.0);
     CHECK(product(Mb, b) > 0.0);
+    // The matrix is, to the last bit: else rounding to sixteen bits makes 1e-8 of it, which counts near incompressibility.
+    problem.grid.multiply(a, Ma);
+    problem.grid.multiply(b, Mb);
+    CHECK(std::abs(product(Ma, b) - product(a, Mb)) < 1e-12 * std::sqrt(product(Ma, a) * product(Mb, b)));
   }
 }
 
@@ -185,6 +225,56 @@ TEST_CASE("iterations with a V-cycle do not grow with the number of phyxels", "[
     CHECK(problem.iterations() <= 20);
   }
   CHECK(beam(0.005, 0.45).iterations() <= 32);
+}
+
+TEST_CASE("iterations with a V-cycle grow no more than with the root of the bulk modulus", "[multigrid]") {
+  // 13, 20, 38 and 119 were measured of the beam, 14, 21, 41 and 108 of the ball.
+  struct Bound {
+    double poissonRatio;
+    int ofBeam, ofBall;
+  };
+  for (const Bound &bound : {Bound{0.3, 15, 16}, {0.45, 23, 24}, {0.49, 43, 46}, {0.499, 132, 120}}) {
+    INFO("nu = " << bound.poissonRatio);
+    CHECK(beam(0.007, bound.poissonRatio).iterations() <= bound.ofBeam);
+    CHECK(Problem(ball(0.006), bound.poissonRatio).iterations() <= bound.ofBall);
+  }
+}
+
+TEST_CASE("springs of supports are known to every level", "[multigrid]") {
+  // Ten times as stiff as a cell. 18 were measured, 13 of a beam that is held.
+  const Problem held = beam(0.007, 0.3);
+  Problem supported(held.body, 0.3, serialFor(), 10.0 * 1e4 * held.body.spacing);
+  CHECK(supported.springs.rows() > 20);
+  CHECK(supported.iterations() <= 21);
+}
+
+TEST_CASE("what rounding takes from the blocks of a row is no force of a translation", "[multigrid]") {
+  LatticeBody body = ball(0.006);
+  body.origin[0] += 1.0;  // nothing is held
+  Problem problem(std::move(body), 0.499);
+  const std::vector<Vec3> noise = problem.someForces(4), moved(noise.size(), Vec3(1, 1, 1));
+  std::vector<Vec3> ofNoise(noise.size()), ofMoved(noise.size());
+  problem.grid.multiply(noise, ofNoise);
+  problem.grid.multiply(moved, ofMoved);
+  // 1.3e-7 were measured, what is lost to float; 1e-5 where it is not given back.
+  CHECK(std::abs(product(moved, ofMoved)) < 1e-6 * product(noise, ofNoise));
+}
+
+TEST_CASE("the making of coarser lattices ends when somebody asks for it", "[multigrid]") {
+  const LatticeBody body = ball(0.003);
+  const auto made = [&](const StopRequest &stop) {
+    return buildGridHierarchy(body.stencils, body.positions, body.pointCentres, body.spacing, kNoSprings, &stop);
+  };
+  const RaisedAt never(1 << 30);
+  CHECK(made(never) != nullptr);
+  // Some microseconds of every phyxel, so a look in milliseconds.
+  const int looks = never.asked();
+  CHECK(looks > static_cast<int>(body.positions.size() / 500));
+  for (const int k : {1, looks / 2, looks}) {
+    const RaisedAt stop(k);
+    CHECK_THROWS_AS(made(stop), Stopped);
+    CHECK(stop.asked() == k);
+  }
 }
 
 TEST_CASE("a V-cycle has the same bits for any division of the loops", "[multigrid]") {

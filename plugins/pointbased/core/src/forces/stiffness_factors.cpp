@@ -20,8 +20,13 @@ Eigen::Vector4d modeRoots(const HourglassEnergy &modal, const Vec3 &vs, double v
 
 void findStiffnessFactors(const Constitution &constitution, const StencilSet &s, std::span<const Mat3> gradients,
                           double viscousScale, StiffnessFactors &out, const ParallelFor &parallelFor) {
-  out.gradients.resize(s.phyxels.indices.size());
-  out.modes.resize(s.phyxels.indices.size());
+  out.first.resize(s.pointCount());
+  std::size_t count = 0;
+  for (std::size_t q = 0; q < s.pointCount(); ++q) {
+    out.first[q] = count;
+    count += StiffnessFactors::kNumbers * StiffnessFactors::width(s.phyxels.row(q).size());
+  }
+  out.numbers.assign(count, 0.0F);
   out.lambda.resize(s.pointCount());
   out.mu.resize(s.pointCount());
   const bool hasModes = stabilisationOf(constitution, s) == Stabilisation::hourglass;
@@ -39,9 +44,15 @@ void findStiffnessFactors(const Constitution &constitution, const StencilSet &s,
         const HourglassEnergy modal(material, constitution.stabilisation);
         roots = modeRoots(modal, s.volumes[q] * s.variances[q], s.volumes[q], s.variances[q]);
       }
-      for (Index e = s.phyxels.offsets[q]; e < s.phyxels.offsets[q + 1]; ++e) {
-        out.gradients[e] = (turn * rows[e]).cast<float>();
-        out.modes[e] = hasModes ? roots.cwiseProduct(modes[e]).cast<float>().eval() : Eigen::Vector4f::Zero().eval();
+      const Index first = s.phyxels.offsets[q], last = s.phyxels.offsets[q + 1];
+      const std::size_t width = StiffnessFactors::width(last - first);
+      float *at = out.numbers.data() + out.first[q];
+      for (Index e = first; e < last; ++e, ++at) {
+        const Vec3 a = turn * rows[e];
+        for (std::size_t k = 0; k < 3; ++k) at[k * width] = static_cast<float>(a[static_cast<Eigen::Index>(k)]);
+        if (!hasModes) continue;
+        const Eigen::Vector4d h = roots.cwiseProduct(modes[e]);
+        for (std::size_t k = 0; k < 4; ++k) at[(3 + k) * width] = static_cast<float>(h[static_cast<Eigen::Index>(k)]);
       }
     }
   });

@@ -3,6 +3,7 @@
 // core.
 #pragma once
 
+#include "forces/kernels/aligned_vector.h"
 #include "pointbased/constitution.h"
 #include "pointbased/stencil.h"
 
@@ -15,9 +16,12 @@ namespace pointbased::detail {
 /// a = √v R g: an isotropic material, linear about the rotation R of the point, so that the sum is positive whatever
 /// the strain. h: the modes of HourglassEnergy, each with the mean of its three stiffnesses.
 struct StiffnessFactors {
-  std::vector<Eigen::Vector3f> gradients;  ///< [entries] a, m^(1/2)
-  std::vector<Eigen::Vector4f> modes;      ///< [entries] h, (N/m)^(1/2)
-  std::vector<float> lambda, mu;           ///< [points] Pa
+  static constexpr std::size_t kNumbers = 7;  ///< of an entry: a, m^(1/2), and h, (N/m)^(1/2)
+  kernels::AlignedVector<float> numbers;      ///< [points][7][entries of the point, with zeros to a multiple of eight]
+  std::vector<std::size_t> first;             ///< [points] of its numbers
+  std::vector<float> lambda, mu;              ///< [points] Pa
+
+  [[nodiscard]] static std::size_t width(std::size_t entries) { return (entries + 7) / 8 * 8; }
 };
 
 /// @param gradients     [points] F

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "base/disjoint_sets.h"
+#include "base/expects.h"
 
 namespace pointbased::detail {
 namespace {
@@ -25,19 +27,41 @@ struct Cells {
   [[nodiscard]] std::size_t count() const { return nodes.rows(); }
 };
 
-Csr neighboursIn(const Csr &cells, const Csr &springs, std::size_t nodes) {
-  std::vector<std::vector<Index>> rows(nodes);
-  for (Index i = 0; i < nodes; ++i) rows[i].push_back(i);  // amid a support a phyxel may have no cell
-  for (const Csr *groups : {&cells, &springs})
-    for (std::size_t q = 0; q < groups->rows(); ++q) {
-      const auto group = groups->row(q);
-      for (const Index a : group) rows[a].insert(rows[a].end(), group.begin(), group.end());
-    }
+// Asks now and then.
+class Watch {
+ public:
+  explicit Watch(const StopRequest *stop) : stop_(stop) {}
+  void look() {
+    constexpr std::size_t kEvery = 1024;
+    if (++seen_ % kEvery == 0) endIfRaised(stop_);
+  }
+
+ private:
+  const StopRequest *stop_;
+  std::size_t seen_ = 0;
+};
+
+Csr transposed(const Csr &rows, std::size_t columns, std::vector<Index> &places);
+
+// Whom a node shares a cell with, and itself: amid a support a phyxel may have no cell.
+Csr neighboursIn(const Csr &cells, std::size_t nodes, Watch &watch) {
+  std::vector<Index> entries;
+  const Csr cellsOf = transposed(cells, nodes, entries);
   Csr out;
-  for (std::vector<Index> &row : rows) {
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-    out.indices.insert(out.indices.end(), row.begin(), row.end());
+  out.indices.reserve(27 * nodes);
+  std::vector<Index> seenBy(nodes, ~Index{0});
+  for (Index i = 0; i < nodes; ++i) {
+    watch.look();
+    const auto begin = static_cast<std::ptrdiff_t>(out.indices.size());
+    seenBy[i] = i;
+    out.indices.push_back(i);
+    for (const Index q : cellsOf.row(i))
+      for (const Index j : cells.row(q)) {
+        if (seenBy[j] == i) continue;
+        seenBy[j] = i;
+        out.indices.push_back(j);
+      }
+    std::sort(out.indices.begin() + begin, out.indices.end());
     out.offsets.push_back(static_cast<Index>(out.indices.size()));
   }
   return out;
@@ -88,8 +112,16 @@ std::vector<Index> numberBySlabs(const Csr &rows, GridLevel &level) {
   for (std::size_t s = 0; s < slabs; ++s) begin[place[s]] = sizes[s];
   level.slabs.assign(1, 0);
   for (const Index k : begin) level.slabs.push_back(level.slabs.back() + k);
-  std::vector<Index> next(level.slabs.begin(), level.slabs.end() - 1), number(n);
-  for (std::size_t i = 0; i < n; ++i) number[i] = next[place[slabOf[layer[i]]]]++;
+  const auto slab = [&](std::size_t i) { return place[slabOf[layer[i]]]; };
+  // Nodes that wait for equally many in a row follow one another: a sweep gives the same, but need not wait for each.
+  std::vector<Index> wait(n, 0), number(n), order(n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (const Index j : rows.row(i))
+      if (j < i && slab(j) == slab(i)) wait[i] = std::max(wait[i], wait[j] + 1);
+  std::iota(order.begin(), order.end(), Index{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Index i, Index j) { return slab(i) != slab(j) ? slab(i) < slab(j) : wait[i] < wait[j]; });
+  for (std::size_t k = 0; k < n; ++k) number[order[k]] = static_cast<Index>(k);
   return number;
 }
 
@@ -134,12 +166,14 @@ int widthOf(const Cells &cells, std::size_t q) {
 // Cells of twice the width, and what of them the nodes follow.
 class Coarsening {
  public:
-  Coarsening(const Cells &fine, int width)
-      : fine_(fine), width_(width), cellsOf_(transposed(fine.nodes, fine.places.size())), partOf_(fine.count()) {
+  Coarsening(const Cells &fine, int width, Watch &watch)
+      : fine_(fine), width_(width), watch_(watch), cellsOf_(transposed(fine.nodes, fine.places.size())),
+        partOf_(fine.count()) {
     findParts();
     findCorners();
   }
 
+  [[nodiscard]] const std::vector<Index> &partOf() const { return partOf_; }
   [[nodiscard]] const Cells &cells() const { return coarse_; }
   [[nodiscard]] bool keepsWide() const {
     return std::any_of(boxes_.begin(), boxes_.end(), [](const Box &box) { return box.width == 0; });
@@ -197,10 +231,13 @@ class Coarsening {
       cell[q] = cellOf(q);
     }
     DisjointSets sets(fine_.count());
-    for (std::size_t i = 0; i < cellsOf_.rows(); ++i)
-      for (const Index a : cellsOf_.row(i))
-        for (const Index b : cellsOf_.row(i))
-          if (a < b && isWide[a] == 0 && isWide[b] == 0 && cell[a] == cell[b]) (void)sets.join(a, b);
+    for (std::size_t i = 0; i < cellsOf_.rows(); ++i) {
+      watch_.look();
+      const auto around = cellsOf_.row(i);
+      for (std::size_t a = 0; a < around.size(); ++a)
+        for (std::size_t b = a + 1; b < around.size() && isWide[around[a]] == 0; ++b)
+          if (isWide[around[b]] == 0 && cell[around[a]] == cell[around[b]]) (void)sets.join(around[a], around[b]);
+    }
     std::vector<Index> number(fine_.count(), 0);
     for (std::size_t q = 0; q < fine_.count(); ++q) {
       const Index root = sets.find(static_cast<Index>(q));
@@ -232,17 +269,25 @@ class Coarsening {
   // Corners at one place are one node where their parts share a finer node.
   void findCorners() {
     std::vector<std::pair<Index, Index>> neighbours;
-    for (std::size_t i = 0; i < cellsOf_.rows(); ++i)
-      for (const Index a : cellsOf_.row(i))
-        for (const Index b : cellsOf_.row(i))
-          if (partOf_[a] < partOf_[b]) neighbours.emplace_back(partOf_[a], partOf_[b]);
+    std::vector<Index> around;
+    for (std::size_t i = 0; i < cellsOf_.rows(); ++i) {
+      watch_.look();
+      around.clear();
+      for (const Index q : cellsOf_.row(i))
+        if (std::find(around.begin(), around.end(), partOf_[q]) == around.end()) around.push_back(partOf_[q]);
+      for (const Index a : around)
+        for (const Index b : around)
+          if (a < b) neighbours.emplace_back(a, b);
+    }
     std::sort(neighbours.begin(), neighbours.end());
     neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
     DisjointSets sets(slots_.size());
-    for (const auto &[a, b] : neighbours)
+    for (const auto &[a, b] : neighbours) {
+      watch_.look();
       for (Index c = boxes_[a].first; c < boxes_[a].first + boxes_[a].corners; ++c)
         for (Index d = boxes_[b].first; d < boxes_[b].first + boxes_[b].corners; ++d)
           if (slots_[c] == slots_[d]) (void)sets.join(c, d);
+    }
     nodeOf_.resize(slots_.size());
     for (Index c = 0; c < slots_.size(); ++c) {
       const Index root = sets.find(c);
@@ -292,6 +337,7 @@ class Coarsening {
 
   const Cells &fine_;
   int width_;
+  Watch &watch_;
   Csr cellsOf_;                // [nodes]
   std::vector<Index> partOf_;  // [cells]
   std::vector<Box> boxes_;     // [parts]
@@ -328,34 +374,29 @@ Cells finestCells(const StencilSet &s, std::span<const Vec3> positions, std::spa
   return out;
 }
 
-// Entries of all pairs of each group.
-void findSlots(const Csr &groups, std::span<const Index> number, const GridLevel &finest,
-               std::vector<std::size_t> &pairs, std::vector<Index> &slots) {
-  for (std::size_t q = 0; q < groups.rows(); ++q) {
-    pairs.push_back(slots.size());
-    for (const Index a : groups.row(q)) {
-      const auto row = finest.rows.row(number[a]);
-      for (const Index b : groups.row(q))
-        slots.push_back(finest.rows.offsets[number[a]] +
-                        static_cast<Index>(std::lower_bound(row.begin(), row.end(), number[b]) - row.begin()));
-    }
-  }
-}
-
-// What P^T A P couples, which is more than cells do where large ones meet small ones.
-Csr coupledBy(const GridLevel &fine, const Csr &children) {
+// Cells of the next coarser level, with springs: the nodes that those of their parts follow. Where these are among them
+// is for the finer level to know.
+Csr coarserCells(GridLevel &fine, const Csr &finer, Watch &watch) {
   Csr out;
-  std::vector<Index> row;
-  for (std::size_t I = 0; I < children.rows(); ++I) {
-    row.assign(1, static_cast<Index>(I));
-    for (const Index i : children.row(I))
-      for (const Index j : fine.rows.row(i)) {
-        const auto of = fine.parents.row(j);
-        row.insert(row.end(), of.begin(), of.end());
+  fine.firstPlace.resize(fine.cells.indices.size());
+  std::size_t count = 0;
+  for (std::size_t e = 0; e < fine.firstPlace.size(); ++e) {
+    fine.firstPlace[e] = static_cast<Index>(count);
+    count += fine.parents.row(fine.cells.indices[e]).size();
+  }
+  fine.places.resize(count);
+  for (std::size_t Q = 0; Q < finer.rows(); ++Q) {
+    watch.look();
+    const auto begin = static_cast<std::ptrdiff_t>(out.indices.size());
+    for (const Index q : finer.row(Q))
+      for (Index e = fine.cells.offsets[q]; e < fine.cells.offsets[q + 1]; ++e) {
+        std::size_t at = fine.firstPlace[e];
+        for (const Index parent : fine.parents.row(fine.cells.indices[e])) {
+          const auto found = std::find(out.indices.begin() + begin, out.indices.end(), parent);
+          fine.places[at++] = static_cast<std::uint16_t>(found - out.indices.begin() - begin);
+          if (found == out.indices.end()) out.indices.push_back(parent);
+        }
       }
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-    out.indices.insert(out.indices.end(), row.begin(), row.end());
     out.offsets.push_back(static_cast<Index>(out.indices.size()));
   }
   return out;
@@ -365,6 +406,7 @@ Csr renumbered(const Csr &rows, std::span<const Index> number) {
   std::vector<Index> from(rows.rows());
   for (std::size_t i = 0; i < from.size(); ++i) from[number[i]] = static_cast<Index>(i);
   Csr out;
+  out.indices.reserve(rows.indices.size());
   for (const Index old : from) {
     const std::size_t begin = out.indices.size();
     for (const Index j : rows.row(old)) out.indices.push_back(number[j]);
@@ -374,12 +416,41 @@ Csr renumbered(const Csr &rows, std::span<const Index> number) {
   return out;
 }
 
-void findDiagonal(GridLevel &level) {
-  level.diagonal.resize(level.nodes());
-  for (std::size_t i = 0; i < level.nodes(); ++i) {
+// Rows by eights, and where in them the pairs of every cell are.
+void findSlots(GridLevel &level, Watch &watch) {
+  const std::size_t n = level.nodes();
+  std::vector<Index> entries;
+  const Csr &cells = level.cells;
+  level.cellOfEntry.resize(cells.indices.size());
+  for (std::size_t q = 0; q < cells.rows(); ++q)
+    std::fill_n(level.cellOfEntry.begin() + cells.offsets[q], cells.row(q).size(), static_cast<Index>(q));
+  level.cellsOf = transposed(cells, n, entries);
+  for (std::size_t e = 0; e < entries.size(); ++e) level.cellsOf.indices[entries[e]] = static_cast<Index>(e);
+  level.diagonal.resize(n);
+  level.eights.assign(1, 0);
+  level.slots.reserve(8 * cells.indices.size());
+  std::vector<std::uint16_t> place(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    watch.look();
     const auto row = level.rows.row(i);
-    level.diagonal[i] =
-        level.rows.offsets[i] + static_cast<Index>(std::lower_bound(row.begin(), row.end(), i) - row.begin());
+    const auto before = static_cast<std::size_t>(std::lower_bound(row.begin(), row.end(), i) - row.begin());
+    level.diagonal[i] = level.rows.offsets[i] + static_cast<Index>(before);
+    const std::size_t begin = level.columns.size();
+    const auto fill = [&](std::span<const Index> part) {
+      for (const Index j : part) {
+        place[j] = static_cast<std::uint16_t>(GridLevel::slotOf(level.columns.size() - begin));
+        level.columns.push_back(j);
+      }
+      while (level.columns.size() % 8 != 0) level.columns.push_back(part.front());
+      level.eights.push_back(static_cast<Index>(level.columns.size() / 8));
+    };
+    fill(row.first(before));
+    fill(row.subspan(before + 1));
+    POINTBASED_EXPECTS(GridLevel::slotOf(level.columns.size() - begin) <= 0xFFFF, "too many neighbours of a node");
+    place[i] = 0;
+    level.firstSlot.push_back(level.slots.size());
+    for (const Index e : level.cellsOf.row(i))
+      for (const Index j : cells.row(level.cellOfEntry[e])) level.slots.push_back(place[j]);
   }
 }
 
@@ -387,40 +458,56 @@ void findDiagonal(GridLevel &level) {
 
 std::shared_ptr<const GridHierarchy> buildGridHierarchy(const StencilSet &stencils, std::span<const Vec3> positions,
                                                         std::span<const Vec3> pointCentres, double spacing,
-                                                        const Csr &springs) {
+                                                        const Csr &springs, const StopRequest *stop) {
   if (!stencils.isLattice() || positions.empty()) return nullptr;
   auto out = std::make_shared<GridHierarchy>();
+  Watch watch(stop);
   Cells cells = finestCells(stencils, positions, pointCentres, spacing);
-  Csr pattern = neighboursIn(cells.nodes, springs, positions.size());
+  Csr all = stencils.phyxels;  // cells and springs
+  for (std::size_t p = 0; p < springs.rows(); ++p) {
+    all.indices.insert(all.indices.end(), springs.row(p).begin(), springs.row(p).end());
+    all.offsets.push_back(static_cast<Index>(all.indices.size()));
+  }
   out->springs = springs;
-  std::vector<Index> number;
+  Csr finer;
+  std::size_t nodes = positions.size();
   for (int width = 2;; width *= 2) {
     GridLevel &level = out->levels.emplace_back();
-    number = numberBySlabs(pattern, level);
+    endIfRaised(stop);
+    const Csr pattern = neighboursIn(all, nodes, watch);
+    const std::vector<Index> number = numberBySlabs(pattern, level);
+    endIfRaised(stop);
     level.rows = renumbered(pattern, number);
-    findDiagonal(level);
+    level.cells = std::move(all);
+    for (Index &i : level.cells.indices) i = number[i];
+    level.finer = std::move(finer);
+    findSlots(level, watch);
     renumber(cells, number);
     if (out->levels.size() == 1) {
       out->order.resize(number.size());
       for (std::size_t i = 0; i < number.size(); ++i) out->order[number[i]] = static_cast<Index>(i);
       out->number = number;
-      findSlots(stencils.phyxels, number, level, out->pairs, out->slots);
-      findSlots(springs, number, level, out->springPairs, out->springSlots);
     } else {
-      GridLevel &finer = out->levels[out->levels.size() - 2];
-      for (Index &parent : finer.parents.indices) parent = number[parent];
+      GridLevel &before = out->levels[out->levels.size() - 2];
+      for (Index &parent : before.parents.indices) parent = number[parent];
       std::vector<Index> places;
-      level.children = transposed(finer.parents, level.nodes(), places);
+      level.children = transposed(before.parents, level.nodes(), places);
       level.childWeights.resize(places.size());
-      for (std::size_t e = 0; e < places.size(); ++e) level.childWeights[places[e]] = finer.parentWeights[e];
+      for (std::size_t e = 0; e < places.size(); ++e) level.childWeights[places[e]] = before.parentWeights[e];
     }
     if (level.nodes() <= kCoarsest || static_cast<int>(out->levels.size()) == kMostLevels) break;
-    const Coarsening coarsening(cells, width);
-    const std::size_t coarser = coarsening.cells().places.size();
-    if (!coarsening.keepsWide() && static_cast<double>(coarser) > kWorthwhile * static_cast<double>(level.nodes()))
-      break;
+    const Coarsening coarsening(cells, width, watch);
+    nodes = coarsening.cells().places.size();
+    if (!coarsening.keepsWide() && static_cast<double>(nodes) > kWorthwhile * static_cast<double>(level.nodes())) break;
     coarsening.parents(level.parents, level.parentWeights);
-    pattern = coupledBy(level, transposed(level.parents, coarser));
+    Csr coarser;  // [cells]
+    for (std::size_t q = 0; q < level.cells.rows(); ++q) {
+      const std::size_t spring = coarsening.cells().count() + q - cells.count();
+      coarser.indices.push_back(q < cells.count() ? coarsening.partOf()[q] : static_cast<Index>(spring));
+      coarser.offsets.push_back(static_cast<Index>(q + 1));
+    }
+    finer = transposed(coarser, coarsening.cells().count() + springs.rows());
+    all = coarserCells(level, finer, watch);
     cells = Cells(coarsening.cells());
   }
   return out;

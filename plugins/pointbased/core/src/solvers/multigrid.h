@@ -5,9 +5,10 @@
 #include <Eigen/Cholesky>
 #include <memory>
 
+#include "forces/kernels/aligned_vector.h"
 #include "forces/stiffness_factors.h"
-#include "pointbased/stop_request.h"
 #include "solvers/grid_hierarchy.h"
+#include "solvers/sweep_kernel.h"
 
 namespace pointbased::detail {
 
@@ -20,8 +21,9 @@ struct SpringRows {
 /// M^-1 r by one V-cycle: Gauss-Seidel by 3x3 blocks forwards before the coarser level, backwards after it, a dense
 /// factorisation on the coarsest; coarser matrices are P^T A P. Springs tie corners that carry next to nothing of the
 /// body, which single blocks settle slowly: all nodes of a spring are solved for together, beside the coarser level.
-/// In float. Symmetric and positive, so a preconditioner of conjugate gradients; the same bits for any number of
-/// threads.
+/// Coarser matrices are summed cell by cell, in float. Kept are blocks of D^-1/2 A D^-1/2 in sixteen bits: their
+/// rounding, 1.5e-5 of the diagonal, goes to the diagonal as well, so that translations keep their forces.
+/// Symmetric and positive, so a preconditioner of conjugate gradients; the same bits for any number of threads.
 /// @source  Trottenberg, Oosterlee, Schüller, Multigrid, 2001, ch. 2 and 7.7 (Galerkin coarsening, preconditioners)
 class Multigrid {
  public:
@@ -48,18 +50,29 @@ class Multigrid {
   [[nodiscard]] double entries() const;
 
  private:
+  using Floats = kernels::AlignedVector<float>;
   struct Level {
-    std::vector<float> blocks;    // [entries of the rows][9] by columns, and padding
-    std::vector<float> inverses;  // [nodes][9] of the diagonal blocks
-    std::vector<float> x, b;      // [nodes][4]
+    kernels::AlignedVector<std::int16_t> blocks;  // SweepRows
+    Floats inverses;                              // [nodes][12]
+    std::vector<float> roots, scales;             // [nodes] of the diagonal, and one over them
+    Floats x, b;                                  // [nodes][4] of the scaled system
+    Floats cells;                                 // matrices of the cells of coarser levels: [nodes][9][width]
+    std::vector<std::size_t> firstNumber;         // [cells] of its matrix, and the number of all
   };
+  struct Sources;  // what a matrix is assembled from
 
-  void addSprings(const SpringRows &springs);
-  void invertSprings(const SpringRows &springs);
+  void sumRow(const Sources &from, std::size_t l, std::size_t i, Floats &row, Floats &scratch) const;
+  void assembleRows(const Sources &from, std::size_t l);
+  void keepRow(std::size_t l, std::size_t i, const Floats &row, Floats &scratch);
+  void sumCells(const Sources &from, std::size_t l);
+  void addFinestCell(const Sources &from, std::size_t q, std::size_t coarse, Floats &scratch);
+  void addFinestSpring(const Sources &from, std::size_t q, std::size_t coarse);
+  void addCell(std::size_t l, std::size_t q, std::size_t coarse, Floats &scratch);
+  void factoriseCoarsest(const Sources &from);
+  void invertSprings(const Csr &springs, const StopRequest *stop);
   void solveSprings();
-  void invertDiagonal(std::size_t l);
-  void coarsen(std::size_t fine);
-  static void relax(Level &level, std::size_t i, const Eigen::Vector4f &neighbours);
+  [[nodiscard]] Mat3 block(std::size_t i, std::size_t j) const;
+  [[nodiscard]] kernels::SweepRows rowsOf(std::size_t l);
   template <class Visit>
   void forSlabs(const GridLevel &grid, bool isFirstHalf, const Visit &visit) const;
   void smoothForwards(std::size_t l);
@@ -75,7 +88,8 @@ class Multigrid {
   Eigen::LLT<Eigen::MatrixXd> coarsest_;
   Csr springs_;  // [springs] nodes of the finest level that move
   std::vector<Eigen::MatrixXf> springInverses_;
-  std::vector<float> residual_;
+  Floats own_;  // [nodes of the finest level][9] diagonal blocks of the scaled system
+  Floats residual_;
   bool isDense_ = false;
   ParallelFor parallelFor_ = serialFor();
 };

@@ -26,8 +26,8 @@ constexpr double kIncompleteSolveCost = 0.8;  // per entry of the factor, both w
 constexpr double kCompleteCost = 0.12;        // per multiply-add
 constexpr double kCompleteSolveCost = 0.5;    // per entry of the factor, both ways
 
-constexpr double kGridAssemblyCost = 60.0;  // per block of the matrices of all lattices
-constexpr double kGridCost = 7.0;           // per such block: a V-cycle and what else an iteration takes
+constexpr double kGridAssemblyCost = 50.0;  // per block of the matrices of all lattices
+constexpr double kGridCost = 5.0;           // per such block: a V-cycle and what else an iteration takes
 // Of a complete factorisation that nobody has analysed yet, by the number of phyxels: n² and n^(4/3), bodies as thick
 // as long.
 constexpr double kGuessedCompleteCost = 10.0, kGuessedSolveCost = 40.0;

@@ -234,8 +234,9 @@ bool StageProblem::assembleGrids(Multigrid &out, const StopRequest *stop) {
   const std::shared_ptr<const RestState> rest = body_.sharedRest();
   const PatchSolver &patches = body_.patches();
   if (!out.isOf(rest, patches.phyxels()))
-    out.reset(buildGridHierarchy(rest->stencils, rest->positions, rest->pointCentres, rest->spacing, patches.phyxels()),
-              rest);
+    out.reset(
+        buildGridHierarchy(rest->stencils, rest->positions, rest->pointCentres, rest->spacing, patches.phyxels(), stop),
+        rest);
   if (!out.exists()) return false;
   std::vector<Mat3> gradients(rest->pointCount());
   deformationGradients(rest->stencils, body_.state().displacements, gradients, *env_.parallelFor);

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "solvers/cell_matrix_kernel.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "solvers/cell_matrix_kernel.cpp"
+#include "base/kernels/instruction_sets.h"  // first: says for which the rest is compiled
+
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace pointbased::kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, 8>;
+using V = hn::Vec<D>;
+
+// Products of equal factors in the same order for a pair and its mirror, so that the matrix is symmetric to the last bit.
+void AddCellRow(const float *factors, std::size_t width, std::size_t entry, float lambda, float mu, float *out) {
+  const D d;
+  const float *own = factors + entry;
+  const V rootLambda = hn::Sqrt(hn::Abs(hn::Set(d, lambda))), rootMu = hn::Sqrt(hn::Set(d, mu));
+  const float sign = lambda < 0.0F ? -1.0F : 1.0F;
+  V ofLambda[3], ofMu[3];
+  for (std::size_t n = 0; n < 3; ++n) {
+    ofLambda[n] = hn::Mul(rootLambda, hn::Set(d, sign * own[n * width]));
+    ofMu[n] = hn::Mul(rootMu, hn::Set(d, own[n * width]));
+  }
+  for (std::size_t k = 0; k < width; k += hn::Lanes(d)) {
+    V byLambda[3], byMu[3];
+    for (std::size_t n = 0; n < 3; ++n) {
+      const V of = hn::Load(d, factors + n * width + k);
+      byLambda[n] = hn::Mul(rootLambda, of);
+      byMu[n] = hn::Mul(rootMu, of);
+    }
+    V both = hn::Mul(ofMu[0], byMu[0]);
+    both = hn::MulAdd(ofMu[1], byMu[1], both);
+    both = hn::MulAdd(ofMu[2], byMu[2], both);
+    for (std::size_t n = 3; n < 7; ++n)
+      both = hn::MulAdd(hn::Set(d, own[n * width]), hn::Load(d, factors + n * width + k), both);
+    float *to = out + k;
+    for (std::size_t column = 0; column < 3; ++column)
+      for (std::size_t row = 0; row < 3; ++row, to += width) {
+        V sum = hn::MulAdd(ofLambda[row], byLambda[column], hn::Load(d, to));
+        sum = hn::MulAdd(ofMu[column], byMu[row], sum);
+        hn::Store(row == column ? hn::Add(sum, both) : sum, d, to);
+      }
+  }
+}
+
+void RoundRow(const float *row, const float *to, const float *back, std::size_t eights, std::int16_t *out,
+              float *lost) {
+  const D d;
+  const hn::Rebind<std::int16_t, D> small;
+  const V most = hn::Set(d, 32767.0F);
+  for (std::size_t n = 0; n < 9; ++n) {
+    V sum = hn::Zero(d);
+    for (std::size_t g = 0; g < eights; ++g)
+      for (std::size_t k = 0; k < 8; k += hn::Lanes(d)) {
+        const std::size_t at = 72 * g + 8 * n + k;
+        const V exact = hn::Mul(hn::Load(d, to + 8 * g + k), hn::Load(d, row + at));
+        const auto whole = hn::NearestInt(hn::Min(hn::Max(exact, hn::Neg(most)), most));
+        hn::Store(hn::DemoteTo(small, whole), small, out + at);
+        sum = hn::MulAdd(hn::Load(d, back + 8 * g + k), hn::Sub(exact, hn::ConvertTo(d, whole)), sum);
+      }
+    lost[n] += hn::GetLane(hn::SumOfLanes(d, sum));
+  }
+}
+
+}  // namespace pointbased::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pointbased::kernels {
+
+HWY_EXPORT(AddCellRow);
+HWY_EXPORT(RoundRow);
+
+void addCellRow(const float *factors, std::size_t width, std::size_t entry, float lambda, float mu, float *out) {
+  HWY_DYNAMIC_DISPATCH(AddCellRow)(factors, width, entry, lambda, mu, out);
+}
+void roundRow(const float *row, const float *to, const float *back, std::size_t eights, std::int16_t *out,
+              float *lost) {
+  HWY_DYNAMIC_DISPATCH(RoundRow)(row, to, back, eights, out, lost);
+}
+
+}  // namespace pointbased::kernels
+#endif

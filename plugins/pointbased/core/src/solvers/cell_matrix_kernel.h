@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rows of stiffness matrices from the factors of cells, and how they are kept. Private to the core.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace pointbased::kernels {
+
+/// out += λ a c^T + μ c a^T + (μ a·c + h·k) I of one entry with all others of its cell: StiffnessFactors.
+/// @param factors  [7][width]
+/// @param entry    of which the row is
+/// @param out      [9][width]: numbers of the blocks by columns
+/// @threads any; no allocation
+void addCellRow(const float *factors, std::size_t width, std::size_t entry, float lambda, float mu, float *out);
+
+/// Blocks of a row in units of what they may be at most: SweepRows.
+/// @param row   [eights][9][8]
+/// @param to    [eights][8] by what a number is multiplied
+/// @param back  [eights][8] units times this go to `lost`
+/// @param lost  [9] what rounding has taken, added
+void roundRow(const float *row, const float *to, const float *back, std::size_t eights, std::int16_t *out, float *lost);
+
+}  // namespace pointbased::kernels

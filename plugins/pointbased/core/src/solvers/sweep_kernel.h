@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gauss-Seidel by 3x3 blocks over rows of a symmetric matrix. Private to the core.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace pointbased::kernels {
+
+/// Blocks of a row are kept by eights, so that a vector holds one number of eight neighbours: those before the diagonal,
+/// then those after it, each part filled up with zeros. Blocks are of D^-1/2 A D^-1/2, with the diagonal all of it is
+/// between -1 and 1, in units of kUnit.
+struct SweepRows {
+  static constexpr std::size_t kEight = 8;
+  static constexpr float kUnit = 1.0F / 32767.0F;
+
+  const std::int16_t *blocks = nullptr;    ///< [eights][9][8]: by columns of the blocks
+  const std::uint32_t *columns = nullptr;  ///< [eights][8]
+  const std::uint32_t *eights =
+      nullptr;                      ///< [2 nodes + 1]: of node i those before begin at 2 i, those after at 2 i + 1
+  const float *inverses = nullptr;  ///< [nodes][12]: of the diagonal blocks, columns of four
+  const float *right = nullptr;     ///< [nodes][4]
+  float *x = nullptr;               ///< [nodes][4]
+};
+
+/// x of the nodes [begin, end), first to last, with what those before it pull: later ones have not moved yet.
+/// @threads any whose nodes are no neighbours; no allocation; the same bits on one machine however it is divided
+void sweepForwards(const SweepRows &rows, std::size_t begin, std::size_t end);
+/// x of the nodes [begin, end), last to first, with what all others pull.
+void sweepBackwards(const SweepRows &rows, std::size_t begin, std::size_t end);
+/// out = what is left of the right side after a sweep forwards: -Σ of those after it. [nodes][4]
+void residualsAfter(const SweepRows &rows, float *out, std::size_t begin, std::size_t end);
+
+}  // namespace pointbased::kernels
