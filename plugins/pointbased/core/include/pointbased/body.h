@@ -262,6 +262,7 @@ class Body {
   [[nodiscard]] Vec3 firstReference(Index phyxel) const;
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
   void vectorise();
+  [[nodiscard]] double frequencyAtRest(const ParallelFor &parallelFor) const;
   void makePoints() const;
   [[nodiscard]] detail::VectorForces &exactForces() const;
   void addLoads(double t, const ParallelFor &parallelFor);

@@ -172,6 +172,8 @@ class CellForces final : public VectorForces {
     (void)collect({}, df, parallelFor);
   }
 
+  void dropTangent() override { tangents_ = {}; }
+
  private:
   [[nodiscard]] CellJob<T> job(std::span<const Vec3> u) {
     CellJob<T> job;

@@ -97,6 +97,8 @@ class CloudForces final : public VectorForces {
     addOthers(df);
   }
 
+  void dropTangent() override { tangents_ = {}; }
+
  private:
   [[nodiscard]] CloudJob<T> job() {
     CloudJob<T> job;

@@ -43,6 +43,8 @@ class VectorForces {
   /// df = -K du, as forceDifferential(), with the viscous forces of velocities viscousScale du.
   virtual void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
                             const ParallelFor &parallelFor) = 0;
+  /// Gives back the memory of linearise().
+  virtual void dropTangent() = 0;
 };
 
 /// Null where no kernel would take at least half of the points: renewed references, clouds that flow or relax.
