@@ -195,7 +195,7 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
   contactModuli_.resize(rest_->contact.count());
   for (std::size_t p = 0; p < contactModuli_.size(); ++p)
     contactModuli_[p] = modulusAt(moduli, touching.phyxels, touching.weights, p);
-  vectorise();
+  vectorise(parallelFor);
   restFrequency_ = frequencyAtRest(parallelFor);
   foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));
   forcesCurrent = false;
@@ -233,12 +233,13 @@ double Body::stableStepFor(double tangentRatio) const {
 void Body::setPrecision(Precision precision) {
   if (precision == precision_) return;
   precision_ = precision;
-  vectorise();
+  vectorise(serialFor());
   forcesCurrent = false;
 }
 
-void Body::vectorise() {
-  vectorForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, precision_);
+void Body::vectorise(const ParallelFor &parallelFor) {
+  vectorForces_ =
+      detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, precision_, parallelFor);
   exactForces_.reset();
   if (!vectorForces_) makePoints();
 }
@@ -253,8 +254,8 @@ void Body::makePoints() const {
 detail::VectorForces &Body::exactForces() const {
   if (precision_ == Precision::doublePrecision) return *vectorForces_;
   if (!exactForces_)
-    exactForces_ =
-        detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, Precision::doublePrecision);
+    exactForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_,
+                                        Precision::doublePrecision, serialFor());
   return *exactForces_;
 }
 

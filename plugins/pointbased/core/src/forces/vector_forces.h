@@ -48,9 +48,11 @@ class VectorForces {
 };
 
 /// Null where no kernel would take at least half of the points: renewed references, clouds that flow or relax.
-/// @param masses  [phyxels] kg; has to live as long
+/// @param masses       [phyxels] kg; has to live as long
+/// @param parallelFor  of the building alone
 [[nodiscard]] std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span<const Vec3> positions,
                                                          std::span<const double> masses,
-                                                         const Constitution &constitution, Precision precision);
+                                                         const Constitution &constitution, Precision precision,
+                                                         const ParallelFor &parallelFor);
 
 }  // namespace pointbased::detail
