@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine_cases.h"
+#include "lattice_cases.h"
 #include "support/catch.h"
 
 using namespace engine_cases;
@@ -226,6 +227,11 @@ TEST_CASE("engine: the stable step of bodies is that of the dense eigenvalue pro
       const bool lattice = evaluation == Evaluation::stressPoints;
       const Constitution constitution{{material}, lattice ? kLatticeStabilisation : kCloudStabilisation};
       const Body body("ball", *rest, constitution, serialFor());
+      const ParallelFor threads = lattice_cases::threadedFor(3);
+      const auto alike = buildRestState(ball, recipe, {}, threads);
+      REQUIRE(alike);
+      CHECK((*alike)->positions == (*rest)->positions);
+      CHECK(Body("ball", *alike, constitution, threads).stableStepAtRest() == body.stableStepAtRest());
       const std::size_t n = (*rest)->phyxelCount();
       INFO((lattice ? "lattice, " : "cloud, ") << n << " phyxels, relaxes " << relaxes);
       const std::vector<Vec3> still(n, Vec3::Zero());
