@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Does a phyxel cost the same in a small body and in a large one, and how many bytes is it?
 //
-//   bench_scaling [--least PHYXELS] [--most PHYXELS] [--surfels N] [--threads N] [--seconds S] [--csv FILE] [--json
-//   FILE]
+//   bench_scaling [--least PHYXELS] [--most PHYXELS] [--surfels N] [--only building] [--threads N] [--seconds S]
+//                 [--csv FILE] [--json FILE]
 //
 // Balls of 56 to 200 000 phyxels, on a lattice (stress points, in double and single precision) and as clouds (phyxels),
 // neo-Hookean with stabilisation:
@@ -10,25 +10,34 @@
 //   substep  one explicit step of Simulator: forces, integration and the guard, without contact
 // in turns, medians. A small ball has more surface, so fewer cells per phyxel: costs per evaluation point stand beside.
 //
+// Building: processor time from a closed mesh, a box and a liver by a formula, each held at one end, to a body ready for
+// its first step, the least of three; and how long nobody has looked for a request to stop. --only building: this alone.
+//
 // Memory of materials: the same evaluation of 3 000 phyxels over a step of 1 ms with a material that flows or relaxes,
 // over that of the elastic one.
 //
 // Memory: what operator new has given out for the rest state and for the body, by counting; "of these" the vectors that
 // can be seen from outside, by their sizes. Surfels: what a rest state with them has more.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <iterator>
 #include <map>
+#include <numbers>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "bench/bodies.h"
 #include "bench/heap.h"
 #include "bench/report.h"
 #include "bench/timing.h"
+#include "mesh_body.h"
 #include "pointbased/simulator.h"
+#include "surfaces.h"
+#include "thin_shapes.h"
 
 namespace {
 
@@ -158,6 +167,84 @@ void historyTable(bench::Report &report, double seconds, const ParallelFor &para
   }
 }
 
+/// Never raised; ms of the processor for which nobody has looked.
+class Listening final : public StopRequest {
+ public:
+  [[nodiscard]] bool isRaised() const noexcept override {
+    if (std::this_thread::get_id() != listener_) return false;
+    const double now = bench::processor_ms();
+    longest_ms_ = std::max(longest_ms_, now - last_ms_);
+    last_ms_ = now;
+    return false;
+  }
+  [[nodiscard]] double longest_ms() const {
+    (void)isRaised();
+    return longest_ms_;
+  }
+
+ private:
+  const std::thread::id listener_ = std::this_thread::get_id();
+  mutable double last_ms_ = bench::processor_ms(), longest_ms_ = 0.0;
+};
+
+Surface meshOf(bool box) {
+  if (box) return shapes::boxSurface(Vec3::Zero(), Vec3(0.2, 0.04, 0.04));
+  constexpr int kRings = 100;
+  return validation::latheSurface(kRings, 150, [](int ring, double phi) {
+    const double theta = std::numbers::pi * ring / kRings;
+    const Vec3 n(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), -std::cos(theta));
+    return Vec3(0.11 * n[0], (0.045 + 0.03 * n[0]) * n[1] + 0.02 * n[0] * n[0], (0.07 - 0.03 * n[0] * n[0]) * n[2]);
+  });
+}
+
+void buildingTable(bench::Report &report, std::size_t least, std::size_t most, const ParallelFor &inner) {
+  report.table("building", {{"body", "body "},
+                            {"evaluation", "evaluation   "},
+                            {"phyxels", "phyxels"},
+                            {"surfels", "surfels"},
+                            {"rest_us_per_phyxel", "rest state us/phyxel", 1},
+                            {"body_us_per_phyxel", "body us/phyxel", 1},
+                            {"us_per_phyxel", "all us/phyxel", 1},
+                            {"longest_unasked_ms", "unasked ms", 1}});
+  for (const bool box : {true, false}) {
+    const Surface mesh = meshOf(box);
+    const BodyShape shape = validation::meshShape(mesh);
+    for (const Evaluation evaluation : {Evaluation::stressPoints, Evaluation::phyxels})
+      for (const std::size_t size : {1000u, 10000u, 100000u}) {
+        if (size < least || size > most) continue;
+        BodyRecipe recipe;
+        recipe.evaluation = evaluation;
+        recipe.sampling.spacing = std::cbrt(shape.volume / static_cast<double>(size));
+        Fix fix;
+        fix.region = HalfSpaceRegion{shape.min + 0.125 * (shape.max - shape.min)[0] * Vec3::UnitX(), Vec3::UnitX()};
+        recipe.fixes = {fix};
+        double rest_ms = 1e300, body_ms = 1e300, unasked_ms = 1e300;
+        std::size_t phyxels = 0;
+        StoppableLoops loops(inner);
+        for (int run = 0; run < 3; ++run) {
+          const Listening listening;
+          const StoppableLoops::Watch watch(loops, &listening);
+          const double begin_ms = bench::processor_ms();
+          const auto rest = buildRestState(shape, recipe, {}, loops.parallelFor());
+          if (!rest) {
+            std::fprintf(stderr, "bench_scaling: %s\n", rest.error().c_str());
+            std::exit(1);
+          }
+          const double between_ms = bench::processor_ms();
+          Body body("body", *rest, bench::constitutionFor(**rest), loops.parallelFor());
+          rest_ms = std::min(rest_ms, between_ms - begin_ms);
+          body_ms = std::min(body_ms, bench::processor_ms() - between_ms);
+          unasked_ms = std::min(unasked_ms, listening.longest_ms());
+          phyxels = (*rest)->phyxelCount();
+        }
+        const double perPhyxel = 1e3 / static_cast<double>(phyxels);
+        report.row({box ? "box" : "liver", evaluation == Evaluation::stressPoints ? "stress points" : "phyxels",
+                    phyxels, mesh.positions.size(), perPhyxel * rest_ms, perPhyxel * body_ms,
+                    perPhyxel * (rest_ms + body_ms), unasked_ms});
+      }
+  }
+}
+
 struct Spread {
   double least = 1e300, most = 0.0;
   void add(double value) {
@@ -170,6 +257,7 @@ struct Spread {
 
 int main(int argc, char **argv) {
   std::size_t least = 0, most = 200000, surfels = 50000;
+  bool buildingAlone = false;
   bench::CommandLine line("bench_scaling");
   const auto count = [](std::size_t &into) {
     return [&into](const std::string &text) { into = std::strtoul(text.c_str(), nullptr, 10); };
@@ -177,11 +265,14 @@ int main(int argc, char **argv) {
   line.add("--least", "PHYXELS", count(least));
   line.add("--most", "PHYXELS", count(most));
   line.add("--surfels", "N", count(surfels));
+  line.add("--only", "building", [&](const std::string &text) { buildingAlone = text == "building"; });
   if (const auto exit = line.parse(argc, argv)) return *exit;
   const bench::Options &options = line.options();
   c3de::ThreadPool pool(options.threads);
   const ParallelFor parallelFor = bench::parallelForOf(pool);
   bench::Report report(line.name(), options);
+  buildingTable(report, least, most, parallelFor);
+  if (buildingAlone) return report.write();
 
   std::map<std::string, std::map<std::string, Spread>> spreads;
   for (const Kind &kind : kKinds) {

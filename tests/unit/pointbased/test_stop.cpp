@@ -208,6 +208,47 @@ TEST_CASE("what is built from stoppable loops ends with Stopped, and loops go on
   }
 }
 
+TEST_CASE("a body in the making ends wherever it is asked to, and looks often on one thread as well") {
+  StoppableLoops loops(serialFor());
+  for (const Evaluation evaluation : {Evaluation::stressPoints, Evaluation::phyxels}) {
+    const bool lattice = evaluation == Evaluation::stressPoints;
+    INFO((lattice ? "lattice" : "cloud"));
+    BodyRecipe recipe;
+    recipe.evaluation = evaluation;
+    recipe.sampling.spacing = 0.004;  // some 16 000 phyxels
+    const Constitution constitution{{rubber(2e4)}, lattice ? kLatticeStabilisation : kCloudStabilisation};
+    const auto build = [&](const StopRequest &stop) {
+      const StoppableLoops::Watch watch(loops, &stop);
+      const auto rest = buildRestState(box(Vec3::Zero(), Vec3::Constant(0.1)), recipe, {}, loops.parallelFor());
+      REQUIRE(rest);
+      (void)Body("box", *rest, constitution, loops.parallelFor());
+    };
+    int ended = 0;
+    for (int look = 0;; look = 2 * look + 1) {
+      const AtLook stop(look);
+      bool isEnded = false;
+      try {
+        build(stop);
+      } catch (const Stopped &) {
+        isEnded = true;
+      }
+      if (!isEnded) break;
+      ++ended;
+    }
+    CHECK(ended >= 8);
+    const Listening stop;
+    build(stop);
+    CHECK(stop.longest_s() < 0.1);
+
+    // The search for the frequency is ended as well.
+    const auto rest = buildRestState(box(Vec3::Zero(), Vec3::Constant(0.1)), recipe, {}, serialFor());
+    REQUIRE(rest);
+    const AtLook late(8);
+    const StoppableLoops::Watch watch(loops, &late);
+    CHECK_THROWS_AS(Body("box", *rest, constitution, loops.parallelFor()), Stopped);
+  }
+}
+
 TEST_CASE("a simulator says what it is busy with, and what would help") {
   Simulator simulator;
   WorldSettings world;

@@ -261,7 +261,8 @@ class Body {
   void bindFoundation();
   [[nodiscard]] Vec3 firstReference(Index phyxel) const;
   [[nodiscard]] double stableStepFor(double tangentRatio) const;
-  void vectorise();
+  void vectorise(const ParallelFor &parallelFor);
+  [[nodiscard]] double frequencyAtRest(const ParallelFor &parallelFor) const;
   void makePoints() const;
   [[nodiscard]] detail::VectorForces &exactForces() const;
   void addLoads(double t, const ParallelFor &parallelFor);

@@ -13,4 +13,17 @@ inline void lookForEnd(const ParallelFor &parallelFor) {
 
 inline constexpr std::size_t kLookEvery = 1 << 14;  // parts of a body between two looks
 
+/// Called once for each part in a serial loop, looks often enough.
+class Looks {
+ public:
+  explicit Looks(const ParallelFor &parallelFor) : parallelFor_(parallelFor) {}
+  void operator()() {
+    if (++seen_ % kLookEvery == 0) lookForEnd(parallelFor_);
+  }
+
+ private:
+  const ParallelFor &parallelFor_;
+  std::size_t seen_ = 0;
+};
+
 }  // namespace pointbased::detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pointbased/stop_request.h"
 
+#include <algorithm>
 #include <functional>
 
 namespace pointbased {
@@ -9,6 +10,8 @@ namespace {
 // A loop within a loop runs on a worker, from which nothing may be thrown.
 thread_local bool insideLoop = false;
 
+constexpr std::size_t kGrainsBetweenLooks = 16;
+
 }  // namespace
 
 StoppableLoops::StoppableLoops(ParallelFor inner)
@@ -16,11 +19,13 @@ StoppableLoops::StoppableLoops(ParallelFor inner)
                                                          const std::function<void(std::size_t, std::size_t)> &loop) {
         const StopRequest *stop = *watched;
         if (stop == nullptr) return inner(n, grain, loop);
-        const auto part = [&loop, stop](std::size_t begin, std::size_t end) {
-          if (stop->isRaised()) return;  // the caller throws
+        const auto part = [&loop, grain, stop](std::size_t begin, std::size_t end) {
           const bool outer = insideLoop;
           insideLoop = true;
-          loop(begin, end);
+          // A single thread is given all at once.
+          const std::size_t piece = kGrainsBetweenLooks * std::max<std::size_t>(1, grain);
+          for (; begin < end && !stop->isRaised(); begin += std::min(piece, end - begin))  // the caller throws
+            loop(begin, std::min(end, begin + piece));
           insideLoop = outer;
         };
         if (n > 0) inner(n, grain, std::cref(part));

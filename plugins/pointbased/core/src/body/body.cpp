@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/expects.h"
+#include "forces/engine_frequency.h"
 #include "forces/vector_forces.h"
 
 namespace pointbased {
@@ -159,7 +160,6 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
   if (remembersStress && !state_.history.prony.empty()) state_.history.prony = stress;
   if (!modes.empty() && !state_.history.modes.empty()) state_.history.modes = modes;
 
-  const StencilSet &s = rest_->stencils;
   const std::vector<double> densities = phyxelDensities(constitution_, *rest_);
   for (std::size_t i = 0; i < masses_.size(); ++i) {
     const double density = densities[i];
@@ -195,10 +195,23 @@ void Body::setConstitution(Constitution constitution, const ParallelFor &paralle
   contactModuli_.resize(rest_->contact.count());
   for (std::size_t p = 0; p < contactModuli_.size(); ++p)
     contactModuli_[p] = modulusAt(moduli, touching.phyxels, touching.weights, p);
-  vectorise();
-  restFrequency_ = largestFrequency(constitution_, s, rest_->positions, masses_, {}, parallelFor);
+  vectorise(parallelFor);
+  restFrequency_ = frequencyAtRest(parallelFor);
   foundationFrequency_ = std::sqrt(foundation_.squaredFrequencyBound(masses_));
   forcesCurrent = false;
+}
+
+double Body::frequencyAtRest(const ParallelFor &parallelFor) const {
+  if (!vectorForces_)
+    return largestFrequency(constitution_, rest_->stencils, rest_->positions, masses_, {}, parallelFor);
+  detail::VectorForces &forces = exactForces();
+  forces.linearise(std::vector<Vec3>(rest_->phyxelCount(), Vec3::Zero()), parallelFor);
+  const double frequency = detail::largestFrequencyOf(
+      [&](std::span<const Vec3> du, std::span<Vec3> df) { forces.differential(du, 0.0, df, parallelFor); }, masses_, {},
+      parallelFor);
+  forces.dropTangent();
+  if (precision_ != Precision::doublePrecision) exactForces_.reset();
+  return frequency;
 }
 
 double Body::stableStepFor(double tangentRatio) const {
@@ -220,12 +233,13 @@ double Body::stableStepFor(double tangentRatio) const {
 void Body::setPrecision(Precision precision) {
   if (precision == precision_) return;
   precision_ = precision;
-  vectorise();
+  vectorise(serialFor());
   forcesCurrent = false;
 }
 
-void Body::vectorise() {
-  vectorForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, precision_);
+void Body::vectorise(const ParallelFor &parallelFor) {
+  vectorForces_ =
+      detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, precision_, parallelFor);
   exactForces_.reset();
   if (!vectorForces_) makePoints();
 }
@@ -240,8 +254,8 @@ void Body::makePoints() const {
 detail::VectorForces &Body::exactForces() const {
   if (precision_ == Precision::doublePrecision) return *vectorForces_;
   if (!exactForces_)
-    exactForces_ =
-        detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_, Precision::doublePrecision);
+    exactForces_ = detail::vectorForces(rest_->stencils, rest_->positions, masses_, constitution_,
+                                        Precision::doublePrecision, serialFor());
   return *exactForces_;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/disjoint_sets.h"
+#include "base/look_for_end.h"
 #include "body/rest_parts.h"
 #include "skin/skin_tears.h"
 
@@ -14,9 +15,12 @@ namespace {
 
 // Calls visit(row) for every phyxel with those that stand in a common stencil, ascending.
 template <class Visit>
-void forNeighbours(const StencilSet &stencils, std::size_t phyxels, const Visit &visit) {
+void forNeighbours(const StencilSet &stencils, std::size_t phyxels, const Visit &visit,
+                   const ParallelFor &parallelFor = serialFor()) {
   std::vector<Index> row;
+  detail::Looks look(parallelFor);
   for (std::size_t i = 0; i < phyxels; ++i) {
+    look();
     row.clear();
     for (Index k = stencils.entriesOfPhyxel.offsets[i]; k < stencils.entriesOfPhyxel.offsets[i + 1]; ++k) {
       const Index q = stencils.pointOfEntry(stencils.entriesOfPhyxel.indices[k]);
@@ -77,7 +81,8 @@ std::size_t detail::countComponents(const Csr &neighbors) {
 namespace {
 
 // Pairs whose straight way leaves the body do not act on each other: two lobes with a gap between them stay two.
-void dropPairsThatCannotSee(const BodyShape &shape, std::span<const Vec3> world, Csr &neighbors) {
+void dropPairsThatCannotSee(const BodyShape &shape, std::span<const Vec3> world, Csr &neighbors,
+                            const ParallelFor &parallelFor) {
   if (!shape.crosses) return;
   std::vector<Vec3> from, to;
   std::vector<std::uint8_t> crosses;
@@ -88,18 +93,25 @@ void dropPairsThatCannotSee(const BodyShape &shape, std::span<const Vec3> world,
         to.push_back(world[neighbors.indices[k]]);
       }
   crosses.resize(from.size());
-  shape.crosses(from, to, crosses);
+  parallelFor(from.size(), 64, [&](std::size_t begin, std::size_t end) {
+    shape.crosses(std::span<const Vec3>(from).subspan(begin, end - begin),
+                  std::span<const Vec3>(to).subspan(begin, end - begin),
+                  std::span<std::uint8_t>(crosses).subspan(begin, end - begin));
+  });
   std::vector<std::vector<Index>> kept(neighbors.rows());
+  detail::Looks look(parallelFor);
   std::size_t pair = 0;
-  for (Index i = 0; i < neighbors.rows(); ++i)
-    for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k)
-      if (const Index j = neighbors.indices[k]; j > i && !crosses[pair++]) {
+  for (Index i = 0; i < neighbors.rows(); ++i) {
+    look();
+    // Those below i have come already, ascending.
+    for (const Index j : neighbors.row(i))
+      if (j > i && !crosses[pair++]) {
         kept[i].push_back(j);
         kept[j].push_back(i);
       }
+  }
   Csr out;
-  for (std::vector<Index> &row : kept) {
-    std::sort(row.begin(), row.end());
+  for (const std::vector<Index> &row : kept) {
     out.indices.insert(out.indices.end(), row.begin(), row.end());
     out.offsets.push_back(static_cast<Index>(out.indices.size()));
   }
@@ -168,7 +180,7 @@ std::shared_ptr<RestState> restOfCloud(const PhyxelCloud &cloud, const NeighborC
   rest->positions.reserve(cloud.positions.size());
   for (const Vec3 &x : cloud.positions) rest->positions.push_back(x - rest->origin);
   Neighborhoods found = findNeighborhoods(rest->positions, choice, cloud.spacing, parallelFor);
-  if (shape) dropPairsThatCannotSee(*shape, cloud.positions, found.neighbors);
+  if (shape) dropPairsThatCannotSee(*shape, cloud.positions, found.neighbors, parallelFor);
   rest->stencils =
       buildPhyxelStencils(rest->positions, found.neighbors, found.supportRadii, rest->volumes, parallelFor);
   rest->neighbors = std::move(found.neighbors);
@@ -264,9 +276,12 @@ Result<std::shared_ptr<RestState>> restOfLattice(const BodyShape &shape, const B
   rest->pointCentres = std::move(body.pointCentres);
   rest->components = body.components;
   NeighbourCounter counter;
-  forNeighbours(rest->stencils, rest->positions.size(), [&](std::span<const Index> row) { counter.add(row.size()); });
+  forNeighbours(
+      rest->stencils, rest->positions.size(), [&](std::span<const Index> row) { counter.add(row.size()); },
+      parallelFor);
   rest->latticeNeighbours = counter.counted();
   compactRows(rest->stencils);
+  detail::lookForEnd(parallelFor);
   held = std::move(body.held);
   rest->bind = [cells = body.cells, parallelFor](std::span<const Vec3> points, std::span<const Vec3> normals) {
     return cells->bind(points, normals, parallelFor);

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/look_for_end.h"
 #include "forces/kernels/cell_history_kernel.h"
 #include "forces/kernels/cell_kernel.h"
 #include "forces/kernels/cell_tangent_kernel.h"
@@ -102,12 +103,14 @@ template <class T>
 class CellForces final : public VectorForces {
  public:
   CellForces(const StencilSet &stencils, std::span<const Vec3> positions, std::span<const double> masses,
-             const Constitution &constitution, const CellPlan &plan)
-      : stencils_(stencils), masses_(masses), constitution_(constitution), cells_(sliceCells<T>(stencils, plan)),
-        laws_(lawsOf<T>(constitution)), memories_(constitution, plan),
-        fallback_(stencils, positions, constitution_, plan.others), turned_(stencils.axes != Mat3::Identity()) {
+             const Constitution &constitution, const CellPlan &plan, const ParallelFor &parallelFor)
+      : stencils_(stencils), masses_(masses), constitution_(constitution),
+        cells_(sliceCells<T>(stencils, plan, parallelFor)), laws_(lawsOf<T>(constitution)),
+        memories_(constitution, plan), fallback_(stencils, positions, constitution_, plan.others),
+        turned_(stencils.axes != Mat3::Identity()) {
     layRows(positions.size());
-    stiffnessAtRest_ = largestStiffnessAtRest();
+    detail::lookForEnd(parallelFor);
+    stiffnessAtRest_ = largestStiffnessAtRest(parallelFor);
   }
 
   double evaluate(std::span<const Vec3> u, std::span<const Vec3> v, const HistoryStep &step, std::span<Vec3> forces,
@@ -172,6 +175,8 @@ class CellForces final : public VectorForces {
     (void)collect({}, df, parallelFor);
   }
 
+  void dropTangent() override { tangents_ = {}; }
+
  private:
   [[nodiscard]] CellJob<T> job(std::span<const Vec3> u) {
     CellJob<T> job;
@@ -220,9 +225,11 @@ class CellForces final : public VectorForces {
            gradients[entry].squaredNorm();
   }
 
-  [[nodiscard]] double largestStiffnessAtRest() const {
+  [[nodiscard]] double largestStiffnessAtRest(const ParallelFor &parallelFor) const {
     std::vector<double> sums(masses_.size(), 0.0);
+    Looks look(parallelFor);
     for (std::size_t q = 0; q < stencils_.pointCount(); ++q) {
+      look();
       const GradientRows gradients(stencils_, q);
       for (Index e = stencils_.phyxels.offsets[q]; e < stencils_.phyxels.offsets[q + 1]; ++e)
         sums[stencils_.phyxels.indices[e]] += stiffnessOf(q, gradients, e);
@@ -284,14 +291,14 @@ class CellForces final : public VectorForces {
 
 std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
                                            std::span<const double> masses, const Constitution &constitution,
-                                           Precision precision) {
+                                           Precision precision, const ParallelFor &parallelFor) {
   std::vector<std::uint8_t> suits;
   for (const Material &m : constitution.materials) suits.push_back(kernelKnows(m) ? 1 : 0);
   const bool single = precision == Precision::singlePrecision && !constitution.remembers();  // why: see HistoryJob
-  const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits);
+  const CellPlan plan = planCells(stencils, single ? kLanes<float> : kLanes<double>, suits, parallelFor);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;
-  if (single) return std::make_unique<CellForces<float>>(stencils, positions, masses, constitution, plan);
-  return std::make_unique<CellForces<double>>(stencils, positions, masses, constitution, plan);
+  if (single) return std::make_unique<CellForces<float>>(stencils, positions, masses, constitution, plan, parallelFor);
+  return std::make_unique<CellForces<double>>(stencils, positions, masses, constitution, plan, parallelFor);
 }
 
 }  // namespace pointbased::detail

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vector forces of clouds.
+#include "base/look_for_end.h"
 #include "forces/cloud_stabilisation.h"
 #include "forces/kernels/cloud_kernel.h"
 #include "forces/vector_forces_parts.h"
@@ -38,13 +39,13 @@ template <class T>
 class CloudForces final : public VectorForces {
  public:
   CloudForces(const StencilSet &stencils, std::span<const Vec3> positions, const Constitution &constitution,
-              const CloudPlan &plan)
+              const CloudPlan &plan, const ParallelFor &parallelFor)
       : stencils_(stencils), positions_(positions), constitution_(constitution), points_(plan.points),
         materials_(plan.materials), laws_(lawsOf<T>(constitution)),
         fallback_(stencils, positions, constitution_, plan.others) {
     const std::size_t n = positions.size();
-    layPairs(stencils, positions, plan.full);
-    layPoints(stencils, positions, plan.full);
+    layPairs(stencils, positions, plan.full, parallelFor);
+    layPoints(stencils, positions, plan.full, parallelFor);
     tensors_.assign(16 * n, T(0));
     own_.assign(4 * n, T(0));
     ratios_.resize(materials_.size());
@@ -97,6 +98,8 @@ class CloudForces final : public VectorForces {
     addOthers(df);
   }
 
+  void dropTangent() override { tangents_ = {}; }
+
  private:
   [[nodiscard]] CloudJob<T> job() {
     CloudJob<T> job;
@@ -143,11 +146,14 @@ class CloudForces final : public VectorForces {
            residualScale(materialOfPoint(constitution_, s, q), constitution_.stabilisation, s.volumes[q]);
   }
 
-  void layPairs(const StencilSet &s, std::span<const Vec3> X, std::span<const std::uint8_t> full) {
+  void layPairs(const StencilSet &s, std::span<const Vec3> X, std::span<const std::uint8_t> full,
+                const ParallelFor &parallelFor) {
+    Looks look(parallelFor);
     const std::size_t n = X.size();
     offsets_.assign(1, 0);
     places_.resize(4 * n);
     for (std::size_t q = 0; q < n; ++q) {
+      look();
       for (Index e = s.phyxels.offsets[q] + 1; e < s.phyxels.offsets[q + 1]; ++e) {
         neighbours_.push_back(s.phyxels.indices[e]);
         weights_.push_back(static_cast<T>(s.weights[e] / s.weightFactors[q]));
@@ -160,35 +166,38 @@ class CloudForces final : public VectorForces {
     weights_.shrink_to_fit();
   }
 
-  void layPoints(const StencilSet &s, std::span<const Vec3> X, std::span<const std::uint8_t> full) {
+  void layPoints(const StencilSet &s, std::span<const Vec3> X, std::span<const std::uint8_t> full,
+                 const ParallelFor &parallelFor) {
     constexpr std::size_t kSlice = kLanes<T>;
     numbers_.assign(materials_.size() * kCloudNumbers * kSlice, T(0));
-    for (std::size_t at = 0; at < points_.size(); ++at) {
-      const Index q = points_[at];
-      if (q == kNoPoint || full[q] == 0) continue;
-      Mat3 A = Mat3::Zero();
-      Vec3 rest = Vec3::Zero();
-      for (Index e = s.phyxels.offsets[q] + 1; e < s.phyxels.offsets[q + 1]; ++e) {
-        const Vec3 d = X[s.phyxels.indices[e]] - X[q];
-        const double w = s.weights[e] / s.weightFactors[q];
-        A += w * d * d.transpose();
-        rest += w * d;
+    runLoop(parallelFor, points_.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t at = begin; at < end; ++at) {
+        const Index q = points_[at];
+        if (q == kNoPoint || full[q] == 0) continue;
+        Mat3 A = Mat3::Zero();
+        Vec3 rest = Vec3::Zero();
+        for (Index e = s.phyxels.offsets[q] + 1; e < s.phyxels.offsets[q + 1]; ++e) {
+          const Vec3 d = X[s.phyxels.indices[e]] - X[q];
+          const double w = s.weights[e] / s.weightFactors[q];
+          A += w * d * d.transpose();
+          rest += w * d;
+        }
+        const Mat3 inverse = A.inverse();
+        T *numbers = numbers_.data() + at / kSlice * kCloudNumbers * kSlice + at % kSlice;
+        const auto set = [&](CloudNumber which, double value) { numbers[which * kSlice] = static_cast<T>(value); };
+        set(kInverseXX, inverse(0, 0));
+        set(kInverseYY, inverse(1, 1));
+        set(kInverseZZ, inverse(2, 2));
+        set(kInverseXY, inverse(0, 1));
+        set(kInverseXZ, inverse(0, 2));
+        set(kInverseYZ, inverse(1, 2));
+        set(kRestX, rest[0]);
+        set(kRestY, rest[1]);
+        set(kRestZ, rest[2]);
+        set(kCloudVolume, s.volumes[q]);
+        set(kControl, controlOfPoint(s, q, true));
       }
-      const Mat3 inverse = A.inverse();
-      T *numbers = numbers_.data() + at / kSlice * kCloudNumbers * kSlice + at % kSlice;
-      const auto set = [&](CloudNumber which, double value) { numbers[which * kSlice] = static_cast<T>(value); };
-      set(kInverseXX, inverse(0, 0));
-      set(kInverseYY, inverse(1, 1));
-      set(kInverseZZ, inverse(2, 2));
-      set(kInverseXY, inverse(0, 1));
-      set(kInverseXZ, inverse(0, 2));
-      set(kInverseYZ, inverse(1, 2));
-      set(kRestX, rest[0]);
-      set(kRestY, rest[1]);
-      set(kRestZ, rest[2]);
-      set(kCloudVolume, s.volumes[q]);
-      set(kControl, controlOfPoint(s, q, true));
-    }
+    });
   }
 
   const StencilSet &stencils_;
@@ -209,15 +218,16 @@ class CloudForces final : public VectorForces {
 }  // namespace
 
 std::unique_ptr<VectorForces> cloudForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
-                                            const Constitution &constitution, Precision precision) {
+                                            const Constitution &constitution, Precision precision,
+                                            const ParallelFor &parallelFor) {
   if (stencils.weightFactors.empty()) return nullptr;
   std::vector<std::uint8_t> suits;
   for (const Material &m : constitution.materials) suits.push_back(kernelKnows(m) ? 1 : 0);
   const bool single = precision == Precision::singlePrecision;
   const CloudPlan plan(stencils, single ? kLanes<float> : kLanes<double>, suits);
   if (2 * plan.others.size() > stencils.pointCount()) return nullptr;
-  if (single) return std::make_unique<CloudForces<float>>(stencils, positions, constitution, plan);
-  return std::make_unique<CloudForces<double>>(stencils, positions, constitution, plan);
+  if (single) return std::make_unique<CloudForces<float>>(stencils, positions, constitution, plan, parallelFor);
+  return std::make_unique<CloudForces<double>>(stencils, positions, constitution, plan, parallelFor);
 }
 
 }  // namespace pointbased::detail

@@ -118,11 +118,11 @@ ElasticEnergy ScalarFallback::energy(std::span<const Vec3> u, const PointHistory
 
 std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span<const Vec3> positions,
                                            std::span<const double> masses, const Constitution &constitution,
-                                           Precision precision) {
+                                           Precision precision, const ParallelFor &parallelFor) {
   if (positions.empty() || !stencils.reference.empty()) return nullptr;
-  if (stencils.isLattice()) return cellForcesOf(stencils, positions, masses, constitution, precision);
+  if (stencils.isLattice()) return cellForcesOf(stencils, positions, masses, constitution, precision, parallelFor);
   // The kernels of clouds know no history.
-  return constitution.remembers() ? nullptr : cloudForcesOf(stencils, positions, constitution, precision);
+  return constitution.remembers() ? nullptr : cloudForcesOf(stencils, positions, constitution, precision, parallelFor);
 }
 
 }  // namespace pointbased::detail

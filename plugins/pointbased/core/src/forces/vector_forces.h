@@ -43,12 +43,16 @@ class VectorForces {
   /// df = -K du, as forceDifferential(), with the viscous forces of velocities viscousScale du.
   virtual void differential(std::span<const Vec3> du, double viscousScale, std::span<Vec3> df,
                             const ParallelFor &parallelFor) = 0;
+  /// Gives back the memory of linearise().
+  virtual void dropTangent() = 0;
 };
 
 /// Null where no kernel would take at least half of the points: renewed references, clouds that flow or relax.
-/// @param masses  [phyxels] kg; has to live as long
+/// @param masses       [phyxels] kg; has to live as long
+/// @param parallelFor  of the building alone
 [[nodiscard]] std::unique_ptr<VectorForces> vectorForces(const StencilSet &stencils, std::span<const Vec3> positions,
                                                          std::span<const double> masses,
-                                                         const Constitution &constitution, Precision precision);
+                                                         const Constitution &constitution, Precision precision,
+                                                         const ParallelFor &parallelFor);
 
 }  // namespace pointbased::detail

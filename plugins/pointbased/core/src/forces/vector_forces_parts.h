@@ -16,9 +16,11 @@ inline constexpr std::size_t kPhyxelGrain = 256;
 
 [[nodiscard]] std::unique_ptr<VectorForces> cellForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
                                                          std::span<const double> masses,
-                                                         const Constitution &constitution, Precision precision);
+                                                         const Constitution &constitution, Precision precision,
+                                                         const ParallelFor &parallelFor);
 [[nodiscard]] std::unique_ptr<VectorForces> cloudForcesOf(const StencilSet &stencils, std::span<const Vec3> positions,
-                                                          const Constitution &constitution, Precision precision);
+                                                          const Constitution &constitution, Precision precision,
+                                                          const ParallelFor &parallelFor);
 
 /// Whether the kernels have its law; their neo-Hookean one is that with the square of the logarithm.
 [[nodiscard]] inline bool kernelKnows(const Material &m) {

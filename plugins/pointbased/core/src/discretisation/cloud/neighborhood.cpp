@@ -3,10 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
+#include "base/look_for_end.h"
 #include "base/point_tree.h"
 
 namespace pointbased {
+namespace {
+
+Csr rowsOf(const std::vector<std::vector<Index>> &rows) {
+  Csr out;
+  out.offsets.reserve(rows.size() + 1);
+  for (const std::vector<Index> &row : rows) out.offsets.push_back(out.offsets.back() + static_cast<Index>(row.size()));
+  out.indices.reserve(out.offsets.back());
+  for (const std::vector<Index> &row : rows) out.indices.insert(out.indices.end(), row.begin(), row.end());
+  return out;
+}
+
+}  // namespace
 
 Neighborhoods findNeighborhoods(std::span<const Vec3> positions, const NeighborChoice &choice, double spacing,
                                 const ParallelFor &parallelFor) {
@@ -40,19 +54,32 @@ Neighborhoods findNeighborhoods(std::span<const Vec3> positions, const NeighborC
       tree.within(positions[i], radius, found);
       for (const auto &[j, squared] : found)
         if (j != i) chosen[i].push_back(j);
+      std::sort(chosen[i].begin(), chosen[i].end());
     }
   });
-  std::vector<std::vector<Index>> both = chosen;
-  for (std::size_t i = 0; i < n; ++i)
-    for (const Index j : chosen[i]) both[j].push_back(static_cast<Index>(i));
-  out.neighbors.offsets.assign(n + 1, 0);
+  // Whoever has chosen me, ascending.
+  detail::Looks look(parallelFor);
+  Csr chosenBy;
+  chosenBy.offsets.assign(n + 1, 0);
+  for (const std::vector<Index> &row : chosen)
+    for (const Index j : row) ++chosenBy.offsets[j + 1];
+  for (std::size_t i = 0; i < n; ++i) chosenBy.offsets[i + 1] += chosenBy.offsets[i];
+  chosenBy.indices.resize(chosenBy.offsets[n]);
+  std::vector<Index> next(chosenBy.offsets.begin(), chosenBy.offsets.end() - 1);
   for (std::size_t i = 0; i < n; ++i) {
-    std::sort(both[i].begin(), both[i].end());
-    both[i].erase(std::unique(both[i].begin(), both[i].end()), both[i].end());
-    out.neighbors.offsets[i + 1] = out.neighbors.offsets[i] + static_cast<Index>(both[i].size());
+    look();
+    for (const Index j : chosen[i]) chosenBy.indices[next[j]++] = static_cast<Index>(i);
   }
-  out.neighbors.indices.reserve(out.neighbors.offsets[n]);
-  for (const auto &row : both) out.neighbors.indices.insert(out.neighbors.indices.end(), row.begin(), row.end());
+  parallelFor(n, 64, [&](std::size_t begin, std::size_t end) {
+    std::vector<Index> both;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::span<const Index> others = chosenBy.row(i);
+      both.clear();
+      std::set_union(chosen[i].begin(), chosen[i].end(), others.begin(), others.end(), std::back_inserter(both));
+      chosen[i].assign(both.begin(), both.end());
+    }
+  });
+  out.neighbors = rowsOf(chosen);
   return out;
 }
 

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/look_for_end.h"
 #include "base/number_text.h"
+#include "discretisation/grid_sides.h"
 #include "discretisation/lattice/lattice_grid.h"
 
 namespace pointbased {
@@ -15,7 +17,7 @@ using detail::number;
 
 // Points per axis of the finer lattice inside a cell that the surface cuts: 5³ = 125 give each part's volume to about
 // one per cent; the sum is exact in any case.
-constexpr int kSubdivisions = 5;
+constexpr int kSubdivisions = 5, kPerCell = kSubdivisions * kSubdivisions * kSubdivisions;
 constexpr int kOutside = -1;
 
 struct Lattice {
@@ -23,6 +25,9 @@ struct Lattice {
   double spacing = 0.0;
   std::array<std::int64_t, 3> n{};
 
+  [[nodiscard]] std::array<std::size_t, 3> counts() const {
+    return {static_cast<std::size_t>(n[0]), static_cast<std::size_t>(n[1]), static_cast<std::size_t>(n[2])};
+  }
   [[nodiscard]] std::size_t cells() const { return static_cast<std::size_t>(n[0] * n[1] * n[2]); }
   [[nodiscard]] std::size_t index(std::int64_t x, std::int64_t y, std::int64_t z) const {
     return static_cast<std::size_t>((z * n[1] + y) * n[0] + x);
@@ -54,7 +59,7 @@ Lattice latticeOver(const BodyShape &shape, double spacing) {
 std::vector<std::uint8_t> insideFlags(const BodyShape &shape, std::span<const Vec3> points,
                                       const ParallelFor &parallelFor) {
   std::vector<std::uint8_t> flags(points.size());
-  parallelFor(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+  parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
     std::vector<double> winding(end - begin);
     shape.inside(points.subspan(begin, end - begin), winding);
     for (std::size_t i = begin; i < end; ++i) flags[i] = winding[i - begin] > 0.5 ? 1 : 0;
@@ -62,28 +67,77 @@ std::vector<std::uint8_t> insideFlags(const BodyShape &shape, std::span<const Ve
   return flags;
 }
 
-// What of cubes of the finer lattice is inside.
+// Of voxels the distance is about right only.
+bool measures(const BodyShape &shape) { return shape.surfaceDistance && !shape.shares; }
+
+// What is asked of the middles of all cells.
+struct Middles {
+  std::vector<Vec3> centres;
+  std::vector<double> distances;     // empty: the shape does not tell
+  std::vector<std::uint8_t> inside;  // 0, 1
+};
+
+Middles middlesOf(const BodyShape &shape, const Lattice &lattice, const ParallelFor &parallelFor) {
+  Middles out;
+  out.centres.resize(lattice.cells());
+  parallelFor(out.centres.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) out.centres[c] = lattice.centre(c);
+  });
+  if (shape.surfaceDistance) {
+    out.distances.resize(out.centres.size());
+    parallelFor(out.centres.size(), 64, [&](std::size_t begin, std::size_t end) {
+      shape.surfaceDistance(std::span<const Vec3>(out.centres).subspan(begin, end - begin),
+                            std::span<double>(out.distances).subspan(begin, end - begin));
+    });
+  }
+  if (!measures(shape)) {
+    out.inside = insideFlags(shape, out.centres, parallelFor);
+    return out;
+  }
+  detail::GridSides sides;
+  sides.find(lattice.counts(), lattice.spacing, out.distances, detail::Looks(parallelFor));
+  std::vector<Vec3> asked;
+  for (const std::size_t c : sides.deepest()) asked.push_back(out.centres[c]);
+  const std::vector<std::uint8_t> answers = insideFlags(shape, asked, parallelFor);
+  out.inside.resize(out.centres.size());
+  for (std::size_t c = 0; c < out.inside.size(); ++c) out.inside[c] = answers[sides.groups()[c]];
+  return out;
+}
+
+// What of the cubes of the finer lattice is inside, cut cell by cut cell.
 std::vector<double> partsInside(const BodyShape &shape, std::span<const Vec3> points, double edge,
                                 const ParallelFor &parallelFor) {
   std::vector<double> parts(points.size());
-  parallelFor(points.size(), 256, [&](std::size_t begin, std::size_t end) {
-    const auto some = points.subspan(begin, end - begin);
-    const auto out = std::span<double>(parts).subspan(begin, end - begin);
+  parallelFor(points.size() / kPerCell, 2, [&](std::size_t begin, std::size_t end) {
+    const auto some = points.subspan(begin * kPerCell, (end - begin) * kPerCell);
+    const auto out = std::span<double>(parts).subspan(begin * kPerCell, some.size());
     if (shape.shares) {
       shape.shares(some, Mat3::Identity(), edge, out, {});
       return;
     }
-    shape.inside(some, out);
-    for (double &part : out) part = part > 0.5 ? 1.0 : 0.0;
+    if (!shape.surfaceDistance) {
+      shape.inside(some, out);
+      for (double &part : out) part = part > 0.5 ? 1.0 : 0.0;
+      return;
+    }
+    shape.surfaceDistance(some, out);
+    detail::GridSides sides;
+    std::vector<Vec3> asked;
+    std::vector<std::size_t> askedOf(some.size());
+    for (std::size_t at = 0; at < some.size(); at += kPerCell) {
+      sides.find({kSubdivisions, kSubdivisions, kSubdivisions}, edge, out.subspan(at, kPerCell));
+      for (std::size_t p = 0; p < kPerCell; ++p) askedOf[at + p] = asked.size() + sides.groups()[p];
+      for (const std::size_t p : sides.deepest()) asked.push_back(some[at + p]);
+    }
+    std::vector<double> winding(asked.size());
+    shape.inside(asked, winding);
+    for (std::size_t p = 0; p < out.size(); ++p) out[p] = winding[askedOf[p]] > 0.5 ? 1.0 : 0.0;
   });
   return parts;
 }
 
 std::size_t countInside(const BodyShape &shape, double spacing, const ParallelFor &parallelFor) {
-  const Lattice lattice = latticeOver(shape, spacing);
-  std::vector<Vec3> centres(lattice.cells());
-  for (std::size_t c = 0; c < centres.size(); ++c) centres[c] = lattice.centre(c);
-  const std::vector<std::uint8_t> flags = insideFlags(shape, centres, parallelFor);
+  const std::vector<std::uint8_t> flags = middlesOf(shape, latticeOver(shape, spacing), parallelFor).inside;
   return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), std::uint8_t{1}));
 }
 
@@ -105,8 +159,6 @@ double spacingForCount(const BodyShape &shape, std::size_t count, const Parallel
   return best;
 }
 
-constexpr int kPerCell = kSubdivisions * kSubdivisions * kSubdivisions;
-
 tl::unexpected<std::string> refuse(const std::string &text) { return tl::unexpected<std::string>(text); }
 
 Result<double> spacingOf(const BodyShape &shape, const Sampling &sampling, const ParallelFor &parallelFor) {
@@ -126,21 +178,6 @@ Result<double> spacingOf(const BodyShape &shape, const Sampling &sampling, const
     return refuse("a spacing of " + number(spacing, 4) + " m makes about " + number(phyxels, 4) + " phyxels; at most " +
                   std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");
   return spacing;
-}
-
-// Which cells the surface may cut: those it comes near; all, where the shape does not tell the distance.
-std::vector<std::uint8_t> cutFlags(const BodyShape &shape, std::span<const Vec3> centres, double spacing,
-                                   const ParallelFor &parallelFor) {
-  std::vector<std::uint8_t> cut(centres.size(), 1);
-  if (!shape.surfaceDistance) return cut;
-  std::vector<double> distances(centres.size());
-  parallelFor(centres.size(), 256, [&](std::size_t begin, std::size_t end) {
-    shape.surfaceDistance(centres.subspan(begin, end - begin),
-                          std::span<double>(distances).subspan(begin, end - begin));
-  });
-  const double halfDiagonal = 0.5 * std::sqrt(3.0) * spacing;
-  for (std::size_t c = 0; c < cut.size(); ++c) cut[c] = distances[c] <= halfDiagonal * (1.0 + 1e-9) ? 1 : 0;
-  return cut;
 }
 
 // Divides cut cells among the phyxels: points of a finer lattice that lie in the body go to the nearest phyxel around;
@@ -247,11 +284,14 @@ void sortInSpace(PhyxelCloud &cloud, const Lattice &lattice) {
   cloud.volumes = std::move(volumes);
 }
 
-void findContactRadii(PhyxelCloud &cloud, const BodyShape &shape) {
+void findContactRadii(PhyxelCloud &cloud, const BodyShape &shape, const ParallelFor &parallelFor) {
   cloud.contactRadii.resize(cloud.positions.size());
   if (shape.surfaceDistance) {
-    shape.surfaceDistance(cloud.positions, cloud.contactRadii);
-    for (double &r : cloud.contactRadii) r = std::min(r, 0.5 * cloud.spacing);
+    parallelFor(cloud.positions.size(), 64, [&](std::size_t begin, std::size_t end) {
+      const auto radii = std::span<double>(cloud.contactRadii).subspan(begin, end - begin);
+      shape.surfaceDistance(std::span<const Vec3>(cloud.positions).subspan(begin, end - begin), radii);
+      for (double &r : radii) r = std::min(r, 0.5 * cloud.spacing);
+    });
   } else {
     for (std::size_t i = 0; i < cloud.volumes.size(); ++i) cloud.contactRadii[i] = 0.5 * std::cbrt(cloud.volumes[i]);
   }
@@ -274,28 +314,29 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
 
   const Lattice lattice = latticeOver(shape, *spacing);
   const std::size_t cells = lattice.cells();
-  std::vector<Vec3> centres(cells);
-  for (std::size_t c = 0; c < cells; ++c) centres[c] = lattice.centre(c);
-  const std::vector<std::uint8_t> inside = insideFlags(shape, centres, parallelFor);
-  if (!shouldContinue(0.2)) return refuse("cancelled");
-  const std::vector<std::uint8_t> cut = cutFlags(shape, centres, *spacing, parallelFor);
+  const Middles middles = middlesOf(shape, lattice, parallelFor);
   if (!shouldContinue(0.35)) return refuse("cancelled");
+  // Those the surface comes near; all, where the shape does not tell the distance.
+  const double halfDiagonal = 0.5 * std::sqrt(3.0) * *spacing;
+  const auto mayBeCut = [&](std::size_t c) {
+    return middles.distances.empty() || middles.distances[c] <= halfDiagonal * (1.0 + 1e-9);
+  };
 
   PhyxelCloud cloud;
   cloud.spacing = *spacing;
   std::vector<int> phyxelOfCell(cells, kOutside);
   for (std::size_t c = 0; c < cells; ++c)
-    if (inside[c]) {
+    if (middles.inside[c] != 0) {
       phyxelOfCell[c] = static_cast<int>(cloud.positions.size());
-      cloud.positions.push_back(centres[c]);
+      cloud.positions.push_back(middles.centres[c]);
     }
   cloud.volumes.assign(cloud.positions.size(), 0.0);
 
   CutCellDivision division(shape, lattice, phyxelOfCell, cloud, parallelFor);
   const double pointVolume = division.pointVolume();
   for (std::size_t c = 0; c < cells; ++c) {
-    if (!cut[c]) {
-      if (inside[c]) cloud.volumes[static_cast<std::size_t>(phyxelOfCell[c])] += kPerCell * pointVolume;
+    if (!mayBeCut(c)) {
+      if (middles.inside[c] != 0) cloud.volumes[static_cast<std::size_t>(phyxelOfCell[c])] += kPerCell * pointVolume;
     } else if (division.add(c)) {
       division.divide();
       if (!shouldContinue(0.35 + 0.6 * static_cast<double>(c) / static_cast<double>(cells))) return refuse("cancelled");
@@ -312,7 +353,7 @@ Result<PhyxelCloud> fill(const BodyShape &shape, const Sampling &sampling, const
   for (const double v : cloud.volumes) cloud.countedVolume += v;
   for (double &v : cloud.volumes) v *= shape.volume / cloud.countedVolume;
   sortInSpace(cloud, lattice);
-  findContactRadii(cloud, shape);
+  findContactRadii(cloud, shape, parallelFor);
   if (!shouldContinue(1.0)) return refuse("cancelled");
   return cloud;
 }

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "base/disjoint_sets.h"
+#include "base/look_for_end.h"
 #include "discretisation/lattice/lattice_samples.h"
 
 namespace pointbased::lattice {
@@ -199,8 +200,10 @@ void linkParts(const CellSet &set, const BodyShape &shape, PartSet &result, cons
   };
   CrossingQuestions questions(shape, set);
   std::vector<FragmentLink> open, found;
+  detail::Looks look(parallelFor);
   for (std::size_t c = 0; c < set.cells.size(); ++c)
     for (int face = 0; face < 6; ++face) {
+      look();
       const Index other = behind(set, set.cells[c], face);
       if (other == kNone) continue;
       const View here = viewOf(set, c), there = viewOf(set, other);
@@ -287,7 +290,9 @@ PartSet findParts(const CellSet &set, const BodyShape &shape, const ParallelFor 
   groupSamples(set, shape, groups, parallelFor);
   PartSet result;
   result.first.reserve(set.cells.size() + 1);
+  detail::Looks look(parallelFor);
   for (std::size_t c = 0; c < set.cells.size(); ++c) {
+    look();
     result.first.push_back(static_cast<Index>(result.parts.size()));
     addParts(set, c, set.cells[c].samples == kNone ? nullptr : &groups[set.cells[c].samples], result.parts);
   }

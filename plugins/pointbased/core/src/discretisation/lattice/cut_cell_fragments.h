@@ -54,6 +54,6 @@ struct NodeTable {
 };
 
 /// Joins the corners of linked parts and numbers the phyxels; fills CutCellFragment::nodes.
-[[nodiscard]] NodeTable joinCorners(const CellSet &set, PartSet &parts);
+[[nodiscard]] NodeTable joinCorners(const CellSet &set, PartSet &parts, const ParallelFor &parallelFor);
 
 }  // namespace pointbased::lattice

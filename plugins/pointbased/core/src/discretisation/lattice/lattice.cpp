@@ -77,7 +77,7 @@ Result<Cut> cutCells(const BodyShape &shape, const LatticeSampling &sampling, do
   cut.set = std::move(*set);
   cut.parts = findParts(cut.set, shape, parallelFor);
   detail::lookForEnd(parallelFor);
-  cut.corners = joinCorners(cut.set, cut.parts);
+  cut.corners = joinCorners(cut.set, cut.parts, parallelFor);
   if (static_cast<double>(cut.corners.positions.size()) > kExpectationSlack * static_cast<double>(kMaximumPhyxels))
     return refuse("a spacing of " + number(spacing, 4) + " m makes " + std::to_string(cut.corners.positions.size()) +
                   " phyxels; at most " + std::to_string(kMaximumPhyxels) + " are accepted: use a larger spacing");

@@ -22,7 +22,7 @@ std::vector<std::uint8_t> farFromSurface(const Questions &ask, std::span<const V
                                          const ParallelFor &parallelFor) {
   std::vector<std::uint8_t> far(centres.size(), 0);
   if (!ask.measures()) return far;
-  parallelFor(centres.size(), 1024, [&](std::size_t begin, std::size_t end) {
+  parallelFor(centres.size(), 64, [&](std::size_t begin, std::size_t end) {
     std::vector<double> distances(end - begin);
     ask.distances(centres.subspan(begin, end - begin), distances);
     for (std::size_t i = begin; i < end; ++i) far[i] = distances[i - begin] > kHalfDiagonal * edge ? 1 : 0;
@@ -135,7 +135,7 @@ class Tree {
     for (std::size_t i = 0; i < open.size(); ++i) centres[i] = centre(l + 1, open[i]);
     const std::vector<std::uint8_t> far = farFromSurface(ask_, centres, edge(l + 1), parallelFor_);
     std::vector<std::uint8_t> inside(open.size());
-    parallelFor_(open.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    parallelFor_(open.size(), 64, [&](std::size_t begin, std::size_t end) {
       std::vector<Vec3> points;
       for (std::size_t i = begin; i < end; ++i)
         if (far[i] != 0) points.push_back(centres[i]);
@@ -408,7 +408,7 @@ std::size_t estimateCorners(const BodyShape &shape, const LatticeSampling &sampl
   }
   std::vector<double> distances(points.size(), 0.0);
   std::vector<std::uint8_t> inside(points.size());
-  parallelFor(points.size(), 1024, [&](std::size_t begin, std::size_t end) {
+  parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
     const auto some = std::span<const Vec3>(points).subspan(begin, end - begin);
     if (ask.measures()) ask.distances(some, std::span<double>(distances).subspan(begin, end - begin));
     ask.inside(some, std::span<std::uint8_t>(inside).subspan(begin, end - begin));

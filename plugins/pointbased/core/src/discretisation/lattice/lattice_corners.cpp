@@ -3,6 +3,7 @@
 #include <map>
 
 #include "base/disjoint_sets.h"
+#include "base/look_for_end.h"
 #include "discretisation/lattice/cut_cell_fragments.h"
 
 namespace pointbased::lattice {
@@ -60,15 +61,18 @@ void matchFaces(const CellSet &set, const PartSet &parts, const FragmentLink &li
 /// The corners of all fragments, joined where the body goes on.
 class CornerJoiner {
  public:
-  CornerJoiner(const CellSet &set, const PartSet &parts)
-      : set_(set), parts_(parts), sets_(8 * parts.parts.size()), nodeOf_(8 * parts.parts.size(), kNone) {}
+  CornerJoiner(const CellSet &set, const PartSet &parts, const ParallelFor &parallelFor)
+      : set_(set), parts_(parts), look_(parallelFor), sets_(8 * parts.parts.size()),
+        nodeOf_(8 * parts.parts.size(), kNone) {}
 
   void join() {
     std::vector<std::pair<Index, HangingNodeMasters>> hanging;
-    for (const FragmentLink &link : parts_.links)
+    for (const FragmentLink &link : parts_.links) {
+      look_();
       matchFaces(
           set_, parts_, link, [&](Index a, Index b) { sets_.join(a, b); },
           [&](Index corner, const HangingNodeMasters &masters) { hanging.emplace_back(corner, masters); });
+    }
     // A corner that hangs on two larger cells joins their corners: the body goes on around their common edge.
     for (bool joined = true; joined;) {
       joined = false;
@@ -82,9 +86,11 @@ class CornerJoiner {
 
   // Nodes of what is kept, and those they hang on, in the order of their places.
   void number() {
-    for (std::size_t p = 0; p < parts_.parts.size(); ++p)
+    for (std::size_t p = 0; p < parts_.parts.size(); ++p) {
+      look_();
       if (parts_.parts[p].kept)
         for (int corner = 0; corner < 8; ++corner) use(cornerOf(static_cast<Index>(p), corner));
+    }
     std::vector<std::pair<std::uint64_t, Index>> order;
     order.reserve(nodes_.size());
     for (const Index root : nodes_) order.emplace_back(mortonCode(placeOfCorner(root)), root);
@@ -108,6 +114,7 @@ class CornerJoiner {
     }
     std::map<Index, double> row;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      look_();
       row.clear();
       addTo(row, phyxelOf, nodes_[i], 1.0);
       for (const auto &[phyxel, weight] : row) {
@@ -157,6 +164,7 @@ class CornerJoiner {
 
   const CellSet &set_;
   const PartSet &parts_;
+  detail::Looks look_;
   DisjointSets sets_;
   std::unordered_map<Index, HangingNodeMasters> mastersOf_;  // by root
   std::vector<Index> nodeOf_;                                // by root
@@ -165,8 +173,8 @@ class CornerJoiner {
 
 }  // namespace
 
-NodeTable joinCorners(const CellSet &set, PartSet &parts) {
-  CornerJoiner joiner(set, parts);
+NodeTable joinCorners(const CellSet &set, PartSet &parts, const ParallelFor &parallelFor) {
+  CornerJoiner joiner(set, parts, parallelFor);
   joiner.join();
   joiner.number();
   for (std::size_t p = 0; p < parts.parts.size(); ++p)

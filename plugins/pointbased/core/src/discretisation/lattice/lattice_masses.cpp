@@ -57,6 +57,7 @@ std::vector<std::array<std::vector<Index>, 6>> neighboursOf(const LatticeCellMap
 // neighbour by what it has at the far end.
 std::vector<Row3> secondDifferences(const Sharing &sharing, const ParallelFor &parallelFor) {
   const auto neighbours = neighboursOf(sharing.map);
+  detail::lookForEnd(parallelFor);
   std::vector<std::array<double, 8>> shares(sharing.contents.size());
   for (std::size_t p = 0; p < shares.size(); ++p)
     if (sharing.map.parts()[p].kept) shares[p] = sharing.contents[p].all.functions();
@@ -121,10 +122,12 @@ std::array<Vec3, 8> gradientsOf(const Moments &moments, double edge) {
 void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
                           std::vector<double> &volumes, const ParallelFor &parallelFor) {
   std::vector<double> changed, allowed(volumes.size(), 1.0);
+  detail::Looks look(parallelFor);
   for (bool settled = false; !settled;) {
     detail::lookForEnd(parallelFor);
     changed = volumes;
     for (const Row3 &row : rows) {
+      look();
       double factor = 1.0;
       for (const Index end : {row.nodes[0], row.nodes[2]})
         forPhyxels(corners, end, [&](Index i, double) { factor = std::min(factor, allowed[i]); });
@@ -144,13 +147,15 @@ void correctSecondMoments(const NodeTable &corners, std::span<const Row3> rows, 
 
 // Gives phyxels that are still too light what they lack, from the middles of rows that they end: the same second
 // differences the other way round, so that volume and centre stay.
-void giveToLight(const NodeTable &corners, std::span<const Row3> rows, const Least &least,
-                 std::vector<double> &volumes) {
+void giveToLight(const NodeTable &corners, std::span<const Row3> rows, const Least &least, std::vector<double> &volumes,
+                 const ParallelFor &parallelFor) {
   const auto phyxelOf = [&](Index node) {
     return corners.offsets[node + 1] - corners.offsets[node] == 1 ? corners.phyxels[corners.offsets[node]] : kNone;
   };
   std::vector<std::vector<std::array<Index, 2>>> others(volumes.size());  // middle and far end
+  detail::Looks look(parallelFor);
   for (const Row3 &row : rows) {
+    look();
     const std::array<Index, 3> at{phyxelOf(row.nodes[0]), phyxelOf(row.nodes[1]), phyxelOf(row.nodes[2])};
     if (at[0] == kNone || at[1] == kNone || at[2] == kNone) continue;
     for (const std::size_t end : {0u, 2u})
@@ -186,7 +191,9 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   const Sharing sharing{map, contents};
   Least least(map, kMostStiffness), leastFree(map, kMostBesideHeld);
   std::vector<double> evenFree;  // m³, by phyxel
+  detail::Looks look(parallelFor);
   for (std::size_t p = 0; p < contents.size(); ++p) {
+    look();
     const CutCellFragment &part = map.parts()[p];
     if (!part.kept) continue;
     const double edge = sharing.edge(p);
@@ -225,7 +232,7 @@ PhyxelVolumes shareVolumes(const LatticeCellMap &map, std::span<const PartConten
   const std::vector<Row3> rows = secondDifferences(sharing, parallelFor);
   correctSecondMoments(corners, rows, least, out.inertial, parallelFor);
   detail::lookForEnd(parallelFor);
-  giveToLight(corners, rows, least, out.inertial);
+  giveToLight(corners, rows, least, out.inertial, parallelFor);
   if (out.held.empty()) return out;
   out.carried.resize(out.held.size());
   for (std::size_t i = 0; i < out.held.size(); ++i) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "discretisation/lattice/lattice_samples.h"
 
+#include "discretisation/grid_sides.h"
+
 namespace pointbased::lattice {
 namespace {
 
@@ -77,11 +79,9 @@ void sampleShares(const Questions &ask, const CellSet &set, std::span<const Cell
 
 }  // namespace
 
-// Two neighbours whose distances sum to more than the way between them lie on the same
-// side, so one question per group of them decides.
 void sampleCells(const Questions &ask, const CellSet &set, std::span<const Cell> cells, std::span<Samples> out,
                  const ParallelFor &parallelFor) {
-  constexpr std::size_t kCellsPerBatch = 64;
+  constexpr std::size_t kCellsPerBatch = 16;
   parallelFor(cells.size(), kCellsPerBatch, [&](std::size_t begin, std::size_t end) {
     if (ask.knowsShares()) {
       sampleShares(ask, set, cells.subspan(begin, end - begin), out.subspan(begin, end - begin));
@@ -89,7 +89,9 @@ void sampleCells(const Questions &ask, const CellSet &set, std::span<const Cell>
     }
     std::vector<Vec3> points, representatives;
     std::vector<double> distances;
-    std::vector<std::uint8_t> group, answers;
+    std::vector<std::uint8_t> answers;
+    std::vector<std::size_t> askedOf;
+    detail::GridSides sides;
     for (std::size_t first = begin; first < end; first += kCellsPerBatch) {
       const std::size_t count = std::min(kCellsPerBatch, end - first);
       points.resize(count * kSamples);
@@ -111,44 +113,20 @@ void sampleCells(const Questions &ask, const CellSet &set, std::span<const Cell>
       distances.resize(points.size());
       ask.distances(points, distances);
       representatives.clear();
-      group.assign(points.size(), 255);
-      std::vector<std::size_t> firstGroup(count + 1, 0);
+      askedOf.resize(points.size());
       for (std::size_t i = 0; i < count; ++i) {
-        const double reach = 1.001 * set.edge(cells[first + i]) / kSamplesPerAxis;
-        const double *d = distances.data() + i * kSamples;
-        std::uint8_t *g = group.data() + i * kSamples;
-        std::uint8_t groups = 0;
-        firstGroup[i] = representatives.size();
-        for (int seed = 0; seed < kSamples; ++seed) {
-          if (g[seed] != 255) continue;
-          int best = seed;
-          std::array<int, kSamples> stack{};
-          int top = 0;
-          stack[static_cast<std::size_t>(top++)] = seed;
-          g[seed] = groups;
-          while (top > 0) {
-            const int s = stack[static_cast<std::size_t>(--top)];
-            if (d[s] > d[best]) best = s;
-            for (int axis = 0; axis < 3; ++axis)
-              for (int sign = -1; sign <= 1; sign += 2) {
-                const int to = sampleCoordinate(s, axis) + sign;
-                if (to < 0 || to >= kSamplesPerAxis) continue;
-                const int t = s + sign * (1 << (2 * axis));
-                if (g[t] != 255 || d[s] + d[t] <= reach) continue;
-                g[t] = groups;
-                stack[static_cast<std::size_t>(top++)] = t;
-              }
-          }
-          representatives.push_back(points[i * kSamples + static_cast<std::size_t>(best)]);
-          ++groups;
-        }
+        const std::size_t at = i * kSamples;
+        sides.find({kSamplesPerAxis, kSamplesPerAxis, kSamplesPerAxis}, set.edge(cells[first + i]) / kSamplesPerAxis,
+                   std::span<const double>(distances).subspan(at, kSamples));
+        for (std::size_t s = 0; s < kSamples; ++s) askedOf[at + s] = representatives.size() + sides.groups()[s];
+        for (const std::size_t s : sides.deepest()) representatives.push_back(points[at + s]);
       }
       answers.resize(representatives.size());
       ask.inside(representatives, answers);
       for (std::size_t i = 0; i < count; ++i)
         for (std::size_t s = 0; s < kSamples; ++s) {
           const double d = distances[i * kSamples + s];
-          out[first + i][s] = answers[firstGroup[i] + group[i * kSamples + s]] != 0 ? -d : d;
+          out[first + i][s] = answers[askedOf[i * kSamples + s]] != 0 ? -d : d;
         }
     }
   });

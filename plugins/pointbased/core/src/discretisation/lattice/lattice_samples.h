@@ -59,7 +59,7 @@ class CrossingQuestions {
   }
   [[nodiscard]] std::vector<std::uint8_t> ask(const ParallelFor &parallelFor) const {
     std::vector<std::uint8_t> crosses(from_.size());
-    parallelFor(from_.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    parallelFor(from_.size(), 64, [&](std::size_t begin, std::size_t end) {
       shape_.crosses(std::span<const Vec3>(from_).subspan(begin, end - begin),
                      std::span<const Vec3>(to_).subspan(begin, end - begin),
                      std::span<std::uint8_t>(crosses).subspan(begin, end - begin));

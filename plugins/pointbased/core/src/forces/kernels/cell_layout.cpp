@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/look_for_end.h"
 #include "forces/hourglass_energy.h"
 
 namespace pointbased::kernels {
@@ -102,11 +103,14 @@ std::optional<std::array<double, kCellNumbers>> cellNumbers(const StencilSet &s,
   return n;
 }
 
-CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::uint8_t> suits) {
+CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::uint8_t> suits,
+                   const ParallelFor &parallelFor) {
   CellPlan plan;
+  detail::Looks look(parallelFor);
   std::vector<std::vector<Index>> byMaterial(suits.size());
   std::vector<std::uint8_t> whole(s.pointCount(), 0);
   for (std::size_t q = 0; q < s.pointCount(); ++q) {
+    look();
     const std::size_t material = s.materials.empty() ? 0 : s.materials[q];
     const auto numbers = suits[material] != 0 ? cellNumbers(s, q) : std::nullopt;
     if (numbers) {
@@ -134,7 +138,7 @@ CellPlan planCells(const StencilSet &s, std::size_t lanes, std::span<const std::
 }
 
 template <class T>
-CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan) {
+CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan, const ParallelFor &parallelFor) {
   constexpr std::size_t kSlice = kLanes<T>;
   CellSlices<T> out;
   out.materials = plan.materials;
@@ -147,6 +151,7 @@ CellSlices<T> sliceCells(const StencilSet &s, const CellPlan &plan) {
       return s.phyxels.indices[s.phyxels.offsets[plan.points[slice * kSlice + lane]] + j];
     };
     local.clear();
+    if (begin / kChunkSlices<T> % 64 == 0) detail::lookForEnd(parallelFor);
     for (std::size_t slice = begin; slice < end; ++slice)
       for (std::size_t lane = 0; lane < kSlice; ++lane)
         for (std::size_t j = 0; j < kCorners; ++j) local.push_back(phyxelAt(slice, lane, j));
@@ -186,8 +191,8 @@ LawNumbers<T> lawNumbers(const Material &m, double stabilisation) {
   return n;
 }
 
-template CellSlices<float> sliceCells<float>(const StencilSet &, const CellPlan &);
-template CellSlices<double> sliceCells<double>(const StencilSet &, const CellPlan &);
+template CellSlices<float> sliceCells<float>(const StencilSet &, const CellPlan &, const ParallelFor &);
+template CellSlices<double> sliceCells<double>(const StencilSet &, const CellPlan &, const ParallelFor &);
 template LawNumbers<float> lawNumbers<float>(const Material &, double);
 template LawNumbers<double> lawNumbers<double>(const Material &, double);
 

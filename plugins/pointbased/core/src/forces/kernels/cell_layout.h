@@ -26,10 +26,12 @@ struct CellPlan {
 /// Cells in the order of the points, which follows a space-filling curve, by material; within a chunk whole cells
 /// first, which are all alike.
 /// @param suits  per material: whether the kernels know its response
-[[nodiscard]] CellPlan planCells(const StencilSet &stencils, std::size_t lanes, std::span<const std::uint8_t> suits);
+[[nodiscard]] CellPlan planCells(const StencilSet &stencils, std::size_t lanes, std::span<const std::uint8_t> suits,
+                                 const ParallelFor &parallelFor = serialFor());
 
 template <class T>
-[[nodiscard]] CellSlices<T> sliceCells(const StencilSet &stencils, const CellPlan &plan);
+[[nodiscard]] CellSlices<T> sliceCells(const StencilSet &stencils, const CellPlan &plan,
+                                       const ParallelFor &parallelFor = serialFor());
 
 template <class T>
 [[nodiscard]] LawNumbers<T> lawNumbers(const Material &material, double stabilisation);
