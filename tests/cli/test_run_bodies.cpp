@@ -20,12 +20,6 @@ std::filesystem::path writeScene(const std::filesystem::path &folder, const std:
                                               sampling + " }\n" + more);
 }
 
-bool holds(const Json &texts, const std::string &part) {
-  for (const Json &text : texts)
-    if (text.get<std::string>().find(part) != std::string::npos) return true;
-  return false;
-}
-
 }  // namespace
 
 TEST_CASE("A probe off its body is refused with its line, one near the surface is not") {
