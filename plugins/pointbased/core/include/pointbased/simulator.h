@@ -15,6 +15,7 @@
 namespace pointbased {
 
 namespace detail {
+class BodyCrew;
 class BodyStepper;
 class StepActivity;
 struct StepContext;
@@ -197,10 +198,8 @@ class Simulator {
  private:
   [[nodiscard]] Environment environment() const;
   [[nodiscard]] detail::StepContext order(const StopRequest *stop);
-  using AdvanceBody = std::function<void(detail::BodyStepper &, const detail::StepContext &)>;
-  /// Calls `advance` for every body that moves, of several threads; events and times of each in the order of bodies.
-  void forBodies(const detail::StepContext &order, const AdvanceBody &advance);
-  [[nodiscard]] static bool goesBesides(const Body &body);
+  /// Those that move, for a step.
+  detail::BodyCrew &gatherCrew();
   /// Everybody on by dt. @return s that all have gone; less where a body's substeps were not enough
   double advanceBodies(const detail::StepContext &order);
   void increaseLoad(const detail::StepContext &order);
@@ -227,6 +226,7 @@ class Simulator {
   std::map<std::size_t, std::unique_ptr<detail::BodyStepper>> bodies_;
   std::map<std::size_t, std::vector<std::string>> warnings_;  // about shape and sampling, by body
   std::unique_ptr<detail::StepActivity> activity_;
+  std::unique_ptr<detail::BodyCrew> crew_;  // scratch of a step
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
   std::vector<Probe> probes_;

@@ -27,8 +27,8 @@ class StageClock {
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     stages_[stage].used = true;
   }
-  /// Takes what has been measured by a clock of the same stages since it was made.
-  void add(const StageClock &other);
+  /// Takes over what a clock of the same stages has measured and not committed.
+  void take(StageClock &other);
   /// Ends a call: what was measured since the last time counts as one sample per stage.
   void commit();
   void clear();

@@ -2,6 +2,7 @@
 #include "pointbased/stage_clock.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace pointbased {
 
@@ -13,10 +14,11 @@ StageClock::StageClock(std::vector<std::string> names) {
   }
 }
 
-void StageClock::add(const StageClock &other) {
+void StageClock::take(StageClock &other) {
   for (std::size_t k = 0; k < stages_.size(); ++k) {
-    stages_[k].pending_ms += other.stages_[k].pending_ms;
-    stages_[k].used = stages_[k].used || other.stages_[k].used;
+    Stage &from = other.stages_[k];
+    stages_[k].pending_ms += std::exchange(from.pending_ms, 0.0);
+    stages_[k].used = std::exchange(from.used, false) || stages_[k].used;
   }
 }
 

@@ -10,7 +10,7 @@
 #include "base/flush_denormals.h"
 #include "body/state_hash.h"
 #include "pointbased/cloud_quality.h"
-#include "stepping/body_stepper.h"
+#include "stepping/body_crew.h"
 #include "stepping/step_activity.h"
 #include "stepping/step_cost.h"
 
@@ -18,6 +18,7 @@ namespace pointbased {
 namespace {
 
 constexpr double kStepWithoutBodies = 1.0 / 60.0;  // s
+constexpr int kUsualLoadSteps = 10;
 constexpr std::size_t kMostEvents = 200;
 
 // The same loop with denormals flushed on every thread that takes a part of it.
@@ -36,7 +37,8 @@ ParallelFor flushing(ParallelFor parallelFor) {
 
 Simulator::Simulator(ParallelFor parallelFor)
     : plainLoops_(flushing(std::move(parallelFor))), loops_(plainLoops_),
-      activity_(std::make_unique<detail::StepActivity>()), clock_(stageNames()) {}
+      activity_(std::make_unique<detail::StepActivity>()), crew_(std::make_unique<detail::BodyCrew>()),
+      clock_(stageNames()) {}
 Simulator::~Simulator() = default;
 
 void Simulator::setWorld(const WorldSettings &world) {
@@ -345,6 +347,41 @@ tl::expected<void, StepFailure> Simulator::step(const StopRequest *stop) {
   if (isSkinCheckDue()) clock_.measure(kGuard, [this] { checkSkins(); });
   clock_.commit();
   return {};
+}
+
+detail::BodyCrew &Simulator::gatherCrew() {
+  crew_->clear();
+  for (auto &[id, runner] : bodies_)
+    if (!runner->stopped() && !runner->body().rigid()) crew_->add(id, *runner);
+  return *crew_;
+}
+
+void Simulator::increaseLoad(const detail::StepContext &order) {
+  const int increments = world_.loadSteps > 0 ? world_.loadSteps : kUsualLoadSteps;
+  double next = std::min(1.0, loadFactor_ + 1.0 / increments);
+  if (next > 1.0 - 1e-9) next = 1.0;
+  gatherCrew().run(
+      order, plainLoops_, *activity_,
+      [next](detail::BodyCrew::Member &member, const detail::StepContext &own) { member.runner->loadUpTo(own, next); });
+  if (!failed()) loadFactor_ = next;
+}
+
+double Simulator::advanceBodies(const detail::StepContext &order) {
+  detail::BodyCrew &crew = gatherCrew();
+  crew.run(order, plainLoops_, *activity_, [](detail::BodyCrew::Member &member, const detail::StepContext &own) {
+    member.gone = member.runner->advance(own, own.dt);
+  });
+  double span = order.dt;
+  for (const detail::BodyCrew::Member &member : crew.members()) {
+    span = std::min(span, member.gone);
+    spent_[member.id] += member.seconds;
+  }
+  if (!(span < order.dt)) return span;
+  // Where the substeps of one were not enough, the others have gone too far.
+  crew.run(order, plainLoops_, *activity_, [span](detail::BodyCrew::Member &member, const detail::StepContext &own) {
+    if (member.gone > span && !member.runner->stopped()) member.runner->advanceAgain(own, span);
+  });
+  return span;
 }
 
 void Simulator::reset() {
