@@ -20,7 +20,9 @@ constexpr double kSpreadPerWay = 0.25;  // more of it per log of the way to fine
 constexpr double kSpreadBeyond = 0.6;   // likewise on the way to spacings coarser than any that was tried
 constexpr double kNineOfTen = 1.645;    // standard deviations on both sides
 constexpr double kLeastDifference = 1e-5;
-constexpr double kEvaluationsPerIncrement = 800.0;  // quasi-static: 500 … 1800 in bench_newton, of bodies of any size
+// Evaluations of a quasi-static solution: 650 to 1000 in one increment (bench_newton), 1200 to 2300 of a cantilever of
+// 500 to 10 000 phyxels in ten.
+constexpr double kEvaluationsToRest = 600.0, kEvaluationsPerIncrement = 120.0;
 
 /// How much longer a substep takes where the material remembers, or is not one of the kernels' (bench_scaling,
 /// bench_law).
@@ -95,12 +97,12 @@ double predictCost(const AccuracySurvey &survey, const Constitution &constitutio
   const double points = static_cast<double>(survey.fine.points) * phyxels / static_cast<double>(survey.fine.phyxels);
   const double contacts = setting.contact ? static_cast<double>(survey.fine.contacts) * finer * finer : 0.0;
   const double stable = kStepSafety * survey.fine.stableStep / finer;
-  const detail::StepCost evaluations = detail::predictCost(stable, world.dt);
+  const detail::StepCost evaluations = detail::predictCost(stable, world.dt, constitution);
   const double evaluation_ms =
       1e-6 * materialFactor(constitution) * points * setting.speed.perPoint(points, world.precision);
   if (world.integrator == Integrator::quasiStatic) {
     const int increments = world.loadSteps > 0 ? world.loadSteps : 10;
-    return increments * kEvaluationsPerIncrement * evaluation_ms;
+    return (kEvaluationsToRest + increments * kEvaluationsPerIncrement) * evaluation_ms;
   }
   const double skin_ms = 1e-6 * setting.speed.surfel_ns * static_cast<double>(setting.surfels);
   const bool isExplicit = world.integrator == Integrator::explicitVerlet ||

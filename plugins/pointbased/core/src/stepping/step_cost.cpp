@@ -10,22 +10,30 @@ namespace pointbased::detail {
 namespace {
 
 constexpr double kExplicitOverhead = 0.3;       // of an evaluation: integration, supports, the guard
-constexpr double kImplicitEvaluations = 700.0;  // of a step of a lattice of any size, or of a cloud of 500 phyxels
+constexpr double kImplicitOfLattice = 150.0;    // evaluations of a step, times
+constexpr double kByCompressibility = -0.3;     // (1 - 2ν) to this
+constexpr double kImplicitOfCloud = 700.0;      // of 500 phyxels
+constexpr double kLeastCompressibility = 1e-4;  // of 1 - 2ν
 
 }  // namespace
 
 StepCost predictCost(const Body &body, double dt) {
   const bool isCloud = body.rest().evaluation == Evaluation::phyxels;
-  return predictCost(kStepSafety * body.stableStepAtRest(), dt,
+  return predictCost(kStepSafety * body.stableStepAtRest(), dt, body.constitution(),
                      isCloud ? static_cast<double>(body.rest().phyxelCount()) : 0.0);
 }
 
-StepCost predictCost(double stable, double dt, double phyxelsOfCloud) {
+StepCost predictCost(double stable, double dt, const Constitution &constitution, double phyxelsOfCloud) {
+  double compressibility = 1.0;
+  for (const Material &m : constitution.materials)
+    compressibility = std::min(compressibility, 1.0 - 2.0 * m.poissonRatio);
+  const double ofStep =
+      phyxelsOfCloud > 0.0
+          ? kImplicitOfCloud * std::sqrt(std::max(1.0, phyxelsOfCloud / 500.0))
+          : kImplicitOfLattice * std::pow(std::max(kLeastCompressibility, compressibility), kByCompressibility);
   StepCost cost;
-  const double explicitStep = dt > 0.0 ? std::min(dt, stable) : stable;
-  const double implicitStep = dt > 0.0 ? dt : kImplicitStep;
-  cost.explicitEvaluations = (1.0 + kExplicitOverhead) / explicitStep;
-  cost.implicitEvaluations = kImplicitEvaluations * std::sqrt(std::max(1.0, phyxelsOfCloud / 500.0)) / implicitStep;
+  cost.explicitEvaluations = (1.0 + kExplicitOverhead) / (dt > 0.0 ? std::min(dt, stable) : stable);
+  cost.implicitEvaluations = ofStep / (dt > 0.0 ? dt : kImplicitStep);
   return cost;
 }
 

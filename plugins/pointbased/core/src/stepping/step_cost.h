@@ -14,14 +14,15 @@ struct StepCost {
 };
 
 /// Explicit: the substeps that the stable step at rest asks for, each an evaluation and kExplicitOverhead. Implicit:
-/// steps of dt (or 1/60 s) at kImplicitEvaluations, fitted to held beams without contact at 10 MPa, where the choice is
-/// made: 520, 720 and 720 evaluations per step at 500, 3 000 and 10 000 phyxels. Those of clouds grow with the root of
-/// their size, because their iterations do.
+/// steps of dt (or 1/60 s) of a lattice of any size, fitted to SDIRK2 of held beams without contact of 3 000 and 10 000
+/// phyxels at 1 MPa, where the choice is made: 170 and 200, 250 and 300, 450 and 540 evaluations at ν = 0.3, 0.45 and
+/// 0.49, because the linear solver needs more iterations. Those of clouds grow with the root of their size.
 /// @param dt  s; <= 0: automatic
 [[nodiscard]] StepCost predictCost(const Body &body, double dt);
 /// The same of a body that is not there yet.
 /// @param stable          s, the explicit step that it will take by itself
 /// @param phyxelsOfCloud  0: a lattice
-[[nodiscard]] StepCost predictCost(double stable, double dt, double phyxelsOfCloud = 0.0);
+[[nodiscard]] StepCost predictCost(double stable, double dt, const Constitution &constitution,
+                                   double phyxelsOfCloud = 0.0);
 
 }  // namespace pointbased::detail
