@@ -27,7 +27,7 @@ class EngineBody final : public MovingBody {
 
   double step() override {
     const double before = simulator_.time();
-    if (!simulator_.step() || !body().stopped.empty()) return 0.0;
+    if (!simulator_.step() || body().stopped) return 0.0;
     return simulator_.time() - before;
   }
   [[nodiscard]] double surplus() const override {
@@ -51,7 +51,7 @@ class EngineBody final : public MovingBody {
   Result<void> settle() {
     while (!simulator_.finished())
       if (const auto done = simulator_.step(); !done) return tl::unexpected(done.error().text);
-    if (!body().stopped.empty()) return tl::unexpected(body().stopped);
+    if (body().stopped) return tl::unexpected(body().stopMessage());
     return {};
   }
 

@@ -152,10 +152,11 @@ TEST_CASE("coarser lattices carry every affine motion to the phyxels", "[multigr
 }
 
 TEST_CASE("phyxels amid a support, which have no cell, follow nothing", "[multigrid]") {
-  LatticeSampling sampling = lattice_cases::withSpacing(0.01);
+  LatticeSampling sampling = lattice_cases::withSpacing(0.006);
   sampling.held = {HalfSpaceRegion{Vec3(0.1, 0, 0), Vec3::UnitX()}};
   const LatticeBody body = lattice_cases::filled(lattice_cases::box(Vec3(0, 0, 0), Vec3(0.16, 0.05, 0.04)), sampling);
   const auto hierarchy = hierarchyOf(body);
+  REQUIRE(hierarchy->levels.size() > 1);
   const GridLevel &finest = hierarchy->levels.front();
   std::size_t alone = 0;
   for (std::size_t i = 0; i < finest.nodes(); ++i) {
