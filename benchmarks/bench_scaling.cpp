@@ -10,8 +10,9 @@
 //   substep  one explicit step of Simulator: forces, integration and the guard, without contact
 // in turns, medians. A small ball has more surface, so fewer cells per phyxel: costs per evaluation point stand beside.
 //
-// Building: processor time from a closed mesh, a box and a liver by a formula, each held at one end, to a body ready for
-// its first step, the least of three; and how long nobody has looked for a request to stop. --only building: this alone.
+// Building: processor time from a closed mesh, a box and a liver by a formula, each held at one end, to a body ready
+// for its first step, the least of three; and how long nobody has looked for a request to stop. --only building: this
+// alone.
 //
 // Memory of materials: the same evaluation of 3 000 phyxels over a step of 1 ms with a material that flows or relaxes,
 // over that of the elastic one.

@@ -211,7 +211,8 @@ TEST_CASE("a V-cycle is symmetric and positive", "[multigrid]") {
     CHECK(std::abs(product(Ma, b) - product(a, Mb)) < 1e-4 * std::sqrt(product(Ma, a) * product(Mb, b)));
     CHECK(product(Ma, a) > 0.0);
     CHECK(product(Mb, b) > 0.0);
-    // The matrix is, to the last bit: else rounding to sixteen bits makes 1e-8 of it, which counts near incompressibility.
+    // The matrix is, to the last bit: else rounding to sixteen bits makes 1e-8 of it, which counts near
+    // incompressibility.
     problem.grid.multiply(a, Ma);
     problem.grid.multiply(b, Mb);
     CHECK(std::abs(product(Ma, b) - product(a, Mb)) < 1e-12 * std::sqrt(product(Ma, a) * product(Mb, b)));

@@ -73,8 +73,8 @@ enum class Preconditioner {
 /// axis) is not looked into: disturb the start.
 struct NewtonSettings {
   double toleranceDisplacement = 1e-7;  ///< m, >= 0
-  /// Part of the first Newton step, if it is taken whole, that is tolerated as well: of a step in time that correction is
-  /// what the start has left out, of which the scheme itself errs by a part
+  /// Part of the first Newton step, if it is taken whole, that is tolerated as well: of a step in time that correction
+  /// is what the start has left out, of which the scheme itself errs by a part
   double toleranceOfFirst = 0.0;
   double toleranceForce = 0.0;     ///< N, >= 0: largest residual that is good enough without a further step
   int maxIterations = 50;          ///< Newton steps

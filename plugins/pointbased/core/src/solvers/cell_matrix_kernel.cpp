@@ -16,7 +16,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 8>;
 using V = hn::Vec<D>;
 
-// Products of equal factors in the same order for a pair and its mirror, so that the matrix is symmetric to the last bit.
+// Products of equal factors in the same order for a pair and its mirror, so that the matrix is symmetric to the last
+// bit.
 void AddCellRow(const float *factors, std::size_t width, std::size_t entry, float lambda, float mu, float *out) {
   const D d;
   const float *own = factors + entry;

@@ -16,8 +16,8 @@ struct ImplicitStage {
   std::vector<Vec3> p, q;
   double holding = 0.0;  ///< 1/s²: static, of the inertia that holds what nothing else does
   double elapsed = 0.0;  ///< s since the beginning of the step: what relaxes has relaxed for so long
-  /// What the scheme errs by anyway, as part of the way that inertia alone would not take it; 0: it keeps energy, and is
-  /// solved to more digits than its displacements need.
+  /// What the scheme errs by anyway, as part of the way that inertia alone would not take it; 0: it keeps energy, and
+  /// is solved to more digits than its displacements need.
   double tolerance = 0.0;
 };
 
@@ -41,7 +41,7 @@ class StageProblem final : public IncrementalPotential {
   void gradient(std::span<Vec3> out) override;
   /// A stage in time of a body on which nothing acts that depends on where it is.
   [[nodiscard]] bool movesFreely() const;
-  /// m: the translation after which the body has the momentum that its loads give it, to round-off. Where movesFreely().
+  /// m: the translation after which the body has the momentum that its loads give it, to round-off; if movesFreely().
   [[nodiscard]] Vec3 wayToMomentum();
   // The Hessian is at least that of inertia where nothing is crushed.
   [[nodiscard]] double reach(std::span<const Vec3> gradient) const override;

@@ -259,8 +259,9 @@ typedef struct c3de_simulator_v1 {
   /* A body, obstacle or probe; a load of add_load(); a hold, which lets go. [sim] */
   c3de_status(C3DE_CALL *remove)(c3de_object *self, c3de_handle what);
   c3de_status(C3DE_CALL *clear)(c3de_object *self); /* [sim] */
-  /* One step of the solver's own size. C3DE_E_DIVERGED: the state before it is kept. C3DE_E_TIMEOUT: it has taken longer
-   * than the simulator allows, the state before it is kept, and the text says what would help; the host pauses. [sim] */
+  /* One step of the solver's own size. C3DE_E_DIVERGED: the state before it is kept. C3DE_E_TIMEOUT: it has taken
+   * longer than the simulator allows, the state before it is kept, and the text says what would help; the host pauses.
+   * [sim] */
   c3de_status(C3DE_CALL *step)(c3de_object *self);
   c3de_status(C3DE_CALL *reset)(c3de_object *self);   /* bit for bit the initial state [sim] */
   c3de_status(C3DE_CALL *publish)(c3de_object *self); /* makes the present state the snapshot that is drawn [sim] */
