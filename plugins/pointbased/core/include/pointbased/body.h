@@ -36,8 +36,9 @@ struct Grab {
   std::vector<Index> phyxels;
   std::vector<double> weights;  ///< sum 1; the grabbed point is Σ w x
   Vec3 target = Vec3::Zero();   ///< world, m
-  /// [phyxels] m, where each belongs from the target, before `rotation`: every phyxel has a spring of its own, as strong
-  /// as its weight beside the largest, and the held part keeps its shape. Empty: one spring, on the grabbed point.
+  /// [phyxels] m, where each belongs from the target, before `rotation`: every phyxel has a spring of its own, as
+  /// strong as its weight beside the largest, and the held part keeps its shape. Empty: one spring, on the grabbed
+  /// point.
   std::vector<Vec3> arms;
   Mat3 rotation = Mat3::Identity();
   double frequency = 50.0;  ///< rad/s of the mass it holds; lowered where the step would not carry it
@@ -213,8 +214,8 @@ class Body {
   void setRigid(bool rigid);
   [[nodiscard]] bool rigid() const { return rigid_; }
 
-  /// N per phyxel, from outside of the model, added to those of the scene: constant over a step, kept until they are set
-  /// again. Quasi-static: times the load factor.
+  /// N per phyxel, from outside of the model, added to those of the scene: constant over a step, kept until they are
+  /// set again. Quasi-static: times the load factor.
   /// @param forces  [phyxels], finite; empty: none. Has those of before when this returns
   void swapExternalForces(std::vector<Vec3> &forces);
   [[nodiscard]] std::span<const Vec3> externalForces() const { return externalForces_; }

@@ -106,8 +106,8 @@ struct ElasticEnergy {
                                           std::span<Eigen::Vector2d> perPoint = {});
 
 /// Largest angular frequency at rest, rad/s, by Lanczos's method on the exact tangent over the masses; `extra` adds a
-/// diagonal stiffness (held patches), N/m, or is empty. An estimate from below, by less than 1e-3; the stable step takes
-/// a margin.
+/// diagonal stiffness (held patches), N/m, or is empty. An estimate from below, by less than 1e-3; the stable step
+/// takes a margin.
 [[nodiscard]] double largestFrequency(const Constitution &constitution, const StencilSet &stencils,
                                       std::span<const Vec3> positions, std::span<const double> masses,
                                       std::span<const double> extra, const ParallelFor &parallelFor);

@@ -126,10 +126,10 @@ class Simulator {
   /// @return false: nothing is changed, because bodies or obstacles have come or gone since, or the simulation has been
   ///         reset
   bool restore(const Checkpoint &checkpoint);
-  /// The state as bytes, for goToSavedState() of a simulator with the same bodies, obstacles, supports, loads and world.
-  /// Factorisations and what is known of energies start anew here, too, so that this simulation and one that goes to the
-  /// state make the same steps. Errors, with nothing changed: a body that a hand holds, that has stopped, or whose
-  /// material has flowed so far that its reference was renewed.
+  /// The state as bytes, for goToSavedState() of a simulator with the same bodies, obstacles, supports, loads and
+  /// world. Factorisations and what is known of energies start anew here, too, so that this simulation and one that
+  /// goes to the state make the same steps. Errors, with nothing changed: a body that a hand holds, that has stopped,
+  /// or whose material has flowed so far that its reference was renewed.
   [[nodiscard]] Result<std::string> savedState();
   /// Goes to a state of savedState(), from which every step gives the bits that it gave from there. On an error, the
   /// bytes are not such a state, nothing has changed.

@@ -30,8 +30,8 @@ class VectorForces {
   /// @param step           points flow and relax by it, as plasticFlow(), pointStresses() and relaxModes() do
   /// @param forces         [phyxels] out: N
   /// @return how much the square of the largest frequency may have grown against rest, >= 1; NaN if anything is.
-  ///         Lattices: largest Σ_q τ_q v_q (λ + 2 μ) |g_qj|² / m_j of the phyxels over that at rest, τ_q the tangentRatio() (and
-  ///         stretch of modes) of a cell; clouds: largest τ_q
+  ///         Lattices: largest Σ_q τ_q v_q (λ + 2 μ) |g_qj|² / m_j of the phyxels over that at rest, τ_q the
+  ///         tangentRatio() (and stretch of modes) of a cell; clouds: largest τ_q
   /// @threads writes only `forces`, the history and its own scratch; no allocation, no lock
   virtual double evaluate(std::span<const Vec3> displacements, std::span<const Vec3> velocities,
                           const HistoryStep &step, std::span<Vec3> forces, const ParallelFor &parallelFor) = 0;

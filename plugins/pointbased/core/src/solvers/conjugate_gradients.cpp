@@ -67,7 +67,6 @@ void ConjugateGradients::begin(std::span<const Vec3> b, const Apply &preconditio
   q_.resize(b.size());
   iterations_ = 0;
   precondition(b_, steepest_);
-  reference_ = std::sqrt(std::max(0.0, dot(b_, steepest_)));
   z_ = steepest_;
   goDown();
 }
@@ -76,12 +75,12 @@ void ConjugateGradients::restart(const Apply &product, const Apply &precondition
   product(x_, q_);
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = b_[i] - q_[i];
   precondition(b_, steepest_);
-  reference_ = std::sqrt(std::max(0.0, dot(b_, steepest_)));
   precondition(r_, z_);
   goDown();
 }
 
 void ConjugateGradients::goDown() {
+  reference_ = std::sqrt(std::max(0.0, dot(b_, steepest_)));
   p_.assign(z_.begin(), z_.end());
   rz_ = pMp_ = dot(r_, z_);
   // What x already gained: 1/2 b·x = 1/2 x·A x once x is exact; of use as a measure only.

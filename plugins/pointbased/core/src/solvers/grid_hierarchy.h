@@ -10,10 +10,10 @@
 
 namespace pointbased::detail {
 
-/// One lattice: nodes with the pattern of its stiffness matrix, its cells, and how displacements come to it from the next
-/// coarser one. Nodes are numbered slab by slab, every other slab first: no node of a slab is a neighbour of one of
-/// another slab of the same half, so that those of a half can be relaxed at the same time. In a slab those
-/// follow one another that need not wait for one another.
+/// One lattice: nodes with the pattern of its stiffness matrix, its cells, and how displacements come to it from the
+/// next coarser one. Nodes are numbered slab by slab, every other slab first: no node of a slab is a neighbour of one
+/// of another slab of the same half, so that those of a half can be relaxed at the same time. In a slab those follow
+/// one another that need not wait for one another.
 struct GridLevel {
   Csr rows;                     ///< [nodes] neighbours of each, itself included, ascending
   std::vector<Index> diagonal;  ///< [nodes] entry of itself in `rows`

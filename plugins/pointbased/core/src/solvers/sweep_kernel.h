@@ -7,9 +7,9 @@
 
 namespace pointbased::kernels {
 
-/// Blocks of a row are kept by eights, so that a vector holds one number of eight neighbours: those before the diagonal,
-/// then those after it, each part filled up with zeros. Blocks are of D^-1/2 A D^-1/2, with the diagonal all of it is
-/// between -1 and 1, in units of kUnit.
+/// Blocks of a row are kept by eights, so that a vector holds one number of eight neighbours: those before the
+/// diagonal, then those after it, each part filled up with zeros. Blocks are of D^-1/2 A D^-1/2, with the diagonal all
+/// of it is between -1 and 1, in units of kUnit.
 struct SweepRows {
   static constexpr std::size_t kEight = 8;
   static constexpr float kUnit = 1.0F / 32767.0F;

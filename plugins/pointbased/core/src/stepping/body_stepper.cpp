@@ -129,7 +129,7 @@ void BodyStepper::undoStep(const ParallelFor &parallelFor) {
 std::string BodyStepper::whatWouldFit(const StepContext &order, double budget) {
   Body &body = *body_;
   const ParallelFor &parallelFor = *order.environment.parallelFor;
-  // The second one finds in the caches what it needs. Materials that remember must not: they are asked for stresses.
+  // The second one finds in the caches what it needs. Where kernels have no evaluation without memory, stages do it.
   double seconds = 0.0;
   for (int k = 0; k < 2; ++k) {
     const auto begin = std::chrono::steady_clock::now();
@@ -143,8 +143,8 @@ std::string BodyStepper::whatWouldFit(const StepContext &order, double budget) {
     seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
   const NewtonResult &solved = solver_.progress();
-  return detail::whatWouldFit(body, order.world, integratorIn(order.world),
-                              {budget, seconds, solved.iterations, solved.linearIterations});
+  return detail::whatWouldFit(body, integratorIn(order.world),
+                              {order.dt, budget, seconds, solved.iterations, solved.linearIterations});
 }
 
 double BodyStepper::advance(const StepContext &order, double span) {

@@ -13,8 +13,7 @@ namespace {
 constexpr double kNearlyIncompressible = 0.49;
 constexpr std::size_t kManyPhyxels = 2000;  // of an implicit step
 constexpr double kMuchCheaper = 0.5;
-constexpr double kPartAimedAt = 0.5;   // of a budget: a step is as long as the deformation makes it
-constexpr double kExplicitWork = 1.3;  // evaluations per substep, with all that is around them
+constexpr double kPartAimedAt = 0.5;  // of a budget: a step is as long as the deformation makes it
 
 }  // namespace
 
@@ -44,12 +43,12 @@ std::string whatWouldHelp(const Body &body, const WorldSettings &world, Integrat
                           : "it deforms much in one step: a smaller time step would help");
 }
 
-std::string whatWouldFit(const Body &body, const WorldSettings &world, Integrator integrator, const Effort &effort) {
+std::string whatWouldFit(const Body &body, Integrator integrator, const Effort &effort) {
   const std::size_t phyxels = body.rest().phyxelCount();
   const bool isExplicit = integrator == Integrator::explicitVerlet, isStatic = integrator == Integrator::quasiStatic;
-  const double dt = world.dt > 0.0 ? world.dt : kImplicitStep;
+  const double dt = isStatic ? kImplicitStep : effort.dt;  // a load step costs about as much as one in time
   const double stable = kStepSafety * std::min(body.stableStepAtRest(), body.stableStep());
-  const double explicitTime = kExplicitWork * std::ceil(dt / stable) * effort.evaluation;
+  const double explicitTime = predictCost(stable, dt, body.constitution()).explicitEvaluations * dt * effort.evaluation;
   const double goal = kPartAimedAt * effort.budget;
   const std::string measured =
       " (measured: " + number(1e3 * effort.evaluation, 2) + " ms per evaluation of the forces)";

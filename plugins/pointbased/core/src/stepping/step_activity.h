@@ -17,13 +17,13 @@ namespace pointbased::detail {
 
 /// How far a step had come when it was given up, and how fast the body is.
 struct Effort {
-  double budget = 0.0;      ///< s, that a step may take
+  double dt = 0.0;          ///< s, the step; 0: a load step
+  double budget = 0.0;      ///< s, that it may take
   double evaluation = 0.0;  ///< s, of its forces, measured
   int newtonSteps = 0, iterations = 0;
 };
 /// The body, how far it had come, and what fits into the budget by what was measured, in sentences.
-[[nodiscard]] std::string whatWouldFit(const Body &body, const WorldSettings &world, Integrator integrator,
-                                       const Effort &effort);
+[[nodiscard]] std::string whatWouldFit(const Body &body, Integrator integrator, const Effort &effort);
 
 /// The bodies that are being computed, to be asked by any thread.
 class StepActivity {

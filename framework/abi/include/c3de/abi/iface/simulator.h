@@ -304,8 +304,8 @@ typedef struct c3de_simulator_v1 {
    * the next step. The arrays are the simulator's and valid until that step begins; a body that is not asked about
    * before a step has no such forces in it. [sim] */
   c3de_status(C3DE_CALL *points)(c3de_object *self, c3de_handle body, c3de_sim_points *out);
-  /* May be null: loads come with bodies only. A load more, from the next step on; its ramp begins now. It is there until
-   * it is removed, or the simulation reset. [sim] */
+  /* May be null: loads come with bodies only. A load more, from the next step on; its ramp begins now. It is there
+   * until it is removed, or the simulation reset. [sim] */
   c3de_status(C3DE_CALL *add_load)(c3de_object *self, c3de_handle body, const c3de_sim_load *load, c3de_handle *out);
   /* May be null: nobody can take hold then. From the next step on springs pull a part of the body towards a target,
    * which is where it is until pull() moves it; until the hold is removed, the body is, or the simulation is reset.
@@ -324,12 +324,12 @@ typedef struct c3de_simulator_v1 {
    * and every step after it are those of then, bit for bit. Bytes of another scene, or malformed ones, are refused with
    * text, and nothing has changed. [sim] */
   c3de_status(C3DE_CALL *load_state)(c3de_object *self, const void *bytes, uint64_t n);
-  /* May be null: errors are not verified. How far the bodies, as they are between two steps, are from what this simulator
-   * would find with a much finer sampling: solves that beside the simulation, which does not change and may go on. JSON
-   * object with the key `bodies`, an object per body in the order they were added: `name`, and either `refused`, a text,
-   * or `error_95_m`, `error_max_m`, `error_rms_m` (95 % of the surface, all of it, root of the mean square over the
-   * volume) and `largest_displacement_m`; a simulator may add others. progress: may be null; asked several times a
-   * second, also whether anybody still wants it: C3DE_E_CANCELLED. [any] */
+  /* May be null: errors are not verified. How far the bodies, as they are between two steps, are from what this
+   * simulator would find with a much finer sampling: solves that beside the simulation, which does not change and may
+   * go on. JSON object with the key `bodies`, an object per body in the order they were added: `name`, and either
+   * `refused`, a text, or `error_95_m`, `error_max_m`, `error_rms_m` (95 % of the surface, all of it, root of the mean
+   * square over the volume) and `largest_displacement_m`; a simulator may add others. progress: may be null; asked
+   * several times a second, also whether anybody still wants it: C3DE_E_CANCELLED. [any] */
   c3de_status(C3DE_CALL *verify)(c3de_object *self, const c3de_progress *progress, c3de_sink json);
 } c3de_simulator_v1;
 
