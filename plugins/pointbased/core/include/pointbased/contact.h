@@ -60,7 +60,27 @@ struct Contact {
   double initialPenetration = 0.0;
   /// m, elastic tangential way at the beginning of the stage: what friction holds
   Vec3 tangentialDisplacement = Vec3::Zero();
+  Vec3 place = Vec3::Zero();  ///< m, world, of the point at the beginning of the step: where `gap` was measured
   static constexpr Index kWall = 0xffffffffu;
+};
+
+/// What an obstacle has done to a body, over some time.
+struct ContactSum {
+  Vec3 impulse = Vec3::Zero();  ///< N s, on the body
+  double pressing = 0.0;        ///< N s, of the normal forces alone, without direction
+};
+
+/// Sums over a step, by obstacle. Static solutions count by load factor in place of time.
+struct ContactSums {
+  std::vector<ContactSum> of;  ///< [obstacles + 1], the walls last; empty: no step since contact was looked for anew
+  double span = 0.0;           ///< s, of what has been added
+
+  void begin(std::size_t obstacles) {
+    of.assign(obstacles + 1, ContactSum());
+    span = 0.0;
+  }
+  /// @param obstacle  Contact::obstacle
+  [[nodiscard]] ContactSum &at(Index obstacle) { return of[obstacle == Contact::kWall ? of.size() - 1 : obstacle]; }
 };
 
 /// What contact remembers of one body between steps.
@@ -88,7 +108,10 @@ struct ContactState {
   std::vector<Contact> active;           ///< of the present step: by point, then obstacle
   /// m, deepest penetration of a point at the beginning of a step since the start
   double deepest = 0.0;
-  double margin = 0.0;  ///< m, of the last findContacts()
+  double margin = 0.0;      ///< m, of the last findContacts()
+  double lookedAt = 0.0;    ///< s, or load factor: time of the last findContacts()
+  ContactSums sums;         ///< of the last step
+  ContactSums stageForces;  ///< N in place of N s: of the last stage of an implicit or static step
   // scratch, so that a step allocates nothing
   struct ClosestPointQueries {
     std::vector<Index> points, candidates;
@@ -196,6 +219,10 @@ Vec3 solveContactImpulses(const Interpolation &binding, std::span<const double> 
 void settleContactVelocities(const Interpolation &binding, std::span<const double> inverseMasses, double dt,
                              ContactState &memory, std::span<Vec3> velocities);
 
+/// Adds the impulses of an explicit substep that is over, and its length dt, to memory.sums (without those that lead out
+/// of penetrations, which the step takes back). Nothing where ContactSums::begin() has not been called.
+void sumContactImpulses(double dt, ContactState &memory);
+
 /// Contact as an energy, for implicit and quasi-static steps, over the planes of memory.active, moved by
 /// surfaceVelocity · h; `start` and `now` are displacements of the phyxels at the beginning of the stage and at
 /// present:
@@ -244,6 +271,12 @@ class ContactForces {
 /// Stores the normal forces of the present state in the contacts: what friction of the next solution uses.
 void updateNormalForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                         std::span<const Vec3> now, ContactState &memory);
+/// Fills memory.stageForces with the forces at `now`.
+void sumContactForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                      std::span<const Vec3> now, ContactState &memory);
+/// Adds memory.stageForces for `span` s (or load factor) to memory.sums. Nothing where ContactSums::begin() has not been
+/// called.
+void addStageForces(double span, ContactState &memory);
 /// Once, at the end of a stage: what friction has stored and what is left of allowances goes to the next one.
 void finishContactStage(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                         std::span<const Vec3> now, ContactState &memory);

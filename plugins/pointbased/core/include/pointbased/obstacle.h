@@ -28,7 +28,7 @@ struct Obstacle {
   /// Empty: stands still. Else its rigid motion: where a material point of it (placed at rest) is at time t.
   std::function<RigidMotion(double t)> motion;
   /// Closest surface point of each point within its range, in the frame of the obstacle at rest. Several threads at
-  /// once.
+  /// once. Empty: it is not felt.
   std::function<void(std::span<const Vec3> points, std::span<const double> maxDistances, std::span<SurfacePoint> out)>
       closest;
   /// First crossing of the way from → to, likewise: t in [0, 1] and the normal of the surface there (either side); t <

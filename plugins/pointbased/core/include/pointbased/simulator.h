@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
 
 #include "pointbased/body.h"
+#include "pointbased/contact_settings.h"
 #include "pointbased/stage_clock.h"
 #include "pointbased/step_composition.h"
 #include "pointbased/stop_request.h"
@@ -78,6 +80,11 @@ class Simulator {
   [[nodiscard]] const Body *body(std::size_t id) const;
   [[nodiscard]] std::vector<std::size_t> bodyIds() const;
   [[nodiscard]] std::span<const Obstacle> obstacles() const { return obstacles_; }
+  /// As obstacles(), as one body feels them: with the friction of its pairs; those that it passes through have no
+  /// Obstacle::closest. Valid until something of it changes.
+  [[nodiscard]] std::span<const Obstacle> obstaclesOf(std::size_t body) const;
+  /// WorldSettings::box, likewise.
+  [[nodiscard]] WorldBox boxOf(std::size_t body) const;
   /// What integrates a body: the world's integrator, or what is chosen in its place.
   [[nodiscard]] Integrator integratorOf(std::size_t body) const;
   /// Which stages a step of a body has now, and why: what the next step decides by.
@@ -102,6 +109,22 @@ class Simulator {
 
   /// Body::setRigid() while it runs: the body costs nothing then, and its stable step is nobody's. Nothing grabs it.
   void setRigid(std::size_t body, bool rigid);
+
+  /// Contact of bodies with each other. Any time between two steps; a setting, not state: reset() and restore() leave it
+  /// as it is. Wakes all bodies.
+  /// @param contact  friction >= 0
+  void setContact(const ContactSettings &contact);
+  [[nodiscard]] const ContactSettings &contact() const { return contact_; }
+  /// Contact of one pair, likewise; in any order, and kWorldBox for the walls. It goes with the body or obstacle. Of no
+  /// effect where one of the ids is not there, or both are not bodies.
+  void setContactPair(std::size_t a, std::size_t b, const ContactPairSettings &settings);
+  /// What holds between two: settings of the pair itself, or those of all. friction >= 0, that of the obstacle or the
+  /// walls where none is set; not enabled where bodies have no contact, or an id is not there.
+  [[nodiscard]] ContactPairSettings contactPair(std::size_t a, std::size_t b) const;
+  /// Who touches whom, by ids: those that have pressed in the last step. Empty before the first step
+  /// and where a body has been given another state since. Explicit steps: the impulses of their substeps; implicit ones:
+  /// forces of the penalty.
+  [[nodiscard]] std::vector<ContactSummary> contacts() const;
 
   /// One step of the present size: explicit in the substeps that stability needs, up to 10 000 (then time goes on by
   /// what is done). Refused when every body has stopped. Quasi-static: one load increment; nothing when finished().
@@ -197,6 +220,13 @@ class Simulator {
 
  private:
   [[nodiscard]] Environment environment() const;
+  [[nodiscard]] bool exists(std::size_t id) const;
+  /// After a change of pairs or obstacles.
+  void updateSurroundings(std::size_t body);
+  void updateSurroundings();
+  /// run(order), in the surroundings of the body.
+  void runInSurroundings(std::size_t body, const detail::StepContext &order,
+                         const std::function<void(const detail::StepContext &)> &run) const;
   [[nodiscard]] detail::StepContext order(const StopRequest *stop);
   /// Those that move, for a step.
   detail::BodyCrew &gatherCrew();
@@ -229,6 +259,10 @@ class Simulator {
   std::unique_ptr<detail::BodyCrew> crew_;  // scratch of a step
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
+  ContactSettings contact_;
+  std::map<std::pair<std::size_t, std::size_t>, ContactPairSettings> contactPairs_;  // the smaller id first
+  std::map<std::size_t, std::vector<Obstacle>> surroundings_;  // of bodies that have pairs with obstacles or walls
+  std::uint64_t contactSwitches_ = 0;                          // grows when a pair is switched on or off
   std::vector<Probe> probes_;
   std::size_t nextId_ = 1;
   std::uint64_t course_ = 0;  // grows where what has been simulated ends: a reset, other bodies or obstacles

@@ -289,13 +289,16 @@ class Verifying {
 
 StandingBody standingBody(const Simulator &simulator, std::size_t id) {
   const Body &body = *simulator.body(id);
+  const std::span<const Obstacle> obstacles = simulator.obstaclesOf(id);
+  WorldSettings world = simulator.world();
+  world.box = simulator.boxOf(id);
   return {body.name(),
           body.checkpoint(),
           body.constitution(),
           body.foundation().settings(),
           {body.externalForces().begin(), body.externalForces().end()},
-          simulator.world(),
-          {simulator.obstacles().begin(), simulator.obstacles().end()},
+          world,
+          {obstacles.begin(), obstacles.end()},
           simulator.quasiStatic() ? simulator.loadFactor() : simulator.time()};
 }
 

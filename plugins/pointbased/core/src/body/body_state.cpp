@@ -54,6 +54,7 @@ void Body::restoreState() {
   state_ = kept_;
   contact.clearance.clear();  // what was known of distances may be of the failed step
   contact.active.clear();
+  contact.sums = {};
   patches_.clearForces();
   forcesCurrent = false;
 }

@@ -146,6 +146,7 @@ void addWalls(const WorldBox &box, double dt, double margin, const Looked &looke
     contact.friction = box.friction;
     contact.restitution = box.restitution;
     contact.obstacle = Contact::kWall;
+    contact.place = looked.positions[k];
     active.push_back(contact);
   };
   for (std::size_t k = 0; k < looked.count(); ++k) {
@@ -253,6 +254,7 @@ class ObstacleSearch {
     contact.friction = obstacle_.friction;
     contact.restitution = obstacle_.restitution;
     contact.obstacle = number_;
+    contact.place = looked_.positions[k];
     active_.push_back(contact);
   }
 
@@ -276,8 +278,15 @@ void detail::searchContacts(std::span<const Obstacle> obstacles, const WorldBox 
   memory.margin = margin;
   memory.clearance.resize(obstacles.size());
   memory.sides.resize(obstacles.size());
-  for (std::size_t o = 0; o < obstacles.size(); ++o)
+  memory.lookedAt = time;
+  for (std::size_t o = 0; o < obstacles.size(); ++o) {
+    if (!obstacles[o].closest) {
+      memory.clearance[o].clear();
+      memory.sides[o].clear();
+      continue;
+    }
     ObstacleSearch(obstacles[o], o, stepOf(obstacles[o], time, dt, margin), looked, count, memory).run(parallelFor);
+  }
   if (box.enabled) addWalls(box, dt, margin, looked, memory.active);
 
   // A stable sort takes memory, and with one obstacle there is nothing to sort.

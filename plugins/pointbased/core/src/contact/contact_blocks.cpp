@@ -173,6 +173,7 @@ double roomOf(const ContactState &memory, std::span<const Obstacle> obstacles, c
   double room = std::numeric_limits<double>::infinity();
   const Vec3 &x = looked.positions[k];
   for (std::size_t o = 0; o < obstacles.size(); ++o) {
+    if (!obstacles[o].closest) continue;
     const ContactState::ClearanceCache &known = memory.clearance[o][looked.point(k)];
     const Vec3 at = obstacles[o].motion ? toRest(memory.blocks.motions[o], x) : x;
     room = std::min(room, std::min(known.distance, known.reach) - (at - known.at).norm());
@@ -231,6 +232,7 @@ void findContacts(std::span<const Obstacle> obstacles, const WorldBox &box, doub
     std::swap(memory.previous, memory.active);
     memory.active.clear();
     memory.margin = margin;
+    memory.lookedAt = time;
     return;
   }
   blocks.positions.resize(blocks.points.size());

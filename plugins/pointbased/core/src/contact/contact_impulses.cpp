@@ -222,6 +222,15 @@ Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> invers
   stopped.resize(count);
   for (std::size_t c = 0; c < count; ++c) stopped[c] = relative(arriving[c]);
   push(1.0);
+  const auto addToSums = [&](double part) {
+    if (memory.sums.of.empty()) return;
+    for (std::size_t c = 0; c < count; ++c) {
+      ContactSum &sum = memory.sums.at(arriving[c].obstacle);
+      const double normal = (1.0 + part * arriving[c].restitution) * solution.impulses[c];
+      sum.impulse += normal * arriving[c].normal + solution.tangential[c];
+      sum.pressing += normal;
+    }
+  };
   double none = 0.0, slope = 0.0, curvature = 0.0;  // twice the work, in powers of the part
   Vec3 total = Vec3::Zero();
   for (std::size_t c = 0; c < count; ++c) {
@@ -233,13 +242,17 @@ Vec3 bounceArrivals(const Interpolation &binding, std::span<const double> invers
     curvature += more.dot(gained);
     total += first + more;
   }
-  if (!(none + slope + curvature > 0.0)) return total;
+  if (!(none + slope + curvature > 0.0)) {
+    addToSums(1.0);
+    return total;
+  }
   const double root = slope * slope - 4.0 * curvature * std::min(0.0, none);
   const double part =
       curvature > 0.0 ? std::clamp((-slope + std::sqrt(std::max(0.0, root))) / (2.0 * curvature), 0.0, 1.0) : 0.0;
   push(part - 1.0);
   for (std::size_t c = 0; c < count; ++c)
     total += (part - 1.0) * arriving[c].restitution * solution.impulses[c] * arriving[c].normal;
+  addToSums(part);
   return total;
 }
 
@@ -317,6 +330,18 @@ void settleContactVelocities(const Interpolation &binding, std::span<const doubl
     contact.settleImpulse = closes ? solution.impulses[c] : 0.0;
     contact.settleFriction = closes ? solution.tangential[c] : Vec3(Vec3::Zero());
     if (closes) ++c;
+  }
+}
+
+void sumContactImpulses(double dt, ContactState &memory) {
+  if (memory.sums.of.empty()) return;
+  memory.sums.span += dt;
+  for (const Contact &contact : memory.active) {
+    if (!(contact.normalImpulse > 0.0)) continue;
+    ContactSum &sum = memory.sums.at(contact.obstacle);
+    const double normal = contact.normalImpulse + contact.settleImpulse;
+    sum.impulse += normal * contact.normal + contact.frictionImpulse + contact.settleFriction;
+    sum.pressing += normal;
   }
 }
 

@@ -189,6 +189,27 @@ void updateNormalForces(const ContactPoints &points, const ContactPenalty &penal
   }
 }
 
+void sumContactForces(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
+                      std::span<const Vec3> now, ContactState &memory) {
+  for (ContactSum &sum : memory.stageForces.of) sum = ContactSum();
+  if (memory.stageForces.of.empty()) return;
+  for (const Contact &contact : memory.active) {
+    const Penalised s = penalised(points, penalty, contact, start, now);
+    ContactSum &sum = memory.stageForces.at(contact.obstacle);
+    sum.impulse += forceOf(s, contact.normal);
+    sum.pressing += s.k * std::max(0.0, -s.gap);
+  }
+}
+
+void addStageForces(double span, ContactState &memory) {
+  if (memory.sums.of.empty() || memory.stageForces.of.size() != memory.sums.of.size()) return;
+  memory.sums.span += span;
+  for (std::size_t o = 0; o < memory.sums.of.size(); ++o) {
+    memory.sums.of[o].impulse += span * memory.stageForces.of[o].impulse;
+    memory.sums.of[o].pressing += span * memory.stageForces.of[o].pressing;
+  }
+}
+
 void finishContactStage(const ContactPoints &points, const ContactPenalty &penalty, std::span<const Vec3> start,
                         std::span<const Vec3> now, ContactState &memory) {
   for (Contact &contact : memory.active) {

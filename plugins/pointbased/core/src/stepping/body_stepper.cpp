@@ -259,6 +259,7 @@ BodyStepper::Gone BodyStepper::advanceImplicit(const StepContext &order, double 
   const Integrator scheme = integratorIn(order.world);
   const auto pieces = static_cast<int>(std::llround(std::ceil(1.0 / scale_)));
   const double piece = span / pieces;
+  body_->contact.sums.begin(order.environment.obstacles.size());
   for (int k = 0; k < pieces; ++k) {
     const ImplicitResult result =
         implicitStep(*body_, solver_, order.environment, order.time + k * piece, piece, scheme);

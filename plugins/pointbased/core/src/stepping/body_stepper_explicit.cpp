@@ -58,6 +58,7 @@ BodyStepper::Gone BodyStepper::advanceExplicit(const StepContext &order, double 
   Body &body = *body_;
   double left = span, time = order.time, needed = 1.0;
   std::uint64_t substeps = 0;
+  body.contact.sums.begin(order.environment.obstacles.size());
   while (left > 1e-12 * span && substeps < mostSubsteps) {
     const Gone stable = maxSubstep(order, time, left, substeps == 0 ? &glance : nullptr);
     if (!stable) return stable;

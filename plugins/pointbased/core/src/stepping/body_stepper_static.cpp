@@ -21,6 +21,7 @@ void BodyStepper::loadUpTo(const StepContext &order, double factor) {
   while (at < factor - 1e-12) {
     const double next = std::min(factor, at + size);
     body.keepState();
+    body.contact.sums.begin(order.environment.obstacles.size());
     const ImplicitResult result = quasiStaticStep(body, solver_, order.environment, at, next);
     const bool finite = quickCheck(body).finite;
     if (result.failure.empty() && finite) {

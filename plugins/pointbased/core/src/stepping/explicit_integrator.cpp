@@ -209,8 +209,10 @@ void explicitSubstep(Body &body, const Environment &env, double time, double dt)
     }
   });
   if (contact)
-    clock.measure(kContact,
-                  [&] { settleContactVelocities(rest.contact.binding, inverse, dt, body.contact, state.velocities); });
+    clock.measure(kContact, [&] {
+      settleContactVelocities(rest.contact.binding, inverse, dt, body.contact, state.velocities);
+      sumContactImpulses(dt, body.contact);
+    });
   body.forcesCurrent = true;
 }
 

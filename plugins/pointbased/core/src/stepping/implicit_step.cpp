@@ -22,7 +22,7 @@ class ImplicitStep {
   ImplicitStep(Body &body, NewtonSolver &solver, const Environment &env, double time, double dt)
       : body_(body), solver_(solver), env_(env), time_(time), dt_(dt), u0_(body.state().displacements),
         v0_(body.state().velocities), contactsBefore_(body.contact.active),
-        pressedBefore_(pressingPoints(body.contact)) {}
+        pressedBefore_(pressingPoints(body.contact)), sums_(body.contact.sums) {}
 
   NewtonResult solve(Integrator scheme) {
     switch (scheme) {
@@ -31,6 +31,7 @@ class ImplicitStep {
       default:
         stage_ = {dt_, time_ + dt_, dt_, u0_, v0_, 0.0, dt_, kErrorOfEuler};
         solveStage(time_);
+        addStageForces(dt_, body_.contact);
         break;
     }
     return result_;
@@ -54,6 +55,8 @@ class ImplicitStep {
     body_.contact.active = contactsBefore_;
     stage_ = {dt_, time_ + dt_, dt_, u0_, v0_, 0.0, dt_, kErrorOfEuler};
     solveStage(time_, {}, reached);
+    body_.contact.sums = sums_;
+    addStageForces(dt_, body_.contact);
   }
 
   void midpoint() {
@@ -62,6 +65,7 @@ class ImplicitStep {
     stage_ = {0.5 * dt_, time_ + 0.5 * dt_, 0.5 * dt_, u0_, v0_, 0.0, 0.5 * dt_};
     solveStage(time_, [&] { return !(impact = !pressingPoints(body_.contact).empty()); });
     if (result_.good() && impact) return backwardEulerInstead();
+    addStageForces(dt_, body_.contact);
     for (std::size_t i = 0; i < u0_.size(); ++i) {
       const Vec3 middle = state.displacements[i];
       state.displacements[i] = 2.0 * middle - u0_[i];
@@ -80,6 +84,7 @@ class ImplicitStep {
     solveStage(time_, [&] { return !(impact = meetsAnew()); });
     if (!result_.good()) return;
     if (impact) return backwardEulerInstead();
+    addStageForces((1.0 - gamma) * dt_, body_.contact);
     for (std::size_t i = 0; i < u0_.size(); ++i) {
       const Vec3 k = state.velocities[i], l = (state.velocities[i] - v0_[i]) / (gamma * dt_);
       stage_.p[i] = u0_[i] + (1.0 - gamma) * dt_ * k;
@@ -89,6 +94,7 @@ class ImplicitStep {
     stage_.elapsed = dt_;
     stage_.contactSpan = (1.0 - gamma) * dt_;
     solveStage(time_ + gamma * dt_);
+    addStageForces(gamma * dt_, body_.contact);
   }
 
   // A point presses that did not before, or one is led out of an obstacle.
@@ -106,6 +112,7 @@ class ImplicitStep {
   const std::vector<Vec3> u0_, v0_;
   const std::vector<Contact> contactsBefore_;
   const std::vector<Index> pressedBefore_;
+  const ContactSums sums_;  // of the pieces of the step before this one
   ImplicitStage stage_;
   NewtonResult result_;
 };

@@ -116,6 +116,7 @@ ImplicitResult quasiStaticStep(Body &body, NewtonSolver &solver, const Environme
     else if (!held && moved < 0.5 * stride)
       holding *= moved < 0.01 * stride ? 0.125 : 0.5;
   }
+  addStageForces(1.0, body.contact);
   std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
   env.clock->measure(kGradients, [&] { body.computeGradients(parallelFor); });
   env.clock->measure(kStresses, [&] { body.computeStresses(0.0, parallelFor); });

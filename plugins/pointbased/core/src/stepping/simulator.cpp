@@ -90,13 +90,18 @@ std::string Simulator::activity() const { return activity_->line(); }
 
 std::string Simulator::whatWouldFit(const StepFailure &ended, double budget) {
   const auto found = bodies_.find(ended.body);
-  return found == bodies_.end() ? std::string() : found->second->whatWouldFit(order(nullptr), budget);
+  if (found == bodies_.end()) return {};
+  std::string text;
+  runInSurroundings(ended.body, order(nullptr),
+                    [&](const detail::StepContext &own) { text = found->second->whatWouldFit(own, budget); });
+  return text;
 }
 
 std::size_t Simulator::addObstacle(Obstacle obstacle) {
   ++course_;
   obstacles_.push_back(std::move(obstacle));
   obstacleIds_.push_back(nextId_);
+  updateSurroundings();
   for (auto &[id, runner] : bodies_) {
     runner->body().contact = ContactState();
     runner->wake();
@@ -108,6 +113,8 @@ bool Simulator::removeBody(std::size_t id) {
   std::erase_if(probes_, [id](const Probe &p) { return p.body == id; });
   ++course_;
   warnings_.erase(id);
+  surroundings_.erase(id);
+  std::erase_if(contactPairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   activity_->forget(id);
   return bodies_.erase(id) > 0;
 }
@@ -118,6 +125,8 @@ bool Simulator::removeObstacle(std::size_t id) {
   ++course_;
   obstacles_.erase(obstacles_.begin() + (found - obstacleIds_.begin()));
   obstacleIds_.erase(found);
+  std::erase_if(contactPairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
+  updateSurroundings();
   for (auto &[other, runner] : bodies_) {
     runner->body().contact = ContactState();
     runner->wake();
@@ -130,6 +139,8 @@ void Simulator::clear() {
   warnings_.clear();
   obstacles_.clear();
   obstacleIds_.clear();
+  contactPairs_.clear();
+  surroundings_.clear();
   probes_.clear();
   reset();
 }
@@ -268,7 +279,10 @@ StepComposition Simulator::compositionOf(std::size_t id) const {
     notes.idle = "asleep until something changes";
   for (const Probe &probe : probes_)
     if (probe.body == id) notes.probes.push_back(probe.name);
-  return compose(runner.body(), environment(), notes);
+  Environment env = environment();
+  env.obstacles = obstaclesOf(id);
+  env.box = boxOf(id);
+  return compose(runner.body(), env, notes);
 }
 
 detail::StepContext Simulator::order(const StopRequest *stop) {
@@ -360,16 +374,19 @@ void Simulator::increaseLoad(const detail::StepContext &order) {
   const int increments = world_.loadSteps > 0 ? world_.loadSteps : kUsualLoadSteps;
   double next = std::min(1.0, loadFactor_ + 1.0 / increments);
   if (next > 1.0 - 1e-9) next = 1.0;
-  gatherCrew().run(
-      order, plainLoops_, *activity_,
-      [next](detail::BodyCrew::Member &member, const detail::StepContext &own) { member.runner->loadUpTo(own, next); });
+  gatherCrew().run(order, plainLoops_, *activity_,
+                   [this, next](detail::BodyCrew::Member &member, const detail::StepContext &own) {
+                     runInSurroundings(member.id, own,
+                                       [&](const detail::StepContext &here) { member.runner->loadUpTo(here, next); });
+                   });
   if (!failed()) loadFactor_ = next;
 }
 
 double Simulator::advanceBodies(const detail::StepContext &order) {
   detail::BodyCrew &crew = gatherCrew();
-  crew.run(order, plainLoops_, *activity_, [](detail::BodyCrew::Member &member, const detail::StepContext &own) {
-    member.gone = member.runner->advance(own, own.dt);
+  crew.run(order, plainLoops_, *activity_, [this](detail::BodyCrew::Member &member, const detail::StepContext &own) {
+    runInSurroundings(member.id, own,
+                      [&](const detail::StepContext &here) { member.gone = member.runner->advance(here, here.dt); });
   });
   double span = order.dt;
   for (const detail::BodyCrew::Member &member : crew.members()) {
@@ -378,8 +395,10 @@ double Simulator::advanceBodies(const detail::StepContext &order) {
   }
   if (!(span < order.dt)) return span;
   // Where the substeps of one were not enough, the others have gone too far.
-  crew.run(order, plainLoops_, *activity_, [span](detail::BodyCrew::Member &member, const detail::StepContext &own) {
-    if (member.gone > span && !member.runner->stopped()) member.runner->advanceAgain(own, span);
+  crew.run(order, plainLoops_, *activity_, [&](detail::BodyCrew::Member &member, const detail::StepContext &own) {
+    if (!(member.gone > span) || member.runner->stopped()) return;
+    runInSurroundings(member.id, own,
+                      [&](const detail::StepContext &here) { member.runner->advanceAgain(here, span); });
   });
   return span;
 }

@@ -8,6 +8,7 @@ namespace pointbased {
 Checkpoint Simulator::checkpoint() const {
   auto kept = std::make_shared<detail::SimulatorCheckpoint>();
   kept->course = course_;
+  kept->contactSwitches = contactSwitches_;
   for (const auto &[id, runner] : bodies_) kept->bodies.emplace(id, runner->checkpoint());
   kept->probes = probes_;
   kept->time = time_;
@@ -25,7 +26,10 @@ bool Simulator::restore(const Checkpoint &checkpoint) {
   if (!checkpoint || checkpoint->course != course_) return false;
   for (auto &[id, runner] : bodies_) {
     const auto found = checkpoint->bodies.find(id);
-    if (found != checkpoint->bodies.end()) runner->restore(found->second, parallelFor_);
+    if (found == checkpoint->bodies.end()) continue;
+    runner->restore(found->second, parallelFor_);
+    // Points may have waited for other obstacles.
+    if (checkpoint->contactSwitches != contactSwitches_) runner->body().contact.blocks = ContactState::Blocks();
   }
   probes_ = checkpoint->probes;
   const double from = time();

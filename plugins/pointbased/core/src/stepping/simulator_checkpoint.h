@@ -8,7 +8,7 @@
 namespace pointbased {
 
 struct detail::SimulatorCheckpoint {
-  std::uint64_t course = 0;
+  std::uint64_t course = 0, contactSwitches = 0;
   std::map<std::size_t, BodyStepper::Checkpoint> bodies;
   std::vector<Probe> probes;
   double time = 0.0, loadFactor = 0.0;

@@ -37,7 +37,7 @@ double Simulator::skinDepth(std::size_t id) const {
   std::vector<Vec3> skin;
   const auto told = skinDeepest_.find(id);
   return std::max({target->contact.deepest, told == skinDeepest_.end() ? 0.0 : told->second,
-                   pointbased::skinDepth(*target, obstacles_, world_.box, clockOfRamps(), skin, parallelFor_)});
+                   pointbased::skinDepth(*target, obstaclesOf(id), boxOf(id), clockOfRamps(), skin, parallelFor_)});
 }
 
 double Simulator::costOf(std::size_t id) const {
@@ -66,7 +66,7 @@ void Simulator::checkSkins() {
           kExplicitSteps * (1 + body.rest().surfels.count() / (16 * (1 + body.rest().pointCount())));
       if (runner->asleep() || body.contact.active.empty() || (steps_ % every != 0 && steps_ % kExplicitSteps == 0))
         continue;
-      const double depth = pointbased::skinDepth(body, {}, world_.box, clockOfRamps(), skin_, parallelFor_);
+      const double depth = pointbased::skinDepth(body, {}, boxOf(id), clockOfRamps(), skin_, parallelFor_);
       double &deepest = skinDeepest_[id];
       const double through = kSkinThrough * body.rest().spacing;
       if (depth > through && deepest <= through)

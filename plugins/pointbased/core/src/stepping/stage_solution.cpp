@@ -80,6 +80,8 @@ class StageSolution {
       for (Vec3 &u : u_) u += left;
       (void)problem_.setState(u_);
     }
+    memory().stageForces.begin(env_.obstacles.size());
+    if (touches) sumContactForces(points(), problem_.penalty(), start_, u_, memory());
     if (touches && complete && result_.good()) finishContactStage(points(), problem_.penalty(), start_, u_, memory());
     return result_;
   }

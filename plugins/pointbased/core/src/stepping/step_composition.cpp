@@ -61,7 +61,8 @@ class Composer {
 
   void addContact(Stage clock) {
     std::string what;
-    for (const Obstacle &obstacle : env_.obstacles) what += (what.empty() ? "obstacle '" : ", '") + obstacle.name + "'";
+    for (const Obstacle &obstacle : env_.obstacles)
+      if (obstacle.closest) what += (what.empty() ? "obstacle '" : ", '") + obstacle.name + "'";
     if (env_.box.enabled) what += what.empty() ? "walls of the world" : ", walls of the world";
     const bool feels = body_.rest().contact.count() > 0;
     add("contact", stages_.contact,

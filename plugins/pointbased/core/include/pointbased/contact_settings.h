@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+#include "pointbased/types.h"
+
+namespace pointbased {
+
+/// Stands for the walls of the world box where the id of a body or an obstacle is asked for.
+inline constexpr std::size_t kWorldBox = 0;
+
+/// Contact of bodies with each other and with themselves. Obstacles and walls have settings of their own (Obstacle,
+/// WorldBox) and are felt whatever stands here.
+struct ContactSettings {
+  bool enabled = true;    ///< between bodies
+  bool self = true;       ///< of bodies with themselves
+  double friction = 0.3;  ///< Coulomb, >= 0; of pairs that have none of their own
+  bool operator==(const ContactSettings &) const = default;
+};
+
+/// Contact of one pair: two bodies, or a body and an obstacle or the walls.
+struct ContactPairSettings {
+  double friction = -1.0;  ///< Coulomb; negative: ContactSettings::friction, or that of the obstacle or the walls
+  bool enabled = true;     ///< false: they pass through each other
+  bool operator==(const ContactPairSettings &) const = default;
+};
+
+/// What passes between two that touch.
+struct ContactSummary {
+  std::size_t first = 0;      ///< id of a body
+  std::size_t second = 0;     ///< id of a body or an obstacle; kWorldBox: the walls
+  Vec3 force = Vec3::Zero();  ///< N, on `first`, mean over the last step
+  double pressing = 0.0;      ///< N, sum of the normal forces, mean over the last step
+  double depth = 0.0;         ///< m, >= 0: of the deepest point at the end of the last step; 0 when it only touches
+  std::size_t points = 0;     ///< of contact that pressed at the end of the last step
+};
+
+}  // namespace pointbased

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who touches whom: settings of pairs, and what passes between those that touch.
+#include <algorithm>
+#include <cmath>
+
+#include "base/expects.h"
+#include "discretisation/interpolation_at.h"
+#include "pointbased/simulator.h"
+#include "stepping/body_stepper.h"
+
+namespace pointbased {
+namespace {
+
+std::pair<std::size_t, std::size_t> ordered(std::size_t a, std::size_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+// m, of the point of a contact above the plane that it was found with, now.
+double gapNow(const Body &body, const Contact &contact, double elapsed) {
+  const Interpolation &binding = body.rest().contact.binding;
+  const std::span<const Vec3> u = body.state().displacements;
+  const Mat3 F = detail::rankOf(binding, contact.point) < 3 ? detail::gradientAt(binding, contact.point, u)
+                                                            : Mat3(Mat3::Identity());
+  const Vec3 x =
+      body.rest().origin + binding.positions[contact.point] + detail::displacementAt(binding, contact.point, u, F);
+  return contact.gap + contact.normal.dot(x - contact.place - elapsed * contact.surfaceVelocity);
+}
+
+}  // namespace
+
+void Simulator::setContact(const ContactSettings &contact) {
+  POINTBASED_EXPECTS(contact.friction >= 0.0 && std::isfinite(contact.friction),
+                     "friction is finite, and not negative");
+  if (contact == contact_) return;
+  if (contact.enabled != contact_.enabled || contact.self != contact_.self) ++contactSwitches_;
+  contact_ = contact;
+  for (auto &[id, runner] : bodies_) runner->wake();
+}
+
+bool Simulator::exists(std::size_t id) const {
+  return id == kWorldBox || bodies_.contains(id) ||
+         std::find(obstacleIds_.begin(), obstacleIds_.end(), id) != obstacleIds_.end();
+}
+
+void Simulator::setContactPair(std::size_t a, std::size_t b, const ContactPairSettings &settings) {
+  POINTBASED_EXPECTS(std::isfinite(settings.friction), "friction is finite");
+  if (a == b || !exists(a) || !exists(b) || (!bodies_.contains(a) && !bodies_.contains(b))) return;
+  const ContactPairSettings before = contactPair(a, b);
+  contactPairs_[ordered(a, b)] = settings;
+  if (before.enabled != settings.enabled) ++contactSwitches_;
+  for (const std::size_t id : {a, b}) {
+    const auto found = bodies_.find(id);
+    if (found == bodies_.end()) continue;
+    updateSurroundings(id);
+    // Points may wait for other obstacles.
+    if (before.enabled != settings.enabled) found->second->body().contact.blocks = ContactState::Blocks();
+    found->second->wake();
+  }
+}
+
+ContactPairSettings Simulator::contactPair(std::size_t a, std::size_t b) const {
+  const bool bodies = bodies_.contains(a) && bodies_.contains(b);
+  if (a == b || !exists(a) || !exists(b) || (!bodies_.contains(a) && !bodies_.contains(b)))
+    return {contact_.friction, false};
+  ContactPairSettings out{contact_.friction, bodies ? contact_.enabled : true};
+  if (!bodies) {
+    const std::size_t other = bodies_.contains(a) ? b : a;
+    const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), other);
+    out.friction = other == kWorldBox ? world_.box.friction
+                                      : obstacles_[static_cast<std::size_t>(found - obstacleIds_.begin())].friction;
+  }
+  if (const auto own = contactPairs_.find(ordered(a, b)); own != contactPairs_.end()) {
+    if (own->second.friction >= 0.0) out.friction = own->second.friction;
+    out.enabled = out.enabled && own->second.enabled;
+  }
+  return out;
+}
+
+void Simulator::updateSurroundings(std::size_t id) {
+  const bool has = std::any_of(contactPairs_.begin(), contactPairs_.end(), [&](const auto &pair) {
+    const auto &[a, b] = pair.first;
+    return (a == id && !bodies_.contains(b)) || (b == id && !bodies_.contains(a));
+  });
+  if (!has) {
+    surroundings_.erase(id);
+    return;
+  }
+  std::vector<Obstacle> &own = surroundings_[id];
+  own = obstacles_;
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    const ContactPairSettings pair = contactPair(id, obstacleIds_[o]);
+    own[o].friction = pair.friction;
+    if (pair.enabled) continue;
+    own[o].motion = nullptr;
+    own[o].closest = nullptr;
+    own[o].crossing = nullptr;
+  }
+}
+
+void Simulator::updateSurroundings() {
+  for (const auto &[id, runner] : bodies_) updateSurroundings(id);
+}
+
+std::span<const Obstacle> Simulator::obstaclesOf(std::size_t id) const {
+  const auto found = surroundings_.find(id);
+  return std::span<const Obstacle>(found == surroundings_.end() ? obstacles_ : found->second);
+}
+
+WorldBox Simulator::boxOf(std::size_t id) const {
+  WorldBox box = world_.box;
+  if (!surroundings_.contains(id)) return box;
+  const ContactPairSettings walls = contactPair(id, kWorldBox);
+  box.friction = walls.friction;
+  box.enabled = box.enabled && walls.enabled;
+  return box;
+}
+
+void Simulator::runInSurroundings(std::size_t id, const detail::StepContext &order,
+                                  const std::function<void(const detail::StepContext &)> &run) const {
+  if (!surroundings_.contains(id)) return run(order);
+  detail::StepContext own = order;
+  own.environment.obstacles = obstaclesOf(id);
+  own.environment.box = boxOf(id);
+  run(own);
+}
+
+std::vector<ContactSummary> Simulator::contacts() const {
+  std::vector<ContactSummary> out;
+  for (const auto &[id, runner] : bodies_) {
+    const Body &body = runner->body();
+    const ContactSums &sums = body.contact.sums;
+    if (!(sums.span > 0.0) || sums.of.size() != obstacles_.size() + 1) continue;
+    std::vector<ContactSummary> found(sums.of.size());
+    for (std::size_t o = 0; o < found.size(); ++o) {
+      found[o].first = id;
+      found[o].second = o < obstacles_.size() ? obstacleIds_[o] : kWorldBox;
+      found[o].force = sums.of[o].impulse / sums.span;
+      found[o].pressing = sums.of[o].pressing / sums.span;
+    }
+    // By point: one that presses on two faces of an obstacle counts once.
+    std::vector<Index> last(found.size(), Contact::kWall);
+    const double elapsed = clockOfRamps() - body.contact.lookedAt;
+    for (const Contact &contact : body.contact.active) {
+      const std::size_t o = contact.obstacle == Contact::kWall ? obstacles_.size() : contact.obstacle;
+      found[o].depth = std::max(found[o].depth, -gapNow(body, contact, elapsed));
+      if (!(contact.normalImpulse > 0.0) || last[o] == contact.point) continue;
+      last[o] = contact.point;
+      ++found[o].points;
+    }
+    for (const ContactSummary &summary : found)
+      if (summary.pressing > 0.0) out.push_back(summary);
+  }
+  return out;
+}
+
+}  // namespace pointbased
