@@ -80,6 +80,10 @@ class Simulator {
   [[nodiscard]] const Body *body(std::size_t id) const;
   [[nodiscard]] std::vector<std::size_t> bodyIds() const;
   [[nodiscard]] std::span<const Obstacle> obstacles() const { return obstacles_; }
+  /// Null: there is none of this id.
+  [[nodiscard]] const Obstacle *obstacle(std::size_t id) const;
+  /// What is unusual about a body or obstacle, told as an event from the start of every simulation; it goes with it.
+  void addWarning(std::size_t id, const std::string &text);
   /// As obstacles(), as one body feels them: with the friction of its pairs; those that it passes through have no
   /// Obstacle::closest. Valid until something of it changes.
   [[nodiscard]] std::span<const Obstacle> obstaclesOf(std::size_t body) const;
@@ -118,6 +122,9 @@ class Simulator {
   /// Contact of one pair, likewise; in any order, and kWorldBox for the walls. It goes with the body or obstacle. Of no
   /// effect where one of the ids is not there, or both are not bodies.
   void setContactPair(std::size_t a, std::size_t b, const ContactPairSettings &settings);
+  /// By ids, the smaller one first.
+  using ContactPairs = std::map<std::pair<std::size_t, std::size_t>, ContactPairSettings>;
+  [[nodiscard]] const ContactPairs &contactPairs() const { return contactPairs_; }
   /// What holds between two: settings of the pair itself, or those of all. friction >= 0, that of the obstacle or the
   /// walls where none is set; not enabled where bodies have no contact, or an id is not there.
   [[nodiscard]] ContactPairSettings contactPair(std::size_t a, std::size_t b) const;
@@ -260,7 +267,7 @@ class Simulator {
   std::vector<Obstacle> obstacles_;
   std::vector<std::size_t> obstacleIds_;
   ContactSettings contact_;
-  std::map<std::pair<std::size_t, std::size_t>, ContactPairSettings> contactPairs_;  // the smaller id first
+  ContactPairs contactPairs_;
   std::map<std::size_t, std::vector<Obstacle>> surroundings_;  // of bodies that have pairs with obstacles or walls
   std::uint64_t contactSwitches_ = 0;                          // grows when a pair is switched on or off
   std::vector<Probe> probes_;

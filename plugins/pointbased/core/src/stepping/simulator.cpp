@@ -72,8 +72,7 @@ std::size_t Simulator::addBody(std::unique_ptr<Body> body) {
   if (!cloud.empty()) cloud += "; sampling.neighbours and the spacing change it";
   for (const std::string &unusual : {volumeWarning(body->rest()), tornWarning(body->rest()), cloud}) {
     if (unusual.empty()) continue;
-    warnings_[nextId_].push_back("body '" + body->name() + "': " + unusual);
-    reportEvent("warning", warnings_[nextId_].back());
+    addWarning(nextId_, "body '" + body->name() + "': " + unusual);
   }
   bodies_.emplace(nextId_, std::make_unique<detail::BodyStepper>(std::move(body)));
   ++course_;
@@ -125,6 +124,7 @@ bool Simulator::removeObstacle(std::size_t id) {
   ++course_;
   obstacles_.erase(obstacles_.begin() + (found - obstacleIds_.begin()));
   obstacleIds_.erase(found);
+  warnings_.erase(id);
   std::erase_if(contactPairs_, [id](const auto &pair) { return pair.first.first == id || pair.first.second == id; });
   updateSurroundings();
   for (auto &[other, runner] : bodies_) {
@@ -143,6 +143,16 @@ void Simulator::clear() {
   surroundings_.clear();
   probes_.clear();
   reset();
+}
+
+const Obstacle *Simulator::obstacle(std::size_t id) const {
+  const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), id);
+  return found == obstacleIds_.end() ? nullptr : &obstacles_[static_cast<std::size_t>(found - obstacleIds_.begin())];
+}
+
+void Simulator::addWarning(std::size_t id, const std::string &text) {
+  warnings_[id].push_back(text);
+  reportEvent("warning", text);
 }
 
 Body *Simulator::body(std::size_t id) {
@@ -174,10 +184,8 @@ std::pair<double, double> Simulator::predictedCost(std::size_t id) const {
 }
 
 RigidMotion Simulator::obstacleMotion(std::size_t id) const {
-  const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), id);
-  if (found == obstacleIds_.end()) return {};
-  const Obstacle &obstacle = obstacles_[static_cast<std::size_t>(found - obstacleIds_.begin())];
-  return obstacle.motion ? obstacle.motion(clockOfRamps()) : RigidMotion{};
+  const Obstacle *found = obstacle(id);
+  return found && found->motion ? found->motion(clockOfRamps()) : RigidMotion{};
 }
 
 std::size_t Simulator::addProbe(std::string name, std::size_t id, const Vec3 &reference) {

@@ -36,8 +36,7 @@ void Simulator::setContact(const ContactSettings &contact) {
 }
 
 bool Simulator::exists(std::size_t id) const {
-  return id == kWorldBox || bodies_.contains(id) ||
-         std::find(obstacleIds_.begin(), obstacleIds_.end(), id) != obstacleIds_.end();
+  return id == kWorldBox || bodies_.contains(id) || obstacle(id) != nullptr;
 }
 
 void Simulator::setContactPair(std::size_t a, std::size_t b, const ContactPairSettings &settings) {
@@ -63,9 +62,7 @@ ContactPairSettings Simulator::contactPair(std::size_t a, std::size_t b) const {
   ContactPairSettings out{contact_.friction, bodies ? contact_.enabled : true};
   if (!bodies) {
     const std::size_t other = bodies_.contains(a) ? b : a;
-    const auto found = std::find(obstacleIds_.begin(), obstacleIds_.end(), other);
-    out.friction = other == kWorldBox ? world_.box.friction
-                                      : obstacles_[static_cast<std::size_t>(found - obstacleIds_.begin())].friction;
+    out.friction = other == kWorldBox ? world_.box.friction : obstacle(other)->friction;
   }
   if (const auto own = contactPairs_.find(ordered(a, b)); own != contactPairs_.end()) {
     if (own->second.friction >= 0.0) out.friction = own->second.friction;

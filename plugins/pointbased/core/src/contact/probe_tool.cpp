@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pointbased/probe_tool.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "base/number_text.h"
+
+namespace pointbased {
+namespace {
+
+using detail::number;
+
+constexpr double kHalfTurn = std::numbers::pi - 1e-6;  // rad: from here on no way is the shorter one
+
+// All within `radius` of the line from middle - half to middle + half.
+struct Capsule {
+  Vec3 middle, half;
+  double radius;
+
+  [[nodiscard]] Vec3 nearestOfLine(const Vec3 &x) const {
+    const double size = half.squaredNorm();
+    const double s = size > 0.0 ? std::clamp((x - middle).dot(half) / size, -1.0, 1.0) : 0.0;
+    return middle + s * half;
+  }
+  [[nodiscard]] Vec3 normalAt(const Vec3 &x) const {
+    const Vec3 way = x - nearestOfLine(x);
+    const double length = way.norm();
+    if (length > 0.0) return way / length;
+    return half.isZero(0.0) ? Vec3(Vec3::UnitZ()) : half.unitOrthogonal();
+  }
+};
+
+// Part of a line, from + t way.
+struct Stretch {
+  double begin, end;
+};
+
+// Where |a + t b| <= radius.
+std::optional<Stretch> within(const Vec3 &a, const Vec3 &b, double radius) {
+  const double bb = b.squaredNorm(), ab = a.dot(b), aa = a.squaredNorm() - radius * radius;
+  if (!(bb > 0.0)) {
+    if (aa > 0.0) return std::nullopt;
+    return Stretch{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  }
+  const double root = ab * ab - bb * aa;
+  if (root < 0.0) return std::nullopt;
+  return Stretch{(-ab - std::sqrt(root)) / bb, (-ab + std::sqrt(root)) / bb};
+}
+
+// The hull of what a line passes of the two balls and the cylinder between them: they are convex together.
+std::optional<Stretch> insideOf(const Capsule &capsule, const Vec3 &from, const Vec3 &way) {
+  std::optional<Stretch> out;
+  const auto add = [&](const std::optional<Stretch> &part) {
+    if (!part || part->begin > part->end) return;
+    out = out ? Stretch{std::min(out->begin, part->begin), std::max(out->end, part->end)} : *part;
+  };
+  const Vec3 off = from - capsule.middle;
+  add(within(off - capsule.half, way, capsule.radius));
+  const double half = capsule.half.norm();
+  if (!(half > 0.0)) return out;
+  add(within(off + capsule.half, way, capsule.radius));
+  const Vec3 axis = capsule.half / half;
+  const double high = off.dot(axis), rise = way.dot(axis);
+  auto cylinder = within(off - high * axis, way - rise * axis, capsule.radius);
+  if (!cylinder) return out;
+  if (std::abs(rise) > 0.0) {
+    const double a = (-half - high) / rise, b = (half - high) / rise;
+    cylinder->begin = std::max(cylinder->begin, std::min(a, b));
+    cylinder->end = std::min(cylinder->end, std::max(a, b));
+  } else if (std::abs(high) > half) {
+    return out;
+  }
+  add(cylinder);
+  return out;
+}
+
+// The path, with what turns the axis from one place to the next.
+class Path {
+ public:
+  explicit Path(const std::vector<ToolPlace> &places) : places_(places) {
+    turned_.push_back(Mat3::Identity());
+    for (std::size_t k = 0; k + 1 < places.size(); ++k) {
+      const Vec3 a = places[k].axis.normalized(), b = places[k + 1].axis.normalized();
+      const Vec3 about = a.cross(b);
+      turns_.emplace_back(std::atan2(about.norm(), a.dot(b)),
+                          about.norm() > 0.0 ? Vec3(about.normalized()) : Vec3(Vec3::UnitX()));
+      turned_.push_back(turns_.back().toRotationMatrix() * turned_.back());
+    }
+  }
+
+  [[nodiscard]] double largestTurn() const {
+    double most = 0.0;
+    for (const Eigen::AngleAxisd &turn : turns_) most = std::max(most, turn.angle());
+    return most;
+  }
+  [[nodiscard]] RigidMotion motion(double t) const {
+    RigidMotion out;
+    out.centre = places_.front().at;
+    const auto next = std::upper_bound(places_.begin(), places_.end(), t,
+                                       [](double time, const ToolPlace &place) { return time < place.time; });
+    if (next == places_.begin()) return out;
+    const auto k = static_cast<std::size_t>(next - places_.begin()) - 1;
+    if (next == places_.end()) {
+      out.rotation = turned_.back();
+      out.displacement = places_.back().at - out.centre;
+      return out;
+    }
+    const double s = (t - places_[k].time) / (places_[k + 1].time - places_[k].time);
+    const Eigen::AngleAxisd part(s * turns_[k].angle(), turns_[k].axis());
+    out.rotation = part.toRotationMatrix() * turned_[k];
+    out.displacement = (1.0 - s) * places_[k].at + s * places_[k + 1].at - out.centre;
+    return out;
+  }
+
+ private:
+  std::vector<ToolPlace> places_;
+  std::vector<Eigen::AngleAxisd> turns_;  // [places - 1]
+  std::vector<Mat3> turned_;              // [places] since the first
+};
+
+// Empty: it is as it has to be.
+std::string problemOf(const ProbeTool &tool) {
+  if (!(tool.radius > 0.0) || !std::isfinite(tool.radius))
+    return "its radius is " + number(1e3 * tool.radius) + " mm; accepted: more than 0";
+  if (!(tool.length >= 0.0) || !std::isfinite(tool.length))
+    return "its length is " + number(1e3 * tool.length) + " mm; accepted: at least 0";
+  if (!(tool.friction >= 0.0) || !std::isfinite(tool.friction))
+    return "its friction is " + number(tool.friction) + "; accepted: at least 0";
+  if (tool.path.size() < 2)
+    return "its path has " + std::to_string(tool.path.size()) + " places; accepted: at least two";
+  for (std::size_t k = 0; k < tool.path.size(); ++k) {
+    const ToolPlace &place = tool.path[k];
+    const std::string which = "place " + std::to_string(k) + " of its path ";
+    if (!std::isfinite(place.time) || !place.at.allFinite()) return which + "is not finite";
+    if (!place.axis.allFinite() || place.axis.isZero(0.0)) return which + "has no axis; accepted: a direction";
+    if (k > 0 && !(place.time > tool.path[k - 1].time))
+      return which + "is at " + number(place.time) + " s, the one before at " + number(tool.path[k - 1].time) +
+             " s; accepted: times that ascend";
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Obstacle> obstacleOf(const ProbeTool &tool) {
+  const std::string which = "probe tool '" + tool.name + "': ";
+  if (const std::string problem = problemOf(tool); !problem.empty()) return tl::unexpected(which + problem);
+  const Path path(tool.path);
+  if (tool.length > 0.0 && path.largestTurn() > kHalfTurn)
+    return tl::unexpected(which +
+                          "its axis turns by 180 degrees from one place to the next; accepted: a place between, "
+                          "which says the way");
+  const Capsule capsule{tool.path.front().at, 0.5 * tool.length * tool.path.front().axis.normalized(), tool.radius};
+  Obstacle out;
+  out.name = tool.name;
+  out.friction = tool.friction;
+  out.motion = [path](double t) { return path.motion(t); };
+  out.closest = [capsule](std::span<const Vec3> points, std::span<const double> maxDistances,
+                          std::span<SurfacePoint> answers) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double distance = (points[i] - capsule.nearestOfLine(points[i])).norm() - capsule.radius;
+      answers[i] =
+          std::abs(distance) <= maxDistances[i] ? SurfacePoint{capsule.normalAt(points[i]), distance} : SurfacePoint();
+    }
+  };
+  out.crossing = [capsule](const Vec3 &from, const Vec3 &to, Vec3 &normal) {
+    const auto inside = insideOf(capsule, from, to - from);
+    if (!inside) return -1.0;
+    const double t = inside->begin >= 0.0 ? inside->begin : inside->end;
+    if (!(t >= 0.0 && t <= 1.0)) return -1.0;
+    normal = capsule.normalAt(from + t * (to - from));
+    return t;
+  };
+  return out;
+}
+
+}  // namespace pointbased
