@@ -17,9 +17,9 @@ const std::vector<std::string> kObstacleKeys{
     "name",        "mesh",         "mesh_unit",           "position", "rotation_deg", "scale",  "friction",
     "restitution", "displacement", "motion_rotation_deg", "centre",   "ramp",         "matrix", "motion_quaternion"};
 const std::vector<std::string> kProbeKeys{"name", "body", "at"};
-const std::vector<std::string> kRootKeys{"format",   "title", "image",     "world",   "solver",
-                                         "view",     "body",  "fix",       "load",    "attachment",
-                                         "obstacle", "probe", "simulator", "accuracy"};
+const std::vector<std::string> kRootKeys{"format",    "title",    "image",   "world",      "solver",   "view",
+                                         "body",      "fix",      "load",    "attachment", "obstacle", "probe",
+                                         "simulator", "accuracy", "contact", "probe_tool"};
 const std::vector<std::string> kWishes{C3DE_PARAM_ID_ERROR_PERCENT, C3DE_PARAM_ID_ERROR_MM, C3DE_PARAM_ID_BUDGET_MS};
 const char *const kMotionRotation = "motion_rotation_deg";
 const char *const kMotionQuaternion = "motion_quaternion";
@@ -72,6 +72,7 @@ bool SceneReader::readScene(const TomlValue &root) {
     if (key == "attachment") return &SceneReader::readAttachment;
     if (key == "obstacle") return &SceneReader::readObstacle;
     if (key == "probe") return &SceneReader::readProbe;
+    if (key == "probe_tool") return &SceneReader::readProbeTool;
     return nullptr;
   };
   for (const auto &[key, value] : root.entries) {
@@ -82,6 +83,8 @@ bool SceneReader::readScene(const TomlValue &root) {
       if (!readSimulator(value)) return false;
     } else if (key == "image") {
       if (!readImage(value)) return false;
+    } else if (key == "contact") {
+      if (!readContact(value)) return false;
     } else if (key == "world" || key == "solver" || key == "view" || key == "accuracy") {
       if (value.kind != TomlValue::Kind::table)
         return refuse(value.line, "'" + key + "' is " + value.kindName() + "; accepted: a table, [" + key + "]");
@@ -96,7 +99,7 @@ bool SceneReader::readScene(const TomlValue &root) {
   }
   if (scene_.bodies.empty()) return refuse(1, "the scene has no [[body]]; at least one is needed");
   if (scene_.title.empty()) scene_.title = scene_.source.stem().string();
-  return checkBox() && checkWish() && checkBodyNames() && attachBodies();
+  return checkBox() && checkWish() && checkBodyNames() && attachBodies() && checkPairs();
 }
 
 bool SceneReader::tables(const TomlValue &value, const std::string &key) {

@@ -14,8 +14,8 @@ namespace c3de::scene {
 /// Turns TOML into a SceneFile, for files and for `--set`. Functions answer false after the first error, which is kept.
 ///
 /// scene_reader.cpp reads tables, scene_reader_values.cpp what stands in them, scene_reader_supports.cpp regions and
-/// what acts there, scene_reader_attachments.cpp elastic layers, scene_reader_overrides.cpp one value of the command
-/// line.
+/// what acts there, scene_reader_attachments.cpp elastic layers, scene_reader_contact.cpp who touches whom,
+/// scene_reader_overrides.cpp one value of the command line.
 class SceneReader {
  public:
   SceneReader(SceneFile &scene, const MaterialLibrary *materials) : scene_(scene), materials_(materials) {}
@@ -40,6 +40,18 @@ class SceneReader {
   bool readFix(const TomlValue &table);
   bool readLoad(const TomlValue &table);
   bool readAttachment(const TomlValue &table);
+  // scene_reader_contact.cpp
+  bool readContact(const TomlValue &table);
+  bool readContactPair(const TomlValue &table);
+  bool contactPairKey(SceneContactPair &pair, const std::string &key, const TomlValue &value);
+  bool readFriction(const TomlValue &value, double &out);
+  bool readProbeTool(const TomlValue &table);
+  bool probeToolKey(SceneProbeTool &tool, const std::string &key, const TomlValue &value);
+  bool readPath(const TomlValue &value, std::vector<SceneToolPlace> &out);
+  bool checkAxes(const SceneProbeTool &tool);
+  /// Refuses pairs of names that nobody has, and of two that do not touch.
+  bool checkPairs();
+
   bool checkBox();
   bool checkWish();
   /// A wish of the command line takes the place of another one.
@@ -107,6 +119,8 @@ class SceneReader {
   bool overrideLoad(const std::string &rest, const TomlValue &value);
   bool overrideObstacle(const std::string &rest, const TomlValue &value);
   bool overrideProbe(const std::string &rest, const TomlValue &value);
+  bool overrideContact(const std::string &path, const std::string &rest, const TomlValue &value);
+  bool overrideProbeTool(const std::string &rest, const TomlValue &value);
 
   /// What holds a body elastically: what its [[attachment]] says, as parameters of it.
   struct Attachment {

@@ -67,6 +67,8 @@ bool SceneReader::readOverride(const std::string &path, const TomlValue &value) 
   if (first == "load") return overrideLoad(rest, value);
   if (first == "obstacle") return overrideObstacle(rest, value);
   if (first == "probe") return overrideProbe(rest, value);
+  if (first == "contact") return overrideContact(path, rest, value);
+  if (first == "probe_tool") return overrideProbeTool(rest, value);
   return refusePath(path);
 }
 
@@ -87,7 +89,10 @@ bool SceneReader::refusePath(const std::string &path) {
                                  "view.…",
                                  C3DE_PARAM_ID_ERROR_PERCENT,
                                  C3DE_PARAM_ID_ERROR_MM,
-                                 C3DE_PARAM_ID_BUDGET_MS};
+                                 C3DE_PARAM_ID_BUDGET_MS,
+                                 C3DE_PARAM_ID_CONTACT_ENABLED,
+                                 C3DE_PARAM_ID_CONTACT_SELF,
+                                 C3DE_PARAM_ID_CONTACT_FRICTION};
   std::string list = joined(known);
   const auto add = [&](const std::string &element, const std::vector<std::string> &keys) {
     list += ", " + element + "." + (keys.size() == 1 ? keys.front() : "…");
@@ -106,6 +111,10 @@ bool SceneReader::refusePath(const std::string &path) {
     add("obstacle." + obstacle.name, {C3DE_PARAM_ID_FRICTION, C3DE_PARAM_ID_RESTITUTION, "displacement", "ramp",
                                       "position", "rotation_deg", "scale"});
   for (const SceneProbe &probe : scene_.probes) add("probe." + probe.name, {"at"});
+  for (std::size_t i = 0; i < scene_.contactPairs.size(); ++i)
+    add("contact.pair." + std::to_string(i), {"friction", "enabled"});
+  for (const SceneProbeTool &tool : scene_.probeTools)
+    add("probe_tool." + tool.name, {"radius_mm", "length_mm", "friction", "path"});
   const std::string nearest = nearestName(path, known);
   return refuse(
       0, "there is no such path; " + (nearest.empty() ? "" : "did you mean '" + nearest + "'? ") + "accepted: " + list);
@@ -185,6 +194,24 @@ bool SceneReader::overrideProbe(const std::string &rest, const TomlValue &value)
   SceneProbe *probe = findElement(scene_.probes, rest, key);
   if (probe == nullptr) return refuse(0, noElement(scene_.probes, "probe", rest));
   return probeKey(*probe, key, value) && checkBodyNames();
+}
+
+bool SceneReader::overrideContact(const std::string &path, const std::string &rest, const TomlValue &value) {
+  const auto pair = keyUnder("pair.", rest);
+  if (!pair) return store(scene_.world, path, value);
+  for (std::size_t i = 0; i < scene_.contactPairs.size(); ++i)
+    if (const auto key = keyUnder(std::to_string(i) + ".", *pair))
+      return contactPairKey(scene_.contactPairs[i], *key, value) && checkPairs();
+  return refuse(0, "there is no such pair; the scene has " + std::to_string(scene_.contactPairs.size()) +
+                       "; accepted: contact.pair.NUMBER.friction, contact.pair.NUMBER.enabled, numbers from 0");
+}
+
+bool SceneReader::overrideProbeTool(const std::string &rest, const TomlValue &value) {
+  std::string key;
+  SceneProbeTool *tool = findElement(scene_.probeTools, rest, key);
+  if (tool == nullptr) return refuse(0, noElement(scene_.probeTools, "probe tool", rest));
+  if (key == "name") return refuse(0, "the name of a probe tool cannot be changed here");
+  return probeToolKey(*tool, key, value) && checkAxes(*tool);
 }
 
 }  // namespace c3de::scene

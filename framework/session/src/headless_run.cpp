@@ -103,15 +103,17 @@ Expected<void> HeadlessRun::sampleProbes() {
   sampledStep_ = facts_.steps;
   const auto samples = readProbes(table_, simulator_);
   if (!samples) return tl::unexpected(samples.error());
+  const auto tools = readProbeTools(simulator_);
+  if (!tools) return tl::unexpected(tools.error());
   Expected<void> written;
   if (!probes_) {
-    auto created = ProbeTable::create(options_.probes, *samples);
+    auto created = ProbeTable::create(options_.probes, *samples, *tools);
     if (created)
       probes_ = std::move(*created);
     else
       written = tl::unexpected(created.error());
   }
-  if (written) written = probes_->add(facts_.time_s, *samples);
+  if (written) written = probes_->add(facts_.time_s, *samples, *tools);
   if (!written) {
     outputs_.addFailure(
         options_.probes,

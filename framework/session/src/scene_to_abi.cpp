@@ -60,6 +60,33 @@ c3de_sim_placement toAbi(const scene::ScenePlacement &placement) {
   return out;
 }
 
+std::vector<c3de_sim_tool_place> toAbi(const std::vector<scene::SceneToolPlace> &path) {
+  std::vector<c3de_sim_tool_place> out;
+  for (const scene::SceneToolPlace &place : path) {
+    c3de_sim_tool_place one{};
+    one.size = sizeof one;
+    one.flags = place.axis ? C3DE_SIM_PLACE_HAS_AXIS : 0u;
+    one.time_s = place.time_s;
+    copy(one.at_m, place.at_m);
+    copy(one.axis, place.axis.value_or(Vec3{}));
+    out.push_back(one);
+  }
+  return out;
+}
+
+c3de_sim_probe_tool toAbi(const scene::SceneProbeTool &tool, const std::vector<c3de_sim_tool_place> &path) {
+  c3de_sim_probe_tool out{};
+  out.size = sizeof out;
+  out.path_stride = sizeof(c3de_sim_tool_place);
+  out.name = c3de::toAbi(tool.name);
+  out.radius_m = tool.radius_m;
+  out.length_m = tool.length_m;
+  out.friction = tool.friction;
+  out.path = path.data();
+  out.path_n = path.size();
+  return out;
+}
+
 const c3de_sim_region *BodyTables::keep(const scene::SceneRegion &region) {
   return &regions_.emplace_back(toAbi(region));
 }

@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -71,6 +72,14 @@ Expected<FittedScene> fitScene(c3de_object *simulator, const scene::SceneFile &s
     for (const scene::SceneBody &body : scene.bodies)
       if (body.mesh.empty())
         return fail(ErrorCode::input, scene.where(body.line) + ": 'volume' is not served by this simulator");
+  const auto contact = contactTable(simulator);
+  if (!contact) return tl::unexpected(contact.error());
+  if (*contact == nullptr && !scene.contactPairs.empty())
+    return fail(ErrorCode::input,
+                scene.where(scene.contactPairs.front().line) + ": '[[contact.pair]]' is not served by this simulator");
+  if ((*contact == nullptr || (*contact)->add_probe_tool == nullptr) && !scene.probeTools.empty())
+    return fail(ErrorCode::input,
+                scene.where(scene.probeTools.front().line) + ": '[[probe_tool]]' is not served by this simulator");
   const auto world = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD);
   if (!world) return tl::unexpected(world.error());
   const auto body = simulatorDeclarations(simulator, C3DE_SIM_SCOPE_BODY);
@@ -245,6 +254,8 @@ struct Session::Impl {
   /// @param line  of the scene, unless the message speaks of a table of the body
   [[nodiscard]] Error lastError(c3de_status code, const scene::SceneFile &scene, int line, const std::string &what,
                                 const scene::SceneBody *body = nullptr) const;
+  [[nodiscard]] Expected<void> addTouch(c3de_object *simulator, const scene::SceneFile &scene,
+                                        std::map<std::string, c3de_handle> named) const;
   void release(std::shared_ptr<scene::Simulation> gone, Handle goneNode);
   [[nodiscard]] Handle addNode(const std::string &title);
   /// Lets plugins reach it, act before its steps and be told after them.
@@ -483,6 +494,7 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
 
   const std::size_t parts = scene.obstacles.size() + scene.bodies.size();
   std::size_t part = 0;
+  std::map<std::string, c3de_handle> named{{scene::kWallsName, c3de_handle{0}}};  // for pairs
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const scene::SceneObstacle &obstacle = scene.obstacles[i];
     PartProgress partProgress(progress, obstacle.name, part++, parts);
@@ -505,6 +517,7 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
     const char *owner = impl_->host->ownerOf(simulator);
     if (const c3de_status code = partProgress.call(owner, "add_obstacle of a simulator", add); code < 0)
       return tl::unexpected(impl_->lastError(code, scene, obstacle.line, "adding obstacle '" + obstacle.name + "'"));
+    named[obstacle.name] = added;
   }
 
   Prepared unused;
@@ -527,6 +540,35 @@ Expected<void> Session::populate(c3de_object *simulator, const scene::SceneFile 
             table->add_probe(simulator, c3de::toAbi(probe.name), handle, probe.at_m.data(), &added);
         code < 0)
       return tl::unexpected(impl_->lastError(code, scene, probe.line, "adding probe '" + probe.name + "'"));
+  }
+  for (std::size_t i = 0; i < bodies->size(); ++i) named[scene.bodies[i].name] = (*bodies)[i];
+  return impl_->addTouch(simulator, scene, std::move(named));
+}
+
+/// Probe tools, after the bodies that they may stand in, and then the pairs that may name them.
+Expected<void> Session::Impl::addTouch(c3de_object *simulator, const scene::SceneFile &scene,
+                                       std::map<std::string, c3de_handle> named) const {
+  if (scene.probeTools.empty() && scene.contactPairs.empty()) return {};
+  const auto table = contactTable(simulator);
+  if (!table) return tl::unexpected(table.error());
+  for (const scene::SceneProbeTool &tool : scene.probeTools) {
+    const std::vector<c3de_sim_tool_place> path = toAbi(tool.path);
+    const c3de_sim_probe_tool abi = toAbi(tool, path);
+    c3de_handle added{};
+    if (const c3de_status code = (*table)->add_probe_tool(simulator, &abi, &added); code < 0)
+      return tl::unexpected(lastError(code, scene, tool.line, "adding probe tool '" + tool.name + "'"));
+    named[tool.name] = added;
+  }
+  for (const scene::SceneContactPair &pair : scene.contactPairs) {
+    c3de_sim_contact_pair abi{};
+    abi.size = sizeof abi;
+    abi.flags = (pair.friction ? C3DE_SIM_PAIR_HAS_FRICTION : 0u) | (pair.enabled ? 0u : C3DE_SIM_PAIR_OFF);
+    abi.first = named.at(pair.names[0]);
+    abi.second = named.at(pair.names[1]);
+    abi.friction = pair.friction.value_or(0.0);
+    if (const c3de_status code = (*table)->set_pair(simulator, &abi); code < 0)
+      return tl::unexpected(lastError(code, scene, pair.line,
+                                      "setting the contact of '" + pair.names[0] + "' and '" + pair.names[1] + "'"));
   }
   return {};
 }

@@ -53,4 +53,39 @@ Expected<std::vector<ProbeSample>> readProbes(const c3de_simulator_v1 *table, c3
   return samples;
 }
 
+Expected<const c3de_contact_v1 *> contactTable(c3de_object *simulator) {
+  const auto found = queryObject(simulator, C3DE_IFACE_CONTACT_ID, 1);
+  if (!found) return nullptr;  // it is asked about bodies elsewhere: an object that cannot be asked is noticed there
+  const auto *table = static_cast<const c3de_contact_v1 *>(*found);
+  if (std::string problem = tableProblem(table); !problem.empty())
+    return fail(ErrorCode::plugin, "the simulator's table of " + std::move(problem));
+  if (table->size < sizeof(c3de_contact_v1) ||
+      (table->add_probe_tool == nullptr) != (table->enum_probe_tools == nullptr))
+    return fail(ErrorCode::plugin, std::string("of add_probe_tool() and enum_probe_tools() in the table of ") +
+                                       C3DE_IFACE_CONTACT_ID + " one is missing; accepted: both, or null for both");
+  return table;
+}
+
+Expected<std::vector<ProbeToolSample>> readProbeTools(c3de_object *simulator) {
+  std::vector<ProbeToolSample> samples;
+  const auto table = contactTable(simulator);
+  if (!table) return tl::unexpected(table.error());
+  if (*table == nullptr || (*table)->enum_probe_tools == nullptr) return samples;
+  const c3de_status code = (*table)->enum_probe_tools(
+      simulator, &samples, [](void *visitor, const c3de_sim_probe_tool_state *tool) -> c3de_status {
+        // Nothing may be thrown through the boundary.
+        try {
+          const auto vec = [](const double(&v)[3]) { return Vec3{v[0], v[1], v[2]}; };
+          static_cast<std::vector<ProbeToolSample> *>(visitor)->push_back(
+              {shownText(fromAbi(tool->name)), vec(tool->position_m), vec(tool->force_N)});
+          return C3DE_OK;
+        } catch (...) {
+          return C3DE_E_NOMEM;
+        }
+      });
+  if (code < 0)
+    return fail(ErrorCode::plugin, "the simulator does not say its probe tools (status " + std::to_string(code) + ")");
+  return samples;
+}
+
 }  // namespace c3de::session

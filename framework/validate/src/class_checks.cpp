@@ -397,6 +397,45 @@ Verdict verifies(const Trial &trial) {
   return serving == 0 ? skip("no simulator of it verifies its states") : pass();
 }
 
+/// Pairs and probe tools that cannot be. @param refuse(what, status)
+template <class Refuse>
+void refuseContact(const c3de_contact_v1 &contact, c3de_object *self, c3de_handle nobody, const Refuse &refuse) {
+  refuse("set_pair(null)", contact.set_pair(self, nullptr));
+  c3de_sim_contact_pair pair{};
+  pair.size = sizeof pair;
+  refuse("set_pair of the walls with themselves", contact.set_pair(self, &pair));
+  pair.first = nobody;
+  refuse("set_pair of nobody", contact.set_pair(self, &pair));
+  if (contact.add_probe_tool == nullptr) return;
+  c3de_handle handle{};
+  refuse("add_probe_tool(null)", contact.add_probe_tool(self, nullptr, &handle));
+  c3de_sim_tool_place path[2]{};
+  for (c3de_sim_tool_place &place : path) place.size = sizeof place;
+  path[1].time_s = 1.0;
+  c3de_sim_probe_tool tool{};
+  tool.size = sizeof tool;
+  tool.path_stride = sizeof path[0];
+  tool.name = {"tool", 4};
+  tool.radius_m = 0.001;
+  tool.path_n = 2;
+  refuse("add_probe_tool without a path", contact.add_probe_tool(self, &tool, &handle));
+  tool.path = path;
+  tool.path_n = 1;
+  refuse("add_probe_tool with one place", contact.add_probe_tool(self, &tool, &handle));
+  tool.path_n = 2;
+  for (const double radius : {0.0, -1.0, std::nan("")}) {
+    tool.radius_m = radius;
+    refuse("add_probe_tool without a radius", contact.add_probe_tool(self, &tool, &handle));
+  }
+  tool.radius_m = 0.001;
+  path[1].time_s = 0.0;
+  refuse("add_probe_tool with times that do not ascend", contact.add_probe_tool(self, &tool, &handle));
+  path[1].time_s = 1.0;
+  path[1].at_m[1] = std::nan("");
+  refuse("add_probe_tool with a place that is not finite", contact.add_probe_tool(self, &tool, &handle));
+  refuse("enum_probe_tools(null)", contact.enum_probe_tools(self, nullptr, nullptr));
+}
+
 Verdict simulatorArguments(const Trial &trial) {
   const std::vector<std::string> ids = simulatorClasses(trial);
   if (ids.empty()) return skip("no class of it simulates");
@@ -429,6 +468,9 @@ Verdict simulatorArguments(const Trial &trial) {
     refuse("set_world of a key that it has not declared", table->set_world(self, &unknown, 1, sizeof unknown));
     refuse("body_info of nobody", table->body_info(self, nobody, nullptr));
     refuse("read_field of nobody", table->read_field(self, nobody, 0, {"position", 8}, {}));
+    const auto contact = session::contactTable(self);
+    if (!contact) return fail(id + ": " + contact.error().message);
+    if (*contact != nullptr) refuseContact(**contact, self, nobody, refuse);
     if (!accepted.empty()) return fail(id + " accepts what it must refuse: " + accepted);
     if (const std::string bad = one.step(3); !bad.empty()) return fail(id + ", after calls it has refused: " + bad);
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands/info_scene.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "c3de/core/text.h"
@@ -253,6 +255,76 @@ Expected<void> describeObstacles(const geometry::MeshFormats &formats, const sce
   return {};
 }
 
+/// A value of the world as the scene says it, else as the simulator declares it; nothing: it does not know it.
+std::optional<double> worldValue(const scene::SceneFile &scene, const std::vector<ParameterDecl> &declared,
+                                 const std::string &id) {
+  for (const scene::SceneValue &value : scene.world)
+    if (value.value.id == id) return value.value.num;
+  for (const ParameterDecl &decl : declared)
+    if (decl.id == id) return decl.fallback;
+  return std::nullopt;
+}
+
+/// Which contacts are switched on or off, and with what friction.
+/// @param simulator  null: nothing is known of its defaults
+void describeContact(const scene::SceneFile &scene, c3de_object *simulator, std::ostringstream &text, Json &json) {
+  const auto declared = simulator != nullptr ? simulatorDeclarations(simulator, C3DE_SIM_SCOPE_WORLD)
+                                             : Expected<std::vector<ParameterDecl>>(std::vector<ParameterDecl>());
+  if (!declared) return;
+  const auto enabled = worldValue(scene, *declared, C3DE_PARAM_ID_CONTACT_ENABLED);
+  const auto self = worldValue(scene, *declared, C3DE_PARAM_ID_CONTACT_SELF);
+  const auto friction = worldValue(scene, *declared, C3DE_PARAM_ID_CONTACT_FRICTION);
+  if (!enabled && !self && !friction && scene.contactPairs.empty()) return;
+  const auto state = [](bool isOn, const std::optional<double> &mu) {
+    return !isOn ? std::string("off") : mu ? "on, friction " + formatNumber(*mu) : std::string("on");
+  };
+  Json &contact = json["contact"];
+  contact = Json::object();
+  if (enabled) contact["enabled"] = *enabled != 0.0;
+  if (self) contact["self"] = *self != 0.0;
+  if (friction) contact["friction"] = *friction;
+  if (enabled && scene.bodies.size() > 1)
+    text << "contact between bodies: " << state(*enabled != 0.0, friction)
+         << (scene.contactPairs.empty() ? "" : ", where no pair says otherwise") << "\n";
+  if (self) text << "contact of bodies with themselves: " << state(*self != 0.0, friction) << "\n";
+  contact["pairs"] = Json::array();
+  for (const scene::SceneContactPair &pair : scene.contactPairs) {
+    const auto isBody = [&](const std::string &name) {
+      return std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                         [&](const scene::SceneBody &body) { return body.name == name; });
+    };
+    const bool areBodies = isBody(pair.names[0]) && isBody(pair.names[1]);
+    const bool isOn = pair.enabled && (!areBodies || !enabled || *enabled != 0.0);
+    const std::optional<double> mu = pair.friction.has_value() || !areBodies ? pair.friction : friction;
+    text << "contact of \"" << pair.names[0] << "\" and \"" << pair.names[1] << "\": " << state(isOn, mu) << "\n";
+    Json one{{"bodies", pair.names}, {"enabled", isOn}};
+    one["friction"] = mu ? Json(mu.value()) : Json();
+    contact["pairs"].push_back(std::move(one));
+  }
+}
+
+void describeProbeTools(const scene::SceneFile &scene, std::ostringstream &text, Json &json) {
+  if (scene.probeTools.empty()) return;
+  json["probe_tools"] = Json::array();
+  for (const scene::SceneProbeTool &tool : scene.probeTools) {
+    text << "probe tool \"" << tool.name << "\": radius " << formatNumber(1e3 * tool.radius_m) << " mm";
+    if (tool.length_m > 0.0) text << ", length " << formatNumber(1e3 * tool.length_m) << " mm";
+    text << ", " << tool.path.size() << " places from " << formatNumber(tool.path.front().time_s) << " to "
+         << formatNumber(tool.path.back().time_s) << " s\n";
+    Json path = Json::array();
+    for (const scene::SceneToolPlace &place : tool.path) {
+      Json one{{"time", place.time_s}, {"at", place.at_m}};
+      if (place.axis) one["axis"] = *place.axis;
+      path.push_back(std::move(one));
+    }
+    json["probe_tools"].push_back(Json{{"name", tool.name},
+                                       {"radius_mm", 1e3 * tool.radius_m},
+                                       {"length_mm", 1e3 * tool.length_m},
+                                       {"friction", tool.friction},
+                                       {"path", std::move(path)}});
+  }
+}
+
 }  // namespace
 
 Expected<Described> describeScene(Session &session, const std::filesystem::path &file, bool isQuick) {
@@ -286,6 +358,8 @@ Expected<Described> describeScene(Session &session, const std::filesystem::path 
     out.json["probes"].push_back(Json{{"name", probe.name}, {"body", probe.body}, {"at_m", probe.at_m}});
   }
 
+  describeProbeTools(*scene, text, out.json);
+  describeContact(*scene, built->get(), text, out.json);
   if (built->get() != nullptr) describeComposition(built->get(), text, out.json);
   if (scene->bodies.size() > 1) {
     const char *note = "bodies do not touch each other yet: what meets another body passes through it";

@@ -45,6 +45,16 @@ constexpr std::array kWorld{
                  "contact takes no energy",
                  "World"},
                 {0.0, 1.0, 0.0, 1.0}, 0.0, C3DE_PARAM_ADVANCED),
+    boolParam({C3DE_PARAM_ID_CONTACT_ENABLED, "Contact between bodies", "",
+               "Bodies touch each other; obstacles and walls are felt all the same", "Contact"},
+              true),
+    boolParam({C3DE_PARAM_ID_CONTACT_SELF, "Contact with itself", "", "Folds of a body touch each other", "Contact"},
+              true, C3DE_PARAM_ADVANCED),
+    numberParam({C3DE_PARAM_ID_CONTACT_FRICTION, "Friction between bodies", "",
+                 "Coulomb coefficient of bodies with each other and with themselves, where a pair says nothing of its "
+                 "own; 0: slippery",
+                 "Contact"},
+                {0.0, 10.0, 0.0, 1.0}, 0.3),
     choiceParam(
         {"solver.integrator", "Integrator", "",
          "auto: explicit or implicit, what is predicted to cost less for a body. explicit: velocity Verlet, in "
@@ -427,6 +437,11 @@ WorldSettings worldSettings(const ParameterValues &v) {
                          : preconditioner == "factorised"   ? Preconditioner::factorised
                                                             : Preconditioner::automatic;
   return world;
+}
+
+ContactSettings contactSettings(const ParameterValues &v) {
+  return {v.number(C3DE_PARAM_ID_CONTACT_ENABLED) != 0.0, v.number(C3DE_PARAM_ID_CONTACT_SELF) != 0.0,
+          v.number(C3DE_PARAM_ID_CONTACT_FRICTION)};
 }
 
 double stepBudget(const ParameterValues &v, bool hasWindow) {

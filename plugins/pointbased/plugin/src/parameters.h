@@ -48,6 +48,7 @@ class ParameterValues {
 };
 
 [[nodiscard]] WorldSettings worldSettings(const ParameterValues &values);
+[[nodiscard]] ContactSettings contactSettings(const ParameterValues &values);
 /// s that a step may take before it is given up; infinite: as long as it likes.
 [[nodiscard]] double stepBudget(const ParameterValues &values, bool hasWindow);
 [[nodiscard]] ViewSettings viewSettings(const ParameterValues &values);

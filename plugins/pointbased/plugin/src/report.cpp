@@ -223,7 +223,9 @@ std::string howComputed(const Simulator &simulator, std::size_t id) {
   return text + (single ? ", single" : ", double") + " precision, " + kernelTarget();
 }
 
-std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies) {
+std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies,
+                       const std::vector<ReportedTool> &tools,
+                       const std::function<std::string(std::size_t id)> &nameOfId) {
   Json out = {{"bodies", Json::array()},      {"probes", Json::array()},  {"reactions", Json::array()},
               {"attachments", Json::array()}, {"stages", Json::object()}, {"events", Json::array()}};
   std::vector<std::string> errors;
@@ -258,6 +260,20 @@ std::string reportJson(const Simulator &simulator, const std::vector<ReportedBod
                              {"position_m", json(state.position)},
                              {"velocity_m_s", json(state.velocity)}});
   }
+  out["probe_tools"] = Json::array();
+  for (const ReportedTool &tool : tools)
+    out["probe_tools"].push_back({{"name", tool.name},
+                                  {"position_m", json(tool.position)},
+                                  {"force_N", json(tool.force)},
+                                  {"depth_m", tool.depth},
+                                  {"points", tool.points}});
+  out["contacts"] = Json::array();
+  for (const ContactSummary &contact : simulator.contacts())
+    out["contacts"].push_back({{"bodies", {nameOfId(contact.first), nameOfId(contact.second)}},
+                               {"force_N", json(contact.force)},
+                               {"pressing_N", contact.pressing},
+                               {"depth_m", contact.depth},
+                               {"points", contact.points}});
   for (const StageClock::Summary &stage : simulator.stageTimes())
     out["stages"][stage.name] = {{"median_ms", stage.median_ms}, {"p99_ms", stage.p99_ms}, {"calls", stage.calls}};
   for (const SimulationEvent &event : simulator.events())

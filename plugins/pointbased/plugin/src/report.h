@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,22 @@ struct ReportedBody {
   std::shared_ptr<const AccuracyPromise> promise;  ///< null: its sampling was said
 };
 
+struct ReportedTool {
+  std::string name;
+  Vec3 position = Vec3::Zero();  ///< m, of its middle
+  Vec3 force = Vec3::Zero();     ///< N, of all bodies on it
+  double depth = 0.0;            ///< m
+  std::size_t points = 0;
+};
+
 /// What integrates a body and what computes its forces, for people: "explicit, double precision, AVX3".
 [[nodiscard]] std::string howComputed(const Simulator &simulator, std::size_t body);
 
-/// The keys accuracy, bodies, probes, reactions, stages, events and notices of the run report, as one JSON object.
-[[nodiscard]] std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies);
+/// The keys accuracy, bodies, probes, probe_tools, contacts, reactions, stages, events and notices of the run report, as
+/// one JSON object.
+/// @param nameOfId  of a body, an obstacle or kWorldBox
+[[nodiscard]] std::string reportJson(const Simulator &simulator, const std::vector<ReportedBody> &bodies,
+                                     const std::vector<ReportedTool> &tools,
+                                     const std::function<std::string(std::size_t id)> &nameOfId);
 
 }  // namespace pointbased

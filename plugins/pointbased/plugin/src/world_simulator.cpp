@@ -60,11 +60,12 @@ WorldSimulator::~WorldSimulator() {
   if (node_.v != 0 && context_.listener) context_.listener->detached(*this);
 }
 
-std::array<sdk::Interface, 2> WorldSimulator::interfaces() {
+std::array<sdk::Interface, 3> WorldSimulator::interfaces() {
   static constexpr c3de_pointbased_bodies_v1 kBodies{sizeof(c3de_pointbased_bodies_v1), 1,
                                                      sdk::thunk<WorldSimulator, &WorldSimulator::phyxels>,
                                                      sdk::thunk<WorldSimulator, &WorldSimulator::surfels>};
-  return {sdk::interfaceOf(sdk::kSimulatorTable<WorldSimulator>), sdk::interfaceOf(kBodies)};
+  return {sdk::interfaceOf(sdk::kSimulatorTable<WorldSimulator>), sdk::interfaceOf(kBodies),
+          sdk::interfaceOf(sdk::kContactTable<WorldSimulator>)};
 }
 
 void WorldSimulator::attach(c3de_handle node) {
@@ -104,7 +105,10 @@ sdk::Result<void> WorldSimulator::setWorld(const c3de_param_value *values, std::
     const std::string_view id = sdk::text(sdk::strided(values, i, stride).id);
     isForTheSolver = !isOfTheView(id) && id != "solver.step_budget";
   }
-  if (isForTheSolver) simulator_.setWorld(settings);
+  if (isForTheSolver) {
+    simulator_.setWorld(settings);
+    simulator_.setContact(contactSettings(world_));
+  }
   return {};
 }
 
@@ -447,7 +451,7 @@ void WorldSimulator::report(c3de_sink json) {
     std::sort(bodies.begin(), bodies.end(), [&](const ReportedBody &a, const ReportedBody &b) {
       return bodies_.at(a.id).order < bodies_.at(b.id).order;
     });
-    text = reportJson(simulator_, bodies);
+    text = reportJson(simulator_, bodies, reportedTools(), [this](std::size_t id) { return nameOf(id); });
   }
   if (const c3de_status status = sdk::put(json, text); status < 0) throw Error(status, "the report was not taken");
 }
@@ -593,13 +597,18 @@ void WorldSimulator::rebuildBody(std::uint64_t body, const ParameterValues &valu
   const auto found = bodies_.find(body);
   if (found == bodies_.end()) throw Error(noSuch("body"));
   BodyRecord record = found->second;
+  const Simulator::ContactPairs pairs = simulator_.contactPairs();
   record.surface = std::move(built.surface);
   record.values = std::make_shared<const ParameterValues>(values);
   record.promise = built.promise ? std::make_shared<const AccuracyPromise>(std::move(*built.promise)) : nullptr;
   bodies_.erase(found);
   simulator_.removeBody(body);
   simulator_.reset();
-  bodies_.emplace(simulator_.addBody(std::move(built.body)), std::move(record));
+  const std::size_t id = simulator_.addBody(std::move(built.body));
+  bodies_.emplace(id, std::move(record));
+  for (const auto &[pair, settings] : pairs)
+    if (pair.first == body || pair.second == body)
+      simulator_.setContactPair(id, pair.first == body ? pair.second : pair.first, settings);
 }
 
 void WorldSimulator::displacement(const c3de_sim_grid *grid, double rim, float *out, float *gaps) const {

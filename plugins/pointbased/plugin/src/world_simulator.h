@@ -11,6 +11,8 @@
 #include "c3de/sdk/simulator.hpp"
 #include "parameters.h"
 #include "pointbased/error_estimate.h"
+#include "pointbased/probe_tool.h"
+#include "report.h"
 #include "snapshot.h"
 #include "step_request.h"
 #include "verification.h"
@@ -83,6 +85,12 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   void pull(c3de_handle hold, const double *target_m3, const double *quaternion4);
   void holdState(c3de_handle hold, c3de_sim_hold_state *out);
 
+  // iface.contact
+  using EachProbeTool = c3de_status(C3DE_CALL *)(void *visitor, const c3de_sim_probe_tool_state *state);
+  void setPair(const c3de_sim_contact_pair *pair);
+  void addProbeTool(const c3de_sim_probe_tool *tool, c3de_handle *out);
+  c3de_status enumProbeTools(void *visitor, EachProbeTool each);
+
   c3de_status saveState(c3de_sink bytes);
   void loadState(const void *bytes, std::uint64_t n);
   void verify(const c3de_progress *progress, c3de_sink json);
@@ -116,7 +124,7 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
   /// Takes a body's points out under the lock; false when the body is gone.
   bool readBody(std::uint64_t body, const std::function<void(const Body &)> &read) const;
 
-  static std::array<sdk::Interface, 2> interfaces();
+  static std::array<sdk::Interface, 3> interfaces();
 
  private:
   /// Ids of loads and holds begin here, above those of bodies, obstacles and probes.
@@ -134,7 +142,12 @@ class WorldSimulator : public sdk::Object<WorldSimulator> {
     std::shared_ptr<PlacedMesh> mesh;
     double friction = 0.0, restitution = 0.0;
     std::function<RigidMotion(double t)> motion;  ///< empty: stands still
+    std::optional<ProbeTool> tool = {};           ///< none: made of a mesh
   };
+  [[nodiscard]] std::vector<std::string> warningsOf(const ProbeTool &tool) const;
+  [[nodiscard]] std::vector<ReportedTool> reportedTools() const;
+  /// Of a body, an obstacle or the walls.
+  [[nodiscard]] std::string nameOf(std::size_t id) const;
   enum class Walls { stay, makeRoom };
   void add(const c3de_sim_body *body, c3de_handle *out, Walls walls);
   void makeRoom(const BodyRecord &body);

@@ -70,7 +70,19 @@ std::uint64_t WorldSimulator::fingerprint() const {
       addBytes(at.rotation.data(), 9 * sizeof(double));
       addVector(at.displacementOf(Vec3::Zero()));
     }
+    if (obstacle.tool)
+      for (const ToolPlace &place : obstacle.tool->path) {
+        addNumber(place.time);
+        addVector(place.at);
+        addVector(place.axis);
+      }
     for (const Vec3 &x : obstacle.mesh->positions) addVector(x);
+  }
+  for (const auto &[pair, settings] : simulator_.contactPairs()) {
+    addText(nameOf(pair.first));
+    addText(nameOf(pair.second));
+    addNumber(settings.friction);
+    addNumber(settings.enabled ? 1.0 : 0.0);
   }
   return hash;
 }

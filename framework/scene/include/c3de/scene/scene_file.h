@@ -155,6 +155,33 @@ struct SceneProbe {
   int line = 0;
 };
 
+/// Stands for the walls of the world in pairs.
+inline constexpr const char *kWallsName = "box";
+
+/// Contact of two bodies, or of a body and an obstacle, a probe tool or the walls.
+struct SceneContactPair {
+  std::array<std::string, 2> names;  ///< of this scene, or kWallsName; at least one is a body
+  std::optional<double> friction;    ///< Coulomb, 0 … 10; none: that of the obstacle, or of all bodies
+  bool enabled = true;               ///< false: they pass through each other
+  int line = 0;
+};
+
+struct SceneToolPlace {
+  double time_s = 0.0;  ///< >= 0; the load factor of a quasi-static solution
+  Vec3 at_m{};          ///< the middle
+  std::optional<Vec3> axis;
+};
+
+/// A rigid sphere or capsule that is led along a path.
+struct SceneProbeTool {
+  std::string name;
+  double radius_m = 0.0;             ///< > 0
+  double length_m = 0.0;             ///< >= 0, between the middles of the ends; 0: a sphere
+  double friction = 0.3;             ///< Coulomb, 0 … 10
+  std::vector<SceneToolPlace> path;  ///< at least two, times ascend
+  int line = 0;
+};
+
 /// A scene as it was written. Structure is checked; what stands under world, solver, view, material, sampling and
 /// friction is for the simulator's declarations to check.
 struct SceneFile {
@@ -169,6 +196,8 @@ struct SceneFile {
   std::vector<SceneLoad> loads;
   std::vector<SceneObstacle> obstacles;
   std::vector<SceneProbe> probes;
+  std::vector<SceneContactPair> contactPairs;
+  std::vector<SceneProbeTool> probeTools;
 
   /// "FILE:LINE", or the title when there is no file: what an error message begins with.
   [[nodiscard]] std::string where(int line) const;
@@ -189,7 +218,8 @@ struct SceneFile {
 
 /// Applies `PATH=VALUE` of the command line, for example "body.liver.material.youngs_modulus=6e3", "solver.dt=auto",
 /// "world.gravity=[0,-9.81,0]", "obstacle.floor.friction=0.2", "fix.0.displacement=[0,0,0.01]",
-/// "load.press.pressure=200" (by name, or by number from 0). Errors (ErrorCode::usage) name the nearest path.
+/// "load.press.pressure=200", "contact.pair.0.friction=0.1", "probe_tool.finger.radius_mm=5" (by name, or by number from
+/// 0). Errors (ErrorCode::usage) name the nearest path.
 [[nodiscard]] Expected<void> applyOverride(SceneFile &scene, std::string_view assignment,
                                            const MaterialLibrary *materials);
 

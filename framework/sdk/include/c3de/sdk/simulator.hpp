@@ -73,4 +73,9 @@ inline constexpr c3de_simulator_v1 kSimulatorTable{sizeof(c3de_simulator_v1),
                                                    loadStateSlot<D>(),
                                                    verifySlot<D>()};
 
+/// Static table of iface.contact, likewise: setPair(), addProbeTool() and enumProbeTools().
+template <class D>
+inline constexpr c3de_contact_v1 kContactTable{sizeof(c3de_contact_v1), 1, thunk<D, &D::setPair>,
+                                               thunk<D, &D::addProbeTool>, thunk<D, &D::enumProbeTools>};
+
 }  // namespace c3de::sdk

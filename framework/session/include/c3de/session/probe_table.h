@@ -16,8 +16,10 @@ namespace c3de::session {
 class ProbeTable {
  public:
   [[nodiscard]] static Expected<ProbeTable> create(const std::filesystem::path &file,
-                                                   const std::vector<ProbeSample> &probes);
-  [[nodiscard]] Expected<void> add(double time_s, const std::vector<ProbeSample> &probes);
+                                                   const std::vector<ProbeSample> &probes,
+                                                   const std::vector<ProbeToolSample> &tools = {});
+  [[nodiscard]] Expected<void> add(double time_s, const std::vector<ProbeSample> &probes,
+                                   const std::vector<ProbeToolSample> &tools = {});
   [[nodiscard]] Expected<void> close() { return rows_.close(); }
 
  private:

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "c3de/abi/iface/contact.h"
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/plugin_host/plugin_error.h"
 #include "c3de/scene/scene_file.h"
@@ -16,6 +17,11 @@ namespace c3de::session {
 [[nodiscard]] std::vector<c3de_param_value> toAbi(const std::vector<ParameterValue> &values);
 [[nodiscard]] c3de_sim_region toAbi(const scene::SceneRegion &region);
 [[nodiscard]] c3de_sim_motion toAbi(const scene::SceneMotion &motion);
+
+[[nodiscard]] std::vector<c3de_sim_tool_place> toAbi(const std::vector<scene::SceneToolPlace> &path);
+/// @param path  of the tool; borrowed, as its name is
+[[nodiscard]] c3de_sim_probe_tool toAbi(const scene::SceneProbeTool &tool,
+                                        const std::vector<c3de_sim_tool_place> &path);
 
 [[nodiscard]] c3de_sim_placement toAbi(const scene::ScenePlacement &placement);
 

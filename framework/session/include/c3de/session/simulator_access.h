@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "c3de/abi/iface/contact.h"
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/expected.h"
 #include "c3de/core/foreign_table.h"
@@ -35,6 +36,17 @@ struct ProbeSample {
 };
 /// Every probe, as it is now. [sim]
 [[nodiscard]] Expected<std::vector<ProbeSample>> readProbes(const c3de_simulator_v1 *table, c3de_object *simulator);
+
+/// The table for pairs and probe tools; null: the simulator serves neither. The error (ErrorCode::plugin) says what is
+/// wrong with it. Any thread.
+[[nodiscard]] Expected<const c3de_contact_v1 *> contactTable(c3de_object *simulator);
+
+struct ProbeToolSample {
+  std::string name;
+  Vec3 position_m{}, force_N{};
+};
+/// Every probe tool, as it is now; none where the simulator has none. [sim]
+[[nodiscard]] Expected<std::vector<ProbeToolSample>> readProbeTools(c3de_object *simulator);
 
 /// A set of more points than this is rubbish: its indices are 32 bits wide.
 inline constexpr std::uint64_t kMostPoints = 0xfffffffeu;

@@ -16,6 +16,10 @@
 #define C3DE_PARAM_ID_ERROR_MM "accuracy.error_mm"   /* F64, mm, or "auto": the same in mm; one of the three at most */
 #define C3DE_PARAM_ID_BUDGET_MS "accuracy.budget_ms" /* F64, ms, or "auto": what 1/60 s of simulated time may take */
 #define C3DE_PARAM_ID_ACCURACY_BODIES "accuracy.bodies" /* I64: how many bodies share the budget; the host says it */
+#define C3DE_PARAM_ID_CONTACT_ENABLED "contact.enabled" /* BOOL: bodies touch each other */
+#define C3DE_PARAM_ID_CONTACT_SELF "contact.self"       /* BOOL: and themselves */
+#define C3DE_PARAM_ID_CONTACT_FRICTION \
+  "contact.friction" /* F64, Coulomb: between bodies, and of bodies with themselves */
 
 /* Of a body. */
 #define C3DE_PARAM_ID_DENSITY "material.density"                         /* F64, kg/m^3 */
