@@ -140,6 +140,25 @@ TEST_CASE("Probes over time are a table whose names are quoted where they must b
   CHECK(refused.error().code == ErrorCode::output);
 }
 
+TEST_CASE("Probe tools stand behind the probes of a table, with the force on them") {
+  const std::filesystem::path file = testOutputFolder() / "tools.csv";
+  const std::vector<ProbeSample> probes{{"tip", {1, 2, 3}, {4, 5, 6}}};
+  std::vector<ProbeToolSample> tools{{"finger", {0.1, 0.2, 0.3}, {}}};
+  auto table = ProbeTable::create(file, probes, tools);
+  REQUIRE(table);
+  REQUIRE(table->add(0.0, probes, tools));
+  tools[0].force_N = {0, 2.5, -1};
+  REQUIRE(table->add(0.5, probes, tools));
+  REQUIRE(table->close());
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  CHECK(text.str() ==
+        "time [s],tip.x [m],tip.y [m],tip.z [m],tip.vx [m/s],tip.vy [m/s],tip.vz [m/s],finger.x [m],finger.y [m],"
+        "finger.z [m],finger.Fx [N],finger.Fy [N],finger.Fz [N]\n"
+        "0,1,2,3,4,5,6,0.1,0.2,0.3,0,0,0\n0.5,1,2,3,4,5,6,0.1,0.2,0.3,0,2.5,-1\n");
+}
+
 TEST_CASE("Of what was not written the first reason counts, and both lists are told") {
   WrittenOutputs outputs;
   CHECK(outputs.areComplete());

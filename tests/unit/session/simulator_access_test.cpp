@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "c3de/core/text.h"
 #include "stand_in_simulator.h"
 #include "support/catch.h"
 
@@ -41,6 +42,47 @@ TEST_CASE("What a simulator can do follows from the slots that are not null") {
   CHECK(endsSteps(all.table()));
   CHECK_FALSE(servesFills(none.table()));
   CHECK_FALSE(endsSteps(none.table()));
+}
+
+TEST_CASE("Who does not answer for contact serves none, and a table for it that cannot be called is refused") {
+  StandInSimulator simulator;
+  const auto none = contactTable(simulator.object());
+  REQUIRE(none);
+  CHECK(*none == nullptr);
+  CHECK(readProbeTools(simulator.object())->empty());
+
+  c3de_contact_v1 table{};
+  table.size = sizeof table;
+  table.rev = 1;
+  simulator.contact = &table;
+  const auto lacking = contactTable(simulator.object());
+  REQUIRE_FALSE(lacking);
+  CHECK(lacking.error().code == ErrorCode::plugin);
+  CHECK_THAT(lacking.error().message, Contains(C3DE_IFACE_CONTACT_ID ": set_pair is null"));
+
+  table.set_pair = [](c3de_object *, const c3de_sim_contact_pair *) -> c3de_status { return C3DE_OK; };
+  const auto pairs = contactTable(simulator.object());
+  REQUIRE(pairs);
+  CHECK(*pairs == &table);
+  CHECK(readProbeTools(simulator.object())->empty());
+
+  table.enum_probe_tools = [](c3de_object *, void *visitor,
+                              c3de_status(C3DE_CALL * each)(void *, const c3de_sim_probe_tool_state *)) -> c3de_status {
+    c3de_sim_probe_tool_state state{};
+    state.size = sizeof state;
+    state.name = toAbi("finger");
+    state.force_N[1] = 2.5;
+    return each(visitor, &state);
+  };
+  CHECK_THAT(contactTable(simulator.object()).error().message, Contains("both, or null for both"));
+  table.add_probe_tool = [](c3de_object *, const c3de_sim_probe_tool *, c3de_handle *) -> c3de_status {
+    return C3DE_OK;
+  };
+  const auto tools = readProbeTools(simulator.object());
+  REQUIRE(tools);
+  REQUIRE(tools->size() == 1);
+  CHECK(tools->front().name == "finger");
+  CHECK(tools->front().force_N == Vec3{0, 2.5, 0});
 }
 
 TEST_CASE("Declarations are those of the scope, and a simulator that does not say them is named with it") {

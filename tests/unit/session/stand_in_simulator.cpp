@@ -87,6 +87,10 @@ c3de_object_vt StandInSimulator::makeVt() {
   vt.retain = [](c3de_object *self) -> std::uint32_t { return static_cast<std::uint32_t>(++of(self).references_); };
   vt.release = [](c3de_object *self) -> std::uint32_t { return static_cast<std::uint32_t>(--of(self).references_); };
   vt.query = [](c3de_object *self, c3de_str id, std::uint32_t, const void **table) -> c3de_status {
+    if (of(self).contact && fromAbi(id) == std::string_view(C3DE_IFACE_CONTACT_ID)) {
+      *table = of(self).contact;
+      return C3DE_OK;
+    }
     if (!of(self).answersInterface || fromAbi(id) != std::string_view(C3DE_IFACE_SIMULATOR_ID)) return C3DE_E_NOT_FOUND;
     *table = of(self).table();
     return C3DE_OK;

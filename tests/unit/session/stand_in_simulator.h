@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "c3de/abi/iface/contact.h"
 #include "c3de/abi/iface/simulator.h"
 #include "c3de/core/parameter.h"
 #include "c3de/core/vec.h"
@@ -59,6 +60,7 @@ class StandInSimulator {
   std::uint32_t tableSize = sizeof(c3de_simulator_v1);
   bool answersInterface = true;
   bool lacksStateHash = false;
+  const c3de_contact_v1 *contact = nullptr;          ///< null: it does not answer iface.contact
   bool hasDisplacement = true, hasInterrupt = true;  ///< those slots are not null
   std::map<std::string, c3de_status> failing;        ///< by the name of the function
   /// Numbers from -1 to 1e9; gravity, min and max: vectors from -10 to 10; enabled, rigid: switches.
